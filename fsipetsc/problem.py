@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from math import ceil, floor
 from typing import Any
 
 from fsipetsc.blame import place_of_caller
-from fsipetsc.boundaries import Boundary, SolidEnd, Wall, closes, in_time, needs_stretching
+from fsipetsc.boundaries import Boundary, SolidEnd, Wall, closes, in_time
 from fsipetsc.checks import Array, Fields, described, extent, function
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
@@ -30,11 +31,11 @@ class FluidLayer:
 
     initial(X) -> (rho, u, T); exact(X, t) -> the same; forcing(X, t) -> right-hand sides of (rho,
     rho u, e).
-    mapping: one of MAPPINGS, or None for that of -fsi_mapping. Rigid: at time t the gas at X
-    stands at x = X - X_I + x_I, I its interface: see docs/cases.md; outside X[0], X[1] the
-    functions are asked for points that the grid holds in reserve. Stretched: it stands at x_0 + (X
-    - X[0]) (x_1 - x_0) / (X[1] - X[0]) between the places x_0, x_1 of its ends. InputError for
-    what is of the wrong kind.
+    mapping: one of MAPPINGS or None, from older case files: the coupling alone decides. With the
+    paper's couplings the grid is rigid: at time t the gas at X stands at x = X - X_I + x_I, I its
+    interface: see docs/cases.md; outside X[0], X[1] the functions are asked for points that the
+    grid holds in reserve. With conservative it is stretched: x_0 + (X - X[0]) (x_1 - x_0) / (X[1] -
+    X[0]) between the places x_0, x_1 of its ends. InputError for what is of the wrong kind.
     """
 
     name: str
@@ -74,6 +75,19 @@ class SolidLayer:
 
     def __post_init__(self) -> None:
         _check_layer(self, Solid, "(u, sigma, T, x)")
+
+    def cells(self, h: float) -> int:
+        """Cells of a spacing h [m]. InputError where it does not fit."""
+        length = self.X[1] - self.X[0]
+        width, cells = length / h, max(1, round(length / h))
+        if abs(width - cells) > 1e-6 * max(1.0, width):
+            fine, coarse = (length / max(1, n) for n in (ceil(width), floor(width)))
+            raise InputError(
+                f"-fsi_h {h:.10g} misses an interface: layer '{self.name}' of length {length:g} "
+                f"would have {width:.6g} cells; the nearest spacings that fit are {fine:.10g} and "
+                f"{coarse:.10g}"
+            )
+        return cells
 
 
 def _check_layer(layer: Layer, material: type, values: str) -> None:
@@ -133,11 +147,6 @@ class Problem:
                 what = f"at the outer end of the {layer.kind} layer '{layer.name}' stands"
                 fit = gas if layer.kind == "fluid" else solid
                 raise InputError(f"{what} {described(end)}: expected {fit}")
-        for k, layer in enumerate(layers):
-            if getattr(layer, "mapping", None) == "rigid" and not self._may_be_rigid(k):
-                why = "it has not one interface and one end that insulates and stays there"
-                what = f"layer '{layer.name}' has mapping='rigid'"
-                raise InputError(f"{what}: expected 'stretched' or None, because {why}")
         for a, b in zip(layers, layers[1:], strict=False):
             if abs(a.X[1] - b.X[0]) > 1e-12 * max(abs(a.X[1]), a.X[1] - a.X[0]):
                 places = f"one ends at X = {a.X[1]:.10g}, the other begins at {b.X[0]:.10g}"
@@ -165,12 +174,6 @@ class Problem:
         function(self.jumps, "Problem: jumps", form, optional=True)
         object.__setattr__(self, "layers", tuple(layers))
 
-    def _may_be_rigid(self, k: int) -> bool:
-        """Whether a gas has one interface and one end, which insulates and stays where it is."""
-        last = len(self.layers) - 1
-        ends = [end for at, end in ((0, self.left), (last, self.right)) if at == k]
-        return len(ends) == 1 and not needs_stretching(ends[0])
-
     def unit(self, name: str) -> str:
         """What stands behind a number in a message: " m", or nothing if the problem has no
         dimensions.
@@ -182,6 +185,12 @@ class Problem:
         """(fluid layer, solid layer) of each interface, left to right."""
         pairs = zip(range(len(self.layers)), range(1, len(self.layers)), strict=False)
         return tuple((a, b) if self.layers[a].kind == "fluid" else (b, a) for a, b in pairs)
+
+    @property
+    def interface_names(self) -> list[str]:
+        """As "gas | rod", left to right."""
+        pairs = zip(self.layers, self.layers[1:], strict=False)
+        return [f"{a.name} | {b.name}" for a, b in pairs]
 
     @property
     def steady_data(self) -> bool:

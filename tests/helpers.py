@@ -103,10 +103,19 @@ def compute(
     directory/NAME.txt.
     """
     directory.mkdir(parents=True, exist_ok=True)
-    status, out, err = KEPT.do(n, directory, timeout, environment(), runs=runs)
-    assert (status, err) == (0, ""), err or out
-    ended = [name for name in runs if not (directory / f"{name}.txt").exists()]
-    return {name: directory / f"{name}.h5" for name in ended}
+    lines = [
+        [case, *text.split(), "-fsi_quiet", "-fsi_output", f"{name}.h5"]
+        for name, (case, text) in runs.items()
+    ]
+    done = {}
+    answers = KEPT.do(n, directory, timeout, environment(), lines)
+    for name, (status, _, err) in zip(runs, answers, strict=True):
+        if status:
+            (directory / f"{name}.txt").write_text(err)
+        else:
+            assert err == "", err
+            done[name] = directory / f"{name}.h5"
+    return done
 
 
 def _capture(
@@ -159,7 +168,7 @@ def solve(
     For what is about processes, streams or the environment there are run and mpirun.
     """
     words = list(map(str, args))
-    answer = KEPT.do(ranks, Path(cwd or "").resolve(), timeout, environment(), words=words)
+    (answer,) = KEPT.do(ranks, Path(cwd or "").resolve(), timeout, environment(), [words])
     return subprocess.CompletedProcess(words, *answer)
 
 
@@ -175,6 +184,24 @@ def assert_same_fields(one: fsipetsc.output.reader.Run, other: fsipetsc.output.r
     for a, b in zip(one.layers, other.layers, strict=True):
         for name in a.fields:
             assert np.array_equal(a[name], b[name]), (a.name, name)
+
+
+def integrated(
+    case: Any, opt: dict[str, Any], comm: Any, times: Sequence[float] = (),
+    look: Any = lambda state, t: None,
+) -> Any:
+    """The errors at the end of a run that writes nothing; look(state, t) is called at 0, at these
+    times and at the end. Collective on comm.
+    """
+    from fsipetsc.stepping.integrator import Integrator
+    from fsipetsc.stepping.solve import build_problem, make_state
+
+    with make_state(build_problem(case, opt, comm), opt, comm) as state:
+        saved = sorted({*map(float, times), opt["ts_max_time"]})
+        integrator = Integrator(state, opt, saved, on_frame=lambda t: look(state, t))
+        integrator.start()
+        integrator.run()
+        return state.errors(integrator.t, opt["fsi_norm"])
 
 
 def message(done: subprocess.CompletedProcess[str], status: int, *words: str) -> str:

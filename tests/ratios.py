@@ -18,6 +18,8 @@ import numpy as np
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+from helpers import integrated
+
 from fsipetsc.boundaries import Wall
 from fsipetsc.errors import FsiError
 from fsipetsc.materials.fluid import Fluid
@@ -63,8 +65,6 @@ def problem(mass: float, stiffness: float) -> Problem:
 
 def run(mass: float, stiffness: float, coupling: str, order: int) -> tuple[bool, str]:
     """Whether it is stable, and if not, how fast the velocity has grown or when the run ended."""
-    from fsipetsc.stepping.solve import solve
-
     case = SimpleNamespace(
         NAME="ratios",
         SUMMARY="",
@@ -84,13 +84,8 @@ def run(mass: float, stiffness: float, coupling: str, order: int) -> tuple[bool,
 
     times = np.linspace(0.0, END, 101)[1:]
     try:
-        solve(
-            case,
-            read_options(case, given_options(words.split())),
-            start_mpi(),
-            times=times,
-            look=look,
-        )
+        opt = read_options(case, given_options(words.split()))
+        integrated(case, opt, start_mpi(), times, look)
     except FsiError:
         return False, f"ends at {seen[-1][0] if seen else 0.0:.1f}"
     if seen[-1][0] < END:

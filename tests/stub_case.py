@@ -44,10 +44,9 @@ def build(opt):
 def run_stub(*args, ranks=1, petsc_options=None):
     """The program with the stand-in and the case file, by ranks that are there already."""
     words = ["stub.py", *map(str, args)]
-    job = {"words": words, "stand_in": STAND_IN}
-    if petsc_options is not None:
-        job["petsc_options"] = petsc_options
-    answer = KEPT.do(ranks, Path.cwd(), PATIENCE, environment(), **job)
+    more = {} if petsc_options is None else {"petsc_options": petsc_options}
+    place = Path.cwd(), PATIENCE, environment()
+    (answer,) = KEPT.do(ranks, *place, [words], stand_in=STAND_IN, **more)
     return subprocess.CompletedProcess(words, *answer)
 
 

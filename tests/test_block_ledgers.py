@@ -18,7 +18,6 @@ from block_ledgers import steps_of, unbooked
 from helpers import REPOSITORY, mpirun
 
 from fsipetsc.blockrun.face_terms import weights_of
-from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import (
     Absorbing,
@@ -280,7 +279,7 @@ def test_the_watch_sees_the_loss_of_a_small_wave(lose):
 
     one = Block("gas", gas(), rectangle((0, 0), (1, 1)), (16, N), wave)
     walls = {("gas", axis, side): Slip() for axis in (0, 1) for side in (0, 1)}
-    problem = RunProblem(BlockProblem((one,), walls))
+    problem = BlockProblem((one,), walls)
     with steps_of(problem) as run:
         mass, x, y, energy = run.integrals()
         initial = {"mass": [mass], "momentum_x": x, "momentum_y": y, "energy": energy}

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from block_grids import GAS, SOLID, box, closed, joins, nothing
 
-from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.blocks import maps
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import (
@@ -225,9 +224,9 @@ def test_the_size_of_cells_is_that_of_the_nodes():
     """Of a map that is known at nodes only, and around a ring."""
     places = np.stack(np.meshgrid(np.linspace(0, 2, 9), np.linspace(0, 1, 5)), axis=-1)
     given = Block("a", GAS, maps.nodes(places), (8, 4), nothing)
-    assert RunProblem(BlockProblem([given], walls("a"))).spacing == pytest.approx(0.25)
+    assert BlockProblem([given], walls("a")).spacing == pytest.approx(0.25)
     ring = Block("a", GAS, maps.annulus(1.0, 2.0), (32, 64), nothing, periodic=(False, True))
-    problem = RunProblem(BlockProblem([ring], {("a", 0, 0): STILL, ("a", 0, 1): STILL}))
+    problem = BlockProblem([ring], {("a", 0, 0): STILL, ("a", 0, 1): STILL})
     assert problem.spacing == pytest.approx(np.sqrt(3 * np.pi / 2048), rel=5e-3)
 
 

@@ -143,18 +143,3 @@ def test_projection_is_orthogonal(order, normal, mu, gruneisen):
     assert_orthogonal(change, np.array([*solid_weights, *(a * rho_hat)]), conditions)
     np.testing.assert_allclose(new_T[1:], T[1:], rtol=1e-14)
     assert np.array_equal(new_solid[1:], solid[1:])
-
-
-@ALL
-def test_traditional_takes_velocity_from_the_solid_and_load_from_the_gas(order, normal):
-    of = interface(normal, gruneisen=0.4)
-    fluid, solid = rows(order, normal)
-    new_fluid, new_solid = treated("traditional", of, order, fluid, solid)
-    _, new_u, new_T = primitive_of(of[0].gas, new_fluid)
-    d = derivative(of, order)
-    assert new_solid[0, 0] == solid[0, 0] and new_fluid[0, 0] == fluid[0, 0]
-    np.testing.assert_allclose(new_u[0], solid[0, 0], rtol=1e-14)
-    load = -R * fluid[0, 0] * new_T[0] + MU * (d @ new_u)
-    p_solid = 0.4 * of[0].solid.m0 * ALPHA * new_solid[0, 2] / (-d @ solid[:, 3])
-    np.testing.assert_allclose(new_solid[0, 1], load + p_solid, rtol=1e-13, atol=1e-10 * P0)
-    assert np.array_equal(new_solid[1:], solid[1:]) and np.array_equal(new_fluid[1:], fluid[1:])

@@ -24,7 +24,7 @@ from fsipetsc.materials.own import gas_law
 from fsipetsc.materials.power_law import power_law
 from fsipetsc.materials.solid_pressure import stiffened_pressure
 from fsipetsc.options import defaults
-from fsipetsc.paper.state import make_paper_state
+from fsipetsc.paper.state import PaperState
 from fsipetsc.scheme.plan import RATE
 
 FROZEN = Path(__file__).with_name("paper_rates.json")
@@ -79,7 +79,7 @@ def state_of(name, ends=None, laws="", **changed):
         new = {k: v for k, v in of_kind[layer.kind].items() if v is not None}
         layers.append(replace(layer, material=replace(layer.material, **new)))
     problem = replace(problem, left=left, right=right, layers=tuple(layers))
-    return make_paper_state(problem, opt, MPI.COMM_SELF)
+    return PaperState(MPI.COMM_SELF, problem, opt)
 
 
 def runs():
@@ -117,7 +117,7 @@ def disturbed(state, seed=1, noise=0.02):
     """A state of random numbers about the one that there is."""
     rng, y = np.random.default_rng(seed), state.solution.getArray().copy()
     for k, layer in enumerate(state.problem.layers):
-        part = state.layout.local(k, y)
+        part = state.layers[k].of(y)
         size = np.abs(part).max(axis=0)
         if layer.kind == "fluid":
             sound = layer.material.sound_speed(part[0, 2] / part[0, 0] / layer.material.cv)
@@ -148,7 +148,7 @@ def measured(state):
         found = []
         for k in range(len(state.problem.layers)):
             for y in (rates, state.solution.getArray()):
-                found += [looked_at(column) for column in state.layout.local(k, y).T]
+                found += [looked_at(column) for column in state.layers[k].of(y).T]
         latest, loaded = state.latest, np.abs(state.latest["sigma_interface"]).max()
         found += [[float(v), float(v)] for v in state.results[RATE : RATE + 1]]
         sizes = {"energy": latest["energy"], "force": loaded, "entropy": latest["entropy"]}
@@ -168,42 +168,28 @@ def test_rates_are_the_frozen_ones(name, frozen):
 
 
 def test_what_the_paper_has_not_is_refused():
+    """Options, grids, and problems without rigid frames."""
     case = load_case("rod")
     opt = {**defaults(case), "fsi_h": 0.05}
     for changed, words in (
         ({"fsi_mapping": "stretched"}, "fsi_coupling conservative"),
-        ({"fsi_coupling": "conservative"}, "expected projection, energy, traditional"),
         ({"fsi_dissipation": 1.0}, "fsi_dissipation"),
         ({"fsi_h": 0.03}, "misses an interface"),
         ({"fsi_h": 0.5, "fsi_order": 8}, "needs at least"),
     ):
         with pytest.raises(InputError, match=words):
-            make_paper_state(case.build(opt), {**opt, **changed}, MPI.COMM_SELF)
-
-
-def test_problems_that_have_no_rigid_frames():
-    case = load_case("rod")
-    opt = {**defaults(case), "fsi_h": 0.05}
-    problem = case.build(opt)
-    below, rod, above = problem.layers
-    hot, moving = Wall(0.0, T=300.0), Wall(lambda t: 0.0 * t)
-    end = clamped()
+            PaperState(MPI.COMM_SELF, case.build(opt), {**opt, **changed})
+    problem, end = case.build(opt), clamped()
+    _, rod, above = problem.layers
+    lid = replace(rod, name="lid", X=(6.0, 7.0))
     for changed, words in (
-        ({"left": hot}, "gives or takes heat"),
-        ({"left": moving}, "the wall of layer 'below' moves"),
+        ({"left": Wall(0.0, T=300.0)}, "gives or takes heat"),
+        ({"left": Wall(lambda t: 0.0 * t)}, "the wall of layer 'below' moves"),
         ({"layers": (rod,), "left": end, "right": end}, "no interface"),
-        ({"layers": (replace(below, mapping="stretched"), rod, above)}, "mapping='stretched'"),
-        (
-            {
-                "layers": (rod, above, replace(rod, name="lid", X=(6.0, 7.0))),
-                "left": end,
-                "right": end,
-            },
-            "a gas lies between two solids",
-        ),
+        ({"layers": (rod, above, lid), "left": end, "right": end}, "a gas lies between two solids"),
     ):
         with pytest.raises(InputError, match=f"{words}.*-fsi_coupling conservative"):
-            make_paper_state(replace(problem, **changed), opt, MPI.COMM_SELF)
+            PaperState(MPI.COMM_SELF, replace(problem, **changed), opt)
 
 
 if __name__ == "__main__":

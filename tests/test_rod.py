@@ -5,9 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from conftest import BOUNCES, ORDERS
-from helpers import solve
-
-import fsipetsc
 
 pytest.importorskip("petsc4py")
 
@@ -29,20 +26,6 @@ def assert_conditions_hold(run):
     flux = 0.7 * T0 / run.layers[1].h
     for name, scale in (("u", SOUND), ("stress", P0), ("T", T0), ("flux", flux)):
         assert np.abs(run.series[f"residual_{name}"]).max() < 1e-14 * scale, name
-
-
-@pytest.mark.mpi
-@pytest.mark.slow
-def test_the_command_of_the_readme(tmp_path):
-    """On two ranks, to the lowest point of the fall."""
-    args = "rod -fsi_order 4 -fsi_h 0.025 -ts_max_time 0.4".split()
-    done = solve(*args, cwd=tmp_path, ranks=2)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "done at t = 0.4 s" in done.stdout and "note:" not in done.stdout
-    with fsipetsc.open_run(tmp_path / "rod.h5") as run:
-        assert run.complete and run.summary["ranks"] == 2
-        assert_positions(run, 0.4, 2e-4)
-        assert_conditions_hold(run)
 
 
 @pytest.mark.parametrize("order", BOUNCES)

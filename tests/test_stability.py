@@ -20,9 +20,11 @@ from paper_parts import conserved, primitive
 from fsipetsc.analysis.spectra import CENTRAL, step_limit
 from fsipetsc.analysis.stability_linear import Constant, assemble, measure
 from fsipetsc.boundaries import Wall
+from fsipetsc.cases import load_case
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.operators import OPERATORS, operator
+from fsipetsc.options import defaults
 from fsipetsc.paper.state import PaperState
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
@@ -87,12 +89,12 @@ def solver_rates(state, constant, order):
 
     def rates(change):
         y, f = start.copy(), np.empty_like(start)
-        solid, fluid = (state.layout.local(i, y) for i in (1, 2))
+        solid, fluid = (state.layers[i].of(y) for i in (1, 2))
         changed = constant.rho + change[0], change[1], constant.T + change[2]
         fluid[:POINTS] = conserved(gas, *changed)
         solid[:, :3] += change[3:].T
         state.right_hand_side(y, f)
-        solid_t, fluid_t = state.layout.local(1, f), state.layout.local(2, f)[:POINTS]
+        solid_t, fluid_t = state.layers[1].of(f), state.layers[2].of(f)[:POINTS]
         rho, u, T = primitive(gas, state.layers[2].owned[:POINTS])  # as the conditions made it
         rho_t, m_t, E_t = fluid_t.T
         u_t, cv = (m_t - u * rho_t) / rho, constant.gas.cv
@@ -118,8 +120,9 @@ def test_the_linear_scheme_is_the_derivative_of_the_right_hand_side(order, coupl
     wanted = expected(constant, order, coupling, narrow)
     unit = constant.scales[:, None, None, None] / constant.scales[:, None]  # where all are alike
     at = [np.arange(COLUMNS)] * 3 + [POINTS - 1 - np.arange(COLUMNS)] * 3
-    form = order, h, coupling, "auto", False, narrow
-    with PaperState(MPI.COMM_SELF, problem, *form) as state:
+    opt = {**defaults(load_case("rod")), "fsi_order": order, "fsi_h": h, "fsi_coupling": coupling}
+    opt["fsi_viscous"] = "narrow" if narrow else "wide"
+    with PaperState(MPI.COMM_SELF, problem, opt) as state:
         state.set_initial()
         rates = solver_rates(state, constant, order)
         for c, j in ((row, j) for row in range(6) for j in at[row]):

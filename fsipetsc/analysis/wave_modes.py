@@ -21,9 +21,9 @@ from mpi4py import MPI
 
 from fsipetsc.analysis.spectra import CENTRAL, Complex, Real, range_basis
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
-from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.blocks.conditions import Condition
 from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import InputError
 
 #: least disturbance, as a fraction of what there is
@@ -72,11 +72,11 @@ def linearise(
     """
     ends = {"lower": stack.lower, "upper": stack.upper}
     problem = layers(*stack.layers, along=((0.0, 2.0 * np.pi / k),), cells=(columns,), **ends)
-    with BlockState(MPI.COMM_SELF, RunProblem(problem), order, form) as state:
+    with BlockState(MPI.COMM_SELF, problem, order, form) as state:
         return Bench(state, 0, 1).linear(nudge)
 
 
-def radial_modes(problem: RunProblem, order: int, n: int = 0, form: BlockForm = FORM) -> Complex:
+def radial_modes(problem: BlockProblem, order: int, n: int = 0, form: BlockForm = FORM) -> Complex:
     """Angular frequencies omega [1/s] of the modes of angular number n of rings around the origin,
     periodic along axis 1, or of shells in one dimension (n = 0), that swing, as exp(-i omega t),
     and are not rough, the slowest first.

@@ -175,10 +175,7 @@ def step_time(state: Any, opt: Mapping[str, Any], count: int) -> float:
 
     from fsipetsc.stepping.integrator import Integrator
 
-    integrator = Integrator(
-        *(state, {**opt, "ts_max_steps": count}, [opt["ts_max_time"]]),
-        on_series=lambda: integrator.series.take(state.comm),
-    )
+    integrator = Integrator(state, {**opt, "ts_max_steps": count}, [opt["ts_max_time"]])
     integrator.start()
     state.comm.Barrier()
     integrator.run()

@@ -9,21 +9,28 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from math import prod
 from typing import Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.blockrun.columns import OF_INTERFACES, fields_of, gained, loses, step_record
+from fsipetsc.blockrun.columns import (
+    OF_INTERFACES,
+    PLACES,
+    VELOCITIES,
+    fields_of,
+    gained,
+    loses,
+    step_record,
+)
 from fsipetsc.blockrun.errors_of_blocks import errors_of
 from fsipetsc.blockrun.notes import first_notes, last_notes
 from fsipetsc.blockrun.recorded_nodes import Recorded, Recorder
-from fsipetsc.blockrun.run_problem import PLACES, VELOCITIES, RunProblem
 from fsipetsc.blockrun.scheme import Scheme
+from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import counted
-from fsipetsc.errors import FsiError, InputError
+from fsipetsc.errors import InputError
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import (
@@ -35,13 +42,13 @@ from fsipetsc.parallel.block_layout import (
 )
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.after_step import WORDS, note_extremes
-from fsipetsc.scheme.burst import DT, MADE, plan_next
-from fsipetsc.scheme.plan import BAD, BURST, FLAGS, LIMITS, RATE, SAID_STOP
+from fsipetsc.scheme.burst import DT, MADE
+from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES, advance
-from fsipetsc.stepping.diagnosis import Seen, described
 from fsipetsc.stepping.phases import logged
-from fsipetsc.stepping.snapshot import as_numbers, gather_local
-from fsipetsc.stepping.state import FAULT
+from fsipetsc.stepping.snapshot import as_numbers, gather_local, put_whole, whole
+from fsipetsc.stepping.state import State
+from fsipetsc.stepping.verdicts import Seen
 
 #: by order: how much shorter steps are with dissipation of strength 1 at shocks. That alone is a
 #: number of -1.6 at Courant number 0.8, of 2.785 that the classical method bears; next to the ends
@@ -74,7 +81,7 @@ def _call_all(scheme: Scheme, y: BlockVector, t: float) -> None:
         part.fields(y.ghosted(k))
 
 
-class BlockState:
+class BlockState(State):
     """Solution and everything that belongs to it; all methods are collective on ``comm``.
 
     y: this rank's part of the solution, with a vector for each block; ``solution`` is the same
@@ -88,7 +95,7 @@ class BlockState:
     def __init__(
         self,
         comm: MPI.Comm,
-        problem: RunProblem,
+        problem: BlockProblem,
         order: int,
         form: BlockForm = BlockForm(),  # noqa: B008
         partition: str = "auto",
@@ -121,21 +128,16 @@ class BlockState:
         for name in ("complete", "rates", "look"):
             setattr(self.scheme, name, logged(f"fsi {name}", getattr(self.scheme, name)))
         self.evaluations, self._t = 0, 0.0
-        self.fault: InputError | None = None  # of a user's function, on this rank
         widths = [len(fields_of(b.kind, d, problem.symmetry)) for b in blocks]
         parts = self.layout.parts
         self._orders = {part.k: NaturalOrder(part, widths[part.k]) for part in parts}
 
     def _lay_records(self, record: np.dtype, blocks: int) -> None:
         """Flags, what a burst of steps is told, and the records of steps."""
-        row = record.itemsize // 8
-        self.results, self.burst = np.zeros(FLAGS + LIMITS), np.zeros(BURST)
-        self._rows, self._latest = np.zeros((KEPT, row)), np.zeros(row - 2)
+        self.results = np.zeros(FLAGS + LIMITS)
+        self._rows, self._latest = self._lay_journal(record, KEPT)
         self._extremes, self.rates = np.zeros(1 + WORDS * blocks), np.zeros((blocks, 2))
-        self.journal = self._rows.reshape(-1).view(record)
-        own = np.dtype([(name, record[name]) for name in record.names[2:]])
-        self.latest = self._latest.view(own)[0]
-        self._plan_next = partial(plan_next, self.burst, self.results, self._rows, self._latest)
+        own = self.latest.dtype
         begins = {name: own.fields[name][1] // 8 for name in own.names}
         sizes = {name: own[name].itemsize // 8 for name in own.names}
         self._columns = {name: slice(at, at + sizes[name]) for name, at in begins.items()}
@@ -183,11 +185,6 @@ class BlockState:
         """Nodes held in reserve: no grid grows."""
         return 0
 
-    @property
-    def recorded(self) -> list[list[Any]]:
-        """Name of the interface or block, and X, of the nodes that are recorded at each step."""
-        return [[node.name, list(node.X)] for node in self._recorded]
-
     # set-up
 
     def compile(self, announce: Callable[[str], None]) -> None:
@@ -208,7 +205,7 @@ class BlockState:
         advance(y, k, stage, total, 0, 0.0)
         extremes, rates = np.zeros(1 + WORDS), np.zeros((1, 2))
         note_extremes(extremes, rates, np.zeros(FLAGS + LIMITS), np.zeros(2))
-        self._plan_next()  # nothing is allowed yet
+        self.plan_next()  # nothing is allowed yet
 
     def _try_scheme(self) -> None:
         """Call all of the scheme once. On rank 0."""
@@ -243,18 +240,6 @@ class BlockState:
 
     # steps
 
-    def _guarded(self, action: Callable[[], object]) -> None:
-        """A fault of a function of the case's is kept: all ranks learn of it after the step."""
-        try:
-            action()
-        except InputError as error:
-            self._keep_fault(error)
-
-    def _keep_fault(self, fault: InputError | None) -> None:
-        if fault is not None:
-            self.fault = self.fault or fault
-            self.results[SAID_STOP] = FAULT
-
     def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
         """f = dy/dt of this rank's part, at y completed; y stays as it is."""
         self.evaluations += 1
@@ -274,7 +259,7 @@ class BlockState:
     def step(self, t: float, dt: float, steady: bool) -> None:
         """A step dt [s] of the fused method from the completed solution at t [s].
 
-        Others follow as the burst allows: none where data depend on time.
+        Others follow as the burst allows.
         """
         more = True
         while more:
@@ -285,7 +270,7 @@ class BlockState:
                 self.scheme.forget()
             self._advance(t, dt)
             t = self._t
-            more = self._plan_next()
+            more = self.plan_next()
             dt = float(self.burst[DT])
 
     def _steps(self, t: float, dt: float) -> tuple[bool, float, float]:
@@ -355,14 +340,9 @@ class BlockState:
         layout, parts = self.layout, gather_local(self.comm, self.y.array)
         if parts is None:
             return None
-        arrays = {
-            f"layer{k}": np.empty((*shape[::-1], dof))
-            for k, (shape, dof) in enumerate(zip(layout.shapes, layout.dofs, strict=True))
-        }
-        behind = np.zeros(layout.behind)
-        for rank, part in enumerate(parts):
-            for k, place, at, shape in layout.pieces(rank):
-                arrays[f"layer{k}"][place] = part[at : at + prod(shape)].reshape(shape)
+        shapes = [(*s[::-1], dof) for s, dof in zip(layout.shapes, layout.dofs, strict=True)]
+        arrays, behind = whole(parts, shapes, layout.pieces), np.zeros(layout.behind)
+        for part in parts:
             behind += part[part.size - layout.behind :]
         latest = as_numbers(self.latest).copy()
         return {**arrays, "behind": behind, "results": self.results.copy(), "latest": latest}
@@ -377,8 +357,7 @@ class BlockState:
                 raise InputError(f"{block} has {now} nodes, and {then} in the checkpoint")
         self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
         self._t = t
-        for k, place, at, shape in layout.pieces(rank):
-            self.y.array[at : at + prod(shape)] = arrays[f"layer{k}"][place].reshape(-1)
+        put_whole(self.y.array, arrays, layout.pieces(rank))
         self.y.behind[:] = arrays["behind"] if rank == 0 else 0.0
         self._load_stage(self.y.array)  # what the scheme derives of it; it stays as it is
         self._fill_halos()
@@ -388,10 +367,10 @@ class BlockState:
 
     first_notes, last_notes, errors = first_notes, last_notes, errors_of
 
-    def header(self) -> list[dict[str, Any]]:
-        """What a result file says of each block."""
+    def header(self) -> dict[str, Any]:
+        """What a result file says of blocks, interfaces, and nodes recorded at each step."""
         d = self.problem.dimension
-        return [
+        blocks = [
             {
                 "name": block.name,
                 "kind": block.kind,
@@ -402,6 +381,12 @@ class BlockState:
             }
             for block, shape in zip(self.problem.layers, self.layout.shapes, strict=True)
         ]
+        return {
+            "layers": blocks,
+            "interface_faces": self.problem.interface_faces,
+            "symmetry": self.problem.symmetry,
+            "points": [[node.name, list(node.X)] for node in self._recorded],
+        }
 
     def grids(self) -> list[dict[str, Any]]:
         """What the writer must know: see RunWriter."""
@@ -436,9 +421,9 @@ class BlockState:
         self.comm.Allreduce(MPI.IN_PLACE, sums)
         return (sums[:, 0] / sums[:, 1]).tolist()
 
-    def failure(self, t: float, step: int) -> str:
-        """Field, block, position, time and step of the first unphysical node. Collective."""
-        return described(self, map(self._seen, self.layout.parts), t, step)
+    def seen(self) -> Iterator[Seen]:
+        """Values at this rank's nodes, block by block, and which of them must be positive."""
+        return map(self._seen, self.layout.parts)
 
     def _seen(self, part: Part) -> Seen:
         problem, d = self.problem, self.problem.dimension
@@ -469,15 +454,3 @@ class BlockState:
         for vector in (self.y, self._stage, self.solution):
             vector.destroy()
         self.layout.destroy()
-
-    def __enter__(self) -> BlockState:
-        return self
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        """Destroy it, unless this rank may be alone with an error."""
-        if (
-            error is None
-            or self.comm.size == 1
-            or (isinstance(error, FsiError) and error.collective)
-        ):
-            self.destroy()

@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blockrun.run_problem import PLACES, VELOCITIES
 from fsipetsc.blocks.conditions import Given
+
+#: letters of axes, of positions and of velocities
+PLACES, VELOCITIES = "xyz", "uvw"
 
 
 def fields_of(kind: str, d: int, symmetry: int = 0) -> tuple[str, ...]:

@@ -32,13 +32,7 @@ def errors_of(state: BlockState, t: float, norm: str) -> dict[str, dict[str, flo
     sums = {kind: np.zeros(len(names[kind])) for kind in names}
     for kind, shares in together(state.comm, lambda: _departures(state, t, power, names)):
         sums[kind] += shares
-    result = {}
-    for kind, own in sums.items():
-        total = state.comm.allreduce(own)
-        roots = (total ** (1 / power)).tolist()
-        combined = float(total.sum() ** (1 / power))
-        result[kind] = {**dict(zip(names[kind], roots, strict=True)), "combined": combined}
-    return result
+    return state._norms(sums, names, power)
 
 
 def _compared(blocks: Sequence[Any], kind: str) -> tuple[str, ...]:

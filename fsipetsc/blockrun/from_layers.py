@@ -113,22 +113,13 @@ def _checked(layer: FluidLayer | SolidLayer, what: str) -> Function | None:
 
 
 def _solid(layer: SolidLayer, h: float) -> Block:
-    length = layer.X[1] - layer.X[0]
-    width, cells = length / h, max(1, round(length / h))
-    if abs(width - cells) > 1e-6 * max(1.0, width):
-        fine, coarse = (length / max(1.0, n) for n in (np.ceil(width), np.floor(width)))
-        raise InputError(
-            f"-fsi_h {h:.10g} misses an interface: layer '{layer.name}' of length {length:g} would "
-            f"have {width:.6g} cells; the nearest spacings that fit are {fine:.10g} and "
-            f"{coarse:.10g}"
-        )
     stress = _Prestress(layer)
     uniform, exact = stress.uniform(), _checked(layer, "exact")
     return Block(
         layer.name,
         _elastic(layer.material, 0.0 if uniform is None else -uniform),
         rectangle(*layer.X),
-        (cells,),
+        (layer.cells(h),),
         _without_stress(_checked(layer, "initial")),
         forcing=layer.forcing and _forces_alone(layer),
         exact=exact and _without_stress(exact),

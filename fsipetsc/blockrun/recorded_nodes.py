@@ -13,7 +13,7 @@ from fsipetsc.errors import InputError
 
 if TYPE_CHECKING:
     from fsipetsc.blockrun.block_state import BlockState
-    from fsipetsc.blockrun.run_problem import RunProblem
+    from fsipetsc.blocks.problem import BlockProblem
 
 Array = np.ndarray
 
@@ -32,7 +32,7 @@ class Recorded:
     face: tuple[int, int] | None = None
 
 
-def chosen(problem: RunProblem, points: Sequence[float], probes: str | None) -> list[Recorded]:
+def chosen(problem: BlockProblem, points: Sequence[float], probes: str | None) -> list[Recorded]:
     """What the options ask for: the nearest nodes. InputError for places outside."""
     if points and problem.dimension != 2:
         raise InputError("-fsi_points is of two dimensions: expected -fsi_probes X,Y,Z;…")
@@ -56,7 +56,7 @@ def _places(text: str | None, d: int) -> list[Array]:
     return found
 
 
-def _on_interfaces(problem: RunProblem, X: float) -> list[Recorded]:
+def _on_interfaces(problem: BlockProblem, X: float) -> list[Recorded]:
     """The node of each interface that is nearest to X. InputError where there is none."""
     found = []
     for number, (_, solid) in enumerate(problem.interfaces):
@@ -73,7 +73,7 @@ def _on_interfaces(problem: RunProblem, X: float) -> list[Recorded]:
     return found
 
 
-def _nearest(problem: RunProblem, place: Array) -> Recorded:
+def _nearest(problem: BlockProblem, place: Array) -> Recorded:
     """The node next to a place; on an interface that of the solid. InputError for one outside."""
     best = np.inf, 0, 0, place
     for k in sorted(range(len(problem.layers)), key=lambda k: problem.layers[k].kind != "solid"):
@@ -91,7 +91,7 @@ def _nearest(problem: RunProblem, place: Array) -> Recorded:
     return Recorded(problem.layers[k].name, k, node, tuple(X.tolist()), face)
 
 
-def _reach(problem: RunProblem, k: int, node: int) -> float:
+def _reach(problem: BlockProblem, k: int, node: int) -> float:
     """The sum of the distances to the neighbours along each axis: no place in a cell is further."""
     shape, total = problem.layers[k].shape, 0.0
     at = np.unravel_index(node, shape, order="F")
@@ -104,7 +104,7 @@ def _reach(problem: RunProblem, k: int, node: int) -> float:
     return float(total)
 
 
-def _face_of(problem: RunProblem, k: int, node: int) -> tuple[int, int] | None:
+def _face_of(problem: BlockProblem, k: int, node: int) -> tuple[int, int] | None:
     """The face at which a node of a solid is on an interface."""
     faces = problem.faces_of(k) if problem.layers[k].kind == "solid" else ()
     there = (f for f in sorted(faces) if problem.is_interface(k, *f))

@@ -1,24 +1,24 @@
-"""A problem: blocks, what stands at their faces, and which faces and nodes of them are at one
-place.
+"""A problem: blocks, what stands at their faces, and what a run asks of them.
 
 Faces are (block, axis, side), side 0 at xi_axis = 0 and 1 at xi_axis = 1. Faces whose nodes are at
 the same places meet: a join of gas and gas or solid and solid, an interface of gas and solid. Every
-other face needs a condition. Nodes of faces at one place are one particle (SCHEME-BLOCKS.md,
-section 3), also where blocks touch at an edge or a vertex only.
+other face needs a condition.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block, Range, mesh
-from fsipetsc.blocks.conditions import Centre, Condition, Hinge, Periodic
-from fsipetsc.blocks.faces import Face, all_faces, orientation, same_place, same_within, united
+from fsipetsc.blocks.block import Block, Range, determinant, mesh
+from fsipetsc.blocks.conditions import Centre, Condition, Hinge, holds_energy, steady
+from fsipetsc.blocks.faces import all_faces, same_within, united
 from fsipetsc.blocks.maps import place_text
+from fsipetsc.blocks.matching import Kinds, Matching, Meeting, Members
 from fsipetsc.blocks.overlap import check_overlap
 from fsipetsc.checks import Array, described, function
 from fsipetsc.errors import InputError
@@ -26,39 +26,8 @@ from fsipetsc.operators.bands import Band, centred_band
 
 #: (block name, axis, side)
 FaceName = tuple[str, int, int]
-
-
-@dataclass(frozen=True, eq=False)
-class Meeting:
-    """What stands at a face that another one meets: its number of block, axis and side.
-
-    order: node j of this face is node order[j] of the other one. axes, flips: the k-th axis of this
-    face runs along axis axes[k] of the other block, backwards where flips[k]. shift: what takes
-    this face to the other one [m], 0 but for Periodic.
-    """
-
-    block: int
-    axis: int
-    side: int
-    order: Array
-    axes: tuple[int, ...]
-    flips: tuple[bool, ...]
-    shift: tuple[float, ...]
-
-
-#: of the faces (axis, side) of a block
-Kinds = dict[tuple[int, int], Condition | Meeting]
-
-
-class Members(NamedTuple):
-    """All nodes of faces, sorted by particle, block, node: integer arrays (M,).
-
-    Particles count from 0, in the order of their first members.
-    """
-
-    particle: Array
-    block: Array
-    node: Array
+#: pieces along an axis by which the size of a block is estimated
+_CELLS = 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +59,7 @@ class BlockProblem:
     def __post_init__(self) -> None:
         blocks = tuple(self.blocks)
         self._put("blocks", blocks)
+        self._put("notes", tuple(self.notes))
         if not blocks or not all(isinstance(block, Block) for block in blocks):
             raise InputError("BlockProblem: blocks: expected one or more Blocks")
         for k, block in enumerate(blocks):
@@ -106,7 +76,7 @@ class BlockProblem:
         faces = all_faces(blocks)
         self._put("tolerance", same_within(faces))
         self._put("_faces", {(face.block, face.axis, face.side): face for face in faces})
-        matching = _Matching(faces, self.faces, self.tolerance)
+        matching = Matching(faces, self.faces, self.tolerance)
         self._put("_kinds", matching.kinds(len(blocks)))
         self._put("members", matching.members())
         matching.share_places()
@@ -201,6 +171,117 @@ class BlockProblem:
                 X[:, there] = self._faces[k, axis, side].places([i[there] for i in index])
         return X
 
+    # what a run asks for
+
+    @property
+    def layers(self) -> tuple[Block, ...]:
+        """The blocks, under the name that a run has for those of either method."""
+        return self.blocks
+
+    def unit(self, name: str) -> str:
+        """What stands behind a number in a message: " m", or nothing without dimensions."""
+        return f" {name}" if self.units == "SI" else ""
+
+    @cached_property
+    def interfaces(self) -> list[tuple[int, int]]:
+        """(block of gas, block of a solid) that have faces in common, in the order of blocks."""
+        every = ((k, met) for k in range(len(self.blocks)) for met in self.faces_of(k).values())
+        met = {(k, m.block) for k, m in every if isinstance(m, Meeting)}
+        kinds = [block.kind for block in self.blocks]
+        found = [(k, j) for k, j in met if (kinds[k], kinds[j]) == ("fluid", "solid")]
+        return sorted(found, key=sorted)
+
+    @property
+    def interface_names(self) -> list[str]:
+        """As "gas | plate", the block with the lower number first."""
+        pairs = (sorted(pair) for pair in self.interfaces)
+        return [" | ".join(self.blocks[k].name for k in pair) for pair in pairs]
+
+    def interface_nodes(self, number: int) -> np.ndarray:
+        """Nodes of the solid on an interface, each once."""
+        _, solid = self.interfaces[number]
+        faces = [self.face_nodes(solid, *face) for face in self._solid_faces(number)]
+        return np.unique(np.concatenate(faces))
+
+    @property
+    def interface_faces(self) -> list[list[int]]:
+        """[block, axis, side] of the solid's face on each interface, the first one of several."""
+        pairs = enumerate(self.interfaces)
+        return [[solid, *self._solid_faces(number)[0]] for number, (_, solid) in pairs]
+
+    def _solid_faces(self, number: int) -> list[tuple[int, int]]:
+        """(axis, side) of the solid's faces on an interface."""
+        gas, solid = self.interfaces[number]
+        faces = self.faces_of(solid).items()
+        return sorted(f for f, met in faces if isinstance(met, Meeting) and met.block == gas)
+
+    @cached_property
+    def spacing(self) -> float:
+        """The smallest mean size of the cells of a block [m]."""
+        d = self.dimension
+        return min((_size(b) / np.prod(b.cells)) ** (1.0 / d) for b in self.blocks)
+
+    @cached_property
+    def _conditions(self) -> list[Any]:
+        """Of all faces that no other one meets."""
+        every = (met for k in range(len(self.blocks)) for met in self.faces_of(k).values())
+        return [met for met in every if not isinstance(met, Meeting)]
+
+    @property
+    def _forced(self) -> bool:
+        """There is forcing, or interfaces get something from outside."""
+        return self.jumps is not None or any(b.forcing is not None for b in self.blocks)
+
+    @property
+    def steady_data(self) -> bool:
+        """No data of faces and no forcing depend on time."""
+        return all(map(steady, self._conditions)) and not self._forced
+
+    @cached_property
+    def invariants(self) -> dict[str, Any]:
+        """What must not change, as JSON has it: see fsipetsc.scheme.conservation_check.
+
+        Less what comes in through faces and by forces, the mass of each body of gas, momentum and
+        energy; entropy where nothing comes in and stresses do not heat the solids.
+        """
+        solids = [block for block in self.blocks if block.kind == "solid"]
+        gases = [k for k, block in enumerate(self.blocks) if block.kind == "fluid"]
+        closed = all(map(holds_energy, self._conditions)) and not self._forced
+        elastic = all(getattr(solid.material, "heat", "") == "elastic" for solid in solids)
+        masses = [solid.material.m0 * self._volume(solid) for solid in solids]
+        capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
+        return {
+            "masses": [
+                [" + ".join(self.blocks[k].name for k in body), [gases.index(k) for k in body]]
+                for body in self.bodies
+            ],
+            "momentum": self.symmetry == 0,  # pressure acts around an axis, too
+            "energy": True,
+            "entropy": closed and elastic,
+            "inertia": sum(masses),
+            "heat_capacity": sum(capacities),
+        }
+
+    def _volume(self, block: Block) -> float:
+        """About that of a block at rest; of a sector where there is an axis or a centre."""
+        if not self.symmetry:
+            return _size(block)
+        n = self.symmetry + 1
+        low, high = (float(block.face_positions(0, side)[0, 0]) for side in (0, 1))
+        return (high**n - low**n) / n
+
+    @cached_property
+    def bodies(self) -> list[list[int]]:
+        """Numbers of the blocks of each body of gas, which joins connect."""
+        gas = [block.kind == "fluid" for block in self.blocks]
+        every = ((k, met) for k, own in enumerate(gas) if own for met in self.faces_of(k).values())
+        pairs = [(k, met.block) for k, met in every if isinstance(met, Meeting) and gas[met.block]]
+        k, other = np.array(pairs, int).reshape(-1, 2).T
+        first = united(np.arange(len(gas)), [(k, other)])
+        return [np.flatnonzero(first == k).tolist() for k in np.unique(first) if gas[k]]
+
+    # what is checked
+
     def _check_symmetry(self) -> None:
         """InputError for what a problem with an axis or a centre cannot have."""
         if self.symmetry not in (0, 1, 2) or (self.symmetry and self.dimension > 1):
@@ -257,111 +338,6 @@ class BlockProblem:
         return k, int(nodes[i]), condition
 
 
-class _Matching:
-    """Which faces have the same nodes, which nodes are one particle."""
-
-    def __init__(self, faces: list[Face], named: Mapping[Any, Condition], within: float) -> None:
-        self.faces, self._pairs = faces, []
-        self.given = [named.get((face.owner.name, face.axis, face.side)) for face in faces]
-        periodic = [f for f, given in enumerate(self.given) if isinstance(given, Periodic)]
-        X = [face.X for face in faces] + [faces[f].X + self.given[f].shift for f in periodic]
-        labels = same_place(np.concatenate(X), within) if X else np.zeros(0, int)
-        labels = np.split(labels, np.cumsum([len(x) for x in X])[:-1])
-        self.labels = labels[: len(faces)]
-        # those of the nodes that a face meets
-        self.wanted = dict(enumerate(self.labels)) | dict(zip(periodic, labels[len(faces) :]))
-        self._at: dict[bytes, list[int]] = {}
-        for f, label in enumerate(self.labels):
-            self._at.setdefault(_key(label), []).append(f)
-
-    def kinds(self, blocks: int) -> list[Kinds]:
-        """What stands at the faces of each block. InputError."""
-        kinds: list[Kinds] = [{} for _ in range(blocks)]
-        for f, face in enumerate(self.faces):
-            partner = self._partner(f)
-            kind = self.given[f] if partner is None else self._meeting(f, partner)
-            kinds[face.block][face.axis, face.side] = kind
-        return kinds
-
-    def members(self) -> Members:
-        """After `kinds`."""
-        faces = self.faces
-        if not faces:
-            return Members(*np.zeros((3, 0), int))
-        label = united(np.concatenate(self.labels), self._pairs)
-        block = np.concatenate([np.full(len(face.nodes), face.block) for face in faces])
-        node = np.concatenate([face.nodes for face in faces])
-        order = np.lexsort((node, block))
-        again = np.append(False, (np.diff([block[order], node[order]]) == 0).all(axis=0))
-        label, block, node = (a[order][~again] for a in (label, block, node))
-        _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
-        particle = np.argsort(np.argsort(first))[inverse]
-        order = np.lexsort((node, block, particle))
-        return Members(particle[order], block[order], node[order])
-
-    def share_places(self) -> None:
-        """Nodes at one place get the X of the first of them."""
-        if self.faces:
-            known, first = np.unique(np.concatenate(self.labels), return_index=True)
-            X = np.concatenate([face.X for face in self.faces])[first]
-            for face, label in zip(self.faces, self.labels):
-                face.X[...] = X[np.searchsorted(known, label)]
-
-    def _partner(self, f: int) -> int | None:
-        """The face that face f meets, or None. InputError for a condition too many or none."""
-        face, condition = self.faces[f], self.given[f]
-        found = [g for g in self._at.get(_key(self.wanted[f]), []) if g != f]
-        if len(found) > 1:
-            others = f"{self.faces[found[0]]} and {self.faces[found[1]]}"
-            raise InputError(f"{face}, {others} are at one place: expected two faces")
-        if isinstance(condition, Periodic):
-            if not found or _key(self.wanted[found[0]]) != _key(self.labels[f]):
-                at = f"{place_text(face.X[0])} + {condition.shift}"
-                wanted = "expected one with the opposite shift"
-                raise InputError(f"{face} is Periodic, and no Periodic face is at {at}: {wanted}")
-        elif found and condition is not None:
-            what = f"{self.faces[found[0]]} and is named {type(condition).__name__}(…), too"
-            raise InputError(f"{face} meets {what}: expected no condition")
-        elif not found and condition is None:
-            raise InputError(self._why_alone(f))
-        return found[0] if found else None
-
-    def _meeting(self, f: int, partner: int) -> Meeting:
-        face, other, condition = self.faces[f], self.faces[partner], self.given[f]
-        order, axes, flips = orientation(face, self.wanted[f], other, self.labels[partner])
-        self._pairs.append((self.labels[f], self.labels[partner][order]))
-        shift = (0.0,) * face.owner.dimension
-        if isinstance(condition, Periodic):
-            shift = condition.shift
-            if face.owner.kind != other.owner.kind:
-                raise InputError(f"{face} goes on at {other}: expected gas and gas, or two solids")
-        return Meeting(other.block, other.axis, other.side, order, axes, flips, shift)
-
-    def _why_alone(self, f: int) -> str:
-        """What is wrong with a face that has no condition and that no other meets."""
-        face, corners = self.faces[f], self.faces[f].corners(self.labels[f])
-        centre, others = face.X.mean(axis=0), [g for g in range(len(self.faces)) if g != f]
-        for g in others:
-            other = self.faces[g]
-            if face.shape and np.array_equal(corners, other.corners(self.labels[g])):
-                if sorted(face.shape) != sorted(other.shape):
-                    mine, its = (" by ".join(map(str, x.shape)) for x in (face, other))
-                    between = f"{face} has {mine} nodes, {other} that it meets has {its}"
-                    return f"{between}, about {place_text(centre)}: expected the same"
-                alone = int(np.argmin(np.isin(self.labels[f], self.labels[g])))
-                return f"{face} and {other} do not conform at {place_text(face.X[alone])}"
-        apart = [np.linalg.norm(self.faces[g].X.mean(axis=0) - centre) for g in others]
-        near = int(np.argmin(apart))
-        nearest = f"{self.faces[others[near]]}, {apart[near]:.3g} away"
-        alone = f"{face}, about {place_text(centre)}, has no condition"
-        wanted = f"expected one, or a face with the same nodes; the nearest is {nearest}"
-        return f"{alone}, and no face meets it: {wanted}"
-
-
-def _key(labels: Array) -> bytes:
-    return np.sort(labels).tobytes()
-
-
 def _check_radial(block: Block, centred: bool) -> None:
     """InputError where a block does not fit around an axis or a centre."""
     if block.periodic[0] or block.prestress is not None:
@@ -389,3 +365,17 @@ def _check_condition(block: Block, where: str, condition: Any) -> None:
     if vector and not callable(numbers) and len(numbers) != block.dimension:
         found = f"{vector} has {len(numbers)} numbers"
         raise InputError(f"{where}: {name}: {found}: expected {block.dimension}")
+
+
+def _size(block: Block) -> float:
+    """About the volume of a block: the sum over a few pieces, by the means of their edges."""
+    d = block.dimension
+    index = [np.unique(np.linspace(0, c, min(c, _CELLS) + 1).astype(int)) for c in block.cells]
+    X, edges = block.places(mesh(index)), []
+    for axis in range(1, d + 1):
+        edge = np.diff(X, axis=axis)
+        for other in range(1, d + 1):
+            low, high = (np.delete(edge, end, axis=other) for end in (-1, 0))
+            edge = edge if other == axis else 0.5 * (low + high)
+        edges.append(edge)
+    return float(np.abs(determinant(np.array(edges[::-1]))).sum())

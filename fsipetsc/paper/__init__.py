@@ -13,7 +13,7 @@ and go. Where the paper has misprints the formulas are the corrected ones. From 
     ends        walls, open ends, given data, ends of solids; boundaries that move over the grid
     sums        what is looked at after a step: bounds on the step, integrals
     steps       what is done in a stage and after a step; on one rank many steps in one call
-    layout      who owns which points: a record and a DMDA for each layer
+    layout      what all ranks know of a layer, and which points each owns
     parts       what a rank has of layers and interfaces, and what it exchanges of them
     fields      what is saved, errors, what is wrong with a state
     state       what the time integration drives: the right-hand side from top to bottom

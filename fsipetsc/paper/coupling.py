@@ -158,6 +158,26 @@ def temperatures(op, face, jump, f, s, x_X):
 
 
 @njit(**INNER)
+def weigh(op, face, jump, f, s, x_X, T_f):
+    """rho_0 of the gas, which has the temperature T_f, by (4.24)."""
+    u_X = gradients(op, face, f, s)[0]
+    p_0 = face.gas.viscosity(T_f) * u_X - s[0, 1] + face.solid.pressure(s[0, 2], x_X) + jump[1]
+    put_gas(face, f, FIRST, face.gas.law.density(p_0, T_f), f[0, 1] / f[0, 0], T_f)
+
+
+@njit(**INNER)
+def residuals(op, face, jump, f, s, out):
+    """What the four conditions are off by."""
+    u_X, Tf_X, Ts_X, _ = gradients(op, face, f, s)
+    x_X, (u, T) = strain(op, face, s), gas_at(face, f, FIRST)
+    p_s, p_f = face.solid.pressure(s[0, 2], x_X), face.gas.law.pressure(f[0, 0], T)
+    out[0] = s[0, 0] - u - jump[0]
+    out[1] = s[0, 1] - p_s + p_f - face.gas.viscosity(T) * u_X - jump[1]
+    out[2] = s[0, 2] - T - jump[2]
+    out[3] = face.solid.kappa_e / x_X * Ts_X - face.gas.conductivity(T) * Tf_X - jump[3]
+
+
+@njit(**INNER)
 def projection(op, face, jump, f, s):
     """The paper's projection."""
     gas, solid, beta, d, a_0 = face.gas, face.solid, op.closure[0], face.n / face.h, op.norm[0]
@@ -188,10 +208,7 @@ def projection(op, face, jump, f, s):
             change += l1
         u = m / rho_j + change / (weight(op, j) * rho)
         f[j, 1], f[j, 2] = rho_j * u, internal + 0.5 * rho_j * u * u
-    u_X = gradients(op, face, f, s)[0]
-    # (4.24)
-    u = f[0, 1] / f[0, 0]
-    put_gas(face, f, FIRST, gas.law.density(mu * u_X - s[0, 1] + p_s + jump[1], T_f), u, T_f)
+    weigh(op, face, jump, f, s, x_X, T_f)
 
 
 @njit(**INNER)
@@ -235,9 +252,11 @@ def projected(op, face, jump, f, s):
         solid.pressure_by_temperature(T_s, x_X),
     )
     tau_f, tau_s = T / (rho * gas.law.heat_capacity(rho, T)), T / (solid.alpha * solid.m0)
-    u_f, T_f = gas_at(face, f, FIRST)
+    T_f = gas_at(face, f, FIRST)[1]
     mu, kappa, k_s = gas.viscosity(T_f), gas.conductivity(T_f), solid.kappa_e / x_X
-    u_X, Tf_X, Ts_X, squares = gradients(op, face, f, s)
+    squares, r = gradients(op, face, f, s)[3], np.empty(4)
+    residuals(op, face, jump, f, s, r)
+    r1, r2, r3, r4 = r[0], r[1], r[2], r[3]
     # S without the factor 1/a_0: the multipliers come out as l/a_0
     d_0 = d * beta[0]
     S12 = mu * d_0 / rho
@@ -245,10 +264,6 @@ def projected(op, face, jump, f, s):
     S23, S24 = -c * tau_s - p_T * tau_f, d_0 * (c * k_s * tau_s - p_T * kappa * tau_f)
     S33, S34 = tau_s + tau_f, d_0 * (kappa * tau_f - k_s * tau_s)
     S44 = (k_s * k_s * tau_s + kappa * kappa * tau_f) * squares
-    r1 = s[0, 0] - u_f - jump[0]
-    p_s = solid.pressure(T_s, x_X)
-    r2 = s[0, 1] - p_s + gas.law.pressure(f[0, 0], T_f) - mu * u_X - jump[1]
-    r3, r4 = T_s - T_f - jump[2], k_s * Ts_X - kappa * Tf_X - jump[3]
     if kappa <= 0.0 or k_s <= 0.0:  # T may jump
         S23, S33, S34, r3 = 0.0, 1.0, 0.0, 0.0
     if kappa <= 0.0 and k_s <= 0.0:
@@ -266,10 +281,8 @@ def projected(op, face, jump, f, s):
         s[j, 2] += w * tau_s * (here * (c * l2 - l3) + k_s * d_j * l4)
         here = 0.0
         put_gas(face, f, j, rho_j, u, T)
-    u_X, (u_f, T_f) = gradients(op, face, f, s)[0], gas_at(face, f, FIRST)
-    # (4.24)
-    p_0 = gas.viscosity(T_f) * u_X - s[0, 1] + solid.pressure(s[0, 2], x_X) + jump[1]
-    put_gas(face, f, FIRST, gas.law.density(p_0, T_f), u_f, T_f)
+    T_f = gas_at(face, f, FIRST)[1]
+    weigh(op, face, jump, f, s, x_X, T_f)
     return T_f
 
 
@@ -283,15 +296,3 @@ def traditional(op, face, jump, f, s):
     stress = face.gas.viscosity(T_f) * u_X - face.gas.law.pressure(f[0, 0], T_f)
     s[0, 1] = face.solid.pressure(T_s, x_X) + stress + jump[1]
     s[0, 2] = T_s
-
-
-@njit(**INNER)
-def residuals(op, face, jump, f, s, out):
-    """What the four conditions are off by."""
-    u_X, Tf_X, Ts_X, _ = gradients(op, face, f, s)
-    x_X, (u, T) = strain(op, face, s), gas_at(face, f, FIRST)
-    p_s, p_f = face.solid.pressure(s[0, 2], x_X), face.gas.law.pressure(f[0, 0], T)
-    out[0] = s[0, 0] - u - jump[0]
-    out[1] = s[0, 1] - p_s + p_f - face.gas.viscosity(T) * u_X - jump[1]
-    out[2] = s[0, 2] - T - jump[2]
-    out[3] = face.solid.kappa_e / x_X * Ts_X - face.gas.conductivity(T) * Tf_X - jump[3]

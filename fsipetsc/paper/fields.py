@@ -9,9 +9,9 @@ import numpy as np
 
 from fsipetsc import given
 from fsipetsc.paper.parts import Layer
-from fsipetsc.paper.stencils import PLACE, derivative_of
+from fsipetsc.paper.steps import stretch
 from fsipetsc.process.together import together
-from fsipetsc.stepping.diagnosis import Seen
+from fsipetsc.stepping.verdicts import Seen
 
 if TYPE_CHECKING:
     from fsipetsc.paper.state import PaperState
@@ -30,10 +30,10 @@ def saved(part: Layer) -> Array:
     record, own = part.record, np.arange(part.record["own_lo"], part.record["own_hi"])
     out = np.empty((len(own), 5))
     if not part.is_gas:
-        x_X = np.empty(len(own))
-        derivative_of(part.op, part.records, part.local, PLACE, x_X)
-        out[:, :4] = part.owned
-        out[:, 4] = part.law.pressure(part.owned[:, 2], x_X / record["h"])
+        x_X = np.empty(len(part.local))
+        stretch(part.box, x_X)
+        x_X = x_X[record["halo_lo"] :][: len(own)] / record["h"]
+        out[:, :4], out[:, 4] = part.owned, part.law.pressure(part.owned[:, 2], x_X)
         return out
     u, T = part.law.velocity_and_temperature(*part.owned.T)
     out[:, 0], out[:, 1], out[:, 2] = part.owned[:, 0], u, T
@@ -56,38 +56,29 @@ def errors(state: PaperState, t: float, norm: str = "L2") -> dict[str, dict[str,
     if any(layer.exact is None for layer in layers):
         return None
 
-    def exact() -> dict[int, list[Array]]:
-        X = state.layout.owned_X
-        numbers = [part.number for part in state.here]
-        return {k: given.fields(layers[k], "exact", X(k), t, state.active(k)) for k in numbers}
+    def exact() -> list[list[Array]]:
+        return [given.fields(p.layer, "exact", p.X, t, p.active) for p in state.here]
 
     kinds = {layer.kind for layer in layers}
     totals = {kind: np.zeros(len(UNKNOWNS[kind])) for kind in UNKNOWNS if kind in kinds}
     wanted = together(state.comm, exact)
-    for part in state.here:
+    for part, values in zip(state.here, wanted, strict=True):
         record, found = part.record, saved(part)
         ghosts = part.is_gas * (record["end_kind"] >= 0)
         index = np.arange(record["own_lo"], record["own_hi"])
         counted = (index >= record["lo"] + ghosts[0]) & (index <= record["hi"] - ghosts[1])
-        for c, value in enumerate(wanted[part.number]):
+        for c, value in enumerate(values):
             difference = np.abs(found[counted, c] - value[counted])
-            totals[layers[part.number].kind][c] += state.h * np.sum(difference**power)
-    result = {}
-    for kind, total in totals.items():
-        sums = state.comm.allreduce(total)
-        of_each = (sums ** (1 / power)).tolist()
-        result[kind] = dict(zip(UNKNOWNS[kind], of_each, strict=True))
-        result[kind]["combined"] = float(sums.sum() ** (1 / power))
-    return result
+            totals[part.layer.kind][c] += state.h * np.sum(difference**power)
+    return state._norms(totals, UNKNOWNS, power)
 
 
 def seen(state: PaperState) -> Iterable[Seen]:
     """Values at this rank's active points, and which of them must be positive."""
     for part in state.here:
-        k, record = part.number, part.record
-        active = state.active(k)
+        record, active = part.record, part.active
         own = np.arange(record["own_lo"], record["own_hi"])[active]
-        X, y = state.layout.owned_X(k)[active], part.owned[active].T
+        X, y = part.X[active], part.owned[active].T
         if part.is_gas:
             u, T = part.law.velocity_and_temperature(*y)
             x, values = X - record["anchor"] + record["x_interface"], {"rho": y[0], "u": u, "T": T}
@@ -100,4 +91,4 @@ def seen(state: PaperState) -> Iterable[Seen]:
         def place(i: int, x: Array = x, X: Array = X, m: str = state.problem.unit("m")) -> str:
             return f"x = {x[i]:.6g}{m} (X = {X[i]:.6g}{m})"
 
-        yield Seen(k, own, values, frozenset({"rho", "T", "x_X"} & values.keys()), place)
+        yield Seen(part.number, own, values, frozenset({"rho", "T", "x_X"} & values.keys()), place)

@@ -43,13 +43,11 @@ class Gas(NamedTuple):
         return rho * (self.law.internal_energy(rho, T) + 0.5 * u * u)
 
 
-def gas_of(material: Fluid) -> Gas:
-    """The gas of a layer. InputError for a body force of more than one dimension."""
+def law_of(material: Fluid | Solid) -> Gas | Elastic:
+    """What compiled code takes of the material of a layer. InputError for a gas's body force of
+    more than one dimension."""
+    if not isinstance(material, Fluid):
+        return material.elastic
     mu, kappa, gamma = 4.0 / 3.0 * material.mu, material.kappa, material.gamma
     (force,) = force_in(material.force, 1, "Fluid")
     return Gas(material.gas_law, material.transport_law, mu, kappa, gamma, force)
-
-
-def law_of(material: Fluid | Solid) -> Gas | Elastic:
-    """What compiled code takes of the material of a layer."""
-    return gas_of(material) if isinstance(material, Fluid) else material.elastic

@@ -1,5 +1,4 @@
-"""Who owns which points: a record and a DMDA for each layer, the latter on a communicator of the
-ranks that have a part of it.
+"""What is known of layers on all ranks: a record of each, and who owns which points.
 
 The solution is one world vector; its part on a rank is the concatenation of the rank's parts of the
 layers, each interlaced (gas rho, rho u, e; solid u, sigma, T, x).
@@ -9,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 from mpi4py import MPI
-from petsc4py import PETSc
 
 from fsipetsc.boundaries import INTERFACE_END, Wall, degree_of, heat_of, needs_stretching
 from fsipetsc.errors import InputError
@@ -74,12 +72,10 @@ def check_form(problem: Problem) -> None:
     elif len(fluids) == len(problem.layers) - 2 or len(problem.layers) > 3:
         reason = "a gas lies between two solids"
     for k in fluids:
-        layer, end = problem.layers[k], problem.left if k == 0 else problem.right
-        if not reason and layer.mapping == "stretched":
-            reason = f"layer '{layer.name}' has mapping='stretched'"
+        end = problem.left if k == 0 else problem.right
         if not reason and isinstance(end, Wall) and needs_stretching(end):
             doing = "moves" if end.moves else "gives or takes heat"
-            reason = f"the wall of layer '{layer.name}' {doing}"
+            reason = f"the wall of layer '{problem.layers[k].name}' {doing}"
     if reason:
         raise InputError(
             f"{reason}: the paper's couplings are of a solid between gases in rigid frames: take "
@@ -116,7 +112,7 @@ def make_records(problem: Problem, op: SBPOperator, h: float, halo: int) -> Arra
             # the treatment of the interface must not change the points of a boundary's formulas
             least = max(op.min_points, nodes_needed(degree) + 2, degree + 1 + row_length(op))
         else:
-            cells, room, least = _cells_of_solid(layer, h), 0, max(4, op.min_points)
+            cells, room, least = layer.cells(h), 0, max(4, op.min_points)
         first = room if k == 0 else 0  # spare points are on the outer side
         at_right = fluid and k == 0  # the anchor is the interface
         record["n"], record["least"] = cells + 1 + room, least
@@ -131,90 +127,18 @@ def make_records(problem: Problem, op: SBPOperator, h: float, halo: int) -> Arra
     return records
 
 
-def _cells_of_solid(layer, h: float) -> int:
-    """InputError where h does not fit."""
-    length = layer.X[1] - layer.X[0]
-    width = length / h
-    count = max(1, round(width))
-    if abs(width - count) > 1e-6 * max(1.0, width):
-        fits = length / max(1, np.ceil(width)), length / max(1, np.floor(width))
-        raise InputError(
-            f"-fsi_h {h:.10g} misses an interface: layer '{layer.name}' of length {length:g} would "
-            f"have {width:.6g} cells; the nearest spacings that fit are {fits[0]:.10g} and "
-            f"{fits[1]:.10g}"
-        )
-    return count
-
-
-class Layout:
-    """Ownership of all layers on all ranks; collective on ``comm``.
-
-    Attributes: records (RECORD array), dms (a DMDA or None per layer), shares, dof (unknowns of a
-    point, by layer), local_size (doubles of the solution on this rank).
-    """
-
-    def __init__(
-        self, comm: MPI.Comm, problem: Problem, op: SBPOperator, h: float, mode: str
-    ) -> None:
-        self.comm, self.problem = comm, problem
-        halo = max(2 * op.reach, 6)
-        self.records = make_records(problem, op, h, halo)
-        kinds = [layer.kind for layer in problem.layers]
-        stored = [
-            (kind, int(r["n"]), int(r["hi"] - r["lo"]) + 1, k == 0 and kind == "fluid")
-            for k, (kind, r) in enumerate(zip(kinds, self.records, strict=True))
-        ]
-        self.shares = share_line(stored, comm.size, mode, max(halo, op.rows + 1))
-        self.dof = [DOF[kind] for kind in kinds]
-        self.dms: list[PETSc.DMDA | None] = []
-        self._comms: list[MPI.Comm] = []
-        self.local_size = 0
-        self._places: list[slice] = []  # of the layers in this rank's part of a solution
-        for k in range(len(kinds)):
-            begin = self.local_size
-            self._place(k)
-            self._places.append(slice(begin, self.local_size))
-
-    def _place(self, k: int) -> None:
-        """Make the DMDA of layer k on its owners and note what this rank owns."""
-        record, shares, dof = self.records[k], self.shares[k], self.dof[k]
-        mine = any(rank == self.comm.rank for rank, _, _ in shares)
-        sub = self.comm.Split(0 if mine else MPI.UNDEFINED, self.comm.rank)
-        record["present"] = mine
-        if not mine:
-            self.dms.append(None)
-            return
-        dm = PETSc.DMDA().create(
-            dim=1,
-            dof=dof,
-            sizes=(int(record["n"]),),
-            proc_sizes=(len(shares),),
-            ownership_ranges=(np.array([end - begin for _, begin, end in shares], PETSc.IntType),),
-            boundary_type=PETSc.DM.BoundaryType.NONE,
-            stencil_width=int(record["halo"]),
-            comm=sub,
-        )
-        (begin, end), (left, right) = dm.getRanges()[0], dm.getGhostRanges()[0]
-        record["own_lo"], record["own_hi"] = begin, end
-        record["halo_lo"], record["halo_hi"] = begin - left, right - end
-        self.local_size += dof * (end - begin)
-        self.dms.append(dm)
-        self._comms.append(sub)
-
-    def local(self, k: int, array: Array) -> Array:
-        """View, shape (owned points, dof), of layer k in this rank's part of a solution vector."""
-        return array[self._places[k]].reshape(-1, self.dof[k])
-
-    def owned_X(self, k: int) -> Array:
-        """Lagrangian coordinates [m] of the owned points of layer k."""
-        r = self.records[k]
-        return r["anchor"] + (np.arange(r["own_lo"], r["own_hi"]) - r["anchor_index"]) * r["h"]
-
-    def destroy(self) -> None:
-        """Destroy the DMDAs, then their communicators. Collective."""
-        for dm in self.dms:
-            if dm is not None:
-                dm.destroy()
-        for sub in self._comms:
-            sub.Free()
-        self.dms, self._comms = [], []
+def share_out(
+    comm: MPI.Comm, problem: Problem, op: SBPOperator, records: Array, mode: str
+) -> list[list[tuple[int, int, int]]]:
+    """(rank, begin, end) of the pieces of each layer; notes in the records what this rank owns."""
+    halo = int(records[0]["halo"])
+    stored = [
+        (layer.kind, int(r["n"]), int(r["hi"] - r["lo"]) + 1, bool(k == 0 and r["fluid"]))
+        for k, (layer, r) in enumerate(zip(problem.layers, records, strict=True))
+    ]
+    shares = share_line(stored, comm.size, mode, max(halo, op.rows + 1))
+    for record, share in zip(records, shares, strict=True):
+        for _, begin, end in (piece for piece in share if piece[0] == comm.rank):
+            record["present"], record["own_lo"], record["own_hi"] = 1, begin, end
+            record["halo_lo"], record["halo_hi"] = min(halo, begin), min(halo, record["n"] - end)
+    return shares

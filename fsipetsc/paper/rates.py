@@ -40,16 +40,18 @@ def outer_side(layer):
 
 
 @njit(**INNER)
-def ranges(op, layer):
-    """(a, b, A, B, f0, f1, v0, v1) among a rank's points with halos: rates are wanted at a .. b-1,
-    the active ones that it owns; A and B are the first and the last active point of all; fluxes are
-    needed at f0 .. f1-1, values at v0 .. v1-1.
-    """
+def own_range(layer):
+    """(a, b, A, B) among a rank's points with halos: it owns the active ones a .. b-1; A and B are
+    the first and the last active point of all."""
     first = layer.own_lo - layer.halo_lo
     A, B = layer.lo - first, layer.hi - first
-    a, b = max(layer.own_lo - first, A), min(layer.own_hi - first, B + 1)
-    f0, f1 = max(A, a - op.reach), min(B + 1, b + op.reach)
-    return a, b, A, B, f0, f1, max(A, a - 2 * op.reach), min(B + 1, b + 2 * op.reach)
+    return max(layer.own_lo - first, A), min(layer.own_hi - first, B + 1), A, B
+
+
+@njit(**INNER)
+def widened(a, b, A, B, reach):
+    """(first, end) of the active points a .. b-1 and those within ``reach`` of them."""
+    return max(A, a - reach), min(B + 1, b + reach)
 
 
 @njit(**INNER)
@@ -117,7 +119,8 @@ def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
 def gas_rates(op, gas, layer, q, forcing, w, out):
     """(4.20). q: (points with halos, 3); forcing: (owned, 3), or (0, 3) for none; w: scratch; out:
     (owned, 3)."""
-    a, b, A, B, f0, f1, v0, v1 = ranges(op, layer)
+    a, b, A, B = own_range(layer)
+    (f0, f1), (v0, v1) = widened(a, b, A, B, op.reach), widened(a, b, A, B, 2 * op.reach)
     start_with(forcing, out, a - layer.halo_lo, b - layer.halo_lo)
     if a >= b:
         return
@@ -188,7 +191,8 @@ def put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, a, b, shift)
 def elastic_rates(op, solid, layer, q, forcing, w, out):
     """(4.19). q: (points with halos, 4); forcing: (owned, 4), or (0, 4) for none; w: scratch; out:
     (owned, 4)."""
-    a, b, A, B, f0, f1, v0, v1 = ranges(op, layer)
+    a, b, A, B = own_range(layer)
+    (f0, f1), (v0, v1) = widened(a, b, A, B, op.reach), widened(a, b, A, B, 2 * op.reach)
     start_with(forcing, out, a - layer.halo_lo, b - layer.halo_lo)
     if a >= b:
         return

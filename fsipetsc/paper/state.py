@@ -16,8 +16,7 @@ the results, bit for bit.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -25,83 +24,80 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc import given
-from fsipetsc.errors import FsiError, InputError
+from fsipetsc.errors import InputError
 from fsipetsc.operators.boxed import Box
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.paper import coupling, fields, layout, steps
+from fsipetsc.paper import fields, steps
+from fsipetsc.paper.coupling import KINDS
+from fsipetsc.paper.laws import law_of
+from fsipetsc.paper.layout import DOF, check_form, make_records, share_out
 from fsipetsc.paper.parts import Interface, Layer
 from fsipetsc.paper.stencils import packed
 from fsipetsc.paper.sums import SEEN
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, together, wait_asleep
-from fsipetsc.scheme.burst import DT, MADE, plan_next
-from fsipetsc.scheme.plan import BURST, CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, step_record
-from fsipetsc.stepping import initial_data, snapshot
-from fsipetsc.stepping.diagnosis import described
-from fsipetsc.stepping.phases import logged
-from fsipetsc.stepping.state import FAULT
+from fsipetsc.scheme.burst import DT, MADE
+from fsipetsc.scheme.plan import CAPACITY, FLAGS, LIMITS, RATE, step_record
+from fsipetsc.stepping.snapshot import as_numbers, gather_local, put_whole, whole
+from fsipetsc.stepping.state import State
 
 Array = np.ndarray
 #: times of the stages, in steps
 FRACTIONS = 0.0, 0.5, 0.5, 1.0
 #: of the record of a layer: what all ranks learn after a step, beside what was seen
 FRAME = "lo", "hi", "s", "x_interface"
+#: of a checkpoint: points of a layer, the active ones
+GRID = "n", "lo", "hi"
+#: what the paper's method has of options that choose between methods
+_WITHOUT = {
+    "fsi_mapping": ("auto", "rigid"),
+    "fsi_dissipation": (0.0, -1.0),
+    "fsi_shock": (0.0,),
+    "fsi_convection": ("auto", "divergence"),
+}
 
 
-class PaperState:
+class PaperState(State):
     """Solution and everything that belongs to it; all methods are collective on ``comm``.
 
-    Attributes: layout; solution (world Vec); results of the last completed step; burst
-    (fsipetsc.scheme.burst); journal, the records of steps (fsipetsc.scheme.plan.step_record), and
-    latest, that of the last one without its time. The integrals in them are this rank's shares.
-    evaluations of the right-hand side are counted. layers: all (fsipetsc.paper.parts); here: those
-    that this rank has a part of. Raises InputError where grid, order and number of ranks do not
-    fit, or the problem is not of the paper's form.
+    records, shares: of the layers (fsipetsc.paper.layout); solution (world Vec). evaluations of the
+    right-hand side are counted. layers: all (fsipetsc.paper.parts); here: those that this rank has
+    a part of. opt: options in force. InputError where grid, order and number of ranks do not fit,
+    or the problem is not of the paper's form.
     """
 
     convection = "divergence"
-    #: points of interfaces that are recorded at each step, as those of blocks
-    recorded: tuple = ()
 
-    def __init__(
-        self,
-        comm: MPI.Comm,
-        problem: Problem,
-        order: int,
-        h: float,
-        coupling_name: str,
-        mode: str = "auto",
-        entropy: bool = False,
-        narrow: bool = False,
-    ) -> None:
-        layout.check_form(problem)
-        if coupling_name not in coupling.KINDS:
-            raise InputError(
-                f"-fsi_coupling {coupling_name}: expected {', '.join(coupling.KINDS)}, "
-                "in the paper's method"
-            )
-        self.comm, self.problem, self.h, self.op = comm, problem, h, OPERATORS[order]
-        form = order, h, coupling_name, mode, entropy, narrow
-        self._alike = lambda comm: PaperState(comm, problem, *form)
+    def __init__(self, comm: MPI.Comm, problem: Problem, opt: Mapping[str, Any]) -> None:
+        for name, without in _WITHOUT.items():
+            if opt[name] not in without:
+                raise InputError(
+                    f"-{name} {opt[name]}: -fsi_coupling {opt['fsi_coupling']} has none: "
+                    "take -fsi_coupling conservative"
+                )
+        check_form(problem)
+        order, self.h = opt["fsi_order"], opt["fsi_h"]
+        self.comm, self.problem, self.op, self._opt = comm, problem, OPERATORS[order], opt
         self.evaluations = 0
-        self.fault: InputError | None = None  # of a user's function, on this rank
-        self.layout = layout.Layout(comm, problem, self.op, h, mode)
-        self._y, total, self.k = np.zeros((3, self.layout.local_size))
+        laws = [law_of(layer.material) for layer in problem.layers]
+        self.records = make_records(problem, self.op, self.h, max(2 * self.op.reach, 6))
+        self.shares = share_out(comm, problem, self.op, self.records, opt["fsi_partition"])
+        self._dof = [DOF[layer.kind] for layer in problem.layers]
+        begins = np.cumsum([0, *(self._dof * (self.records["own_hi"] - self.records["own_lo"]))])
+        memory = self._y, _, self.k = np.zeros((3, int(begins[-1])))
         self.solution = PETSc.Vec().createWithArray(self._y, comm=comm)
-        self._make_records(entropy)
-        op = packed(order, narrow)
-        self.layers = together(
-            comm,
-            lambda: [
-                Layer(self.layout, k, op, self._y, total, self.k)
-                for k in range(len(problem.layers))
-            ],
-        )
+        self._make_memory(bool(opt["fsi_entropy"] or opt["fsi_check"]))
+        op = packed(order, opt["fsi_viscous"] == "narrow")
+        self.layers = [
+            Layer(comm, layer, laws[k], self.records[k:][:1], share, op, memory, int(begins[k]))
+            for k, (layer, share) in enumerate(zip(problem.layers, self.shares, strict=True))
+        ]
         self.here = [layer for layer in self.layers if layer.present]
-        kind, notes = coupling.KINDS[coupling_name], self._notes
+        kind = KINDS[opt["fsi_coupling"]]
         self.interfaces = [
-            Interface(self.layout, k, kind, op, self.layers, notes[k]) for k in range(len(notes))
+            Interface(comm, k, kind, *(self.layers[n] for n in pair), self._notes[k])
+            for k, pair in enumerate(problem.interfaces)
         ]
         solid = next(layer.number for layer in self.layers if not layer.is_gas)
         beside = {layer.number - solid: layer.box for layer in self.layers}
@@ -109,34 +105,27 @@ class PaperState:
         boxes = {interface.side: interface.box for interface in self.interfaces}
         self._faces = boxes.get(0), boxes.get(1)
 
-    def _make_records(self, entropy: bool) -> None:
+    def _make_memory(self, entropy: bool) -> None:
         """What is noted of a step, and what all ranks learn after one, side by side."""
         layers, interfaces = self.problem.layers, len(self.problem.interfaces)
         gases = sum(layer.kind == "fluid" for layer in layers)
-        record = step_record(interfaces, gases, entropy)
-        self.journal = np.zeros(CAPACITY, record)
-        journal = self.journal.view(np.float64).reshape(CAPACITY, -1)
-        latest = np.zeros(journal.shape[1] - 2)
-        self.latest = latest.view([(name, record[name]) for name in record.names[2:]])[0]
         told, notes = len(layers) * (SEEN + len(FRAME)), interfaces * steps.NOTES
         self._shared = np.zeros(told + notes + FLAGS + LIMITS)
         self._told = self._shared[:told].reshape(len(layers), -1)
         self._notes = self._shared[told:][:notes].reshape(interfaces, -1)
-        self.results, self.burst = self._shared[told + notes :], np.zeros(BURST)
+        self.results = self._shared[told + notes :]
+        journal, latest = self._lay_journal(step_record(interfaces, gases, entropy), CAPACITY)
         memory = self.results, self.burst, journal, latest, np.bool_(entropy)
-        self._plan_next = partial(plan_next, self.burst, self.results, journal, latest)
-        self._steps = Box(steps.Steps(self.layout.records, self._notes, *memory))
+        self._steps = Box(steps.Steps(self.records, self._notes, *memory))
 
     def compile(self, announce: Callable[[str], None]) -> None:
         """Compile the kernels: rank 0 first, with a state of its own; the others find them on the
         disk."""
         if self.comm.rank == 0:
-            with announced(announce), self._alike(MPI.COMM_SELF) as alone:
-                with np.errstate(all="ignore"):
-                    steps.batch(*alone._chain, alone._faces, alone._steps, 0.0)
-                    alone._plan_next()
-                    for layer in alone.layers:
-                        fields.saved(layer)
+            with announced(announce), PaperState(MPI.COMM_SELF, self.problem, self._opt) as alone:
+                steps.batch(*alone._chain, alone._faces, alone._steps, 0.0)
+                alone.plan_next()
+                alone.save()
         wait_asleep(self.comm)
 
     # data
@@ -154,14 +143,10 @@ class PaperState:
         If a function of the user's fails, here alone perhaps, the data stay as they are, the step
         goes on, and all ranks learn of it when it is complete: see ``fault``.
         """
-        try:
-            self._set_data(t)
-        except InputError as error:
-            self.fault = self.fault or error
-            self.results[SAID_STOP] = FAULT
+        self._guarded(lambda: self._set_data(t))
 
     def _set_data(self, t: float) -> None:
-        problem, records = self.problem, self.layout.records
+        problem, records = self.problem, self.records
         for k, side in ((0, 0), (len(records) - 1, 1)):
             values = given.end_data(problem, side, t)
             records[k]["end_data"][side, : len(values)] = values
@@ -169,21 +154,25 @@ class PaperState:
         if problem.jumps is not None:
             for k, interface in enumerate(self.interfaces):
                 interface.jump[:] = given.jumps(problem, k, t)
-        for layer in self.here:
-            if len(layer.forcing):
-                k = layer.number
-                X, active = self.layout.owned_X(k), self.active(k)
-                values = given.fields(problem.layers[k], "forcing", X, t, active)
-                layer.forcing[:] = np.stack(values, axis=-1)
+        for part in self.here:
+            if len(part.forcing):
+                values = given.fields(part.layer, "forcing", part.X, t, part.active)
+                part.forcing[:] = np.stack(values, axis=-1)
 
-    def active(self, k: int) -> slice:
-        """The active ones among this rank's points of layer k."""
-        record = self.layout.records[k]
-        own, begin, end = int(record["own_lo"]), int(record["lo"]), int(record["hi"]) + 1
-        return slice(max(begin - own, 0), max(end - own, 0))
+    def check_data(self) -> None:
+        """Fill the solution, not projected, with initial data, and ask for all else at t = 0.
 
-    #: ask for all data at the beginning
-    check_data = initial_data.set_data
+        InputError, on all ranks, where something is not what it must be.
+        """
+
+        def set_layers() -> list[dict[tuple[int, int], float]]:
+            return [part.set_initial(part.of(self._y)) for part in self.here]
+
+        found = self.comm.allgather(together(self.comm, set_layers))
+        ends = {end: x for mine in found for layer in mine for end, x in layer.items()}
+        given.check_ends(self.problem, ends, self.h)
+        self.set_data(0.0)
+        agree(self.comm, self.fault)
 
     def set_initial(self) -> None:
         """Initial data of all layers, projected. InputError where they are not what they must
@@ -196,7 +185,7 @@ class PaperState:
     @property
     def rates(self) -> Array:
         """(layers, 2): the largest rates of convection and diffusion [1/s] of each layer."""
-        return self.layout.records["rates"]
+        return self.records["rates"]
 
     @property
     def places(self) -> list[float]:
@@ -206,43 +195,35 @@ class PaperState:
     @property
     def points(self) -> int:
         """Active points of all layers."""
-        return sum(int(r["hi"] - r["lo"]) + 1 for r in self.layout.records)
+        return sum(int(r["hi"] - r["lo"]) + 1 for r in self.records)
 
     @property
     def reserve(self) -> int:
         """Points held in reserve."""
-        return sum(int(r["n"]) for r in self.layout.records) - self.points
+        return sum(int(r["n"]) for r in self.records) - self.points
 
-    def header(self) -> list[dict[str, Any]]:
-        """What a result file says of each layer."""
-        return [
-            {"name": v.name, "kind": v.kind, "fields": list(v.fields)} for v in self.problem.layers
-        ]
+    def header(self) -> dict[str, Any]:
+        """What a result file says of layers, and of points that are recorded: none."""
+        layers = self.problem.layers
+        about = [{"name": v.name, "kind": v.kind, "fields": list(v.fields)} for v in layers]
+        return {"layers": about, "points": ()}
 
     def grids(self) -> list[dict[str, Any]]:
         """What the writer must know of the points of each layer: see RunWriter."""
-        records = enumerate(self.layout.records)
-        return [
-            {"local": int(r["own_hi"] - r["own_lo"]), "n": int(r["n"]), "X": self.layout.owned_X(k)}
-            for k, r in records
-        ]
+        return [{"local": p.X.size, "n": int(p.record["n"]), "X": p.X} for p in self.layers]
 
     def save(self) -> dict[int, Array]:
         """What is saved of this rank's points, (local, 5) by layer."""
         return {layer.number: fields.saved(layer) for layer in self.here}
 
-    errors = fields.errors
-
-    def failure(self, t: float, step: int) -> str:
-        """What is wrong with a state that is not physical. Collective."""
-        return described(self, fields.seen(self), t, step)
+    errors, seen = fields.errors, fields.seen
 
     # steps
 
     def _load(self, y: Array) -> None:
         """Let the stage be this rank's part y."""
         for layer in self.here:
-            layer.owned[:] = self.layout.local(layer.number, y)
+            layer.owned[:] = layer.of(y)
 
     def _fulfil(self) -> None:
         """Let the stage fulfil all conditions but for ghost points, which are filled later."""
@@ -276,7 +257,7 @@ class PaperState:
 
     def _tell(self) -> None:
         """Let all ranks learn what each has seen: the largest number counts."""
-        told, records = self._told, self.layout.records
+        told, records = self._told, self.records
         told[:, :SEEN] = records["seen"]
         for c, name in enumerate(FRAME, SEEN):
             told[:, c] = records[name]
@@ -297,15 +278,15 @@ class PaperState:
         """A step dt [s] of the classical Runge-Kutta method from the completed solution at t [s],
         and its completion.
 
-        steady: the data do not depend on time; then further steps follow as the burst allows, by
-        itself none, and on one rank they are one compiled call.
+        Further steps follow as the burst allows, by itself none; steady: the data do not depend on
+        time, and on one rank all are one compiled call.
         """
         if steady and self.comm.size == 1:
             steps.batch(*self._chain, self._faces, self._steps, dt)
             self.evaluations += steps.STAGES * max(1, int(self.burst[MADE]))
             return
         self._step(t, dt, steady)
-        while steady and self._plan_next():
+        while self.plan_next():
             self._step(t, self.burst[DT], steady)
 
     def _step(self, t: float, dt: float, steady: bool) -> None:
@@ -323,15 +304,41 @@ class PaperState:
 
     # checkpoints
 
-    capture = snapshot.capture
+    def _pieces(self, rank: int) -> Iterator[tuple[int, slice, int, tuple[int, int]]]:
+        """What a rank has of the solution: layer, place in it, beginning, shape."""
+        at = 0
+        for k, share in enumerate(self.shares):
+            for _, begin, end in (piece for piece in share if piece[0] == rank):
+                yield k, slice(begin, end), at, (end - begin, self._dof[k])
+                at += self._dof[k] * (end - begin)
+
+    def capture(self) -> dict[str, Array] | None:
+        """What a step depends on, on rank 0: whole layers, where their grids lie and how they move,
+        and the results of the last step. Collective."""
+        parts = gather_local(self.comm, self._y)
+        if parts is None:
+            return None
+        shapes = zip(self.records["n"].tolist(), self._dof, strict=True)
+        grids = np.stack([self.records[name] for name in GRID], axis=-1)
+        frames = {name: self.records[name].copy() for name in FRAME[2:]}
+        noted = {"results": self.results.copy(), "latest": as_numbers(self.latest).copy()}
+        return {**whole(parts, shapes, self._pieces), "grids": grids, **frames, **noted}
 
     def restore(self, arrays: Mapping[str, Array], t: float) -> None:
-        """Be at time t [s] what arrays, known on all ranks, tell of. InputError."""
-        snapshot.put_grids(self.layout, arrays)
-        self.results[:], snapshot.as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
+        """Be at time t [s] what arrays, known on all ranks, tell of. InputError: other grids."""
+        grids = arrays["grids"].tolist()
+        for layer, record, (n, lo, hi) in zip(self.problem.layers, self.records, grids):
+            if n != record["n"] or not 0 <= lo < hi < n:
+                raise InputError(
+                    f"layer '{layer.name}' has {record['n']} points, and {n} in the checkpoint"
+                )
+            record["lo"], record["hi"] = lo, hi
+        for name in FRAME[2:]:
+            self.records[name] = arrays[name]
+        self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
         self.set_data(t)
         agree(self.comm, self.fault)
-        snapshot.put(self.layout, self._y, arrays)
+        put_whole(self._y, arrays, self._pieces(self.comm.rank))
         self._load(self._y)  # which is completed: it fulfils the conditions
         for layer in self.here:
             layer.fill_halos()
@@ -341,55 +348,3 @@ class PaperState:
         for part in (*self.interfaces, *self.layers):
             part.destroy()
         self.solution.destroy()
-        self.layout.destroy()
-
-    def __enter__(self) -> PaperState:
-        return self
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        """Destroy it, unless this rank may be alone with an error: the others would not meet it
-        there."""
-        together_here = isinstance(error, FsiError) and error.collective
-        if error is None or self.comm.size == 1 or together_here:
-            self.destroy()
-
-
-#: what the paper's method has of options that choose between methods
-_WITHOUT = {
-    "fsi_mapping": ("auto", "rigid"),
-    "fsi_dissipation": (0.0, -1.0),
-    "fsi_shock": (0.0,),
-    "fsi_convection": ("auto", "divergence"),
-}
-#: methods that appear in PETSc's log, as "fsi NAME"
-_EVENTS = {
-    "step": "step",
-    "right_hand_side": "rates",
-    "finish": "complete",
-    "set_initial": "initial",
-}
-
-
-def make_paper_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -> PaperState:
-    """The state that the options in force ask for; with -log_view its work appears in PETSc's log.
-
-    Collective. InputError for what the paper's method has not.
-    """
-    for name, without in _WITHOUT.items():
-        if opt[name] not in without:
-            raise InputError(
-                f"-{name} {opt[name]}: -fsi_coupling {opt['fsi_coupling']} has none: "
-                "take -fsi_coupling conservative"
-            )
-    names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_partition")
-    entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])
-    state = PaperState(
-        comm,
-        problem,
-        *(opt[name] for name in names),
-        entropy=entropy,
-        narrow=opt["fsi_viscous"] == "narrow",
-    )
-    for method, name in _EVENTS.items():
-        setattr(state, method, logged(f"fsi {name}", getattr(state, method)))
-    return state

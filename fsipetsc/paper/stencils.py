@@ -105,32 +105,6 @@ def weight(op, r):
 
 
 @njit(**INNER)
-def derivative_at(op, q, c, i, A, B):
-    """h D q[:, c] at the point i."""
-    total = 0.0
-    if i - A < op.rows:
-        for k in range(op.columns):
-            total += op.closure[i - A, k] * q[A + k, c]
-    elif B - i < op.rows:
-        for k in range(op.columns):
-            total -= op.closure[B - i, k] * q[B - k, c]
-    else:
-        for k in range(1, op.p + 1):
-            total += op.interior[k - 1] * (q[i + k, c] - q[i - k, c])
-    return total
-
-
-@njit(**CALL)
-def derivative_of(ops, layers, q, c, out):
-    """out = h D q[:, c] at the points that a rank owns; q: (points with halos, unknowns)."""
-    layer = layers[0]
-    origin = layer.own_lo - layer.halo_lo
-    for k in range(len(out)):
-        at = k + layer.halo_lo
-        out[k] = derivative_at(ops[0], q, c, at, layer.lo - origin, layer.hi - origin)
-
-
-@njit(**INNER)
 def lagrange(delta, degree, weights, slopes):
     """Lagrange weights and their derivatives at delta for the nodes 0, 1, ..., degree.
 

@@ -20,8 +20,8 @@ from fsipetsc.paper.stencils import CALL, INNER, OLD, U
 from fsipetsc.scheme.burst import DT, plan_next
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, SAID_STOP, STOP, TOO_SHORT
 
-#: of the method
-STAGES = 4
+#: of the method; the number of a stage of which only the rates are wanted
+STAGES, RATES_ALONE = 4, -1
 #: numbers of an interface that are noted
 NOTES = 8
 #: sides of an interface
@@ -103,22 +103,12 @@ def fill(of):
 # stages
 
 
-@njit(**CALL)
-def gas_rates(of):
-    """k of a gas that fulfils all conditions."""
-    rates.gas_rates(of.ops[0], of.law, of.layers[0], of.local, of.forcing, of.scratch, of.k)
-
-
-@njit(**CALL)
-def solid_rates(of):
-    """k of a solid that fulfils all conditions."""
-    rates.elastic_rates(of.ops[0], of.law, of.layers[0], of.local, of.forcing, of.scratch, of.k)
-
-
 @njit(**INNER)
 def advance(of, number, dt):
     """What a stage of the classical method does with its rates k: the next stage, and the sum that
     becomes the solution."""
+    if number == RATES_ALONE:
+        return
     y, k, stage, total = of.y.ravel(), of.k.ravel(), of.owned.ravel(), of.total.ravel()
     a = dt if number == 2 else 0.5 * dt
     b = dt / 3.0 if 0 < number < 3 else dt / 6.0
@@ -133,19 +123,20 @@ def advance(of, number, dt):
 
 @njit(**CALL)
 def gas_stage(of, number, dt):
-    """A stage; of the first one, which is the completed solution, the ghost point is filled."""
+    """A stage, which fulfils the conditions, but for the ghost point: that of the first one, which
+    is the completed solution, is filled."""
     if of is None:
         return
-    if number > 0:
+    if number != 0:
         fill(of)
-    gas_rates(of)
+    rates.gas_rates(of.ops[0], of.law, of.layers[0], of.local, of.forcing, of.scratch, of.k)
     advance(of, number, dt)
 
 
 @njit(**CALL)
 def solid_stage(of, number, dt):
     """The same of a solid."""
-    solid_rates(of)
+    rates.elastic_rates(of.ops[0], of.law, of.layers[0], of.local, of.forcing, of.scratch, of.k)
     advance(of, number, dt)
 
 
@@ -179,8 +170,14 @@ def complete_gas(of, steps):
 @njit(**CALL)
 def complete_solid(of, steps):
     """Look at the points."""
-    sums.look_at_solid(of.ops[0], of.law, of.layers[0], of.local, steps.entropy)
+    sums.look_at_solid(of.ops[0], of.law, of.layers[0], of.local, of.scratch, steps.entropy)
     keep(of)
+
+
+@njit(**CALL)
+def stretch(of, out):
+    """out = h x_X of a solid, at this rank's points with halos."""
+    sums.slopes(of.ops[0], of.layers[0], of.local, sums.PLACE, of.scratch[0], out)
 
 
 @njit(**CALL)
@@ -223,14 +220,10 @@ def finish(left, solid, right, steps):
             latest[at] = records[k].shares[0]
             at += 1
     for c in range(1, sums.SHARES):
-        if at == latest.size:
-            return  # entropy and heating are not wanted
-        latest[at] = 0.0
-        for k in range(len(records)):
-            latest[at] += records[k].shares[c]
-        at += 1
-        if c == 3:
-            latest[at] = 0.0  # the impulse of ends: none has been given its velocity by one
+        if at < latest.size:  # entropy and heating are not always wanted
+            latest[at] = 0.0
+            for k in range(len(records)):
+                latest[at] += records[k].shares[c]
             at += 1
 
 

@@ -6,7 +6,8 @@ the strip between an embedded boundary and its ghost point does not count.
 
     layer.seen      gas     largest |u-s| + c, -rho, -T, T
                     solid   largest -x_X, -sigma, -T, T;        both: 1 if a number is not finite
-    layer.shares    mass [kg/m2], energy [J/m2], momentum, force on the outer end [Pa], entropy,
+    layer.shares    mass [kg/m2], energy [J/m2], momentum, force on the outer end [Pa], impulse that
+                    gives an end its velocity (0: there is none), entropy,
                     heating by stress over T [W/(m2 K)]: this rank's
 """
 
@@ -17,36 +18,28 @@ from numba import njit
 
 from fsipetsc.boundaries import INTERFACE_END, WALL
 from fsipetsc.paper.ends import beyond_boundary, gradient_values
-from fsipetsc.paper.rates import outer_side
-from fsipetsc.paper.stencils import INNER, PLACE, VELOCITY, derivative_at, lagrange, weight
+from fsipetsc.paper.rates import outer_side, own_range
+from fsipetsc.paper.stencils import INNER, derivative, lagrange, weight
 
 #: numbers of a layer that are seen, and shares
-SEEN, SHARES = 5, 6
-#: a degree, as no literal
-CUBIC = np.int64(3)
+SEEN, SHARES = 5, 7
+#: a degree and unknowns of a solid, as no literals
+CUBIC, VELOCITY, PLACE = np.int64(3), np.int64(0), np.int64(3)
 
 
 @njit(**INNER)
-def owned(layer):
-    """(first, end, origin): the active points that this rank owns are first .. end-1, and its
-    first one with its halo is ``origin``."""
-    first = max(layer.own_lo, layer.lo)
-    return first, max(first, min(layer.own_hi, layer.hi + 1)), layer.own_lo - layer.halo_lo
+def norm_weight(op, A, B, i):
+    """Of the active point i."""
+    return weight(op, min(i - A, B - i))
 
 
 @njit(**INNER)
-def forget(layer):
-    """Start to look at a layer."""
-    for c in range(SEEN):
-        layer.seen[c] = -np.inf
-    for c in range(SHARES):
-        layer.shares[c] = 0.0
-
-
-@njit(**INNER)
-def norm_weight(op, layer, i):
-    """Of an active point."""
-    return weight(op, min(i - layer.lo, layer.hi - i))
+def slopes(op, layer, q, c, row, out):
+    """out = h D q[:, c] at the active points that a rank owns; row: scratch."""
+    a, b, A, B = own_range(layer)
+    for i in range(len(q)):
+        row[i] = q[i, c]
+    derivative(op, row, out, a, b, A, B, 1.0)
 
 
 @njit(**INNER)
@@ -66,34 +59,33 @@ def strip_weight(delta, k):
 @njit(**INNER)
 def look_at_gas(op, gas, layer, q, entropy):
     """Extremes and shares. q: (points with halos, 3); entropy: whether it is wanted."""
-    forget(layer)
-    first, end, origin = owned(layer)
+    a, b, A, B = own_range(layer)
     side, finite, shares = outer_side(layer), 0.0, layer.shares
-    strip, ghost = beyond_boundary(layer, side), (layer.lo if side == 0 else layer.hi)
+    strip, ghost = beyond_boundary(layer, side), (A if side == 0 else B)
     fastest, thinnest, coldest, hottest = -np.inf, -np.inf, -np.inf, -np.inf
     mass, momentum, energy, entropy_of = 0.0, 0.0, 0.0, 0.0
-    for i in range(first, end):
-        rho, m, e = q[i - origin, 0], q[i - origin, 1], q[i - origin, 2]
+    for i in range(a, b):
+        rho, m, e = q[i, 0], q[i, 1], q[i, 2]
         u, T = gas.velocity_and_temperature(rho, m, e)
         speed = abs(u - layer.s) + np.sqrt(gas.law.sound_speed_squared(rho, T))
         fastest, thinnest = max(fastest, speed), max(thinnest, -rho)
         coldest, hottest = max(coldest, -T), max(hottest, T)
         finite += rho + m + e + T + speed
-        a = norm_weight(op, layer, i)
+        w = norm_weight(op, A, B, i)
         if abs(i - ghost) < 4:
-            a -= strip_weight(strip, abs(i - ghost))
-        mass += a * rho
-        momentum += a * m
-        energy += a * e
+            w -= strip_weight(strip, abs(i - ghost))
+        mass += w * rho
+        momentum += w * m
+        energy += w * e
         if entropy:
-            entropy_of += a * rho * gas.law.entropy(rho, T)
+            entropy_of += w * rho * gas.law.entropy(rho, T)
     seen, h = layer.seen, layer.h
     seen[0], seen[1], seen[2], seen[3] = fastest, thinnest, coldest, hottest
     seen[4] = 0.0 if np.isfinite(finite) else 1.0
-    shares[0], shares[1], shares[2], shares[4] = h * mass, h * energy, h * momentum, h * entropy_of
+    shares[0], shares[1], shares[2], shares[5] = h * mass, h * energy, h * momentum, h * entropy_of
     shares[3] = gas.force * shares[0]
-    if first <= ghost < end:
-        shares[3] += boundary_force(gas, layer, q, side, ghost - origin)
+    if a <= ghost < b:
+        shares[3] += boundary_force(gas, layer, q, side, ghost)
 
 
 @njit(**INNER)
@@ -115,42 +107,42 @@ def boundary_force(gas, layer, q, side, ghost):
 
 
 @njit(**INNER)
-def look_at_solid(op, solid, layer, q, entropy):
+def look_at_solid(op, solid, layer, q, scratch, entropy):
     """Extremes and shares. q: (points with halos, 4); entropy: whether it and heating are
     wanted."""
-    forget(layer)
-    first, end, origin = owned(layer)
+    a, b, A, B = own_range(layer)
+    h_x_X, h_u_X, per_h = scratch[1], scratch[2], 1.0 / layer.h
+    slopes(op, layer, q, PLACE, scratch[0], h_x_X)
+    if entropy:
+        slopes(op, layer, q, VELOCITY, scratch[0], h_u_X)
     shortest, pulled, coldest, hottest = -np.inf, -np.inf, -np.inf, -np.inf
     mass, momentum, kinetic, heat, entropy_of, heating = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    finite, A, B, per_h = 0.0, layer.lo - origin, layer.hi - origin, 1.0 / layer.h
-    for i in range(first - origin, end - origin):
-        u, sigma, T, a = q[i, 0], q[i, 1], q[i, 2], norm_weight(op, layer, i + origin)
+    finite, force = 0.0, 0.0
+    for i in range(a, b):
+        u, sigma, T, w = q[i, 0], q[i, 1], q[i, 2], norm_weight(op, A, B, i)
         if i > A:
             x_X = (q[i, 3] - q[i - 1, 3]) * per_h
             shortest = max(shortest, -x_X)
             finite += x_X
         pulled, coldest, hottest = max(pulled, -sigma), max(coldest, -T), max(hottest, T)
         finite += u + u * u + sigma + T
-        mass += a
-        momentum += a * u
-        kinetic += 0.5 * a * u * u
-        heat += a * T
+        mass += w
+        momentum += w * u
+        kinetic += 0.5 * w * u * u
+        heat += w * T
+        net = sigma - solid.pressure(T, per_h * h_x_X[i])
         if entropy:
-            x_X = per_h * derivative_at(op, q, PLACE, i, A, B)
-            u_X = per_h * derivative_at(op, q, VELOCITY, i, A, B)
-            entropy_of += a * np.log(T)
-            heating += a * (sigma - solid.pressure(T, x_X)) * u_X / T
-        if (i == A and layer.end_kind[0] != INTERFACE_END) or (
-            i == B and layer.end_kind[1] != INTERFACE_END
-        ):  # n (sigma - p)
-            n, x_X = (-1.0 if i == A else 1.0), per_h * derivative_at(op, q, PLACE, i, A, B)
-            layer.shares[3] += n * (sigma - solid.pressure(T, x_X))
+            entropy_of += w * np.log(T)
+            heating += w * net * (per_h * h_u_X[i]) / T
+        for side in range(2):
+            if i == (A, B)[side] and layer.end_kind[side] != INTERFACE_END:
+                force += (2.0 * side - 1.0) * net
     seen, shares, m0_h, capacity = layer.seen, layer.shares, solid.m0 * layer.h, solid.alpha
     seen[0], seen[1], seen[2], seen[3] = shortest, pulled, coldest, hottest
     seen[4] = 0.0 if np.isfinite(finite) else 1.0
     shares[1], shares[2] = m0_h * (kinetic + capacity * heat), m0_h * momentum
-    shares[3] += solid.force * m0_h * mass
-    shares[4], shares[5] = m0_h * capacity * entropy_of, layer.h * heating
+    shares[3] = force + solid.force * m0_h * mass
+    shares[5], shares[6] = m0_h * capacity * entropy_of, layer.h * heating
 
 
 # bounds on the step, from what all ranks have seen

@@ -16,21 +16,19 @@ from petsc4py import PETSc
 from fsipetsc.blockrun.columns import point_names
 from fsipetsc.errors import clear_frames
 from fsipetsc.process.together import agree
-from fsipetsc.scheme.burst import LONGEST, MADE, SHORTEST, TIME
+from fsipetsc.scheme.burst import LONGEST, MADE, NEXT, SHORTEST, TIME
 from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP, shares
-from fsipetsc.scheme.time_step import longest_step
+from fsipetsc.scheme.time_step import longest_step, next_step
 from fsipetsc.stepping import verdicts
-from fsipetsc.stepping.output_times import OutputTimes
 from fsipetsc.stepping.pauses import Pauses
 from fsipetsc.stepping.phases import logged
-from fsipetsc.stepping.snapshot import as_numbers
 from fsipetsc.stepping.state import FAULT, State
 
 #: the value of -ts_type that stands for the project's own method
 FUSED = "fused"
 #: flags and limits of all ranks end here
 LAST = STOP + 1
-#: with -fsi_check: steps after which conservation is looked at
+#: with -fsi_check: steps after which they are taken, and conservation is looked at
 CHECKED = 256
 #: points (of all ranks, spare ones too) times steps in one call, so that a signal need not wait
 MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}
@@ -49,73 +47,13 @@ def _nothing(*arguments: object) -> None:
     """A hook that nobody asks for."""
 
 
-class FusedRK4:
-    """Context of a TS of type python: the classical Runge-Kutta method, in compiled code.
-
-    What is one step for TS is a burst of them where nobody looks at single ones (BURST); the
-    hook after the step gives TS the time and the number of steps.
-    """
-
-    def __init__(self, state: State) -> None:
-        self._state, self._steady = state, state.problem.steady_data
-
-    def step(self, ts: PETSc.TS) -> None:
-        """A step of the length that is set, and those that follow in its burst. Collective."""
-        t, dt = ts.getTime(), ts.getTimeStep()
-        self._state.step(t, dt, self._steady)
-        self._state.solution.stateIncrease()
-        ts.setTime(t + dt)
-
-
-class Series:
-    """Records of this rank's steps in the state's journal; integrals are shares until
-    ``add_up``.
-    """
-
-    def __init__(self, state: State) -> None:
-        self._state = state
-        record = state.journal.dtype
-        self._first = record.fields[shares(record)[0]][1] // 8  # where shares begin
-        self.count = self._added = 0
-
-    @property
-    def room(self) -> int:
-        """How many steps may be made before they must be taken."""
-        return len(self._state.journal) - self.count
-
-    def write(self, t: float, dt: float) -> None:
-        """Put a step into the journal: time and step [s], with the state's results."""
-        journal = self._state.journal
-        row = journal.view(np.float64).reshape(len(journal), -1)[self.count]
-        row[0], row[1], row[2:] = t, dt, as_numbers(self._state.latest)
-
-    def add_up(self, comm: MPI.Comm) -> np.ndarray:
-        """The steps since the last time, on rank 0 with sums over ranks. Collective.
-
-        Not copied: once they are taken, the next steps overwrite them.
-        """
-        steps, self._added = self._state.journal[self._added : self.count], self.count
-        if comm.size > 1:
-            own = steps.view(np.float64).reshape(-1, steps.itemsize // 8)[:, self._first :]
-            sums = own.copy()
-            comm.Reduce(MPI.IN_PLACE if comm.rank == 0 else sums, sums, MPI.SUM, 0)
-            own[:] = sums
-        return steps
-
-    def take(self, comm: MPI.Comm) -> np.ndarray:
-        """Likewise all that are in the journal, which is free again. Collective."""
-        self.add_up(comm)
-        steps, self.count, self._added = self._state.journal[: self.count], 0, 0
-        return steps
-
-
 class Integrator:
     """Integrates a state in time; all methods are collective.
 
     opt: options in force. saved: times [s] at which ``on_frame(t)`` is called. Other hooks:
-    ``on_series()`` when the series must be taken, ``on_step(steps, t, dt)`` after every burst of
-    steps, ``on_check()`` every CHECKED steps with -fsi_check, ``on_checkpoint()`` when a checkpoint
-    is due (stepping.pauses).
+    ``on_series()`` when the records of steps must be taken (``take_series``), with -fsi_check every
+    CHECKED steps; ``on_step(steps, t, dt)`` after every burst of steps; ``on_checkpoint()`` when a
+    checkpoint is due (stepping.pauses).
     """
 
     def __init__(
@@ -124,24 +62,24 @@ class Integrator:
         opt: Mapping[str, Any],
         saved: list[float],
         on_frame: Callable[[float], object] = _nothing,
-        on_series: Callable[[], object] = _nothing,
+        on_series: Callable[[], object] | None = None,
         on_step: Callable[[int, float, float], object] = _nothing,
-        on_check: Callable[[], object] = _nothing,
         on_checkpoint: Callable[[], object] = _nothing,
     ) -> None:
-        self.state, self.opt, self.series = state, opt, Series(state)
-        self._on_frame, self._on_series, self._on_step = on_frame, on_series, on_step
-        self._on_check, self._on_checkpoint = on_check, on_checkpoint
+        self.state, self.opt = state, opt
+        self._on_frame, self._on_series = on_frame, on_series or self.take_series
+        self._on_step, self._on_checkpoint = on_step, on_checkpoint
+        self._recorded = 0  # steps in the journal
         self._next_check = CHECKED if opt["fsi_check"] else np.inf
         self.pauses = Pauses(opt, state.comm.rank == 0)
-        self._times = OutputTimes(saved)
+        self._targets = sorted(saved, reverse=True)  # times that are still to be hit
         self._steady = state.problem.steady_data
         self.steps, self.t, self.dt_range = 0, 0.0, [np.inf, 0.0]
         self.wall_time = self._begun = 0.0
         self.before = 0, 0.0  # steps and wall time [s] of the parts of the run before this one
         self.stop_signal = 0
         self._fused = opt["ts_type"] == FUSED
-        self.burst_limit = 0  # most steps in one go; 0: they are made one by one, stage by stage
+        self.burst_limit = 1  # most steps in one go
         if self._fused and self._steady:
             most = MOST_POINTS[state.problem.dimension] // (state.points + state.reserve)
             watched = any(PETSc.Options().hasName(name) for name in ("ts_monitor", "log_view"))
@@ -151,20 +89,22 @@ class Integrator:
         self.beyond = ""  # what is to be said of steps that are too long
 
     @property
-    def evaluations(self) -> int:
-        """Of the right-hand side, in steps that were made anew, too."""
-        return self.state.evaluations
-
-    @property
     def complete(self) -> bool:
         """The end time is reached."""
-        return self._times.done
+        return not self._targets
 
     @property
     def _ended(self) -> bool:
         return self.complete or bool(self.stop_signal) or self.steps >= self.opt["ts_max_steps"]
 
     # begin and end
+
+    def _pass(self, t: float) -> bool:
+        """Note that the time t [s] is reached; True if it is one to be saved."""
+        before = len(self._targets)
+        while self._targets and self._targets[-1] <= t:
+            self._targets.pop()
+        return len(self._targets) < before
 
     def start(self) -> None:
         """Set the initial data and save the first frame."""
@@ -180,14 +120,14 @@ class Integrator:
         sums = {name: state.comm.allreduce(state.latest[name]) for name in names}
         self.initial = {name: value.tolist() for name, value in sums.items()}
         self.beyond = verdicts.beyond_bound(state, self.opt)
-        self._times.pass_time(self.t)
+        self._pass(self.t)
         self._on_frame(self.t)
 
     def memory(self) -> dict[str, Any]:
         """What ``resume`` needs beside the state; as JSON holds it."""
         kept = {name: getattr(self, name) for name in KEPT}
         wall_time = self.wall_time + (time.perf_counter() - self._begun)
-        return {**kept, "wall_time": wall_time, "evaluations": self.evaluations}
+        return {**kept, "wall_time": wall_time, "evaluations": self.state.evaluations}
 
     def resume(self, memory: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
         """Be where ``memory`` and ``state.capture()`` told of: then the same steps follow.
@@ -200,7 +140,21 @@ class Integrator:
         self.before = self.steps, self.wall_time
         state.evaluations = memory["evaluations"]
         state.restore(arrays, self.t)
-        self._times.pass_time(self.t)
+        self._pass(self.t)
+
+    def take_series(self) -> np.ndarray:
+        """The records of steps since the last time, on rank 0 with sums over ranks.
+
+        Not copied: once they are taken, the next steps overwrite them.
+        """
+        comm, steps, self._recorded = self.state.comm, self.state.journal[: self._recorded], 0
+        if comm.size > 1 and len(steps):
+            first = steps.dtype.fields[shares(steps.dtype)[0]][1] // 8  # where shares begin
+            own = steps.view(np.float64).reshape(len(steps), -1)[:, first:]
+            sums = own.copy()
+            comm.Reduce(MPI.IN_PLACE if comm.rank == 0 else sums, sums, MPI.SUM, 0)
+            own[:] = sums
+        return steps
 
     def run(self) -> None:
         """Integrate to the end, a signal, or a failure, which is raised with the series
@@ -241,7 +195,7 @@ class Integrator:
         ts.setProblemType(PETSc.TS.ProblemType.NONLINEAR)
         if self._fused:
             ts.setType(PETSc.TS.Type.PYTHON)
-            ts.setPythonContext(FusedRK4(self.state))
+            ts.setPythonContext(self)
         else:
             ts.setType(opt["ts_type"])
             ts.setRHSFunction(self._right_hand_side, rates)
@@ -252,12 +206,21 @@ class Integrator:
             PETSc.Options().setValue("ts_type", "python")
         ts.setFromOptions()
         PETSc.Options().setValue("ts_type", opt["ts_type"])
-        # OutputTimes alone says when to stop: the sum of the steps may miss the end by round-off
+        # the targets alone say when to stop: the sum of the steps may miss the end by round-off
         ts.setMaxTime(1e300)
         ts.setMaxSteps(np.iinfo(np.int32).max)
         return ts
 
     # what TS calls
+
+    def step(self, ts: PETSc.TS) -> None:
+        """A step, as a TS of type python asks for it: the classical Runge-Kutta method, in compiled
+        code, and further steps as the burst allows, which are one for TS.
+        """
+        t, dt = ts.getTime(), ts.getTimeStep()
+        self.state.step(t, dt, self._steady)
+        self.state.solution.stateIncrease()
+        ts.setTime(t + dt)  # the hook corrects it, and the number of steps
 
     def _right_hand_side(self, ts: PETSc.TS, t: float, Y: PETSc.Vec, F: PETSc.Vec) -> None:
         if not self._steady:
@@ -274,15 +237,15 @@ class Integrator:
     def _after_step(self, ts: PETSc.TS) -> None:
         made = self._note_steps(ts)
         flags = self.state.results[:LAST].tolist()
-        self.series.count += made - 1  # the last one only if it is sound
+        self._recorded += made - 1  # the last one only if it is sound
         verdicts.check(self.state, self.t, self.steps, flags, self.opt, self.beyond)
-        self.series.count += 1
+        self._recorded += 1
         if self.steps >= self._next_check:
             self._next_check = self.steps + CHECKED
-            self._on_check()
-        if not self.series.room:
             self._on_series()
-        if self._times.pass_time(self.t):
+        elif self._recorded == len(self.state.journal):
+            self._on_series()
+        if self._pass(self.t):
             self._on_frame(self.t)
         self.stop_signal = int(flags[STOP])
         if self.pauses.due(self.steps, flags[STOP], self._ended):
@@ -297,15 +260,12 @@ class Integrator:
 
     def _note_steps(self, ts: PETSc.TS) -> int:
         """Time, number and length of the steps just made; how many they are."""
-        if self.burst_limit:
-            t, made, *steps = self.state.burst[[TIME, MADE, SHORTEST, LONGEST]].tolist()
-        else:
-            t, made, steps = self._target, 1, [self._step] * 2
-            if not self._fused:
-                if not self._steady:
-                    self.state.set_data(t)
-                self.state.finish()
-            self.series.write(t, self._step)
+        if not self._fused:
+            if not self._steady:
+                self.state.set_data(float(self.state.burst[NEXT]))
+            self.state.finish()
+            self.state.plan_next()
+        t, made, *steps = self.state.burst[[TIME, MADE, SHORTEST, LONGEST]].tolist()
         if self.state.results[STOP] >= FAULT:  # the step was made with data that are wrong
             agree(self.state.comm, self.state.fault)
         self.t, self.steps = t, self.steps + int(made)
@@ -316,14 +276,14 @@ class Integrator:
         return int(made)
 
     def _plan_step(self, ts: PETSc.TS) -> None:
-        opt, state, series = self.opt, self.state, self.series
+        opt, state, target = self.opt, self.state, self._targets[-1]
         courant, fixed = opt["fsi_cfl"], opt["ts_dt"] or 0.0
         bound = longest_step(courant, fixed, float(state.results[RATE]))
-        self._step, self._target = self._times.step(self.t, bound)
+        step, after = next_step(self.t, target, bound)
         state.results[SAID_STOP] = self.pauses.word() if state.fault is None else FAULT
-        ts.setTimeStep(self._step)
-        if self.burst_limit:
-            most = min(self.burst_limit, opt["ts_max_steps"] - self.steps, series.room)
-            allowed = self.pauses.allowed(self.steps, most)
-            times = self.t, self._step, self._target, self._times.target
-            state.burst[:] = *times, courant, fixed, allowed, 0, np.inf, 0.0, series.count
+        ts.setTimeStep(step)
+        room = len(state.journal) - self._recorded
+        most = min(self.burst_limit, opt["ts_max_steps"] - self.steps, room)
+        times = self.t, step, after, target, courant, fixed
+        allowed = self.pauses.allowed(self.steps, most)
+        state.burst[:] = *times, allowed, 0, np.inf, 0.0, self._recorded

@@ -9,6 +9,9 @@ import numpy as np
 
 from fsipetsc.scheme.conservation_check import Drifts
 
+#: what a checkpoint keeps as it is
+KEPT = "steps", "departures", "J_error", "lost", "energies"
+
 
 class Ledgers:
     """The largest departures of a problem's invariants, on rank 0, as records of steps come.
@@ -28,10 +31,10 @@ class Ledgers:
     ) -> None:
         self._invariants, self._tolerance, self._unit = invariants, tolerance, unit
         self._drifts: Drifts | None = None
-        self._steps = 0
+        self.steps = 0
         self.departures: dict[str, float] = {}
         self.J_error = self.lost = 0.0
-        self._lost, self._held = 0.0, 0.0  # of that energy [J]: the lost sum, the most there was
+        self.energies = [0.0, 0.0]  # of that energy [J]: the lost sum, the most there was
         self.fault: str | None = None
 
     def begin(self, initial: Mapping[str, Any]) -> None:
@@ -55,15 +58,15 @@ class Ledgers:
                 self.departures[name] = float(largest)
             if self._tolerance is not None and self.fault is None:
                 self.fault = self._first_beyond(found, steps["t"])
-        self._steps += len(steps)
+        self.steps += len(steps)
 
     def _note_lost(self, lost: np.ndarray, energy: np.ndarray) -> None:
         """What some more steps have lost of an energy."""
-        sums = self._lost + np.cumsum(lost)
-        self._lost = float(sums[-1])
-        self._held = float(np.maximum(self._held, np.abs(energy).max()))
-        if self._held != 0.0:
-            self.lost = float(np.maximum(self.lost, np.abs(sums).max() / self._held))
+        sums = self.energies[0] + np.cumsum(lost)
+        most = float(np.maximum(self.energies[1], np.abs(energy).max()))
+        self.energies = [float(sums[-1]), most]
+        if most != 0.0:
+            self.lost = float(np.maximum(self.lost, np.abs(sums).max() / most))
 
     def _first_beyond(self, found: Mapping[str, np.ndarray], t: np.ndarray) -> str | None:
         """The first step, and the law, with a departure beyond the tolerance."""
@@ -75,16 +78,14 @@ class Ledgers:
         if not first:
             return None
         step, name = min(first, key=lambda entry: entry[0])
-        when = f"t = {t[step]:.6g}{self._unit}, step {self._steps + step + 1}"
+        when = f"t = {t[step]:.6g}{self._unit}, step {self.steps + step + 1}"
         return f"{name} has drifted by {found[name][step]:.3g} (relative) at {when}"
 
     def memory(self) -> dict[str, Any] | None:
         """What ``recall`` takes, as JSON has it."""
         if self._drifts is None:
             return None
-        kept = {"steps": self._steps, "departures": dict(self.departures), "J_error": self.J_error}
-        lost = {"lost": self.lost, "energies": [self._lost, self._held]}
-        return {"drifts": self._drifts.memory(), **kept, **lost}
+        return {"drifts": self._drifts.memory(), **{name: getattr(self, name) for name in KEPT}}
 
     def recall(self, memory: Mapping[str, Any] | None, initial: Mapping[str, Any]) -> None:
         """Go on behind the steps of which ``memory`` tells; without it nothing is known of them."""
@@ -92,6 +93,5 @@ class Ledgers:
             return
         self._drifts = Drifts(self._invariants, initial)
         self._drifts.recall(memory["drifts"])
-        self._steps, self.J_error = memory["steps"], memory["J_error"]
-        self.lost, (self._lost, self._held) = memory["lost"], memory["energies"]
-        self.departures = dict(memory["departures"])
+        for name in KEPT:
+            setattr(self, name, memory[name])

@@ -1,4 +1,4 @@
-"""The times that must be hit exactly, and which step comes next."""
+"""The times at which profiles are saved, which steps hit exactly."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 
 from fsipetsc.errors import InputError
-from fsipetsc.scheme.time_step import next_step
 
 #: profiles of a run
 MOST = 10_000_000
@@ -32,31 +31,3 @@ def saved_times(
         count = math.floor(t_end / interval * (1 + 1e-12))
         saved.update(min(k * interval, t_end) for k in range(count + 1))
     return sorted({*saved, t_end})
-
-
-class OutputTimes:
-    """Hands out steps so that every target is the end of a step, without a tiny step before it."""
-
-    def __init__(self, targets: Sequence[float]) -> None:
-        self._targets, self._next = sorted(targets), 0
-
-    def pass_time(self, t: float) -> bool:
-        """Note that the time t [s] is reached; True if it is a target."""
-        before = self._next
-        while not self.done and self.target <= t:
-            self._next += 1
-        return self._next > before
-
-    @property
-    def done(self) -> bool:
-        """All targets are reached."""
-        return self._next == len(self._targets)
-
-    @property
-    def target(self) -> float:
-        """The next time [s] that must be hit."""
-        return self._targets[self._next]
-
-    def step(self, t: float, bound: float) -> tuple[float, float]:
-        """(step, time after it) [s]: at most ``bound``; two equal ones lead to a near target."""
-        return next_step(t, self.target, bound)

@@ -19,30 +19,20 @@ class Phases:
 
     def __init__(self) -> None:
         self.seconds = {SET_UP: 0.0, LOOP: 0.0, OUTPUT: 0.0}
-        self._open: list[str] = []
-        self._since = 0.0
+        self.begun = time.perf_counter()
         logs = PETSc.Log.isActive()
         self._stages = {name: PETSc.Log.Stage(name) for name in self.seconds if logs}
 
     @contextmanager
     def __call__(self, name: str) -> Iterator[None]:
-        """Spend the time within on a phase."""
-        self.total()
-        self._open.append(name)
-        with self._stages.get(name, nullcontext()):
-            try:
+        """Spend the time within on a phase, less that of phases within."""
+        begun, others = time.perf_counter(), sum(self.seconds.values())
+        try:
+            with self._stages.get(name, nullcontext()):
                 yield
-            finally:
-                self.total()
-                self._open.pop()
-
-    def total(self) -> float:
-        """Of all of them so far [s]; what has passed since the last change is the innermost's."""
-        now = time.perf_counter()
-        if self._open:
-            self.seconds[self._open[-1]] += now - self._since
-        self._since = now
-        return sum(self.seconds.values())
+        finally:
+            within = sum(self.seconds.values()) - others
+            self.seconds[name] += time.perf_counter() - begun - within
 
 
 def logged(name: str, function: Callable[..., Result]) -> Callable[..., Result]:

@@ -104,9 +104,7 @@ class Reporter:
         )
         self._last = t, steps, now
 
-    def end(
-        self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None, place: str
-    ) -> None:
+    def end(self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None, place: str) -> None:
         """Print the summary; place: of the result."""
         if not self._speaks:
             return

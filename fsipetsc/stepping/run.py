@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime
 import signal
+import time
 import uuid
 from collections.abc import Mapping
 from contextlib import closing, suppress
@@ -12,12 +13,10 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.errors import ComputationError, FileError, FsiError, InputError, Interrupted
 from fsipetsc.options import read_options
 from fsipetsc.output.checkpoint_file import CheckpointError
 from fsipetsc.output.writer import RunWriter
-from fsipetsc.problem import Problem
 from fsipetsc.process.together import together
 from fsipetsc.stepping import restart
 from fsipetsc.stepping.integrator import Integrator
@@ -45,9 +44,7 @@ def run_given(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> dict[str, 
     return options
 
 
-def run_case(
-    case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | None = None
-) -> None:
+def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | None = None) -> None:
     """Build the case's problem, integrate it and write its result. Collective on comm.
 
     past: a checkpoint to go on from. Raises InputError, ComputationError (after writing what was
@@ -97,7 +94,6 @@ class _Run:
             on_frame=self._frame,
             on_series=self._series,
             on_step=self.report.step,
-            on_check=self._look,
             on_checkpoint=self._checkpoint,
         )
         self.mark = self._mark()
@@ -125,20 +121,14 @@ class _Run:
 
     def _header(self) -> dict[str, Any]:
         problem = self.problem
-        faces: dict[str, Any] = {}
-        if isinstance(problem, RunProblem):
-            faces["interface_faces"] = problem.interface_faces
-            faces["symmetry"] = problem.symmetry
         return {
             "case": self.case.NAME,
             "options": dict(self.opt),
             "dimension": problem.dimension,
             "versions": restart.versions(),
             "ranks": self.comm.size,
-            "layers": self.state.header(),
-            "interfaces": interface_names(problem),
-            **faces,
-            "points": self.state.recorded,
+            "interfaces": problem.interface_names,
+            **self.state.header(),
             "notes": list(problem.notes),
             "units": problem.units,
             "laws": problem.invariants,
@@ -154,7 +144,8 @@ class _Run:
         with self.phases(OUTPUT):
             self.writer.write_frame(t, self.state.save())
         self.saved_at = t
-        self._look()
+        if self.checks:
+            self._series()
 
     def _series(self) -> None:
         with self.phases(OUTPUT):
@@ -166,25 +157,19 @@ class _Run:
             self.writer.flush()
         self._look()
 
-    def _take(self) -> np.ndarray | None:
-        """Hand over the records of the steps made since the last time. Collective."""
-        series = self.integrator.series
-        if not series.count:
-            return None
-        self._add_up()
-        return series.take(self.comm)
-
-    def _add_up(self) -> None:
-        """Let the ledgers know of the steps that they have not seen yet. Collective."""
-        steps = self.integrator.series.add_up(self.comm)
+    def _take(self) -> np.ndarray:
+        """Hand over the records of the steps made since the last time, of which the ledgers learn.
+        Collective.
+        """
+        steps = self.integrator.take_series()
         if self.comm.rank == 0:
             self.ledgers.add(steps)
+        return steps
 
     def _look(self) -> None:
         """With -fsi_check: ComputationError on all ranks if a law that must hold does not."""
         if not self.checks:
             return
-        self._add_up()
         fault = self.comm.bcast(self.ledgers.fault)
         if fault:
             allowed = f"-fsi_check {self.opt['fsi_check']:g} allows no more"
@@ -287,7 +272,7 @@ class _Run:
     def _total(self) -> float:
         """Wall time [s] of the run so far with set-up and output, in its earlier parts too."""
         before = 0.0 if self.past is None else self.past.header["wall_time_total"]
-        return float(before + self.phases.total())
+        return float(before + time.perf_counter() - self.phases.begun)
 
     def _summary(self, failure: BaseException | None) -> dict[str, Any]:
         integrator, state = self.integrator, self.state
@@ -300,18 +285,18 @@ class _Run:
             "t": integrator.t,
             "steps": integrator.steps,
             "rejected_steps": getattr(state, "retries", 0),
-            "rhs_evaluations": integrator.evaluations,
+            "rhs_evaluations": state.evaluations,
             "dt_min": integrator.dt_range[0] if integrator.steps else None,
             "dt_max": integrator.dt_range[1] if integrator.steps else None,
             "points": state.points,
-            "interfaces": dict(zip(interface_names(self.problem), state.places, strict=True)),
+            "interfaces": dict(zip(self.problem.interface_names, state.places, strict=True)),
             "ranks": self.comm.size,
             "wall_time": integrator.wall_time,
             "wall_time_total": self._total(),
             "part": {
                 "steps": integrator.steps - steps,
                 "wall_time": integrator.wall_time - wall_time,
-                "wall_time_total": self.phases.total(),
+                "wall_time_total": time.perf_counter() - self.phases.begun,
             },
             "phases": dict(self.phases.seconds),
             "limits": self.limits,
@@ -329,11 +314,3 @@ class _Run:
             return ""
         end = f"-ts_max_time {self.opt['ts_max_time']:g}{self.unit}"
         return f"ended by -ts_max_steps at t = {integrator.t:g}{self.unit}, before {end}"
-
-
-def interface_names(problem: Problem | RunProblem) -> list[str]:
-    """Names of the interfaces, from left to right; of blocks in their order."""
-    if isinstance(problem, RunProblem):
-        return problem.interface_names
-    pairs = zip(problem.layers, problem.layers[1:], strict=False)
-    return [f"{a.name} | {b.name}" for a, b in pairs]

@@ -1,9 +1,8 @@
-"""A run without a result file: for studies that make many runs and compare their ends."""
+"""From a case and options to its problem, and the state of a run of it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,44 +12,25 @@ from fsipetsc.blame import call, place_of
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blockrun.from_layers import blocks_of_line
 from fsipetsc.blockrun.recorded_nodes import chosen
-from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError
 from fsipetsc.options import InForce
-from fsipetsc.paper.state import PaperState, make_paper_state
+from fsipetsc.paper.state import PaperState
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import together
-from fsipetsc.stepping.integrator import Integrator
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """What is left of a run: cost and errors.
-
-    t: time reached [s]. points: active ones at the end. wall_time: of the time loop [s]. errors:
-    kind of layer -> name -> error in the norm in force, as the state gives them; None without an
-    exact solution.
-    """
-
-    t: float
-    steps: int
-    evaluations: int
-    points: int
-    wall_time: float
-    errors: dict[str, dict[str, float]] | None
-
-
-def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem | RunProblem:
+def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem | BlockProblem:
     """What the case says for the options in force: layers for the paper's couplings, else blocks.
 
     Collective; InputError, with file and line of a user's case file.
     """
 
-    def build() -> Problem | RunProblem:
+    def build() -> Problem | BlockProblem:
         problem = call(case.build, (InForce(opt),), "build")
         if isinstance(problem, BlockProblem):
-            return RunProblem(problem)
+            return problem
         if not isinstance(problem, Problem):
             found = "nothing (is its return missing?)" if problem is None else described(problem)
             raise InputError(
@@ -59,21 +39,21 @@ def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem 
             )
         if opt["fsi_coupling"] != "conservative":
             return problem
-        return RunProblem(blocks_of_line(problem, opt["fsi_h"], opt["fsi_order"]))
+        return blocks_of_line(problem, opt["fsi_h"], opt["fsi_order"])
 
     return together(comm, build)
 
 
 def make_state(
-    problem: Problem | RunProblem, opt: dict[str, Any], comm: MPI.Comm
+    problem: Problem | BlockProblem, opt: dict[str, Any], comm: MPI.Comm
 ) -> PaperState | BlockState:
-    """The state that the options in force ask for; with -log_view one that logs what it does.
+    """The state that the options in force ask for. Collective.
 
-    Collective. InputError where grid, order and ranks do not fit.
+    InputError where grid, order and ranks do not fit.
     """
     if opt["fsi_entropy"] or opt["fsi_check"] is not None:
         _check_entropy(problem)
-    if isinstance(problem, RunProblem):
+    if isinstance(problem, BlockProblem):
         form = block_form(opt)
         points, probes = opt["fsi_points"] or (), opt["fsi_probes"]
         recorded = together(comm, lambda: chosen(problem, points, probes))
@@ -83,10 +63,10 @@ def make_state(
             raise InputError(
                 f"-{name} is of blocks: here series of all interfaces are recorded anyway"
             )
-    return make_paper_state(problem, opt, comm)
+    return PaperState(comm, problem, opt)
 
 
-def _check_entropy(problem: Problem | RunProblem) -> None:
+def _check_entropy(problem: Problem | BlockProblem) -> None:
     """InputError for a gas law without a formula for the entropy, which is not a number then."""
     for block in problem.layers:
         if block.kind == "fluid":
@@ -124,40 +104,3 @@ def check_begin(opt: Mapping[str, Any]) -> None:
     """InputError for -fsi_restart, of a command that begins with the data of a case."""
     if opt["fsi_restart"] is not None:
         raise InputError("-fsi_restart: this command begins with the data of the case")
-
-
-def solve(
-    case: Any,
-    opt: dict[str, Any],
-    comm: MPI.Comm,
-    announce: Callable[[str], None] = lambda text: None,
-    times: Sequence[float] = (),
-    look: Callable[[PaperState | BlockState, float], None] = lambda state, t: None,
-) -> Outcome:
-    """Integrate a case from t = 0 to -ts_max_time, or -ts_max_steps, and write nothing. Collective
-    on comm.
-
-    announce: says on rank 0 that the kernels are being compiled, if they are. look(state, t):
-    called at 0, at these times [s] in between and at the end. Raises InputError and
-    ComputationError.
-    """
-    check_begin(opt)
-    with make_state(build_problem(case, opt, comm), opt, comm) as state:
-        state.compile(announce)
-        integrator = Integrator(
-            state,
-            opt,
-            sorted({*(float(t) for t in times if t < opt["ts_max_time"]), opt["ts_max_time"]}),
-            on_frame=lambda t: look(state, t),
-            on_series=lambda: integrator.series.take(comm),
-        )
-        integrator.start()
-        integrator.run()
-        return Outcome(
-            integrator.t,
-            integrator.steps,
-            integrator.evaluations,
-            state.points,
-            integrator.wall_time,
-            state.errors(integrator.t, opt["fsi_norm"]),
-        )

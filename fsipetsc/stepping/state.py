@@ -1,16 +1,78 @@
-"""What the time integration drives: a state of blocks, or one of the paper's method."""
+"""What the states of both methods have in common: see BlockState and PaperState."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
 
-if TYPE_CHECKING:
-    from fsipetsc.blockrun.block_state import BlockState
-    from fsipetsc.paper.state import PaperState
+import numpy as np
+from mpi4py import MPI
 
-    State = BlockState | PaperState
-else:
-    State = Any
+from fsipetsc.errors import FsiError, InputError
+from fsipetsc.scheme.burst import plan_next
+from fsipetsc.scheme.plan import BURST, SAID_STOP
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
 FAULT = 1000.0
+
+
+class State:
+    """A solution and all that belongs to it.
+
+    results: flags and limits of the last step (fsipetsc.scheme.plan). burst: fsipetsc.scheme.burst.
+    journal: records of steps; latest: that of the last one, without its time; the integrals in them
+    are this rank's shares. plan_next() puts the last step into the journal, and says whether
+    another one of its burst follows. fault: the first one of a user's function, on this rank.
+    """
+
+    comm: MPI.Comm
+    problem: Any
+    results: np.ndarray
+    fault: InputError | None = None
+
+    def _lay_journal(self, record: np.dtype, steps: int) -> tuple[np.ndarray, np.ndarray]:
+        """Make burst, and journal and latest, which it returns as numbers."""
+        rows, self.burst = np.zeros((steps, record.itemsize // 8)), np.zeros(BURST)
+        latest = np.zeros(rows.shape[1] - 2)
+        self.journal = rows.reshape(-1).view(record)
+        self.latest = latest.view([(name, record[name]) for name in record.names[2:]])[0]
+        self.plan_next = partial(plan_next, self.burst, self.results, rows, latest)
+        return rows, latest
+
+    def _guarded(self, action: Callable[[], object]) -> None:
+        """A fault of a function of the case's is kept: all ranks learn of it after the step."""
+        try:
+            action()
+        except InputError as error:
+            self._keep_fault(error)
+
+    def _keep_fault(self, fault: InputError | None) -> None:
+        if fault is not None:
+            self.fault = self.fault or fault
+            self.results[SAID_STOP] = FAULT
+
+    def _norms(
+        self, sums: Mapping[str, np.ndarray], names: Mapping[str, Sequence[str]], power: int
+    ) -> dict[str, dict[str, float]]:
+        """kind -> name -> (sum over all ranks)^(1/p), and "combined"; sums: of powers, kind -> this
+        rank's, in the order of the names. Collective.
+        """
+        found = {}
+        for kind, own in sums.items():
+            total = self.comm.allreduce(own)
+            roots = (total ** (1 / power)).tolist()
+            combined = float(total.sum() ** (1 / power))
+            found[kind] = {**dict(zip(names[kind], roots, strict=True)), "combined": combined}
+        return found
+
+    def __enter__(self) -> Any:
+        return self
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        """Destroy it, unless this rank may be alone with an error: the others would not meet it
+        there.
+        """
+        together_here = isinstance(error, FsiError) and error.collective
+        if error is None or self.comm.size == 1 or together_here:
+            self.destroy()

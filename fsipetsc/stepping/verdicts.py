@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.blockrun.columns import fields_of
-from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.errors import ComputationError
-from fsipetsc.paper.fields import seen
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, TOO_SHORT
 from fsipetsc.scheme.time_step import longest_step
 
@@ -23,6 +20,54 @@ if TYPE_CHECKING:
 FAR = 1.5
 #: a layer that is colder than this everywhere [K] has its temperature in °C, most likely
 COLD = 100.0
+#: the square of a larger number is none
+TOO_LARGE = 1e150
+
+
+class Seen(NamedTuple):
+    """What a rank sees of a layer. numbers: of the points, (n,), as they count over all ranks;
+    values: field -> (n,), those first of which others are made; positive: fields that must be
+    above 0, the others need only be finite; place(i): of point i.
+    """
+
+    layer: int
+    numbers: np.ndarray
+    values: Mapping[str, np.ndarray]
+    positive: frozenset[str]
+    place: Callable[[int], str]
+
+
+def described(state: State, t: float, step: int) -> str:
+    """The first unphysical point of all ranks. Collective."""
+    with np.errstate(all="ignore"):
+        bad = [found for found in map(_first_bad, state.seen()) if found]
+    every = state.comm.allgather(min(bad, default=None))
+    first = min((found for found in every if found), default=None)
+    when = f"t = {t:.6g}{state.problem.unit('s')}, step {step}"
+    if first is None:
+        return f"the time step is not a number at {when}"
+    k, _, name, value, place = first
+    what = f"{name} = {value:.6g}" if np.isfinite(value) else f"{name} is not a finite number"
+    if TOO_LARGE <= abs(value) < np.inf:
+        what += ", too large to go on with,"
+    return f"{what} in layer '{state.problem.layers[k].name}' at {place}, {when}"
+
+
+def _first_bad(seen: Seen) -> tuple[int, int, str, float, str] | None:
+    """(layer, number of the point, field, value, place) of the first point that is not physical, or
+    with numbers whose squares are none.
+    """
+    bad = []
+    for name, values in seen.values.items():
+        good = np.abs(values) < TOO_LARGE
+        if name in seen.positive:
+            good &= values > 0
+        if not good.all():
+            bad.append((int(np.argmin(good)), name))
+    if not bad:
+        return None
+    i, name = min(bad, key=lambda entry: entry[0])
+    return seen.layer, int(seen.numbers[i]), name, float(seen.values[name][i]), seen.place(i)
 
 
 def advice(opt: Mapping[str, Any]) -> str:
@@ -43,12 +88,12 @@ def check(
     flags: flags and limits of the step; beyond: what ``beyond_bound`` said.
     """
     if flags[BAD] or not flags[RATE] < np.inf:
-        said = filter(None, (state.failure(t, step), beyond, advice(opt)))
+        said = filter(None, (described(state, t, step), beyond, advice(opt)))
         raise ComputationError("; ".join(said))
     if not flags[EXHAUSTED] and not flags[TOO_SHORT]:
         return
     k = int(flags[EXHAUSTED] or flags[TOO_SHORT]) - 1
-    record, m = state.layout.records[k], state.problem.unit("m")
+    record, m = state.records[k], state.problem.unit("m")
     side = 0 if record["end_kind"][0] >= 0 else 1
     name = f"fluid layer '{state.problem.layers[k].name}'"
     interface, boundary = record["x_interface"], record["end_x"][side]
@@ -76,8 +121,8 @@ def cold_layers(state: State) -> list[str]:
     """A note for each layer whose temperature can hardly be in K. Collective."""
     problem = state.problem
     hottest = np.full(len(problem.layers), -np.inf)
-    for k, T in _temperatures(state):
-        hottest[k] = np.max(T, initial=-np.inf)
+    for part in state.seen():
+        hottest[part.layer] = np.max(part.values["T"], initial=-np.inf)
     state.comm.Allreduce(MPI.IN_PLACE, hottest, MPI.MAX)
     return [
         f"note: '{layer.name}' is nowhere warmer than T = {T:.6g} K: "
@@ -85,14 +130,3 @@ def cold_layers(state: State) -> list[str]:
         for layer, T in zip(problem.layers, hottest.tolist(), strict=True)
         if problem.units == "SI" and T < COLD
     ]
-
-
-def _temperatures(state: State) -> Iterator[tuple[int, np.ndarray]]:
-    """(number of the layer, temperatures [K] at this rank's points)."""
-    problem = state.problem
-    if not isinstance(problem, RunProblem):
-        yield from ((part.layer, part.values["T"]) for part in seen(state))
-        return
-    for part in state.layout.parts:
-        column = fields_of(problem.layers[part.k].kind, problem.dimension).index("T")
-        yield part.k, state.fields(part.k)[:, column]

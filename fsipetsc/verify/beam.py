@@ -16,7 +16,6 @@ def first_frequency(order: int, h: float, thickness: float, hinged: bool) -> flo
     from mpi4py import MPI
 
     from fsipetsc.blockrun.block_state import BlockState
-    from fsipetsc.blockrun.run_problem import RunProblem
     from fsipetsc.blocks.block import Block
     from fsipetsc.blocks.conditions import Clamped, Free, Hinge
     from fsipetsc.blocks.maps import rectangle
@@ -29,7 +28,7 @@ def first_frequency(order: int, h: float, thickness: float, hinged: bool) -> flo
     ends = Free() if hinged else Clamped()
     faces = {("beam", axis, side): Free() if axis else ends for axis in (0, 1) for side in (0, 1)}
     points = tuple(("beam", (x, 0.0), Hinge()) for x in (0.0, 1.0)) if hinged else ()
-    problem = RunProblem(BlockProblem((block,), faces, points=points))
+    problem = BlockProblem((block,), faces, points=points)
     with BlockState(MPI.COMM_SELF, problem, order) as state:
         state.compile(lambda text: None)
         return _slowest(state)
