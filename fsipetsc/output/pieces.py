@@ -133,8 +133,7 @@ class Contents:
         self.X = [np.empty(0) for _ in layers]
         self._columns = [columns(layer) for layer in layers]
         self._shapes = [layer.get("shape") for layer in layers]
-        self._frames: list[tuple[Path, int]] = []  # how many there are in which file
-        self._steps: list[Path] = []  # files that have some
+        self._counts: list[tuple[Path, int, int]] = []  # of frames and steps in each file
         self._open: tuple[Path, h5py.File] | None = None
         try:
             for path in files:
@@ -152,8 +151,7 @@ class Contents:
         time, rows = _numbers(file, "time", 1)[...], self._count_steps(file)
         for k in range(len(self.X)) if len(time) else ():
             self._check_layer(file, k, len(time))
-        self._frames.append((path, len(time)))
-        self._steps += [path] * (rows > 0)
+        self._counts.append((path, len(time), rows))
         self.time = np.concatenate([self.time, time])
         self.nframes, self.rows = len(self.time), self.rows + rows
 
@@ -188,13 +186,14 @@ class Contents:
 
     def series(self, name: str) -> Array:
         """(rows, …) what is known of each step by a name."""
-        found = [self._opened(path)[f"series/{name}"][...] for path in self._steps]
+        some = [(path, rows) for path, _, rows in self._counts if rows]
+        found = [self._opened(path)[f"series/{name}"][:rows] for path, rows in some]
         return np.concatenate([np.empty((0, *self.names[name])), *found])
 
     def frames(self, k: int, names: Sequence[str], first: int, end: int) -> list[Array]:
         """(end - first, n) of each of these columns of layer k."""
         found: list[list[Array]] = [[] for _ in names]
-        for path, count in self._frames:
+        for path, count, _ in self._counts:
             a, b = max(first, 0), min(end, count)  # of this file
             first, end = first - count, end - count
             if a < b:
