@@ -87,7 +87,7 @@ class View:
         """A kind of layer has colours of its own: what comes through to a solid may be little."""
         unit, last = self.quantity.unit, [layer.frame(-1) for layer in self.run.layers]
         same = [v for frame in last for k, v in frame.items() if written(unit_of(k)) == unit]
-        beside = max(map(abs, extremes(*same))) if unit in ("Pa", "m s⁻¹") else 0.0
+        beside = max(map(abs, extremes(*same)))
         looks = {}
         for kind in dict.fromkeys(layer.kind for layer in self.layers):
             some = [k for k, layer in enumerate(self.layers) if layer.kind == kind]
