@@ -21,19 +21,17 @@ from fsipetsc.usage import case_help, command_help, overview, program
 
 
 class Command(NamedTuple):
-    """A command: what stands behind its name, one line about it, and the function that does it.
+    """A command: what stands behind its name, and one line about it.
 
-    target: "module:function", imported when it is called, of what is done by all ranks: it gets the
-    list of arguments and their communicator, and starts PETSc itself; "" for what one process does,
-    see ``_done_by_one``. options: "module:name" of its own options, heading -> Options
-    (fsipetsc.options.read_table), which -help lists, or of a function of the arguments that returns
-    them.
+    module: of what is done by all ranks, imported when it is called. Its function of the command's
+    name gets the list of arguments and their communicator, and starts PETSc itself. Its SECTIONS,
+    or sections(arguments), are the command's own options, heading -> Options, which -help lists.
+    "" for what one process does, see ``_done_by_one``.
     """
 
     arguments: str
     summary: str
-    target: str = ""
-    options: str = ""
+    module: str = ""
 
 
 COMMANDS = {
@@ -48,22 +46,22 @@ COMMANDS = {
         "a case file of your own to start from; -blocks: in two dimensions"),
     "convergence": Command("CASE [-option value ...]",
         "errors of a case, or differences between its grids, with observed orders and cost",
-        "fsipetsc.analysis.convergence:convergence", "fsipetsc.analysis.convergence:sections"),
+        "fsipetsc.analysis.convergence"),
     "stability": Command("[-sweep] [-option value ...]",
         "the linear theory, checked: spectra, energy growth, time-step limits",
-        "fsipetsc.analysis.stability:stability", "fsipetsc.analysis.stability:SECTIONS"),
+        "fsipetsc.analysis.stability"),
     "flutter": Command("[-option value ...]",
         "growth of a panel's motion over dynamic pressure and Mach number",
-        "fsipetsc.analysis.flutter:flutter", "fsipetsc.analysis.flutter:sections"),
+        "fsipetsc.analysis.flutter"),
     "modes": Command("ring|shell [-option value ...]",
         "frequencies of small motions of a case at rest, by the scheme and exactly",
-        "fsipetsc.analysis.modes:modes", "fsipetsc.analysis.modes:sections"),
+        "fsipetsc.analysis.modes"),
     "verify": Command("[NAME ...] [-verify_level full]",
         "cases against references: errors, observed orders, verdicts",
-        "fsipetsc.verify.command:verify", "fsipetsc.verify.command:SECTIONS"),
+        "fsipetsc.verify.command"),
     "bench": Command("[-option value ...]",
         "what a time step costs on 1 to N ranks, and where the time goes",
-        "fsipetsc.bench.command:bench", "fsipetsc.bench.command:SECTIONS"),
+        "fsipetsc.bench.command"),
 }
 _DEBUG = "-fsi_debug"  # every command takes it
 HELP_FLAGS = ("-h", "-help", "--help")
@@ -120,7 +118,7 @@ def _is_run(arguments: Sequence[str]) -> bool:
     """True for what is done by all ranks together, False for what one process answers."""
     if not arguments or any(word in HELP_FLAGS + _VERSION_FLAGS for word in arguments):
         return False
-    return arguments[0] not in COMMANDS or bool(COMMANDS[arguments[0]].target)
+    return arguments[0] not in COMMANDS or bool(COMMANDS[arguments[0]].module)
 
 
 def _answer(arguments: list[str]) -> None:
@@ -143,18 +141,12 @@ def _run_command(name: str, arguments: list[str]) -> None:
     if not any(word in HELP_FLAGS for word in arguments):
         for line in _done_by_one(name, _given(name, arguments)):
             print(line)
-    elif command.options:
-        options = _named(command.options)
-        sections = options(arguments) if callable(options) else options
+    elif command.module:
+        module: Any = importlib.import_module(command.module)
+        sections = getattr(module, "SECTIONS", None) or module.sections(arguments)
         print(command_help(name, command.arguments, command.summary, sections))
     else:
         print(f"{program()} {name} {command.arguments}\n\n  {command.summary}")
-
-
-def _named(place: str) -> Any:
-    """What "module:name" stands for."""
-    module, name = place.split(":")
-    return getattr(importlib.import_module(module), name)
 
 
 def _in_parallel(arguments: list[str]) -> int:
@@ -163,8 +155,9 @@ def _in_parallel(arguments: list[str]) -> int:
     try:
         world = start_mpi()
         notes = world.Dup()
-        if arguments[0] in COMMANDS:
-            _named(COMMANDS[arguments[0]].target)(arguments[1:], world)
+        if (name := arguments[0]) in COMMANDS:
+            module = importlib.import_module(COMMANDS[name].module)
+            getattr(module, name)(arguments[1:], world)
             _flush()
         else:
             case_file = None if arguments[0] in BUILT_IN else arguments[0]

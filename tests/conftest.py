@@ -25,7 +25,7 @@ from fsipetsc.output.reader import Run
 DEAREST = (
     *("signals", "failures", "stability", "time", "kills", "process", "case_files", "paper_ends"),
     *("cli", "convergence", "ranks", "documents", "restart", "dissipation_runs", "plane_output"),
-    *("plane_cases", "shock", "faults", "wave_modes", "plots", "disk", "flutter"),
+    *("plane_cases", "shock", "faults", "wave_modes", "plots", "flutter"),
 )
 _SHORT = "-fsi_h 0.1 -ts_max_steps 2"
 #: runs that compile what most tests need; all tests wait for them

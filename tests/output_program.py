@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import sys
 
@@ -65,7 +64,6 @@ def write(
     path: str,
     nframes: int,
     split: str,
-    kill_at: int | None = None,
     header: dict = HEADER,
     join: bool = True,
 ) -> None:
@@ -95,11 +93,6 @@ def write(
         if frame % 3 == 0:  # else they go with the frames
             writer.write_series()
         writer.write_frame(0.3 * frame, fields())
-        if frame == kill_at:
-            comm.barrier()
-            if comm.rank == comm.size - 1:
-                os.kill(os.getpid(), signal.SIGKILL)
-            comm.barrier()
     summary = {"steps": SERIES_STEPS * nframes, "wall_time": np.float64(1.5)}
     writer.finish(summary, {"fluid": {"rho": 1e-3}}, join)
     if comm.rank == 0:
@@ -148,7 +141,5 @@ if __name__ == "__main__":
         refuse(file)
     elif mode == "full_disk":
         full_disk(file)
-    elif mode == "kill":
-        write(file, 12, "blocks", kill_at=int(rest[0]))
     else:
         write(file, int(rest[0]), mode)

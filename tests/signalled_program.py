@@ -8,7 +8,7 @@ to mpiexec. The places:
     fill         as this rank puts its frames into a piece
     piece        a piece is full, and has not got its name
     checkpoint   half of a checkpoint is written
-    join, clear  before and after the pieces have become one file
+    join, clear  before and after the pieces have become one file, as what a restart keeps does, too
 the last four on rank 0. So the order of what happens is certain.
 """
 
@@ -61,13 +61,13 @@ def signalled(owner: object, name: str, before: str = "", after: str = "") -> No
     setattr(owner, name, called)
 
 
-def write_signalled(path: Path, content: bytes) -> None:
-    path.write_bytes(content[: len(content) // 2])
+def put_signalled(path: Path, content: bytes) -> None:
+    path.with_name(f".{path.name}.new").write_bytes(content[: len(content) // 2])
     reached("checkpoint")
-    write_whole(path, content)
+    put(path, content)
 
 
-write_whole, checkpoint_file.write_whole = checkpoint_file.write_whole, write_signalled
+put, checkpoint_file.put = checkpoint_file.put, put_signalled
 signalled(RunWriter, "_begin", "begin", "begun")
 signalled(run._Run, "_frame", "frame")
 signalled(RunWriter, "_view", "fill")

@@ -67,22 +67,24 @@ def test_run_gets_typed_options_from_everywhere(here):
 
 BAD_INPUT = {
     "unknown option": (["-fsi_ordr", 4], 2, ["-fsi_ordr", "did you mean -fsi_order?"]),
-    "unknown option of PETSc's": (["-ts_max_tme", 4], 2, ["did you mean -ts_max_time?"]),
-    "bad value": (["-fsi_cfl", "abc"], 2, ["-fsi_cfl", "'abc'", "a number above 0"]),
-    "positional argument": (["foo"], 2, ["'foo'"]),
     "no options file": (["-options_file", "no.opts"], 4, ["no.opts"]),
     "bad options file": (["-options_file", "bad.opts"], 2, ["bad.opts line 2"]),
     "too late": (["-options_file", "log.opts"], 2, ["-log_view works from the start of PETSc"]),
 }
 
 
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
 @pytest.mark.parametrize("name", BAD_INPUT)
-def test_bad_input(name, here):
+def test_bad_input(name, ranks, here):
+    """One message and one status on any number of ranks; nobody waits for one that has gone."""
     (here / "log.opts").write_text("-log_view\n")
     (here / "bad.opts").write_text("-fsi_h 0.1\nfsi_order 6\n")
     args, status, words = BAD_INPUT[name]
-    start = start_stub if name in ("unknown option", "too late") else run_stub
-    message(start(*args), status, *words)
+    if name == "unknown option":  # in processes of their own
+        done = mpirun(ranks, "driver.py", "stub.py", *args)
+    else:
+        done = run_stub(*args, ranks=ranks)
+    message(done, status, *words)
 
 
 @pytest.mark.parametrize(
@@ -166,24 +168,57 @@ def test_who_lacks_a_package_is_told_how_to_get_it(line, status, here):
 
 
 @pytest.mark.mpi
-class TestOnTwoRanks:
-    """One message and one status whatever the number of ranks, and nobody waits for a rank that
-    has gone.
-    """
+@pytest.mark.parametrize("args", [[], ["stub.py", "-help"], ["--version"]])
+def test_texts_are_printed_once(args, here):
+    done = solve(*args, ranks=2)
+    assert done.returncode == 0
+    assert done.stdout == solve(*args).stdout
 
-    @pytest.mark.parametrize("name", ["unknown option", "bad options file", "no options file"])
-    def test_bad_input(self, name, here):
-        (here / "bad.opts").write_text("-fsi_h 0.1\nfsi_order 6\n")
-        args, status, words = BAD_INPUT[name]
-        own = name == "unknown option"
-        message(
-            mpirun(2, "driver.py", "stub.py", *args) if own else run_stub(*args, ranks=2),
-            status,
-            *words,
-        )
 
-    @pytest.mark.parametrize("args", [[], ["stub.py", "-help"], ["--version"]])
-    def test_texts_are_printed_once(self, args, here):
-        done = solve(*args, ranks=2)
-        assert done.returncode == 0
-        assert done.stdout == solve(*args).stdout
+# every kind of error
+
+RAISED = {
+    "from fsipetsc.errors import ComputationError as E; raise E('T <= 0')": (3, ["T <= 0"]),
+    "open('/no/such/file')": (4, ["/no/such/file: No such file"]),
+    "raise KeyboardInterrupt": (130, ["stopped by SIGINT"]),
+    "import no_such_package": (2, ["needs the Python package no_such_package"]),
+    "case.build(options)": (2, ["stub.py, line 10", "KeyError"]),
+    "1 / 0": (1, ["ZeroDivisionError", "-fsi_debug"]),
+    "from petsc4py import PETSc; PETSc.TS().create().setType('nix')": (
+        1,
+        ["PETSc error 86", "Unknown TS type: nix"],
+    ),
+}
+
+
+@pytest.mark.parametrize("code", RAISED)
+def test_every_kind_of_error_is_one_message_and_its_status(code, here):
+    status, words = RAISED[code]
+    own = "petsc4py" in code  # where PETSc waits for all ranks that there are
+    message((start_stub if own else run_stub)("-do", code), status, *words)
+
+
+def test_debug_shows_the_traceback(here):
+    done = run_stub("-do", "1 / 0", "-fsi_debug")
+    assert done.returncode == 1
+    assert done.stderr.startswith("Traceback")
+    assert done.stderr.splitlines()[-1].startswith("fsipetsc: error: ")
+
+
+def test_a_bad_value_of_it_is_a_bad_value(here):
+    message(solve("rod", "-fsi_debug", "7x"), 2, "7x", "-fsi_debug")
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize(
+    ("code", "status"),
+    [
+        ("1 / 0", 1),
+        ("from fsipetsc.errors import ComputationError as E; raise E('T <= 0')", 3),
+        ("from fsipetsc.errors import *; raise (FileError, InputError)[comm.rank]('a')", 4),
+    ],
+)
+def test_all_ranks_fail_perhaps_with_different_errors(code, status, here):
+    done = run_stub("-do", f"comm.barrier(); {code}", ranks=2)
+    message(done, status)
+    assert "MPI_ABORT" not in done.stderr, "an error of all ranks ends in order"

@@ -4,9 +4,13 @@ what is left on disk.
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
-from helpers import assert_readable, message, mpirun, solve
+from helpers import PATIENCE, assert_readable, environment, message, mpirun, solve
 
 import fsipetsc
 
@@ -156,3 +160,76 @@ def test_any_error_leaves_what_was_computed(ranks, tmp_path):
         assert result.series["t"][-1] == pytest.approx(0.004)
         assert (result.summary["status"], result.summary["message"]) == ("failed", "MemoryError")
         assert len(result.series["t"]) == result.summary["steps"]
+
+
+# a disk that is full, or a place that cannot be written: status 4
+
+LINE = "-m fsipetsc rod -fsi_h 0.05 -ts_max_time 0.05 -fsi_output_dt 1e-4 -fsi_quiet"
+
+
+@pytest.mark.parametrize("size", [1, 2000])
+def test_a_result_that_grows_too_large(size, tmp_path):
+    """The system refuses files beyond so many kB, compiled code among them: it is there before."""
+    first = solve("rod", "-fsi_h", 0.05, "-ts_max_steps", 1, "-fsi_output", "a.h5", cwd=tmp_path)
+    assert first.returncode == 0
+    line = f"ulimit -f {size}; exec {sys.executable} {LINE}"
+    given = {
+        "cwd": tmp_path,
+        "env": environment({"PYTHONDONTWRITEBYTECODE": "1"}),
+        "stdin": subprocess.DEVNULL,
+        "timeout": PATIENCE,
+    }
+    done = subprocess.run(["bash", "-c", line], capture_output=True, text=True, **given)
+    message(done, 4, "rod.h5: cannot write: ", "File too large")
+    if size > 1:
+        with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+            assert result.nframes > 0
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("-fsi_output", "/proc/x.h5"), "cannot write: No such file"),
+        (("-fsi_checkpoint", "/proc/x.h5"), "no checkpoint can be written there: No such file"),
+        (("-fsi_restart", "no/where.h5"), "there is no such file"),
+        (("-fsi_output", "no/where.h5"), "does not exist"),
+    ],
+)
+def test_places_that_cannot_be_written(words, said, tmp_path):
+    done = solve("rod", "-fsi_h", 0.1, "-ts_max_steps", 3, "-fsi_quiet", *words, cwd=tmp_path)
+    message(done, 4, words[1], said)
+    assert not list(Path(tmp_path).glob("*.parts"))
+
+
+# what a run says of its end, and of steps that are too long
+
+
+@pytest.fixture(scope="module")
+def where(tmp_path_factory):
+    return tmp_path_factory.mktemp("report")
+
+
+def box(where, *words):
+    return solve("box", "-fsi_h", 0.1, "-fsi_order", 2, "-fsi_output", "r.h5", *words, cwd=where)
+
+
+def test_an_end_by_the_number_of_steps_is_not_said_to_be_the_end(where):
+    done = box(where, "-ts_max_steps", 1)
+    assert (done.returncode, done.stderr) == (0, "")
+    with fsipetsc.open_run(where / "r.h5") as result:
+        t, summary, complete = result.series["t"][-1], result.summary, result.complete
+    words = f"ended by -ts_max_steps at t = {t:g}, before -ts_max_time 2"
+    assert f"\n{words}: 1 step in " in done.stdout and "done at" not in done.stdout
+    assert (summary["status"], summary["message"], complete) == ("done", words, True), (
+        "as the user wished"
+    )
+    assert words in solve("info", "r.h5", cwd=where).stdout
+
+
+def test_steps_far_beyond_their_bound_are_noted(where):
+    """Those of -ts_dt, too, and where they fail; not the default ones."""
+    for words in ((), ("-ts_dt", 1e-4)):
+        assert "\nnote: " not in box(where, "-ts_max_steps", 1, *words).stdout
+    assert "\nnote: -ts_dt 1 is " in box(where, "-ts_max_steps", 1, "-ts_dt", 1.0).stdout
+    said = box(where, "-ts_dt", 4, "-fsi_output_dt", 8).stderr
+    assert "; -ts_dt 4 is " in said and " times the bound on the step at t = 0" in said

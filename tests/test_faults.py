@@ -9,7 +9,7 @@ import json
 from pathlib import Path
 
 import pytest
-from helpers import REPOSITORY, mpirun
+from helpers import REPOSITORY, message, solve
 
 import fsipetsc
 
@@ -32,15 +32,6 @@ DRIVEN = {
 }
 #: functions that fail, and whether they are compiled; on all ranks, or on the last of three alone
 FAILING = {("edge", 0), ("initial", 0), ("forcing", 1), ("jumps", 0), ("T", 0)}
-PROGRAM = """
-import json
-from mpi4py import MPI
-from many_runs_program import answer
-said = {name: answer(words) for name, words in json.load(open("runs.json")).items()}
-everybody = MPI.COMM_WORLD.gather(said)
-if everybody:
-    json.dump(everybody, open("said.json", "w"))
-"""
 
 
 def runs(ranks: int) -> dict[str, list[str]]:
@@ -63,19 +54,12 @@ def runs(ranks: int) -> dict[str, list[str]]:
 
 @pytest.fixture(scope="module", params=RANKS)
 def said(request, tmp_path_factory) -> tuple[Path, dict[str, tuple[int, str]]]:
-    """Folder, and name -> (status, message): all runs in one process for each rank, which are not
-    to fail apart.
-    """
-    where = tmp_path_factory.mktemp(f"on{request.param}")
-    (where / "runs.json").write_text(json.dumps(runs(request.param)))
-    path = {"PYTHONPATH": f"{REPOSITORY / 'tests'}:{REPOSITORY}"}
-    done = mpirun(request.param, "-c", PROGRAM, cwd=where, env=path)
-    assert (done.returncode, done.stderr, done.stdout) == (0, "", "")
-    first, *others = json.loads((where / "said.json").read_text())
-    for name, (status, text) in first.items():
-        assert text.count("\n") == 1, (name, text)
-        assert all(other[name] == [status, ""] for other in others), name
-    return where, first
+    """Folder, and name -> (status, message) of all runs."""
+    where, texts = tmp_path_factory.mktemp(f"on{request.param}"), {}
+    for name, words in runs(request.param).items():
+        done = solve(*words, cwd=where, ranks=request.param)
+        texts[name] = done.returncode, message(done, done.returncode)
+    return where, texts
 
 
 def test_what_went_wrong_is_named_and_what_helps(said):

@@ -10,8 +10,7 @@ from helpers import message, solve
 
 pytest.importorskip("scipy")
 
-from fsipetsc.analysis.flutter_motion import Motion, crossing, fit_modes
-from fsipetsc.analysis.flutter_theory import Flow, panel
+from fsipetsc.analysis.panel_modes import Flow, Motion, crossing, fit_modes, panel
 from fsipetsc.errors import ComputationError
 
 #: a thick and light panel on a coarse grid: a second or two each

@@ -75,8 +75,9 @@ KILLS = [
     (3, ["fill", 2, 2, signal.SIGKILL]),
     (2, ["piece", 3, 0, -signal.SIGKILL]),
     (2, ["begin", 1, 0, signal.SIGTERM]),
-    (1, ["join", 1, 0, signal.SIGKILL]),
-    (2, ["clear", 1, 0, signal.SIGKILL]),
+    (1, ["clear", 1, 0, signal.SIGKILL]),  # of what is kept there is a copy
+    (1, ["join", 2, 0, signal.SIGKILL]),
+    (2, ["clear", 2, 0, signal.SIGKILL]),
 ]
 
 

@@ -101,22 +101,6 @@ def test_what_else_is_stored(finished: Path) -> None:
 
 
 @pytest.mark.mpi
-def test_a_killed_run_is_readable(tmp_path: Path) -> None:
-    path = tmp_path / "run.h5"
-    assert mpirun(2, PROGRAM, "kill", path, 9).returncode != 0
-    with fsipetsc.open_run(path) as result:
-        assert result.nframes >= 8  # two pieces, at least
-        assert_prefix(result)
-        assert not result.complete and result.summary["ranks"] == 1
-
-
-@pytest.mark.mpi
-def test_an_unusable_path_fails_on_all_ranks(tmp_path: Path) -> None:
-    answers = write(2, "refuse", tmp_path / "missing" / "run.h5").split(maxsplit=2)
-    assert answers[:2] == ["1", "4"] and "does not exist" in answers[2]
-
-
-@pytest.mark.mpi
 def test_a_full_disk_fails_on_all_ranks(tmp_path: Path) -> None:
     path = tmp_path / "run.h5"
     done = mpirun(2, PROGRAM, "full_disk", path)
@@ -149,8 +133,8 @@ def test_info(finished: Path) -> None:
         "complete",
         "12, t = 0 … 3.3 s",
         "-fsi_order",
-        "left/rod at x = 35, rod/right at x = 70 at t = 3.5",
-        "26 points with those in reserve, 20 … 25 active",
+        "left/rod, rod/right",
+        "26 points, X = -0.25 … 1",
         "rho 0.001",
         "wall time of the steps",
     ]:
@@ -282,7 +266,7 @@ def test_a_reader_that_comes_while_pieces_are_cleared_sees_all(
     def found(folder: Path) -> list[Path]:
         """The pieces, the first of which have just gone: they are one file now."""
         if not path.exists():
-            pieces.join(folder, path, pieces.read_about(folder))
+            pieces.join(pieces.pieces(folder), path, pieces.read_about(folder), path)
             return []
         return pieces.pieces(folder)
 

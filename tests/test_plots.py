@@ -19,7 +19,8 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from fsipetsc.cli import main
-from fsipetsc.output.plots import fields, page, quantities, series, style
+from fsipetsc.output import quantities
+from fsipetsc.output.plots import fields, page, series, style
 
 RUNS = {
     "pulse": ("pulse", "-fsi_h 0.025 -ts_max_time 0.005 -fsi_output_dt 2.5e-4 -pulse_start 0.75"),
@@ -198,7 +199,7 @@ def test_maps_are_on_the_grid_as_it_is(results):
 
 def test_ledgers_steps_and_residuals(results, figures):
     run, ledgers = results["rod"], figures["rod", "ledgers"]
-    ((_, t, y),) = curves(labelled(ledgers, "change of energy  [J/m²]"))
+    ((_, t, y),) = curves(labelled(ledgers, "change of energy  [J m⁻²]"))
     change = run.series["energy"] - run.summary["initial_energy"]
     some = slice(None, None, max(1, len(change) // style.MAX_POINTS))
     assert np.array_equal(t, run.series["t"][some]) and np.allclose(y, change[some])
@@ -214,9 +215,16 @@ def test_ledgers_steps_and_residuals(results, figures):
     assert all(what in label for _, what in run.summary["limits"]) and run.summary["limits"]
 
 
-def test_the_interface_that_moved_most_is_on_the_page():
-    lines = [SimpleNamespace(displacement=np.array([[0.0, end, np.nan]])) for end in (1, -3, 2)]
-    assert series.moved_most(SimpleNamespace(interfaces="abc", interface=lines.__getitem__)) == 1
+def test_the_interface_that_moved_most_comes_first():
+    def line(k):
+        return SimpleNamespace(
+            name="abc"[k], X=np.arange(3.0), displacement=np.array([[0.0, (1, -3, 2)[k], np.nan]])
+        )
+
+    run = SimpleNamespace(
+        dimension=2, nframes=2, time=np.zeros(2), interfaces="abc", interface=line, series={}
+    )
+    assert [panel.label[-1] for panel in series.interface_panels(run)] == ["b", "c", "a"]
 
 
 def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):

@@ -1,15 +1,17 @@
 """Many runs in one process: each is what it would be in a process of its own, and leaves nothing
-behind.
+behind. Streams that cannot be written: a run goes on, and what is printed for its own sake says so.
 """
 
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, run
+from helpers import PATIENCE, REPOSITORY, environment, run
 
 import fsipetsc
 
@@ -39,6 +41,8 @@ DEFAULTS = {"ts_max_time": 1}
 def build(opt):
     raise ValueError("no")
 """
+
+
 def _files(where: Path) -> None:
     (where / "missing_letter.opts").write_text("-fsi_order 6\nfsi_h 0.1\n")
     (where / "helped").mkdir()
@@ -78,7 +82,7 @@ def test_runs_in_one_process_are_runs_in_processes_of_their_own(alone, tmp_path)
     (tmp_path / "runs.json").write_text(json.dumps(runs))
     done = run(REPOSITORY / "tests" / "many_runs_program.py", "runs.json", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
-    assert json.loads(done.stdout)["wrong"] == []
+    assert json.loads(done.stdout) == []
     for path in alone.glob("*.h5"):
         assert _content(tmp_path / path.name) == _content(path), path.name
     assert _content(tmp_path / "again.h5") == _content(tmp_path / "plain.h5")
@@ -108,3 +112,36 @@ def test_a_host_of_runs_keeps_its_own_options(tmp_path):
     for name, steps in (("rod", 2), ("it's 3", 3)):
         with fsipetsc.open_run(tmp_path / f"{name}.h5") as result:
             assert (result.summary["steps"], result.options["fsi_order"]) == (steps, 4)
+
+
+# nobody reads what is printed, or it cannot be written
+
+#: prints far more than what one who leaves after a line has read, in many writes
+RUN = "rod -fsi_h 0.1 -ts_max_steps 300 -ts_monitor".split()
+COMPUTES = f"{sys.executable} -m fsipetsc {' '.join(RUN)}"
+
+
+def shell(line: str, cwd) -> tuple[int, str]:
+    """(status, stderr) of a line for bash."""
+    given = {"cwd": cwd, "env": environment(), "stdin": subprocess.DEVNULL, "timeout": PATIENCE}
+    done = subprocess.run(["bash", "-c", line], capture_output=True, text=True, **given)
+    return done.returncode, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [(f"{COMPUTES} >/dev/full", 1), (f"{COMPUTES} | head -n 0; exit ${{PIPESTATUS[0]}}", 0)],
+)
+def test_a_run_goes_on(line, said, tmp_path):
+    status, err = shell(line, tmp_path)
+    assert (status, err.count("\n")) == (0, said), err
+    assert ("No space left on device" in err) == bool(said)
+    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+        assert result.complete and result.summary["steps"] == 300
+
+
+@pytest.mark.parametrize("arguments", ["rod -help", "stability -no_such"])
+def test_what_prints_for_its_own_sake_says_that_it_cannot(arguments, tmp_path):
+    status, err = shell(f"{sys.executable} -m fsipetsc {arguments} >/dev/full", tmp_path)
+    assert status == (4 if "help" in arguments else 2)
+    assert err.count("fsipetsc: error: ") == err.count("\n") == 1, err

@@ -69,6 +69,10 @@ def built_in():
     return Problem(layers, Wall(0.0), Wall(3.1), units="none"), state
 
 
+def D_of(order):
+    return operator(order).matrix(POINTS, 1 / (POINTS - 1))
+
+
 def expected(state, order, coupling, narrow):
     """The derivative of the rates of what the conditions make of (rho, u, T; u, S, T), by the
     linear theory, (6, POINTS, 6, POINTS)."""
@@ -76,15 +80,18 @@ def expected(state, order, coupling, narrow):
     linear = assemble(state, order, POINTS, h, coupling, narrow)
     norm = operator(order).norm_weights(POINTS)
     root = np.sqrt(h * np.outer(state.weights, norm)).ravel()
-    found = (linear.raw + linear.heating) @ linear.projection
-    return (found / root[:, None] * root).reshape(6, POINTS, 6, POINTS)
+    raw = linear.raw / root[:, None] * root
+    heat = state.solid.alpha * state.solid.m0  # and what the stress sets free
+    raw[5 * POINTS :, 3 * POINTS : 4 * POINTS] += state.stress / heat * D_of(order)
+    found = raw @ (linear.projection / root[:, None] * root)
+    return found.reshape(6, POINTS, 6, POINTS)
 
 
 def solver_rates(state, constant, order):
     """(6, POINTS) changes of (rho, u, T) in gas 2 and (u, S, T) in solid 1 -> rates of the same, by
     the solver."""
     start = state.solution.getArray().copy()
-    gas, D = state.layers[2].law, operator(order).matrix(POINTS, 1 / (POINTS - 1))
+    gas, D = state.layers[2].law, D_of(order)
     stiffness = constant.modulus - constant.solid.K / constant.stretch
 
     def rates(change):
@@ -230,7 +237,7 @@ def test_sweep_with_traditional_ends_with_status_3(tmp_path):
     ("words", "said"),
     [
         ("-solid_densty 3", ("-solid_density",)),
-        ("-fsi_order 5", ("-fsi_order", "2, 4, 6, 8")),
+        ("-fsi_orders 5", ("-fsi_orders", "2,4,6,8")),
         ("-stability_points 10", ("-stability_points 10", "6/3", "12")),
     ],
 )

@@ -1,7 +1,7 @@
 """The command `convergence CASE`: a case over orders and grids, errors, observed orders and cost.
 
 A case with an exact solution in all of its layers is compared with that, any other case with itself
-(fsipetsc.analysis.grid_differences). All ranks share each run. What is left is a table on the
+(fsipetsc.analysis.convergence_table). All ranks share each run. What is left is a table on the
 terminal and as CSV, and two pictures: error against grid spacing (Fig. 6 of the paper) and error
 against time (Fig. 7).
 """
@@ -14,14 +14,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fsipetsc.analysis.convergence_table import COST, ConvergenceStudy
-from fsipetsc.analysis.tables import csv_target, listed_in, printer, results_folder
+from fsipetsc.analysis.convergence_table import (
+    COST,
+    SAMPLES,
+    ConvergenceStudy,
+    differences,
+    unresolved,
+)
+from fsipetsc.analysis.tables import begin, listed_in, printer, results_folder
 from fsipetsc.cases import load_case
 from fsipetsc.checks import counted
 from fsipetsc.errors import ComputationError, InputError
-from fsipetsc.options import Option, groups, read_options
+from fsipetsc.options import Option, groups
 from fsipetsc.output.reader import open_run
-from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import together, wait_asleep
 from fsipetsc.usage import program
 
@@ -53,16 +58,10 @@ def convergence(arguments: list[str], comm: MPI.Comm) -> None:
     Raises InputError; ComputationError at the end if a run has failed; FileError.
     """
     from fsipetsc.output.plots.studies import convergence_figures
-    from fsipetsc.stepping.solve import check_begin
 
     case = together(comm, lambda: _case(arguments))
-    given = start_petsc(arguments[1:], comm)
-    opt = read_options(case, given, OPTIONS)
-    check_begin(opt)
-    for name, instead in (("fsi_order", "fsi_orders"), ("fsi_h", "fsi_hs")):
-        if name in given and (name == "fsi_order" or instead in given):
-            raise InputError(f"-{name} is for a single run; a study takes -{instead}, a list")
-    path = csv_target(opt["fsi_output"] if "fsi_output" in given else f"{case.NAME}-convergence")
+    about = OPTIONS, f"{case.NAME}-convergence", {"fsi_order": "fsi_orders"}
+    opt, _, path = begin(case, arguments[1:], comm, *about)
     table, say = _empty_table(case, opt, comm), printer(comm, opt)
     what = "errors" if table.exact else "relative differences between neighbouring grids"
     ranks = counted(comm.size, "rank")
@@ -131,7 +130,6 @@ def _run_order(
 ) -> Any:
     """Run all grids of order i and fill the table; yields what is said. Collective; InputError
     where grids have no node in common; FileError."""
-    from fsipetsc.analysis.grid_differences import SAMPLES, differences, unresolved
     from fsipetsc.stepping.run import run_case
 
     times = (table.t,) if table.exact else tuple(table.t * np.arange(1, SAMPLES + 1) / SAMPLES)

@@ -1,9 +1,9 @@
 """The command `flutter`: how a small motion of the panel grows, and where it begins to.
 
 Each run of the case ``panel`` is made on one rank alone; the ranks share the runs. A run lasts a
-good period: the modes are told apart by their shapes (fsipetsc.analysis.flutter_motion). Beside the
-lambda of each Mach number at which the growth becomes positive stands that of quasi-steady theory
-(fsipetsc.analysis.flutter_theory).
+good period: the modes are told apart by their shapes. Beside the lambda of each Mach number at
+which the growth becomes positive stands that of quasi-steady theory
+(fsipetsc.analysis.panel_modes).
 """
 
 from __future__ import annotations
@@ -15,14 +15,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.analysis.flutter_motion import crossing, fit_modes, motion_of
-from fsipetsc.analysis.tables import csv_target, printer, save_csv, shared, text_table
+from fsipetsc.analysis.panel_modes import CRITICAL, Flow, crossing, fit_modes, motion_of
+from fsipetsc.analysis.tables import begin, printer, save_csv, shared, text_table
 from fsipetsc.cases import load_case
 from fsipetsc.checks import counted
-from fsipetsc.errors import ComputationError, InputError
-from fsipetsc.options import Option, groups, read_options
+from fsipetsc.errors import ComputationError
+from fsipetsc.options import Option, groups
 from fsipetsc.output.reader import open_run
-from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import wait_asleep
 
 if TYPE_CHECKING:
@@ -75,18 +74,12 @@ def flutter(arguments: list[str], comm: MPI.Comm) -> None:
     Raises InputError; FileError; ComputationError at the end if a run has failed.
     """
     case = load_case("panel")
-    given = start_petsc(arguments, comm)
     from fsipetsc.output.plots.studies import flutter_figure
-    from fsipetsc.stepping.solve import check_begin
 
-    opt = read_options(case, given, OPTIONS)
-    check_begin(opt)
-    for name, instead in (("panel_mach", "flutter_machs"), ("panel_lambda", "flutter_lambdas")):
-        if name in given:
-            raise InputError(f"-{name} is for a single run; the command flutter takes -{instead}")
+    instead = {"panel_mach": "flutter_machs", "panel_lambda": "flutter_lambdas"}
+    opt, given, path = begin(case, arguments, comm, OPTIONS, "flutter", instead)
     if "panel_push" not in given:
         opt["panel_push"] = SMALL
-    path = csv_target(opt["fsi_output"] if "fsi_output" in given else "flutter")
     say, mass, thickness = printer(comm, opt), opt["panel_mass"], opt["panel_thickness"]
     tasks = list(product(*(sorted({*opt[option.name]}) for option in OPTIONS)))
     runs_of = f"{counted(len(tasks), 'run')} of panel on {counted(comm.size, 'rank')}"
@@ -99,8 +92,6 @@ def flutter(arguments: list[str], comm: MPI.Comm) -> None:
     told, curves = onsets(runs, mass, thickness)
     say(told)
     if comm.rank == 0:
-        from fsipetsc.analysis.flutter_theory import CRITICAL
-
         figures = flutter_figure(curves, CRITICAL, facts, path.with_suffix(".png"))
         say("\nresults in " + ", ".join(map(str, [save_csv(path, HEAD, lines), *figures])))
     wait_asleep(comm)
@@ -124,19 +115,18 @@ def one_run(
     """
     from mpi4py import MPI
 
-    from fsipetsc.analysis.flutter_theory import Flow
     from fsipetsc.stepping.run import run_case
 
-    period, begin = Flow(mach, opt["panel_mass"]).period(dynamic), CHORDS / (mach - 1.0)
+    period, later = Flow(mach, opt["panel_mass"]).period(dynamic), CHORDS / (mach - 1.0)
     own = {**opt, "panel_mach": mach, "panel_lambda": dynamic, "fsi_quiet": True}
-    own |= {"ts_max_time": end or begin + PERIODS * period}
+    own |= {"ts_max_time": end or later + PERIODS * period}
     own |= {"fsi_output_dt": period / SAMPLES, "fsi_output_times": None}
     with tempfile.TemporaryDirectory() as folder:
         own["fsi_output"] = f"{folder}/panel.h5"
         try:
             run_case(case, own, MPI.COMM_SELF)
             with open_run(own["fsi_output"]) as run:
-                s, misfit = fit_modes(motion_of(run)[0].after(begin))
+                s, misfit = fit_modes(motion_of(run, later))
                 cost = run.summary["steps"], run.summary["wall_time"]
         except ComputationError as error:
             return FlutterRun(mach, dynamic, failure=str(error))
@@ -156,7 +146,6 @@ def onsets(runs: Sequence[FlutterRun], mass: float, thickness: float) -> tuple[s
     NaN where they do not show it; by theory of a thin panel and of one with shear and rotary
     inertia.
     """
-    from fsipetsc.analysis.flutter_theory import CRITICAL, Flow
     from fsipetsc.output.plots.studies import Curves
 
     head = ["M", "lambda", "f", f"of {CRITICAL}", "theory,\nthin", "theory,\nthick", "\nf"]

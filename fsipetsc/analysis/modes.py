@@ -9,11 +9,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fsipetsc.analysis.tables import csv_target, save_csv, text_table
+from fsipetsc.analysis.tables import begin, save_csv, text_table
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
-from fsipetsc.options import Option, groups, read_options
-from fsipetsc.process.launch import start_petsc
+from fsipetsc.options import Option, groups
 from fsipetsc.process.together import together, wait_asleep
 from fsipetsc.usage import program
 
@@ -40,14 +39,13 @@ def modes(arguments: list[str], comm: MPI.Comm) -> None:
         usage = f"{program()} modes ring|shell [-option value ...]"
         raise InputError(f"the command modes knows the cases ring and shell: {usage}")
     name = arguments[0]
-    case, given = load_case(name), start_petsc(arguments[1:], comm)
-    from fsipetsc.stepping.solve import build_problem, check_begin
+    case = load_case(name)
+    opt, _, path = begin(case, arguments[1:], comm, OPTIONS[name], "modes")
+    from fsipetsc.stepping.solve import build_problem
 
-    opt = {**read_options(case, given, OPTIONS[name]), **_AT_REST[name]}
-    check_begin(opt)
-    path = csv_target(opt["fsi_output"] if "fsi_output" in given else "modes")
+    opt |= _AT_REST[name]
     problem = build_problem(case, opt, comm)
-    together(comm, lambda: None if comm.rank else _told(name, problem, opt, path))
+    together(comm, lambda: None if comm.rank else _told(case, problem, opt, path))
     wait_asleep(comm)
 
 
@@ -57,13 +55,13 @@ def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
     return groups(load_case(name), OPTIONS[name])
 
 
-def _told(name: str, problem: Any, opt: Mapping[str, Any], path: Path) -> None:
+def _told(case: Any, problem: Any, opt: Mapping[str, Any], path: Path) -> None:
     """Compute, print and save. InputError, FileError."""
     from fsipetsc.analysis.ring_theory import mode_near
     from fsipetsc.analysis.wave_modes import radial_modes
     from fsipetsc.stepping.solve import block_form
 
-    n, media = opt.get("ring_angular", 0), (media_of if name == "ring" else media_of_shell)(opt)
+    n, media = opt.get("ring_angular", 0), media_of(case, opt)
     rows, lines = [], []
     found = radial_modes(problem, opt["fsi_order"], n, block_form(opt))[: opt["modes_count"]]
     for i, omega in enumerate(map(complex, found), 1):
@@ -74,47 +72,27 @@ def _told(name: str, problem: Any, opt: Mapping[str, Any], path: Path) -> None:
     save_csv(path, ("index", "omega_re", "omega_im", "exact", "exact_im"), rows)
     if not opt["fsi_quiet"]:
         grid = f"order {opt['fsi_order']}, h = {opt['fsi_h']:g}"
-        of = f", angular number {n}" if name == "ring" else ""
-        print(f"modes of {name}{of}, {grid}: exp(-i omega t)")
+        of = f", angular number {n}" if case.NAME == "ring" else ""
+        print(f"modes of {case.NAME}{of}, {grid}: exp(-i omega t)")
         print(text_table(("", "omega [1/s]", "exact", "error"), lines))
         print(f"saved {path}", flush=True)
 
 
-def media_of_shell(opt: Mapping[str, Any]) -> tuple[Medium, ...]:
-    """What the equations know of the case shell, from inside; nothing where it conducts heat."""
-    from fsipetsc.analysis.ring_theory import RadialMedium
-    from fsipetsc.cases.common import gas_of
-    from fsipetsc.cases.shell import radii_of, solid_of
-
-    gas, solid, kappa = gas_of(opt), solid_of(opt), opt["shell_kappa"]
-    core, inner, outer, vessel = radii_of(opt)
-    elastic = solid.m0, solid.lambda_e, solid.mu_e, 0.0
-    shell = RadialMedium(inner, outer, *elastic, kappa=kappa)
-    if opt["shell_gas"] == "none":
-        return (shell,)
-    if gas.kappa > 0.0:
-        return ()
-    of_gas = 1.0, gas.gamma, 0.0, gas.mu
-    inside = RadialMedium(core, inner, *of_gas, kappa=kappa)
-    return inside, shell, RadialMedium(outer, vessel, *of_gas, kappa=kappa)
-
-
-def media_of(opt: Mapping[str, Any]) -> tuple[Medium, ...]:
-    """What the equations know of the case ring, from inside; nothing where it conducts heat."""
+def media_of(case: Any, opt: Mapping[str, Any]) -> tuple[Medium, ...]:
+    """What the equations know of the case ring or shell, from inside; nothing where its gas
+    conducts heat.
+    """
     from fsipetsc.analysis.ring_theory import Medium
     from fsipetsc.cases.common import gas_of
-    from fsipetsc.cases.ring import CORE, INNER, OUTER, VESSEL, solid_of
 
-    gas, solid = gas_of(opt), solid_of(opt)
-    ring = Medium(INNER, OUTER, solid.m0, solid.lambda_e, solid.mu_e)
-    if not opt["ring_gas"]:
-        return (ring,)
-    if gas.kappa > 0.0:
-        return ()
-    inside, outside = (
-        Medium(*radii, 1.0, gas.gamma, 0.0, gas.mu) for radii in ((CORE, INNER), (OUTER, VESSEL))
-    )
-    return inside, ring, outside
+    gas, solid, kappa = gas_of(opt), case.solid_of(opt), opt.get("shell_kappa", 0)
+    core, inner, outer, vessel = case.radii_of(opt)
+    body = Medium(inner, outer, solid.m0, solid.lambda_e, solid.mu_e, kappa=kappa)
+    if opt.get("ring_gas") is False or opt.get("shell_gas") == "none":
+        return (body,)
+    of_gas = 1.0, gas.gamma, 0.0, gas.mu, kappa
+    air = Medium(core, inner, *of_gas), Medium(outer, vessel, *of_gas)
+    return () if gas.kappa > 0.0 else (air[0], body, air[1])
 
 
 def _text(omega: complex) -> str:

@@ -26,8 +26,16 @@ NEAR, CLOSE, STEPS, SINGULAR = 0.03, 1e-12, 40, 1e-8
 
 @dataclass(frozen=True)
 class Medium:
-    """A ring between two radii [m], of a density [kg/m3] and Lame's constants [Pa]; of a gas
-    lame = gamma p, shear = 0, and the viscosity [Pa s].
+    """A ring or shell between two radii [m], of a density [kg/m3] and Lame's constants [Pa]; of a
+    gas lame = gamma p, shear = 0, and the viscosity [Pa s].
+
+    kappa: 0 in the plane; 1, 2 of what moves along the radius alone, around an axis or a centre, as
+    compression waves, k = omega/c_p:
+
+        u = a j_1(k r) + b y_1(k r),    s_rr = (lambda + 2 mu) k (a j_0 + b y_0) - 2 kappa mu u/r
+
+    j_n and y_n are Bessel functions around an axis, spherical ones around a centre. In what goes to
+    r = 0 b is 0.
     """
 
     inner: float
@@ -36,6 +44,7 @@ class Medium:
     lame: float
     shear: float = 0.0
     viscosity: float = 0.0
+    kappa: int = 0
 
     @property
     def solid(self) -> bool:
@@ -45,20 +54,18 @@ class Medium:
     @property
     def sticks(self) -> bool:
         """Whether there are tangential stresses in it."""
-        return self.solid or self.viscosity > 0.0
-
-    def stiffness(self, omega: complex) -> tuple[complex, complex]:
-        """lambda and mu [Pa] at a frequency."""
-        mu = self.shear - 1j * omega * self.viscosity
-        return self.lame + 2j / 3 * omega * self.viscosity, mu
+        return self.kappa == 0 and (self.solid or self.viscosity > 0.0)
 
     def fields(self, n: int, omega: complex, r: float) -> Complex:
         """(4, 2 or 4): displacements and stresses u_r, u_theta, s_rr, s_rtheta at r of each
-        potential.
+        function; n is 0 where kappa is not.
         """
-        lame, mu = self.stiffness(omega)
-        found = []
+        mu = self.shear - 1j * omega * self.viscosity
+        lame = self.lame + 2j / 3 * omega * self.viscosity
         k = omega / np.sqrt((lame + 2.0 * mu) / self.density)
+        if self.kappa:
+            return self._radial(k, lame, mu, r)
+        found = []
         for f in (jvp, h1vp):
             p, dp, ddp = (k**m * f(n, k * r, m) for m in range(3))
             turning = 2j * n * mu * (dp / r - p / r**2)
@@ -70,36 +77,13 @@ class Medium:
             found.append([1j * n / r * p, -dp, 2j * n * mu * (dp / r - p / r**2), turning])
         return np.array(found, complex).T
 
-
-@dataclass(frozen=True)
-class RadialMedium(Medium):
-    """A medium between two radii, the inner one perhaps 0, that moves along the radius alone, as
-    compression waves, k = omega/c_p:
-
-        u = a j_1(k r) + b y_1(k r),    s_rr = (lambda + 2 mu) k (a j_0 + b y_0) - 2 kappa mu u/r
-
-    j_n and y_n are Bessel functions around an axis (kappa = 1), spherical ones around a centre (2).
-    In what goes to r = 0 b is 0.
-    """
-
-    kappa: int = 2
-
-    @property
-    def sticks(self) -> bool:
-        """There are no motions but those along the radius."""
-        return False
-
-    def fields(self, n: int, omega: complex, r: float) -> Complex:
-        """(4, 2): u, 0, s_rr, 0 of both functions; n is 0."""
+    def _radial(self, k: complex, lame: complex, mu: complex, r: float) -> Complex:
+        """(4, 2): u, 0, s_rr, 0 of both functions."""
         if r == 0.0:
             return np.array([[0.0, 1.0], [0.0, 0.0], [0.0, 1.0], [0.0, 0.0]], complex)
-        lame, mu = self.stiffness(omega)
-        k = omega / np.sqrt((lame + 2.0 * mu) / self.density)
-        of = (jv, yv) if self.kappa == 1 else (spherical_jn, spherical_yn)
         found = np.zeros((4, 2), complex)
-        for column, f in enumerate(of):
-            u = f(1, k * r)
-            squeezed = (lame + 2.0 * mu) * k * f(0, k * r)
+        for column, f in enumerate((jv, yv) if self.kappa == 1 else (spherical_jn, spherical_yn)):
+            u, squeezed = f(1, k * r), (lame + 2.0 * mu) * k * f(0, k * r)
             found[:, column] = u, 0.0, squeezed - 2.0 * self.kappa * mu * u / r, 0.0
         return found
 

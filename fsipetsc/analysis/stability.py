@@ -2,9 +2,8 @@
 
 It ends with status 3 where the interface treatment does not keep what it promises. `energy` and
 `conservative` promise that the energy never grows (Theorem 4.1), that no mode grows and that the
-step of the uncoupled layers is kept; the others promise the last two. What the heat of the stress
-at rest adds is shown too, but as it belongs to the equations, not to the interface, it does not
-count.
+step of the uncoupled layers is kept; the others promise the last two. The heat of the stress at
+rest is left out: it belongs to the equations, not to the interface.
 """
 
 from __future__ import annotations
@@ -16,9 +15,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fsipetsc.analysis.tables import listed_in, printer, save_csv, shared, text_table
+from fsipetsc.cases.common import material_options
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.operators import operator
-from fsipetsc.options import above_one, read_table
+from fsipetsc.options import read_table
 from fsipetsc.options.option import Option
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import wait_asleep
@@ -39,27 +39,20 @@ _DENSITIES = "m0 over the density of the gas, instead of -solid_density; alpha m
 _STIFFNESSES = "K over the pressure of the gas, instead of -solid_modulus"
 _EOS = "pressure p = G rho epsilon that balances the gas, or none: sigma = -p of the gas"
 _POWERS = tuple(10.0**k for k in range(-3, 4))
-_ABOVE, _NOT_BELOW = {"check": "positive"}, {"check": "nonnegative"}
+_ABOVE = {"check": "positive"}
 SECTIONS: dict[str, tuple[Option, ...]] = {
     "Gas": (
         Option("fluid_rho", float, 1.0, "kg/m3", "density of the gas at rest", **_ABOVE),
         Option("fluid_T", float, 1.0, "K", "temperature, of the solid too", **_ABOVE),
-        Option("fluid_gamma", float, 1.4, "", "ratio of the specific heats", check=above_one),
-        Option("fluid_R", float, 1.0, "J/(kg K)", "gas constant over molar mass", **_ABOVE),
-        Option("fluid_mu", float, 0.01, "Pa s", "viscosity", **_NOT_BELOW),
-        Option("fluid_kappa", float, 0.03, "W/(m K)", "heat conductivity of the gas", **_NOT_BELOW),
+        *material_options(fluid_mu=0.01, fluid_kappa=0.03, fluid_gamma=1.4, fluid_R=1.0),
     ),
     "Solid": (
-        Option("solid_density", float, 1.0, "kg/m3", "density m0 at reference", **_ABOVE),
-        Option("solid_modulus", float, 1.0, "Pa", "K = 2 mu_e + lambda_e", **_ABOVE),
-        Option("solid_alpha", float, 2.5, "J/(kg K)", "specific heat", **_ABOVE),
-        Option("solid_kappa", float, 0.02, "W/(m K)", "heat conductivity", **_NOT_BELOW),
+        *material_options(solid_density=1.0, solid_modulus=1.0, solid_alpha=2.5, solid_kappa=0.02),
         Option("solid_eos", str, "ideal", "", _EOS, ("ideal", "elastic")),
     ),
     "Discretisation": (
         Option("fsi_coupling", str, "energy", "", "treatment of the interface", tuple(THEORY)),
         Option("fsi_viscous", str, "wide", "", "D twice, or narrow ones", ("wide", "narrow")),
-        Option("fsi_order", int, None, "", "one order alone, instead of -fsi_orders", ORDERS),
         Option("fsi_orders", "ints", ORDERS, "", "interior orders", check=listed_in(ORDERS)),
         Option("fsi_h", float, 0.03125, "m", "grid spacing", **_ABOVE),
         Option("stability_points", int, 32, "", "points of each of the two layers", **_ABOVE),
@@ -83,6 +76,10 @@ def stability(arguments: list[str], comm: MPI.Comm) -> None:
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # small matrices: threads would get in each other's way
     opt = read_table(SECTIONS, start_petsc(arguments, comm))
+    for op in map(operator, opt["fsi_orders"]):
+        least, points = max(4, op.min_points), opt["stability_points"]
+        if points < least:
+            raise InputError(f"-stability_points {points}: the {op.name} operator needs {least}")
     from fsipetsc.analysis.stability_linear import measure, of_options
 
     state = of_options(opt)
@@ -92,26 +89,16 @@ def stability(arguments: list[str], comm: MPI.Comm) -> None:
         states = [state.swept(*both) for both in ratios]
     names = "stability_points", "fsi_h", "fsi_coupling"
     how = *(opt[name] for name in names), opt["fsi_viscous"] == "narrow"
-    tasks = list(product(_orders(opt), states))
+    tasks = list(product(opt["fsi_orders"], states))
     results = shared(comm, tasks, lambda task: measure(task[1], task[0], *how))
     say = printer(comm, opt)
     told = summary(results) if opt["sweep"] else table(results)
-    say("\n".join([heading(opt, state), "", told, *_heating(results), ""]))
+    say("\n".join([heading(opt, state), "", told, ""]))
     if opt["sweep"] and comm.rank == 0:
         path = Path(f"{opt['fsi_output'] or 'stability-' + opt['fsi_coupling']}.csv")
         say(f"saved {save_csv(path, results[0]._fields, results)}")
     wait_asleep(comm)
     judge(results)
-
-
-def _orders(opt: Mapping[str, Any]) -> tuple[int, ...]:
-    """The orders that are asked for. InputError if a layer has too few points for an operator."""
-    found = (opt["fsi_order"],) if opt["fsi_order"] else tuple(opt["fsi_orders"])
-    for op in map(operator, found):
-        least, points = max(4, op.min_points), opt["stability_points"]
-        if points < least:
-            raise InputError(f"-stability_points {points}: the {op.name} operator needs {least}")
-    return found
 
 
 def heading(opt: Mapping[str, Any], state: Constant) -> str:
@@ -169,19 +156,6 @@ def summary(results: Sequence[Result]) -> str:
         row += [sum(r.estimate for r in own), f"{max(r.energy for r in own):.1e}"]
         rows.append(row)
     return text_table(head, rows)
-
-
-def _heating(results: Sequence[Result]) -> list[str]:
-    """What the heat of the stress at rest adds."""
-    if all(r.heated == r.growth for r in results):
-        return []
-    worst, growing = max(r.heated for r in results), sum(not r.heated_stable for r in results)
-    return [
-        "",
-        "These numbers leave out the heat sigma u_X/(alpha m0) that the stress at rest sets free,",
-        f"which is not the interface's doing. With it modes grow in {growing} of {len(results)}, "
-        f"at most by {worst:.1e} |lambda|.",
-    ]
 
 
 def judge(results: Sequence[Result]) -> None:

@@ -14,8 +14,8 @@ left, K x_X'/x_X - sigma, never changes.
 
 D2 is D twice or the narrow second derivative, c = dp_s/dT; of the gas p_T = rho^ R, p_rho = R T^.
 The energy E = h sum_j a_j (W q^2)_j has the weights of fsipetsc.paper.coupling. In it the equations
-are symmetric but for a part of the last one: -p^ = -c T^ + sigma^. That part is the heat that a
-stress sigma^ != 0 sets free.
+are symmetric but for a part of the last one: -p^ = -c T^ + sigma^. That part, the heat that a
+stress sigma^ != 0 sets free, is left out.
 
 With the conservative coupling D of a flux is without what goes through the interface
 (fsipetsc.blocks). The interface is treated by the code that the solver calls, differentiated
@@ -34,6 +34,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.analysis.spectra import CENTRAL, Real, range_basis, step_limit
+from fsipetsc.cases.common import gas_of, solid_of
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.operators import operator
@@ -108,21 +109,18 @@ class Constant:
 
 def of_options(opt: Mapping[str, Any]) -> Constant:
     """The state that the options describe."""
-    gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], opt["fluid_gamma"], opt["fluid_R"])
-    rho, T, m0, alpha = (opt[k] for k in ("fluid_rho", "fluid_T", "solid_density", "solid_alpha"))
-    balanced = gas.R * rho / (m0 * alpha)  # p_s = p, sigma = 0
-    gruneisen = balanced if opt["solid_eos"] == "ideal" else 0.0
-    solid = Solid(opt["solid_modulus"], opt["solid_kappa"], m0, alpha, gruneisen=gruneisen)
-    return Constant(gas, solid, rho, T)
+    gas, solid, rho = gas_of(opt), solid_of(opt), opt["fluid_rho"]
+    if opt["solid_eos"] == "ideal":  # p_s = p, sigma = 0
+        solid = replace(solid, gruneisen=gas.R * rho / (solid.m0 * solid.alpha))
+    return Constant(gas, solid, rho, opt["fluid_T"])
 
 
 class Result(NamedTuple):
     """Numbers of one problem. Rates of growth are over the largest |lambda|, which is radius [1/s].
 
-    energy, growth: those of the energy and of the fastest mode, without the heat that the stress at
-    rest sets free; heated: with it. step: that RK4 can take [s], step_ratio: over that of the
-    uncoupled layers. estimate, stable, heated_stable, step_kept: the energy does not grow, no mode
-    does (with that heat), the interface costs no step.
+    energy, growth: those of the energy and of the fastest mode. step: that RK4 can take [s],
+    step_ratio: over that of the uncoupled layers. estimate, stable, step_kept: the energy does not
+    grow, no mode does, the interface costs no step.
     """
 
     order: int
@@ -131,13 +129,11 @@ class Result(NamedTuple):
     stiffness_ratio: float
     energy: float
     growth: float
-    heated: float
     radius: float
     step: float
     step_ratio: float
     estimate: bool
     stable: bool
-    heated_stable: bool
     step_kept: bool
 
 
@@ -146,14 +142,13 @@ class Linear(NamedTuple):
     the vector.
 
     raw: (6n, 6n) right-hand side of both layers without any condition, symmetric in the last
-    equation; heating: (6n, 6n) what sigma^ adds; projection: (6n, 6n) all conditions; free:
-    (6n,) 0 where a layer alone is held: at its outer end, and at the interface in the same way, but
-    with the conservative coupling, where it is free and insulated. Order: fluid rho, u, T, solid
-    u, S, T; in each the points from left to right.
+    equation; projection: (6n, 6n) all conditions; free: (6n,) 0 where a layer alone is held: at its
+    outer end, and at the interface in the same way, but with the conservative coupling, where it is
+    free and insulated. Order: fluid rho, u, T, solid u, S, T; in each the points from left to
+    right.
     """
 
     raw: Real
-    heating: Real
     projection: Real
     free: Real
 
@@ -177,15 +172,13 @@ def assemble(
     interface = scatter(interface_jacobian(state, order, h, coupling), n)
     root = np.sqrt(np.outer(state.weights, H)).ravel()
     scaled = root[:, None] / root
-    raw, heating = rates(state, D, outer, [divergence @ D - narrowing for divergence in outer])
+    raw = rates(state, D, outer, [divergence @ D - narrowing for divergence in outer])
     conditions = np.outer(ends, ends) * interface
-    return Linear(scaled * raw, scaled * heating, scaled * conditions, both.ravel())
+    return Linear(scaled * raw, scaled * conditions, both.ravel())
 
 
-def rates(
-    state: Constant, D: Real, outer: Sequence[Real], second: Sequence[Real]
-) -> tuple[Real, Real]:
-    """(right-hand side without the heating by the stress, that heating), (6n, 6n).
+def rates(state: Constant, D: Real, outer: Sequence[Real], second: Sequence[Real]) -> Real:
+    """The right-hand side, (6n, 6n).
 
     D: derivative of the velocities, (n, n); outer, second: in fluid and solid those of the stress
     and, of second order, of what is conducted or diffuses.
@@ -194,7 +187,7 @@ def rates(
     c, p_T, heat = state.solid_pressure / T, rho * gas.R, solid.alpha * solid.m0
     heat_f, o, mu = rho * gas.cv, np.zeros_like(D), 4 / 3 * gas.mu
     (Df, Ds), (D2f, D2s) = outer, second
-    raw = np.block(
+    return np.block(
         [
             [o, -rho * D, o, o, o, o],
             [-state.p / rho**2 * Df, mu / rho * D2f, -p_T / rho * Df, o, o, o],
@@ -204,10 +197,6 @@ def rates(
             [o, o, o, -c * T / heat * D, o, solid.kappa_e / state.stretch / heat * D2s],
         ]
     )
-    heating = np.zeros_like(raw)
-    n = len(D)
-    heating[5 * n :, 3 * n : 4 * n] = state.stress / heat * D
-    return raw, heating
 
 
 def interface_jacobian(state: Constant, order: int, h: float, coupling: str) -> Real:
@@ -281,15 +270,13 @@ def measure(
     """
     problem = assemble(state, order, n, h, coupling, narrow)
     P, Z = problem.projection, range_basis(problem.projection)
-    A, heated = (Z.T @ (P @ L @ P) @ Z for L in (problem.raw, problem.raw + problem.heating))
+    A = Z.T @ (P @ problem.raw @ P) @ Z
     energy, spectrum = float(np.linalg.eigvalsh((A + A.T) / 2).max()), np.linalg.eigvals(A)
     alone = np.outer(problem.free, problem.free) * problem.raw
     halves = alone[: 3 * n, : 3 * n], alone[3 * n :, 3 * n :]
     uncoupled = min(step_limit(np.linalg.eigvals(half)) for half in halves)
     radius, step = float(np.abs(spectrum).max()), step_limit(spectrum)
-    growth, growth_heated = (
-        float(values.real.max()) / radius for values in (spectrum, np.linalg.eigvals(heated))
-    )
+    growth = float(spectrum.real.max()) / radius
     return Result(
         order=order,
         coupling=coupling,
@@ -297,12 +284,10 @@ def measure(
         stiffness_ratio=state.solid.K / state.p,
         energy=energy / radius,
         growth=growth,
-        heated=growth_heated,
         radius=radius,
         step=step,
         step_ratio=step / uncoupled,
         estimate=energy <= ENERGY_TOLERANCE * radius,
         stable=growth <= MODE_TOLERANCE,
-        heated_stable=growth_heated <= MODE_TOLERANCE,
         step_kept=step >= STEP_KEPT * uncoupled,
     )

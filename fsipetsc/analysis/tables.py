@@ -7,16 +7,44 @@ import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from fsipetsc.errors import FileError
+from fsipetsc.errors import FileError, InputError
+from fsipetsc.options import Option, read_options
+from fsipetsc.output.file_layout import writing
+from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import together, wait_asleep
 
 if TYPE_CHECKING:
     from mpi4py import MPI
 
 Task, Result = TypeVar("Task"), TypeVar("Result")
+
+
+def begin(
+    case: Any,
+    words: Sequence[str],
+    comm: MPI.Comm,
+    extra: Sequence[Option],
+    name: str,
+    instead: Mapping[str, str] | None = None,
+) -> tuple[dict[str, Any], dict[str, str], Path]:
+    """(options in force, what was given, the CSV file) of a study of a case, NAME.csv if no name is
+    given. Collective; InputError, FileError.
+
+    instead: options of a run that a study does not take -> those that it takes.
+    """
+    from fsipetsc.stepping.solve import check_begin
+
+    given = start_petsc(words, comm)
+    opt = read_options(case, given, extra)
+    check_begin(opt)
+    for single, several in (instead or {}).items():
+        if single in given:
+            raise InputError(f"-{single} is for a single run; a study takes -{several}, a list")
+    return opt, given, csv_target(opt["fsi_output"] if "fsi_output" in given else name)
 
 
 def text_table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
@@ -35,14 +63,11 @@ def save_csv(
     path: Path, head: Sequence[str], rows: Iterable[Sequence[object]], about: str = ""
 ) -> Path:
     """Write a table; about: a first line, which begins with #. FileError."""
-    try:
-        with path.open("w", newline="", encoding="utf-8") as file:
-            file.write(f"# {about}\n" if about else "")
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(head)
-            writer.writerows(rows)
-    except OSError as error:
-        raise FileError(f"{path}: cannot write the table: {error.strerror or error}") from error
+    with writing(path, "the table"), path.open("w", newline="", encoding="utf-8") as file:
+        file.write(f"# {about}\n" if about else "")
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(head)
+        writer.writerows(rows)
     return path
 
 
@@ -88,6 +113,11 @@ def printer(comm: MPI.Comm, opt: Mapping[str, Any]) -> Callable[[str], None]:
     """Prints on rank 0, and nothing with -fsi_quiet."""
     quiet = opt["fsi_quiet"] or comm.rank > 0
     return (lambda text: None) if quiet else (lambda text: print(text, flush=True))
+
+
+def texts(values: Iterable[float], spec: str) -> list[str]:
+    """Numbers for a table; nothing where there is none."""
+    return [format(value, spec) if isfinite(value) else "" for value in values]
 
 
 def listed_in(allowed: Sequence[int]) -> Callable[[Sequence[int]], str | None]:

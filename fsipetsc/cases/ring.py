@@ -50,6 +50,11 @@ def solid_of(opt: Opt) -> ElasticSolid:
     return elastic_of(opt, 1.0 if opt["ring_gas"] else 0.0, law=opt["solid_law"])
 
 
+def radii_of(opt: Opt) -> tuple[float, ...]:
+    """Of the core, of the ring, of the vessel."""
+    return CORE, INNER, OUTER, VESSEL
+
+
 def build(opt: Opt) -> BlockProblem:
     """Blocks whose axes run outwards and around."""
     around = opt["ring_around"] or max(24, 8 * round(2.0 * np.pi * INNER / (32.0 * opt["fsi_h"])))

@@ -37,7 +37,7 @@ from fsipetsc.options.tables import (
 
 __all__ = [
     "COMMON", "LONGEST_NAME", "OF_A_RUN", "PETSC_OPTIONS", "REQUIRED", "RUN", "InForce", "Option",
-    "above_one", "defaults", "given_options", "groups", "is_option", "present", "publish", "put",
+    "above_one", "defaults", "given_options", "groups", "is_option", "present", "put",
     "read_options", "read_table", "spelt", "table",
 ]  # fmt: skip
 
@@ -89,9 +89,9 @@ def table(
     return {option.name.lower(): option for option in every}
 
 
-def defaults(case: Any, extra: Sequence[Option] = ()) -> dict[str, Any]:
+def defaults(case: Any) -> dict[str, Any]:
     """Name -> default in force for every option of a case; REQUIRED if the user must give it."""
-    return {option.name: option.default for option in table(case, extra).values()}
+    return {option.name: option.default for option in table(case).values()}
 
 
 def _with_default(option: Option, value: Any, case: str) -> Option:
@@ -218,14 +218,27 @@ def read_options(
     for this, instead in ((one, other), (other, one)):
         if this in given and instead not in given:
             values[instead] = None
-    publish(values)
+    _tell_petsc(values, given)
+    return values
+
+
+def _tell_petsc(values: Mapping[str, Any], given: Mapping[str, str]) -> None:
+    """Put what PETSc's time integrator follows into its database, as this release names it."""
     from petsc4py import PETSc
 
-    for name in IN_LOOP:
-        PETSc.Options().delValue(name)
-        if name in given:
-            PETSc.Options().setValue(name, given[name])
-    return values
+    database = PETSc.Options()
+    told = {name: given[name] for name in IN_LOOP if name in given}
+    for option in PETSC_OPTIONS:
+        method = option.name.split("_")[1]  # ts_rk_type is of ts_type rk
+        unused = method in ("rk", "ssp") and values["ts_type"] != method
+        if values[option.name] is not None and not unused:
+            told[option.name] = str(values[option.name])
+    if "ts_dt" in told and PETSc.Sys.getVersion() >= (3, 25):
+        told["ts_time_step"] = told.pop("ts_dt")
+    for name in (*ALIASES, *IN_LOOP, *(option.name for option in PETSC_OPTIONS)):
+        database.delValue(name)
+    for name, text in told.items():
+        database.setValue(name, text)
 
 
 def read_table(
@@ -272,24 +285,3 @@ def _nearest(name: str, names: Iterable[str]) -> str:
     if petscs:
         return " (an option of PETSc's that has no effect here; -help lists those that have)"
     return " (-help lists the options there are)"
-
-
-def publish(values: Mapping[str, Any]) -> None:
-    """Put the ts_… values of an options dict into PETSc's database, as this release names them.
-
-    To be called before TSSetFromOptions if ts_… values were changed after read_options.
-    """
-    from petsc4py import PETSc
-
-    database = PETSc.Options()
-    renamed = "ts_time_step" if PETSc.Sys.getVersion() >= (3, 25) else "ts_dt"
-    for alias in ALIASES:
-        database.delValue(alias)
-    for option in PETSC_OPTIONS:
-        value = values[option.name]
-        database.delValue(option.name)
-        method = option.name.split("_")[1]  # ts_rk_type is of ts_type rk
-        unused = method in ("rk", "ssp") and values["ts_type"] != method
-        if value is not None and not unused:
-            name = renamed if option.name == "ts_dt" else option.name
-            database.setValue(name, str(value))

@@ -5,36 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from fsipetsc.errors import InputError
+from fsipetsc.output.quantities import unit_of
 from fsipetsc.output.reader import BlockLayer, Layer, Run
 
 if TYPE_CHECKING:
     import xarray
-
-#: unit -> fields and series that have it
-_FIELDS = {
-    "1": "J least_J J_error",
-    "K": "T T_interface T_point residual_T",
-    "Pa": "p sigma sigma_theta s_xx s_xy s_yy s_xz s_yz s_zz sigma_interface residual_stress force "
-    "p_point t_x_point t_y_point t_z_point",
-    "W m-2": "residual_flux",
-    "kg m-3": "rho",
-    "m": "x y z x_interface x_point y_point z_point",
-    "m s-1": "u v w u_interface residual_u u_point v_point w_point",
-    "s": "t dt",
-}
-#: the same of integrals; in one dimension they are per area [m-2], in two per depth [m-1]
-_INTEGRALS = {
-    "J": "energy energy_in solid_energy lost_energy",
-    "J s": "angular_momentum angular_momentum_x angular_momentum_y angular_momentum_z",
-    "J K-1": "entropy",
-    "N s": "momentum momentum_x momentum_y momentum_z impulse impulse_x impulse_y impulse_z",
-    "W K-1": "heating",
-    "kg": "mass mass_in",
-}
-FIELDS, INTEGRALS = (
-    {name: unit for unit, names in table.items() for name in names.split()}
-    for table in (_FIELDS, _INTEGRALS)
-)
 
 
 def to_xarray(run: Run) -> xarray.Dataset:
@@ -52,14 +27,11 @@ def to_xarray(run: Run) -> xarray.Dataset:
         import xarray
     except ImportError as error:
         raise InputError("to_xarray: xarray is not installed (pip install xarray)") from error
-    si = run.header.get("units", "SI") == "SI"
     variables: dict[str, Any] = {}
-    coordinates: dict[str, Any] = {"time": ("time", run.time, _attributes("t", si))}
+    coordinates: dict[str, Any] = {"time": ("time", run.time, _attributes(run, "t"))}
     for layer in run.layers:
-        _add_layer(layer, si, variables, coordinates)
+        _add_layer(run, layer, variables, coordinates)
     columns = _columns(run)
-    # around an axis integrals are per length, around a centre per nothing
-    space = run.dimension + int(run.header.get("symmetry", 0))
     for name, values in run.series.items():
         dimensions: tuple[str, ...] = ("step",)
         if values.ndim == 2:
@@ -68,9 +40,9 @@ def to_xarray(run: Run) -> xarray.Dataset:
             dimensions = ("step", of)
             if of in columns:
                 coordinates[of] = (of, columns[of])
-        variables[f"series.{name}"] = (dimensions, values, _attributes(name, si, space))
+        variables[f"series.{name}"] = (dimensions, values, _attributes(run, name))
     if "t" in run.series:
-        coordinates["t"] = ("step", run.series["t"], _attributes("t", si))
+        coordinates["t"] = ("step", run.series["t"], _attributes(run, "t"))
     if run.interfaces:
         coordinates["interface"] = ("interface", list(run.interfaces))
     about = {"case": run.case, "complete": int(run.complete)}
@@ -79,21 +51,21 @@ def to_xarray(run: Run) -> xarray.Dataset:
 
 
 def _add_layer(
-    layer: Layer, si: bool, variables: dict[str, Any], coordinates: dict[str, Any]
+    run: Run, layer: Layer, variables: dict[str, Any], coordinates: dict[str, Any]
 ) -> None:
     """Fields and coordinates of a layer; the places of a curved block are coordinates NAME.X …"""
     name, axes = "_".join(layer.name.split()), "XYZ"[: len(layer.shape)]
     dimensions = ("time", *(f"{axis}_{name}" for axis in axes[::-1]))
     for axis in axes:
         values = getattr(layer, axis)
-        about = {**_attributes("x", si), "long_name": f"reference coordinate {axis}"}
+        about = {**_attributes(run, "x"), "long_name": f"reference coordinate {axis}"}
         if values.ndim == 1:
             coordinates[f"{axis}_{name}"] = (f"{axis}_{name}", values, about)
         else:
             coordinates[f"{name}.{axis}"] = (dimensions[1:], values, about)
     positions = "xyz" if isinstance(layer, BlockLayer) else "x"
     for field in layer.fields:
-        about = {**_attributes(field, si), "layer": layer.name}
+        about = {**_attributes(run, field), "layer": layer.name}
         where = coordinates if field in positions else variables
         where[f"{name}.{field}"] = (dimensions, layer[field], about)
 
@@ -118,11 +90,7 @@ def _columns(run: Run) -> dict[str, list[str]]:
     }
 
 
-def _attributes(name: str, si: bool, space: int = 0) -> dict[str, str]:
-    """Of a field or series; space: dimensions of what an integral is over."""
-    unit = FIELDS.get(name, "")
-    if name in INTEGRALS:
-        per = {1: " m-2", 2: " m-1", 3: ""}
-        unit = INTEGRALS[name] + per[space]
-    unit = unit if si else "1"
+def _attributes(run: Run, name: str) -> dict[str, str]:
+    """Of a field or series."""
+    unit = unit_of(name, run)
     return {"units": unit} if unit else {}

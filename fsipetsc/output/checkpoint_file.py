@@ -13,7 +13,6 @@ import hashlib
 import io
 import json
 import os
-from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any, NamedTuple
@@ -22,7 +21,7 @@ import h5py
 import numpy as np
 
 from fsipetsc.errors import FileError
-from fsipetsc.output.file_layout import check_folder, in_memory, write_whole
+from fsipetsc.output.file_layout import check_folder, in_memory, put
 
 Array = np.ndarray[Any, Any]
 _MAGIC = b"fsipetsc checkpoint "
@@ -110,25 +109,15 @@ def check_name(path: str | os.PathLike[str]) -> None:
         raise FileError(f"{path}: exists and is not a checkpoint of fsipetsc")
 
 
-def draft_of(path: str | os.PathLike[str]) -> Path:
-    """The name under which a checkpoint is written."""
-    target = Path(os.path.realpath(path))
-    return target.with_name(f".{target.name}.new")
-
-
 def write(path: str | os.PathLike[str], content: bytes) -> None:
     """Make this the checkpoint of a name. CheckpointError: then what was there is unchanged."""
-    target, draft = Path(os.path.realpath(path)), draft_of(path)
+    target = Path(os.path.realpath(path))
     try:
         check_name(path)  # something else may have come there meanwhile
+        put(target, content)
     except FileError as error:
         raise CheckpointError(f"the checkpoint cannot be written: {error}") from None
-    try:
-        write_whole(draft, content)
-        os.replace(draft, target)
     except OSError as error:
-        with suppress(OSError):
-            draft.unlink()
         kept = f"; the one before is kept in {target}" if target.is_file() else ""
         reason = error.strerror or error
         raise CheckpointError(f"{path}: the checkpoint cannot be written: {reason}{kept}") from None

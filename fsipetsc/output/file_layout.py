@@ -8,8 +8,7 @@
 A piece has
 
     about            the text of header.json; in NAME.h5 only
-    attribute first  numbers of its first frame and step; from there on it takes the place of what
-                     earlier pieces have: a restart goes on behind its checkpoint
+    attribute first  numbers of its first frame and step; none in NAME.h5
     time             (k,) times of the frames [s]
     series/NAME      (m, …) a row for each step
     layer0/X         (n,) Lagrangian grid; of blocks (n, d), places of nodes in the reference map,
@@ -28,7 +27,7 @@ import errno
 import io
 import os
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -99,6 +98,20 @@ def write_whole(path: Path, content: bytes, room: int = 0) -> None:
                 if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):  # else it is not known
                     raise
         os.fsync(file.fileno())
+
+
+def put(path: Path, content: bytes) -> None:
+    """Write a file under another name and give it its own when it is whole. OSError: then what was
+    there is unchanged.
+    """
+    draft = path.with_name(f".{path.name}.new")
+    try:
+        write_whole(draft, content)
+        os.replace(draft, path)
+    except OSError:
+        with suppress(OSError):
+            draft.unlink()
+        raise
 
 
 def columns(layer: Mapping[str, Any]) -> tuple[str, ...]:

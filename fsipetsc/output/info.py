@@ -11,6 +11,7 @@ import numpy as np
 from fsipetsc.checks import duration
 from fsipetsc.options.option import INT_MAX
 from fsipetsc.output.file_layout import damage
+from fsipetsc.output.quantities import is_si
 from fsipetsc.output.reader import BlockLayer, Layer, Run, open_run
 
 Rows = list[tuple[str, str]]
@@ -19,7 +20,7 @@ Rows = list[tuple[str, str]]
 def info(path: str | os.PathLike[str]) -> str:
     """Case, times, layers, series, options, summary and errors of a result. FileError."""
     with damage(os.fspath(path)), open_run(path) as run:
-        (_, first), *parts = info_sections(run)
+        (_, first), *parts = info_sections(run).items()
     tables = [_table([("file", os.fspath(path)), *first])]
     for title, rows in parts:
         tables.append(_table([(title, ""), *((f"  {name}", text) for name, text in rows)]))
@@ -31,19 +32,19 @@ def _table(rows: Rows) -> str:
     return "\n".join(f"{name:{width}}{value}".rstrip() for name, value in rows)
 
 
-def info_sections(run: Run) -> list[tuple[str, Rows]]:
-    """(title, rows of name and text) of what there is to say about a result."""
-    options = {f"-{name}": value for name, value in run.options.items() if value != ""}
-    parts = [
-        ("run", _overview(run)),
-        ("layers", [(layer.name, _of_layer(run, layer)) for layer in run.layers]),
-        ("options", [(name, _text(value)) for name, value in options.items()]),
-        ("summary", _summary(run)),
-    ]
-    if run.errors:
-        errors = [(kind, _text(values)) for kind, values in run.errors.items()]
-        parts.append((f"{run.options.get('fsi_norm', 'L2')} errors", errors))
-    return parts
+def info_sections(run: Run) -> dict[str, Rows]:
+    """Title -> rows of name and text, of what there is to say about a result. FileError."""
+    with damage(run.path):
+        parts = {
+            "run": _overview(run),
+            "layers": [(layer.name, _of_layer(run, layer)) for layer in run.layers],
+            "options": [(f"-{k}", _text(value)) for k, value in run.options.items() if value != ""],
+            "summary": _summary(run),
+        }
+        if run.errors:
+            errors = [(kind, _text(values)) for kind, values in run.errors.items()]
+            parts[f"{run.options.get('fsi_norm', 'L2')} errors"] = errors
+        return parts
 
 
 def _overview(run: Run) -> Rows:
@@ -65,38 +66,21 @@ def _overview(run: Run) -> Rows:
 
 
 def _of_layer(run: Run, layer: Layer) -> str:
-    """The grid, active points and fields of a layer."""
-    if isinstance(layer, BlockLayer):
-        ranges = [_range(f", {name} =", getattr(layer, name)) for name in "XYZ"[: run.dimension]]
-        grid = layer.size + "".join(ranges)
-    else:
-        active = _active(layer, run.nframes)
-        grid = f"{layer.size}{active}{_range(', X =', layer.X)}, h = {layer.h:g}"
-    return f"{layer.kind}, {grid}; {', '.join(layer.fields)}"
-
-
-def _active(layer: Layer, nframes: int) -> str:
-    """How many points were active in the first and in the last frame, if not all of them."""
-    frames = (layer.frame(k)[layer.fields[0]] for k in (0, -1)) if nframes else ()
-    counts = dict.fromkeys(int(np.isfinite(values).sum()) for values in frames)
-    if not counts or list(counts) == [len(layer.X)]:
-        return ""
-    return f" with those in reserve, {' … '.join(map(str, counts))} active"
+    """The grid and fields of a layer."""
+    axes = "XYZ"[: run.dimension]
+    grid = layer.size + "".join(_range(f", {name} =", getattr(layer, name)) for name in axes)
+    spacing = "" if isinstance(layer, BlockLayer) else f", h = {layer.h:g}"
+    return f"{layer.kind}, {grid}{spacing}; {', '.join(layer.fields)}"
 
 
 def _positions(run: Run) -> str:
-    """Where the interfaces are at the end."""
-    found, mean, t = run.summary.get("interfaces"), "", run.summary.get("t")
-    if run.blocks and found:
-        mean = " on average" * (run.dimension > 1)
-    elif len(run.series.get("x_interface", ())):
-        found = dict(zip(run.interfaces, np.atleast_1d(run.series["x_interface"][-1])))
-        t = run.series["t"][-1]
-    else:
+    """Where the interfaces are at the end, in several dimensions on average."""
+    found = run.summary.get("interfaces")
+    if not found:
         return ", ".join(run.interfaces) or "none"
-    axis = " xyz"[run.dimension]
+    axis, mean = " xyz"[run.dimension], " on average" * (run.dimension > 1)
     places = (f"{name} at {axis} = {value:.6g}{mean}" for name, value in found.items())
-    return f"{', '.join(places)} at t = {t:g}"
+    return f"{', '.join(places)} at t = {run.summary['t']:g}"
 
 
 def _range(label: str, values: Any, unit: str = "") -> str:
@@ -106,7 +90,7 @@ def _range(label: str, values: Any, unit: str = "") -> str:
 
 def _second(run: Run) -> str:
     """The unit of times, behind a space; none where a case is dimensionless."""
-    return " s" if run.header.get("units", "SI") == "SI" else ""
+    return " s" * is_si(run)
 
 
 def _summary(run: Run) -> Rows:
@@ -116,10 +100,7 @@ def _summary(run: Run) -> Rows:
     for name in [*(n for n in LABELS if n in known), *(n for n in known if n not in LABELS)]:
         label, written = LABELS.get(name, (name.replace("_", " "), _text))
         unit = _second(run) if name in ("t", "dt_min", "dt_max") else ""
-        try:
-            rows.append((label, written(known[name]) + unit))
-        except (AttributeError, KeyError, TypeError, ValueError):  # of a damaged file
-            rows.append((label, _text(known[name])))
+        rows.append((label, written(known[name]) + unit))
     return rows
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -10,7 +9,6 @@ import numpy as np
 from fsipetsc.checks import Array
 
 
-@dataclass(frozen=True)
 class InterfaceLine:
     """The face of the solid at an interface; all but X and Y are (nframes, n).
 
@@ -28,76 +26,42 @@ class InterfaceLine:
                   into the solid
     """
 
-    name: str
-    solid: int
-    X: Array
-    Y: Array
-    x: Array
-    y: Array
-    u: Array
-    v: Array
-    T: Array
-    n_x: Array
-    n_y: Array
-    t_x: Array
-    t_y: Array
-    heat: Array
-    displacement: Array
+    def __init__(
+        self, name: str, solid: int, layer: Any, axis: int, side: int, kappa_e: float
+    ) -> None:
+        """Of a face of a block of a solid (fsipetsc.output.reader.BlockLayer) with a
+        conductivity."""
 
-    @property
-    def pressure(self) -> Array:
-        pressure: Array = -(self.t_x * self.n_x + self.t_y * self.n_y)
-        return pressure
+        def rows(values: Array) -> Array:
+            """(3, …, n) of the face and the next two rows within."""
+            values = np.moveaxis(values, -1 - axis, 0)
+            return values[::-1][:3] if side else values[:3]
 
+        self.name, self.solid = name, solid
+        X, Y = (rows(layer.places[..., k])[0] for k in range(2))
+        length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(X), np.diff(Y)))])
+        flat = bool(np.ptp(Y) <= 1e-12 * length[-1] and X[-1] > X[0])
+        self.X, self.Y = length + X[0] * flat, Y
+        fields = {field: rows(layer[field]) for field in layer.fields}
+        of_face = {field: values[0] for field, values in fields.items()}
+        self.x, self.y, self.u, self.v, self.T = (of_face[field] for field in ("x", "y", *"uvT"))
+        # with d_along along the face, into the solid is to its left (1) or to its right (-1)
+        left = 1.0 if (axis == 0) == (side == 1) else -1.0
 
-def along_face(
-    name: str, number: int, layer: Any, axis: int, side: int, kappa_e: float
-) -> InterfaceLine:
-    """The line of a face of a block of a solid.
+        def derivatives(f: Array) -> tuple[Array, Array]:
+            """Along the face, and to its left per row."""
+            return _along(f[0], length), left * (2.0 * f[1] - 0.5 * f[2] - 1.5 * f[0])
 
-    layer: fsipetsc.output.reader.BlockLayer, number: its number. kappa_e: its conductivity.
-    """
-
-    def rows(values: Array) -> Array:
-        """(3, …, n) of the face and the next two rows within."""
-        values = np.moveaxis(values, -1 - axis, 0)
-        return values[::-1][:3] if side else values[:3]
-
-    X, Y = (rows(layer.places[..., k])[0] for k in range(2))
-    length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(X), np.diff(Y)))])
-    flat = bool(np.ptp(Y) <= 1e-12 * length[-1] and X[-1] > X[0])
-    fields = {field: rows(layer[field]) for field in layer.fields}
-    x, y = fields["x"][0], fields["y"][0]
-    # with d_along along the face, into the solid is to its left (1) or to its right (-1)
-    left = 1.0 if (axis == 0) == (side == 1) else -1.0
-
-    def derivatives(f: Array) -> tuple[Array, Array]:
-        """Along the face, and to its left per row."""
-        return _along(f[0], length), left * (2.0 * f[1] - 0.5 * f[2] - 1.5 * f[0])
-
-    (x_s, x_r), (y_s, y_r), (T_s, T_r) = (derivatives(fields[f]) for f in ("x", "y", "T"))
-    size = left * np.hypot(x_s, y_s)
-    n_x, n_y = y_s / size, -x_s / size
-    t_x = fields["s_xx"][0] * n_x + fields["s_xy"][0] * n_y
-    t_y = fields["s_xy"][0] * n_x + fields["s_yy"][0] * n_y
-    J: Array = x_s * y_r - x_r * y_s
-    heat = kappa_e * ((y_r * T_s - y_s * T_r) * n_x + (x_s * T_r - x_r * T_s) * n_y) / J
-    X_s, Y_s = _along(X, length), _along(Y, length)
-    into = y - Y if flat else left * (X_s * (y - Y) - Y_s * (x - X))
-    motion = {quantity: fields[quantity][0] for quantity in ("x", "y", "u", "v", "T")}
-    return InterfaceLine(
-        name,
-        number,
-        length + X[0] if flat else length,
-        Y,
-        **motion,
-        n_x=n_x,
-        n_y=n_y,
-        t_x=t_x,
-        t_y=t_y,
-        heat=heat,
-        displacement=into,
-    )
+        (x_s, x_r), (y_s, y_r), (T_s, T_r) = (derivatives(fields[f]) for f in "xyT")
+        size = left * np.hypot(x_s, y_s)
+        self.n_x, self.n_y = n_x, n_y = y_s / size, -x_s / size
+        self.t_x = of_face["s_xx"] * n_x + of_face["s_xy"] * n_y
+        self.t_y = of_face["s_xy"] * n_x + of_face["s_yy"] * n_y
+        self.pressure = -(self.t_x * n_x + self.t_y * n_y)
+        J: Array = x_s * y_r - x_r * y_s
+        self.heat = kappa_e * ((y_r * T_s - y_s * T_r) * n_x + (x_s * T_r - x_r * T_s) * n_y) / J
+        X_s, Y_s, up = _along(X, length), _along(Y, length), self.y - Y
+        self.displacement = up if flat else left * (X_s * up - Y_s * (self.x - X))
 
 
 def _along(values: Array, length: Array) -> Array:

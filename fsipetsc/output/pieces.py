@@ -27,6 +27,7 @@ from fsipetsc.output.file_layout import (
     damage,
     in_memory,
     open_h5,
+    put,
     write_whole,
 )
 
@@ -72,9 +73,7 @@ def clear(folder: Path) -> None:
 
 def write_header(folder: Path, about: Mapping[str, Any]) -> None:
     """Write header.json. OSError."""
-    draft = folder / "header.new"
-    write_whole(draft, _text(about))
-    os.replace(draft, folder / "header.json")
+    put(folder / "header.json", _text(about))
 
 
 def _text(about: Mapping[str, Any]) -> bytes:
@@ -116,25 +115,11 @@ def run_of(path: Path) -> str | None:
 # what the pieces hold
 
 
-class Segment(NamedTuple):
-    """Of the frames or steps of a file those that count: `count` from number `first` on."""
-
-    path: Path
-    first: int
-    count: int
-
-
-def _followed(segments: list[Segment], new: Segment) -> list[Segment]:
-    """The segments up to the first number of a new one, which takes the place of the rest."""
-    before = [s._replace(count=min(s.count, new.first - s.first)) for s in segments]
-    return [*(s for s in before if s.count > 0), new]
-
-
 class Contents:
-    """All frames and steps of some pieces, each of which takes the place of what earlier ones have
-    from its first frame and step on. What is read is checked. Damaged, OSError.
+    """All frames and steps of some files, one behind the other. What is read is checked. Damaged,
+    OSError.
 
-    files          in their order; layers: as in the header
+    layers         as in the header
     time           (nframes,)
     nframes, rows  numbers of frames and of steps
     names          series -> shape of what is known of a step
@@ -148,8 +133,7 @@ class Contents:
         self.X = [np.empty(0) for _ in layers]
         self._columns = [columns(layer) for layer in layers]
         self._shapes = [layer.get("shape") for layer in layers]
-        self._frames: list[Segment] = []
-        self._steps: list[Segment] = []
+        self._counts: list[tuple[Path, int, int]] = []  # of frames and steps in each file
         self._open: tuple[Path, h5py.File] | None = None
         try:
             for path in files:
@@ -162,16 +146,14 @@ class Contents:
     def _add(self, path: Path) -> None:
         """See what a file holds."""
         file = self._opened(path)
-        frame, row = (int(number) for number in file.attrs.get("first", (0, 0)))
-        if not (0 <= frame <= self.nframes and 0 <= row <= self.rows):
+        if [*file.attrs.get("first", (0, 0))] != [self.nframes, self.rows]:
             raise Damaged(f"what comes before {path.name} is missing")
         time, rows = _numbers(file, "time", 1)[...], self._count_steps(file)
         for k in range(len(self.X)) if len(time) else ():
             self._check_layer(file, k, len(time))
-        self._frames = _followed(self._frames, Segment(path, frame, len(time)))
-        self._steps = _followed(self._steps, Segment(path, row, rows))
-        self.time = np.concatenate([self.time[:frame], time])
-        self.nframes, self.rows = frame + len(time), row + rows
+        self._counts.append((path, len(time), rows))
+        self.time = np.concatenate([self.time, time])
+        self.nframes, self.rows = len(self.time), self.rows + rows
 
     def _count_steps(self, file: h5py.File) -> int:
         """How many steps a file has, all of whose series have the same length."""
@@ -204,21 +186,22 @@ class Contents:
 
     def series(self, name: str) -> Array:
         """(rows, …) what is known of each step by a name."""
-        some = [s for s in self._steps if s.count]
-        found = [self._opened(s.path)[f"series/{name}"][: s.count] for s in some]
+        some = [(path, rows) for path, _, rows in self._counts if rows]
+        found = [self._opened(path)[f"series/{name}"][:rows] for path, rows in some]
         return np.concatenate([np.empty((0, *self.names[name])), *found])
 
     def frames(self, k: int, names: Sequence[str], first: int, end: int) -> list[Array]:
         """(end - first, n) of each of these columns of layer k."""
-        found = [np.empty((end - first, len(self.X[k]))) for _ in names]
-        for path, begin, count in self._frames:
-            a, b = max(first, begin), min(end, begin + count)
+        found: list[list[Array]] = [[] for _ in names]
+        for path, count, _ in self._counts:
+            a, b = max(first, 0), min(end, count)  # of this file
+            first, end = first - count, end - count
             if a < b:
-                group = self._opened(path)[f"layer{k}"]
-                rows = self._rows(group, k, names, a - begin, b - begin)
-                for into, values in zip(found, rows):
-                    into[a - first : b - first] = values
-        return found
+                rows = self._rows(self._opened(path)[f"layer{k}"], k, names, a, b)
+                for parts, values in zip(found, rows):
+                    parts.append(values)
+        none = np.empty((0, len(self.X[k])))
+        return [p[0] if len(p) == 1 else np.concatenate([none, *p]) for p in found]
 
     def _rows(self, group: h5py.Group, k: int, names: Sequence[str], a: int, b: int) -> list[Array]:
         """(b - a, n) of each column, from frame a of a file on."""
@@ -255,68 +238,56 @@ def _numbers(file: h5py.File, name: str, ndim: int | None = None) -> h5py.Datase
     return found
 
 
-def check_kept(path: Path, files: Sequence[Path], layers: Layers, kept: Kept) -> None:
-    """FileError if the files have less than a restart keeps; path: of the result."""
-    with damage(str(path)):
-        content = Contents(files, layers)
-        enough = content.nframes >= kept.frames and content.rows >= kept.rows
-        t = content.series("t")[kept.rows - 1] if enough and kept.rows else kept.t
-        content.close()
-    if not enough or t != kept.t:
-        found = f"its step {kept.rows} ends at t = {t:.17g}, not {kept.t:.17g}"
-        if not enough:
-            has = f"{content.nframes} frames and {content.rows} steps"
-            found = f"{has}, not {kept.frames} and {kept.rows}"
-        raise FileError(f"{path} is not what the checkpoint goes on from: {found}")
-
-
 # writing
 
 
-def new_piece(
+def lay_out(
     path: Path,
-    first: tuple[int, int],
-    times: Sequence[float],
-    rows: Array | None,
+    numbers: Mapping[str, Any],
     shapes: Mapping[str, tuple[int, ...]],
+    first: tuple[int, int] | None = None,
 ) -> None:
-    """Write a piece whose datasets of these shapes are still to be filled. OSError.
+    """Write a file with these datasets and others of these shapes, still to be filled. OSError.
 
-    first: numbers of its first frame and step; rows: records of the series. PETSc writes to chunked
+    first: numbers of the first frame and step of a piece. PETSc, which fills it, writes to chunked
     datasets only, of less than 4 GiB a chunk.
     """
     with in_memory() as (file, image):
-        file.attrs["first"] = first
-        file["time"] = np.array(times, float)
-        if rows is not None:
-            series = file.create_group("series", track_order=True)
-            for name in rows.dtype.names or ():
-                series[name] = rows[name]
+        if any(name.startswith("series/") for name in (*numbers, *shapes)):
+            file.create_group("series", track_order=True)
+        for name, value in numbers.items():
+            file[name] = value
         for name, shape in shapes.items():
-            rest = math.prod(shape[1:])
-            chunk = max(1, min(shape[0], (1 << 30) // (8 * rest)))
-            file.create_dataset(name, shape, "f8", chunks=(chunk, *shape[1:]))
-    room = 8 * sum(map(math.prod, shapes.values()))
+            rest = max(1, math.prod(shape[1:]))
+            chunks = max(1, min(shape[0], (1 << 27) // rest)), *shape[1:]
+            file.create_dataset(name, shape, "f8", chunks=None if first is None else chunks)
+        if first is not None:
+            file.attrs["first"] = first
+    room = sum(8 * math.prod(shape) + 1024 for shape in shapes.values())
     write_whole(path, image.getvalue(), room + _SPARE)
 
 
-def join(folder: Path, target: Path, about: Mapping[str, Any]) -> None:
-    """Make one file of the pieces in a folder. OSError, FileError."""
+def join(
+    files: Sequence[Path],
+    target: Path,
+    about: Mapping[str, Any],
+    name: Path,
+    kept: Kept | None = None,
+) -> None:
+    """Make one file of what some files hold, or of what a restart keeps of it. OSError; FileError
+    if they are damaged or have less; name: of the result, in messages.
+    """
     layers = about["header"]["layers"]
     try:
-        with damage(str(folder)):
-            content = Contents(pieces(folder), layers)
-        shapes = dict(_shapes(content, layers))
-        with in_memory() as (file, image):
-            file["about"], file["time"] = np.bytes_(_text(about)), content.time
-            if content.rows:
-                file.create_group("series", track_order=True)
-            for name, shape in shapes.items():
-                file.create_dataset(name, shape, "f8")
-        room = sum(8 * math.prod(shape) + 1024 for shape in shapes.values())
-        write_whole(target, image.getvalue(), room + _SPARE)
+        with damage(str(name)):
+            content = Contents(files, layers)
+            if kept is not None:
+                _check_kept(content, kept, name)
+        frames, rows = (content.nframes, content.rows) if kept is None else kept[:2]
+        shapes = dict(_shapes(content, layers, frames, rows))
+        lay_out(target, {"about": np.bytes_(_text(about)), "time": content.time[:frames]}, shapes)
         with open_h5(target, "r+") as file:
-            _fill(file, content, layers)
+            _fill(file, content, layers, frames, rows)
         content.close()
         with open(target, "rb") as done:
             os.fsync(done.fileno())
@@ -326,26 +297,41 @@ def join(folder: Path, target: Path, about: Mapping[str, Any]) -> None:
         raise
 
 
-def _shapes(content: Contents, layers: Layers) -> Iterator[tuple[str, tuple[int, ...]]]:
+def _check_kept(content: Contents, kept: Kept, name: Path) -> None:
+    """FileError if there is less than a restart keeps."""
+    if content.nframes < kept.frames or content.rows < kept.rows:
+        has = f"{content.nframes} frames and {content.rows} steps"
+        found = f"{has}, not {kept.frames} and {kept.rows}"
+    else:
+        t = content.series("t")[kept.rows - 1] if kept.rows else kept.t
+        if t == kept.t:
+            return
+        found = f"its step {kept.rows} ends at t = {t:.17g}, not {kept.t:.17g}"
+    raise FileError(f"{name} is not what the checkpoint goes on from: {found}")
+
+
+def _shapes(
+    content: Contents, layers: Layers, frames: int, rows: int
+) -> Iterator[tuple[str, tuple[int, ...]]]:
     """Name and shape of the datasets of a whole result."""
-    for name, rest in content.names.items() if content.rows else ():
-        yield f"series/{name}", (content.rows, *rest)
-    for k, layer in enumerate(layers if content.nframes else ()):
+    for name, rest in content.names.items() if rows else ():
+        yield f"series/{name}", (rows, *rest)
+    for k, layer in enumerate(layers if frames else ()):
         X = content.X[k].shape
         yield f"layer{k}/X", X
         for name in columns(layer):
-            yield f"layer{k}/{name}", (content.nframes, *layer.get("shape", X))
+            yield f"layer{k}/{name}", (frames, *layer.get("shape", X))
 
 
-def _fill(file: h5py.File, content: Contents, layers: Layers) -> None:
+def _fill(file: h5py.File, content: Contents, layers: Layers, frames: int, rows: int) -> None:
     """Put the numbers into the datasets of a whole result."""
     for name in file.get("series", ()):
-        file[f"series/{name}"][...] = content.series(name)
-    for k, layer in enumerate(layers if content.nframes else ()):
+        file[f"series/{name}"][...] = content.series(name)[:rows]
+    for k, layer in enumerate(layers if frames else ()):
         group, names, X = file[f"layer{k}"], columns(layer), content.X[k]
         group["X"][...] = X
         step = max(1, _AT_ONCE // (8 * len(X) * len(names)))
-        for first in range(0, content.nframes, step):
-            end = min(first + step, content.nframes)
+        for first in range(0, frames, step):
+            end = min(first + step, frames)
             for name, values in zip(names, content.frames(k, names, first, end)):
                 group[name][first:end] = values.reshape(-1, *group[name].shape[1:])

@@ -23,7 +23,7 @@ from fsipetsc.checks import Array, counted
 from fsipetsc.errors import FileError
 from fsipetsc.output.checkpoint_file import is_one
 from fsipetsc.output.file_layout import Damaged, columns, damage, folder_of
-from fsipetsc.output.interface_line import InterfaceLine, along_face
+from fsipetsc.output.interface_line import InterfaceLine
 from fsipetsc.output.pieces import Contents, pieces, read_about
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ class Run:
         number = names.index(k) if isinstance(k, str) else range(len(names))[k]
         solid, axis, side = self.header["interface_faces"][number]
         kappa_e = self.header["layers"][solid].get("kappa_e", np.nan)
-        return along_face(names[number], solid, self.layers[solid], axis, side, kappa_e)
+        return InterfaceLine(names[number], solid, self.layers[solid], axis, side, kappa_e)
 
     def to_xarray(self) -> xarray.Dataset:
         """All frames and series with dimensions, coordinates and units; see `output.as_xarray`."""

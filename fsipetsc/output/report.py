@@ -16,8 +16,7 @@ import numpy as np
 
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.info import info_sections
-from fsipetsc.output.plots.film import drawn, some
-from fsipetsc.output.plots.page import pictures
+from fsipetsc.output.plots.page import drawn, pictures, some
 from fsipetsc.output.plots.style import STYLE, moment, needed
 from fsipetsc.output.reader import Run, open_run
 
@@ -75,7 +74,7 @@ def _tables(run: Run) -> list[tuple[str, Sequence[tuple[str, str]]]]:
 
     The integrals at the start are left out: the pictures of ledgers begin with them.
     """
-    tables = dict(info_sections(run))
+    tables = info_sections(run)
     tables["summary"] = [row for row in tables["summary"] if not row[0].startswith("initial ")]
     first = ("summary", *(title for title in tables if title.endswith("errors")))
     return [(title, tables.pop(title)) for title in first] + list(tables.items())

@@ -207,9 +207,9 @@ class RunWriter:
             in_pieces = pieces.run_of(self.path) != pieces.run_of(self.folder)
         found = [self.path] * whole + [self.folder] * in_pieces
         goes_on = after is not None and found and pieces.run_of(found[0]) == header.get("run")
-        files = [self.path] if whole else pieces.pieces(self.folder)
-        if goes_on:
-            pieces.check_kept(self.path, files, header["layers"], after)
+        if goes_on:  # a copy of what is kept takes the place of all that was computed
+            files = [self.path] if whole else pieces.pieces(self.folder)
+            self._join(files, after)
             del found[0]
         for file in ([] if checkpoint is None else [checkpoint]) + found:
             self.moved.append((file, set_aside(file)))
@@ -218,21 +218,18 @@ class RunWriter:
             if file == self.folder:  # the lock has gone with it
                 self._lock.release()
                 self._lock = Lock(self.folder, str(self.path))
-        if whole or not goes_on:
-            pieces.clear(self.folder)
+        pieces.clear(self.folder)
         pieces.write_header(self.folder, self._about)
-        return (after.frames, after.rows, self._go_on(after, len(files))) if goes_on else (0, 0, 1)
+        if not goes_on:
+            return 0, 0, 1
+        os.replace(self.path, pieces.file_of(self.folder, 1))
+        return after.frames, after.rows, 2
 
-    def _go_on(self, after: Kept, count: int) -> int:
-        """The number of the next piece. A whole result becomes the first one. What was computed
-        after the checkpoint counts no more: a piece with nothing in it takes its place.
-        """
-        draft = pieces.file_of(self.folder, count + 1, ".new")
-        pieces.new_piece(draft, (after.frames, after.rows), (), None, {})
-        os.replace(draft, draft.with_suffix(".h5"))
-        if self.path.exists():
-            os.replace(self.path, pieces.file_of(self.folder, 1))
-        return count + 2
+    def _join(self, files: Sequence[Path], kept: Kept | None = None) -> None:
+        """Make one file of some, or of what is kept of them, and give it the name."""
+        whole = self.folder / "joined.new"
+        pieces.join(files, whole, self._about, self.path, kept)
+        os.replace(whole, self.path)
 
     @property
     def _draft(self) -> Path:
@@ -262,7 +259,10 @@ class RunWriter:
         if shapes or self._new_rows:
             rows = np.concatenate(self._new_rows) if self._new_rows else None
             first = self.nframes - len(self._times), self.rows
-            pieces.new_piece(self._draft, first, self._times, rows, shapes)
+            numbers = {"time": np.array(self._times, float)}
+            for name in () if rows is None else rows.dtype.names:
+                numbers[f"series/{name}"] = rows[name]
+            pieces.lay_out(self._draft, numbers, shapes, first)
 
     def _view(self, viewer: PETSc.Viewer, name: str, local: Array) -> None:
         """Write this rank's part of a dataset. Collective."""
@@ -295,9 +295,7 @@ class RunWriter:
         pieces.write_header(self.folder, self._about)
         if not join:
             return
-        whole = self.folder / "joined.new"
-        pieces.join(self.folder, whole, self._about)
-        os.replace(whole, self.path)
+        self._join(pieces.pieces(self.folder))
         pieces.clear(self.folder)
         if self._about["header"].get("dimension", 1) > 1:
             xdmf.write(self.path)

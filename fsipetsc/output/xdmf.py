@@ -14,7 +14,7 @@ from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
 from fsipetsc.errors import FileError
-from fsipetsc.output.file_layout import beside
+from fsipetsc.output.file_layout import beside, put
 from fsipetsc.output.reader import Layer, Run, open_run
 
 _HEAD = '<?xml version="1.0" ?>\n<!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>\n<Xdmf Version="2.0">\n'
@@ -30,10 +30,8 @@ def write(path: Path) -> None:
     target = name_beside(path)
     if target.exists() and not target.read_text(errors="replace").startswith(_HEAD):
         raise FileError(f"{target}: is no XDMF of a result, and is left; {path} is complete")
-    draft = target.with_name(f".{target.name}.new")
-    with open_run(path) as run, open(draft, "w", encoding="utf-8") as file:
-        file.writelines(_text(run))
-    os.replace(draft, target)
+    with open_run(path) as run:
+        put(target, "".join(_text(run)).encode())
 
 
 def move(path: Path, kept_as: Path) -> None:

@@ -10,8 +10,7 @@ LAMBDAS = (600.0, 700.0)
 def measure(solve: Solve, order: int, h: float) -> Measured:
     """Relative distance of the onset."""
     from fsipetsc.analysis.flutter import SMALL, one_run
-    from fsipetsc.analysis.flutter_motion import crossing
-    from fsipetsc.analysis.flutter_theory import Flow
+    from fsipetsc.analysis.panel_modes import Flow, crossing
     from fsipetsc.cases import load_case
     from fsipetsc.options import defaults
 

@@ -11,14 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fsipetsc.output.plots.quantities import Quantity
 from fsipetsc.output.plots.style import (
     COLORS,
     MAX_POINTS,
     bar_above,
     colours,
     extremes,
-    few_ticks,
     label_y,
     labelled,
     legend_above,
@@ -26,6 +24,7 @@ from fsipetsc.output.plots.style import (
     shaded,
     time_axis,
 )
+from fsipetsc.output.quantities import Quantity, unit_of, written
 from fsipetsc.output.reader import BlockLayer, Layer, Run
 
 if TYPE_CHECKING:
@@ -41,8 +40,6 @@ MARGIN = 0.02  # of the extent, around it
 THIN = 0.2  # height over width; what is thinner is drawn higher than it is
 #: least ratio of width to height -> panels beside each other, and in all
 _SHAPES = ((1.25, 2, 4), (0.6, 3, 3), (0.0, 5, 5))
-_STRESSES = ("s_xx", "s_yy", "s_zz", "s_xy", "s_yz", "s_xz")
-_SAME_UNIT = {"m/s": ("u", "v", "w"), "Pa": ("p", "sigma", *_STRESSES)}
 
 
 class View:
@@ -88,9 +85,9 @@ class View:
 
     def _looks(self) -> dict[str, dict[str, Any]]:
         """A kind of layer has colours of its own: what comes through to a solid may be little."""
-        names = _SAME_UNIT.get(self.quantity.unit, ())
-        last = [layer.frame(-1) for layer in self.run.layers]
-        beside = max(map(abs, extremes(*(f[name] for f in last for name in names if name in f))))
+        unit, last = self.quantity.unit, [layer.frame(-1) for layer in self.run.layers]
+        same = [v for frame in last for k, v in frame.items() if written(unit_of(k)) == unit]
+        beside = max(map(abs, extremes(*same)))
         looks = {}
         for kind in dict.fromkeys(layer.kind for layer in self.layers):
             some = [k for k, layer in enumerate(self.layers) if layer.kind == kind]
@@ -165,7 +162,7 @@ def draw(figure: FigureBase, view: View) -> None:
         axes.set_xlabel(view.labels[0])
     for axes in grid[:, 0]:
         label_y(axes, view.labels[1])
-    few_ticks(grid[0, 0])
+    grid[0, 0].locator_params(axis="x", nbins=4)
     if not pictures and len(view.looks) > 1:
         legend_above(grid[0, -1], side="right")
     draw_bars(figure, view, pictures, list(grid.flat))
@@ -195,7 +192,7 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
         time_axis(axes, run, "y")
         axes.set(xlim=view.limits[0], ylim=run.time[[0, -1]], xlabel=view.labels[0], ylabel="")
     grid[0].set_ylabel("t")
-    few_ticks(grid[0])
+    grid[0].locator_params(axis="x", nbins=4)
 
 
 def between(*arrays: Array) -> list[Array]:

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fsipetsc.errors import InputError
+from fsipetsc.output.file_layout import writing
 from fsipetsc.output.plots import fields, series
-from fsipetsc.output.plots.film import animate
-from fsipetsc.output.plots.quantities import Quantity, chosen, there
 from fsipetsc.output.plots.style import STYLE, moment, needed, of_run, save, set_title
+from fsipetsc.output.quantities import Quantity, chosen, there
 from fsipetsc.output.reader import Run, open_run
 
 if TYPE_CHECKING:
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 WIDTH = 10.8  # inches, of a figure
 PANELS, MAPS = 2.8, 4.4  # inches, heights of a row of curves, of maps over x and t
+#: of a film [dots per inch], frames at most (of more, some are left out), length [s]
+FILM_DPI, MOST_FRAMES, FILM_SECONDS = 100, 200, 10.0
 LEAST_FRAMES = 5  # of fewer, profiles say more than maps over x and t
 PICTURES = (".png", ".pdf", ".svg")
 KNOWN = (*PICTURES, ".gif", ".jpg", ".jpeg", ".eps", ".tif", ".tiff", ".webp", ".mp4")
@@ -109,10 +111,7 @@ def page(figure: Figure, run: Run, names: Sequence[str] = (), times: Sequence[fl
         drawings += [_at_times(run, quantity, times) for quantity in quantities]
     ledgers = {panel.label: panel for panel in series.ledger_panels(run)}
     told = [ledgers.get(name) for name in ("change of energy", "relative departure")]
-    moved = list(series.interface_panels(run))
-    if run.dimension == 2 and run.nframes > 1 and run.interfaces:
-        moved = moved[series.moved_most(run) :]
-    panels = [*moved[:1], *filter(None, told)]
+    panels = [*list(series.interface_panels(run))[:1], *filter(None, told)]
     if panels := [*panels, *series.step_panels(run)]:
         drawings.append(_curves(run, panels, columns=len(panels)))
     steps = f"{len(run.series.get('t', ())):,} steps"
@@ -145,3 +144,55 @@ def _curves(run: Run, panels: list[series.Panel], columns: int = 3) -> Drawing:
     """Panels of curves over time."""
     draw = partial(series.draw_panels, run=run, panels=panels, columns=columns)
     return PANELS * -(-len(panels) // columns), draw
+
+
+# a film: maps, or in one dimension profiles, one frame after the other
+
+
+def animate(run: Run, target: Path, names: Sequence[str] = ()) -> Path:
+    """Draw a result as the GIF `target`; names: fields that are shown.
+
+    FileError if the film cannot be written, InputError for a result of less than two frames,
+    and for a field that there is not.
+    """
+    from matplotlib.animation import PillowWriter
+    from matplotlib.figure import Figure
+
+    if run.nframes < 2:
+        raise InputError(f"-animate: there are {run.nframes} frames: expected two or more")
+    chosen(run, names)  # an error comes before the film
+    frames, figure = some(run, MOST_FRAMES), Figure(dpi=FILM_DPI)
+    writer = PillowWriter(fps=max(1.0, len(frames) / FILM_SECONDS))
+    with writing(target, "the film"), writer.saving(figure, target, FILM_DPI):
+        for _ in drawn(figure, run, frames, names):
+            writer.grab_frame()
+    return target
+
+
+def some(run: Run, most: int) -> range:
+    """At most so many frames, evenly, from the first on."""
+    return range(0, run.nframes, -(-run.nframes // most))
+
+
+def drawn(
+    figure: Figure, run: Run, frames: Sequence[int], names: Sequence[str] = ()
+) -> Iterator[int]:
+    """Each frame, once it is on the figure; scales and colours are the same in all. InputError."""
+    views = [fields.View(run, quantity, frames) for quantity in chosen(run, names)]
+    _, width, height = fields.sizes(fields.View(run, views[0].quantity, frames[:1]))
+    size = (10.8, 3.4) if run.dimension == 1 else (len(views) * (width + 1.2), height + 0.9)
+    figure.set_size_inches(*size)
+    grid = figure.subplots(1, len(views), squeeze=False)[0]
+    for frame in frames:
+        for axes, view in zip(grid, views):
+            for artist in [*axes.lines, *axes.collections]:
+                artist.remove()
+            pictures = view.draw(axes, frame)
+            axes.set(xlabel=view.labels[0], ylabel=view.labels[1])
+            if frame == frames[0]:
+                fields.draw_bars(figure, view, pictures, axes)
+        set_title(figure, of_run(run, moment(run, frame)))
+        if frame == frames[0]:
+            figure.draw_without_rendering()
+            figure.set_layout_engine("none")  # only what is drawn moves from now on
+        yield frame

@@ -5,19 +5,23 @@ dimensions the deflection of interfaces, too.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from fsipetsc.output.interface_line import InterfaceLine
 from fsipetsc.output.plots.style import (
     GREY,
+    LINES,
     MAX_POINTS,
+    SERIES,
     label_y,
     labelled,
     legend_above,
-    line_look,
     time_axis,
 )
+from fsipetsc.output.quantities import AT_INTERFACES, LEDGERS, unit_of, written
 from fsipetsc.output.reader import Run
 from fsipetsc.scheme.conservation_check import drifts
 
@@ -27,30 +31,6 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 
-#: series of interfaces -> label, unit; residuals: by how much a condition is missed
-AT_INTERFACES = {
-    "u_interface": ("velocity u", "m/s"),
-    "sigma_interface": ("stress σ", "Pa"),
-    "T_interface": ("temperature T", "K"),
-    "residual_u": ("|residual|, velocity", "m/s"),
-    "residual_stress": ("|residual|, stress", "Pa"),
-    "residual_T": ("|residual|, temperature", "K"),
-    "residual_flux": ("|residual|, heat flux", "W/m²"),
-}
-#: series -> label, units of integrals in one, two and three dimensions, whether less what it is at
-#: the start
-LEDGERS = {
-    "mass": ("change of mass", ("kg/m²", "kg/m", "kg"), True),
-    "energy": ("change of energy", ("J/m²", "J/m", "J"), True),
-    "momentum": ("momentum", ("kg/(m s)", "", ""), False),
-    "force": ("force of ends and body", ("Pa", "", ""), False),
-    "momentum_x": ("change of momentum x", ("kg/(m s)", "kg/s", "kg m/s"), True),
-    "momentum_y": ("change of momentum y", ("kg/(m s)", "kg/s", "kg m/s"), True),
-    "momentum_z": ("change of momentum z", ("kg/(m s)", "kg/s", "kg m/s"), True),
-    "entropy": ("change of entropy", ("J/(m² K)", "J/(m K)", "J/K"), True),
-    "least_J": ("least J", ("", "", ""), False),
-    "J_error": ("departure of J", ("", "", ""), False),
-}
 INTERFACE_POINTS = (0.25, 0.5, 0.75)  # of an interface, whose deflection is drawn as a curve
 #: a logarithmic axis spans so much at most
 SPAN = 1e8
@@ -67,28 +47,26 @@ class Panel(NamedTuple):
 
 
 def interface_panels(run: Run) -> Iterator[Panel]:
-    """How interfaces move, and what holds there."""
+    """How interfaces move, in two dimensions first the one that moves most; what holds there."""
     if run.dimension == 2 and run.nframes > 1:
-        yield from (_deflection(run, k) for k in range(len(run.interfaces)))
+        lines = [run.interface(k) for k in range(len(run.interfaces))]
+        yield from map(partial(_deflection, run), sorted(lines, key=_farthest, reverse=True))
     t = run.series.get("t", np.empty(0))
-    for name in ("x_interface", *AT_INTERFACES):
+    for name, label in AT_INTERFACES.items():
         if name in run.series and len(t) > 1:
             values = run.series[name]
-            label, unit = AT_INTERFACES.get(name, ("displacement of the interface", "m"))
             values = values - values[0] if name == "x_interface" else values
             curves = dict(zip(run.interfaces, values.reshape(len(values), -1).T))
-            yield Panel(label, unit, t, curves, name.startswith("residual"))
+            yield Panel(label, written(unit_of(name)), t, curves, name.startswith("residual"))
 
 
-def moved_most(run: Run) -> int:
-    """The interface of a run in two dimensions that was displaced most, in any of its frames."""
-    lines = [run.interface(k).displacement for k in range(len(run.interfaces))]
-    return int(np.argmax([np.nanmax(np.abs(line)) for line in lines]))
+def _farthest(line: InterfaceLine) -> float:
+    """The largest displacement in any frame."""
+    return float(np.nanmax(np.abs(line.displacement)))
 
 
-def _deflection(run: Run, k: int) -> Panel:
+def _deflection(run: Run, line: InterfaceLine) -> Panel:
     """Of some points of an interface in two dimensions."""
-    line = run.interface(k)
     points = [round(part * (len(line.X) - 1)) for part in INTERFACE_POINTS]
     curves = {f"X = {line.X[point]:.3g}": line.displacement[:, point] for point in points}
     return Panel(f"deflection,\n{line.name}", "m", run.time, curves)
@@ -101,13 +79,14 @@ def ledger_panels(run: Run) -> Iterator[Panel]:
         return
     if departed := departures(run):
         yield Panel("relative departure", "", t, departed, logarithmic=True)
-    for name, (label, units, change) in LEDGERS.items():
+    for name, label in LEDGERS.items():
         if name in run.series:
-            values = run.series[name]
-            start = np.asarray(run.summary.get(f"initial_{name}", values[0])) if change else 0.0
+            values, start = run.series[name], np.zeros(1)
+            if label.startswith("change"):
+                start = np.asarray(run.summary.get(f"initial_{name}", values[0]))
             blocks = [x.name for x in run.layers if name != "mass" or x.kind == "fluid"]
             curves = dict(zip(blocks, (values - start).reshape(len(values), -1).T))
-            yield Panel(label, units[run.dimension - 1], t, curves)
+            yield Panel(label, written(unit_of(name, run)), t, curves)
 
 
 def departures(run: Run) -> dict[str, Array]:
@@ -147,7 +126,8 @@ def draw_panel(axes: Axes, run: Run, panel: Panel) -> None:
         if panel.logarithmic:
             t, shown = envelope(panel.t, np.abs(values))
             shown = np.where(shown > 0, shown, np.nan)
-        axes.plot(t, shown, **line_look(k), label=name)
+        look = {"color": SERIES[k % len(SERIES)], "linestyle": LINES[k % len(LINES)]}
+        axes.plot(t, shown, **look, label=name)
     if panel.logarithmic:
         if panel.label == "relative departure" and run.options.get("fsi_check"):
             axes.axhline(run.options["fsi_check"], color=GREY, linestyle=":", label="-fsi_check")

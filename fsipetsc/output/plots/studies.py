@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.checks import counted
 from fsipetsc.operators.sbp import operator
 from fsipetsc.output.plots.style import GREY, ORDERS, SERIES, STYLE, save, set_title
 
@@ -48,23 +49,16 @@ def _written(
         return [save(figure, path)]
 
 
-def convergence_figures(
-    study: ConvergenceStudy, path: str | os.PathLike[str], note: str = ""
-) -> list[Path]:
-    """Error over grid spacing and over time, as PATH without suffix + "-error.png", "-cost.png".
-
-    note: added to the titles. These are Figs. 6 and 7 of the paper.
+def convergence_figures(study: ConvergenceStudy, path: str | os.PathLike[str]) -> list[Path]:
+    """Error over grid spacing and over time, as PATH without suffix + "-error.png", "-cost.png":
+    Figs. 6 and 7 of the paper.
     """
-    if not study.errors:
-        return []
-    ranks = f"{study.ranks} rank{'s' * (study.ranks > 1)}{', ' if note else ''}{note}"
-    title = f"{study.case}, errors at {study.time}  ({ranks})"
+    title = f"{study.case}, errors at {study.time}  ({counted(study.ranks, 'rank')})"
     base, drawings = Path(path).with_suffix(""), {"error": draw_errors, "cost": draw_cost}
-    written = (
-        _written(f"{base}-{name}.png", title, partial(draw, study=study))
-        for name, draw in drawings.items()
-    )
-    return [file for files in written for file in files]
+    written: list[Path] = []
+    for name, draw in drawings.items() if study.errors else ():
+        written += _written(f"{base}-{name}.png", title, partial(draw, study=study))
+    return written
 
 
 def draw_errors(figure: Figure, study: ConvergenceStudy) -> None:
@@ -98,8 +92,8 @@ def draw_cost(figure: Figure, study: ConvergenceStudy) -> None:
     largest = np.fmax.reduce([errors["combined"] for errors in study.errors.values()])
     for i, order in enumerate(study.orders):
         errors = np.where(largest[i] > 0, largest[i], np.nan)
-        axes.loglog(study.wall_time[i], errors, **_look(order))
-    axes.set_xlabel(f"wall time on {study.ranks} rank{'s' * (study.ranks > 1)}  [s]")
+        axes.loglog(study.cost["wall_time"][i], errors, **_look(order))
+    axes.set_xlabel(f"wall time on {counted(study.ranks, 'rank')}  [s]")
     what = "error" if study.exact else "difference from the next grid"
     axes.set_ylabel(f"{what} in {study.norm}, the largest of {' and '.join(study.errors)}")
     axes.legend(loc="lower left")

@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fsipetsc.checks import counted
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator
 from fsipetsc.output.file_layout import writing
+from fsipetsc.output.quantities import is_si
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -98,15 +100,10 @@ def of_run(run: Run, what: str) -> str:
     if "fsi_h" in run.options:
         facts.append(f"h = {run.options['fsi_h']:g}{' m' * is_si(run)}")
     if "ranks" in run.summary:
-        facts.append(f"{run.summary['ranks']} rank{'s' * (run.summary['ranks'] > 1)}")
+        facts.append(counted(run.summary["ranks"], "rank"))
     if not run.complete:
         facts.append("unfinished")
     return f"{run.case}, {what}" + (f"  ({', '.join(facts)})" if facts else "")
-
-
-def is_si(run: Run) -> bool:
-    """False if the case is dimensionless."""
-    return run.header.get("units", "SI") == "SI"
 
 
 def labelled(run: Run, label: str, unit: str) -> str:
@@ -141,11 +138,6 @@ def label_y(axes: Axes, text: str) -> None:
     """The label of a vertical axis; its power of ten stays off legends and titles."""
     axes.set_ylabel(text)
     axes.yaxis.get_offset_text().set_ha("right")
-
-
-def few_ticks(axes: Axes) -> None:
-    """So many at the horizontal axis that their numbers have room in several panels."""
-    axes.locator_params(axis="x", nbins=4)
 
 
 def extremes(*arrays: Array) -> tuple[float, float]:
@@ -198,8 +190,3 @@ def legend_above(axes: Axes, side: str = "left", most: int = 5) -> None:
         place = {"loc": f"lower {side}", "bbox_to_anchor": corner, "borderaxespad": 0.1}
         columns = 1 if max(map(len, names)) > 12 else 2
         axes.legend([entries[name] for name in names], names, ncol=columns, **place)
-
-
-def line_look(k: int) -> dict[str, Any]:
-    """Colour and style of curve k in a panel."""
-    return {"color": SERIES[k % len(SERIES)], "linestyle": LINES[k % len(LINES)]}

@@ -1,0 +1,170 @@
+"""What is stored and recorded: its units and labels; what can be drawn, and how it follows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from fsipetsc.checks import Array
+from fsipetsc.errors import InputError
+from fsipetsc.output.reader import Run
+
+#: unit -> fields and series that have it
+_FIELDS = {
+    "1": "J least_J J_error",
+    "K": "T T_interface T_point residual_T",
+    "Pa": "p sigma sigma_theta s_xx s_xy s_yy s_xz s_yz s_zz sigma_interface residual_stress force "
+    "p_point t_x_point t_y_point t_z_point",
+    "W m-2": "residual_flux",
+    "kg m-3": "rho",
+    "m": "x y z x_interface x_point y_point z_point",
+    "m s-1": "u v w u_interface residual_u u_point v_point w_point",
+    "s": "t dt",
+}
+#: the same of integrals; in one dimension they are per area [m-2], in two per depth [m-1]
+_INTEGRALS = {
+    "J": "energy energy_in solid_energy lost_energy",
+    "J s": "angular_momentum angular_momentum_x angular_momentum_y angular_momentum_z",
+    "J K-1": "entropy",
+    "N s": "momentum momentum_x momentum_y momentum_z impulse impulse_x impulse_y impulse_z",
+    "W K-1": "heating",
+    "kg": "mass mass_in",
+}
+_UNITS, _UNITS_OF_INTEGRALS = (
+    {name: unit for unit, names in table.items() for name in names.split()}
+    for table in (_FIELDS, _INTEGRALS)
+)
+
+
+def unit_of(name: str, run: Run | None = None) -> str:
+    """Of a field or series, as in "kg m-3"; "" where it is not known, "1" of a run without units.
+
+    Those of integrals are per area in one dimension, and so on, where the run is given.
+    """
+    unit = _UNITS.get(name) or _UNITS_OF_INTEGRALS.get(name, "")
+    if run is not None and not is_si(run):
+        return unit and "1"
+    if run is not None and name in _UNITS_OF_INTEGRALS:
+        # around an axis integrals are per length, around a centre per nothing
+        space = run.dimension + int(run.header.get("symmetry", 0))
+        unit += {1: " m-2", 2: " m-1", 3: ""}[space]
+    return unit
+
+
+def is_si(run: Run) -> bool:
+    """False if the case is dimensionless."""
+    return bool(run.header.get("units", "SI") == "SI")
+
+
+def written(unit: str) -> str:
+    """A unit as labels have it: "kg m-3" as kg m⁻³."""
+    return "" if unit == "1" else unit.translate(str.maketrans("-123", "⁻¹²³"))
+
+
+class Part(NamedTuple):
+    """A quantity of a gas or a solid: label, fields that it needs, values from these and X."""
+
+    label: str
+    needs: tuple[str, ...]
+    values: Callable[[Mapping[str, Array]], Array]
+
+
+class Quantity(NamedTuple):
+    """A name, a unit, and what it is in gases and in solids, if anything."""
+
+    name: str
+    unit: str
+    fluid: Part | None
+    solid: Part | None
+
+    def of(self, kind: str) -> Part | None:
+        return self.fluid if kind == "fluid" else self.solid
+
+    @property
+    def title(self) -> str:
+        """What is shown of gases, then of solids if that is something else."""
+        return "; ".join(dict.fromkeys(part.label for part in (self.fluid, self.solid) if part))
+
+
+def _field(label: str, name: str) -> Part:
+    return Part(label, (name,), lambda fields: fields[name])
+
+
+def _quantity(name: str, fluid: str = "", solid: str = "") -> Quantity:
+    """A field of gases, of solids, or of both, by their labels."""
+    parts = (_field(label, name) if label else None for label in (fluid, solid))
+    return Quantity(name, written(unit_of(name)), *parts)
+
+
+def _strain(fields: Mapping[str, Array]) -> Array:
+    """x_X − 1, by differences of second order."""
+    return np.gradient(fields["x"], fields["X"], axis=-1, edge_order=2) - 1.0
+
+
+_P = _quantity("p", "pressure p")
+_LOAD = Part("p − σ in solids", ("p", "sigma"), lambda fields: fields["p"] - fields["sigma"])
+_RHO, _T = _quantity("rho", "density ρ"), _quantity("T", *["temperature T"] * 2)
+ON_A_LINE = (
+    _quantity("u", *["velocity u"] * 2),
+    _T,
+    _P._replace(solid=_LOAD),
+    _RHO,
+    _quantity("sigma", solid="stress σ"),
+    _quantity("sigma_theta", solid="hoop stress σ_θ"),
+    Quantity("strain", "", None, Part("strain ∂x/∂X − 1", ("x",), _strain)),
+)
+IN_SPACE = (
+    _P._replace(solid=_field("stress σ_xx in solids", "s_xx")),
+    _RHO,
+    *(_quantity(name, *[f"velocity {name}"] * 2) for name in "uvw"),
+    _T,
+    *(_quantity(f"s_{xy}", solid=f"stress σ_{xy}") for xy in ("xx", "yy", "zz", "xy", "yz", "xz")),
+)
+#: series of interfaces -> label; residuals: by how much a condition is missed
+AT_INTERFACES = {
+    "x_interface": "displacement of the interface",
+    "u_interface": "velocity u",
+    "sigma_interface": "stress σ",
+    "T_interface": "temperature T",
+    "residual_u": "|residual|, velocity",
+    "residual_stress": "|residual|, stress",
+    "residual_T": "|residual|, temperature",
+    "residual_flux": "|residual|, heat flux",
+}
+#: series of integrals -> label; of a change it is drawn less what it is at the start
+LEDGERS = {
+    "mass": "change of mass",
+    "energy": "change of energy",
+    "momentum": "momentum",
+    "force": "force of ends and body",
+    **{f"momentum_{x}": f"change of momentum {x}" for x in "xyz"},
+    "entropy": "change of entropy",
+    "least_J": "least J",
+    "J_error": "departure of J",
+}
+
+
+def there(run: Run) -> list[Quantity]:
+    """What can be drawn of this run."""
+    stored = {layer.kind: {*layer.fields} for layer in run.layers}
+    found = []
+    for quantity in ON_A_LINE if run.dimension == 1 else IN_SPACE:
+        parts = {}
+        for kind in ("fluid", "solid"):
+            part = quantity.of(kind)
+            parts[kind] = part if part and {*part.needs} <= stored.get(kind, set()) else None
+        if any(parts.values()):
+            found.append(quantity._replace(**parts))
+    return found
+
+
+def chosen(run: Run, names: Sequence[str]) -> list[Quantity]:
+    """Those of these names, or what a page shows where there are none. InputError."""
+    known = {quantity.name: quantity for quantity in there(run)}
+    for name in names:
+        if name not in known:
+            raise InputError(f"-fields {name}: expected some of {', '.join(known)}")
+    usual = ("u", "T", "p") if run.dimension == 1 else ("p",)
+    return [known[name] for name in names or usual if name in known]
