@@ -81,7 +81,7 @@ def draw_errors(figure: Figure, study: ConvergenceStudy) -> None:
         axes.set_xticks(study.hs, [f"{h:.4g}" for h in study.hs], fontsize=8)
         axes.minorticks_off()
         axes.legend(loc="lower right")
-    what = "error" if study.exact else "relative difference from the next grid"
+    what = "error" if study.exact else "relative difference\nfrom the next grid"
     grid[0].set_ylabel(f"{what} in {study.norm}, all unknowns")
 
 
@@ -95,7 +95,7 @@ def draw_cost(figure: Figure, study: ConvergenceStudy) -> None:
         axes.loglog(study.cost["wall_time"][i], errors, **_look(order))
     axes.set_xlabel(f"wall time on {counted(study.ranks, 'rank')}  [s]")
     what = "error" if study.exact else "difference from the next grid"
-    axes.set_ylabel(f"{what} in {study.norm}, the largest of {' and '.join(study.errors)}")
+    axes.set_ylabel(f"{what} in {study.norm},\nthe largest of {' and '.join(study.errors)}")
     axes.legend(loc="lower left")
 
 
