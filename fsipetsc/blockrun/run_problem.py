@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -103,27 +104,20 @@ class RunProblem:
         gases = [k for k, block in enumerate(self.layers) if block.kind == "fluid"]
         closed = all(map(holds_energy, self._conditions)) and not self._forced
         elastic = all(getattr(solid.material, "heat", "") == "elastic" for solid in solids)
-        masses = [solid.material.m0 * self._volume(solid) for solid in solids]
+        masses = [solid.material.m0 * _size(solid, self.symmetry) for solid in solids]
         capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
         return {
             "masses": [
                 [" + ".join(self.layers[k].name for k in body), [gases.index(k) for k in body]]
                 for body in self.bodies
             ],
-            "momentum": self.symmetry == 0,  # pressure acts around an axis, too
+            # along r pressure acts around an axis, too
+            "momentum": "xyz"[: self.dimension - (self.symmetry > 0)],
             "energy": True,
             "entropy": closed and elastic,
             "inertia": sum(masses),
             "heat_capacity": sum(capacities),
         }
-
-    def _volume(self, block: Block) -> float:
-        """About that of a block at rest; of a sector where there is an axis or a centre."""
-        if not self.symmetry:
-            return _size(block)
-        n = self.symmetry + 1
-        low, high = (float(block.face_positions(0, side)[0, 0]) for side in (0, 1))
-        return (high**n - low**n) / n
 
 
 def _bodies(problem: BlockProblem) -> list[list[int]]:
@@ -136,15 +130,18 @@ def _bodies(problem: BlockProblem) -> list[list[int]]:
     return [np.flatnonzero(first == k).tolist() for k in np.unique(first) if gas[k]]
 
 
-def _size(block: Block) -> float:
-    """About the volume of a block: the sum over a few pieces, by the means of their edges."""
+def _size(block: Block, symmetry: int = 0) -> float:
+    """About the volume of a block, or of a sector of unit angle, where r is the last coordinate:
+    the sum over a few pieces, by the means of their edges.
+    """
     d = block.dimension
     index = [np.unique(np.linspace(0, c, min(c, _CELLS) + 1).astype(int)) for c in block.cells]
     X, edges = block.places(mesh(index)), []
+    r = np.mean([X[-1][tuple(c)] for c in product((np.s_[1:], np.s_[:-1]), repeat=d)], axis=0)
     for axis in range(1, d + 1):
         edge = np.diff(X, axis=axis)
         for other in range(1, d + 1):
             low, high = (np.delete(edge, end, axis=other) for end in (-1, 0))
             edge = edge if other == axis else 0.5 * (low + high)
         edges.append(edge)
-    return float(np.abs(determinant(np.array(edges[::-1]))).sum())
+    return float(np.abs(determinant(np.array(edges[::-1])) * r**symmetry).sum())
