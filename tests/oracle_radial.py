@@ -131,7 +131,6 @@ class Radial(Oracle):
         h = m.kappa / det(F) * np.einsum("ki...,kj...,j...->i...", C, C, gradient)
         force, work, heat = np.zeros_like(v), 0.0, 0.0
         for j in range(d):
-            _, S, weight = self.axes[k][j]
             PA = np.einsum("mn...,n...->m...", P[:d, :d], A[j])
             force = force + self.loose(k, PA, j)
             work = work + self.W[k] * dot(PA, self.derivative(k, v, j))

@@ -89,7 +89,7 @@ def blend(of, values, out):
             size = axis.low.size
             _add_between(u, low[:size], high[:size], axis.l[c], axis.h[c], before)
         for axis in of.axes:
-            n, before, l, h = axis.l.shape[1], axis.before, axis.l[c], axis.h[c]
+            n, before, l, h = axis.l.shape[1], axis.before, axis.l[-1], axis.h[-1]
             for i in range(n):
                 for m in range(axis.low.size if l[i] == 1.0 or h[i] == 1.0 else 0):
                     face = axis.low[m] if l[i] == 1.0 else axis.high[m]

@@ -3,7 +3,7 @@
 Nodes whose displacement is known, at solids and at walls that move, have it. Any other face is
 blended from its edges, edges are linear between their vertices, and vertices that are not known do
 not move (SCHEME-BLOCKS.md, section 5). Along periodic axes there are no faces. A face at r = 0 is
-none, either: what lies between it and the opposite one follows this alone, even or odd in r.
+none, either: what lies between it and the opposite one follows this alone.
 """
 
 from __future__ import annotations
@@ -104,15 +104,13 @@ def _follows(
 
 def end_weights(block: Block, axis: int, index: Array, centred: bool = False) -> Array:
     """1 - xi and xi of nodes (2, d, N), for each component of what is blended; the same bits seen
-    from both ends; 0 on a periodic axis. Along that to r = 0, where xi = r/r_1 of a grid of equal
-    spacing, 0 and xi of the component along r, 0 and xi^2 of the other one.
+    from both ends; 0 on a periodic axis. Along one to r = 0 a block is half of one whose other end
+    is an image of the first: 0 and 1, or 0 and xi of the component along r, which is odd.
     """
     cells, d = block.cells[axis], block.dimension
     found = np.zeros((2, d, len(index)))
     if centred and axis == d - 1:
-        xi = (index + 0.5) / (cells + 0.5)
-        found[1] = xi * xi
-        found[1, -1] = xi
+        found[1], found[1, -1] = 1.0, (index + 0.5) / (cells + 0.5)
     elif not block.periodic[axis]:
         found[0], found[1] = (cells - index) / cells, index / cells
     return found

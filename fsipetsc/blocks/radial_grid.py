@@ -175,7 +175,7 @@ def radial_velocities(grid, metrics):
         metrics[d * d + d + 1, i] = dot(column(nine, grid.b, n), slopes)
         for c in range(d):
             metrics[d * d + c, i] = v[c, n]
-        b, spread = cofactor(slopes), kappa * abs(grid.x[last, n]) ** (kappa - 1) * v[last, n]
+        b, spread = cofactor(slopes), kappa * area[n] / grid.x[last, n] * v[last, n]
         for m in range(d * d if d == 2 else 0):
             grid.turning[m, i] = b[m]
             if m % d == last:

@@ -219,7 +219,7 @@ class RadialGas(Gas):
 
     def volume_flux(self, a_l, v_l, a_r, v_r):
         """g of two nodes."""
-        A_l, A_r = v_l[-1], v_r[-1]
+        A_l, A_r = v_l[-1] + 1e-300, v_r[-1] + 1e-300  # A is 0 beyond the ends of rows
         there, here = last_times(A_r / A_l, v_r[:-1]), last_times(A_l / A_r, v_l[:-1])
         return 0.5 * (dot(a_l, there) + dot(a_r, here))
 

@@ -111,8 +111,8 @@ def add_viscous(gas, like, radial, q, metrics, S, weight, patch, rates):
         put_part(room.T, n, 0, gas.entropy_variables(w))
         for k in range(d):
             a = column_of(like, metrics, k * d, n)
-            flux = (*scale(stress, a), stress * dot(a, gas.velocity(w)))
-            put_part(room.T, n, (k + 1) * (d + 1), flux)
+            power = stress * dot(a, gas.velocity(w))
+            put_part(room.T, n, (k + 1) * (d + 1), (*scale(stress, a), power))
     for i in range(rates.shape[0]):
         n = ghosted_node(i, patch)
         w = gas.primitive(node(like_q, q, n))
