@@ -82,7 +82,7 @@ def engine_of(oracle, kappa, centre, faces=closed):
     blocks = [b for b in oracle.blocks if "mirrored" not in b.name]
     if centre:
         half = oracle.blocks[0].X.shape[-1] // 2
-        blocks[0] = Block(blocks[0].name, blocks[0].material, blocks[0].X[..., half:])
+        blocks[0] = blocks[0]._replace(X=blocks[0].X[..., half:])
 
     def condition(owner):
         to_axis = owner == ("gas inside", oracle.d - 1, 0) and centre
