@@ -180,10 +180,10 @@ class Volume:
 
     def volume_rate(self, k, grid):
         """J_t, per node."""
-        total = 0.0
-        for j, a in enumerate(grid.a):
-            total = total + dot(a, self.derivative(k, grid.v, j))
-            total = total + dot(grid.v, self.derivative(k, a, j))
+        total, (b, w) = 0.0, self.volume_metrics(k, grid)
+        for j, a in enumerate(b):
+            total = total + dot(a, self.derivative(k, w, j))
+            total = total + dot(w, self.derivative(k, a, j))
         return total
 
     def gas_terms(self, k, q, grid, t):
@@ -202,17 +202,17 @@ class Volume:
             R[2:] += W * q[1] * np.array([*(f + 0.0 * s.u), dot(f, s.u)])
         return R
 
-    def volume_flux(self, a_l, v_l, a_r, v_r):
-        """g of two nodes."""
-        return 0.5 * (dot(a_l, v_r) + dot(a_r, v_l))
+    def volume_metrics(self, k, grid):
+        """Area vectors and velocities that make the volume flux g of two nodes."""
+        return grid.a, grid.v
 
     def _convection(self, k, s, grid, j):
         """- sum_l S_il F(i, l) along axis j: i along one axis of an array, l along the next."""
-        m, d, a, v = self.blocks[k].material, self.d, grid.a[j], grid.v
+        m, d, (b, w) = self.blocks[k].material, self.d, self.volume_metrics(k, grid)
         here, there = (lambda f: np.expand_dims(f, j - d)), (lambda f: np.expand_dims(f, j - d - 1))
-        left, a_l, v_l = State(*map(here, s)), here(a), here(v)
-        right, a_r, v_r = State(*map(there, s)), there(a), there(v)
-        g = self.volume_flux(a_l, v_l, a_r, v_r)
+        left, right = State(*map(here, s)), State(*map(there, s))
+        a_l, a_r = here(grid.a[j]), there(grid.a[j])
+        g = 0.5 * (dot(here(b[j]), there(w)) + dot(there(b[j]), here(w)))
         if self.problem.form == "entropy":
             F = pair_flux(m, left, right, 0.5 * (a_l + a_r), g)
         else:

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from helpers import REPOSITORY, assert_readable, message, mpirun, run, solve
 from kill_cycles import cycles
-from test_restart import differences
+from test_restart import different
 
 import fsipetsc
 
@@ -65,7 +65,7 @@ def test_a_run_that_a_signal_stopped_goes_on(ranks, rank, number, whole, tmp_pat
         )
     done = solve(*LINE, "-fsi_restart", "auto", cwd=tmp_path, ranks=3 - ranks)
     assert (done.returncode, done.stderr) == (0, "")
-    assert differences(whole, tmp_path / "rod.h5", same_ranks=False) == []
+    assert different(whole, tmp_path / "rod.h5", same_ranks=False) == []
 
 
 KILLS = [

@@ -13,23 +13,35 @@ import pytest
 pytest.importorskip("petsc4py")
 
 from oracle_engine import Engine
-from oracle_formulas import Block, Clamped, Problem, Slip
+from oracle_formulas import Block, Gas, Given, Open, Problem, conserved
 from oracle_radial import Radial
-from test_block_oracle import ELASTIC, NODES, SLIPPING, STICKING, derivatives, with_sums
+from test_block_oracle import (
+    ELASTIC,
+    NODES,
+    SLIPPING,
+    STICKING,
+    closed,
+    derivatives,
+    with_sums,
+    wobbling,
+)
 
-KAPPA = pytest.mark.parametrize("kappa", [1, 2])
 
+def shell(d, n, centre):
+    """A shell in gas, with gas inside to the centre, or from 0.4; in two dimensions a bent tube."""
 
-def shell(n, centre):
-    """A shell in gas, with gas inside to the centre, or from 0.4."""
-    inside = shapes.box((-1.0,), (1.0,), 2 * n) if centre else shapes.box((0.4,), (1.0,), n)
-    outer = {"solid": shapes.box((1.0,), (1.3,), n), "gas around": shapes.box((1.3,), (2.0,), n)}
+    def block(low, high, nodes):
+        if d == 1:
+            return shapes.box((low,), (high,), nodes)
+        (z, r), periods = shapes.box((0.0, low), (1.0, high), n, nodes)
+        bent = z + 0.05 * np.cos(1.3 * r) * np.sin(2.0 * z), r * (1.0 + 0.1 * np.sin(2.0 * z + 0.4))
+        return np.array(bent), periods
+
+    inside = block(-1.0, 1.0, 2 * n) if centre else block(0.4, 1.0, n)
+    outer = {"solid": block(1.0, 1.3, n), "gas around": block(1.3, 2.0, n)}
     if not centre:
         return {"gas inside": inside, **outer}
-    mirrored = {
-        "solid mirrored": shapes.box((-1.3,), (-1.0,), n),
-        "gas mirrored": shapes.box((-2.0,), (-1.3,), n),
-    }
+    mirrored = {"solid mirrored": block(-1.3, -1.0, n), "gas mirrored": block(-2.0, -1.3, n)}
     return {"gas inside": inside, **outer, **mirrored}
 
 
@@ -39,7 +51,6 @@ def radial(shape, gas, solid, order, kappa, **options):
         Block(name, gas if name.startswith("gas") else solid, X, periods)
         for name, (X, periods) in shape.items()
     ]
-    closed = lambda owner: Clamped() if owner[0].startswith("solid") else Slip()  # noqa: E731
     return Radial(Problem(tuple(blocks), closed, order, **options), kappa)
 
 
@@ -50,13 +61,14 @@ def mirrored(oracle, q):
         "gas mirrored": "gas around",
         "solid mirrored": "solid",
     }
-    found = dict(q)
+    found, d = dict(q), oracle.d
     for name, of in places.items():
-        odd = np.array([-1.0, -1.0, 1.0] if of == "solid" else [1.0, 1.0, -1.0, 1.0])
-        image = odd[:, None] * q[of][:, ::-1]
-        half = q[of].shape[1] // 2
+        odd = np.ones(len(q[of]))
+        odd[[d - 1, 2 * d - 1] if of == "solid" else [d + 1]] = -1.0
+        image = odd.reshape(-1, *[1] * d) * q[of][..., ::-1]
+        half = q[of].shape[-1] // 2
         found[name] = (
-            np.concatenate([image[:, :half], q[of][:, half:]], axis=1) if name == of else image
+            np.concatenate([image[..., :half], q[of][..., half:]], axis=-1) if name == of else image
         )
     return found
 
@@ -65,28 +77,27 @@ class Centre(NamedTuple):
     """The oracle does not know it: there a block goes on to -r."""
 
 
-def engine_of(oracle, kappa, centre):
+def engine_of(oracle, kappa, centre, faces=closed):
     """The engine with the blocks of r > 0 of an oracle."""
     blocks = [b for b in oracle.blocks if "mirrored" not in b.name]
     if centre:
-        half = oracle.blocks[0].X.shape[1] // 2
-        blocks[0] = Block(blocks[0].name, blocks[0].material, blocks[0].X[:, half:])
+        half = oracle.blocks[0].X.shape[-1] // 2
+        blocks[0] = blocks[0]._replace(X=blocks[0].X[..., half:])
 
-    def closed(owner):
-        if owner == ("gas inside", 0, 0) and centre:
-            return Centre()
-        return Clamped() if owner[0].startswith("solid") else Slip()
+    def condition(owner):
+        to_axis = owner == ("gas inside", oracle.d - 1, 0) and centre
+        return Centre() if to_axis else faces(owner)
 
     p = oracle.problem
-    return Engine(Radial(Problem(tuple(blocks), closed, *p[2:]), kappa), symmetry=kappa)
+    return Engine(Radial(Problem(tuple(blocks), condition, *p[2:]), kappa), symmetry=kappa)
 
 
 def half_of(q, centre):
     """The unknowns of r > 0, as the engine has them: J is per other coordinates."""
     found = {name: value for name, value in q.items() if "mirrored" not in name}
     if centre:
-        n = q["gas inside"].shape[1] // 2
-        found["gas inside"] = q["gas inside"][:, n:] * ((n - 1) / (2 * n - 1))
+        n = q["gas inside"].shape[-1] // 2
+        found["gas inside"] = q["gas inside"][..., n:] * ((n - 1) / (2 * n - 1))
     return found
 
 
@@ -94,13 +105,13 @@ def whole_of(oracle, found, centre):
     """Rates of the engine as the oracle has them, with images."""
     if not centre:
         return found
-    n = found["gas inside"].shape[1]
+    n = found["gas inside"].shape[-1]
     right = found["gas inside"] * ((2 * n - 1) / (n - 1))
-    return mirrored(oracle, {**found, "gas inside": np.concatenate([right, right], axis=1)})
+    return mirrored(oracle, {**found, "gas inside": np.concatenate([right, right], axis=-1)})
 
 
 @pytest.mark.parametrize("centre", [False, True], ids=["shell", "centre"])
-@KAPPA
+@pytest.mark.parametrize(("d", "kappa"), [(1, 1), (1, 2), (2, 1)], ids=["cylinder", "sphere", "zr"])
 @pytest.mark.parametrize(
     ("order", "both", "options"),
     [
@@ -114,11 +125,11 @@ def whole_of(oracle, found, centre):
         pytest.param(4, ELASTIC, {"form": "divergence"}, marks=pytest.mark.long),
     ],
 )
-def test_rates_are_the_oracles(order, both, options, kappa, centre):
+def test_rates_are_the_oracles(order, both, options, d, kappa, centre):
     """At random states of gas and shell, on grids that move. Sums of mass and energy stay; the
     entropy of the gas stays, too, or grows by viscosity and dissipation.
     """
-    oracle = radial(shell(NODES[order], centre), *both, order, kappa, **options)
+    oracle = radial(shell(d, NODES[order], centre), *both, order, kappa, **options)
     q = oracle.random_state(np.random.default_rng(order))
     q = oracle.complete(mirrored(oracle, q) if centre else q)
     expected = with_sums(oracle, oracle.rates(q))
@@ -133,3 +144,51 @@ def test_rates_are_the_oracles(order, both, options, kappa, centre):
         assert abs(sums["entropy"]) < 1e-13 * size
     elif "form" not in options:
         assert sums["entropy"] > 1e-3 * size
+
+
+def test_what_does_not_depend_on_z_is_that_of_one_dimension():
+    """Gas to the axis and a shell, with random states along r."""
+    n = NODES[4]
+    oracle = radial(shell(1, n, True), *SLIPPING, 4, 1)
+    q = half_of(oracle.complete(mirrored(oracle, oracle.random_state(np.random.default_rng(3)))), 1)
+    expected = engine_of(oracle, 1, True).rates(q)
+    blocks = []
+    for b in oracle.blocks:
+        z, r = np.meshgrid(np.arange(n) / n, b.X[0], indexing="ij")
+        blocks.append(Block(b.name, b.material, np.array([z, r]), ((1.0, 0.0), None)))
+    plane = Radial(Problem(tuple(blocks), oracle.problem.faces, 4), 1)
+    found = engine_of(plane, 1, True).rates({name: extended(value) for name, value in q.items()})
+    size = max(np.abs(r).max() for r in expected.values())
+    for name, rates in expected.items():
+        assert np.abs(found[name] - extended(rates)).max() < 1e-13 * size, name
+
+
+def extended(values):
+    """Numbers of nodes along r as those in (z, r), with no velocity along z."""
+    none = 0.0 * values[0]
+    solid = [none, values[0], none, *values[1:]]
+    rows = solid if len(values) == 3 else [*values[:2], none, *values[2:]]
+    return np.repeat(np.array(rows)[:, None], NODES[4], axis=1)
+
+
+@pytest.mark.parametrize("u", [0.0, 0.7])
+def test_a_uniform_flow_along_the_axis_stays(u):
+    """Also rest, to the axis, on a bent grid that moves, with random J."""
+    shape = {name: X for name, X in shell(2, NODES[4], True).items() if name.startswith("gas in")}
+    values = 1.2, u, 0.0, 0.9
+
+    def around(owner):
+        moved = Given(lambda X, t: values, wobbling(0.03, 0.2))
+        return moved if owner[1] else Open(1.2, (u, 0.0), 0.9)
+
+    oracle = radial(shape, Gas(), None, 4, 1)
+    engine = engine_of(oracle, 1, True, around)
+    X = oracle.blocks[0].X[..., NODES[4] :]
+    J = oracle.start(0)[..., NODES[4] :] * np.random.default_rng(1).uniform(0.4, 0.6, X[0].shape)
+    U = np.array([1.0, *conserved(Gas(), 1.2, np.array([u, 0.0]), 0.9)])
+    rates = engine.rates({"gas inside": U[:, None, None] * J}, 0.3)["gas inside"]
+    size = np.abs(rates).max()
+    assert size > 0.1
+    inner = np.s_[:, :, :-1]  # at the outer face all is given
+    apart = rates - U[:, None, None] * rates[0]
+    assert np.abs(apart[inner]).max() < 1e-13 * size

@@ -15,7 +15,7 @@ from fsipetsc.analysis.ring_theory import Medium, mode_near
 from fsipetsc.analysis.wave_modes import radial_modes
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Centre, Clamped, Slip
-from fsipetsc.blocks.maps import ball, rectangle
+from fsipetsc.blocks.maps import Mapped, ball, off_axis, rectangle
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases import shell
 from fsipetsc.errors import InputError
@@ -138,3 +138,43 @@ def test_other_mistakes():
     for make in wrong:
         with pytest.raises(InputError):
             make()
+
+
+@pytest.mark.parametrize(
+    ("map_", "symmetry", "last", "message"),
+    [
+        (rectangle((0, 0), (1, 1)), 1, Slip(), r"a node is at \(X, Y\) = \(0, 0\): expected r > 0"),
+        (rectangle((0, -1), (1, 1)), 1, Slip(), r"a node is at \(X, Y\) = \(0, -1\): expected r"),
+        (rectangle((0, 1), (1, 2)), 2, Slip(), "symmetry is 2 in 2 dimensions: expected 0, 1 in"),
+        (rectangle((0, 1), (1, 2)), 1, Centre(), r"at \(X, Y\) = \(0, 1\) and \(X, Y\)"),
+        (Mapped(lambda xi: (xi[0] + 2 * xi[1], xi[1]), 2), 1, Centre(), "expected half a spacing"),
+    ],
+)
+def test_mistakes_in_two_dimensions(map_, symmetry, last, message):
+    """A node on the axis or beyond it, a centre in a plane, a first row at another distance, lines
+    that leave the axis aslant: one message names the block and the place.
+    """
+    if message.startswith("expected half"):
+        map_ = off_axis(map_, 12)
+    sides = {("gas", axis, side): Slip() for axis in (0, 1) for side in (0, 1)}
+    with pytest.raises(InputError, match=f"^block 'gas'.*{message}") as raised:
+        radial(map_, {**sides, ("gas", 1, 0): last}, (12, 12), symmetry=symmetry)
+    assert raised.value.status == 2
+
+
+@pytest.mark.mpi
+def test_a_shock_in_a_nozzle(tmp_path):
+    """In (z, r): the same bits on one, two and four ranks; mass, energy and the momentum along the
+    axis are what they were and what came in; the wall swells.
+    """
+    words = "nozzle -fsi_h 0.1 -ts_max_time 0.5 -fsi_output_dt 0.25".split()
+    one, *others = (computed(tmp_path, f"{n}.h5", *words, ranks=n) for n in (1, 2, 4))
+    for other in others:
+        assert_same_fields(one, other)
+    series = one.series
+    for name, came in (("energy", "energy_in"), ("momentum_x", "impulse_x")):
+        left = series[name] - np.cumsum(series[came])
+        assert np.abs(left - left[0]).max() < 1e-13 * np.abs(series[name]).max(), name
+    mass = series["mass"] - np.cumsum(series["mass_in"], axis=0)
+    assert np.abs(mass / mass[0] - 1.0).max() < 1e-13
+    assert one.layers[1]["y"][-1].max() > one.layers[1]["y"][0].max() + 1e-4

@@ -17,14 +17,14 @@ def fields_of(kind: str, d: int, symmetry: int = 0) -> tuple[str, ...]:
 
     gas: density, velocity, temperature, pressure, J, position. solid: velocity, temperature, Cauchy
     stress, position; in one dimension the stress is sigma - p, p the pressure of ``pressing``, and
-    around an axis or a centre there is that of the hoops, sigma_theta - p.
+    around an axis or a centre there is that of the hoops, sigma_theta (- p in one dimension).
     """
     u, x = tuple(VELOCITIES[:d]), tuple(PLACES[:d])
     if kind == "fluid":
         return ("rho", *u, "T", "p", "J", *x)
     stresses = [f"s_{PLACES[i]}{PLACES[j]}" for i in range(d) for j in range(i, d)]
-    line = "u", "T", "sigma", "x", "p", *(("sigma_theta",) if symmetry else ())
-    return (*u, "T", *stresses, *x) if d > 1 else line
+    hoops = ("sigma_theta",) if symmetry else ()
+    return (*u, "T", *stresses, *x, *hoops) if d > 1 else ("u", "T", "sigma", "x", "p", *hoops)
 
 
 def loses(problem: Any, k: int) -> bool:

@@ -57,7 +57,7 @@ def _departures(
             exact += checked(block.exact_stress, (*X, t), X, of_kind[len(exact) :], where)
         columns = fields_of(block.kind, problem.dimension, problem.symmetry)
         saved = dict(zip(columns, state.fields(k).T, strict=True))
-        weights = part.weights * part.reference / (X[0] ** problem.symmetry)
+        weights = part.weights * part.reference / (X[-1] ** problem.symmetry)
         apart = (np.abs(saved[name] - value) for name, value in zip(of_kind, exact, strict=True))
         found.append((block.kind, np.array([np.sum(weights * a**power) for a in apart])))
     return found

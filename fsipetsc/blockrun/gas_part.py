@@ -27,7 +27,9 @@ Array = NDArray[Any]
 
 
 class GasPart(BlockPart):
-    """One part of a gas block. metrics: (d d + d + 1, N), a^k, velocity of the grid, J_t."""
+    """One part of a gas block. metrics: (d d + d + 1, N), a^k, velocity of the grid, J_t; around an
+    axis A before J_t.
+    """
 
     held = gas_record.HELD
 
@@ -75,7 +77,7 @@ class GasPart(BlockPart):
         if sigma > 0.0 or shock > 0.0:
             found = differences(d, self._order, bands, self.block.cells)
             damping = Damping(sigma, shock, found, room(d, found))
-        around = Radial(self.grid.record, np.zeros((3, self.X.shape[1])))
+        around = Radial(self.grid.record, np.zeros(((d + 1) ** 2, self.X.shape[1])))
         return GasRecord(
             **self._common(at_particles, columns, alone),
             laws=self.equations,

@@ -38,7 +38,7 @@ class SolidPart(BlockPart):
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
         super().__init__(layout, part, order)
         d, kappa, material = self._d, self._problem.symmetry, self.block.material
-        self.equations = material.radial_equations(kappa) if kappa else material.equations(d)
+        self.equations = material.radial_equations(kappa, d) if kappa else material.equations(d)
         self.metrics = solid_metrics(self._problem, part.k, order, self._ranges)
         self.inertia = self.metrics[d * d] * self.equations.m0
         self._masses = self.weights * self.inertia[self.owned]
@@ -192,8 +192,8 @@ class SolidPart(BlockPart):
         p_ref = self.faces.p_ref
         stresses = [s - p_ref * (i == j) for s, (i, j) in zip(stresses, pairs, strict=True)]
         x = self.X[:, nodes] + own[:, :d].T
+        p, around = self.equations.pressure_at(J, T) + 0.0 * T, self._problem.symmetry > 0
+        hoops = [self.equations.hoop_stress(F, T) + p * (d == 1)] if around else []
         if d > 1:
-            return np.stack([*v, T, *stresses, *x], axis=-1)
-        p = self.equations.pressure_at(J, T) + 0.0 * T
-        hoops = [self.equations.hoop_stress(F, T) + p] if self._problem.symmetry else []
+            return np.stack([*v, T, *stresses, *x, *hoops], axis=-1)
         return np.stack([*v, T, stresses[0] + p, *x, p, *hoops], axis=-1)

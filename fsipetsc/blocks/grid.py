@@ -13,14 +13,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from fsipetsc.blocks.block import Block, Range, mesh
+from fsipetsc.blocks.blend import blend_of
+from fsipetsc.blocks.block import Block, Range
 from fsipetsc.blocks.hull import Hull, end_weights, hull_of
-from fsipetsc.blocks.metrics import EXACT, Wide, curl_metrics, volume_rate
+from fsipetsc.blocks.metrics import Wide, curl_metrics, volume_rate
 from fsipetsc.blocks.plane_grid import plane_motion
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.blocks.radial_grid import radial_motion
 from fsipetsc.checks import Array
-from fsipetsc.operators.loops import CALL, INNER_CALL
+from fsipetsc.operators.loops import CALL
 
 
 class LineMotion(NamedTuple):
@@ -64,31 +65,14 @@ def line_velocities(metrics, at_low, at_high, low, high):
         metrics[2, i] = at_high - at_low
 
 
-class BlendAxis(NamedTuple):
-    """An axis that has faces, in an array of nodes with both ends taken along: columns (H,) of the
-    hull of the low and the high face, weights (n,) of the ends, nodes of faster axes between
-    neighbours.
-    """
-
-    low: Array
-    high: Array
-    l: Array
-    h: Array
-    before: int
-
-
 class CubeMotion(NamedTuple):
-    """A grid in three dimensions. axes: of BlendAxis; u: (3, …), missing: their room; at: of the W
-    wide nodes in it. y, P, S, weight: of a Wide; inner: (N,) of the range among the wide nodes. x,
-    v: (3, W) places less those of linear maps, velocities; a, slopes: (3, 3, W), q: (4, W), room.
-    volume: (N,) det D x.
+    """A grid in three dimensions. blend: on the W wide nodes. y, P, S, weight: of a Wide; inner:
+    (N,) of the range among the wide nodes. x, v: (3, W) places less those of linear maps,
+    velocities; a, slopes: (3, 3, W), q: (4, W), room. volume: (N,) det D x.
     """
 
     hull: Any
-    axes: Any
-    u: Array
-    missing: Array
-    at: Array
+    blend: Any
     inner: Array
     y: Array
     P: Array
@@ -109,7 +93,7 @@ class CubeMotion(NamedTuple):
     def swing(self, known, metrics):
         """Velocity of the grid and J_t."""
         self.hull.fill(self.hull.moving, known, 3)
-        blend(self, self.hull.moving, self.v)
+        self.blend.fill(self.hull.moving, self.v)
         volume_rate(self.q[0], self.a, self.v, self.S, self.weight, self.q[1])
         for i in range(self.inner.size):
             n = self.inner[i]
@@ -145,7 +129,7 @@ class CubeMotion(NamedTuple):
 def cube_metrics(cube, metrics):
     """a^1, a^2, a^3 and det D x."""
     x, a, P, slopes = cube.x, cube.a, cube.P, cube.slopes
-    blend(cube, cube.hull.moved, x)
+    cube.blend.fill(cube.hull.moved, x)
     for c in range(3):
         for n in range(x.shape[1]):
             x[c, n] += cube.y[c, n]
@@ -162,77 +146,12 @@ def cube_metrics(cube, metrics):
         cube.volume[i] = first + second + G[0, 2] * (G[1, 0] * G[2, 1] - G[1, 1] * G[2, 0])
 
 
-@njit(**CALL)
-def blend(cube, values, out):
-    """The Boolean sum of faces from values (3, H) of the hull, on the wide nodes: axis after axis,
-    what is missing at the two faces is added, linear between them. On faces their values, to the
-    bit.
-    """
-    for c in range(3):
-        u, f = cube.u[c], values[c]
-        u[:] = 0.0
-        for axis in cube.axes:
-            n, before, (low, high) = axis.l.size, axis.before, cube.missing
-            for m in range(axis.low.size):
-                first = m // before * n * before + m % before
-                low[m] = f[axis.low[m]] - u[first]
-                high[m] = f[axis.high[m]] - u[first + (n - 1) * before]
-            size = axis.low.size
-            _add_between(u, low[:size], high[:size], axis.l, axis.h, before)
-        for axis in cube.axes:
-            n, before = axis.l.size, axis.before
-            for i in range(n):
-                for m in range(axis.low.size if axis.l[i] == 1.0 or axis.h[i] == 1.0 else 0):
-                    face = axis.low[m] if axis.l[i] == 1.0 else axis.high[m]
-                    u[(m // before * n + i) * before + m % before] = f[face]
-        for m in range(cube.at.size):
-            out[c, m] = u[cube.at[m]]
-
-
-@njit(**INNER_CALL)
-def _add_between(u, low, high, l, h, before):
-    """u += l low + h high along an axis."""
-    n = l.size
-    for a in range(0, low.size, before):
-        if before == 1:
-            _add_row(u[a * n : (a + 1) * n], l, h, low[a], high[a])
-            continue
-        for i in range(n):
-            b = a * n + i * before
-            _add_row(u[b : b + before], low[a : a + before], high[a : a + before], l[i], h[i])
-
-
-@njit(**EXACT)
-def _add_row(u, low, high, l, h):
-    for j in range(u.size):
-        u[j] += l * low[j] + h * high[j]
-
-
 def _cube_motion(block: Block, wide: Wide, hull: Hull) -> CubeMotion:
-    open_axes = [k for k in range(3) if not block.periodic[k]]
-    index = [np.arange(*ends) % n for ends, n in zip(wide.wide, block.shape)]
-    for k in open_axes:  # both ends are taken along
-        index[k] = np.concatenate([[0], index[k], [block.shape[k] - 1]])
-    sizes, axes = [len(i) for i in index], []
-    for axis in open_axes:
-        faces = []
-        for end in (0, block.shape[axis] - 1):
-            at = [np.array([end]) if k == axis else i for k, i in enumerate(index)]
-            numbers = np.ravel_multi_index(mesh(at)[::-1], block.shape[::-1]).ravel()
-            faces.append(np.searchsorted(hull.nodes, numbers))
-        weights = end_weights(block, axis, index[axis])
-        axes.append(BlendAxis(*faces, *weights, int(np.prod(sizes[:axis]))))
-    if not axes:  # compiled loops over no axes have no types
-        none = np.zeros(0, int)
-        axes.append(BlendAxis(none, none, np.zeros(0), np.zeros(0), 1))
-    numbers = np.arange(np.prod(sizes)).reshape(sizes[::-1])
-    within = slice(None), slice(1, -1)
-    at = numbers[tuple(within[not closed] for closed in block.periodic[::-1])].ravel()
-    N, inner = at.size, wide.inner(np.arange(at.size))
-    u, missing = np.zeros((3, numbers.size)), np.zeros((2, numbers.size))
+    N = wide.y.shape[1]
+    inner = wide.inner(np.arange(N))
     of_map = wide.y, wide.P, wide.S, wide.weight
     room = *np.zeros((2, 3, N)), *np.zeros((2, 3, 3, N)), np.zeros((4, N)), np.zeros(inner.size)
-    return CubeMotion(hull, tuple(axes), u, missing, at, inner, *of_map, *room)
+    return CubeMotion(hull, blend_of(block, wide, hull.nodes), inner, *of_map, *room)
 
 
 class GridMotion:
@@ -246,17 +165,20 @@ class GridMotion:
     def __init__(
         self, problem: BlockProblem, k: int, order: int, where: Range, nodes: Array
     ) -> None:
-        block, hull = problem.blocks[k], hull_of(problem.blocks[k], nodes)
+        block, around = problem.blocks[k], problem.symmetry > 0
+        hull = hull_of(block, nodes, problem.centred(k))
         self._X, d = problem.positions(k, where), block.dimension
-        self.metrics, self._reference = np.zeros((d * d + d + 1, self._X.shape[1])), None
+        rows = d * d + d + 1 + around
+        self.metrics, self._reference = np.zeros((rows, self._X.shape[1])), None
         self.record: Any
-        if problem.symmetry:
-            self.record = radial_motion(problem, k, order, where, hull)
-            return
         wide = Wide(problem, k, order, where)
+        if around:
+            self.record = radial_motion(problem, k, wide, hull)
+            return
         if d == 1:
             self._reference = wide.gradients()[0, 0]
-            self.record = LineMotion(hull, *end_weights(block, 0, np.arange(*where[0])))
+            weights = end_weights(block, 0, np.arange(*where[0]))[:, 0]
+            self.record = LineMotion(hull, *weights)
         else:
             self.record = (plane_motion if d == 2 else _cube_motion)(block, wide, hull)
 

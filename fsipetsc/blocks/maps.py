@@ -71,8 +71,19 @@ def rectangle(lower: Any, upper: Any) -> Mapped:
 
 def ball(radius: float, cells: int) -> Mapped:
     """Nodes (i + 1/2) h from the middle to a radius [m]: of a block with Centre(). InputError."""
-    outer = number(radius, "ball: radius", POSITIVE)
-    return rectangle(0.5 * outer / (cells + 0.5), outer)
+    return off_axis(rectangle(0.0, number(radius, "ball: radius", POSITIVE)), cells)
+
+
+def off_axis(map: Map, cells: int) -> Mapped:
+    """A map that has r = 0 where its last coordinate is 0, with nodes half a cell beside: of a
+    block with Centre() and so many cells along its last axis. InputError.
+    """
+    n = number(cells, "off_axis: cells", POSITIVE)
+
+    def places(xi: Places) -> Places:
+        return tuple(map((*xi[:-1], (0.5 + n * xi[-1]) / (n + 0.5))))
+
+    return Mapped(places, getattr(map, "dimension", 2))
 
 
 def corners(*points: Any) -> Mapped:
@@ -189,7 +200,7 @@ def nodes(places: Any) -> Nodes:
 
 
 def place_text(X: Any) -> str:
-    """"X = 1", "(X, Y) = (1, 2)": a place in a message."""
+    """ "X = 1", "(X, Y) = (1, 2)": a place in a message."""
     numbers = [f"{x:.6g}" for x in np.ravel(X)]
     if len(numbers) == 1:
         return f"X = {numbers[0]}"

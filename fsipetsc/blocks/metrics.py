@@ -27,20 +27,21 @@ EXACT: dict[str, Any] = {**INNER_LOOP, "fastmath": {"nsz"}}
 class Wide:
     """A range of nodes of a block, and the wider one that their derivatives need.
 
-    where: the range, beyond the ends on periodic axes only. wide: it and, as far as there are
-    nodes, as many more on each side as pairs reach. sizes: nodes of the wide range along each axis.
-    S, weight: of the bands of the axes, cut to it. P: (d, d), the periods. y: (d, N), the periodic
-    part of X.
+    where: the range, beyond the ends on periodic axes only, or to images before a centre. wide: it
+    and, as far as there are nodes, as many more on each side as pairs reach. sizes: nodes of the
+    wide range along each axis. S, weight: of the bands of the axes, cut to it. P: (d, d), the
+    periods. y: (d, N), the periodic part of X.
     """
 
     def __init__(self, problem: BlockProblem, k: int, order: int, where: Range) -> None:
-        block = problem.blocks[k]
+        block, centred = problem.blocks[k], problem.centred(k)
         self.where, self.wide, bands = [tuple(ends) for ends in where], [], []
         for axis, (begin, end) in enumerate(where):
-            band = block.band(order, axis)
+            band, n = problem.band(k, order, axis), block.shape[axis]
             begin, end = begin - band.reach, end + band.reach
             if not block.periodic[axis]:
-                begin, end = max(begin, 0), min(end, block.shape[axis])
+                images = n if centred and axis == problem.dimension - 1 else 0
+                begin, end = max(begin, -images), min(end, n)
             self.wide.append((begin, end))
             bands.append(band.part(begin, end))
         self.S, self.weight = tuple(band.S for band in bands), tuple(band.weight for band in bands)
@@ -65,9 +66,13 @@ class Wide:
         return self.inner(G) + self.P[..., None]
 
     def _periodic_part(self, problem: BlockProblem, k: int) -> Array:
-        block = problem.blocks[k]
-        index = [i % n for i, n in zip(mesh([np.arange(*ends) for ends in self.wide]), block.shape)]
+        block, *index = problem.blocks[k], *mesh([np.arange(*ends) for ends in self.wide])
+        images = (index[-1] < 0).ravel() & problem.centred(k)
+        if problem.centred(k):
+            index[-1] = np.where(index[-1] < 0, -1 - index[-1], index[-1])
+        index = [i % n for i, n in zip(index, block.shape)]
         y = problem.places(k, np.ravel_multi_index(index[::-1], block.shape[::-1]).ravel()).T
+        y[-1, images] *= -1.0
         for P, i, cells in zip(self.P, index, block.cells):
             y = y - np.multiply.outer(P, i.ravel() / cells)
         return np.ascontiguousarray(y)
@@ -77,14 +82,17 @@ def solid_metrics(problem: BlockProblem, k: int, order: int, where: Range) -> Ar
     """A^1, …, A^d and J0 of a range of nodes, (d d + 1, N). InputError if J0 <= 0.
 
     J0 = det G, A^k = J0 G^-T e_k from G = D X, node by node; both times R^kappa around an axis or
-    a centre.
+    a centre, and then R is another row.
     """
     block = problem.blocks[k]
     G = Wide(problem, k, order, where).gradients()
     J = determinant(G)
-    check_positive(block, J, problem.positions(k, where))
-    weight = problem.positions(k, where)[0] ** problem.symmetry if problem.symmetry else 1.0
-    return np.concatenate([cofactors(G).reshape(-1, J.size), J[None]]) * weight
+    X = problem.positions(k, where)
+    check_positive(block, J, X)
+    metrics = np.concatenate([cofactors(G).reshape(-1, J.size), J[None]])
+    if problem.symmetry:
+        metrics = np.concatenate([metrics * X[-1] ** problem.symmetry, X[-1:]])
+    return metrics
 
 
 def cofactors(G: Array) -> Array:

@@ -84,7 +84,7 @@ def plane_motion(block: Block, wide: Wide, hull: Hull) -> PlaneMotion:
     """Of the range of nodes of a Wide."""
     axes = []
     for axis, ((begin, end), where) in enumerate(zip(wide.wide, wide.where)):
-        index, weights = np.arange(begin, end), end_weights(block, axis, np.arange(*where))
+        index, weights = np.arange(begin, end), end_weights(block, axis, np.arange(*where))[:, 0]
         faces = [face_nodes(block.shape, 1 - axis, s)[index % block.shape[axis]] for s in (0, 1)]
         there = np.array(faces)[:, : 0 if block.periodic[1 - axis] else None]
         memory = *np.zeros((2, 4, weights[0].size)), np.zeros((2, end - begin))

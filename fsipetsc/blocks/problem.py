@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -39,8 +40,9 @@ class BlockProblem:
     supply from outside, or None. points: (block name, place X, Hinge()) for points of solids' faces
     that are held. notes: lines for the summary. units: "SI" or "".
 
-    symmetry: in one dimension, 1 if X is the distance from an axis, 2 if it is that from a centre;
-    integrals are then those of a sector of unit angle, or of unit solid angle.
+    symmetry: 1 if the last coordinate is the distance from an axis, in one dimension or two; 2 if
+    that of one dimension is the distance from a centre. Integrals are then those of a sector of
+    unit angle, or of unit solid angle.
     """
 
     blocks: tuple[Block, ...]
@@ -88,13 +90,15 @@ class BlockProblem:
         return self.blocks[0].dimension
 
     def centred(self, k: int) -> bool:
-        """Whether block k goes to r = 0."""
-        return isinstance(self.faces.get((self.blocks[k].name, 0, 0)), Centre)
+        """Whether block k goes to r = 0, along its last axis."""
+        face = self.blocks[k].name, self.dimension - 1, 0
+        return isinstance(self.faces.get(face), Centre)
 
     def band(self, k: int, order: int, axis: int) -> Band:
         """Pair weights of an axis of block k. InputError if it has too few nodes."""
-        found = self.blocks[k].band(order, axis)
-        return centred_band(order, self.blocks[k].cells[0]) if self.centred(k) else found
+        block, found = self.blocks[k], self.blocks[k].band(order, axis)
+        images = axis == self.dimension - 1 and self.centred(k)
+        return centred_band(order, block.cells[axis]) if images else found
 
     def number(self, name: str) -> int:
         """Of a block. InputError if there is none of this name."""
@@ -161,9 +165,11 @@ class BlockProblem:
     def _places(self, k: int, index: Sequence[Array]) -> Array:
         """X of the nodes of these indices, d arrays of one shape: (d, …)."""
         block = self.blocks[k]
-        if self.centred(k) and (index[0] < 0).any():
-            i, images = index[0], index[0] < 0
-            return np.where(images, -1.0, 1.0) * self._places(k, [np.where(images, -1 - i, i)])
+        if self.centred(k) and (index[-1] < 0).any():
+            *others, i = index
+            X = self._places(k, [*others, np.where(i < 0, -1 - i, i)])
+            X[-1] *= np.where(i < 0, -1.0, 1.0)
+            return X
         X = block.places(index)
         for axis, side in self._kinds[k]:
             there = index[axis] == (block.shape[axis] - 1 if side else 0)
@@ -248,27 +254,20 @@ class BlockProblem:
         gases = [k for k, block in enumerate(self.blocks) if block.kind == "fluid"]
         closed = all(map(holds_energy, self._conditions)) and not self._forced
         elastic = all(getattr(solid.material, "heat", "") == "elastic" for solid in solids)
-        masses = [solid.material.m0 * self._volume(solid) for solid in solids]
+        masses = [solid.material.m0 * _size(solid, self.symmetry) for solid in solids]
         capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
         return {
             "masses": [
                 [" + ".join(self.blocks[k].name for k in body), [gases.index(k) for k in body]]
                 for body in self.bodies
             ],
-            "momentum": self.symmetry == 0,  # pressure acts around an axis, too
+            # along r pressure acts around an axis, too
+            "momentum": "xyz"[: self.dimension - (self.symmetry > 0)],
             "energy": True,
             "entropy": closed and elastic,
             "inertia": sum(masses),
             "heat_capacity": sum(capacities),
         }
-
-    def _volume(self, block: Block) -> float:
-        """About that of a block at rest; of a sector where there is an axis or a centre."""
-        if not self.symmetry:
-            return _size(block)
-        n = self.symmetry + 1
-        low, high = (float(block.face_positions(0, side)[0, 0]) for side in (0, 1))
-        return (high**n - low**n) / n
 
     @cached_property
     def bodies(self) -> list[list[int]]:
@@ -284,16 +283,18 @@ class BlockProblem:
 
     def _check_symmetry(self) -> None:
         """InputError for what a problem with an axis or a centre cannot have."""
-        if self.symmetry not in (0, 1, 2) or (self.symmetry and self.dimension > 1):
-            found = f"symmetry is {described(self.symmetry)} in {self.dimension} dimensions"
-            raise InputError(f"BlockProblem: {found}: expected 0, or 1 or 2 in one dimension")
+        symmetry, d = self.symmetry, self.dimension
+        if symmetry not in (0, 1, 2)[: max(4 - d, 1)]:
+            found = f"symmetry is {described(symmetry)} in {d} dimensions"
+            wanted = "expected 0, 1 in one or two dimensions, or 2 in one"
+            raise InputError(f"{self.blocks[0]}: {found}: {wanted}")
         centres = [name for name, met in self.faces.items() if isinstance(met, Centre)]
         for name in centres:
-            if not self.symmetry or name[1:] != (0, 0):
-                wanted = "expected axis 0, side 0 of a problem with symmetry=1 or 2"
+            if not symmetry or name[1:] != (d - 1, 0):
+                wanted = f"expected axis {d - 1}, side 0 of a problem with an axis or a centre"
                 raise InputError(f"block '{name[0]}', face {name[1:]}: Centre(): {wanted}")
-        for block in self.blocks if self.symmetry else ():
-            _check_radial(block, (block.name, 0, 0) in centres)
+        for block in self.blocks if symmetry else ():
+            _check_radial(block, (block.name, d - 1, 0) in centres)
 
     def _put(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)
@@ -340,15 +341,23 @@ class BlockProblem:
 
 def _check_radial(block: Block, centred: bool) -> None:
     """InputError where a block does not fit around an axis or a centre."""
-    if block.periodic[0] or block.prestress is not None:
-        raise InputError(f"{block}: it is periodic or has a prestress: expected neither at r > 0")
-    first, second = block.positions([(0, 2)])[0]
-    if not first > 1e-9 * abs(second):
-        wanted = "expected r > 0 at all nodes; with Centre() the map ball(radius, cells)"
-        raise InputError(f"{block}: its first node is at r = {first:.3g}: {wanted}")
-    if centred and abs(3.0 * first - second) > 0.1 * (second - first):
-        found = f"its first nodes are at r = {first:.6g} and {second:.6g}"
-        wanted = "expected half a spacing and one and a half, as ball(radius, cells) has them"
+    X = block.positions([(0, n) for n in block.shape])
+    r, lines = X[-1], X.reshape(block.dimension, block.shape[-1], -1)
+    slanted = any(period[-1] for period, p in zip(block.periods, block.periodic) if p)
+    if slanted or block.prestress is not None:
+        raise InputError(f"{block}: r grows by a period, or it has a prestress: expected neither")
+    lowest = int(np.argmin(r))
+    if not r[lowest] > 1e-9 * r.max():
+        wanted = "expected r > 0 at all nodes; with Centre() a map as ball or off_axis make it"
+        raise InputError(f"{block}: a node is at {place_text(X[:, lowest])}: {wanted}")
+    first, second = lines[:, 0], lines[:, 1]
+    spacing = second[-1] - first[-1]
+    wrong = np.abs(3.0 * first[-1] - second[-1]) > 0.1 * spacing
+    wrong |= np.abs(second - first)[:-1].sum(axis=0) > spacing
+    if centred and wrong.any():
+        i = int(np.argmax(wrong))
+        found = f"its first nodes are at {place_text(first[:, i])} and {place_text(second[:, i])}"
+        wanted = "expected half a spacing and one and a half from r = 0, as off_axis has them"
         raise InputError(f"{block}: Centre(): {found}: {wanted}")
 
 
@@ -367,15 +376,18 @@ def _check_condition(block: Block, where: str, condition: Any) -> None:
         raise InputError(f"{where}: {name}: {found}: expected {block.dimension}")
 
 
-def _size(block: Block) -> float:
-    """About the volume of a block: the sum over a few pieces, by the means of their edges."""
+def _size(block: Block, symmetry: int = 0) -> float:
+    """About the volume of a block, or of a sector of unit angle, where r is the last coordinate:
+    the sum over a few pieces, by the means of their edges.
+    """
     d = block.dimension
     index = [np.unique(np.linspace(0, c, min(c, _CELLS) + 1).astype(int)) for c in block.cells]
     X, edges = block.places(mesh(index)), []
+    r = np.mean([X[-1][tuple(c)] for c in product((np.s_[1:], np.s_[:-1]), repeat=d)], axis=0)
     for axis in range(1, d + 1):
         edge = np.diff(X, axis=axis)
         for other in range(1, d + 1):
             low, high = (np.delete(edge, end, axis=other) for end in (-1, 0))
             edge = edge if other == axis else 0.5 * (low + high)
         edges.append(edge)
-    return float(np.abs(determinant(np.array(edges[::-1]))).sum())
+    return float(np.abs(determinant(np.array(edges[::-1])) * r**symmetry).sum())

@@ -1,13 +1,17 @@
-"""The grid of a gas around an axis (kappa = 1) or a centre (2): r = X + the displacements of the
-ends, linear between them; that of a centre is 0.
+"""The grid of a gas around an axis (kappa = 1) or a centre (2), in one dimension, r, or around an
+axis in two, (z, r): X + the displacements of faces, blended; r is the last coordinate.
 
-With the area A = |r|^kappa of a node, the velocity v of the grid, and D of summation by parts,
+It is a flat grid of (z, s), s = |r|^kappa r/(kappa + 1), as r^kappa dr = ds. With A = |r|^kappa,
+the velocity v of the grid, and D_k of summation by parts,
 
-    J = D(A r)/(kappa + 1),    J_t = D(A v),    source S = D A.
+    b^k, J    metrics and Jacobian of (z, s): J = D s in one dimension, D_1 z D_2 s - D_1 s D_2 z
+    a^k       = (b^k_1, A b^k_2), the area vectors
+    J_t       = sum_k b^k . D_k w,    w = (v_1, A v_2) = d(z, s)/dt,    exactly that of J
+    source S  = sum_k D_k a^k_2;  sum_k D_k a^k_1 = 0
 
-A pressure p that is the same everywhere gives D(A p) = p S to the momentum; so much is added again
+A pressure p that is the same everywhere gives p S to the momentum along r; so much is added again
 (fsipetsc.scheme.radial). J_t is what two-point fluxes let through a node that moves (RadialGas of
-fsipetsc.equations.gas), and exactly that of J. Source: SCHEME-BLOCKS.md, section 6.
+fsipetsc.equations.gas). Source: SCHEME-BLOCKS.md, section 6; that of (z, s) is of this program.
 """
 
 from __future__ import annotations
@@ -17,106 +21,180 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from fsipetsc.blocks.block import Range
+from fsipetsc.blocks.blend import blend_of
 from fsipetsc.blocks.hull import Hull
-from fsipetsc.blocks.metrics import differentiate
+from fsipetsc.blocks.metrics import Wide, differentiate
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array
-from fsipetsc.operators.loops import CALL
+from fsipetsc.equations.tensors import cofactor, determinant, outer
+from fsipetsc.operators.loops import CALL, column, dot
 
 
 class RadialMotion(NamedTuple):
-    """See fsipetsc.blocks.grid.LineMotion. Arrays are of a range of nodes, or in wider arrays of as
-    many more as differences need, where it begins at `first`.
+    """See fsipetsc.blocks.grid.LineMotion; metrics have A as a row before J_t.
 
-    S, weight: of the band. X, low, high: places at rest and weights of the ends' displacements. r,
-    v, area, slope, product: room. source, volume: (N,) S and J of the range; bounds: (3, N) its
-    metrics with the largest area between a node and its neighbours, by which steps are bounded.
-    hoops: kappa zeros.
+    like: d zeros, hoops: kappa zeros. blend, y, P, S, weight, inner, x, v: as of CubeMotion.
+    images: numbers of the wide nodes that are images before a centre, whose component along r
+    changes its sign. before: nodes of faster axes between neighbours along each axis. area, slope:
+    (W,), flat: (d, W) z and s, or w, b, slopes: (d d, W), room. source, volume: (N,) S and J of the
+    range; turning: (d d, N) d a^k/dt in two dimensions; bounds: (d d + d + 2, N) metrics by which
+    steps are bounded.
     """
 
     hull: Any
-    S: Array
-    weight: Array
-    X: Array
-    low: Array
-    high: Array
-    first: int
-    r: Array
-    v: Array
+    like: Any
+    hoops: Any
+    blend: Any
+    inner: Array
+    images: Array
+    y: Array
+    P: Array
+    S: Any
+    weight: Any
+    before: Any
     area: Array
     slope: Array
-    product: Array
+    x: Array
+    v: Array
+    flat: Array
+    b: Array
+    slopes: Array
     source: Array
     volume: Array
+    turning: Array
     bounds: Array
-    hoops: Any
 
     def move(self, known, metrics):
-        """Fill A, and source, volume, bounds."""
+        """Fill a^k, A, and source, volume."""
         self.hull.fill(self.hull.moved, known, 0)
-        radial_metrics(self, metrics, *self.hull.ends(self.hull.moved))
+        radial_metrics(self, metrics)
 
     def swing(self, known, metrics):
-        """Velocity of the grid and J_t."""
-        self.hull.fill(self.hull.moving, known, 1)
-        radial_velocities(self, metrics, *self.hull.ends(self.hull.moving))
+        """Velocity of the grid and J_t, and turning."""
+        self.hull.fill(self.hull.moving, known, len(self.like))
+        radial_velocities(self, metrics)
 
     def find_places(self, X, places):
-        """r."""
-        places[0, :] = self.r[self.first : self.first + self.source.size]
+        """X + the displacement."""
+        for i in range(self.inner.size):
+            for c in range(len(self.like)):
+                n = self.inner[i]
+                places[c, i] = X[c, i] + (self.x[c, n] - self.y[c, n])
 
     def jacobian(self, metrics, N, node, reference):
         """J of the grid at a node."""
         return self.volume[node]
 
+    def bound(self, metrics):
+        """Fill bounds: metrics, a^k times 1/2 (1 + the largest A of the node and those beside it
+        along the axis k, over A).
+        """
+        bound_steps(self, metrics)
 
-def radial_motion(
-    problem: BlockProblem, k: int, order: int, where: Range, hull: Hull
-) -> RadialMotion:
+
+def radial_motion(problem: BlockProblem, k: int, wide: Wide, hull: Hull) -> RadialMotion:
     """Of a range of nodes of block k; images before a centre have numbers below 0."""
-    ((begin, end),) = where
-    band, n = problem.band(k, order, 0), problem.blocks[k].shape[0]
-    least = -n if problem.centred(k) else 0
-    first, beyond = max(begin - band.reach, least), min(end + band.reach, n)
-    i, cells = np.arange(first, beyond), n - 1
-    low, high = (cells - i) / cells, i / cells
-    if problem.centred(k):
-        low, high = 0.0 * i, (i + 0.5) / (cells + 0.5)
-    X, room = problem.positions(k, [(first, beyond)])[0], np.zeros((5, i.size))
-    of_range, hoops = np.zeros((5, end - begin)), (0.0,) * problem.symmetry
-    of_axis = *band.part(first, beyond), X, low, high, begin - first
-    return RadialMotion(hull, *of_axis, *room, of_range[0], of_range[1], of_range[2:], hoops)
+    d, W, centred = problem.dimension, wide.y.shape[1], problem.centred(k)
+    inner, rows = wide.inner(np.arange(W)), max(-wide.wide[-1][0], 0) if centred else 0
+    images = np.arange(rows * int(np.prod(wide.sizes[:-1])))
+    blend = blend_of(problem.blocks[k], wide, hull.nodes, centred)
+    of_map = wide.y, wide.P, wide.S, wide.weight, tuple((1, *wide.sizes[:-1]))
+    room = *np.zeros((2, W)), *np.zeros((3, d, W)), *np.zeros((2, d * d, W))
+    of_range = *np.zeros((2, inner.size)), np.zeros((d * d, inner.size))
+    bounds, hoops = np.zeros((d * d + d + 2, inner.size)), (0.0,) * problem.symmetry
+    of_grid = blend, inner, images, *of_map
+    return RadialMotion(hull, (0.0,) * d, hoops, *of_grid, *room, *of_range, bounds)
 
 
 @njit(**CALL)
-def radial_metrics(grid, metrics, at_low, at_high):
-    """A, source, volume, bounds from the displacements of both ends."""
-    kappa, r, area, first = len(grid.hoops), grid.r, grid.area, grid.first
-    for i in range(r.size):
-        r[i] = grid.X[i] + (grid.low[i] * at_low + grid.high[i] * at_high)
-        area[i] = abs(r[i]) if kappa == 1 else r[i] * r[i]
-        grid.product[i] = area[i] * r[i]
-    differentiate(grid.slope, area, grid.S, grid.weight, 1)
-    for i in range(grid.source.size):
-        grid.source[i] = grid.slope[first + i]
-    differentiate(grid.slope, grid.product, grid.S, grid.weight, 1)
-    for i in range(grid.source.size):
-        here = first + i
-        grid.volume[i] = grid.slope[here] / (kappa + 1)
-        beside = max(area[max(here - 1, 0)], area[min(here + 1, area.size - 1)])
-        metrics[0, i] = area[here]
-        grid.bounds[0, i] = 0.5 * (area[here] + max(beside, area[here]))
+def place(grid, values, out):
+    """out (d, W) from values of the hull, with images."""
+    grid.blend.fill(values, out)
+    for n in grid.images:
+        out[out.shape[0] - 1, n] *= -1.0
 
 
 @njit(**CALL)
-def radial_velocities(grid, metrics, at_low, at_high):
-    """v and J_t from the velocities of both ends."""
-    v = grid.v
-    for i in range(grid.r.size):
-        v[i] = grid.low[i] * at_low + grid.high[i] * at_high
-        grid.product[i] = grid.area[i] * v[i]
-    differentiate(grid.slope, grid.product, grid.S, grid.weight, 1)
-    for i in range(grid.source.size):
-        metrics[1, i] = grid.bounds[1, i] = v[grid.first + i]
-        metrics[2, i] = grid.slope[grid.first + i]
+def differentiate_flat(grid):
+    """slopes: D_k of both components of flat."""
+    d = len(grid.like)
+    for k in range(d):
+        for c in range(d):
+            S, weight, before = grid.S[k], grid.weight[k], grid.before[k]
+            differentiate(grid.slopes[k * d + c], grid.flat[c], S, weight, before)
+
+
+@njit(**CALL)
+def radial_metrics(grid, metrics):
+    """See RadialMotion.move."""
+    d, kappa, x, area, flat = len(grid.like), len(grid.hoops), grid.x, grid.area, grid.flat
+    last, nine = d - 1, outer(grid.like, grid.like)
+    place(grid, grid.hull.moved, x)
+    for n in range(area.size):
+        for c in range(d):
+            x[c, n] += grid.y[c, n]
+            flat[c, n] = x[c, n]
+        r = x[last, n]
+        area[n] = abs(r) if kappa == 1 else r * r
+        flat[last, n] = area[n] * r / (kappa + 1)
+    differentiate_flat(grid)
+    for n in range(area.size):
+        for k in range(d):
+            for c in range(last):
+                grid.slopes[k * d + c, n] += grid.P[k, c]
+        b = cofactor(column(nine, grid.slopes, n))
+        for m in range(d * d):
+            grid.b[m, n] = b[m]
+    for i in range(grid.inner.size):
+        n = grid.inner[i]
+        grid.source[i], grid.volume[i] = 0.0, determinant(column(nine, grid.slopes, n))
+        metrics[d * d + d, i] = area[n]
+        for m in range(d * d):
+            metrics[m, i] = grid.b[m, n] * (area[n] if m % d == last else 1.0)
+    for k in range(d):
+        for n in range(area.size):
+            flat[0, n] = area[n] * grid.b[k * d + last, n]
+        differentiate(grid.slope, flat[0], grid.S[k], grid.weight[k], grid.before[k])
+        for i in range(grid.inner.size):
+            grid.source[i] += grid.slope[grid.inner[i]]
+
+
+@njit(**CALL)
+def radial_velocities(grid, metrics):
+    """See RadialMotion.swing."""
+    d, kappa, v, area, flat = len(grid.like), len(grid.hoops), grid.v, grid.area, grid.flat
+    last, nine = d - 1, outer(grid.like, grid.like)
+    place(grid, grid.hull.moving, v)
+    for n in range(area.size):
+        for c in range(d):
+            flat[c, n] = v[c, n] * (area[n] if c == last else 1.0)
+    differentiate_flat(grid)
+    for i in range(grid.inner.size):
+        n = grid.inner[i]
+        slopes = column(nine, grid.slopes, n)
+        metrics[d * d + d + 1, i] = dot(column(nine, grid.b, n), slopes)
+        for c in range(d):
+            metrics[d * d + c, i] = v[c, n]
+        b, spread = cofactor(slopes), kappa * area[n] / grid.x[last, n] * v[last, n]
+        for m in range(d * d if d == 2 else 0):
+            grid.turning[m, i] = b[m]
+            if m % d == last:
+                grid.turning[m, i] = area[n] * b[m] + spread * grid.b[m, n]
+
+
+@njit(**CALL)
+def bound_steps(grid, metrics):
+    """See RadialMotion.bound."""
+    d, area = len(grid.like), grid.area
+    for m in range(metrics.shape[0]):
+        for i in range(grid.inner.size):
+            grid.bounds[m, i] = metrics[m, i]
+    for k in range(d):
+        for i in range(grid.inner.size):
+            n = grid.inner[i]
+            here, step, length = area[n], grid.before[k], grid.weight[k].size
+            at = n // step % length
+            below = area[n - step] if at > 0 else here
+            above = area[n + step] if at < length - 1 else here
+            for c in range(d):
+                grid.bounds[k * d + c, i] *= 0.5 * (1.0 + max(here, below, above) / here)

@@ -44,7 +44,7 @@ from fsipetsc.equations.means import (
     near_mean,
 )
 from fsipetsc.equations.tensors import add_unit, apply, outer, trace, transpose
-from fsipetsc.operators.loops import add, along, dot, mean, scale
+from fsipetsc.operators.loops import add, along, dot, last_times, mean, scale
 
 
 class Gas(NamedTuple):
@@ -95,6 +95,10 @@ class Gas(NamedTuple):
         energy = self.law.energy_density(rho, w[2]) + 0.5 * rho * dot(u, u)
         mass = rho * through
         return (mass, *along(scale(mass, u), p, a), (energy + p) * through)
+
+    def of_grid(self, like):
+        """As many numbers as v has: what is known of the grid at a node beside its area vectors."""
+        return like
 
     def volume_flux(self, a_l, v_l, a_r, v_r):
         """g of two nodes, from their area vectors and velocities of the grid."""
@@ -201,16 +205,23 @@ class Gas(NamedTuple):
 
 
 class RadialGas(Gas):
-    """The equations around an axis or a centre, in one dimension: a is the area |r|^kappa, and
+    """The equations around an axis or a centre, along which r is the last coordinate. With A =
+    |r|^kappa, a^k = (b^k_1, A b^k_2) and w = (v_1, A v_2), in one dimension their last numbers,
 
-        g = (a_l v_l + a_r v_r)/2,    J_t = D (a v),    J = D (a r)/(kappa + 1)
+        g = (b_l . w_r + b_r . w_l)/2,    J_t = sum_k (b^k . D_k w + w . D_k b^k)
 
-    belong to each other exactly. The source: SCHEME-BLOCKS.md, section 6.
+    belong to each other exactly: see fsipetsc.blocks.radial_grid. Here v is (v_1, v_2, A).
     """
+
+    def of_grid(self, like):
+        """As many numbers as v has."""
+        return (*like, 0.0)
 
     def volume_flux(self, a_l, v_l, a_r, v_r):
         """g of two nodes."""
-        return 0.5 * (dot(a_l, v_l) + dot(a_r, v_r))
+        A_l, A_r = v_l[-1] + 1e-300, v_r[-1] + 1e-300  # A is 0 beyond the ends of rows
+        there, here = last_times(A_r / A_l, v_r[:-1]), last_times(A_l / A_r, v_l[:-1])
+        return 0.5 * (dot(a_l, there) + dot(a_r, here))
 
 
 @register_jitable

@@ -17,15 +17,15 @@ On a curved reference map X(xi) with A^k = J0 (dX/dxi)^-T e_k, J0 = det dX/dxi,
 and the power of two nodes i, l in the direction k is (P_i A^k_i . v_l + P_l A^k_l . v_i)/2, which
 together is v . D_k (P A^k) + P A^k . D_k v. Unknowns of a node: q = (D_1 … D_d, v_1 … v_d, e).
 
-Around an axis (kappa = 1) or a centre (2) x(X) is a radius, R = X:
+Around an axis (kappa = 1) or a centre (2) the last coordinate is a radius, r at R:
 
-    F = (dx/dR, lambda),    lambda = x/R: the stretch of each of the kappa hoops
-    m0 A v_t = D(A P_r) - kappa A/R P_o,    A = R^kappa
+    F = (F of d dimensions, lambda),    lambda = r/R: the stretch of each of the kappa hoops
+    m0 J0 v_t = sum_k D_k (P A^k) - J0 kappa/R P_o e_r,    A^k and J0 with the weight R^kappa
 
-P_r and P_o are the first and the last entry on the diagonal of the stress of an ordinary law, in
-kappa + 1 dimensions, at diag(dx/dR, lambda[, lambda]): around an axis strain is plane. What the
-hoop stress takes from the motion is stored or becomes heat at the node itself, so that it does not
-change e. Rest is F = 1 to the last bit. Source: SCHEME-BLOCKS.md, section 6.
+P_o is the last entry of the stress of an ordinary law, in kappa + d dimensions, at F and lambda[,
+lambda] on the diagonal: in one dimension around an axis strain is plane. What the hoop stress takes
+from the motion is stored or becomes heat at the node itself, so that it does not change e. Rest is
+F = 1 to the last bit. Source: SCHEME-BLOCKS.md, section 6.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ from fsipetsc.equations.tensors import (
     largest_stretch,
     outer,
 )
-from fsipetsc.operators.loops import along, dot, scale
+from fsipetsc.operators.loops import add_last, along, dot, last_times, scale
 
 #: step of differences of a pressure, which only the wave modulus takes
 STEP = 2.0**-17
@@ -77,15 +77,23 @@ class Solid(NamedTuple):
         """F as a tensor of the dimensions that the law has."""
         return F
 
-    def hoops(self):
-        """How many hoop stretches there are beside dx/dR; F has one, for all are equal."""
-        return 0
+    def weight(self, x):
+        """r^kappa of a place, of what weighs the last number of its area vectors."""
+        return 1.0
 
-    def with_hoops(self, F, D, A):
-        """F with hoop stretches, from the displacement D and A = R^kappa."""
+    def flat(self, x):
+        """A place in the coordinates whose metrics they have otherwise."""
+        return x
+
+    def rows(self, like):
+        """How many numbers the metrics of a node are."""
+        return len(like) ** 2 + 1
+
+    def with_hoops(self, F, D, R):
+        """F with hoop stretches, from the displacement D and the radius R at rest."""
         return F
 
-    def held_by_hoops(self, acceleration, v, e, F, A):
+    def held_by_hoops(self, acceleration, v, e, F, R):
         """An acceleration with what hoop stresses do."""
         return acceleration
 
@@ -147,34 +155,42 @@ class Solid(NamedTuple):
 
 
 class RadialSolid(Solid):
-    """The equations around an axis or a centre; the law is one of kappa + 1 dimensions."""
+    """The equations around an axis or a centre in one dimension; the law is one of kappa + 1
+    dimensions.
+    """
 
     def unstrained(self, like):
         """F at rest."""
-        return (1.0, 1.0)
+        return (*add_unit(1.0, outer(like, like)), 1.0)
 
     def tensor(self, F):
-        """diag(dx/dR, lambda) or diag(dx/dR, lambda, lambda)."""
+        """diag(dr/dR, lambda) or diag(dr/dR, lambda, lambda)."""
         return diagonal(self.around, F[0], F[1])
 
-    def hoops(self):
-        """kappa."""
-        return len(self.around)
+    def weight(self, x):
+        """r^kappa."""
+        return x[-1] if len(self.around) == 1 else x[-1] * x[-1]
 
-    def with_hoops(self, F, D, A):
-        """(dx/dR, lambda), lambda from the displacement D and A = R^kappa."""
-        return (F[0], 1.0 + D / (A if len(self.around) == 1 else np.sqrt(A)))
+    def flat(self, x):
+        """(z, s), see fsipetsc.blocks.radial_grid."""
+        return last_times(self.weight(x) / (len(self.around) + 1), x)
 
-    def held_by_hoops(self, acceleration, v, e, F, A):
-        """An acceleration less kappa P_o/(R m0)."""
-        kappa = len(self.around)
+    def rows(self, like):
+        """A^k, J0, R."""
+        return len(like) ** 2 + 2
+
+    def with_hoops(self, F, D, R):
+        """(F, lambda), lambda from the displacement D and the radius R at rest."""
+        return (*F, 1.0 + D[-1] / R)
+
+    def held_by_hoops(self, acceleration, v, e, F, R):
+        """An acceleration less kappa P_o/(R m0) along r."""
         P = self.full_stress(self.tensor(F), self.temperature(v, e, F))[-1]
-        held = -kappa * P / (self.m0 * (A if kappa == 1 else np.sqrt(A)))
-        return (acceleration[0] + held,)
+        return add_last(-len(self.around) * P / (self.m0 * R), acceleration)
 
     def hoop_stress(self, F, T):
         """Cauchy stress of the hoops [Pa]."""
-        return self.full_stress(self.tensor(F), T)[-1] * F[1] / self.volume(F) - self.p_ref
+        return self.full_stress(self.tensor(F), T)[-1] * F[-1] / self.volume(F) - self.p_ref
 
     def line_stress(self, F):
         """Cauchy stress of the law along the radius [Pa]."""
@@ -187,3 +203,20 @@ class RadialSolid(Solid):
     def heat_flux(self, F, gradient):
         """kappa J/F_r^2 dT/dR."""
         return (self.full_heat_flux(self.tensor(F), (gradient[0], *self.around))[0],)
+
+
+class AxialSolid(RadialSolid):
+    """The equations in two dimensions, (z, r); the law is one of three."""
+
+    def tensor(self, F):
+        """F of (z, r), and lambda."""
+        return (F[0], F[1], 0.0 * F[0], F[2], F[3], 0.0 * F[0], 0.0 * F[0], 0.0 * F[0], F[4])
+
+    def stress_at(self, F, T):
+        """P in (z, r) [Pa]."""
+        P = self.full_stress(self.tensor(F), T)
+        return (P[0], P[1], P[3], P[4])
+
+    def heat_flux(self, F, gradient):
+        """h in (z, r) [W/m2]."""
+        return self.full_heat_flux(self.tensor(F), (*gradient, 0.0))[:2]

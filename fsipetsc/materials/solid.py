@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, described, numbers
-from fsipetsc.equations.solid import RadialSolid, Solid
+from fsipetsc.equations.solid import AxialSolid, RadialSolid, Solid
 from fsipetsc.errors import InputError
 from fsipetsc.materials import own
 from fsipetsc.materials.fluid import checked_force, force_in
@@ -28,7 +28,8 @@ HEATS = ("coupled", "elastic")
 
 @dataclass(frozen=True)
 class ElasticSolid:
-    """A hyperelastic solid: plane strain in two dimensions, uniaxial strain in one.
+    """A hyperelastic solid: plane strain in two dimensions, but around an axis, uniaxial strain in
+    one.
 
     mu_e, lambda_e: Lamé's constants [Pa]; kappa_e: heat conductivity [W/(m K)]; m0: density at rest
     [kg/m3]; alpha: specific heat [J/(kg K)]; p_ref: pressure under which it is free of strain [Pa].
@@ -97,12 +98,12 @@ class ElasticSolid:
         force = force_in(self.force, d, "ElasticSolid")
         return Solid(self._law_in(d, d == 3), self.pressure_law, *self._constants, force)
 
-    def radial_equations(self, symmetry: int) -> RadialSolid:
+    def radial_equations(self, symmetry: int, d: int = 1) -> RadialSolid:
         """Its equations around an axis (1) or a centre (2), without p_ref, too. InputError."""
-        force = force_in(self.force, 1, "ElasticSolid")
-        laws = self._law_in(symmetry + 1, True), self.pressure_law
+        force, kind = force_in(self.force, d, "ElasticSolid"), (RadialSolid, AxialSolid)[d - 1]
+        laws = self._law_in(symmetry + d, True), self.pressure_law
         p_ref = self.p_ref if isinstance(self.law, str) else 0.0
-        return RadialSolid(*laws, *self._constants, force, (0.0,) * symmetry, p_ref)
+        return kind(*laws, *self._constants, force, (0.0,) * symmetry, p_ref)
 
     @property
     def _constants(self) -> tuple[float, ...]:

@@ -115,8 +115,12 @@ class Patch(NamedTuple):
 
 
 @njit(**CALL)
-def mirror(values, first, signs):
-    """Let the `first` nodes of an array (N, …) be the images of those behind them, with signs."""
-    for i in range(first):
+def mirror(values, first, ghosted, signs):
+    """Let what an array (N, …) has before the first owned node along its last axis be the images of
+    what is behind, with signs. first, ghosted: of a Patch.
+    """
+    rows, n = (first[1], ghosted[0]) if ghosted[1] > 1 else (first[0], 1)
+    for i in range(rows * n):
+        image = (rows - 1 - i // n) * n + i % n
         for c in range(signs.size):
-            values[first - 1 - i, c] = signs[c] * values[first + i, c]
+            values[image, c] = signs[c] * values[rows * n + i, c]

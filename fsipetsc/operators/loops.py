@@ -119,6 +119,11 @@ def _tuple(item: str) -> Callable[[int], str]:
     return lambda n: " return (" + "".join(item.replace("@", str(k)) + "," for k in range(n)) + ")"
 
 
+def _last(item: str) -> Callable[[int], str]:
+    others = " return ({}" + item.replace("@", "{}") + ",)"
+    return lambda n: others.format("".join(f"a[{k}], " for k in range(n - 1)), n - 1)
+
+
 def _lines(line: str) -> Callable[[int], str]:
     return lambda n: "\n".join(" " + line.replace("@", str(k)) for k in range(n))
 
@@ -135,6 +140,9 @@ mean = _by_length("mean", "a, b", _tuple("0.5 * (a[@] + b[@])"))
 per = _by_length("per", "a, c", _tuple("a[@] / c"))
 #: a + c b
 along = _by_length("along", "a, c, b", _tuple("a[@] + c * b[@]"))
+#: (a_1, …, c a_n), and (a_1, …, a_n + c)
+last_times = _by_length("last_times", "c, a", _last("c * a[@]"))
+add_last = _by_length("add_last", "c, a", _last("a[@] + c"))
 zeros = _by_length("zeros", "a", _tuple("0.0 * a[@]"))
 choose = _by_length("choose", "first, a, b", _tuple("a[@] if first else b[@]"))
 #: rows[c][i], as a tuple

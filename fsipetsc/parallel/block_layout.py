@@ -31,8 +31,6 @@ Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 Spans = Sequence[tuple[int, int]]
 AXES = 3
-#: of the unknowns of a gas at -r, over those at r
-IMAGE = np.array([1.0, 1.0, -1.0, 1.0])
 
 
 @dataclass(frozen=True)
@@ -44,7 +42,7 @@ class Part:
     numbers: (M,) of the nodes that it owns.
     comm: of the ranks of the block. scatter: of PETSc, from the block's vector to the ghosted one.
     local: (N, dof), the ghosted array. signs: (dof,) of the unknowns of mirror images, which stand
-    before the first node of a block with a centre; (0,) where there are none.
+    before the first nodes of a block with a centre; (0,) where there are none.
     """
 
     k: int
@@ -137,7 +135,7 @@ class BlockLayout:
         if not here:
             return None
         width, corners = self._halos[k]
-        centred = self.problem.centred(k)
+        last = block.dimension - 1 if self.problem.centred(k) else -1
         kinds, stencils = PETSc.DM.BoundaryType, PETSc.DMDA.StencilType
         dm = PETSc.DMDA().create(
             dim=block.dimension,
@@ -146,8 +144,8 @@ class BlockLayout:
             proc_sizes=share.grid,
             ownership_ranges=tuple(np.diff(cuts).astype(PETSc.IntType) for cuts in share.cuts),
             boundary_type=tuple(
-                kinds.PERIODIC if p else kinds.GHOSTED if centred else kinds.NONE
-                for p in block.periodic
+                kinds.PERIODIC if p else kinds.GHOSTED if axis == last else kinds.NONE
+                for axis, p in enumerate(block.periodic)
             ),
             stencil_type=stencils.BOX if corners else stencils.STAR,
             stencil_width=width,
@@ -156,14 +154,14 @@ class BlockLayout:
         own, ghosted = _ranges(dm.getCorners()), _ranges(dm.getGhostCorners())
         assert own == _padded(share.part(rank)), "PETSc cuts the block otherwise"
         whole = prod(b - a for a, b in ghosted)  # nodes of PETSc's array
-        if centred:  # it has nodes beyond the outer end, too, behind all others
-            (a, b), *rest = ghosted
-            ghosted = ((a, min(b, self.shapes[k][0])), *rest)
+        if last >= 0:  # it has nodes beyond the outer end, too, behind all others
+            a, b = ghosted[last]
+            ghosted = (*ghosted[:last], (a, min(b, self.shapes[k][last])), *ghosted[last + 1 :])
         patch = _patch(own, ghosted)
         axes = range(block.dimension)
         bands = [self.problem.band(k, self.order, axis).part(*ghosted[axis]) for axis in axes]
         begin = sum(self.sizes[rank][:k])
-        dof = self.dofs[k]
+        dof, images = self.dofs[k], last >= 0 and ghosted[last][0] < 0
         memory = np.ones((whole, dof))  # corners of a star never get other numbers
         return Part(
             k=k,
@@ -180,7 +178,7 @@ class BlockLayout:
             local_vector=PETSc.Vec().createWithArray(
                 memory.reshape(-1), bsize=dof, comm=PETSc.COMM_SELF
             ),
-            signs=IMAGE if centred and ghosted[0][0] < 0 else np.zeros(0),
+            signs=np.where(np.arange(dof) == dof - 2, -1.0, 1.0)[: dof * images],
         )
 
     def part(self, k: int) -> Part | None:
@@ -265,7 +263,7 @@ class BlockVector:
             scatter.scatterEnd(vector, local)
         for part in self._layout.parts:
             if part.signs.size:
-                mirror(part.local, part.patch.first[0], part.signs)
+                mirror(part.local, part.patch.first, part.patch.ghosted, part.signs)
 
     def ghosted(self, k: int) -> Array:
         """(N, dof): block k with halos, as of the last ``end``; without halos the owned part."""

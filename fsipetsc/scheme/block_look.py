@@ -68,7 +68,8 @@ def gas_look(part, q, metrics, stiffness):
 def measure(gas, like, per_h, stiffness, grid, q, metrics, masses, reference, own, first, n, room):
     """Add n nodes to the extremes and sums of the columns of a tile."""
     d, like_q, one = U64(len(like)), (*like, 0.0, 0.0, 0.0), U64(1)
-    N, extremes = U64(metrics.size // (len(like) ** 2 + len(like) + 1)), (0.0, 0.0, 0.0, 0.0, 0.0)
+    rows, extremes = len(like) ** 2 + len(gas.of_grid(like)) + 1, (0.0, 0.0, 0.0, 0.0, 0.0)
+    N = U64(metrics.size // rows)
     like_sums, first_sum = (*like, 0.0, 0.0, 0.0), U64(LOOKED) * ROW
     for i in range(n):
         here = at(like_q, q, own * U64(len(like_q)), one, i * U64(len(like_q)))

@@ -84,7 +84,8 @@ class Drifts:
             result[f"mass of '{name}'"] = (series["mass"][:, chosen].sum(axis=1) - came) / first - 1
         if "force" in series:
             result["momentum"] = self._momentum(series, nothing)
-        for axis in (x for x in "xyz" if f"impulse_{x}" in series and invariants.get("momentum")):
+        kept = invariants.get("momentum") or ""  # True in older results
+        for axis in (x for x in "xyz" if f"impulse_{x}" in series and (kept is True or x in kept)):
             name, given = f"momentum_{axis}", series[f"impulse_{axis}"]
             passed = self._sum(f"{name}, given and taken", np.abs(given))
             least = max(abs(initial[name]), LEAST_COMPONENT * self._momentum_of_all, TINY)

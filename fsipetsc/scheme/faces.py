@@ -36,6 +36,7 @@ from fsipetsc.operators.loops import (
     add,
     along,
     dot,
+    last_times,
     mean,
     node,
     part_of,
@@ -298,17 +299,31 @@ def load_faces(solid, like, faces, S, weight, patch, q, metrics, inertia, rates,
 
 @njit(**INNER_CALL)
 def normal_at(solid, like, faces, i, S, weight, patch, q):
-    """Outward area vector of a solid's face where it is now."""
+    """Outward area vector of a solid's face where it is now; around an axis see
+    fsipetsc.blocks.radial_grid.
+    """
     at, axis, sign = faces.at[i], faces.axis[i], faces.sign[i]
+    if len(like) == 3:
+        return node(like, faces.normal, i)
+    x = place_at(like, faces.X, q, at)
     if len(like) == 1:
-        r = faces.X[0, at] + q[at, 0] if solid.hoops() > 0 else 1.0
-        return filled(like, sign * (r * r if solid.hoops() == 2 else r))
-    if len(like) == 2:
-        other, turn = 1 - axis, sign if axis == 0 else -sign
-        x = slope_at(like, at, other, S, weight, patch, faces.X.T)
-        x = add(x, slope_at(like, at, other, S, weight, patch, q))
-        return turned(turn, x)
-    return node(like, faces.normal, i)
+        return last_times(solid.weight(x), filled(like, sign))
+    here, slope = solid.flat(x), like
+    place, nodes, stride = along_axis(at, 1 - axis, patch)
+    band, weight_here = S[1 - axis], weight[1 - axis][place]
+    for k in range(1, band.shape[0]):
+        for way in (1, -1):
+            first = place if way > 0 else place - k
+            if first >= 0 and first + k < nodes:
+                there = solid.flat(place_at(like, faces.X, q, at + way * k * stride))
+                slope = along(slope, 0.5 * way * band[k, first] / weight_here, sub(there, here))
+    return last_times(solid.weight(x), turned(sign if axis == 0 else -sign, slope))
+
+
+@njit(**INNER_CALL)
+def place_at(like, X, q, n):
+    """Where a solid's node of the ghosted array is."""
+    return add(column_of(like, X, 0, n), node(like, q, n))
 
 
 filled = by_length("filled", "like, c", lambda d: f" return ({'c, ' * d})")
@@ -339,4 +354,4 @@ def strain_at(solid, like, at, S, weight, patch, metrics, q):
     for k in range(d):
         A = per(column_of(like, metrics, k * d, at), metrics[d * d, at])
         F = add(F, outer(slope_at(like, at, k, S, weight, patch, q), A))
-    return solid.with_hoops(F, q[at, 0], metrics[0, at])
+    return solid.with_hoops(F, node(like, q, at), metrics[metrics.shape[0] - 1, at])

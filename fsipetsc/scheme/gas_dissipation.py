@@ -265,11 +265,11 @@ def owned_across(i, k, ghosted, patch):
 def split(gas, like, form, weight, metrics, k, i, m, stride, room):
     """One pair, of the node i and that m farther on; weight: alpha S."""
     like_w, like_f, d = state_like(like), (*like, 0.0, 0.0), len(like)
-    N, none = U64(room.alpha.size), U64(0)
+    N, none, like_v = U64(room.alpha.size), U64(0), gas.of_grid(like)
     j, area, grid = i + m * stride, U64(k * d) * N, U64(d * d) * N
     l, r = at(like_w, room.state, none, N, i), at(like_w, room.state, none, N, j)
-    a_l, v_l = at(like, metrics, area, N, i), at(like, metrics, grid, N, i)
-    a_r, v_r = at(like, metrics, area, N, j), at(like, metrics, grid, N, j)
+    a_l, v_l = at(like, metrics, area, N, i), at(like_v, metrics, grid, N, i)
+    a_r, v_r = at(like, metrics, area, N, j), at(like_v, metrics, grid, N, j)
     F = form.two(gas, l, r, a_l, v_l, a_r, v_r)
     put(room.sums, none, N, i, along(at(like_f, room.sums, none, N, i), weight, F))
     put(room.sums, none, N, j, along(at(like_f, room.sums, none, N, j), -weight, F))

@@ -66,13 +66,13 @@ class EntropyForm(NamedTuple):
 
     def near(self, gas, like, w, place, i, j):
         """The flux of the nodes i and j of a row, which are near one another."""
-        l, r, a_l, v_l, a_r, v_r = pair_of(like, w, place, i, j)
-        return gas.near_pair_flux(l, r, a_l, v_l, a_r, v_r)
+        l, r = pair_of(like, w, place, i, j)
+        return gas.near_pair_flux(l, r, *grid_of(gas, like, w, place, i, j))
 
     def any(self, gas, like, w, place, i, j):
         """The flux of any two nodes."""
-        l, r, a_l, v_l, a_r, v_r = pair_of(like, w, place, i, j)
-        return gas.pair_flux(l, r, a_l, v_l, a_r, v_r)
+        l, r = pair_of(like, w, place, i, j)
+        return gas.pair_flux(l, r, *grid_of(gas, like, w, place, i, j))
 
     def distance(self, gas, like, w, place, i, j):
         """How far they are apart."""
@@ -106,8 +106,7 @@ class DivergenceForm(NamedTuple):
         like_f = (*like, 0.0, 0.0)
         U = mean(at(like_f, w, place.densities, ROW, i), at(like_f, w, place.densities, ROW, j))
         f = mean(at(like_f, w, place.flux, ROW, i), at(like_f, w, place.flux, ROW, j))
-        a_l, v_l = at(like, w, place.area, ROW, i), at(like, w, place.grid, ROW, i)
-        a_r, v_r = at(like, w, place.area, ROW, j), at(like, w, place.grid, ROW, j)
+        a_l, v_l, a_r, v_r = grid_of(gas, like, w, place, i, j)
         return along(f, -gas.volume_flux(a_l, v_l, a_r, v_r), U)
 
     def any(self, gas, like, w, place, i, j):
@@ -213,7 +212,7 @@ def scratch(like: Any, form: Any, friction: Any, bands: Any, patch: Any) -> Work
     inner, last = (K[1], K[2]) if d == 3 else (0, K[1])
     layers, depth = reach * last + 1, (DEPTH if d == 3 else 1) + 2 * reach * inner
     gain, loss, spans, begins = _weights(bands[0], patch)
-    numbers = 2 * d + 5 + d * d + len(form.kept(like)) + d * (d + 1)
+    numbers = 2 * d + 6 + d * d + len(form.kept(like)) + d * (d + 1)
     return Work(
         layers,
         depth,
@@ -252,7 +251,8 @@ def _weights(band: Any, patch: Any) -> tuple[Array, Array, Any, Any]:
     return gain.reshape(-1), loss.reshape(-1), listed, np.array(begins)
 
 
-# a row of nodes: w, a^1 … a^d, velocity of the grid, what the form keeps, viscous fluxes
+# a row of nodes: w, a^1 … a^d, velocity of the grid, A around an axis, what the form keeps,
+# viscous fluxes
 
 
 @register_jitable
@@ -266,7 +266,7 @@ def place_of(like, form, row, k):
     """Where the row that begins at `row` has what pairs along axis k take."""
     d = len(like)
     grid = d + 5 + d * d
-    densities, viscous = grid + d, grid + d + len(form.kept(like))
+    densities, viscous = grid + d + 1, grid + d + 1 + len(form.kept(like))
     return Place(
         row,
         row + U64(grid) * ROW,
@@ -279,11 +279,17 @@ def place_of(like, form, row, k):
 
 @register_jitable
 def pair_of(like, w, place, i, j):
-    """States, areas and velocities of the grid of two nodes."""
+    """States of two nodes."""
     like_w = state_like(like)
-    l, r = at(like_w, w, place.state, ROW, i), at(like_w, w, place.state, ROW, j)
-    a_l, v_l = at(like, w, place.area, ROW, i), at(like, w, place.grid, ROW, i)
-    return l, r, a_l, v_l, at(like, w, place.area, ROW, j), at(like, w, place.grid, ROW, j)
+    return at(like_w, w, place.state, ROW, i), at(like_w, w, place.state, ROW, j)
+
+
+@register_jitable
+def grid_of(gas, like, w, place, i, j):
+    """Areas and velocities of the grid of two nodes, in turn."""
+    like_v = gas.of_grid(like)
+    a_l, v_l = at(like, w, place.area, ROW, i), at(like_v, w, place.grid, ROW, i)
+    return a_l, v_l, at(like, w, place.area, ROW, j), at(like_v, w, place.grid, ROW, j)
 
 
 # loops over nodes of a row
@@ -292,7 +298,7 @@ def pair_of(like, w, place, i, j):
 @njit(**EXACT_LOOP)
 def load_row(gas, like, q, at_q, metrics, at_m, step, w, row, n):
     """Primitive variables and metrics."""
-    like_q, like_m = (*like, 0.0, 0.0, 0.0), (*outer(like, like), *like)
+    like_q, like_m = (*like, 0.0, 0.0, 0.0), (*outer(like, like), *gas.of_grid(like))
     count = U64(len(like_q))
     for i in range(n):
         state = gas.primitive(at(like_q, q, at_q, ONE, i * count))
@@ -392,7 +398,7 @@ def load_layer(gas, like, form, friction, q, metrics, axes, tile, work, layer):
     ahead, beside, reach = last.S.shape[0] - 1, inner.S.shape[0] - 1, 1 + friction.reach
     within = last.begin - friction.reach * ahead <= layer < last.end + friction.reach * ahead
     more = reach * beside if within else 0
-    step = U64(metrics.size // (d * d + d + 1))
+    step = U64(metrics.size // (d * d + len(gas.of_grid(like)) + 1))
     for j in range(max(tile.y0 - more, 0), min(tile.y1 + more, inner.size)):
         whole = (
             within and tile.y0 - friction.reach * beside <= j < tile.y1 + friction.reach * beside
@@ -491,7 +497,8 @@ def gas_rates(gas, like, form, friction, q, metrics, S0, S1, S2, w0, w1, w2, pat
     """Rates of the nodes of a patch that are owned.
 
     q: (N, d + 3) over the ghosted array, metrics: (d d + d + 1, N): a^1 … a^d, velocity of the
-    grid, J_t. rates: (M, d + 3) of the owned nodes: J_t, and those of J rho, J rho u, J E.
+    grid, J_t, and around an axis A before it. rates: (M, d + 3) of the owned nodes: J_t, and those
+    of J rho, J rho u, J E.
     """
     own, size, first = patch.own, patch.ghosted, patch.first
     x = Axis(S0, w0, first[0], first[0] + own[0], size[0], 1)

@@ -11,7 +11,6 @@ from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.block_look import gas_look
 from fsipetsc.scheme.gas_dissipation import gas_dissipation
 from fsipetsc.scheme.gas_rates import gas_rates
-from fsipetsc.scheme.normals import derivative
 from fsipetsc.scheme.part import add_normals, clear, ghosted, note, owned
 from fsipetsc.scheme.rows import Array
 
@@ -127,18 +126,8 @@ def swing(part):
 
 @njit(**CALL)
 def turn(part, particles):
-    """Add how area vectors at constraints turn, in two dimensions; in one they do not."""
-    faces, table, metrics = part.at_particles, particles.of_normals, part.metrics
-    nx, d = part.patch.ghosted[0], len(part.like)
-    for i in range(faces.row.size if d == 2 and part.known.shape[0] > 0 else 0):
-        axis, other = faces.axis[i], 1 - faces.axis[i]
-        place, stride = faces.place[other, i], nx if other == 1 else 1
-        band = part.S[other], part.weight[other][place], stride
-        x = derivative(*band, metrics[d * d], faces.node[i], place)
-        y = derivative(*band, metrics[d * d + d - 1], faces.node[i], place)
-        sign = faces.weight[i] if axis == 0 else -faces.weight[i]
-        table[faces.row[i], faces.column[i]] += sign * y
-        table[faces.row[i], faces.column[i] + d - 1] -= sign * x
+    """Add how area vectors at constraints turn."""
+    part.axis.turn(part, particles.of_normals)
 
 
 @njit(**CALL)

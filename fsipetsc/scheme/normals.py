@@ -58,14 +58,16 @@ def add_areas(faces, d, areas, table):
 
 
 @njit(**INNER_CALL)
-def derivative(S, weight, stride, values, at, place):
-    """D of values (ghosted nodes,) at node ``at``, which is number ``place`` along the axis."""
+def derivative(S, weight, stride, values, at, place, own=-1.0):
+    """D of values (ghosted nodes,) at node ``at``, which is number ``place`` along the axis; own =
+    1: D°, without the flux through the ends.
+    """
     total = 0.0
     for k in range(1, S.shape[0]):
         if place + k < S.shape[1] and S[k, place] != 0.0:
-            total += S[k, place] * (values[at + k * stride] - values[at])
+            total += S[k, place] * (values[at + k * stride] + own * values[at])
         if place - k >= 0 and S[k, place - k] != 0.0:
-            total -= S[k, place - k] * (values[at - k * stride] - values[at])
+            total -= S[k, place - k] * (values[at - k * stride] + own * values[at])
     return 0.5 * total / weight
 
 

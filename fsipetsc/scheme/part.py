@@ -44,7 +44,7 @@ def ghosted(part, s, dof):
     if part.wraps:
         fill_halo(s, part.begin, dof, part.patch, part.halo)
         if part.signs.size > 0:
-            mirror(part.halo, part.patch.first[0], part.signs)
+            mirror(part.halo, part.patch.first, part.patch.ghosted, part.signs)
     own = s[part.begin : part.begin + n * dof].reshape((n, dof))
     return part.halo if part.halo.shape[0] > 0 else own
 

@@ -1,15 +1,16 @@
 """What a gas around an axis (kappa = 1) or a centre (2) has beside its fluxes. Compiled.
 
-Fluxes through the areas A = |r|^kappa do not know that pressure and viscous stress act around the
-axis, too. With S = D A (fsipetsc.blocks.radial_grid), the momentum gets
+Fluxes through the areas a^k = (b^k_1, A b^k_2), A = |r|^kappa, do not know that pressure and
+viscous stress act around the axis, too. With S of fsipetsc.blocks.radial_grid, the momentum along r
+gets
 
-    (p - tau_o) S,    tau_o = mu (2 e/kappa - 2/3 (u_r + e)),    e = u S/J
+    (p - tau_o) S,    tau_o = mu (2 e/kappa - 2/3 (div + e)),    e = u_r S/J
 
-with e the rates of all hoops together, u_r = A/J D u by entropy variables; the flux of the
-momentum gets -2/3 mu e A, which e is in the divergence, that of the energy u times as much. Energy
-has no source. p S is D(A p) of a uniform p, so that rest is kept, and what it does to the entropy
-is what D A leaves of the fluxes; viscosity makes entropy at each node.
-Source: SCHEME-BLOCKS.md, section 6.
+with e the rates of all hoops together, div = 1/J sum_k a^k . D_k u by entropy variables; the flux
+of the momentum through a^k gets -2/3 mu e a^k, as e is in the divergence, that of the energy u
+times as much. Energy has no source. p S is sum_k D_k (a^k p) of a uniform p, so that rest is kept,
+and what it does to the entropy is what sum_k D_k a^k leaves of the fluxes; viscosity makes entropy
+at each node. Source: SCHEME-BLOCKS.md, section 6.
 """
 
 from __future__ import annotations
@@ -18,8 +19,9 @@ from typing import Any, NamedTuple
 
 from numba import njit
 
-from fsipetsc.operators.loops import INNER_CALL, node
-from fsipetsc.scheme.normals import derivative
+from fsipetsc.operators.loops import INNER_CALL, dot, node, put_part, scale
+from fsipetsc.scheme.faces import column_of
+from fsipetsc.scheme.normals import add_areas, derivative
 from fsipetsc.scheme.rows import Array
 
 
@@ -32,63 +34,98 @@ class Straight(NamedTuple):
         """Nothing."""
         return None
 
+    def turn(self, part, table):
+        """Add how area vectors at constraints turn, in two dimensions; in one they do not."""
+        turn_plane(part, table)
+
     def bounds(self, metrics):
         """The metrics by which steps are bounded."""
         return metrics
 
 
 class Radial(NamedTuple):
-    """grid: fsipetsc.blocks.radial_grid. room: (3, N) for u/T, -1/T, the flux of hoops."""
+    """grid: fsipetsc.blocks.radial_grid. room: ((d + 1)^2, N) for u/T and -1/T, and the fluxes of
+    hoops along each axis.
+    """
 
     grid: Any
     room: Array
 
     def add(self, part, q, rates):
-        """See the head of this file; q: (N, 4) ghosted, rates: (M, 4)."""
-        add_pressure(part.laws, self.grid.source, q, part.patch, rates)
+        """See the head of this file; q: (N, d + 3) ghosted, rates: (M, d + 3)."""
+        add_pressure(part.laws, part.like, self.grid.source, q, part.patch, rates)
         if part.laws.mu > 0.0:
-            of_axis = part.S[0], part.weight[0], part.patch.first[0]
-            add_viscous(part.laws, self.grid, q, part.metrics, *of_axis, self.room, rates)
+            of_axes = part.S, part.weight, part.patch
+            add_viscous(part.laws, part.like, self, q, part.metrics, *of_axes, rates)
+
+    def turn(self, part, table):
+        """The same around an axis."""
+        add_areas(part.at_particles, len(part.like), self.grid.turning, table)
 
     def bounds(self, metrics):
+        self.grid.bound(metrics)
         return self.grid.bounds
 
 
 @njit(**INNER_CALL)
-def add_pressure(gas, source, q, patch, rates):
-    """p S."""
-    first = patch.first[0]
-    for i in range(rates.shape[0]):
-        w = gas.primitive(node((0.0, 0.0, 0.0, 0.0), q, first + i))
-        rates[i, 2] += w[1] * source[first + i]
+def turn_plane(part, table):
+    """See fsipetsc.scheme.normals."""
+    faces, metrics = part.at_particles, part.metrics
+    nx, d = part.patch.ghosted[0], len(part.like)
+    for i in range(faces.row.size if d == 2 and part.known.shape[0] > 0 else 0):
+        axis, other = faces.axis[i], 1 - faces.axis[i]
+        place, stride = faces.place[other, i], nx if other == 1 else 1
+        band = part.S[other], part.weight[other][place], stride
+        x = derivative(*band, metrics[d * d], faces.node[i], place)
+        y = derivative(*band, metrics[d * d + d - 1], faces.node[i], place)
+        sign = faces.weight[i] if axis == 0 else -faces.weight[i]
+        table[faces.row[i], faces.column[i]] += sign * y
+        table[faces.row[i], faces.column[i] + d - 1] -= sign * x
 
 
 @njit(**INNER_CALL)
-def add_viscous(gas, grid, q, metrics, S, weight, first, room, rates):
+def ghosted_node(i, patch):
+    """Number in the ghosted array of the owned node i, in one dimension or two."""
+    own, first = patch.own[0], patch.first
+    return first[0] + i % own + patch.ghosted[0] * (first[1] + i // own)
+
+
+@njit(**INNER_CALL)
+def add_pressure(gas, like, source, q, patch, rates):
+    """p S."""
+    d, like_q = len(like), (*like, 0.0, 0.0, 0.0)
+    for i in range(rates.shape[0]):
+        n = ghosted_node(i, patch)
+        rates[i, 1 + d] += gas.primitive(node(like_q, q, n))[1] * source[n]
+
+
+@njit(**INNER_CALL)
+def add_viscous(gas, like, radial, q, metrics, S, weight, patch, rates):
     """What viscous stresses around the axis do."""
-    source, kappa = grid.source, len(grid.hoops)
-    scaled, inverse, flux = room
-    for i in range(flux.size):
-        w = gas.primitive(node((0.0, 0.0, 0.0, 0.0), q, i))
-        scaled[i], inverse[i] = w[3] * w[5], -w[5]
+    d, like_q, kappa = len(like), (*like, 0.0, 0.0, 0.0), len(radial.grid.hoops)
+    source, room, nx = radial.grid.source, radial.room, patch.ghosted[0]
+    for n in range(source.size):
+        w = gas.primitive(node(like_q, q, n))
         mu = gas.mu * gas.transport.viscosity(w[2])
-        flux[i] = -2.0 / 3.0 * mu * w[3] * source[i] / q[i, 0] * metrics[0, i]
-    for n in range(rates.shape[0]):
-        i = first + n
-        w = gas.primitive(node((0.0, 0.0, 0.0, 0.0), q, i))
-        per_J, u, T = 1.0 / q[i, 0], w[3], w[2]
-        out = metrics[0, i] * per_J * derivative(S, weight[i], 1, inverse, i, i)
-        along = T * (metrics[0, i] * per_J * derivative(S, weight[i], 1, scaled, i, i) + u * out)
-        e, mu = u * source[i] * per_J, gas.mu * gas.transport.viscosity(T)
-        hoop = mu * (2.0 * e / kappa - 2.0 / 3.0 * (along + e))
-        push, power = 0.0, 0.0
-        for k in range(1, S.shape[0]):
-            for sign in (1, -1):
-                pair = i if sign > 0 else i - k
-                if pair >= 0 and pair + k < S.shape[1] and S[k, pair] != 0.0:
-                    j = i + sign * k
-                    s = sign * 0.5 * S[k, pair] / weight[i]
-                    push += s * (flux[j] + flux[i])
-                    power += s * (flux[j] * q[j, 2] / q[j, 1] + flux[i] * u)
-        rates[n, 2] += push - hoop * source[i]
-        rates[n, 3] += power
+        stress = -2.0 / 3.0 * mu * w[2 + d] * source[n] / q[n, 0]
+        put_part(room.T, n, 0, gas.entropy_variables(w))
+        for k in range(d):
+            a = column_of(like, metrics, k * d, n)
+            power = stress * dot(a, gas.velocity(w))
+            put_part(room.T, n, (k + 1) * (d + 1), (*scale(stress, a), power))
+    for i in range(rates.shape[0]):
+        n = ghosted_node(i, patch)
+        w = gas.primitive(node(like_q, q, n))
+        u, T, spread = gas.velocity(w), w[2], 0.0
+        for k in range(d):
+            stride, place = (nx, n // nx) if k == 1 else (1, n % nx)
+            a, band = column_of(like, metrics, k * d, n), (S[k], weight[k][place], stride)
+            spread += dot(a, u) * derivative(*band, room[d], n, place)
+            for c in range(d + 1):
+                if c < d:
+                    spread += a[c] * derivative(*band, room[c], n, place)
+                flux = room[(k + 1) * (d + 1) + c]
+                rates[i, 2 + c] += derivative(*band, flux, n, place, 1.0)
+        div, e = T / q[n, 0] * spread, u[-1] * source[n] / q[n, 0]
+        mu = gas.mu * gas.transport.viscosity(T)
+        rates[i, 1 + d] -= mu * (2.0 * e / kappa - 2.0 / 3.0 * (div + e)) * source[n]

@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.equations.tensors import outer
 from fsipetsc.operators.loops import CALL, EXACT_LOOP, INNER_CALL, add, along, dot, sub
 from fsipetsc.scheme.block_look import BAD, CONVECTION, DIFFUSION, J_ERROR, LEAST_J
 from fsipetsc.scheme.rows import U64, add_moment, at, put
@@ -95,8 +94,8 @@ def measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, F_of
     """Keep F of a row; add it to the extremes of columns: squared rate of waves [1/s2], inf where
     the state is none; that of diffusion [1/s]; -det F.
     """
-    nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
-    N, node, g = U64(metrics.size // (len(nine) + 1)), U64(row.tile), U64(row.patch)
+    step, d = U64(step_of(like)), U64(len(like))
+    N, node, g = U64(metrics.size // solid.rows(like)), U64(row.tile), U64(row.patch)
     own, M = U64(row.own), U64(F_of.size // len(solid.unstrained(like)))
     spread = stiffness * solid.kappa / (solid.m0 * solid.alpha)
     for i in range(U64(row.n)):

@@ -66,9 +66,9 @@ def solid_rates(solid, like, q, metrics, prestress, rates, work):
     """Fill rates (M, 2d + 1) of the owned nodes of a patch.
 
     solid: fsipetsc.equations.solid.Solid; like: d zeros; q: (N, 2d + 1) unknowns of the nodes with
-    halo; metrics: (d*d + 1, N) A^1 … A^d and J0; prestress: (d*d, N) what P has beside, or
-    (d*d, 0). The halo is of two interior reaches, of three for conduction with heat 'elastic'.
-    work: fsipetsc.scheme.solid_work.
+    halo; metrics: (d*d + 1, N) A^1 … A^d and J0, then R around an axis; prestress: (d*d, N) what P
+    has beside, or (d*d, 0). The halo is of two interior reaches, of three for conduction with heat
+    'elastic'. work: fsipetsc.scheme.solid_work.
     """
     patch, layout, lags, boxes, jumps, weights = work[:6]
     unknowns, strains, tractions, temps, heats, slopes, found = work[6:13]
@@ -197,11 +197,13 @@ def away(layout, row, axis, jump):
 def strain(solid, like, metrics, row, slopes, unknowns, strains):
     """F = 1 + 1/J0 sum_k D_k D A^k, with the stretch of hoops."""
     nine, step = outer(like, like), U64(step_of(like))
-    N, node, g = U64(metrics.size // (len(nine) + 1)), U64(row.tile), U64(row.patch)
+    N, node, g = U64(metrics.size // solid.rows(like)), U64(row.tile), U64(row.patch)
+    end = U64(metrics.size) - N
     for i in range(U64(row.n)):
         A, J0 = at(nine, metrics, g, N, i), metrics[g + U64(len(nine)) * N + i]
         gradient = scale(1.0 / J0, transposed_product(at(nine, slopes, U64(0), WIDTH, i), A))
-        F = solid.with_hoops(add_unit(1.0, gradient), unknowns[node + i], metrics[g + i])
+        D, R = at(like, unknowns, node, step, i), metrics[end + g + i]
+        F = solid.with_hoops(add_unit(1.0, gradient), D, R)
         put(strains, node, step, i, F)
 
 
@@ -221,7 +223,7 @@ def relieve(solid, like, extra, row, strains, unknowns):
 def pull(solid, like, metrics, row, unknowns, strains, tractions):
     """t^k = P A^k."""
     nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
-    N, node, g = U64(metrics.size // (len(nine) + 1)), U64(row.tile), U64(row.patch)
+    N, node, g = U64(metrics.size // solid.rows(like)), U64(row.tile), U64(row.patch)
     for i in range(U64(row.n)):
         A, F = at(nine, metrics, g, N, i), at(solid.unstrained(like), strains, node, step, i)
         v, e = at(like, unknowns, node + d * step, step, i), unknowns[node + U64(2) * d * step + i]
@@ -258,7 +260,7 @@ def find_temps(solid, like, row, unknowns, strains, temps):
 def conduct(solid, like, metrics, row, slopes, strains, heats):
     """A^k . h with grad T = 1/J0 sum_k A^k D_k T."""
     nine, step = outer(like, like), U64(step_of(like))
-    N, node, g = U64(metrics.size // (len(nine) + 1)), U64(row.tile), U64(row.patch)
+    N, node, g = U64(metrics.size // solid.rows(like)), U64(row.tile), U64(row.patch)
     for i in range(U64(row.n)):
         A, J0 = at(nine, metrics, g, N, i), metrics[g + U64(len(nine)) * N + i]
         gradient = scale(1.0 / J0, apply_transposed(A, at(like, slopes, U64(0), WIDTH, i)))
@@ -270,7 +272,7 @@ def conduct(solid, like, metrics, row, slopes, strains, heats):
 def accelerate(solid, like, metrics, row, slopes, unknowns, tractions, strains, found):
     """(v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v); slopes: D°_k t^k, D_k v, D°_k A^k . h."""
     nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
-    N, node, g = U64(metrics.size // (len(nine) + 1)), U64(row.tile), U64(row.patch)
+    N, node, g = U64(metrics.size // solid.rows(like)), U64(row.tile), U64(row.patch)
     for i in range(U64(row.n)):
         per_mass = 1.0 / (metrics[g + d * d * N + i] * solid.m0)
         v, t = at(like, unknowns, node + d * step, step, i), at(nine, tractions, node, step, i)
@@ -280,6 +282,7 @@ def accelerate(solid, like, metrics, row, slopes, unknowns, tractions, strains, 
         e = unknowns[node + U64(2) * d * step + i]
         F = at(solid.unstrained(like), strains, node, step, i)
         acceleration = along(solid.force, per_mass, force)
-        acceleration = solid.held_by_hoops(acceleration, v, e, F, metrics[g + i])
+        R = metrics[U64(metrics.size) - N + g + i]
+        acceleration = solid.held_by_hoops(acceleration, v, e, F, R)
         energy = per_mass * power + dot(solid.force, v)
         put(found, U64(0), WIDTH, i, (*v, *acceleration, energy))

@@ -60,17 +60,18 @@ class View:
         self.looks = self._looks()
         positions = [self.positions(layer, k) for layer in self.layers for k in self.frames]
         ranges = np.array([extremes(*along) for along in zip(*positions)])
-        x = labelled(run, "r" if run.header.get("symmetry") else "x", "m")
+        last = "r" if run.header.get("symmetry") else "xyz"[run.dimension - 1]
+        last = labelled(run, last, "m")
         if run.dimension == 1:
             low, high = extremes(*(v for values in self.values for v in values))
             margin = 2 * MARGIN * (high - low) or 0.1 * abs(low) or 1.0
             self.limits = [ranges[0], np.array([low - margin, high + margin])]
             label = labelled(run, quantity.title, quantity.unit)
-            self.labels, self.ratio = (x, label.replace("; ", ",\n")), 1.6
+            self.labels, self.ratio = (last, label.replace("; ", ",\n")), 1.6
             return
         margin = MARGIN * np.ptp(ranges, axis=1).max() * np.array([-1.0, 1.0])
         self.limits = [*(ranges + margin)]
-        self.labels = x, x.replace("x", "y" if run.dimension == 2 else "z", 1)
+        self.labels = labelled(run, "x", "m"), last
         self.ratio = float(np.ptp(self.limits[0]) / np.ptp(self.limits[1]))
 
     def _values(self, layer: Layer | BlockLayer, frame: int) -> Array:
