@@ -262,10 +262,10 @@ def records(run, steps, dt, lose=None):
             q = run.y.owned(0)
             q[:, 4] -= 0.5 * q[:, 2] ** 2 / q[:, 1]
             q[:, 2] = 0.0
-        before = run.came.copy()
+        before = run.gained()
         run.step(dt)
         mass, *momentum, energy = run.integrals()
-        into, *impulse, heat = run.came - before
+        into, *impulse, heat = run.gained() - before
         found[i] = (run.t, dt, mass, into, energy, heat, *momentum, *impulse)
     return found
 
@@ -435,7 +435,8 @@ def test_on_two_ranks():
     done = mpirun(2, "-m", "mpi4py", REPOSITORY / "tests" / "block_scheme_program.py")
     assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout.splitlines()[-1])
-    assert (said["panel"], said["slipping"]) == (0, 0)
+    for different, through in (said["panel"], said["slipping"]):
+        assert different == 0 and through < 1e-15
     assert said["unbooked"] < 1e-13
     wrong = [fault for fault in said["faults"] if fault]
     assert len(wrong) == 1 and "T of NoSlip at t = 0.0015" in wrong[0] and "T = -1" in wrong[0]

@@ -34,7 +34,7 @@ RUNS = {
 }
 #: of what is integrated the last bits depend on the number of ranks
 SUMS = {*SUMS_ALONG_X, "momentum_x", "momentum_y", "impulse_x", "impulse_y", "mass_in", "energy_in"}
-SUMS |= {"angular_momentum", "solid_energy", "lost_energy"}
+SUMS |= {"angular_momentum", "solid_energy", "lost_energy", "energy_face", "heat_face"}
 #: ranks on which the runs are begun; ranks -> what goes on there
 RANKS = 2
 ON = {RANKS: list(RUNS), 3: list(RUNS)[::2]}

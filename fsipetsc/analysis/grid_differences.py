@@ -22,7 +22,7 @@ from fsipetsc.output.reader import Run
 #: times at which series are compared
 SAMPLES = 10
 #: series that are of the steps or of the method, not of the solution
-NO_SOLUTION = "t", "dt", "least_J", "J_error", "lost_energy"
+NO_SOLUTION = "t", "dt", "least_J", "J_error", "lost_energy", "energy_face", "heat_face"
 #: a relative difference of the two finest grids that is too much, and one that is little enough
 #: whatever the order; the part of the order that is too little
 COARSE, FINE, SLOW = 0.1, 1e-3, 0.5

@@ -14,6 +14,8 @@ from fsipetsc.blocks.problem import BlockProblem, Meeting
 
 #: letters of axes, of positions and of velocities
 PLACES, VELOCITIES = "xyz", "uvw"
+#: where energy comes in that comes through no face: by forces, interfaces, points that are held
+INSIDE = "inside"
 #: pieces along an axis by which the size of a block is estimated
 _CELLS = 32
 
@@ -52,6 +54,12 @@ class RunProblem:
         pairs = (sorted(pair) for pair in self.interfaces)
         return [" | ".join(self.layers[k].name for k in pair) for pair in pairs]
 
+    @property
+    def face_names(self) -> list[str]:
+        """Of what energy comes in by: the outer faces, as "gas, axis 0, side 1"; then INSIDE."""
+        faces = ((self.layers[k].name, axis, side) for k, axis, side in self.outer_faces)
+        return [*(f"{name}, axis {axis}, side {side}" for name, axis, side in faces), INSIDE]
+
     def interface_nodes(self, number: int) -> np.ndarray:
         """Nodes of the solid on an interface, each once."""
         _, solid = self.interfaces[number]
@@ -79,8 +87,7 @@ class RunProblem:
     @cached_property
     def _conditions(self) -> list[Any]:
         """Of all faces that no other one meets."""
-        every = (met for k in range(len(self.layers)) for met in self.faces_of(k).values())
-        return [met for met in every if not isinstance(met, Meeting)]
+        return [self.faces_of(k)[axis, side] for k, axis, side in self.outer_faces]
 
     @property
     def _forced(self) -> bool:

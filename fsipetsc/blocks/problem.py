@@ -138,6 +138,12 @@ class BlockProblem:
         """(axis, side) -> what stands at the faces of block k; nothing on a periodic axis."""
         return self._kinds[k]
 
+    @property
+    def outer_faces(self) -> list[tuple[int, int, int]]:
+        """(block, axis, side) of the faces that no other one meets."""
+        faces = [(k, *face) for k, kinds in enumerate(self._kinds) for face in kinds]
+        return [f for f in faces if not isinstance(self._kinds[f[0]][f[1:]], Meeting)]
+
     def is_interface(self, k: int, axis: int, side: int) -> bool:
         """Whether gas meets a solid at a face of block k."""
         kind = self._kinds[k].get((axis, side))

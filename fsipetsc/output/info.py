@@ -37,6 +37,7 @@ def info_sections(run: Run) -> list[tuple[str, Rows]]:
     parts = [
         ("run", _overview(run)),
         ("layers", [(layer.name, _of_layer(run, layer)) for layer in run.layers]),
+        *((("energy that came in", through),) if (through := _through(run)) else ()),
         ("options", [(name, _text(value)) for name, value in options.items()]),
         ("summary", _summary(run)),
     ]
@@ -82,6 +83,16 @@ def _active(layer: Layer, nframes: int) -> str:
     if not counts or list(counts) == [len(layer.X)]:
         return ""
     return f" with those in reserve, {' … '.join(map(str, counts))} active"
+
+
+def _through(run: Run) -> Rows:
+    """Of each face through which energy came in, how much, and how much of it was heat."""
+    if not run.faces or "energy_face" not in run.series:
+        return []
+    sums = (run.series[name].sum(axis=0) for name in ("energy_face", "heat_face"))
+    found = zip(run.faces, *sums, strict=True)
+    text = {name: f"{energy:.6g}, of it heat {heat:.6g}" for name, energy, heat in found if energy}
+    return list(text.items())
 
 
 def _positions(run: Run) -> str:

@@ -41,6 +41,7 @@ KEPT = "steps", "t", "dt_range", "wall_time", "initial", "beyond"
 #: what is noted of a step alone, not of a state
 OF_STEPS = (
     *("impulse", "impulse_x", "impulse_y", "impulse_z", "mass_in", "energy_in", "lost_energy"),
+    *("energy_face", "heat_face"),
     *("x_interface", "u_interface"),  # of blocks in one dimension
 )
 

@@ -128,6 +128,7 @@ class _Run:
         faces: dict[str, Any] = {}
         if isinstance(problem, RunProblem):
             faces["interface_faces"] = problem.interface_faces
+            faces["faces"] = problem.face_names
             faces["symmetry"] = problem.symmetry
         return {
             "case": self.case.NAME,
