@@ -20,6 +20,7 @@ from fsipetsc.scheme.plan import (
     STOP,
     TOO_SHORT,
 )
+from fsipetsc.scheme.time_step import next_step
 
 
 def noted(rows, stop=0.0):
@@ -76,6 +77,8 @@ def test_a_burst_hits_its_target_without_a_tiny_step():
     assert rows[-1, 0] == 0.5 and burst[words.TIME] == 0.5
     assert np.allclose(rows[:, 1], [0.08] * 5 + [0.05] * 2), "the rest in two equal steps"
     assert np.allclose(np.cumsum(rows[:, 1]), rows[:, 0], rtol=1e-15)
+    assert np.allclose(planned(0.22, 20)[0][:, 1], [0.08, 0.07, 0.07])
+    assert next_step(0.0, 0.1, 0.1 * (1.0 - 1e-12)) == (0.1, 0.1), "round-off costs no step"
     assert (burst[words.SHORTEST], burst[words.LONGEST]) == (rows[:, 1].min(), rows[:, 1].max())
 
 

@@ -96,11 +96,13 @@ def test_uniform_flow():
 
 @pytest.mark.parametrize("sticks", [False, True])
 def test_gas_beside_a_clamp_that_moves(sticks):
-    """The work is the clamp's, not that of the slip walls beside, nor of what is given."""
+    """The work is that of clamps, which are at the ends of the interface, too, and of what is
+    given; not of the slip walls beside.
+    """
 
     def faces(name, axis, side):
         if name == "solid":
-            return Clamped(velocity=lambda X, Y, t: (0.3 + 0.0 * X, 0.2)) if axis else Roller()
+            return Clamped(velocity=lambda X, Y, t: (0.0 * X, 0.2))
         return Given(values) if axis else Slip()
 
     def values(X, Y, t):
@@ -109,7 +111,22 @@ def test_gas_beside_a_clamp_that_moves(sticks):
     fluid = gas(mu=0.02 if sticks else 0.0)
     problem = problem_of(shapes.layers(N + 1, False), faces, fluid, solid())
     found, _, _, run = through(problem)
-    given, clamp = found.pop("gas, axis 1, side 0"), found.pop("solid, axis 1, side 1")
-    assert abs(clamp[0]) > 1e-4 and abs(given[0]) > 1e-5 and clamp[1] == given[1] == 0.0
+    given = found.pop("gas, axis 1, side 0")
+    sides = "axis 0, side 0", "axis 0, side 1", "axis 1, side 1"
+    clamps = [found.pop(f"solid, {side}") for side in sides]
+    for energy, heat in (given, *clamps):
+        assert abs(energy) > 1e-5 and heat == 0.0
     assert max(abs(energy) for energy, _ in found.values()) < 1e-12
-    assert run.scheme.particles.table.faces[:, MOVES_GAS].max() == len(found) + 1
+    assert run.scheme.particles.table.faces[:, MOVES_GAS].max() == len(found) + 3
+
+
+def test_a_solid_whose_unknowns_are_given():
+    """None of that is said to be heat."""
+    given = Given(lambda X, Y, t: (0.1, 0.2 * t, 1.1 + t + 0.0 * X, X + 0.1 * t, Y + 0.1 * t * t))
+
+    def faces(name, axis, side):
+        return Slip() if name == "gas" else given if axis else Roller()
+
+    found, *_ = through(problem_of(shapes.layers(N + 1, False), faces, gas(), solid()))
+    energy, heat = found["solid, axis 1, side 1"]
+    assert abs(energy) > 1e-4 and heat == 0.0
