@@ -18,14 +18,14 @@ from fsipetsc.scheme.plan import BURST, FLAGS, LIMITS
 LOST = 1e-9
 
 
-def scheme_of(layout, problem, order, form, instant=1e-4, alone=False):
+def scheme_of(layout, problem, order, form, instant=1e-4, alone=False, pace=1.0):
     """The scheme of a layout, with what it takes of a run; latest: what the last look found."""
     blocks, record = len(problem.blocks), step_record(problem)
     own = np.dtype([(name, record[name]) for name in record.names[2:]])
     scheme = Scheme(layout, problem, order, form, lambda: instant, slices(own), [], alone)
     latest = np.zeros(own.itemsize // 8)
     words = np.zeros(1 + WORDS * blocks), np.zeros((blocks, 2)), np.zeros(FLAGS + LIMITS), latest
-    words += np.zeros((4, 0)), 1.0, np.zeros(BURST), np.zeros((1, latest.size + 2))
+    words += np.zeros((4, 0)), pace, np.zeros(BURST), np.zeros((1, latest.size + 2))
     scheme.attach(np.zeros(layout.local_size), np.zeros(layout.local_size), *words)
     scheme.latest, scheme.extremes = latest.view(own)[0], words[0]
     return scheme
@@ -34,12 +34,13 @@ def scheme_of(layout, problem, order, form, instant=1e-4, alone=False):
 class Steps:
     """A problem in time by RK4; y: the solution, completed, at time t."""
 
-    def __init__(self, problem, order=2, comm=MPI.COMM_SELF, form=None, alone=False):
+    def __init__(self, problem, order=2, comm=MPI.COMM_SELF, form=None, alone=False, pace=1.0):
         self.problem, self.comm = problem, comm
         self.gases = sum(block.kind == "fluid" for block in problem.blocks)
         self.lossy, kind = lossy(problem), gained(problem)
         self.layout = BlockLayout(comm, problem, order, behind=kind.itemsize // 8)
-        self.scheme = scheme_of(self.layout, problem, order, form or BlockForm(), 1e-3, alone)
+        of_run = form or BlockForm(), 1e-3, alone, pace
+        self.scheme = scheme_of(self.layout, problem, order, *of_run)
         self.y, self._stage = self.layout.vector(), self.layout.vector()
         self.t = 0.0
         self.scheme.initial(0.0, self.y)
