@@ -18,6 +18,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.options import defaults
 from fsipetsc.problem import FluidLayer, Problem
+from fsipetsc.scheme.plan import BAD, SAID_STOP, STOP
 from fsipetsc.stepping.solve import build_problem, make_state, solve
 
 EVERY_ORDER = pytest.mark.parametrize("order", ORDERS)
@@ -73,6 +74,20 @@ def test_a_column_is_compressed_uniformly(order):
     errors = [run.errors["fluid"]["combined"] for run in runs]
     assert errors[0] < 1e-5
     assert errors[0] > 14 * errors[1], "fourth order in time"
+
+
+def test_a_step_that_ends_badly_leaves_the_state_before_it():
+    """Of steps in one call, which also hand on what a rank says of stopping."""
+    problem = column(Wall(0.0), Wall(1.0), speed=lambda X: 0.5 * np.sin(2 * np.pi * X))
+    with Case(problem, fsi_order=2, fsi_h=1 / 20).state() as state:
+        state.set_initial()
+        state.finish()
+        start = state.y.array.copy()
+        assert state._steps(0.0, 0.5) == (False, 0.0, 0.5) and state.results[BAD] == 1.0
+        assert np.array_equal(state.y.array, start)
+        state.results[SAID_STOP] = 2.0
+        assert state._steps(0.0, 1e-3)[0] and state.results[STOP] == 2.0
+        assert state.results[BAD] == 0.0 and not np.array_equal(state.y.array, start)
 
 
 def test_heat_through_walls():
