@@ -159,9 +159,7 @@ def ranges_of(part: Part, shape: Sequence[int]) -> list[tuple[int, int]]:
     ]
 
 
-def _nodes_of(
-    part: Part, nodes: Array, axis: int, side: int, column: int
-) -> tuple[Array, ...]:
+def _nodes_of(part: Part, nodes: Array, axis: int, side: int, column: int) -> tuple[Array, ...]:
     """This rank's nodes of those of a face: numbers in the ghosted array and among the owned ones,
     axis, sign, 1 / weight of the axis, product of the other weights, column.
     """
