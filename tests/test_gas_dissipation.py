@@ -139,7 +139,7 @@ def test_where_all_is_a_shock_there_is_no_other_dissipation(order):
 
 
 def test_rows_of_a_plane_are_lines():
-    """A state that varies along the rows; the end of one is not beside the beginning of the next."""
+    """A state that varies along rows; the end of one is not beside the beginning of the next."""
     s, m = line(4, 0.03), 13
     s.q[0, 1:] *= 2.0
     n, zero, (J, mass, momentum, energy) = len(s.q), np.zeros(len(s.q) * m), np.tile(s.q.T, m)
