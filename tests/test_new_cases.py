@@ -64,6 +64,7 @@ def test_the_piston_compresses_the_gas_adiabatically(results):
     gained = run.series["energy"][-1] - run.summary["initial_energy"]
     assert gained == pytest.approx(1e5 / 0.4 * (length**-0.4 - 1), rel=1e-2)
     came, wall = run.series["energy_face"].sum(axis=0), "driven, axis 0, side 0"
-    assert dict(zip(run.faces, came, strict=True))[wall] == pytest.approx(gained, rel=1e-6)
+    round_off = 1e-13 * run.series["energy"].max()  # of 6e12 J, that of the heavy layer
+    assert dict(zip(run.faces, came, strict=True))[wall] == pytest.approx(gained, abs=round_off)
     assert np.count_nonzero(came) == 1 and not run.series["heat_face"].any()
     assert [line.split() for line in info(run.path).splitlines() if line.startswith(f"  {wall}")]
