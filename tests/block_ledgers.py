@@ -8,7 +8,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.blockrun.block_state import BlockForm
-from fsipetsc.blockrun.columns import gained, loses, step_record
+from fsipetsc.blockrun.columns import gained, lossy, slices, step_record
 from fsipetsc.blockrun.scheme import Scheme
 from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.scheme.after_step import WORDS
@@ -18,21 +18,14 @@ from fsipetsc.scheme.plan import BURST, FLAGS, LIMITS
 LOST = 1e-9
 
 
-def scheme_of(layout, problem, order, form, instant=1e-4, alone=False):
+def scheme_of(layout, problem, order, form, instant=1e-4, alone=False, pace=1.0):
     """The scheme of a layout, with what it takes of a run; latest: what the last look found."""
-    blocks, d = len(problem.blocks), problem.dimension
-    gases = sum(block.kind == "fluid" for block in problem.blocks)
-    lossy = any(loses(problem, k) for k in range(blocks))
-    record = step_record(blocks, gases, d, 0, lossy=lossy)
+    blocks, record = len(problem.blocks), step_record(problem)
     own = np.dtype([(name, record[name]) for name in record.names[2:]])
-    columns = {
-        name: slice(own.fields[name][1] // 8, (own.fields[name][1] + own[name].itemsize) // 8)
-        for name in own.names
-    }
-    scheme = Scheme(layout, problem, order, form, lambda: instant, columns, [], alone)
+    scheme = Scheme(layout, problem, order, form, lambda: instant, slices(own), [], alone)
     latest = np.zeros(own.itemsize // 8)
     words = np.zeros(1 + WORDS * blocks), np.zeros((blocks, 2)), np.zeros(FLAGS + LIMITS), latest
-    words += np.zeros((4, 0)), 1.0, np.zeros(BURST), np.zeros((1, latest.size + 2))
+    words += np.zeros((4, 0)), pace, np.zeros(BURST), np.zeros((1, latest.size + 2))
     scheme.attach(np.zeros(layout.local_size), np.zeros(layout.local_size), *words)
     scheme.latest, scheme.extremes = latest.view(own)[0], words[0]
     return scheme
@@ -41,19 +34,19 @@ def scheme_of(layout, problem, order, form, instant=1e-4, alone=False):
 class Steps:
     """A problem in time by RK4; y: the solution, completed, at time t."""
 
-    def __init__(self, problem, order=2, comm=MPI.COMM_SELF, form=None, alone=False):
+    def __init__(self, problem, order=2, comm=MPI.COMM_SELF, form=None, alone=False, pace=1.0):
         self.problem, self.comm = problem, comm
         self.gases = sum(block.kind == "fluid" for block in problem.blocks)
-        self.lossy = any(loses(problem, k) for k in range(len(problem.blocks)))
-        behind = gained(self.gases, problem.dimension, self.lossy).itemsize // 8
-        self.layout = BlockLayout(comm, problem, order, behind=behind)
-        self.scheme = scheme_of(self.layout, problem, order, form or BlockForm(), 1e-3, alone)
+        self.lossy, kind = lossy(problem), gained(problem)
+        self.layout = BlockLayout(comm, problem, order, behind=kind.itemsize // 8)
+        of_run = form or BlockForm(), 1e-3, alone, pace
+        self.scheme = scheme_of(self.layout, problem, order, *of_run)
         self.y, self._stage = self.layout.vector(), self.layout.vector()
         self.t = 0.0
         self.scheme.initial(0.0, self.y)
         self.scheme.stretch(0.0, self.y)
         self.scheme.complete(0.0, self.y)
-        self.came = np.zeros(behind)
+        self.came, self._at = np.zeros(kind.itemsize // 8), slices(kind)
         self.y.behind[:] = 0.0
         self.integrals()
         self._held = self.held()
@@ -94,8 +87,18 @@ class Steps:
 
     def gained(self):
         """What has come in: mass of all gas, impulse, energy."""
-        came = self._all(self.came)
-        return np.array([came[: self.gases].sum(), *came[self.gases + self.lossy :]])
+        impulse = [self._came(f"impulse_{x}")[0] for x in "xyz"[: self.problem.dimension]]
+        mass = self._came("mass_in").sum() if self.gases else 0.0
+        return np.array([mass, *impulse, self._came("energy_in")[0]])
+
+    def through(self):
+        """(faces, 2) energy that has come in through each outer face, in the end by forces, and
+        heat among it.
+        """
+        return np.stack([self._came("energy_face"), self._came("heat_face")], axis=-1)
+
+    def _came(self, name):
+        return self._all(self.came[self._at[name]])
 
     def close(self):
         self.scheme.destroy()

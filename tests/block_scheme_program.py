@@ -29,7 +29,9 @@ def moving(name, axis, side):
 
 
 def differences(problem):
-    """Numbers of this rank's part that are not those of one rank alone."""
+    """Numbers of this rank's part that are not those of one rank alone; and the difference of what
+    came in through faces.
+    """
     with steps_of(problem, alone=True) as alone, steps_of(problem, comm=WORLD) as shared:
         alone.step(1e-3, 2)
         shared.step(1e-3, 2)
@@ -37,7 +39,8 @@ def differences(problem):
         for part in shared.layout.parts:
             whole = alone.y.owned(part.k)[part.numbers]
             found += int((shared.y.owned(part.k) != whole).sum())
-        return WORLD.allreduce(found)
+        through = np.abs(shared.through() - alone.through()).max()
+        return WORLD.allreduce(found), float(through)
 
 
 def warm(X, Y, t):

@@ -8,7 +8,7 @@ from block_ledgers import scheme_of
 from mpi4py import MPI
 
 from fsipetsc.blockrun.block_state import BlockForm
-from fsipetsc.blockrun.columns import gained, loses
+from fsipetsc.blockrun.columns import gained
 from fsipetsc.blocks import conditions
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.maps import nodes
@@ -80,9 +80,7 @@ class Engine:
         faces = {owner: condition_of(condition) for owner, condition in found.items()}
         self.shapes = {b.name: b.X.shape[1:] for b in p.blocks}
         self.problem = BlockProblem(tuple(map(block_of, p.blocks)), faces, **options)
-        gases = sum(block.kind == "fluid" for block in self.problem.blocks)
-        lossy = any(loses(self.problem, k) for k in range(len(p.blocks)))
-        behind = gained(gases, self.problem.dimension, lossy).itemsize // 8
+        behind = gained(self.problem).itemsize // 8
         self.layout = BlockLayout(comm, self.problem, p.order, behind=behind)
         form = BlockForm(p.form, p.dissipation / 0.3 or -1.0)  # 0: on where blocks are joined
         self.scheme = scheme_of(self.layout, self.problem, p.order, form)

@@ -4,7 +4,8 @@ slab: heat in a solid at rest, T = 1 + 1e-6 cos(2 pi X + phase) exp(-a t), the p
 insulated ends, pi/2 between ends of the temperature 1, and 0.7 between ends with heat flux(t).
 gas: a wave of density is carried along at p = 1 and u = 0.4, between ends where all is given.
 shock: a viscous shock of Mach number 1.3 (R. Becker, Z. Phys. 8 (1922) 321-362) goes out through
-the right end, where all is given; shock_open: where it is open to the gas at rest before it.
+the right end, where all is given; shock_open, shock_first: where it is open to the gas at rest
+before it, to order 0 and 1.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "orders_reached"
 SUMMARY = "heat in a slab, a wave of density or a shock in a gas"
-PROBLEMS = "insulated", "warm", "heated", "gas", "shock", "shock_open"
+PROBLEMS = "insulated", "warm", "heated", "gas", "shock", "shock_open", "shock_first"
 OPTIONS = (Option("orders_problem", str, "insulated", "", "which problem", PROBLEMS),)
 DEFAULTS = {"fsi_h": 0.05, "ts_max_time": 0.5, "fsi_output_dt": 1.0}
 
@@ -86,6 +87,6 @@ def build(opt):
         exact, gas = shock, Fluid(MU, 4 / 3 * MU * CP, GAMMA, 1.0)
     layer = FluidLayer("gas", gas, (0.0, 1.0), lambda X: exact(X, 0.0), exact=exact)
     left, right = (Dirichlet(x, lambda t, x=x: tuple(map(float, exact(x, t)))) for x in (0.0, 1.0))
-    if which == "shock_open":
-        right = Open(1.0, 1.0, 1.0)
+    if which in ("shock_open", "shock_first"):
+        right = Open(1.0, 1.0, 1.0, order=int(which == "shock_first"))
     return Problem((layer,), left, right, units="none")

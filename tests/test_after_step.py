@@ -8,9 +8,19 @@ import pytest
 pytest.importorskip("numba")
 
 from fsipetsc.scheme import burst as words
-from fsipetsc.scheme.after_step import WORDS, note_extremes
+from fsipetsc.scheme.after_step import WORDS, note_extremes, note_gained
 from fsipetsc.scheme.burst import plan_next
-from fsipetsc.scheme.plan import BAD, BURST, FLAGS, LIMITS, RATE, STOP
+from fsipetsc.scheme.plan import (
+    BAD,
+    BURST,
+    EXHAUSTED,
+    FLAGS,
+    LIMITS,
+    RATE,
+    STOP,
+    TOO_SHORT,
+)
+from fsipetsc.scheme.time_step import next_step
 
 
 def noted(rows, stop=0.0):
@@ -43,7 +53,7 @@ def test_what_is_no_number_stays_one(k, column):
     assert noted(rows)[1][BAD] == 1.0
 
 
-def planned(target, allowed, *, rate=10.0, courant=0.8, fixed=0.0, end=None):
+def planned(target, allowed, *, rate=10.0, courant=0.8, fixed=0.0, end=None, flag=STOP):
     """Times and steps of a burst from t = 0 in the journal, and the burst itself."""
     burst, results = np.zeros(BURST), np.zeros(FLAGS + LIMITS)
     journal, latest = np.zeros((32, 4)), np.array([7.0, 8.0])
@@ -52,7 +62,7 @@ def planned(target, allowed, *, rate=10.0, courant=0.8, fixed=0.0, end=None):
     burst[:] = 0.0, dt, dt, target, courant, fixed, allowed, 0.0, np.inf, 0.0, 3.0
     for step in range(40):
         if step == end:
-            results[STOP] = 1.0
+            results[flag] = 1.0
         if not plan_next(burst, results, journal, latest):
             break
     made = int(burst[words.MADE])
@@ -67,4 +77,32 @@ def test_a_burst_hits_its_target_without_a_tiny_step():
     assert rows[-1, 0] == 0.5 and burst[words.TIME] == 0.5
     assert np.allclose(rows[:, 1], [0.08] * 5 + [0.05] * 2), "the rest in two equal steps"
     assert np.allclose(np.cumsum(rows[:, 1]), rows[:, 0], rtol=1e-15)
+    assert np.allclose(planned(0.22, 20)[0][:, 1], [0.08, 0.07, 0.07])
+    assert next_step(0.0, 0.1, 0.1 * (1.0 - 1e-12)) == (0.1, 0.1), "round-off costs no step"
     assert (burst[words.SHORTEST], burst[words.LONGEST]) == (rows[:, 1].min(), rows[:, 1].max())
+
+
+@pytest.mark.parametrize("flag", [EXHAUSTED, TOO_SHORT, BAD, STOP])
+def test_a_burst_ends_with_the_step_after_which_a_flag_is_set(flag):
+    assert len(planned(5.0, 20, end=2, flag=flag)[0]) == 3
+
+
+def test_a_burst_has_as_many_steps_as_are_allowed_and_ends_without_a_bound():
+    assert len(planned(5.0, 4)[0]) == 4
+    rows, _ = planned(0.5, 20, fixed=0.1)
+    np.testing.assert_allclose(rows[:, 1], [0.1] * 5)
+    for rate in (np.inf, np.nan, 0.0):
+        assert len(planned(5.0, 20, fixed=0.1, rate=rate)[0]) == 1
+
+
+def test_energy_that_was_there_is_remembered_behind_the_unknowns():
+    """Work 2, then 1; the energies that looks leave are 10 and 10.5: 0.5 is lost. Beside it a sum
+    that nothing was there of before.
+    """
+    behind, latest = np.array([2.0, 3.0]), np.array([7.0, -10.0, 0.0])
+    note_gained(latest, behind)
+    assert latest[::2].tolist() == [7.0, 3.0] and behind.tolist() == [10.0, 0.0]
+    behind += 1.0, 4.0
+    latest[:] = 7.0, -10.5, 0.0
+    note_gained(latest, behind)
+    assert latest.tolist() == [7.0, 0.5, 4.0]

@@ -176,6 +176,14 @@ def open_faces(owner):
     return kinds.get(owner[1:], Open(1.2, (0.3, 0.4), 0.9))
 
 
+def fast_faces(owner):
+    """Open all around: flow in faster than sound, out slower than it and against a pressure."""
+    if owner[0].startswith("solid"):
+        return Free(0.7)
+    kinds = {(0, 0): Open(0.9, (2.5, 0.1), 1.1), (0, 1): Open(1.1, (0.6, 0.1), 1.0)}
+    return kinds.get(owner[1:], Open(1.2, (0.3, -0.8), 0.9))
+
+
 def moving_faces(owner):
     """Walls and clamps that move, temperatures that are held, heat that comes in."""
     name, axis, side = owner
@@ -239,8 +247,11 @@ def solid_values(X, t):
     return 0.05 * np.cos(t), 0.1 + 0 * t, 1 + 0.1 * t, X[0] + 0.05 * np.sin(t), X[1] + 0.1 * t
 
 
+FACES = open_faces, fast_faces, moving_faces, bending_faces, given_faces
+
+
 @pytest.mark.parametrize("both", [SLIPPING, STICKING], ids=["slip", "stick"])
-@pytest.mark.parametrize("faces", [open_faces, moving_faces, bending_faces, given_faces])
+@pytest.mark.parametrize("faces", FACES)
 def test_conditions(faces, both):
     # accelerations of walls are differences of their velocities
     moved = faces in (moving_faces, bending_faces)

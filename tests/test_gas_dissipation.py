@@ -129,6 +129,32 @@ def test_shock_terms_of_a_line(order):
     np.testing.assert_allclose(found[:, 1:].T, exact, rtol=0.0, atol=1e-14 * n)
 
 
+@ORDERS
+def test_where_all_is_a_shock_there_is_no_other_dissipation(order):
+    """Density goes up and down from node to node."""
+    s = line(order, 0.0)
+    s.q[::2, 1:] *= 2.0
+    assert np.abs(s.dissipation(0.3, 0.0)).max() > 1e-2
+    assert np.array_equal(s.dissipation(0.3, 0.9), s.dissipation(0.0, 0.9))
+
+
+def test_rows_of_a_plane_are_lines():
+    """A state that varies along rows; the end of one is not beside the beginning of the next."""
+    s, m = line(4, 0.03), 13
+    s.q[0, 1:] *= 2.0
+    n, zero, (J, mass, momentum, energy) = len(s.q), np.zeros(len(s.q) * m), np.tile(s.q.T, m)
+    gas, q = GAS._replace(force=(0.0, 0.0)), np.array([J, mass, momentum, zero, energy]).T.copy()
+    one, v = np.ones(n * m), np.tile(s.metrics[1], m)
+    metrics = np.array([one, zero, zero, one, v, zero, zero])
+    axes, patch = [s.axes[0], band(4, m - 1), NO_AXIS], Patch((n, m, 1), (n, m, 1), (0, 0, 0))
+    found, rates = differences(2, 4, axes, [n - 1, m - 1]), np.zeros((n * m, 5))
+    S, more = [axis.S for axis in axes], (found, patch, rates, room(2, found))
+    gas_dissipation(gas, (0.0, 0.0), FORM, 0.3, 0.9, q, metrics, *S, *more)
+    expected = np.tile(s.dissipation(0.3, 0.9).T, m).T
+    np.testing.assert_allclose(rates[:, [0, 1, 2, 4]], expected, rtol=0.0, atol=1e-14)
+    assert np.abs(rates[:, 3]).max() == 0.0
+
+
 def test_smooth_flow_has_no_shocks():
     s = line(4)
     wave = 0.03 * np.sin(2.0 * np.pi * np.linspace(0.0, 1.0, len(s.q)))

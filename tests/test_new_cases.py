@@ -8,6 +8,7 @@ from conftest import ORDERS
 from helpers import compute
 
 import fsipetsc
+from fsipetsc.output.info import info
 
 pytest.importorskip("petsc4py")
 
@@ -62,3 +63,8 @@ def test_the_piston_compresses_the_gas_adiabatically(results):
     assert run.layers[0]["p"][-1].mean() == pytest.approx(1e5 * length**-1.4, rel=2e-3)
     gained = run.series["energy"][-1] - run.summary["initial_energy"]
     assert gained == pytest.approx(1e5 / 0.4 * (length**-0.4 - 1), rel=1e-2)
+    came, wall = run.series["energy_face"].sum(axis=0), "driven, axis 0, side 0"
+    round_off = 1e-13 * run.series["energy"].max()  # of 6e12 J, that of the heavy layer
+    assert dict(zip(run.faces, came, strict=True))[wall] == pytest.approx(gained, abs=round_off)
+    assert np.count_nonzero(came) == 1 and not run.series["heat_face"].any()
+    assert [line.split() for line in info(run.path).splitlines() if line.startswith(f"  {wall}")]

@@ -142,6 +142,8 @@ def test_xarray(blast):
     units = "kg m-1" if data["time"].attrs["units"] == "s" else "1"
     assert data["series.mass"].attrs["units"] == units
     assert data["series.least_J"].dims == ("step", "layer") and list(data["layer"].values) == names
+    assert data["series.energy_face"].dims == ("step", "face")
+    assert list(data["face"].values) == [*blast.faces] and "inside" in blast.faces
     traction = data["series.t_y_point"]
     assert traction.dims == ("step", "point")
     names = [f"{gas.name} | {plate.name} at {X:g}, 1" for X in (0.25, 0.5)]

@@ -35,7 +35,7 @@ RUNS = {
 }
 #: of what is integrated the last bits depend on the number of ranks
 SUMS = {*SUMS_ALONG_X, "momentum_x", "momentum_y", "impulse_x", "impulse_y", "mass_in", "energy_in"}
-SUMS |= {"angular_momentum", "solid_energy", "lost_energy"}
+SUMS |= {"angular_momentum", "solid_energy", "lost_energy", "energy_face", "heat_face"}
 #: of the summary
 SUMMED = "status", "t", "steps", "rejected_steps", "rhs_evaluations", "dt_min", "dt_max", "points"
 SUMMED += ("interfaces",)

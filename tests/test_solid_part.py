@@ -23,6 +23,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.parallel.block_layout import BlockLayout, halos_of
+from fsipetsc.scheme.block_look import look_at_end
 
 NUMBERS = {"mu_e": 1.3, "lambda_e": 2.1, "kappa_e": 0.1, "m0": 1.7, "alpha": 0.6}
 
@@ -79,6 +80,18 @@ def test_initial_data_come_back(heat):
     assert looked[0] == 0.0 and sums[2] == pytest.approx(
         (y.owned(0)[:, 4] * part._masses).sum()
     )
+    mechanical = ((0.025 + stored) * part._masses).sum() if heat == "elastic" else 0.0
+    assert sums[-2] == pytest.approx(mechanical, rel=1e-12) and sums[-1] == -sums[-2]
+
+
+@pytest.mark.parametrize("heat", ["coupled", "elastic"])
+def test_what_is_recorded_of_an_end_in_one_dimension(heat):
+    """D, v, the stress of the law with the prestress S, and T, as S (F - 1) is energy, too."""
+    solid, S = ElasticSolid(**NUMBERS, law="svk", heat=heat).equations(1), 0.3
+    stored = (solid.law.energy((1.1,)) + S * 0.1) / 1.7 if heat == "elastic" else 0.0
+    q, found = np.array([[0.05, 0.2, 0.6 * 1.5 + 0.02 + stored]]), np.zeros(4)
+    look_at_end(solid, q, np.array([[1.1]]), 0, S, found)
+    np.testing.assert_allclose(found, [0.05, 0.2, solid.law.stress((1.1,))[0] + S, 1.5], rtol=1e-13)
 
 
 def test_a_state_whose_heat_is_gone_is_bad():

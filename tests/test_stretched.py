@@ -18,6 +18,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.options import defaults
 from fsipetsc.problem import FluidLayer, Problem
+from fsipetsc.scheme.plan import BAD, SAID_STOP, STOP
 from fsipetsc.stepping.solve import build_problem, make_state
 
 EVERY_ORDER = pytest.mark.parametrize("order", ORDERS)
@@ -48,6 +49,20 @@ def column(left, right, gas=GAS, speed=lambda X: 0 * X):
 
     layer = FluidLayer("gas", gas, (0.0, 1.0), initial)
     return Problem((layer,), left, right, units="none")
+
+
+def test_a_step_that_ends_badly_leaves_the_state_before_it():
+    """Of steps in one call, which also hand on what a rank says of stopping."""
+    problem = column(Wall(0.0), Wall(1.0), speed=lambda X: 0.5 * np.sin(2 * np.pi * X))
+    with Case(problem, fsi_order=2, fsi_h=1 / 20).state() as state:
+        state.set_initial()
+        state.finish()
+        start = state.y.array.copy()
+        assert state._steps(0.0, 0.5) == (False, 0.0, 0.5) and state.results[BAD] == 1.0
+        assert np.array_equal(state.y.array, start)
+        state.results[SAID_STOP] = 2.0
+        assert state._steps(0.0, 1e-3)[0] and state.results[STOP] == 2.0
+        assert state.results[BAD] == 0.0 and not np.array_equal(state.y.array, start)
 
 
 def test_heat_through_walls():

@@ -21,7 +21,7 @@ from fsipetsc.checks import counted
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator
 from fsipetsc.output.differences import common_nodes
-from fsipetsc.output.quantities import unit_of
+from fsipetsc.output.quantities import GAINS, unit_of
 from fsipetsc.output.reader import Run
 
 #: names of the cost in the summary of a result
@@ -216,10 +216,17 @@ def _common_values(runs: Sequence[Run]) -> dict[str, dict[str, list[np.ndarray]]
     times = runs[0].time[1:]
     for name in runs[0].series:
         if name not in NO_SOLUTION and not name.startswith("residual_"):
-            values = [run.series[name][np.isin(run.series["t"], times)] for run in runs]
+            values = [_at(run, name, times) for run in runs]
             if len({v.shape for v in values}) == 1 and values[0].size:
                 found.setdefault("series", {})[name] = values
     return found
+
+
+def _at(run: Run, name: str, times: np.ndarray) -> np.ndarray:
+    """A series at some times; of what steps bring the sum since the beginning."""
+    series = run.series[name]
+    whole = np.cumsum(series, axis=0) if name in GAINS else series
+    return whole[np.isin(run.series["t"], times)]
 
 
 def _in_all(pairs: Any) -> list[np.ndarray]:

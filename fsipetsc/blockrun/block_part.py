@@ -61,7 +61,6 @@ class BlockPart:
             "per_h": np.array(self.block.cells, float),
             "at_particles": at_particles,
             "forcing": self._forcing,
-            "came": np.zeros(d + 2),
             "seen": np.zeros(LOOKED),
             "columns": columns,
         }

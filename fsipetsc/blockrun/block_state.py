@@ -21,7 +21,8 @@ from fsipetsc.blockrun.columns import (
     VELOCITIES,
     fields_of,
     gained,
-    loses,
+    lossy,
+    slices,
     step_record,
 )
 from fsipetsc.blockrun.errors_of_blocks import errors_of
@@ -41,7 +42,7 @@ from fsipetsc.parallel.block_layout import (
     halos_of,
 )
 from fsipetsc.process.together import agree, together, wait_asleep
-from fsipetsc.scheme.after_step import WORDS, note_extremes
+from fsipetsc.scheme.after_step import WORDS, note_extremes, note_gained
 from fsipetsc.scheme.burst import DT, MADE
 from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES, advance
@@ -108,9 +109,7 @@ class BlockState(State):
         self._pace = max(1.0, form.shock * PACE_AT_SHOCKS[order])
         self.convection = "divergence" if form.convection == "divergence" else "entropy"
         blocks, d = problem.layers, problem.dimension
-        gases = sum(block.kind == "fluid" for block in blocks)
-        self.lossy = any(loses(problem, k) for k in range(len(blocks)))
-        behind = gained(gases, d, self.lossy).itemsize // 8
+        self.lossy, behind = lossy(problem), gained(problem).itemsize // 8
         self._halos = halos_of(problem, order, self.shocks)
         self.layout = BlockLayout(comm, problem, order, self._halos, partition, behind=behind)
         self.y = self.layout.vector()
@@ -119,8 +118,7 @@ class BlockState(State):
         self.solution = PETSc.Vec().createWithArray(self.y.array, size=size, comm=comm)
         self._recorded, interfaces = tuple(recorded), len(problem.interfaces)
         self._recorder = Recorder(self, self._recorded)
-        points = len(self._recorded)
-        record = step_record(len(blocks), gases, d, interfaces, points, self.lossy)
+        record = step_record(problem, interfaces, len(self._recorded))
         self._lay_records(record, len(blocks))
         self._before, self.retries = np.empty_like(self.y.array), 0
         self.scheme = together(comm, lambda: self._made(self.layout, comm.size == 1))
@@ -137,10 +135,7 @@ class BlockState(State):
         self.results = np.zeros(FLAGS + LIMITS)
         self._rows, self._latest = self._lay_journal(record, KEPT)
         self._extremes, self.rates = np.zeros(1 + WORDS * blocks), np.zeros((blocks, 2))
-        own = self.latest.dtype
-        begins = {name: own.fields[name][1] // 8 for name in own.names}
-        sizes = {name: own[name].itemsize // 8 for name in own.names}
-        self._columns = {name: slice(at, at + sizes[name]) for name, at in begins.items()}
+        self._columns = slices(self.latest.dtype)
 
     def _words(self, scratch: bool = False) -> tuple[Any, ...]:
         """What a look and steps in one call fill: see fsipetsc.scheme.steps.Found, after gain; or
@@ -205,6 +200,7 @@ class BlockState(State):
         advance(y, k, stage, total, 0, 0.0)
         extremes, rates = np.zeros(1 + WORDS), np.zeros((1, 2))
         note_extremes(extremes, rates, np.zeros(FLAGS + LIMITS), np.zeros(2))
+        note_gained(np.zeros(1), np.zeros(1))
         self.plan_next()  # nothing is allowed yet
 
     def _try_scheme(self) -> None:
@@ -317,10 +313,7 @@ class BlockState(State):
             self.comm.Allreduce(MPI.IN_PLACE, self._extremes, MPI.MAX)
         note_extremes(self._extremes, self.rates, self.results, self._latest)
         self._recorder.look(self.latest)
-        came = self.y.behind  # in the order of the last columns
-        noted = self._latest[self._latest.size - came.size :]
-        noted += came
-        came -= noted  # as fsipetsc.scheme.steps.note_step does it
+        note_gained(self._latest, self.y.behind)
 
     def _fill_halos(self) -> None:
         self.y.begin()
@@ -384,6 +377,7 @@ class BlockState(State):
         return {
             "layers": blocks,
             "interface_faces": self.problem.interface_faces,
+            "faces": self.problem.face_names,
             "symmetry": self.problem.symmetry,
             "points": [[node.name, list(node.X)] for node in self._recorded],
         }

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blocks.conditions import Given
+from fsipetsc.scheme.part import Gain
 
 #: letters of axes, of positions and of velocities
 PLACES, VELOCITIES = "xyz", "uvw"
@@ -38,14 +39,43 @@ def loses(problem: Any, k: int) -> bool:
     return stores and not driven and not any(isinstance(c, Given) for c in conditions)
 
 
-def gained(gases: int, d: int, lossy: bool = False) -> np.dtype:
-    """What came in from outside in a step: mass of each block of gas, impulse, energy; lossy: and
-    before the impulse what the step lost of the kinetic and elastic energy of solids.
+def lossy(problem: Any) -> bool:
+    """Whether it is known of any block: see ``loses``."""
+    return any(loses(problem, k) for k in range(len(problem.blocks)))
+
+
+def gained(problem: Any) -> np.dtype:
+    """What came in from outside in a step: mass of each block of gas, impulse, energy, and of this
+    what came through each outer face, by forces in the end, and heat among that; before the impulse
+    what the step lost of the kinetic and elastic energy of solids, where that is known.
     """
-    lost = [("lost_energy", "f8")] * lossy
-    impulses = [(f"impulse_{x}", "f8") for x in PLACES[:d]]
+    gases, faces = _gases(problem), len(problem.outer_faces) + 1
     masses = [("mass_in", "f8", (gases,))] if gases else []
-    return np.dtype([*masses, *lost, *impulses, ("energy_in", "f8")])
+    lost = [("lost_energy", "f8")] * lossy(problem)
+    impulses = [(f"impulse_{x}", "f8") for x in PLACES[: problem.dimension]]
+    through = [(name, "f8", (faces,)) for name in ("energy_face", "heat_face")]
+    return np.dtype([*masses, *lost, *impulses, *through, ("energy_in", "f8")])
+
+
+def gain_of(problem: Any) -> Gain:
+    """What comes in, for compiled code."""
+    kind = gained(problem)
+    numbers, at = np.zeros(kind.itemsize // 8), slices(kind)
+    mass, lost = (numbers[at.get(name, slice(0))] for name in ("mass_in", "lost_energy"))
+    first = at["impulse_x"].start
+    impulse = numbers[first : first + problem.dimension]
+    rest = (numbers[at[name]] for name in ("energy_face", "heat_face", "energy_in"))
+    return Gain(numbers, mass, lost, impulse, *rest)
+
+
+def slices(kind: np.dtype) -> dict[str, slice]:
+    """Where the columns of a record of doubles are among these."""
+    fields = ((name, kind.fields[name][1] // 8, kind[name].itemsize // 8) for name in kind.names)
+    return {name: slice(first, first + size) for name, first, size in fields}
+
+
+def _gases(problem: Any) -> int:
+    return sum(block.kind == "fluid" for block in problem.blocks)
 
 
 #: recorded of interfaces in one dimension: position [m], velocity [m/s], sigma [Pa] and
@@ -65,21 +95,20 @@ def spins(d: int) -> tuple[str, ...]:
     return tuple(f"angular_momentum{axis}" for axis in axes)
 
 
-def step_record(
-    blocks: int, gases: int, d: int, interfaces: int, points: int = 0, lossy: bool = False
-) -> np.dtype:
+def step_record(problem: Any, interfaces: int = 0, points: int = 0) -> np.dtype:
     """Recorded of a step.
 
     Time after it, its length; of each block the least J, and the largest |J - det D x| / J of a
-    gas; then shares of the ranks, to be added up: integrals (lossy: and the kinetic and elastic
-    energy of solids that ``loses`` names), in one dimension OF_INTERFACES, ``point_names`` of so
-    many nodes, and what came in.
+    gas; then shares of the ranks, to be added up: integrals, where its losses are known the kinetic
+    and elastic energy of solids, in one dimension OF_INTERFACES, ``point_names`` of so many nodes,
+    and what came in.
     """
+    blocks, gases, d = len(problem.blocks), _gases(problem), problem.dimension
     masses = [("mass", "f8", (gases,))] if gases else []
     momenta = [(f"momentum_{x}", "f8") for x in PLACES[:d]]
-    more = [(name, "f8") for name in (*spins(d), *["solid_energy"] * lossy)]
+    more = [(name, "f8") for name in (*spins(d), *["solid_energy"] * lossy(problem))]
     integrals = [*masses, ("energy", "f8"), *momenta, ("entropy", "f8"), *more]
-    came = gained(gases, d, lossy)
+    came = gained(problem)
     rest = [(name, came[name].base, came[name].shape) for name in came.names]
     lines = [(name, "f8", (interfaces,)) for name in OF_INTERFACES] if d == 1 and interfaces else []
     lines += [(name, "f8", (points,)) for name in point_names(d)] if points else []

@@ -38,7 +38,8 @@ class FaceTerms:
         self._d, self._gas, self.p_ref = d, block.kind == "fluid", _left_out(problem, k)
         self._turned: list[tuple[slice, TurnedFace]] = []
         self._faces: list[tuple[Any, Array, slice]] = []
-        listed, count = [_nodes_of(part, np.empty(0, np.int64), 0, 0)], 0
+        listed, count = [_nodes_of(part, np.empty(0, np.int64), 0, 0, 0)], 0
+        through = {face: column for column, face in enumerate(problem.outer_faces)}
         lengths = []
         for (axis, side), condition in problem.faces_of(k).items():
             met = isinstance(condition, Meeting)
@@ -48,7 +49,8 @@ class FaceTerms:
             loaded = _unheld(condition) and self.p_ref not in (0.0, beyond)
             if not (supplied or loaded or _acts(condition)):
                 continue
-            listed.append(_nodes_of(part, problem.face_nodes(k, axis, side), axis, side))
+            column = through.get((k, axis, side), len(through))
+            listed.append(_nodes_of(part, problem.face_nodes(k, axis, side), axis, side, column))
             own = listed[-1][1]
             where, count = slice(count, count + own.size), count + own.size
             if own.size:
@@ -157,9 +159,9 @@ def ranges_of(part: Part, shape: Sequence[int]) -> list[tuple[int, int]]:
     ]
 
 
-def _nodes_of(part: Part, nodes: Array, axis: int, side: int) -> tuple[Array, ...]:
+def _nodes_of(part: Part, nodes: Array, axis: int, side: int, column: int) -> tuple[Array, ...]:
     """This rank's nodes of those of a face: numbers in the ghosted array and among the owned ones,
-    axis, sign, 1 / weight of the axis, product of the other weights.
+    axis, sign, 1 / weight of the axis, product of the other weights, column.
     """
     mine = nodes[np.isin(nodes, part.numbers, assume_unique=True)]
     own = part.rows(mine) if mine.size else np.empty(0, np.int64)
@@ -167,7 +169,8 @@ def _nodes_of(part: Part, nodes: Array, axis: int, side: int) -> tuple[Array, ..
     last = part.patch.first[axis] + (part.patch.own[axis] - 1 if side else 0)
     weight, ones = float(part.bands[axis].weight[last]), np.ones(own.size)
     signs = ones if side else -ones
-    return at, own, np.full(own.size, axis), signs, ones / weight, weights_of(part, at) / weight
+    across, columns = weights_of(part, at) / weight, np.full(own.size, column)
+    return at, own, np.full(own.size, axis), signs, ones / weight, across, columns
 
 
 def weights_of(part: Part, ghosted: Array) -> Array:

@@ -114,6 +114,9 @@ class ParticleSystem:
         gases = [k for k, block in enumerate(blocks) if block.kind == "fluid"]
         of_gas = [[k for k, _ in p.members if k in gases][:1] for p in self._particles]
 
+        through = {face: column for column, face in enumerate(layout.problem.outer_faces)}
+        faces = [[through.get(face, len(through)) for face in _faces(p)] for p in self._particles]
+
         flags = np.zeros((count, kernels.FLAGS), np.int64)
         flags[:, kernels.MINE] = owners[begin[:-1]] == layout.comm.rank
         for p, particle in enumerate(self._particles):
@@ -129,6 +132,7 @@ class ParticleSystem:
             count=np.array([len(p.constraints) for p in self._particles], np.int64),
             constraint=constraint,
             column=np.array([gases.index(k[0]) if k else 0 for k in of_gas], np.int64),
+            faces=np.array(faces, np.int64).reshape(-1, 4),
             flags=flags,
         )
 
@@ -318,6 +322,15 @@ def _flags(p: Particle) -> list[bool]:
         p.one_T,
     ]
     return [bool(flag) for flag in found]
+
+
+def _faces(p: Particle) -> list[Any]:
+    """(block, axis, side) of what moves gas and solid and of what warms them; None: of no face."""
+    gas, solid = ("given_gas", "wall", "slip"), ("given_solid", "clamp")
+    if p.sticks:  # what holds one holds both
+        gas, solid = ("given_gas", "clamp", "wall", "slip"), ("given_solid", "clamp", "wall")
+    names = gas, solid, ("warm_gas",), ("warm_solid", "given_solid")
+    return [next((p.faces[n] for n in which if n in p.faces), None) for which in names]
 
 
 def _members(layout: BlockLayout, particles: Sequence[Particle]) -> tuple[Array, Array]:

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.columns import loses, spins
+from fsipetsc.blockrun.columns import gain_of, spins
 from fsipetsc.blockrun.gas_part import GasPart
 from fsipetsc.blockrun.particle_system import ParticleSystem
 from fsipetsc.blockrun.solid_part import SolidPart
@@ -80,8 +80,8 @@ class Scheme:
         self.particles = ParticleSystem(layout, particles, law, inertia, instant)
         for gas in self._gases:
             gas.follow(particles, self.particles)
-        lossy = any(loses(problem, k) for k in range(len(blocks)))
-        self._gain = np.zeros(len(fluids) + lossy + d + 1)
+        self._came = gain_of(problem)
+        self._gain = Box(self._came)  # as compiled code takes it
         #: compiled code does not find area vectors of solids in three dimensions, nor how they turn
         self.alone = alone and d < 3
         self._records(columns, ends, fluids)
@@ -228,7 +228,7 @@ class Scheme:
         if self.alone:
             run(self._all, RATES, y.array, f)
             return
-        self._gain[:] = 0.0
+        self._came.numbers[:] = 0.0
         y.begin()
         self.particles.find_normals(self._add_turning, True)
         y.end()

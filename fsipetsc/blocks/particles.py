@@ -61,6 +61,7 @@ class Particle:
     elastic energy into account. The others are conditions, None where there is none: wall
     prescribes the velocity of the gas, slip that of a wall along which it slips, clamp the motion
     of the solid, given_gas and given_solid all unknowns, warm_gas and warm_solid a temperature.
+    faces: by these names the face, (block, axis, side), whose condition it is.
     """
 
     members: list[tuple[int, int]]
@@ -76,6 +77,7 @@ class Particle:
     given_solid: Any = None
     warm_gas: Any = None
     warm_solid: Any = None
+    faces: dict[str, tuple[int, int, int]] = field(default_factory=dict)
 
     @property
     def moves(self) -> bool:
@@ -117,7 +119,7 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
                 slips.append((face, met))
             elif isinstance(met, Roller):
                 rolls.append(face)
-            _take_over(particle, met, gas is not None)
+            _take_over(particle, met, gas is not None, (k, axis, side))
     if particle.clamp is None and problem.hinged(members):
         particle.clamp = Clamped()
     if particle.sticks:
@@ -149,26 +151,34 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
     return particle
 
 
-def _take_over(particle: Particle, met: Any, gas: bool) -> None:
+def _take_over(particle: Particle, met: Any, gas: bool, face: tuple[int, int, int]) -> None:
     """What a condition holds beside a direction; of two of a kind that which prescribes a motion.
     """
+
+    def take(name: str) -> None:
+        setattr(particle, name, met)
+        particle.faces[name] = face
+
     names = {NoSlip: "wall", Slip: "slip", Clamped: "clamp"}
     if type(met) in names:
         known = getattr(particle, names[type(met)])
         moving = [c.x or c.velocity for c in (met, known) if c]
         if known is None or (moving[0] and not moving[1]):
-            setattr(particle, names[type(met)], met)
+            take(names[type(met)])
     elif isinstance(met, Given):
-        setattr(particle, "given_gas" if gas else "given_solid", met)
+        take("given_gas" if gas else "given_solid")
     if getattr(met, "T", None) is not None and not isinstance(met, Open):
-        setattr(particle, "warm_gas" if gas else "warm_solid", met)
+        take("warm_gas" if gas else "warm_solid")
 
 
 def _settle_heat(particle: Particle, materials: list[Any]) -> None:
     """Who has one temperature, and whether elastic energies matter to it."""
     if particle.shares_heat:
-        warm = particle.warm_gas or particle.warm_solid
+        warm, faces = particle.warm_gas or particle.warm_solid, particle.faces
         particle.warm_gas = particle.warm_solid = warm
+        for name, other in (("warm_gas", "warm_solid"), ("warm_solid", "warm_gas")):
+            if other in faces:
+                faces.setdefault(name, faces[other])
     solids = [material for material in materials if material.kind == "solid"]
     elastic = any(solid.heat == "elastic" for solid in solids)
     conducts = all(solid.heat == "coupled" or solid.kappa_e > 0.0 for solid in solids)

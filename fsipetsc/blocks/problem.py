@@ -112,6 +112,12 @@ class BlockProblem:
         """(axis, side) -> what stands at the faces of block k; nothing on a periodic axis."""
         return self._kinds[k]
 
+    @property
+    def outer_faces(self) -> list[tuple[int, int, int]]:
+        """(block, axis, side) of the faces that no other one meets."""
+        faces = [(k, *face) for k, kinds in enumerate(self._kinds) for face in kinds]
+        return [f for f in faces if not isinstance(self._kinds[f[0]][f[1:]], Meeting)]
+
     def is_interface(self, k: int, axis: int, side: int) -> bool:
         """Whether gas meets a solid at a face of block k."""
         kind = self._kinds[k].get((axis, side))
@@ -203,6 +209,14 @@ class BlockProblem:
         pairs = (sorted(pair) for pair in self.interfaces)
         return [" | ".join(self.blocks[k].name for k in pair) for pair in pairs]
 
+    @property
+    def face_names(self) -> list[str]:
+        """Of what energy comes in by: the outer faces, as "gas, axis 0, side 1"; then "inside", for
+        forces, interfaces and points that are held.
+        """
+        faces = ((self.blocks[k].name, axis, side) for k, axis, side in self.outer_faces)
+        return [*(f"{name}, axis {axis}, side {side}" for name, axis, side in faces), "inside"]
+
     def interface_nodes(self, number: int) -> np.ndarray:
         """Nodes of the solid on an interface, each once."""
         _, solid = self.interfaces[number]
@@ -230,8 +244,7 @@ class BlockProblem:
     @cached_property
     def _conditions(self) -> list[Any]:
         """Of all faces that no other one meets."""
-        every = (met for k in range(len(self.blocks)) for met in self.faces_of(k).values())
-        return [met for met in every if not isinstance(met, Meeting)]
+        return [self.faces_of(k)[axis, side] for k, axis, side in self.outer_faces]
 
     @property
     def _forced(self) -> bool:

@@ -17,9 +17,9 @@ def to_xarray(run: Run) -> xarray.Dataset:
 
     Fields are variables "LAYER.FIELD" of the dimensions time and X_LAYER (in two dimensions time,
     Y_LAYER, X_LAYER), with the reference coordinates; the positions "LAYER.x" … are coordinates.
-    Series are "series.NAME" of the dimension step, with the coordinate t, and interface, gas, layer
-    or point, which have names. A name of a layer is written with _ in the place of blanks.
-    Attributes: case, options; of variables units.
+    Series are "series.NAME" of the dimension step, with the coordinate t, and interface, gas,
+    layer, face or point, which have names. A name of a layer is written with _ in the place of
+    blanks. Attributes: case, options; of variables units.
 
     Raises InputError without xarray, FileError where the result is damaged.
     """
@@ -76,6 +76,8 @@ def _what_columns_are(series: str) -> str:
         return "interface"
     if series.endswith("_point"):
         return "point"
+    if series.endswith("_face"):
+        return "face"
     known = {"mass": "gas", "mass_in": "gas", "least_J": "layer", "J_error": "layer"}
     return known.get(series, "")
 
@@ -86,6 +88,7 @@ def _columns(run: Run) -> dict[str, list[str]]:
         "interface": list(run.interfaces),
         "gas": [layer.name for layer in run.layers if layer.kind == "fluid"],
         "layer": [layer.name for layer in run.layers],
+        "face": list(run.faces),
         "point": [f"{name} at {', '.join(f'{x:g}' for x in X)}" for name, X in run.points],
     }
 

@@ -38,13 +38,14 @@ def info_sections(run: Run) -> dict[str, Rows]:
         parts = {
             "run": _overview(run),
             "layers": [(layer.name, _of_layer(run, layer)) for layer in run.layers],
+            "energy that came in": _through(run),
             "options": [(f"-{k}", _text(value)) for k, value in run.options.items() if value != ""],
             "summary": _summary(run),
         }
         if run.errors:
             errors = [(kind, _text(values)) for kind, values in run.errors.items()]
             parts[f"{run.options.get('fsi_norm', 'L2')} errors"] = errors
-        return parts
+        return {title: rows for title, rows in parts.items() if rows}
 
 
 def _overview(run: Run) -> Rows:
@@ -71,6 +72,16 @@ def _of_layer(run: Run, layer: Layer) -> str:
     grid = layer.size + "".join(_range(f", {name} =", getattr(layer, name)) for name in axes)
     spacing = "" if isinstance(layer, BlockLayer) else f", h = {layer.h:g}"
     return f"{layer.kind}, {grid}{spacing}; {', '.join(layer.fields)}"
+
+
+def _through(run: Run) -> Rows:
+    """Of each face through which energy came in, how much, and how much of it was heat."""
+    if not run.faces or "energy_face" not in run.series:
+        return []
+    sums = (run.series[name].sum(axis=0) for name in ("energy_face", "heat_face"))
+    found = zip(run.faces, *sums, strict=True)
+    text = {name: f"{energy:.6g}, of it heat {heat:.6g}" for name, energy, heat in found if energy}
+    return list(text.items())
 
 
 def _positions(run: Run) -> str:

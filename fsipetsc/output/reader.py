@@ -48,6 +48,8 @@ class Run:
     interfaces          their names, from left to right
     points              recorded at each step (-fsi_points, -fsi_probes): tuple of (name of the
                         interface or block, (X, …))
+    faces               of blocks those that no other one meets, and "inside": the columns of the
+                        series "energy_face" and "heat_face"
     series              name -> (nsteps,) or (nsteps, m), one row per time step: "t", "dt",
                         "x_interface", …
 
@@ -80,6 +82,7 @@ class Run:
         self.case: str = self.header["case"]
         self.options: dict[str, Any] = self.header["options"]
         self.interfaces: tuple[str, ...] = tuple(self.header.get("interfaces", ()))
+        self.faces: tuple[str, ...] = tuple(self.header.get("faces", ()))
         self.points: tuple[tuple[str, tuple[float, ...]], ...] = tuple(
             (name, tuple(X)) for name, X in self.header.get("points", ())
         )

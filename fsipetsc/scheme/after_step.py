@@ -32,3 +32,16 @@ def note_extremes(extremes, rates, results, latest):
         diffusion = np.maximum(diffusion, extremes[at + 2])
     results[RATE] = np.sqrt(np.sqrt(convection**4 + diffusion**4))
     results[BAD], results[STOP] = bad, extremes[0]
+
+
+@njit(**MERGED_CALL)
+def note_gained(latest, behind):
+    """Put what came in, which stands behind the unknowns, into the last columns of ``latest``.
+
+    A look leaves minus the energy E of solids where what they lost of it will stand. So E stays
+    behind the unknowns, and after the next step it is there with the work W: W + E - E' is lost.
+    """
+    first = latest.size - behind.size
+    for c in range(behind.size):
+        latest[first + c] += behind[c]
+        behind[c] -= latest[first + c]

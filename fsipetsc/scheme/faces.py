@@ -1,5 +1,5 @@
 """What passes faces of blocks that are open, loaded or heated: added to the rates of the nodes
-there, and, times the weights of these, to ``gain``: mass, momentum, energy. Compiled.
+there, and, times the weights of these, to what comes in. Compiled.
 
 The volume terms let nothing pass a face. With the outward area vector n of a face per unit of its
 reference coordinates, and the velocity v of the grid, a node at it gets -f / weight, weight that of
@@ -64,10 +64,10 @@ class GasFaces(NamedTuple):
 
     at, own: (n,) numbers of the nodes in the ghosted array and among the owned ones. axis, sign: of
     the outward normal. per_weight: 1 / weight of the axis at the face, across: product of those of
-    the other axes. opens: 1 where gas may pass; outside: (n, d + 2), (rho, u, T) beyond; pressure:
-    (n,) that beyond an outflow, 0 for one that is supersonic, below 0 where the face is open and no
-    outflow. heat: (n,) what comes in per area [W/m2]. width: (n,) length [m] of the gas behind an
-    open face of first order, else 0.
+    the other axes. column: of the face in what comes in. opens: 1 where gas may pass; outside:
+    (n, d + 2), (rho, u, T) beyond; pressure: (n,) that beyond an outflow, 0 for one that is
+    supersonic, below 0 where the face is open and no outflow. heat: (n,) what comes in per area
+    [W/m2]. width: (n,) length [m] of the gas behind an open face of first order, else 0.
     """
 
     at: Array
@@ -76,6 +76,7 @@ class GasFaces(NamedTuple):
     sign: Array
     per_weight: Array
     across: Array
+    column: Array
     opens: Array
     outside: Array
     pressure: Array
@@ -85,7 +86,7 @@ class GasFaces(NamedTuple):
     def add(self, part, q, rates, gain):
         """Add all that passes, see ``pass_faces``."""
         of_axes = part.S, part.weight, part.patch
-        pass_faces(part.laws, part.like, self, *of_axes, q, part.metrics, rates, gain)
+        pass_faces(part.laws, part.like, self, *of_axes, q, part.metrics, part.column, rates, gain)
 
 
 class SolidFaces(NamedTuple):
@@ -102,6 +103,7 @@ class SolidFaces(NamedTuple):
     sign: Array
     per_weight: Array
     across: Array
+    column: Array
     absorbs: Array
     traction: Array
     pressure: Array
@@ -111,9 +113,10 @@ class SolidFaces(NamedTuple):
     X: Array
 
     def add(self, part, q, rates, gain):
-        """Add all that loads a solid, see ``load_faces``."""
+        """Add all that loads a solid, see ``load_faces``; returns its work."""
         laws, of_axes = part.laws, (part.S, part.weight, part.patch)
-        load_faces(laws, part.like, self, *of_axes, q, part.metrics, part.inertia, rates, gain)
+        of_part = part.metrics, part.inertia
+        return load_faces(laws, part.like, self, *of_axes, q, *of_part, rates, gain)
 
 
 class Closed(NamedTuple):
@@ -123,16 +126,18 @@ class Closed(NamedTuple):
 
     def add(self, part, q, rates, gain):
         """Nothing."""
-        return None
+        return 0.0
 
 
 @njit(**INNER_CALL)
-def pass_faces(gas, like, faces, S, weight, patch, q, metrics, rates, gain):
-    """Add what passes the faces of a gas to ``rates`` (owned, d + 3) and ``gain`` (d + 2,).
+def pass_faces(gas, like, faces, S, weight, patch, q, metrics, column, rates, gain):
+    """Add what passes the faces of a gas to ``rates`` (owned, d + 3) and ``gain``.
 
-    q: (ghosted, d + 3); metrics: (d d + d + 1, ghosted). S, weight: of the three axes.
+    q: (ghosted, d + 3); metrics: (d d + d + 1, ghosted). S, weight: of the three axes. column: of
+    the block's mass in what comes in.
     """
     d, like_q = len(like), (*like, 0.0, 0.0, 0.0)
+    mass, impulse, energy, warmth = gain.mass, gain.impulse, gain.energy, gain.heat
     for i in range(faces.at.size):
         at, own, axis = faces.at[i], faces.own[i], faces.axis[i]
         n = scale(faces.sign[i], column_of(like, metrics, axis * d, at))
@@ -148,10 +153,14 @@ def pass_faces(gas, like, faces, S, weight, patch, q, metrics, rates, gain):
             f = open_flux(gas, w, beyond, faces.pressure[i], width, n, g, size, slopes)
             for c in range(d + 2):
                 rates[own, 1 + c] -= faces.per_weight[i] * f[c]
-                gain[c] -= faces.across[i] * f[c]
+            mass[column] -= faces.across[i] * f[0]
+            for c in range(d):
+                impulse[c] -= faces.across[i] * f[1 + c]
+            energy[faces.column[i]] -= faces.across[i] * f[d + 1]
         heat = faces.heat[i] * size
         rates[own, d + 2] += faces.per_weight[i] * heat
-        gain[d + 1] += faces.across[i] * heat
+        energy[faces.column[i]] += faces.across[i] * heat
+        warmth[faces.column[i]] += faces.across[i] * heat
 
 
 @njit(**INNER_CALL)
@@ -268,12 +277,12 @@ def by_characteristics(gas, w, beyond, n, g, size, viscous):
 
 @njit(**INNER_CALL)
 def load_faces(solid, like, faces, S, weight, patch, q, metrics, inertia, rates, gain):
-    """Add forces and heat at the faces of a solid to ``rates`` (owned, 2d + 1), and to ``gain``
-    (d + 2,) work, impulse and energy.
+    """Add forces and heat at the faces of a solid to ``rates`` (owned, 2d + 1) and ``gain``;
+    returns the work.
 
     q: (ghosted, 2d + 1). S, weight: of the three axes. inertia: (ghosted,), J0 m0.
     """
-    d = len(like)
+    d, total, impulse, energy, warmth = len(like), 0.0, gain.impulse, gain.energy, gain.heat
     for i in range(faces.at.size):
         at, own = faces.at[i], faces.own[i]
         A = scale(faces.sign[i], column_of(like, metrics, faces.axis[i] * d, at))
@@ -291,10 +300,12 @@ def load_faces(solid, like, faces, S, weight, patch, q, metrics, inertia, rates,
         work = dot(force, v)
         for c in range(d):
             rates[own, d + c] += scaled * force[c]
-            gain[1 + c] += faces.across[i] * force[c]
+            impulse[c] += faces.across[i] * force[c]
         rates[own, 2 * d] += scaled * (work + heat)
-        gain[0] += faces.across[i] * work
-        gain[1 + d] += faces.across[i] * (work + heat)
+        energy[faces.column[i]] += faces.across[i] * (work + heat)
+        warmth[faces.column[i]] += faces.across[i] * heat
+        total += faces.across[i] * work
+    return total
 
 
 @njit(**INNER_CALL)

@@ -11,7 +11,7 @@ from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.block_look import gas_look
 from fsipetsc.scheme.gas_dissipation import gas_dissipation
 from fsipetsc.scheme.gas_rates import gas_rates
-from fsipetsc.scheme.part import add_normals, clear, ghosted, note, owned
+from fsipetsc.scheme.part import add_normals, ghosted, note, owned
 from fsipetsc.scheme.rows import Array
 
 
@@ -27,9 +27,9 @@ class GasRecord(NamedTuple):
     follows: (n,) particles by which its grid moves, here: (n, 2d) their displacement and velocity,
     known: (m, 2d) those of all ranks; grid: see fsipetsc.blocks.grid. at_particles: faces at
     constraints, see fsipetsc.scheme.normals. reference: (M,) J of the reference map. forcing:
-    (d + 2, M), or (d + 2, 0). came: (d + 2,) mass, impulse, energy that come in. column: of its
-    mass in what comes in; columns: of its sums in the record of a step. axis:
-    fsipetsc.scheme.radial; signs: of images, see fsipetsc.parallel.block_layout.
+    (d + 2, M), or (d + 2, 0). column: of its mass in what comes in; columns: of its sums in the
+    record of a step. axis: fsipetsc.scheme.radial; signs: of images, see
+    fsipetsc.parallel.block_layout.
     """
 
     like: Any
@@ -62,7 +62,6 @@ class GasRecord(NamedTuple):
     at_particles: Any
     reference: Array
     forcing: Array
-    came: Array
     seen: Array
     sums: Array
     columns: Array
@@ -138,36 +137,38 @@ def store(part, particles, s):
 @njit(**CALL)
 def rates(part, s, f, gain):
     """Fill a gas's part of f, from that of a completed s; what comes in goes to ``gain``."""
-    d, n = len(part.like), gain.size
-    q, own, came, patch = ghosted(part, s, d + 3), owned(part, f, d + 3), part.came, part.patch
+    d, patch = len(part.like), part.patch
+    q, own = ghosted(part, s, d + 3), owned(part, f, d + 3)
     laws, like, form, friction = part.laws, part.like, part.form, part.friction
     metrics = part.metrics
     (S0, S1, S2), (w0, w1, w2), work = part.S, part.weight, part.work
     gas_rates(laws, like, form, friction, q, metrics, S0, S1, S2, w0, w1, w2, patch, own, work)
     part.axis.add(part, q, own)
     part.dissipation.add(part, q, own)
-    clear(came)
-    part.faces.add(part, q, own, came)
-    supply(part, owned(part, s, d + 3), own, came)
-    gain[part.column] += came[0]
-    for c in range(d + 1):
-        gain[n - d - 1 + c] += came[1 + c]
+    part.faces.add(part, q, own, gain)
+    supply(part, owned(part, s, d + 3), own, gain)
 
 
 @njit(**CALL)
-def supply(part, q, rates, came):
+def supply(part, q, rates, gain):
     """Add the case's forcing, and book what body forces give; q, rates: of the owned nodes."""
     force, forcing, masses, d = part.laws.force, part.forcing, part.masses, len(part.like)
+    mass, impulse, energy, inside = gain.mass, gain.impulse, gain.energy, gain.energy.size - 1
     for c in range(d):
         b = force[c]
         for i in range(masses.size if b != 0.0 else 0):
-            came[1 + c] += b * masses[i] * q[i, 1]
-            came[1 + d] += b * masses[i] * q[i, 2 + c]
+            impulse[c] += b * masses[i] * q[i, 1]
+            energy[inside] += b * masses[i] * q[i, 2 + c]
     for c in range(d + 2):
         for i in range(forcing.shape[1]):
             supplied = q[i, 0] * forcing[c, i]
             rates[i, 1 + c] += supplied
-            came[c] += masses[i] * supplied
+            if c == 0:
+                mass[part.column] += masses[i] * supplied
+            elif c <= d:
+                impulse[c - 1] += masses[i] * supplied
+            else:
+                energy[inside] += masses[i] * supplied
 
 
 @njit(**CALL)

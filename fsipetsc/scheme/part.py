@@ -13,6 +13,7 @@ from fsipetsc.operators.loops import CALL, INNER_CALL, INNER_LOOP, MERGED_CALL
 from fsipetsc.scheme.after_step import WORDS
 from fsipetsc.scheme.block_look import CONVECTION
 from fsipetsc.scheme.normals import add_areas
+from fsipetsc.scheme.rows import Array
 
 
 class Held(NamedTuple):
@@ -28,6 +29,22 @@ class Held(NamedTuple):
     rates: Any
     look: Any
     note: Any
+
+
+class Gain(NamedTuple):
+    """What comes in from outside. numbers: all that follow, as fsipetsc.blockrun.columns.gained has
+    them. mass: of each block of gas. lost: (1,) work on solids if it is booked, else (0,). impulse:
+    (d,). energy: through each outer face, in the end what comes through none; heat: what of this is
+    heat. total: (1,) the sum of energy.
+    """
+
+    numbers: Array
+    mass: Array
+    lost: Array
+    impulse: Array
+    energy: Array
+    heat: Array
+    total: Array
 
 
 @njit(**MERGED_CALL)

@@ -20,8 +20,8 @@ G_c is the sum of the area vectors of gas faces, S_c minus that of those at a so
 S_c is the sum over walls: what they push comes in from outside. Sticking gas and solid are one body
 of mass M + M_s. A body whose motion is given counts as infinitely heavy.
 
-What comes in is added to ``gain``: masses of the gas blocks, work on solids if it is booked,
-impulse (d), energy. Constraints tell it by their forces, data that replace unknowns by the change.
+What comes in is added to ``gain``, see fsipetsc.scheme.part.Gain. Constraints tell it by their
+forces, data that replace unknowns by the change.
 
     begin_sums, exchange, end_sums, settle     complete the unknowns
     begin_rates, exchange, end_rates           complete their rates
@@ -77,7 +77,9 @@ class Table(NamedTuple):
     vector. weight: (rows,) H of a gas member, M_s of a solid one; alpha: (rows,) specific heat of
     solids. inertia: (own,) M_s of members whose work is booked, else 0. count: (p,) number of
     constraints; constraint: (p, K) their kinds. column: (p,) where the mass of the gas is in
-    ``gain``. flags: (p, FLAGS) 1 or 0 for each of MINE …, see fsipetsc.blocks.particles.
+    ``gain``. faces: (p, 4), through which face what moves gas and solid does work, and what gives
+    temperatures to gas and solid heats. flags: (p, FLAGS) 1 or 0 for each of MINE …, see
+    fsipetsc.blocks.particles.
     """
 
     begin: Array
@@ -90,6 +92,7 @@ class Table(NamedTuple):
     count: Array
     constraint: Array
     column: Array
+    faces: Array
     flags: Array
 
 
@@ -99,6 +102,8 @@ class Table(NamedTuple):
 MINE, FREE_GAS, FREE_SOLID, PLACED, STICKS, HELD_GAS, HELD_SOLID, GIVEN_GAS, GIVEN_SOLID = range(9)
 WARM_GAS, WARM_SOLID, SHARES_HEAT, ONE_T = range(9, 13)
 FLAGS = 13
+#: columns of ``faces``
+MOVES_GAS, MOVES_SOLID, HEATS_GAS, HEATS_SOLID = range(4)
 
 
 class Data(NamedTuple):
@@ -176,7 +181,7 @@ class Particles(NamedTuple):
 @njit(**CALL)
 def begin_sums(all, s, gain):
     """Rows of this rank's members: H q of a gas, (M_s D, M_s v, M_s e, M_s) of a solid."""
-    gain[:] = 0.0
+    gain.numbers[:] = 0.0
     weigh(all, s)
     d, rows, kind, weight = len(all.like), all.rows, all.table.kind, all.table.weight
     for r in range(all.table.at.size):
@@ -233,7 +238,8 @@ def end_sums(all, gain):
     velocity, and the kinetic energy that the solid loses by that goes to the gas.
     """
     table, like, rows, data, state = all.table, all.like, all.rows, all.data, all.state
-    flags, column, d, begin = table.flags, table.column, len(like), gain.size - 1 - len(like)
+    flags, column, faces, d = table.flags, table.column, table.faces, len(like)
+    masses, impulse, energies = gain.mass, gain.impulse, gain.energy
     mass, solid_mass, V_of, U, e = state.mass, state.solid_mass, state.V, state.U, state.e
     D_of, v, mean_energy, clamp, wall = state.D, state.v, state.mean_energy, data.clamp, data.wall
     of_gas, of_solid, clamp_velocity = data.gas, data.solid, data.clamp_velocity
@@ -274,11 +280,12 @@ def end_sums(all, gain):
             put_part(D_of, p, 0, D)
         given = flags[p, GIVEN_GAS] or flags[p, GIVEN_SOLID]
         if flags[p, MINE] and (held or held_s or given):
-            gain[column[p]] += M - M_0
+            if V > 0.0:
+                masses[column[p]] += M - M_0
             push = add(sub(P, before), sub(P_s, before_s))
             for c in range(d):
-                gain[begin + c] += push[c]
-            gain[begin + d] += (E - energy) + (E_s - energy_s)
+                impulse[c] += push[c]
+            energies[faces[p, MOVES_GAS]] += (E - energy) + (E_s - energy_s)
 
 
 # normals, and what members store
@@ -402,8 +409,19 @@ def settle(all, s, gain):
         slide(all, gain)
     share_heat(all.table, all.law, all.like, all.data, all.state, gain)
     give_state(all.table, all.like, all.stored, s, all.state)
+    came = sum_up(gain)
     for c in range(all.behind):
-        s[s.size - all.behind + c] += gain[c]
+        s[s.size - all.behind + c] += came[c]
+
+
+@njit(**INLINED_CALL)
+def sum_up(gain):
+    """The numbers of what came in, with the sum of energies."""
+    numbers, energy, total = gain.numbers, gain.energy, gain.total
+    total[0] = 0.0
+    for c in range(energy.size):
+        total[0] += energy[c]
+    return numbers
 
 
 @njit(**INLINED_CALL)
@@ -414,7 +432,7 @@ def slide(all, gain):
     table, like, normals, state = all.table, all.like, all.normals, all.state
     flags, count, constraint, wall = table.flags, table.count, table.constraint, all.data.wall
     mass, solid_mass, V, U, vs, e = state.mass, state.solid_mass, state.V, state.U, state.v, state.e
-    d, K, begin = len(like), normals.shape[1], gain.size - 1 - len(like)
+    d, K, impulse = len(like), normals.shape[1], gain.impulse
     pi, room = np.zeros(K), (np.zeros((K, K)), np.zeros(K))
     for p in range(count.size):
         if count[p] == 0:
@@ -433,7 +451,7 @@ def slide(all, gain):
             G, S = normal(like, normals, p, k, 0), normal(like, normals, p, k, d)
             for c in range(d):
                 both = flags[p, FREE_GAS] * G[c] + flags[p, FREE_SOLID] * S[c]
-                gain[begin + c] += pi[k] * both
+                impulse[c] += pi[k] * both
         put_part(vs, p, 0, v)
         if M > 0.0:
             put_part(U, p, 1, scale(U[p, 0], u))
@@ -447,13 +465,14 @@ def share_heat(table, law, like, data, state, gain):
     """One temperature of gas and solid where both conduct, or that which is given."""
     d, flags, T_gas, T_solid = len(like), table.flags, data.T, data.T_solid
     mass, solid_mass, V, U, v, e = state.mass, state.solid_mass, state.V, state.U, state.v, state.e
-    capacity, potential = state.capacity, state.potential
+    capacity, potential, faces = state.capacity, state.potential, table.faces
+    energies, heats = gain.energy, gain.heat
     for p in range(mass.size):
         warm_gas, warm_solid = flags[p, WARM_GAS] == 1, flags[p, WARM_SOLID] == 1
         both = flags[p, SHARES_HEAT] == 1 and not warm_gas and not warm_solid
         if not (both or warm_gas or warm_solid):
             continue
-        rho, M, M_s, came = U[p, 0], mass[p], solid_mass[p], 0.0
+        rho, M, M_s, mine = U[p, 0], mass[p], solid_mass[p], flags[p, MINE]
         u = per(part_of(like, U, p, 1), rho) if M > 0.0 else like
         of_gas = 0.5 * dot(u, u)
         of_solid = potential[p] + 0.5 * dot(node(like, v, p), node(like, v, p))
@@ -467,14 +486,15 @@ def share_heat(table, law, like, data, state, gain):
             U[p, d + 1] = rho * (sum_of_both - M_s * e[p]) / M
         if warm_gas and M > 0.0:
             E = rho * (law.internal_energy(rho, T_gas[p]) + of_gas)
-            came += V[p] * (E - U[p, d + 1])
+            came, at = mine * V[p] * (E - U[p, d + 1]), faces[p, HEATS_GAS]
+            energies[at], heats[at] = energies[at] + came, heats[at] + came
             U[p, d + 1] = E
         if warm_solid and M_s > 0.0:
             found = of_solid + capacity[p] * T_solid[p]
-            came += M_s * (found - e[p])
+            came, at = mine * M_s * (found - e[p]), faces[p, HEATS_SOLID]
+            energies[at] += came
+            heats[at] += came if flags[p, GIVEN_SOLID] == 0 else 0.0
             e[p] = found
-        if flags[p, MINE]:
-            gain[gain.size - 1] += came
 
 
 @njit(**INLINED_CALL)
@@ -530,7 +550,8 @@ def end_rates(all, y, f, gain):
     )
     mass, solid_mass, V, U, vs = state.mass, state.solid_mass, state.V, state.U, state.v
     begin, row, kind, starts, inertia = table.begin, table.row, table.kind, table.at, table.inertia
-    d, K, first = len(like), normals.shape[1], gain.size - 1 - len(like)
+    d, K, lost, impulse = len(like), normals.shape[1], gain.lost, gain.impulse
+    energies, faces = gain.energy, table.faces
     pi, room = np.zeros(K), (np.zeros((K, K)), np.zeros(K))
     for p in range(count.size):
         (J_t, R, R_m, R_E), (_, _, F, _) = summed(table, like, p, rows)
@@ -560,25 +581,29 @@ def end_rates(all, y, f, gain):
         if count[p] > 0:
             a, b = solve(table, like, p, normals, pi, M, M_s, a, b, room)
         force, force_s = along(force, M, a), along(force_s, M_s, b)
-        power = dot(force, u)
+        power, of_solid = dot(force, u), 0.0
         if count[p] > 0 and flags[p, FREE_GAS] and not sticks:  # faces move as solid or wall there
             power = 0.0
             for k in range(count[p]):
                 if constraint[p, k] == SLIPS:
                     S = normal(like, normals, p, k, d)
-                    of_walls = add(normal(like, normals, p, k, 0), S)
-                    power += pi[k] * (dot(of_walls, w) - dot(S, v))
+                    power += pi[k] * dot(add(normal(like, normals, p, k, 0), S), w)
+                    of_solid -= pi[k] * dot(S, v)
         alone = not (flags[p, FREE_GAS] and flags[p, FREE_SOLID])
         if flags[p, MINE] and alone:  # what walls and clamps do
             for c in range(d):
-                gain[first + c] += force[c] + force_s[c]
-            gain[first + d] += power + dot(force_s, v)
+                impulse[c] += force[c] + force_s[c]
+            energies[faces[p, MOVES_GAS]] += power
+            energies[faces[p, MOVES_SOLID]] += of_solid + dot(force_s, v)
+        power += of_solid
         # else walls' own forces alone count: those between gas and solid must cancel
         for k in range(count[p] if flags[p, MINE] and not alone else 0):
             N = add(normal(like, normals, p, k, 0), normal(like, normals, p, k, d))
             for c in range(d):
-                gain[first + c] += pi[k] * N[c]
-            gain[first + d] += pi[k] * dot(N, w if constraint[p, k] == SLIPS else v)
+                impulse[c] += pi[k] * N[c]
+            slips = constraint[p, k] == SLIPS
+            at = faces[p, MOVES_GAS if slips else MOVES_SOLID]
+            energies[at] += pi[k] * dot(N, w if slips else v)
         momentum = add(R_m, force)
         rho_t, U_t, E_t = 0.0, like, 0.0
         if M > 0.0:
@@ -600,9 +625,10 @@ def end_rates(all, y, f, gain):
                 f[at + d + c] += push
                 f[at + 2 * d] += push * v[c]
                 if inertia[r] > 0.0:
-                    gain[first - 1] += inertia[r] * push * v[c]
+                    lost[0] += inertia[r] * push * v[c]
+    came = sum_up(gain)
     for c in range(all.behind):
-        f[f.size - all.behind + c] = gain[c]
+        f[f.size - all.behind + c] = came[c]
 
 
 class Held(NamedTuple):

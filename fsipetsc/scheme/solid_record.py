@@ -11,7 +11,7 @@ from fsipetsc.operators.loops import CALL, column, dot
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.block_look import look_at_end
 from fsipetsc.scheme.faces import strain_at
-from fsipetsc.scheme.part import add_normals, clear, ghosted, note, note_part, owned
+from fsipetsc.scheme.part import add_normals, ghosted, note, note_part, owned
 from fsipetsc.scheme.rows import U64, Array
 from fsipetsc.scheme.solid_dissipation import solid_dissipation
 from fsipetsc.scheme.solid_look import solid_look
@@ -22,11 +22,11 @@ class SolidRecord(NamedTuple):
     """A part of a solid block; what has the same name as in GasRecord is the same.
 
     X: (d, N) places at rest. inertia: (N,) J0 m0, masses: (M,) weights times J0 m0. F: (d d, M), as
-    the last look found it. came: (d + 2,) work, impulse and energy that come in. loses: 1 if work
-    is booked, for what steps lose of kinetic and elastic energy.
-    forcing: (2d + 1, M), or (2d + 1, 0), of velocity, temperature and place. interfaces: (n, 4)
-    number of an interface at this part in one dimension, owned row of its node, X, prestress.
-    stored_at: (n,) ghosted rows of members that tell what they store, rows_of_stored: (n,) where.
+    the last look found it. loses: 1 if work is booked, for what steps lose of kinetic and elastic
+    energy. forcing: (2d + 1, M), or (2d + 1, 0), of velocity, temperature and place. interfaces:
+    (n, 4) number of an interface at this part in one dimension, owned row of its node, X,
+    prestress. stored_at: (n,) ghosted rows of members that tell what they store, rows_of_stored:
+    (n,) where.
     """
 
     like: Any
@@ -52,7 +52,6 @@ class SolidRecord(NamedTuple):
     F: Array
     at_particles: Any
     forcing: Array
-    came: Array
     seen: Array
     sums: Array
     columns: Array
@@ -119,33 +118,33 @@ def store_nothing(part, particles, s):
 @njit(**CALL)
 def rates(part, s, f, gain):
     """Fill a solid's part of f, from that of a completed s; what comes in goes to ``gain``."""
-    d, n = len(part.like), gain.size
-    q, own, came = ghosted(part, s, 2 * d + 1), owned(part, f, 2 * d + 1), part.came
-    damping, own_q = part.dissipation, owned(part, s, 2 * d + 1)
+    d, damping = len(part.like), part.dissipation
+    q, dof = ghosted(part, s, 2 * d + 1), 2 * d + 1
+    own, own_q = owned(part, f, dof), owned(part, s, dof)
     solid_rates(part.laws, part.like, q, part.metrics, part.prestress, own, part.work)
-    clear(came)
-    came[0] -= damping.power(part, own_q, own)
+    work = -damping.power(part, own_q, own)
     damping.add(part, q, own)
-    came[0] += damping.power(part, own_q, own)
-    part.faces.add(part, q, own, came)
-    supply(part, own_q, own, came)
+    work += damping.power(part, own_q, own)
+    work += part.faces.add(part, q, own, gain)
+    work += supply(part, own_q, own, gain)
     if part.loses == 1:
-        gain[n - d - 2] += came[0]
-    for c in range(d + 1):
-        gain[n - d - 1 + c] += came[1 + c]
+        gain.lost[0] += work
 
 
 @njit(**CALL)
-def supply(part, q, rates, came):
-    """Add the case's forcing, and book what body forces give; q, rates: of the owned nodes."""
+def supply(part, q, rates, gain):
+    """Add the case's forcing, and book what body forces give; q, rates: of the owned nodes.
+    Returns the work of body forces.
+    """
     force, forcing, masses, d = part.laws.force, part.forcing, part.masses, len(part.like)
+    impulse, energy, inside, total = gain.impulse, gain.energy, gain.energy.size - 1, 0.0
     for c in range(d):
         b = force[c]
         for i in range(masses.size if b != 0.0 else 0):
             work = masses[i] * b * q[i, d + c]
-            came[0] += work
-            came[1 + c] += masses[i] * b
-            came[1 + d] += work
+            total += work
+            impulse[c] += masses[i] * b
+            energy[inside] += work
     for i in range(forcing.shape[1]):
         heat = part.laws.alpha * forcing[d, i]
         for c in range(d):
@@ -153,9 +152,10 @@ def supply(part, q, rates, came):
             rates[i, c] += forcing[d + 1 + c, i]
             rates[i, d + c] += push
             heat += q[i, d + c] * push
-            came[1 + c] += masses[i] * push
+            impulse[c] += masses[i] * push
         rates[i, 2 * d] += heat
-        came[1 + d] += masses[i] * heat
+        energy[inside] += masses[i] * heat
+    return total
 
 
 @njit(**CALL)

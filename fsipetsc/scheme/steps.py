@@ -12,7 +12,7 @@ from numba import njit
 
 from fsipetsc.operators.loops import CALL, MERGED_CALL
 from fsipetsc.operators.loops import _by_length as by_length
-from fsipetsc.scheme.after_step import note_extremes
+from fsipetsc.scheme.after_step import note_extremes, note_gained
 from fsipetsc.scheme.burst import DT, plan_next
 from fsipetsc.scheme.part import clear, copy_row
 from fsipetsc.scheme.plan import BAD, SAID_STOP
@@ -24,9 +24,9 @@ COMPLETE, RATES, LOOK, STEPS = range(4)
 
 
 class Found(NamedTuple):
-    """What steps take and fill: the solution y, memory for stages, a copy to go back to; gain: what
-    came in. The rest is that of fsipetsc.blockrun.block_state; at_ends: (4, interfaces). now: (2,)
-    time and length of the step that is made.
+    """What steps take and fill: the solution y, memory for stages, a copy to go back to; gain: a
+    box of fsipetsc.scheme.part.Gain. The rest is that of fsipetsc.blockrun.block_state; at_ends:
+    (4, interfaces). now: (2,) time and length of the step that is made.
     """
 
     y: Array
@@ -34,7 +34,7 @@ class Found(NamedTuple):
     k: Array
     total: Array
     before: Array
-    gain: Array
+    gain: Any
     extremes: Array
     rates: Array
     results: Array
@@ -104,7 +104,7 @@ def run(box, what, s, f):
                 follow(parts, particles)
                 swing(parts)
             if what == RATES or (steps and stage < STAGES):
-                clear(gain)
+                clear(gain.numbers)
                 if particles.slips:
                     held.begin_normals(particles)
                     turn(parts, particles)
@@ -133,15 +133,10 @@ def run(box, what, s, f):
 def note_step(found):
     """Flags, bound on the next step, what came in; whether all is well, and y is the new state,
     else it is as before.
-
-    A look leaves minus the energy E of solids where what they lost of it will stand. So E stays
-    behind the unknowns, and after the next step it is there with the work W: W + E - E' is lost.
     """
-    latest, s, n = found.latest, found.stage, found.gain.size
+    latest, s = found.latest, found.stage
     note_extremes(found.extremes, found.rates, found.results, latest)
-    for c in range(n):
-        latest[latest.size - n + c] += s[s.size - n + c]
-        s[s.size - n + c] -= latest[latest.size - n + c]
+    note_gained(latest, s[s.size - found.gain.numbers.size :])
     good = found.results[BAD] == 0.0
     copy_row(s if good else found.before, found.y)
     return good

@@ -15,6 +15,7 @@ from petsc4py import PETSc
 
 from fsipetsc.blockrun.columns import point_names
 from fsipetsc.errors import clear_frames
+from fsipetsc.output.quantities import GAINS
 from fsipetsc.process.together import agree
 from fsipetsc.scheme.burst import LONGEST, MADE, NEXT, SHORTEST, TIME
 from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP, shares
@@ -37,10 +38,7 @@ BURST = 64
 #: what a checkpoint keeps as it is
 KEPT = "steps", "t", "dt_range", "wall_time", "initial", "beyond"
 #: what is noted of a step alone, not of a state
-OF_STEPS = (
-    *("impulse", "impulse_x", "impulse_y", "impulse_z", "mass_in", "energy_in", "lost_energy"),
-    *("x_interface", "u_interface"),  # of blocks in one dimension
-)
+OF_STEPS = (*GAINS, "x_interface", "u_interface")  # of blocks in one dimension
 
 
 def _nothing(*arguments: object) -> None:
