@@ -107,6 +107,56 @@ def test_a_charge_in_a_shell(kappa, tmp_path):
     assert (one.layers[1]["x"][-1] > one.layers[1]["x"][0] + 0.02).all()
 
 
+#: a pulse in gas, around a centre or, in (z, r), around an axis
+PULSE = """
+import numpy as np
+from fsipetsc import BlockProblem, Block, Fluid, Option
+from fsipetsc.blocks.conditions import Centre, Slip
+from fsipetsc.blocks.maps import Mapped, ball, off_axis
+
+NAME, SUMMARY = "pulse", "a spherical pulse"
+OPTIONS = (Option("n", int, 16, "", "cells along r"), Option("d", int, 2, "", "dimensions"))
+DEFAULTS = {"fsi_h": 1.0, "ts_max_time": 0.4, "fsi_output_dt": 0.4}
+
+
+def start(*X):
+    p = 1.0 + 0.3 * np.exp(-sum(x * x for x in X) / 0.09)
+    return [p ** (1 / 1.4), *[0.0 * p] * len(X), p ** (0.4 / 1.4)]
+
+
+def build(opt):
+    n, d = opt["n"], opt["d"]
+    plane = off_axis(Mapped(lambda xi: (2.0 * xi[0] - 1.0, xi[1]), 2), n)
+    shape, cells = (ball(1.0, n), (n,)) if d == 1 else (plane, (2 * n, n))
+    gas = Block("gas", Fluid(0.0, 0.0, 1.4, 1.0), shape, cells, start)
+    faces = {("gas", k, side): Slip() for k in range(d) for side in (0, 1)}
+    faces["gas", d - 1, 0] = Centre()
+    return BlockProblem((gas,), faces, units="none", symmetry=3 - d)
+"""
+
+
+@pytest.mark.long
+def test_a_spherical_pulse_around_an_axis(tmp_path):
+    """4/2, against the same in one dimension, where no wall is near. Velocities across the axis
+    next to it have order 1 alone: |r| has a kink.
+    """
+    (tmp_path / "pulse.py").write_text(PULSE)
+    line = computed(tmp_path, "line.h5", "pulse.py", *"-d 1 -n 400 -fsi_order 6".split())
+    r, *exact = (line.layers[0].frame(-1)[name] for name in ("x", "p", "u"))
+    errors = []
+    for n in (16, 32):
+        run = computed(tmp_path, f"{n}.h5", "pulse.py", "-n", n)
+        x, y, p, v = (np.asarray(run.layers[0].frame(-1)[name]) for name in ("x", "y", "p", "v"))
+        distance = np.hypot(x, y)
+        pressure, speed = (np.interp(distance, r, values) for values in exact)
+        inside, across = distance < 0.6, v - speed * y / distance
+        mean = np.sqrt((np.square(p - pressure)[inside]).mean())
+        errors.append((mean, np.abs(across[0][inside[0]]).max()))
+    (p, v), (p_fine, v_fine) = errors
+    assert p < 5e-4 and p / p_fine > 7.0
+    assert v < 2e-3 and v / v_fine > 1.8
+
+
 def gas_at(*X):
     return 1.0 + 0.0 * X[0], *(0.0 * x for x in X), 1.0 + 0.0 * X[0]
 
