@@ -39,7 +39,7 @@ def differences(problem):
         for part in shared.layout.parts:
             whole = alone.y.owned(part.k)[part.numbers]
             found += int((shared.y.owned(part.k) != whole).sum())
-        through = np.abs(shared.through() - alone.through()).max()
+        through = np.abs(shared.through() - alone.through()).max() / np.abs(alone.through()).max()
         return WORLD.allreduce(found), float(through)
 
 

@@ -84,7 +84,7 @@ def killed(folder: Path, words: list[str], ranks: int, place: list) -> str:
 
 def cycles(folder: Path, case: str, kills: list[tuple[int, list]]) -> list[str]:
     """Kill a run at all these places, let it end, and compare; what was done. AssertionError."""
-    from test_restart import differences
+    from test_restart import different
 
     line, steps = RUNS[case]
     words = [*line.split(), "-fsi_quiet", "-fsi_output", "run.h5"]
@@ -94,7 +94,7 @@ def cycles(folder: Path, case: str, kills: list[tuple[int, list]]) -> list[str]:
     said = [killed(folder, words, *kill) for kill in kills]
     last = solve(*words, cwd=folder)
     assert last.returncode == 0, last.stderr
-    found = differences(folder / "whole.h5", folder / "run.h5", same_ranks=False)
+    found = different(folder / "whole.h5", folder / "run.h5", same_ranks=False)
     assert found == [], (found, said)
     left = {path.name for path in folder.iterdir() if path.suffix != ".xdmf"}
     assert left == {"whole.h5", "run.h5", "run.checkpoint.h5"}, left

@@ -11,12 +11,14 @@ import pytest
 from test_operators import ALL, exact_norm
 
 from fsipetsc.operators import OPERATORS, SBPOperator
-from fsipetsc.operators.narrow import ENDS, levels, remainder
+from fsipetsc.operators.narrow import ENDS, STIFFNESS, levels, remainder
 
 ORDERS = pytest.mark.parametrize("order", OPERATORS)
 #: -h^2 times the interior formula of D2(1) on (-1)^i, and times that of D twice on its own worst
 #: wave
 SHORTEST = {2: Fraction(4), 4: Fraction(16, 3), 6: Fraction(272, 45), 8: Fraction(2048, 315)}
+#: where the method of Runge and Kutta is stable on the negative axis
+REAL_INTERVAL = 2.785
 
 
 def coefficients(n: int) -> list[Fraction]:
@@ -111,6 +113,28 @@ def test_accuracy(op: SBPOperator) -> None:
             if degree <= s and power + degree - 1 <= s:
                 assert not error.any(), (power, degree)
     assert error[inner].any()
+
+
+@ALL
+def test_step_bound(op: SBPOperator) -> None:
+    """Courant number 1.1 is stable with a Dirichlet ghost point anywhere, and with two natural
+    ends; 1.5 is not with all."""
+    n, largest = 40, 0.0
+    D = op.matrix(n)
+    R = remainder(op.interior, np.ones(n)) / op.norm_weights(n)[:, None]
+    natural = -(D.T * op.norm_weights(n)) @ D / op.norm_weights(n)[:, None] - R
+    largest = np.abs(np.linalg.eigvals(natural)).max()
+    for delta in np.linspace(0.0, 1.0, 11):
+        weights = np.array(
+            [(delta - 1) * (delta - 2) / 2, delta * (2 - delta), delta * (delta - 1) / 2]
+        )
+        weights += max(0.0, 0.25 - weights[0]) * np.array([1, -2, 1])
+        ghost = np.zeros((n, n - 2))
+        ghost[1:-1], ghost[0, :2] = np.eye(n - 2), -weights[1:] / weights[0]
+        values = np.linalg.eigvals(((D @ D - R) @ ghost)[1:-1])
+        assert values.real.max() < 0
+        largest = max(largest, np.abs(values).max())
+    assert 1.1 * largest < REAL_INTERVAL * STIFFNESS[op.order] < 1.5 * largest
 
 
 @pytest.mark.parametrize("order", [2, 4, 6])

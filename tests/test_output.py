@@ -133,7 +133,7 @@ def test_info(finished: Path) -> None:
         "complete",
         "12, t = 0 … 3.3 s",
         "-fsi_order",
-        "left/rod, rod/right",
+        "left/rod at x = 35, rod/right at x = 70 at t = 3.5",
         "26 points, X = -0.25 … 1",
         "rho 0.001",
         "wall time of the steps",

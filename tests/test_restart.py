@@ -50,6 +50,8 @@ def different(a: Path, b: Path, same_ranks: bool) -> list[str]:
     sums = set() if same_ranks else SUMS
     wrong = [d.name for d in found.differences if d.largest > 0.0 and d.name not in sums]
     with fsipetsc.open_run(a) as one, fsipetsc.open_run(b) as other:
+        for mine, yours in zip(one.layers, other.layers, strict=True):
+            assert np.array_equal(mine.X, yours.X), mine.name
         pairs = [(name, one.summary[name], other.summary[name]) for name in SUMMED]
         pairs += [("errors", one.errors, other.errors)] * same_ranks
     return [*wrong, *found.notes, *(f"{name}: {x}, {y}" for name, x, y in pairs if x != y)]

@@ -39,7 +39,7 @@ class FaceTerms:
         self._turned: list[tuple[slice, TurnedFace]] = []
         self._faces: list[tuple[Any, Array, slice]] = []
         listed, count = [_nodes_of(part, np.empty(0, np.int64), 0, 0, 0)], 0
-        through = {face: column for column, face in enumerate(problem.outer_faces)}
+        through = problem.column_of_face
         lengths = []
         for (axis, side), condition in problem.faces_of(k).items():
             met = isinstance(condition, Meeting)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from fsipetsc.blockrun.columns import loses
 from fsipetsc.blockrun.face_terms import weights_of
 from fsipetsc.blockrun.prescribed import Prescribed
+from fsipetsc.blocks.conditions import moves
 from fsipetsc.blocks.particles import ROLLS, Particle
 from fsipetsc.operators.boxed import Box, with_calls
 from fsipetsc.parallel.block_layout import BlockLayout
@@ -114,7 +115,7 @@ class ParticleSystem:
         gases = [k for k, block in enumerate(blocks) if block.kind == "fluid"]
         of_gas = [[k for k, _ in p.members if k in gases][:1] for p in self._particles]
 
-        through = {face: column for column, face in enumerate(layout.problem.outer_faces)}
+        through = layout.problem.column_of_face
         faces = [[through.get(face, len(through)) for face in _faces(p)] for p in self._particles]
 
         flags = np.zeros((count, kernels.FLAGS), np.int64)
@@ -325,11 +326,15 @@ def _flags(p: Particle) -> list[bool]:
 
 
 def _faces(p: Particle) -> list[Any]:
-    """(block, axis, side) of what moves gas and solid and of what warms them; None: of no face."""
-    gas, solid = ("given_gas", "wall", "slip"), ("given_solid", "clamp")
+    """(block, axis, side) of what moves gas and solid and of what warms them; None: of no face.
+    Those that Prescribed lets hold stand first.
+    """
+    slips = p.slip and moves(p.slip) and not (p.wall and moves(p.wall))
+    walls = ("slip", "wall") if slips else ("wall", "slip")
+    gas, solid = ("given_gas", *walls), ("given_solid", "clamp")
     if p.sticks:  # what holds one holds both
-        gas, solid = ("given_gas", "clamp", "wall", "slip"), ("given_solid", "clamp", "wall")
-    names = gas, solid, ("warm_gas",), ("warm_solid", "given_solid")
+        gas, solid = ("given_gas", "given_solid", "clamp", *walls), (*solid, *walls)
+    names = gas, solid, ("warm_gas",), ("given_solid", "warm_solid")
     return [next((p.faces[n] for n in which if n in p.faces), None) for which in names]
 
 

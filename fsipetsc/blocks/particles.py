@@ -176,9 +176,9 @@ def _settle_heat(particle: Particle, materials: list[Any]) -> None:
     if particle.shares_heat:
         warm, faces = particle.warm_gas or particle.warm_solid, particle.faces
         particle.warm_gas = particle.warm_solid = warm
-        for name, other in (("warm_gas", "warm_solid"), ("warm_solid", "warm_gas")):
-            if other in faces:
-                faces.setdefault(name, faces[other])
+        holds = faces.get("warm_gas", faces.get("warm_solid"))
+        if holds is not None:
+            faces["warm_gas"] = faces["warm_solid"] = holds
     solids = [material for material in materials if material.kind == "solid"]
     elastic = any(solid.heat == "elastic" for solid in solids)
     conducts = all(solid.heat == "coupled" or solid.kappa_e > 0.0 for solid in solids)

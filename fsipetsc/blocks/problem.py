@@ -114,9 +114,15 @@ class BlockProblem:
 
     @property
     def outer_faces(self) -> list[tuple[int, int, int]]:
-        """(block, axis, side) of the faces that no other one meets."""
+        """(block, axis, side) of the faces that no other one meets; where r = 0 is none."""
         faces = [(k, *face) for k, kinds in enumerate(self._kinds) for face in kinds]
-        return [f for f in faces if not isinstance(self._kinds[f[0]][f[1:]], Meeting)]
+        kinds = [self._kinds[k][axis, side] for k, axis, side in faces]
+        return [f for f, kind in zip(faces, kinds) if not isinstance(kind, (Meeting, Centre))]
+
+    @property
+    def column_of_face(self) -> dict[tuple[int, int, int], int]:
+        """Where its energy is among what comes in, see `face_names`."""
+        return {face: column for column, face in enumerate(self.outer_faces)}
 
     def is_interface(self, k: int, axis: int, side: int) -> bool:
         """Whether gas meets a solid at a face of block k."""
@@ -211,11 +217,12 @@ class BlockProblem:
 
     @property
     def face_names(self) -> list[str]:
-        """Of what energy comes in by: the outer faces, as "gas, axis 0, side 1"; then "inside", for
+        """Of what energy comes in by: the outer faces, as "gas, axis 0, side 1"; at last that of
         forces, interfaces and points that are held.
         """
         faces = ((self.blocks[k].name, axis, side) for k, axis, side in self.outer_faces)
-        return [*(f"{name}, axis {axis}, side {side}" for name, axis, side in faces), "inside"]
+        names = [f"{name}, axis {axis}, side {side}" for name, axis, side in faces]
+        return [*names, "through no face"]
 
     def interface_nodes(self, number: int) -> np.ndarray:
         """Nodes of the solid on an interface, each once."""
@@ -366,7 +373,7 @@ def _check_radial(block: Block, centred: bool) -> None:
     first, second = lines[:, 0], lines[:, 1]
     spacing = second[-1] - first[-1]
     wrong = np.abs(3.0 * first[-1] - second[-1]) > 0.1 * spacing
-    wrong |= np.abs(second - first)[:-1].sum(axis=0) > spacing
+    wrong |= np.abs(second - first)[:-1].sum(axis=0) > 0.1 * spacing
     if centred and wrong.any():
         i = int(np.argmax(wrong))
         found = f"its first nodes are at {place_text(first[:, i])} and {place_text(second[:, i])}"

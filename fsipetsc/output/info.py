@@ -11,7 +11,7 @@ import numpy as np
 from fsipetsc.checks import duration
 from fsipetsc.options.option import INT_MAX
 from fsipetsc.output.file_layout import damage
-from fsipetsc.output.quantities import is_si
+from fsipetsc.output.quantities import is_si, unit_of
 from fsipetsc.output.reader import BlockLayer, Layer, Run, open_run
 
 Rows = list[tuple[str, str]]
@@ -80,18 +80,21 @@ def _through(run: Run) -> Rows:
         return []
     sums = (run.series[name].sum(axis=0) for name in ("energy_face", "heat_face"))
     found = zip(run.faces, *sums, strict=True)
-    text = {name: f"{energy:.6g}, of it heat {heat:.6g}" for name, energy, heat in found if energy}
-    return list(text.items())
+    unit = f" {unit_of('energy_face', run)}" * is_si(run)
+    return [(name, f"{e:.6g}{unit}, of it heat {q:.6g}{unit}") for name, e, q in found if e]
 
 
 def _positions(run: Run) -> str:
     """Where the interfaces are at the end, in several dimensions on average."""
-    found = run.summary.get("interfaces")
+    found, t = run.summary.get("interfaces"), run.summary.get("t")
+    if not found and len(run.series.get("x_interface", ())):  # of a run that goes on
+        found = dict(zip(run.interfaces, run.series["x_interface"][-1], strict=True))
+        t = run.series["t"][-1]
     if not found:
         return ", ".join(run.interfaces) or "none"
     axis, mean = " xyz"[run.dimension], " on average" * (run.dimension > 1)
     places = (f"{name} at {axis} = {value:.6g}{mean}" for name, value in found.items())
-    return f"{', '.join(places)} at t = {run.summary['t']:g}"
+    return f"{', '.join(places)} at t = {t:g}"
 
 
 def _range(label: str, values: Any, unit: str = "") -> str:

@@ -135,6 +135,7 @@ class Contents:
         self._shapes = [layer.get("shape") for layer in layers]
         self._counts: list[tuple[Path, int, int]] = []  # of frames and steps in each file
         self._open: tuple[Path, h5py.File] | None = None
+        self._seen: dict[Path, tuple[int, int]] = {}  # which file had a name
         try:
             for path in files:
                 self._add(path)
@@ -212,10 +213,16 @@ class Contents:
         return [table[..., self._columns[k].index(name)].T for name in names]
 
     def _opened(self, path: Path) -> h5py.File:
-        """A file, which stays open until another one is asked for: they may be too many."""
+        """A file, which stays open until another one is asked for: they may be too many.
+        FileNotFoundError where a restart has given its name to another one.
+        """
         if self._open is None or self._open[0] != path:
             self.close()
             self._open = path, open_h5(path)
+            now = os.stat(path)
+            found = now.st_ino, now.st_mtime_ns
+            if self._seen.setdefault(path, found) != found:
+                raise FileNotFoundError(path)
         return self._open[1]
 
     def close(self) -> None:

@@ -48,8 +48,8 @@ class Run:
     interfaces          their names, from left to right
     points              recorded at each step (-fsi_points, -fsi_probes): tuple of (name of the
                         interface or block, (X, …))
-    faces               of blocks those that no other one meets, and "inside": the columns of the
-                        series "energy_face" and "heat_face"
+    faces               of blocks those that no other one meets, and "through no face": the columns
+                        of the series "energy_face" and "heat_face"
     series              name -> (nsteps,) or (nsteps, m), one row per time step: "t", "dt",
                         "x_interface", …
 

@@ -75,7 +75,8 @@ def _tables(run: Run) -> list[tuple[str, Sequence[tuple[str, str]]]]:
     The integrals at the start are left out: the pictures of ledgers begin with them.
     """
     tables = info_sections(run)
-    tables["summary"] = [row for row in tables["summary"] if not row[0].startswith("initial ")]
+    summary = tables.get("summary", [])
+    tables["summary"] = [row for row in summary if not row[0].startswith("initial ")]
     first = ("summary", *(title for title in tables if title.endswith("errors")))
     return [(title, tables.pop(title)) for title in first] + list(tables.items())
 

@@ -8,12 +8,15 @@ import sys
 
 
 def complete_streams() -> None:
-    """Where a standard stream is closed, or lacks a letter, that ends no run."""
+    """Open /dev/null where a standard stream is closed, so that no file of ours gets its number."""
+    while (number := os.open(os.devnull, os.O_RDWR)) < 3:
+        pass
+    os.close(number)
     for name, stream in (("stdout", sys.stdout), ("stderr", sys.stderr)):
         if stream is None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))
         elif hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")
+            stream.reconfigure(errors="replace")  # a letter that a terminal lacks ends no run
 
 
 def abandon(number: int) -> None:

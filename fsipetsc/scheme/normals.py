@@ -79,3 +79,19 @@ def sum_members(particle, row, table, total):
     for m in range(particle.size):
         for c in range(table.shape[1]):
             total[particle[m], c // n, c % n] += table[row[m], c]
+
+
+@njit(**INNER_CALL)
+def turn_plane(part, table):
+    """Add to a table how area vectors turn on a flat plane; in one dimension they do not."""
+    faces, metrics = part.at_particles, part.metrics
+    nx, d = part.patch.ghosted[0], len(part.like)
+    for i in range(faces.row.size if d == 2 and part.known.shape[0] > 0 else 0):
+        axis, other = faces.axis[i], 1 - faces.axis[i]
+        place, stride = faces.place[other, i], nx if other == 1 else 1
+        band = part.S[other], part.weight[other][place], stride
+        x = derivative(*band, metrics[d * d], faces.node[i], place)
+        y = derivative(*band, metrics[d * d + d - 1], faces.node[i], place)
+        sign = faces.weight[i] if axis == 0 else -faces.weight[i]
+        table[faces.row[i], faces.column[i]] += sign * y
+        table[faces.row[i], faces.column[i] + d - 1] -= sign * x

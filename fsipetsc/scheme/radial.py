@@ -21,7 +21,7 @@ from numba import njit
 
 from fsipetsc.operators.loops import INNER_CALL, dot, node, put_part, scale
 from fsipetsc.scheme.faces import column_of
-from fsipetsc.scheme.normals import add_areas, derivative
+from fsipetsc.scheme.normals import add_areas, derivative, turn_plane
 from fsipetsc.scheme.rows import Array
 
 
@@ -65,22 +65,6 @@ class Radial(NamedTuple):
     def bounds(self, metrics):
         self.grid.bound(metrics)
         return self.grid.bounds
-
-
-@njit(**INNER_CALL)
-def turn_plane(part, table):
-    """See fsipetsc.scheme.normals."""
-    faces, metrics = part.at_particles, part.metrics
-    nx, d = part.patch.ghosted[0], len(part.like)
-    for i in range(faces.row.size if d == 2 and part.known.shape[0] > 0 else 0):
-        axis, other = faces.axis[i], 1 - faces.axis[i]
-        place, stride = faces.place[other, i], nx if other == 1 else 1
-        band = part.S[other], part.weight[other][place], stride
-        x = derivative(*band, metrics[d * d], faces.node[i], place)
-        y = derivative(*band, metrics[d * d + d - 1], faces.node[i], place)
-        sign = faces.weight[i] if axis == 0 else -faces.weight[i]
-        table[faces.row[i], faces.column[i]] += sign * y
-        table[faces.row[i], faces.column[i] + d - 1] -= sign * x
 
 
 @njit(**INNER_CALL)

@@ -127,9 +127,7 @@ def _csv_lines(row: Row, ranks: int, source: str) -> list[tuple[Any, ...]]:
 
 
 def _number(value: complex) -> str:
-    """In a table: 1.5, or -0.5+2i."""
-    if isinstance(value, complex):
-        return f"{value.real:.12g}{value.imag:+.12g}i"
+    """In a table: 1.5, or -0.5+2j, as complex() reads it."""
     return f"{value:.12g}"
 
 

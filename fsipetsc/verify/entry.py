@@ -38,7 +38,8 @@ class Compared(NamedTuple):
     @property
     def error(self) -> float:
         """Distance from the reference over the size."""
-        return abs(self.value - self.reference) / (self.size or abs(self.reference))
+        size = abs(self.reference) if self.size is None else self.size
+        return abs(self.value - self.reference) / size
 
 
 class Measured(NamedTuple):
