@@ -200,6 +200,7 @@ def test_a_restart_goes_on_behind_its_checkpoint(
         with pytest.raises(FileError, match="is not what the checkpoint goes on from"):
             restarted(path, after)
         assert path.exists() == whole
+    early = fsipetsc.open_run(path)
     writer = restarted(path, Kept(*kept, 0.1 * (kept[1] - 1)))
     assert (writer.nframes, writer.rows) == kept
     new = program.series(kept[1], kept[1] + 2)
@@ -209,6 +210,8 @@ def test_a_restart_goes_on_behind_its_checkpoint(
     grids = [program.grid(i) for i in range(3)]
     writer.write_frame(9.0, {i: np.full((len(g), 5), 7.0) for i, g in enumerate(grids)})
     writer.flush()
+    with pytest.raises(FileError, match="has changed since it was opened; open it again"):
+        early.series["energy"]
     for joined in (False, True):
         with fsipetsc.open_run(path) as result:
             assert (result.nframes, steps_of(result)) == (kept[0] + 1, kept[1] + 2)
