@@ -99,6 +99,22 @@ def write(
         print("kept as", *(name.name for _, name in writer.moved))
 
 
+def refuse(path: str) -> None:
+    """Every rank must get the same FileError."""
+    from mpi4py import MPI
+
+    from fsipetsc.errors import FileError
+    from fsipetsc.output.writer import RunWriter
+
+    comm = MPI.COMM_WORLD
+    try:
+        RunWriter(comm, path, HEADER, [{"n": 0}] * 3)
+    except FileError as error:
+        answers = comm.gather((error.status, str(error)))
+        if comm.rank == 0:
+            print(len(set(answers)), *answers[0])
+
+
 def full_disk(path: str) -> None:
     """Writing fails after some frames: the file may not become larger than 600 kB."""
     import resource
@@ -121,7 +137,9 @@ def full_disk(path: str) -> None:
 
 if __name__ == "__main__":
     mode, file, *rest = sys.argv[1:]
-    if mode == "full_disk":
+    if mode == "refuse":
+        refuse(file)
+    elif mode == "full_disk":
         full_disk(file)
     else:
         write(file, int(rest[0]), mode)

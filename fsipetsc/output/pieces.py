@@ -135,7 +135,6 @@ class Contents:
         self._shapes = [layer.get("shape") for layer in layers]
         self._counts: list[tuple[Path, int, int]] = []  # of frames and steps in each file
         self._open: tuple[Path, h5py.File] | None = None
-        self._seen: dict[Path, tuple[int, int]] = {}  # which file had a name
         try:
             for path in files:
                 self._add(path)
@@ -219,11 +218,19 @@ class Contents:
         if self._open is None or self._open[0] != path:
             self.close()
             self._open = path, open_h5(path)
-            now = os.stat(path)
-            found = now.st_ino, now.st_mtime_ns
-            if self._seen.setdefault(path, found) != found:
-                raise FileNotFoundError(path)
+            self._check_again(path, self._open[1])
         return self._open[1]
+
+    def _check_again(self, path: Path, file: h5py.File) -> None:
+        """A file that was counted begins where it did, and has what it had."""
+        frames, rows = 0, 0
+        for counted, more_frames, more_rows in self._counts:
+            if counted == path:
+                begins = [*file.attrs.get("first", (0, 0))] == [frames, rows]
+                has = len(file["time"]) >= more_frames and self._count_steps(file) >= more_rows
+                if not (begins and has):
+                    raise FileNotFoundError(path)
+            frames, rows = frames + more_frames, rows + more_rows
 
     def close(self) -> None:
         """Close the file that is open, if any."""
