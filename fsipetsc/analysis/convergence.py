@@ -60,8 +60,8 @@ def convergence(arguments: list[str], comm: MPI.Comm) -> None:
     from fsipetsc.output.plots.studies import convergence_figures
 
     case = together(comm, lambda: _case(arguments))
-    about = OPTIONS, f"{case.NAME}-convergence", {"fsi_order": "fsi_orders"}
-    opt, _, path = begin(case, arguments[1:], comm, *about)
+    name, instead = f"{case.NAME}-convergence", {"fsi_order": "fsi_orders"}
+    opt, _, path = begin(case, arguments[1:], comm, OPTIONS, name, instead)
     table, say = _empty_table(case, opt, comm), printer(comm, opt)
     what = "errors" if table.exact else "relative differences between neighbouring grids"
     ranks = counted(comm.size, "rank")

@@ -45,9 +45,9 @@ def lossy(problem: Any) -> bool:
 
 
 def gained(problem: Any) -> np.dtype:
-    """What came in from outside in a step: mass of each block of gas, impulse, energy, and of this
-    what came through each outer face, by forces in the end, and heat among that; before the impulse
-    what the step lost of the kinetic and elastic energy of solids, where that is known.
+    """What came in from outside in a step, column by column: the mass of each block of gas; what
+    the step lost of the kinetic and elastic energy of solids, where that is known; the impulse; the
+    energy through each face of ``face_names``; what of it was heat; all of the energy.
     """
     gases, faces = _gases(problem), len(problem.outer_faces) + 1
     masses = [("mass_in", "f8", (gases,))] if gases else []

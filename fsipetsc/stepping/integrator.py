@@ -37,8 +37,8 @@ MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}
 BURST = 64
 #: what a checkpoint keeps as it is
 KEPT = "steps", "t", "dt_range", "wall_time", "initial", "beyond"
-#: what is noted of a step alone, not of a state
-OF_STEPS = (*GAINS, "x_interface", "u_interface")  # of blocks in one dimension
+#: what is noted of a step alone, not of a state; of interfaces so in one dimension on blocks
+OF_STEPS = (*GAINS, "x_interface", "u_interface")
 
 
 def _nothing(*arguments: object) -> None:
