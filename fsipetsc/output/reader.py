@@ -288,7 +288,7 @@ class BlockLayer(Layer):
 def _short(places: list[Array]) -> list[Array]:
     """Coordinates as arrays along their own axes, if each depends on its own axis alone."""
     d = len(places)
-    lines = []
+    lines: list[Array] = []
     for axis, values in enumerate(places):
         own = d - 1 - axis  # the axis of the array
         line = values[tuple(slice(None) if k == own else slice(1) for k in range(d))]

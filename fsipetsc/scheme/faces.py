@@ -47,8 +47,8 @@ from fsipetsc.operators.loops import (
 from fsipetsc.operators.loops import _by_length as by_length
 
 Array = NDArray[Any]
-#: first order of an open face fades out where viscosity is this fraction of c L, and q_nn = 0 where
-#: alpha is this fraction of a L, L the length of the gas
+#: first order of an open face fades out where viscosity is this fraction of c L, L the length of
+#: the gas
 LONGEST = 0.25
 #: array[first + c, n] for each c of like
 column_of = by_length(
@@ -145,12 +145,11 @@ def pass_faces(gas, like, faces, S, weight, patch, q, metrics, column, rates, ga
         if faces.opens[i] == 1:
             w, out, width = gas.primitive(node(like_q, q, at)), faces.outside, faces.width[i]
             beyond = gas.state(out[i, 0], part_of(like, out, i, 1), out[i, d + 1])
-            slopes = (0.0, 0.0, 0.0)
+            v_n = 0.0
             if width > 0.0:
-                of_axes = S[axis], weight[axis], patch
-                slopes = slopes_outward(gas, like, at, axis, *of_axes, q, scale(1.0 / size, n))
-                slopes = scale(faces.sign[i] * size / q[at, 0], slopes)
-            f = open_flux(gas, w, beyond, faces.pressure[i], width, n, g, size, slopes)
+                v_n = faces.sign[i] / q[at, 0]
+                v_n *= slope_along(gas, like, at, axis, S[axis], weight[axis], patch, q, n)
+            f = open_flux(gas, w, beyond, faces.pressure[i], width, n, g, size, v_n)
             for c in range(d + 2):
                 rates[own, 1 + c] -= faces.per_weight[i] * f[c]
             mass[column] -= faces.across[i] * f[0]
@@ -170,8 +169,8 @@ def through(gas, w, n, g):
 
 
 @njit(**INNER_CALL)
-def open_flux(gas, w, beyond, pressure, width, n, g, size, slopes):
-    """f of an open face or an outflow with the state w inside; size: |n|, slopes: outward."""
+def open_flux(gas, w, beyond, pressure, width, n, g, size, v_n):
+    """f of an open face or an outflow with the state w inside; size: |n|; v_n: see `first_order`."""
     f, viscous = through(gas, w, n, g), (0.0, 0.0, 0.0)
     a = (dot(n, gas.velocity(w)) - g) / size
     if pressure == 0.0:
@@ -182,7 +181,7 @@ def open_flux(gas, w, beyond, pressure, width, n, g, size, slopes):
         beyond = gas.state(w[0], gas.velocity(w), gas.law.temperature_of(w[0], p))
     else:
         if width > 0.0:
-            viscous = first_order(gas, w, a, beyond, width, slopes)
+            viscous = first_order(gas, w, a, beyond, width, v_n)
         found, there_is = by_characteristics(gas, w, beyond, n, g, size, viscous)
         if there_is:
             return found
@@ -200,48 +199,40 @@ def along_axis(at, axis, patch):
 
 
 @njit(**INNER_CALL)
-def slopes_outward(gas, like, at, axis, band, weight, patch, q, N):
-    """Derivatives along an axis of N . u, p and T at a node."""
+def slope_along(gas, like, at, axis, band, weight, patch, q, n):
+    """D_axis (n . u) at a node, n kept."""
     (place, nodes, stride), like_q = along_axis(at, axis, patch), (*like, 0.0, 0.0, 0.0)
-    v_n, p_n, T_n = 0.0, 0.0, 0.0
+    here, slope = gas.velocity(gas.primitive(node(like_q, q, at))), 0.0
     for k in range(1, band.shape[0]):
         for sign in (1, -1):
             first = place if sign > 0 else place - k
             if first >= 0 and first + k < nodes and band[k, first] != 0.0:
-                part = sign * 0.5 * band[k, first] / weight[place]
-                there = gas.primitive(node(like_q, q, at + sign * k * stride))
-                here = gas.primitive(node(like_q, q, at))
-                v_n += part * dot(N, sub(gas.velocity(there), gas.velocity(here)))
-                p_n += part * (there[1] - here[1])
-                T_n += part * (there[2] - here[2])
-    return v_n, p_n, T_n
+                there = gas.velocity(gas.primitive(node(like_q, q, at + sign * k * stride)))
+                slope += sign * 0.5 * band[k, first] / weight[place] * dot(n, sub(there, here))
+    return slope
 
 
 @njit(**INNER_CALL)
-def first_order(gas, w, a, beyond, width, slopes):
+def first_order(gas, w, a, beyond, width, v_n):
     """What comes in with sound, viscous stress, and heat that comes in, of a node of an open face.
 
     To first order in viscosity and conduction, as docs/open-end.md derives it for small
-    disturbances of the gas beyond. a: velocity through the face; slopes: outward.
+    disturbances of the gas beyond. a: velocity through the face; v_n: slope outward of the
+    velocity outward.
     """
-    law, rho0, T0, (v_n, p_n, T_n) = gas.law, beyond[0], beyond[2], slopes
+    law, rho0, T0 = gas.law, beyond[0], beyond[2]
     c2, cv = law.sound_speed_squared(rho0, T0), law.heat_capacity(rho0, T0)
     c, by_heat = np.sqrt(c2), law.pressure_by_temperature(rho0, T0) / cv
     tau = T0 * by_heat / (rho0 * rho0 * c2)
     mu = 4.0 / 3.0 * gas.mu * gas.transport.viscosity(T0)
     kappa = gas.kappa * gas.transport.conductivity(T0)
     part = max(0.0, 1.0 - max(mu, kappa / cv) / (rho0 * LONGEST * c * width))
-    sound, heat = 0.5 * (mu - tau * by_heat * kappa) * v_n, 0.0
+    heat = part * kappa * (1.0 + 2.0 * min(a, 0.0) / c) * tau * rho0 * c * v_n
+    capacity = cv * rho0 * rho0 * c2 / law.bulk_modulus(rho0, T0)
+    lost = 0.5 * (np.sqrt(a * a + 4.0 * (kappa / (capacity * width)) ** 2) - a)
     if kappa > 0.0:
-        capacity = cv * rho0 * rho0 * c2 / law.bulk_modulus(rho0, T0)
-        alpha, carrying = kappa / capacity, max(a, 0.0) * LONGEST * width
-        q_n = carrying / (carrying + alpha) * (T_n - tau * p_n)
-        slow = max(1.0 + min(a, 0.0) / c, 0.0)
-        lost = 0.5 * (np.sqrt(a * a + 4.0 * (alpha / width) ** 2) - a)
-        warmer = w[2] - T0 - tau * (w[1] - beyond[1])
-        sound -= by_heat * kappa / (rho0 * c) * q_n
-        heat = part * kappa * (slow * slow * tau * p_n + q_n) - capacity * lost * warmer
-    return part * sound, part * mu * v_n, heat
+        heat -= capacity * lost * (w[2] - T0 - tau * (w[1] - beyond[1]))
+    return part * 0.5 * (mu - tau * by_heat * kappa) * v_n, part * mu * v_n, heat
 
 
 @njit(**INNER_CALL)
