@@ -47,8 +47,8 @@ from fsipetsc.operators.loops import (
 from fsipetsc.operators.loops import _by_length as by_length
 
 Array = NDArray[Any]
-#: first order of an open face fades out where viscosity is this fraction of c L, L the length of
-#: the gas
+#: first order of an open face fades out where viscosity is this fraction of L times the speed at
+#: which sound leaves, L the length of the gas
 LONGEST = 0.25
 #: array[first + c, n] for each c of like
 column_of = by_length(
@@ -170,7 +170,7 @@ def through(gas, w, n, g):
 
 @njit(**INNER_CALL)
 def open_flux(gas, w, beyond, pressure, width, n, g, size, v_n):
-    """f of an open face or an outflow with the state w inside; size: |n|; v_n: see `first_order`."""
+    """f of an open face or an outflow, w: state inside, size: |n|, v_n: see `first_order`."""
     f, viscous = through(gas, w, n, g), (0.0, 0.0, 0.0)
     a = (dot(n, gas.velocity(w)) - g) / size
     if pressure == 0.0:
@@ -181,7 +181,7 @@ def open_flux(gas, w, beyond, pressure, width, n, g, size, v_n):
         beyond = gas.state(w[0], gas.velocity(w), gas.law.temperature_of(w[0], p))
     else:
         if width > 0.0:
-            viscous = first_order(gas, w, a, beyond, width, v_n)
+            viscous, beyond = first_order(gas, w, a, beyond, width, v_n)
         found, there_is = by_characteristics(gas, w, beyond, n, g, size, viscous)
         if there_is:
             return found
@@ -214,7 +214,8 @@ def slope_along(gas, like, at, axis, band, weight, patch, q, n):
 
 @njit(**INNER_CALL)
 def first_order(gas, w, a, beyond, width, v_n):
-    """What comes in with sound, viscous stress, and heat that comes in, of a node of an open face.
+    """What comes in with sound, viscous stress, and heat that comes in, of a node of an open face;
+    the gas beyond with what sound that leaves makes of its temperature.
 
     To first order in viscosity and conduction, as docs/open-end.md derives it for small
     disturbances of the gas beyond. a: velocity through the face; v_n: slope outward of the
@@ -226,13 +227,17 @@ def first_order(gas, w, a, beyond, width, v_n):
     tau = T0 * by_heat / (rho0 * rho0 * c2)
     mu = 4.0 / 3.0 * gas.mu * gas.transport.viscosity(T0)
     kappa = gas.kappa * gas.transport.conductivity(T0)
-    part = max(0.0, 1.0 - max(mu, kappa / cv) / (rho0 * LONGEST * c * width))
-    heat = part * kappa * (1.0 + 2.0 * min(a, 0.0) / c) * tau * rho0 * c * v_n
+    longest = LONGEST * (c + min(a, 0.0)) * width
+    part = max(0.0, 1.0 - max(mu, kappa / cv) / (rho0 * longest)) if longest > 0.0 else 0.0
     capacity = cv * rho0 * rho0 * c2 / law.bulk_modulus(rho0, T0)
-    lost = 0.5 * (np.sqrt(a * a + 4.0 * (kappa / (capacity * width)) ** 2) - a)
+    alpha = kappa / capacity
+    lost = 0.5 * (np.sqrt(a * a + 4.0 * (alpha / width) ** 2) - a)
+    warmer = -part * alpha * tau * rho0 * v_n if a < 0.0 else 0.0
+    heat = part * kappa * tau * rho0 * c * v_n
     if kappa > 0.0:
-        heat -= capacity * lost * (w[2] - T0 - tau * (w[1] - beyond[1]))
-    return part * 0.5 * (mu - tau * by_heat * kappa) * v_n, part * mu * v_n, heat
+        heat -= capacity * lost * (w[2] - T0 - warmer - tau * (w[1] - beyond[1]))
+    viscous, T = (part * 0.5 * (mu - tau * by_heat * kappa) * v_n, part * mu * v_n, heat), T0 + warmer
+    return viscous, gas.state(law.density(beyond[1], T), gas.velocity(beyond), T)
 
 
 @njit(**INNER_CALL)
