@@ -236,8 +236,9 @@ def first_order(gas, w, a, beyond, width, v_n):
     heat = part * kappa * tau * rho0 * c * v_n
     if kappa > 0.0:
         heat -= capacity * lost * (w[2] - T0 - warmer - tau * (w[1] - beyond[1]))
-    viscous, T = (part * 0.5 * (mu - tau * by_heat * kappa) * v_n, part * mu * v_n, heat), T0 + warmer
-    return viscous, gas.state(law.density(beyond[1], T), gas.velocity(beyond), T)
+    sound, T = part * 0.5 * (mu - tau * by_heat * kappa) * v_n, T0 + warmer
+    beyond = gas.state(law.density(beyond[1], T), gas.velocity(beyond), T)
+    return (sound, part * mu * v_n, heat), beyond
 
 
 @njit(**INNER_CALL)
