@@ -41,7 +41,7 @@ def info_sections(run: Run) -> dict[str, Rows]:
             "layers": [(layer.name, _of_layer(run, layer)) for layer in run.layers],
             "energy that came in": _through(run),
             "options": [(f"-{k}", _text(value)) for k, value in run.options.items() if value != ""],
-            "summary": summary_rows(run.summary, _second(run)),
+            "summary": summary_rows({**run.summary, "interfaces": None}, _second(run)),
             f"{run.options.get('fsi_norm', 'L2')} errors": error_rows(run.errors),
         }
         return {title: rows for title, rows in parts.items() if rows}
@@ -181,7 +181,7 @@ LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
     ),
     "wall_time": ("wall time of the steps", duration),
     "phases": (
-        "of which",
+        "wall time of phases",
         lambda found: ", ".join(f"{name} {duration(wall)}" for name, wall in found.items()),
     ),
     "part": ("since the last start", _cost),
