@@ -13,6 +13,8 @@ from typing import Any
 
 from fsipetsc.errors import FsiError, InputError
 
+#: packages that this one needs
+NEEDED = ("h5py", "matplotlib", "mpi4py", "numba", "numpy", "petsc4py", "scipy")
 _PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")
 _CASES = os.path.join(_PACKAGE, "cases", "")
 _LIBRARIES = (os.path.join(os.path.dirname(os.path.abspath(os.__file__)), ""), _PACKAGE)
@@ -51,8 +53,9 @@ def reason(error: BaseException) -> str:
 
 def missing(package: str) -> str:
     """How to get a Python package that is not there."""
-    how = "scripts/setup installs what fsipetsc needs"
-    return f"this needs the Python package {package}, which is not installed here: {how}"
+    said = f"this needs the Python package {package}, which is not installed here"
+    how = "scripts/setup, or pip install '.[solver,plot]', installs what fsipetsc needs"
+    return f"{said}: {how}" if package in NEEDED else said
 
 
 def frames_in(error: BaseException, path: str | os.PathLike[str]) -> list[traceback.FrameSummary]:
@@ -102,7 +105,7 @@ def _is_compilers(error: BaseException) -> bool:
 
 
 def place_of_caller() -> str:
-    """"file, line N: " of the case file that called what calls this; "" if it is called by none."""
+    """What stands before a message about a case file that called this: "file, line N: ", or ""."""
     frame: FrameType | None = sys._getframe(1)
     while frame is not None and not _is_users(frame.f_code.co_filename):
         frame = frame.f_back
@@ -112,7 +115,7 @@ def place_of_caller() -> str:
 
 
 def place_of(function: Callable[..., Any]) -> str:
-    """"file, line N" where a function is defined; its name if that is not known."""
+    """Where a function is defined, as "file, line N"; its name if that is not known."""
     while isinstance(function, partial) or hasattr(function, "__wrapped__"):
         function = function.func if isinstance(function, partial) else function.__wrapped__
     for found in (function, type(function).__call__):

@@ -62,7 +62,7 @@ COMMANDS = {
     "bench": Command("[-option value ...]",
         "what a time step costs on 1 to N ranks, and where the time goes",
         "fsipetsc.bench.command"),
-}
+}  # fmt: skip
 _DEBUG = "-fsi_debug"  # every command takes it
 HELP_FLAGS = ("-h", "-help", "--help")
 _VERSION_FLAGS = ("--version", "-version")

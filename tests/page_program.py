@@ -82,7 +82,7 @@ def command(words: list[str]) -> None:
         words = words[3:]
     if words[:1] == ["."]:
         words = words[1:]
-    if not words:
+    if not words or words[0] == "export":
         return
     if words[0].startswith("scripts/"):
         assert (REPOSITORY / words[0]).exists(), words[0]

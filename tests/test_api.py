@@ -11,7 +11,14 @@ import pytest
 from helpers import REPOSITORY, mpirun, solve
 
 import fsipetsc
-from fsipetsc.output.differences import _of_layers, compare, difference, table
+from fsipetsc.output.differences import (
+    _common,
+    _of_layers,
+    _of_series,
+    compare,
+    difference,
+    table,
+)
 
 pytest.importorskip("petsc4py")
 
@@ -138,6 +145,14 @@ def test_fields_of_two_grids_are_compared_at_common_nodes(kind, common, fine):
     assert found.largest == pytest.approx(1e-3) and found.place.endswith(
         "point 4" if kind == "line" else "point 0, 4"
     )
+
+
+def test_what_other_steps_bring_is_compared_as_a_sum():
+    """Energy at a constant rate, in two steps and in four."""
+    made = ({"t": np.arange(1, n + 1) / n, "energy_in": np.full(n, 1 / n)} for n in (2, 4))
+    a, b = (SimpleNamespace(series=series) for series in made)
+    steps = _common(a.series["t"], b.series["t"], "steps", [])
+    assert [(one.name, one.largest) for one in _of_series(a, b, steps, [])][1] == ("energy_in", 0.0)
 
 
 def test_units_in_the_last_place():

@@ -85,7 +85,6 @@ def test_command(tmp_path):
     args = "convergence mms -fsi_orders 2,6 -fsi_hs 0.025,0.05,0.05".split()
     done = solve(*args, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
-    assert "Table 1 of the paper" in done.stdout
     study = load(tmp_path / "mms-convergence.csv")
     assert (study.orders, study.hs, study.t) == ((2, 6), HS, 0.45)
     assert np.all(study.rates("fluid")[:, 1] > (1.9, 4.3))
@@ -111,7 +110,7 @@ def test_a_run_that_fails_is_one_line_of_the_table(tmp_path):
         ("rod -fsi_hs 0.1,0.05", 2, "the case rod has no exact solution: its grids are compared"),
         ("mms -fsi_order 4", 2, "-fsi_orders"),
         ("mms -fsi_hs 0.03", 2, "order 2, h = 0.03: "),
-        ("mms -fsi_output nowhere/x.csv -fsi_hs 0.05", 4, "no directory nowhere"),
+        ("mms -fsi_output nowhere/x.csv -fsi_hs 0.05", 4, "nowhere does not exist"),
     ],
 )
 def test_bad_input(tmp_path, words, status, reason):

@@ -72,8 +72,6 @@ def convergence(arguments: list[str], comm: MPI.Comm) -> None:
                 say(line)
     if table.errors and len(table.hs) < 2:
         say("\none grid shows no order: -fsi_hs takes several, as in -fsi_hs 0.05,0.025")
-    elif table.errors and table.exact and case.NAME == "mms":
-        say("\n" + table.beside_table_1())
     if comm.rank == 0:
         files = [table.save(path), *convergence_figures(table, path)]
         say("\nresults in " + ", ".join(map(str, files)))

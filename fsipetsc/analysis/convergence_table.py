@@ -20,8 +20,8 @@ from fsipetsc.analysis.tables import save_csv, text_table, texts
 from fsipetsc.checks import counted
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator
-from fsipetsc.output.differences import common_nodes
-from fsipetsc.output.quantities import GAINS, unit_of
+from fsipetsc.output.differences import common_nodes, summed
+from fsipetsc.output.quantities import unit_of
 from fsipetsc.output.reader import Run
 
 #: names of the cost in the summary of a result
@@ -37,8 +37,6 @@ NO_SOLUTION = "t", "dt", "least_J", "J_error", "lost_energy"
 #: a relative difference of the two finest grids that is too much, and one that is little enough
 #: whatever the order; the part of the order that is too little
 COARSE, FINE, SLOW = 0.1, 1e-3, 0.5
-#: Table 1 of the paper: kind of layer -> order -> exponent in L2 between the two finest grids
-TABLE_1 = {"fluid": {8: 4.9, 6: 4.7, 4: 2.4, 2: 1.6}, "solid": {8: 4.3, 6: 4.1, 4: 2.6, 2: 1.8}}
 
 
 @dataclass
@@ -126,21 +124,6 @@ class ConvergenceStudy:
             rows.append([group, "all" if name == "combined" else name, *numbers])
         return text_table(head, rows)
 
-    def beside_table_1(self) -> str:
-        """Table 1 of the paper, and the exponents of a study of mms on two grids or more."""
-        orders = sorted(self.orders, reverse=True)
-        rows = []
-        for kind, paper in TABLE_1.items():
-            rates = self.rates(kind)[:, -1]
-            ours = [f"{rates[self.orders.index(order)]:.1f}" for order in orders]
-            rows += [(kind, "paper", *(paper[order] for order in orders)), ("", "ours", *ours)]
-        head = ["", "", *(operator(order).name for order in orders)]
-        grids = f"h = {self.hs[-2]:g} and {self.hs[-1]:g}"
-        return (
-            "Table 1 of the paper, exponents between the two finest grids, and ours between "
-            f"{grids}\n{text_table(head, rows)}"
-        )
-
     def save(self, path: Path) -> Path:
         """Write a line per run: order, grid, cost, errors, observed orders. FileError."""
         what = "errors" if self.exact else "relative differences from the next grid"
@@ -216,17 +199,10 @@ def _common_values(runs: Sequence[Run]) -> dict[str, dict[str, list[np.ndarray]]
     times = runs[0].time[1:]
     for name in runs[0].series:
         if name not in NO_SOLUTION and not name.startswith("residual_"):
-            values = [_at(run, name, times) for run in runs]
+            values = [summed(r, name)[np.isin(r.series["t"], times)] for r in runs]
             if len({v.shape for v in values}) == 1 and values[0].size:
                 found.setdefault("series", {})[name] = values
     return found
-
-
-def _at(run: Run, name: str, times: np.ndarray) -> np.ndarray:
-    """A series at some times; of what steps bring the sum since the beginning."""
-    series = run.series[name]
-    whole = np.cumsum(series, axis=0) if name in GAINS else series
-    return whole[np.isin(run.series["t"], times)]
 
 
 def _in_all(pairs: Any) -> list[np.ndarray]:

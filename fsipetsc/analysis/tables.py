@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import Option, read_options
-from fsipetsc.output.file_layout import writing
+from fsipetsc.output.file_layout import check_folder, writing
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import together, wait_asleep
 
@@ -74,9 +74,9 @@ def save_csv(
 def csv_target(name: str) -> Path:
     """The CSV file of a study that is called NAME, whatever suffix the name has. FileError."""
     path = Path(name).with_suffix(".csv")
-    if not path.parent.is_dir() or path.is_dir():
-        wrong = "is a directory" if path.is_dir() else f"no directory {path.parent}"
-        raise FileError(f"{path}: {wrong}")
+    check_folder(path)
+    if path.is_dir():
+        raise FileError(f"{path}: is a directory")
     return path
 
 

@@ -109,8 +109,12 @@ def bench(arguments: list[str], comm: MPI.Comm) -> None:
 
 
 def measured(
-    case: Any, options: Mapping[str, Any], opt: Mapping[str, Any], comm: MPI.Comm,
-    teams: Mapping[int, MPI.Comm], other: Callable[[int], float | None],
+    case: Any,
+    options: Mapping[str, Any],
+    opt: Mapping[str, Any],
+    comm: MPI.Comm,
+    teams: Mapping[int, MPI.Comm],
+    other: Callable[[int], float | None],
 ) -> list[Sequence[object]]:
     """The last columns for each number of ranks, on rank 0. Collective. InputError where ranks do
     not fit. other: another program's time of a step, of so many steps; None where there is none.

@@ -15,32 +15,18 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.blockrun.columns import (
-    OF_INTERFACES,
-    PLACES,
-    VELOCITIES,
-    fields_of,
-    gained,
-    lossy,
-    slices,
-    step_record,
-)
+from fsipetsc.blockrun.columns import OF_INTERFACES, fields_of, gained, lossy, slices, step_record
 from fsipetsc.blockrun.errors_of_blocks import errors_of
 from fsipetsc.blockrun.notes import first_notes, last_notes
 from fsipetsc.blockrun.recorded_nodes import Recorded, Recorder
+from fsipetsc.blockrun.saved import grids, header, places, seen
 from fsipetsc.blockrun.scheme import Scheme
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import counted
 from fsipetsc.errors import InputError
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.parallel.block_layout import (
-    BlockLayout,
-    BlockVector,
-    NaturalOrder,
-    Part,
-    halos_of,
-)
+from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder, halos_of
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.after_step import WORDS, note_extremes, note_gained
 from fsipetsc.scheme.burst import DT, MADE
@@ -49,7 +35,6 @@ from fsipetsc.scheme.runge_kutta import STAGES, advance
 from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.snapshot import as_numbers, gather_local, put_whole, whole
 from fsipetsc.stepping.state import State
-from fsipetsc.stepping.verdicts import Seen
 
 #: by order: how much shorter steps are with dissipation of strength 1 at shocks. That alone is a
 #: number of -1.6 at Courant number 0.8, of 2.785 that the classical method bears; next to the ends
@@ -89,8 +74,8 @@ class BlockState(State):
     memory as a world vector. results: flags and limits as in fsipetsc.scheme.plan. journal, latest:
     records of steps; integrals in them are this rank's shares. rates: (blocks, 2), largest ones of
     convection and diffusion [1/s]. h: size of the smallest cells [m].
-    recorded: nodes to be recorded at each step. InputError where blocks, order and ranks do not
-    fit.
+    recorded: nodes to be recorded at each step. orders: block -> what brings its nodes into the
+    order in which they are saved. InputError where blocks, order and ranks do not fit.
     """
 
     def __init__(
@@ -116,9 +101,9 @@ class BlockState(State):
         self._stage = self.layout.vector()
         size = (self.layout.local_size, None)
         self.solution = PETSc.Vec().createWithArray(self.y.array, size=size, comm=comm)
-        self._recorded, interfaces = tuple(recorded), len(problem.interfaces)
-        self._recorder = Recorder(self, self._recorded)
-        record = step_record(problem, interfaces, len(self._recorded))
+        self.recorded, interfaces = tuple(recorded), len(problem.interfaces)
+        self._recorder = Recorder(self, self.recorded)
+        record = step_record(problem, interfaces, len(self.recorded))
         self._lay_records(record, len(blocks))
         self._before, self.retries = np.empty_like(self.y.array), 0
         self.scheme = together(comm, lambda: self._made(self.layout, comm.size == 1))
@@ -128,7 +113,7 @@ class BlockState(State):
         self.evaluations, self._t = 0, 0.0
         widths = [len(fields_of(b.kind, d, problem.symmetry)) for b in blocks]
         parts = self.layout.parts
-        self._orders = {part.k: NaturalOrder(part, widths[part.k]) for part in parts}
+        self.orders = {part.k: NaturalOrder(part, widths[part.k]) for part in parts}
 
     def _lay_records(self, record: np.dtype, blocks: int) -> None:
         """Flags, what a burst of steps is told, and the records of steps."""
@@ -259,7 +244,7 @@ class BlockState(State):
         """
         more = True
         while more:
-            if self.scheme.alone and self.scheme.steady and not self._recorded:
+            if self.scheme.alone and self.scheme.steady and not self.recorded:
                 ended_well, t, dt = self._steps(t, dt)
                 if ended_well:
                     break
@@ -359,38 +344,7 @@ class BlockState(State):
     # what is saved and said
 
     first_notes, last_notes, errors = first_notes, last_notes, errors_of
-
-    def header(self) -> dict[str, Any]:
-        """What a result file says of blocks, interfaces, and nodes recorded at each step."""
-        d = self.problem.dimension
-        blocks = [
-            {
-                "name": block.name,
-                "kind": block.kind,
-                "fields": list(fields_of(block.kind, d, self.problem.symmetry)),
-                "shape": list(shape[::-1]),
-                "periodic": list(block.periodic)[::-1],
-                **({"kappa_e": block.material.kappa_e} if block.kind == "solid" else {}),
-            }
-            for block, shape in zip(self.problem.layers, self.layout.shapes, strict=True)
-        ]
-        return {
-            "layers": blocks,
-            "interface_faces": self.problem.interface_faces,
-            "faces": self.problem.face_names,
-            "symmetry": self.problem.symmetry,
-            "points": [[node.name, list(node.X)] for node in self._recorded],
-        }
-
-    def grids(self) -> list[dict[str, Any]]:
-        """What the writer must know: see RunWriter."""
-        found = []
-        for k, shape in enumerate(self.layout.shapes):
-            numbers = self._orders[k].numbers if k in self._orders else np.empty(0, np.int64)
-            X = np.empty((0, self.problem.dimension))
-            X = self.problem.places(k, numbers) if numbers.size else X
-            found.append({"local": numbers.size, "n": int(np.prod(shape)), "X": X})
-        return found
+    header, grids, seen, places = header, grids, seen, property(places)
 
     def fields(self, k: int) -> np.ndarray:
         """(M, columns) of ``fields_of``: what is saved of this rank's nodes of block k."""
@@ -399,51 +353,12 @@ class BlockState(State):
     def save(self) -> dict[int, np.ndarray]:
         """What is saved of this rank's nodes: number of a block -> (local, columns), to be copied
         before the next call (RunWriter.write_frame). Collective."""
-        return {k: order.reorder(self.fields(k)) for k, order in sorted(self._orders.items())}
-
-    @property
-    def places(self) -> list[float]:
-        """Mean of the last coordinate [m] of each interface."""
-        problem, sums = self.problem, np.zeros((len(self.problem.interfaces), 2))
-        last = problem.dimension - 1
-        for number, (_, k) in enumerate(problem.interfaces):
-            part, nodes = self.layout.part(k), problem.interface_nodes(number)
-            mine = nodes[self.layout.owners(k, nodes) == self.comm.rank]
-            if part is not None and mine.size:
-                D = self.y.owned(k)[part.rows(mine), last]
-                sums[number] = (problem.places(k, mine)[:, last] + D).sum(), mine.size
-        self.comm.Allreduce(MPI.IN_PLACE, sums)
-        return (sums[:, 0] / sums[:, 1]).tolist()
-
-    def seen(self) -> Iterator[Seen]:
-        """Values at this rank's nodes, block by block, and which of them must be positive."""
-        return map(self._seen, self.layout.parts)
-
-    def _seen(self, part: Part) -> Seen:
-        problem, d = self.problem, self.problem.dimension
-        kind, m = problem.layers[part.k].kind, problem.unit("m")
-        names = fields_of(kind, d, problem.symmetry)
-        columns = dict(zip(names, self.fields(part.k).T, strict=True))
-        names = "J", "rho", *VELOCITIES[:d], "T"
-        if kind == "solid":  # a temperature of a law of J < 0 is no number: J says more
-            of_block = self.scheme.parts[part.k]
-            columns["J"] = of_block.volume_ratio(self.y.ghosted(part.k))
-            names = "J", *PLACES[:d], *VELOCITIES[:d], "T"
-        X = problem.places(part.k, part.numbers)
-
-        def place(i: int) -> str:
-            now = ", ".join(f"{name} = {columns[name][i]:.6g}{m}" for name in PLACES[:d])
-            then = ", ".join(f"{c} = {x:.6g}{m}" for c, x in zip(PLACES.upper(), X[i]))
-            return f"{now} ({then})"
-
-        values = {name: columns[name] for name in names}
-        positive = frozenset(("J", "rho", "T"))
-        return Seen(part.k, np.asarray(part.numbers), values, positive, place)
+        return {k: order.reorder(self.fields(k)) for k, order in sorted(self.orders.items())}
 
     def destroy(self) -> None:
         """Free messages, vectors, DMDAs and communicators, in this order."""
         self.scheme.destroy()
-        for order in self._orders.values():
+        for order in self.orders.values():
             order.destroy()
         for vector in (self.y, self._stage, self.solution):
             vector.destroy()

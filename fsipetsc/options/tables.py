@@ -53,7 +53,7 @@ DISCRETISATION = (
     Option("fsi_shock", float, 0.0, "",
         "dissipation where a sensor sees a shock, times its usual size; 0: none",
         check=_between(0, 2)),
-)
+)  # fmt: skip
 OUTPUT = (
     Option("fsi_output", str, None, "",
         "result file (HDF5); an earlier result is never destroyed silently", check=_file_name),
@@ -65,7 +65,7 @@ OUTPUT = (
         "in 2-D: X of points of interfaces that are recorded at each step: X0,X1,…"),
     Option("fsi_probes", str, None, "m",
         "of blocks: places whose nearest nodes are recorded at each step: X,Y;X,Y;…"),
-)
+)  # fmt: skip
 CHECKPOINTS = (
     Option("fsi_checkpoint", str, None, "",
         "file of checkpoints; NAME.checkpoint.h5 beside the result NAME.h5 if not given",
@@ -77,7 +77,7 @@ CHECKPOINTS = (
     Option("fsi_restart", str, None, "",
         "go on from a checkpoint; auto: from the run's own, if there is one",
         check=_file_name),
-)
+)  # fmt: skip
 RUN = (
     Option("fsi_check", float, None, "",
         "stop when mass, momentum, energy or entropy drifts by this fraction against its law",
@@ -92,7 +92,7 @@ RUN = (
     Option("fsi_progress", bool, False, "",
         "lines of progress from 2 s on, not 10 s, where the output is not a terminal"),
     Option("fsi_debug", bool, False, "", "show the Python traceback of an error"),
-)
+)  # fmt: skip
 #: those that belong to one run of the program, not to what is computed: no checkpoint has them
 OF_A_RUN = {"fsi_quiet", "fsi_progress", "fsi_debug", "fsi_restart"}
 COMMON: tuple[Option, ...] = DISCRETISATION + OUTPUT + CHECKPOINTS + RUN
@@ -111,7 +111,7 @@ PETSC_OPTIONS: tuple[Option, ...] = (
     Option("ts_adapt_type", str, "none", "", "steps have the length of -fsi_cfl or -ts_dt",
         ("none",)),
     Option("ts_ssp_type", str, "rks2", "", "method of ssp", ("rks2", "rks3", "rk104")),
-)
+)  # fmt: skip
 #: other spellings: of another release of PETSc, or deprecated there
 ALIASES = {"ts_time_step": "ts_dt", "ts_final_time": "ts_max_time"}
 

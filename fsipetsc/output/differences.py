@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.checks import Array
+from fsipetsc.output.quantities import GAINS
 from fsipetsc.output.reader import Run, open_run
 
 
@@ -50,7 +51,8 @@ class Comparison:
 def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Comparison:
     """All fields in the frames, and all series in the steps, that two results have at equal times.
 
-    Where no time is in both, nothing is compared.
+    Where no time is in both, nothing is compared. What steps bring is compared as sums since the
+    beginning where the steps are others.
 
     Layers with different grids: at common nodes where both are active; a note says how many.
 
@@ -144,12 +146,20 @@ def _of_series(a: Run, b: Run, common: _Common, notes: list[str]) -> Iterator[Di
     times, in_a, in_b = common
     if not len(times):
         return
+    others = not len(times) == len(a.series["t"]) == len(b.series["t"])
     for name in _both(a.series, b.series, "series", notes):
-        one, two = a.series[name][in_a], b.series[name][in_b]
+        one, two = (summed(run, name) if others else run.series[name] for run in (a, b))
+        one, two = one[in_a], two[in_b]
         if one.shape == two.shape:
             yield difference(name, one, two, times)
         else:
             notes.append(f"series {name} has the shapes {one.shape} and {two.shape}")
+
+
+def summed(run: Run, name: str) -> Array:
+    """A series; of what steps bring the sum since the beginning, which other steps have, too."""
+    series = run.series[name]
+    return np.cumsum(series, axis=0) if name in GAINS else series
 
 
 def common_nodes(a: Any, b: Any, notes: list[str]) -> tuple[list[Array], list[Array]] | None:

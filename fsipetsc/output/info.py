@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from fsipetsc.checks import duration
+from fsipetsc.checks import counted, duration
 from fsipetsc.options.option import INT_MAX
 from fsipetsc.output.file_layout import damage
 from fsipetsc.output.quantities import is_si, unit_of
@@ -19,15 +19,16 @@ Rows = list[tuple[str, str]]
 
 def info(path: str | os.PathLike[str]) -> str:
     """Case, times, layers, series, options, summary and errors of a result. FileError."""
-    with damage(os.fspath(path)), open_run(path) as run:
+    with open_run(path) as run:
         (_, first), *parts = info_sections(run).items()
-    tables = [_table([("file", os.fspath(path)), *first])]
+    tables = [table([("file", os.fspath(path)), *first])]
     for title, rows in parts:
-        tables.append(_table([(title, ""), *((f"  {name}", text) for name, text in rows)]))
+        tables.append(table([(title, ""), *((f"  {name}", text) for name, text in rows)]))
     return "\n\n".join(tables)
 
 
-def _table(rows: Rows) -> str:
+def table(rows: Rows) -> str:
+    """Names and texts below each other."""
     width = max(len(name) for name, _ in rows) + 2
     return "\n".join(f"{name:{width}}{value}".rstrip() for name, value in rows)
 
@@ -40,11 +41,9 @@ def info_sections(run: Run) -> dict[str, Rows]:
             "layers": [(layer.name, _of_layer(run, layer)) for layer in run.layers],
             "energy that came in": _through(run),
             "options": [(f"-{k}", _text(value)) for k, value in run.options.items() if value != ""],
-            "summary": _summary(run),
+            "summary": summary_rows({**run.summary, "interfaces": None}, _second(run)),
+            f"{run.options.get('fsi_norm', 'L2')} errors": error_rows(run.errors),
         }
-        if run.errors:
-            errors = [(kind, _text(values)) for kind, values in run.errors.items()]
-            parts[f"{run.options.get('fsi_norm', 'L2')} errors"] = errors
         return {title: rows for title, rows in parts.items() if rows}
 
 
@@ -107,15 +106,36 @@ def _second(run: Run) -> str:
     return " s" * is_si(run)
 
 
-def _summary(run: Run) -> Rows:
-    """Results of a run in the order of LABELS; all else follows under its own name."""
-    known = {name: value for name, value in run.summary.items() if value not in ("", None, {})}
+def summary_rows(summary: Mapping[str, Any], unit: str) -> Rows:
+    """Results of a run in the order of LABELS; all else follows under its own name. unit: what
+    stands behind a time.
+    """
+    known = {name: value for name, value in summary.items() if value not in ("", None, {})}
+    if "limits" in known:
+        known["limits"] = shares(known["limits"], summary["t"])
     rows = []
     for name in [*(n for n in LABELS if n in known), *(n for n in known if n not in LABELS)]:
         label, written = LABELS.get(name, (name.replace("_", " "), _text))
-        unit = _second(run) if name in ("t", "dt_min", "dt_max") else ""
-        rows.append((label, written(known[name]) + unit))
+        rows.append((label, written(known[name]) + unit * (name in ("t", "dt_min", "dt_max"))))
     return rows
+
+
+def error_rows(errors: Mapping[str, Any]) -> Rows:
+    """Errors by kind of layer."""
+    return [(kind, _text(values)) for kind, values in errors.items()]
+
+
+def shares(changes: Sequence[Sequence[Any]], end: float) -> list[tuple[str, float]]:
+    """(bound of the step, part of the time until ``end`` in which it held), the largest first.
+
+    changes: [time, bound] from which on it did.
+    """
+    parts: dict[str, float] = {}
+    times = [*(t for t, _ in changes), end]
+    for (_, what), begin, until in zip(changes, times, times[1:], strict=False):
+        parts[what] = parts.get(what, 0.0) + until - begin
+    whole = sum(parts.values()) or 1.0
+    return sorted(((what, part / whole) for what, part in parts.items()), key=lambda x: -x[1])
 
 
 def _text(value: Any) -> str:
@@ -128,6 +148,12 @@ def _text(value: Any) -> str:
         return f"{value:.6g}"
     words = {True: "yes", False: "no"} if isinstance(value, bool) else {INT_MAX: "no limit"}
     return "none" if value is None else words.get(value, str(value))
+
+
+def _cost(part: Mapping[str, Any]) -> str:
+    steps, wall = part["steps"], part["wall_time"]
+    each = f", {1e6 * wall / steps:.4g} µs each" if steps else ""
+    return f"{counted(steps, 'step')} in {duration(wall)}{each}"
 
 
 def _three_digits(value: float) -> str:
@@ -143,26 +169,22 @@ LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
         "conserved",
         lambda found: ", ".join(f"{name} to {size:.1e}" for name, size in found.items()),
     ),
-    "J_error": ("largest departure of J from the grid's volume", _three_digits),
-    "lost_energy": ("lost of the energy of solids by steps", _three_digits),
+    "J_error": ("departure of J", _three_digits),
+    "lost_energy": ("lost energy of solids", _three_digits),
     "steps": ("time steps", str),
     "rejected_steps": ("rejected steps", str),
     "dt_min": ("shortest step", _three_digits),
     "dt_max": ("longest step", _three_digits),
     "limits": (
         "step bounded by",
-        lambda changes: ", ".join(f"{what} from t = {t:.6g}" for t, what in changes),
+        lambda bounds: ", ".join(f"{what} ({100 * part:.0f} %)" for what, part in bounds),
     ),
     "wall_time": ("wall time of the steps", duration),
-    "wall_time_total": ("wall time in all", duration),
     "phases": (
-        "of which",
+        "wall time of phases",
         lambda found: ", ".join(f"{name} {duration(wall)}" for name, wall in found.items()),
     ),
-    "part": (
-        "since the last start",
-        lambda part: f"{part['steps']} steps in {duration(part['wall_time'])}",
-    ),
+    "part": ("since the last start", _cost),
     "ranks": ("ranks", str),
     "points": ("points", str),
     "interfaces": ("interfaces", _text),

@@ -8,12 +8,11 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from fsipetsc.blame import NEEDED
 from fsipetsc.cases import BUILT_IN, template_text
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import LONGEST_NAME
 from fsipetsc.output.file_layout import check_folder
-
-_NEEDED = ("fsipetsc", "h5py", "matplotlib", "mpi4py", "numba", "numpy", "petsc4py", "scipy")
 
 
 def new_case(name: str, commands: Sequence[str], blocks: bool = False) -> Path:
@@ -50,7 +49,7 @@ def _check(path: Path, name: str, commands: Sequence[str]) -> None:
         longest = f"the result's name would have more than {LONGEST_NAME} bytes"
         raise InputError(f"new: '{path.name}' is too long: {longest}")
     taken = "a built-in case" if stem in BUILT_IN else "a command" if stem in commands else ""
-    if not taken and stem in (*sys.stdlib_module_names, *_NEEDED):
+    if not taken and stem in (*sys.stdlib_module_names, "fsipetsc", *NEEDED):
         taken = "a Python module, which this file would hide"
     if taken:
         expected = f"expected another name, such as my_{stem}.py"

@@ -7,7 +7,6 @@ hundreds of time steps.
 
 from __future__ import annotations
 
-import datetime
 import json
 import os
 import time
@@ -76,8 +75,7 @@ class RunWriter:
         self._times: list[float] = []  # of these
         self._new_rows: list[Array] = []  # likewise; on rank 0
         self._lock: Lock | None = None  # on rank 0
-        created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
-        self._about: dict[str, Any] = {"header": _plain({"created": created, **header})}
+        self._about: dict[str, Any] = {"header": _plain(header)}
         self.path = Path(os.path.realpath(path))
         self.folder = folder_of(self.path)
         self.moved: list[tuple[Path, Path]] = []

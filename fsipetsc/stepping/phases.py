@@ -19,7 +19,6 @@ class Phases:
 
     def __init__(self) -> None:
         self.seconds = {SET_UP: 0.0, LOOP: 0.0, OUTPUT: 0.0}
-        self.begun = time.perf_counter()
         logs = PETSc.Log.isActive()
         self._stages = {name: PETSc.Log.Stage(name) for name in self.seconds if logs}
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import shlex
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.checks import counted, duration
+from fsipetsc.output.info import LABELS, error_rows, summary_rows, table
 from fsipetsc.process.streams import say
 from fsipetsc.stepping.state import State
 
@@ -23,8 +24,6 @@ STEPS = 32
 MOST_J_ERROR = 0.01
 #: and a larger loss of the kinetic and elastic energy of solids
 MOST_LOST = 0.001
-#: entries of a list that are told
-_LISTED = 4
 #: by kind of layer: names of the bounds by convection and by diffusion
 _BOUNDS = {"fluid": ("sound", "friction and conduction"), "solid": ("waves", "conduction")}
 
@@ -39,19 +38,6 @@ def bound_of_step(state: State, opt: Mapping[str, Any]) -> str:
     k, which = np.unravel_index(np.argmax(rates), rates.shape)
     layer = state.problem.layers[k]
     return f"{_BOUNDS[layer.kind][which]} in {layer.name}"
-
-
-def shares(changes: Sequence[Sequence[Any]], end: float) -> list[tuple[str, float]]:
-    """(bound, part of the time until ``end`` in which it held), the largest first.
-
-    changes: [time, bound] from which on it did.
-    """
-    parts: dict[str, float] = {}
-    times = [*(t for t, _ in changes), end]
-    for (_, what), begin, until in zip(changes, times, times[1:], strict=False):
-        parts[what] = parts.get(what, 0.0) + until - begin
-    whole = sum(parts.values()) or 1.0
-    return sorted(((what, part / whole) for what, part in parts.items()), key=lambda x: -x[1])
 
 
 class Reporter:
@@ -105,58 +91,17 @@ class Reporter:
         self._last = t, steps, now
 
     def end(self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None, place: str) -> None:
-        """Print the summary; place: of the result."""
+        """Print what `info` says of the summary; place: of the result."""
         if not self._speaks:
             return
-        for text in self._lines(summary, errors or {}):
-            self.line(text)
+        norm, known = self._opt["fsi_norm"], {k: v for k, v in summary.items() if k in LABELS}
+        of_kinds = [(f"{norm} errors, {kind}", text) for kind, text in error_rows(errors or {})]
+        self.line(table([*summary_rows(known, self._s), *of_kinds]))
+        for note in [*about_volumes(summary["J_error"]), *about_losses(summary)]:
+            self.line(note)
         self.line(f"result in {place}")
         if summary["status"] == "done":
             self.line(f"next: python -m fsipetsc plot {shlex.quote(self._opt['fsi_output'])}")
-
-    def _lines(self, summary: Mapping[str, Any], errors: Mapping[str, Any]) -> Iterator[str]:
-        """How the run ended, what was solved, where the time went, what bounded the steps, what
-        was kept, and errors.
-        """
-        steps, wall, part = summary["steps"], summary["wall_time"], summary["part"]
-        again = summary["rejected_steps"]
-        early = summary["message"] if summary["status"] == "done" else ""
-        how = early or f"{summary['status']} at t = {summary['t']:g}{self._s}"
-        cost = f", {1e6 * wall / steps:.1f} µs per step" if steps else ""
-        rejected = f" ({again} rejected)" if again else ""
-        yield f"{how}: {counted(steps, 'step')}{rejected} in {duration(wall)}{cost}"
-        if part["steps"] < steps:
-            these = f"{counted(part['steps'], 'step')} of these in {duration(part['wall_time'])}"
-            yield f"{these} since the restart"
-        problem = self._state.problem
-        yield f"solved: {_list(f'{layer.name} ({layer.kind})' for layer in problem.layers)}"
-        axis, mean = " xyz"[problem.dimension], " on average" * (problem.dimension > 1)
-        found = summary["interfaces"].items()
-        places = [f"interfaces: {_list(f'{name} at {axis} = {x:.6g}{mean}' for name, x in found)}"]
-        yield "; ".join([*(places if found else ()), counted(summary["points"], "point")])
-        phases = (f"{name} {duration(v)}" for name, v in summary["phases"].items())
-        since = " since the restart" if part["steps"] < steps else ""
-        yield f"phases{since}: {', '.join(phases)}"
-        if steps:
-            bounds = (f"{w} ({100 * p:.0f} %)" for w, p in shares(summary["limits"], summary["t"]))
-            lengths = f"{summary['dt_min']:.3g} … {summary['dt_max']:.3g}{self._s}"
-            bounded = f", bounded by {_list(bounds)}" if summary["limits"] else ""
-            yield f"dt: {lengths}{bounded}"
-        departures = sorted(summary["departures"].items(), key=lambda x: (x[1] == x[1], -x[1]))
-        if departures:  # nan first
-            yield f"kept: {_list(f'{name} to {size:.1e}' for name, size in departures)}"
-        yield from about_volumes(summary["J_error"])
-        yield from about_losses(summary)
-        for kind, values in errors.items():
-            listed = ", ".join(f"{name} {value:.3e}" for name, value in values.items())
-            yield f"{self._opt['fsi_norm']} errors in the {kind}: {listed}"
-
-
-def _list(items: Iterator[str]) -> str:
-    """The first ones, and how many there are."""
-    every = list(items)
-    more = f" … ({len(every)} in all)" if len(every) > _LISTED else ""
-    return ", ".join(every[:_LISTED]) + more
 
 
 def about_volumes(J_error: float) -> list[str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import datetime
 import signal
-import time
 import uuid
 from collections.abc import Mapping
 from contextlib import closing, suppress
@@ -108,16 +107,13 @@ class _Run:
         self.writer.take_series = self._take
 
     def _mark(self) -> dict[str, Any]:
-        """What header and checkpoints say of the run: "run", by which they know each other, when
-        it was "created", and its "restarts".
+        """What header and checkpoints say of the run: "run", by which they know each other, and
+        when it was "created".
         """
-        if self.past is None:
-            created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
-            return {"run": uuid.uuid4().hex, "created": created}
-        memory, run = self.past.header["memory"], self.past.header["run"]
-        this = {"t": memory["t"], "step": memory["steps"], "ranks": self.comm.size}
-        this["versions"] = restart.versions()
-        return {**run, "restarts": [*run.get("restarts", []), this]}
+        if self.past is not None:
+            return self.past.header["run"]
+        created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
+        return {"run": uuid.uuid4().hex, "created": created}
 
     def _header(self) -> dict[str, Any]:
         problem = self.problem
@@ -186,7 +182,6 @@ class _Run:
                 "saved_at": self.saved_at,
                 "limits": self.limits,
                 "result": [self.writer.nframes, self.writer.rows],
-                "wall_time_total": self._total(),
             }
             restart.write_checkpoint(self.state, self.checkpoint, self.case.NAME, self.opt, more)
         self.integrator.pauses.written()
@@ -269,11 +264,6 @@ class _Run:
             with suppress(FileError):  # the error itself says more
                 self.writer.finish(self._summary(error))
 
-    def _total(self) -> float:
-        """Wall time [s] of the run so far with set-up and output, in its earlier parts too."""
-        before = 0.0 if self.past is None else self.past.header["wall_time_total"]
-        return float(before + time.perf_counter() - self.phases.begun)
-
     def _summary(self, failure: BaseException | None) -> dict[str, Any]:
         integrator, state = self.integrator, self.state
         steps, wall_time = integrator.before
@@ -292,11 +282,9 @@ class _Run:
             "interfaces": dict(zip(self.problem.interface_names, state.places, strict=True)),
             "ranks": self.comm.size,
             "wall_time": integrator.wall_time,
-            "wall_time_total": self._total(),
             "part": {
                 "steps": integrator.steps - steps,
                 "wall_time": integrator.wall_time - wall_time,
-                "wall_time_total": time.perf_counter() - self.phases.begun,
             },
             "phases": dict(self.phases.seconds),
             "limits": self.limits,
