@@ -8,7 +8,7 @@ import re
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, run, solve
+from helpers import solve
 
 import fsipetsc
 from fsipetsc.cases import box
@@ -43,16 +43,6 @@ def test_check_stops_what_does_not_hold(tmp_path):
     assert done.returncode == 3
     assert "mass of 'below' has drifted" in done.stderr and "Traceback" not in done.stderr
     assert len(fsipetsc.open_run(tmp_path / "rod.h5").series["t"]) > 0
-
-
-@pytest.mark.parametrize("lost", [0.0, 0.5])
-def test_check_sees_the_loss_of_the_momentum_of_a_small_wave(lost, tmp_path):
-    """Of 1e-5, half of whose force on an interface is left out of the right-hand side."""
-    case = REPOSITORY / "tests" / "small_wave.py"
-    words = "-ts_type rk -ts_rk_type 4 -fsi_check 1e-9 -fsi_quiet -wave_lost".split()
-    done = run("-m", "fsipetsc", case, *words, lost, cwd=tmp_path)  # it changes a class
-    assert done.returncode == (3 if lost else 0), done.stderr
-    assert ("momentum along x has drifted" in done.stderr) == (lost > 0.0)
 
 
 def test_entropy_must_not_decrease():

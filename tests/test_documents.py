@@ -110,7 +110,7 @@ def test_options_files_run(alone, tmp_path):
         given = [line.split(" #")[0] for line in text.splitlines() if line.startswith("-")]
         limit = "" if steps[name] == count else "-ts_max_steps 3"
         runs[name] = (case, " ".join([*given, *words[2:], limit]))
-    results = compute(1, tmp_path, runs)
+    results = compute(2, tmp_path, runs)
     assert set(results) == set(runs), [path.read_text() for path in tmp_path.glob("*.txt")]
     assert {n: fsipetsc.open_run(path).summary["steps"] for n, path in results.items()} == steps
 

@@ -12,8 +12,6 @@ pytest.importorskip("numba")
 
 from helpers import from_python
 from paper_parts import (
-    H,
-    closure,
     dirichlet_ghost,
     extrapolated,
     gas_record,
@@ -43,7 +41,6 @@ from fsipetsc.errors import InputError
 from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.perfect_gas import PerfectGas
-from fsipetsc.materials.solid_pressure import Gruneisen
 from fsipetsc.operators import OPERATORS
 from fsipetsc.operators.narrow import STIFFNESS, STIFFNESS_OF_WIDE, remainder
 from fsipetsc.paper.ends import LEAST, NODES
@@ -52,8 +49,6 @@ from fsipetsc.paper.laws import Gas, law_of
 
 ORDERS = pytest.mark.parametrize("order", OPERATORS)
 DEGREES = pytest.mark.parametrize("degree", [2, 3, 4, 5])
-SIDES = pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
-ROD = Solid(K=1e5, kappa_e=0.5, m0=2700.0, alpha=1.0, force=-10.0)
 NARROW = pytest.mark.parametrize("narrow", [0, 1], ids=["wide", "narrow"])
 DELTAS = (0.0, 1e-6, 0.2, 0.5, 0.75, 0.999)
 
@@ -239,62 +234,6 @@ def test_no_mode_grows_between_given_data(order):
                     # slowly; a boundary that moves passes by
                     grows = order > 4 and delta > 0.85
                     assert_stable(matrix, mach, nu, STIFFNESS_OF_WIDE, 1 / N if grows else 1e-8)
-
-
-def solid_state(n: int) -> np.ndarray:
-    """(n, 4) of u, sigma, T, x, smooth with some noise."""
-    X, noise = H * np.arange(n), np.random.default_rng(n).uniform(-1, 1, (4, n))
-    smooth = (
-        np.cos(2 * X),
-        -1e5 + 1e4 * np.sin(3 * X),
-        300 + 30 * np.sin(X),
-        X + 0.1 * np.sin(2 * X),
-    )
-    noise = noise * np.array([1e-3, 1.0, 1e-3, 1e-5])[:, None]
-    return np.stack([values + some for values, some in zip(smooth, noise, strict=True)], axis=-1)
-
-
-def squared_wave_speed(gruneisen, x_X, T, sigma):
-    """Of the equations (3.1) without conduction, linearised: an eigenvalue."""
-    heat = ROD.alpha * ROD.m0
-    p = gruneisen * heat * T / x_X
-    A = np.zeros((4, 4))  # u, sigma, T, x_X
-    A[0, 1:] = np.array([1.0, -gruneisen * heat / x_X, p / x_X]) / ROD.m0
-    A[1:, 0] = ROD.K / x_X, (sigma - p) / heat, 1.0
-    return float(np.max(np.linalg.eigvals(A).real) ** 2)
-
-
-@SIDES
-@pytest.mark.parametrize("kind", [CLAMPED, FREE, ABSORBING], ids=["clamped", "free", "absorbing"])
-@pytest.mark.parametrize("gruneisen", [0.0, 0.3])
-@ORDERS
-def test_ends_of_a_solid(order, kind, side, gruneisen):
-    n, layer, op = 2 * side - 1, gas_record(40), operator_of(order)
-    close_solid, solid = from_python(close), law_of(ROD)._replace(law=Gruneisen(gruneisen))
-    value = 0.7 if kind == CLAMPED else -9e4
-    layer["end_kind"][side], layer["end_data"][side, 0] = kind, value
-    q = solid_state(40) * [1.0, 1.0, 1.0, 0.4]
-    before, at, inwards = q.copy(), 39 * side, 1 - 2 * side
-    close_solid(op, solid, layer, q)
-    rows = at + inwards * np.arange(len(closure(order)))
-    d = -n / H * closure(order)
-    x_X, T, p = d @ q[rows, 3], q[at, 2], solid.pressure(q[at, 2], d @ q[rows, 3])
-    traction, old = q[at, 1] - p, before[at, 1] - p
-    Z = ROD.m0 * np.sqrt(squared_wave_speed(gruneisen, x_X, T, value + p))
-    assert abs(d @ q[rows, 2]) < 1e-9, "no heat through the end"
-    if kind == CLAMPED:
-        assert q[at, 0] == value
-    elif kind == FREE:
-        np.testing.assert_allclose(traction, value, rtol=1e-14)
-    else:
-        np.testing.assert_allclose(traction - value + n * Z * q[at, 0], 0, atol=1e-9)
-        outgoing = [v - n * Z * u for v, u in ((traction, q[at, 0]), (old, before[at, 0]))]
-        np.testing.assert_allclose(*outgoing, rtol=1e-13)
-    once = q.copy()
-    close_solid(op, solid, layer, q)
-    np.testing.assert_allclose(q, once, rtol=1e-12, err_msg="a second application changes it")
-    inside = np.arange(40) != at
-    assert np.array_equal(q[inside], before[inside]) and q[at, 3] == before[at, 3]
 
 
 @ORDERS
