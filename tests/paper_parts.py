@@ -9,7 +9,6 @@ from helpers import from_python
 
 from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.operators import OPERATORS
 from fsipetsc.paper import ends, stencils
 from fsipetsc.paper.ends import NODES
 from fsipetsc.paper.laws import Gas, law_of
@@ -86,8 +85,3 @@ def filled(
         np.array(_seen(gas, layer, q, ghost, side)) if layer["end_kind"][side] > 0 else np.zeros(2)
     )
     return np.array([v[ghost] for v in primitive(gas, q)]), seen
-
-
-def closure(order: int) -> np.ndarray:
-    """The first row of D for h = 1, of the points that it reaches."""
-    return np.array([float(w) for w in OPERATORS[order].closure[0]])[: operator_of(order)["n"]]
