@@ -1,10 +1,10 @@
 """One of the ranks that kept_ranks.py keeps for the runs of tests, started under mpiexec:
-FOLDER PROCESS.
+FOLDER.
 
-Does the jobs 1, 2 … that appear in the folder, as long as there is the folder, and the process that
-gives them: the command lines of the first so many ranks, in the folder that the job names. There
-may be petsc_options, for the environment, and stand_in, a source that defines what takes the place
-of stepping.run.run_given. The answer: of each line exit status, and what was said.
+Does the jobs that come through its pipe in the folder, a line each, until the process that gives
+them ends or closes it: the command lines of the first so many ranks, in the folder that the job
+names. There may be petsc_options, for the environment, and stand_in, a source that defines what
+takes the place of stepping.run.run_given. The answer: of each line exit status, and what was said.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ import json
 import os
 import sys
 import tempfile
-import time
 import traceback
 import warnings
 from functools import cache
@@ -75,22 +74,18 @@ def do(job: dict[str, Any]) -> list[tuple[int, str, str]]:
         os.environ.update(environment)
 
 
-def main(folder: str, process: str) -> None:
-    world, number = start_mpi(), 1
+def main(folder: str) -> None:
+    world = start_mpi()
     start_petsc([], world)  # for which PETSc wants all ranks
     sys.argv = ["-m"]
     # in each run, as if it were the process's first
     warnings.filterwarnings("always", category=RuntimeWarning)
-    while os.path.isdir(folder) and os.path.isdir(f"/proc/{process}"):
-        path = Path(folder, str(number))
-        if not path.exists():
-            time.sleep(0.005)
-            continue
-        number, job = number + 1, json.loads(path.read_text())
-        if world.rank < job["ranks"]:
+    with open(Path(folder, f"jobs.{world.rank}")) as jobs:
+        for line in jobs:
+            job = json.loads(line)
             draft = Path(folder, f"draft.{world.rank}")
             draft.write_text(json.dumps(do(job)))
-            os.replace(draft, f"{path}.{world.rank}")
+            os.replace(draft, Path(folder, f"{job['number']}.{world.rank}"))
 
 
 if __name__ == "__main__":

@@ -2,7 +2,8 @@
 many processes.
 
 What they do is what the command line does in a process that makes many runs (see cli.main); tests
-of what becomes of processes, of signals and of starts make their own. Jobs and answers are files.
+of what becomes of processes, of signals and of starts make their own. Jobs come through a pipe for
+each rank, so that a rank without a job takes no time of a processor; answers are files.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ class KeptRanks:
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
-        self._jobs, self._folder = 0, Path()
+        self._jobs, self._folder, self._pipes = 0, Path(), list[int]()
 
     def do(
         self, ranks: int, folder: Path, timeout: float, environment: Mapping[str, str],
@@ -43,10 +44,10 @@ class KeptRanks:
             if self._process is None:
                 self._start(environment)
             self._jobs += 1
-            job = {"ranks": ranks, "folder": str(folder), "lines": lines, **more}
-            draft = self._folder / "draft"
-            draft.write_text(json.dumps(job))
-            os.replace(draft, self._folder / f"{self._jobs}")
+            job = {"number": self._jobs, "ranks": ranks, "folder": str(folder), "lines": lines}
+            line = f"{json.dumps({**job, **more})}\n".encode()
+            for pipe in self._pipes[:ranks]:
+                os.write(pipe, line)
             end = time.monotonic() + timeout
             answers = [self._answer(rank, end, timeout) for rank in range(ranks)]
         except BaseException:
@@ -62,10 +63,13 @@ class KeptRanks:
     def _start(self, environment: Mapping[str, str]) -> None:
         self._folder, self._jobs = Path(tempfile.mkdtemp(prefix="fsi-")), 0
         program = str(Path(__file__).with_name("kept_program.py"))
+        for path in (self._folder / f"jobs.{rank}" for rank in range(MOST)):
+            os.mkfifo(path)
+            self._pipes.append(os.open(path, os.O_RDWR))  # does not wait for the rank
         command = ["mpiexec", "-n", str(MOST), sys.executable, program, str(self._folder)]
         with open(self._folder / "said", "wb") as said:
             self._process = subprocess.Popen(
-                [*command, str(os.getpid())], cwd="/", env=dict(environment),
+                command, cwd="/", env=dict(environment),
                 stdin=subprocess.DEVNULL, stdout=said, stderr=said,
             )
 
@@ -81,10 +85,11 @@ class KeptRanks:
         return json.loads(path.read_text())
 
     def close(self, kill: bool = False) -> None:
-        """Let the ranks end, which they do when their folder has gone."""
+        """Let the ranks end, which they do when their pipes are closed."""
         process, self._process = self._process, None
+        while self._pipes:
+            os.close(self._pipes.pop())
         if process is not None:
-            shutil.rmtree(self._folder, ignore_errors=True)
             if kill:
                 process.terminate()  # mpiexec ends its ranks on that
             try:
@@ -92,6 +97,7 @@ class KeptRanks:
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
+            shutil.rmtree(self._folder, ignore_errors=True)
 
 
 #: of this process

@@ -15,7 +15,8 @@ from fsipetsc.blocks.maps import nodes
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.parallel.block_layout import BlockLayout
+from fsipetsc.materials.solid_pressure import gruneisen
+from fsipetsc.parallel.block_layout import BlockLayout, halos_of
 
 
 def by_components(function):
@@ -47,8 +48,9 @@ def material_of(m, d):
     force = tuple(m.force) if m.force else ((0.0,) * d if d > 1 else 0.0)
     if m.kind == "gas":
         return Fluid(m.mu, m.kappa, m.gamma, m.R, force=force)
+    more = {"pressing": gruneisen(m.gruneisen)} if m.gruneisen else {}
     return ElasticSolid(
-        *(m.mu_e, m.lambda_e, m.kappa, m.m0, m.alpha, m.p_ref), m.law, m.heat, force=force
+        *(m.mu_e, m.lambda_e, m.kappa, m.m0, m.alpha, m.p_ref), m.law, m.heat, force=force, **more
     )
 
 
@@ -66,8 +68,9 @@ def block_of(b):
     def initial(*places):
         return [1.0 + 0.0 * places[0]] * (2 * d + 1 if b.material.kind == "solid" else d + 2)
 
+    more = {"prestress": lambda *X: b.prestress(np.array(X))} if b.prestress else {}
     material = material_of(b.material, d)
-    return Block(b.name, material, nodes(places), cells, initial, periodic=periodic)
+    return Block(b.name, material, nodes(places), cells, initial, periodic=periodic, **more)
 
 
 class Engine:
@@ -81,8 +84,10 @@ class Engine:
         self.shapes = {b.name: b.X.shape[1:] for b in p.blocks}
         self.problem = BlockProblem(tuple(map(block_of, p.blocks)), faces, **options)
         behind = gained(self.problem).itemsize // 8
-        self.layout = BlockLayout(comm, self.problem, p.order, behind=behind)
-        form = BlockForm(p.form, p.dissipation / 0.3 or -1.0)  # 0: on where blocks are joined
+        halos = halos_of(self.problem, p.order, p.shock > 0.0)
+        self.layout = BlockLayout(comm, self.problem, p.order, halos, behind=behind)
+        # dissipation 0: on where blocks are joined
+        form = BlockForm(p.form, p.dissipation / 0.3 or -1.0, p.shock)
         self.scheme = scheme_of(self.layout, self.problem, p.order, form)
         self.y, self.f = self.layout.vector(), self.layout.vector()
 

@@ -34,7 +34,9 @@ class Gas(NamedTuple):
 
 
 class Solid(NamedTuple):
-    """law: "log", "neo-hookean", "svk" or "linear"; heat: "coupled" or "elastic"."""
+    """law: "log", "neo-hookean", "svk" or "linear"; heat: "coupled" or "elastic". gruneisen: G of a
+    pressure G m0 alpha T / J.
+    """
 
     law: str = "log"
     mu_e: float = 1.0
@@ -45,16 +47,20 @@ class Solid(NamedTuple):
     p_ref: float = 0.0
     heat: str = "coupled"
     force: tuple = ()
+    gruneisen: float = 0.0
     kind = "solid"
 
 
 class Block(NamedTuple):
-    """X: (d, n_1, ..., n_d) reference places; periods: by axis None, or the vector X(1) - X(0)."""
+    """X: (d, n_1, ..., n_d) reference places; periods: by axis None, or the vector X(1) - X(0).
+    prestress: its d d components at places (d, ...).
+    """
 
     name: str
     material: Any
     X: np.ndarray
     periods: tuple = ()
+    prestress: Any = None
 
 
 class Motion(NamedTuple):
@@ -115,7 +121,8 @@ class Free(NamedTuple):
 
 class Problem(NamedTuple):
     """faces: conditions by (block's name, axis, side), a function of it for all faces that meet no
-    other. form: "entropy" or "divergence"; dissipation: sigma, over 4^q.
+    other. form: "entropy" or "divergence"; dissipation: sigma, over 4^q; shock: that of solids,
+    whose usual strength is 1.
     """
 
     blocks: tuple
@@ -123,6 +130,7 @@ class Problem(NamedTuple):
     order: int = 4
     form: str = "entropy"
     dissipation: float = 0.0
+    shock: float = 0.0
 
 
 class State(NamedTuple):

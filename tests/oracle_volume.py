@@ -239,9 +239,9 @@ class Volume:
             total = total + self.loose(k, np.array([*traction, power]), j)
         return total
 
-    def _differences(self, k, j):
-        """(Delta_q, means of the middle points, sigma / 4^q times the least norm) along axis j."""
-        q, weight = self.problem.order // 2, self.axes[k][j][2]
+    def _differences(self, k, j, q):
+        """(Delta_q, means of the middle points, the least norm) along axis j."""
+        weight = self.axes[k][j][2]
         n, periodic = len(weight), self.periodic(k, j)
         count, h = (n, 1.0 / n) if periodic else (n - q, 1.0 / (n - 1))
         delta, middle, least = np.zeros((count, n)), np.zeros((count, n)), np.ones(count)
@@ -251,8 +251,7 @@ class Volume:
                 least[i] = min(least[i], weight[(i + o) % n] / h)
             middle[i, (i + q // 2) % n] += 0.5
             middle[i, (i + (q + 1) // 2) % n] += 0.5
-        strength = self.problem.dissipation / 4.0**q * least
-        return delta, middle, strength.reshape(-1, *[1] * (self.d - 1 - j))
+        return delta, middle, least.reshape(-1, *[1] * (self.d - 1 - j))
 
     def _scatter(self, k, j, matrix, F):
         """W / weight_j matrix^T F."""
@@ -262,9 +261,10 @@ class Volume:
         """-Delta^T sigma lambda U_w Delta w, w: entropy variables, lambda = |a.(u-v)| + c |a|."""
         m, d, total = self.blocks[k].material, self.d, 0.0
         first = m.gamma * m.cv - 0.5 * dot(s.u, s.u) / s.T - entropy_of(m, s)
-        w = np.array([first, *(s.u / s.T), -1.0 / s.T])
+        w, q = np.array([first, *(s.u / s.T), -1.0 / s.T]), self.problem.order // 2
         for j in range(d):
-            delta, middle, strength = self._differences(k, j)
+            delta, middle, least = self._differences(k, j, q)
+            strength = self.problem.dissipation / 4.0**q * least
             dw, a = along(delta, w, j, d), along(middle, grid.a[j], j, d)
             rho, mean = along(middle, s.rho, j, d), along(middle, w, j, d)
             T = -1.0 / mean[-1]
@@ -287,8 +287,13 @@ class Volume:
 
     def elastic(self, k, x):
         """(W, P); without p_ref in three dimensions, where it is a force on faces."""
-        m = self.blocks[k].material
-        return energy_and_stress(m, self.deformation(k, x), m.p_ref if self.d < 3 else 0.0)
+        b, F = self.blocks[k], self.deformation(k, x)
+        W, P = energy_and_stress(b.material, F, b.material.p_ref if self.d < 3 else 0.0)
+        if b.prestress is not None:
+            S = np.reshape(b.prestress(b.X), F.shape)
+            one = np.eye(self.d).reshape(self.d, self.d, *[1] * self.d)
+            W, P = W + (S * (F - one)).sum(axis=(0, 1)), P + S
+        return W, P
 
     def temperature(self, k, q):
         m, d = self.blocks[k].material, self.d
@@ -301,6 +306,7 @@ class Volume:
         m, v, M = b.material, q[d:-1], self.W[k] * J0 * b.material.m0
         F, P = self.deformation(k, grid.x), self.elastic(k, grid.x)[1]
         T, cof = self.temperature(k, q), cofactor(F)
+        P = P - m.gruneisen * m.m0 * m.alpha * T / det(F) * cof
         gradient = sum(A[j] * self.derivative(k, T, j) for j in range(d)) / J0
         conducted = m.kappa / det(F) * np.einsum("ki...,kj...,j...->i...", cof, cof, gradient)
         force, work, heat = 0.0, 0.0, 0.0
@@ -313,7 +319,7 @@ class Volume:
             heat = heat + self.loose(k, dot(conducted, A[j]), j)
         stored = work - dot(v, force) if m.heat == "elastic" else 0.0 * work
         energy = work + heat
-        if self.problem.dissipation > 0.0:
+        if self.problem.dissipation > 0.0 or self.problem.shock > 0.0:
             lost, warmed = self._solid_dissipation(k, v, A)
             force, energy = force + lost, energy + dot(v, lost) + warmed
         if m.force:
@@ -322,15 +328,31 @@ class Volume:
         return M, force, energy, stored
 
     def _solid_dissipation(self, k, v, A):
-        """Force, and the heat of what it takes from the motion, in the middle of a difference."""
+        """Force, and the heat of what it takes from the motion, in the middle of a difference:
+        everywhere with differences of order q, and at shocks with those of order 1 in their place.
+        """
         m, d, force, heat = self.blocks[k].material, self.d, 0.0, 0.0
+        q, shock = self.problem.order // 2, self.problem.shock
+        usual, fast = self.problem.dissipation / 4.0**q, np.sqrt((2.0 * m.mu_e + m.lambda_e) / m.m0)
         for j in range(d):
-            delta, middle, strength = self._differences(k, j)
-            a, dv = along(middle, A[j], j, d), along(delta, v, j, d)
-            F = strength * np.sqrt((2.0 * m.mu_e + m.lambda_e) * m.m0 * dot(a, a)) * dv
-            force = force - self._scatter(k, j, delta, F)
-            heat = heat + self._scatter(k, j, middle, dot(F, dv))
+            steep = np.moveaxis(self._steepness(v, 0.02 * fast, k, j), j, 0)
+            for order, a, b in ((q, usual, -usual * (shock > 0.0)), (1, 0.0, 0.7 * shock)):
+                delta, middle, least = self._differences(k, j, order)
+                most = np.moveaxis(np.array([steep[row != 0.0].max(axis=0) for row in delta]), 0, j)
+                area, dv = along(middle, A[j], j, d), along(delta, v, j, d)
+                size = (a + b * most) * least * fast * m.m0 * np.sqrt(dot(area, area))
+                force = force - self._scatter(k, j, delta, size * dv)
+                heat = heat + self._scatter(k, j, middle, size * dot(dv, dv))
         return force, heat
+
+    def _steepness(self, v, small, k, j):
+        """alpha: 0 in smooth motion along axis j, 1 at shocks."""
+        v = np.moveaxis(v, 1 + j, 1).real
+        rise, fall = np.roll(v, -1, axis=1) - v, v - np.roll(v, 1, axis=1)
+        s = (np.abs(rise - fall) / (np.abs(rise) + np.abs(fall) + small)).max(axis=0)
+        if not self.periodic(k, j):
+            s[[0, -1]] = 0.0
+        return np.moveaxis(np.clip(2.5 * (s - 0.03), 0.0, 1.0), 0, j)
 
     def random_block(self, k, rng, size=1.0):
         """Unknowns node by node random; places of a solid by a few per cent of the spacing."""

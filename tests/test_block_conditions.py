@@ -19,7 +19,7 @@ from fsipetsc.materials.solid import ElasticSolid
 
 def rod(heat="elastic", kappa=0.05, p_ref=0.0):
     """K = 8, m0 = 2: waves of speed 2."""
-    return ElasticSolid(2.0, 4.0, kappa, 2.0, 1.5, p_ref, "neo-hookean", heat)
+    return ElasticSolid(2.0, 4.0, kappa, 2.0, 1.5, p_ref, "log", heat)
 
 
 def in_pieces(material, initial, ends, cells, at=(), **options):

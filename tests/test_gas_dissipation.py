@@ -21,7 +21,8 @@ from fsipetsc.scheme.gas_rates import EntropyForm, Viscous, gas_rates, scratch
 LIKE, FORM = (0.0,), EntropyForm()
 LAW = formulas.Gas()
 GAS = Gas(PerfectGas(LAW.gamma, LAW.R), ConstantTransport(), 0.0, 0.0, LIKE)
-ORDERS = pytest.mark.parametrize("order", [2, 4, 6])
+#: numba compiles it anew for each order
+ORDERS = pytest.mark.parametrize("order", [2, 4, pytest.param(6, marks=pytest.mark.long)])
 
 
 class Line(NamedTuple):

@@ -77,26 +77,25 @@ def build(opt):
 """
 
 
-def notes_of(folder, text, ranks, *words):
+def notes_of(folder, text, *words):
     (folder / "changed.py").write_text(text)
-    done = solve("changed.py", *words, "-ts_max_steps", 1, cwd=folder, ranks=ranks)
+    done = solve("changed.py", *words, "-ts_max_steps", 1, cwd=folder, ranks=2)
     assert (done.returncode, done.stderr) == (0, "")
     return [line for line in done.stdout.splitlines() if line.startswith("note: ")]
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
 @pytest.mark.parametrize(
     ("changed", "notes"),
     [("nothing", []), ("wall", WALL), ("sign", SIGN), ("hot", [HOT]), ("jump", [JUMP])],
 )
-def test_what_may_not_be_meant_is_said(changed, notes, ranks, tmp_path):
-    found = notes_of(tmp_path, CASE, ranks, "-changed", changed)
+def test_what_may_not_be_meant_is_said(changed, notes, tmp_path):
+    found = notes_of(tmp_path, CASE, "-changed", changed)
     assert len(found) == len(notes), found
     for line, words in zip(found, notes, strict=True):
         assert line == words or all(word in line for word in words)
 
 
 def test_a_layer_at_a_wall_that_one_cell_holds(tmp_path):
-    note = notes_of(tmp_path, PLANE, 1)[-1]  # others are of the gas that meets the side
+    note = notes_of(tmp_path, PLANE)[-1]  # others are of the gas that meets the side
     assert "the velocity along a wall in 'gas' changes by" in note
     assert note.endswith("the layer there is not resolved")

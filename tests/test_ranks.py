@@ -13,8 +13,6 @@ from fsipetsc.output.differences import compare
 
 pytest.importorskip("petsc4py")
 
-import test_dissipation_runs
-
 pytestmark = pytest.mark.mpi
 
 LAYERS = str(REPOSITORY / "tests" / "layers.py")
@@ -27,6 +25,8 @@ _FALL = "-fsi_h 0.05 -ts_max_time 0.02 -rod_gravity -1000"
 _MMS = "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.2 -fsi_output_dt 0.05"
 _WALLS = "-fsi_h 0.02 -fsi_order 6 -ts_max_time 0.1 -fsi_partition balanced"
 _ELSEWHERE = "-fsi_partition balanced"
+_SHOCK = "-shock_problem strong -fsi_dissipation 1 -fsi_shock 1 -fsi_order 4 -fsi_h 0.02"
+_SHOCK += f" {_ELSEWHERE} -ts_max_time 0.1 -fsi_output_dt 0.1"
 #: numba compiles for each sequence of layers, and once more for several ranks: few of them
 RUNS = {
     "rod": ("rod", _ROD),
@@ -56,7 +56,7 @@ RUNS = {
     "piston": (PISTON, "-ts_max_time 0.048"),
     "piston out": (PISTON, "-ts_max_time 0.02 -piston_speed -20"),
 }
-RUNS |= {"walls": (WALLS, f"-walls_state left {_WALLS}"), **test_dissipation_runs.SHARED}
+RUNS |= {"walls": (WALLS, f"-walls_state left {_WALLS}"), "shock": ("shock", _SHOCK)}
 #: differ in where things are computed and stored, not in what
 SAME = {"rod elsewhere": "rod", "rod rk elsewhere": "rod rk", "layers messages": "layers"}
 

@@ -18,7 +18,7 @@ CASE = load_case("shock")
 PROBLEMS, ORDERS, SPACINGS = ("sod", "strong"), (4, 8), (0.02, 0.01, 0.005)
 _OFTEN = "-fsi_output_dt 0.05 -shock_problem"
 #: so many points that a step goes over them in tiles, and few steps
-_FINE = "-fsi_h 0.0004 -ts_max_steps 20 -fsi_order 6"
+_FINE = "-fsi_h 0.0004 -ts_max_steps 20 -fsi_order 4"
 
 
 @pytest.fixture(scope="module")

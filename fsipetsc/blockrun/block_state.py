@@ -8,6 +8,7 @@ fsipetsc.blockrun.scheme.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -23,7 +24,7 @@ from fsipetsc.blockrun.saved import grids, header, places, seen
 from fsipetsc.blockrun.scheme import Scheme
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import counted
-from fsipetsc.errors import InputError
+from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder, halos_of
@@ -75,7 +76,8 @@ class BlockState(State):
     records of steps; integrals in them are this rank's shares. rates: (blocks, 2), largest ones of
     convection and diffusion [1/s]. h: size of the smallest cells [m].
     recorded: nodes to be recorded at each step. orders: block -> what brings its nodes into the
-    order in which they are saved. InputError where blocks, order and ranks do not fit.
+    order in which they are saved. announce: told if several ranks have to wait for kernels.
+    InputError where blocks, order and ranks do not fit.
     """
 
     def __init__(
@@ -86,6 +88,7 @@ class BlockState(State):
         form: BlockForm = BlockForm(),  # noqa: B008
         partition: str = "auto",
         recorded: Sequence[Recorded] = (),
+        announce: Callable[[str], None] = lambda text: None,
     ) -> None:
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
         self.h = float(problem.spacing)
@@ -106,6 +109,8 @@ class BlockState(State):
         record = step_record(problem, interfaces, len(self.recorded))
         self._lay_records(record, len(blocks))
         self._before, self.retries = np.empty_like(self.y.array), 0
+        if comm.size > 1 and self.points <= MOST_ALONE:
+            self._compile_first(announce)
         self.scheme = together(comm, lambda: self._made(self.layout, comm.size == 1))
         self.scheme.attach(self.y.array, self._stage.array, *self._words())
         for name in ("complete", "rates", "look"):
@@ -168,17 +173,23 @@ class BlockState(State):
     # set-up
 
     def compile(self, announce: Callable[[str], None]) -> None:
-        """Compile the kernels: rank 0 first, the others find them on the disk.
+        """Compile the kernels of one rank; of several ranks see ``_compile_first``."""
+        with announced(announce):
+            self._compile_own()
+            if self.comm.size == 1:
+                _call_all(self.scheme, self.y, 0.0)
+                self.y.behind[:] = 0.0
 
-        Rank 0 tries all of the scheme on the whole problem, alone; on very large ones each rank
-        compiles when it comes to it.
+    def _compile_first(self, announce: Callable[[str], None]) -> None:
+        """Rank 0 tries all of the scheme on the whole problem, alone, before any rank makes its
+        own: so the others find the kernels on the disk. On very large problems each rank compiles
+        when it comes to it. What is wrong with the case's data all find out later, together.
         """
         if self.comm.rank == 0:
-            with announced(announce):
+            with announced(announce), suppress(FsiError):
                 self._compile_own()
-                self._try_scheme()
+                self._try_alone()
         wait_asleep(self.comm)
-        self._compile_own()
 
     def _compile_own(self) -> None:
         y, k, stage, total = np.zeros((4, 1))
@@ -188,21 +199,16 @@ class BlockState(State):
         note_gained(np.zeros(1), np.zeros(1))
         self.plan_next()  # nothing is allowed yet
 
-    def _try_scheme(self) -> None:
-        """Call all of the scheme once. On rank 0."""
-        if self.comm.size == 1:
-            _call_all(self.scheme, self.y, 0.0)
-            self.y.behind[:] = 0.0
-        elif self.points <= MOST_ALONE:
-            behind = self.layout.behind
-            grid = self.problem, self._order, self._halos
-            alone = BlockLayout(MPI.COMM_SELF, *grid, behind=behind)
-            y, scheme = alone.vector(), self._made(alone, False)
-            scheme.attach(y.array, np.zeros_like(y.array), *self._words(scratch=True))
-            _call_all(scheme, y, 0.0)
-            scheme.destroy()
-            y.destroy()
-            alone.destroy()
+    def _try_alone(self) -> None:
+        """Call all of a scheme of the whole problem once."""
+        grid = self.problem, self._order, self._halos
+        alone = BlockLayout(MPI.COMM_SELF, *grid, behind=self.layout.behind)
+        y, scheme = alone.vector(), self._made(alone, False)
+        scheme.attach(y.array, np.zeros_like(y.array), *self._words(scratch=True))
+        _call_all(scheme, y, 0.0)
+        scheme.destroy()
+        y.destroy()
+        alone.destroy()
 
     def check_data(self) -> None:
         """Ask the case's functions for all data at t = 0. InputError."""

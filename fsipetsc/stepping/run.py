@@ -16,6 +16,7 @@ from fsipetsc.errors import ComputationError, FileError, FsiError, InputError, I
 from fsipetsc.options import read_options
 from fsipetsc.output.checkpoint_file import CheckpointError
 from fsipetsc.output.writer import RunWriter
+from fsipetsc.process.streams import say
 from fsipetsc.process.together import together
 from fsipetsc.stepping import restart
 from fsipetsc.stepping.integrator import Integrator
@@ -52,7 +53,8 @@ def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | No
     phases = Phases()
     with phases(SET_UP):
         problem = build_problem(case, options, comm)
-        state = make_state(problem, options, comm)
+        quiet = comm.rank > 0 or options["fsi_quiet"]
+        state = make_state(problem, options, comm, (lambda text: None) if quiet else say)
     with state:
         with phases(SET_UP):
             if past is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -45,11 +45,15 @@ def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem 
 
 
 def make_state(
-    problem: Problem | BlockProblem, opt: dict[str, Any], comm: MPI.Comm
+    problem: Problem | BlockProblem,
+    opt: dict[str, Any],
+    comm: MPI.Comm,
+    announce: Callable[[str], None] = lambda text: None,
 ) -> PaperState | BlockState:
     """The state that the options in force ask for. Collective.
 
-    InputError where grid, order and ranks do not fit.
+    announce: told if several ranks have to wait for kernels. InputError where grid, order and ranks
+    do not fit.
     """
     if opt["fsi_entropy"] or opt["fsi_check"] is not None:
         _check_entropy(problem)
@@ -57,7 +61,8 @@ def make_state(
         form = block_form(opt)
         points, probes = opt["fsi_points"] or (), opt["fsi_probes"]
         recorded = together(comm, lambda: chosen(problem, points, probes))
-        return BlockState(comm, problem, opt["fsi_order"], form, opt["fsi_partition"], recorded)
+        of_run = form, opt["fsi_partition"], recorded, announce
+        return BlockState(comm, problem, opt["fsi_order"], *of_run)
     for name in ("fsi_points", "fsi_probes"):
         if opt[name]:
             raise InputError(
