@@ -21,6 +21,7 @@ RUNS = {
     "rigid": f"cylinder -fsi_h 0.1 -cylinder_wall rigid -ts_max_steps {STEPS}",
     "disk": "disk -fsi_h 0.1 -ts_max_time 0.3 -fsi_output_dt 0.3",
 }
+LONG = pytest.mark.long
 QUARTERS = "right", "top", "left", "bottom"
 
 
@@ -39,9 +40,10 @@ def bodies(tmp_path_factory):
 
 
 @pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [2, *(pytest.param(n, marks=LONG) for n in (3, 4, 5))])
 @pytest.mark.parametrize("name", RUNS)
-def test_ranks_make_no_difference_and_balances_close(bodies, name):
-    one, two = bodies(name), bodies(name, 2)
+def test_ranks_make_no_difference_and_balances_close(bodies, name, ranks):
+    one, two = bodies(name), bodies(name, ranks)
     for layer, other in zip(one.layers, two.layers, strict=True):
         for field in layer.fields:
             assert np.array_equal(layer[field], other[field]), (layer.name, field)
