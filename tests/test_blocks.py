@@ -325,7 +325,7 @@ PROBLEMS = {
     r"side 1\) meets block 'b', .* and is named NoSlip\(…\), too": lambda: (
         *(beside(), walls("a", "b", but=[B])),
     ),
-    "are at one place: expected two": lambda: (three_at_one_place(), THREE),
+    r"are at one place, \(X, Y\) = \(1, 0.5\): expected two": lambda: (three_at_one_place(), THREE),
     r"face \(axis 0, side 0\) is named twice": lambda: (
         *([square()], list(walls("a").items()) * 2),
     ),
