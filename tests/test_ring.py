@@ -118,7 +118,7 @@ def test_nothing_grows_beside_light_and_heavy_rings(density, viscosity):
     problem = at_rest(solid_density=density, **words)
     with BlockState(MPI.COMM_SELF, problem, 4, BlockForm()) as state:
         values = Bench(state, 1, 2).linear().modes()[0]
-    assert values.real.max() < 1e-9 * np.abs(values).max()
+    assert values.real.max() < 1e-11 * np.abs(values).max()
 
 
 @pytest.mark.mpi
