@@ -185,6 +185,24 @@ def test_members_of_a_disk_of_five_blocks():
         assert len(np.unique(X[particle == number], axis=0)) == 1
 
 
+def test_five_blocks_meet_at_one_vertex():
+    """Sectors of a disk, each a square between its middle and two radii, turned differently."""
+
+    def sector(k):
+        a, b = (np.array([np.cos(w), np.sin(w)]) for w in np.pi * np.array([2 * k, 2 * k + 2]) / 5)
+        points = [(0.0, 0.0), a, b, a + b]
+        turned = [points, [points[i] for i in (1, 3, 0, 2)], [points[i] for i in (3, 2, 1, 0)]]
+        return Block(f"s{k}", GAS, maps.corners(*turned[k % 3]), (8, 8), nothing)
+
+    blocks = [sector(k) for k in range(5)]
+    faces = [(b, axis, side) for b in blocks for axis in (0, 1) for side in (0, 1)]
+    middles = {(b.name, axis, side): b.face_positions(axis, side)[:, 4] for b, axis, side in faces}
+    outer = {name: STILL for name, X in middles.items() if np.hypot(*X) > 0.6}
+    problem = BlockProblem(blocks, outer)
+    assert len(outer) == 10
+    assert np.bincount(np.bincount(problem.members.particle))[5] == 1
+
+
 def five_blocks():
     half = 0.4
 
@@ -307,7 +325,7 @@ PROBLEMS = {
     r"side 1\) meets block 'b', .* and is named NoSlip\(…\), too": lambda: (
         *(beside(), walls("a", "b", but=[B])),
     ),
-    "are at one place: expected two": lambda: (three_at_one_place(), THREE),
+    r"are at one place, \(X, Y\) = \(1, 0.5\): expected two": lambda: (three_at_one_place(), THREE),
     r"face \(axis 0, side 0\) is named twice": lambda: (
         *([square()], list(walls("a").items()) * 2),
     ),
@@ -325,5 +343,6 @@ PROBLEMS = {
 
 @pytest.mark.parametrize("message", PROBLEMS)
 def test_wrong_problems_are_told(message):
-    with pytest.raises(InputError, match=message):
+    with pytest.raises(InputError, match=message) as raised:
         BlockProblem(*PROBLEMS[message]())
+    assert raised.value.status == 2

@@ -21,6 +21,7 @@ RUNS = {
     "rigid": f"cylinder -fsi_h 0.1 -cylinder_wall rigid -ts_max_steps {STEPS}",
     "disk": "disk -fsi_h 0.1 -ts_max_time 0.3 -fsi_output_dt 0.3",
 }
+LONG = pytest.mark.long
 QUARTERS = "right", "top", "left", "bottom"
 
 
@@ -42,9 +43,10 @@ def bodies(tmp_path_factory):
 
 
 @pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [3, *(pytest.param(n, marks=LONG) for n in (1, 4, 5))])
 @pytest.mark.parametrize("name", RUNS)
-def test_ranks_make_no_difference_and_balances_close(bodies, name):
-    assert_same_fields(bodies(name), bodies(name, 3))
+def test_ranks_make_no_difference_and_balances_close(bodies, name, ranks):
+    assert_same_fields(bodies(name), bodies(name, ranks))
 
 
 def test_gas_goes_around_the_edge_of_a_step(bodies):

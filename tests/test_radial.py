@@ -31,7 +31,9 @@ SPHERE, PLANE = (1, 2), (2, 1)
 
 
 def shell(d, n, centre):
-    """A shell in gas, with gas inside to the centre, or from 0.4; in two dimensions a bent tube."""
+    """A shell in gas, with gas inside to the centre, or from 0.4, or a ball of solid; in two
+    dimensions a bent tube, or a rod.
+    """
 
     def block(low, high, nodes):
         if d == 1:
@@ -41,6 +43,9 @@ def shell(d, n, centre):
         return np.array(bent), periods
 
     inside = block(-1.0, 1.0, 2 * n) if centre else block(0.4, 1.0, n)
+    if centre == "solid":
+        around = {"gas around": block(1.0, 2.0, n), "gas mirrored": block(-2.0, -1.0, n)}
+        return {"solid inside": inside, **around}
     outer = {"solid": block(1.0, 1.3, n), "gas around": block(1.3, 2.0, n)}
     if not centre:
         return {"gas inside": inside, **outer}
@@ -60,15 +65,12 @@ def radial(shape, gas, solid, order, kappa, **options):
 
 def mirrored(oracle, q):
     """q with the states of r > 0 at -r: densities and energies are even, velocities are odd."""
-    places = {
-        "gas inside": "gas inside",
-        "gas mirrored": "gas around",
-        "solid mirrored": "solid",
-    }
+    inside = oracle.names[0]
+    places = {inside: inside, "gas mirrored": "gas around", "solid mirrored": "solid"}
     found, d = dict(q), oracle.d
-    for name, of in places.items():
+    for name, of in ((name, places[name]) for name in q if name in places):
         odd = np.ones(len(q[of]))
-        odd[[d - 1, 2 * d - 1] if of == "solid" else [d + 1]] = -1.0
+        odd[[d - 1, 2 * d - 1] if of.startswith("solid") else [d + 1]] = -1.0
         image = odd.reshape(-1, *[1] * d) * q[of][..., ::-1]
         half = q[of].shape[-1] // 2
         found[name] = (
@@ -89,7 +91,7 @@ def engine_of(oracle, kappa, centre, faces=closed):
         blocks[0] = blocks[0]._replace(X=blocks[0].X[..., half:])
 
     def condition(owner):
-        to_axis = owner == ("gas inside", oracle.d - 1, 0) and centre
+        to_axis = owner == (blocks[0].name, oracle.d - 1, 0) and centre
         return Centre() if to_axis else faces(owner)
 
     p = oracle.problem
@@ -100,8 +102,8 @@ def half_of(q, centre):
     """The unknowns of r > 0, as the engine has them: J is per other coordinates."""
     found = {name: value for name, value in q.items() if "mirrored" not in name}
     if centre:
-        n = q["gas inside"].shape[-1] // 2
-        found["gas inside"] = q["gas inside"][..., n:] * ((n - 1) / (2 * n - 1))
+        name, n = f"{centre} inside", q[f"{centre} inside"].shape[-1] // 2
+        found[name] = q[name][..., n:] * ((n - 1) / (2 * n - 1) if centre == "gas" else 1.0)
     return found
 
 
@@ -109,12 +111,14 @@ def whole_of(oracle, found, centre):
     """Rates of the engine as the oracle has them, with images."""
     if not centre:
         return found
-    n = found["gas inside"].shape[-1]
-    right = found["gas inside"] * ((2 * n - 1) / (n - 1))
-    return mirrored(oracle, {**found, "gas inside": np.concatenate([right, right], axis=-1)})
+    name, n = f"{centre} inside", found[f"{centre} inside"].shape[-1]
+    right = found[name] * ((2 * n - 1) / (n - 1) if centre == "gas" else 1.0)
+    whole = {"solid mirrored": found["solid"]} if "solid" in found else {}
+    whole |= {name: np.concatenate([right, right], axis=-1), "gas mirrored": found["gas around"]}
+    return mirrored(oracle, {**found, **whole})
 
 
-@pytest.mark.parametrize("centre", [False, True], ids=["shell", "centre"])
+@pytest.mark.parametrize("centre", ["", "gas", "solid"], ids=["shell", "gas", "solid"])
 @pytest.mark.parametrize(
     ("d", "kappa", "order", "both", "options"),
     [
@@ -147,10 +151,37 @@ def test_rates_are_the_oracles(d, kappa, order, both, options, centre):
         assert sums["entropy"] > 1e-3 * size
 
 
+@pytest.mark.parametrize("centre", ["gas", "solid"])
+def test_what_does_not_depend_on_z_is_that_of_one_dimension(centre):
+    """Gas to the axis and a shell, or a rod in gas, with random states along r."""
+    n = NODES[4]
+    oracle = radial(shell(1, n, centre), *SLIPPING, 4, 1)
+    q = oracle.complete(mirrored(oracle, oracle.random_state(np.random.default_rng(3))))
+    q = half_of(q, centre)
+    expected = engine_of(oracle, 1, centre).rates(q)
+    blocks = []
+    for b in oracle.blocks:
+        z, r = np.meshgrid(np.arange(n) / n, b.X[0], indexing="ij")
+        blocks.append(Block(b.name, b.material, np.array([z, r]), ((1.0, 0.0), None)))
+    plane = Radial(Problem(tuple(blocks), oracle.problem.faces, 4), 1)
+    found = engine_of(plane, 1, centre).rates({name: extended(value) for name, value in q.items()})
+    size = max(np.abs(r).max() for r in expected.values())
+    for name, rates in expected.items():
+        assert np.abs(found[name] - extended(rates)).max() < 1e-13 * size, name
+
+
+def extended(values):
+    """Numbers of nodes along r as those in (z, r), with no velocity along z."""
+    none = 0.0 * values[0]
+    solid = [none, values[0], none, *values[1:]]
+    rows = solid if len(values) == 3 else [*values[:2], none, *values[2:]]
+    return np.repeat(np.array(rows)[:, None], NODES[4], axis=1)
+
+
 @pytest.mark.parametrize("u", [0.0, 0.7])
 def test_a_uniform_flow_along_the_axis_stays(u):
     """Also rest, to the axis, on a bent grid that moves, with random J."""
-    shape = {name: X for name, X in shell(2, NODES[4], True).items() if name.startswith("gas in")}
+    shape = {name: X for name, X in shell(2, NODES[4], "gas").items() if name.startswith("gas in")}
     values = 1.2, u, 0.0, 0.9
 
     def around(owner):
@@ -158,7 +189,7 @@ def test_a_uniform_flow_along_the_axis_stays(u):
         return moved if owner[1] else Open(1.2, (u, 0.0), 0.9)
 
     oracle = radial(shape, Gas(), None, 4, 1)
-    engine = engine_of(oracle, 1, True, around)
+    engine = engine_of(oracle, 1, "gas", around)
     X = oracle.blocks[0].X[..., NODES[4] :]
     J = oracle.start(0)[..., NODES[4] :] * np.random.default_rng(1).uniform(0.4, 0.6, X[0].shape)
     U = np.array([1.0, *conserved(Gas(), 1.2, np.array([u, 0.0]), 0.9)])

@@ -10,7 +10,12 @@ from helpers import assert_same_fields, computed, solve
 
 pytest.importorskip("petsc4py")
 
+from mpi4py import MPI
+
 from fsipetsc.analysis.ring_theory import Medium, mode_near
+from fsipetsc.analysis.wave_modes import Bench, radial_modes
+from fsipetsc.blockrun.block_state import BlockForm, BlockState
+from fsipetsc.cases import ring
 
 #: of angular number 2, by another program: with gas, and in a vacuum
 IN_GAS = 0.117577100308, 1.720096919386, 2.088655435371
@@ -73,6 +78,47 @@ def test_modes_of_a_coarse_grid_and_of_a_viscous_gas(tmp_path):
     found, exact = modes_of(tmp_path, f"{COARSE} -fluid_mu 0.01 -modes_count 3")
     assert np.abs(found / exact - 1.0).max() < 2e-3
     assert (exact.imag < -0.05).all()
+
+
+def at_rest(**more):
+    """The problem."""
+    opt = {option.name: option.default for option in ring.OPTIONS} | {"ring_pulse": 0.0}
+    return ring.build(opt | more)
+
+
+#: order -> (h, cells around), errors of the first three modes by another program
+TABLE = {
+    2: [(0.075, 24, (5.4e-2, 2.7e-2, 6.8e-2)), (0.0375, 48, (1.3e-2, 7.0e-3, 1.7e-2))],
+    4: [(0.075, 24, (1.3e-2, 2.7e-3, 8.5e-3)), (0.0375, 48, (8.9e-4, 1.8e-4, 5.6e-4))],
+    6: [(0.05, 32, (3.1e-4, 5.5e-5, 2.0e-4)), (0.025, 64, (5.1e-6, 9.0e-7, 3.3e-6))],
+    8: [(0.0375, 48, (9.8e-7, 1.5e-7, 6.2e-7))],
+}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("order", TABLE)
+def test_modes_at_all_orders(order):
+    """The errors are at most 1.5 times those of another program, at as many nodes in the gas."""
+    found = []
+    for h, around, known in TABLE[order]:
+        problem = at_rest(fsi_order=order, fsi_h=h, ring_around=around)
+        found.append(np.abs(radial_modes(problem, order, 2)[:3] / IN_GAS - 1.0))
+        assert (found[-1] < 1.5 * np.array(known)).all(), found[-1]
+    for coarse, fine in zip(found, found[1:]):
+        rates = np.log2(coarse / fine)
+        assert rates.min() > order - 0.2, rates
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("viscosity", [0.0, 0.01])
+@pytest.mark.parametrize("density", [1e-3, 1.0, 1e3])
+def test_nothing_grows_beside_light_and_heavy_rings(density, viscosity):
+    """About rest; modes of frequency 0 are double, and differences split these."""
+    words = {"fsi_order": 4, "fsi_h": 0.1, "ring_around": 24, "fluid_mu": viscosity}
+    problem = at_rest(solid_density=density, **words)
+    with BlockState(MPI.COMM_SELF, problem, 4, BlockForm()) as state:
+        values = Bench(state, 1, 2).linear().modes()[0]
+    assert values.real.max() < 1e-11 * np.abs(values).max()
 
 
 @pytest.mark.mpi

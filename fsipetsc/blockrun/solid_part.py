@@ -91,10 +91,12 @@ class SolidPart(BlockPart):
 
     def _strain_of_case(self) -> tuple[Array, ...]:
         """F of the owned nodes from the case's places, which it knows in halos as well."""
-        q = np.zeros((self.X.shape[1], 2 * self._d + 1))
-        places = block_values(self.block, "initial", self.X, 0.0)[self._d + 1 :]
+        q, X = np.zeros((self.X.shape[1], 2 * self._d + 1)), self.X.copy()
+        if self._problem.centred(self.part.k):  # what is odd in r has images of the other sign
+            X[-1] = abs(X[-1])
+        places = block_values(self.block, "initial", X, 0.0)[self._d + 1 :]
         for c in range(self._d):
-            q[:, c] = places[c] - self.X[c]
+            q[:, c] = (places[c] - X[c]) * np.where(X[c] == self.X[c], 1.0, -1.0)
         return tuple(self._deformation(q))
 
     def _stored(self, F: Any, at: Array) -> Any:

@@ -172,9 +172,9 @@ class Roller(_OfSolid):
 
 
 @dataclass(frozen=True)
-class Centre(_OfGas):
-    """No face: beyond the first node, half a spacing from r = 0, is the mirror image of the gas.
-    At axis 0, side 0, of a problem with an axis or a centre.
+class Centre(_Checked):
+    """No face: beyond the first node, half a spacing from r = 0, is the block's mirror image. At
+    side 0 of the last axis, in a problem with an axis or a centre.
     """
 
 

@@ -108,7 +108,8 @@ class Matching:
         found = [g for g in self._at.get(_key(self.wanted[f]), []) if g != f]
         if len(found) > 1:
             others = f"{self.faces[found[0]]} and {self.faces[found[1]]}"
-            raise InputError(f"{face}, {others} are at one place: expected two faces")
+            where = place_text(face.X.mean(axis=0))
+            raise InputError(f"{face}, {others} are at one place, {where}: expected two faces")
         if isinstance(condition, Periodic):
             if not found or _key(self.wanted[found[0]]) != _key(self.labels[f]):
                 at = f"{place_text(face.X[0])} + {condition.shift}"

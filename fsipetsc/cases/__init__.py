@@ -30,7 +30,7 @@ from fsipetsc.options import Option, groups
 BUILT_IN = (
     *("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock", "plane_mms", "blast"),
     *("panel", "wave", "tube", "oblique", "step", "fin", "cylinder", "box_mms", "ring", "disk"),
-    *("shell", "nozzle", "elastic_piston", "superseismic", "viscous_tube"),
+    *("shell", "nozzle", "body_mms", "elastic_piston", "superseismic", "viscous_tube"),
 )
 
 

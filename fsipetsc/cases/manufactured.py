@@ -216,6 +216,11 @@ class Solution:
         x_X[:, -1], w_X[:, -1] = end.value, end.rate
         return x_X + unit(x_X), eta * end.rate, w_X
 
+    def bubble(self, where: Where) -> tuple[Array, Array]:
+        """What the drift of the gas is multiplied with, 0 at the interface, and its gradient."""
+        *along, eta, _ = where
+        return eta * (1.0 - eta), np.stack([*(0.0 * eta for _ in along), 1.0 - 2.0 * eta])
+
     def gas(self, where: Where) -> State:
         """J (1, rho, rho u, e) and, along each axis with its metric vector a = det(x_X) grad xi,
 
@@ -224,10 +229,9 @@ class Solution:
         with tau = mu (grad u + (grad u)^T - 2/3 div u).
         """
         x_X, w, w_X = self.grid(where)
-        fields, eta = self.of_gas.at(where), where[-2]
-        drift, bump = fields.value[1:-1], eta * (1.0 - eta)
-        u, u_X = w + bump * drift, w_X + bump * fields.gradient[1:-1]
-        u_X[:, -1] = u_X[:, -1] + (1.0 - 2.0 * eta) * drift
+        fields, (bump, slope) = self.of_gas.at(where), self.bubble(where)
+        drift = fields.value[1:-1]
+        u, u_X = w + bump * drift, w_X + bump * fields.gradient[1:-1] + drift[:, None] * slope
         rho, T, T_X = fields.value[0], fields.value[-1], fields.gradient[-1]
         a, J = cofactor(x_X), determinant(x_X)
         grad_u = np.einsum("ik...,jk...->ij...", u_X, a) / J
@@ -246,9 +250,8 @@ class Solution:
 
     def exact_gas(self, *where: Any) -> list[Array]:
         """(rho, u_1 … u_d, T) at (*X, t)."""
-        fields, eta = self.of_gas.at(where).value, where[-2]
-        w = eta * self.displacement.at(interface(where)).rate
-        return [fields[0], *(w + eta * (1.0 - eta) * fields[1:-1]), fields[-1]]
+        fields, w, bump = self.of_gas.at(where).value, self.grid(where)[1], self.bubble(where)[0]
+        return [fields[0], *(w + bump * fields[1:-1]), fields[-1]]
 
     def force_gas(self, *where: Any) -> list[Array]:
         """What drives (rho, rho u_1 … rho u_d, e) per volume at a point of the grid at (*X, t)."""
@@ -286,7 +289,12 @@ class Solution:
         the solid gets beside what the gas gives it.
         """
         where = interface(where)
-        below, above = self.gas(where).flux[-1], self.solid(where).flux[-1]
+        return self.jump(where, unit(self.displacement.at(where).gradient)[-1])
+
+    def jump(self, where: Where, normal: Array) -> list[Array]:
+        """The same with the normal (d, …) from gas to solid."""
+        fluxes = self.gas(where).flux, self.solid(where).flux
+        below, above = (np.einsum("k...,kn...->n...", normal, flux) for flux in fluxes)
         u = self.displacement.at(where).rate
         traction = below[2:-1]  # no mass goes through
         heat = below[-1] - np.einsum("k...,k...->...", traction, u)

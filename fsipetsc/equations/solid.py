@@ -97,6 +97,10 @@ class Solid(NamedTuple):
         """An acceleration with what hoop stresses do."""
         return acceleration
 
+    def curvature(self, R):
+        """What hoops add to the squared wave number that bounds a step [1/m2]."""
+        return 0.0
+
     def energy(self, F):
         """W [J/m3]."""
         return self.law.energy(self.tensor(F))
@@ -169,7 +173,7 @@ class RadialSolid(Solid):
 
     def weight(self, x):
         """r^kappa."""
-        return x[-1] if len(self.around) == 1 else x[-1] * x[-1]
+        return abs(x[-1]) if len(self.around) == 1 else x[-1] * x[-1]
 
     def flat(self, x):
         """(z, s), see fsipetsc.blocks.radial_grid."""
@@ -187,6 +191,12 @@ class RadialSolid(Solid):
         """An acceleration less kappa P_o/(R m0) along r."""
         P = self.full_stress(self.tensor(F), self.temperature(v, e, F))[-1]
         return add_last(-len(self.around) * P / (self.m0 * R), acceleration)
+
+    def curvature(self, R):
+        """(kappa/(2 R))^2: with it no wave of a node at R = h/2 turns by more than 2.7 in the bound
+        on a step, of the 2.8 that RK4 allows.
+        """
+        return (0.5 * len(self.around) / R) ** 2
 
     def hoop_stress(self, F, T):
         """Cauchy stress of the hoops [Pa]."""

@@ -162,6 +162,7 @@ class BlockLayout:
         bands = [self.problem.band(k, self.order, axis).part(*ghosted[axis]) for axis in axes]
         begin = sum(self.sizes[rank][:k])
         dof, images = self.dofs[k], last >= 0 and ghosted[last][0] < 0
+        odd = (last, last + block.dimension) if block.kind == "solid" else dof - 2
         memory = np.ones((whole, dof))  # corners of a star never get other numbers
         return Part(
             k=k,
@@ -178,7 +179,7 @@ class BlockLayout:
             local_vector=PETSc.Vec().createWithArray(
                 memory.reshape(-1), bsize=dof, comm=PETSc.COMM_SELF
             ),
-            signs=np.where(np.arange(dof) == dof - 2, -1.0, 1.0)[: dof * images],
+            signs=np.where(np.isin(np.arange(dof), odd), -1.0, 1.0)[: dof * images],
         )
 
     def part(self, k: int) -> Part | None:

@@ -103,7 +103,7 @@ def measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, F_of
         for k in range(len(like)):
             a = at(like, metrics, g + U64(k) * d * N, N, i)
             squares += dot(a, a) * per_h[k] * per_h[k]
-        squares = squares / (J0 * J0)
+        squares = squares / (J0 * J0) + solid.curvature(metrics[U64(metrics.size) - N + g + i])
         F = at(solid.unstrained(like), strains, node, step, i)
         put(F_of, own, M, i, F)
         v, e = at(like, unknowns, node + d * step, step, i), unknowns[node + U64(2) * d * step + i]
