@@ -57,4 +57,3 @@ def on_files(files: Any, config: Any) -> Any:
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
     return inside(markdown)
-

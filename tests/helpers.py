@@ -125,8 +125,13 @@ def _capture(
     but not on SIGKILL.
     """
     process = subprocess.Popen(
-        command, cwd=cwd, env=env, text=True,
-        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        command,
+        cwd=cwd,
+        env=env,
+        text=True,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
     )
     try:
         out, err = process.communicate(timeout=timeout)
@@ -159,8 +164,10 @@ def from_python(function: Any, *law: Any) -> Any:
 
 
 def solve(
-    *args: object, cwd: str | os.PathLike[str] | None = None,
-    ranks: int = 1, timeout: float = PATIENCE,
+    *args: object,
+    cwd: str | os.PathLike[str] | None = None,
+    ranks: int = 1,
+    timeout: float = PATIENCE,
 ) -> subprocess.CompletedProcess[str]:
     """What `mpiexec -n RANKS python -m fsipetsc *args` would do, by ranks that are there already:
     starts cost more than runs.
@@ -187,7 +194,10 @@ def assert_same_fields(one: fsipetsc.output.reader.Run, other: fsipetsc.output.r
 
 
 def integrated(
-    case: Any, opt: dict[str, Any], comm: Any, times: Sequence[float] = (),
+    case: Any,
+    opt: dict[str, Any],
+    comm: Any,
+    times: Sequence[float] = (),
     look: Any = lambda state, t: None,
 ) -> Any:
     """The errors at the end of a run that writes nothing; look(state, t) is called at 0, at these

@@ -31,8 +31,13 @@ class KeptRanks:
         self._jobs, self._folder, self._pipes = 0, Path(), list[int]()
 
     def do(
-        self, ranks: int, folder: Path, timeout: float, environment: Mapping[str, str],
-        lines: Sequence[Sequence[str]], **more: str,
+        self,
+        ranks: int,
+        folder: Path,
+        timeout: float,
+        environment: Mapping[str, str],
+        lines: Sequence[Sequence[str]],
+        **more: str,
     ) -> list[tuple[int, str, str]]:
         """(status, standard output, standard error) of command lines on the first so many ranks,
         one after the other, see kept_program.py.
@@ -69,8 +74,12 @@ class KeptRanks:
         command = ["mpiexec", "-n", str(MOST), sys.executable, program, str(self._folder)]
         with open(self._folder / "said", "wb") as said:
             self._process = subprocess.Popen(
-                command, cwd="/", env=dict(environment),
-                stdin=subprocess.DEVNULL, stdout=said, stderr=said,
+                command,
+                cwd="/",
+                env=dict(environment),
+                stdin=subprocess.DEVNULL,
+                stdout=said,
+                stderr=said,
             )
 
     def _answer(self, rank: int, end: float, timeout: float) -> list[tuple[int, str, str]]:

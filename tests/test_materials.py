@@ -99,11 +99,11 @@ def test_speed_of_sound_is_that_of_the_linear_theory(name):
 
 MIE = SOLIDS["mie"][1].pressing
 WRONG = {
-    "stiffened_pressure: p_inf is -1: expected a number not below 0": lambda: (
-        stiffened_pressure(4.4, -1.0, 1.0)
+    "stiffened_pressure: p_inf is -1: expected a number not below 0": lambda: stiffened_pressure(
+        4.4, -1.0, 1.0
     ),
-    "mie_gruneisen: G_0 is 1, s is 0.2: expected G_0 of at most 4 s": lambda: (
-        mie_gruneisen(1.0, 0.2, 1.0, 300.0)
+    "mie_gruneisen: G_0 is 1, s is 0.2: expected G_0 of at most 4 s": lambda: mie_gruneisen(
+        1.0, 0.2, 1.0, 300.0
     ),
     "sutherland: S is -111: expected a number not below 0": lambda: sutherland(273.0, -111.0),
     "power_law: T_ref is 0: expected a number above 0": lambda: power_law(0.0, 0.7),
@@ -141,5 +141,3 @@ def test_sutherland_and_power_law():
     np.testing.assert_allclose(powers, [(T / 273) ** 0.67, (T / 273) ** 0.81], rtol=1e-14)
     alike = Fluid(**AIR, transport=power_law(273.0, 0.67)).relative(T)
     np.testing.assert_array_equal(alike, [powers[0], powers[0]])
-
-

@@ -95,31 +95,27 @@ def elastic(stress, energy):
 
 
 WRONG = {
-    r"gas_law: the formula internal_energy\(rho, T\) is missing": lambda: (
-        gas_law(pressure=GAS["pressure"])
+    r"gas_law: the formula internal_energy\(rho, T\) is missing": lambda: gas_law(
+        pressure=GAS["pressure"]
     ),
     "no formula 'viscosity'": lambda: gas_law(**GAS, viscosity=GAS["pressure"]),
-    r"density\(p\): expected density\(p, T\)": lambda: (
-        gas_law(**GAS | {"density": lambda p: p})
+    r"density\(p\): expected density\(p, T\)": lambda: gas_law(**GAS | {"density": lambda p: p}),
+    "gas_law: density cannot be compiled": lambda: gas_law(
+        **GAS | {"density": lambda p, T: T.nowhere}
     ),
-    "gas_law: density cannot be compiled": lambda: (
-        gas_law(**GAS | {"density": lambda p, T: T.nowhere})
-    ),
-    "density returns a value of the type": lambda: (
-        gas_law(**GAS | {"density": lambda p, T: (p, T)})
+    "density returns a value of the type": lambda: gas_law(
+        **GAS | {"density": lambda p, T: (p, T)}
     ),
     "viscosity is 3: expected a function": lambda: transport_law(3),
-    r"expected what transport_law\(…\) returns": lambda: (
-        Fluid(1.0, 1.0, 1.4, R, transport=lambda T: T)
+    r"expected what transport_law\(…\) returns": lambda: Fluid(
+        1.0, 1.0, 1.4, R, transport=lambda T: T
     ),
-    r"Fluid: law is 3: expected what gas_law\(…\) returns": lambda: (
-        Fluid(1.0, 1.0, 1.4, R, law=3)
+    r"Fluid: law is 3: expected what gas_law\(…\) returns": lambda: Fluid(1.0, 1.0, 1.4, R, law=3),
+    r"no formula energy\(F\), which heat='elastic' needs": lambda: ElasticSolid(
+        **SOLID, law=solid_law(stress=log_stress), heat="elastic"
     ),
-    r"no formula energy\(F\), which heat='elastic' needs": lambda: (
-        ElasticSolid(**SOLID, law=solid_law(stress=log_stress), heat="elastic")
-    ),
-    "stress is not the derivative of energy": lambda: (
-        elastic(log_stress, lambda F: 1.001 * log_energy(F))
+    "stress is not the derivative of energy": lambda: elastic(
+        log_stress, lambda F: 1.001 * log_energy(F)
     ),
     "expected a tuple of 4 numbers": lambda: elastic(lambda F: F[:3], log_energy),
 }

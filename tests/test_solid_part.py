@@ -77,9 +77,7 @@ def test_initial_data_come_back(heat):
     e = 0.6 * 1.5 + 0.5 * 0.05 + (stored if heat == "elastic" else 0.0)
     assert np.abs(y.owned(0)[:, 4] - e).max() < 1e-12
     looked, sums = part.look(y.owned(0))
-    assert looked[0] == 0.0 and sums[2] == pytest.approx(
-        (y.owned(0)[:, 4] * part._masses).sum()
-    )
+    assert looked[0] == 0.0 and sums[2] == pytest.approx((y.owned(0)[:, 4] * part._masses).sum())
     mechanical = ((0.025 + stored) * part._masses).sum() if heat == "elastic" else 0.0
     assert sums[-2] == pytest.approx(mechanical, rel=1e-12) and sums[-1] == -sums[-2]
 

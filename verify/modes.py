@@ -208,9 +208,7 @@ def scholte(rho, c, density, cp, cs):
 def two_layers_mode(near, lower, upper, k=2 * np.pi):
     """s of a mode of two elastic layers, 1 m each, on and under a clamp."""
     one, other = ((n * s**2, n * (p**2 - 2 * s**2), n) for n, p, s in (lower, upper))
-    return root(
-        lambda s: over_layer(s, k, 1.0, 1.0, lambda k, s: solid(k, s, *other), one), near
-    )
+    return root(lambda s: over_layer(s, k, 1.0, 1.0, lambda k, s: solid(k, s, *other), one), near)
 
 
 def liquid_layer_mode(near, k, height, depth, rho, c, density, cp, cs):

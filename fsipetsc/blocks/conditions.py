@@ -183,7 +183,6 @@ class Hinge(_OfSolid):
     """A point of a solid's face that is held, among a problem's points; the solid may turn."""
 
 
-
 @dataclass(frozen=True)
 class Periodic(_Checked):
     """The face goes on at another one, also Periodic: this one moved by shift (d numbers) [m].
@@ -195,7 +194,17 @@ class Periodic(_Checked):
 
 
 Condition = (
-    NoSlip | Slip | Open | Outflow | Given | Clamped | Free | Absorbing | Roller | Hinge | Periodic
+    NoSlip
+    | Slip
+    | Open
+    | Outflow
+    | Given
+    | Clamped
+    | Free
+    | Absorbing
+    | Roller
+    | Hinge
+    | Periodic
     | Centre
 )
 
