@@ -169,7 +169,7 @@ def test_any_face_meets_any_face_however_it_is_turned(d):
 
 
 def test_members_of_a_disk_of_five_blocks():
-    """A square in the middle and four blocks around it: three blocks meet at each of its corners."""
+    """A square in the middle and four blocks around it: three meet at each of its corners."""
     disk = five_blocks()
     problem = BlockProblem(disk, {(f"o{k}", 0, 1): Free() for k in range(4)})
     assert [m.block for _, m in joins(problem, 0)] == [2, 4, 3, 1]

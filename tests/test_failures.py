@@ -101,7 +101,7 @@ def test_what_can_hardly_be_meant_is_questioned_at_the_start(option, said, coupl
 
 @pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
 def test_a_layer_that_becomes_too_short(ranks, tmp_path):
-    """With a wall close under the rod there is soon no room for the 16 points of the 8/4 operator."""
+    """With a wall close under the rod there is soon no room for 16 points of the 8/4 operator."""
     line = "rod -fsi_h 0.0125 -fsi_order 8 -rod_wall 0.81 -rod_top 3".split()
     text = message(solve(*line, cwd=tmp_path, ranks=ranks), 3)
     for word in ("'below'", "too short", "t = ", ", step ", "x = ", "needs 16 points"):

@@ -152,7 +152,7 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
 
 
 def _take_over(particle: Particle, met: Any, gas: bool, face: tuple[int, int, int]) -> None:
-    """What a condition holds beside a direction; of two of a kind that which prescribes a motion."""
+    """What a condition holds beside a direction; of two of a kind that which prescribes motion."""
 
     def take(name: str) -> None:
         setattr(particle, name, met)
