@@ -64,7 +64,7 @@ if __name__ == "__main__":
         "taylor_green",
         columns(),
         "made by verify/taylor_green.py: velocities at t = 1, y = pi/4, z = pi/8; period 2 pi",
-        "without viscosity, density constant; 96^3 nodes, 60 steps: nine digits, as 64^3 nodes differ",
+        "without viscosity, density constant; 96^3 nodes, 60 steps: nine digits; 64^3 nodes differ",
         "by 2.4e-7, 48^3 by 9.3e-6; steps of half the size by 1.1e-9",
     )
     save(
