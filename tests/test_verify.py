@@ -13,6 +13,7 @@ from helpers import REPOSITORY, message, solve
 from fsipetsc.cases import superseismic as case
 from fsipetsc.verify import ENTRIES
 from fsipetsc.verify.entry import Bound, Compared, Row, problem, reference
+from fsipetsc.verify.viscous_tube import main_vortex, triple_point
 
 
 def program(name):
@@ -87,7 +88,20 @@ def test_references_of_gases():
     assert 0.01 < coarse < 0.1
     kept, made = reference("taylor_green"), program("taylor_green").columns(32, 30)
     for name, values in made.items():
-        np.testing.assert_allclose(kept[name], values, atol=1e-3, err_msg=name)
+        np.testing.assert_allclose(kept[name], values, atol=5e-4, err_msg=name)
+    lost = program("taylor_green").decay(24, 8, 4) - reference("taylor_green_1600")["E"][:5]
+    assert (np.abs(lost) < (1e-15, 1e-10, 1e-9, 1e-7, 2e-6)).all()  # k < 8: it holds early
+
+
+def test_places_in_the_viscous_tube():
+    """Found where they are in a made-up flow."""
+    x, y = np.linspace(0, 1, 201), np.linspace(0, 0.5, 101)
+    X, Y = np.meshgrid(x, y)
+    branch = np.where(Y > 0.137, 0.58 + 0.1 * (Y - 0.137), 0.58 + 0.4 * (Y - 0.137))
+    p = 1.0 + 1.0 / (1.0 + np.exp(-(X - branch) / 0.002))
+    assert triple_point(x, y, p) == pytest.approx((0.58, 0.137), abs=4e-3)
+    bell = np.exp(-(((X - 0.763) / 0.1) ** 2)) * np.cos(np.pi * Y / 0.16) * (Y < 0.24)
+    assert main_vortex(x, y, -bell) == pytest.approx((0.763, 0.08), abs=1e-3)
 
 
 def test_an_entry_of_the_full_level_alone_has_a_page(tmp_path):
@@ -134,7 +148,7 @@ def test_entries_as_they_run(tmp_path):
     with (tmp_path / "verify.csv").open() as file:
         rows = list(csv.DictReader(file))
     verdicts = {row["quantity"]: row["verdict"] for row in rows}
-    assert set(verdicts.values()) == {"holds", "no bound"}
+    assert set(verdicts.values()) == {"holds"}
     assert verdicts["receding, stress"] == verdicts["clamped, d = 0.05"] == "holds"
     beams = [row for row in rows if row["case"] == "beam"]
     for row in beams:

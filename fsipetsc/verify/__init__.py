@@ -10,5 +10,5 @@ ENTRIES = (
     *("elastic_piston", "riemann_problems", "superseismic", "beam", "normal_modes"),
     *("spinning_disk", "panel_flutter", "heat", "sudden_contact", "large_deformation"),
     *("invariants", "vortex", "shock_tubes", "taylor_green", "oblique"),
-    *("viscous_tube", "shock_on_panel"),
+    *("taylor_green_1600", "viscous_tube", "shock_on_panel"),
 )

@@ -76,5 +76,10 @@ ENTRY = Entry(
     levels={"quick": {4: (1 / 16,)}, "full": {k: (1 / 16, 1 / 24) for k in (2, 4, 6)}},
     measure=measure,
     # round-off: measured at most 2e-15; the entropy falls in no step
-    bounds={(f"{what}, {d}-D", 4): Bound(error=1e-11) for what in NAMES for d in (1, 2, 3)},
+    bounds={
+        (f"{what}, {d}-D", order): Bound(error=1e-11)
+        for what in NAMES
+        for d in (1, 2, 3)
+        for order in (2, 4, 6)
+    },
 )

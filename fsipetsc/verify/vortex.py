@@ -75,9 +75,10 @@ ENTRY = Entry(
     source="verify/gas.py (momentum along the radius)",
     levels={"quick": {4: GRIDS[:2]}, "full": {order: GRIDS for order in (2, 4, 6, 8)}},
     measure=measure,
-    # 4/2 differences: order 3; measured 3.3, 2.7, 3.4: the velocity falls short of it
+    # 4/2 differences: order 3; measured 3.3, 2.7, 3.4; the next grid has 2.9 for the velocity
     bounds={
         **{("rho", 4): Bound(2.7, 1.5e-4), ("p", 4): Bound(2.7, 2e-4)},
         ("velocity", 4): Bound(2.4, 6e-4),
+        ("velocity", 6): Bound(4.0),  # measured 3.8, 4.7
     },
 )
