@@ -80,6 +80,20 @@ def whole(block):
     return [(0, n) for n in block.shape]
 
 
+def nodes_of(problem, k, *chosen):
+    """Nodes of faces of block k, of all or of some."""
+    found = [problem.face_nodes(k, *f) for f in chosen or problem.faces_of(k)]
+    return np.unique(np.concatenate([np.zeros(0, int), *found]))
+
+
+def derivative(block, order, axis, f):
+    """D_axis of f (…, nodes) by a dense matrix."""
+    D = block.band(order, axis).matrix()
+    array = f.reshape(*f.shape[:-1], *block.shape[::-1])
+    along = array.ndim - 1 - axis
+    return np.moveaxis(np.tensordot(D, array, (1, along)), 0, along).reshape(f.shape)
+
+
 def joins(problem, k):
     """(axis, side), Meeting of block k."""
     return [(face, met) for face, met in problem.faces_of(k).items() if isinstance(met, Meeting)]

@@ -80,9 +80,12 @@ def main(folder: str) -> None:
     sys.argv = ["-m"]
     # in each run, as if it were the process's first
     warnings.filterwarnings("always", category=RuntimeWarning)
-    with open(Path(folder, f"jobs.{world.rank}")) as jobs:
+    # not to wait for a giver that has ended
+    pipe = os.open(Path(folder, f"jobs.{world.rank}"), os.O_RDONLY | os.O_NONBLOCK)
+    os.set_blocking(pipe, True)
+    with open(pipe) as jobs:
         for line in jobs:
-            job = json.loads(line)
+            job = json.loads(Path(folder, f"job.{int(line)}").read_text())
             draft = Path(folder, f"draft.{world.rank}")
             draft.write_text(json.dumps(do(job)))
             os.replace(draft, Path(folder, f"{job['number']}.{world.rank}"))

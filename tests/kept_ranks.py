@@ -50,9 +50,9 @@ class KeptRanks:
                 self._start(environment)
             self._jobs += 1
             job = {"number": self._jobs, "ranks": ranks, "folder": str(folder), "lines": lines}
-            line = f"{json.dumps({**job, **more})}\n".encode()
+            (self._folder / f"job.{self._jobs}").write_text(json.dumps({**job, **more}))
             for pipe in self._pipes[:ranks]:
-                os.write(pipe, line)
+                os.write(pipe, f"{self._jobs}\n".encode())
             end = time.monotonic() + timeout
             answers = [self._answer(rank, end, timeout) for rank in range(ranks)]
         except BaseException:

@@ -7,6 +7,8 @@ divided between them is no matter, for completion shares it.
 
 from __future__ import annotations
 
+from itertools import product
+
 import block_shapes as shapes
 import numpy as np
 import pytest
@@ -166,18 +168,29 @@ def test_dissipation(shape):
     check_sums(*check(shape, SLIPPING, 4, dissipation=0.3), SLIPPING)
 
 
-@pytest.mark.parametrize("damping", [{}, {"dissipation": 0.3, "shock": 0.7}], ids=["", "damped"])
-@pytest.mark.parametrize("heat", ["coupled", "elastic"])
-@pytest.mark.parametrize("shape", ["disk", "layers", "three"])
-def test_a_free_solid(shape, heat, damping):
+DAMPED = {"dissipation": 0.3, "shock": 0.7}
+
+
+@pytest.mark.parametrize(
+    ("shape", "heat", "damping", "order"),
+    [
+        *product(("disk", "layers", "three"), ("coupled", "elastic"), ({}, DAMPED), (4,)),
+        *(
+            pytest.param(shape, "coupled", DAMPED, order, marks=pytest.mark.long)
+            for shape, order in product(("disk", "layers"), (2, 6, 8))
+        ),
+    ],
+)
+def test_a_free_solid(shape, heat, damping, order):
     """Rates and momenta, also the angular one, which P F^T = F P^T keeps, but dissipation does not.
     Motion that is damped becomes heat.
     """
-    found = {"disk": shapes.disk(9, False), "layers": shapes.layers(9, True)}
+    n = NODES[order]
+    found = {"disk": shapes.disk(n, False), "layers": shapes.layers(n, True)}
     found |= {"three": shapes.three(8)}
     blocks = {name: X for name, X in found[shape].items() if name.startswith("solid")}
     material = Solid("log", kappa=0.05, heat=heat)
-    oracle = made(blocks, None, material, 4, lambda owner: Free(), **damping)
+    oracle = made(blocks, None, material, order, lambda owner: Free(), **damping)
     q = oracle.random_state(np.random.default_rng(5))
     rates, expected = Engine(oracle).rates(q), with_sums(oracle, oracle.rates(q))
     found, size = with_sums(oracle, rates), max(np.abs(r).max() for r in expected.values())
@@ -199,6 +212,7 @@ def test_prestress(heat, monkeypatch):
     monkeypatch.setattr(solid_work, "TILES", ((7, 1), (6, 1), (6, 5)))
     both = Gas(mu=0.02, kappa=0.03), Solid("log", kappa=0.4, heat=heat, force=(0.3, -0.7))
     check("periodic", both, 4, stress=prestress)
+    check("three", ELASTIC, 4)
 
 
 def test_pressure_of_a_solid():

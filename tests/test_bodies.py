@@ -43,7 +43,7 @@ def bodies(tmp_path_factory):
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [3, *(pytest.param(n, marks=LONG) for n in (1, 4, 5))])
+@pytest.mark.parametrize("ranks", [3, *(pytest.param(n, marks=LONG) for n in (1, 4))])
 @pytest.mark.parametrize("name", RUNS)
 def test_ranks_make_no_difference_and_balances_close(bodies, name, ranks):
     assert_same_fields(bodies(name), bodies(name, ranks))

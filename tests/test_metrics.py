@@ -1,15 +1,58 @@
-"""Metric terms of blocks where the oracle (test_block_oracle.py) has none."""
+"""Metric terms of blocks: identities, bits, patches."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from block_grids import GAS, SOLID, closed, whole
+from block_grids import GAS, SOLID, box, closed, derivative, nodes_of, whole
 
-from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.block import Block, determinant
 from fsipetsc.blocks.grid import GridMotion
 from fsipetsc.blocks.metrics import check_positive, solid_metrics
 from fsipetsc.errors import InputError
+
+ORDERS = 2, 4, 6, 8
+CELLS = {1: (17,), 2: (17, 19), 3: (16, 17, 18)}
+
+
+def displaced(problem, k, order, nodes, where=None, t=0.3):
+    """GridMotion and metrics of a block whose given nodes move by u(X) + t v(X)."""
+    block = problem.blocks[k]
+    X, d = problem.places(k, nodes), block.dimension
+    u = np.stack([0.04 * np.sin(2.0 * X @ np.arange(1, d + 1) + c) for c in range(d)], axis=1)
+    v = np.stack([0.05 * np.cos(1.5 * X @ np.arange(d, 0, -1) + 2 * c) for c in range(d)], axis=1)
+    motion = GridMotion(problem, k, order, where or whole(block), nodes)
+    motion.move(u + t * v)
+    motion.velocities(v)
+    return motion, motion.metrics
+
+
+@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("d", (1, 2, 3))
+def test_a_solid_at_rest_has_no_strain(d, order):
+    problem = closed(box("s", CELLS[d], SOLID))
+    block = problem.blocks[0]
+    metrics = solid_metrics(problem, 0, order, whole(block))
+    A, J = metrics[:-1].reshape(d, d, -1), metrics[-1]
+    X = problem.positions(0, whole(block))
+    G = np.array([derivative(block, order, k, X) for k in range(d)])
+    Q = np.linalg.qr(np.random.default_rng(2).random((d, d)))[0]
+    for turn in (np.eye(d), Q):
+        F = np.einsum("ab,kbn,kcn->acn", turn, G, A) / J
+        assert np.abs(F - turn[..., None]).max() <= 2e-14
+    assert np.abs(J - determinant(G)).max() <= 3e-14
+
+
+@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("d", (1, 2))
+def test_J_t_is_the_rate_of_the_determinant(d, order):
+    """det D x is a polynomial of degree d in t: a central difference has no error."""
+    problem = closed(box("g", CELLS[d]))
+    nodes = nodes_of(problem, 0)
+    J = [displaced(problem, 0, order, nodes, t=t)[0].jacobian() for t in (-0.2, 0.8)]
+    _, metrics = displaced(problem, 0, order, nodes)
+    assert np.abs(metrics[-1]).max() > 0.04
+    assert np.abs(metrics[-1] - (J[1] - J[0])).max() <= 1e-13
 
 
 def test_J_below_zero_is_told_with_its_place():
@@ -37,7 +80,6 @@ def test_skew_periods_belong_to_the_curl():
         return tuple(sum(g * s for g, s in zip(column, xi)) for column in G.T)
 
     problem = closed(Block("g", GAS, skew, (8, 9, 10), lambda *X: X, periodic=(True, True, False)))
-    motion = GridMotion(problem, 0, 4, whole(problem.blocks[0]), np.zeros(0, int))
-    motion.move(np.zeros((0, 3)))
+    _, metrics = displaced(problem, 0, 4, np.zeros(0, int))
     expected = np.linalg.det(G) * np.linalg.inv(G).T[..., None]
-    assert np.abs(motion.metrics[:9].reshape(3, 3, -1) - expected).max() <= 1e-14
+    assert np.abs(metrics[:9].reshape(3, 3, -1) - expected).max() <= 1e-14

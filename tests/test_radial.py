@@ -132,8 +132,10 @@ def whole_of(oracle, found, centre):
 )
 def test_rates_are_the_oracles(d, kappa, order, both, options, centre):
     """At random states of gas and shell, on grids that move. Sums of mass and energy stay; the
-    entropy of the gas stays, too, or grows by viscosity and dissipation.
+    entropy of the gas stays, too, or grows by viscosity and dissipation. Solids go to a centre.
     """
+    if centre == "solid" and kappa == 1:
+        pytest.skip("a solid cannot reach an axis")
     oracle = radial(shell(d, NODES[order], centre), *both, order, kappa, **options)
     q = oracle.random_state(np.random.default_rng(order))
     q = oracle.complete(mirrored(oracle, q) if centre else q)
@@ -151,20 +153,19 @@ def test_rates_are_the_oracles(d, kappa, order, both, options, centre):
         assert sums["entropy"] > 1e-3 * size
 
 
-@pytest.mark.parametrize("centre", ["gas", "solid"])
-def test_what_does_not_depend_on_z_is_that_of_one_dimension(centre):
-    """Gas to the axis and a shell, or a rod in gas, with random states along r."""
+def test_what_does_not_depend_on_z_is_that_of_one_dimension():
+    """Gas to the axis and a shell, with random states along r."""
     n = NODES[4]
-    oracle = radial(shell(1, n, centre), *SLIPPING, 4, 1)
+    oracle = radial(shell(1, n, "gas"), *SLIPPING, 4, 1)
     q = oracle.complete(mirrored(oracle, oracle.random_state(np.random.default_rng(3))))
-    q = half_of(q, centre)
-    expected = engine_of(oracle, 1, centre).rates(q)
+    q = half_of(q, "gas")
+    expected = engine_of(oracle, 1, "gas").rates(q)
     blocks = []
     for b in oracle.blocks:
         z, r = np.meshgrid(np.arange(n) / n, b.X[0], indexing="ij")
         blocks.append(Block(b.name, b.material, np.array([z, r]), ((1.0, 0.0), None)))
     plane = Radial(Problem(tuple(blocks), oracle.problem.faces, 4), 1)
-    found = engine_of(plane, 1, centre).rates({name: extended(value) for name, value in q.items()})
+    found = engine_of(plane, 1, "gas").rates({name: extended(value) for name, value in q.items()})
     size = max(np.abs(r).max() for r in expected.values())
     for name, rates in expected.items():
         assert np.abs(found[name] - extended(rates)).max() < 1e-13 * size, name

@@ -313,6 +313,11 @@ class BlockProblem:
             if not symmetry or name[1:] != (d - 1, 0):
                 wanted = f"expected axis {d - 1}, side 0 of a problem with an axis or a centre"
                 raise InputError(f"block '{name[0]}', face {name[1:]}: Centre(): {wanted}")
+            if symmetry == 1 and self.blocks[self.number(name[0])].kind == "solid":
+                raise InputError(
+                    f"block '{name[0]}': a solid cannot reach an axis, where its stresses would be "
+                    "wrong on any grid: expected r > 0, or a centre (symmetry=2)"
+                )
         for block in self.blocks if symmetry else ():
             _check_radial(block, (block.name, d - 1, 0) in centres)
 

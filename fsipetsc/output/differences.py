@@ -150,6 +150,8 @@ def _of_series(a: Run, b: Run, common: _Common, notes: list[str]) -> Iterator[Di
     for name in _both(a.series, b.series, "series", notes):
         one, two = (summed(run, name) if others else run.series[name] for run in (a, b))
         one, two = one[in_a], two[in_b]
+        if others and name in GAINS:  # one result may begin later
+            one, two = one - one[0], two - two[0]
         if one.shape == two.shape:
             yield difference(name, one, two, times)
         else:

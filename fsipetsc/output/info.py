@@ -110,7 +110,7 @@ def summary_rows(summary: Mapping[str, Any], unit: str) -> Rows:
     """Results of a run in the order of LABELS; all else follows under its own name. unit: what
     stands behind a time.
     """
-    known = {name: value for name, value in summary.items() if value not in ("", None, {})}
+    known = {name: value for name, value in summary.items() if value not in ("", None, {}, [])}
     if "limits" in known:
         known["limits"] = shares(known["limits"], summary["t"])
     rows = []

@@ -232,7 +232,8 @@ def first_order(gas, w, a, beyond, width, v_n):
     capacity = cv * rho0 * rho0 * c2 / law.bulk_modulus(rho0, T0)
     alpha = kappa / capacity
     lost = 0.5 * (np.sqrt(a * a + 4.0 * (alpha / width) ** 2) - a)
-    warmer = max(-part * alpha * tau * rho0 * v_n, -0.5 * T0) if a < 0.0 else 0.0
+    warmer = -part * alpha * tau * rho0 * v_n if a < 0.0 else 0.0
+    warmer = min(max(warmer, -0.5 * T0), 0.5 * T0)
     heat = part * kappa * tau * rho0 * c * v_n
     if kappa > 0.0:
         heat -= capacity * lost * (w[2] - T0 - warmer - tau * (w[1] - beyond[1]))
