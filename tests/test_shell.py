@@ -225,9 +225,8 @@ def test_other_mistakes():
 def test_a_rod_that_reaches_the_axis_is_refused():
     steel = ElasticSolid(1.0, 1.5, 0.0, 2.0, 1.0, heat="elastic")
     body = Block("rod", steel, ball(1.0, 12), (12,), at_rest())
-    with pytest.raises(InputError, match=r"^block 'rod': a solid cannot reach an axis") as raised:
+    with pytest.raises(InputError, match=r"^block 'rod': a solid cannot reach an axis"):
         BlockProblem((body,), {("rod", 0, 0): Centre(), ("rod", 0, 1): Free()}, symmetry=1)
-    assert raised.value.status == 2
 
 
 @pytest.mark.parametrize(

@@ -9,13 +9,6 @@ from itertools import islice
 import numpy as np
 
 fft, back = np.fft.rfftn, np.fft.irfftn
-#: kinetic energy per volume at t = 0, 0.5, ... 5.5 for nu = 1/1600: spectral code with 512^3 nodes,
-#: International Workshop on High-Order CFD Methods, case C3.5, file spectral_Re1600_512.gdiag
-PUBLISHED = (
-    *(0.125, 0.124763794961, 0.124515267367, 0.124239364141, 0.12391676584, 0.123522320851),
-    *(0.123023878593, 0.122378829633, 0.121508194351, 0.120240669174, 0.118435751357),
-    0.116171478798,
-)
 
 
 def flow(n, every, steps, nu=0.0):
@@ -51,7 +44,7 @@ def columns(n=96, steps=60, end=1.0):
     return dict(zip(("x", "u", "v", "w"), (2 * np.pi * np.arange(16) / 16, *u)))
 
 
-def decay(n=64, steps=25, spans=11):
+def decay(n, steps, spans):
     """Kinetic energy per volume at t = 0, 0.5, ... for nu = 1/1600."""
     flows = islice(flow(n, 0.5, steps, 1 / 1600), spans)
     return np.array([0.125, *((u * u).sum(0).mean() / 2 for u in flows)])
@@ -66,10 +59,4 @@ if __name__ == "__main__":
         "made by verify/taylor_green.py: velocities at t = 1, y = pi/4, z = pi/8; period 2 pi",
         "without viscosity, density constant; 96^3 nodes, 60 steps: nine digits; 64^3 nodes differ",
         "by 2.4e-7, 48^3 by 9.3e-6; steps of half the size by 1.1e-9",
-    )
-    save(
-        "taylor_green_1600",
-        {"t": 0.5 * np.arange(12), "E": PUBLISHED},
-        "kinetic energy per volume, Re = 1600, density constant; published, 512^3 nodes:",
-        "workshop on high-order CFD methods, case C3.5, spectral_Re1600_512.gdiag",
     )

@@ -98,14 +98,14 @@ def rates(w, h):
     return f, stiff
 
 
-def solve(n, end=1.0):
+def solve(n):
     """(rho, rho u, rho v, e) of n * n/2 cells."""
     w, t = np.zeros((4, n, n // 2)), 0.0
     w[0] = np.where(np.arange(n) < n // 2, 120, 1.2)[:, None]
     w[3] = w[0] / G / (G - 1)
-    while t < end:
+    while t < 1.0:
         f, stiff = rates(w, 1 / n)
-        dt = min(0.8 / stiff, end - t)
+        dt = min(0.8 / stiff, 1.0 - t)
         a = w + dt * f
         b = 0.75 * w + 0.25 * (a + dt * rates(a, 1 / n)[0])
         w, t = w / 3 + 2 / 3 * (b + dt * rates(b, 1 / n)[0]), t + dt

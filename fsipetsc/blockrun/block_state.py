@@ -76,8 +76,8 @@ class BlockState(State):
     records of steps; integrals in them are this rank's shares. rates: (blocks, 2), largest ones of
     convection and diffusion [1/s]. h: size of the smallest cells [m].
     recorded: nodes to be recorded at each step. orders: block -> what brings its nodes into the
-    order in which they are saved. announce: told if several ranks have to wait for kernels.
-    InputError where blocks, order and ranks do not fit.
+    order in which they are saved. announce: called with a message when several ranks wait for
+    kernels. InputError where blocks, order and ranks do not fit.
     """
 
     def __init__(

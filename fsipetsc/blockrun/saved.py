@@ -1,5 +1,5 @@
-"""What a result has of blocks and what is said of them: names and sizes, grids, where interfaces
-are, values at nodes.
+"""What a result file holds of blocks, and what messages say of them: names, sizes, grids, places
+of interfaces, values at nodes.
 """
 
 from __future__ import annotations

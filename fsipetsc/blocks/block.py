@@ -72,7 +72,7 @@ class Block:
 
     @property
     def kind(self) -> str:
-        """ "fluid" or "solid"."""
+        """Which it is: "fluid" or "solid"."""
         return "solid" if hasattr(self.material, "m0") else "fluid"
 
     @property

@@ -86,7 +86,9 @@ def _columns(block: Block, nodes: Array, index: Sequence[Array]) -> Array:
 def _follows(
     block: Block, nodes: Array, entity: Sequence[int | None], free: Sequence[int], centred: bool
 ) -> tuple[Array, Array]:
-    """Columns and weights of the inner nodes of an edge or a face; edges a of an edge: its ends."""
+    """Columns and weights of the inner nodes of an edge or a face. The ends of an edge count as its
+    edges a.
+    """
     index = _nodes_of(block, entity, free, centred)
     a, b = free[0], free[-1]
     edges = [{a: 0}, {a: -1}, {b: 0}, {b: -1}]

@@ -45,12 +45,12 @@ DEFAULTS = {"fsi_h": 1 / 16, "fsi_order": 4, "ts_max_time": 0.1, "fsi_output_dt"
 MATERIALS = "fluid_mu", "fluid_kappa", "solid_kappa", "solid_law"
 #: half the side of the box and of the block in the middle of the disk; radii of the rings
 BOX, HALF, RINGS = 2.0, 0.45, (0.5, 1.0, 1.3, 2.0)
-#: that converge to round-off
+#: that solve X + D(X, t) = x to round-off
 NEWTON_STEPS = 5
 
 
 def phase(x: float, y: float, t: float, quarters: int = 0) -> Array:
-    """Of cos(x X + y Y + t time); quarters = 1: of a sine."""
+    """Phase of cos(x X + y Y + t time); with quarters = 1 of the sine."""
     return np.array([x, 0, y, 0, 0]) + t * TIME - quarters * QUARTER
 
 
@@ -69,7 +69,7 @@ class Around(Solution):
         object.__setattr__(self, "of_gas", Waves(rho, *((0.0, [wave]) for wave in drift), T))
 
     def grid(self, where: Any) -> tuple[Array, Array, Array]:
-        """Of labels."""
+        """x_X, w and w_X at labels, without eta: all gas moves with D."""
         D = self.displacement.at(where)
         return D.gradient + unit(D.gradient), D.rate, D.gradient_rate
 

@@ -98,7 +98,7 @@ class Solid(NamedTuple):
         return acceleration
 
     def curvature(self, R):
-        """What hoops add to the squared wave number that bounds a step [1/m2]."""
+        """What hoop stress adds to the squared wave number that bounds a step [1/m2]."""
         return 0.0
 
     def energy(self, F):
@@ -193,8 +193,8 @@ class RadialSolid(Solid):
         return add_last(-len(self.around) * P / (self.m0 * R), acceleration)
 
     def curvature(self, R):
-        """(kappa/(2 R))^2: with it no wave of a node at R = h/2 turns by more than 2.7 in the bound
-        on a step, of the 2.8 that RK4 allows.
+        """(kappa/(2 R))^2. With it, omega dt of a node at R = h/2 is at most 2.7 for the longest
+        step; RK4 allows 2.8.
         """
         return (0.5 * len(self.around) / R) ** 2
 

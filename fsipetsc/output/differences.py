@@ -51,8 +51,8 @@ class Comparison:
 def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Comparison:
     """All fields in the frames, and all series in the steps, that two results have at equal times.
 
-    Where no time is in both, nothing is compared. What steps bring is compared as sums since the
-    beginning where the steps are others.
+    Where no time is in both, nothing is compared. Where the steps differ, gains per step (GAINS)
+    are compared as sums since the first common time.
 
     Layers with different grids: at common nodes where both are active; a note says how many.
 

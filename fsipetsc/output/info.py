@@ -181,10 +181,10 @@ LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
     ),
     "wall_time": ("wall time of the steps", duration),
     "phases": (
-        "wall time of phases",
+        "phases since the last start",
         lambda found: ", ".join(f"{name} {duration(wall)}" for name, wall in found.items()),
     ),
-    "part": ("since the last start", _cost),
+    "part": ("steps since the last start", _cost),
     "ranks": ("ranks", str),
     "points": ("points", str),
     "interfaces": ("interfaces", _text),

@@ -200,7 +200,7 @@ def along_axis(at, axis, patch):
 
 @njit(**INNER_CALL)
 def slope_along(gas, like, at, axis, band, weight, patch, q, n):
-    """D_axis (n . u) at a node, n kept."""
+    """Derivative of n . u along an axis at a node, with n constant."""
     (place, nodes, stride), like_q = along_axis(at, axis, patch), (*like, 0.0, 0.0, 0.0)
     here, slope = gas.velocity(gas.primitive(node(like_q, q, at))), 0.0
     for k in range(1, band.shape[0]):
@@ -214,12 +214,12 @@ def slope_along(gas, like, at, axis, band, weight, patch, q, n):
 
 @njit(**INNER_CALL)
 def first_order(gas, w, a, beyond, width, v_n):
-    """What comes in with sound, viscous stress, and heat that comes in, of a node of an open face;
-    the gas beyond with what sound that leaves makes of its temperature.
+    """Of a node of an open face: the incoming sound, the viscous stress, the incoming heat, and
+    the gas beyond with the temperature that leaving sound gives it.
 
     To first order in viscosity and conduction, as docs/open-end.md derives it for small
-    disturbances of the gas beyond. a: velocity through the face; v_n: slope outward of the
-    velocity outward.
+    disturbances of the gas beyond. a: velocity through the face; v_n: outward derivative
+    of the outward velocity [1/s].
     """
     law, rho0, T0 = gas.law, beyond[0], beyond[2]
     c2, cv = law.sound_speed_squared(rho0, T0), law.heat_capacity(rho0, T0)

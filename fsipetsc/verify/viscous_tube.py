@@ -14,7 +14,7 @@ def front(x: Array, p: Array, level: float) -> float:
 
 
 def triple_point(x: Array, y: Array, p: Array) -> tuple[float, float]:
-    """Where the lines of the three branches meet; x of columns, y of rows, p of both."""
+    """Where the two lines through the front meet; x of columns, y of rows, p of both."""
     right = x > 0.2
     high = p[int(np.argmin(abs(y - 0.4)))][right]
     level = high[0] + 0.2 * (high.max() - high[0])
