@@ -52,8 +52,8 @@ def make_state(
 ) -> PaperState | BlockState:
     """The state that the options in force ask for. Collective.
 
-    announce: called with a message when several ranks wait for kernels. InputError where grid, order and
-    ranks do not fit.
+    announce: called with a message when several ranks wait for kernels. InputError where grid,
+    order and ranks do not fit.
     """
     if opt["fsi_entropy"] or opt["fsi_check"] is not None:
         _check_entropy(problem)
