@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable
+from hashlib import sha256
 from typing import Any
 
 from numba import njit, typeof, types
@@ -26,7 +27,15 @@ warnings.filterwarnings("ignore", "First-class function", NumbaExperimentalFeatu
 
 @structref.register
 class BoxType(types.StructRef):
-    """numba's type of a box: names and types of its fields."""
+    """numba's type of a box: names and types of its fields.
+
+    numba calls compiled functions by the names of the types that they take, and would put all
+    fields of all boxes within into each: so a type has a short name.
+    """
+
+    def __init__(self, fields: Any) -> None:
+        super().__init__(fields)
+        self.name = f"Box{sha256(self.name.encode()).hexdigest()[:16]}"
 
 
 class Box(structref.StructRefProxy):
