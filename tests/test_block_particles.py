@@ -16,7 +16,7 @@ from fsipetsc.blocks.conditions import (
     Slip,
 )
 from fsipetsc.blocks.particles import SLIPS, particles_of
-from fsipetsc.scheme.particles import eliminate
+from fsipetsc.scheme.constraints import eliminate
 
 N = 3
 

@@ -16,7 +16,9 @@ from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.operators.bands import NO_AXIS, Patch, band
 from fsipetsc.operators.undivided import differences
 from fsipetsc.scheme.gas_dissipation import gas_dissipation, room
-from fsipetsc.scheme.gas_rates import EntropyForm, Viscous, gas_rates, scratch
+from fsipetsc.scheme.gas_memory import scratch
+from fsipetsc.scheme.gas_rates import gas_rates
+from fsipetsc.scheme.gas_rows import EntropyForm, Viscous
 
 LIKE, FORM = (0.0,), EntropyForm()
 LAW = formulas.Gas()

@@ -11,7 +11,7 @@ from block_ledgers import steps_of
 from test_block_ledgers import N, gas, problem_of, solid
 
 from fsipetsc.blocks.conditions import Clamped, Free, Given, NoSlip, Open, Roller, Slip
-from fsipetsc.scheme.particles import MOVES_GAS
+from fsipetsc.scheme.particle_records import MOVES_GAS
 
 DT, STEPS = 1e-3, 5
 

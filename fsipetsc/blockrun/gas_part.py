@@ -18,8 +18,9 @@ from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.scheme import gas_record
 from fsipetsc.scheme.block_look import room_of, sums_of
 from fsipetsc.scheme.gas_dissipation import room
-from fsipetsc.scheme.gas_rates import DivergenceForm, EntropyForm, Inviscid, Viscous, scratch
+from fsipetsc.scheme.gas_memory import scratch
 from fsipetsc.scheme.gas_record import Damping, GasRecord, Undamped
+from fsipetsc.scheme.gas_rows import DivergenceForm, EntropyForm, Inviscid, Viscous
 from fsipetsc.scheme.normals import add_areas
 from fsipetsc.scheme.radial import Radial, Straight
 

@@ -24,7 +24,18 @@ from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.parallel.particle_exchange import ParticleExchange
 from fsipetsc.scheme import normals as of_faces
 from fsipetsc.scheme import particles as kernels
-from fsipetsc.scheme.particles import GAS, SOLID, Particles, State, Table
+from fsipetsc.scheme.particle_heat import weigh_heat
+from fsipetsc.scheme.particle_records import (
+    FLAGS,
+    GAS,
+    HELD_GAS,
+    MINE,
+    SOLID,
+    Held,
+    Particles,
+    State,
+    Table,
+)
 
 Array = NDArray[Any]
 
@@ -66,8 +77,8 @@ class ParticleSystem:
         self._storing(particles, number, members, owners)
         n, d = here.size, self._d
         sums = *np.zeros((3, n)), np.zeros((n, d + 2)), *np.zeros((2, n, d)), *np.zeros((4, n))
-        self.state = State(*sums)
-        kernels.weigh_heat(self.table, self._stored, self.state)
+        self.state = State(*sums, U_t=np.zeros((n, d + 2)), acceleration=np.zeros((n, d)))
+        weigh_heat(self.table, self._stored, self.state)
         self.prescribed = Prescribed(layout.problem, self._particles, law, instant)
         moves = np.zeros(n, np.int64)
         moves[self.prescribed.moving] = 1
@@ -118,8 +129,8 @@ class ParticleSystem:
         through = layout.problem.column_of_face
         faces = [[through.get(face, len(through)) for face in _faces(p)] for p in self._particles]
 
-        flags = np.zeros((count, kernels.FLAGS), np.int64)
-        flags[:, kernels.MINE] = owners[begin[:-1]] == layout.comm.rank
+        flags = np.zeros((count, FLAGS), np.int64)
+        flags[:, MINE] = owners[begin[:-1]] == layout.comm.rank
         for p, particle in enumerate(self._particles):
             flags[p, 1:] = _flags(particle)
         return Table(
@@ -275,7 +286,7 @@ class ParticleSystem:
             (kernels.begin_rates, (y,)),
             (kernels.end_rates, (y, y, gain)),
         )
-        return with_calls(kernels.Held, self.box, calls)
+        return with_calls(Held, self.box, calls)
 
     def refresh(self, t: float) -> None:
         """Prescribed data at time t [s]. InputError."""
@@ -284,7 +295,7 @@ class ParticleSystem:
     def at_walls(self, k: int) -> tuple[Array, Array]:
         """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""
         nodes, particle = self.nodes[k]
-        held = self.table.flags[particle, kernels.HELD_GAS] == 1
+        held = self.table.flags[particle, HELD_GAS] == 1
         return nodes[held], self.prescribed.data.wall[particle[held]]
 
     def walls_away(self) -> dict[int, float]:
@@ -307,7 +318,7 @@ class ParticleSystem:
 
 
 def _flags(p: Particle) -> list[bool]:
-    """Of fsipetsc.scheme.particles, from FREE_GAS on."""
+    """Of fsipetsc.scheme.particle_records, from FREE_GAS on."""
     found = [
         not (p.wall or p.given_gas or (p.sticks and p.clamp)),
         not (p.clamp or p.given_solid or (p.sticks and p.wall)),

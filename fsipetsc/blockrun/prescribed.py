@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from fsipetsc.blocks.conditions import moves, steady
 from fsipetsc.blocks.particles import Particle
 from fsipetsc.blocks.values import data, datum, names_of
-from fsipetsc.scheme.particles import Data
+from fsipetsc.scheme.particle_records import Data
 
 Array = NDArray[Any]
 #: conditions of a particle that have data; those by which the gas's grid moves

@@ -91,7 +91,7 @@ def solid_metrics(problem: BlockProblem, k: int, order: int, where: Range) -> Ar
     check_positive(block, J, X)
     metrics = np.concatenate([cofactors(G).reshape(-1, J.size), J[None]])
     if problem.symmetry:
-        metrics = np.concatenate([metrics * abs(X[-1]) ** problem.symmetry, X[-1:]])
+        metrics = np.concatenate([metrics * X[-1] ** problem.symmetry, X[-1:]])
     return metrics
 
 

@@ -173,7 +173,7 @@ class RadialSolid(Solid):
 
     def weight(self, x):
         """r^kappa."""
-        return abs(x[-1]) if len(self.around) == 1 else x[-1] * x[-1]
+        return x[-1] if len(self.around) == 1 else x[-1] * x[-1]
 
     def flat(self, x):
         """(z, s), see fsipetsc.blocks.radial_grid."""

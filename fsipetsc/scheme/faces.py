@@ -147,8 +147,8 @@ def pass_faces(gas, like, faces, S, weight, patch, q, metrics, column, rates, ga
             beyond = gas.state(out[i, 0], part_of(like, out, i, 1), out[i, d + 1])
             v_n = 0.0
             if width > 0.0:
-                v_n = faces.sign[i] / q[at, 0]
-                v_n *= slope_along(gas, like, at, axis, S[axis], weight[axis], patch, q, n)
+                slope = slope_at(like, at, axis, S, weight, patch, Velocity(gas, q))
+                v_n = faces.sign[i] / q[at, 0] * dot(n, slope)
             f = open_flux(gas, w, beyond, faces.pressure[i], width, n, g, size, v_n)
             for c in range(d + 2):
                 rates[own, 1 + c] -= faces.per_weight[i] * f[c]
@@ -196,20 +196,6 @@ def along_axis(at, axis, patch):
     nx, ny, nz = patch.ghosted
     stride, nodes = (1, nx) if axis == 0 else (nx, ny) if axis == 1 else (nx * ny, nz)
     return at // stride % nodes, nodes, stride
-
-
-@njit(**INNER_CALL)
-def slope_along(gas, like, at, axis, band, weight, patch, q, n):
-    """Derivative of n . u along an axis at a node, with n constant."""
-    (place, nodes, stride), like_q = along_axis(at, axis, patch), (*like, 0.0, 0.0, 0.0)
-    here, slope = gas.velocity(gas.primitive(node(like_q, q, at))), 0.0
-    for k in range(1, band.shape[0]):
-        for sign in (1, -1):
-            first = place if sign > 0 else place - k
-            if first >= 0 and first + k < nodes and band[k, first] != 0.0:
-                there = gas.velocity(gas.primitive(node(like_q, q, at + sign * k * stride)))
-                slope += sign * 0.5 * band[k, first] / weight[place] * dot(n, sub(there, here))
-    return slope
 
 
 @njit(**INNER_CALL)
@@ -317,15 +303,7 @@ def normal_at(solid, like, faces, i, S, weight, patch, q):
     x = place_at(like, faces.X, q, at)
     if len(like) == 1:
         return last_times(solid.weight(x), filled(like, sign))
-    here, slope = solid.flat(x), like
-    place, nodes, stride = along_axis(at, 1 - axis, patch)
-    band, weight_here = S[1 - axis], weight[1 - axis][place]
-    for k in range(1, band.shape[0]):
-        for way in (1, -1):
-            first = place if way > 0 else place - k
-            if first >= 0 and first + k < nodes:
-                there = solid.flat(place_at(like, faces.X, q, at + way * k * stride))
-                slope = along(slope, 0.5 * way * band[k, first] / weight_here, sub(there, here))
+    slope = slope_at(like, at, 1 - axis, S, weight, patch, Flat(solid, faces.X, q))
     return last_times(solid.weight(x), turned(sign if axis == 0 else -sign, slope))
 
 
@@ -342,16 +320,46 @@ turned = by_length(
 )
 
 
+class Velocity(NamedTuple):
+    """Of a node of gas."""
+
+    gas: Any
+    q: Array
+
+    def at(self, like, n):
+        return self.gas.velocity(self.gas.primitive(node((*like, 0.0, 0.0, 0.0), self.q, n)))
+
+
+class Flat(NamedTuple):
+    """Of a solid's node where it is, see fsipetsc.blocks.radial_grid."""
+
+    solid: Any
+    X: Array
+    q: Array
+
+    def at(self, like, n):
+        return self.solid.flat(place_at(like, self.X, self.q, n))
+
+
+class Displacement(NamedTuple):
+    """Of a solid's node."""
+
+    q: Array
+
+    def at(self, like, n):
+        return node(like, self.q, n)
+
+
 @njit(**INNER_CALL)
-def slope_at(like, at, axis, S, weight, patch, f):
-    """D_axis of f (ghosted, …), its first numbers, at a node."""
-    place, nodes, stride = along_axis(at, axis, patch)
-    band, here, total = S[axis], node(like, f, at), like
+def slope_at(like, at, axis, S, weight, patch, of):
+    """D_axis of a vector, one of the three above, at a node of the ghosted array."""
+    (place, nodes, stride), band = along_axis(at, axis, patch), S[axis]
+    here, total = of.at(like, at), like
     for k in range(1, band.shape[0]):
         for sign in (1, -1):
             first = place if sign > 0 else place - k
-            if first >= 0 and first + k < nodes:
-                apart = sub(node(like, f, at + sign * k * stride), here)
+            if first >= 0 and first + k < nodes and band[k, first] != 0.0:
+                apart = sub(of.at(like, at + sign * k * stride), here)
                 total = along(total, sign * band[k, first], apart)
     return per(scale(0.5, total), weight[axis][place])
 
@@ -359,8 +367,8 @@ def slope_at(like, at, axis, S, weight, patch, f):
 @njit(**INNER_CALL)
 def strain_at(solid, like, at, S, weight, patch, metrics, q):
     """F = 1 + sum_k D_k D A^k / J0 of a solid's node of the ghosted array, with hoops."""
-    d, F = len(like), add_unit(1.0, outer(like, like))
+    d, F, displacement = len(like), add_unit(1.0, outer(like, like)), Displacement(q)
     for k in range(d):
         A = per(column_of(like, metrics, k * d, at), metrics[d * d, at])
-        F = add(F, outer(slope_at(like, at, k, S, weight, patch, q), A))
+        F = add(F, outer(slope_at(like, at, k, S, weight, patch, displacement), A))
     return solid.with_hoops(F, node(like, q, at), metrics[metrics.shape[0] - 1, at])

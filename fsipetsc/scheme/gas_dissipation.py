@@ -58,7 +58,7 @@ from fsipetsc.operators.loops import (
     zeros,
 )
 from fsipetsc.operators.undivided import Differences
-from fsipetsc.scheme.gas_rates import state_like
+from fsipetsc.scheme.gas_rows import state_like
 from fsipetsc.scheme.rows import ONE, U64, Array, at, put
 
 #: s up to which there is no shock, and how fast alpha rises from there

@@ -33,11 +33,8 @@ exchange and end_stored before settle where energies that members store matter t
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
-
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from fsipetsc.blocks.particles import SLIPS
 from fsipetsc.operators.loops import (
@@ -53,126 +50,25 @@ from fsipetsc.operators.loops import (
     scale,
     sub,
 )
-from fsipetsc.operators.loops import _by_length as by_length
+from fsipetsc.scheme.constraints import normal, slide, solve
 from fsipetsc.scheme.normals import sum_members
-
-Array = NDArray[Any]
-
-GAS, SOLID = 0, 1
-#: a pivot below this part of its size before elimination belongs to a constraint that others imply
-REDUNDANT = 1e-9
-#: the vector G or S, from ``first`` on, of constraint k of particle p
-normal = by_length(
-    "normal",
-    "like, array, p, k, first",
-    lambda d: f" return ({''.join(f'array[p, k, first + {c}],' for c in range(d))})",
+from fsipetsc.scheme.particle_heat import share_heat, weigh_heat
+from fsipetsc.scheme.particle_records import (
+    FREE_GAS,
+    FREE_SOLID,
+    GAS,
+    GIVEN_GAS,
+    GIVEN_SOLID,
+    HELD_GAS,
+    HELD_SOLID,
+    MINE,
+    MOVES_GAS,
+    MOVES_SOLID,
+    ONE_T,
+    PLACED,
+    SOLID,
+    STICKS,
 )
-
-
-class Table(NamedTuple):
-    """Particles on a rank. Rows are members; those of this rank come first, in any order.
-
-    begin: (p + 1,), rows of particle p are row[begin[p]:begin[p + 1]], in the order that all ranks
-    have. kind: (rows,) GAS or SOLID. at: (own,) where the unknowns of a member begin in the world's
-    vector. weight: (rows,) H of a gas member, M_s of a solid one; alpha: (rows,) specific heat of
-    solids. inertia: (own,) M_s of members whose work is booked, else 0. count: (p,) number of
-    constraints; constraint: (p, K) their kinds. column: (p,) where the mass of the gas is in
-    ``gain``. faces: (p, 4), through which face what moves gas and solid does work, and what gives
-    temperatures to gas and solid heats. flags: (p, FLAGS) 1 or 0 for each of MINE …, see
-    fsipetsc.blocks.particles.
-    """
-
-    begin: Array
-    row: Array
-    kind: Array
-    at: Array
-    weight: Array
-    alpha: Array
-    inertia: Array
-    count: Array
-    constraint: Array
-    column: Array
-    faces: Array
-    flags: Array
-
-
-#: this rank adds what comes in; forces move the gas, the solid; a clamp gives the place; gas and
-#: solid stick; motion of the gas, of the solid is given, all of the gas, of the solid; temperature
-#: of the gas, of the solid; they have one; so have members of the solid
-MINE, FREE_GAS, FREE_SOLID, PLACED, STICKS, HELD_GAS, HELD_SOLID, GIVEN_GAS, GIVEN_SOLID = range(9)
-WARM_GAS, WARM_SOLID, SHARES_HEAT, ONE_T = range(9, 13)
-FLAGS = 13
-#: columns of ``faces``
-MOVES_GAS, MOVES_SOLID, HEATS_GAS, HEATS_SOLID = range(4)
-
-
-class Data(NamedTuple):
-    """What conditions prescribe at an instant, for each particle: velocity and acceleration of
-    walls (p, d), displacement, velocity and acceleration of clamps (p, d), temperatures (p,) of gas
-    and solid, all unknowns: (p, d + 2) of a gas, (rho, rho u, E), and (p, 2d) of a solid, place
-    less X and velocity.
-    """
-
-    wall: Array
-    wall_rate: Array
-    clamp: Array
-    clamp_velocity: Array
-    clamp_rate: Array
-    T: Array
-    T_solid: Array
-    gas: Array
-    solid: Array
-
-
-class State(NamedTuple):
-    """What `end_sums` found, for each particle: mass of gas and solid (p,), V (p,), U of the gas
-    (p, d + 2), displacement D and velocity v (p, d) and energy per mass e (p,) of the solid.
-    mean_energy: (p,) that of its members before a change. capacity, potential: (p,) mean specific
-    heat and mean energy per mass that is neither kinetic nor heat, of the solid.
-    """
-
-    mass: Array
-    solid_mass: Array
-    V: Array
-    U: Array
-    D: Array
-    v: Array
-    e: Array
-    mean_energy: Array
-    capacity: Array
-    potential: Array
-
-
-class Particles(NamedTuple):
-    """The particles of a rank, which all functions here get in a box.
-
-    like: (0, …) of d dimensions. law: of the gas. stored: (rows, 1) energy per mass of members that
-    is neither kinetic nor heat; stores: whether it changes. rows: (rows, columns) of the exchange.
-    slips: whether any has constraints; normals, turning: (p, K, 2d), G and S and how they turn.
-    of_normals: (members of those, 2 K d) area vectors, at_normals: how many are here, of_particle,
-    row_of: particle and row of each. moves: (p,) whether a wall there moves, place: (p, d) its
-    displacement. behind: as many numbers at the end of a vector are what came in.
-    """
-
-    like: Any
-    table: Table
-    law: Any
-    data: Data
-    state: State
-    stored: Array
-    rows: Array
-    stores: int
-    slips: int
-    normals: Array
-    turning: Array
-    of_normals: Array
-    at_normals: int
-    of_particle: Array
-    row_of: Array
-    moves: Array
-    place: Array
-    behind: int
-
 
 # Functions name arrays before their loops: where a record is asked within a loop, numba counts
 # references to its arrays, which takes as long as all else.
@@ -328,76 +224,7 @@ def end_stored(all):
     weigh_heat(all.table, all.stored, all.state)
 
 
-@njit(**CALL)
-def weigh_heat(table, stored, state):
-    """The same; stored: (rows, 1) energy per mass."""
-    begin, row, kind, weight = table.begin, table.row, table.kind, table.weight
-    alpha, capacity, potential = table.alpha, state.capacity, state.potential
-    for p in range(begin.size - 1):
-        mass, heat, energy = 0.0, 0.0, 0.0
-        for m in range(begin[p], begin[p + 1]):
-            r = row[m]
-            if kind[r] == SOLID:
-                mass += weight[r]
-                heat += weight[r] * alpha[r]
-                energy += weight[r] * stored[r, 0]
-        if mass > 0.0:
-            capacity[p], potential[p] = heat / mass, energy / mass
-
-
 # constraints
-
-
-@njit(**INLINED_CALL)
-def solve(table, like, p, normals, wanted, M, M_s, a, b, room):
-    """The vectors a of the gas and b of the solid, changed least in their masses so that G_c . a +
-    S_c . b = wanted_c, for count[p] constraints. room: A, sizes of pivots; wanted becomes pi.
-    """
-    K, d, flags, (A, size) = table.count[p], len(like), table.flags, room
-    per_gas = 1.0 / M if M > 0.0 and flags[p, FREE_GAS] else 0.0
-    per_solid = 1.0 / M_s if M_s > 0.0 and flags[p, FREE_SOLID] else 0.0
-    sticks = flags[p, STICKS] == 1
-    if sticks:
-        per_gas, per_solid = 1.0 / (M + M_s) if flags[p, FREE_GAS] else 0.0, 0.0
-    for k in range(K):
-        G, S = normal(like, normals, p, k, 0), normal(like, normals, p, k, d)
-        G = add(G, S) if sticks else G
-        wanted[k] -= dot(G, a) if sticks else dot(G, a) + dot(S, b)
-        for i in range(K):
-            G_i, S_i = normal(like, normals, p, i, 0), normal(like, normals, p, i, d)
-            G_i = add(G_i, S_i) if sticks else G_i
-            A[k, i] = dot(G, G_i) * per_gas + dot(S, S_i) * per_solid
-    eliminate(K, A, wanted, size)
-    for k in range(K):
-        G, S = normal(like, normals, p, k, 0), normal(like, normals, p, k, d)
-        a = along(a, wanted[k] * per_gas, add(G, S) if sticks else G)
-        b = along(b, wanted[k] * per_solid, S)
-    return a, a if sticks else b
-
-
-@njit(**CALL)
-def eliminate(K, A, x, size):
-    """Solve A pi = x in place of x for K constraints and a symmetric semidefinite A; those that
-    others imply get no force.
-    """
-    for k in range(K):
-        size[k] = A[k, k]
-    for k in range(K):
-        if not A[k, k] > REDUNDANT * size[k]:
-            size[k] = -1.0
-            continue
-        for e in range(k + 1, K):
-            factor = A[e, k] / A[k, k]
-            x[e] -= factor * x[k]
-            for c in range(k, K):
-                A[e, c] -= factor * A[k, c]
-    for k in range(K - 1, -1, -1):
-        if size[k] < 0.0:
-            x[k] = 0.0
-            continue
-        for e in range(k + 1, K):
-            x[k] -= A[k, e] * x[e]
-        x[k] /= A[k, k]
 
 
 @njit(**CALL)
@@ -422,91 +249,6 @@ def sum_up(gain):
     for c in range(energy.size):
         total[0] += energy[c]
     return numbers
-
-
-@njit(**INLINED_CALL)
-def slide(all, gain):
-    """Project velocities on what the constraints allow; the kinetic energy that the solid loses
-    goes to the gas.
-    """
-    table, like, normals, state = all.table, all.like, all.normals, all.state
-    flags, count, constraint, wall = table.flags, table.count, table.constraint, all.data.wall
-    mass, solid_mass, V, U, vs, e = state.mass, state.solid_mass, state.V, state.U, state.v, state.e
-    d, K, impulse = len(like), normals.shape[1], gain.impulse
-    pi, room = np.zeros(K), (np.zeros((K, K)), np.zeros(K))
-    for p in range(count.size):
-        if count[p] == 0:
-            continue
-        M, M_s, v = mass[p], solid_mass[p], node(like, vs, p)
-        u = per(part_of(like, U, p, 1), U[p, 0]) if M > 0.0 else like
-        for k in range(count[p]):
-            pi[k] = 0.0
-            if constraint[p, k] == SLIPS:
-                G, S = normal(like, normals, p, k, 0), normal(like, normals, p, k, d)
-                pi[k] = dot(add(G, S), node(like, wall, p))
-        before = 0.5 * M_s * dot(v, v)
-        u, v = solve(table, like, p, normals, pi, M, M_s, u, v, room)
-        change = 0.5 * M_s * dot(v, v) - before
-        for k in range(count[p] if flags[p, MINE] else 0):  # what forces do to bodies they move
-            G, S = normal(like, normals, p, k, 0), normal(like, normals, p, k, d)
-            for c in range(d):
-                both = flags[p, FREE_GAS] * G[c] + flags[p, FREE_SOLID] * S[c]
-                impulse[c] += pi[k] * both
-        put_part(vs, p, 0, v)
-        if M > 0.0:
-            put_part(U, p, 1, scale(U[p, 0], u))
-        if M_s > 0.0 and M > 0.0:
-            e[p] += change / M_s
-            U[p, d + 1] -= change / V[p]
-
-
-@njit(**INLINED_CALL)
-def share_heat(table, law, like, data, state, gain):
-    """One temperature of gas and solid where both conduct, or that which is given."""
-    d, flags, T_gas, T_solid = len(like), table.flags, data.T, data.T_solid
-    mass, solid_mass, V, U, v, e = state.mass, state.solid_mass, state.V, state.U, state.v, state.e
-    capacity, potential, faces = state.capacity, state.potential, table.faces
-    energies, heats = gain.energy, gain.heat
-    for p in range(mass.size):
-        warm_gas, warm_solid = flags[p, WARM_GAS] == 1, flags[p, WARM_SOLID] == 1
-        both = flags[p, SHARES_HEAT] == 1 and not warm_gas and not warm_solid
-        if not (both or warm_gas or warm_solid):
-            continue
-        rho, M, M_s, mine = U[p, 0], mass[p], solid_mass[p], flags[p, MINE]
-        u = per(part_of(like, U, p, 1), rho) if M > 0.0 else like
-        of_gas = 0.5 * dot(u, u)
-        of_solid = potential[p] + 0.5 * dot(node(like, v, p), node(like, v, p))
-        if both:
-            energy = U[p, d + 1] / rho
-            heat = M * (energy - of_gas) + M_s * (e[p] - of_solid)
-            T = (e[p] - of_solid) / capacity[p]
-            T = common_temperature(law, rho, M, M_s * capacity[p], heat, T)
-            sum_of_both = M * U[p, d + 1] / rho + M_s * e[p]  # it stays
-            e[p] = of_solid + capacity[p] * T
-            U[p, d + 1] = rho * (sum_of_both - M_s * e[p]) / M
-        if warm_gas and M > 0.0:
-            E = rho * (law.internal_energy(rho, T_gas[p]) + of_gas)
-            came, at = mine * V[p] * (E - U[p, d + 1]), faces[p, HEATS_GAS]
-            energies[at], heats[at] = energies[at] + came, heats[at] + came
-            U[p, d + 1] = E
-        if warm_solid and M_s > 0.0:
-            found = of_solid + capacity[p] * T_solid[p]
-            came, at = mine * M_s * (found - e[p]), faces[p, HEATS_SOLID]
-            energies[at] += came
-            heats[at] += came if flags[p, GIVEN_SOLID] == 0 else 0.0
-            e[p] = found
-
-
-@njit(**INLINED_CALL)
-def common_temperature(law, rho, M, capacity, heat, T):
-    """T at which a gas of mass M and a solid have this heat, by Newton's method from a first T."""
-    for _ in range(20):
-        missing = heat - M * law.internal_energy(rho, T) - capacity * T
-        change = missing / (M * law.heat_capacity(rho, T) + capacity)
-        T += change
-        if not abs(change) > 1e-15 * abs(T):
-            break
-    return T
 
 
 @njit(**INLINED_CALL)
@@ -537,21 +279,23 @@ def give_state(table, like, stored, y, state):
 
 @njit(**CALL)
 def end_rates(all, y, f, gain):
-    """Rates of members from the sums of their rates, under the constraints of their particles:
-    (J U)_t = J U_t + U J_t of gas members; accelerations of solid ones, and their power.
-    """
+    """Rates of members from the sums of their rates, under the constraints of their particles."""
+    accelerate(all, gain)
+    give_rates(all.table, all.like, y, f, all.state, gain.lost)
+    came = sum_up(gain)
+    for c in range(all.behind):
+        f[f.size - all.behind + c] = came[c]
+
+
+@njit(**INLINED_CALL)
+def accelerate(all, gain):
+    """U_t of the gas and acceleration of the solid of each particle; what walls and clamps do."""
     table, like, rows, data, state = all.table, all.like, all.rows, all.data, all.state
     normals, turning, wall, wall_rate = all.normals, all.turning, data.wall, data.wall_rate
-    flags, count, constraint, clamp_rate = (
-        table.flags,
-        table.count,
-        table.constraint,
-        data.clamp_rate,
-    )
+    flags, count, constraint, faces = table.flags, table.count, table.constraint, table.faces
     mass, solid_mass, V, U, vs = state.mass, state.solid_mass, state.V, state.U, state.v
-    begin, row, kind, starts, inertia = table.begin, table.row, table.kind, table.at, table.inertia
-    d, K, lost, impulse = len(like), normals.shape[1], gain.lost, gain.impulse
-    energies, faces = gain.energy, table.faces
+    found, acceleration, clamp_rate = state.U_t, state.acceleration, data.clamp_rate
+    d, K, impulse, energies = len(like), normals.shape[1], gain.impulse, gain.energy
     pi, room = np.zeros(K), (np.zeros((K, K)), np.zeros(K))
     for p in range(count.size):
         (J_t, R, R_m, R_E), (_, _, F, _) = summed(table, like, p, rows)
@@ -561,24 +305,24 @@ def end_rates(all, y, f, gain):
         b = per(F, M_s) if M_s > 0.0 else like
         force, force_s = scale(-M, a), scale(-M_s, b)
         held, held_s, sticks = flags[p, HELD_GAS], flags[p, HELD_SOLID], flags[p, STICKS] == 1
-        if held_s:
-            b = node(like, clamp_rate, p)
-        if held:
-            a = node(like, wall_rate, p)
+        b = node(like, clamp_rate, p) if held_s else b
+        a = node(like, wall_rate, p) if held else a
         if sticks:
-            both = b if held_s else a
-            if not (held_s or held):
-                both = per(add(scale(M, a), scale(M_s, b)), M + M_s)
-            a, b = both, both
-        for k in range(count[p]):  # walls accelerate, area vectors turn under relative velocities
-            pi[k] = 0.0
-            if constraint[p, k] == SLIPS:
-                at_solid = normal(like, turning, p, k, d)
-                of_walls = add(normal(like, turning, p, k, 0), at_solid)
-                N = add(normal(like, normals, p, k, 0), normal(like, normals, p, k, d))
-                pi[k] = dot(at_solid, sub(u, v)) - dot(of_walls, sub(u, w))
-                pi[k] += dot(N, node(like, wall_rate, p))
+            a, b = as_one_body(M, M_s, a, b, held, held_s)
         if count[p] > 0:
+            ask(
+                like,
+                normals,
+                turning,
+                constraint,
+                count[p],
+                p,
+                u,
+                v,
+                w,
+                node(like, wall_rate, p),
+                pi,
+            )
             a, b = solve(table, like, p, normals, pi, M, M_s, a, b, room)
         force, force_s = along(force, M, a), along(force_s, M_s, b)
         power, of_solid = dot(force, u), 0.0
@@ -604,11 +348,45 @@ def end_rates(all, y, f, gain):
             slips = constraint[p, k] == SLIPS
             at = faces[p, MOVES_GAS if slips else MOVES_SOLID]
             energies[at] += pi[k] * dot(N, w if slips else v)
-        momentum = add(R_m, force)
-        rho_t, U_t, E_t = 0.0, like, 0.0
+        put_part(acceleration, p, 0, b)
         if M > 0.0:
-            rho_t, E_t = (R - U[p, 0] * J_t) / V[p], (R_E + power - U[p, d + 1] * J_t) / V[p]
-            U_t = per(sub(momentum, scale(J_t, part_of(like, U, p, 1))), V[p])
+            momentum = sub(add(R_m, force), scale(J_t, part_of(like, U, p, 1)))
+            put_part(found, p, 1, per(momentum, V[p]))
+            found[p, 0] = (R - U[p, 0] * J_t) / V[p]
+            found[p, d + 1] = (R_E + power - U[p, d + 1] * J_t) / V[p]
+
+
+@njit(**INLINED_CALL)
+def as_one_body(M, M_s, a, b, held, held_s):
+    """Accelerations of gas and solid that stick, of which one may be given."""
+    both = b if held_s else a
+    if not (held_s or held):
+        both = per(add(scale(M, a), scale(M_s, b)), M + M_s)
+    return both, both
+
+
+@njit(**INLINED_CALL)
+def ask(like, normals, turning, constraint, p, K, u, v, w, w_t, wanted):
+    """The K right-hand sides of constraints: walls accelerate, and area vectors turn under
+    relative velocities.
+    """
+    d = len(like)
+    for k in range(K):
+        wanted[k] = 0.0
+        if constraint[p, k] == SLIPS:
+            at_solid = normal(like, turning, p, k, d)
+            of_walls = add(normal(like, turning, p, k, 0), at_solid)
+            N = add(normal(like, normals, p, k, 0), normal(like, normals, p, k, d))
+            wanted[k] = dot(at_solid, sub(u, v)) - dot(of_walls, sub(u, w))
+            wanted[k] += dot(N, w_t)
+
+
+@njit(**INLINED_CALL)
+def give_rates(table, like, y, f, state, lost):
+    """(J U)_t = J U_t + U J_t of gas members; accelerations of solid ones, and their power."""
+    d, begin, row, kind, starts = len(like), table.begin, table.row, table.kind, table.at
+    inertia, U, U_t, b, v = table.inertia, state.U, state.U_t, state.acceleration, state.v
+    for p in range(begin.size - 1):
         for m in range(begin[p], begin[p + 1]):
             r = row[m]
             if r >= starts.size:
@@ -616,31 +394,12 @@ def end_rates(all, y, f, gain):
             at = starts[r]
             if kind[r] == GAS:
                 J, J_t = y[at], f[at]
-                f[at + 1], f[at + d + 2] = J * rho_t + U[p, 0] * J_t, J * E_t + U[p, d + 1] * J_t
-                for c in range(d):
-                    f[at + 2 + c] = J * U_t[c] + U[p, 1 + c] * J_t
+                for c in range(d + 2):
+                    f[at + 1 + c] = J * U_t[p, c] + U[p, c] * J_t
                 continue
             for c in range(d):
-                push = b[c] - f[at + d + c]
+                push = b[p, c] - f[at + d + c]
                 f[at + d + c] += push
-                f[at + 2 * d] += push * v[c]
+                f[at + 2 * d] += push * v[p, c]
                 if inertia[r] > 0.0:
-                    lost[0] += inertia[r] * push * v[c]
-    came = sum_up(gain)
-    for c in range(all.behind):
-        f[f.size - all.behind + c] = came[c]
-
-
-class Held(NamedTuple):
-    """Particles and what they do, called by address: see fsipetsc.operators.boxed."""
-
-    all: Any
-    begin_sums: Any
-    end_sums: Any
-    begin_normals: Any
-    end_normals: Any
-    begin_stored: Any
-    end_stored: Any
-    settle: Any
-    begin_rates: Any
-    end_rates: Any
+                    lost[0] += inertia[r] * push * v[p, c]

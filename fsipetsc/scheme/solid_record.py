@@ -96,7 +96,7 @@ def none_of(part, particles):
 @njit(**CALL)
 def store(part, particles, s):
     """Tell particles what members of a solid with heat 'elastic' store: energy per mass [J/kg]
-    that is neither kinetic nor heat. See fsipetsc.scheme.particles.Particles.
+    that is neither kinetic nor heat. See fsipetsc.scheme.particle_records.Particles.
     """
     d, solid, extra = len(part.like), part.laws, part.prestress
     q, at, rows = ghosted(part, s, 2 * d + 1), part.stored_at, part.rows_of_stored

@@ -1,0 +1,119 @@
+"""Constraints of a particle, by Gauss's principle: see fsipetsc.scheme.particles. Compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from fsipetsc.blocks.particles import SLIPS
+from fsipetsc.operators.loops import (
+    CALL,
+    INLINED_CALL,
+    add,
+    along,
+    dot,
+    node,
+    part_of,
+    per,
+    put_part,
+    scale,
+)
+from fsipetsc.operators.loops import _by_length as by_length
+from fsipetsc.scheme.particle_records import FREE_GAS, FREE_SOLID, MINE, STICKS
+
+#: a pivot below this part of its size before elimination belongs to a constraint that others imply
+REDUNDANT = 1e-9
+#: the vector G or S, from ``first`` on, of constraint k of particle p
+normal = by_length(
+    "normal",
+    "like, array, p, k, first",
+    lambda d: f" return ({''.join(f'array[p, k, first + {c}],' for c in range(d))})",
+)
+
+
+@njit(**INLINED_CALL)
+def solve(table, like, p, normals, wanted, M, M_s, a, b, room):
+    """The vectors a of the gas and b of the solid, changed least in their masses so that G_c . a +
+    S_c . b = wanted_c, for count[p] constraints. room: A, sizes of pivots; wanted becomes pi.
+    """
+    K, d, flags, (A, size) = table.count[p], len(like), table.flags, room
+    per_gas = 1.0 / M if M > 0.0 and flags[p, FREE_GAS] else 0.0
+    per_solid = 1.0 / M_s if M_s > 0.0 and flags[p, FREE_SOLID] else 0.0
+    sticks = flags[p, STICKS] == 1
+    if sticks:
+        per_gas, per_solid = 1.0 / (M + M_s) if flags[p, FREE_GAS] else 0.0, 0.0
+    for k in range(K):
+        G, S = normal(like, normals, p, k, 0), normal(like, normals, p, k, d)
+        G = add(G, S) if sticks else G
+        wanted[k] -= dot(G, a) if sticks else dot(G, a) + dot(S, b)
+        for i in range(K):
+            G_i, S_i = normal(like, normals, p, i, 0), normal(like, normals, p, i, d)
+            G_i = add(G_i, S_i) if sticks else G_i
+            A[k, i] = dot(G, G_i) * per_gas + dot(S, S_i) * per_solid
+    eliminate(K, A, wanted, size)
+    for k in range(K):
+        G, S = normal(like, normals, p, k, 0), normal(like, normals, p, k, d)
+        a = along(a, wanted[k] * per_gas, add(G, S) if sticks else G)
+        b = along(b, wanted[k] * per_solid, S)
+    return a, a if sticks else b
+
+
+@njit(**CALL)
+def eliminate(K, A, x, size):
+    """Solve A pi = x in place of x for K constraints and a symmetric semidefinite A; those that
+    others imply get no force.
+    """
+    for k in range(K):
+        size[k] = A[k, k]
+    for k in range(K):
+        if not A[k, k] > REDUNDANT * size[k]:
+            size[k] = -1.0
+            continue
+        for e in range(k + 1, K):
+            factor = A[e, k] / A[k, k]
+            x[e] -= factor * x[k]
+            for c in range(k, K):
+                A[e, c] -= factor * A[k, c]
+    for k in range(K - 1, -1, -1):
+        if size[k] < 0.0:
+            x[k] = 0.0
+            continue
+        for e in range(k + 1, K):
+            x[k] -= A[k, e] * x[e]
+        x[k] /= A[k, k]
+
+
+@njit(**INLINED_CALL)
+def slide(all, gain):
+    """Project velocities on what the constraints allow; the kinetic energy that the solid loses
+    goes to the gas.
+    """
+    table, like, normals, state = all.table, all.like, all.normals, all.state
+    flags, count, constraint, wall = table.flags, table.count, table.constraint, all.data.wall
+    mass, solid_mass, V, U, vs, e = state.mass, state.solid_mass, state.V, state.U, state.v, state.e
+    d, K, impulse = len(like), normals.shape[1], gain.impulse
+    pi, room = np.zeros(K), (np.zeros((K, K)), np.zeros(K))
+    for p in range(count.size):
+        if count[p] == 0:
+            continue
+        M, M_s, v = mass[p], solid_mass[p], node(like, vs, p)
+        u = per(part_of(like, U, p, 1), U[p, 0]) if M > 0.0 else like
+        for k in range(count[p]):
+            pi[k] = 0.0
+            if constraint[p, k] == SLIPS:
+                G, S = normal(like, normals, p, k, 0), normal(like, normals, p, k, d)
+                pi[k] = dot(add(G, S), node(like, wall, p))
+        before = 0.5 * M_s * dot(v, v)
+        u, v = solve(table, like, p, normals, pi, M, M_s, u, v, room)
+        change = 0.5 * M_s * dot(v, v) - before
+        for k in range(count[p] if flags[p, MINE] else 0):  # what forces do to bodies they move
+            G, S = normal(like, normals, p, k, 0), normal(like, normals, p, k, d)
+            for c in range(d):
+                both = flags[p, FREE_GAS] * G[c] + flags[p, FREE_SOLID] * S[c]
+                impulse[c] += pi[k] * both
+        put_part(vs, p, 0, v)
+        if M > 0.0:
+            put_part(U, p, 1, scale(U[p, 0], u))
+        if M_s > 0.0 and M > 0.0:
+            e[p] += change / M_s
+            U[p, d + 1] -= change / V[p]

@@ -1,0 +1,134 @@
+"""Particles of a rank as compiled code has them: records of tables, data and sums."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+GAS, SOLID = 0, 1
+
+
+class Table(NamedTuple):
+    """Particles on a rank. Rows are members; those of this rank come first, in any order.
+
+    begin: (p + 1,), rows of particle p are row[begin[p]:begin[p + 1]], in the order that all ranks
+    have. kind: (rows,) GAS or SOLID. at: (own,) where the unknowns of a member begin in the world's
+    vector. weight: (rows,) H of a gas member, M_s of a solid one; alpha: (rows,) specific heat of
+    solids. inertia: (own,) M_s of members whose work is booked, else 0. count: (p,) number of
+    constraints; constraint: (p, K) their kinds. column: (p,) where the mass of the gas is in
+    ``gain``. faces: (p, 4), through which face what moves gas and solid does work, and what gives
+    temperatures to gas and solid heats. flags: (p, FLAGS) 1 or 0 for each of MINE …, see
+    fsipetsc.blocks.particles.
+    """
+
+    begin: Array
+    row: Array
+    kind: Array
+    at: Array
+    weight: Array
+    alpha: Array
+    inertia: Array
+    count: Array
+    constraint: Array
+    column: Array
+    faces: Array
+    flags: Array
+
+
+#: this rank adds what comes in; forces move the gas, the solid; a clamp gives the place; gas and
+#: solid stick; motion of the gas, of the solid is given, all of the gas, of the solid; temperature
+#: of the gas, of the solid; they have one; so have members of the solid
+MINE, FREE_GAS, FREE_SOLID, PLACED, STICKS, HELD_GAS, HELD_SOLID, GIVEN_GAS, GIVEN_SOLID = range(9)
+WARM_GAS, WARM_SOLID, SHARES_HEAT, ONE_T = range(9, 13)
+FLAGS = 13
+#: columns of ``faces``
+MOVES_GAS, MOVES_SOLID, HEATS_GAS, HEATS_SOLID = range(4)
+
+
+class Data(NamedTuple):
+    """What conditions prescribe at an instant, for each particle: velocity and acceleration of
+    walls (p, d), displacement, velocity and acceleration of clamps (p, d), temperatures (p,) of gas
+    and solid, all unknowns: (p, d + 2) of a gas, (rho, rho u, E), and (p, 2d) of a solid, place
+    less X and velocity.
+    """
+
+    wall: Array
+    wall_rate: Array
+    clamp: Array
+    clamp_velocity: Array
+    clamp_rate: Array
+    T: Array
+    T_solid: Array
+    gas: Array
+    solid: Array
+
+
+class State(NamedTuple):
+    """What `end_sums` found, for each particle: mass of gas and solid (p,), V (p,), U of the gas
+    (p, d + 2), displacement D and velocity v (p, d) and energy per mass e (p,) of the solid.
+    mean_energy: (p,) that of its members before a change. capacity, potential: (p,) mean specific
+    heat and mean energy per mass that is neither kinetic nor heat, of the solid. U_t (p, d + 2),
+    acceleration (p, d) of the solid: what `end_rates` found.
+    """
+
+    mass: Array
+    solid_mass: Array
+    V: Array
+    U: Array
+    D: Array
+    v: Array
+    e: Array
+    mean_energy: Array
+    capacity: Array
+    potential: Array
+    U_t: Array
+    acceleration: Array
+
+
+class Particles(NamedTuple):
+    """The particles of a rank, which all functions here get in a box.
+
+    like: (0, …) of d dimensions. law: of the gas. stored: (rows, 1) energy per mass of members that
+    is neither kinetic nor heat; stores: whether it changes. rows: (rows, columns) of the exchange.
+    slips: whether any has constraints; normals, turning: (p, K, 2d), G and S and how they turn.
+    of_normals: (members of those, 2 K d) area vectors, at_normals: how many are here, of_particle,
+    row_of: particle and row of each. moves: (p,) whether a wall there moves, place: (p, d) its
+    displacement. behind: as many numbers at the end of a vector are what came in.
+    """
+
+    like: Any
+    table: Table
+    law: Any
+    data: Data
+    state: State
+    stored: Array
+    rows: Array
+    stores: int
+    slips: int
+    normals: Array
+    turning: Array
+    of_normals: Array
+    at_normals: int
+    of_particle: Array
+    row_of: Array
+    moves: Array
+    place: Array
+    behind: int
+
+
+class Held(NamedTuple):
+    """Particles and what they do, called by address: see fsipetsc.operators.boxed."""
+
+    all: Any
+    begin_sums: Any
+    end_sums: Any
+    begin_normals: Any
+    end_normals: Any
+    begin_stored: Any
+    end_stored: Any
+    settle: Any
+    begin_rates: Any
+    end_rates: Any
