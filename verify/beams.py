@@ -10,7 +10,8 @@ S = 5/6 mu h, I = density h^3/12. Euler and Bernoulli: cos b cosh b = 1, w = b^2
 """
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
+from numpy.polynomial import Chebyshev
+from scipy.optimize import brentq
 
 #: derivatives that vanish at both ends
 ENDS = {"clamped": (0, 1), "hinged": (0, 2)}
@@ -21,7 +22,7 @@ def misfit(l, q, ends):
     m = np.roots([1, 0, 0, l, -q]).astype(complex)
     for _ in range(3):
         m -= (m**4 + l * m - q) / (4 * m**3 + l)
-    rows = [m**d for d in ENDS[ends]] + [m**d * np.exp(m - m.real.max()) for d in ENDS[ends]]
+    rows = [m**d for d in ENDS[ends]] + [m**d * np.exp(m) for d in ENDS[ends]]
     differences = np.prod([m[j] - m[i] for i in range(4) for j in range(i + 1, 4)])
     return (np.linalg.det(np.array(rows)) / differences).real
 
@@ -29,17 +30,15 @@ def misfit(l, q, ends):
 def flutter(ends):
     """(l, q) where the first two q merge."""
     low, high = {"clamped": (500.5639, 3803.537), "hinged": (np.pi**4, 16 * np.pi**4)}[ends]
+    sign = np.sign(misfit(0.0, 0.5 * (low + high), ends))
 
     def gap(l):
-        """Largest misfit between the two eigenvalues, with its sign at l = 0."""
-        sign = np.sign(misfit(0.0, 0.5 * (low + high), ends))
-        found = minimize_scalar(
-            lambda q: -sign * misfit(l, q, ends),
-            bounds=(low, high),
-            method="bounded",
-            options={"xatol": 1e-9 * high},
-        )
-        return -found.fun, found.x
+        """Largest misfit between the two eigenvalues, with its sign at l = 0, and where it is."""
+        between = np.vectorize(lambda q: sign * misfit(l, q, ends))
+        of = Chebyshev.interpolate(between, 30, domain=(low, high))
+        tops = [q.real for q in of.deriv().roots() if q.imag == 0.0 and low < q.real < high]
+        q = max(tops, key=of)
+        return of(q), q
 
     near = {"clamped": 600.0, "hinged": 320.0}[ends], {"clamped": 680.0, "hinged": 360.0}[ends]
     scale = abs(gap(near[0])[0])
