@@ -310,19 +310,8 @@ def accelerate(all, gain):
         if sticks:
             a, b = as_one_body(M, M_s, a, b, held, held_s)
         if count[p] > 0:
-            ask(
-                like,
-                normals,
-                turning,
-                constraint,
-                count[p],
-                p,
-                u,
-                v,
-                w,
-                node(like, wall_rate, p),
-                pi,
-            )
+            w_t, K_p = node(like, wall_rate, p), count[p]
+            ask(like, normals, turning, constraint, p, K_p, u, v, w, w_t, pi)
             a, b = solve(table, like, p, normals, pi, M, M_s, a, b, room)
         force, force_s = along(force, M, a), along(force_s, M_s, b)
         power, of_solid = dot(force, u), 0.0
