@@ -223,4 +223,3 @@ def test_what_was_given_up_is_not_gone_on_from(tmp_path):
     for name, count in (("rod.h5", 25), ("rod.1.h5", 60)):
         with fsipetsc.open_run(tmp_path / name) as result:
             assert result.summary["steps"] == len(result.series["t"]) == count
-    assert result.summary["part"]["steps"] == 10

@@ -46,7 +46,7 @@ def test_ledgers_go_on_behind_a_checkpoint(tmp_path):
         fsipetsc.open_run(tmp_path / "whole.h5") as a,
         fsipetsc.open_run(tmp_path / "parts.h5") as b,
     ):
-        assert a.summary["steps"] == b.summary["steps"] == b.summary["part"]["steps"] + 20 > 40
+        assert a.summary["steps"] == b.summary["steps"] > 40
         assert (
             a.summary["departures"] == b.summary["departures"]
             and a.summary["limits"] == b.summary["limits"]

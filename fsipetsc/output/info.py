@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.checks import counted, duration
+from fsipetsc.checks import duration
 from fsipetsc.options.option import INT_MAX
 from fsipetsc.output.file_layout import damage
 from fsipetsc.output.quantities import is_si, unit_of
@@ -107,17 +107,15 @@ def _second(run: Run) -> str:
 
 
 def summary_rows(summary: Mapping[str, Any], unit: str) -> Rows:
-    """Results of a run in the order of LABELS; all else follows under its own name. unit: what
-    stands behind a time.
-    """
+    """Results of a run in the order of LABELS. unit: what stands behind a time."""
     known = {name: value for name, value in summary.items() if value not in ("", None, {}, [])}
     if "limits" in known:
         known["limits"] = shares(known["limits"], summary["t"])
-    rows = []
-    for name in [*(n for n in LABELS if n in known), *(n for n in known if n not in LABELS)]:
-        label, written = LABELS.get(name, (name.replace("_", " "), _text))
-        rows.append((label, written(known[name]) + unit * (name in ("t", "dt_min", "dt_max"))))
-    return rows
+    return [
+        (label, written(known[name]) + unit * (name in ("t", "dt_min", "dt_max")))
+        for name, (label, written) in LABELS.items()
+        if name in known
+    ]
 
 
 def error_rows(errors: Mapping[str, Any]) -> Rows:
@@ -150,12 +148,6 @@ def _text(value: Any) -> str:
     return "none" if value is None else words.get(value, str(value))
 
 
-def _cost(part: Mapping[str, Any]) -> str:
-    steps, wall = part["steps"], part["wall_time"]
-    each = f", {1e6 * wall / steps:.4g} µs each" if steps else ""
-    return f"{counted(steps, 'step')} in {duration(wall)}{each}"
-
-
 def _three_digits(value: float) -> str:
     return f"{value:.3g}"
 
@@ -184,9 +176,9 @@ LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
         "phases since the last start",
         lambda found: ", ".join(f"{name} {duration(wall)}" for name, wall in found.items()),
     ),
-    "part": ("steps since the last start", _cost),
     "ranks": ("ranks", str),
     "points": ("points", str),
     "interfaces": ("interfaces", _text),
     "rhs_evaluations": ("right-hand sides", str),
+    "versions": ("versions", _text),
 }
