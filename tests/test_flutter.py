@@ -13,8 +13,8 @@ from fsipetsc.errors import ComputationError
 
 #: a thick and light panel on a coarse grid: a second or two each
 COARSE = "-fsi_h 0.0625 -panel_thickness 0.1 -panel_height 0.5 -flutter_machs 2"
-#: lambda -> s of its slowest modes, or of the one that grows, by quasi-steady theory of a panel with
-#: shear and rotary inertia
+#: lambda -> s of its slowest modes, or of the one that grows, by quasi-steady theory of a panel
+#: with shear and rotary inertia
 KNOWN = {
     350: (-0.03849002 + 0.82621958j, -0.03849002 + 1.34210751j),
     430: (-0.03849002 + 0.87514947j, -0.03849002 + 1.18484081j),
