@@ -65,7 +65,6 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
     "Output": (
         Option("fsi_output", str, None, "", "table of a sweep, without suffix"),
         Option("fsi_quiet", bool, False, "", "print nothing but errors"),
-        Option("fsi_debug", bool, False, "", "show the Python traceback of an error"),
     ),
 }
 
