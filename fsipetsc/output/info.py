@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -109,8 +109,6 @@ def _second(run: Run) -> str:
 def summary_rows(summary: Mapping[str, Any], unit: str) -> Rows:
     """Results of a run in the order of LABELS. unit: what stands behind a time."""
     known = {name: value for name, value in summary.items() if value not in ("", None, {}, [])}
-    if "limits" in known:
-        known["limits"] = shares(known["limits"], summary["t"])
     return [
         (label, written(known[name]) + unit * (name in ("t", "dt_min", "dt_max")))
         for name, (label, written) in LABELS.items()
@@ -121,19 +119,6 @@ def summary_rows(summary: Mapping[str, Any], unit: str) -> Rows:
 def error_rows(errors: Mapping[str, Any]) -> Rows:
     """Errors by kind of layer."""
     return [(kind, _text(values)) for kind, values in errors.items()]
-
-
-def shares(changes: Sequence[Sequence[Any]], end: float) -> list[tuple[str, float]]:
-    """(bound of the step, part of the time until ``end`` in which it held), the largest first.
-
-    changes: [time, bound] from which on it did.
-    """
-    parts: dict[str, float] = {}
-    times = [*(t for t, _ in changes), end]
-    for (_, what), begin, until in zip(changes, times, times[1:], strict=False):
-        parts[what] = parts.get(what, 0.0) + until - begin
-    whole = sum(parts.values()) or 1.0
-    return sorted(((what, part / whole) for what, part in parts.items()), key=lambda x: -x[1])
 
 
 def _text(value: Any) -> str:
@@ -169,7 +154,7 @@ LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "dt_max": ("longest step", _three_digits),
     "limits": (
         "step bounded by",
-        lambda bounds: ", ".join(f"{what} ({100 * part:.0f} %)" for what, part in bounds),
+        lambda changes: ", ".join(dict.fromkeys(what for _, what in changes)),
     ),
     "wall_time": ("wall time of the steps", duration),
     "phases": (
