@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.blame import call, place_of
@@ -54,6 +55,8 @@ def make_state(
     announce: called with a message when several ranks wait for kernels. InputError where grid,
     order and ranks do not fit.
     """
+    if opt["fsi_entropy"] or opt["fsi_check"] is not None:
+        _check_entropy(problem)
     if isinstance(problem, BlockProblem):
         form = block_form(opt)
         points, probes = opt["fsi_points"] or (), opt["fsi_probes"]
@@ -66,6 +69,18 @@ def make_state(
                 f"-{name} is of blocks: here series of all interfaces are recorded anyway"
             )
     return PaperState(comm, problem, opt)
+
+
+def _check_entropy(problem: Problem | BlockProblem) -> None:
+    """InputError for a gas law without a formula for the entropy, which is not a number then."""
+    for block in problem.layers:
+        if block.kind == "fluid":
+            law = block.material.gas_law
+            if np.isnan([law.entropy(rho, 1.0) for rho in (1e-6, 1.0, 1e6)]).all():
+                raise InputError(
+                    f"the gas law of layer '{block.name}' has no formula for the entropy, which "
+                    "-fsi_entropy and -fsi_check need"
+                )
 
 
 #: what blocks have of options that choose between methods
