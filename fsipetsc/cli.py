@@ -63,7 +63,6 @@ COMMANDS = {
         "what a time step costs on 1 to N ranks, and where the time goes",
         "fsipetsc.bench.command"),
 }  # fmt: skip
-_DEBUG = "-fsi_debug"  # every command takes it
 HELP_FLAGS = ("-h", "-help", "--help")
 _VERSION_FLAGS = ("--version", "-version")
 
@@ -92,16 +91,8 @@ def _main(arguments: list[str]) -> int:
     except BrokenPipeError:  # the reader, a pager or head, has seen enough
         abandon(1)
     except (Exception, KeyboardInterrupt) as error:
-        return end_together(error, None, debug=_debugging(arguments))
+        return end_together(error, None)
     return 0
-
-
-def _debugging(arguments: Sequence[str]) -> bool:
-    """Whether -fsi_debug is in force."""
-    if _DEBUG not in arguments:
-        return False
-    value = [*arguments, ""][arguments.index(_DEBUG) + 1]
-    return is_option(value) or value.lower() in ("", "true", "yes", "1", "on")
 
 
 def _flush() -> None:
@@ -151,7 +142,7 @@ def _run_command(name: str, arguments: list[str]) -> None:
 
 def _in_parallel(arguments: list[str]) -> int:
     """A run, or a command that all ranks do together. Collective."""
-    notes, case_file, debug = None, None, _debugging(arguments)
+    notes, case_file = None, None
     try:
         world = start_mpi()
         notes = world.Dup()
@@ -169,7 +160,7 @@ def _in_parallel(arguments: list[str]) -> int:
     except BrokenPipeError:
         abandon(1)
     except (Exception, KeyboardInterrupt) as error:
-        return end_together(error, notes, debug=debug, case_file=case_file)
+        return end_together(error, notes, case_file)
     finally:
         if notes is not None:
             notes.Free()
@@ -205,7 +196,7 @@ def _given(command: str, arguments: list[str]) -> dict[str, str]:
     usage = COMMANDS[command].arguments
     options = dict(re.findall(r"\[(-\w+) ?([^]]*)\]", usage))  # -> its value, "" if it has none
     files, found = re.sub(r"\[.*?\]", "", usage).split(), {}
-    waiting, fault = [word for word in arguments if word != _DEBUG], ""
+    waiting, fault = list(arguments), ""
     while waiting and not fault:
         word = waiting.pop(0)
         name = word[1:] if word.startswith("--") else word

@@ -10,12 +10,10 @@ class FsiError(Exception):
     """An error that is explained to the user in one message, without a traceback.
 
     collective: True if every rank raises it at the same place (then the program ends in order),
-    False if one rank may be alone with it (then the other ranks are stopped). told: the traceback
-    where another rank has met it, else "".
+    False if one rank may be alone with it (then the other ranks are stopped).
     """
 
     status = 1
-    told = ""
 
     def __init__(self, message: str, *, collective: bool = True) -> None:
         super().__init__(message)
@@ -51,11 +49,6 @@ class Interrupted(KeyboardInterrupt):
     def __init__(self, number: int, message: str) -> None:
         super().__init__(message)
         self.status = 128 + number
-
-
-def lines_of(error: BaseException) -> str:
-    """The traceback of an error and of what it came from."""
-    return "".join(traceback.format_exception(error)).rstrip()
 
 
 def is_petsc(error: BaseException) -> bool:

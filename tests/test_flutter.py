@@ -1,4 +1,4 @@
-"""Panel flutter: theory without a grid, modes of a motion, short runs."""
+"""Panel flutter: modes of a motion, short runs."""
 
 from __future__ import annotations
 
@@ -8,31 +8,18 @@ import numpy as np
 import pytest
 from helpers import message, solve
 
-pytest.importorskip("scipy")
-
-from fsipetsc.analysis.panel_modes import Flow, Motion, crossing, fit_modes, panel
+from fsipetsc.analysis.panel_modes import Flow, Motion, crossing, fit_modes
 from fsipetsc.errors import ComputationError
 
 #: a thick and light panel on a coarse grid: a second or two each
 COARSE = "-fsi_h 0.0625 -panel_thickness 0.1 -panel_height 0.5 -flutter_machs 2"
-
-
-def test_modes_of_a_clamped_panel():
-    """cos b cosh b = 1 for b^2 the frequency; Timoshenko's go there as the panel gets thin."""
-    thin, slender, thick = (panel(thickness)[0][:4] ** 0.25 for thickness in (0.0, 1e-3, 0.04))
-    assert np.abs(np.cos(thin) - 1 / np.cosh(thin)).max() < 1e-9
-    assert np.abs(slender[:3] / thin[:3] - 1).max() < 1e-4
-    assert np.all(thick < 0.995 * thin)
-
-
-def test_the_known_onset_of_flutter():
-    """636.57, with frequency 52.4 (Dowell 1975), whatever the mass; damping delays it."""
-    for mass in (1.0, 1e3):
-        found, s = Flow(2.0, mass).onset(damped=False)
-        assert abs(found - 636.57) < 0.01
-        assert abs(s.imag / Flow(2.0, mass).unit(found) - 52.36) < 0.05
-    assert abs(Flow(2.0, 1e4).onset()[0] - 636.57) < 0.1
-    assert Flow(2.0, 10.0).onset()[0] == pytest.approx(641.6, abs=0.05)
+#: lambda -> s of its slowest modes, or of the one that grows, by quasi-steady theory of a panel
+#: with shear and rotary inertia
+KNOWN = {
+    350: (-0.03849002 + 0.82621958j, -0.03849002 + 1.34210751j),
+    430: (-0.03849002 + 0.87514947j, -0.03849002 + 1.18484081j),
+    650: (0.16020957 + 0.97218892j,),
+}
 
 
 def motion(s, a, t, noise=0.0):
@@ -58,12 +45,17 @@ def test_two_modes_of_nearly_one_frequency_are_told_apart():
 
 
 def test_the_crossing_from_a_few_dynamic_pressures():
-    """Of theory's modes: their growth has a kink near 636, what is interpolated is smooth."""
-    flow, dynamic = Flow(2.0, 10.0), (500.0, 600.0, 700.0, 800.0)
-    units, pairs = [flow.unit(d) for d in dynamic], [flow.modes(d)[:2] for d in dynamic]
+    """Two frequencies that meet, s^2 + d s + m +- sqrt(a^2 - (f lambda)^2) = 0: their growth has a
+    kink there, and is positive from (f lambda)^2 = a^2 + d^2 m on."""
+    m, a, f, d, flow = 2152.0, 1651.0, 2.6, 2.0, Flow(2.0, 10.0)
+    dynamic = (500.0, 600.0, 700.0, 800.0)
+    units = [flow.unit(at) for at in dynamic]
+    roots = [np.sqrt(a**2 - (f * at) ** 2 + 0j) * np.array([1, -1]) for at in dynamic]
+    pairs = [u * (np.sqrt(0.25 * d**2 - m - r) - 0.5 * d) for u, r in zip(units, roots)]
+    pairs = [np.where(pair.imag < 0, -d * u - pair, pair) for u, pair in zip(units, pairs)]
     found, s = crossing(dynamic, units, pairs)
-    exact, expected = flow.onset()
-    assert abs(found - exact) < 3.0 and abs(s.imag * flow.unit(found) - expected.imag) < 0.01
+    assert found == pytest.approx(np.sqrt(a**2 + d**2 * m) / f, rel=1e-6)
+    assert s == pytest.approx(1j * np.sqrt(m), rel=1e-6)
     assert np.isnan(crossing(dynamic[:2], units[:2], pairs[:2])[0])
 
 
@@ -73,18 +65,16 @@ def test_runs_decay_below_and_grow_above(tmp_path):
     words = f"flutter {COARSE} -flutter_lambdas 350,430,650 -fsi_output some.csv".split()
     done = solve(*words, cwd=tmp_path, ranks=2)
     assert (done.returncode, done.stderr) == (0, "")
-    assert "onset of flutter" in done.stdout and (tmp_path / "some.png").stat().st_size > 10_000
+    assert "onset of flutter" in done.stdout
     with (tmp_path / "some.csv").open() as file:
         runs = [{k: float(v) for k, v in row.items() if v} for row in csv.DictReader(file)]
-    flow = Flow(2.0, 10.0, 0.1)
-    assert [row["lambda"] for row in runs] == [350, 430, 650]
+    assert [row["lambda"] for row in runs] == [*KNOWN]
     assert runs[0]["growth"] < 0 < runs[2]["growth"]
     for row in runs[:2]:  # before they meet
         found = [complex(row[f"growth_{n}"], row[f"frequency_{n}"]) for n in (1, 2)]
-        expected = flow.modes(row["lambda"])[:2]
+        expected = np.array(KNOWN[row["lambda"]])
         assert np.all(np.abs(found - expected) < 0.05 * np.abs(expected)), (found, expected)
-    fastest = max(flow.modes(650.0)[:2], key=lambda s: s.real)
-    assert abs(complex(runs[2]["growth"], runs[2]["frequency"]) - fastest) < 0.05
+    assert abs(complex(runs[2]["growth"], runs[2]["frequency"]) - KNOWN[650][0]) < 0.05
 
 
 def test_messages(tmp_path):

@@ -2,8 +2,7 @@
 
 A case with an exact solution in all of its layers is compared with that, any other case with itself
 (fsipetsc.analysis.convergence_table). All ranks share each run. What is left is a table on the
-terminal and as CSV, and two pictures: error against grid spacing (Fig. 6 of the paper) and error
-against time (Fig. 7).
+terminal and as CSV, and a picture: error against grid spacing and against time.
 """
 
 from __future__ import annotations
@@ -57,7 +56,7 @@ def convergence(arguments: list[str], comm: MPI.Comm) -> None:
 
     Raises InputError; ComputationError at the end if a run has failed; FileError.
     """
-    from fsipetsc.output.plots.studies import convergence_figures
+    from fsipetsc.output.plots.convergence import convergence_figure
 
     case = together(comm, lambda: _case(arguments))
     name, instead = f"{case.NAME}-convergence", {"fsi_order": "fsi_orders"}
@@ -73,7 +72,7 @@ def convergence(arguments: list[str], comm: MPI.Comm) -> None:
     if table.errors and len(table.hs) < 2:
         say("\none grid shows no order: -fsi_hs takes several, as in -fsi_hs 0.05,0.025")
     if comm.rank == 0:
-        files = [table.save(path), *convergence_figures(table, path)]
+        files = [table.save(path), *convergence_figure(table, path.with_suffix(".png"))]
         say("\nresults in " + ", ".join(map(str, files)))
     wait_asleep(comm)
     if table.failures:

@@ -1,9 +1,8 @@
 """The command `flutter`: how a small motion of the panel grows, and where it begins to.
 
 Each run of the case ``panel`` is made on one rank alone; the ranks share the runs. A run lasts a
-good period: the modes are told apart by their shapes. Beside the lambda of each Mach number at
-which the growth becomes positive stands that of quasi-steady theory
-(fsipetsc.analysis.panel_modes).
+good period: the modes are told apart by their shapes (fsipetsc.analysis.panel_modes). The result
+is the lambda of each Mach number at which the growth becomes positive.
 """
 
 from __future__ import annotations
@@ -11,9 +10,8 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Mapping, Sequence
 from itertools import product
+from math import pi
 from typing import TYPE_CHECKING, Any, NamedTuple
-
-import numpy as np
 
 from fsipetsc.analysis.panel_modes import CRITICAL, Flow, crossing, fit_modes, motion_of
 from fsipetsc.analysis.tables import begin, printer, save_csv, shared, text_table
@@ -74,26 +72,22 @@ def flutter(arguments: list[str], comm: MPI.Comm) -> None:
     Raises InputError; FileError; ComputationError at the end if a run has failed.
     """
     case = load_case("panel")
-    from fsipetsc.output.plots.studies import flutter_figure
-
     instead = {"panel_mach": "flutter_machs", "panel_lambda": "flutter_lambdas"}
     opt, given, path = begin(case, arguments, comm, OPTIONS, "flutter", instead)
     if "panel_push" not in given:
         opt["panel_push"] = SMALL
-    say, mass, thickness = printer(comm, opt), opt["panel_mass"], opt["panel_thickness"]
+    say, mass = printer(comm, opt), opt["panel_mass"]
     tasks = list(product(*(sorted({*opt[option.name]}) for option in OPTIONS)))
     runs_of = f"{counted(len(tasks), 'run')} of panel on {counted(comm.size, 'rank')}"
     say(f"{runs_of}, h = {opt['fsi_h']:g}")
     end = opt["ts_max_time"] if "ts_max_time" in given else None
     runs = shared(comm, tasks, lambda task: one_run(case, opt, *task, end))
-    facts, lines = f"mass {mass:g}, thickness {thickness:g}", [_row(run) for run in runs]
+    facts, lines = f"mass {mass:g}, thickness {opt['panel_thickness']:g}", list(map(_row, runs))
     say(f"\npanel, {facts}: growth and angular frequency of its modes\n\n{text_table(HEAD, lines)}")
     say("\nonset of flutter: lambda, and frequency f in cycles per unit of time")
-    told, curves = onsets(runs, mass, thickness)
-    say(told)
+    say(onsets(runs, mass))
     if comm.rank == 0:
-        figures = flutter_figure(curves, CRITICAL, facts, path.with_suffix(".png"))
-        say("\nresults in " + ", ".join(map(str, [save_csv(path, HEAD, lines), *figures])))
+        say(f"\nresults in {save_csv(path, HEAD, lines)}")
     wait_asleep(comm)
     failures = [run for run in runs if run.failure]
     if failures:
@@ -141,30 +135,16 @@ def _row(run: FlutterRun) -> list[object]:
     return [f"{run.mach:g}", f"{run.dynamic:g}", *numbers, *cost]
 
 
-def onsets(runs: Sequence[FlutterRun], mass: float, thickness: float) -> tuple[str, list[Any]]:
-    """(table, what the picture shows) of each Mach number: lambda and f by the runs that went well,
-    NaN where they do not show it; by theory of a thin panel and of one with shear and rotary
-    inertia.
-    """
-    from fsipetsc.output.plots.studies import Curves
-
-    head = ["M", "lambda", "f", f"of {CRITICAL}", "theory,\nthin", "theory,\nthick", "\nf"]
-    rows, curves = [], []
+def onsets(runs: Sequence[FlutterRun], mass: float) -> str:
+    """A table of lambda and f of each Mach number, by the runs that went well; NaN where they do
+    not show it. Beside it lambda over that of a thin panel."""
+    rows = []
     for mach in dict.fromkeys(run.mach for run in runs):
         own = [run for run in runs if run.mach == mach and not run.failure]
-        thin, found, s = Flow(mach, mass), float("nan"), complex("nan")
-        dynamic = np.array([run.dynamic for run in own])
-        units, pairs = [thin.unit(d) for d in dynamic], [run.pair for run in own]
+        flow, found, s = Flow(mach, mass), float("nan"), complex("nan")
         if len(own) > 1:
-            found, s = crossing(dynamic, units, pairs)
-        if own:
-            fine = np.linspace(dynamic[0], dynamic[-1], 201)
-            theory = np.array([thin.modes(d)[:2] / thin.unit(d) for d in fine])
-            scaled = np.array(pairs) / np.array(units)[:, None]
-            curves.append(Curves(mach, dynamic, scaled, fine, theory))
-        f = s.imag * thin.unit(found) / (2.0 * np.pi)
-        thick, of_thick = Flow(mach, mass, thickness).onset()
-        numbers = [f"{found:.1f}", f"{f:.4f}", f"{found / CRITICAL:.3f}", f"{thin.onset()[0]:.1f}"]
-        of_theory = [f"{thick:.1f}", f"{of_thick.imag / (2.0 * np.pi):.4f}"]
-        rows.append([f"{mach:g}", *numbers, *of_theory])
-    return text_table(head, rows), curves
+            dynamic = [run.dynamic for run in own]
+            found, s = crossing(dynamic, list(map(flow.unit, dynamic)), [run.pair for run in own])
+        f = s.imag * flow.unit(found) / (2.0 * pi)
+        rows.append([f"{mach:g}", f"{found:.1f}", f"{f:.4f}", f"{found / CRITICAL:.3f}"])
+    return text_table(["M", "lambda", "f", f"of {CRITICAL}"], rows)

@@ -62,18 +62,16 @@ class Linear(NamedTuple):
         return values, basis @ vectors
 
 
-def linearise(
-    stack: Stack, order: int, columns: int, k: float, nudge: float = NUDGE, form: BlockForm = FORM
-) -> Linear:
-    """The scheme of an order and form about the initial data of layers, for disturbances
-    proportional to exp(i k X), k [1/m]; a wave is so many columns long.
+def linearise(stack: Stack, order: int, columns: int, k: float) -> Linear:
+    """The scheme of an order about the initial data of layers, for disturbances proportional to
+    exp(i k X), k [1/m]; a wave is so many columns long.
 
     InputError where the layers are not at rest, or not the same in all columns.
     """
     ends = {"lower": stack.lower, "upper": stack.upper}
     problem = layers(*stack.layers, along=((0.0, 2.0 * np.pi / k),), cells=(columns,), **ends)
-    with BlockState(MPI.COMM_SELF, problem, order, form) as state:
-        return Bench(state, 0, 1).linear(nudge)
+    with BlockState(MPI.COMM_SELF, problem, order, FORM) as state:
+        return Bench(state, 0, 1).linear()
 
 
 def radial_modes(problem: BlockProblem, order: int, n: int = 0, form: BlockForm = FORM) -> Complex:
@@ -142,14 +140,14 @@ class Bench:
             scales[:, i : i + self._d] = (slowest * mass)[:, None]
         self._nudges = np.concatenate([scales.ravel() for scales, _, _ in found])
 
-    def linear(self, nudge: float = NUDGE) -> Linear:
+    def linear(self) -> Linear:
         """Disturb all unknowns. InputError where the state is not at rest."""
         size = len(self._scales)
         rates, projection = np.zeros((2, size, size), complex)
         shapes = enumerate(self._shapes)
         unknowns = [(k, *of_block) for k, shape in shapes for of_block in np.ndindex(*shape)]
         for i, unknown in enumerate(unknowns):
-            step = nudge * self._nudges[i]
+            step = NUDGE * self._nudges[i]
             for multiple, weight in enumerate(CENTRAL, 1):
                 for sign in (1, -1):
                     f, y = self._disturbed(*unknown, sign * multiple * step)

@@ -52,7 +52,7 @@ OPTIONS = (
     Option("bench_square_program", str, None, "", "folder of another program for gas | solid, 2-D"),
     Option("fsi_output", str, "bench", "", "base name of the table NAME.csv"),
 )
-_OF_RUN = "fsi_quiet", "fsi_partition", "fsi_debug"
+_OF_RUN = "fsi_quiet", "fsi_partition"
 SECTIONS = {
     "Benchmark": OPTIONS,
     "Run": tuple(option for option in RUN if option.name in _OF_RUN),

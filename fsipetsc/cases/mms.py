@@ -8,8 +8,6 @@ velocity and temperature at the boundaries are exact data; the four interface co
 jumps of the exact solution.
 """
 
-from collections.abc import Callable
-from functools import lru_cache
 from math import cos, sin
 
 import numpy as np
@@ -36,21 +34,9 @@ LEFT, RIGHT = 0.25, 4.0
 EPS, OMEGA, PHI = 0.2, 2.0, 0.47
 
 
-def _once_per_grid(modes: Callable[[Array], Fields]) -> Callable[[Array | float], Fields]:
-    """Keep what is found from X alone, because every stage asks for it at the same points."""
-    kept = lru_cache(64)(lambda data, shape: modes(np.frombuffer(data).reshape(shape)))
-
-    def of(X: Array | float) -> Fields:
-        X = np.asarray(X, dtype=float)
-        return kept(X.tobytes(), X.shape)
-
-    return of
-
-
 # A field is a function of t times a *mode* in X, plus 1, 10, …
 
 
-@_once_per_grid
 def fluid_modes(X: Array) -> Fields:
     """Modes of rho, u, T, then their X-derivatives, then the second ones of u, T."""
     w = OMEGA
@@ -59,7 +45,6 @@ def fluid_modes(X: Array) -> Fields:
     return rho, u, T, *slopes, -w * w * u, -4 * T
 
 
-@_once_per_grid
 def solid_modes(X: Array) -> Fields:
     """Modes of u and x-X, of sigma, of T, then their X-derivatives, then the second of x, T."""
     w, a = OMEGA, 2 * np.pi

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
-from fsipetsc.checks import counted, duration
+from fsipetsc.checks import duration
 from fsipetsc.options.option import INT_MAX
 from fsipetsc.output.file_layout import damage
 from fsipetsc.output.quantities import is_si, unit_of
@@ -107,35 +107,18 @@ def _second(run: Run) -> str:
 
 
 def summary_rows(summary: Mapping[str, Any], unit: str) -> Rows:
-    """Results of a run in the order of LABELS; all else follows under its own name. unit: what
-    stands behind a time.
-    """
+    """Results of a run in the order of LABELS. unit: what stands behind a time."""
     known = {name: value for name, value in summary.items() if value not in ("", None, {}, [])}
-    if "limits" in known:
-        known["limits"] = shares(known["limits"], summary["t"])
-    rows = []
-    for name in [*(n for n in LABELS if n in known), *(n for n in known if n not in LABELS)]:
-        label, written = LABELS.get(name, (name.replace("_", " "), _text))
-        rows.append((label, written(known[name]) + unit * (name in ("t", "dt_min", "dt_max"))))
-    return rows
+    return [
+        (label, written(known[name]) + unit * (name in ("t", "dt_min", "dt_max")))
+        for name, (label, written) in LABELS.items()
+        if name in known
+    ]
 
 
 def error_rows(errors: Mapping[str, Any]) -> Rows:
     """Errors by kind of layer."""
     return [(kind, _text(values)) for kind, values in errors.items()]
-
-
-def shares(changes: Sequence[Sequence[Any]], end: float) -> list[tuple[str, float]]:
-    """(bound of the step, part of the time until ``end`` in which it held), the largest first.
-
-    changes: [time, bound] from which on it did.
-    """
-    parts: dict[str, float] = {}
-    times = [*(t for t, _ in changes), end]
-    for (_, what), begin, until in zip(changes, times, times[1:], strict=False):
-        parts[what] = parts.get(what, 0.0) + until - begin
-    whole = sum(parts.values()) or 1.0
-    return sorted(((what, part / whole) for what, part in parts.items()), key=lambda x: -x[1])
 
 
 def _text(value: Any) -> str:
@@ -148,12 +131,6 @@ def _text(value: Any) -> str:
         return f"{value:.6g}"
     words = {True: "yes", False: "no"} if isinstance(value, bool) else {INT_MAX: "no limit"}
     return "none" if value is None else words.get(value, str(value))
-
-
-def _cost(part: Mapping[str, Any]) -> str:
-    steps, wall = part["steps"], part["wall_time"]
-    each = f", {1e6 * wall / steps:.4g} µs each" if steps else ""
-    return f"{counted(steps, 'step')} in {duration(wall)}{each}"
 
 
 def _three_digits(value: float) -> str:
@@ -177,16 +154,16 @@ LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "dt_max": ("longest step", _three_digits),
     "limits": (
         "step bounded by",
-        lambda bounds: ", ".join(f"{what} ({100 * part:.0f} %)" for what, part in bounds),
+        lambda changes: ", ".join(dict.fromkeys(what for _, what in changes)),
     ),
     "wall_time": ("wall time of the steps", duration),
     "phases": (
         "phases since the last start",
         lambda found: ", ".join(f"{name} {duration(wall)}" for name, wall in found.items()),
     ),
-    "part": ("steps since the last start", _cost),
     "ranks": ("ranks", str),
     "points": ("points", str),
     "interfaces": ("interfaces", _text),
     "rhs_evaluations": ("right-hand sides", str),
+    "versions": ("versions", _text),
 }

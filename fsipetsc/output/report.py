@@ -70,15 +70,9 @@ def _png(figure: Any, dpi: int) -> str:
 
 
 def _tables(run: Run) -> list[tuple[str, Sequence[tuple[str, str]]]]:
-    """What the run came to, then the rest of what `info` says.
-
-    The integrals at the start are left out: the pictures of ledgers begin with them.
-    """
-    tables = info_sections(run)
-    summary = tables.get("summary", [])
-    tables["summary"] = [row for row in summary if not row[0].startswith("initial ")]
-    first = ("summary", *(title for title in tables if title.endswith("errors")))
-    return [(title, tables.pop(title)) for title in first] + list(tables.items())
+    """What the run came to, then the rest of what `info` says."""
+    tables = list(info_sections(run).items())
+    return sorted(tables, key=lambda part: part[0] != "summary" and not part[0].endswith("errors"))
 
 
 def _table(title: str, rows: Sequence[tuple[str, str]]) -> str:

@@ -9,7 +9,7 @@ import traceback
 from typing import TYPE_CHECKING
 
 from fsipetsc.blame import explain, frames_in, reason
-from fsipetsc.errors import FsiError, Interrupted, is_petsc, lines_of, petsc_words
+from fsipetsc.errors import FsiError, Interrupted, is_petsc, petsc_words
 from fsipetsc.process.streams import abandon, say_error
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def describe(error: BaseException, case_file: str | None = None) -> tuple[int, s
     where = traceback.extract_tb(error.__traceback__)[-1:]
     place = "".join(f" in {os.path.basename(f.filename)}, line {f.lineno}" for f in where)
     kind = f"unexpected {type(error).__name__}{place}{_detail(error)}"
-    return 1, f"{kind}; -fsi_debug shows the traceback", False
+    return 1, kind, False
 
 
 def _detail(error: BaseException) -> str:
@@ -54,14 +54,9 @@ def _detail(error: BaseException) -> str:
     return f": {lines[0]}" if lines else ""
 
 
-def end_together(
-    error: BaseException,
-    notes: MPI.Comm | None,
-    *,
-    debug: bool = False,
-    case_file: str | None = None,
-) -> int:
-    """Report an error; returns the exit status, or stops all ranks if not all of them failed.
+def end_together(error: BaseException, notes: MPI.Comm | None, case_file: str | None = None) -> int:
+    """Report an error, with a traceback where the program itself is at fault (status 1). Returns
+    the exit status, or stops all ranks if not all of them failed.
 
     notes: a communicator of all ranks that is used for nothing else; None without MPI. Called by
     every rank that failed. Rank 0 speaks; another rank speaks where rank 0 goes on.
@@ -69,13 +64,13 @@ def end_together(
     status, message, collective = describe(error, case_file)
     alone = notes is None or notes.size == 1
     if alone or notes.rank == 0:
-        _print(message, error, debug)
+        _print(message, error, status)
     if alone:
         return status
     if _all_failed(notes, _PATIENCE[collective]):
         return notes.bcast(status)
     if notes.rank > 0:
-        _print(message, error, debug)
+        _print(message, error, status)
     notes.Abort(status)
     return status
 
@@ -90,11 +85,11 @@ def _all_failed(notes: MPI.Comm, patience: float) -> bool:
     return True
 
 
-def _print(message: str, error: BaseException, debug: bool) -> None:
+def _print(message: str, error: BaseException, status: int) -> None:
     try:
         sys.stdout.flush()
     except (OSError, ValueError):
         abandon(1)
-    if debug:
-        say_error(getattr(error, "told", "") or lines_of(error))
+    if status == 1:
+        say_error("".join(traceback.format_exception(error)).rstrip())
     say_error(f"fsipetsc: error: {message}")

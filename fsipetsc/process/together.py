@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeVar
 
-from fsipetsc.errors import FsiError, clear_frames, lines_of
+from fsipetsc.errors import FsiError, clear_frames
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -38,10 +38,8 @@ def wait_asleep(comm: MPI.Comm) -> None:
 def agree(comm: MPI.Comm, fault: FsiError | None) -> None:
     """Raise the fault of the lowest rank that has one, on all ranks; none may have. Collective."""
     clear_frames(fault)
-    mine = None if fault is None else (type(fault), fault.args, fault.told or lines_of(fault))
+    mine = None if fault is None else (type(fault), fault.args)
     first = next((known for known in comm.allgather(mine) if known is not None), None)
     if first is not None:
-        kind, words, told = first
-        error = kind(*words)
-        error.told = told
-        raise error from fault
+        kind, words = first
+        raise kind(*words) from fault

@@ -74,7 +74,6 @@ class Integrator:
         self._steady = state.problem.steady_data
         self.steps, self.t, self.dt_range = 0, 0.0, [np.inf, 0.0]
         self.wall_time = self._begun = 0.0
-        self.before = 0, 0.0  # steps and wall time [s] of the parts of the run before this one
         self.stop_signal = 0
         self._fused = opt["ts_type"] == FUSED
         self.burst_limit = 1  # most steps in one go
@@ -135,7 +134,6 @@ class Integrator:
         state = self.state
         for name in KEPT:
             setattr(self, name, memory[name])
-        self.before = self.steps, self.wall_time
         state.evaluations = memory["evaluations"]
         state.restore(arrays, self.t)
         self._pass(self.t)

@@ -12,7 +12,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.checks import counted, duration
-from fsipetsc.output.info import LABELS, error_rows, summary_rows, table
+from fsipetsc.output.info import error_rows, summary_rows, table
 from fsipetsc.process.streams import say
 from fsipetsc.stepping.state import State
 
@@ -94,7 +94,7 @@ class Reporter:
         """Print what `info` says of the summary; place: of the result."""
         if not self._speaks:
             return
-        norm, known = self._opt["fsi_norm"], {k: v for k, v in summary.items() if k in LABELS}
+        norm, known = self._opt["fsi_norm"], {**summary, "versions": None}
         of_kinds = [(f"{norm} errors, {kind}", text) for kind, text in error_rows(errors or {})]
         self.line(table([*summary_rows(known, self._s), *of_kinds]))
         for note in [*about_volumes(summary["J_error"]), *about_losses(summary)]:

@@ -166,11 +166,9 @@ def check_problem(past: Past, state: State) -> None:
     if len(now) != len(before):
         raise InputError(f"-fsi_restart: the case had {len(before)} layers {when}, now {len(now)}")
     for layer, other in zip(now, before, strict=True):
-        for name in sorted(layer.keys() | other.keys()):
-            if layer.get(name) != other.get(name):
-                kind = "block" if "nodes" in layer else "layer"
-                now_is = f"{name} of {kind} '{layer['name']}' is {layer.get(name)}"
-                raise InputError(f"-fsi_restart: {now_is}, and was {other.get(name)} {when}")
+        for name in sorted(k for k in layer | other if layer.get(k) != other.get(k)):
+            now_is = f"{name} of '{layer['name']}' is {layer.get(name)}"
+            raise InputError(f"-fsi_restart: {now_is}, and was {other.get(name)} {when}")
     if columns_of(state) != past.header["columns"]:
         raise InputError(f"-fsi_restart: other quantities of steps were recorded {when}")
 

@@ -268,7 +268,6 @@ class _Run:
 
     def _summary(self, failure: BaseException | None) -> dict[str, Any]:
         integrator, state = self.integrator, self.state
-        steps, wall_time = integrator.before
         status = "failed" if failure else "stopped" if integrator.stop_signal else "done"
         message = (str(failure) or type(failure).__name__) if failure else self._early_end()
         return {
@@ -284,10 +283,6 @@ class _Run:
             "interfaces": dict(zip(self.problem.interface_names, state.places, strict=True)),
             "ranks": self.comm.size,
             "wall_time": integrator.wall_time,
-            "part": {
-                "steps": integrator.steps - steps,
-                "wall_time": integrator.wall_time - wall_time,
-            },
             "phases": dict(self.phases.seconds),
             "limits": self.limits,
             "departures": self.ledgers.departures,

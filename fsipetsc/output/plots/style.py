@@ -181,10 +181,10 @@ def bar_above(figure: FigureBase, picture: Any, axes: Any, label: str) -> None:
     made.ax.locator_params(nbins=6 if wide else 4)
 
 
-def legend_above(axes: Axes, side: str = "left", most: int = 5) -> None:
-    """A legend above a panel, at this side of it, of so many entries at most."""
+def legend_above(axes: Axes, side: str = "left") -> None:
+    """A legend above a panel, at this side of it, of five entries at most."""
     entries: dict[str, Any] = dict(zip(*reversed(axes.get_legend_handles_labels())))
-    names = list(entries)[:most]
+    names = list(entries)[:5]
     if names:
         corner = (0, 1) if side == "left" else (1, 1)
         place = {"loc": f"lower {side}", "bbox_to_anchor": corner, "borderaxespad": 0.1}
