@@ -29,7 +29,7 @@ from fsipetsc.options import Option, groups
 
 BUILT_IN = (
     *("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock", "blast"),
-    *("panel", "oblique", "step", "fin", "cylinder", "box_mms", "ring", "disk"),
+    *("panel", "wave", "tube", "oblique", "step", "fin", "cylinder", "box_mms", "ring", "disk"),
     *("shell", "nozzle", "body_mms", "elastic_piston", "superseismic", "viscous_tube"),
 )
 

@@ -1,0 +1,78 @@
+"""A wave along the interface of a gas and an elastic layer, a normal mode of known rate s.
+
+Gas above, between the interface and a rigid adiabatic wall, solid below, on a clamped end; both
+at rest but for the mode of the linear equations (fsipetsc.cases.normal_mode), whose size is
+small. What is exact to that size goes as exp(s t).
+"""
+
+import numpy as np
+
+from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
+from fsipetsc.blocks.layers import Layer
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.cases.common import Opt, elastic_of, gas_of, material_options, stack
+from fsipetsc.cases.normal_mode import Layers, interpolated
+from fsipetsc.checks import Array, Fields
+from fsipetsc.options import Option
+
+NAME = "wave"
+SUMMARY = "a normal mode of a gas over an elastic layer, whose frequency and decay are known"
+
+OPTIONS = (
+    Option("wave_mode", int, 0, "", "number, of those that swing", check="nonnegative"),
+    *material_options(fluid_mu=0.01, fluid_kappa=0.035 / 0.72, solid_density=1.0),
+    *material_options(solid_mu=1.0, solid_lambda=1.0),
+)
+DEFAULTS = {"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 1.0, "fsi_output_dt": 0.05}
+#: wave number [1/m], displacement of the interface, height of the gas, depth of the solid [m]
+K, SIZE, HEIGHT, DEPTH = 2.0 * np.pi, 1e-5, 1.0, 0.5
+
+
+def both_of(opt: Opt) -> Layers:
+    """Gas and solid of the options."""
+    return Layers(gas_of(opt), elastic_of(opt), HEIGHT, DEPTH)
+
+
+def measured(t: Array, X: Array, displacement: Array) -> complex:
+    """s [1/s] of a displacement of the interface, (times, columns) [m].
+
+    By a line through the logarithms of its amplitudes.
+    """
+    amplitudes = displacement @ np.exp(-2j * np.pi * np.arange(len(X)) / len(X))
+    logs = np.stack([np.log(np.abs(amplitudes)), np.unwrap(np.angle(amplitudes))], axis=1)
+    return complex(*np.polyfit(t, logs, 1)[0])
+
+
+def build(opt: Opt) -> BlockProblem:
+    """The solid below Y = 0, the gas above."""
+    both, low, high = both_of(opt), (-DEPTH, 0.0), (0.0, HEIGHT)
+    mode = both.mode(K, opt["wave_mode"])
+
+    def swinging(
+        amplitudes: Array, ends: tuple[float, float], X: Array, Y: Array, t: float
+    ) -> Fields:
+        """Real parts of the amplitudes times exp(i k X + s t)."""
+        phase = SIZE * np.exp(1j * K * X + mode.s * t)
+        heights, of_height = np.unique(Y, return_inverse=True)
+        rows = [interpolated(values, *ends, heights)[of_height] for values in amplitudes]
+        return [np.real(row.reshape(X.shape) * phase) for row in rows]
+
+    def gas(X: Array, Y: Array, t: float = 0.0) -> Fields:
+        rho, u, v, T = swinging(mode.gas, high, X, Y, t)
+        return both.rho + rho, u, v, both.T + T
+
+    def solid(X: Array, Y: Array, t: float = 0.0) -> Fields:
+        x, y, u, v = swinging(mode.solid, low, X, Y, t)
+        # without conduction and work of the stresses its temperature stays
+        return u, v, both.T + 0.0 * X, X + x, Y + y
+
+    note = f"the mode goes as exp(s t), s = {mode.s.real:.9f} {mode.s.imag:+.9f} i"
+    return stack(
+        opt,
+        Layer("layer", both.solid, low, solid, exact=solid),
+        Layer("gas", both.gas, high, gas, exact=gas),
+        along=((0.0, 2.0 * np.pi / K),),
+        lower=Clamped(),
+        upper=NoSlip() if opt["fluid_mu"] > 0 else Slip(),
+        notes=(note,),
+    )

@@ -1,0 +1,40 @@
+"""The case wave: a normal mode of a gas over an elastic layer, followed by the scheme."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers import computed
+
+from fsipetsc.cases import wave
+from fsipetsc.errors import InputError
+
+DEFAULT = {option.name: option.default for option in wave.OPTIONS}
+#: as published with the scheme, by another method
+KNOWN = -0.367881432498 + 4.726877249787j
+
+
+def known(density):
+    return wave.both_of({**DEFAULT, "solid_density": density}).mode(2 * np.pi, 0).s
+
+
+def test_the_spectral_solution():
+    assert abs(known(1.0) - KNOWN) < 1e-8
+    with pytest.raises(InputError, match="-wave_mode 500: expected a number below"):
+        wave.both_of(DEFAULT).mode(2 * np.pi, 500)
+
+
+LIGHT = pytest.param(1e-3, 2e-2, marks=pytest.mark.long)
+
+
+@pytest.mark.parametrize(("density", "most"), [(1.0, 8e-3), LIGHT])
+def test_the_scheme_follows_it(tmp_path, density, most):
+    """Rates by 16 and 24 columns, order 4: near, and nearer."""
+    errors = []
+    for n in (16, 24):
+        words = f"wave -solid_density {density} -fsi_h {1 / n} -ts_max_time 0.4".split()
+        with computed(tmp_path, f"{n}.h5", *words) as result:
+            layer = result.layers[0]
+            s = wave.measured(result.time, layer.X, layer["y"][:, -1] - layer.Y[-1])
+        errors.append(abs(s - known(density)) / abs(s))
+    assert errors[0] < most and np.log(errors[0] / errors[1]) / np.log(1.5) > 3.0, errors
