@@ -23,7 +23,7 @@ TEXTS = {page.name: page.read_text() for page in PAGES}
 FIRST = [page for page in PAGES if page.stem in ("README", "start", "commands", "checkpoints")]
 OTHERS = [*(page for page in PAGES if page not in FIRST), DOCS / "tutorial.ipynb"]
 #: options files that need kernels of their own
-ALONE = {f"{name}.opts" for name in ("piston", "panel_viscous", "heat", "blast_shock")}
+ALONE = {f"{name}.opts" for name in ("piston", "panel_viscous", "heat", "blast_shock", "plane_mms")}
 OPTIONS_FILES = sorted((REPOSITORY / "runs").rglob("*.opts"))
 FENCED = re.compile(r"^```(\w*)$(.*?)^```$", re.S | re.M)
 

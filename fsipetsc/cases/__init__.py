@@ -28,7 +28,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.options import Option, groups
 
 BUILT_IN = (
-    *("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock", "blast"),
+    *("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock", "plane_mms", "blast"),
     *("panel", "wave", "tube", "oblique", "step", "fin", "cylinder", "box_mms", "ring", "disk"),
     *("shell", "nozzle", "body_mms", "elastic_piston", "superseismic", "viscous_tube"),
 )
