@@ -61,7 +61,7 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
 
 
 ENTRY = Entry(
-    source="verify/gas.py (Riemann's problem; finite volumes with WENO5)",
+    source="verify/gas.py (Riemann's problem; fitted shock, Chebyshev collocation)",
     levels={
         "quick": {4: (1 / 200, 1 / 400)},
         "full": {order: (1 / 100, 1 / 200, 1 / 400) for order in (2, 4, 6)},

@@ -21,20 +21,19 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
         def exact(name: str, R: Array, density: float = density) -> Array:
             return smooth(table["R"], table[f"{name} {density:g}"])(R)
 
-        place, speed = 0.0, 0.0
+        place, speed, found = 0.0, 0.0, []
         for first, last in fields:
-            X = first["x"] + 1j * first["y"]
+            X, v = first["x"] + 1j * first["y"], last["u"] + 1j * last["v"]
             z = X * (exact("real", abs(X)) + 1j * exact("imag", abs(X)))
-            v = X * (exact("v_real", abs(X)) + 1j * exact("v_imag", abs(X)))
+            v_exact = X * (exact("v_real", abs(X)) + 1j * exact("v_imag", abs(X)))
             place = max(place, float(np.abs(last["x"] + 1j * last["y"] - z).max()))
-            speed = max(speed, float(np.abs(last["u"] + 1j * last["v"] - v).max()))
+            speed = max(speed, float(np.abs(v - v_exact).max()))
+            found.append(np.abs([X.ravel(), v.ravel()]))
         errors[f"place, density {density:g}"] = place
         errors[f"velocity, density {density:g}"] = speed
-    R = table["R"]
-    ours = np.abs(last["u"] + 1j * last["v"]).ravel()
+    R, words = table["R"], ("R", f"speed in the disk of density {density:g}")
     exact_speed = R * np.hypot(exact("v_real", R), exact("v_imag", R))
-    words = "R", "speed in a block of the disk"
-    return Measured(errors, Curve(words, abs(X).ravel(), ours, R, exact_speed))
+    return Measured(errors, Curve(words, *np.concatenate(found, axis=1), R, exact_speed))
 
 
 ENTRY = Entry(

@@ -56,6 +56,7 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     columns = {name: table[f"vortex {name}"][short] for name in ("rho", "u", "p")}
     of_r = {name: smooth(table["r"][short], column) for name, column in columns.items()}
     apart: dict[str, list[Array]] = {"rho": [], "velocity": [], "p": []}
+    found: list[Array] = []
     with solve(blocks(round(8.0 / h)), fsi_order=order, **given) as run:
         frames = [layer.frame(-1) for layer in run.layers]
     for frame in frames:
@@ -65,10 +66,10 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
         apart["velocity"].append(np.abs(ours - speed).ravel())
         for name in ("rho", "p"):
             apart[name].append(np.abs(frame[name] - of_r[name](r)).ravel())
+        found.append(np.array([r.ravel(), frame["p"].ravel()]))
     errors = {name: float(np.sqrt(np.mean(np.concatenate(v) ** 2))) for name, v in apart.items()}
-    words, of_table = ("r in one block", "p"), (table["r"], table["vortex p"])
-    curve = Curve(words, r.ravel(), frame["p"].ravel(), *of_table)
-    return Measured(errors, curve)
+    ours = np.concatenate(found, axis=1)
+    return Measured(errors, Curve(("r", "p"), *ours, table["r"], table["vortex p"]))
 
 
 ENTRY = Entry(
