@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.verify.entry import Bound, Compared, Entry, Measured, Solve, reference
+from fsipetsc.verify.entry import Compared, Entry, Measured, Solve, expect, reference
 
 ACROSS = 12
 
@@ -65,9 +65,5 @@ ENTRY = Entry(
     source="verify/beams.py (Timoshenko; Euler and Bernoulli in the thin limit)",
     levels={"quick": {4: (1 / 20,)}, "full": {4: (1 / 20, 1 / 40), 6: (1 / 20, 1 / 40)}},
     measure=measure,
-    bounds={
-        (name, order): Bound(error=5e-4)
-        for name in ("clamped, d = 0.05", "hinged, d = 0.02")
-        for order in (4, 6)
-    },
+    bounds=expect(("clamped, d = 0.05", "hinged, d = 0.02"), (4, 6), error=5e-4),
 )

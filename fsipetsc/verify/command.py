@@ -121,14 +121,10 @@ def _csv_lines(row: Row, ranks: int, source: str) -> list[tuple[Any, ...]]:
         bounds = row.bound.order, row.bound.largest(h, h == row.spacings[-1])
         observed = row.observed[k - 1] if k else ""
         about = row.entry, row.quantity, row.order, h, ranks
-        value, reference = map(_number, found[:2]) if isinstance(found, Compared) else ("", "")
+        pair = found[:2] if isinstance(found, Compared) else ()
+        value, reference = [f"{v:.12g}" for v in pair] or ("", "")
         lines.append((*about, value, reference, source, error, observed, row.verdict, *bounds))
     return lines
-
-
-def _number(value: complex) -> str:
-    """In a table: 1.5, or -0.5+2j, as complex() reads it."""
-    return f"{value:.12g}"
 
 
 def _show(
@@ -156,6 +152,7 @@ def _show(
 
 def picture(title: str, rows: list[Row], last: Measured | None, path: Path) -> None:
     """Ours over the reference, of the last run, and errors over the grid spacing. FileError."""
+    from matplotlib import colormaps
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -169,9 +166,14 @@ def picture(title: str, rows: list[Row], last: Measured | None, path: Path) -> N
         axes[0].plot(curve.x, curve.ours, ".", markersize=4, label="computed")
         axes[0].set(xlabel=curve.words[0], ylabel=curve.words[1])
         axes[0].legend(frameon=False)
-    for k, row in enumerate(rows):
-        mark, label = "os^v"[k // 10 % 4], f"{row.quantity}, order {row.order}"
-        axes[-1].loglog(row.spacings, row.errors, f"{mark}-", label=label)
+    names, orders = (list(dict.fromkeys(of)) for of in zip(*[row[1:3] for row in rows]))
+    for row in rows:
+        k, mark = names.index(row.quantity), "os^v"[orders.index(row.order)]
+        label = row.quantity if mark == "o" else None
+        color = colormaps["tab20"]((2 * k + k // 10) % 20)
+        axes[-1].loglog(row.spacings, row.errors, f"{mark}-", color=color, label=label)
+    for order, mark in zip(orders, "os^v"):
+        axes[-1].plot([], [], mark, color="black", label=f"order {order}")
     axes[-1].set(xlabel="grid spacing h", ylabel="error")
     spacings = sorted({h for row in rows for h in row.spacings})
     axes[-1].set_xticks([], minor=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsipetsc.verify.entry import Bound, Curve, Entry, Measured, Solve, reference, smooth
+from fsipetsc.verify.entry import Bound, Curve, Entry, Measured, Solve, expect, reference, smooth
 
 PLACE = 0.7**4 / 4
 #: errors of the paper's second-order scheme at h = 1/40 and 1/320, quoted
@@ -38,15 +38,6 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     return Measured(errors, Curve(words, X, ours, table["X"], table["advancing_stress"]))
 
 
-def _bounds() -> dict[tuple[str, int], Bound]:
-    found = {(f"{way}, {name}", 2): Bound(1.8) for way in WAYS for name in ("rho", "u", "T")}
-    for name, (coarse, fine) in QUOTED.items():
-        for order in (4, 6, 8):
-            found[f"receding, {name}", order] = Bound(at={1 / 40: coarse, 1 / 320: fine})
-        found[f"advancing, {name}", 4] = Bound(at={1 / 40: ADVANCING[name]})
-    return found
-
-
 ENTRY = Entry(
     source="verify/elastic_piston.py, after Banks, Henshaw, Schwendeman (2012)",
     levels={
@@ -54,5 +45,13 @@ ENTRY = Entry(
         "full": {order: (1 / 40, 1 / 80, 1 / 160, 1 / 320) for order in (2, 4, 6, 8)},
     },
     measure=measure,
-    bounds=_bounds(),
+    bounds={
+        **expect((f"{way}, {name}" for way in WAYS for name in ("rho", "u", "T")), (2,), 1.8),
+        **{
+            (f"receding, {name}", order): Bound(at={1 / 40: coarse, 1 / 320: fine})
+            for name, (coarse, fine) in QUOTED.items()
+            for order in (4, 6, 8)
+        },
+        **{(f"advancing, {name}", 4): Bound(at={1 / 40: e}) for name, e in ADVANCING.items()},
+    },
 )

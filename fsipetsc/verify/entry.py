@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib.resources import files
+from itertools import product
 from math import inf, isclose, log, nan
 from typing import Any, NamedTuple
 
@@ -64,6 +65,13 @@ class Bound(NamedTuple):
         """The error allowed on a grid."""
         known = [error for spacing, error in self.at.items() if isclose(spacing, h)]
         return min([*known, self.error if finest else inf])
+
+
+def expect(
+    names: Iterable[str], orders: Iterable[int], order: float = -inf, error: float = inf
+) -> dict[tuple[str, int], Bound]:
+    """One bound for quantities at some orders."""
+    return {key: Bound(order, error) for key in product(names, orders)}
 
 
 class Entry(NamedTuple):

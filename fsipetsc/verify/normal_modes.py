@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.verify.entry import Array, Bound, Compared, Entry, Measured, Solve, reference
+from fsipetsc.verify.entry import Array, Compared, Entry, Measured, Solve, expect, reference
 
 #: density, speeds of P and S waves [SI]
 METALS = {
@@ -106,5 +106,5 @@ ENTRY = Entry(
     source="verify/modes.py (determinants)",
     levels={"quick": {4: (1 / 16, 1 / 24)}, "full": {4: (1 / 16, 1 / 32), 6: (1 / 24, 1 / 32)}},
     measure=measure,
-    bounds={(name, order): Bound(least) for name in NAMES for order, least in ((4, 3.0), (6, 4.5))},
+    bounds={**expect(NAMES, (4,), 3.0), **expect(NAMES, (6,), 4.5)},
 )

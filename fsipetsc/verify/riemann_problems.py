@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fsipetsc.verify.entry import Bound, Compared, Curve, Entry, Measured, Solve, reference
+from fsipetsc.verify.entry import Compared, Curve, Entry, Measured, Solve, expect, reference
 
 #: of each problem: its name, end time, options of the case
 PROBLEMS = {
@@ -37,10 +37,5 @@ ENTRY = Entry(
         "full": {order: (0.01, 0.005, 0.0025) for order in (2, 4, 6)},
     },
     measure=measure,
-    bounds={
-        (f"{name}, {what}", order): Bound(error=0.01)
-        for name in PROBLEMS
-        for what in "up"
-        for order in (2, 4, 6)
-    },
+    bounds=expect((f"{name}, {what}" for name in PROBLEMS for what in "up"), (2, 4, 6), error=0.01),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsipetsc.verify.entry import Array, Bound, Curve, Entry, Measured, Solve, reference, smooth
+from fsipetsc.verify.entry import Array, Curve, Entry, Measured, Solve, expect, reference, smooth
 
 DENSITIES = (0.5, 2.0, 20.0)
 
@@ -15,36 +15,31 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     for density in DENSITIES:
         given = {"disk_spin": 2.0, "disk_power": 4, "ts_max_time": 0.5, "fsi_output_dt": 0.5}
         with solve("disk", fsi_order=order, fsi_h=h, solid_density=density, **given) as run:
-            disk = [layer for layer in run.layers if layer.kind == "solid"]
-            fields = [(layer.frame(0), layer.frame(-1)) for layer in disk]
+            fields = [(one.frame(0), one.frame(-1)) for one in run.layers if one.kind == "solid"]
 
         def exact(name: str, R: Array, density: float = density) -> Array:
             return smooth(table["R"], table[f"{name} {density:g}"])(R)
 
-        place, speed = 0.0, 0.0
+        place, speed, found = 0.0, 0.0, []
         for first, last in fields:
-            X = first["x"] + 1j * first["y"]
+            X, v = first["x"] + 1j * first["y"], last["u"] + 1j * last["v"]
             z = X * (exact("real", abs(X)) + 1j * exact("imag", abs(X)))
-            v = X * (exact("v_real", abs(X)) + 1j * exact("v_imag", abs(X)))
+            v_exact = X * (exact("v_real", abs(X)) + 1j * exact("v_imag", abs(X)))
             place = max(place, float(np.abs(last["x"] + 1j * last["y"] - z).max()))
-            speed = max(speed, float(np.abs(last["u"] + 1j * last["v"] - v).max()))
+            speed = max(speed, float(np.abs(v - v_exact).max()))
+            found.append(np.abs([X.ravel(), v.ravel()]))
         errors[f"place, density {density:g}"] = place
         errors[f"velocity, density {density:g}"] = speed
-    R = table["R"]
-    ours = np.abs(last["u"] + 1j * last["v"]).ravel()
+    R, words = table["R"], ("R", f"speed in the disk of density {density:g}")
     exact_speed = R * np.hypot(exact("v_real", R), exact("v_imag", R))
-    words = "R", "speed in a block of the disk"
-    return Measured(errors, Curve(words, abs(X).ravel(), ours, R, exact_speed))
+    return Measured(errors, Curve(words, *np.concatenate(found, axis=1), R, exact_speed))
 
 
 ENTRY = Entry(
     source="verify/disk.py (reduced to the radius; spectral Galerkin method)",
     levels={"quick": {4: (0.05, 0.025)}, "full": {4: (0.1, 0.05, 0.025), 6: (0.05, 0.025)}},
     measure=measure,
-    bounds={
-        (f"{what}, density {density:g}", order): Bound(2.0)
-        for what in ("place", "velocity")
-        for density in DENSITIES
-        for order in (4, 6)
-    },
+    bounds=expect(
+        (f"{what}, density {d:g}" for what in ("place", "velocity") for d in DENSITIES), (4, 6), 2.0
+    ),
 )

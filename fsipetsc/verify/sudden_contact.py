@@ -12,6 +12,7 @@ from fsipetsc.verify.entry import (
     Entry,
     Measured,
     Solve,
+    expect,
     reference,
     smooth,
 )
@@ -73,9 +74,12 @@ ENTRY = Entry(
         "full": {order: (1 / 20, 1 / 40, 1 / 80) for order in (2, 4, 6)},
     },
     measure=measure,
-    # measured on the finest quick grid: 3.3e-5, 4.4e-5, 1.9e-5
+    # theory: order 2; the others meet the floor that the text tells: measured 3.3e-5, 4.4e-5 (3.1)
+    # and 2e-5, 1.9e-5 on the finest grid
     bounds={
-        **{("gas", 4): Bound(error=1e-4), ("interface", 4): Bound(error=6e-5)},
+        **expect(("gas", "solid", "interface"), (2,), 1.7),
+        **expect(("gas",), (4, 6), error=1e-4),
+        **expect(("interface", "solid"), (4, 6), error=6e-5),
         ("solid", 4): Bound(2.7, 1.5e-4),
     },
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsipetsc.verify.entry import Bound, Compared, Curve, Entry, Measured, Solve, reference
+from fsipetsc.verify.entry import Bound, Compared, Curve, Entry, Measured, Solve, expect, reference
 
 #: (block, unknown, column of the reference, low and high X, low and high Y) of plateaus at t = 0.5
 PLATEAUS = (
@@ -45,12 +45,8 @@ ENTRY = Entry(
     },
     measure=measure,
     bounds={
-        (name, order): bound
-        for order in (2, 4)
-        for name, bound in (
-            ("gas", Bound(0.7)),
-            ("solid", Bound(0.5)),
-            *((f"plateau, {plateau[2]}", Bound(at=PLATEAU)) for plateau in PLATEAUS),
-        )
+        **expect(("gas",), (2, 4), 0.7),
+        **expect(("solid",), (2, 4), 0.5),
+        **{(f"plateau, {one[2]}", k): Bound(at=PLATEAU) for one in PLATEAUS for k in (2, 4)},
     },
 )

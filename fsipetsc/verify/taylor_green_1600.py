@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsipetsc.verify.entry import Bound, Compared, Curve, Entry, Measured, Solve, reference
+from fsipetsc.verify.entry import Compared, Curve, Entry, Measured, Solve, expect, reference
 from fsipetsc.verify.taylor_green import PERIOD, cube
 
 #: quantity -> steps of 0.5 in time
@@ -37,5 +37,5 @@ ENTRY = Entry(
     },
     measure=measure,
     # h is far from what turbulence needs: measured 1.0 and 0.9 on the two coarse grids
-    bounds={(name, 4): Bound(0.8) for name in SPANS},
+    bounds=expect(SPANS, (4,), 0.8),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsipetsc.verify.entry import Array, Bound, Compared, Curve, Entry, Measured, Solve, reference
+from fsipetsc.verify.entry import Array, Compared, Curve, Entry, Measured, Solve, expect, reference
 
 
 def front(x: Array, p: Array, level: float) -> float:
@@ -67,7 +67,5 @@ ENTRY = Entry(
     source="verify/viscous_tube.py (finite volumes); triple point: Daru and Tenaud 2001, quoted",
     levels={"quick": {}, "full": {4: (1 / 100, 1 / 200), 6: (1 / 100, 1 / 200)}},
     measure=measure,
-    bounds={
-        (f"{x} of the triple point", order): Bound(error=0.01) for x in "xy" for order in (4, 6)
-    },
+    bounds=expect((f"{x} of the triple point" for x in "xy"), (4, 6), error=0.01),
 )
