@@ -22,7 +22,7 @@ from fsipetsc.verify.entry import Bound, Compared, Entry, Measured, Row, Solve, 
 if TYPE_CHECKING:
     from mpi4py import MPI
 
-_OF_RUN = ("fsi_quiet", "fsi_debug")
+_OF_RUN = ("fsi_quiet",)
 OPTIONS = (
     Option("verify_level", str, "quick", "", "how many grids and orders", ("quick", "full")),
     Option("verify_docs", str, None, "", "folder for a page and a picture of each entry"),
