@@ -222,3 +222,5 @@ def test_all_ranks_fail_perhaps_with_different_errors(code, status, here):
     done = run_stub("-do", f"comm.barrier(); {code}", ranks=2)
     assert (done.returncode, done.stderr.count("fsipetsc: error: ")) == (status, 1), done.stderr
     assert "MPI_ABORT" not in done.stderr, "an error of all ranks ends in order"
+    if status != 1:
+        message(done, status)

@@ -115,8 +115,12 @@ def motion(log_t, y, at, D):
 def shu_osher(x, points=(32, 80, 200), times=(1e-13, 0.05, 0.4, 1.8)):
     """rho at x between contact and shock, and where these are."""
     c, r = left(LEFT[2])[1], ahead(-4.0)[0]
-    fan = lambda p: LEFT[1] + 2 / (G - 1) * (c - left(p)[1])  # noqa: E731
-    p = brentq(lambda p: fan(p) - shocked(p, r)[0], 1, LEFT[2], xtol=1e-15)
+
+    def apart(p):
+        """Speed behind the fan less that behind the shock."""
+        return LEFT[1] + 2 / (G - 1) * (c - left(p)[1]) - shocked(p, r)[0]
+
+    p = brentq(apart, 1, LEFT[2], xtol=1e-15)
     u, dense, s = shocked(p, r)
     old, w, f = [0.0], [1.0], np.array([[p], [u], [p / dense**G]])
     ends = np.array([u, s]) * times[0] - 4
@@ -132,8 +136,12 @@ def shu_osher(x, points=(32, 80, 200), times=(1e-13, 0.05, 0.4, 1.8)):
     slopes = np.append(0.0, (L * ahead(at * L - 4)[0] / rho)[1:])
     D[0] = np.eye(1, n + 1)
     place = ends[0] + np.linalg.solve(D, slopes)
-    here = lambda z, x: between(at, w, place, np.array([z]))[0] - x  # noqa: E731
-    z = np.array([brentq(here, 0, 1, (v,), xtol=1e-15) for v in x])
+
+    def beside(z, x):
+        """How far the place of z is from x."""
+        return between(at, w, place, np.array([z]))[0] - x
+
+    z = np.array([brentq(beside, 0, 1, (v,), xtol=1e-15) for v in x])
     return between(at, w, rho, z), *ends
 
 

@@ -119,8 +119,8 @@ def heading(opt: Mapping[str, Any], state: Constant) -> str:
 
 def table(results: Sequence[Result]) -> str:
     """For each order in how many combinations all is well, and the worst."""
-    head = ["order", "of", "no mode\ngrows", "at most\n[|lambda|]", "energy never\ngrows"]
-    head += ["at most\n[|lambda|]", "step\nkept", "least of\nuncoupled", "least RK4\nstep [s]"]
+    head = ["order", "of", "no mode\ngrows", "growth\n[|lambda|]", "energy never\ngrows"]
+    head += ["its growth\n[|lambda|]", "step\nkept", "least of\nuncoupled", "least RK4\nstep [s]"]
     rows = []
     for order in dict.fromkeys(r.order for r in results):
         own = [r for r in results if r.order == order]

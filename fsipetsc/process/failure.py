@@ -45,8 +45,7 @@ def describe(error: BaseException, case_file: str | None = None) -> tuple[int, s
         return _PETSC_STATUS.get(error.ierr, 1), petsc_words(error), False
     where = traceback.extract_tb(error.__traceback__)[-1:]
     place = "".join(f" in {os.path.basename(f.filename)}, line {f.lineno}" for f in where)
-    kind = f"unexpected {type(error).__name__}{place}{_detail(error)}"
-    return 1, kind, False
+    return 1, f"unexpected {type(error).__name__}{place}{_detail(error)}", False
 
 
 def _detail(error: BaseException) -> str:

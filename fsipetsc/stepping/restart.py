@@ -166,7 +166,9 @@ def check_problem(past: Past, state: State) -> None:
     if len(now) != len(before):
         raise InputError(f"-fsi_restart: the case had {len(before)} layers {when}, now {len(now)}")
     for layer, other in zip(now, before, strict=True):
-        for name in sorted(k for k in layer | other if layer.get(k) != other.get(k)):
+        changed = [k for k in sorted(layer | other) if layer.get(k) != other.get(k)]
+        if changed:
+            name = changed[0]
             now_is = f"{name} of '{layer['name']}' is {layer.get(name)}"
             raise InputError(f"-fsi_restart: {now_is}, and was {other.get(name)} {when}")
     if columns_of(state) != past.header["columns"]:

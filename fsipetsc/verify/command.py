@@ -135,7 +135,8 @@ def _show(
     if opt["verify_docs"]:
         folder = Path(opt["verify_docs"])
         where = folder / f"{name}.png"
-        lines = [problem(name), f"Reference: {entry.source}.", ""]
+        about = f"Reference: {entry.source}. Level: {opt['verify_level']}."
+        lines = [problem(name), about, ""]
         if rows:
             table = [f"| {' | '.join(cells)} |" for cells in (HEAD, *(row.cells for row in rows))]
             lines += [table[0], "|---|---:|---|---|---|---|", *table[1:]]
@@ -167,9 +168,9 @@ def picture(title: str, rows: list[Row], last: Measured | None, path: Path) -> N
         axes[0].set(xlabel=curve.words[0], ylabel=curve.words[1])
         axes[0].legend(frameon=False)
     names, orders = (list(dict.fromkeys(of)) for of in zip(*[row[1:3] for row in rows]))
-    for row in rows:
+    for number, row in enumerate(rows):
         k, mark = names.index(row.quantity), "os^v"[orders.index(row.order)]
-        label = row.quantity if mark == "o" else None
+        label = None if row.quantity in (r.quantity for r in rows[:number]) else row.quantity
         color = colormaps["tab20"]((2 * k + k // 10) % 20)
         axes[-1].loglog(row.spacings, row.errors, f"{mark}-", color=color, label=label)
     for order, mark in zip(orders, "os^v"):

@@ -93,7 +93,7 @@ ENTRY = Entry(
         # round-off, which grows as n²: measured 7e-13
         **expect((f"{how}, {law}" for law in LAWS for how in HOW), (2, 4, 6), error=2e-12),
         **expect(("energy, total",), (2, 4, 6), error=1e-11),
-        # RK4's error: order 4, at free sides 2; measured 3.5 to 4.1, 2.1 to 2.2 (quick 3.9, 3.0)
+        # errors of RK4, with steps as long as h: measured 3.5 to 4.1, 2.1 to 2.2 (quick 3.9, 3.0)
         **expect(("rotation, place",), (2, 4, 6), 3.2),
         **expect(("rotation, stress",), (2, 4, 6), 1.9),
         # waves with kinks, as the velocity does not fit free sides; measured 0.70, 1.49, 1.41

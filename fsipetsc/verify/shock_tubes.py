@@ -72,5 +72,6 @@ ENTRY = Entry(
     bounds={
         **expect(("Sod, rho", "Sod, u", "Sod, p"), (2, 4, 6), 0.8),
         **{**expect(("Shu-Osher, rho",), (2, 4, 6), 1.0), ("Sod, rho", 2): Bound(0.65)},
+        ("Shu-Osher, rho", 4): Bound(1.0, 0.13),
     },
 )
