@@ -81,8 +81,8 @@ class Wide:
 def solid_metrics(problem: BlockProblem, k: int, order: int, where: Range) -> Array:
     """A^1, …, A^d and J0 of a range of nodes, (d d + 1, N). InputError if J0 <= 0.
 
-    J0 = det G, A^k = J0 G^-T e_k from G = D X, node by node; both times |R|^kappa around an axis or
-    a centre, and then R, below 0 of images, is another row.
+    J0 = det G, A^k = J0 G^-T e_k from G = D X, node by node; both times R^kappa around an axis or
+    a centre, and then R is another row, below 0 of images, which are at a centre alone (kappa = 2).
     """
     block = problem.blocks[k]
     G = Wide(problem, k, order, where).gradients()

@@ -294,7 +294,7 @@ def accelerate(all, gain):
     normals, turning, wall, wall_rate = all.normals, all.turning, data.wall, data.wall_rate
     flags, count, constraint, faces = table.flags, table.count, table.constraint, table.faces
     mass, solid_mass, V, U, vs = state.mass, state.solid_mass, state.V, state.U, state.v
-    found, acceleration, clamp_rate = state.U_t, state.acceleration, data.clamp_rate
+    U_t, acceleration, clamp_rate = state.U_t, state.acceleration, data.clamp_rate
     d, K, impulse, energies = len(like), normals.shape[1], gain.impulse, gain.energy
     pi, room = np.zeros(K), (np.zeros((K, K)), np.zeros(K))
     for p in range(count.size):
@@ -311,7 +311,7 @@ def accelerate(all, gain):
             a, b = as_one_body(M, M_s, a, b, held, held_s)
         if count[p] > 0:
             w_t, K_p = node(like, wall_rate, p), count[p]
-            ask(like, normals, turning, constraint, p, K_p, u, v, w, w_t, pi)
+            right_sides(like, normals, turning, constraint, p, K_p, u, v, w, w_t, pi)
             a, b = solve(table, like, p, normals, pi, M, M_s, a, b, room)
         force, force_s = along(force, M, a), along(force_s, M_s, b)
         power, of_solid = dot(force, u), 0.0
@@ -340,9 +340,9 @@ def accelerate(all, gain):
         put_part(acceleration, p, 0, b)
         if M > 0.0:
             momentum = sub(add(R_m, force), scale(J_t, part_of(like, U, p, 1)))
-            put_part(found, p, 1, per(momentum, V[p]))
-            found[p, 0] = (R - U[p, 0] * J_t) / V[p]
-            found[p, d + 1] = (R_E + power - U[p, d + 1] * J_t) / V[p]
+            put_part(U_t, p, 1, per(momentum, V[p]))
+            U_t[p, 0] = (R - U[p, 0] * J_t) / V[p]
+            U_t[p, d + 1] = (R_E + power - U[p, d + 1] * J_t) / V[p]
 
 
 @njit(**INLINED_CALL)
@@ -355,7 +355,7 @@ def as_one_body(M, M_s, a, b, held, held_s):
 
 
 @njit(**INLINED_CALL)
-def ask(like, normals, turning, constraint, p, K, u, v, w, w_t, wanted):
+def right_sides(like, normals, turning, constraint, p, K, u, v, w, w_t, wanted):
     """The K right-hand sides of constraints: walls accelerate, and area vectors turn under
     relative velocities.
     """
