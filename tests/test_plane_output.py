@@ -174,6 +174,15 @@ class Block(dict):
         self.fields = tuple(self)
 
 
+def test_heat_through_a_face_of_a_block_of_one_cell():
+    block = Block()
+    block.places = block.places[:2]
+    block.update({name: block[name][:, :2] for name in block.fields})
+    line = InterfaceLine("gas | body", 1, block, 1, 0, KAPPA)
+    heat = KAPPA * (GRADIENT[0] * line.n_x + GRADIENT[1] * line.n_y)
+    assert np.allclose(line.heat, heat, atol=1e-11)
+
+
 @pytest.mark.parametrize("axis", [0, 1])
 @pytest.mark.parametrize("side", [0, 1])
 def test_normal_traction_and_heat_on_all_faces(axis, side):

@@ -33,7 +33,7 @@ class InterfaceLine:
         conductivity."""
 
         def rows(values: Array) -> Array:
-            """(3, …, n) of the face and the next two rows within."""
+            """(3, …, n) of the face and the next two rows within; (2, …, n) of one cell."""
             values = np.moveaxis(values, -1 - axis, 0)
             return values[::-1][:3] if side else values[:3]
 
@@ -50,7 +50,10 @@ class InterfaceLine:
 
         def derivatives(f: Array) -> tuple[Array, Array]:
             """Along the face, and to its left per row."""
-            return _along(f[0], length), left * (2.0 * f[1] - 0.5 * f[2] - 1.5 * f[0])
+            inwards = f[1] - f[0]
+            if len(f) > 2:  # else the block has one cell
+                inwards -= 0.5 * (f[2] - 2.0 * f[1] + f[0])
+            return _along(f[0], length), left * inwards
 
         (x_s, x_r), (y_s, y_r), (T_s, T_r) = (derivatives(fields[f]) for f in "xyT")
         size = left * np.hypot(x_s, y_s)
