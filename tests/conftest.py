@@ -20,12 +20,10 @@ from stub_case import CASE, DRIVER
 import fsipetsc
 from fsipetsc.output.reader import Run
 
-#: files of tests that take longest, the longest first; behind others those for which more is
-#: compiled meanwhile
+#: files of tests that take longest where nothing is compiled yet, the longest first
 DEAREST = (
-    *("signals", "failures", "stability", "time", "kills", "process", "case_files", "paper_ends"),
-    *("cli", "convergence", "ranks", "documents", "restart", "plane_output"),
-    *("plane_cases", "shock", "faults", "wave_modes", "plots", "flutter"),
+    *("kills", "documents", "ranks", "block_ledgers", "failures", "radial", "block_oracle"),
+    *("shell", "shock", "signals", "time", "flutter", "stability", "process", "orders"),
 )
 _SHORT = "-fsi_h 0.1 -ts_max_steps 2"
 #: runs that compile what most tests need; all tests wait for them
