@@ -19,9 +19,9 @@ CENTRAL = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
 FARTHEST = 3.2
 
 
-def bisect(beyond: Callable[[float], bool], low: float, high: float, halvings: int = 60) -> float:
+def bisect(beyond: Callable[[float], bool], low: float, high: float) -> float:
     """Where beyond(x), false at low, becomes true on the way to high."""
-    for _ in range(halvings):
+    for _ in range(60):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if beyond(middle) else (middle, high)
     return high
