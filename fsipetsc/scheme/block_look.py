@@ -52,6 +52,8 @@ def gas_look(part, q, metrics, stiffness):
     for c in range(room.size):
         room[c] = -np.inf if c < LOOKED * ROW else 0.0
     (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
+    if patch.own == patch.ghosted:  # rows follow one another
+        n0, n1, n2 = n0 * n1 * n2, 1, 1
     flat, flat_metrics = q.reshape(q.size), metrics.reshape(metrics.size)
     for z in range(n2):
         for y in range(n1):

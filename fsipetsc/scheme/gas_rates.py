@@ -122,7 +122,8 @@ def load_layer(gas, like, form, friction, q, metrics, axes, tile, work, layer):
         node = U64(x0 + j * inner.stride + layer * last.stride)
         load_row(gas, like, q, node * U64(d + 3), metrics, node, step, work.w, row, n)
         form.keep(gas, like, work.w, row, n)
-        clear(work.high, number_of(work, tile, layer, j) * U64(d + 2) * ROW, d + 2, ROW)
+        high = number_of(work, tile, layer, j) * U64(d + 2) * ROW + U64(MARGIN)
+        clear(work.high, high, d + 2, U64(tile.x1 - tile.x0))
 
 
 @njit(**INLINED_CALL)
@@ -161,7 +162,7 @@ def sweep_layer(gas, like, form, friction, q, metrics, axes, tile, work, rates, 
     first, inner, last, d = axes.first, axes.inner, axes.last, len(like)
     owned, n = layer >= last.begin, U64(tile.x1 - tile.x0)
     for j in range(max(tile.y0 - inner.S.shape[0] + 1, 0) if owned else tile.y0, tile.y1):
-        clear(work.low, U64(0), d + 2, ROW)
+        clear(work.low, U64(MARGIN), d + 2, n)
         if owned and d == 3:
             pairs_across(gas, like, form, friction, axes, tile, work, layer, j, False)
         if j < tile.y0:
