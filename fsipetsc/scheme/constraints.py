@@ -17,9 +17,17 @@ from fsipetsc.operators.loops import (
     per,
     put_part,
     scale,
+    sub,
 )
 from fsipetsc.operators.loops import _by_length as by_length
-from fsipetsc.scheme.particle_records import FREE_GAS, FREE_SOLID, MINE, STICKS
+from fsipetsc.scheme.particle_records import (
+    FREE_GAS,
+    FREE_SOLID,
+    MINE,
+    MOVES_GAS,
+    MOVES_SOLID,
+    STICKS,
+)
 
 #: a pivot below this part of its size before elimination belongs to a constraint that others imply
 REDUNDANT = 1e-9
@@ -117,3 +125,58 @@ def slide(all, gain):
         if M_s > 0.0 and M > 0.0:
             e[p] += change / M_s
             U[p, d + 1] -= change / V[p]
+
+
+@njit(**INLINED_CALL)
+def powers(table, like, p, normals, pi, force, u, v, w):
+    """Of walls on the gas, and of the solid on the gas: where the gas slips, faces move as these
+    do, not as the gas.
+    """
+    d, flags, count, constraint = len(like), table.flags, table.count, table.constraint
+    if count[p] == 0 or not flags[p, FREE_GAS] or flags[p, STICKS]:
+        return dot(force, u), 0.0
+    power, of_solid = 0.0, 0.0
+    for k in range(count[p]):
+        if constraint[p, k] == SLIPS:
+            S = normal(like, normals, p, k, d)
+            power += pi[k] * dot(add(normal(like, normals, p, k, 0), S), w)
+            of_solid -= pi[k] * dot(S, v)
+    return power, of_solid
+
+
+@njit(**INLINED_CALL)
+def book(table, like, p, normals, pi, v, w, force, force_s, power, of_solid, gain):
+    """Add what walls and clamps do to the particle. Where gas and solid are both free, their forces
+    on each other must cancel, so that those of the constraints alone count.
+    """
+    d, flags, faces, constraint = len(like), table.flags, table.faces, table.constraint
+    impulse, energies = gain.impulse, gain.energy
+    if not (flags[p, FREE_GAS] and flags[p, FREE_SOLID]):
+        for c in range(d):
+            impulse[c] += force[c] + force_s[c]
+        energies[faces[p, MOVES_GAS]] += power
+        energies[faces[p, MOVES_SOLID]] += of_solid + dot(force_s, v)
+        return
+    for k in range(table.count[p]):
+        N = add(normal(like, normals, p, k, 0), normal(like, normals, p, k, d))
+        for c in range(d):
+            impulse[c] += pi[k] * N[c]
+        slips = constraint[p, k] == SLIPS
+        at = faces[p, MOVES_GAS if slips else MOVES_SOLID]
+        energies[at] += pi[k] * dot(N, w if slips else v)
+
+
+@njit(**INLINED_CALL)
+def right_sides(like, normals, turning, constraint, p, K, u, v, w, w_t, wanted):
+    """The K right-hand sides of constraints: walls accelerate, and area vectors turn under
+    relative velocities.
+    """
+    d = len(like)
+    for k in range(K):
+        wanted[k] = 0.0
+        if constraint[p, k] == SLIPS:
+            at_solid = normal(like, turning, p, k, d)
+            of_walls = add(normal(like, turning, p, k, 0), at_solid)
+            N = add(normal(like, normals, p, k, 0), normal(like, normals, p, k, d))
+            wanted[k] = dot(at_solid, sub(u, v)) - dot(of_walls, sub(u, w))
+            wanted[k] += dot(N, w_t)

@@ -36,7 +36,6 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.blocks.particles import SLIPS
 from fsipetsc.operators.loops import (
     CALL,
     INLINED_CALL,
@@ -50,12 +49,10 @@ from fsipetsc.operators.loops import (
     scale,
     sub,
 )
-from fsipetsc.scheme.constraints import normal, slide, solve
+from fsipetsc.scheme.constraints import book, powers, right_sides, slide, solve
 from fsipetsc.scheme.normals import sum_members
 from fsipetsc.scheme.particle_heat import share_heat, weigh_heat
 from fsipetsc.scheme.particle_records import (
-    FREE_GAS,
-    FREE_SOLID,
     GAS,
     GIVEN_GAS,
     GIVEN_SOLID,
@@ -63,7 +60,6 @@ from fsipetsc.scheme.particle_records import (
     HELD_SOLID,
     MINE,
     MOVES_GAS,
-    MOVES_SOLID,
     ONE_T,
     PLACED,
     SOLID,
@@ -137,51 +133,59 @@ def end_sums(all, gain):
     flags, column, faces, d = table.flags, table.column, table.faces, len(like)
     masses, impulse, energies = gain.mass, gain.impulse, gain.energy
     mass, solid_mass, V_of, U, e = state.mass, state.solid_mass, state.V, state.U, state.e
-    D_of, v, mean_energy, clamp, wall = state.D, state.v, state.mean_energy, data.clamp, data.wall
-    of_gas, of_solid, clamp_velocity = data.gas, data.solid, data.clamp_velocity
+    D_of, v, mean_energy = state.D, state.v, state.mean_energy
     for p in range(column.size):
-        (V, M, P, E), (M_s, D, P_s, E_s) = summed(table, like, p, rows)
-        before, before_s, energy, energy_s, M_0 = P, P_s, E, E_s, M
-        solid_mass[p] = M_s
-        if M_s > 0.0:
-            mean_energy[p], D = E_s / M_s, per(D, M_s)
-        held, held_s = flags[p, HELD_GAS] == 1, flags[p, HELD_SOLID] == 1
-        if held_s:
-            P_s = scale(M_s, node(like, clamp_velocity, p))
-        if held:
-            P = scale(M, node(like, wall, p))
-        if flags[p, STICKS]:
-            both = per(add(P, P_s), M + M_s)
-            if held_s:
-                both = per(P_s, M_s)
-            elif held:
-                both = node(like, wall, p)
-            first, P, P_s = kinetic(P_s, M_s), scale(M, both), scale(M_s, both)
-            if not held_s:
-                change = kinetic(P_s, M_s) - first
-                E, E_s = E - change, E_s + change
-        if flags[p, PLACED]:
-            D = node(like, clamp, p)
-        if flags[p, GIVEN_GAS]:
-            M, P, E = V * of_gas[p, 0], scale(V, part_of(like, of_gas, p, 1)), V * of_gas[p, d + 1]
-        if flags[p, GIVEN_SOLID]:
-            D, P_s = node(like, of_solid, p), scale(M_s, part_of(like, of_solid, p, d))
-        mass[p], V_of[p] = M, V
+        of_gas, of_solid = summed(table, like, p, rows)
+        (V, M, P, E), (M_s, D, P_s, E_s) = obeyed(flags, like, p, data, of_gas, of_solid)
+        mass[p], V_of[p], solid_mass[p] = M, V, M_s
         if V > 0.0:
             U[p, 0], U[p, d + 1] = M / V, E / V
             put_part(U, p, 1, per(P, V))
         if M_s > 0.0:
-            e[p] = E_s / M_s
+            mean_energy[p], e[p] = of_solid[3] / M_s, E_s / M_s
             put_part(v, p, 0, per(P_s, M_s))
             put_part(D_of, p, 0, D)
         given = flags[p, GIVEN_GAS] or flags[p, GIVEN_SOLID]
-        if flags[p, MINE] and (held or held_s or given):
+        if flags[p, MINE] and (flags[p, HELD_GAS] or flags[p, HELD_SOLID] or given):
             if V > 0.0:
-                masses[column[p]] += M - M_0
-            push = add(sub(P, before), sub(P_s, before_s))
+                masses[column[p]] += M - of_gas[1]
+            push = add(sub(P, of_gas[2]), sub(P_s, of_solid[2]))
             for c in range(d):
                 impulse[c] += push[c]
-            energies[faces[p, MOVES_GAS]] += (E - energy) + (E_s - energy_s)
+            energies[faces[p, MOVES_GAS]] += (E - of_gas[3]) + (E_s - of_solid[3])
+
+
+@njit(**INLINED_CALL)
+def obeyed(flags, like, p, data, of_gas, of_solid):
+    """The sums of particle p with the mean displacement in place of its sum, as walls, clamps and
+    data have them.
+    """
+    (V, M, P, E), (M_s, D, P_s, E_s) = of_gas, of_solid
+    d, wall, clamp, clamp_velocity = len(like), data.wall, data.clamp, data.clamp_velocity
+    held, held_s, gas, solid = flags[p, HELD_GAS], flags[p, HELD_SOLID], data.gas, data.solid
+    if M_s > 0.0:
+        D = per(D, M_s)
+    if held_s:
+        P_s = scale(M_s, node(like, clamp_velocity, p))
+    if held:
+        P = scale(M, node(like, wall, p))
+    if flags[p, STICKS]:
+        both = per(add(P, P_s), M + M_s)
+        if held_s:
+            both = per(P_s, M_s)
+        elif held:
+            both = node(like, wall, p)
+        first, P, P_s = kinetic(P_s, M_s), scale(M, both), scale(M_s, both)
+        if not held_s:
+            change = kinetic(P_s, M_s) - first
+            E, E_s = E - change, E_s + change
+    if flags[p, PLACED]:
+        D = node(like, clamp, p)
+    if flags[p, GIVEN_GAS]:
+        M, P, E = V * gas[p, 0], scale(V, part_of(like, gas, p, 1)), V * gas[p, d + 1]
+    if flags[p, GIVEN_SOLID]:
+        D, P_s = node(like, solid, p), scale(M_s, part_of(like, solid, p, d))
+    return (V, M, P, E), (M_s, D, P_s, E_s)
 
 
 # normals, and what members store
@@ -289,13 +293,13 @@ def end_rates(all, y, f, gain):
 
 @njit(**INLINED_CALL)
 def accelerate(all, gain):
-    """U_t of the gas and acceleration of the solid of each particle; what walls and clamps do."""
+    """U_t of the gas and acceleration of the solid of each particle."""
     table, like, rows, data, state = all.table, all.like, all.rows, all.data, all.state
     normals, turning, wall, wall_rate = all.normals, all.turning, data.wall, data.wall_rate
-    flags, count, constraint, faces = table.flags, table.count, table.constraint, table.faces
+    flags, count, constraint = table.flags, table.count, table.constraint
     mass, solid_mass, V, U, vs = state.mass, state.solid_mass, state.V, state.U, state.v
     U_t, acceleration, clamp_rate = state.U_t, state.acceleration, data.clamp_rate
-    d, K, impulse, energies = len(like), normals.shape[1], gain.impulse, gain.energy
+    d, K = len(like), normals.shape[1]
     pi, room = np.zeros(K), (np.zeros((K, K)), np.zeros(K))
     for p in range(count.size):
         (J_t, R, R_m, R_E), (_, _, F, _) = summed(table, like, p, rows)
@@ -314,29 +318,10 @@ def accelerate(all, gain):
             right_sides(like, normals, turning, constraint, p, K_p, u, v, w, w_t, pi)
             a, b = solve(table, like, p, normals, pi, M, M_s, a, b, room)
         force, force_s = along(force, M, a), along(force_s, M_s, b)
-        power, of_solid = dot(force, u), 0.0
-        if count[p] > 0 and flags[p, FREE_GAS] and not sticks:  # faces move as solid or wall there
-            power = 0.0
-            for k in range(count[p]):
-                if constraint[p, k] == SLIPS:
-                    S = normal(like, normals, p, k, d)
-                    power += pi[k] * dot(add(normal(like, normals, p, k, 0), S), w)
-                    of_solid -= pi[k] * dot(S, v)
-        alone = not (flags[p, FREE_GAS] and flags[p, FREE_SOLID])
-        if flags[p, MINE] and alone:  # what walls and clamps do
-            for c in range(d):
-                impulse[c] += force[c] + force_s[c]
-            energies[faces[p, MOVES_GAS]] += power
-            energies[faces[p, MOVES_SOLID]] += of_solid + dot(force_s, v)
+        power, of_solid = powers(table, like, p, normals, pi, force, u, v, w)
+        if flags[p, MINE]:
+            book(table, like, p, normals, pi, v, w, force, force_s, power, of_solid, gain)
         power += of_solid
-        # else walls' own forces alone count: those between gas and solid must cancel
-        for k in range(count[p] if flags[p, MINE] and not alone else 0):
-            N = add(normal(like, normals, p, k, 0), normal(like, normals, p, k, d))
-            for c in range(d):
-                impulse[c] += pi[k] * N[c]
-            slips = constraint[p, k] == SLIPS
-            at = faces[p, MOVES_GAS if slips else MOVES_SOLID]
-            energies[at] += pi[k] * dot(N, w if slips else v)
         put_part(acceleration, p, 0, b)
         if M > 0.0:
             momentum = sub(add(R_m, force), scale(J_t, part_of(like, U, p, 1)))
@@ -352,22 +337,6 @@ def as_one_body(M, M_s, a, b, held, held_s):
     if not (held_s or held):
         both = per(add(scale(M, a), scale(M_s, b)), M + M_s)
     return both, both
-
-
-@njit(**INLINED_CALL)
-def right_sides(like, normals, turning, constraint, p, K, u, v, w, w_t, wanted):
-    """The K right-hand sides of constraints: walls accelerate, and area vectors turn under
-    relative velocities.
-    """
-    d = len(like)
-    for k in range(K):
-        wanted[k] = 0.0
-        if constraint[p, k] == SLIPS:
-            at_solid = normal(like, turning, p, k, d)
-            of_walls = add(normal(like, turning, p, k, 0), at_solid)
-            N = add(normal(like, normals, p, k, 0), normal(like, normals, p, k, d))
-            wanted[k] = dot(at_solid, sub(u, v)) - dot(of_walls, sub(u, w))
-            wanted[k] += dot(N, w_t)
 
 
 @njit(**INLINED_CALL)
