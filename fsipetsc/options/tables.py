@@ -82,8 +82,6 @@ RUN = (
     Option("fsi_check", float, None, "",
         "stop when mass, momentum, energy or entropy drifts by this fraction against its law",
         check="positive"),
-    Option("fsi_entropy", bool, False, "",
-        "record the entropy, too; -fsi_check does so anyway, and 2-D always"),
     Option("fsi_partition", str, "auto", "", "which ranks own which layers",
         ("auto", "physics", "balanced")),
     Option("fsi_norm", str, "L2", "",

@@ -87,7 +87,7 @@ class PaperState(State):
         begins = np.cumsum([0, *(self._dof * (self.records["own_hi"] - self.records["own_lo"]))])
         memory = self._y, _, self.k = np.zeros((3, int(begins[-1])))
         self.solution = PETSc.Vec().createWithArray(self._y, comm=comm)
-        self._make_memory(bool(opt["fsi_entropy"] or opt["fsi_check"]))
+        self._make_memory()
         op = packed(order, opt["fsi_viscous"] == "narrow")
         self.layers = [
             Layer(comm, layer, laws[k], self.records[k:][:1], share, op, memory, int(begins[k]))
@@ -105,7 +105,7 @@ class PaperState(State):
         boxes = {interface.side: interface.box for interface in self.interfaces}
         self._faces = boxes.get(0), boxes.get(1)
 
-    def _make_memory(self, entropy: bool) -> None:
+    def _make_memory(self) -> None:
         """What is noted of a step, and what all ranks learn after one, side by side."""
         layers, interfaces = self.problem.layers, len(self.problem.interfaces)
         gases = sum(layer.kind == "fluid" for layer in layers)
@@ -114,8 +114,8 @@ class PaperState(State):
         self._told = self._shared[:told].reshape(len(layers), -1)
         self._notes = self._shared[told:][:notes].reshape(interfaces, -1)
         self.results = self._shared[told + notes :]
-        journal, latest = self._lay_journal(step_record(interfaces, gases, entropy), CAPACITY)
-        memory = self.results, self.burst, journal, latest, np.bool_(entropy)
+        journal, latest = self._lay_journal(step_record(interfaces, gases), CAPACITY)
+        memory = self.results, self.burst, journal, latest
         self._steps = Box(steps.Steps(self.records, self._notes, *memory))
 
     def compile(self, announce: Callable[[str], None]) -> None:
