@@ -35,7 +35,7 @@ import h5py
 
 from fsipetsc.errors import FileError
 
-FORMAT, VERSION = "fsipetsc result", 3
+FORMAT, VERSION = "fsipetsc result", 4
 LIBVER = ("v110", "v110")
 
 

@@ -12,7 +12,7 @@ from fsipetsc.checks import duration
 from fsipetsc.options.option import INT_MAX
 from fsipetsc.output.file_layout import damage
 from fsipetsc.output.quantities import is_si, unit_of
-from fsipetsc.output.reader import BlockLayer, Layer, Run, open_run
+from fsipetsc.output.reader import Layer, Run, open_run
 
 Rows = list[tuple[str, str]]
 
@@ -69,7 +69,7 @@ def _of_layer(run: Run, layer: Layer) -> str:
     """The grid and fields of a layer."""
     axes = "XYZ"[: run.dimension]
     grid = layer.size + "".join(_range(f", {name} =", getattr(layer, name)) for name in axes)
-    spacing = "" if isinstance(layer, BlockLayer) else f", h = {layer.h:g}"
+    spacing = f", h = {layer.h:g}" * (run.dimension == 1)
     return f"{layer.kind}, {grid}{spacing}; {', '.join(layer.fields)}"
 
 

@@ -204,8 +204,11 @@ class PaperState(State):
 
     def header(self) -> dict[str, Any]:
         """What a result file says of layers, and of points that are recorded: none."""
-        layers = self.problem.layers
-        about = [{"name": v.name, "kind": v.kind, "fields": list(v.fields)} for v in layers]
+        layers = zip(self.problem.layers, self.records["n"].tolist(), strict=True)
+        about = [
+            {"name": v.name, "kind": v.kind, "fields": list(v.fields), "shape": [n]}
+            for v, n in layers
+        ]
         return {"layers": about, "points": ()}
 
     def grids(self) -> list[dict[str, Any]]:
