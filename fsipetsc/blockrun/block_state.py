@@ -24,7 +24,7 @@ from fsipetsc.blockrun.saved import grids, header, places, seen
 from fsipetsc.blockrun.scheme import Scheme
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import counted
-from fsipetsc.errors import FsiError, InputError
+from fsipetsc.errors import FsiError
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder, halos_of
@@ -34,7 +34,7 @@ from fsipetsc.scheme.burst import DT, MADE
 from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES, advance
 from fsipetsc.stepping.phases import logged
-from fsipetsc.stepping.snapshot import as_numbers, gather_local, put_whole, whole
+from fsipetsc.stepping.snapshot import as_numbers, whole
 from fsipetsc.stepping.state import State
 
 #: by order: how much shorter steps are with dissipation of strength 1 at shocks. That alone is a
@@ -321,28 +321,27 @@ class BlockState(State):
         """What a step depends on, on rank 0: whole blocks, (…, n_1, n_0, unknowns), so that it does
         not depend on who had what; what stands behind the nodes is added up. Collective.
         """
-        layout, parts = self.layout, gather_local(self.comm, self.y.array)
-        if parts is None:
+        arrays = {}
+        for k, shape in enumerate(self.layout.shapes):
+            part = self.layout.part(k)
+            numbers = np.empty(0, np.int64) if part is None else part.numbers
+            found = whole(self.comm, int(np.prod(shape)), numbers, self.y.owned(k))
+            if found is not None:
+                arrays[f"layer{k}"] = found.reshape(*shape[::-1], -1)
+        every = self.comm.gather(self.y.behind)
+        if every is None:
             return None
-        shapes = [(*s[::-1], dof) for s, dof in zip(layout.shapes, layout.dofs, strict=True)]
-        arrays, behind = whole(parts, shapes, layout.pieces), np.zeros(layout.behind)
-        for part in parts:
-            behind += part[part.size - layout.behind :]
-        latest = as_numbers(self.latest).copy()
+        behind, latest = sum(every, np.zeros(self.layout.behind)), as_numbers(self.latest).copy()
         return {**arrays, "behind": behind, "results": self.results.copy(), "latest": latest}
 
     def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> None:
-        """Be at time t [s] what arrays tell of, which all ranks know. InputError: other grids."""
-        layout, rank = self.layout, self.comm.rank
-        for k, (block, shape) in enumerate(zip(self.problem.layers, layout.shapes, strict=True)):
-            there = arrays[f"layer{k}"].shape[-2::-1]
-            if there != shape:
-                now, then = (" by ".join(map(str, sizes)) for sizes in (shape, there))
-                raise InputError(f"{block} has {now} nodes, and {then} in the checkpoint")
+        """Be at time t [s] what arrays tell of, which all ranks know. InputError."""
         self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
         self._t = t
-        put_whole(self.y.array, arrays, layout.pieces(rank))
-        self.y.behind[:] = arrays["behind"] if rank == 0 else 0.0
+        for part in self.layout.parts:
+            of_block = arrays[f"layer{part.k}"].reshape(-1, part.dof)
+            self.y.owned(part.k)[:] = of_block[part.numbers]
+        self.y.behind[:] = arrays["behind"] if self.comm.rank == 0 else 0.0
         self._load_stage(self.y.array)  # what the scheme derives of it; it stays as it is
         self._fill_halos()
         agree(self.comm, self.fault)

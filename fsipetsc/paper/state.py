@@ -16,7 +16,7 @@ the results, bit for bit.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -39,7 +39,7 @@ from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.burst import DT, MADE
 from fsipetsc.scheme.plan import CAPACITY, FLAGS, LIMITS, RATE, step_record
-from fsipetsc.stepping.snapshot import as_numbers, gather_local, put_whole, whole
+from fsipetsc.stepping.snapshot import as_numbers, whole
 from fsipetsc.stepping.state import State
 
 Array = np.ndarray
@@ -47,8 +47,6 @@ Array = np.ndarray
 FRACTIONS = 0.0, 0.5, 0.5, 1.0
 #: of the record of a layer: what all ranks learn after a step, beside what was seen
 FRAME = "lo", "hi", "s", "x_interface"
-#: of a checkpoint: points of a layer, the active ones
-GRID = "n", "lo", "hi"
 #: what the paper's method has of options that choose between methods
 _WITHOUT = {
     "fsi_mapping": ("auto", "rigid"),
@@ -307,41 +305,28 @@ class PaperState(State):
 
     # checkpoints
 
-    def _pieces(self, rank: int) -> Iterator[tuple[int, slice, int, tuple[int, int]]]:
-        """What a rank has of the solution: layer, place in it, beginning, shape."""
-        at = 0
-        for k, share in enumerate(self.shares):
-            for _, begin, end in (piece for piece in share if piece[0] == rank):
-                yield k, slice(begin, end), at, (end - begin, self._dof[k])
-                at += self._dof[k] * (end - begin)
-
     def capture(self) -> dict[str, Array] | None:
         """What a step depends on, on rank 0: whole layers, where their grids lie and how they move,
         and the results of the last step. Collective."""
-        parts = gather_local(self.comm, self._y)
-        if parts is None:
+        arrays = {}
+        for layer in self.layers:
+            size, own = int(layer.record["n"]), layer.of(self._y)
+            arrays[f"layer{layer.number}"] = whole(self.comm, size, layer.numbers, own)
+        if self.comm.rank > 0:
             return None
-        shapes = zip(self.records["n"].tolist(), self._dof, strict=True)
-        grids = np.stack([self.records[name] for name in GRID], axis=-1)
-        frames = {name: self.records[name].copy() for name in FRAME[2:]}
-        noted = {"results": self.results.copy(), "latest": as_numbers(self.latest).copy()}
-        return {**whole(parts, shapes, self._pieces), "grids": grids, **frames, **noted}
+        frames = {name: self.records[name].copy() for name in FRAME}
+        latest = as_numbers(self.latest).copy()
+        return {**arrays, **frames, "results": self.results.copy(), "latest": latest}
 
     def restore(self, arrays: Mapping[str, Array], t: float) -> None:
-        """Be at time t [s] what arrays, known on all ranks, tell of. InputError: other grids."""
-        grids = arrays["grids"].tolist()
-        for layer, record, (n, lo, hi) in zip(self.problem.layers, self.records, grids):
-            if n != record["n"] or not 0 <= lo < hi < n:
-                raise InputError(
-                    f"layer '{layer.name}' has {record['n']} points, and {n} in the checkpoint"
-                )
-            record["lo"], record["hi"] = lo, hi
-        for name in FRAME[2:]:
+        """Be at time t [s] what arrays, known on all ranks, tell of. InputError."""
+        for name in FRAME:
             self.records[name] = arrays[name]
         self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
         self.set_data(t)
         agree(self.comm, self.fault)
-        put_whole(self._y, arrays, self._pieces(self.comm.rank))
+        for layer in self.here:
+            layer.of(self._y)[:] = arrays[f"layer{layer.number}"][layer.numbers]
         self._load(self._y)  # which is completed: it fulfils the conditions
         for layer in self.here:
             layer.fill_halos()

@@ -107,6 +107,10 @@ class Share:
         place = np.unravel_index(self.ranks.index(rank), self.grid, order="F")
         return tuple((cuts[i], cuts[i + 1]) for cuts, i in zip(self.cuts, place, strict=True))
 
+    def size(self, rank: int) -> int:
+        """Nodes of a rank."""
+        return prod(b - a for a, b in self.part(rank)) if rank in self.ranks else 0
+
     def owners(self, nodes: np.ndarray) -> np.ndarray:
         """The ranks that own nodes, which are counted with axis 0 first."""
         shape = tuple(cuts[-1] for cuts in self.cuts)
