@@ -14,7 +14,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.power_law import power_law
-from fsipetsc.materials.solid_pressure import mie_gruneisen, stiffened_pressure
+from fsipetsc.materials.solid_pressure import mie_gruneisen
 from fsipetsc.materials.sutherland import sutherland
 
 # the pressure of a solid
@@ -29,11 +29,6 @@ def gruneisen(rho, epsilon):
     return 0.8 * rho * epsilon
 
 
-def stiffened(rho, epsilon):
-    q = ALPHA * T_0 - (1e5 + 4.4 * 6e8) / (3.4 * M0)
-    return 3.4 * rho * (epsilon - q) - 4.4 * 6e8
-
-
 def mie(rho, epsilon):
     """Behind a shock of speed u_s = 5350 + 1.34 u_p, by the jumps of mass, momentum and energy."""
     u_p = 5350 * (1 - M0 / rho) / (1 - 1.34 * (1 - M0 / rho))
@@ -44,7 +39,6 @@ def mie(rho, epsilon):
 #: name -> p(rho, epsilon) as the literature has it, and the solid
 SOLIDS = {
     "gruneisen": (gruneisen, Solid(**ROCK, gruneisen=0.8)),
-    "stiffened": (stiffened, Solid(**ROCK, pressing=stiffened_pressure(4.4, 6e8, T_0, 1e5))),
     "mie": (mie, Solid(**ROCK, pressing=mie_gruneisen(5350.0, 1.34, 2.1, T_0))),
 }
 EACH_SOLID = pytest.mark.parametrize("name", SOLIDS)
@@ -99,9 +93,6 @@ def test_speed_of_sound_is_that_of_the_linear_theory(name):
 
 MIE = SOLIDS["mie"][1].pressing
 WRONG = {
-    "stiffened_pressure: p_inf is -1: expected a number not below 0": lambda: stiffened_pressure(
-        4.4, -1.0, 1.0
-    ),
     "mie_gruneisen: G_0 is 1, s is 0.2: expected G_0 of at most 4 s": lambda: mie_gruneisen(
         1.0, 0.2, 1.0, 300.0
     ),

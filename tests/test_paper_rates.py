@@ -20,9 +20,8 @@ from mpi4py import MPI
 from fsipetsc.boundaries import Dirichlet, Open, Wall, absorbing, clamped, free
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
-from fsipetsc.materials.own import gas_law
+from fsipetsc.materials.own import gas_law, pressure_law
 from fsipetsc.materials.power_law import power_law
-from fsipetsc.materials.solid_pressure import stiffened_pressure
 from fsipetsc.options import defaults
 from fsipetsc.paper.state import PaperState
 from fsipetsc.scheme.plan import RATE
@@ -58,10 +57,19 @@ def noble_abel():
     )
 
 
+def stiffened():
+    """A solid with the pressure of a stiffened gas."""
+    return pressure_law(
+        pressure=lambda J, T, m0, alpha: (m0 * alpha * (T - 300.0) + 2e6 * (1.0 - J)) / J,
+        pressure_by_temperature=lambda J, T, m0, alpha: m0 * alpha / J,
+        stiffness=lambda J, T, m0, alpha: (m0 * alpha * (T - 300.0) + 2e6) / J,
+    )
+
+
 def laws_of(name):
     """(law and transport of gases, pressing of solids) to be exchanged."""
     if name == "others":
-        return noble_abel(), power_law(300.0, 0.7, 0.9), stiffened_pressure(2.0, 1e6, 300.0)
+        return noble_abel(), power_law(300.0, 0.7, 0.9), stiffened()
     return None, None, None
 
 
