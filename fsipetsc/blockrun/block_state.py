@@ -77,7 +77,8 @@ class BlockState(State):
     convection and diffusion [1/s]. h: size of the smallest cells [m].
     recorded: nodes to be recorded at each step. orders: block -> what brings its nodes into the
     order in which they are saved. announce: called with a message when several ranks wait for
-    kernels. InputError where blocks, order and ranks do not fit.
+    kernels. apart: one rank calls what several do. InputError where blocks, order and ranks do not
+    fit.
     """
 
     def __init__(
@@ -89,6 +90,7 @@ class BlockState(State):
         partition: str = "auto",
         recorded: Sequence[Recorded] = (),
         announce: Callable[[str], None] = lambda text: None,
+        apart: bool = False,
     ) -> None:
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
         self.h = float(problem.spacing)
@@ -98,8 +100,8 @@ class BlockState(State):
         self.convection = "divergence" if form.convection == "divergence" else "entropy"
         blocks, d = problem.layers, problem.dimension
         self.lossy, behind = lossy(problem), gained(problem).itemsize // 8
-        self._halos = halos_of(problem, order, self.shocks)
-        self.layout = BlockLayout(comm, problem, order, self._halos, partition, behind=behind)
+        halos = halos_of(problem, order, self.shocks)
+        self.layout = BlockLayout(comm, problem, order, halos, partition, behind=behind)
         self.y = self.layout.vector()
         self._stage = self.layout.vector()
         size = (self.layout.local_size, None)
@@ -111,7 +113,7 @@ class BlockState(State):
         self._before, self.retries = np.empty_like(self.y.array), 0
         if comm.size > 1 and self.points <= MOST_ALONE:
             self._compile_first(announce)
-        self.scheme = together(comm, lambda: self._made(self.layout, comm.size == 1))
+        self.scheme = together(comm, lambda: self._made(comm.size == 1 and not apart))
         self.scheme.attach(self.y.array, self._stage.array, *self._words())
         for name in ("complete", "rates", "look"):
             setattr(self.scheme, name, logged(f"fsi {name}", getattr(self.scheme, name)))
@@ -127,23 +129,19 @@ class BlockState(State):
         self._extremes, self.rates = np.zeros(1 + WORDS * blocks), np.zeros((blocks, 2))
         self._columns = slices(self.latest.dtype)
 
-    def _words(self, scratch: bool = False) -> tuple[Any, ...]:
-        """What a look and steps in one call fill: see fsipetsc.scheme.steps.Found, after gain; or
-        other memory of this kind.
-        """
-        latest = self._latest.copy() if scratch else self._latest
-        first = self._columns.get(OF_INTERFACES[0], slice(0, 0))
+    def _words(self) -> tuple[Any, ...]:
+        """What a look and steps in one call fill: see fsipetsc.scheme.steps.Found, after gain."""
+        latest, first = self._latest, self._columns.get(OF_INTERFACES[0], slice(0, 0))
         size = len(OF_INTERFACES) * (first.stop - first.start)
         at_ends = latest[first.start : first.start + size].reshape(len(OF_INTERFACES), -1)
         words = self._extremes, self.rates, self.results, latest, at_ends, self._pace
         return *words, self.burst, self._rows
 
-    def _made(self, layout: BlockLayout, alone: bool) -> Scheme:
-        """The scheme on all ranks of a layout."""
-        line = self.problem.dimension == 1 and layout is self.layout
-        ends = list(self._interface_ends()) if line else []
+    def _made(self, alone: bool) -> Scheme:
+        """The scheme."""
+        ends = list(self._interface_ends()) if self.problem.dimension == 1 else []
         form = self._order, self._form, self._instant
-        return Scheme(layout, self.problem, *form, self._columns, ends, alone)
+        return Scheme(self.layout, self.problem, *form, self._columns, ends, alone)
 
     def _interface_ends(self) -> Iterator[tuple[int, int, int, float]]:
         """Of interfaces in one dimension with the solid's end here: number, block, row, X."""
@@ -181,14 +179,15 @@ class BlockState(State):
                 self.y.behind[:] = 0.0
 
     def _compile_first(self, announce: Callable[[str], None]) -> None:
-        """Rank 0 tries all of the scheme on the whole problem, alone, before any rank makes its
-        own: so the others find the kernels on the disk. On very large problems each rank compiles
-        when it comes to it. What is wrong with the case's data all find out later, together.
+        """Rank 0 makes a state of the whole problem, alone, before any rank makes its own scheme:
+        so the others find the kernels on the disk. On very large problems each rank compiles when
+        it comes to it. What is wrong with the case's data all find out later, together.
         """
         if self.comm.rank == 0:
             with announced(announce), suppress(FsiError):
-                self._compile_own()
-                self._try_alone()
+                of_all = self.problem, self._order, self._form
+                with BlockState(MPI.COMM_SELF, *of_all, apart=True) as state:
+                    state.compile(lambda text: None)
         wait_asleep(self.comm)
 
     def _compile_own(self) -> None:
@@ -198,17 +197,6 @@ class BlockState(State):
         note_extremes(extremes, rates, np.zeros(FLAGS + LIMITS), np.zeros(2))
         note_gained(np.zeros(1), np.zeros(1))
         self.plan_next()  # nothing is allowed yet
-
-    def _try_alone(self) -> None:
-        """Call all of a scheme of the whole problem once."""
-        grid = self.problem, self._order, self._halos
-        alone = BlockLayout(MPI.COMM_SELF, *grid, behind=self.layout.behind)
-        y, scheme = alone.vector(), self._made(alone, False)
-        scheme.attach(y.array, np.zeros_like(y.array), *self._words(scratch=True))
-        _call_all(scheme, y, 0.0)
-        scheme.destroy()
-        y.destroy()
-        alone.destroy()
 
     def check_data(self) -> None:
         """Ask the case's functions for all data at t = 0. InputError."""
