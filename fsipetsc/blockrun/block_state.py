@@ -33,7 +33,6 @@ from fsipetsc.scheme.after_step import WORDS, note_extremes, note_gained
 from fsipetsc.scheme.burst import DT, MADE
 from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES, advance
-from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.snapshot import as_numbers, whole
 from fsipetsc.stepping.state import State
 
@@ -115,8 +114,6 @@ class BlockState(State):
             self._compile_first(announce)
         self.scheme = together(comm, lambda: self._made(comm.size == 1 and not apart))
         self.scheme.attach(self.y.array, self._stage.array, *self._words())
-        for name in ("complete", "rates", "look"):
-            setattr(self.scheme, name, logged(f"fsi {name}", getattr(self.scheme, name)))
         self.evaluations, self._t = 0, 0.0
         widths = [len(fields_of(b.kind, d, problem.symmetry)) for b in blocks]
         parts = self.layout.parts

@@ -118,11 +118,6 @@ class Solid(NamedTuple):
         stored = (1.0 - self.coupled) * self.energy(F) / self.m0
         return (e - 0.5 * dot(v, v) - stored) / self.alpha
 
-    def total_energy(self, v, T, F):
-        """e [J/kg]."""
-        stored = (1.0 - self.coupled) * self.energy(F) / self.m0
-        return 0.5 * dot(v, v) + stored + self.alpha * T
-
     def pressure_at(self, J, T):
         """p [Pa]."""
         return self.pressing.pressure(J, T, self.m0, self.alpha)

@@ -66,10 +66,6 @@ class Fluid:
         """Internal energy per mass [J/kg] at rho [kg/m3] and T [K]."""
         return self.gas_law.internal_energy(rho, T)
 
-    def relative(self, T: Any) -> tuple[Any, Any]:
-        """(mu(T)/mu, kappa(T)/kappa) of the transport law at T [K]."""
-        return self.transport_law.viscosity(T), self.transport_law.conductivity(T)
-
     def equations(self, d: int, symmetry: int = 0) -> Gas:
         """Its equations in d dimensions, or around an axis or a centre; InputError if force has not
         d numbers.

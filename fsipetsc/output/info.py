@@ -157,10 +157,6 @@ LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
         lambda changes: ", ".join(dict.fromkeys(what for _, what in changes)),
     ),
     "wall_time": ("wall time of the steps", duration),
-    "phases": (
-        "phases since the last start",
-        lambda found: ", ".join(f"{name} {duration(wall)}" for name, wall in found.items()),
-    ),
     "ranks": ("ranks", str),
     "points": ("points", str),
     "interfaces": ("interfaces", _text),

@@ -346,7 +346,7 @@ def extent_of(block: Any, order: int, halo: int) -> Extent:
                 f"operator needs at least {least}"
             )
     end, inner = max(op.rows + op.p, halo), max(2 * op.p, halo)
-    return Extent(block.name, block.kind, shape, block.periodic, end, inner, halo)
+    return Extent(block.kind, shape, block.periodic, end, inner, halo)
 
 
 def _check_size(blocks: Sequence[Any], dofs: Sequence[int]) -> None:

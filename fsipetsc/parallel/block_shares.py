@@ -29,11 +29,11 @@ WORTH_IT = 1.1
 class Extent:
     """A block as its partition sees it.
 
-    shape: nodes per axis. periodic: per axis. end, inner: nodes, at least, that a rank has along an
-    axis, if it has an end of the axis, and if not. halo: width of the halo.
+    kind: "fluid" or "solid". shape: nodes per axis. periodic: per axis. end, inner: nodes, at
+    least, that a rank has along an axis, if it has an end of the axis, and if not. halo: width of
+    the halo.
     """
 
-    name: str
     kind: str
     shape: tuple[int, ...]
     periodic: tuple[bool, ...]
@@ -151,9 +151,7 @@ def share_line(
     layers: kind, stored points, active ones, which alone are work, whether the spare ones are on
     the left; the outermost rank gets these. InputError as of ``share_out``.
     """
-    extents = [
-        Extent("", kind, (active,), (False,), *[smallest] * 3) for kind, _, active, _ in layers
-    ]
+    extents = [Extent(kind, (active,), (False,), *[smallest] * 3) for kind, _, active, _ in layers]
     found = []
     for (_, n, active, left), share in zip(layers, share_out(extents, size, mode), strict=True):
         cuts = [cut + (n - active) * left for cut in share.cuts[0]]
