@@ -96,7 +96,6 @@ class BlockState(State):
         self._order, self._form = order, form
         self.shocks = form.shock > 0.0
         self._pace = max(1.0, form.shock * PACE_AT_SHOCKS[order])
-        self.convection = "divergence" if form.convection == "divergence" else "entropy"
         blocks, d = problem.layers, problem.dimension
         self.lossy, behind = lossy(problem), gained(problem).itemsize // 8
         halos = halos_of(problem, order, self.shocks)

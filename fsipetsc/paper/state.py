@@ -65,8 +65,6 @@ class PaperState(State):
     or the problem is not of the paper's form.
     """
 
-    convection = "divergence"
-
     def __init__(self, comm: MPI.Comm, problem: Problem, opt: Mapping[str, Any]) -> None:
         for name, without in _WITHOUT.items():
             if opt[name] not in without:

@@ -34,26 +34,20 @@ def drifts(
 
 
 class Drifts:
-    """The drifts, piece by piece of the series: only sums are kept of what has gone before.
-    Arguments as of ``drifts``.
+    """The drifts, piece by piece of the series: ``memory`` has the sums of what has gone before.
+    Arguments as of ``drifts``, and the memory of steps that go before the first.
     """
 
-    def __init__(self, invariants: Mapping[str, Any], initial: Mapping[str, Any]) -> None:
-        self._invariants, self._initial = invariants, initial
-        self._sums: dict[str, float] = {}
+    def __init__(
+        self,
+        invariants: Mapping[str, Any],
+        initial: Mapping[str, Any],
+        memory: Mapping[str, float] | None = None,
+    ) -> None:
+        self._invariants, self._initial, self.memory = invariants, initial, dict(memory or {})
         mass = invariants.get("inertia", 0.0) + sum(np.asarray(initial.get("mass", ())).tolist())
         #: what round-off makes of a momentum that nothing has changed is nothing beside this
         self._momentum_of_all = np.sqrt(max(initial.get("energy", 0.0), 0.0) * mass)
-        self._most = 0.0  # entropy produced
-
-    def memory(self) -> dict[str, Any]:
-        """What ``recall`` takes, as JSON has it."""
-        sums = {name: float(value) for name, value in self._sums.items()}
-        return {"sums": sums, "most": float(self._most)}
-
-    def recall(self, memory: Mapping[str, Any]) -> None:
-        """Go on behind the steps of which ``memory`` tells."""
-        self._sums, self._most = dict(memory["sums"]), memory["most"]
 
     @np.errstate(all="ignore")  # a drift that is no number says so itself
     def go_on(self, series: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -79,14 +73,15 @@ class Drifts:
             result["energy"] = (series["energy"] - came) / initial["energy"] - 1
         if invariants.get("entropy"):
             produced = series["entropy"] - initial["entropy"]
-            most = np.maximum.accumulate(np.concatenate([[self._most], produced]))[1:]
-            self._most = most[-1]
+            before = self.memory.get("entropy produced", 0.0)
+            most = np.maximum.accumulate(np.concatenate([[before], produced]))[1:]
+            self.memory["entropy produced"] = float(most[-1])
             scale = max(abs(initial["entropy"]), invariants["heat_capacity"], TINY)
             result["entropy"] = (most - produced) / scale
         return result
 
     def _sum(self, name: str, parts: np.ndarray) -> np.ndarray:
         """Sum from t = 0 to the end of each step of what belongs to a step."""
-        sums = np.cumsum(np.concatenate([[self._sums.get(name, 0.0)], parts]))[1:]
-        self._sums[name] = sums[-1]
+        sums = np.cumsum(np.concatenate([[self.memory.get(name, 0.0)], parts]))[1:]
+        self.memory[name] = float(sums[-1])
         return sums
