@@ -5,8 +5,6 @@ It has the names that stepping.run, stepping.integrator and the writer ask for: 
 fsipetsc.blockrun.scheme.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
@@ -79,6 +77,9 @@ class BlockState(State):
     kernels. apart: one rank calls what several do. InputError where blocks, order and ranks do not
     fit.
     """
+
+    #: nodes held in reserve: no grid grows
+    reserve = 0
 
     def __init__(
         self,
@@ -158,11 +159,6 @@ class BlockState(State):
     def points(self) -> int:
         """Nodes of all blocks."""
         return sum(int(np.prod(shape)) for shape in self.layout.shapes)
-
-    @property
-    def reserve(self) -> int:
-        """Nodes held in reserve: no grid grows."""
-        return 0
 
     # set-up
 
