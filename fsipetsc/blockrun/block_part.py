@@ -1,7 +1,5 @@
 """What a rank's parts of gas and solid blocks have in common."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

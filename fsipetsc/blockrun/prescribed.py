@@ -2,8 +2,6 @@
 unknowns.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

@@ -11,8 +11,6 @@ data depend on time (fsipetsc.scheme.steps); else the same functions are called 
 exchanges. `y` is a fsipetsc.parallel.block_layout.BlockVector; `f` an array of the same layout.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any

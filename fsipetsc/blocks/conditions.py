@@ -4,8 +4,6 @@ Data are numbers, or functions of place and time: f(*X, t), X the face's nodes i
 InputError for what is no datum.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any

@@ -1,7 +1,5 @@
 """Faces of blocks: their nodes, which nodes are at one place."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product

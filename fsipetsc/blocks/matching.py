@@ -4,8 +4,6 @@ Faces whose nodes are at the same places meet. Nodes of faces at one place are o
 (SCHEME-BLOCKS.md, section 3), also where blocks touch at an edge or a vertex only.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple

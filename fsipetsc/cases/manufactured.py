@@ -21,8 +21,6 @@ the fluxes, too: they are taken by a step into the complex plane, Im f(z + i s)/
 round-off for s = 1e-30. Places are (*X, t), d arrays of one shape and a time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple

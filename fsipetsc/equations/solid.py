@@ -28,8 +28,6 @@ from the motion is stored or becomes heat at the node itself, so that it does no
 F = 1 to the last bit. Source: SCHEME-BLOCKS.md, section 6.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a case says of a gas."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

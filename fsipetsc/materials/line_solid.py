@@ -9,8 +9,6 @@ with p(epsilon, rho) an equation of state in epsilon = alpha T and rho = m0 / x_
 elastic solid.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 

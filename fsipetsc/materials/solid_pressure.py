@@ -10,8 +10,6 @@ eta = 1 - J and G rho = G_0 m0
 for -1/s < eta < 1/s (M. A. Meyers, Dynamic Behavior of Materials, 1994, chapters 4 and 5).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from fsipetsc.checks import NONNEGATIVE, POSITIVE, number

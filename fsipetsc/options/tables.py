@@ -1,7 +1,5 @@
 """The options of all cases, section by section, and those of PETSc that work here."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Sequence
 

@@ -7,8 +7,6 @@ HDF5 passes over the first 512 bytes, so h5dump and h5py open the file as it is.
 every byte. A checkpoint is written under another name and renamed when it is whole.
 """
 
-from __future__ import annotations
-
 import hashlib
 import io
 import json

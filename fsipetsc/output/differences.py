@@ -1,7 +1,5 @@
 """What differs between two results: the largest difference of each field and series."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Iterable, Iterator

@@ -1,7 +1,5 @@
 """What a result holds, as text."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Mapping
 from typing import Any

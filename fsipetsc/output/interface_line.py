@@ -1,7 +1,5 @@
 """An interface in two dimensions as a line: where it is, how it moves, what acts on it."""
 
-from __future__ import annotations
-
 from typing import Any, Literal
 
 import numpy as np

@@ -5,8 +5,6 @@ in the making. At the end of the run the pieces are joined into NAME.h5 and the 
 there is NAME.h5 it is the result, and what the folder of the same run still has is a leftover.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

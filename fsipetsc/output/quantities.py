@@ -1,7 +1,5 @@
 """What is stored and recorded: its units and labels; what can be drawn, and how it follows."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ A layer lives on the ranks that own points of it: a DMDA on their communicator k
 and the rates read its local vector. All ranks know its record and its material.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from typing import Any

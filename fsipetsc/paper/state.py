@@ -14,8 +14,6 @@ The point arithmetic is the same on any number of ranks, and nothing is added up
 the results, bit for bit.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

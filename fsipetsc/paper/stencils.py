@@ -6,8 +6,6 @@ results do not depend on the number of ranks: that is why no loop here may reord
 (``LOOP``).
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray

@@ -7,8 +7,6 @@ in a batch and 170 us without. What the functions take is in boxes (fsipetsc.ope
 that there is not is None.
 """
 
-from __future__ import annotations
-
 from collections import namedtuple
 
 import numpy as np

@@ -9,8 +9,6 @@ the strip between an embedded boundary and its ghost point does not count.
     layer.shares    mass [kg/m2], energy [J/m2], momentum [N s/m2]: this rank's
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

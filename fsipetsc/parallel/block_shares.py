@@ -5,8 +5,6 @@ one rank. A rank that has an end of an axis has all rows of the closure there an
 parts in the middle have at least the nodes of a halo.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise

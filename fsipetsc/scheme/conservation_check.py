@@ -7,8 +7,6 @@ comes in and no solid is heated by stress. Of the paper's method the mass of a g
 wall is held, and total energy between two walls without body forces.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What is noted of a completed step: flags, limits, and the record of series."""
 
-from __future__ import annotations
-
 import numpy as np
 
 # where what stands among the results of a completed step

@@ -3,8 +3,6 @@
 The hook completes the new solution, records the step, and says how long the next one is.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """By how much a run has departed from what must be kept: for its summary and for -fsi_check."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

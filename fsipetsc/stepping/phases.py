@@ -1,7 +1,5 @@
 """Stages of a run, for PETSc's -log_view."""
 
-from __future__ import annotations
-
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 

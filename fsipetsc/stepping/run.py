@@ -1,7 +1,5 @@
 """One run from options to result file."""
 
-from __future__ import annotations
-
 import datetime
 import signal
 import uuid

@@ -2,8 +2,6 @@
 them.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from mpi4py import MPI
 

@@ -1,7 +1,5 @@
 """From a case and options to its problem, and the state of a run of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 
