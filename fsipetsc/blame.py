@@ -1,7 +1,5 @@
 """Whose code is at fault: file, line and reason of errors that come out of users' functions."""
 
-from __future__ import annotations
-
 import os
 import re
 import sys

@@ -1,7 +1,5 @@
 """What a case says is checked where it says it, so that the message can name the line."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import Any

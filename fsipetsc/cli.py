@@ -1,7 +1,5 @@
 """The command line: runs a case, or one of the commands; its exit status is one for scripts."""
 
-from __future__ import annotations
-
 import importlib
 import os
 import re

@@ -1,7 +1,5 @@
 """What can go wrong, each kind with the exit status that the command line ends with."""
 
-from __future__ import annotations
-
 import traceback
 from contextlib import suppress
 

@@ -11,8 +11,6 @@ Faces whose nodes are at the same places meet, as in any problem of blocks: what
 connections is not needed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

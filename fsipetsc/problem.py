@@ -203,24 +203,16 @@ class Problem:
         """What must not change, as JSON holds it: see fsipetsc.scheme.conservation_check.drifts,
         which takes it.
 
-        masses: (name, number among the fluids) of the gas layers that nothing enters or leaves;
-        inertia [kg/m2] and heat_capacity [J/(m2 K)] of the solids, cv of the gases: what is large
-        there; energy: whether that of all layers is kept. Momentum less the impulse of ends and
-        body forces always is. Empty where forcing or jumps change all.
+        masses: (name, numbers among the fluids) of the gas layers that nothing enters or leaves;
+        energy: whether that of all layers is kept. Empty where forcing or jumps change all.
         """
         if self.jumps is not None or any(layer.forcing for layer in self.layers):
             return {}
         ends = (0, self.left), (len(self.layers) - 1, self.right)
         open_at = {k for k, end in ends if not isinstance(end, (Wall, SolidEnd))}
         fluids = [(k, v) for k, v in enumerate(self.layers) if isinstance(v, FluidLayer)]
-        solids = [v for v in self.layers if isinstance(v, SolidLayer)]
-        masses = [v.material.m0 * (v.X[1] - v.X[0]) for v in solids]
-        heats = [v.material.alpha * m for v, m in zip(solids, masses)]
-        pulled = any(v.material.force for v in solids)
+        pulled = any(isinstance(v, SolidLayer) and v.material.force for v in self.layers)
         return {
-            "masses": [[v.name, i] for i, (k, v) in enumerate(fluids) if k not in open_at],
-            "inertia": sum(masses),
-            "heat_capacity": sum(heats),
-            "cv": [v.material.cv for _, v in fluids],
+            "masses": [[v.name, [i]] for i, (k, v) in enumerate(fluids) if k not in open_at],
             "energy": closes(self.left) and closes(self.right) and not pulled,
         }

@@ -1,7 +1,5 @@
 """The texts that explain the program: the overview and the options of a case, as tables."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import sys

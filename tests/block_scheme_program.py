@@ -10,8 +10,8 @@ import sys
 import block_shapes as shapes
 import numpy as np
 from block_ledgers import steps_of, unbooked
+from ledger_problems import N, closed, gas, moved, problem_of, solid
 from mpi4py import MPI
-from test_block_ledgers import N, closed, gas, moved, problem_of, solid
 
 from fsipetsc.blocks.conditions import Clamped, Free, NoSlip, Slip
 

@@ -9,9 +9,9 @@ import numpy as np
 
 H = 0.05
 LAYERS = [
-    {"name": "left", "kind": "fluid", "fields": ["rho", "u", "T", "p"]},
-    {"name": "rod", "kind": "solid", "fields": ["u", "sigma", "T", "x", "p"]},
-    {"name": "right", "kind": "fluid", "fields": ["rho", "u", "T", "p"]},
+    {"name": "left", "kind": "fluid", "fields": ["rho", "u", "T", "p"], "shape": [26]},
+    {"name": "rod", "kind": "solid", "fields": ["u", "sigma", "T", "x", "p"], "shape": [21]},
+    {"name": "right", "kind": "fluid", "fields": ["rho", "u", "T", "p"], "shape": [25]},
 ]
 HEADER = {
     "case": "demo",

@@ -15,7 +15,7 @@ def extent(kind: str, shape: tuple[int, ...], ring: int | None = None, p: int = 
     """A block for the operators 2/1 (p = 1) or 4/2; ring: a periodic axis."""
     rows = {1: 1, 2: 4}[p]
     periodic = tuple(axis == ring for axis in range(len(shape)))
-    return Extent("block", kind, shape, periodic, rows + p, 2 * p, 2 * p)
+    return Extent(kind, shape, periodic, rows + p, 2 * p, 2 * p)
 
 
 PROBLEMS = {

@@ -5,7 +5,6 @@ that.
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,11 +12,10 @@ import pytest
 pytest.importorskip("petsc4py")
 
 import block_shapes as shapes
-from block_grids import conditions_of
 from block_ledgers import steps_of, unbooked
 from helpers import REPOSITORY, mpirun
+from ledger_problems import N, closed, gas, moved, problem_of, solid, straight
 
-from fsipetsc.blockrun.face_terms import weights_of
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import (
     Absorbing,
@@ -31,67 +29,15 @@ from fsipetsc.blocks.conditions import (
     Roller,
     Slip,
 )
-from fsipetsc.blocks.maps import nodes, rectangle
+from fsipetsc.blocks.maps import rectangle
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.stepping.ledgers import Ledgers
-from fsipetsc.stepping.report import about_losses, about_volumes
 
 MASS, X, Y, ENERGY = range(4)
-#: cells along an axis
-N = 7
 #: heat of the solid, viscosity of the gas
 BOTH = ("elastic", 0.0), ("coupled", 0.02)
-
-
-def gas(d=2, mu=0.0, force=0.0):
-    return Fluid(mu, 0.03, 1.4, 1.0, force=(force,) * d if d > 1 else force)
-
-
-def solid(d=2, heat="elastic", force=0.0, kappa=0.05):
-    force = (force,) * d if d > 1 else force
-    return ElasticSolid(1.0, 2.0, kappa, 2.0, 1.5, 0.3, "log", heat, force=force)
-
-
-def swirling(*X):
-    d = len(X)
-    wave = [0.2 * np.sin(3.0 * X[c] + 2.0 * X[-1] + c) for c in range(d)]
-    return [1.0 + 0.2 * np.cos(2.0 * sum(X)), *wave, 1.0 + 0.1 * np.sin(3.0 * X[0] + 1.0)]
-
-
-def bent(*X):
-    d = len(X)
-    v = [0.1 * np.cos(2.0 * X[0] + 3.0 * X[-1] + c) for c in range(d)]
-    x = [X[c] + 0.02 * np.sin(2.0 * X[c - 1] + c) for c in range(d)]
-    return [*v, 1.1 + 0.1 * np.sin(2.0 * X[0] + X[-1]), *x]
-
-
-def block(name, X, material, **options):
-    """A block on an array of nodes, as in block_shapes."""
-    cells, d = tuple(n - 1 for n in X.shape[1:]), len(X)
-    initial = options.pop("initial", swirling if material.kind == "fluid" else bent)
-    return Block(name, material, nodes(X.transpose(*range(d, 0, -1), 0)), cells, initial, **options)
-
-
-def straight(X, Y):
-    return [*bent(X, Y)[:3], X, Y]
-
-
-def problem_of(shape, faces, fluid, plate, points=(), **options):
-    """A problem on a shape; faces: (name, axis, side) -> condition of those that meet nothing."""
-    blocks = []
-    for name, (X, _) in shape.items():
-        material = fluid if name.startswith("gas") else plate
-        blocks.append(block(name, X, material, **dict(options.get(name.split()[0], {}))))
-    found = conditions_of(blocks, faces)
-    return BlockProblem(tuple(blocks), found, options.get("jumps"), points=points)
-
-
-def closed(name, axis, side):
-    """Slip walls and rollers."""
-    return Slip() if name.startswith("gas") else Roller()
 
 
 def check(problem, *, only=(), least=1e-7, most=1e-13, **options):
@@ -111,11 +57,6 @@ def test_an_open_tube():
 
     shape = {"gas": shapes.box((0, 0), (1, 1), N + 1, N + 1)}
     check(problem_of(shapes.warped(shape), faces, gas(), None), only=(MASS, X, Y, ENERGY))
-
-
-def moved(*X_and_t):
-    *X, t = X_and_t
-    return [x + 0.1 * np.sin(3.0 * t + c) * (1.0 + X[0]) for c, x in enumerate(X)]
 
 
 def blown(X, t):
@@ -289,149 +230,6 @@ def test_the_watch_sees_the_loss_of_a_small_wave(lose):
         ledgers.begin(initial)
         ledgers.add(records(run, 10, 0.02, lose))
     assert (ledgers.fault or "")[:16] == ("momentum along x" if lose else "")
-
-
-def bounds_of(run, k):
-    """The largest rates of convection and diffusion of a block, by formulas on whole arrays."""
-    part, q, d = run.scheme.parts[k], run.y.owned(k), run.problem.dimension
-    metrics, equations, cells = part.metrics[:, part.owned], part.equations, part.block.cells
-    areas = metrics[: d * d].reshape(d, d, -1) * np.reshape(cells, (d, 1, 1))
-    squares = (areas**2).sum(axis=1)
-    if run.problem.blocks[k].kind == "solid":
-        F, v = tuple(part._F), tuple(q[:, d : 2 * d].T)
-        T = equations.temperature(v, q[:, 2 * d], F)
-        nodes = zip(zip(*F), T, strict=True)
-        c2 = np.array([equations.wave_modulus_at(*node) for node in nodes]) / equations.m0
-        spread = squares.sum(axis=0) / metrics[d * d] ** 2
-        nu = equations.kappa / (equations.m0 * equations.alpha)
-        return np.sqrt((c2 * spread).max()), STIFFNESS_OF_WIDE * nu * spread.max()
-    w, J = equations.primitive(tuple(q.T)), q[:, 0]
-    relative = np.array(equations.velocity(w)) - metrics[d * d : d * d + d]
-    across = np.abs((areas * relative).sum(axis=1))
-    waves = (across + equations.speed_of_sound(w) * np.sqrt(squares)).sum(axis=0) / J
-    nu = 4.0 / 3.0 * equations.mu / w[0], equations.kappa / equations.law.heat_capacity(w[0], w[2])
-    nu = np.maximum(nu[0], nu[1] / w[0])
-    return waves.max(), (STIFFNESS_OF_WIDE * nu * squares.sum(axis=0) / J**2).max()
-
-
-def test_what_bounds_a_step():
-    """Of gas on a grid that moves and a solid that conducts, on a shape that is warped."""
-    shape = shapes.warped(shapes.layers(N + 1, False), 0.03)
-    problem = problem_of(shape, closed, gas(mu=0.02), solid(heat="coupled"))
-    with steps_of(problem) as run:
-        run.step(2e-3, 2)
-        looked = run.look().copy()
-        for k in range(2):
-            np.testing.assert_allclose(looked[k, 1:3], bounds_of(run, k), rtol=1e-12)
-            assert looked[k, 0] == 0.0 and looked[k, 2] > 0.0
-        moving = run.scheme.parts[0].metrics[4:6]
-        assert np.abs(moving).max() > 0.01
-        run.y.owned(0)[5] *= 0.9  # its J departs from the grid, its density does not
-        assert run.look()[0, 4] == pytest.approx(0.1, rel=1e-6)
-    with steps_of(problem, pace=2.0) as run:  # as much faster are waves where shocks are damped
-        run.step(2e-3, 2)
-        np.testing.assert_allclose(run.look()[:, 1:3], looked[:, 1:3] * [2.0, 1.0], rtol=1e-12)
-
-
-def spin_of(run):
-    """Angular momentum about the origin, from the unknowns and where nodes are."""
-    total = 0.0
-    for k, part in run.scheme.parts.items():
-        q, d = run.y.owned(k), run.problem.dimension
-        H = weights_of(part.part, part.owned)
-        if run.problem.blocks[k].kind == "fluid":
-            x, momentum = part.grid.positions()[:, part.owned], H * q[:, 2 : 2 + d].T
-        else:
-            x = part.X[:, part.owned] + q[:, :d].T
-            momentum = H * part.inertia[part.owned] * q[:, d : 2 * d].T
-        total += np.cross(x, momentum, axis=0).sum(axis=-1)
-    return total
-
-
-@pytest.mark.parametrize("d", [2, 3])
-def test_angular_momentum(d):
-    """Of gas whose grid has moved and of a solid; nothing turns a solid that nothing holds."""
-    shape = shapes.layers(N + 1, False) if d == 2 else shapes.three(4)
-    problem = problem_of(shape, closed, gas(d), solid(d, heat="elastic"))
-    names = ["angular_momentum"] if d == 2 else [f"angular_momentum_{x}" for x in "xyz"]
-    with steps_of(problem) as run:
-        run.step(2e-3, 2)
-        run.integrals()
-        found = [float(run.scheme.latest[name]) for name in names]
-        np.testing.assert_allclose(found, spin_of(run), rtol=1e-13, atol=1e-15)
-        assert np.abs(found).min() > 1e-3
-    block = problem.blocks[-1]
-    if d == 3:  # where p_ref is a traction along discrete normals, whose torque is not 0
-        block = replace(block, material=replace(block.material, p_ref=0.0))
-    alone = BlockProblem((block,), {("solid", k, s): Free() for k in range(d) for s in (0, 1)})
-    with steps_of(alone) as run:
-        before = [float(run.scheme.latest[name]) for name in names]
-        run.step(2e-3, 5)
-        run.integrals()
-        after = [float(run.scheme.latest[name]) for name in names]
-        np.testing.assert_allclose(after, before, rtol=1e-9, atol=1e-11)
-        assert np.abs(before).min() > 1e-3
-
-
-def swung(cells, dt, t, order=4):
-    """A solid that swings freely: its kinetic and elastic energy at first, and what is lost of it,
-    as the series of a run has it; change of all energy.
-    """
-    rubber = ElasticSolid(1.0, 2.0, 0.0, 2.0, 1.5, 0.0, "log", "elastic")
-
-    def swinging(X, Y):
-        return [0.1 * np.sin(np.pi * X), 0.1 * np.cos(np.pi * Y) * X, 1.0 + 0.0 * X, X, Y]
-
-    one = Block("solid", rubber, rectangle((0, 0), (1, 1)), (cells, cells), swinging)
-    faces = {("solid", axis, side): Free() for axis in (0, 1) for side in (0, 1)}
-    with steps_of(BlockProblem((one,), faces), order) as run:
-        first, energy = run.held(), run.integrals()[-1]
-        run.step(dt, round(t / dt))
-        change = run.integrals()[-1] - energy
-        return first, run.lost(), change / energy
-
-
-def test_what_steps_lose_falls_with_their_order():
-    """Runge-Kutta loses kinetic and elastic energy by the fifth power of the step; all of the
-    energy stays.
-    """
-    first, coarse, change = swung(10, 0.01, 1.0)
-    _, fine, _ = swung(10, 0.005, 1.0)
-    assert abs(change) < 1e-14 and 1e-10 * first < fine < coarse
-    assert 4.5 < np.log2(coarse / fine) < 5.5
-
-
-def test_much_that_is_lost_is_told():
-    """From a thousandth on, over the largest energy; it is remembered over a restart."""
-    steps = np.zeros(4, [("t", "f8"), ("dt", "f8"), ("lost_energy", "f8"), ("solid_energy", "f8")])
-    steps["solid_energy"] = 2.0, 1.0, 0.5, 0.0
-    steps["lost_energy"] = 0.001, 0.002, 0.003, -0.001
-    ledgers = Ledgers({"masses": [], "energy": False})
-    ledgers.begin({"mass": []})
-    ledgers.add(steps[:2])
-    again = Ledgers({})
-    again.recall(ledgers.memory(), {})
-    again.add(steps[2:])
-    assert again.lost == pytest.approx(0.003)
-    assert "lost 0.3 %" in about_losses({"lost_energy": again.lost})[0]
-    assert about_losses({"lost_energy": 0.0009}) == [] and about_losses({}) == []
-
-
-def test_a_departure_of_volumes_is_told():
-    """From 1 % on; what is no number, too. It is remembered over a restart."""
-    steps = np.zeros(3, [("t", "f8"), ("dt", "f8"), ("J_error", "f8", (2,))])
-    steps["J_error"][1] = 0.001, 0.03
-    ledgers = Ledgers({})
-    for step in range(3):
-        ledgers.add(steps[step : step + 1])
-    assert ledgers.J_error == 0.03
-    assert "J has departed by 3 %" in about_volumes(ledgers.J_error)[0]
-    assert about_volumes(0.0099) == [] and len(about_volumes(np.nan)) == 1
-    known, again = Ledgers({"masses": [], "energy": False}), Ledgers({})
-    known.begin({"mass": []})
-    known.add(steps)
-    again.recall(known.memory(), {})
-    assert again.J_error == 0.03
 
 
 @pytest.mark.mpi

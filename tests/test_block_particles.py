@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("numba")
 
 import block_shapes as shapes
-from test_block_ledgers import gas, problem_of, solid
+from ledger_problems import gas, problem_of, solid
 
 from fsipetsc.blocks.conditions import (
     Clamped,

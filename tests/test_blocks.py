@@ -147,6 +147,14 @@ def right_handed(d):
                 yield axes, flips
 
 
+def partners(problem, k):
+    """Node of block k -> that of the other one of two blocks which is the same particle."""
+    found = {}
+    for particle, block, node in zip(*(array.tolist() for array in problem.members)):
+        found.setdefault(particle, {})[block] = node
+    return {nodes[k]: nodes[1 - k] for nodes in found.values() if len(nodes) == 2}
+
+
 @pytest.mark.parametrize("d", (2, 3))
 def test_any_face_meets_any_face_however_it_is_turned(d):
     cells = (4, 5, 6)[:d]
@@ -158,12 +166,11 @@ def test_any_face_meets_any_face_however_it_is_turned(d):
         ((face, met),), ((back_face, back),) = joins(problem, 0), joins(problem, 1)
         assert face == (0, 1) and (back.block, back.axis, back.side) == (0, 0, 1)
         assert (met.block, met.axis, met.side) == (1, *back_face) and problem.is_interface(0, 0, 1)
+        other = partners(problem, 0)
         mine, others = problem.face_nodes(0, 0, 1), problem.face_nodes(1, *back_face)
         X = problem.places(0, mine)
-        assert np.array_equal(X, problem.places(1, others[met.order]))
-        assert np.array_equal(met.order[back.order], np.arange(len(mine)))
-        assert met.axes == tuple(axes.index(k) for k in range(1, d))
-        assert met.flips == tuple(flips[axes.index(k)] for k in range(1, d))
+        assert np.array_equal(X, problem.places(1, [other[n] for n in mine.tolist()]))
+        assert {other[n] for n in mine.tolist()} == set(others.tolist())
         seen.add((met.axis, met.side))
     assert seen == set(product(range(d), (0, 1)))
 
@@ -229,8 +236,10 @@ def test_rings_meet_wherever_their_angles_begin():
     ring = maps.annulus(1.0, 1.5, angles)
     outer = Block("o", SOLID, ring, (4, 12), nothing, periodic=(False, True))
     problem = BlockProblem([inner, outer], {("i", 0, 0): Slip(), ("o", 0, 1): Free()})
-    met = problem.faces_of(0)[0, 1]
-    assert met.order.tolist() == [(j - 2) % 12 for j in range(12)] and not problem.joined
+    mine, others = problem.face_nodes(0, 0, 1), problem.face_nodes(1, 0, 0)
+    other = partners(problem, 0)
+    assert [other[n] for n in mine.tolist()] == [others[(j - 2) % 12] for j in range(12)]
+    assert not problem.joined
     ghosted = problem.positions(0, [(4, 5), (-2, 14)])
     assert np.array_equal(ghosted[:, 2:14], problem.places(0, problem.face_nodes(0, 0, 1)).T)
     assert np.array_equal(ghosted[:, :2], ghosted[:, 12:14])

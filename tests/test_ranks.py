@@ -66,7 +66,7 @@ ON[3] = [name for name in RUNS if name not in ON[4]][1::2]
 ON[2] = [name for name in RUNS if name not in ON[3]]
 
 #: of what is integrated over x the last bits depend on the number of ranks
-SUMS = {"mass", "momentum", "force", "impulse", "energy", "entropy", "heating"}
+SUMS = {"mass", "momentum", "energy", "entropy"}
 SUMS |= {"momentum_x", "impulse_x", "mass_in", "energy_in", "solid_energy", "lost_energy"}
 SUMS |= {"energy_face", "heat_face"}
 

@@ -10,17 +10,13 @@ from fsipetsc.materials.linear_elastic import LinearElastic
 from fsipetsc.materials.log_solid import Log
 from fsipetsc.materials.neo_hookean import NeoHookean
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.materials.solid_pressure import gruneisen, mie_gruneisen, stiffened_pressure
+from fsipetsc.materials.solid_pressure import gruneisen, mie_gruneisen
 from fsipetsc.materials.st_venant_kirchhoff import StVenantKirchhoff
 
 MU, LAMBDA, P_REF = 1.3, 2.1, 0.4
 OBJECTIVE = Log, NeoHookean, StVenantKirchhoff
 LAWS = *OBJECTIVE, LinearElastic
-PRESSURES = (
-    gruneisen(1.2),
-    mie_gruneisen(2.0, 1.4, 1.1, 0.8),
-    stiffened_pressure(1.6, 2.0, 0.9, 0.3),
-)
+PRESSURES = gruneisen(1.2), mie_gruneisen(2.0, 1.4, 1.1, 0.8)
 M0, ALPHA = 1.7, 0.6
 
 
@@ -129,9 +125,8 @@ def law_in(d):
 def test_energy_and_temperature(d, heat):
     equations, v, T = solid(heat=heat).equations(d), (0.3, -0.2, 0.5)[:d], 1.7
     F = flat(strains(d, 1)[0])
-    e = equations.total_energy(v, T, F)
     stored = law_in(d).energy(F) / M0 if heat == "elastic" else 0.0
-    assert e == pytest.approx(0.5 * np.dot(v, v) + ALPHA * T + stored, rel=1e-14)
+    e = 0.5 * np.dot(v, v) + ALPHA * T + stored
     assert equations.temperature(v, e, F) == pytest.approx(T, rel=1e-13)
     assert solid().K == pytest.approx(2.0 * MU + LAMBDA)
 

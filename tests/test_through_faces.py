@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("petsc4py")
 
 from block_ledgers import steps_of
-from test_block_ledgers import N, gas, problem_of, solid
+from ledger_problems import N, gas, problem_of, solid
 
 from fsipetsc.blocks.conditions import Clamped, Free, Given, NoSlip, Open, Roller, Slip
 from fsipetsc.scheme.particle_records import MOVES_GAS

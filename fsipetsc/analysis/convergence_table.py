@@ -6,8 +6,6 @@ force (L1 or L2) of the mean over these, over the largest range on the finest gr
 its unit in layers of its kind.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

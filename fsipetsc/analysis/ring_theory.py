@@ -8,8 +8,6 @@ viscosity. Without viscosity it has no psi, and slips. What is innermost and out
 is gas, and free if it is solid.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ The classical Runge-Kutta method multiplies a mode exp(lambda t) by R(dt lambda)
 that grows counts with its frequency alone).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -12,8 +12,6 @@ differences of neighbours across the blocks over those of the values: 4 where si
 a wave of 6 nodes.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

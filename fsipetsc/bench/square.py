@@ -2,8 +2,6 @@
 cubes, periodic along the interface, with a wall below and clamped above, and smooth disturbances.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What a rank's parts of gas and solid blocks have in common."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -16,9 +14,7 @@ Array = NDArray[Any]
 
 
 class BlockPart:
-    """One part of a block. X: (d, ghosted nodes) places in the reference map. timed: data of its
-    faces or its forcing depend on time.
-    """
+    """One part of a block. X: (d, ghosted nodes) places in the reference map."""
 
     metrics: Array
 
@@ -34,7 +30,6 @@ class BlockPart:
         rows = d + 2 if self.block.kind == "fluid" else 2 * d + 1
         forced = self.block.forcing is not None
         self._forcing = np.zeros((rows, self.owned.size * forced))
-        self.timed = self.faces.timed or forced
 
     def refresh(self, t: float) -> None:
         """Data of faces and of the forcing at time t [s]. InputError."""

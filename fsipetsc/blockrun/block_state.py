@@ -5,8 +5,6 @@ It has the names that stepping.run, stepping.integrator and the writer ask for: 
 fsipetsc.blockrun.scheme.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
@@ -24,7 +22,7 @@ from fsipetsc.blockrun.saved import grids, header, places, seen
 from fsipetsc.blockrun.scheme import Scheme
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import counted
-from fsipetsc.errors import FsiError, InputError
+from fsipetsc.errors import FsiError
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder, halos_of
@@ -33,8 +31,7 @@ from fsipetsc.scheme.after_step import WORDS, note_extremes, note_gained
 from fsipetsc.scheme.burst import DT, MADE
 from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES, advance
-from fsipetsc.stepping.phases import logged
-from fsipetsc.stepping.snapshot import as_numbers, gather_local, put_whole, whole
+from fsipetsc.stepping.snapshot import as_numbers, whole
 from fsipetsc.stepping.state import State
 
 #: by order: how much shorter steps are with dissipation of strength 1 at shocks. That alone is a
@@ -77,8 +74,12 @@ class BlockState(State):
     convection and diffusion [1/s]. h: size of the smallest cells [m].
     recorded: nodes to be recorded at each step. orders: block -> what brings its nodes into the
     order in which they are saved. announce: called with a message when several ranks wait for
-    kernels. InputError where blocks, order and ranks do not fit.
+    kernels. apart: one rank calls what several do. InputError where blocks, order and ranks do not
+    fit.
     """
+
+    #: nodes held in reserve: no grid grows
+    reserve = 0
 
     def __init__(
         self,
@@ -89,17 +90,17 @@ class BlockState(State):
         partition: str = "auto",
         recorded: Sequence[Recorded] = (),
         announce: Callable[[str], None] = lambda text: None,
+        apart: bool = False,
     ) -> None:
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
         self.h = float(problem.spacing)
         self._order, self._form = order, form
         self.shocks = form.shock > 0.0
         self._pace = max(1.0, form.shock * PACE_AT_SHOCKS[order])
-        self.convection = "divergence" if form.convection == "divergence" else "entropy"
         blocks, d = problem.layers, problem.dimension
         self.lossy, behind = lossy(problem), gained(problem).itemsize // 8
-        self._halos = halos_of(problem, order, self.shocks)
-        self.layout = BlockLayout(comm, problem, order, self._halos, partition, behind=behind)
+        halos = halos_of(problem, order, self.shocks)
+        self.layout = BlockLayout(comm, problem, order, halos, partition, behind=behind)
         self.y = self.layout.vector()
         self._stage = self.layout.vector()
         size = (self.layout.local_size, None)
@@ -111,10 +112,8 @@ class BlockState(State):
         self._before, self.retries = np.empty_like(self.y.array), 0
         if comm.size > 1 and self.points <= MOST_ALONE:
             self._compile_first(announce)
-        self.scheme = together(comm, lambda: self._made(self.layout, comm.size == 1))
+        self.scheme = together(comm, lambda: self._made(comm.size == 1 and not apart))
         self.scheme.attach(self.y.array, self._stage.array, *self._words())
-        for name in ("complete", "rates", "look"):
-            setattr(self.scheme, name, logged(f"fsi {name}", getattr(self.scheme, name)))
         self.evaluations, self._t = 0, 0.0
         widths = [len(fields_of(b.kind, d, problem.symmetry)) for b in blocks]
         parts = self.layout.parts
@@ -127,23 +126,19 @@ class BlockState(State):
         self._extremes, self.rates = np.zeros(1 + WORDS * blocks), np.zeros((blocks, 2))
         self._columns = slices(self.latest.dtype)
 
-    def _words(self, scratch: bool = False) -> tuple[Any, ...]:
-        """What a look and steps in one call fill: see fsipetsc.scheme.steps.Found, after gain; or
-        other memory of this kind.
-        """
-        latest = self._latest.copy() if scratch else self._latest
-        first = self._columns.get(OF_INTERFACES[0], slice(0, 0))
+    def _words(self) -> tuple[Any, ...]:
+        """What a look and steps in one call fill: see fsipetsc.scheme.steps.Found, after gain."""
+        latest, first = self._latest, self._columns.get(OF_INTERFACES[0], slice(0, 0))
         size = len(OF_INTERFACES) * (first.stop - first.start)
         at_ends = latest[first.start : first.start + size].reshape(len(OF_INTERFACES), -1)
         words = self._extremes, self.rates, self.results, latest, at_ends, self._pace
         return *words, self.burst, self._rows
 
-    def _made(self, layout: BlockLayout, alone: bool) -> Scheme:
-        """The scheme on all ranks of a layout."""
-        line = self.problem.dimension == 1 and layout is self.layout
-        ends = list(self._interface_ends()) if line else []
+    def _made(self, alone: bool) -> Scheme:
+        """The scheme."""
+        ends = list(self._interface_ends()) if self.problem.dimension == 1 else []
         form = self._order, self._form, self._instant
-        return Scheme(layout, self.problem, *form, self._columns, ends, alone)
+        return Scheme(self.layout, self.problem, *form, self._columns, ends, alone)
 
     def _interface_ends(self) -> Iterator[tuple[int, int, int, float]]:
         """Of interfaces in one dimension with the solid's end here: number, block, row, X."""
@@ -165,11 +160,6 @@ class BlockState(State):
         """Nodes of all blocks."""
         return sum(int(np.prod(shape)) for shape in self.layout.shapes)
 
-    @property
-    def reserve(self) -> int:
-        """Nodes held in reserve: no grid grows."""
-        return 0
-
     # set-up
 
     def compile(self, announce: Callable[[str], None]) -> None:
@@ -181,14 +171,15 @@ class BlockState(State):
                 self.y.behind[:] = 0.0
 
     def _compile_first(self, announce: Callable[[str], None]) -> None:
-        """Rank 0 tries all of the scheme on the whole problem, alone, before any rank makes its
-        own: so the others find the kernels on the disk. On very large problems each rank compiles
-        when it comes to it. What is wrong with the case's data all find out later, together.
+        """Rank 0 makes a state of the whole problem, alone, before any rank makes its own scheme:
+        so the others find the kernels on the disk. On very large problems each rank compiles when
+        it comes to it. What is wrong with the case's data all find out later, together.
         """
         if self.comm.rank == 0:
             with announced(announce), suppress(FsiError):
-                self._compile_own()
-                self._try_alone()
+                of_all = self.problem, self._order, self._form
+                with BlockState(MPI.COMM_SELF, *of_all, apart=True) as state:
+                    state.compile(lambda text: None)
         wait_asleep(self.comm)
 
     def _compile_own(self) -> None:
@@ -198,17 +189,6 @@ class BlockState(State):
         note_extremes(extremes, rates, np.zeros(FLAGS + LIMITS), np.zeros(2))
         note_gained(np.zeros(1), np.zeros(1))
         self.plan_next()  # nothing is allowed yet
-
-    def _try_alone(self) -> None:
-        """Call all of a scheme of the whole problem once."""
-        grid = self.problem, self._order, self._halos
-        alone = BlockLayout(MPI.COMM_SELF, *grid, behind=self.layout.behind)
-        y, scheme = alone.vector(), self._made(alone, False)
-        scheme.attach(y.array, np.zeros_like(y.array), *self._words(scratch=True))
-        _call_all(scheme, y, 0.0)
-        scheme.destroy()
-        y.destroy()
-        alone.destroy()
 
     def check_data(self) -> None:
         """Ask the case's functions for all data at t = 0. InputError."""
@@ -321,28 +301,27 @@ class BlockState(State):
         """What a step depends on, on rank 0: whole blocks, (…, n_1, n_0, unknowns), so that it does
         not depend on who had what; what stands behind the nodes is added up. Collective.
         """
-        layout, parts = self.layout, gather_local(self.comm, self.y.array)
-        if parts is None:
+        arrays = {}
+        for k, shape in enumerate(self.layout.shapes):
+            part = self.layout.part(k)
+            numbers = np.empty(0, np.int64) if part is None else part.numbers
+            found = whole(self.comm, int(np.prod(shape)), numbers, self.y.owned(k))
+            if found is not None:
+                arrays[f"layer{k}"] = found.reshape(*shape[::-1], -1)
+        every = self.comm.gather(self.y.behind)
+        if every is None:
             return None
-        shapes = [(*s[::-1], dof) for s, dof in zip(layout.shapes, layout.dofs, strict=True)]
-        arrays, behind = whole(parts, shapes, layout.pieces), np.zeros(layout.behind)
-        for part in parts:
-            behind += part[part.size - layout.behind :]
-        latest = as_numbers(self.latest).copy()
+        behind, latest = sum(every, np.zeros(self.layout.behind)), as_numbers(self.latest).copy()
         return {**arrays, "behind": behind, "results": self.results.copy(), "latest": latest}
 
     def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> None:
-        """Be at time t [s] what arrays tell of, which all ranks know. InputError: other grids."""
-        layout, rank = self.layout, self.comm.rank
-        for k, (block, shape) in enumerate(zip(self.problem.layers, layout.shapes, strict=True)):
-            there = arrays[f"layer{k}"].shape[-2::-1]
-            if there != shape:
-                now, then = (" by ".join(map(str, sizes)) for sizes in (shape, there))
-                raise InputError(f"{block} has {now} nodes, and {then} in the checkpoint")
+        """Be at time t [s] what arrays tell of, which all ranks know. InputError."""
         self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
         self._t = t
-        put_whole(self.y.array, arrays, layout.pieces(rank))
-        self.y.behind[:] = arrays["behind"] if rank == 0 else 0.0
+        for part in self.layout.parts:
+            of_block = arrays[f"layer{part.k}"].reshape(-1, part.dof)
+            self.y.owned(part.k)[:] = of_block[part.numbers]
+        self.y.behind[:] = arrays["behind"] if self.comm.rank == 0 else 0.0
         self._load_stage(self.y.array)  # what the scheme derives of it; it stays as it is
         self._fill_halos()
         agree(self.comm, self.fault)

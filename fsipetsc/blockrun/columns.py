@@ -1,7 +1,5 @@
 """What is saved and recorded of blocks in d dimensions: names of fields and of series."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -2,15 +2,13 @@
 fsipetsc.scheme.faces.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blocks.conditions import Absorbing, Free, Open, Outflow, steady
+from fsipetsc.blocks.conditions import Absorbing, Free, Open, Outflow
 from fsipetsc.blocks.metrics import Wide, curl_metrics
 from fsipetsc.blocks.problem import Meeting
 from fsipetsc.blocks.values import checked, checked_one, data, datum
@@ -24,7 +22,7 @@ class FaceTerms:
     """Terms of the faces of one part of a block that have a condition, or interfaces with jumps.
 
     X: (d, ghosted nodes) places in the reference map. record: for compiled code, once `refresh` has
-    filled it. timed: data depend on time.
+    filled it.
 
     In three dimensions, and around an axis or a centre, the pressure p_ref under which a solid is
     free of strain is no part of its stress: -p_ref cof F would not be at rest with a gas. Faces to
@@ -71,9 +69,6 @@ class FaceTerms:
             self.record = SolidFaces(*nodes, flags, vectors[0], *numbers, vectors[1], X)
         for where, length in lengths:
             self.record.width[where] = length
-        meets = [isinstance(condition, Meeting) for condition, _, _ in self._faces]
-        still = all(meeting or steady(c) for (c, _, _), meeting in zip(self._faces, meets))
-        self.timed = not still or (any(meets) and self._jumps is not None)
 
     def refresh(self, t: float) -> None:
         """Fill the record with data at time t [s]. InputError."""

@@ -2,8 +2,6 @@
 functions and ends those of a block.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import wraps
 from typing import Any

@@ -1,7 +1,5 @@
 """A rank's part of a gas block: its record for compiled code, its moving grid, what is saved."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

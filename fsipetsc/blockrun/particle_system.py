@@ -5,8 +5,6 @@ Owners of the members of a particle send each other what is extensive of them; e
 the same order and solves the same small system. See fsipetsc.scheme.particles for what is solved.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

@@ -2,15 +2,13 @@
 unknowns.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blocks.conditions import moves, steady
+from fsipetsc.blocks.conditions import moves
 from fsipetsc.blocks.particles import Particle
 from fsipetsc.blocks.values import data, datum, names_of
 from fsipetsc.scheme.particle_records import Data
@@ -26,8 +24,8 @@ class Prescribed:
 
     law: of the gas. instant: says a time [s] in which little happens, for differences in time.
     data: the arrays of the last instant. moving: particles on walls that move, by which the grid
-    goes along; displaced: (particles, d) by how much. timed: data depend on time;
-    by_differences: some of them are differences in time.
+    goes along; displaced: (particles, d) by how much. by_differences: some data are differences in
+    time.
     """
 
     def __init__(
@@ -43,7 +41,6 @@ class Prescribed:
         self.displaced = np.zeros_like(self._x)
         self._groups = {name: _grouped(particles, name) for name in NAMES}
         found = [c for group in self._groups.values() for c, _ in group]
-        self.timed = not all(steady(condition) for condition in found)
         self.by_differences = any(moves(c) or getattr(c, "velocity", None) for c in found)
         walls = [who for name in WALLS for c, who in self._groups[name] if moves(c)]
         self.moving = np.unique(np.concatenate([np.empty(0, np.int64), *walls]))

@@ -11,8 +11,6 @@ data depend on time (fsipetsc.scheme.steps); else the same functions are called 
 exchanges. `y` is a fsipetsc.parallel.block_layout.BlockVector; `f` an array of the same layout.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
@@ -86,8 +84,7 @@ class Scheme:
         self.alone = alone and d < 3
         self._records(columns, ends, fluids)
         self._memory = tuple(np.zeros(layout.local_size) for _ in range(2))
-        timed = self.particles.prescribed.timed or any(part.timed for part in self.parts.values())
-        self.steady, self.fault = not timed and problem.jumps is None, None
+        self.steady, self.fault = problem.steady_data, None
         self._filled: tuple[Any] | None = None  # the instant that the data are of
 
     def _records(self, columns: dict[str, slice], ends: Sequence[Any], fluids: list[int]) -> None:

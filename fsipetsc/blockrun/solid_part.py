@@ -1,7 +1,5 @@
 """A rank's part of a solid block: metrics, rates, what is saved of it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

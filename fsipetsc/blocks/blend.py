@@ -4,8 +4,6 @@ Axis after axis, what is missing at the two faces is added, with the weights of
 fsipetsc.blocks.hull between them. On faces their values, to the bit.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -4,8 +4,6 @@ Nodes of axis k are xi_k = i/cells_k, i = 0 … cells_k, or 0 … cells_k - 1 wh
 periodic. Axis 0 is the fastest in memory: node number n = i_0 + N_0 (i_1 + N_1 i_2).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property

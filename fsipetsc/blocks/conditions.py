@@ -4,8 +4,6 @@ Data are numbers, or functions of place and time: f(*X, t), X the face's nodes i
 InputError for what is no datum.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any
@@ -24,8 +22,10 @@ _FUNCTIONS = {"x": "d positions", "velocity": "d velocities", "values": "the unk
 _VECTORS = "u", "shift"
 
 
-class _Checked:
-    """Makes data floats and tuples of floats. of: kinds of block that it is for."""
+class Condition:
+    """What stands at a face. Makes data floats and tuples of floats. of: kinds of block that it is
+    for.
+    """
 
     of = frozenset({"fluid", "solid"})
 
@@ -49,11 +49,11 @@ class _Checked:
             raise InputError(f"{name}: velocity is given, and x is not: expected both, or x alone")
 
 
-class _OfGas(_Checked):
+class _OfGas(Condition):
     of = frozenset({"fluid"})
 
 
-class _OfSolid(_Checked):
+class _OfSolid(Condition):
     of = frozenset({"solid"})
 
 
@@ -115,7 +115,7 @@ class Outflow(_OfGas):
 
 
 @dataclass(frozen=True)
-class Given(_Checked):
+class Given(Condition):
     """All unknowns are given: values(*X, t) -> (rho, u_1..u_d, T) of a gas, (v_1..v_d, T, x_1..x_d)
     of a solid. The face of a gas is at rest, or moved as a NoSlip.
     """
@@ -172,7 +172,7 @@ class Roller(_OfSolid):
 
 
 @dataclass(frozen=True)
-class Centre(_Checked):
+class Centre(Condition):
     """No face: beyond the first node, half a spacing from r = 0, is the block's mirror image. At
     side 0 of the last axis, in a problem with an axis or a centre.
     """
@@ -184,29 +184,13 @@ class Hinge(_OfSolid):
 
 
 @dataclass(frozen=True)
-class Periodic(_Checked):
+class Periodic(Condition):
     """The face goes on at another one, also Periodic: this one moved by shift (d numbers) [m].
 
     A block that is periodic in itself has no faces there: Block(…, periodic=(True, False)).
     """
 
     shift: Any
-
-
-Condition = (
-    NoSlip
-    | Slip
-    | Open
-    | Outflow
-    | Given
-    | Clamped
-    | Free
-    | Absorbing
-    | Roller
-    | Hinge
-    | Periodic
-    | Centre
-)
 
 
 def moves(condition: Any) -> bool:

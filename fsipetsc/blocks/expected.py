@@ -2,8 +2,6 @@
 checks, which raise InputError.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 

@@ -1,18 +1,13 @@
-"""Faces of blocks: their nodes, which nodes are at one place, how two faces with the same nodes
-lie.
-"""
+"""Faces of blocks: their nodes, which nodes are at one place."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import permutations, product
+from itertools import product
 
 import numpy as np
 
 from fsipetsc.blocks.block import Block, mesh
 from fsipetsc.checks import Array
-from fsipetsc.errors import InputError
 
 #: places are the same within this part of the shortest edge of a cell on a face, or of all
 _OF_CELL, _OF_ALL = 1e-9, 1e-13
@@ -45,11 +40,6 @@ class Face:
         """Nodes along its axes."""
         return tuple(self.owner.shape[k] for k in self.axes)
 
-    @property
-    def closed(self) -> tuple[bool, ...]:
-        """Which of its axes are periodic."""
-        return tuple(self.owner.periodic[k] for k in self.axes)
-
     def places(self, index: Sequence[Array]) -> Array:
         """X (d, N) of those of its nodes that have these indices in the block."""
         block, number, stride, beyond = self.owner, 0, 1, 0.0
@@ -61,8 +51,9 @@ class Face:
     def corners(self, values: Array) -> Array:
         """The values (N,) at its corners, sorted; of a periodic axis at its first node."""
         array = values.reshape(self.shape[::-1])
-        for k, closed in enumerate(self.closed):
-            array = np.take(array, [0] if closed else [0, -1], axis=array.ndim - 1 - k)
+        for k, axis in enumerate(self.axes):
+            ends = [0] if self.owner.periodic[axis] else [0, -1]
+            array = np.take(array, ends, axis=array.ndim - 1 - k)
         return np.sort(array.ravel())
 
 
@@ -104,34 +95,6 @@ def same_place(X: Array, within: float) -> Array:
         run[order[1:]] = np.cumsum(np.diff(x[order]) > within)
         labels = np.unique(labels * (len(x) + 1) + run, return_inverse=True)[1]
     return labels
-
-
-def orientation(
-    face: Face, labels: Array, other: Face, others: Array
-) -> tuple[Array, tuple[int, ...], tuple[bool, ...]]:
-    """(order, axes, flips) as of a Meeting, so that labels = others[order]. InputError."""
-    mine = labels.reshape(face.shape[::-1])
-    for axes, flips, seen in _turned(np.arange(len(others)).reshape(other.shape[::-1])):
-        if seen.shape != mine.shape or tuple(other.closed[k] for k in axes) != face.closed:
-            continue
-        begin = np.argwhere(others[seen] == mine.flat[0])[0]
-        for along, closed in enumerate(face.closed[::-1]):
-            if closed:  # a closed axis may begin anywhere
-                seen = np.roll(seen, -begin[along], axis=along)
-        order = seen.ravel()
-        if np.array_equal(others[order], labels):
-            return order, tuple(other.axes[k] for k in axes), flips
-    raise InputError(f"{face} and {other} have the same nodes in another order")
-
-
-def _turned(array: Array) -> Iterator[tuple[tuple[int, ...], tuple[bool, ...], Array]]:
-    """(axes, flips, array seen so): its k-th axis, counted from the last, is axis axes[k]."""
-    m = array.ndim
-    for axes in permutations(range(m)):
-        seen = array.transpose([m - 1 - k for k in axes[::-1]])
-        for flips in product((False, True), repeat=m):
-            steps = tuple(slice(None, None, -1 if flip else 1) for flip in flips[::-1])
-            yield axes, flips, seen[steps]
 
 
 def united(labels: Array, pairs: Sequence[tuple[Array, Array]]) -> Array:

@@ -6,8 +6,6 @@ moves is a record for compiled code, one for each number of dimensions and one a
 centre; all have the methods of a LineMotion.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -6,8 +6,6 @@ not move (SCHEME-BLOCKS.md, section 5). Along periodic axes there are no faces. 
 none, either: what lies between it and the opposite one follows this alone.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import product
 from typing import NamedTuple

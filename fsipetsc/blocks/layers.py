@@ -6,8 +6,6 @@ every layer is cut, so that faces conform: a gas over a panel becomes three bloc
 joined.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product

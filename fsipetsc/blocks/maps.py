@@ -5,8 +5,6 @@ form will do; it must be smooth, and right-handed: det(dX/dxi) > 0. Those made h
 dimension.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations, product

@@ -4,8 +4,6 @@ Faces whose nodes are at the same places meet. Nodes of faces at one place are o
 (SCHEME-BLOCKS.md, section 3), also where blocks touch at an edge or a vertex only.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -13,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.blocks.conditions import Condition, Periodic
-from fsipetsc.blocks.faces import Face, orientation, same_place, united
+from fsipetsc.blocks.faces import Face, same_place, united
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
@@ -21,20 +19,11 @@ from fsipetsc.errors import InputError
 
 @dataclass(frozen=True, eq=False)
 class Meeting:
-    """What stands at a face that another one meets: its number of block, axis and side.
-
-    order: node j of this face is node order[j] of the other one. axes, flips: the k-th axis of this
-    face runs along axis axes[k] of the other block, backwards where flips[k]. shift: what takes
-    this face to the other one [m], 0 but for Periodic.
-    """
+    """What stands at a face that another one meets: its number of block, axis and side."""
 
     block: int
     axis: int
     side: int
-    order: Array
-    axes: tuple[int, ...]
-    flips: tuple[bool, ...]
-    shift: tuple[float, ...]
 
 
 #: of the faces (axis, side) of a block
@@ -123,15 +112,11 @@ class Matching:
         return found[0] if found else None
 
     def _meeting(self, f: int, partner: int) -> Meeting:
-        face, other, condition = self.faces[f], self.faces[partner], self.given[f]
-        order, axes, flips = orientation(face, self.wanted[f], other, self.labels[partner])
-        self._pairs.append((self.labels[f], self.labels[partner][order]))
-        shift = (0.0,) * face.owner.dimension
-        if isinstance(condition, Periodic):
-            shift = condition.shift
-            if face.owner.kind != other.owner.kind:
-                raise InputError(f"{face} goes on at {other}: expected gas and gas, or two solids")
-        return Meeting(other.block, other.axis, other.side, order, axes, flips, shift)
+        face, other = self.faces[f], self.faces[partner]
+        self._pairs.append((self.labels[f], self.wanted[f]))
+        if isinstance(self.given[f], Periodic) and face.owner.kind != other.owner.kind:
+            raise InputError(f"{face} goes on at {other}: expected gas and gas, or two solids")
+        return Meeting(other.block, other.axis, other.side)
 
     def _why_alone(self, f: int) -> str:
         """What is wrong with a face that has no condition and that no other meets."""

@@ -6,8 +6,6 @@ whichever way their axes run. Along periodic axes only periodic functions are di
 X = y + sum_k xi_k P_k, with P_k the period of axis k, or 0.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

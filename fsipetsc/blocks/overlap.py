@@ -1,7 +1,5 @@
 """Do blocks overlap? Points inside one block are sought in the others by winding numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import combinations, product
 

@@ -13,8 +13,6 @@ The brackets are 0 to the bit at S and N, or W and E. Along a periodic axis ther
 across it; then their values, those at vertices, l and h are 0.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -5,8 +5,6 @@ the same places meet: a join of gas and gas or solid and solid, an interface of 
 other face needs a condition.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property

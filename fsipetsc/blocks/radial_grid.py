@@ -14,8 +14,6 @@ A pressure p that is the same everywhere gives p S to the momentum along r; so m
 fsipetsc.equations.gas). Source: SCHEME-BLOCKS.md, section 6; that of (z, s) is of this program.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the functions of a block return for places and times, checked."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

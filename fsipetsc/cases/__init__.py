@@ -11,8 +11,6 @@ To add a built-in case, write its file here and add its name to BUILT_IN. Nothin
 it is needed.
 """
 
-from __future__ import annotations
-
 import importlib
 import os
 import re

@@ -1,7 +1,5 @@
 """What the built-in cases share: options of materials, states at rest, stacks of layers."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

@@ -21,14 +21,13 @@ the fluxes, too: they are taken by a step into the complex plane, Im f(z + i s)/
 round-off for s = 1e-30. Places are (*X, t), d arrays of one shape and a time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.blocks.metrics import cofactors as cofactor
 from fsipetsc.checks import Array
 
 Where = Sequence[Any]
@@ -107,16 +106,6 @@ def _sums(weights: Array, values: Array) -> Array:
 def determinant(F: Array) -> Array:
     """Of F (d, d, …)."""
     return np.einsum("k...,k...->...", F[0], cofactor(F)[0])
-
-
-def cofactor(F: Array) -> Array:
-    """det(F) F^-T, of F (d, d, …)."""
-    if len(F) == 1:
-        return np.ones_like(F)
-    if len(F) == 2:
-        return np.array([[F[1, 1], -F[1, 0]], [-F[0, 1], F[0, 0]]])
-    after, before = [1, 2, 0], [2, 0, 1]
-    return F[after][:, after] * F[before][:, before] - F[after][:, before] * F[before][:, after]
 
 
 def unit(F: Array) -> Array:

@@ -14,8 +14,6 @@ where mu = 0 the gas slips, and only what is normal is one. The pressure at rest
 solid is free of strain under it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

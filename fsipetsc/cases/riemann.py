@@ -17,8 +17,6 @@ Across a shock of speed s into the state 0,
 and through a fan E_F = sigma, and u + int c dF is what it was before.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property

@@ -12,8 +12,6 @@ pressure of the gas ahead. The exact solution (fsipetsc.cases.riemann) is that w
 conduction, until a wave comes to one of these ends. Errors are in L1: a shock has order 1.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -29,8 +29,6 @@ The unknowns of a node are q = (J, J rho, J rho u, J E). w = (rho, p, T, u_1 …
 its primitive variables, with the reciprocals that two-point fluxes need.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

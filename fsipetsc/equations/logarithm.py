@@ -7,8 +7,6 @@ x = 2^k (1 + f) with 1 + f between sqrt(1/2) and sqrt(2), and with s = f / (2 + 
 as in FDLIBM (e_log.c, Sun Microsystems 1993, whose coefficients of R these are): below 1 ulp.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -15,8 +15,6 @@ These series, cut in terms of Chebyshev polynomials (C. Lanczos, Applied Analysi
 'economization'), are polynomials for z <= NEAR whose errors are below 4e-17.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

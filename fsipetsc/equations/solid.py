@@ -28,8 +28,6 @@ from the motion is stored or becomes heat at the node itself, so that it does no
 F = 1 to the last bit. Source: SCHEME-BLOCKS.md, section 6.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -117,11 +115,6 @@ class Solid(NamedTuple):
         """T [K]."""
         stored = (1.0 - self.coupled) * self.energy(F) / self.m0
         return (e - 0.5 * dot(v, v) - stored) / self.alpha
-
-    def total_energy(self, v, T, F):
-        """e [J/kg]."""
-        stored = (1.0 - self.coupled) * self.energy(F) / self.m0
-        return 0.5 * dot(v, v) + stored + self.alpha * T
 
     def pressure_at(self, J, T):
         """p [Pa]."""

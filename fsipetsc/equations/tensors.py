@@ -4,8 +4,6 @@ d follows from the length; each function is written out for it when it is compil
 fsipetsc.operators.loops, and works in plain Python as well.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import product as product_of
 from math import isqrt

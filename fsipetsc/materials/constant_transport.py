@@ -1,7 +1,5 @@
 """Viscosity and conductivity that do not depend on the temperature."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 

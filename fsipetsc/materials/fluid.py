@@ -1,7 +1,5 @@
 """What a case says of a gas."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
@@ -65,10 +63,6 @@ class Fluid:
     def internal_energy(self, rho: Any, T: Any) -> Any:
         """Internal energy per mass [J/kg] at rho [kg/m3] and T [K]."""
         return self.gas_law.internal_energy(rho, T)
-
-    def relative(self, T: Any) -> tuple[Any, Any]:
-        """(mu(T)/mu, kappa(T)/kappa) of the transport law at T [K]."""
-        return self.transport_law.viscosity(T), self.transport_law.conductivity(T)
 
     def equations(self, d: int, symmetry: int = 0) -> Gas:
         """Its equations in d dimensions, or around an axis or a centre; InputError if force has not

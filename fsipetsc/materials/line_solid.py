@@ -9,8 +9,6 @@ with p(epsilon, rho) an equation of state in epsilon = alpha T and rho = m0 / x_
 elastic solid.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -56,9 +54,8 @@ class Solid:
 
     K: 2 mu_e + lambda_e [Pa]; kappa_e: heat conductivity [W/(m K)]; m0: density in the reference
     configuration [kg/m3]; alpha: specific heat [J/(kg K)]; force: body force per mass [m/s2];
-    gruneisen: [-]; pressing: None, mie_gruneisen(…), stiffened_pressure(…) or
-    own.pressure_law(…). InputError for what is no number or out of range, and for gruneisen beside
-    another law.
+    gruneisen: [-]; pressing: None, mie_gruneisen(…) or own.pressure_law(…). InputError for what is
+    no number or out of range, and for gruneisen beside another law.
     """
 
     K: float

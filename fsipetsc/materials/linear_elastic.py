@@ -6,8 +6,6 @@
 A rotation is a strain for it, so that angular momentum is not conserved.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from fsipetsc.equations.tensors import add_unit, cofactor, determinant, trace, transpose

@@ -7,8 +7,6 @@
 In one dimension: B. Sjögreen and J. W. Banks (2012), (4.19).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from fsipetsc.equations.logarithm import log

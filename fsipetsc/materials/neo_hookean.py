@@ -6,8 +6,6 @@
 P. Wriggers, Nonlinear Finite Element Methods (2008), section 3.3.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from fsipetsc.equations.logarithm import log

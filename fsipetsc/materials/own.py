@@ -8,8 +8,6 @@ Compiled loops are kept on disk under the types of their arguments. So that a ch
 another type, a law of a case gets a class whose name has a hash of its formulas.
 """
 
-from __future__ import annotations
-
 import hashlib
 import inspect
 from collections.abc import Callable, Mapping

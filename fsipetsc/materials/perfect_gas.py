@@ -1,7 +1,5 @@
 """Perfect gas: p = rho R T, e = cv T, cv = R/(gamma - 1), entropy s = cv ln T - R ln rho."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from fsipetsc.equations.logarithm import log

@@ -5,8 +5,6 @@ Theory of Non-Uniform Gases); n of gases: F. M. White, Viscous Fluid Flow (1974)
 and 1-3 (kappa), air: 0.67 and 0.81.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from fsipetsc.checks import ANY, POSITIVE, number

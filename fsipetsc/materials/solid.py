@@ -1,7 +1,5 @@
 """What a case says of a solid."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,8 +34,8 @@ class ElasticSolid:
     law: "log", "neo-hookean", "svk", "linear" or own.solid_law(…), which knows its own constants.
     heat: "coupled" (the work of stresses becomes heat) or "elastic" (beside an elastic energy).
     force: body force per mass [m/s2], a number in one dimension or a tuple. pressing: None,
-    gruneisen(…), mie_gruneisen(…), stiffened_pressure(…) or own.pressure_law(…), which adds
-    -p cof F to the stress. InputError for what is no number, out of range or no law.
+    gruneisen(…), mie_gruneisen(…) or own.pressure_law(…), which adds -p cof F to the stress.
+    InputError for what is no number, out of range or no law.
     """
 
     mu_e: float

@@ -8,17 +8,11 @@ eta = 1 - J and G rho = G_0 m0
     p = p_H (1 - G_0 eta/2) + G_0 m0 alpha (T - T_0),    p_H = m0 c_0^2 eta/(1 - s eta)^2
 
 for -1/s < eta < 1/s (M. A. Meyers, Dynamic Behavior of Materials, 1994, chapters 4 and 5).
-
-Stiffened gas with p = p_0 at T_0, J = 1 (Harlow and Amsden, LA-4700, 1971):
-
-    p = ((gamma - 1) m0 alpha (T - T_0) + p_0 + gamma p_inf)/J - gamma p_inf.
 """
-
-from __future__ import annotations
 
 from typing import NamedTuple
 
-from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, number
+from fsipetsc.checks import NONNEGATIVE, POSITIVE, number
 from fsipetsc.errors import InputError
 
 
@@ -86,29 +80,6 @@ class MieGruneisen(NamedTuple):
         return J * m0 * self.c_0 * self.c_0 * slope / (room * room)
 
 
-class StiffenedPressure(NamedTuple):
-    """gamma [-], p_inf [Pa], T_0 [K], p_0 [Pa]."""
-
-    gamma: float
-    p_inf: float
-    T_0: float
-    p_0: float
-
-    def pressure(self, J, T, m0, alpha):
-        """p [Pa]."""
-        heated = (self.gamma - 1.0) * m0 * alpha * (T - self.T_0)
-        return (heated + self.p_0 + self.gamma * self.p_inf * (1.0 - J)) / J
-
-    def pressure_by_temperature(self, J, T, m0, alpha):
-        """dp/dT [Pa/K]."""
-        return (self.gamma - 1.0) * m0 * alpha / J
-
-    def stiffness(self, J, T, m0, alpha):
-        """-J dp/dJ [Pa]."""
-        heated = (self.gamma - 1.0) * m0 * alpha * (T - self.T_0)
-        return (heated + self.p_0 + self.gamma * self.p_inf) / J
-
-
 def gruneisen(G: float) -> Gruneisen:
     """The law with a checked number; InputError."""
     return Gruneisen(number(G, "gruneisen: G", NONNEGATIVE))
@@ -125,15 +96,3 @@ def mie_gruneisen(c_0: float, s: float, G_0: float, T_0: float) -> MieGruneisen:
     if law.G_0 > 4.0 * law.s:
         raise InputError(f"mie_gruneisen: G_0 is {G_0:g}, s is {s:g}: expected G_0 of at most 4 s")
     return law
-
-
-def stiffened_pressure(
-    gamma: float, p_inf: float, T_0: float, p_0: float = 0.0
-) -> StiffenedPressure:
-    """The law with checked numbers; InputError."""
-    return StiffenedPressure(
-        number(gamma, "stiffened_pressure: gamma", "above 1"),
-        number(p_inf, "stiffened_pressure: p_inf", NONNEGATIVE, "Pa"),
-        number(T_0, "stiffened_pressure: T_0", POSITIVE, "K"),
-        number(p_0, "stiffened_pressure: p_0", ANY, "Pa"),
-    )

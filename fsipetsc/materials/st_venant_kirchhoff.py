@@ -5,8 +5,6 @@ W = lambda_e/2 tr(E)^2 + mu_e |E|^2 - p_ref (J - 1)
 P = dW/dF = F S - p_ref cof F
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from fsipetsc.equations.tensors import (

@@ -4,8 +4,6 @@ So e = (p + gamma p_inf)/((gamma - 1) rho): F. H. Harlow and A. A. Amsden, Fluid
 (1971). p + p_inf, e - p_inf/rho and s = cv ln T - (gamma - 1) cv ln rho are those of a perfect gas.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from fsipetsc.checks import NONNEGATIVE, POSITIVE, number

@@ -6,8 +6,6 @@ W. Sutherland, Philosophical Magazine 36 (1893) 507. S of gases: F. M. White, Vi
 (1974), Tables 1-2 (mu) and 1-3 (kappa); air: T_ref = 273 K, S = 111 K and 194 K.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

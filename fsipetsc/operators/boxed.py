@@ -7,8 +7,6 @@ Functions in a box are called by address, which takes some 5 ns. A function that
 is optimised once more in each caller: of a chain of callers the whole chain.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Iterable
 from hashlib import sha256

@@ -23,8 +23,6 @@ Differential Equations (1974), 195-212 (existence, norms); B. Strand, J. Comput.
 47-67 (the operators and their free parameters).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from math import prod

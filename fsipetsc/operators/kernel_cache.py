@@ -5,8 +5,6 @@ So kernels of other sources are in another folder: below NUMBA_CACHE_DIR, if tha
 the user's cache folder. Where none can be written to, numba compiles anew in each process.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
 import tempfile

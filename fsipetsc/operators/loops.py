@@ -9,8 +9,6 @@ over rows get tuples of rows; LLVM turns them into vector instructions because `
 the arrays of a call do not overlap.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 from inspect import isfunction

@@ -37,8 +37,6 @@ N. A. Petersson, J. Sci. Comput. 52 (2012), 17-48 (narrow formulas with the boun
 mind).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from fractions import Fraction
 from math import comb

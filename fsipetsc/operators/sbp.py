@@ -1,7 +1,5 @@
 """Summation-by-parts first derivatives: exact coefficients and dense matrices."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction

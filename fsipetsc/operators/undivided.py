@@ -8,8 +8,6 @@ least norm of its nodes, or it would be as much stiffer there as that is small. 
 where a block does; a node of a join has those of both sides.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import comb
 from typing import NamedTuple

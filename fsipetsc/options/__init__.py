@@ -5,8 +5,6 @@ is checked here, once. The rest of the program gets a dict of typed values; PETS
 what PETSc is to follow.
 """
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence

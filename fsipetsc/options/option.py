@@ -1,7 +1,5 @@
 """One entry of the table of options: its type, what it allows, how a text becomes its value."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import dataclass

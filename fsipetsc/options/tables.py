@@ -1,7 +1,5 @@
 """The options of all cases, section by section, and those of PETSc that work here."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Sequence
 
@@ -82,8 +80,6 @@ RUN = (
     Option("fsi_check", float, None, "",
         "stop when mass, momentum, energy or entropy drifts by this fraction against its law",
         check="positive"),
-    Option("fsi_entropy", bool, False, "",
-        "record the entropy, too; -fsi_check does so anyway, and 2-D always"),
     Option("fsi_partition", str, "auto", "", "which ranks own which layers",
         ("auto", "physics", "balanced")),
     Option("fsi_norm", str, "L2", "",

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from fsipetsc.errors import InputError
 from fsipetsc.output.quantities import unit_of
-from fsipetsc.output.reader import BlockLayer, Layer, Run
+from fsipetsc.output.reader import Layer, Run
 
 if TYPE_CHECKING:
     import xarray
@@ -63,10 +63,9 @@ def _add_layer(
             coordinates[f"{axis}_{name}"] = (f"{axis}_{name}", values, about)
         else:
             coordinates[f"{name}.{axis}"] = (dimensions[1:], values, about)
-    positions = "xyz" if isinstance(layer, BlockLayer) else "x"
     for field in layer.fields:
         about = {**_attributes(run, field), "layer": layer.name}
-        where = coordinates if field in positions else variables
+        where = coordinates if field in "xyz" else variables
         where[f"{name}.{field}"] = (dimensions, layer[field], about)
 
 

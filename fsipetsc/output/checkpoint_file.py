@@ -1,13 +1,11 @@
 """The file of a checkpoint: numbers and a text, never code; what was written whole is read.
 
-    the first 512 bytes   "fsipetsc checkpoint 3", the SHA-256 and the length of all that follows
+    the first 512 bytes   "fsipetsc checkpoint 4", the SHA-256 and the length of all that follows
     from there on         an HDF5 file: /header, JSON text, and a dataset arrays/NAME for each array
 
 HDF5 passes over the first 512 bytes, so h5dump and h5py open the file as it is. The checksum is of
 every byte. A checkpoint is written under another name and renamed when it is whole.
 """
-
-from __future__ import annotations
 
 import hashlib
 import io
@@ -25,7 +23,7 @@ from fsipetsc.output.file_layout import check_folder, in_memory, put
 
 Array = np.ndarray[Any, Any]
 _MAGIC = b"fsipetsc checkpoint "
-VERSION = 3
+VERSION = 4
 _HEAD = 512  # bytes: HDF5 looks for its own beginning at this place, too
 
 

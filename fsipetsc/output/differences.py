@@ -1,18 +1,15 @@
 """What differs between two results: the largest difference of each field and series."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from fsipetsc.checks import Array
 from fsipetsc.output.quantities import GAINS
-from fsipetsc.output.reader import Run, open_run
+from fsipetsc.output.reader import Layer, Run, open_run
 
 
 @dataclass(frozen=True)
@@ -164,21 +161,16 @@ def summed(run: Run, name: str) -> Array:
     return np.cumsum(series, axis=0) if name in GAINS else series
 
 
-def common_nodes(a: Any, b: Any, notes: list[str]) -> tuple[list[Array], list[Array]] | None:
+def common_nodes(a: Layer, b: Layer, notes: list[str]) -> tuple[list[Array], list[Array]] | None:
     """For each axis of the arrays, which nodes of either layer are those of the other.
 
     Another grid, and one without common nodes (None), are told in `notes`.
     """
-    block = hasattr(a, "places")
-    if block != hasattr(b, "places"):
-        notes.append(f"layer {a.name!r} is a block in one of them only")
-        return None
-    one, two = (a.places.shape[:-1], b.places.shape[:-1]) if block else (a.X.shape, b.X.shape)
-    if one == two:
-        return [np.arange(n) for n in one], [np.arange(n) for n in two]
+    if a.shape == b.shape:
+        return [np.arange(n) for n in a.shape], [np.arange(n) for n in b.shape]
     found = None
-    if len(one) == len(two) and math.prod(one) * math.prod(two) > 0:
-        found = _of_blocks(a, b) if block else _of_lines(a.X, b.X, a.h)
+    if len(a.shape) == len(b.shape) and math.prod(a.shape + b.shape) > 0:
+        found = _of_lines(a.X, b.X, a.h) if len(a.shape) == 1 else _of_blocks(a, b)
     text = "no node of one is a node of the other"
     if found is not None:
         count = " by ".join(str(len(axis)) for axis in found[0][::-1])
@@ -194,10 +186,10 @@ def _of_lines(a: Array, b: Array, h: float) -> tuple[list[Array], list[Array]] |
     return ([same], [nearest[same]]) if len(same) else None
 
 
-def _of_blocks(a: Any, b: Any) -> tuple[list[Array], list[Array]] | None:
+def _of_blocks(a: Layer, b: Layer) -> tuple[list[Array], list[Array]] | None:
     """Every so many nodes of each axis, if those of both are at the same places; else None."""
     chosen: tuple[list[Array], list[Array]] = [], []
-    for n, m, ring in zip(a.places.shape[:-1], b.places.shape[:-1], a.periodic[::-1]):
+    for n, m, ring in zip(a.shape, b.shape, a.periodic[::-1]):
         last = 0 if ring else 1  # whether the end of the axis is a node of its own
         steps = math.gcd(n - last, m - last)
         for nodes, count in zip(chosen, (n, m)):

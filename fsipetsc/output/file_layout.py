@@ -21,8 +21,6 @@ The columns of a layer are its fields, then x where that is not a field. HDF5's 
 checksums (format of HDF5 1.10): a changed byte there is an error and not a crash.
 """
 
-from __future__ import annotations
-
 import errno
 import io
 import os
@@ -35,7 +33,7 @@ import h5py
 
 from fsipetsc.errors import FileError
 
-FORMAT, VERSION = "fsipetsc result", 3
+FORMAT, VERSION = "fsipetsc result", 4
 LIBVER = ("v110", "v110")
 
 

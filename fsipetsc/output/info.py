@@ -1,7 +1,5 @@
 """What a result holds, as text."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -12,7 +10,7 @@ from fsipetsc.checks import duration
 from fsipetsc.options.option import INT_MAX
 from fsipetsc.output.file_layout import damage
 from fsipetsc.output.quantities import is_si, unit_of
-from fsipetsc.output.reader import BlockLayer, Layer, Run, open_run
+from fsipetsc.output.reader import Layer, Run, open_run
 
 Rows = list[tuple[str, str]]
 
@@ -69,7 +67,7 @@ def _of_layer(run: Run, layer: Layer) -> str:
     """The grid and fields of a layer."""
     axes = "XYZ"[: run.dimension]
     grid = layer.size + "".join(_range(f", {name} =", getattr(layer, name)) for name in axes)
-    spacing = "" if isinstance(layer, BlockLayer) else f", h = {layer.h:g}"
+    spacing = f", h = {layer.h:g}" * (run.dimension == 1)
     return f"{layer.kind}, {grid}{spacing}; {', '.join(layer.fields)}"
 
 
@@ -157,10 +155,6 @@ LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
         lambda changes: ", ".join(dict.fromkeys(what for _, what in changes)),
     ),
     "wall_time": ("wall time of the steps", duration),
-    "phases": (
-        "phases since the last start",
-        lambda found: ", ".join(f"{name} {duration(wall)}" for name, wall in found.items()),
-    ),
     "ranks": ("ranks", str),
     "points": ("points", str),
     "interfaces": ("interfaces", _text),

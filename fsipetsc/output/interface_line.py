@@ -1,7 +1,5 @@
 """An interface in two dimensions as a line: where it is, how it moves, what acts on it."""
 
-from __future__ import annotations
-
 from typing import Any, Literal
 
 import numpy as np
@@ -29,8 +27,7 @@ class InterfaceLine:
     def __init__(
         self, name: str, solid: int, layer: Any, axis: int, side: int, kappa_e: float
     ) -> None:
-        """Of a face of a block of a solid (fsipetsc.output.reader.BlockLayer) with a
-        conductivity."""
+        """Of a face of a block of a solid (fsipetsc.output.reader.Layer) with a conductivity."""
 
         def rows(values: Array) -> Array:
             """(3, …, n) of the face and the next two rows within; (2, …, n) of one cell."""

@@ -4,8 +4,6 @@ A run holds a lock on NAME.parts/lock, which the system takes back when the prog
 way. Where the file system knows no locks, nothing keeps a second run off.
 """
 
-from __future__ import annotations
-
 import fcntl
 import itertools
 import os

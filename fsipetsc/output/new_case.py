@@ -1,7 +1,5 @@
 """A case file to start from: a copy of a template of fsipetsc/cases under a name of the user's."""
 
-from __future__ import annotations
-
 import os
 import re
 import sys

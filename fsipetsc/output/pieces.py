@@ -5,8 +5,6 @@ in the making. At the end of the run the pieces are joined into NAME.h5 and the 
 there is NAME.h5 it is the result, and what the folder of the same run still has is a leftover.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os
@@ -132,7 +130,7 @@ class Contents:
         self.time: Array = np.empty(0)
         self.X = [np.empty(0) for _ in layers]
         self._columns = [columns(layer) for layer in layers]
-        self._shapes = [layer.get("shape") for layer in layers]
+        self._shapes = [tuple(layer["shape"]) for layer in layers]
         self._counts: list[tuple[Path, int, int]] = []  # of frames and steps in each file
         self._open: tuple[Path, h5py.File] | None = None
         try:
@@ -172,12 +170,12 @@ class Contents:
         group, names, shape = f"layer{k}", self._columns[k], self._shapes[k]
         if not len(self.X[k]):
             X: Array = _numbers(file, f"{group}/X")[...]
-            fits = shape is None or X.shape in ((math.prod(shape), len(shape)), (*shape,))
-            rises = shape is not None or np.all(np.diff(X) > 0)
+            fits = X.shape in ((math.prod(shape), len(shape)), shape)
+            rises = len(shape) > 1 or np.all(np.diff(X.ravel()) > 0)
             if not len(X) or not np.isfinite(X).all() or not fits or not rises:
                 raise Damaged(f"the grid in {group} is not ascending numbers")
             self.X[k] = X
-        wanted = dict.fromkeys(names, (count, *(shape or self.X[k].shape)))
+        wanted = dict.fromkeys(names, (count, *shape))
         if "frames" in file[group]:
             wanted = {"frames": (len(self.X[k]), count * len(names))}
         for name, expected in wanted.items():
@@ -331,10 +329,9 @@ def _shapes(
     for name, rest in content.names.items() if rows else ():
         yield f"series/{name}", (rows, *rest)
     for k, layer in enumerate(layers if frames else ()):
-        X = content.X[k].shape
-        yield f"layer{k}/X", X
+        yield f"layer{k}/X", content.X[k].shape
         for name in columns(layer):
-            yield f"layer{k}/{name}", (frames, *layer.get("shape", X))
+            yield f"layer{k}/{name}", (frames, *layer["shape"])
 
 
 def _fill(file: h5py.File, content: Contents, layers: Layers, frames: int, rows: int) -> None:

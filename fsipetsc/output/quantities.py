@@ -1,7 +1,5 @@
 """What is stored and recorded: its units and labels; what can be drawn, and how it follows."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
@@ -15,7 +13,7 @@ from fsipetsc.output.reader import Run
 _FIELDS = {
     "1": "J least_J J_error",
     "K": "T T_interface T_point residual_T",
-    "Pa": "p sigma sigma_theta s_xx s_xy s_yy s_xz s_yz s_zz sigma_interface residual_stress force "
+    "Pa": "p sigma sigma_theta s_xx s_xy s_yy s_xz s_yz s_zz sigma_interface residual_stress "
     "p_point t_x_point t_y_point t_z_point",
     "W m-2": "residual_flux",
     "kg m-3": "rho",
@@ -28,13 +26,12 @@ _INTEGRALS = {
     "J": "energy energy_in energy_face heat_face solid_energy lost_energy",
     "J s": "angular_momentum angular_momentum_x angular_momentum_y angular_momentum_z",
     "J K-1": "entropy",
-    "N s": "momentum momentum_x momentum_y momentum_z impulse impulse_x impulse_y impulse_z",
-    "W K-1": "heating",
+    "N s": "momentum momentum_x momentum_y momentum_z impulse_x impulse_y impulse_z",
     "kg": "mass mass_in",
 }
 #: series of what a step brought, not of what there is after it
 GAINS = (
-    *("impulse", "impulse_x", "impulse_y", "impulse_z", "mass_in", "energy_in", "lost_energy"),
+    *("impulse_x", "impulse_y", "impulse_z", "mass_in", "energy_in", "lost_energy"),
     *("energy_face", "heat_face"),
 )
 _UNITS, _UNITS_OF_INTEGRALS = (
@@ -143,7 +140,6 @@ LEDGERS = {
     "mass": "change of mass",
     "energy": "change of energy",
     "momentum": "momentum",
-    "force": "force of ends and body",
     **{f"momentum_{x}": f"change of momentum {x}" for x in "xyz"},
     "entropy": "change of entropy",
     "least_J": "least J",

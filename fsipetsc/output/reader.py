@@ -43,8 +43,7 @@ class Run:
     time, nframes       (nframes,) times of the saved frames
     layers              tuple of :class:`Layer`, from left to right
     dimension           1, 2 or 3; in two `interface` has the lines between gas and solid
-    blocks              of a problem of blocks name -> :class:`BlockLayer`, in 1 to 3 dimensions;
-                        else empty
+    blocks              name -> the same
     interfaces          their names, from left to right
     points              recorded at each step (-fsi_points, -fsi_probes): tuple of (name of the
                         interface or block, (X, …))
@@ -96,10 +95,8 @@ class Run:
         contents.close()
         self.time: Array = contents.time
         self.nframes = len(self.time)
-        kinds = (BlockLayer if "shape" in entry else Layer for entry in layers)
-        self.layers = tuple(kind(self, k, layers[k]) for k, kind in enumerate(kinds))
-        blocks = (layer for layer in self.layers if isinstance(layer, BlockLayer))
-        self.blocks: dict[str, BlockLayer] = {layer.name: layer for layer in blocks}
+        self.layers = tuple(Layer(self, k, entry) for k, entry in enumerate(layers))
+        self.blocks: dict[str, Layer] = {layer.name: layer for layer in self.layers}
         self.series: Mapping[str, Array] = Arrays(self, "series", contents.names, contents.series)
 
     def read(self, what: str, action: Callable[[], Any]) -> Any:
@@ -187,83 +184,42 @@ class Arrays(Mapping[str, Array]):
 
 
 class Layer(Arrays):
-    """A layer of a run; `layer[name]` is (nframes, n), NaN outside the active part.
+    """A layer or block of a run in d dimensions; `layer[name]` is (nframes, n_{d-1}, …, n_0), NaN
+    outside the active part.
 
-    name, kind   kind is "fluid" or "solid"
-    fields       names of what is stored: fluid rho, u, T, p, x; solid u, sigma, T, x, p
-    shape        (n,)
-    X, h         (n,) Lagrangian grid with the points in reserve; its spacing
-    x            (nframes, n) Eulerian positions
+    name, kind           kind is "fluid" or "solid"
+    fields               of a gas rho, u, v, w, T, p, J, x, y, z; of a solid u, v, w, T, stresses,
+                         x, y, z, as far as there are dimensions; in one u, sigma, T, x, p
+    shape                (n_{d-1}, …, n_0)
+    X, Y, Z              places in the reference map, of the same shape; where X depends on axis 0
+                         alone, Y on axis 1 …, (n_0,), (n_1,), …; with the points in reserve
+    places, periodic     (…, d) the same as they are; whether axis 0, 1, … is periodic
+    h                    mean spacing [m] of X along axis 0
+    x, y, z              (nframes, …) positions
     """
-
-    X: Array
-    h: float
-    shape: tuple[int, ...]
 
     def __init__(self, run: Run, number: int, entry: Mapping[str, Any]) -> None:
         self.name: str = entry["name"]
         self.kind: str = entry["kind"]
         self.fields = columns(entry)
         super().__init__(run, f"field in {self.name!r}", self.fields, self._read_field)
-        self._number = number
-        self._set_grid(run._contents.X[number], entry)
-
-    def _set_grid(self, X: Array, entry: Mapping[str, Any]) -> None:
-        self.X, self.shape = X, X.shape
-        self.h = float(np.diff(X).mean()) if len(X) > 1 else np.nan
-
-    x = property(lambda self: self["x"])
-
-    @property
-    def size(self) -> str:
-        """Of its grid, in words."""
-        return counted(len(self.X), "point")
-
-    def frame(self, number: int) -> dict[str, Array]:
-        """All fields of one frame, name -> of `shape`: much cheaper than whole fields of a run."""
-        nframes = self._run.nframes
-        if not -nframes <= number < nframes:
-            raise IndexError(f"frame {number}: there are {nframes}")
-        return dict(zip(self.fields, self._frames(self.fields, number % nframes)))
-
-    def _read_field(self, name: str) -> Array:
-        (values,) = self._run._contents.frames(self._number, [name], 0, self._run.nframes)
-        return values.reshape(self._run.nframes, *self.shape)
-
-    def _frames(self, names: Sequence[str], number: int) -> list[Array]:
-        read, k = self._run._contents.frames, self._number
-        rows = self._run.read(f"frame {number}", lambda: read(k, names, number, number + 1))
-        return [values.reshape(self.shape) for values in rows]
-
-    def __repr__(self) -> str:
-        return f"<{self.kind} {self.name!r}: {self.size}; {', '.join(self.fields)}>"
-
-
-class BlockLayer(Layer):
-    """A block of a run in d dimensions; `block[name]` is (nframes, n_{d-1}, …, n_0).
-
-    name, kind, fields   gas rho, u, v, w, T, p, J, x, y, z; solid u, v, w, T, stresses, x, y, z, as
-                         far as there are dimensions
-    shape                (n_{d-1}, …, n_0)
-    X, Y, Z              places in the reference map, of the same shape; where X depends on axis 0
-                         alone, Y on axis 1 …, (n_0,), (n_1,), …
-    places, periodic     (…, d) the same as they are; whether axis 0, 1, … is periodic
-    h                    mean spacing [m] of X along axis 0
-    x, y, z              (nframes, …) positions
-    """
-
-    Y: Array
-    Z: Array
-
-    def _set_grid(self, X: Array, entry: Mapping[str, Any]) -> None:
-        d = len(entry["shape"])
-        self.shape = tuple(entry["shape"]) if len(X) else (0,) * d  # there are no frames
+        self._number, X, d = number, run._contents.X[number], len(entry["shape"])
+        self.shape: tuple[int, ...] = tuple(entry["shape"]) if len(X) else (0,) * d  # no frames
         self.places: Array = X.reshape(*self.shape, d)
         self.periodic: tuple[bool, ...] = tuple(entry.get("periodic", [False] * d)[::-1])
         full = [self.places[..., axis] for axis in range(d)]
         self.X, self.Y, self.Z = (_short(full) if len(X) else full) + [np.zeros(1)] * (3 - d)
         row = self.places.reshape(-1, self.shape[-1], d)[0, :, 0] if len(X) else np.zeros(1)
         self.h = float(row[-1] - row[0]) / max(1, len(row) - 1)
+
+    x = property(lambda self: self["x"])
+    y = property(lambda self: self["y"])
+    z = property(lambda self: self["z"])
+
+    @property
+    def size(self) -> str:
+        """Of its grid, in words."""
+        return f"{' by '.join(map(str, self.shape[::-1]))} points"
 
     @property
     def rings(self) -> tuple[int, ...]:
@@ -276,13 +232,21 @@ class BlockLayer(Layer):
                 found.append(axis)
         return tuple(found)
 
-    y = property(lambda self: self["y"])
-    z = property(lambda self: self["z"])
+    def frame(self, number: int) -> dict[str, Array]:
+        """All fields of one frame, name -> of `shape`: much cheaper than whole fields of a run."""
+        nframes = self._run.nframes
+        if not -nframes <= number < nframes:
+            raise IndexError(f"frame {number}: there are {nframes}")
+        read, k, first = self._run._contents.frames, self._number, number % nframes
+        rows = self._run.read(f"frame {first}", lambda: read(k, self.fields, first, first + 1))
+        return {name: row.reshape(self.shape) for name, row in zip(self.fields, rows)}
 
-    @property
-    def size(self) -> str:
-        """Of its grid, in words."""
-        return f"{' by '.join(map(str, self.shape[::-1]))} points"
+    def _read_field(self, name: str) -> Array:
+        (values,) = self._run._contents.frames(self._number, [name], 0, self._run.nframes)
+        return values.reshape(self._run.nframes, *self.shape)
+
+    def __repr__(self) -> str:
+        return f"<{self.kind} {self.name!r}: {self.size}; {', '.join(self.fields)}>"
 
 
 def _short(places: list[Array]) -> list[Array]:

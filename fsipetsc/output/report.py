@@ -1,7 +1,5 @@
 """A result as one HTML page that needs nothing else: a film with a slider, tables, all pictures."""
 
-from __future__ import annotations
-
 import base64
 import html
 import io

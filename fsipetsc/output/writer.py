@@ -5,8 +5,6 @@ Frames and steps are kept in memory and written many at a time, for a write cost
 hundreds of time steps.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import time

@@ -5,8 +5,6 @@ two dimensions one point deep (3DSMesh of 1 by ny by nx points; with a 2DSMesh, 
 no vectors). The datasets have all frames (see `file_layout`); a HyperSlab takes one of them.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from contextlib import suppress

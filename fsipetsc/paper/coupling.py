@@ -51,8 +51,6 @@ p + mu' u_X + g_stress, both temperatures from (4.21). The energy may grow witho
 so the lighter the solid: it is here to be compared with.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

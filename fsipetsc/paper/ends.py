@@ -11,8 +11,6 @@ each formula is as it is, with measurements.
 of weights; n is the outward normal, -1 left, 1 right.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

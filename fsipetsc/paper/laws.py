@@ -3,8 +3,6 @@
 Their laws are those of fsipetsc.materials: ``gas.law.pressure(rho, T)``.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from fsipetsc.materials.fluid import Fluid, force_in

@@ -4,8 +4,6 @@ The solution is one world vector; its part on a rank is the concatenation of the
 layers, each interlaced (gas rho, rho u, e; solid u, sigma, T, x).
 """
 
-from __future__ import annotations
-
 import numpy as np
 from mpi4py import MPI
 

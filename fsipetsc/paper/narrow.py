@@ -15,8 +15,6 @@ values at i .. i+q. At either end the first T differences of each order are left
 term ``end`` (T, T) of their own stands instead, with b at point T.
 """
 
-from __future__ import annotations
-
 from numba import njit
 
 from fsipetsc.paper.stencils import INNER, U, weight

@@ -4,8 +4,6 @@ A layer lives on the ranks that own points of it: a DMDA on their communicator k
 and the rates read its local vector. All ranks know its record and its material.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from typing import Any
@@ -26,8 +24,9 @@ Array = np.ndarray
 class Layer:
     """Layer number k, and this rank's points of it.
 
-    layer: what the case says; law: its material; record: of records, that of it alone. X, local,
-    owned, forcing: of the points of this rank, local with halos; box: what compiled functions take;
+    layer: what the case says; law: its material; record: of records, that of it alone. numbers, X,
+    local, owned, forcing: of the points of this rank, local with halos; box: what compiled
+    functions take;
     ranks: that own the first and the last point. Collective, as are all methods on ranks that have
     points.
     """
@@ -48,7 +47,7 @@ class Layer:
         self.number, self.is_gas = int(record["number"]), layer.kind == "fluid"
         self.present = bool(record["present"])
         self.ranks, dof = (share[0][0], share[-1][0]), DOF[layer.kind]
-        own = np.arange(record["own_lo"], record["own_hi"])
+        self.numbers = own = np.arange(record["own_lo"], record["own_hi"])
         self.X = record["anchor"] + (own - record["anchor_index"]) * record["h"]
         count, before, after = len(own), int(record["halo_lo"]), int(record["halo_hi"])
         self._place = slice(at, at + dof * count)  # in this rank's part of a solution

@@ -20,8 +20,6 @@ Friction and conduction stand inside the outer derivative: D acts twice, mu and 
 rates need values within twice the reach of D. The loops work on a row of scratch for each quantity.
 """
 
-from __future__ import annotations
-
 from numba import njit
 
 from fsipetsc.boundaries import DIRICHLET, INTERFACE_END, OPEN

@@ -14,9 +14,7 @@ The point arithmetic is the same on any number of ranks, and nothing is added up
 the results, bit for bit.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -39,7 +37,7 @@ from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.burst import DT, MADE
 from fsipetsc.scheme.plan import CAPACITY, FLAGS, LIMITS, RATE, step_record
-from fsipetsc.stepping.snapshot import as_numbers, gather_local, put_whole, whole
+from fsipetsc.stepping.snapshot import as_numbers, whole
 from fsipetsc.stepping.state import State
 
 Array = np.ndarray
@@ -47,8 +45,6 @@ Array = np.ndarray
 FRACTIONS = 0.0, 0.5, 0.5, 1.0
 #: of the record of a layer: what all ranks learn after a step, beside what was seen
 FRAME = "lo", "hi", "s", "x_interface"
-#: of a checkpoint: points of a layer, the active ones
-GRID = "n", "lo", "hi"
 #: what the paper's method has of options that choose between methods
 _WITHOUT = {
     "fsi_mapping": ("auto", "rigid"),
@@ -66,8 +62,6 @@ class PaperState(State):
     a part of. opt: options in force. InputError where grid, order and number of ranks do not fit,
     or the problem is not of the paper's form.
     """
-
-    convection = "divergence"
 
     def __init__(self, comm: MPI.Comm, problem: Problem, opt: Mapping[str, Any]) -> None:
         for name, without in _WITHOUT.items():
@@ -87,7 +81,7 @@ class PaperState(State):
         begins = np.cumsum([0, *(self._dof * (self.records["own_hi"] - self.records["own_lo"]))])
         memory = self._y, _, self.k = np.zeros((3, int(begins[-1])))
         self.solution = PETSc.Vec().createWithArray(self._y, comm=comm)
-        self._make_memory(bool(opt["fsi_entropy"] or opt["fsi_check"]))
+        self._make_memory()
         op = packed(order, opt["fsi_viscous"] == "narrow")
         self.layers = [
             Layer(comm, layer, laws[k], self.records[k:][:1], share, op, memory, int(begins[k]))
@@ -105,7 +99,7 @@ class PaperState(State):
         boxes = {interface.side: interface.box for interface in self.interfaces}
         self._faces = boxes.get(0), boxes.get(1)
 
-    def _make_memory(self, entropy: bool) -> None:
+    def _make_memory(self) -> None:
         """What is noted of a step, and what all ranks learn after one, side by side."""
         layers, interfaces = self.problem.layers, len(self.problem.interfaces)
         gases = sum(layer.kind == "fluid" for layer in layers)
@@ -114,8 +108,8 @@ class PaperState(State):
         self._told = self._shared[:told].reshape(len(layers), -1)
         self._notes = self._shared[told:][:notes].reshape(interfaces, -1)
         self.results = self._shared[told + notes :]
-        journal, latest = self._lay_journal(step_record(interfaces, gases, entropy), CAPACITY)
-        memory = self.results, self.burst, journal, latest, np.bool_(entropy)
+        journal, latest = self._lay_journal(step_record(interfaces, gases), CAPACITY)
+        memory = self.results, self.burst, journal, latest
         self._steps = Box(steps.Steps(self.records, self._notes, *memory))
 
     def compile(self, announce: Callable[[str], None]) -> None:
@@ -204,8 +198,11 @@ class PaperState(State):
 
     def header(self) -> dict[str, Any]:
         """What a result file says of layers, and of points that are recorded: none."""
-        layers = self.problem.layers
-        about = [{"name": v.name, "kind": v.kind, "fields": list(v.fields)} for v in layers]
+        layers = zip(self.problem.layers, self.records["n"].tolist(), strict=True)
+        about = [
+            {"name": v.name, "kind": v.kind, "fields": list(v.fields), "shape": [n]}
+            for v, n in layers
+        ]
         return {"layers": about, "points": ()}
 
     def grids(self) -> list[dict[str, Any]]:
@@ -304,41 +301,28 @@ class PaperState(State):
 
     # checkpoints
 
-    def _pieces(self, rank: int) -> Iterator[tuple[int, slice, int, tuple[int, int]]]:
-        """What a rank has of the solution: layer, place in it, beginning, shape."""
-        at = 0
-        for k, share in enumerate(self.shares):
-            for _, begin, end in (piece for piece in share if piece[0] == rank):
-                yield k, slice(begin, end), at, (end - begin, self._dof[k])
-                at += self._dof[k] * (end - begin)
-
     def capture(self) -> dict[str, Array] | None:
         """What a step depends on, on rank 0: whole layers, where their grids lie and how they move,
         and the results of the last step. Collective."""
-        parts = gather_local(self.comm, self._y)
-        if parts is None:
+        arrays = {}
+        for layer in self.layers:
+            size, own = int(layer.record["n"]), layer.of(self._y)
+            arrays[f"layer{layer.number}"] = whole(self.comm, size, layer.numbers, own)
+        if self.comm.rank > 0:
             return None
-        shapes = zip(self.records["n"].tolist(), self._dof, strict=True)
-        grids = np.stack([self.records[name] for name in GRID], axis=-1)
-        frames = {name: self.records[name].copy() for name in FRAME[2:]}
-        noted = {"results": self.results.copy(), "latest": as_numbers(self.latest).copy()}
-        return {**whole(parts, shapes, self._pieces), "grids": grids, **frames, **noted}
+        frames = {name: self.records[name].copy() for name in FRAME}
+        latest = as_numbers(self.latest).copy()
+        return {**arrays, **frames, "results": self.results.copy(), "latest": latest}
 
     def restore(self, arrays: Mapping[str, Array], t: float) -> None:
-        """Be at time t [s] what arrays, known on all ranks, tell of. InputError: other grids."""
-        grids = arrays["grids"].tolist()
-        for layer, record, (n, lo, hi) in zip(self.problem.layers, self.records, grids):
-            if n != record["n"] or not 0 <= lo < hi < n:
-                raise InputError(
-                    f"layer '{layer.name}' has {record['n']} points, and {n} in the checkpoint"
-                )
-            record["lo"], record["hi"] = lo, hi
-        for name in FRAME[2:]:
+        """Be at time t [s] what arrays, known on all ranks, tell of. InputError."""
+        for name in FRAME:
             self.records[name] = arrays[name]
         self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
         self.set_data(t)
         agree(self.comm, self.fault)
-        put_whole(self._y, arrays, self._pieces(self.comm.rank))
+        for layer in self.here:
+            layer.of(self._y)[:] = arrays[f"layer{layer.number}"][layer.numbers]
         self._load(self._y)  # which is completed: it fulfils the conditions
         for layer in self.here:
             layer.fill_halos()

@@ -6,8 +6,6 @@ results do not depend on the number of ranks: that is why no loop here may reord
 (``LOOP``).
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -30,8 +28,6 @@ U = np.uint64
 #: just this one
 LEFT, RIGHT = np.int64(0), np.int64(1)
 OLD, NEW = np.bool_(False), np.bool_(True)
-#: unknowns of a solid
-VELOCITY, PLACE = np.int64(0), np.int64(3)
 
 _I, _F = np.int64, np.float64
 #: D for h = 1: sum_k interior[k-1] (v[i+k] - v[i-k]), k = 1 .. p; closure[:rows, :columns] at the

@@ -7,16 +7,14 @@ in a batch and 170 us without. What the functions take is in boxes (fsipetsc.ope
 that there is not is None.
 """
 
-from __future__ import annotations
-
 from collections import namedtuple
 
 import numpy as np
 from numba import njit
 
 from fsipetsc.paper import coupling, ends, rates, sums
-from fsipetsc.paper.rates import outer_side
-from fsipetsc.paper.stencils import CALL, INNER, OLD, U
+from fsipetsc.paper.rates import outer_side, own_range
+from fsipetsc.paper.stencils import CALL, INNER, OLD, U, derivative
 from fsipetsc.scheme.burst import DT, plan_next
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, SAID_STOP, STOP, TOO_SHORT
 
@@ -36,8 +34,8 @@ Part = namedtuple("Part", "ops law layers local owned y total k forcing scratch"
 #: solid; what is noted of it
 Sides = namedtuple("Sides", "ops face gases solids q_gas q_solid jump f s notes")
 #: of all layers: records; notes, (interfaces, NOTES); results, burst, journal and latest: see
-#: fsipetsc.scheme.plan; entropy: whether it is wanted
-Steps = namedtuple("Steps", "records notes results burst journal latest entropy")
+#: fsipetsc.scheme.plan
+Steps = namedtuple("Steps", "records notes results burst journal latest")
 
 
 # conditions
@@ -163,21 +161,25 @@ def complete_gas(of, steps):
         results[EXHAUSTED] = 1.0 + layer.number
     if ends.distance(layer, side) <= layer.least - 2 + 1e-9:
         results[TOO_SHORT] = 1.0 + layer.number
-    sums.look_at_gas(op, of.law, layer, q, steps.entropy)
+    sums.look_at_gas(op, of.law, layer, q)
     keep(of)
 
 
 @njit(**CALL)
 def complete_solid(of, steps):
     """Look at the points."""
-    sums.look_at_solid(of.ops[0], of.law, of.layers[0], of.local, of.scratch, steps.entropy)
+    sums.look_at_solid(of.ops[0], of.law, of.layers[0], of.local)
     keep(of)
 
 
 @njit(**CALL)
 def stretch(of, out):
-    """out = h x_X of a solid, at this rank's points with halos."""
-    sums.slopes(of.ops[0], of.layers[0], of.local, sums.PLACE, of.scratch[0], out)
+    """out = h x_X of a solid, at the active ones of this rank's points with halos."""
+    a, b, A, B = own_range(of.layers[0])
+    x = of.scratch[0]
+    for i in range(len(of.local)):
+        x[i] = of.local[i, 3]
+    derivative(of.ops[0], x, out, a, b, A, B, 1.0)
 
 
 @njit(**CALL)
@@ -220,11 +222,10 @@ def finish(left, solid, right, steps):
             latest[at] = records[k].shares[0]
             at += 1
     for c in range(1, sums.SHARES):
-        if at < latest.size:  # entropy and heating are not always wanted
-            latest[at] = 0.0
-            for k in range(len(records)):
-                latest[at] += records[k].shares[c]
-            at += 1
+        latest[at] = 0.0
+        for k in range(len(records)):
+            latest[at] += records[k].shares[c]
+        at += 1
 
 
 @njit(**CALL)

@@ -6,40 +6,24 @@ the strip between an embedded boundary and its ghost point does not count.
 
     layer.seen      gas     largest |u-s| + c, -rho, -T, T
                     solid   largest -x_X, -sigma, -T, T;        both: 1 if a number is not finite
-    layer.shares    mass [kg/m2], energy [J/m2], momentum, force on the outer end [Pa], impulse that
-                    gives an end its velocity (0: there is none), entropy,
-                    heating by stress over T [W/(m2 K)]: this rank's
+    layer.shares    mass [kg/m2], energy [J/m2], momentum [N s/m2]: this rank's
 """
-
-from __future__ import annotations
 
 import numpy as np
 from numba import njit
 
-from fsipetsc.boundaries import INTERFACE_END, WALL
-from fsipetsc.paper.ends import beyond_boundary, gradient_values
+from fsipetsc.paper.ends import beyond_boundary
 from fsipetsc.paper.rates import outer_side, own_range
-from fsipetsc.paper.stencils import INNER, derivative, lagrange, weight
+from fsipetsc.paper.stencils import INNER, weight
 
 #: numbers of a layer that are seen, and shares
-SEEN, SHARES = 5, 7
-#: a degree and unknowns of a solid, as no literals
-CUBIC, VELOCITY, PLACE = np.int64(3), np.int64(0), np.int64(3)
+SEEN, SHARES = 5, 3
 
 
 @njit(**INNER)
 def norm_weight(op, A, B, i):
     """Of the active point i."""
     return weight(op, min(i - A, B - i))
-
-
-@njit(**INNER)
-def slopes(op, layer, q, c, row, out):
-    """out = h D q[:, c] at the active points that a rank owns; row: scratch."""
-    a, b, A, B = own_range(layer)
-    for i in range(len(q)):
-        row[i] = q[i, c]
-    derivative(op, row, out, a, b, A, B, 1.0)
 
 
 @njit(**INNER)
@@ -57,13 +41,13 @@ def strip_weight(delta, k):
 
 
 @njit(**INNER)
-def look_at_gas(op, gas, layer, q, entropy):
-    """Extremes and shares. q: (points with halos, 3); entropy: whether it is wanted."""
+def look_at_gas(op, gas, layer, q):
+    """Extremes and shares. q: (points with halos, 3)."""
     a, b, A, B = own_range(layer)
     side, finite, shares = outer_side(layer), 0.0, layer.shares
     strip, ghost = beyond_boundary(layer, side), (A if side == 0 else B)
     fastest, thinnest, coldest, hottest = -np.inf, -np.inf, -np.inf, -np.inf
-    mass, momentum, energy, entropy_of = 0.0, 0.0, 0.0, 0.0
+    mass, momentum, energy = 0.0, 0.0, 0.0
     for i in range(a, b):
         rho, m, e = q[i, 0], q[i, 1], q[i, 2]
         u, T = gas.velocity_and_temperature(rho, m, e)
@@ -77,47 +61,19 @@ def look_at_gas(op, gas, layer, q, entropy):
         mass += w * rho
         momentum += w * m
         energy += w * e
-        if entropy:
-            entropy_of += w * rho * gas.law.entropy(rho, T)
     seen, h = layer.seen, layer.h
     seen[0], seen[1], seen[2], seen[3] = fastest, thinnest, coldest, hottest
     seen[4] = 0.0 if np.isfinite(finite) else 1.0
-    shares[0], shares[1], shares[2], shares[5] = h * mass, h * energy, h * momentum, h * entropy_of
-    shares[3] = gas.force * shares[0]
-    if a <= ghost < b:
-        shares[3] += boundary_force(gas, layer, q, side, ghost)
+    shares[0], shares[1], shares[2] = h * mass, h * energy, h * momentum
 
 
 @njit(**INNER)
-def boundary_force(gas, layer, q, side, ghost):
-    """Force [Pa] of the boundary, -n (rho u^2 + p - mu' u_X), from the cubic through four
-    points."""
-    weights, slopes, step = np.zeros(4), np.zeros(4), 1 - 2 * side
-    lagrange(beyond_boundary(layer, side), CUBIC, weights, slopes)
-    flux, T_end, u_X = 0.0, 0.0, 0.0
-    for k in range(4):
-        rho, m, e = q[ghost + k * step, 0], q[ghost + k * step, 1], q[ghost + k * step, 2]
-        u, T = gas.velocity_and_temperature(rho, m, e)
-        flux += weights[k] * (m * u + gas.law.pressure(rho, T))
-        T_end += weights[k] * T
-        if k == 0 and layer.end_kind[side] != WALL:
-            u = gradient_values(gas, layer, q, ghost, side)[0]
-        u_X += slopes[k] * u * step / layer.h
-    return step * (flux - gas.viscosity(T_end) * u_X)
-
-
-@njit(**INNER)
-def look_at_solid(op, solid, layer, q, scratch, entropy):
-    """Extremes and shares. q: (points with halos, 4); entropy: whether it and heating are
-    wanted."""
+def look_at_solid(op, solid, layer, q):
+    """Extremes and shares. q: (points with halos, 4)."""
     a, b, A, B = own_range(layer)
-    h_x_X, h_u_X, per_h = scratch[1], scratch[2], 1.0 / layer.h
-    slopes(op, layer, q, PLACE, scratch[0], h_x_X)
-    if entropy:
-        slopes(op, layer, q, VELOCITY, scratch[0], h_u_X)
+    per_h = 1.0 / layer.h
     shortest, pulled, coldest, hottest = -np.inf, -np.inf, -np.inf, -np.inf
-    mass, momentum, kinetic, heat, entropy_of, heating = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    finite, force = 0.0, 0.0
+    momentum, kinetic, heat, finite = 0.0, 0.0, 0.0, 0.0
     for i in range(a, b):
         u, sigma, T, w = q[i, 0], q[i, 1], q[i, 2], norm_weight(op, A, B, i)
         if i > A:
@@ -126,23 +82,13 @@ def look_at_solid(op, solid, layer, q, scratch, entropy):
             finite += x_X
         pulled, coldest, hottest = max(pulled, -sigma), max(coldest, -T), max(hottest, T)
         finite += u + u * u + sigma + T
-        mass += w
         momentum += w * u
         kinetic += 0.5 * w * u * u
         heat += w * T
-        net = sigma - solid.pressure(T, per_h * h_x_X[i])
-        if entropy:
-            entropy_of += w * np.log(T)
-            heating += w * net * (per_h * h_u_X[i]) / T
-        for side in range(2):
-            if i == (A, B)[side] and layer.end_kind[side] != INTERFACE_END:
-                force += (2.0 * side - 1.0) * net
-    seen, shares, m0_h, capacity = layer.seen, layer.shares, solid.m0 * layer.h, solid.alpha
+    seen, shares, m0_h = layer.seen, layer.shares, solid.m0 * layer.h
     seen[0], seen[1], seen[2], seen[3] = shortest, pulled, coldest, hottest
     seen[4] = 0.0 if np.isfinite(finite) else 1.0
-    shares[1], shares[2] = m0_h * (kinetic + capacity * heat), m0_h * momentum
-    shares[3] = force + solid.force * m0_h * mass
-    shares[5], shares[6] = m0_h * capacity * entropy_of, layer.h * heating
+    shares[1], shares[2] = m0_h * (kinetic + solid.alpha * heat), m0_h * momentum
 
 
 # bounds on the step, from what all ranks have seen

@@ -112,19 +112,13 @@ class BlockLayout:
         d = problem.dimension
         self.dofs = [d + 3 if block.kind == "fluid" else 2 * d + 1 for block in blocks]
         _check_size(blocks, self.dofs)
-        self.sizes = [self._sizes(rank) for rank in range(comm.size)]
+        shared = zip(self.dofs, self.shares, strict=True)
+        self._sizes = [dof * share.size(comm.rank) for dof, share in shared]
         self.behind = behind
-        self.local_size = sum(self.sizes[comm.rank]) + behind
+        self.local_size = sum(self._sizes) + behind
         found = [self._place(k) for k in range(len(blocks))]
         self.parts: list[Part] = [part for part in found if part is not None]
         self._of_block = found
-
-    def _sizes(self, rank: int) -> list[int]:
-        """Of the parts of all blocks in a rank's part of the world vector."""
-        return [
-            dof * prod(b - a for a, b in share.part(rank)) if rank in share.ranks else 0
-            for dof, share in zip(self.dofs, self.shares, strict=True)
-        ]
 
     def _place(self, k: int) -> Part | None:
         """Make the DMDA of block k on its ranks. Collective."""
@@ -160,7 +154,7 @@ class BlockLayout:
         patch = _patch(own, ghosted)
         axes = range(block.dimension)
         bands = [self.problem.band(k, self.order, axis).part(*ghosted[axis]) for axis in axes]
-        begin = sum(self.sizes[rank][:k])
+        begin = sum(self._sizes[:k])
         dof, images = self.dofs[k], last >= 0 and ghosted[last][0] < 0
         odd = (last, last + block.dimension) if block.kind == "solid" else dof - 2
         memory = np.ones((whole, dof))  # corners of a star never get other numbers
@@ -170,7 +164,7 @@ class BlockLayout:
             bands=(*bands, *[NO_AXIS] * (AXES - len(bands))),
             dof=dof,
             begin=begin,
-            end=begin + self.sizes[rank][k],
+            end=begin + self._sizes[k],
             numbers=_numbers(own, self.shapes[k]),
             comm=comm,
             dm=dm,
@@ -200,20 +194,6 @@ class BlockLayout:
     def vector(self, array: Array | None = None) -> BlockVector:
         """This rank's part of a world vector, in new memory, or that of ``array``. Collective."""
         return BlockVector(self, np.zeros(self.local_size) if array is None else array)
-
-    def pieces(self, rank: int) -> list[tuple[int, tuple[slice, ...], int, tuple[int, ...]]]:
-        """What a rank has of a world vector: block, place in it, beginning, shape.
-
-        Places and shapes have the last axis first, as numpy has it.
-        """
-        found, at = [], 0
-        for k, share in enumerate(self.shares):
-            if rank in share.ranks:
-                spans = share.part(rank)[::-1]
-                shape = (*(b - a for a, b in spans), self.dofs[k])
-                found.append((k, tuple(slice(a, b) for a, b in spans), at, shape))
-            at += self.sizes[rank][k]
-        return found
 
     def destroy(self) -> None:
         """Destroy vectors and DMDAs, then their communicators. Collective."""
@@ -366,7 +346,7 @@ def extent_of(block: Any, order: int, halo: int) -> Extent:
                 f"operator needs at least {least}"
             )
     end, inner = max(op.rows + op.p, halo), max(2 * op.p, halo)
-    return Extent(block.name, block.kind, shape, block.periodic, end, inner, halo)
+    return Extent(block.kind, shape, block.periodic, end, inner, halo)
 
 
 def _check_size(blocks: Sequence[Any], dofs: Sequence[int]) -> None:

@@ -5,8 +5,6 @@ one rank. A rank that has an end of an axis has all rows of the closure there an
 parts in the middle have at least the nodes of a halo.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -29,11 +27,11 @@ WORTH_IT = 1.1
 class Extent:
     """A block as its partition sees it.
 
-    shape: nodes per axis. periodic: per axis. end, inner: nodes, at least, that a rank has along an
-    axis, if it has an end of the axis, and if not. halo: width of the halo.
+    kind: "fluid" or "solid". shape: nodes per axis. periodic: per axis. end, inner: nodes, at
+    least, that a rank has along an axis, if it has an end of the axis, and if not. halo: width of
+    the halo.
     """
 
-    name: str
     kind: str
     shape: tuple[int, ...]
     periodic: tuple[bool, ...]
@@ -107,6 +105,10 @@ class Share:
         place = np.unravel_index(self.ranks.index(rank), self.grid, order="F")
         return tuple((cuts[i], cuts[i + 1]) for cuts, i in zip(self.cuts, place, strict=True))
 
+    def size(self, rank: int) -> int:
+        """Nodes of a rank."""
+        return prod(b - a for a, b in self.part(rank)) if rank in self.ranks else 0
+
     def owners(self, nodes: np.ndarray) -> np.ndarray:
         """The ranks that own nodes, which are counted with axis 0 first."""
         shape = tuple(cuts[-1] for cuts in self.cuts)
@@ -147,9 +149,7 @@ def share_line(
     layers: kind, stored points, active ones, which alone are work, whether the spare ones are on
     the left; the outermost rank gets these. InputError as of ``share_out``.
     """
-    extents = [
-        Extent("", kind, (active,), (False,), *[smallest] * 3) for kind, _, active, _ in layers
-    ]
+    extents = [Extent(kind, (active,), (False,), *[smallest] * 3) for kind, _, active, _ in layers]
     found = []
     for (_, n, active, left), share in zip(layers, share_out(extents, size, mode), strict=True):
         cuts = [cut + (n - active) * left for cut in share.cuts[0]]

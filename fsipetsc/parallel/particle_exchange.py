@@ -6,8 +6,6 @@ same order as the others. So the ranks that own points of an interface exchange 
 needs, and no sum is made by messages.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray

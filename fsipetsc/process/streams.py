@@ -1,7 +1,5 @@
 """Standard streams that are closed or read by nobody: what is computed matters more than lines."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import sys

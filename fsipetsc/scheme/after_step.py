@@ -1,7 +1,5 @@
 """After a step: flags and the bound on the next step. Compiled."""
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

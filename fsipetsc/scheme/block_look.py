@@ -10,8 +10,6 @@ nodes with their weights. Their last bits depend on who owns the nodes;
 nothing else takes them.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

@@ -5,8 +5,6 @@ journal), or something has to be looked at: a time to be saved, a failure, a
 signal. Each step fills a row of the journal.
 """
 
-from __future__ import annotations
-
 from numba import njit
 
 from fsipetsc.operators.loops import CALL, MERGED_CALL

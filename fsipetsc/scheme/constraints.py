@@ -1,7 +1,5 @@
 """Constraints of a particle, by Gauss's principle: see fsipetsc.scheme.particles. Compiled."""
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

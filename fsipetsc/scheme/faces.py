@@ -22,8 +22,6 @@ its axis, where f is
 All are equal to n . f for a uniform state, so that uniform flow stays uniform.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

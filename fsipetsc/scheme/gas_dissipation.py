@@ -36,8 +36,6 @@ Finite volumes between the nodes of a summation-by-parts scheme: S. Hennemann et
 Phys. 426, 2021. That alpha may vary from pair to pair was derived for this program.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

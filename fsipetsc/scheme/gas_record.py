@@ -1,7 +1,5 @@
 """A rank's part of a gas block as one record, and what is done with it in a step."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from numba import njit

@@ -9,8 +9,6 @@ which takes derivatives within the face only. In 1-D it does not turn. In 3-D a^
 places, and turns by 1/2 (a^k(x + x') - a^k(x - x')): see GridMotion.turning.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

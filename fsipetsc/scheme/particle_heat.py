@@ -2,8 +2,6 @@
 Compiled.
 """
 
-from __future__ import annotations
-
 from numba import njit
 
 from fsipetsc.operators.loops import CALL, INLINED_CALL, dot, node, part_of, per

@@ -1,7 +1,5 @@
 """Particles of a rank as compiled code has them: records of tables, data and sums."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from numpy.typing import NDArray

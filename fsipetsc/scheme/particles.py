@@ -31,8 +31,6 @@ begin_rates where particles have constraints; begin_stored, what solids say of t
 exchange and end_stored before settle where energies that members store matter to temperatures.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

@@ -1,7 +1,5 @@
 """What is noted of a completed step: flags, limits, and the record of series."""
 
-from __future__ import annotations
-
 import numpy as np
 
 # where what stands among the results of a completed step
@@ -24,18 +22,17 @@ def shares(record: np.dtype) -> tuple[str, ...]:
     return names[names.index("mass" if "mass" in names else "energy") :]
 
 
-def step_record(interfaces: int, fluids: int, entropy: bool) -> np.dtype:
-    """What is noted of a step: doubles, as they are written to the file.
+def step_record(interfaces: int, fluids: int) -> np.dtype:
+    """What is noted of a step in the paper's method: doubles, as they are written to the file.
 
     Time after the step and its length, the state of interfaces, and the integrals. What a problem
     without interfaces or without a fluid has none of is not there.
     """
     columns = [f"{name}_interface" for name in ("x", "u", "sigma", "T")]
     columns += [f"residual_{name}" for name in ("u", "stress", "T", "flux")]
-    integrals = ["energy", "momentum", "force", "impulse"] + ["entropy", "heating"] * entropy
     several = [(name, interfaces) for name in columns] + [("mass", fluids)]
     return np.dtype(
         [("t", "f8"), ("dt", "f8")]
         + [(name, "f8", (count,)) for name, count in several if count]
-        + [(name, "f8") for name in integrals]
+        + [("energy", "f8"), ("momentum", "f8")]
     )

@@ -13,8 +13,6 @@ and what it does to the entropy is what sum_k D_k a^k leaves of the fluxes; visc
 at each node. Source: SCHEME-BLOCKS.md, section 6.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from numba import njit

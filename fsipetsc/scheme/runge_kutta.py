@@ -8,8 +8,6 @@ With the rates k of a stage
 in one pass over memory.
 """
 
-from __future__ import annotations
-
 from numba import njit
 
 from fsipetsc.operators.loops import LOOP

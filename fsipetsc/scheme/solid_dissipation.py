@@ -19,8 +19,6 @@ d_+ = v_j+1 - v_j, d_- = v_j - v_j-1, and 0 at an end. In smooth motion s falls 
 is 0.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

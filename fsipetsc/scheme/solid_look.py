@@ -4,8 +4,6 @@ The tiles and rows are those of fsipetsc.scheme.solid_rates: unknowns are loaded
 what bounds the next step is found from both, column by column of a tile.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

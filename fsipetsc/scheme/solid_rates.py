@@ -17,8 +17,6 @@ What two tiles need is found twice by the same operations: rates do not depend o
 a block is cut.
 """
 
-from __future__ import annotations
-
 from numba import njit
 
 from fsipetsc.equations.tensors import (

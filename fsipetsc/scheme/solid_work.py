@@ -5,8 +5,6 @@ the last axis are swept. Boxes of nodes around a tile say where what is needed: 
 reach, displacements where these reach in turn; conduction reaches once more.
 """
 
-from __future__ import annotations
-
 from itertools import product
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """The length of a step: its bound, and the next time that must be hit."""
 
-from __future__ import annotations
-
 #: a step may be longer than its bound by this fraction, so that round-off costs no extra step
 SLACK = 1e-9
 

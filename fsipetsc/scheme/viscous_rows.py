@@ -3,8 +3,6 @@
 grad z = 1/J sum_k a^k D_k z.
 """
 
-from __future__ import annotations
-
 from numba import njit
 from numba.extending import register_jitable
 

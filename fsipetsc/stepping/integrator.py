@@ -3,8 +3,6 @@
 The hook completes the new solution, records the step, and says how long the next one is.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -22,7 +20,6 @@ from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP, shares
 from fsipetsc.scheme.time_step import longest_step, next_step
 from fsipetsc.stepping import verdicts
 from fsipetsc.stepping.pauses import Pauses
-from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.state import FAULT, State
 
 #: the value of -ts_type that stands for the project's own method
@@ -195,7 +192,7 @@ class Integrator:
         else:
             ts.setType(opt["ts_type"])
             ts.setRHSFunction(self._right_hand_side, rates)
-        ts.setPostStep(logged("fsi hooks", self._post_step))
+        ts.setPostStep(self._post_step)
         ts.setExactFinalTime(PETSc.TS.ExactFinalTime.STEPOVER)
         ts.setSolution(self.state.solution)
         if self._fused:  # PETSc knows it as "python"

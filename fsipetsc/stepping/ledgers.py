@@ -1,7 +1,5 @@
 """By how much a run has departed from what must be kept: for its summary and for -fsi_check."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 
@@ -85,13 +83,12 @@ class Ledgers:
         """What ``recall`` takes, as JSON has it."""
         if self._drifts is None:
             return None
-        return {"drifts": self._drifts.memory(), **{name: getattr(self, name) for name in KEPT}}
+        return {"drifts": self._drifts.memory, **{name: getattr(self, name) for name in KEPT}}
 
     def recall(self, memory: Mapping[str, Any] | None, initial: Mapping[str, Any]) -> None:
         """Go on behind the steps of which ``memory`` tells; without it nothing is known of them."""
         if memory is None:
             return
-        self._drifts = Drifts(self._invariants, initial)
-        self._drifts.recall(memory["drifts"])
+        self._drifts = Drifts(self._invariants, initial, memory["drifts"])
         for name in KEPT:
             setattr(self, name, memory[name])

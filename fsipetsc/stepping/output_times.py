@@ -1,7 +1,5 @@
 """The times at which profiles are saved, which steps hit exactly."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -6,8 +6,6 @@ the same step. So a signal may come to any rank, and the clock of rank 0 alone i
 after a number of steps need no word.
 """
 
-from __future__ import annotations
-
 import math
 import signal
 import threading

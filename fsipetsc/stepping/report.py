@@ -1,7 +1,5 @@
 """What a run says: a line at the start, one now and then, a summary at the end. Rank 0 speaks."""
 
-from __future__ import annotations
-
 import shlex
 import sys
 import time

@@ -5,8 +5,6 @@ Options that are not given are those of the checkpoint. Some may be others: thos
 nothing that is computed, those of STEPS only how long steps are and by which method they are made.
 """
 
-from __future__ import annotations
-
 import os
 import platform
 from collections.abc import Mapping

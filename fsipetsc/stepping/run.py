@@ -1,7 +1,5 @@
 """One run from options to result file."""
 
-from __future__ import annotations
-
 import datetime
 import signal
 import uuid
@@ -23,7 +21,7 @@ from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.ledgers import Ledgers
 from fsipetsc.stepping.output_times import saved_times
 from fsipetsc.stepping.pauses import signals_noted
-from fsipetsc.stepping.phases import LOOP, OUTPUT, SET_UP, Phases
+from fsipetsc.stepping.phases import LOOP, OUTPUT, SET_UP, stage
 from fsipetsc.stepping.report import Reporter, bound_of_step
 from fsipetsc.stepping.restart import Past
 from fsipetsc.stepping.solve import build_problem, make_state
@@ -50,17 +48,16 @@ def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | No
     past: a checkpoint to go on from. Raises InputError, ComputationError (after writing what was
     computed), FileError, Interrupted.
     """
-    phases = Phases()
-    with phases(SET_UP):
+    with stage(SET_UP):
         problem = build_problem(case, options, comm)
         quiet = comm.rank > 0 or options["fsi_quiet"]
         state = make_state(problem, options, comm, (lambda text: None) if quiet else say)
     with state:
-        with phases(SET_UP):
+        with stage(SET_UP):
             if past is not None:
                 restart.check_problem(past, state)
             state.check_data()  # before there is a file
-            run = _Run(case, options, comm, phases, state, past)
+            run = _Run(case, options, comm, state, past)
         with closing(run.writer), signals_noted(run.integrator.pauses):
             run.go()
 
@@ -73,11 +70,10 @@ class _Run:
         case: Any,
         opt: Mapping[str, Any],
         comm: MPI.Comm,
-        phases: Phases,
         state: State,
         past: Past | None,
     ) -> None:
-        self.case, self.opt, self.comm, self.phases = case, opt, comm, phases
+        self.case, self.opt, self.comm = case, opt, comm
         self.problem, self.state, self.past = state.problem, state, past
         self.unit = self.problem.unit("s")
         self.checkpoint = restart.checkpoint_name(opt["fsi_checkpoint"], opt["fsi_output"])
@@ -139,19 +135,19 @@ class _Run:
         bound = bound_of_step(self.state, self.opt)
         if bound and (not self.limits or self.limits[-1][1] != bound):
             self.limits.append([t, bound])
-        with self.phases(OUTPUT):
+        with stage(OUTPUT):
             self.writer.write_frame(t, self.state.save())
         self.saved_at = t
         if self.checks:
             self._series()
 
     def _series(self) -> None:
-        with self.phases(OUTPUT):
+        with stage(OUTPUT):
             self.writer.write_series()
         self._look()
 
     def _flush(self) -> None:
-        with self.phases(OUTPUT):
+        with stage(OUTPUT):
             self.writer.flush()
         self._look()
 
@@ -175,7 +171,7 @@ class _Run:
 
     def _checkpoint(self) -> None:
         """Write all that has been computed, and then the checkpoint that goes on from there."""
-        with self.phases(OUTPUT):
+        with stage(OUTPUT):
             self._flush()  # what does not hold is nothing to go on from
             more = {
                 "run": self.mark,
@@ -198,7 +194,7 @@ class _Run:
         found: dict[str, dict[str, float]] | None = None
         try:
             self._begin()
-            with self.phases(LOOP):
+            with stage(LOOP):
                 self.integrator.run()
             if self.integrator.t > self.saved_at:  # ended between two saved times
                 self._frame(self.integrator.t)
@@ -234,7 +230,7 @@ class _Run:
             when = f"step {memory['steps']}, t = {memory['t']:.6g}{self.unit}"
             for line in [*self.past.notes, f"goes on from {self.past.path}: {when}"]:
                 report.line(line)
-        with self.phases(SET_UP):
+        with stage(SET_UP):
             state.compile(report.line)
             if self.past is None:
                 integrator.start()
@@ -283,7 +279,6 @@ class _Run:
             "interfaces": dict(zip(self.problem.interface_names, state.places, strict=True)),
             "ranks": self.comm.size,
             "wall_time": integrator.wall_time,
-            "phases": dict(self.phases.seconds),
             "limits": self.limits,
             "departures": self.ledgers.departures,
             "J_error": self.ledgers.J_error,

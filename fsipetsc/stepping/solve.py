@@ -1,7 +1,5 @@
 """From a case and options to its problem, and the state of a run of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -55,9 +53,9 @@ def make_state(
     announce: called with a message when several ranks wait for kernels. InputError where grid,
     order and ranks do not fit.
     """
-    if opt["fsi_entropy"] or opt["fsi_check"] is not None:
-        _check_entropy(problem)
     if isinstance(problem, BlockProblem):
+        if opt["fsi_check"] is not None:
+            _check_entropy(problem)
         form = block_form(opt)
         points, probes = opt["fsi_points"] or (), opt["fsi_probes"]
         recorded = together(comm, lambda: chosen(problem, points, probes))
@@ -71,7 +69,7 @@ def make_state(
     return PaperState(comm, problem, opt)
 
 
-def _check_entropy(problem: Problem | BlockProblem) -> None:
+def _check_entropy(problem: BlockProblem) -> None:
     """InputError for a gas law without a formula for the entropy, which is not a number then."""
     for block in problem.layers:
         if block.kind == "fluid":
@@ -79,7 +77,7 @@ def _check_entropy(problem: Problem | BlockProblem) -> None:
             if np.isnan([law.entropy(rho, 1.0) for rho in (1e-6, 1.0, 1e6)]).all():
                 raise InputError(
                     f"the gas law of layer '{block.name}' has no formula for the entropy, which "
-                    "-fsi_entropy and -fsi_check need"
+                    "-fsi_check needs"
                 )
 
 

@@ -1,7 +1,5 @@
 """What the states of both methods have in common: see BlockState and PaperState."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any

@@ -25,7 +25,7 @@ from fsipetsc.output.plots.style import (
     time_axis,
 )
 from fsipetsc.output.quantities import Quantity, unit_of, written
-from fsipetsc.output.reader import BlockLayer, Layer, Run
+from fsipetsc.output.reader import Layer, Run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -74,12 +74,12 @@ class View:
         self.labels = labelled(run, "x", "m"), last
         self.ratio = float(np.ptp(self.limits[0]) / np.ptp(self.limits[1]))
 
-    def _values(self, layer: Layer | BlockLayer, frame: int) -> Array:
+    def _values(self, layer: Layer, frame: int) -> Array:
         """Of a frame: (n,), or (m, n) of a map."""
         fields = {"X": layer.X, **layer.frame(frame)}
         return in_plane(self.quantity.of(layer.kind).values(fields))
 
-    def positions(self, layer: Layer | BlockLayer, frame: int) -> list[Array]:
+    def positions(self, layer: Layer, frame: int) -> list[Array]:
         """Horizontal ones, and vertical ones of maps."""
         fields = layer.frame(frame)
         return [in_plane(fields[x]) for x in ("x", "xy", "xz")[self.run.dimension - 1]]

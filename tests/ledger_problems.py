@@ -1,0 +1,71 @@
+"""Problems whose ledgers are checked: gas and solid with smooth data on the shapes of
+block_shapes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from block_grids import conditions_of
+
+from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.conditions import Roller, Slip
+from fsipetsc.blocks.maps import nodes
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.solid import ElasticSolid
+
+#: cells along an axis
+N = 7
+
+
+def gas(d=2, mu=0.0, force=0.0):
+    return Fluid(mu, 0.03, 1.4, 1.0, force=(force,) * d if d > 1 else force)
+
+
+def solid(d=2, heat="elastic", force=0.0, kappa=0.05):
+    force = (force,) * d if d > 1 else force
+    return ElasticSolid(1.0, 2.0, kappa, 2.0, 1.5, 0.3, "log", heat, force=force)
+
+
+def swirling(*X):
+    d = len(X)
+    wave = [0.2 * np.sin(3.0 * X[c] + 2.0 * X[-1] + c) for c in range(d)]
+    return [1.0 + 0.2 * np.cos(2.0 * sum(X)), *wave, 1.0 + 0.1 * np.sin(3.0 * X[0] + 1.0)]
+
+
+def bent(*X):
+    d = len(X)
+    v = [0.1 * np.cos(2.0 * X[0] + 3.0 * X[-1] + c) for c in range(d)]
+    x = [X[c] + 0.02 * np.sin(2.0 * X[c - 1] + c) for c in range(d)]
+    return [*v, 1.1 + 0.1 * np.sin(2.0 * X[0] + X[-1]), *x]
+
+
+def block(name, X, material, **options):
+    """A block on an array of nodes, as in block_shapes."""
+    cells, d = tuple(n - 1 for n in X.shape[1:]), len(X)
+    initial = options.pop("initial", swirling if material.kind == "fluid" else bent)
+    return Block(name, material, nodes(X.transpose(*range(d, 0, -1), 0)), cells, initial, **options)
+
+
+def straight(X, Y):
+    return [*bent(X, Y)[:3], X, Y]
+
+
+def problem_of(shape, faces, fluid, plate, points=(), **options):
+    """A problem on a shape; faces: (name, axis, side) -> condition of those that meet nothing."""
+    blocks = []
+    for name, (X, _) in shape.items():
+        material = fluid if name.startswith("gas") else plate
+        blocks.append(block(name, X, material, **dict(options.get(name.split()[0], {}))))
+    found = conditions_of(blocks, faces)
+    return BlockProblem(tuple(blocks), found, options.get("jumps"), points=points)
+
+
+def closed(name, axis, side):
+    """Slip walls and rollers."""
+    return Slip() if name.startswith("gas") else Roller()
+
+
+def moved(*X_and_t):
+    *X, t = X_and_t
+    return [x + 0.1 * np.sin(3.0 * t + c) * (1.0 + X[0]) for c, x in enumerate(X)]
