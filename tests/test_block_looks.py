@@ -15,6 +15,7 @@ import block_shapes as shapes
 from block_ledgers import steps_of
 from ledger_problems import N, closed, gas, problem_of, solid
 
+from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.blockrun.face_terms import weights_of
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Free
@@ -167,3 +168,21 @@ def test_a_departure_of_volumes_is_told():
     known.add(steps)
     again.recall(known.memory(), {})
     assert again.J_error == 0.03
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.02])
+def test_a_bad_state_leaves_nothing_behind(friction):
+    """A step that fails is made anew: the rates then have the bits that they had before."""
+    shape = shapes.warped(shapes.layers(N + 1, False), 0.03)
+    problem = problem_of(shape, closed, gas(mu=friction), solid(heat="coupled"))
+    with steps_of(problem, form=BlockForm(dissipation=1.0, shock=1.0)) as run:
+        good, rates = run.y.array.copy(), np.zeros((2, run.y.array.size))
+        for f in rates:
+            run.y.array[:] = good
+            run.scheme.complete(0.0, run.y)
+            run.scheme.rates(0.0, run.y, f)
+            run.y.array[:] = np.nan
+            run.scheme.complete(0.0, run.y)
+            run.scheme.rates(0.0, run.y, np.zeros_like(f))
+            run.scheme.forget()
+    np.testing.assert_array_equal(*rates)

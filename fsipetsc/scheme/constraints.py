@@ -117,7 +117,8 @@ def slide(all, gain):
             for c in range(d):
                 both = flags[p, FREE_GAS] * G[c] + flags[p, FREE_SOLID] * S[c]
                 impulse[c] += pi[k] * both
-        put_part(vs, p, 0, v)
+        if M_s > 0.0:  # no NaN may stay where there is no solid: it would come back
+            put_part(vs, p, 0, v)
         if M > 0.0:
             put_part(U, p, 1, scale(U[p, 0], u))
         if M_s > 0.0 and M > 0.0:
