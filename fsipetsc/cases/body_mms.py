@@ -1,30 +1,35 @@
 """A manufactured solution around a body, on curved, joined blocks that move, in two dimensions.
 
 disk: a disk of five blocks in a square box of gas of four, axes turned against each other; three
-blocks meet at corners. ring: gas | ring | gas, O-grids. With D a displacement, X material places
-and labels of the gas,
+blocks meet at corners. ring: gas | ring | gas, O-grids. panel: one block on the floor of a channel,
+held by its foot, five of gas around it. With D a displacement, X material places and labels of the
+gas,
 
     x = X + D(X, t),    D = .06 (sin(1.9 X + .7 Y + t), cos(1.3 X - 1.7 Y + 2t))
     velocity of the gas   u = D_t + b (.3 sin(1.4 X - .6 Y - t), .2 cos(.9 X + 1.5 Y + 2t))
     temperature of both   T = 1 + .15 sin(1.6 X - 1.1 Y + t)
     density of the gas    rho = 1 + .2 cos(1.2 X + 1.7 Y - t)
 
-b = product of (R^2 - a^2)/(R^2 + a^2) over the radii a of interfaces. The grid of the gas is
-blended along rays, so that its nodes have other labels at each time: X + D(X, t) is solved for X.
-All unknowns are given on the outer walls, which move, too. See fsipetsc.cases.manufactured.
+b is 0 at interfaces: the product of (R^2 - a^2)/(R^2 + a^2) over their radii a; at the panel that
+of the distances from its three sides. The grid of the gas is blended between walls and body, so
+that its nodes have other labels at each time: X + D(X, t) is solved for X. All unknowns are given
+on the outer walls, which move, too. See fsipetsc.cases.manufactured.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
 
 from fsipetsc.blocks.block import Block
-from fsipetsc.blocks.conditions import Condition, Given
-from fsipetsc.blocks.maps import Map, Mapped, Places, annulus
+from fsipetsc.blocks.conditions import Given
+from fsipetsc.blocks.maps import Map, Mapped, Places, annulus, rectangle
 from fsipetsc.blocks.problem import BlockProblem, FaceName
 from fsipetsc.cases.common import Opt, material_options
-from fsipetsc.cases.disk import between, centre, quarter
+from fsipetsc.cases.disk import centre, quarter
 from fsipetsc.cases.manufactured import QUARTER, TIME, Solution, Waves, cofactor, determinant, unit
 from fsipetsc.checks import Array, Fields
 from fsipetsc.materials.fluid import Fluid
@@ -32,10 +37,11 @@ from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
 
 NAME = "body_mms"
-SUMMARY = "a disk or a ring in gas on curved, joined blocks, a manufactured solution"
+SUMMARY = "a disk, a ring or a panel in gas on joined blocks, a manufactured solution"
 
+SHAPES = "disk", "ring", "panel"
 OPTIONS = (
-    Option("body_shape", str, "disk", "", "nine blocks, or three rings", ("disk", "ring")),
+    Option("body_shape", str, "disk", "", "nine blocks, three rings, or six blocks", SHAPES),
     *material_options(fluid_mu=0.02, fluid_kappa=0.03, solid_kappa=0.05),
     *material_options(solid_law=("svk", "neo-hookean", "log", "linear")),
 )
@@ -43,8 +49,11 @@ DEFAULTS = {"fsi_h": 1 / 16, "fsi_order": 4, "ts_max_time": 0.1, "fsi_output_dt"
 
 #: options in the order that the solution has them
 MATERIALS = "fluid_mu", "fluid_kappa", "solid_kappa", "solid_law"
-#: half the side of the box and of the block in the middle of the disk; radii of the rings
-BOX, HALF, RINGS = 2.0, 0.45, (0.5, 1.0, 1.3, 2.0)
+#: half the side of the box and of the block in the middle of the disk; radii of the rings, and one
+#: in the middle
+BOX, HALF, RINGS, MIDDLE = 2.0, 0.45, (0.5, 1.0, 1.3, 2.0), 1.15
+#: X and Y of the edges of the blocks around the panel
+COLUMNS, ROWS = (0.0, 1.0, 1.3, 2.5), (0.0, 0.7, 1.5)
 #: that solve X + D(X, t) = x to round-off
 NEWTON_STEPS = 5
 
@@ -54,11 +63,12 @@ def phase(x: float, y: float, t: float, quarters: int = 0) -> Array:
     return np.array([x, 0, y, 0, 0]) + t * TIME - quarters * QUARTER
 
 
-@dataclass(frozen=True)
-class Around(Solution):
-    """The solution around interfaces of these radii; gas inside the first one of two."""
+class Body(Solution):
+    """The solution around a body; moved(X, Y, t): (2, d, …) displacement and velocity of nodes of
+    the gas's grid.
+    """
 
-    radii: tuple[float, ...] = (1.0,)
+    moved: Callable[[Array, Array, float], Array]
 
     def __post_init__(self) -> None:
         D = (0.06, phase(1.9, 0.7, 1.0, 1)), (0.06, phase(1.3, -1.7, 2.0))
@@ -73,27 +83,15 @@ class Around(Solution):
         D = self.displacement.at(where)
         return D.gradient + unit(D.gradient), D.rate, D.gradient_rate
 
-    def bubble(self, where: Any) -> tuple[Array, Array]:
-        """b and its gradient."""
-        R, slope = where[0] ** 2 + where[1] ** 2, 0.0
-        found = 1.0 + 0.0 * R
-        for a in (radius**2 for radius in self.radii):
-            b = (R - a) / (R + a)
-            found, slope = found * b, slope * b + found * 2.0 * a / (R + a) ** 2
-        return found, 2.0 * slope * np.stack(where[:2])
+    def material(self, X: Array, Y: Array, t: float) -> Array:
+        """(2, d, …) D and D_t."""
+        D = self.displacement.at((X, Y, t))
+        return np.stack([D.value, D.rate])
 
     def labels(self, X: Array, Y: Array, t: float) -> Fields:
-        """Of nodes of the gas's grid, which is blended between walls and interfaces."""
-        R, (first, last), inside = np.hypot(X, Y), (self.radii[0], self.radii[-1]), 0.0
-        if len(self.radii) == 1:
-            outer = BOX * R / np.maximum(abs(X), abs(Y))
-        else:
-            inside, outer = R <= first * (1.0 + 1e-12), RINGS[-1]
-        low, high = np.where(inside, RINGS[0], last), np.where(inside, first, outer)
-        s, x = (R - low) / (high - low), np.stack([X, Y])
-        for weight, radius in ((1.0 - s, low), (s, high)):
-            x = x + weight * self.displacement.at((X * radius / R, Y * radius / R, t)).value
+        """Of nodes of the gas's grid."""
         found = np.stack([X, Y])
+        x = found + self.moved(X, Y, t)[0]
         for _ in range(NEWTON_STEPS):
             D = self.displacement.at((*found, t))
             F, apart = D.gradient + unit(D.gradient), found + D.value - x
@@ -108,64 +106,130 @@ class Around(Solution):
         """At a node of the grid."""
         return super().force_gas(*self.labels(*where), where[-1])
 
+
+@dataclass(frozen=True)
+class Round(Body):
+    """Around interfaces of these radii; gas inside the first one of two."""
+
+    radii: tuple[float, ...] = (1.0,)
+
+    def bubble(self, where: Any) -> tuple[Array, Array]:
+        """b and its gradient."""
+        R, slope = where[0] ** 2 + where[1] ** 2, 0.0
+        found = 1.0 + 0.0 * R
+        for a in (radius**2 for radius in self.radii):
+            b = (R - a) / (R + a)
+            found, slope = found * b, slope * b + found * 2.0 * a / (R + a) ** 2
+        return found, 2.0 * slope * np.stack(where[:2])
+
+    def moved(self, X: Array, Y: Array, t: float) -> Array:
+        """Between both ends of a ray."""
+        R = np.hypot(X, Y)
+        low, high = 1.0, BOX * R / np.maximum(abs(X), abs(Y))
+        if len(self.radii) > 1:
+            low, high = np.where(R < MIDDLE, *np.reshape(RINGS, (2, 2, 1)))
+        s, ends = (R - low) / (high - low), (low / R, high / R)
+        inner, outer = (self.material(X * end, Y * end, t) for end in ends)
+        return (1.0 - s) * inner + s * outer
+
     def supplied(self, *where: Any) -> list[Array]:
-        """The normal goes from the gas to the solid."""
+        """The normal is along a ray."""
         R = np.hypot(*where[:2])
-        inner = len(self.radii) > 1 and R < 0.5 * sum(self.radii)
+        inner = len(self.radii) > 1 and R < MIDDLE
         return self.jump(where, np.where(inner, 1.0, -1.0) * np.stack(where[:2]) / R)
+
+
+class Panel(Body):
+    """Around the panel."""
+
+    def bubble(self, where: Any) -> tuple[Array, Array]:
+        """b and its gradient."""
+        (x, y, _), (_, left, right, _), top = where, COLUMNS, ROWS[1]
+        across, above = (x - left) * (x - right), y - top
+        return across * above, np.stack([(2.0 * x - left - right) * above, across])
+
+    def moved(self, X: Array, Y: Array, t: float) -> Array:
+        """Walls and joins stay straight; what the panel bends fades towards the edges opposite."""
+        vertices = self.material(*np.meshgrid(COLUMNS, ROWS), t)
+
+        def straight(X: Array, Y: Array) -> Array:
+            along = [np.interp(X, COLUMNS, one) for one in np.eye(len(COLUMNS))]
+            up = [np.interp(Y, ROWS, one) for one in np.eye(len(ROWS))]
+            return np.einsum("abji,j...,i...->ab...", vertices, up, along)
+
+        edge = np.clip(X, *COLUMNS[1:3]), np.minimum(Y, ROWS[1])
+        near = np.interp(X, COLUMNS, (0.0, 1.0, 1.0, 0.0)) * np.interp(Y, ROWS, (1.0, 1.0, 0.0))
+        return straight(X, Y) + near * (self.material(*edge, t) - straight(*edge))
+
+    def supplied(self, *where: Any) -> list[Array]:
+        """The face of these nodes is the top if they have one Y."""
+        (X, Y, _), top = where, np.array([[0.0], [-1.0]])
+        side = np.stack([np.sign(0.5 * sum(COLUMNS[1:3]) - X), 0.0 * X])
+        return self.jump(where, top + 0.0 * X if np.ptp(Y) < np.ptp(X) else side)
 
 
 def turned(map: Map, times: int) -> Mapped:
     """The same places with the logical axes turned by so many right angles."""
-
-    def places(xi: Places) -> Places:
-        for _ in range(times):
-            xi = xi[1], 1.0 - xi[0]
-        return map(xi)
-
-    return Mapped(places, 2)
+    for _ in range(times):
+        map = partial(lambda of, xi: of((xi[1], 1.0 - xi[0])), map)
+    return Mapped(map, 2)
 
 
 def to_box(q: int) -> Map:
     """From the circle to a side of the box along rays."""
 
     def places(xi: Places) -> Places:
-        angle, turn = np.pi / 4 * (2.0 * xi[1] - 1.0), np.pi / 2 * q
-        side = BOX + 0.0 * angle, BOX * np.tan(angle)
-        x, y = between(xi[0], (np.cos(angle), np.sin(angle)), side)
-        return np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y
+        angle = np.pi / 4 * (2.0 * (xi[1] + q) - 1.0)
+        ray = np.stack([np.cos(angle), np.sin(angle)])
+        return tuple((1.0 - xi[0] + xi[0] * BOX / np.abs(ray).max(axis=0)) * ray)
 
     return places
+
+
+def blocks_of(shape: str) -> tuple[dict[str, Map], list[FaceName]]:
+    """Maps by name, and the outer faces."""
+    maps: dict[str, Map] = {}
+    if shape == "ring":
+        names = "gas inside", "ring", "gas outside"
+        maps = {name: annulus(*radii) for name, *radii in zip(names, RINGS, RINGS[1:])}
+        return maps, [(names[0], 0, 0), (names[2], 0, 1)]
+    if shape == "disk":
+        maps["middle"] = centre(HALF)
+        for q in range(4):
+            maps[f"disk {q}"] = turned(quarter(q, 1.0, HALF), q + 1)
+            maps[f"gas {q}"] = turned(to_box(q), q)
+        outer = (0, 1), (1, 1), (0, 0), (1, 0)  # of a block turned so often
+        return maps, [(f"gas {q}", *face) for q, face in enumerate(outer)]
+    faces = []
+    for j, i in product(range(2), range(3)):
+        name = "panel" if (i, j) == (1, 0) else f"gas {i}{j}"
+        maps[name] = rectangle((COLUMNS[i], ROWS[j]), (COLUMNS[i + 1], ROWS[j + 1]))
+        faces += [(name, 1, j), *([(name, 0, i // 2)] if i != 1 else [])]
+    return maps, faces
 
 
 def build(opt: Opt) -> BlockProblem:
     """-fsi_h: of the side of each block, which is 1 in logical coordinates; a ring has four times
     as many cells around.
     """
-    of_materials, disk = (opt[name] for name in MATERIALS), opt["body_shape"] == "disk"
-    exact = Around(2, *of_materials, radii=(1.0,) if disk else RINGS[1:3])
+    shape, of_materials = opt["body_shape"], [opt[name] for name in MATERIALS]
+    radii = {"disk": (1.0,), "ring": RINGS[1:3]}.get(shape, ())
+    exact: Body = Round(2, *of_materials, radii=radii) if radii else Panel(2, *of_materials)
     numbers = exact.mu_e, exact.lambda_e, exact.kappa_e, exact.m0, exact.alpha
     gas = Fluid(exact.mu, exact.kappa, exact.gamma, exact.R), exact.exact_gas, exact.force_gas
     solid = ElasticSolid(*numbers, law=exact.law), exact.exact_solid, exact.force_solid
-    walls: Any = {"x": lambda *at: solid[1](*at)[3:], "velocity": lambda *at: solid[1](*at)[:2]}
-    given = Given(exact.exact_gas, **walls)
+    walls: Any = {"x": lambda X, Y, t: np.stack([X, Y]) + exact.moved(X, Y, t)[0]}
+    of_gas = Given(exact.exact_gas, **walls, velocity=lambda *at: exact.moved(*at)[1])
+    of_solid = Given(exact.exact_solid)
 
-    def block(name: str, map: Map, around: int = 1) -> Block:
+    def block(name: str, map: Map) -> Block:
         material, of, forcing = gas if name.startswith("gas") else solid
-        n, more = round(1.0 / opt["fsi_h"]), {"exact": of, "periodic": (False, around > 1)}
+        n, around = round(1.0 / opt["fsi_h"]), 4 if shape == "ring" else 1
+        more: Any = {"exact": of, "periodic": (False, around > 1)}
         of_map = map, (n, around * n), lambda *X: of(*X, 0.0)
         return Block(name, material, *of_map, forcing=forcing, **more)
 
-    faces: dict[FaceName, Condition]
-    if disk:
-        sides = (0, 1), (1, 1), (0, 0), (1, 0)  # of a block turned so often
-        faces = {(f"gas {q}", *side): given for q, side in enumerate(sides)}
-        blocks = [block("middle", centre(HALF))]
-        for q in range(4):
-            blocks.append(block(f"disk {q}", turned(quarter(q, 1.0, HALF), q + 1)))
-            blocks.append(block(f"gas {q}", turned(to_box(q), q)))
-    else:
-        faces = {("gas inside", 0, 0): given, ("gas outside", 0, 1): given}
-        rings = zip(("gas inside", "ring", "gas outside"), RINGS, RINGS[1:])
-        blocks = [block(name, annulus(*radii), 4) for name, *radii in rings]
-    return BlockProblem(tuple(blocks), faces, jumps=exact.supplied, units="none")
+    maps, outer = blocks_of(shape)
+    faces = {face: of_gas if face[0].startswith("gas") else of_solid for face in outer}
+    blocks = tuple(block(name, map) for name, map in maps.items())
+    return BlockProblem(blocks, faces, jumps=exact.supplied, units="none")
