@@ -207,8 +207,9 @@ class Layer(Arrays):
         self.shape: tuple[int, ...] = tuple(entry["shape"]) if len(X) else (0,) * d  # no frames
         self.places: Array = X.reshape(*self.shape, d)
         self.periodic: tuple[bool, ...] = tuple(entry.get("periodic", [False] * d)[::-1])
-        full = [self.places[..., axis] for axis in range(d)]
-        self.X, self.Y, self.Z = (_short(full) if len(X) else full) + [np.zeros(1)] * (3 - d)
+        full: list[Array] = [self.places[..., axis] for axis in range(d)]
+        lines: list[Array] = (_short(full) if len(X) else full) + [np.zeros(1)] * (3 - d)
+        self.X, self.Y, self.Z = lines
         row = self.places.reshape(-1, self.shape[-1], d)[0, :, 0] if len(X) else np.zeros(1)
         self.h = float(row[-1] - row[0]) / max(1, len(row) - 1)
 
