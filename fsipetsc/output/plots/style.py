@@ -83,7 +83,7 @@ def save(figure: Figure, target: str | os.PathLike[str]) -> Path:
     """Write a figure, in the format that the name ends with. FileError where it cannot be."""
     path = Path(target)
     with writing(path):
-        figure.savefig(path)
+        figure.savefig(path, bbox_inches="tight")  # layouts of wide maps cut labels off else
     return path
 
 
