@@ -10,15 +10,16 @@ from helpers import message, solve
 
 from fsipetsc.analysis.panel_modes import Flow, Motion, crossing, fit_modes
 from fsipetsc.errors import ComputationError
+from fsipetsc.verify.entry import reference
 
 #: a thick and light panel on a coarse grid: a second or two each
 COARSE = "-fsi_h 0.0625 -panel_thickness 0.1 -panel_height 0.5 -flutter_machs 2"
-#: lambda -> s of its slowest modes, or of the one that grows, by quasi-steady theory of a panel
-#: with shear and rotary inertia
+#: onsets and modes by quasi-steady theory of a panel with shear and rotary inertia
+THEORY = reference("panel_flutter")
+#: lambda -> s of the two slowest modes of the clamped panel
 KNOWN = {
-    350: (-0.03849002 + 0.82621958j, -0.03849002 + 1.34210751j),
-    430: (-0.03849002 + 0.87514947j, -0.03849002 + 1.18484081j),
-    650: (0.16020957 + 0.97218892j,),
+    at: [complex(*(THEORY[f"s{n} {part}"][k] for part in ("real", "imag"))) for n in (1, 2)]
+    for k, at in enumerate(THEORY["lambda"])
 }
 
 
@@ -74,13 +75,23 @@ def test_runs_decay_below_and_grow_above(tmp_path):
         found = [complex(row[f"growth_{n}"], row[f"frequency_{n}"]) for n in (1, 2)]
         expected = np.array(KNOWN[row["lambda"]])
         assert np.all(np.abs(found - expected) < 0.05 * np.abs(expected)), (found, expected)
-    assert abs(complex(runs[2]["growth"], runs[2]["frequency"]) - KNOWN[650][0]) < 0.05
+    assert abs(complex(runs[2]["growth"], runs[2]["frequency"]) - KNOWN[650][1]) < 0.05
+
+
+def test_hinged_ends(tmp_path):
+    """The onset is that of theory."""
+    words = f"flutter {COARSE} -panel_ends hinged -flutter_lambdas 260,360".split()
+    done = solve(*words, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    onset = float(done.stdout.split("of 343.36")[1].split()[1])
+    assert onset == pytest.approx(THEORY["hinged damped"][2], rel=0.05)
 
 
 def test_messages(tmp_path):
     for words, said in {
         "-panel_lambda 700": "takes -flutter_lambdas",
         "-flutter_machs 0.9": "Mach numbers above 1",
+        "-panel_ends hinged -fluid_mu 1e-3": "expected -fluid_mu 0",
     }.items():
         done = solve("flutter", *words.split(), cwd=tmp_path)
         message(done, 2, said)

@@ -1,16 +1,20 @@
-"""Frequencies of beams and plates, and the pressure at which a panel flutters, by determinants.
+"""Frequencies of beams and plates, and the pressure at which a panel flutters.
 
 Flutter, quasi-steady pressure without damping, lengths over the panel's: w'''' + l w' = q w. The w
 are sums of exp(m x), m^4 + l m - q = 0. Flutter begins at the l at which two real q merge: 636.57
 of a clamped panel, 343.36 of a simply supported one (E. H. Dowell, Aeroelasticity of Plates and
-Shells, 1975; J. M. Hedgepeth, J. Aeronaut. Sci. 24 (1957) 381 has 343).
+Shells, 1975; J. M. Hedgepeth, J. Aeronaut. Sci. 24 (1957) 381 has 343). Panels with a thickness and
+with damping: Galerkin's method.
 
 Vibration, Timoshenko: D t'' + S (w' - t) = -r I t.., S (w'' - t') = m w.., plane strain, with
 S = 5/6 mu h, I = density h^3/12. Euler and Bernoulli: cos b cosh b = 1, w = b^2 sqrt(D/m).
 """
 
+from itertools import product
+
 import numpy as np
-from numpy.polynomial import Chebyshev
+from numpy.polynomial import Chebyshev, Legendre
+from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 #: derivatives that vanish at both ends
@@ -87,6 +91,56 @@ def hinged_timoshenko(thickness, number=1, poisson_lambda=2.0):
     return np.sqrt(2 * c / (-b + np.sqrt(b * b - 4 * a * c)))
 
 
+def galerkin(thickness, ends, terms=16):
+    """Squares of the frequencies of a panel, D = m = L = 1, lambda_e = 2 mu_e, and integrals of
+    w_i w_j and w_i w_j' of its modes. Polynomials for w and, if it is thick, t; functions that are
+    held vanish at the ends, forces and moments follow.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(3 * terms)
+    bubble = Legendre.fit([0.0, 0.5, 1.0], [0.0, 0.25, 0.0], 2, domain=[0, 1])
+    thin, clamped = thickness == 0.0, ends == "clamped"
+
+    def values(factor, n):
+        functions = (factor * Legendre.basis(k, domain=[0, 1]) for k in range(terms))
+        return np.array([(f.deriv(n) if n else f)(0.5 * (nodes + 1.0)) for f in functions])
+
+    def integrals(a, b):
+        return (a * 0.5 * weights) @ b.T
+
+    w, w_x, w_xx = (values(bubble**2 if thin and clamped else bubble, n) for n in range(3))
+    K, M = integrals(w_xx, w_xx), integrals(w, w)
+    if not thin:
+        t, t_x = (values(bubble if clamped else 1.0, n) for n in range(2))
+        S, inertia, zero = 5 / 6 * 4 / thickness**2, thickness**2 / 12, 0.0 * M
+        bent = S * integrals(t, t) + integrals(t_x, t_x)
+        K = np.block([[S * integrals(w_x, w_x), -S * integrals(w_x, t)], [zero, bent]])
+        M = np.block([[M, zero], [zero, inertia * integrals(t, t)]])
+    squares, vectors = eigh(K, M, lower=False)  # the upper halves count
+    of_w = vectors[:terms]
+    return squares, of_w.T @ integrals(w, w) @ of_w, of_w.T @ integrals(w, w_x) @ of_w
+
+
+def modes(panel, l, mach=2.0, mass=10.0, damped=True):
+    """s sqrt(m/D) with Im s >= 0, by frequency: s^2 w + c s w + ... + l w' = 0, with the damping of
+    quasi-steady flow, c = (M^2 - 2)/(M^2 - 1) sqrt(l/(beta m)), m the mass over density and length.
+    """
+    squares, ww, ww_x = panel
+    b, one, none = mach**2 - 1.0, np.eye(len(squares)), np.zeros(ww.shape)
+    c = (b - 1.0) / b * np.sqrt(l / (np.sqrt(b) * mass)) if damped else 0.0
+    s = np.linalg.eigvals(np.block([[none, one], [-np.diag(squares) - l * ww_x, -c * ww]]))
+    return sorted(s[s.imag >= 0.0], key=lambda s: s.imag)
+
+
+def onset(thickness, ends, damped=True):
+    """Least l at which one of the two slowest modes grows."""
+    panel, low, high = galerkin(thickness, ends), 200.0, 900.0
+    while high - low > 1e-10 * high:
+        middle = 0.5 * (low + high)
+        grows = max(s.real for s in modes(panel, middle, damped=damped)[:2]) > 1e-4
+        low, high = (low, middle) if grows else (middle, high)
+    return high
+
+
 def columns():
     """Of beam.csv: lambda_e = 0, the first frequencies over sqrt(D/m)."""
     d = [0.1, 0.05, 0.02, 0.01, 0.0]
@@ -97,9 +151,22 @@ def columns():
 
 
 def flutter_columns():
-    """Of panel_flutter.csv: lambda at flutter and the merged q of both kinds of ends."""
-    both = {ends: flutter(ends) for ends in ENDS}
-    return {f"{e} {what}": [both[e][k]] for e in ENDS for k, what in enumerate(("lambda", "q"))}
+    """Of panel_flutter.csv: l at flutter, thin, the merged q, and of panels of thickness d without
+    and with damping; s over the speed of sound and the length of the two slowest modes, d = 0.1.
+    """
+    both, d = {ends: flutter(ends) for ends in ENDS}, [0.0, 0.04, 0.1]
+    made = {"d": d}
+    for ends in ENDS:
+        made[f"{ends} lambda"] = [both[ends][0], *(onset(v, ends, False) for v in d[1:])]
+        made[f"{ends} damped"] = [onset(v, ends) for v in d]
+        made[f"{ends} q"] = [both[ends][1], np.nan, np.nan]
+    made["lambda"] = [350.0, 430.0, 650.0]
+    thick = galerkin(0.1, "clamped")
+    unit = [2.0 / np.sqrt(l * np.sqrt(3.0) * 10.0) for l in made["lambda"]]
+    found = [np.array(modes(thick, l)[:2]) * u for l, u in zip(made["lambda"], unit)]
+    for k, part in product(range(2), ("real", "imag")):
+        made[f"s{k + 1} {part}"] = [getattr(s[k], part) for s in found]
+    return made
 
 
 if __name__ == "__main__":
@@ -107,5 +174,6 @@ if __name__ == "__main__":
 
     about = "w sqrt(m/D) of beams of length 1 and thickness d, lambda_e = 0; d = 0: thin"
     save("beam", columns(), f"made by verify/beams.py: {about}")
-    about = "lambda = 2 q L^3/(D beta) at flutter, quasi-steady, thin, undamped"
-    save("panel_flutter", flutter_columns(), f"made by verify/beams.py: {about}")
+    about = "lambda = 2 q L^3/(D beta) at flutter of panels of thickness d, quasi-steady"
+    more = "damped, s1, s2: Mach number 2, mass 10; s1, s2: clamped, d = 0.1, at lambda"
+    save("panel_flutter", flutter_columns(), f"made by verify/beams.py: {about}", more)

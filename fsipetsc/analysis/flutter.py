@@ -85,7 +85,7 @@ def flutter(arguments: list[str], comm: MPI.Comm) -> None:
     facts, lines = f"mass {mass:g}, thickness {opt['panel_thickness']:g}", list(map(_row, runs))
     say(f"\npanel, {facts}: growth and angular frequency of its modes\n\n{text_table(HEAD, lines)}")
     say("\nonset of flutter: lambda, and frequency f in cycles per unit of time")
-    say(onsets(runs, mass))
+    say(onsets(runs, mass, opt["panel_ends"]))
     if comm.rank == 0:
         say(f"\nresults in {save_csv(path, HEAD, lines)}")
     wait_asleep(comm)
@@ -111,7 +111,8 @@ def one_run(
 
     from fsipetsc.stepping.run import run_case
 
-    period, later = Flow(mach, opt["panel_mass"]).period(dynamic), CHORDS / (mach - 1.0)
+    flow, later = Flow(mach, opt["panel_mass"], opt["panel_ends"]), CHORDS / (mach - 1.0)
+    period = flow.period(dynamic)
     own = {**opt, "panel_mach": mach, "panel_lambda": dynamic, "fsi_quiet": True}
     own |= {"ts_max_time": end or later + PERIODS * period}
     own |= {"fsi_output_dt": period / SAMPLES, "fsi_output_times": None}
@@ -135,10 +136,10 @@ def _row(run: FlutterRun) -> list[object]:
     return [f"{run.mach:g}", f"{run.dynamic:g}", *numbers, *cost]
 
 
-def onsets(runs: Sequence[FlutterRun], mass: float) -> str:
+def onsets(runs: Sequence[FlutterRun], mass: float, ends: str) -> str:
     """A table of lambda and f of each Mach number, by the runs that went well; NaN where they do
     not show it. Beside it lambda over that of a thin panel."""
-    rows = []
+    rows, thin = [], CRITICAL[ends]
     for mach in dict.fromkeys(run.mach for run in runs):
         own = [run for run in runs if run.mach == mach and not run.failure]
         flow, found, s = Flow(mach, mass), float("nan"), complex("nan")
@@ -146,5 +147,5 @@ def onsets(runs: Sequence[FlutterRun], mass: float) -> str:
             dynamic = [run.dynamic for run in own]
             found, s = crossing(dynamic, list(map(flow.unit, dynamic)), [run.pair for run in own])
         f = s.imag * flow.unit(found) / (2.0 * pi)
-        rows.append([f"{mach:g}", f"{found:.1f}", f"{f:.4f}", f"{found / CRITICAL:.3f}"])
-    return text_table(["M", "lambda", "f", f"of {CRITICAL}"], rows)
+        rows.append([f"{mach:g}", f"{found:.1f}", f"{f:.4f}", f"{found / thin:.3f}"])
+    return text_table(["M", "lambda", "f", f"of {thin}"], rows)

@@ -1,9 +1,9 @@
-"""Motions of a clamped panel under a supersonic flow: the modes of a run, and where one grows.
+"""Motions of a panel under a supersonic flow: the modes of a run, and where one grows.
 
 Lengths are over the panel's, velocities over the speed of sound, densities over that of the flow;
-the stiffness is D = M^2 / (lambda sqrt(M^2 - 1)). A thin panel without damping flutters from
-lambda = 636.57 on, whatever its mass (E. H. Dowell, Aeroelasticity of Plates and Shells, 1975);
-verify/beams.py derives it.
+the stiffness is D = M^2 / (lambda sqrt(M^2 - 1)). A thin clamped panel without damping flutters
+from lambda = 636.57 on, whatever its mass, a hinged one from 343.36 on (E. H. Dowell,
+Aeroelasticity of Plates and Shells, 1975); verify/beams.py derives both.
 
 A small motion that is seen is w(x, t) = Re sum_k a_k(x) exp(s_k t). Deflections and velocities of
 all points make a vector, which a matrix A with the eigenvalues exp(s_k dt) takes from one time to
@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from fsipetsc.output.reader import Run
 
 #: lambda at which a thin panel flutters without damping, its frequency there over sqrt(D/m)
-CRITICAL, FREQUENCY = 636.57, 52.0
+CRITICAL = {"clamped": 636.57, "hinged": 343.36}
+FREQUENCY = {"clamped": 52.0, "hinged": 32.0}
 #: singular values and amplitudes below these parts of the largest one are noise
 NOISE, FAINT = 1e-5, 1e-3
 #: what grows or decays by more than exp of this within the time is noise, too
@@ -38,10 +39,11 @@ RANK = 16
 
 @dataclass(frozen=True)
 class Flow:
-    """A panel in a flow: Mach number, mass over density and length."""
+    """A panel in a flow: Mach number, mass over density and length, how its ends are held."""
 
     mach: float
     mass: float
+    ends: str = "clamped"
 
     def unit(self, dynamic: float) -> float:
         """sqrt(D / mass), unit of frequencies, at lambda = dynamic."""
@@ -50,7 +52,7 @@ class Flow:
 
     def period(self, dynamic: float) -> float:
         """Of flutter at lambda = dynamic, about."""
-        return 2.0 * np.pi / (FREQUENCY * self.unit(dynamic))
+        return 2.0 * np.pi / (FREQUENCY[self.ends] * self.unit(dynamic))
 
 
 @dataclass(frozen=True)
