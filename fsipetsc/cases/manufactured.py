@@ -27,7 +27,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.blocks.metrics import cofactors as cofactor
 from fsipetsc.checks import Array
 
 Where = Sequence[Any]
@@ -106,6 +105,16 @@ def _sums(weights: Array, values: Array) -> Array:
 def determinant(F: Array) -> Array:
     """Of F (d, d, …)."""
     return np.einsum("k...,k...->...", F[0], cofactor(F)[0])
+
+
+def cofactor(F: Array) -> Array:
+    """det(F) F^-T, of F (d, d, …)."""
+    if len(F) == 1:
+        return np.ones_like(F)
+    if len(F) == 2:
+        return np.array([[F[1, 1], -F[1, 0]], [-F[0, 1], F[0, 0]]])
+    after, before = [1, 2, 0], [2, 0, 1]
+    return F[after][:, after] * F[before][:, before] - F[after][:, before] * F[before][:, after]
 
 
 def unit(F: Array) -> Array:
