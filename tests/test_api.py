@@ -120,13 +120,10 @@ def grid(kind: str, n: int):
     else:
         X, Y = np.arange(n + 1) / n, np.arange(n) / n  # periodic along Y
         places = np.stack(np.meshgrid(X, Y), axis=-1)
-        values, more = (
-            places[..., 0] + 3 * places[..., 1],
-            {"places": places, "periodic": (False, True)},
-        )
-    layer = type(
-        "Grid", (dict,), {"name": "gas", "fields": ("T",), "size": f"{values.size} points", **more}
-    )
+        values, more = places[..., 0] + 3 * places[..., 1], {"periodic": (False, True)}
+        more["places"] = places
+    more |= {"name": "gas", "fields": ("T",), "size": f"{values.size} points"}
+    layer = type("Grid", (dict,), {**more, "shape": values.shape})
     return SimpleNamespace(layers=(layer(T=values[None]),))
 
 
