@@ -68,40 +68,43 @@ def over_solid(
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
-    """Relative errors."""
+    """Relative errors, of several modes the largest."""
     from fsipetsc.materials.fluid import Fluid
     from fsipetsc.materials.solid import ElasticSolid
     from fsipetsc.materials.stiffened_gas import stiffened_gas
 
     table = reference("normal_modes")
 
-    def misfit(name: str, row: int, found: Array) -> Compared:
-        exact = complex(table[f"{name} real"][row], table[f"{name} imag"][row])
-        return Compared(complex(found[np.abs(found - exact).argmin()]), exact)
+    def misfit(name: str, found: Array, rows: int = 1) -> Compared:
+        pairs = zip(table[f"{name} real"][:rows], table[f"{name} imag"][:rows])
+        known = [complex(*pair) for pair in pairs]
+        near = (Compared(complex(found[np.abs(found - s).argmin()]), s) for s in known)
+        return max(near, key=lambda one: one.error)
 
-    found = at_rest("ring", order, h, 2, ring_pulse=0.0)
-    errors = {f"ring, mode {k + 1}": misfit("ring", k, found) for k in range(3)}
+    found = at_rest("ring", order, h, 2, ring_pulse=0.0, ring_around=round(1.5 / h))
+    errors = {"ring": misfit("ring", found, 3)}
     for kappa, name in SHELLS.items():
-        found = at_rest("shell", order, h / 5.0, shell_kappa=kappa, shell_charge=0.0)
-        errors |= {f"{name}, mode {k + 1}": misfit(name, k, found) for k in range(3)}
+        fine = h / (5.0 if order < 6 else 2.5)  # errors of 6/3 are round-off else
+        found = at_rest("shell", order, fine, shell_kappa=kappa, shell_charge=0.0)
+        errors[name] = misfit(name, found, 3)
     gas = Fluid(0.01, 0.035 / 0.72, 1.4, 1.0)
     layer = ElasticSolid(1.0, 1.0, 0.0, 1.0, 1.0, p_ref=1.0, heat="elastic")
     found = over_solid(order, h, gas, layer, 0.5, (1.0, 1.0))
-    errors["viscous gas"] = misfit("viscous gas", 0, found)
+    errors["viscous gas"] = misfit("viscous gas", found)
     for name in ("steel", "aluminium"):
         gamma, cv, p, rho = 4.4, 1000.0, 1e5, 1000.0
         p_inf = rho * 1480.0**2 / gamma - p
         T = (p + p_inf) / ((gamma - 1.0) * cv * rho)
         water = Fluid(0.0, 0.0, gamma, (gamma - 1.0) * cv, law=stiffened_gas(gamma, cv, p_inf))
         found = over_solid(order, h, water, metal(name, p), 1.0, (rho, T))
-        errors[f"water over {name}"] = misfit(f"water over {name}", 0, found)
+        errors[f"water over {name}"] = misfit(f"water over {name}", found)
     found = over_solid(order, h, metal("aluminium", 0.0), metal("tungsten", 0.0), 1.0, (0.0, 1.0))
-    errors["tungsten under aluminium"] = misfit("tungsten under aluminium", 0, found)
+    errors["tungsten under aluminium"] = misfit("tungsten under aluminium", found)
     return Measured(errors)
 
 
-NAMES = [f"{name}, mode {k}" for name in ("ring", *SHELLS.values()) for k in (1, 2, 3)]
-NAMES += ["viscous gas", "water over steel", "water over aluminium", "tungsten under aluminium"]
+NAMES = ("ring", *SHELLS.values(), "viscous gas", "water over steel", "water over aluminium")
+NAMES += ("tungsten under aluminium",)
 ENTRY = Entry(
     source="verify/modes.py (determinants)",
     levels={"quick": {4: (1 / 16, 1 / 24)}, "full": {4: (1 / 16, 1 / 32), 6: (1 / 24, 1 / 32)}},
