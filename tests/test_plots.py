@@ -204,7 +204,7 @@ def test_ledgers_steps_and_residuals(results, figures):
     some = slice(None, None, max(1, len(change) // style.MAX_POINTS))
     assert np.array_equal(t, run.series["t"][some]) and np.allclose(y, change[some])
     kept = curves(labelled(ledgers, "relative departure"))
-    assert [label for label, *_ in kept] == ["mass of 'below'", "momentum"]  # the upper end is open
+    assert [label for label, *_ in kept] == ["mass of 'below'"]  # the upper end is open
     for label, _, y in kept:
         assert np.nanmax(y) == np.abs(series.departures(run)[label]).max() < 1e-2
     ((_, _, y), *_) = curves(labelled(figures["rod", "interfaces"], "|residual|, stress"))
