@@ -186,3 +186,4 @@ def test_a_bad_state_leaves_nothing_behind(friction):
             run.scheme.rates(0.0, run.y, np.zeros_like(f))
             run.scheme.forget()
     np.testing.assert_array_equal(*rates)
+    assert np.isfinite(rates).all() and rates.any()

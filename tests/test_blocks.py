@@ -309,6 +309,14 @@ def periodic_at_a_solid():
     return [square("a"), b], faces
 
 
+def ring_that_is_not_closed():
+    """Eight nodes around, in a ring and in one that lacks its last cell."""
+    ring = Block("a", GAS, maps.annulus(1.0, 2.0), (8, 8), nothing, periodic=(False, True))
+    part = maps.annulus(2.0, 3.0, (0.0, 1.75 * np.pi))
+    faces = {("a", 0, 0): STILL} | walls("b", but=[("b", 0, 0)])
+    return [ring, Block("b", GAS, part, (8, 7), nothing)], faces
+
+
 JOINED = walls("a", "b", but=[A, B])
 NO_PARTNER = walls("a") | {("a", 0, 0): Periodic((1.0, 0.0))}
 THREE = walls("a", "b", "c", but=[A, B, ("c", 0, 0)])
@@ -346,6 +354,7 @@ PROBLEMS = {
     "Open: u has 1 numbers: expected 2": lambda: ([square()], walls("a", condition=OPEN_1D)),
     "is Periodic, and no Periodic face is at": lambda: ([square()], NO_PARTNER),
     r"goes on at block 'b'.*: expected gas and gas": periodic_at_a_solid,
+    "have the same nodes, but one of them is periodic and the other ends": ring_that_is_not_closed,
 }
 
 

@@ -134,10 +134,11 @@ def modes(panel, l, mach=2.0, mass=10.0, damped=True):
 def onset(thickness, ends, damped=True):
     """Least l at which one of the two slowest modes grows."""
     panel, low, high = galerkin(thickness, ends), 200.0, 900.0
+    noise = 0.0 if damped else 1e-4  # undamped modes neither grow nor decay below the onset
     while high - low > 1e-10 * high:
         middle = 0.5 * (low + high)
-        grows = max(s.real for s in modes(panel, middle, damped=damped)[:2]) > 1e-4
-        low, high = (low, middle) if grows else (middle, high)
+        growth = max(s.real for s in modes(panel, middle, damped=damped)[:2])
+        low, high = (low, middle) if growth > noise else (middle, high)
     return high
 
 

@@ -40,6 +40,11 @@ class Face:
         """Nodes along its axes."""
         return tuple(self.owner.shape[k] for k in self.axes)
 
+    @property
+    def grid(self) -> list[tuple[int, bool]]:
+        """Nodes along its axes and whether these are periodic, sorted."""
+        return sorted((self.owner.shape[k], self.owner.periodic[k]) for k in self.axes)
+
     def places(self, index: Sequence[Array]) -> Array:
         """X (d, N) of those of its nodes that have these indices in the block."""
         block, number, stride, beyond = self.owner, 0, 1, 0.0

@@ -113,6 +113,9 @@ class Matching:
 
     def _meeting(self, f: int, partner: int) -> Meeting:
         face, other = self.faces[f], self.faces[partner]
+        if face.grid != other.grid:
+            what = "have the same nodes, but one of them is periodic and the other ends there"
+            raise InputError(f"{face} and {other} {what}, about {place_text(face.X.mean(axis=0))}")
         self._pairs.append((self.labels[f], self.wanted[f]))
         if isinstance(self.given[f], Periodic) and face.owner.kind != other.owner.kind:
             raise InputError(f"{face} goes on at {other}: expected gas and gas, or two solids")

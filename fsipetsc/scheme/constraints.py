@@ -117,7 +117,7 @@ def slide(all, gain):
             for c in range(d):
                 both = flags[p, FREE_GAS] * G[c] + flags[p, FREE_SOLID] * S[c]
                 impulse[c] += pi[k] * both
-        if M_s > 0.0:  # no NaN may stay where there is no solid: it would come back
+        if M_s > 0.0:  # without a solid v stays 0: it is read, and a failed step has NaN
             put_part(vs, p, 0, v)
         if M > 0.0:
             put_part(U, p, 1, scale(U[p, 0], u))
@@ -128,8 +128,8 @@ def slide(all, gain):
 
 @njit(**INLINED_CALL)
 def powers(table, like, p, normals, pi, force, u, v, w):
-    """Of walls on the gas, and of the solid on the gas: where the gas slips, faces move as these
-    do, not as the gas.
+    """Two powers that the gas gets: from walls, and from the solid. Where the gas slips, a face
+    moves as the wall or the solid there, not as the gas.
     """
     d, flags, count, constraint = len(like), table.flags, table.count, table.constraint
     if count[p] == 0 or not flags[p, FREE_GAS] or flags[p, STICKS]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsipetsc.verify.entry import Bound, Compared, Entry, Measured, Solve, expect, reference
+from fsipetsc.verify.entry import Bound, Compared, Entry, Measured, Solve, reference
 
 #: ends -> lambdas below and above the onset
 RUNS = {"clamped": (600.0, 700.0), "hinged": (320.0, 380.0)}
@@ -35,9 +35,10 @@ ENTRY = Entry(
     source="verify/beams.py (Timoshenko, quasi-steady; Dowell 1975 has 636.57 in the thin limit)",
     levels={"quick": {4: (1 / 24,)}, "full": {4: (1 / 24, 1 / 32, 1 / 48)}},
     measure=measure,
-    # measured 8.3e-3 with h = 1/48, clamped, where clamps hold the panel in Y, too, and 5.9e-3
+    # measured with h = 1/48: clamped 8.3e-3, 2.9e-2 from the thin limit, hinged 5.9e-3, 1.2e-2
     bounds={
-        **expect((f"{ends}, thin limit" for ends in RUNS), (4,), error=0.04),
+        ("clamped, thin limit", 4): Bound(error=0.04),
+        ("hinged, thin limit", 4): Bound(error=0.02),
         ("clamped, theory", 4): Bound(error=0.02, at={1 / 48: 0.012}),
         ("hinged, theory", 4): Bound(error=0.01),
     },
