@@ -127,7 +127,8 @@ class Round(Body):
         R = np.hypot(X, Y)
         low, high = 1.0, BOX * R / np.maximum(abs(X), abs(Y))
         if len(self.radii) > 1:
-            low, high = np.where(R < MIDDLE, *np.reshape(RINGS, (2, 2, 1)))
+            inside = R < MIDDLE
+            low, high = np.where(inside, RINGS[0], RINGS[2]), np.where(inside, RINGS[1], RINGS[3])
         s, ends = (R - low) / (high - low), (low / R, high / R)
         inner, outer = (self.material(X * end, Y * end, t) for end in ends)
         return (1.0 - s) * inner + s * outer

@@ -13,6 +13,8 @@ PLATEAUS = (
     ("half space", "v", "solid v", 0.0, 0.25, -0.06, 0.01),
     ("half space", "v", "solid v behind P", -0.02, 0.06, -0.25, -0.18),
 )
+#: spacings of all orders
+COARSE = 1 / 20, 1 / 40
 #: largest errors of plateaus by h; of the temperature they are smaller
 PLATEAU = {1 / 40: 0.07, 1 / 80: 0.02}
 WARMTH = {1 / 40: 0.015, 1 / 80: 0.008}
@@ -41,8 +43,8 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
 ENTRY = Entry(
     source="verify/superseismic.py, after Banks, Henshaw, Schwendeman (2012)",
     levels={
-        "quick": {4: (1 / 20, 1 / 40)},
-        "full": {k: (1 / 20, 1 / 40, 1 / 80)[: 3 if k == 4 else 2] for k in (2, 4, 6, 8)},
+        "quick": {4: COARSE},
+        "full": {2: COARSE, 4: (*COARSE, 1 / 80), 6: COARSE, 8: COARSE},
     },
     measure=measure,
     bounds={
