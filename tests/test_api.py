@@ -144,6 +144,15 @@ def test_fields_of_two_grids_are_compared_at_common_nodes(kind, common, fine):
     )
 
 
+def test_as_many_nodes_at_other_places_are_another_grid():
+    a, b = grid("block", 4), grid("block", 4)
+    frames, notes = (np.zeros(1), np.zeros(1, int), np.zeros(1, int)), []
+    assert [found.largest for found in _of_layers(a, b, frames, notes)] == [0.0] and not notes
+    b.layers[0].places = a.layers[0].places + 0.1
+    assert not [*_of_layers(a, b, frames, notes)]
+    assert "no node of one is a node of the other" in notes[0]
+
+
 def test_what_other_steps_bring_is_compared_as_a_sum():
     """Energy at a constant rate, in two steps and in four."""
     made = ({"t": np.arange(1, n + 1) / n, "energy_in": np.full(n, 1 / n)} for n in (2, 4))

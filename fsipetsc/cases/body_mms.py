@@ -18,7 +18,6 @@ on the outer walls, which move, too. See fsipetsc.cases.manufactured.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from itertools import product
 from typing import Any
 
@@ -171,9 +170,13 @@ class Panel(Body):
 
 def turned(map: Map, times: int) -> Mapped:
     """The same places with the logical axes turned by so many right angles."""
-    for _ in range(times):
-        map = partial(lambda of, xi: of((xi[1], 1.0 - xi[0])), map)
-    return Mapped(map, 2)
+
+    def places(xi: Places) -> Places:
+        for _ in range(times):
+            xi = xi[1], 1.0 - xi[0]
+        return map(xi)
+
+    return Mapped(places, 2)
 
 
 def to_box(q: int) -> Map:

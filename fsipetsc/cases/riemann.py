@@ -218,6 +218,7 @@ def pressure_between(left: Callable[[float], Any], right: Callable[[float], Any]
     from scipy.optimize import brentq
 
     def apart(p: float) -> float:
+        """By how much [m/s] the left side is faster where both have the pressure p."""
         return float(left(p) - right(p))
 
     high = 1.0

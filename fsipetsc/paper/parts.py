@@ -26,9 +26,8 @@ class Layer:
 
     layer: what the case says; law: its material; record: of records, that of it alone. numbers, X,
     local, owned, forcing: of the points of this rank, local with halos; box: what compiled
-    functions take;
-    ranks: that own the first and the last point. Collective, as are all methods on ranks that have
-    points.
+    functions take; ranks: that own the first and the last point. Collective, as are all methods on
+    ranks that have points.
     """
 
     def __init__(

@@ -76,7 +76,7 @@ class Integrator:
         self.burst_limit = 1  # most steps in one go
         if self._fused and self._steady:
             most = MOST_POINTS[state.problem.dimension] // (state.points + state.reserve)
-            watched = any(PETSc.Options().hasName(name) for name in ("ts_monitor", "log_view"))
+            watched = PETSc.Options().hasName("ts_monitor")
             self.burst_limit = max(1, min(1 if watched else BURST, most))
         self._error: BaseException | None = None
         self.initial: dict[str, Any] = {}  # integrals at t = 0
