@@ -44,6 +44,11 @@ def test_check_stops_what_does_not_hold(tmp_path):
     assert len(fsipetsc.open_run(tmp_path / "rod.h5").series["t"]) > 0
 
 
+def test_a_check_of_nothing_is_bad_input(tmp_path):
+    done = solve("mms", "-fsi_h", "0.1", "-fsi_check", "1e-7", "-fsi_quiet", cwd=tmp_path)
+    assert done.returncode == 2 and "-fsi_check: nothing is conserved here" in done.stderr
+
+
 @pytest.mark.parametrize("lost", [0.0, 0.5])
 def test_check_sees_the_loss_of_the_momentum_of_a_small_wave(lost, tmp_path):
     """Of 1e-5, half of whose force on an interface is left out of the right-hand side."""

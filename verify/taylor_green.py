@@ -22,9 +22,11 @@ def flow(n, every, steps, nu=0.0):
     first = np.array([s[0] * c[1] * c[2], -c[0] * s[1] * c[2], 0 * c[0]])
     w = np.array([fft(v) for v in first])
 
+    def places(w):
+        return np.array([back(v, s=(n, n, n), axes=(0, 1, 2)) for v in w])
+
     def rate(w):
-        u = np.array([back(v, s=(n, n, n)) for v in w])
-        curl = np.array([back(v, s=(n, n, n)) for v in 1j * np.cross(k, w, axis=0)])
+        u, curl = places(w), places(1j * np.cross(k, w, axis=0))
         f = np.array([fft(v) for v in np.cross(u, curl, axis=0)]) * kept
         return f - k * (k * f).sum(0) / np.maximum(squares, 1) - nu * squares * w
 
@@ -35,7 +37,7 @@ def flow(n, every, steps, nu=0.0):
             b = rate(w + dt / 2 * a)
             c = rate(w + dt / 2 * b)
             w = w + dt / 6 * (a + 2 * b + 2 * c + rate(w + dt * c))
-        yield np.array([back(v, s=(n, n, n)) for v in w])
+        yield places(w)
 
 
 def columns(n=96, steps=60, end=1.0):

@@ -66,6 +66,11 @@ def make_state(
             raise InputError(
                 f"-{name} is of blocks: here series of all interfaces are recorded anyway"
             )
+    kept = problem.invariants
+    if opt["fsi_check"] is not None and not (kept.get("masses") or kept.get("energy")):
+        raise InputError(
+            "-fsi_check: nothing is conserved here, as forcing or open ends change mass and energy"
+        )
     return PaperState(comm, problem, opt)
 
 
