@@ -12,7 +12,7 @@ from fsipetsc.blockrun.columns import gained, lossy, slices, step_record
 from fsipetsc.blockrun.scheme import Scheme
 from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.scheme.after_step import WORDS
-from fsipetsc.scheme.plan import BURST, FLAGS, LIMITS
+from fsipetsc.scheme.plan import BATCH, FLAGS, LIMITS
 
 #: what short steps may lose of the energy of solids: this part of all
 LOST = 1e-9
@@ -25,7 +25,7 @@ def scheme_of(layout, problem, order, form, instant=1e-4, alone=False, pace=1.0)
     scheme = Scheme(layout, problem, order, form, lambda: instant, slices(own), [], alone)
     latest = np.zeros(own.itemsize // 8)
     words = np.zeros(1 + WORDS * blocks), np.zeros((blocks, 2)), np.zeros(FLAGS + LIMITS), latest
-    words += np.zeros((4, 0)), pace, np.zeros(BURST), np.zeros((1, latest.size + 2))
+    words += np.zeros((4, 0)), pace, np.zeros(BATCH), np.zeros((1, latest.size + 2))
     scheme.attach(np.zeros(layout.local_size), np.zeros(layout.local_size), *words)
     scheme.latest, scheme.extremes = latest.view(own)[0], words[0]
     return scheme

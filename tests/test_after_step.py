@@ -1,4 +1,4 @@
-"""What follows a step of blocks: flags, the bound on the next step, the plan of a burst."""
+"""What follows a step of blocks: flags, the bound on the next step, the plan of a batch."""
 
 from __future__ import annotations
 
@@ -7,12 +7,11 @@ import pytest
 
 pytest.importorskip("numba")
 
-from fsipetsc.scheme import burst as words
 from fsipetsc.scheme.after_step import WORDS, note_extremes, note_gained
-from fsipetsc.scheme.burst import plan_next
+from fsipetsc.scheme.batch import LONGEST, MADE, SHORTEST, TIME, plan_next
 from fsipetsc.scheme.plan import (
     BAD,
-    BURST,
+    BATCH,
     EXHAUSTED,
     FLAGS,
     LIMITS,
@@ -54,40 +53,40 @@ def test_what_is_no_number_stays_one(k, column):
 
 
 def planned(target, allowed, *, rate=10.0, courant=0.8, fixed=0.0, end=None, flag=STOP):
-    """Times and steps of a burst from t = 0 in the journal, and the burst itself."""
-    burst, results = np.zeros(BURST), np.zeros(FLAGS + LIMITS)
+    """Times and steps of a batch from t = 0 in the journal, and the batch itself."""
+    batch, results = np.zeros(BATCH), np.zeros(FLAGS + LIMITS)
     journal, latest = np.zeros((32, 4)), np.array([7.0, 8.0])
     results[RATE] = rate
     dt = fixed or courant / rate
-    burst[:] = 0.0, dt, dt, target, courant, fixed, allowed, 0.0, np.inf, 0.0, 3.0
+    batch[:] = 0.0, dt, dt, target, courant, fixed, allowed, 0.0, np.inf, 0.0, 3.0
     for step in range(40):
         if step == end:
             results[flag] = 1.0
-        if not plan_next(burst, results, journal, latest):
+        if not plan_next(batch, results, journal, latest):
             break
-    made = int(burst[words.MADE])
+    made = int(batch[MADE])
     assert (journal[:3] == 0.0).all() and (journal[3 + made :] == 0.0).all()
     assert (journal[3 : 3 + made, 2:] == latest).all()
-    assert not plan_next(burst, results, journal, latest), "it has ended"
-    return journal[3 : 3 + made, :2], burst
+    assert not plan_next(batch, results, journal, latest), "it has ended"
+    return journal[3 : 3 + made, :2], batch
 
 
-def test_a_burst_hits_its_target_without_a_tiny_step():
-    rows, burst = planned(0.5, 20)
-    assert rows[-1, 0] == 0.5 and burst[words.TIME] == 0.5
+def test_a_batch_hits_its_target_without_a_tiny_step():
+    rows, batch = planned(0.5, 20)
+    assert rows[-1, 0] == 0.5 and batch[TIME] == 0.5
     assert np.allclose(rows[:, 1], [0.08] * 5 + [0.05] * 2), "the rest in two equal steps"
     assert np.allclose(np.cumsum(rows[:, 1]), rows[:, 0], rtol=1e-15)
     assert np.allclose(planned(0.22, 20)[0][:, 1], [0.08, 0.07, 0.07])
     assert next_step(0.0, 0.1, 0.1 * (1.0 - 1e-12)) == (0.1, 0.1), "round-off costs no step"
-    assert (burst[words.SHORTEST], burst[words.LONGEST]) == (rows[:, 1].min(), rows[:, 1].max())
+    assert (batch[SHORTEST], batch[LONGEST]) == (rows[:, 1].min(), rows[:, 1].max())
 
 
 @pytest.mark.parametrize("flag", [EXHAUSTED, TOO_SHORT, BAD, STOP])
-def test_a_burst_ends_with_the_step_after_which_a_flag_is_set(flag):
+def test_a_batch_ends_with_the_step_after_which_a_flag_is_set(flag):
     assert len(planned(5.0, 20, end=2, flag=flag)[0]) == 3
 
 
-def test_a_burst_has_as_many_steps_as_are_allowed_and_ends_without_a_bound():
+def test_a_batch_has_as_many_steps_as_are_allowed_and_ends_without_a_bound():
     assert len(planned(5.0, 4)[0]) == 4
     rows, _ = planned(0.5, 20, fixed=0.1)
     np.testing.assert_allclose(rows[:, 1], [0.1] * 5)

@@ -28,7 +28,7 @@ from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder, halos_of
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.after_step import WORDS, note_extremes, note_gained
-from fsipetsc.scheme.burst import DT, MADE
+from fsipetsc.scheme.batch import DT, MADE
 from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES, advance
 from fsipetsc.stepping.snapshot import as_numbers, whole
@@ -120,7 +120,7 @@ class BlockState(State):
         self.orders = {part.k: NaturalOrder(part, widths[part.k]) for part in parts}
 
     def _lay_records(self, record: np.dtype, blocks: int) -> None:
-        """Flags, what a burst of steps is told, and the records of steps."""
+        """Flags, the plan of a batch of steps, and the records of steps."""
         self.results = np.zeros(FLAGS + LIMITS)
         self._rows, self._latest = self._lay_journal(record, KEPT)
         self._extremes, self.rates = np.zeros(1 + WORDS * blocks), np.zeros((blocks, 2))
@@ -132,7 +132,7 @@ class BlockState(State):
         size = len(OF_INTERFACES) * (first.stop - first.start)
         at_ends = latest[first.start : first.start + size].reshape(len(OF_INTERFACES), -1)
         words = self._extremes, self.rates, self.results, latest, at_ends, self._pace
-        return *words, self.burst, self._rows
+        return *words, self.batch, self._rows
 
     def _made(self, alone: bool) -> Scheme:
         """The scheme."""
@@ -226,7 +226,7 @@ class BlockState(State):
     def step(self, t: float, dt: float, steady: bool) -> None:
         """A step dt [s] of the fused method from the completed solution at t [s].
 
-        Others follow as the burst allows.
+        The others of its batch follow.
         """
         more = True
         while more:
@@ -238,18 +238,18 @@ class BlockState(State):
             self._advance(t, dt)
             t = self._t
             more = self.plan_next()
-            dt = float(self.burst[DT])
+            dt = float(self.batch[DT])
 
     def _steps(self, t: float, dt: float) -> tuple[bool, float, float]:
-        """Steps in one call, from t [s] on, the first of dt [s], as the burst allows.
+        """All steps of a batch in one call, from t [s] on, the first of dt [s].
 
         Whether all ended well; begin and length of one that is to be made anew.
         """
-        made = self.burst[MADE]
+        made = self.batch[MADE]
         found = self.scheme.steps(t, dt)
         self._t = found[1]
         self._fill_halos()
-        self.evaluations += STAGES * max(int(self.burst[MADE] - made), int(found[0]))
+        self.evaluations += STAGES * max(int(self.batch[MADE] - made), int(found[0]))
         return found
 
     def _advance(self, t: float, dt: float) -> None:

@@ -250,7 +250,7 @@ class Scheme:
         self.complete(t + dt, y)
 
     def steps(self, t: float, dt: float) -> tuple[bool, float, float]:
-        """Steps from t [s] as the burst allows, the first of dt [s]: whether all ended well, and
+        """The steps of a batch from t [s] on, the first of dt [s]: whether all ended well, and
         the time that is reached; or begin and length of a step that is to be made anew.
         """
         self._refresh(t)

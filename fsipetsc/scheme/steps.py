@@ -13,7 +13,7 @@ from numba import njit
 from fsipetsc.operators.loops import CALL, MERGED_CALL
 from fsipetsc.operators.loops import _by_length as by_length
 from fsipetsc.scheme.after_step import note_extremes, note_gained
-from fsipetsc.scheme.burst import DT, plan_next
+from fsipetsc.scheme.batch import DT, plan_next
 from fsipetsc.scheme.part import clear, copy_row
 from fsipetsc.scheme.plan import BAD, SAID_STOP
 from fsipetsc.scheme.rows import Array
@@ -41,7 +41,7 @@ class Found(NamedTuple):
     latest: Array
     at_ends: Array
     pace: float
-    burst: Array
+    batch: Array
     journal: Array
     now: Array
 
@@ -74,7 +74,7 @@ rates, note = _each("rates", ", s, f, gain"), _each("note", ", found")
 
 @njit(**CALL)
 def run(box, what, s, f):
-    """COMPLETE s, find the RATES f of a completed s, LOOK at it, or make STEPS as the burst allows.
+    """COMPLETE s, find the RATES f of a completed s, LOOK at it, or make the STEPS of a batch.
     False, and the state before it, if a step ends badly. box: of an All.
 
     What is called stands here once; parts and particles are called by address.
@@ -124,8 +124,8 @@ def run(box, what, s, f):
             good = note_step(found)
             if good:
                 now[0] += now[1]
-                more = plan_next(found.burst, found.results, found.journal, found.latest)
-                now[1] = found.burst[DT] if more else now[1]
+                more = plan_next(found.batch, found.results, found.journal, found.latest)
+                now[1] = found.batch[DT] if more else now[1]
     return good
 
 
