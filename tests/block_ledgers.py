@@ -19,7 +19,7 @@ LOST = 1e-9
 
 
 def scheme_of(layout, problem, order, form, instant=1e-4, alone=False, pace=1.0):
-    """The scheme of a layout, with what it takes of a run; latest: what the last look found."""
+    """The scheme of a layout, with what it takes of a run; latest: what the monitor found last."""
     blocks, record = len(problem.blocks), step_record(problem)
     own = np.dtype([(name, record[name]) for name in record.names[2:]])
     scheme = Scheme(layout, problem, order, form, lambda: instant, slices(own), [], alone)
@@ -51,27 +51,27 @@ class Steps:
         self.integrals()
         self._held = self.held()
 
-    def look(self):
-        """(blocks, 5) extremes of this rank's nodes: see fsipetsc.scheme.block_look."""
+    def monitor(self):
+        """(blocks, 5) extremes of this rank's nodes: see fsipetsc.scheme.block_monitor."""
         self.y.begin()
         self.y.end()
-        self.scheme.look(self.y)
+        self.scheme.monitor(self.y)
         return self.scheme.extremes[1:].reshape(-1, WORDS)
 
     def integrals(self):
         """Mass of all gas, momentum, energy."""
-        self.look()
+        self.monitor()
         found = self.scheme.latest
         names = [f"momentum_{x}" for x in "xyz"[: self.problem.dimension]]
         mass = np.sum(found["mass"]) if self.gases else 0.0
         return self._all(np.array([mass, *(found[name] for name in names), found["energy"]]))
 
     def held(self):
-        """Kinetic and elastic energy of solids, where its losses are known, at the last look."""
+        """Kinetic and elastic energy of solids, where its losses are known, when last monitored."""
         return self._all(float(self.scheme.latest["solid_energy"]) if self.lossy else 0.0)
 
     def lost(self):
-        """What steps have lost of it until the last look: work less what it has gained."""
+        """What steps have lost of it when last monitored: work less what it has gained."""
         work = self._all(self.came[self.gases]) if self.lossy else 0.0
         return work - (self.held() - self._held)
 

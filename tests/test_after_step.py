@@ -95,8 +95,8 @@ def test_a_batch_has_as_many_steps_as_are_allowed_and_ends_without_a_bound():
 
 
 def test_energy_that_was_there_is_remembered_behind_the_unknowns():
-    """Work 2, then 1; the energies that looks leave are 10 and 10.5: 0.5 is lost. Beside it a sum
-    that nothing was there of before.
+    """Work 2, then 1; the energies that the monitor leaves are 10 and 10.5: 0.5 is lost. Beside it
+    a sum that nothing was there of before.
     """
     behind, latest = np.array([2.0, 3.0]), np.array([7.0, -10.0, 0.0])
     note_gained(latest, behind)

@@ -150,7 +150,7 @@ def test_each_change_may_be_the_last(tmp_path: Path, monkeypatch: pytest.MonkeyP
     path, seen, early = tmp_path / "run.h5", [], []
     made = {name: getattr(os, name) for name in ("replace", "unlink", "rename", "rmdir")}
 
-    def look() -> None:
+    def read() -> None:
         if path.exists() or (tmp_path / "run.parts/header.json").exists():
             with fsipetsc.open_run(path) as result:
                 assert_prefix(result)
@@ -160,9 +160,9 @@ def test_each_change_may_be_the_last(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
     def watched(name: str) -> object:
         def work(*args: object, **more: object) -> object:
-            look()
+            read()
             done = made[name](*args, **more)
-            look()
+            read()
             return done
 
         return work

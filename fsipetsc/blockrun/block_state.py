@@ -60,7 +60,7 @@ def _call_all(scheme: Scheme, y: BlockVector, t: float) -> None:
     scheme.stretch(t, y)
     scheme.complete(t, y)
     scheme.rates(t, y, np.zeros_like(y.array))
-    scheme.look(y)
+    scheme.monitor(y)
     for k, part in scheme.parts.items():
         part.fields(y.ghosted(k))
 
@@ -127,7 +127,7 @@ class BlockState(State):
         self._columns = slices(self.latest.dtype)
 
     def _words(self) -> tuple[Any, ...]:
-        """What a look and steps in one call fill: see fsipetsc.scheme.steps.Found, after gain."""
+        """What monitor and steps in one call fill: see fsipetsc.scheme.steps.Found, after gain."""
         latest, first = self._latest, self._columns.get(OF_INTERFACES[0], slice(0, 0))
         size = len(OF_INTERFACES) * (first.stop - first.start)
         at_ends = latest[first.start : first.start + size].reshape(len(OF_INTERFACES), -1)
@@ -261,7 +261,7 @@ class BlockState(State):
                 begin = t + dt * part / parts
                 self._guarded(partial(self.scheme.step, begin, dt / parts, self.y, self._stage))
             self._t = t + dt
-            self._look()
+            self._monitor()
             if self.results[BAD] == 0.0 or parts == PARTS[-1]:
                 break
             self.y.array[:], self.results[RATE] = self._before, rate
@@ -272,18 +272,18 @@ class BlockState(State):
         """Complete a step that PETSc has made."""
         self._guarded(lambda: self.scheme.complete(self._t, self.y))
         self.solution.stateIncrease()
-        self._look()
+        self._monitor()
 
-    def _look(self) -> None:
+    def _monitor(self) -> None:
         """What is known of the completed solution: bounds of all ranks, shares of the integrals."""
         self._fill_halos()
         self._keep_fault(self.scheme.fault)
-        self.scheme.look(self.y)
+        self.scheme.monitor(self.y)
         self._extremes[0] = self.results[SAID_STOP]
         if self.comm.size > 1:
             self.comm.Allreduce(MPI.IN_PLACE, self._extremes, MPI.MAX)
         note_extremes(self._extremes, self.rates, self.results, self._latest)
-        self._recorder.look(self.latest)
+        self._recorder.write(self.latest)
         note_gained(self._latest, self.y.behind)
 
     def _fill_halos(self) -> None:

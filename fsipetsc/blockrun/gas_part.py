@@ -14,7 +14,7 @@ from fsipetsc.blocks.values import block_values
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.scheme import gas_record
-from fsipetsc.scheme.block_look import room_of, sums_of
+from fsipetsc.scheme.block_monitor import room_of, sums_of
 from fsipetsc.scheme.gas_dissipation import room
 from fsipetsc.scheme.gas_memory import scratch
 from fsipetsc.scheme.gas_record import Damping, GasRecord, Undamped
@@ -60,7 +60,7 @@ class GasPart(BlockPart):
         own, particle = system.nodes[k]
         self._particles = particle[np.searchsorted(own, self.gather.nodes)]
         self.grid.move(np.zeros((nodes.size, self._d)))
-        #: J of the reference map, over which that of the solution is saved and looked at
+        #: J of the reference map, over which that of the solution is saved and monitored
         self.reference = self.grid.jacobian()[self.owned].copy()
 
     def record(self, column: int, columns: Array, at_particles: Any, alone: bool) -> GasRecord:

@@ -102,7 +102,7 @@ def last_notes(state: BlockState) -> list[str]:
     gases = []
     for k, part in state.scheme.parts.items():
         if part.block.kind == "fluid":
-            with np.errstate(all="ignore"):  # corners of halos hold nothing, and are not looked at
+            with np.errstate(all="ignore"):  # corners of halos hold nothing, and are not used
                 gases.append((k, part, part.equations.primitive(tuple(state.y.ghosted(k).T))))
     scales = _scales(state, gases)
     changes = np.zeros((len(blocks), 3, 1 + d))  # the largest of each kind, and where it is

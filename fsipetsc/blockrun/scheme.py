@@ -29,10 +29,10 @@ from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.operators.boxed import Box, with_calls
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
 from fsipetsc.scheme import solid_record
-from fsipetsc.scheme.block_look import LEAST_J, LOOKED
+from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
 from fsipetsc.scheme.part import Held
 from fsipetsc.scheme.runge_kutta import STAGES, advance
-from fsipetsc.scheme.steps import COMPLETE, LOOK, RATES, STEPS, All, Found, run
+from fsipetsc.scheme.steps import COMPLETE, MONITOR, RATES, STEPS, All, Found, run
 
 Array = NDArray[Any]
 
@@ -258,18 +258,18 @@ class Scheme:
         ended_well = run(self._all, STEPS, self._found.stage, self._found.k)
         return bool(ended_well), float(self._found.now[0]), float(self._found.now[1])
 
-    def look(self, y: BlockVector) -> None:
+    def monitor(self, y: BlockVector) -> None:
         """Put extremes and shares of the integrals of this rank's nodes, and what is recorded of
         interfaces, where `attach` has said. y: the solution, completed, whose halos are filled.
         """
         found, blocks = self._found, len(self.problem.blocks)
         found.extremes[:], found.latest[:] = 0.0, 0.0
-        found.extremes[1:].reshape(blocks, LOOKED)[:, LEAST_J] = -np.inf
+        found.extremes[1:].reshape(blocks, MONITORED)[:, LEAST_J] = -np.inf
         if self.alone:
-            run(self._all, LOOK, y.array, y.array)
+            run(self._all, MONITOR, y.array, y.array)
         for does in self._does.values():
             if not self.alone:
-                does.look(does.part, y.array)
+                does.monitor(does.part, y.array)
             does.note(does.part, self._noted)
 
     def forget(self) -> None:

@@ -241,7 +241,7 @@ class PaperState(State):
         f[:] = self.k
 
     def _complete(self) -> None:
-        """Project the stage, which is the new solution, let boundaries move, and look at it."""
+        """Project the stage, which is the new solution, let boundaries move, and monitor it."""
         self._fulfil()
         self.results[:RATE] = 0.0
         for layer in self.here:

@@ -151,7 +151,7 @@ def keep(of):
 
 @njit(**CALL)
 def complete_gas(of, steps):
-    """Fill the ghost point, let the boundary move over the grid, look at the points."""
+    """Fill the ghost point, let the boundary move over the grid, monitor the points."""
     if of is None:
         return
     op, layer, q, results = of.ops[0], of.layers[0], of.local, steps.results
@@ -161,14 +161,14 @@ def complete_gas(of, steps):
         results[EXHAUSTED] = 1.0 + layer.number
     if ends.distance(layer, side) <= layer.least - 2 + 1e-9:
         results[TOO_SHORT] = 1.0 + layer.number
-    sums.look_at_gas(op, of.law, layer, q)
+    sums.monitor_gas(op, of.law, layer, q)
     keep(of)
 
 
 @njit(**CALL)
 def complete_solid(of, steps):
-    """Look at the points."""
-    sums.look_at_solid(of.ops[0], of.law, of.layers[0], of.local)
+    """Monitor the points."""
+    sums.monitor_solid(of.ops[0], of.law, of.layers[0], of.local)
     keep(of)
 
 

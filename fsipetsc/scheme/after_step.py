@@ -36,7 +36,7 @@ def note_extremes(extremes, rates, results, latest):
 def note_gained(latest, behind):
     """Put what came in, which stands behind the unknowns, into the last columns of ``latest``.
 
-    A look leaves minus the energy E of solids where what they lost of it will stand. So E stays
+    The monitor leaves minus the energy E of solids where what they lost of it will be. So E stays
     behind the unknowns, and after the next step it is there with the work W: W + E - E' is lost.
     """
     first = latest.size - behind.size

@@ -20,7 +20,7 @@ from fsipetsc.scheme.rows import Array
 from fsipetsc.scheme.runge_kutta import STAGES, advance
 
 #: what `run` does
-COMPLETE, RATES, LOOK, STEPS = range(4)
+COMPLETE, RATES, MONITOR, STEPS = range(4)
 
 
 class Found(NamedTuple):
@@ -68,13 +68,13 @@ def _each(name: str, more: str = "") -> Any:
 
 follow, store = _each("follow", ", particles"), _each("store", ", particles, s")
 normals, turn = _each("normals", ", particles"), _each("turn", ", particles")
-move, swing, look = _each("move"), _each("swing"), _each("look", ", s")
+move, swing, monitor = _each("move"), _each("swing"), _each("monitor", ", s")
 rates, note = _each("rates", ", s, f, gain"), _each("note", ", found")
 
 
 @njit(**CALL)
 def run(box, what, s, f):
-    """COMPLETE s, find the RATES f of a completed s, LOOK at it, or make the STEPS of a batch.
+    """COMPLETE s, find the RATES f of a completed s, MONITOR it, or make the STEPS of a batch.
     False, and the state before it, if a step ends badly. box: of an All.
 
     What is called stands here once; parts and particles are called by address.
@@ -114,8 +114,8 @@ def run(box, what, s, f):
                 held.end_rates(particles, at, f, gain)
             if steps and stage < STAGES:
                 advance(y, f, s, total, stage, now[1])
-        if steps or what == LOOK:
-            look(parts, s)
+        if steps or what == MONITOR:
+            monitor(parts, s)
         more = False
         if steps:
             clear(found.latest)

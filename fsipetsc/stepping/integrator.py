@@ -26,7 +26,7 @@ from fsipetsc.stepping.state import FAULT, State
 FUSED = "fused"
 #: flags and limits of all ranks end here
 LAST = STOP + 1
-#: with -fsi_check: after so many steps their records are taken, and conservation is looked at
+#: with -fsi_check: after so many steps their records are taken, and conservation is checked
 CHECKED = 256
 #: points (of all ranks, spare ones too) times steps in one call, so that a signal need not wait
 MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}

@@ -56,17 +56,17 @@ def test_what_bounds_a_step():
     problem = problem_of(shape, closed, gas(mu=0.02), solid(heat="coupled"))
     with steps_of(problem) as run:
         run.step(2e-3, 2)
-        looked = run.look().copy()
+        found = run.monitor().copy()
         for k in range(2):
-            np.testing.assert_allclose(looked[k, 1:3], bounds_of(run, k), rtol=1e-12)
-            assert looked[k, 0] == 0.0 and looked[k, 2] > 0.0
+            np.testing.assert_allclose(found[k, 1:3], bounds_of(run, k), rtol=1e-12)
+            assert found[k, 0] == 0.0 and found[k, 2] > 0.0
         moving = run.scheme.parts[0].metrics[4:6]
         assert np.abs(moving).max() > 0.01
         run.y.owned(0)[5] *= 0.9  # its J departs from the grid, its density does not
-        assert run.look()[0, 4] == pytest.approx(0.1, rel=1e-6)
+        assert run.monitor()[0, 4] == pytest.approx(0.1, rel=1e-6)
     with steps_of(problem, pace=2.0) as run:  # as much faster are waves where shocks are damped
         run.step(2e-3, 2)
-        np.testing.assert_allclose(run.look()[:, 1:3], looked[:, 1:3] * [2.0, 1.0], rtol=1e-12)
+        np.testing.assert_allclose(run.monitor()[:, 1:3], found[:, 1:3] * [2.0, 1.0], rtol=1e-12)
 
 
 def spin_of(run):
