@@ -170,11 +170,11 @@ def test_a_departure_of_volumes_is_told():
     assert again.J_error == 0.03
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.02])
-def test_a_bad_state_leaves_nothing_behind(friction):
+@pytest.mark.parametrize("viscosity", [0.0, 0.02])
+def test_a_bad_state_leaves_nothing_behind(viscosity):
     """A step that fails is made anew: the rates then have the bits that they had before."""
     shape = shapes.warped(shapes.layers(N + 1, False), 0.03)
-    problem = problem_of(shape, closed, gas(mu=friction), solid(heat="coupled"))
+    problem = problem_of(shape, closed, gas(mu=viscosity), solid(heat="coupled"))
     with steps_of(problem, form=BlockForm(dissipation=1.0, shock=1.0)) as run:
         good, rates = run.y.array.copy(), np.zeros((2, run.y.array.size))
         for f in rates:

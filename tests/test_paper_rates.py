@@ -111,7 +111,7 @@ def runs():
     for k, end in enumerate(ENDS):
         asked = {"name": "pulse", "ends": end, **_VISCOUS, "fsi_order": (6, 2, 8)[k % 3]}
         found[end] = {**asked, "solid_gruneisen": 0.2 * (k < 3)}
-    found["open, without friction"] = {"name": "pulse", "ends": "open", "pulse_amplitude": 100.0}
+    found["open, inviscid"] = {"name": "pulse", "ends": "open", "pulse_amplitude": 100.0}
     for coupling in ("projection", "energy"):
         asked = {"name": "pulse", "laws": "others", **_VISCOUS, "fsi_coupling": coupling}
         found[f"laws {coupling}"] = asked

@@ -69,7 +69,7 @@ class GasPart(BlockPart):
         """
         part, d, known = self.part, self._d, self.gather.local
         bands, form, material = part.bands, self._form, self.block.material
-        like, friction = (0.0,) * d, Viscous() if material.mu or material.kappa else Inviscid()
+        like, viscous = (0.0,) * d, Viscous() if material.mu or material.kappa else Inviscid()
         convection = DivergenceForm() if form.convection == "divergence" else EntropyForm()
         sigma, shock = sigma_of(form.dissipation, self._problem.joined), form.shock
         damping: Any = Undamped()
@@ -81,12 +81,12 @@ class GasPart(BlockPart):
             **self._common(at_particles, columns, alone),
             laws=self.equations,
             form=convection,
-            friction=friction,
+            viscous=viscous,
             dissipation=damping,
             axis=around if self._problem.symmetry else Straight(),
             column=column,
             places=self._places,
-            work=scratch(like, convection, friction, bands, part.patch),
+            work=scratch(like, convection, viscous, bands, part.patch),
             room=room_of(d),
             masses=self.weights,
             follows=self._particles,

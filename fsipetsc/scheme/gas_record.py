@@ -33,7 +33,7 @@ class GasRecord(NamedTuple):
     like: Any
     laws: Any
     form: Any
-    friction: Any
+    viscous: Any
     dissipation: Any
     axis: Any
     faces: Any
@@ -137,10 +137,10 @@ def rates(part, s, f, gain):
     """Fill a gas's part of f, from that of a completed s; what comes in goes to ``gain``."""
     d, patch = len(part.like), part.patch
     q, own = ghosted(part, s, d + 3), owned(part, f, d + 3)
-    laws, like, form, friction = part.laws, part.like, part.form, part.friction
+    laws, like, form, viscous = part.laws, part.like, part.form, part.viscous
     metrics = part.metrics
     (S0, S1, S2), (w0, w1, w2), work = part.S, part.weight, part.work
-    gas_rates(laws, like, form, friction, q, metrics, S0, S1, S2, w0, w1, w2, patch, own, work)
+    gas_rates(laws, like, form, viscous, q, metrics, S0, S1, S2, w0, w1, w2, patch, own, work)
     part.axis.add(part, q, own)
     part.dissipation.add(part, q, own)
     part.faces.add(part, q, own, gain)

@@ -1,8 +1,8 @@
 """A row of nodes of gas: where its numbers stand, and the fluxes of its pairs of nodes.
 
 Of each node a row has w, a^1 … a^d, velocity of the grid, A around an axis, what the form keeps,
-viscous fluxes. A form is what convection takes as the flux of two nodes, friction whether there
-are viscous fluxes.
+viscous fluxes. A form is what convection takes as the flux of two nodes; Viscous and Inviscid
+say whether there are viscous fluxes.
 """
 
 from __future__ import annotations
