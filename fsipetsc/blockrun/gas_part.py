@@ -113,8 +113,8 @@ class GasPart(BlockPart):
         """Let J be that of the grid, at the same density, velocity and temperature."""
         q *= (self.grid.jacobian()[self.owned] / q[:, 0])[:, None]
 
-    def hold(self, q: Array, nodes: Array, u: Array) -> None:
-        """Let nodes have the velocities u (n, d), at the same temperature."""
+    def impose_velocities(self, q: Array, nodes: Array, u: Array) -> None:
+        """Impose the velocities u (n, d) on nodes, at the same temperature."""
         rows, d = self.part.rows(nodes), self._d
         momentum = q[rows, 1, None] * u
         change = (momentum**2 - q[rows, 2 : 2 + d] ** 2).sum(axis=1) / q[rows, 1]

@@ -257,11 +257,11 @@ class ParticleSystem:
         self._exchange.exchange()
         kernels.end_sums(self.box, gain)
 
-    def settle(self, y: Array, gain: Array) -> None:
+    def impose_conditions(self, y: Array, gain: Array) -> None:
         """Project velocities on what constraints allow, share heat, and give all members what their
         particle has; what came in is added behind the unknowns.
         """
-        kernels.settle(self.box, y, gain)
+        kernels.impose_conditions(self.box, y, gain)
 
     def constrain(self, y: Array, f: Array, gain: Array) -> None:
         """Rates of all members under the constraints of their particles, and of what comes in, in
@@ -280,7 +280,7 @@ class ParticleSystem:
             (kernels.end_normals, (True,)),
             (kernels.begin_stored, (y,)),
             (kernels.end_stored, ()),
-            (kernels.settle, (y, gain)),
+            (kernels.impose_conditions, (y, gain)),
             (kernels.begin_rates, (y,)),
             (kernels.end_rates, (y, y, gain)),
         )

@@ -152,7 +152,7 @@ class Scheme:
         self._move()
         for gas in self._gases:
             gas.stretch(y.owned(gas.part.k))
-            gas.hold(y.owned(gas.part.k), *self.particles.at_walls(gas.part.k))
+            gas.impose_velocities(y.owned(gas.part.k), *self.particles.at_walls(gas.part.k))
 
     def _refresh(self, t: float) -> None:
         """Data of the case at time t [s]. InputError the first time; later ones are kept."""
@@ -182,7 +182,7 @@ class Scheme:
         self._move()
         particles.find_normals(self._add_normals, False)
         particles.find_stored(y.array, lambda: self._store(y))
-        particles.settle(y.array, self._gain)
+        particles.impose_conditions(y.array, self._gain)
         if particles.slips:  # velocities are others
             self._follow()
         for gas in self._gases:

@@ -147,7 +147,7 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
         particle.constraints.append(Constraint(SLIPS, walls, solids))
     rollers = _grouped(rolls, one_roller)
     particle.constraints += [Constraint(ROLLS, group, []) for group in rollers]
-    _settle_heat(particle, [blocks[k].material for k, _ in members])
+    _heat_conditions(particle, [blocks[k].material for k, _ in members])
     return particle
 
 
@@ -170,20 +170,20 @@ def _take_over(particle: Particle, met: Any, gas: bool, face: tuple[int, int, in
         take("warm_gas" if gas else "warm_solid")
 
 
-def _settle_heat(particle: Particle, materials: list[Any]) -> None:
+def _heat_conditions(particle: Particle, materials: list[Any]) -> None:
     """Who has one temperature, and whether elastic energies matter to it."""
     if particle.shares_heat:
         warm, faces = particle.warm_gas or particle.warm_solid, particle.faces
         particle.warm_gas = particle.warm_solid = warm
-        holds = faces.get("warm_gas", faces.get("warm_solid"))
-        if holds is not None:
-            faces["warm_gas"] = faces["warm_solid"] = holds
+        face = faces.get("warm_gas", faces.get("warm_solid"))
+        if face is not None:
+            faces["warm_gas"] = faces["warm_solid"] = face
     solids = [material for material in materials if material.kind == "solid"]
     elastic = any(solid.heat == "elastic" for solid in solids)
     conducts = all(solid.heat == "coupled" or solid.kappa_e > 0.0 for solid in solids)
-    held = particle.warm_solid is not None or particle.given_solid is not None
-    particle.one_T = len(solids) > 1 and (conducts or held)
-    particle.stores = elastic and (particle.one_T or held or particle.shares_heat)
+    prescribed = particle.warm_solid is not None or particle.given_solid is not None
+    particle.one_T = len(solids) > 1 and (conducts or prescribed)
+    particle.stores = elastic and (particle.one_T or prescribed or particle.shares_heat)
 
 
 def _grouped(faces: list[Any], one: Any) -> list[list[Any]]:

@@ -127,6 +127,6 @@ class Held(NamedTuple):
     end_normals: Any
     begin_stored: Any
     end_stored: Any
-    settle: Any
+    impose_conditions: Any
     begin_rates: Any
     end_rates: Any

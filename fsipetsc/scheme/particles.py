@@ -23,12 +23,12 @@ of mass M + M_s. A body whose motion is given counts as infinitely heavy.
 What comes in is added to ``gain``, see fsipetsc.scheme.part.Gain. Constraints tell it by their
 forces, data that replace unknowns by the change.
 
-    begin_sums, exchange, end_sums, settle     complete the unknowns
-    begin_rates, exchange, end_rates           complete their rates
+    begin_sums, exchange, end_sums, impose_conditions     complete the unknowns
+    begin_rates, exchange, end_rates                      complete their rates
 
-begin_normals, what blocks say of their faces, an exchange and end_normals come before settle and
-begin_rates where particles have constraints; begin_stored, what solids say of their members, an
-exchange and end_stored before settle where energies that members store matter to temperatures.
+begin_normals, what blocks say of their faces, an exchange and end_normals come before
+impose_conditions and begin_rates where particles have constraints; begin_stored, what solids say of
+their members, an exchange and end_stored before impose_conditions where stored energies matter.
 """
 
 import numpy as np
@@ -230,7 +230,7 @@ def end_stored(all):
 
 
 @njit(**CALL)
-def settle(all, s, gain):
+def impose_conditions(all, s, gain):
     """What constraints and heat make of the sums, for the members of this rank; what came in is
     added behind the unknowns.
     """

@@ -100,7 +100,7 @@ def run(box, what, s, f):
                     held.begin_stored(particles, at)
                     store(parts, particles, at)
                     held.end_stored(particles)
-                held.settle(particles, at, gain)
+                held.impose_conditions(particles, at, gain)
                 follow(parts, particles)
                 swing(parts)
             if what == RATES or (steps and stage < STAGES):
