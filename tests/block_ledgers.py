@@ -49,7 +49,7 @@ class Steps:
         self.came, self._at = np.zeros(kind.itemsize // 8), slices(kind)
         self.y.behind[:] = 0.0
         self.integrals()
-        self._held = self.held()
+        self._at_first = self.solid_energy()
 
     def monitor(self):
         """(blocks, 5) extremes of this rank's nodes: see fsipetsc.scheme.block_monitor."""
@@ -66,14 +66,14 @@ class Steps:
         mass = np.sum(found["mass"]) if self.gases else 0.0
         return self._all(np.array([mass, *(found[name] for name in names), found["energy"]]))
 
-    def held(self):
+    def solid_energy(self):
         """Kinetic and elastic energy of solids, where its losses are known, when last monitored."""
         return self._all(float(self.scheme.latest["solid_energy"]) if self.lossy else 0.0)
 
     def lost(self):
         """What steps have lost of it when last monitored: work less what it has gained."""
         work = self._all(self.came[self.gases]) if self.lossy else 0.0
-        return work - (self.held() - self._held)
+        return work - (self.solid_energy() - self._at_first)
 
     def _all(self, numbers):
         return self.comm.allreduce(numbers)

@@ -114,8 +114,8 @@ def test_forces_in_the_volume(heat):
     shape, points = shapes.layers(N + 1, False), (("solid", (4.0 / N, 1.6), Hinge()),)
     fluid, plate = gas(force=0.3), solid(heat=heat, force=-0.2)
     came = check(problem_of(shape, faces, fluid, plate, **options), only=(MASS, X, Y, ENERGY))
-    held = check(problem_of(shape, faces, fluid, plate, points, **options))
-    assert abs(held[Y] - came[Y]) > 1e-6
+    hinged = check(problem_of(shape, faces, fluid, plate, points, **options))
+    assert abs(hinged[Y] - came[Y]) > 1e-6
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.02])

@@ -30,7 +30,7 @@ class GasPart(BlockPart):
     axis A before J_t.
     """
 
-    held = gas_record.HELD
+    functions = gas_record.FUNCTIONS
 
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
         super().__init__(layout, part, order)

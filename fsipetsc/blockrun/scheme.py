@@ -30,7 +30,7 @@ from fsipetsc.operators.boxed import Box, with_calls
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
 from fsipetsc.scheme import solid_record
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
-from fsipetsc.scheme.part import Held
+from fsipetsc.scheme.part import PartCalls
 from fsipetsc.scheme.runge_kutta import STAGES, advance
 from fsipetsc.scheme.steps import COMPLETE, MONITOR, RATES, STEPS, All, Found, run
 
@@ -93,14 +93,14 @@ class Scheme:
         momenta = [first[f"momentum_{x}"] for x in "xyz"[: self.dimension]]
         turns = [first[name] for name in spins(self.dimension)]
         self._lines: dict[int, Any] = {}
-        self._does: dict[int, Held] = {}
+        self._does: dict[int, PartCalls] = {}
         for k, part in self.parts.items():
             faces = self.particles.at_faces[k]
             if isinstance(part, GasPart):
                 mass = first["mass"] + fluids.index(k)
                 sums = np.array([mass, *momenta, first["energy"], first["entropy"], *turns])
                 line: Any = part.record(fluids.index(k), sums, faces, self.alone)
-                functions = part.held
+                functions = part.functions
             else:
                 own = [(number, row, X) for number, block, row, X in ends if block == k]
                 stored = self.particles.members.get(k, (np.zeros(0, int), np.zeros(0, int)))
@@ -108,8 +108,8 @@ class Scheme:
                 sums = np.array([*momenta, first["energy"], *turns, *lost])
                 line = part.record(sums, faces, self.alone, own, stored)
                 stores = self.particles.stores and not part.equations.coupled
-                functions = solid_record.held(stores, self.dimension == 1)
-            self._lines[k], self._does[k] = line, Held(Box(line), *functions)
+                functions = solid_record.functions(stores, self.dimension == 1)
+            self._lines[k], self._does[k] = line, PartCalls(Box(line), *functions)
 
     def attach(self, y: Array, stage: Array, *words: Any) -> None:
         """What steps in one call take and fill: see fsipetsc.scheme.steps.Found, without now.
@@ -126,11 +126,11 @@ class Scheme:
         y = self._found.y
         takes = (particles,), (), (), (particles,), (particles,)
         takes += (particles, y), (y, y, gain), (y,), (found,)
-        held = [
-            with_calls(Held, part, zip(functions, takes, strict=True))
+        parts = [
+            with_calls(PartCalls, part, zip(functions, takes, strict=True))
             for part, *functions in self._does.values()
         ]
-        return Box(All(tuple(held), self.particles.held(y, gain), found))
+        return Box(All(tuple(parts), self.particles.calls(y, gain), found))
 
     def initial(self, t: float, y: BlockVector) -> None:
         """Fill y with the data of the case at time t [s]. InputError for what its functions return,
@@ -171,7 +171,7 @@ class Scheme:
         self._filled = (instant,)
 
     def complete(self, t: float, y: BlockVector) -> None:
-        """Let y obey all that holds its particles, in place. Collective."""
+        """Impose on y, in place, all conditions of its particles. Collective."""
         self._refresh(t)
         if self.alone:
             run(self._all, COMPLETE, y.array, y.array)

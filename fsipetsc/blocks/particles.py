@@ -1,4 +1,4 @@
-"""Nodes of several blocks at one place are one particle: who belongs to it, and what holds it.
+"""Nodes of several blocks at one place are one particle: who belongs to it, and its conditions.
 
 All nodes on faces of blocks are *members*, (block, node); members at one place are a *particle*.
 What a particle is subject to follows from the faces of its members: faces where gas meets a solid,
@@ -54,7 +54,7 @@ class Constraint(NamedTuple):
 
 @dataclass
 class Particle:
-    """What holds one particle.
+    """The conditions of one particle.
 
     members: (block, node), ascending. sticks: gas and solid have one velocity. shares_heat: they
     have one temperature. one_T: several solid members have one temperature. stores: that takes an
@@ -152,7 +152,7 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
 
 
 def _take_over(particle: Particle, met: Any, gas: bool, face: tuple[int, int, int]) -> None:
-    """What a condition holds beside a direction; of two of a kind that which prescribes motion."""
+    """What a condition says beside a direction; of two of a kind that which prescribes motion."""
 
     def take(name: str) -> None:
         setattr(particle, name, met)

@@ -178,5 +178,5 @@ def monitor(part, s):
     gas_monitor(part, owned(part, s, len(part.like) + 3), metrics, STIFFNESS_OF_WIDE)
 
 
-#: what is held of a gas: fsipetsc.scheme.part.Held, without ``part``
-HELD = follow, move, swing, add_normals, turn, store, rates, monitor, note
+#: what is called of a gas: fsipetsc.scheme.part.PartCalls, without ``part``
+FUNCTIONS = follow, move, swing, add_normals, turn, store, rates, monitor, note

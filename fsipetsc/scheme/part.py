@@ -16,7 +16,7 @@ from fsipetsc.scheme.normals import add_areas
 from fsipetsc.scheme.rows import Array
 
 
-class Held(NamedTuple):
+class PartCalls(NamedTuple):
     """A part and what is done with it in a step, called by address (fsipetsc.operators.boxed)."""
 
     part: Any

@@ -37,9 +37,9 @@ class Table(NamedTuple):
 
 
 #: this rank adds what comes in; forces move the gas, the solid; a clamp gives the place; gas and
-#: solid stick; motion of the gas, of the solid is given, all of the gas, of the solid; temperature
-#: of the gas, of the solid; they have one; so have members of the solid
-MINE, FREE_GAS, FREE_SOLID, PLACED, STICKS, HELD_GAS, HELD_SOLID, GIVEN_GAS, GIVEN_SOLID = range(9)
+#: solid stick; the gas is at a wall, the solid at a clamp; all is given of the gas, of the solid;
+#: the temperature of the gas, of the solid; they have one; so have members of the solid
+MINE, FREE_GAS, FREE_SOLID, PLACED, STICKS, AT_WALL, AT_CLAMP, GIVEN_GAS, GIVEN_SOLID = range(9)
 WARM_GAS, WARM_SOLID, SHARES_HEAT, ONE_T = range(9, 13)
 FLAGS = 13
 #: columns of ``faces``
@@ -117,7 +117,7 @@ class Particles(NamedTuple):
     behind: int
 
 
-class Held(NamedTuple):
+class ParticleCalls(NamedTuple):
     """Particles and what they do, called by address: see fsipetsc.operators.boxed."""
 
     all: Any

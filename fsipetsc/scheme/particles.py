@@ -51,11 +51,11 @@ from fsipetsc.scheme.constraints import book, powers, right_sides, slide, solve
 from fsipetsc.scheme.normals import sum_members
 from fsipetsc.scheme.particle_heat import share_heat, weigh_heat
 from fsipetsc.scheme.particle_records import (
+    AT_CLAMP,
+    AT_WALL,
     GAS,
     GIVEN_GAS,
     GIVEN_SOLID,
-    HELD_GAS,
-    HELD_SOLID,
     MINE,
     MOVES_GAS,
     ONE_T,
@@ -144,7 +144,7 @@ def end_sums(all, gain):
             put_part(v, p, 0, per(P_s, M_s))
             put_part(D_of, p, 0, D)
         given = flags[p, GIVEN_GAS] or flags[p, GIVEN_SOLID]
-        if flags[p, MINE] and (flags[p, HELD_GAS] or flags[p, HELD_SOLID] or given):
+        if flags[p, MINE] and (flags[p, AT_WALL] or flags[p, AT_CLAMP] or given):
             if V > 0.0:
                 masses[column[p]] += M - of_gas[1]
             push = add(sub(P, of_gas[2]), sub(P_s, of_solid[2]))
@@ -160,21 +160,21 @@ def obeyed(flags, like, p, data, of_gas, of_solid):
     """
     (V, M, P, E), (M_s, D, P_s, E_s) = of_gas, of_solid
     d, wall, clamp, clamp_velocity = len(like), data.wall, data.clamp, data.clamp_velocity
-    held, held_s, gas, solid = flags[p, HELD_GAS], flags[p, HELD_SOLID], data.gas, data.solid
+    at_wall, clamped, gas, solid = flags[p, AT_WALL], flags[p, AT_CLAMP], data.gas, data.solid
     if M_s > 0.0:
         D = per(D, M_s)
-    if held_s:
+    if clamped:
         P_s = scale(M_s, node(like, clamp_velocity, p))
-    if held:
+    if at_wall:
         P = scale(M, node(like, wall, p))
     if flags[p, STICKS]:
         both = per(add(P, P_s), M + M_s)
-        if held_s:
+        if clamped:
             both = per(P_s, M_s)
-        elif held:
+        elif at_wall:
             both = node(like, wall, p)
         first, P, P_s = kinetic(P_s, M_s), scale(M, both), scale(M_s, both)
-        if not held_s:
+        if not clamped:
             change = kinetic(P_s, M_s) - first
             E, E_s = E - change, E_s + change
     if flags[p, PLACED]:
@@ -306,11 +306,11 @@ def accelerate(all, gain):
         a = per(sub(R_m, scale(R, u)), M) if M > 0.0 else like
         b = per(F, M_s) if M_s > 0.0 else like
         force, force_s = scale(-M, a), scale(-M_s, b)
-        held, held_s, sticks = flags[p, HELD_GAS], flags[p, HELD_SOLID], flags[p, STICKS] == 1
-        b = node(like, clamp_rate, p) if held_s else b
-        a = node(like, wall_rate, p) if held else a
+        at_wall, clamped, sticks = flags[p, AT_WALL], flags[p, AT_CLAMP], flags[p, STICKS] == 1
+        b = node(like, clamp_rate, p) if clamped else b
+        a = node(like, wall_rate, p) if at_wall else a
         if sticks:
-            a, b = as_one_body(M, M_s, a, b, held, held_s)
+            a, b = as_one_body(M, M_s, a, b, at_wall, clamped)
         if count[p] > 0:
             w_t, K_p = node(like, wall_rate, p), count[p]
             right_sides(like, normals, turning, constraint, p, K_p, u, v, w, w_t, pi)
@@ -329,10 +329,10 @@ def accelerate(all, gain):
 
 
 @njit(**INLINED_CALL)
-def as_one_body(M, M_s, a, b, held, held_s):
+def as_one_body(M, M_s, a, b, at_wall, clamped):
     """Accelerations of gas and solid that stick, of which one may be given."""
-    both = b if held_s else a
-    if not (held_s or held):
+    both = b if clamped else a
+    if not (clamped or at_wall):
         both = per(add(scale(M, a), scale(M_s, b)), M + M_s)
     return both, both
 

@@ -179,8 +179,8 @@ def note_ends(part, found):
         of_end[0] += X
 
 
-#: what is held of a solid: fsipetsc.scheme.part.Held, without ``part``, by what it stores, notes
-def held(stores: bool, line: bool) -> tuple[Any, ...]:
+#: what is called of a solid: fsipetsc.scheme.part.PartCalls, without ``part``
+def functions(stores: bool, line: bool) -> tuple[Any, ...]:
     """stores: members tell what they store. line: in one dimension ends are noted."""
     of_grid = none_of, stay, stay, add_normals, none_of
     notes = note_ends if line else note

@@ -79,39 +79,39 @@ def run(box, what, s, f):
 
     What is called stands here once; parts and particles are called by address.
     """
-    found, held, parts, steps = box.found, box.particles, box.parts, what == STEPS
+    found, calls, parts, steps = box.found, box.particles, box.parts, what == STEPS
     y, gain, total, now = found.y, found.gain, found.total, found.now
-    particles, stages, more, good = held.all, STAGES + 1 if steps else 1, True, True
+    particles, stages, more, good = calls.all, STAGES + 1 if steps else 1, True, True
     while more:
         if steps:
             copy_row(y, found.before)
         for stage in range(stages):
             at = y if steps and stage == 0 else s
             if steps or what == COMPLETE:
-                held.begin_sums(particles, at, gain)
-                held.end_sums(particles, gain)
+                calls.begin_sums(particles, at, gain)
+                calls.end_sums(particles, gain)
                 follow(parts, particles)
                 move(parts)
                 if particles.slips:
-                    held.begin_normals(particles)
+                    calls.begin_normals(particles)
                     normals(parts, particles)
-                    held.end_normals(particles, False)
+                    calls.end_normals(particles, False)
                 if particles.stores:
-                    held.begin_stored(particles, at)
+                    calls.begin_stored(particles, at)
                     store(parts, particles, at)
-                    held.end_stored(particles)
-                held.impose_conditions(particles, at, gain)
+                    calls.end_stored(particles)
+                calls.impose_conditions(particles, at, gain)
                 follow(parts, particles)
                 swing(parts)
             if what == RATES or (steps and stage < STAGES):
                 clear(gain.numbers)
                 if particles.slips:
-                    held.begin_normals(particles)
+                    calls.begin_normals(particles)
                     turn(parts, particles)
-                    held.end_normals(particles, True)
+                    calls.end_normals(particles, True)
                 rates(parts, at, f, gain)
-                held.begin_rates(particles, f)
-                held.end_rates(particles, at, f, gain)
+                calls.begin_rates(particles, f)
+                calls.end_rates(particles, at, f, gain)
             if steps and stage < STAGES:
                 advance(y, f, s, total, stage, now[1])
         if steps or what == MONITOR:
