@@ -38,7 +38,7 @@ class Steps:
         self.problem, self.comm = problem, comm
         self.gases = sum(block.kind == "fluid" for block in problem.blocks)
         self.lossy, kind = lossy(problem), gained(problem)
-        self.layout = BlockLayout(comm, problem, order, behind=kind.itemsize // 8)
+        self.layout = BlockLayout(comm, problem, order, auxiliary=kind.itemsize // 8)
         of_run = form or BlockForm(), 1e-3, alone, pace
         self.scheme = scheme_of(self.layout, problem, order, *of_run)
         self.y, self._stage = self.layout.vector(), self.layout.vector()
@@ -47,7 +47,7 @@ class Steps:
         self.scheme.stretch(0.0, self.y)
         self.scheme.complete(0.0, self.y)
         self.came, self._at = np.zeros(kind.itemsize // 8), slices(kind)
-        self.y.behind[:] = 0.0
+        self.y.auxiliary[:] = 0.0
         self.integrals()
         self._at_first = self.solid_energy()
 
@@ -82,8 +82,8 @@ class Steps:
         for _ in range(steps):
             self.scheme.step(self.t, dt, self.y, self._stage)
             self.t += dt
-            self.came += self.y.behind
-            self.y.behind[:] = 0.0
+            self.came += self.y.auxiliary
+            self.y.auxiliary[:] = 0.0
 
     def gained(self):
         """What has come in: mass of all gas, impulse, energy."""

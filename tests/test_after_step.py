@@ -94,14 +94,14 @@ def test_a_batch_has_as_many_steps_as_are_allowed_and_ends_without_a_bound():
         assert len(planned(5.0, 20, fixed=0.1, rate=rate)[0]) == 1
 
 
-def test_energy_that_was_there_is_remembered_behind_the_unknowns():
+def test_energy_that_was_there_is_remembered_in_auxiliary_unknowns():
     """Work 2, then 1; the energies that the monitor leaves are 10 and 10.5: 0.5 is lost. Beside it
     a sum that nothing was there of before.
     """
-    behind, latest = np.array([2.0, 3.0]), np.array([7.0, -10.0, 0.0])
-    note_gained(latest, behind)
-    assert latest[::2].tolist() == [7.0, 3.0] and behind.tolist() == [10.0, 0.0]
-    behind += 1.0, 4.0
+    auxiliary, latest = np.array([2.0, 3.0]), np.array([7.0, -10.0, 0.0])
+    note_gained(latest, auxiliary)
+    assert latest[::2].tolist() == [7.0, 3.0] and auxiliary.tolist() == [10.0, 0.0]
+    auxiliary += 1.0, 4.0
     latest[:] = 7.0, -10.5, 0.0
-    note_gained(latest, behind)
+    note_gained(latest, auxiliary)
     assert latest.tolist() == [7.0, 0.5, 4.0]

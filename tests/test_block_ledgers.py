@@ -170,7 +170,7 @@ def test_what_completion_takes(faces, mu, heat):
                 q[:, d : 2 * d] += rng.uniform(-0.3, 0.3, (len(q), d))
         before = run.integrals()
         run.scheme.complete(0.0, run.y)
-        run.came += run.y.behind
+        run.came += run.y.auxiliary
         change, came = run.integrals() - before, run.gained()
         assert np.abs(change - came).max() < 1e-14 * before[-1], change - came
         assert np.abs(came[1:3]).min() > 1e-5 and (not panel or np.abs(came).min() > 1e-5)

@@ -98,9 +98,9 @@ class BlockState(State):
         self.shocks = form.shock > 0.0
         self._pace = max(1.0, form.shock * PACE_AT_SHOCKS[order])
         blocks, d = problem.layers, problem.dimension
-        self.lossy, behind = lossy(problem), gained(problem).itemsize // 8
+        self.lossy, auxiliary = lossy(problem), gained(problem).itemsize // 8
         halos = halos_of(problem, order, self.shocks)
-        self.layout = BlockLayout(comm, problem, order, halos, partition, behind=behind)
+        self.layout = BlockLayout(comm, problem, order, halos, partition, auxiliary=auxiliary)
         self.y = self.layout.vector()
         self._stage = self.layout.vector()
         size = (self.layout.local_size, None)
@@ -168,7 +168,7 @@ class BlockState(State):
             self._compile_own()
             if self.comm.size == 1:
                 _call_all(self.scheme, self.y, 0.0)
-                self.y.behind[:] = 0.0
+                self.y.auxiliary[:] = 0.0
 
     def _compile_first(self, announce: Callable[[str], None]) -> None:
         """Rank 0 makes a state of the whole problem, alone, before any rank makes its own scheme:
@@ -197,7 +197,7 @@ class BlockState(State):
     def set_initial(self) -> None:
         """Initial data of all blocks and J of the grids. InputError."""
         self.check_data()
-        self.y.behind[:] = 0.0
+        self.y.auxiliary[:] = 0.0
         self._guarded(lambda: self.scheme.stretch(0.0, self.y))
         agree(self.comm, self.fault)
 
@@ -210,7 +210,7 @@ class BlockState(State):
     def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
         """f = dy/dt of this rank's part, at y completed; y stays as it is."""
         self.evaluations += 1
-        f[f.size - self.layout.behind :] = 0.0
+        f[f.size - self.layout.auxiliary :] = 0.0
         self._load_stage(y)
         self._guarded(lambda: self.scheme.rates(self._t, self._stage, f))
 
@@ -284,7 +284,7 @@ class BlockState(State):
             self.comm.Allreduce(MPI.IN_PLACE, self._extremes, MPI.MAX)
         note_extremes(self._extremes, self.rates, self.results, self._latest)
         self._recorder.write(self.latest)
-        note_gained(self._latest, self.y.behind)
+        note_gained(self._latest, self.y.auxiliary)
 
     def _fill_halos(self) -> None:
         self.y.begin()
@@ -299,7 +299,7 @@ class BlockState(State):
 
     def capture(self) -> dict[str, np.ndarray] | None:
         """What a step depends on, on rank 0: whole blocks, (…, n_1, n_0, unknowns), so that it does
-        not depend on who had what; what stands behind the nodes is added up. Collective.
+        not depend on who had what; auxiliary unknowns are added up. Collective.
         """
         arrays = {}
         for k, shape in enumerate(self.layout.shapes):
@@ -308,11 +308,11 @@ class BlockState(State):
             found = whole(self.comm, int(np.prod(shape)), numbers, self.y.owned(k))
             if found is not None:
                 arrays[f"layer{k}"] = found.reshape(*shape[::-1], -1)
-        every = self.comm.gather(self.y.behind)
+        every = self.comm.gather(self.y.auxiliary)
         if every is None:
             return None
-        behind, latest = sum(every, np.zeros(self.layout.behind)), as_numbers(self.latest).copy()
-        return {**arrays, "behind": behind, "results": self.results.copy(), "latest": latest}
+        total, latest = sum(every, np.zeros(self.layout.auxiliary)), as_numbers(self.latest).copy()
+        return {**arrays, "behind": total, "results": self.results.copy(), "latest": latest}
 
     def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> None:
         """Be at time t [s] what arrays tell of, which all ranks know. InputError."""
@@ -321,7 +321,7 @@ class BlockState(State):
         for part in self.layout.parts:
             of_block = arrays[f"layer{part.k}"].reshape(-1, part.dof)
             self.y.owned(part.k)[:] = of_block[part.numbers]
-        self.y.behind[:] = arrays["behind"] if self.comm.rank == 0 else 0.0
+        self.y.auxiliary[:] = arrays["behind"] if self.comm.rank == 0 else 0.0
         self._load_stage(self.y.array)  # what the scheme derives of it; it stays as it is
         self._fill_halos()
         agree(self.comm, self.fault)

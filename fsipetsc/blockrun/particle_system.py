@@ -96,7 +96,7 @@ class ParticleSystem:
                 **self._of_normals,
                 moves=moves,
                 place=self.prescribed.displaced,
-                behind=layout.behind,
+                auxiliary=layout.auxiliary,
             )
         )
 
@@ -259,7 +259,7 @@ class ParticleSystem:
 
     def impose_conditions(self, y: Array, gain: Array) -> None:
         """Project velocities on what constraints allow, share heat, and give all members what their
-        particle has; what came in is added behind the unknowns.
+        particle has; what came in is added to the auxiliary unknowns.
         """
         kernels.impose_conditions(self.box, y, gain)
 

@@ -46,7 +46,7 @@ class Scheme:
     number, block, owned row, X of the interfaces in one dimension whose solid's end is here. alone:
     there is one rank, which may make stages in one call. `attach` comes before all else.
 
-    What comes in from outside is integrated behind the unknowns of nodes, in the order of
+    What comes in from outside is integrated in auxiliary unknowns, in the order of
     fsipetsc.blockrun.columns.gained. steady: no data of conditions, forcing, jumps depend on time.
     fault: the first error of a function of the case's on this rank. The rank goes on with the data
     before it, so that others do not wait for its messages; all end after the step.

@@ -33,13 +33,13 @@ def note_extremes(extremes, rates, results, latest):
 
 
 @njit(**MERGED_CALL)
-def note_gained(latest, behind):
-    """Put what came in, which stands behind the unknowns, into the last columns of ``latest``.
+def note_gained(latest, auxiliary):
+    """Put what came in, the auxiliary unknowns, into the last columns of ``latest``.
 
     The monitor leaves minus the energy E of solids where what they lost of it will be. So E stays
-    behind the unknowns, and after the next step it is there with the work W: W + E - E' is lost.
+    in an auxiliary unknown, which after the next step is W + E, W the work: W + E - E' is lost.
     """
-    first = latest.size - behind.size
-    for c in range(behind.size):
-        latest[first + c] += behind[c]
-        behind[c] -= latest[first + c]
+    first = latest.size - auxiliary.size
+    for c in range(auxiliary.size):
+        latest[first + c] += auxiliary[c]
+        auxiliary[c] -= latest[first + c]

@@ -94,7 +94,7 @@ class Particles(NamedTuple):
     slips: whether any has constraints; normals, turning: (p, K, 2d), G and S and how they turn.
     of_normals: (members of those, 2 K d) area vectors, at_normals: how many are here, of_particle,
     row_of: particle and row of each. moves: (p,) whether a wall there moves, place: (p, d) its
-    displacement. behind: as many numbers at the end of a vector are what came in.
+    displacement. auxiliary: number of unknowns, at the end of a vector, of what came in.
     """
 
     like: Any
@@ -114,7 +114,7 @@ class Particles(NamedTuple):
     row_of: Array
     moves: Array
     place: Array
-    behind: int
+    auxiliary: int
 
 
 class ParticleCalls(NamedTuple):

@@ -232,15 +232,15 @@ def end_stored(all):
 @njit(**CALL)
 def impose_conditions(all, s, gain):
     """What constraints and heat make of the sums, for the members of this rank; what came in is
-    added behind the unknowns.
+    added to the auxiliary unknowns.
     """
     if all.slips:
         slide(all, gain)
     share_heat(all.table, all.law, all.like, all.data, all.state, gain)
     give_state(all.table, all.like, all.stored, s, all.state)
     came = sum_up(gain)
-    for c in range(all.behind):
-        s[s.size - all.behind + c] += came[c]
+    for c in range(all.auxiliary):
+        s[s.size - all.auxiliary + c] += came[c]
 
 
 @njit(**INLINED_CALL)
@@ -285,8 +285,8 @@ def end_rates(all, y, f, gain):
     accelerate(all, gain)
     give_rates(all.table, all.like, y, f, all.state, gain.lost)
     came = sum_up(gain)
-    for c in range(all.behind):
-        f[f.size - all.behind + c] = came[c]
+    for c in range(all.auxiliary):
+        f[f.size - all.auxiliary + c] = came[c]
 
 
 @njit(**INLINED_CALL)
