@@ -178,7 +178,7 @@ class SolidPart(BlockPart):
 
     def fields(self, q: Array, rows: slice = slice(None)) -> Array:
         """(…, …) what is saved of these rows of the owned nodes: v, T, Cauchy stress P F^T / J, x;
-        in one dimension its part sigma, and p behind x; then sigma_theta of hoops.
+        in one dimension its part sigma, and p after x; then sigma_theta of hoops.
         """
         d, nodes = self._d, self.owned[rows]
         F, own = tuple(self._deformation(q)[:, rows]), q[nodes]

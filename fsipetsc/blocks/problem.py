@@ -189,7 +189,7 @@ class BlockProblem:
         return self.blocks
 
     def unit(self, name: str) -> str:
-        """What stands behind a number in a message: " m", or nothing without dimensions."""
+        """The unit after a number in a message: " m", or nothing without dimensions."""
         return f" {name}" if self.units == "SI" else ""
 
     @cached_property

@@ -66,7 +66,7 @@ SMALL = 0.05
 
 
 class Room(NamedTuple):
-    """Memory, by components of N nodes: states, entropy variables, fluxes of differences (behind
+    """Memory, by components of N nodes: states, entropy variables, fluxes of differences (after
     `before` zeros), alpha, areas and volume fluxes of links, sums.
     """
 

@@ -5,7 +5,7 @@ import numpy as np
 # where what stands among the results of a completed step
 #: flags: 1 + number of a layer that has run off its grid, or that is too short
 EXHAUSTED, TOO_SHORT = 0, 1
-#: limits, behind the flags; SAID_STOP is what this rank has to say of STOP
+#: limits, after the flags; SAID_STOP is what this rank has to say of STOP
 RATE, BAD, STOP, SAID_STOP = 2, 3, 4, 5
 #: doubles of the flags and of the limits among the results
 FLAGS, LIMITS = 2, 4

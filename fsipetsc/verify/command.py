@@ -38,7 +38,7 @@ COLUMNS += ("error", "rate", "verdict", "least_rate", "largest_error")
 
 
 def verify(arguments: list[str], comm: MPI.Comm) -> None:
-    """The command, with the arguments behind its name. Collective on comm.
+    """The command, with the arguments after its name. Collective on comm.
 
     Raises InputError; ComputationError at the end where a row falls short; FileError.
     """
