@@ -11,7 +11,7 @@ from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.blockrun.columns import gained, lossy, slices, step_record
 from fsipetsc.blockrun.scheme import Scheme
 from fsipetsc.parallel.block_layout import BlockLayout
-from fsipetsc.scheme.after_step import WORDS
+from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.plan import BATCH, FLAGS, LIMITS
 
 #: what short steps may lose of the energy of solids: this part of all
@@ -24,10 +24,11 @@ def scheme_of(layout, problem, order, form, instant=1e-4, alone=False, pace=1.0)
     own = np.dtype([(name, record[name]) for name in record.names[2:]])
     scheme = Scheme(layout, problem, order, form, lambda: instant, slices(own), [], alone)
     latest = np.zeros(own.itemsize // 8)
-    words = np.zeros(1 + WORDS * blocks), np.zeros((blocks, 2)), np.zeros(FLAGS + LIMITS), latest
-    words += np.zeros((4, 0)), pace, np.zeros(BATCH), np.zeros((1, latest.size + 2))
-    scheme.attach(np.zeros(layout.local_size), np.zeros(layout.local_size), *words)
-    scheme.latest, scheme.extremes = latest.view(own)[0], words[0]
+    extremes, rates = np.zeros(1 + MONITORED * blocks), np.zeros((blocks, 2))
+    buffers = extremes, rates, np.zeros(FLAGS + LIMITS), latest
+    buffers += np.zeros((4, 0)), pace, np.zeros(BATCH), np.zeros((1, latest.size + 2))
+    scheme.attach(np.zeros(layout.local_size), np.zeros(layout.local_size), *buffers)
+    scheme.latest, scheme.extremes = latest.view(own)[0], extremes
     return scheme
 
 
@@ -56,7 +57,7 @@ class Steps:
         self.y.begin()
         self.y.end()
         self.scheme.monitor(self.y)
-        return self.scheme.extremes[1:].reshape(-1, WORDS)
+        return self.scheme.extremes[1:].reshape(-1, MONITORED)
 
     def integrals(self):
         """Mass of all gas, momentum, energy."""

@@ -7,8 +7,9 @@ import pytest
 
 pytest.importorskip("numba")
 
-from fsipetsc.scheme.after_step import WORDS, note_extremes, note_gained
+from fsipetsc.scheme.after_step import note_extremes, note_gained
 from fsipetsc.scheme.batch import LONGEST, MADE, SHORTEST, TIME, plan_next
+from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.plan import (
     BAD,
     BATCH,
@@ -27,7 +28,7 @@ def noted(rows, stop=0.0):
     rows = np.array(rows)
     rates, results = np.zeros((len(rows), 2)), np.zeros(FLAGS + LIMITS)
     latest = np.zeros(2 * len(rows) + 3)
-    assert rows.shape[1] == WORDS
+    assert rows.shape[1] == MONITORED
     note_extremes(np.concatenate([[stop], rows.ravel()]), rates, results, latest)
     return rates, results, latest
 
@@ -44,7 +45,7 @@ def test_the_bound_is_the_4_norm_of_the_largest_rates():
 @pytest.mark.parametrize("k", [0, 1])
 @pytest.mark.parametrize("column", [1, 2])
 def test_what_is_no_number_stays_one(k, column):
-    rows = np.ones((2, WORDS))
+    rows = np.ones((2, MONITORED))
     rows[:, 0] = 0.0
     rows[k, column] = np.nan
     assert np.isnan(noted(rows)[1][RATE])

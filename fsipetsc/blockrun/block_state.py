@@ -8,7 +8,7 @@ fsipetsc.blockrun.scheme.
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from mpi4py import MPI
@@ -27,8 +27,9 @@ from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder, halos_of
 from fsipetsc.process.together import agree, together, wait_asleep
-from fsipetsc.scheme.after_step import WORDS, note_extremes, note_gained
+from fsipetsc.scheme.after_step import note_extremes, note_gained
 from fsipetsc.scheme.batch import DT, MADE
+from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES, advance
 from fsipetsc.stepping.snapshot import as_numbers, whole
@@ -112,8 +113,7 @@ class BlockState(State):
         self._before, self.retries = np.empty_like(self.y.array), 0
         if comm.size > 1 and self.points <= MOST_ALONE:
             self._compile_first(announce)
-        self.scheme = together(comm, lambda: self._made(comm.size == 1 and not apart))
-        self.scheme.attach(self.y.array, self._stage.array, *self._words())
+        self._make_scheme(comm.size == 1 and not apart)
         self.evaluations, self._t = 0, 0.0
         widths = [len(fields_of(b.kind, d, problem.symmetry)) for b in blocks]
         parts = self.layout.parts
@@ -123,22 +123,23 @@ class BlockState(State):
         """Flags, the plan of a batch of steps, and the records of steps."""
         self.results = np.zeros(FLAGS + LIMITS)
         self._rows, self._latest = self._lay_journal(record, KEPT)
-        self._extremes, self.rates = np.zeros(1 + WORDS * blocks), np.zeros((blocks, 2))
+        self._extremes, self.rates = np.zeros(1 + MONITORED * blocks), np.zeros((blocks, 2))
         self._columns = slices(self.latest.dtype)
 
-    def _words(self) -> tuple[Any, ...]:
-        """What monitor and steps in one call fill: see fsipetsc.scheme.steps.Found, after gain."""
+    def _make_scheme(self, alone: bool) -> None:
+        """Make the scheme, and attach the buffers that monitor and steps in one call fill."""
+
+        def made() -> Scheme:
+            ends = list(self._interface_ends()) if self.problem.dimension == 1 else []
+            form = self._order, self._form, self._instant
+            return Scheme(self.layout, self.problem, *form, self._columns, ends, alone)
+
+        self.scheme = together(self.comm, made)
         latest, first = self._latest, self._columns.get(OF_INTERFACES[0], slice(0, 0))
         size = len(OF_INTERFACES) * (first.stop - first.start)
         at_ends = latest[first.start : first.start + size].reshape(len(OF_INTERFACES), -1)
-        words = self._extremes, self.rates, self.results, latest, at_ends, self._pace
-        return *words, self.batch, self._rows
-
-    def _made(self, alone: bool) -> Scheme:
-        """The scheme."""
-        ends = list(self._interface_ends()) if self.problem.dimension == 1 else []
-        form = self._order, self._form, self._instant
-        return Scheme(self.layout, self.problem, *form, self._columns, ends, alone)
+        buffers = self._extremes, self.rates, self.results, latest, at_ends, self._pace
+        self.scheme.attach(self.y.array, self._stage.array, *buffers, self.batch, self._rows)
 
     def _interface_ends(self) -> Iterator[tuple[int, int, int, float]]:
         """Of interfaces in one dimension with the solid's end here: number, block, row, X."""
@@ -185,7 +186,7 @@ class BlockState(State):
     def _compile_own(self) -> None:
         y, k, stage, total = np.zeros((4, 1))
         advance(y, k, stage, total, 0, 0.0)
-        extremes, rates = np.zeros(1 + WORDS), np.zeros((1, 2))
+        extremes, rates = np.zeros(1 + MONITORED), np.zeros((1, 2))
         note_extremes(extremes, rates, np.zeros(FLAGS + LIMITS), np.zeros(2))
         note_gained(np.zeros(1), np.zeros(1))
         self.plan_next()  # nothing is allowed yet

@@ -111,12 +111,12 @@ class Scheme:
                 functions = solid_record.functions(stores, self.dimension == 1)
             self._lines[k], self._does[k] = line, PartCalls(Box(line), *functions)
 
-    def attach(self, y: Array, stage: Array, *words: Any) -> None:
+    def attach(self, y: Array, stage: Array, *buffers: Any) -> None:
         """What steps in one call take and fill: see fsipetsc.scheme.steps.Found, without now.
-        words: all behind gain.
+        buffers: all after gain.
         """
         stages = y, stage, *self._memory, np.zeros_like(y)
-        self._found = Found(*stages, self._gain, *words, np.zeros(2))
+        self._found = Found(*stages, self._gain, *buffers, np.zeros(2))
         self._noted = Box(self._found._replace(stage=y))
 
     @cached_property

@@ -17,8 +17,9 @@ from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, along,
 from fsipetsc.operators.loops import _by_length as by_length
 from fsipetsc.scheme.rows import ROW, TILE, U64, Array, add_moment, aligned, at, moments, put
 
+#: extremes of a block: 1 if a state is unphysical, largest rates of convection and of diffusion
+#: [1/s], minus the least J, largest |J - det D x| / J
 BAD, CONVECTION, DIFFUSION, LEAST_J, J_ERROR = range(5)
-#: extremes of a block that are monitored: BAD …
 MONITORED = 5
 #: the larger ones of the numbers of two tuples
 largest = by_length(

@@ -10,8 +10,7 @@ from numba import njit
 
 from fsipetsc.operators.bands import mirror
 from fsipetsc.operators.loops import CALL, INNER_CALL, INNER_LOOP, MERGED_CALL
-from fsipetsc.scheme.after_step import WORDS
-from fsipetsc.scheme.block_monitor import CONVECTION
+from fsipetsc.scheme.block_monitor import CONVECTION, MONITORED
 from fsipetsc.scheme.normals import add_areas
 from fsipetsc.scheme.rows import Array
 
@@ -101,7 +100,7 @@ def note_part(part, found):
     """Put the extremes and sums of the monitor where they belong; found: a box of
     fsipetsc.scheme.steps.Found.
     """
-    begin, seen, sums, columns = 1 + WORDS * part.block, part.seen, part.sums, part.columns
+    begin, seen, sums, columns = 1 + MONITORED * part.block, part.seen, part.sums, part.columns
     extremes, latest = found.extremes, found.latest
     for c in range(seen.size):
         extremes[begin + c] = seen[c]
