@@ -92,7 +92,7 @@ class Steps:
         mass = self._came("mass_in").sum() if self.gases else 0.0
         return np.array([mass, *impulse, self._came("energy_in")[0]])
 
-    def through(self):
+    def face_energies(self):
         """(faces, 2) energy that has come in through each outer face, in the end by forces, and
         heat among it.
         """

@@ -238,8 +238,8 @@ def test_on_two_ranks():
     done = mpirun(2, "-m", "mpi4py", REPOSITORY / "tests" / "block_scheme_program.py")
     assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout.splitlines()[-1])
-    for different, through in (said["panel"], said["slipping"]):
-        assert different == 0 and through < 1e-13
+    for different, energies in (said["panel"], said["slipping"]):
+        assert different == 0 and energies < 1e-13
     assert said["unbooked"] < 1e-13
     wrong = [fault for fault in said["faults"] if fault]
     assert len(wrong) == 1 and "T of NoSlip at t = 0.0015" in wrong[0] and "T = -1" in wrong[0]

@@ -131,7 +131,7 @@ def measured(
         agree(comm, fault)
         return value
 
-    states = {n: on(n, lambda: prepared(case, options, teams[n])) for n in teams}  # noqa: B023
+    states = {n: on(n, lambda: compiled_state(case, options, teams[n])) for n in teams}  # noqa: B023
 
     def sample(n: int, count: int) -> Any:
         return on(n, lambda: step_time(states[n], options, count))
@@ -163,7 +163,7 @@ def _ratio(a: list[float], b: list[float]) -> str:
     return f"{median(x / y for x, y in zip(a, b, strict=True)):.3g}"
 
 
-def prepared(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Any:
+def compiled_state(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Any:
     """The state of a problem, compiled. Collective; InputError where it does not fit."""
     from fsipetsc.stepping.solve import build_problem, make_state
 

@@ -63,7 +63,7 @@ class EntropyForm(NamedTuple):
         """The flux of two states."""
         return gas.pair_flux(l, r, a_l, v_l, a_r, v_r)
 
-    def through(self, gas, l, r, a, g):
+    def flux_through(self, gas, l, r, a, g):
         """The same through the area a whose volume flux is g."""
         return gas.flux_through(l, r, a, g)
 
@@ -95,7 +95,7 @@ class DivergenceForm(NamedTuple):
     def two(self, gas, l, r, a_l, v_l, a_r, v_r):
         return gas.mean_flux(l, r, a_l, v_l, a_r, v_r)
 
-    def through(self, gas, l, r, a, g):
+    def flux_through(self, gas, l, r, a, g):
         return gas.mean_flux_through(l, r, a, g)
 
 
