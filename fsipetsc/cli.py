@@ -19,7 +19,7 @@ from fsipetsc.usage import case_help, command_help, overview, program
 
 
 class Command(NamedTuple):
-    """A command: what stands behind its name, and one line about it.
+    """A command: what comes after its name, and one line about it.
 
     module: of what is done by all ranks, imported when it is called. Its function of the command's
     name gets the list of arguments and their communicator, and starts PETSc itself. Its SECTIONS,
@@ -66,7 +66,7 @@ _VERSION_FLAGS = ("--version", "-version")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the program with the arguments behind its name; returns the exit status.
+    """Run the program with the arguments after its name; returns the exit status.
 
     None stands for sys.argv: then the process is the program's own. With arguments given, it is
     somebody else's, such as a notebook's: each run leaves it as it was.

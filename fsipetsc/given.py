@@ -48,7 +48,7 @@ def initial(layer: Layer, X: np.ndarray, active: slice) -> list[np.ndarray]:
     """Initial data of a layer at the points X; x of a solid must rise. InputError."""
     found = fields(layer, "initial", X, 0.0, active)
     if layer.kind == "solid" and not np.all(rises := np.diff(found[3][active]) > 0):
-        at = f"behind X = {X[active][np.argmin(rises)]:.6g}: expected positions [m]"
+        at = f"after X = {X[active][np.argmin(rises)]:.6g}: expected positions [m]"
         where = f"{place_of(layer.initial)}: initial of layer '{layer.name}'"
         raise InputError(f"{where}: x does not rise with X {at}", collective=False)
     return found

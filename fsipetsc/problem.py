@@ -175,7 +175,7 @@ class Problem:
         object.__setattr__(self, "layers", tuple(layers))
 
     def unit(self, name: str) -> str:
-        """What stands behind a number in a message: " m", or nothing if the problem has no
+        """The unit after a number in a message: " m", or nothing if the problem has no
         dimensions.
         """
         return f" {name}" if self.units == "SI" else ""

@@ -50,7 +50,7 @@ def overview(cases: Mapping[str, str], commands: Mapping[str, tuple[str, str]]) 
 
 
 def _wrapped(text: str, first: str, indent: int) -> list[str]:
-    """Lines of a text: behind ``first``, then indented; as wide as the terminal."""
+    """Lines of a text: after ``first``, then indented; as wide as the terminal."""
     width = max(_width(), indent + 30)
     form = textwrap.TextWrapper(width, first, " " * indent, break_on_hyphens=False)
     return form.wrap(text) or [first.rstrip()]

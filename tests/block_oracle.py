@@ -1,4 +1,4 @@
-"""The scheme of blocks in plain numpy, slow and obvious: the compiled engine is held against it.
+"""The scheme of blocks in plain numpy, slow and obvious: the compiled engine is compared with it.
 
 It shares no code with the engine except the exact SBP coefficients. Derivatives are dense matrices,
 pair fluxes are made for all pairs of a line, particles are loops. The dimension d is 1, 2 or 3.
@@ -110,8 +110,8 @@ class Oracle(Particles):
             C[1] = s.M * self.blocks[p.solid[0][0]].material.alpha
             Q[1] = s.energy - v @ s.force - s.stored
         T_t = np.full(2, Q.sum() / C.sum()) if self._conducts(p) else Q / np.where(C > 0.0, C, 1.0)
-        held = self._held(p, t)
-        T_t = [T_t[i] if held[i] is None else held[i][1] for i in range(2)]
+        given = self._prescribed_T(p, t)
+        T_t = [T_t[i] if given[i] is None else given[i][1] for i in range(2)]
         if p.gas:
             s.R[-1] += C[0] * T_t[0] - Q[0]
             self._gas_members(p, s, m, q, t, out)
@@ -278,8 +278,8 @@ class Oracle(Particles):
             masses = [(self.W[k] * self.solids[k][1])[node] * n.m0 for k, node in p.solid]
             C[1], H[1] = s.M * n.alpha, s.energy - 0.5 * s.M * v @ v - np.dot(masses, stored)
         T = np.full(2, H.sum() / C.sum()) if self._conducts(p) else H / np.where(C > 0.0, C, 1.0)
-        held = self._held(p, t)
-        T = [T[i] if held[i] is None else held[i][0] for i in range(2)]
+        given = self._prescribed_T(p, t)
+        T = [T[i] if given[i] is None else given[i][0] for i in range(2)]
         if p.gas:
             face = self._given(p, "gas")
             U = conserved(m, s.Q[1] / s.Q[0], u, T[0])
@@ -295,7 +295,7 @@ class Oracle(Particles):
             v, T[1] = values[:d], values[d]
         for (k, node), w in zip(p.solid, stored):
             at_node, e = q[self.names[k]][(slice(None), *node)], 0.5 * v @ v + w + n.alpha * T[1]
-            if self._apart(p) and held[1] is None:
+            if self._apart(p) and given[1] is None:
                 e = at_node[-1] + (s.energy - before) / s.M
             at_node[d:] = *v, e
 

@@ -39,9 +39,9 @@ def differences(problem):
         for part in shared.layout.parts:
             whole = alone.y.owned(part.k)[part.numbers]
             found += int((shared.y.owned(part.k) != whole).sum())
-        size = np.abs(alone.through()).max() or 1.0  # nothing comes into the panel
-        through = np.abs(shared.through() - alone.through()).max() / size
-        return WORLD.allreduce(found), float(through)
+        size = np.abs(alone.face_energies()).max() or 1.0  # nothing comes into the panel
+        energies = np.abs(shared.face_energies() - alone.face_energies()).max() / size
+        return WORLD.allreduce(found), float(energies)
 
 
 def warm(X, Y, t):

@@ -198,9 +198,9 @@ def integrated(
     opt: dict[str, Any],
     comm: Any,
     times: Sequence[float] = (),
-    look: Any = lambda state, t: None,
+    watch: Any = lambda state, t: None,
 ) -> Any:
-    """The errors at the end of a run that writes nothing; look(state, t) is called at 0, at these
+    """The errors at the end of a run that writes nothing; watch(state, t) is called at 0, at these
     times and at the end. Collective on comm.
     """
     from fsipetsc.stepping.integrator import Integrator
@@ -208,7 +208,7 @@ def integrated(
 
     with make_state(build_problem(case, opt, comm), opt, comm) as state:
         saved = sorted({*map(float, times), opt["ts_max_time"]})
-        integrator = Integrator(state, opt, saved, on_frame=lambda t: look(state, t))
+        integrator = Integrator(state, opt, saved, on_frame=lambda t: watch(state, t))
         integrator.start()
         integrator.run()
         return state.errors(integrator.t, opt["fsi_norm"])

@@ -83,9 +83,9 @@ class Engine:
         faces = {owner: condition_of(condition) for owner, condition in found.items()}
         self.shapes = {b.name: b.X.shape[1:] for b in p.blocks}
         self.problem = BlockProblem(tuple(map(block_of, p.blocks)), faces, **options)
-        behind = gained(self.problem).itemsize // 8
+        auxiliary = gained(self.problem).itemsize // 8
         halos = halos_of(self.problem, p.order, p.shock > 0.0)
-        self.layout = BlockLayout(comm, self.problem, p.order, halos, behind=behind)
+        self.layout = BlockLayout(comm, self.problem, p.order, halos, auxiliary=auxiliary)
         # dissipation 0: on where blocks are joined
         form = BlockForm(p.form, p.dissipation / 0.3 or -1.0, p.shock)
         self.scheme = scheme_of(self.layout, self.problem, p.order, form)

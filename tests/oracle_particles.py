@@ -1,4 +1,4 @@
-"""Particles of the oracle of blocks: at one place, and held (SCHEME-BLOCKS.md 3, 4)."""
+"""Particles of the oracle of blocks: at one place, and their conditions (SCHEME-BLOCKS.md 3, 4)."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ class Particles(Volume):
         members = p.gas[:1] + p.solid[:1]
         return len(members) == 2 and all(self.blocks[k].material.kappa > 0.0 for k, _ in members)
 
-    def _held(self, p, t):
+    def _prescribed_T(self, p, t):
         """(T, T_t) or None, of the gas and of the solid."""
         found = {"gas": None, "solid": None}
         for f in p.outer:

@@ -102,7 +102,7 @@ class Radial(Oracle):
         for j in range(d):
             pull = np.einsum("ij...,j...->i...", tau, grid.a[j])
             heat = m.kappa * s.T**2 * dot(w, grid.a[j])
-            total = total + self.loose(k, np.array([*pull, dot(pull, s.u) + heat]), j)
+            total = total + self.boundary_flux_free(k, np.array([*pull, dot(pull, s.u) + heat]), j)
         total[-2] -= self.W[k] * hoop * S
         return total
 
@@ -132,9 +132,9 @@ class Radial(Oracle):
         force, work, heat = np.zeros_like(v), 0.0, 0.0
         for j in range(d):
             PA = np.einsum("mn...,n...->m...", P[:d, :d], A[j])
-            force = force + self.loose(k, PA, j)
+            force = force + self.boundary_flux_free(k, PA, j)
             work = work + self.W[k] * dot(PA, self.derivative(k, v, j))
-            heat = heat + self.loose(k, dot(h, A[j]), j)
+            heat = heat + self.boundary_flux_free(k, dot(h, A[j]), j)
         work = work + dot(v, force)
         force[-1] -= self.kappa * self.W[k] * J0 / b.X[-1] * P[d, d]
         stored = work - dot(v, force) if m.heat == "elastic" else 0.0 * work

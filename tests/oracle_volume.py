@@ -75,7 +75,7 @@ class Volume:
     def derivative(self, k, f, axis):
         return along(self.axes[k][axis][0], f, axis, self.d)
 
-    def loose(self, k, f, axis):
+    def boundary_flux_free(self, k, f, axis):
         """H D° f: the derivative without the flux through the ends."""
         _, S, weight = self.axes[k][axis]
         Q = 0.5 * (S + np.diag(S.sum(axis=1)))
@@ -236,7 +236,7 @@ class Volume:
         for j in range(d):
             traction = np.einsum("ij...,j...->i...", tau, grid.a[j])
             power = dot(traction, s.u) + dot(heat, grid.a[j])
-            total = total + self.loose(k, np.array([*traction, power]), j)
+            total = total + self.boundary_flux_free(k, np.array([*traction, power]), j)
         return total
 
     def _differences(self, k, j, q):
@@ -313,10 +313,10 @@ class Volume:
         for j in range(d):
             _, S, weight = self.axes[k][j]
             PA, scaled = np.einsum("mn...,n...->m...", P, A[j]), S / weight[:, None]
-            force = force + self.loose(k, PA, j)
+            force = force + self.boundary_flux_free(k, PA, j)
             pairs = dot(PA, along(scaled, v, j, d)) + dot(along(scaled, PA, j, d), v)
             work = work + 0.5 * self.W[k] * pairs
-            heat = heat + self.loose(k, dot(conducted, A[j]), j)
+            heat = heat + self.boundary_flux_free(k, dot(conducted, A[j]), j)
         stored = work - dot(v, force) if m.heat == "elastic" else 0.0 * work
         energy = work + heat
         if self.problem.dissipation > 0.0 or self.problem.shock > 0.0:

@@ -79,13 +79,13 @@ def run(mass: float, stiffness: float, coupling: str, order: int) -> tuple[bool,
     words += f" -ts_max_steps {int(SHORTEST * END * CELLS * fastest)}"
     seen: list[tuple[float, float]] = []
 
-    def look(state: Any, t: float) -> None:
+    def watch(state: Any, t: float) -> None:
         seen.append((t, max(float(np.nanmax(np.abs(u))) for u in velocities(state))))
 
     times = np.linspace(0.0, END, 101)[1:]
     try:
         opt = read_options(case, given_options(words.split()))
-        integrated(case, opt, start_mpi(), times, look)
+        integrated(case, opt, start_mpi(), times, watch)
     except FsiError:
         return False, f"ends at {seen[-1][0] if seen else 0.0:.1f}"
     if seen[-1][0] < END:

@@ -195,7 +195,7 @@ def test_volumes_stay_those_of_the_grid(order):
             run.step(1 / 8, 8)
             run.y.begin()
             run.y.end()
-            worst = max(worst, run.look()[0, 4])
+            worst = max(worst, run.monitor()[0, 4])
         assert worst < 1e-12
         assert worst > 0.0  # it moves
 

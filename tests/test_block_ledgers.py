@@ -114,8 +114,8 @@ def test_forces_in_the_volume(heat):
     shape, points = shapes.layers(N + 1, False), (("solid", (4.0 / N, 1.6), Hinge()),)
     fluid, plate = gas(force=0.3), solid(heat=heat, force=-0.2)
     came = check(problem_of(shape, faces, fluid, plate, **options), only=(MASS, X, Y, ENERGY))
-    held = check(problem_of(shape, faces, fluid, plate, points, **options))
-    assert abs(held[Y] - came[Y]) > 1e-6
+    hinged = check(problem_of(shape, faces, fluid, plate, points, **options))
+    assert abs(hinged[Y] - came[Y]) > 1e-6
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.02])
@@ -170,7 +170,7 @@ def test_what_completion_takes(faces, mu, heat):
                 q[:, d : 2 * d] += rng.uniform(-0.3, 0.3, (len(q), d))
         before = run.integrals()
         run.scheme.complete(0.0, run.y)
-        run.came += run.y.behind
+        run.came += run.y.auxiliary
         change, came = run.integrals() - before, run.gained()
         assert np.abs(change - came).max() < 1e-14 * before[-1], change - came
         assert np.abs(came[1:3]).min() > 1e-5 and (not panel or np.abs(came).min() > 1e-5)
@@ -238,8 +238,8 @@ def test_on_two_ranks():
     done = mpirun(2, "-m", "mpi4py", REPOSITORY / "tests" / "block_scheme_program.py")
     assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout.splitlines()[-1])
-    for different, through in (said["panel"], said["slipping"]):
-        assert different == 0 and through < 1e-13
+    for different, energies in (said["panel"], said["slipping"]):
+        assert different == 0 and energies < 1e-13
     assert said["unbooked"] < 1e-13
     wrong = [fault for fault in said["faults"] if fault]
     assert len(wrong) == 1 and "T of NoSlip at t = 0.0015" in wrong[0] and "T = -1" in wrong[0]

@@ -92,7 +92,7 @@ def with_sums(oracle, rates):
     """
     found = {name: value.copy() for name, value in rates.items()}
     for p in oracle.particles:
-        warm = oracle._held(p, 0.0)
+        warm = oracle._prescribed_T(p, 0.0)
         for i, (kind, members) in enumerate((("gas", p.gas), ("solid", p.solid))):
             given = oracle._given(p, kind) is not None
             for k, node in members:

@@ -1,4 +1,4 @@
-"""What holds particles: constraints at edges of any kind, who shares what."""
+"""Conditions of particles: constraints at edges of any kind, who shares what."""
 
 from __future__ import annotations
 

@@ -293,7 +293,7 @@ def curved(xi):
 
 
 def three_at_one_place():
-    """A third square whose left face is that of 'b'; volumes do not overlap where it is looked."""
+    """A third square whose left face is that of 'b'; no volumes overlap where they are sampled."""
     tent = maps.corners((1.0, 0.0), (2.0, -6.0), (1.0, 1.0), (2.0, -5.0))
     return [*beside(), Block("c", GAS, tent, (8, 8), nothing)]
 

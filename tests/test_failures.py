@@ -109,10 +109,10 @@ def test_a_layer_that_becomes_too_short(ranks, tmp_path):
     assert_readable(tmp_path / "rod.h5", "failed", 0.5)
 
 
-def test_a_failure_within_a_burst_loses_nothing(tmp_path):
+def test_a_failure_within_a_batch_loses_nothing(tmp_path):
     """Neither steps of the series nor of the summary, as if they had been made one by one."""
     found = []
-    for watch in ((), ("-ts_monitor",)):  # which makes bursts of one step
+    for watch in ((), ("-ts_monitor",)):  # which makes batches of one step
         done = solve(*"rod -fsi_h 0.025 -ts_max_time 0.5 -ts_dt 3e-4".split(), *watch, cwd=tmp_path)
         assert done.returncode == 3, done.stderr
         with fsipetsc.open_run(tmp_path / "rod.h5") as result:

@@ -73,7 +73,7 @@ def imports(source: str) -> Iterator[tuple[int, str]]:
 
 
 def place(name: str) -> str:
-    """Where in ORDER a module of the package stands: its first name behind the package's."""
+    """Where in ORDER a module of the package stands: its first name after the package's."""
     first = name.split(".")[1] if "." in name else "__init__"
     first = SAME.get(first, first)
     return first if first in RANK else "__init__"  # what the package itself offers

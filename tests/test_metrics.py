@@ -56,7 +56,7 @@ def test_J_t_is_the_rate_of_the_determinant(d, order):
 
 
 def test_J_below_zero_is_told_with_its_place():
-    """The map is right-handed where a block looks; the operator is not, on so few nodes."""
+    """The map is right-handed where a block samples it; the operator is not, on so few nodes."""
 
     def steep(xi):
         s = xi[0]

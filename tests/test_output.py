@@ -150,7 +150,7 @@ def test_each_change_may_be_the_last(tmp_path: Path, monkeypatch: pytest.MonkeyP
     path, seen, early = tmp_path / "run.h5", [], []
     made = {name: getattr(os, name) for name in ("replace", "unlink", "rename", "rmdir")}
 
-    def look() -> None:
+    def read() -> None:
         if path.exists() or (tmp_path / "run.parts/header.json").exists():
             with fsipetsc.open_run(path) as result:
                 assert_prefix(result)
@@ -160,9 +160,9 @@ def test_each_change_may_be_the_last(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
     def watched(name: str) -> object:
         def work(*args: object, **more: object) -> object:
-            look()
+            read()
             done = made[name](*args, **more)
-            look()
+            read()
             return done
 
         return work
@@ -177,7 +177,7 @@ def test_each_change_may_be_the_last(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 
 def restarted(path: Path, after: Kept) -> RunWriter:
-    """A writer that goes on behind what is kept."""
+    """A writer that goes on after what is kept."""
     from mpi4py import MPI
 
     from fsipetsc.output.writer import RunWriter
@@ -190,7 +190,7 @@ def restarted(path: Path, after: Kept) -> RunWriter:
 
 @pytest.mark.parametrize("whole", [True, False], ids=["joined", "in pieces"])
 @pytest.mark.parametrize("kept", [(0, 0), (5, 15), (12, 36)])
-def test_a_restart_goes_on_behind_its_checkpoint(
+def test_a_restart_goes_on_after_its_checkpoint(
     kept: tuple[int, int], whole: bool, tmp_path: Path
 ) -> None:
     """At the end of a piece or within one: what comes later takes the place of what was there."""

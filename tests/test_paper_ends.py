@@ -208,7 +208,7 @@ def assert_stable(matrix, mach, nu, stiffness, bound):
     assert np.abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24).max() < 1 + bound
 
 
-#: who has friction and who conducts
+#: whether the gas has viscosity, and whether it conducts
 BOTH = ((1, 1), (1, 0), (0, 1))
 
 
@@ -222,7 +222,7 @@ def test_no_mode_grows_between_open_ends(order, of_open, narrow):
             for mu, kappa in BOTH if nu > 0 else ((0, 0),):
                 numbers = mach, mu * nu, kappa * CV * nu
                 matrix = jacobian(OPEN, order, *numbers, of_open, 0.3, narrow)
-                # without friction 2e-5 at most, near the speed of sound
+                # without viscosity 2e-5 at most, near the speed of sound
                 slow = narrow and (order, mach, mu, of_open) == (8, 0.95, 0, 1)
                 assert_stable(matrix, mach, nu, stiffness, 5e-5 if slow else 1e-12)
 

@@ -111,7 +111,7 @@ def runs():
     for k, end in enumerate(ENDS):
         asked = {"name": "pulse", "ends": end, **_VISCOUS, "fsi_order": (6, 2, 8)[k % 3]}
         found[end] = {**asked, "solid_gruneisen": 0.2 * (k < 3)}
-    found["open, without friction"] = {"name": "pulse", "ends": "open", "pulse_amplitude": 100.0}
+    found["open, inviscid"] = {"name": "pulse", "ends": "open", "pulse_amplitude": 100.0}
     for coupling in ("projection", "energy"):
         asked = {"name": "pulse", "laws": "others", **_VISCOUS, "fsi_coupling": coupling}
         found[f"laws {coupling}"] = asked
@@ -136,7 +136,7 @@ def disturbed(state, seed=1, noise=0.02):
     return y
 
 
-def looked_at(values):
+def mean_and_largest(values):
     """(a weighted mean, the largest) of some numbers."""
     weights = np.cos(0.7 * np.arange(len(values)))
     return [float(np.mean(weights * values)), float(np.abs(values).max())]
@@ -156,7 +156,7 @@ def measured(state):
         found = []
         for k in range(len(state.problem.layers)):
             for y in (rates, state.solution.getArray()):
-                found += [looked_at(column) for column in state.layers[k].of(y).T]
+                found += [mean_and_largest(column) for column in state.layers[k].of(y).T]
         for v in (state.results[RATE], state.latest["energy"]):
             found.append([float(v), float(abs(v))])
         return found

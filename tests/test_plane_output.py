@@ -105,7 +105,7 @@ def test_interfaces_are_lines(box):
         line = box.interface(k)
         assert line.name == box.interfaces[k] == box.interface(line.name).name and line.solid == 1
         assert np.array_equal(line.v, plate["v"][:, row]) and np.ptp(line.displacement) > 1e-5
-        # the gas's, but for friction and what both sides' operators differ by
+        # the gas's, but for viscous stress and what both sides' operators differ by
         inner = slice(2, -2)
         differences = np.abs(line.pressure[:, inner] - gas["p"][:, edge, inner])
         assert differences.max() < (0.05 if k == 0 else 0.01)

@@ -72,8 +72,8 @@ def test_times_of_short_runs_have_prefixes():
 
 def test_colours_are_white_at_rest_and_end_where_values_do():
     values = np.linspace(-1.0, 3.0, 101)
-    look = style.colours("fluid", values, np.zeros(3))
-    assert (look["vmin"], look["vmax"]) == (-3.0, 3.0)
+    scale = style.colours("fluid", values, np.zeros(3))
+    assert (scale["vmin"], scale["vmax"]) == (-3.0, 3.0)
     spiked = np.append(np.tile(values, 10), 100.0)  # few points are far beyond the others
     assert style.colours("fluid", spiked, np.zeros(3))["vmax"] == pytest.approx(3.0)
     noise = 300.0 + 1e-13 * values  # what is almost constant has no stripes
@@ -83,9 +83,9 @@ def test_colours_are_white_at_rest_and_end_where_values_do():
 def test_the_first_frame_does_not_set_the_colours():
     run = made_up()
     quantity = quantities.chosen(run, ["p"])[0]
-    look = fields.View(run, quantity, [0, 1, 2]).looks["fluid"]
-    assert look["vmax"] == 10.0 + 5.0 and look["vmin"] == 5.0  # at rest 10; then 5 … 6
-    assert fields.View(run, quantity, [1, 2]).looks["solid"]["vmax"] < -4.99
+    scale = fields.View(run, quantity, [0, 1, 2]).scales["fluid"]
+    assert scale["vmax"] == 10.0 + 5.0 and scale["vmin"] == 5.0  # at rest 10; then 5 … 6
+    assert fields.View(run, quantity, [1, 2]).scales["solid"]["vmax"] < -4.99
 
 
 def test_three_dimensions_are_drawn_in_the_middle():

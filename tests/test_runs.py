@@ -14,7 +14,7 @@ RUNS = sorted((REPOSITORY / "runs").rglob("*.opts"))
 
 
 def commands(path):
-    """The words behind `python -m fsipetsc` of the commands in comments that name this file."""
+    """The words after `python -m fsipetsc` of the commands in comments that name this file."""
     name = path.relative_to(REPOSITORY).as_posix()
     for line in path.read_text().splitlines():
         found = re.fullmatch(r"#\s+(?:mpiexec -n \d+ )?python -m fsipetsc (.*?)(?: && .*)?", line)

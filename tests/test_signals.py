@@ -1,4 +1,4 @@
-"""Signals at named places before, within and behind a run: all ranks end in order, and say it once.
+"""Signals at named places before, within and after a run: all ranks end in order, and say it once.
 
 Each process sends them to itself, so that they come there and nowhere else. (Between the steps:
 tests/test_kills.py.)

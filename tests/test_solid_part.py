@@ -23,7 +23,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.parallel.block_layout import BlockLayout, halos_of
-from fsipetsc.scheme.block_look import look_at_end
+from fsipetsc.scheme.block_monitor import monitor_end
 
 NUMBERS = {"mu_e": 1.3, "lambda_e": 2.1, "kappa_e": 0.1, "m0": 1.7, "alpha": 0.6}
 
@@ -76,8 +76,8 @@ def test_initial_data_come_back(heat):
     stored = (law.energy(tuple(F.ravel())) + np.einsum("ijn,ij->n", S, F - np.eye(2))) / 1.7
     e = 0.6 * 1.5 + 0.5 * 0.05 + (stored if heat == "elastic" else 0.0)
     assert np.abs(y.owned(0)[:, 4] - e).max() < 1e-12
-    looked, sums = part.look(y.owned(0))
-    assert looked[0] == 0.0 and sums[2] == pytest.approx((y.owned(0)[:, 4] * part._masses).sum())
+    seen, sums = part.monitor(y.owned(0))
+    assert seen[0] == 0.0 and sums[2] == pytest.approx((y.owned(0)[:, 4] * part._masses).sum())
     mechanical = ((0.025 + stored) * part._masses).sum() if heat == "elastic" else 0.0
     assert sums[-2] == pytest.approx(mechanical, rel=1e-12) and sums[-1] == -sums[-2]
 
@@ -88,7 +88,7 @@ def test_what_is_recorded_of_an_end_in_one_dimension(heat):
     solid, S = ElasticSolid(**NUMBERS, law="log", heat=heat).equations(1), 0.3
     stored = (solid.law.energy((1.1,)) + S * 0.1) / 1.7 if heat == "elastic" else 0.0
     q, found = np.array([[0.05, 0.2, 0.6 * 1.5 + 0.02 + stored]]), np.zeros(4)
-    look_at_end(solid, q, np.array([[1.1]]), 0, S, found)
+    monitor_end(solid, q, np.array([[1.1]]), 0, S, found)
     np.testing.assert_allclose(found, [0.05, 0.2, solid.law.stress((1.1,))[0] + S, 1.5], rtol=1e-13)
 
 
@@ -98,7 +98,7 @@ def test_a_state_whose_heat_is_gone_is_bad():
     y = layout.vector()
     part.initial(0.0, y.owned(0))
     y.owned(0)[:, 4] -= 1.0
-    assert y.owned(0)[:, 4].min() > 0.0 and part.look(y.owned(0))[0][0] == 1.0
+    assert y.owned(0)[:, 4].min() > 0.0 and part.monitor(y.owned(0))[0][0] == 1.0
 
 
 def test_wrong_prestresses():

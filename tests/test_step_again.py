@@ -32,7 +32,7 @@ class Run:
     def _guarded(self, action):
         action()
 
-    def _look(self):
+    def _monitor(self):
         self.results[BAD] = float(np.isnan(self.y.array).any())
         self.results[RATE] = np.inf if self.results[BAD] else 2.0
 

@@ -151,7 +151,7 @@ def linearised(order, mach, mu, n):
         state.set_initial()
         state.finish()
         start = state.y.array.copy()
-        columns = start.size - state.layout.behind
+        columns = start.size - state.layout.auxiliary
         rates, f = np.zeros((2, columns, columns)), np.zeros_like(start)
         for j in range(columns):
             for k in range(2):

@@ -1,4 +1,4 @@
-"""What a run shows: lines of progress, what bounds the steps, a summary that goes on behind a
+"""What a run shows: lines of progress, what bounds the steps, a summary that goes on after a
 checkpoint.
 """
 
@@ -12,7 +12,7 @@ import fsipetsc
 pytest.importorskip("petsc4py")
 
 
-def test_ledgers_go_on_behind_a_checkpoint(tmp_path):
+def test_ledgers_go_on_after_a_checkpoint(tmp_path):
     """And the summary of the whole says what bounded the steps and what was kept."""
     words = ("box", "-fsi_h", 0.05, "-fsi_order", 2)
     done = solve(*words, "-ts_max_time", 0.8, "-fsi_output", "whole.h5", cwd=tmp_path)

@@ -22,14 +22,14 @@ def pushed(*X_and_t):
     return [X[0] + 0.2 * t + 0.5 * t * t, *X[1:]]
 
 
-def through(problem):
+def energies(problem):
     """name of a face -> (energy, heat) that came in; change of the energy; the run."""
     with steps_of(problem) as run:
         before = run.integrals()[-1]
         run.step(DT, STEPS)
-        change, found, all_of_it = run.integrals()[-1] - before, run.through(), run.gained()[-1]
-        assert abs(found[:, 0].sum() - all_of_it) < 1e-14 * before
-        assert abs(change - all_of_it) < 1e-13 * before
+        change, found, total = run.integrals()[-1] - before, run.face_energies(), run.gained()[-1]
+        assert abs(found[:, 0].sum() - total) < 1e-14 * before
+        assert abs(change - total) < 1e-13 * before
         return dict(zip(problem.face_names, found, strict=True)), change, before, run
 
 
@@ -37,7 +37,7 @@ def test_a_piston():
     """Work of the wall that moves, heat of the other one: just its flux times the time."""
     ends = {0: NoSlip(x=pushed), 1: NoSlip(heat_flux=0.3)}
     shape = {"gas": shapes.box((0.0,), (1.0,), N + 1)}
-    found, change, energy, _ = through(problem_of(shape, lambda n, a, s: ends[s], gas(1), None))
+    found, change, energy, _ = energies(problem_of(shape, lambda n, a, s: ends[s], gas(1), None))
     (work, none), (heated, heat) = found["gas, axis 0, side 0"], found["gas, axis 0, side 1"]
     assert heat == heated == pytest.approx(0.3 * DT * STEPS, rel=1e-13)
     assert none == 0.0 and work == pytest.approx(change - heat, abs=1e-13 * energy)
@@ -52,7 +52,7 @@ def test_a_box_with_a_moving_and_two_warm_walls():
     def faces(name, axis, side):
         return walls.get((axis, side), Slip())
 
-    found, *_ = through(problem_of(shape, faces, gas(mu=0.02), None))
+    found, *_ = energies(problem_of(shape, faces, gas(mu=0.02), None))
     work, heat = (found[f"gas, axis {axis}, side 0"] for axis in (0, 1))
     flux = found["gas, axis 0, side 1"]
     assert abs(work[0]) > 1e-4 and work[1] == 0.0
@@ -69,7 +69,7 @@ def test_a_pressure_on_a_solid():
     with steps_of(problem) as run:
         place = run.y.owned(0)[-1, 0]
         run.step(DT, STEPS)
-        way, found = run.y.owned(0)[-1, 0] - place, run.through()
+        way, found = run.y.owned(0)[-1, 0] - place, run.face_energies()
     clamp, free, forces = found
     assert free[1] == pytest.approx(0.2 * DT * STEPS, rel=1e-12)
     assert free[0] - free[1] == pytest.approx(-0.4 * way, rel=1e-12)
@@ -86,7 +86,7 @@ def test_uniform_flow():
     shape = {"gas": shapes.box((0.0,), (1.0,), N + 1)}
     options = {"gas": {"initial": uniform}}
     problem = problem_of(shape, lambda n, a, s: Open(rho, (u,), T), gas(1), None, **options)
-    found, _, _, _ = through(problem)
+    found, _, _, _ = energies(problem)
     power = (rho * T / 0.4 + 0.5 * rho * u * u + rho * T) * u
     (one, heat), (other, _), _ = found.values()
     assert one == pytest.approx(power * DT * STEPS, rel=1e-12) and heat == 0.0
@@ -100,7 +100,7 @@ def test_a_slip_wall_that_moves_beside_walls_at_rest():
         return Slip(x=pushed) if (axis, side) == (0, 0) else NoSlip()
 
     shape = {"gas": shapes.box((0, 0), (1, 1), N + 1, N + 1)}
-    found, *_ = through(problem_of(shape, faces, gas(mu=0.02), None))
+    found, *_ = energies(problem_of(shape, faces, gas(mu=0.02), None))
     assert abs(found.pop("gas, axis 0, side 0")[0]) > 1e-4
     assert max(abs(energy) for energy, _ in found.values()) < 1e-12
 
@@ -128,7 +128,7 @@ def test_gas_beside_a_solid_whose_ends_move(how, sticks):
 
     fluid = gas(mu=0.02 if sticks else 0.0)
     problem = problem_of(shapes.layers(N + 1, False), faces, fluid, solid())
-    found, _, _, run = through(problem)
+    found, _, _, run = energies(problem)
     given = found.pop("gas, axis 1, side 0")
     sides = "axis 0, side 0", "axis 0, side 1", "axis 1, side 1"
     clamps = [found.pop(f"solid, {side}") for side in sides]
@@ -146,6 +146,6 @@ def test_a_solid_whose_unknowns_are_given():
     def faces(name, axis, side):
         return Slip() if name == "gas" else given if axis else Roller()
 
-    found, *_ = through(problem_of(shapes.layers(N + 1, False), faces, gas(), solid()))
+    found, *_ = energies(problem_of(shapes.layers(N + 1, False), faces, gas(), solid()))
     energy, heat = found["solid, axis 1, side 1"]
     assert abs(energy) > 1e-4 and heat == 0.0

@@ -52,7 +52,7 @@ OPTIONS = (
 
 
 def convergence(arguments: list[str], comm: MPI.Comm) -> None:
-    """The command, with the arguments behind its name. Collective on comm.
+    """The command, with the arguments after its name. Collective on comm.
 
     Raises InputError; ComputationError at the end if a run has failed; FileError.
     """

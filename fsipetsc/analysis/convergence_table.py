@@ -109,7 +109,7 @@ class ConvergenceStudy:
         return f"{start}{points:>8.0f} points{steps:>8.0f} steps{time:>9.2f} s"
 
     def table(self, i: int) -> str:
-        """Of order i: a line for each error, with its observed orders behind."""
+        """Of order i: a line for each error, with its observed orders after it."""
         names = [f"{h:g}" for h in self.hs]
         if not self.exact:
             names = [f"{a}-{b}" for a, b in zip(names, names[1:])]

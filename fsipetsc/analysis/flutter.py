@@ -67,7 +67,7 @@ class FlutterRun(NamedTuple):
 
 
 def flutter(arguments: list[str], comm: MPI.Comm) -> None:
-    """The command, with the arguments behind its name. Collective on comm.
+    """The command, with the arguments after its name. Collective on comm.
 
     Raises InputError; FileError; ComputationError at the end if a run has failed.
     """

@@ -31,7 +31,7 @@ _AT_REST = {"ring": {"ring_pulse": 0.0}, "shell": {"shell_charge": 0.0, "fsi_sho
 
 
 def modes(arguments: list[str], comm: MPI.Comm) -> None:
-    """The command, with the arguments behind its name. Collective on comm; rank 0 computes.
+    """The command, with the arguments after its name. Collective on comm; rank 0 computes.
 
     Raises InputError, also for a case that it does not know; FileError.
     """

@@ -100,8 +100,8 @@ def conditions(media: Sequence[Medium], n: int, omega: complex) -> Complex:
             rows.append(row)
 
     for k, r in ((0, media[0].inner), (len(media) - 1, media[-1].outer)):
-        held, free = ((0, 1), (2, 3)) if media[k].sticks else ((0,), (2,))
-        add(free if media[k].solid else held, {k: media[k].fields(n, omega, r)})
+        fixed, free = ((0, 1), (2, 3)) if media[k].sticks else ((0,), (2,))
+        add(free if media[k].solid else fixed, {k: media[k].fields(n, omega, r)})
     for k, (one, other) in enumerate(zip(media, media[1:])):
         inside, outside = one.fields(n, omega, one.outer), other.fields(n, omega, other.inner)
         both = {k: inside, k + 1: -outside}

@@ -61,7 +61,7 @@ SECTIONS = {
 
 def targets(opt: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
     """All that the options ask for: the first columns of a row, a case, options of its run; another
-    program, its words before and behind the number of steps. The rod's 6 m have 1 m of solid."""
+    program, its words before and after the number of steps. The rod's 6 m have 1 m of solid."""
     of_dimension = {1: "bench_line", 2: "bench_square", 3: "bench_cube"}
     forms = FORMS if opt["bench_form"] == "all" else (opt["bench_form"],)
     for problem, order in product(opt["bench_problems"], opt["bench_orders"]):
@@ -78,7 +78,7 @@ def targets(opt: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
 
 
 def bench(arguments: list[str], comm: MPI.Comm) -> None:
-    """The command, with the arguments behind its name. Collective on comm.
+    """The command, with the arguments after its name. Collective on comm.
 
     InputError for options, ranks that do not fit, another program that does not run; FileError.
     """
@@ -94,12 +94,12 @@ def bench(arguments: list[str], comm: MPI.Comm) -> None:
     programs = together(comm, lambda: {name: executable(name, given[name]) for name in given})
     say(f"load of the machine: {os.getloadavg()[0]:.1f}")
     say(" ".join(f"{name:>11}" for name in COLUMNS))
-    for about, case, own, name, before, behind in targets(opt):
+    for about, case, own, name, before, after in targets(opt):
         options = {**defaults(case), "fsi_partition": opt["fsi_partition"], **own}
 
         def other(steps: int) -> float | None:
             program = programs.get(name)  # noqa: B023
-            return program and time_of(program, *before, steps, *behind)  # noqa: B023
+            return program and time_of(program, *before, steps, *after)  # noqa: B023
 
         for row in measured(case, options, opt, comm, teams, other):
             rows.append([*about, *row])
@@ -131,7 +131,7 @@ def measured(
         agree(comm, fault)
         return value
 
-    states = {n: on(n, lambda: prepared(case, options, teams[n])) for n in teams}  # noqa: B023
+    states = {n: on(n, lambda: compiled_state(case, options, teams[n])) for n in teams}  # noqa: B023
 
     def sample(n: int, count: int) -> Any:
         return on(n, lambda: step_time(states[n], options, count))
@@ -163,7 +163,7 @@ def _ratio(a: list[float], b: list[float]) -> str:
     return f"{median(x / y for x, y in zip(a, b, strict=True)):.3g}"
 
 
-def prepared(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Any:
+def compiled_state(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Any:
     """The state of a problem, compiled. Collective; InputError where it does not fit."""
     from fsipetsc.stepping.solve import build_problem, make_state
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of, weights_of
 from fsipetsc.blocks.values import block_values
 from fsipetsc.parallel.block_layout import BlockLayout, Part
-from fsipetsc.scheme.block_look import LOOKED
+from fsipetsc.scheme.block_monitor import MONITORED
 
 Array = NDArray[Any]
 
@@ -56,6 +56,6 @@ class BlockPart:
             "per_h": np.array(self.block.cells, float),
             "at_particles": at_particles,
             "forcing": self._forcing,
-            "seen": np.zeros(LOOKED),
+            "seen": np.zeros(MONITORED),
             "columns": columns,
         }

@@ -8,7 +8,7 @@ fsipetsc.blockrun.scheme.
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from mpi4py import MPI
@@ -27,8 +27,9 @@ from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder, halos_of
 from fsipetsc.process.together import agree, together, wait_asleep
-from fsipetsc.scheme.after_step import WORDS, note_extremes, note_gained
-from fsipetsc.scheme.burst import DT, MADE
+from fsipetsc.scheme.after_step import note_extremes, note_gained
+from fsipetsc.scheme.batch import DT, MADE
+from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES, advance
 from fsipetsc.stepping.snapshot import as_numbers, whole
@@ -60,7 +61,7 @@ def _call_all(scheme: Scheme, y: BlockVector, t: float) -> None:
     scheme.stretch(t, y)
     scheme.complete(t, y)
     scheme.rates(t, y, np.zeros_like(y.array))
-    scheme.look(y)
+    scheme.monitor(y)
     for k, part in scheme.parts.items():
         part.fields(y.ghosted(k))
 
@@ -98,9 +99,9 @@ class BlockState(State):
         self.shocks = form.shock > 0.0
         self._pace = max(1.0, form.shock * PACE_AT_SHOCKS[order])
         blocks, d = problem.layers, problem.dimension
-        self.lossy, behind = lossy(problem), gained(problem).itemsize // 8
+        self.lossy, auxiliary = lossy(problem), gained(problem).itemsize // 8
         halos = halos_of(problem, order, self.shocks)
-        self.layout = BlockLayout(comm, problem, order, halos, partition, behind=behind)
+        self.layout = BlockLayout(comm, problem, order, halos, partition, auxiliary=auxiliary)
         self.y = self.layout.vector()
         self._stage = self.layout.vector()
         size = (self.layout.local_size, None)
@@ -112,33 +113,33 @@ class BlockState(State):
         self._before, self.retries = np.empty_like(self.y.array), 0
         if comm.size > 1 and self.points <= MOST_ALONE:
             self._compile_first(announce)
-        self.scheme = together(comm, lambda: self._made(comm.size == 1 and not apart))
-        self.scheme.attach(self.y.array, self._stage.array, *self._words())
+        self._make_scheme(comm.size == 1 and not apart)
         self.evaluations, self._t = 0, 0.0
         widths = [len(fields_of(b.kind, d, problem.symmetry)) for b in blocks]
         parts = self.layout.parts
         self.orders = {part.k: NaturalOrder(part, widths[part.k]) for part in parts}
 
     def _lay_records(self, record: np.dtype, blocks: int) -> None:
-        """Flags, what a burst of steps is told, and the records of steps."""
+        """Flags, the plan of a batch of steps, and the records of steps."""
         self.results = np.zeros(FLAGS + LIMITS)
         self._rows, self._latest = self._lay_journal(record, KEPT)
-        self._extremes, self.rates = np.zeros(1 + WORDS * blocks), np.zeros((blocks, 2))
+        self._extremes, self.rates = np.zeros(1 + MONITORED * blocks), np.zeros((blocks, 2))
         self._columns = slices(self.latest.dtype)
 
-    def _words(self) -> tuple[Any, ...]:
-        """What a look and steps in one call fill: see fsipetsc.scheme.steps.Found, after gain."""
+    def _make_scheme(self, alone: bool) -> None:
+        """Make the scheme, and attach the buffers that monitor and steps in one call fill."""
+
+        def made() -> Scheme:
+            ends = list(self._interface_ends()) if self.problem.dimension == 1 else []
+            form = self._order, self._form, self._instant
+            return Scheme(self.layout, self.problem, *form, self._columns, ends, alone)
+
+        self.scheme = together(self.comm, made)
         latest, first = self._latest, self._columns.get(OF_INTERFACES[0], slice(0, 0))
         size = len(OF_INTERFACES) * (first.stop - first.start)
         at_ends = latest[first.start : first.start + size].reshape(len(OF_INTERFACES), -1)
-        words = self._extremes, self.rates, self.results, latest, at_ends, self._pace
-        return *words, self.burst, self._rows
-
-    def _made(self, alone: bool) -> Scheme:
-        """The scheme."""
-        ends = list(self._interface_ends()) if self.problem.dimension == 1 else []
-        form = self._order, self._form, self._instant
-        return Scheme(self.layout, self.problem, *form, self._columns, ends, alone)
+        buffers = self._extremes, self.rates, self.results, latest, at_ends, self._pace
+        self.scheme.attach(self.y.array, self._stage.array, *buffers, self.batch, self._rows)
 
     def _interface_ends(self) -> Iterator[tuple[int, int, int, float]]:
         """Of interfaces in one dimension with the solid's end here: number, block, row, X."""
@@ -168,7 +169,7 @@ class BlockState(State):
             self._compile_own()
             if self.comm.size == 1:
                 _call_all(self.scheme, self.y, 0.0)
-                self.y.behind[:] = 0.0
+                self.y.auxiliary[:] = 0.0
 
     def _compile_first(self, announce: Callable[[str], None]) -> None:
         """Rank 0 makes a state of the whole problem, alone, before any rank makes its own scheme:
@@ -185,7 +186,7 @@ class BlockState(State):
     def _compile_own(self) -> None:
         y, k, stage, total = np.zeros((4, 1))
         advance(y, k, stage, total, 0, 0.0)
-        extremes, rates = np.zeros(1 + WORDS), np.zeros((1, 2))
+        extremes, rates = np.zeros(1 + MONITORED), np.zeros((1, 2))
         note_extremes(extremes, rates, np.zeros(FLAGS + LIMITS), np.zeros(2))
         note_gained(np.zeros(1), np.zeros(1))
         self.plan_next()  # nothing is allowed yet
@@ -197,7 +198,7 @@ class BlockState(State):
     def set_initial(self) -> None:
         """Initial data of all blocks and J of the grids. InputError."""
         self.check_data()
-        self.y.behind[:] = 0.0
+        self.y.auxiliary[:] = 0.0
         self._guarded(lambda: self.scheme.stretch(0.0, self.y))
         agree(self.comm, self.fault)
 
@@ -210,7 +211,7 @@ class BlockState(State):
     def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
         """f = dy/dt of this rank's part, at y completed; y stays as it is."""
         self.evaluations += 1
-        f[f.size - self.layout.behind :] = 0.0
+        f[f.size - self.layout.auxiliary :] = 0.0
         self._load_stage(y)
         self._guarded(lambda: self.scheme.rates(self._t, self._stage, f))
 
@@ -226,7 +227,7 @@ class BlockState(State):
     def step(self, t: float, dt: float, steady: bool) -> None:
         """A step dt [s] of the fused method from the completed solution at t [s].
 
-        Others follow as the burst allows.
+        The others of its batch follow.
         """
         more = True
         while more:
@@ -238,18 +239,18 @@ class BlockState(State):
             self._advance(t, dt)
             t = self._t
             more = self.plan_next()
-            dt = float(self.burst[DT])
+            dt = float(self.batch[DT])
 
     def _steps(self, t: float, dt: float) -> tuple[bool, float, float]:
-        """Steps in one call, from t [s] on, the first of dt [s], as the burst allows.
+        """All steps of a batch in one call, from t [s] on, the first of dt [s].
 
         Whether all ended well; begin and length of one that is to be made anew.
         """
-        made = self.burst[MADE]
+        made = self.batch[MADE]
         found = self.scheme.steps(t, dt)
         self._t = found[1]
         self._fill_halos()
-        self.evaluations += STAGES * max(int(self.burst[MADE] - made), int(found[0]))
+        self.evaluations += STAGES * max(int(self.batch[MADE] - made), int(found[0]))
         return found
 
     def _advance(self, t: float, dt: float) -> None:
@@ -261,7 +262,7 @@ class BlockState(State):
                 begin = t + dt * part / parts
                 self._guarded(partial(self.scheme.step, begin, dt / parts, self.y, self._stage))
             self._t = t + dt
-            self._look()
+            self._monitor()
             if self.results[BAD] == 0.0 or parts == PARTS[-1]:
                 break
             self.y.array[:], self.results[RATE] = self._before, rate
@@ -272,19 +273,19 @@ class BlockState(State):
         """Complete a step that PETSc has made."""
         self._guarded(lambda: self.scheme.complete(self._t, self.y))
         self.solution.stateIncrease()
-        self._look()
+        self._monitor()
 
-    def _look(self) -> None:
+    def _monitor(self) -> None:
         """What is known of the completed solution: bounds of all ranks, shares of the integrals."""
         self._fill_halos()
         self._keep_fault(self.scheme.fault)
-        self.scheme.look(self.y)
+        self.scheme.monitor(self.y)
         self._extremes[0] = self.results[SAID_STOP]
         if self.comm.size > 1:
             self.comm.Allreduce(MPI.IN_PLACE, self._extremes, MPI.MAX)
         note_extremes(self._extremes, self.rates, self.results, self._latest)
-        self._recorder.look(self.latest)
-        note_gained(self._latest, self.y.behind)
+        self._recorder.write(self.latest)
+        note_gained(self._latest, self.y.auxiliary)
 
     def _fill_halos(self) -> None:
         self.y.begin()
@@ -299,7 +300,7 @@ class BlockState(State):
 
     def capture(self) -> dict[str, np.ndarray] | None:
         """What a step depends on, on rank 0: whole blocks, (…, n_1, n_0, unknowns), so that it does
-        not depend on who had what; what stands behind the nodes is added up. Collective.
+        not depend on who had what; auxiliary unknowns are added up. Collective.
         """
         arrays = {}
         for k, shape in enumerate(self.layout.shapes):
@@ -308,11 +309,11 @@ class BlockState(State):
             found = whole(self.comm, int(np.prod(shape)), numbers, self.y.owned(k))
             if found is not None:
                 arrays[f"layer{k}"] = found.reshape(*shape[::-1], -1)
-        every = self.comm.gather(self.y.behind)
+        every = self.comm.gather(self.y.auxiliary)
         if every is None:
             return None
-        behind, latest = sum(every, np.zeros(self.layout.behind)), as_numbers(self.latest).copy()
-        return {**arrays, "behind": behind, "results": self.results.copy(), "latest": latest}
+        total, latest = sum(every, np.zeros(self.layout.auxiliary)), as_numbers(self.latest).copy()
+        return {**arrays, "behind": total, "results": self.results.copy(), "latest": latest}
 
     def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> None:
         """Be at time t [s] what arrays tell of, which all ranks know. InputError."""
@@ -321,7 +322,7 @@ class BlockState(State):
         for part in self.layout.parts:
             of_block = arrays[f"layer{part.k}"].reshape(-1, part.dof)
             self.y.owned(part.k)[:] = of_block[part.numbers]
-        self.y.behind[:] = arrays["behind"] if self.comm.rank == 0 else 0.0
+        self.y.auxiliary[:] = arrays["behind"] if self.comm.rank == 0 else 0.0
         self._load_stage(self.y.array)  # what the scheme derives of it; it stays as it is
         self._fill_halos()
         agree(self.comm, self.fault)

@@ -234,7 +234,7 @@ def _condition(end: Any, layer: FluidLayer | SolidLayer, side: int) -> new.Condi
 def _of_place(function: Function, name: str, side: int, then: Function) -> Function:
     """A function of t at an end as one of X and t: what is wrong is said of the end.
 
-    Its `of_time` is the same as a function of t alone, whose values need not be looked at again.
+    Its `of_time` is the same as a function of t alone, whose values need not be checked again.
     """
 
     def of_time(t: float) -> Any:

@@ -14,7 +14,7 @@ from fsipetsc.blocks.values import block_values
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.scheme import gas_record
-from fsipetsc.scheme.block_look import room_of, sums_of
+from fsipetsc.scheme.block_monitor import room_of, sums_of
 from fsipetsc.scheme.gas_dissipation import room
 from fsipetsc.scheme.gas_memory import scratch
 from fsipetsc.scheme.gas_record import Damping, GasRecord, Undamped
@@ -30,7 +30,7 @@ class GasPart(BlockPart):
     axis A before J_t.
     """
 
-    held = gas_record.HELD
+    functions = gas_record.FUNCTIONS
 
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
         super().__init__(layout, part, order)
@@ -60,7 +60,7 @@ class GasPart(BlockPart):
         own, particle = system.nodes[k]
         self._particles = particle[np.searchsorted(own, self.gather.nodes)]
         self.grid.move(np.zeros((nodes.size, self._d)))
-        #: J of the reference map, over which that of the solution is saved and looked at
+        #: J of the reference map, over which that of the solution is saved and monitored
         self.reference = self.grid.jacobian()[self.owned].copy()
 
     def record(self, column: int, columns: Array, at_particles: Any, alone: bool) -> GasRecord:
@@ -69,7 +69,7 @@ class GasPart(BlockPart):
         """
         part, d, known = self.part, self._d, self.gather.local
         bands, form, material = part.bands, self._form, self.block.material
-        like, friction = (0.0,) * d, Viscous() if material.mu or material.kappa else Inviscid()
+        like, viscous = (0.0,) * d, Viscous() if material.mu or material.kappa else Inviscid()
         convection = DivergenceForm() if form.convection == "divergence" else EntropyForm()
         sigma, shock = sigma_of(form.dissipation, self._problem.joined), form.shock
         damping: Any = Undamped()
@@ -81,12 +81,12 @@ class GasPart(BlockPart):
             **self._common(at_particles, columns, alone),
             laws=self.equations,
             form=convection,
-            friction=friction,
+            viscous=viscous,
             dissipation=damping,
             axis=around if self._problem.symmetry else Straight(),
             column=column,
             places=self._places,
-            work=scratch(like, convection, friction, bands, part.patch),
+            work=scratch(like, convection, viscous, bands, part.patch),
             room=room_of(d),
             masses=self.weights,
             follows=self._particles,
@@ -113,8 +113,8 @@ class GasPart(BlockPart):
         """Let J be that of the grid, at the same density, velocity and temperature."""
         q *= (self.grid.jacobian()[self.owned] / q[:, 0])[:, None]
 
-    def hold(self, q: Array, nodes: Array, u: Array) -> None:
-        """Let nodes have the velocities u (n, d), at the same temperature."""
+    def impose_velocities(self, q: Array, nodes: Array, u: Array) -> None:
+        """Impose the velocities u (n, d) on nodes, at the same temperature."""
         rows, d = self.part.rows(nodes), self._d
         momentum = q[rows, 1, None] * u
         change = (momentum**2 - q[rows, 2 : 2 + d] ** 2).sum(axis=1) / q[rows, 1]

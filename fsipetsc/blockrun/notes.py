@@ -25,7 +25,7 @@ JUMP = 0.01
 #: cells by which a wall may stand away from the end of its block
 AWAY = 0.1
 #: kinds of what the grid may not resolve
-_SHOCK, _HEAT, _FRICTION = range(3)
+_SHOCK, _HEAT, _SHEAR = range(3)
 #: parts of the larger pressure, and of ranges in a block, by which neighbouring nodes may differ
 MOST = np.array([0.2, 0.5, 0.5])
 #: ranges below this part of the temperature, or of sqrt(p/rho), do not count
@@ -102,7 +102,7 @@ def last_notes(state: BlockState) -> list[str]:
     gases = []
     for k, part in state.scheme.parts.items():
         if part.block.kind == "fluid":
-            with np.errstate(all="ignore"):  # corners of halos hold nothing, and are not looked at
+            with np.errstate(all="ignore"):  # corners of halos hold nothing, and are not used
                 gases.append((k, part, part.equations.primitive(tuple(state.y.ghosted(k).T))))
     scales = _scales(state, gases)
     changes = np.zeros((len(blocks), 3, 1 + d))  # the largest of each kind, and where it is
@@ -139,7 +139,7 @@ def _scales(state: BlockState, gases: list[tuple[int, GasPart, Any]]) -> Array:
     scales, width = np.ones((count, 3)), most.sum(axis=2)
     of_u = width[:, 1:-1].max(axis=1)
     scales[:, _HEAT] = np.where(width[:, 0] > LEAST * most[:, 0, 0], width[:, 0], np.inf)
-    scales[:, _FRICTION] = np.where(of_u > LEAST * np.sqrt(np.abs(most[:, -1, 0])), of_u, np.inf)
+    scales[:, _SHEAR] = np.where(of_u > LEAST * np.sqrt(np.abs(most[:, -1, 0])), of_u, np.inf)
     return scales
 
 
@@ -174,4 +174,4 @@ def _at_walls(problem: Any, part: GasPart, w: Any) -> Iterator[tuple[int, Array,
             u, a = np.array(part.equations.velocity(w)), part.metrics[axis * d : axis * d + d, at]
             change, normal = u[:, beside] - u[:, at], a / np.linalg.norm(a, axis=0)
             along = change - normal * (normal * change).sum(axis=0)
-            yield _FRICTION, np.linalg.norm(along, axis=0), at
+            yield _SHEAR, np.linalg.norm(along, axis=0), at

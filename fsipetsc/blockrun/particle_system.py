@@ -24,12 +24,12 @@ from fsipetsc.scheme import normals as of_faces
 from fsipetsc.scheme import particles as kernels
 from fsipetsc.scheme.particle_heat import weigh_heat
 from fsipetsc.scheme.particle_records import (
+    AT_WALL,
     FLAGS,
     GAS,
-    HELD_GAS,
     MINE,
     SOLID,
-    Held,
+    ParticleCalls,
     Particles,
     State,
     Table,
@@ -96,7 +96,7 @@ class ParticleSystem:
                 **self._of_normals,
                 moves=moves,
                 place=self.prescribed.displaced,
-                behind=layout.behind,
+                auxiliary=layout.auxiliary,
             )
         )
 
@@ -257,11 +257,11 @@ class ParticleSystem:
         self._exchange.exchange()
         kernels.end_sums(self.box, gain)
 
-    def settle(self, y: Array, gain: Array) -> None:
+    def impose_conditions(self, y: Array, gain: Array) -> None:
         """Project velocities on what constraints allow, share heat, and give all members what their
-        particle has; what came in is added behind the unknowns.
+        particle has; what came in is added to the auxiliary unknowns.
         """
-        kernels.settle(self.box, y, gain)
+        kernels.impose_conditions(self.box, y, gain)
 
     def constrain(self, y: Array, f: Array, gain: Array) -> None:
         """Rates of all members under the constraints of their particles, and of what comes in, in
@@ -271,7 +271,7 @@ class ParticleSystem:
         self._exchange.exchange()
         kernels.end_rates(self.box, y, f, gain)
 
-    def held(self, y: Array, gain: Array) -> Any:
+    def calls(self, y: Array, gain: Array) -> Any:
         """All that compiled code takes with what it calls; y, gain: examples of what these take."""
         calls = (
             (kernels.begin_sums, (y, gain)),
@@ -280,11 +280,11 @@ class ParticleSystem:
             (kernels.end_normals, (True,)),
             (kernels.begin_stored, (y,)),
             (kernels.end_stored, ()),
-            (kernels.settle, (y, gain)),
+            (kernels.impose_conditions, (y, gain)),
             (kernels.begin_rates, (y,)),
             (kernels.end_rates, (y, y, gain)),
         )
-        return with_calls(Held, self.box, calls)
+        return with_calls(ParticleCalls, self.box, calls)
 
     def refresh(self, t: float) -> None:
         """Prescribed data at time t [s]. InputError."""
@@ -293,8 +293,8 @@ class ParticleSystem:
     def at_walls(self, k: int) -> tuple[Array, Array]:
         """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""
         nodes, particle = self.nodes[k]
-        held = self.table.flags[particle, HELD_GAS] == 1
-        return nodes[held], self.prescribed.data.wall[particle[held]]
+        at_wall = self.table.flags[particle, AT_WALL] == 1
+        return nodes[at_wall], self.prescribed.data.wall[particle[at_wall]]
 
     def walls_away(self) -> dict[int, float]:
         """Block of gas -> largest displacement [m] of a wall of it that moves, of those here."""
@@ -336,12 +336,12 @@ def _flags(p: Particle) -> list[bool]:
 
 def _faces(p: Particle) -> list[Any]:
     """(block, axis, side) of what moves gas and solid and of what warms them; None: of no face.
-    Those that Prescribed lets hold stand first.
+    Those that Prescribed prefers come first.
     """
     slips = p.slip and moves(p.slip) and not (p.wall and moves(p.wall))
     walls = ("slip", "wall") if slips else ("wall", "slip")
     gas, solid = ("given_gas", *walls), ("given_solid", "clamp")
-    if p.sticks:  # what holds one holds both
+    if p.sticks:  # a condition of one is one of both
         gas, solid = ("given_gas", "given_solid", "clamp", *walls), (*solid, *walls)
     names = gas, solid, ("warm_gas",), ("given_solid", "warm_solid")
     return [next((p.faces[n] for n in which if n in p.faces), None) for which in names]

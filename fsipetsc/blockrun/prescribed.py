@@ -94,7 +94,7 @@ class Prescribed:
 
 
 def _grouped(particles: Sequence[Particle], name: str) -> list[tuple[Any, Array]]:
-    """Conditions and the particles they hold."""
+    """Conditions and their particles."""
     found: dict[int, tuple[Any, list[int]]] = {}
     for p, particle in enumerate(particles):
         condition = getattr(particle, name)

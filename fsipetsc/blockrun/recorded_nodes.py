@@ -122,7 +122,7 @@ class Recorder:
             if part is not None and node.node in part.numbers:
                 self._own.append((number, node, int(part.rows(np.array([node.node]))[0])))
 
-    def look(self, record: Any) -> None:
+    def write(self, record: Any) -> None:
         """Of the completed state, whose halos are filled."""
         for number, node, row in self._own:
             for name, value in zip(self._names, self._values(node, row), strict=True):

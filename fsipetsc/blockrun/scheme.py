@@ -29,10 +29,10 @@ from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.operators.boxed import Box, with_calls
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
 from fsipetsc.scheme import solid_record
-from fsipetsc.scheme.block_look import LEAST_J, LOOKED
-from fsipetsc.scheme.part import Held
+from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
+from fsipetsc.scheme.part import PartCalls
 from fsipetsc.scheme.runge_kutta import STAGES, advance
-from fsipetsc.scheme.steps import COMPLETE, LOOK, RATES, STEPS, All, Found, run
+from fsipetsc.scheme.steps import COMPLETE, MONITOR, RATES, STEPS, All, Found, run
 
 Array = NDArray[Any]
 
@@ -46,7 +46,7 @@ class Scheme:
     number, block, owned row, X of the interfaces in one dimension whose solid's end is here. alone:
     there is one rank, which may make stages in one call. `attach` comes before all else.
 
-    What comes in from outside is integrated behind the unknowns of nodes, in the order of
+    What comes in from outside is integrated in auxiliary unknowns, in the order of
     fsipetsc.blockrun.columns.gained. steady: no data of conditions, forcing, jumps depend on time.
     fault: the first error of a function of the case's on this rank. The rank goes on with the data
     before it, so that others do not wait for its messages; all end after the step.
@@ -93,14 +93,14 @@ class Scheme:
         momenta = [first[f"momentum_{x}"] for x in "xyz"[: self.dimension]]
         turns = [first[name] for name in spins(self.dimension)]
         self._lines: dict[int, Any] = {}
-        self._does: dict[int, Held] = {}
+        self._does: dict[int, PartCalls] = {}
         for k, part in self.parts.items():
             faces = self.particles.at_faces[k]
             if isinstance(part, GasPart):
                 mass = first["mass"] + fluids.index(k)
                 sums = np.array([mass, *momenta, first["energy"], first["entropy"], *turns])
                 line: Any = part.record(fluids.index(k), sums, faces, self.alone)
-                functions = part.held
+                functions = part.functions
             else:
                 own = [(number, row, X) for number, block, row, X in ends if block == k]
                 stored = self.particles.members.get(k, (np.zeros(0, int), np.zeros(0, int)))
@@ -108,15 +108,15 @@ class Scheme:
                 sums = np.array([*momenta, first["energy"], *turns, *lost])
                 line = part.record(sums, faces, self.alone, own, stored)
                 stores = self.particles.stores and not part.equations.coupled
-                functions = solid_record.held(stores, self.dimension == 1)
-            self._lines[k], self._does[k] = line, Held(Box(line), *functions)
+                functions = solid_record.functions(stores, self.dimension == 1)
+            self._lines[k], self._does[k] = line, PartCalls(Box(line), *functions)
 
-    def attach(self, y: Array, stage: Array, *words: Any) -> None:
+    def attach(self, y: Array, stage: Array, *buffers: Any) -> None:
         """What steps in one call take and fill: see fsipetsc.scheme.steps.Found, without now.
-        words: all behind gain.
+        buffers: all after gain.
         """
         stages = y, stage, *self._memory, np.zeros_like(y)
-        self._found = Found(*stages, self._gain, *words, np.zeros(2))
+        self._found = Found(*stages, self._gain, *buffers, np.zeros(2))
         self._noted = Box(self._found._replace(stage=y))
 
     @cached_property
@@ -126,11 +126,11 @@ class Scheme:
         y = self._found.y
         takes = (particles,), (), (), (particles,), (particles,)
         takes += (particles, y), (y, y, gain), (y,), (found,)
-        held = [
-            with_calls(Held, part, zip(functions, takes, strict=True))
+        parts = [
+            with_calls(PartCalls, part, zip(functions, takes, strict=True))
             for part, *functions in self._does.values()
         ]
-        return Box(All(tuple(held), self.particles.held(y, gain), found))
+        return Box(All(tuple(parts), self.particles.calls(y, gain), found))
 
     def initial(self, t: float, y: BlockVector) -> None:
         """Fill y with the data of the case at time t [s]. InputError for what its functions return,
@@ -152,7 +152,7 @@ class Scheme:
         self._move()
         for gas in self._gases:
             gas.stretch(y.owned(gas.part.k))
-            gas.hold(y.owned(gas.part.k), *self.particles.at_walls(gas.part.k))
+            gas.impose_velocities(y.owned(gas.part.k), *self.particles.at_walls(gas.part.k))
 
     def _refresh(self, t: float) -> None:
         """Data of the case at time t [s]. InputError the first time; later ones are kept."""
@@ -171,7 +171,7 @@ class Scheme:
         self._filled = (instant,)
 
     def complete(self, t: float, y: BlockVector) -> None:
-        """Let y obey all that holds its particles, in place. Collective."""
+        """Impose on y, in place, all conditions of its particles. Collective."""
         self._refresh(t)
         if self.alone:
             run(self._all, COMPLETE, y.array, y.array)
@@ -182,7 +182,7 @@ class Scheme:
         self._move()
         particles.find_normals(self._add_normals, False)
         particles.find_stored(y.array, lambda: self._store(y))
-        particles.settle(y.array, self._gain)
+        particles.impose_conditions(y.array, self._gain)
         if particles.slips:  # velocities are others
             self._follow()
         for gas in self._gases:
@@ -250,7 +250,7 @@ class Scheme:
         self.complete(t + dt, y)
 
     def steps(self, t: float, dt: float) -> tuple[bool, float, float]:
-        """Steps from t [s] as the burst allows, the first of dt [s]: whether all ended well, and
+        """The steps of a batch from t [s] on, the first of dt [s]: whether all ended well, and
         the time that is reached; or begin and length of a step that is to be made anew.
         """
         self._refresh(t)
@@ -258,18 +258,18 @@ class Scheme:
         ended_well = run(self._all, STEPS, self._found.stage, self._found.k)
         return bool(ended_well), float(self._found.now[0]), float(self._found.now[1])
 
-    def look(self, y: BlockVector) -> None:
+    def monitor(self, y: BlockVector) -> None:
         """Put extremes and shares of the integrals of this rank's nodes, and what is recorded of
         interfaces, where `attach` has said. y: the solution, completed, whose halos are filled.
         """
         found, blocks = self._found, len(self.problem.blocks)
         found.extremes[:], found.latest[:] = 0.0, 0.0
-        found.extremes[1:].reshape(blocks, LOOKED)[:, LEAST_J] = -np.inf
+        found.extremes[1:].reshape(blocks, MONITORED)[:, LEAST_J] = -np.inf
         if self.alone:
-            run(self._all, LOOK, y.array, y.array)
+            run(self._all, MONITOR, y.array, y.array)
         for does in self._does.values():
             if not self.alone:
-                does.look(does.part, y.array)
+                does.monitor(does.part, y.array)
             does.note(does.part, self._noted)
 
     def forget(self) -> None:

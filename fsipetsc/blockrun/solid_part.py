@@ -16,10 +16,10 @@ from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
-from fsipetsc.scheme.block_look import LOOKED
+from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.gas_record import Undamped
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, SMALL, Damping, room
-from fsipetsc.scheme.solid_look import solid_look
+from fsipetsc.scheme.solid_monitor import solid_monitor
 from fsipetsc.scheme.solid_record import SolidDamping, SolidRecord
 from fsipetsc.scheme.solid_work import Work, solid_work, sums_of
 
@@ -114,7 +114,7 @@ class SolidPart(BlockPart):
 
     def _deformation(self, q: Array) -> Array:
         """F (d d, M) of the owned nodes, with hoops (2, M)."""
-        self.look(q)
+        self.monitor(q)
         return self._F
 
     def volume_ratio(self, q: Array) -> Array:
@@ -122,15 +122,15 @@ class SolidPart(BlockPart):
         ratio: Array = self.equations.volume(tuple(self._deformation(q)))
         return ratio
 
-    def look(self, q: Array) -> tuple[Array, Array]:
+    def monitor(self, q: Array) -> tuple[Array, Array]:
         """What bounds a step, and the sums of the owned nodes; q: (N, 2d + 1).
 
-        See fsipetsc.scheme.solid_look.
+        See fsipetsc.scheme.solid_monitor.
         """
-        seen, sums = np.zeros(LOOKED), np.zeros(sums_of(self._d) + 1)
+        seen, sums = np.zeros(MONITORED), np.zeros(sums_of(self._d) + 1)
         of_block = self.X, self.metrics, self.prestress, self._per_h
         memory = STIFFNESS_OF_WIDE, self._masses, self._work, self._F, self._loses, seen, sums
-        solid_look(self.equations, (0.0,) * self._d, q, *of_block, *memory)
+        solid_monitor(self.equations, (0.0,) * self._d, q, *of_block, *memory)
         return seen, sums
 
     def record(
@@ -178,7 +178,7 @@ class SolidPart(BlockPart):
 
     def fields(self, q: Array, rows: slice = slice(None)) -> Array:
         """(…, …) what is saved of these rows of the owned nodes: v, T, Cauchy stress P F^T / J, x;
-        in one dimension its part sigma, and p behind x; then sigma_theta of hoops.
+        in one dimension its part sigma, and p after x; then sigma_theta of hoops.
         """
         d, nodes = self._d, self.owned[rows]
         F, own = tuple(self._deformation(q)[:, rows]), q[nodes]

@@ -19,8 +19,8 @@ from fsipetsc.operators.bands import Band, band
 
 #: index ranges, one (begin, end) for each axis
 Range = Sequence[tuple[int, int]]
-#: cells along an axis that are looked at for the sign of the Jacobian when a block is made
-_LOOKED_AT = 32
+#: cells along an axis that are sampled for the sign of the Jacobian when a block is made
+_SAMPLED = 32
 
 
 @dataclass(frozen=True)
@@ -202,8 +202,8 @@ class Block:
         """InputError where the edges of a cell at one of its corners are left-handed or have no
         volume; a sample of cells.
         """
-        d, looked_at = self.dimension, [min(c, _LOOKED_AT) for c in self.cells]
-        at = [np.linspace(0, c - 1, n).astype(int) for c, n in zip(self.cells, looked_at)]
+        d, counts = self.dimension, [min(c, _SAMPLED) for c in self.cells]
+        at = [np.linspace(0, c - 1, n).astype(int) for c, n in zip(self.cells, counts)]
         X = {
             corner: self._mapped(mesh([(i + s) / c for i, s, c in zip(at, corner, self.cells)]))
             for corner in product((0, 1), repeat=d)

@@ -204,7 +204,7 @@ def steady(condition: Any) -> bool:
     return not any(callable(v) for d in data for v in (d if isinstance(d, tuple) else (d,)))
 
 
-def holds_energy(condition: Any) -> bool:
+def conserves_energy(condition: Any) -> bool:
     """Whether neither heat nor work passes a face."""
     if isinstance(condition, (Open, Outflow, Given, Absorbing)):
         return False

@@ -1,4 +1,4 @@
-"""Nodes of several blocks at one place are one particle: who belongs to it, and what holds it.
+"""Nodes of several blocks at one place are one particle: who belongs to it, and its conditions.
 
 All nodes on faces of blocks are *members*, (block, node); members at one place are a *particle*.
 What a particle is subject to follows from the faces of its members: faces where gas meets a solid,
@@ -54,7 +54,7 @@ class Constraint(NamedTuple):
 
 @dataclass
 class Particle:
-    """What holds one particle.
+    """The conditions of one particle.
 
     members: (block, node), ascending. sticks: gas and solid have one velocity. shares_heat: they
     have one temperature. one_T: several solid members have one temperature. stores: that takes an
@@ -147,12 +147,12 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
         particle.constraints.append(Constraint(SLIPS, walls, solids))
     rollers = _grouped(rolls, one_roller)
     particle.constraints += [Constraint(ROLLS, group, []) for group in rollers]
-    _settle_heat(particle, [blocks[k].material for k, _ in members])
+    _heat_conditions(particle, [blocks[k].material for k, _ in members])
     return particle
 
 
 def _take_over(particle: Particle, met: Any, gas: bool, face: tuple[int, int, int]) -> None:
-    """What a condition holds beside a direction; of two of a kind that which prescribes motion."""
+    """What a condition says beside a direction; of two of a kind that which prescribes motion."""
 
     def take(name: str) -> None:
         setattr(particle, name, met)
@@ -170,20 +170,20 @@ def _take_over(particle: Particle, met: Any, gas: bool, face: tuple[int, int, in
         take("warm_gas" if gas else "warm_solid")
 
 
-def _settle_heat(particle: Particle, materials: list[Any]) -> None:
+def _heat_conditions(particle: Particle, materials: list[Any]) -> None:
     """Who has one temperature, and whether elastic energies matter to it."""
     if particle.shares_heat:
         warm, faces = particle.warm_gas or particle.warm_solid, particle.faces
         particle.warm_gas = particle.warm_solid = warm
-        holds = faces.get("warm_gas", faces.get("warm_solid"))
-        if holds is not None:
-            faces["warm_gas"] = faces["warm_solid"] = holds
+        face = faces.get("warm_gas", faces.get("warm_solid"))
+        if face is not None:
+            faces["warm_gas"] = faces["warm_solid"] = face
     solids = [material for material in materials if material.kind == "solid"]
     elastic = any(solid.heat == "elastic" for solid in solids)
     conducts = all(solid.heat == "coupled" or solid.kappa_e > 0.0 for solid in solids)
-    held = particle.warm_solid is not None or particle.given_solid is not None
-    particle.one_T = len(solids) > 1 and (conducts or held)
-    particle.stores = elastic and (particle.one_T or held or particle.shares_heat)
+    prescribed = particle.warm_solid is not None or particle.given_solid is not None
+    particle.one_T = len(solids) > 1 and (conducts or prescribed)
+    particle.stores = elastic and (particle.one_T or prescribed or particle.shares_heat)
 
 
 def _grouped(faces: list[Any], one: Any) -> list[list[Any]]:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blocks.block import Block, Range, determinant, mesh
-from fsipetsc.blocks.conditions import Centre, Condition, Hinge, holds_energy, steady
+from fsipetsc.blocks.conditions import Centre, Condition, Hinge, conserves_energy, steady
 from fsipetsc.blocks.expected import (
     FaceName,
     check_blocks,
@@ -55,7 +55,7 @@ class BlockProblem:
     notes: tuple[str, ...] = ()
     units: str = "SI"
     symmetry: int = 0
-    held: tuple[tuple[int, int, Hinge], ...] = field(default=(), init=False)
+    hinges: tuple[tuple[int, int, Hinge], ...] = field(default=(), init=False)
     """(block, node, condition) of points."""
     members: Members = field(init=False)
     tolerance: float = field(init=False)
@@ -78,7 +78,7 @@ class BlockProblem:
         self._put("_kinds", matching.kinds(len(blocks)))
         self._put("members", matching.members())
         matching.share_places()
-        self._put("held", tuple(self._held_point(*point) for point in self.points))
+        self._put("hinges", tuple(self._hinge(*point) for point in self.points))
 
     @property
     def dimension(self) -> int:
@@ -146,7 +146,7 @@ class BlockProblem:
 
     def hinged(self, members: Iterable[tuple[int, int]]) -> bool:
         """Whether one of these (block, node) is a point that is held."""
-        return not {(k, node) for k, node, _ in self.held}.isdisjoint(members)
+        return not {(k, node) for k, node, _ in self.hinges}.isdisjoint(members)
 
     def face_normal(self, k: int, node: int, axis: int, side: int) -> tuple[Array, Array, Array]:
         """At a node of a face: the outward unit normal of the reference map, the place X of the
@@ -189,7 +189,7 @@ class BlockProblem:
         return self.blocks
 
     def unit(self, name: str) -> str:
-        """What stands behind a number in a message: " m", or nothing without dimensions."""
+        """The unit after a number in a message: " m", or nothing without dimensions."""
         return f" {name}" if self.units == "SI" else ""
 
     @cached_property
@@ -264,7 +264,7 @@ class BlockProblem:
         """
         solids = [block for block in self.blocks if block.kind == "solid"]
         gases = [k for k, block in enumerate(self.blocks) if block.kind == "fluid"]
-        closed = all(map(holds_energy, self._conditions)) and not self._forced
+        closed = all(map(conserves_energy, self._conditions)) and not self._forced
         elastic = all(getattr(solid.material, "heat", "") == "elastic" for solid in solids)
         masses = [solid.material.m0 * _size(solid, self.symmetry) for solid in solids]
         capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
@@ -294,7 +294,7 @@ class BlockProblem:
     def _put(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)
 
-    def _held_point(self, name: str, place: Any, condition: Hinge) -> tuple[int, int, Hinge]:
+    def _hinge(self, name: str, place: Any, condition: Hinge) -> tuple[int, int, Hinge]:
         """(block, node, condition). InputError where no node of a solid's face is at the place."""
         k, d = self.number(name), self.dimension
         block, X = self.blocks[k], np.atleast_1d(np.asarray(place, float))

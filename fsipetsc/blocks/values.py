@@ -59,7 +59,7 @@ def checked(
     X: (d, n) places, or NOWHERE for one number each. physical: what is called rho or T must be
     above 0. active: the places at which values count.
     """
-    with np.errstate(all="ignore"):  # what comes of it is looked at
+    with np.errstate(all="ignore"):  # what comes of it is checked
         values = call(function, tuple(arguments), where)
     expected = f"expected {len(names)} values ({', '.join(names)})"
     if values is None:

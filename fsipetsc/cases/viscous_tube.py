@@ -3,7 +3,7 @@
 Gas of density 120 and 1.2 at the same temperature, at rest on both sides of X = 1/2, in a unit box
 with adiabatic walls that the gas sticks to; the lower half, with a plane of symmetry above. p =
 rho/gamma, so the speed of sound is 1 on both sides; viscosity 1/Re, Prandtl number 0.73 (V. Daru,
-C. Tenaud, Comput. Fluids 30 (2001) 89; 38 (2009) 664). Looked at is t = 1.
+C. Tenaud, Comput. Fluids 30 (2001) 89; 38 (2009) 664). The run ends at t = 1.
 """
 
 import numpy as np

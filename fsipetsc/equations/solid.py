@@ -91,7 +91,7 @@ class Solid(NamedTuple):
         """F with hoop stretches, from the displacement D and the radius R at rest."""
         return F
 
-    def held_by_hoops(self, acceleration, v, e, F, R):
+    def with_hoop_force(self, acceleration, v, e, F, R):
         """An acceleration with what hoop stresses do."""
         return acceleration
 
@@ -180,7 +180,7 @@ class RadialSolid(Solid):
         """(F, lambda), lambda from the displacement D and the radius R at rest."""
         return (*F, 1.0 + D[-1] / R)
 
-    def held_by_hoops(self, acceleration, v, e, F, R):
+    def with_hoop_force(self, acceleration, v, e, F, R):
         """An acceleration less kappa P_o/(R m0) along r."""
         P = self.full_stress(self.tensor(F), self.temperature(v, e, F))[-1]
         return add_last(-len(self.around) * P / (self.m0 * R), acceleration)

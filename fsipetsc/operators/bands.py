@@ -92,7 +92,7 @@ def centred_band(order: int, cells: int) -> Band:
     """That of an axis which goes on beyond its first node to its mirror image, half a cell before
     it: node -1 - i is the image of node i.
 
-    Images stand behind the nodes, so that ``part`` finds them at numbers below 0. The spacing is
+    Images come after the nodes, so that ``part`` finds them at numbers below 0. The spacing is
     that of ``band``. ValueError if there are too few nodes.
     """
     band(order, cells)

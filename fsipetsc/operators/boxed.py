@@ -62,14 +62,14 @@ def boxed(record):
     return Box(record)
 
 
-def with_calls(held: Any, box: Any, calls: Iterable[tuple[Any, tuple[Any, ...]]]) -> Any:
-    """A box of a ``held``, a NamedTuple class: of a box and functions of it.
+def with_calls(kind: Any, box: Any, calls: Iterable[tuple[Any, tuple[Any, ...]]]) -> Any:
+    """A box of a ``kind``, a NamedTuple class: of a box and functions of it.
 
-    calls: compiled functions, examples of what they take behind ``box``. None returns anything.
+    calls: compiled functions, examples of what they take after ``box``. None returns anything.
     """
     functions, examples = zip(*calls, strict=True)
-    kinds = [types.void(typeof(box), *map(typeof, more)) for more in examples]
-    takes = types.NamedTuple((typeof(box), *map(types.FunctionType, kinds)), held)
+    signatures = [types.void(typeof(box), *map(typeof, more)) for more in examples]
+    takes = types.NamedTuple((typeof(box), *map(types.FunctionType, signatures)), kind)
     boxed.compile((takes,))
     # called for just these types: numba would look for them among those of other boxes, and fail
-    return boxed.get_overload((takes,))(held(box, *functions))
+    return boxed.get_overload((takes,))(kind(box, *functions))

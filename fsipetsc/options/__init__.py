@@ -139,7 +139,7 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
     for before, word in pairwise(["", *words]):
         if not is_option(word) and not is_option(before):
             what = f"unexpected argument '{brief(word)}'"
-            raise InputError(f"{what}: a value stands right behind its option")
+            raise InputError(f"{what}: a value comes right after its option")
     quoted = (word if is_option(word) else _quoted(word) for word in words)
     for text in (" ".join(environment), " ".join(quoted)):
         try:

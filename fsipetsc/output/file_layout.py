@@ -82,7 +82,7 @@ def in_memory() -> Iterator[tuple[h5py.File, io.BytesIO]]:
 
 
 def write_whole(path: Path, content: bytes, room: int = 0) -> None:
-    """Write a file, with room for more bytes behind it, to the disk. OSError.
+    """Write a file, with room for more bytes after it, to the disk. OSError.
 
     HDF5 crashes when it closes a file on a full disk, so what it will need is reserved before.
     """

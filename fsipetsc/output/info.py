@@ -100,12 +100,12 @@ def _range(label: str, values: Any, unit: str = "") -> str:
 
 
 def _second(run: Run) -> str:
-    """The unit of times, behind a space; none where a case is dimensionless."""
+    """The unit of times, after a space; none where a case is dimensionless."""
     return " s" * is_si(run)
 
 
 def summary_rows(summary: Mapping[str, Any], unit: str) -> Rows:
-    """Results of a run in the order of LABELS. unit: what stands behind a time."""
+    """Results of a run in the order of LABELS. unit: what comes after a time."""
     known = {name: value for name, value in summary.items() if value not in ("", None, {}, [])}
     return [
         (label, written(known[name]) + unit * (name in ("t", "dt_min", "dt_max")))

@@ -114,7 +114,7 @@ def run_of(path: Path) -> str | None:
 
 
 class Contents:
-    """All frames and steps of some files, one behind the other. What is read is checked. Damaged,
+    """All frames and steps of some files, one after the other. What is read is checked. Damaged,
     OSError.
 
     layers         as in the header

@@ -42,7 +42,7 @@ class RunWriter:
                     ascending order, of blocks (local, d) the places of the nodes; ranks own points
                     in the order of the ranks
     after           what is kept of a result of this name and this run (header["run"]): the writer
-                    goes on behind it. Where there is none a new one begins
+                    goes on after it. Where there is none a new one begins
     checkpoint      of another run, if there is one: it gets a new name, as an earlier result does
     moved           on rank 0, old and new names of what an earlier run has left
 

@@ -11,7 +11,7 @@ and go. Where the paper has misprints the formulas are the corrected ones. From 
     rates       dy/dt of a layer, (4.19) and (4.20)
     coupling    what holds at an interface: projection, projection in energy, traditional
     ends        walls, open ends, given data, ends of solids; boundaries that move over the grid
-    sums        what is looked at after a step: bounds on the step, integrals
+    sums        what is monitored after a step: bounds on the step, integrals
     steps       what is done in a stage and after a step; on one rank many steps in one call
     layout      what all ranks know of a layer, and which points each owns
     parts       what a rank has of layers and interfaces, and what it exchanges of them

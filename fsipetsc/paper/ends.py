@@ -116,7 +116,7 @@ def fill_ghost(op, gas, layer, q, side, new):
 
 @njit(**INNER)
 def gradient_values(gas, layer, q, ghost, side):
-    """(u, T) that the gradients in friction and conduction see at the ghost point q[ghost], which
+    """(u, T) for the gradients in viscous stress and conduction at the ghost point q[ghost], which
     is filled."""
     n = 2.0 * side - 1.0
     nodes = np.zeros((5, NODES))
@@ -126,7 +126,7 @@ def gradient_values(gas, layer, q, ghost, side):
         return open_gradients(gas, layer, side, n, nodes)
     degree, data = layer.end_degree[side], layer.end_data[side]
     lagrange(beyond_boundary(layer, side), degree, weights, slopes)
-    # less, and the friction of the ghost point takes more than the time step gives
+    # less, and the viscous stress of the ghost point takes more than the time step gives
     least = LEAST if degree < 4 else 0.3
     u = dirichlet_ghost(data[1], nodes[1], weights, degree, least)
     return u, dirichlet_ghost(data[2], nodes[2], weights, degree, least)
@@ -267,7 +267,7 @@ def open_end(gas, layer, side, n, nodes):
 
 @njit(**INNER)
 def open_gradients(gas, layer, side, n, nodes):
-    """(u, T) for the gradients at an open end: heat and friction are imposed there."""
+    """(u, T) for the gradients at an open end: heat and viscous stress are imposed there."""
     u, T, T1 = nodes[1, 0], nodes[2, 0], nodes[2, 1]
     a, seen_u, seen_T = n * u, u, T
     if gas.mu > 0.0 and (a < 0.0 or a * a >= gas.law.sound_speed_squared(nodes[0, 1], T1)):

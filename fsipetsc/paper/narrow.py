@@ -1,4 +1,4 @@
-"""What makes friction and conduction narrow: terms of undivided differences for the rates.
+"""What makes viscous stress and conduction narrow: terms of undivided differences for the rates.
 Compiled.
 
 D acts twice on u and T, with b = mu', kappa or kappa_e / x_X between. The narrow second derivative

@@ -100,7 +100,7 @@ class Layer:
             given.fields(self.layer, "exact", self.X, 0.0, self.active)
         if self.is_gas:
             rho, u, T = fields
-            with np.errstate(all="ignore"):  # what comes of it is looked at
+            with np.errstate(all="ignore"):  # what comes of it is monitored
                 e = rho * (self.layer.material.internal_energy(rho, T) + 0.5 * u * u)
                 y[:] = np.stack([rho, rho * u, e], axis=-1)
             return {}

@@ -16,7 +16,7 @@ rho = m0 / x_X:
     alpha m0 T_t = (sigma - p) u_X + (kappa_e / x_X T_X)_X
     x_t          = u
 
-Friction and conduction stand inside the outer derivative: D acts twice, mu and kappa may vary, and
+Viscous stress and conduction are inside the outer derivative: D acts twice, mu and kappa may vary;
 rates need values within twice the reach of D. The loops work on a row of scratch for each quantity.
 """
 

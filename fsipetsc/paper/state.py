@@ -35,7 +35,7 @@ from fsipetsc.paper.stencils import packed
 from fsipetsc.paper.sums import SEEN
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, together, wait_asleep
-from fsipetsc.scheme.burst import DT, MADE
+from fsipetsc.scheme.batch import DT, MADE
 from fsipetsc.scheme.plan import CAPACITY, FLAGS, LIMITS, RATE, step_record
 from fsipetsc.stepping.snapshot import as_numbers, whole
 from fsipetsc.stepping.state import State
@@ -109,7 +109,7 @@ class PaperState(State):
         self._notes = self._shared[told:][:notes].reshape(interfaces, -1)
         self.results = self._shared[told + notes :]
         journal, latest = self._lay_journal(step_record(interfaces, gases), CAPACITY)
-        memory = self.results, self.burst, journal, latest
+        memory = self.results, self.batch, journal, latest
         self._steps = Box(steps.Steps(self.records, self._notes, *memory))
 
     def compile(self, announce: Callable[[str], None]) -> None:
@@ -241,7 +241,7 @@ class PaperState(State):
         f[:] = self.k
 
     def _complete(self) -> None:
-        """Project the stage, which is the new solution, let boundaries move, and look at it."""
+        """Project the stage, which is the new solution, let boundaries move, and monitor it."""
         self._fulfil()
         self.results[:RATE] = 0.0
         for layer in self.here:
@@ -275,16 +275,16 @@ class PaperState(State):
         """A step dt [s] of the classical Runge-Kutta method from the completed solution at t [s],
         and its completion.
 
-        Further steps follow as the burst allows, by itself none; steady: the data do not depend on
-        time, and on one rank all are one compiled call.
+        The others of its batch follow. steady: the data do not depend on time; on one rank all
+        steps are one compiled call then.
         """
         if steady and self.comm.size == 1:
             steps.batch(*self._chain, self._faces, self._steps, dt)
-            self.evaluations += steps.STAGES * max(1, int(self.burst[MADE]))
+            self.evaluations += steps.STAGES * max(1, int(self.batch[MADE]))
             return
         self._step(t, dt, steady)
         while self.plan_next():
-            self._step(t, self.burst[DT], steady)
+            self._step(t, self.batch[DT], steady)
 
     def _step(self, t: float, dt: float, steady: bool) -> None:
         self.evaluations += steps.STAGES

@@ -1,5 +1,5 @@
-"""What is done in a stage and after a step, a compiled function each, and the batch that calls them
-on one rank, for many steps.
+"""What is done in a stage and after a step, a compiled function each; on one rank a batch of
+steps calls them.
 
 On several ranks fsipetsc.paper.state calls the same functions in the same order, with PETSc's
 exchange between: both make the same numbers. The rod with its default options takes 45 us a step
@@ -15,7 +15,7 @@ from numba import njit
 from fsipetsc.paper import coupling, ends, rates, sums
 from fsipetsc.paper.rates import outer_side, own_range
 from fsipetsc.paper.stencils import CALL, INNER, OLD, U, derivative
-from fsipetsc.scheme.burst import DT, plan_next
+from fsipetsc.scheme.batch import DT, plan_next
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, SAID_STOP, STOP, TOO_SHORT
 
 #: of the method; the number of a stage of which only the rates are wanted
@@ -33,9 +33,9 @@ Part = namedtuple("Part", "ops law layers local owned y total k forcing scratch"
 #: an interface: records and owned points of both sides; prescribed jumps; rows f, s of gas and
 #: solid; what is noted of it
 Sides = namedtuple("Sides", "ops face gases solids q_gas q_solid jump f s notes")
-#: of all layers: records; notes, (interfaces, NOTES); results, burst, journal and latest: see
+#: of all layers: records; notes, (interfaces, NOTES); results, batch, journal and latest: see
 #: fsipetsc.scheme.plan
-Steps = namedtuple("Steps", "records notes results burst journal latest")
+Steps = namedtuple("Steps", "records notes results batch journal latest")
 
 
 # conditions
@@ -151,7 +151,7 @@ def keep(of):
 
 @njit(**CALL)
 def complete_gas(of, steps):
-    """Fill the ghost point, let the boundary move over the grid, look at the points."""
+    """Fill the ghost point, let the boundary move over the grid, monitor the points."""
     if of is None:
         return
     op, layer, q, results = of.ops[0], of.layers[0], of.local, steps.results
@@ -161,14 +161,14 @@ def complete_gas(of, steps):
         results[EXHAUSTED] = 1.0 + layer.number
     if ends.distance(layer, side) <= layer.least - 2 + 1e-9:
         results[TOO_SHORT] = 1.0 + layer.number
-    sums.look_at_gas(op, of.law, layer, q)
+    sums.monitor_gas(op, of.law, layer, q)
     keep(of)
 
 
 @njit(**CALL)
 def complete_solid(of, steps):
-    """Look at the points."""
-    sums.look_at_solid(of.ops[0], of.law, of.layers[0], of.local)
+    """Monitor the points."""
+    sums.monitor_solid(of.ops[0], of.law, of.layers[0], of.local)
     keep(of)
 
 
@@ -230,7 +230,7 @@ def finish(left, solid, right, steps):
 
 @njit(**CALL)
 def batch(left, solid, right, faces, steps, dt):
-    """A step dt from the completed solution, and further ones as the burst allows."""
+    """A step dt from the completed solution, and the others of its batch."""
     more = True
     while more:
         for number in range(STAGES):
@@ -252,5 +252,5 @@ def batch(left, solid, right, faces, steps, dt):
         note(faces[0])
         note(faces[1])
         finish(left, solid, right, steps)
-        more = plan_next(steps.burst, steps.results, steps.journal, steps.latest)
-        dt = steps.burst[DT]
+        more = plan_next(steps.batch, steps.results, steps.journal, steps.latest)
+        dt = steps.batch[DT]

@@ -1,4 +1,4 @@
-"""What is looked at after a step: extremes that bound the next one, and integrals. Compiled.
+"""What is monitored after a step: extremes that bound the next one, and integrals. Compiled.
 
 Extremes are exact, whoever owns the points; sums over ranks may differ by round-off, and nothing
 that is computed on depends on them. Quadrature with the norm of the operator, per cross-section;
@@ -41,7 +41,7 @@ def strip_weight(delta, k):
 
 
 @njit(**INNER)
-def look_at_gas(op, gas, layer, q):
+def monitor_gas(op, gas, layer, q):
     """Extremes and shares. q: (points with halos, 3)."""
     a, b, A, B = own_range(layer)
     side, finite, shares = outer_side(layer), 0.0, layer.shares
@@ -68,7 +68,7 @@ def look_at_gas(op, gas, layer, q):
 
 
 @njit(**INNER)
-def look_at_solid(op, solid, layer, q):
+def monitor_solid(op, solid, layer, q):
     """Extremes and shares. q: (points with halos, 4)."""
     a, b, A, B = own_range(layer)
     per_h = 1.0 / layer.h

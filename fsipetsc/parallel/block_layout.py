@@ -86,7 +86,7 @@ class BlockLayout:
 
     problem: fsipetsc.blocks.problem.BlockProblem. halos: width of the halo of each block, and
     whether differences along two axes are taken one after the other, see ``halos_of``.
-    partition: as ``share_out`` has it. behind: numbers that each rank has behind those of nodes.
+    partition: as ``share_out`` has it. auxiliary: unknowns of each rank after those of nodes.
 
     shares: of each block, known to all ranks. parts: of this rank, in the order of the blocks.
     local_size: of this rank's part of the world vector.
@@ -100,7 +100,7 @@ class BlockLayout:
         order: int,
         halos: Sequence[tuple[int, bool]] | None = None,
         partition: str = "auto",
-        behind: int = 0,
+        auxiliary: int = 0,
     ) -> None:
         self.comm, self.problem, self.order = comm, problem, order
         self._halos = halos_of(problem, order) if halos is None else list(halos)
@@ -114,8 +114,8 @@ class BlockLayout:
         _check_size(blocks, self.dofs)
         shared = zip(self.dofs, self.shares, strict=True)
         self._sizes = [dof * share.size(comm.rank) for dof, share in shared]
-        self.behind = behind
-        self.local_size = sum(self._sizes) + behind
+        self.auxiliary = auxiliary
+        self.local_size = sum(self._sizes) + auxiliary
         found = [self._place(k) for k in range(len(blocks))]
         self.parts: list[Part] = [part for part in found if part is not None]
         self._of_block = found
@@ -148,7 +148,7 @@ class BlockLayout:
         own, ghosted = _ranges(dm.getCorners()), _ranges(dm.getGhostCorners())
         assert own == _padded(share.part(rank)), "PETSc cuts the block otherwise"
         whole = prod(b - a for a, b in ghosted)  # nodes of PETSc's array
-        if last >= 0:  # it has nodes beyond the outer end, too, behind all others
+        if last >= 0:  # it has nodes beyond the outer end, too, after all others
             a, b = ghosted[last]
             ghosted = (*ghosted[:last], (a, min(b, self.shapes[k][last])), *ghosted[last + 1 :])
         patch = _patch(own, ghosted)
@@ -229,9 +229,9 @@ class BlockVector:
         return self._layout.owned(k, self.array)
 
     @property
-    def behind(self) -> Array:
-        """View of the numbers behind those of nodes."""
-        return self.array[self.array.size - self._layout.behind :]
+    def auxiliary(self) -> Array:
+        """View of the auxiliary unknowns."""
+        return self.array[self.array.size - self._layout.auxiliary :]
 
     def begin(self) -> None:
         """Begin to fill the ghosted arrays; what is sent must not change before ``end``."""

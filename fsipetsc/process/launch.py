@@ -50,7 +50,7 @@ def start_petsc(arguments: Sequence[str], comm: MPI.Comm) -> dict[str, str]:
     """Initialise PETSc, unless it runs already, and have it read all options.
 
     Returns what was given, as rank 0 finds it (fsipetsc.options.given_options). arguments: what
-    stands behind the case's name. Collective. InputError, FileError for what is not an option and
+    comes after the case's name. Collective. InputError, FileError for what is not an option and
     for an options file.
     """
     if not petsc_runs():

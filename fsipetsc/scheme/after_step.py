@@ -4,25 +4,22 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.loops import MERGED_CALL
+from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.plan import BAD, RATE, STOP
-
-#: of each block: 1 if a state is unphysical, largest rates of convection and of diffusion [1/s],
-#: minus the least J, largest |J - det D x| / J
-WORDS = 5
 
 
 @njit(**MERGED_CALL)
 def note_extremes(extremes, rates, results, latest):
     """Put the extremes of all ranks where they belong.
 
-    extremes: (1 + WORDS blocks,), what a rank says of stopping, and the words of each block. rates:
+    extremes: (1 + MONITORED blocks,), what a rank says of stopping, and those of each block. rates:
     (blocks, 2). latest: begins with the least J and the departure of J of each block. The bound on
     the step is the 4-norm of both rates.
     """
     blocks = rates.shape[0]
     convection, diffusion, bad = 0.0, 0.0, 0.0
     for k in range(blocks):
-        at = 1 + WORDS * k
+        at = 1 + MONITORED * k
         bad = max(bad, extremes[at])
         rates[k, 0], rates[k, 1] = extremes[at + 1], extremes[at + 2]
         latest[k], latest[blocks + k] = -extremes[at + 3], extremes[at + 4]
@@ -33,13 +30,13 @@ def note_extremes(extremes, rates, results, latest):
 
 
 @njit(**MERGED_CALL)
-def note_gained(latest, behind):
-    """Put what came in, which stands behind the unknowns, into the last columns of ``latest``.
+def note_gained(latest, auxiliary):
+    """Put what came in, the auxiliary unknowns, into the last columns of ``latest``.
 
-    A look leaves minus the energy E of solids where what they lost of it will stand. So E stays
-    behind the unknowns, and after the next step it is there with the work W: W + E - E' is lost.
+    The monitor leaves minus the energy E of solids where what they lost of it will be. So E stays
+    in an auxiliary unknown, which after the next step is W + E, W the work: W + E - E' is lost.
     """
-    first = latest.size - behind.size
-    for c in range(behind.size):
-        latest[first + c] += behind[c]
-        behind[c] -= latest[first + c]
+    first = latest.size - auxiliary.size
+    for c in range(auxiliary.size):
+        latest[first + c] += auxiliary[c]
+        auxiliary[c] -= latest[first + c]

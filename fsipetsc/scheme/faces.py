@@ -161,7 +161,7 @@ def pass_faces(gas, like, faces, S, weight, patch, q, metrics, column, rates, ga
 
 
 @njit(**INNER_CALL)
-def through(gas, w, n, g):
+def surface_flux(gas, w, n, g):
     """F(U) = n . (f(U) - v U)."""
     return along(gas.flux(w, n), -g, gas.densities(w))
 
@@ -169,7 +169,7 @@ def through(gas, w, n, g):
 @njit(**INNER_CALL)
 def open_flux(gas, w, beyond, pressure, width, n, g, size, v_n):
     """f of an open face or an outflow, w: state inside, size: |n|, v_n: see `first_order`."""
-    f, viscous = through(gas, w, n, g), (0.0, 0.0, 0.0)
+    f, viscous = surface_flux(gas, w, n, g), (0.0, 0.0, 0.0)
     a = (dot(n, gas.velocity(w)) - g) / size
     if pressure == 0.0:
         return f
@@ -185,7 +185,7 @@ def open_flux(gas, w, beyond, pressure, width, n, g, size, v_n):
             return found
     fastest = max(gas.fastest(w, n, g), gas.fastest(beyond, n, g))
     jump = sub(gas.densities(beyond), gas.densities(w))
-    return along(mean(f, through(gas, beyond, n, g)), -0.5 * fastest, jump)
+    return along(mean(f, surface_flux(gas, beyond, n, g)), -0.5 * fastest, jump)
 
 
 @njit(**INNER_CALL)
@@ -252,7 +252,7 @@ def by_characteristics(gas, w, beyond, n, g, size, viscous):
     if not T_face > 0.0:
         return nothing, False
     known = along(u, speed - a, N) if leaves else along(u_out, speed - a_out, N)
-    F = through(gas, gas.state(rho_face, known, T_face), n, g)
+    F = surface_flux(gas, gas.state(rho_face, known, T_face), n, g)
     lost = (0.0, *scale(stress, n), size * (stress * (speed + g / size) + heat))
     return sub(F, lost), True
 

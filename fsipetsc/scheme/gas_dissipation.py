@@ -66,7 +66,7 @@ SMALL = 0.05
 
 
 class Room(NamedTuple):
-    """Memory, by components of N nodes: states, entropy variables, fluxes of differences (behind
+    """Memory, by components of N nodes: states, entropy variables, fluxes of differences (after
     `before` zeros), alpha, areas and volume fluxes of links, sums.
     """
 
@@ -289,6 +289,6 @@ def flow_on(gas, like, form, shock, stride, room):
             l, r = at(like_w, room.state, none, N, i), at(like_w, room.state, none, N, j)
             speed = 0.5 * shock * max(gas.fastest(l, a, g), gas.fastest(r, a, g))
             jump = sub(gas.densities(r), gas.densities(l))
-            F = along(form.through(gas, l, r, a, g), -speed, jump)
+            F = along(form.flux_through(gas, l, r, a, g), -speed, jump)
             put(room.sums, none, N, i, sub(at(like_f, room.sums, none, N, i), F))
             put(room.sums, none, N, j, add(at(like_f, room.sums, none, N, j), F))

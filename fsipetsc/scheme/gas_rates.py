@@ -59,7 +59,7 @@ def load_row(gas, like, q, at_q, metrics, at_m, step, w, row, n):
 
 @njit(**EXACT_LOOP)
 def pair_row(
-    gas, like, form, friction, w, place, other, gain, loss, weights, low, lower, high, upper, n
+    gas, like, form, viscous, w, place, other, gain, loss, weights, low, lower, high, upper, n
 ):
     """Add fluxes of nodes of a row and those `other` numbers on to the sums of both.
 
@@ -71,7 +71,7 @@ def pair_row(
         j = i + other
         apart = form.distance(gas, like, w, place, i, j) > NEAR
         F = choose(apart, nothing, form.near(gas, like, w, place, i, j))
-        F = friction.less(like, F, w, place, i, j)
+        F = viscous.less(like, F, w, place, i, j)
         put(low, lower, ROW, i, along(at(like_f, low, lower, ROW, i), -loss[weights + i], F))
         put(high, upper, ROW, i, along(at(like_f, high, upper, ROW, i), gain[weights + i], F))
         far += apart
@@ -105,17 +105,15 @@ def store_row(gas, like, low, high, upper, q, at_q, metrics, J_t, rates, to, n):
 
 
 @njit(**INLINED_CALL)
-def load_layer(gas, like, form, friction, q, metrics, axes, tile, work, layer):
+def load_layer(gas, like, form, viscous, q, metrics, axes, tile, work, layer):
     """The rows of a layer that are read."""
     inner, last, d = axes.inner, axes.last, len(like)
-    ahead, beside, reach = last.S.shape[0] - 1, inner.S.shape[0] - 1, 1 + friction.reach
-    within = last.begin - friction.reach * ahead <= layer < last.end + friction.reach * ahead
+    ahead, beside, reach = last.S.shape[0] - 1, inner.S.shape[0] - 1, 1 + viscous.reach
+    within = last.begin - viscous.reach * ahead <= layer < last.end + viscous.reach * ahead
     more = reach * beside if within else 0
     step = U64(metrics.size // (d * d + len(gas.of_grid(like)) + 1))
     for j in range(max(tile.y0 - more, 0), min(tile.y1 + more, inner.size)):
-        whole = (
-            within and tile.y0 - friction.reach * beside <= j < tile.y1 + friction.reach * beside
-        )
+        whole = within and tile.y0 - viscous.reach * beside <= j < tile.y1 + viscous.reach * beside
         longer = reach * (axes.first.S.shape[0] - 1) if whole else 0
         x0, x1 = max(tile.x0 - longer, 0), min(tile.x1 + longer, axes.first.size)
         row, n = row_of(work, tile, layer, j) + U64(MARGIN + x0 - tile.x0), U64(x1 - x0)
@@ -127,7 +125,7 @@ def load_layer(gas, like, form, friction, q, metrics, axes, tile, work, layer):
 
 
 @njit(**INLINED_CALL)
-def pairs(gas, like, form, friction, work, row, k, other, weights, column, upper, n):
+def pairs(gas, like, form, viscous, work, row, k, other, weights, column, upper, n):
     """Add the fluxes of n pairs along axis k, of nodes of a row and those `other` numbers on.
 
     column: of the first pair, weights: where gain and loss begin, upper: the upper nodes' sums.
@@ -135,13 +133,13 @@ def pairs(gas, like, form, friction, work, row, k, other, weights, column, upper
     place, whole = place_of(like, form, row + column, k), U64((n + 3) // 4 * 4)
     w, gain, loss, low, high = work.w, work.gain, work.loss, work.low, work.high
     more = weights, low, column, high, upper
-    far = pair_row(gas, like, form, friction, w, place, other, gain, loss, *more, whole)
+    far = pair_row(gas, like, form, viscous, w, place, other, gain, loss, *more, whole)
     if far > 0:
         far_row(gas, like, form, w, place, other, gain, loss, *more, U64(n))
 
 
 @njit(**INLINED_CALL)
-def pairs_across(gas, like, form, friction, axes, tile, work, layer, j, along_last):
+def pairs_across(gas, like, form, viscous, axes, tile, work, layer, j, along_last):
     """The pairs of row j of a layer with those in layers (or rows) farther on."""
     axis, k_axis = (axes.last, len(like) - 1) if along_last else (axes.inner, 1)
     i, n, row = layer if along_last else j, tile.x1 - tile.x0, row_of(work, tile, layer, j)
@@ -153,22 +151,22 @@ def pairs_across(gas, like, form, friction, axes, tile, work, layer, j, along_la
             there, column = number_of(work, tile, layer + k * up, j + k * right), U64(MARGIN)
             other = there * U64(work.numbers) * ROW - row
             upper = there * U64(len(like) + 2) * ROW + column
-            pairs(gas, like, form, friction, work, row, k_axis, other, U64(0), column, upper, n)
+            pairs(gas, like, form, viscous, work, row, k_axis, other, U64(0), column, upper, n)
 
 
 @njit(**INLINED_CALL)
-def sweep_layer(gas, like, form, friction, q, metrics, axes, tile, work, rates, layer):
+def sweep_layer(gas, like, form, viscous, q, metrics, axes, tile, work, rates, layer):
     """Add the fluxes of the pairs that begin in a layer; its rates if it is owned."""
     first, inner, last, d = axes.first, axes.inner, axes.last, len(like)
     owned, n = layer >= last.begin, U64(tile.x1 - tile.x0)
     for j in range(max(tile.y0 - inner.S.shape[0] + 1, 0) if owned else tile.y0, tile.y1):
         clear(work.low, U64(MARGIN), d + 2, n)
         if owned and d == 3:
-            pairs_across(gas, like, form, friction, axes, tile, work, layer, j, False)
+            pairs_across(gas, like, form, viscous, axes, tile, work, layer, j, False)
         if j < tile.y0:
             continue
         if d > 1:
-            pairs_across(gas, like, form, friction, axes, tile, work, layer, j, True)
+            pairs_across(gas, like, form, viscous, axes, tile, work, layer, j, True)
         if owned:
             row, high = (
                 row_of(work, tile, layer, j),
@@ -178,7 +176,7 @@ def sweep_layer(gas, like, form, friction, q, metrics, axes, tile, work, rates, 
                 k, a, b = work.spans[m, 0], work.spans[m, 1], work.spans[m, 2]
                 column, other = U64(MARGIN + a - tile.x0), U64(k)
                 weights, upper = tile.weights + other * ROW + column, high + column + other
-                pairs(gas, like, form, friction, work, row, 0, other, weights, column, upper, b - a)
+                pairs(gas, like, form, viscous, work, row, 0, other, weights, column, upper, b - a)
             node = U64(tile.x0 + j * inner.stride + layer * last.stride)
             own = (layer - last.begin) * (inner.end - inner.begin) + j - inner.begin
             to = U64((own * (first.end - first.begin) + tile.x0 - first.begin) * (d + 3))
@@ -188,26 +186,26 @@ def sweep_layer(gas, like, form, friction, q, metrics, axes, tile, work, rates, 
 
 
 @njit(**INLINED_CALL)
-def sweep(gas, like, form, friction, q, metrics, axes, tile, work, rates):
+def sweep(gas, like, form, viscous, q, metrics, axes, tile, work, rates):
     """Sweep a tile along the last axis: load layers, complete them, take pairs that begin there."""
     last = axes.last
     ahead = last.S.shape[0] - 1
-    behind = friction.reach * ahead
+    behind = viscous.reach * ahead
     completed = max(last.begin - ahead, 0)
     loaded = max(completed - behind, 0)
     for layer in range(completed, last.end):
         while completed <= layer + ahead and completed < last.size:
             while loaded <= completed + behind and loaded < last.size:
-                load_layer(gas, like, form, friction, q, metrics, axes, tile, work, loaded)
+                load_layer(gas, like, form, viscous, q, metrics, axes, tile, work, loaded)
                 loaded += 1
-            if friction.reach > 0:
+            if viscous.reach > 0:
                 viscous_layer(gas, like, form, q, axes, tile, work, completed)
             completed += 1
-        sweep_layer(gas, like, form, friction, q, metrics, axes, tile, work, rates, layer)
+        sweep_layer(gas, like, form, viscous, q, metrics, axes, tile, work, rates, layer)
 
 
 @njit(**MERGED_CALL)
-def gas_rates(gas, like, form, friction, q, metrics, S0, S1, S2, w0, w1, w2, patch, rates, work):
+def gas_rates(gas, like, form, viscous, q, metrics, S0, S1, S2, w0, w1, w2, patch, rates, work):
     """Rates of the nodes of a patch that are owned.
 
     q: (N, d + 3) over the ghosted array, metrics: (d d + d + 1, N): a^1 … a^d, velocity of the
@@ -227,4 +225,4 @@ def gas_rates(gas, like, form, friction, q, metrics, S0, S1, S2, w0, w1, w2, pat
             x0, x1 = part(x.begin, x.end, n, wide), part(x.begin, x.end, n + 1, wide)
             weights = U64(n * S0.shape[0]) * ROW
             tile = Tile(x0, x1, y0, y1, weights, work.begins[n], work.begins[n + 1])
-            sweep(gas, like, form, friction, q, metrics, axes, tile, work, rates)
+            sweep(gas, like, form, viscous, q, metrics, axes, tile, work, rates)

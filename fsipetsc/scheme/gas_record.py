@@ -6,7 +6,7 @@ from numba import njit
 
 from fsipetsc.operators.loops import CALL
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
-from fsipetsc.scheme.block_look import gas_look
+from fsipetsc.scheme.block_monitor import gas_monitor
 from fsipetsc.scheme.gas_dissipation import gas_dissipation
 from fsipetsc.scheme.gas_rates import gas_rates
 from fsipetsc.scheme.part import add_normals, ghosted, note, owned
@@ -18,7 +18,7 @@ class GasRecord(NamedTuple):
 
     like: d zeros. laws: fsipetsc.equations.gas. faces: fsipetsc.scheme.faces. block: its number,
     begin: of its unknowns in the world vector. X, places: (d, N) of the reference map, and where
-    nodes are at a look. halo: (N, d + 3), its nodes with a halo, or none;
+    the monitor finds the nodes. halo: (N, d + 3), its nodes with a halo, or none;
     wraps: whether it is filled by fsipetsc.scheme.part. S, weight: of three bands. masses: (M,)
     weights of its own nodes.
 
@@ -33,7 +33,7 @@ class GasRecord(NamedTuple):
     like: Any
     laws: Any
     form: Any
-    friction: Any
+    viscous: Any
     dissipation: Any
     axis: Any
     faces: Any
@@ -137,10 +137,10 @@ def rates(part, s, f, gain):
     """Fill a gas's part of f, from that of a completed s; what comes in goes to ``gain``."""
     d, patch = len(part.like), part.patch
     q, own = ghosted(part, s, d + 3), owned(part, f, d + 3)
-    laws, like, form, friction = part.laws, part.like, part.form, part.friction
+    laws, like, form, viscous = part.laws, part.like, part.form, part.viscous
     metrics = part.metrics
     (S0, S1, S2), (w0, w1, w2), work = part.S, part.weight, part.work
-    gas_rates(laws, like, form, friction, q, metrics, S0, S1, S2, w0, w1, w2, patch, own, work)
+    gas_rates(laws, like, form, viscous, q, metrics, S0, S1, S2, w0, w1, w2, patch, own, work)
     part.axis.add(part, q, own)
     part.dissipation.add(part, q, own)
     part.faces.add(part, q, own, gain)
@@ -170,13 +170,13 @@ def supply(part, q, rates, gain):
 
 
 @njit(**CALL)
-def look(part, s):
-    """Fill seen and sums of a part: see fsipetsc.scheme.block_look."""
+def monitor(part, s):
+    """Fill seen and sums of a part: see fsipetsc.scheme.block_monitor."""
     if part.known.shape[0] > 0:
         part.grid.find_places(part.X, part.places)
     metrics = part.axis.bounds(part.metrics)
-    gas_look(part, owned(part, s, len(part.like) + 3), metrics, STIFFNESS_OF_WIDE)
+    gas_monitor(part, owned(part, s, len(part.like) + 3), metrics, STIFFNESS_OF_WIDE)
 
 
-#: what is held of a gas: fsipetsc.scheme.part.Held, without ``part``
-HELD = follow, move, swing, add_normals, turn, store, rates, look, note
+#: what is called of a gas: fsipetsc.scheme.part.PartCalls, without ``part``
+FUNCTIONS = follow, move, swing, add_normals, turn, store, rates, monitor, note

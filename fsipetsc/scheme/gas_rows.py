@@ -1,8 +1,8 @@
 """A row of nodes of gas: where its numbers stand, and the fluxes of its pairs of nodes.
 
 Of each node a row has w, a^1 … a^d, velocity of the grid, A around an axis, what the form keeps,
-viscous fluxes. A form is what convection takes as the flux of two nodes, friction whether there
-are viscous fluxes.
+viscous fluxes. A form is what convection takes as the flux of two nodes; Viscous and Inviscid
+say whether there are viscous fluxes.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class EntropyForm(NamedTuple):
         """The flux of two states."""
         return gas.pair_flux(l, r, a_l, v_l, a_r, v_r)
 
-    def through(self, gas, l, r, a, g):
+    def flux_through(self, gas, l, r, a, g):
         """The same through the area a whose volume flux is g."""
         return gas.flux_through(l, r, a, g)
 
@@ -95,7 +95,7 @@ class DivergenceForm(NamedTuple):
     def two(self, gas, l, r, a_l, v_l, a_r, v_r):
         return gas.mean_flux(l, r, a_l, v_l, a_r, v_r)
 
-    def through(self, gas, l, r, a, g):
+    def flux_through(self, gas, l, r, a, g):
         return gas.mean_flux_through(l, r, a, g)
 
 

@@ -1,5 +1,5 @@
 """What compiled code knows of a rank's part of a block, of gas or solid: views of its unknowns,
-what it has of a look. The records are those of fsipetsc.scheme.gas_record and solid_record.
+what the monitor finds. The records are those of fsipetsc.scheme.gas_record and solid_record.
 """
 
 from __future__ import annotations
@@ -10,13 +10,12 @@ from numba import njit
 
 from fsipetsc.operators.bands import mirror
 from fsipetsc.operators.loops import CALL, INNER_CALL, INNER_LOOP, MERGED_CALL
-from fsipetsc.scheme.after_step import WORDS
-from fsipetsc.scheme.block_look import CONVECTION
+from fsipetsc.scheme.block_monitor import CONVECTION, MONITORED
 from fsipetsc.scheme.normals import add_areas
 from fsipetsc.scheme.rows import Array
 
 
-class Held(NamedTuple):
+class PartCalls(NamedTuple):
     """A part and what is done with it in a step, called by address (fsipetsc.operators.boxed)."""
 
     part: Any
@@ -27,7 +26,7 @@ class Held(NamedTuple):
     turn: Any
     store: Any
     rates: Any
-    look: Any
+    monitor: Any
     note: Any
 
 
@@ -98,10 +97,10 @@ def clear(numbers):
 
 @njit(**MERGED_CALL)
 def note_part(part, found):
-    """Put the extremes and sums of a look where they belong; found: a box of
+    """Put the extremes and sums of the monitor where they belong; found: a box of
     fsipetsc.scheme.steps.Found.
     """
-    begin, seen, sums, columns = 1 + WORDS * part.block, part.seen, part.sums, part.columns
+    begin, seen, sums, columns = 1 + MONITORED * part.block, part.seen, part.sums, part.columns
     extremes, latest = found.extremes, found.latest
     for c in range(seen.size):
         extremes[begin + c] = seen[c]

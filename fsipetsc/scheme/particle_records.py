@@ -37,9 +37,9 @@ class Table(NamedTuple):
 
 
 #: this rank adds what comes in; forces move the gas, the solid; a clamp gives the place; gas and
-#: solid stick; motion of the gas, of the solid is given, all of the gas, of the solid; temperature
-#: of the gas, of the solid; they have one; so have members of the solid
-MINE, FREE_GAS, FREE_SOLID, PLACED, STICKS, HELD_GAS, HELD_SOLID, GIVEN_GAS, GIVEN_SOLID = range(9)
+#: solid stick; the gas is at a wall, the solid at a clamp; all is given of the gas, of the solid;
+#: the temperature of the gas, of the solid; they have one; so have members of the solid
+MINE, FREE_GAS, FREE_SOLID, PLACED, STICKS, AT_WALL, AT_CLAMP, GIVEN_GAS, GIVEN_SOLID = range(9)
 WARM_GAS, WARM_SOLID, SHARES_HEAT, ONE_T = range(9, 13)
 FLAGS = 13
 #: columns of ``faces``
@@ -94,7 +94,7 @@ class Particles(NamedTuple):
     slips: whether any has constraints; normals, turning: (p, K, 2d), G and S and how they turn.
     of_normals: (members of those, 2 K d) area vectors, at_normals: how many are here, of_particle,
     row_of: particle and row of each. moves: (p,) whether a wall there moves, place: (p, d) its
-    displacement. behind: as many numbers at the end of a vector are what came in.
+    displacement. auxiliary: number of unknowns, at the end of a vector, of what came in.
     """
 
     like: Any
@@ -114,10 +114,10 @@ class Particles(NamedTuple):
     row_of: Array
     moves: Array
     place: Array
-    behind: int
+    auxiliary: int
 
 
-class Held(NamedTuple):
+class ParticleCalls(NamedTuple):
     """Particles and what they do, called by address: see fsipetsc.operators.boxed."""
 
     all: Any
@@ -127,6 +127,6 @@ class Held(NamedTuple):
     end_normals: Any
     begin_stored: Any
     end_stored: Any
-    settle: Any
+    impose_conditions: Any
     begin_rates: Any
     end_rates: Any

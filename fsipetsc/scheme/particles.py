@@ -23,12 +23,12 @@ of mass M + M_s. A body whose motion is given counts as infinitely heavy.
 What comes in is added to ``gain``, see fsipetsc.scheme.part.Gain. Constraints tell it by their
 forces, data that replace unknowns by the change.
 
-    begin_sums, exchange, end_sums, settle     complete the unknowns
-    begin_rates, exchange, end_rates           complete their rates
+    begin_sums, exchange, end_sums, impose_conditions     complete the unknowns
+    begin_rates, exchange, end_rates                      complete their rates
 
-begin_normals, what blocks say of their faces, an exchange and end_normals come before settle and
-begin_rates where particles have constraints; begin_stored, what solids say of their members, an
-exchange and end_stored before settle where energies that members store matter to temperatures.
+begin_normals, what blocks say of their faces, an exchange and end_normals come before
+impose_conditions and begin_rates where particles have constraints; begin_stored, what solids say of
+their members, an exchange and end_stored before impose_conditions where stored energies matter.
 """
 
 import numpy as np
@@ -51,11 +51,11 @@ from fsipetsc.scheme.constraints import book, powers, right_sides, slide, solve
 from fsipetsc.scheme.normals import sum_members
 from fsipetsc.scheme.particle_heat import share_heat, weigh_heat
 from fsipetsc.scheme.particle_records import (
+    AT_CLAMP,
+    AT_WALL,
     GAS,
     GIVEN_GAS,
     GIVEN_SOLID,
-    HELD_GAS,
-    HELD_SOLID,
     MINE,
     MOVES_GAS,
     ONE_T,
@@ -144,7 +144,7 @@ def end_sums(all, gain):
             put_part(v, p, 0, per(P_s, M_s))
             put_part(D_of, p, 0, D)
         given = flags[p, GIVEN_GAS] or flags[p, GIVEN_SOLID]
-        if flags[p, MINE] and (flags[p, HELD_GAS] or flags[p, HELD_SOLID] or given):
+        if flags[p, MINE] and (flags[p, AT_WALL] or flags[p, AT_CLAMP] or given):
             if V > 0.0:
                 masses[column[p]] += M - of_gas[1]
             push = add(sub(P, of_gas[2]), sub(P_s, of_solid[2]))
@@ -160,21 +160,21 @@ def obeyed(flags, like, p, data, of_gas, of_solid):
     """
     (V, M, P, E), (M_s, D, P_s, E_s) = of_gas, of_solid
     d, wall, clamp, clamp_velocity = len(like), data.wall, data.clamp, data.clamp_velocity
-    held, held_s, gas, solid = flags[p, HELD_GAS], flags[p, HELD_SOLID], data.gas, data.solid
+    at_wall, clamped, gas, solid = flags[p, AT_WALL], flags[p, AT_CLAMP], data.gas, data.solid
     if M_s > 0.0:
         D = per(D, M_s)
-    if held_s:
+    if clamped:
         P_s = scale(M_s, node(like, clamp_velocity, p))
-    if held:
+    if at_wall:
         P = scale(M, node(like, wall, p))
     if flags[p, STICKS]:
         both = per(add(P, P_s), M + M_s)
-        if held_s:
+        if clamped:
             both = per(P_s, M_s)
-        elif held:
+        elif at_wall:
             both = node(like, wall, p)
         first, P, P_s = kinetic(P_s, M_s), scale(M, both), scale(M_s, both)
-        if not held_s:
+        if not clamped:
             change = kinetic(P_s, M_s) - first
             E, E_s = E - change, E_s + change
     if flags[p, PLACED]:
@@ -230,17 +230,17 @@ def end_stored(all):
 
 
 @njit(**CALL)
-def settle(all, s, gain):
+def impose_conditions(all, s, gain):
     """What constraints and heat make of the sums, for the members of this rank; what came in is
-    added behind the unknowns.
+    added to the auxiliary unknowns.
     """
     if all.slips:
         slide(all, gain)
     share_heat(all.table, all.law, all.like, all.data, all.state, gain)
     give_state(all.table, all.like, all.stored, s, all.state)
     came = sum_up(gain)
-    for c in range(all.behind):
-        s[s.size - all.behind + c] += came[c]
+    for c in range(all.auxiliary):
+        s[s.size - all.auxiliary + c] += came[c]
 
 
 @njit(**INLINED_CALL)
@@ -285,8 +285,8 @@ def end_rates(all, y, f, gain):
     accelerate(all, gain)
     give_rates(all.table, all.like, y, f, all.state, gain.lost)
     came = sum_up(gain)
-    for c in range(all.behind):
-        f[f.size - all.behind + c] = came[c]
+    for c in range(all.auxiliary):
+        f[f.size - all.auxiliary + c] = came[c]
 
 
 @njit(**INLINED_CALL)
@@ -306,11 +306,11 @@ def accelerate(all, gain):
         a = per(sub(R_m, scale(R, u)), M) if M > 0.0 else like
         b = per(F, M_s) if M_s > 0.0 else like
         force, force_s = scale(-M, a), scale(-M_s, b)
-        held, held_s, sticks = flags[p, HELD_GAS], flags[p, HELD_SOLID], flags[p, STICKS] == 1
-        b = node(like, clamp_rate, p) if held_s else b
-        a = node(like, wall_rate, p) if held else a
+        at_wall, clamped, sticks = flags[p, AT_WALL], flags[p, AT_CLAMP], flags[p, STICKS] == 1
+        b = node(like, clamp_rate, p) if clamped else b
+        a = node(like, wall_rate, p) if at_wall else a
         if sticks:
-            a, b = as_one_body(M, M_s, a, b, held, held_s)
+            a, b = as_one_body(M, M_s, a, b, at_wall, clamped)
         if count[p] > 0:
             w_t, K_p = node(like, wall_rate, p), count[p]
             right_sides(like, normals, turning, constraint, p, K_p, u, v, w, w_t, pi)
@@ -329,10 +329,10 @@ def accelerate(all, gain):
 
 
 @njit(**INLINED_CALL)
-def as_one_body(M, M_s, a, b, held, held_s):
+def as_one_body(M, M_s, a, b, at_wall, clamped):
     """Accelerations of gas and solid that stick, of which one may be given."""
-    both = b if held_s else a
-    if not (held_s or held):
+    both = b if clamped else a
+    if not (clamped or at_wall):
         both = per(add(scale(M, a), scale(M_s, b)), M + M_s)
     return both, both
 

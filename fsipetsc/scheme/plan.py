@@ -5,12 +5,12 @@ import numpy as np
 # where what stands among the results of a completed step
 #: flags: 1 + number of a layer that has run off its grid, or that is too short
 EXHAUSTED, TOO_SHORT = 0, 1
-#: limits, behind the flags; SAID_STOP is what this rank has to say of STOP
+#: limits, after the flags; SAID_STOP is what this rank has to say of STOP
 RATE, BAD, STOP, SAID_STOP = 2, 3, 4, 5
 #: doubles of the flags and of the limits among the results
 FLAGS, LIMITS = 2, 4
-#: words of a burst of steps, see fsipetsc.scheme.burst
-BURST = 11
+#: numbers of the plan of a batch of steps, see fsipetsc.scheme.batch
+BATCH = 11
 #: steps that the journal holds; they must be written then. Whole chunks of the file, see
 #: output.tables
 CAPACITY = 40 << 10

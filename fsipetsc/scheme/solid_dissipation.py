@@ -46,7 +46,7 @@ class Damping(NamedTuple):
 
 
 class Room(NamedTuple):
-    """Memory, of N nodes: F and F . Delta_q v by components, behind ``before`` zeros, and alpha."""
+    """Memory, of N nodes: F and F . Delta_q v by components, after ``before`` zeros, and alpha."""
 
     before: int
     F: Array

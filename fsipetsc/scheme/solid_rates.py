@@ -281,6 +281,6 @@ def accelerate(solid, like, metrics, row, slopes, unknowns, tractions, strains, 
         F = at(solid.unstrained(like), strains, node, step, i)
         acceleration = along(solid.force, per_mass, force)
         R = metrics[U64(metrics.size) - N + g + i]
-        acceleration = solid.held_by_hoops(acceleration, v, e, F, R)
+        acceleration = solid.with_hoop_force(acceleration, v, e, F, R)
         energy = per_mass * power + dot(solid.force, v)
         put(found, U64(0), WIDTH, i, (*v, *acceleration, energy))

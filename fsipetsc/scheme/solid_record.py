@@ -7,12 +7,12 @@ from numba import njit
 from fsipetsc.equations.tensors import add_unit, outer
 from fsipetsc.operators.loops import CALL, column, dot
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
-from fsipetsc.scheme.block_look import look_at_end
+from fsipetsc.scheme.block_monitor import monitor_end
 from fsipetsc.scheme.faces import strain_at
 from fsipetsc.scheme.part import add_normals, ghosted, note, note_part, owned
 from fsipetsc.scheme.rows import U64, Array
 from fsipetsc.scheme.solid_dissipation import solid_dissipation
-from fsipetsc.scheme.solid_look import solid_look
+from fsipetsc.scheme.solid_monitor import solid_monitor
 from fsipetsc.scheme.solid_rates import solid_rates
 
 
@@ -20,7 +20,7 @@ class SolidRecord(NamedTuple):
     """A part of a solid block; what has the same name as in GasRecord is the same.
 
     X: (d, N) places at rest. inertia: (N,) J0 m0, masses: (M,) weights times J0 m0. F: (d d, M), as
-    the last look found it. loses: 1 if work is booked, for what steps lose of kinetic and elastic
+    monitored last. loses: 1 if work is booked, for what steps lose of kinetic and elastic
     energy. forcing: (2d + 1, M), or (2d + 1, 0), of velocity, temperature and place. interfaces:
     (n, 4) number of an interface at this part in one dimension, owned row of its node, X,
     prestress. stored_at: (n,) ghosted rows of members that tell what they store, rows_of_stored:
@@ -157,31 +157,31 @@ def supply(part, q, rates, gain):
 
 
 @njit(**CALL)
-def look(part, s):
+def monitor(part, s):
     """Fill seen, sums and F of a part."""
     laws, like, X, metrics = part.laws, part.like, part.X, part.metrics
     prestress, per_h, z, loses = part.prestress, part.per_h, STIFFNESS_OF_WIDE, part.loses
     q, masses, work, F = ghosted(part, s, 2 * len(like) + 1), part.masses, part.work, part.F
-    seen, sums = part.seen, part.sums
-    solid_look(laws, like, q, X, metrics, prestress, per_h, z, masses, work, F, loses, seen, sums)
+    found = F, loses, part.seen, part.sums
+    solid_monitor(laws, like, q, X, metrics, prestress, per_h, z, masses, work, *found)
 
 
 @njit(**CALL)
 def note_ends(part, found):
-    """Note a look, and what is recorded of interfaces in one dimension."""
+    """Note what the monitor found, and what is recorded of interfaces in one dimension."""
     note_part(part, found)
     at_ends, interfaces, F = found.at_ends, part.interfaces, part.F
     q, laws = owned(part, found.stage, 3), part.laws
     for m in range(interfaces.shape[0]):
         number, own, X, S = interfaces[m]
         of_end = at_ends[:, int(number)]
-        look_at_end(laws, q, F, int(own), S, of_end)
+        monitor_end(laws, q, F, int(own), S, of_end)
         of_end[0] += X
 
 
-#: what is held of a solid: fsipetsc.scheme.part.Held, without ``part``, by what it stores, notes
-def held(stores: bool, line: bool) -> tuple[Any, ...]:
+#: what is called of a solid: fsipetsc.scheme.part.PartCalls, without ``part``
+def functions(stores: bool, line: bool) -> tuple[Any, ...]:
     """stores: members tell what they store. line: in one dimension ends are noted."""
     of_grid = none_of, stay, stay, add_normals, none_of
     notes = note_ends if line else note
-    return *of_grid, store if stores else store_nothing, rates, look, notes
+    return *of_grid, store if stores else store_nothing, rates, monitor, notes

@@ -31,12 +31,12 @@ STEPS = 1096, 29 * 170 + 6, 29 * 58 * 106 + 12
 step_of = by_length("step_of", "like", lambda d: f" return {STEPS[d - 1]}")
 #: what is known of a tile's nodes: rates, t^k and heats, T, F, unknowns
 OWN, NEAR, WARM, STRAINED, KNOWN = map(U64, range(5))
-#: extremes of a look: rates of waves and of diffusion, -det F
+#: extremes that are monitored: rates of waves and of diffusion, -det F
 EXTREMES = 3
 
 
 def sums_of(d: int) -> int:
-    """Sums of a look: momentum, energy, angular momentum, kinetic and elastic energy."""
+    """Sums that are monitored: momentum, energy, angular momentum, kinetic and elastic energy."""
     return d + 1 + moments(d) + 1
 
 
@@ -80,8 +80,8 @@ class Work(NamedTuple):
     axis and node how many neighbours there are, and how far; weights: (2, 3, n, 1 + most)
     S_il/(2 weight_i) of these, for PLAIN and FREE, which differ at the node itself. In flat arrays
     by components, of the nodes of a tile: unknowns, strains F, tractions t^k, temps T, heats
-    A^k . h; of the nodes of a row: slopes, found (rates), and what
-    fsipetsc.scheme.solid_look has looked at.
+    A^k . h; of the nodes of a row: slopes, found (rates), totals
+    (extremes and sums of fsipetsc.scheme.solid_monitor).
     """
 
     patch: Patch
@@ -97,7 +97,7 @@ class Work(NamedTuple):
     heats: Array
     slopes: Array
     found: Array
-    looked: Array
+    totals: Array
 
 
 def solid_work(solid: Any, bands: Any, regular: tuple[int, int], patch: Patch) -> Work:

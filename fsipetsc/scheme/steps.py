@@ -13,14 +13,14 @@ from numba import njit
 from fsipetsc.operators.loops import CALL, MERGED_CALL
 from fsipetsc.operators.loops import _by_length as by_length
 from fsipetsc.scheme.after_step import note_extremes, note_gained
-from fsipetsc.scheme.burst import DT, plan_next
+from fsipetsc.scheme.batch import DT, plan_next
 from fsipetsc.scheme.part import clear, copy_row
 from fsipetsc.scheme.plan import BAD, SAID_STOP
 from fsipetsc.scheme.rows import Array
 from fsipetsc.scheme.runge_kutta import STAGES, advance
 
 #: what `run` does
-COMPLETE, RATES, LOOK, STEPS = range(4)
+COMPLETE, RATES, MONITOR, STEPS = range(4)
 
 
 class Found(NamedTuple):
@@ -41,7 +41,7 @@ class Found(NamedTuple):
     latest: Array
     at_ends: Array
     pace: float
-    burst: Array
+    batch: Array
     journal: Array
     now: Array
 
@@ -68,54 +68,54 @@ def _each(name: str, more: str = "") -> Any:
 
 follow, store = _each("follow", ", particles"), _each("store", ", particles, s")
 normals, turn = _each("normals", ", particles"), _each("turn", ", particles")
-move, swing, look = _each("move"), _each("swing"), _each("look", ", s")
+move, swing, monitor = _each("move"), _each("swing"), _each("monitor", ", s")
 rates, note = _each("rates", ", s, f, gain"), _each("note", ", found")
 
 
 @njit(**CALL)
 def run(box, what, s, f):
-    """COMPLETE s, find the RATES f of a completed s, LOOK at it, or make STEPS as the burst allows.
+    """COMPLETE s, find the RATES f of a completed s, MONITOR it, or make the STEPS of a batch.
     False, and the state before it, if a step ends badly. box: of an All.
 
     What is called stands here once; parts and particles are called by address.
     """
-    found, held, parts, steps = box.found, box.particles, box.parts, what == STEPS
+    found, calls, parts, steps = box.found, box.particles, box.parts, what == STEPS
     y, gain, total, now = found.y, found.gain, found.total, found.now
-    particles, stages, more, good = held.all, STAGES + 1 if steps else 1, True, True
+    particles, stages, more, good = calls.all, STAGES + 1 if steps else 1, True, True
     while more:
         if steps:
             copy_row(y, found.before)
         for stage in range(stages):
             at = y if steps and stage == 0 else s
             if steps or what == COMPLETE:
-                held.begin_sums(particles, at, gain)
-                held.end_sums(particles, gain)
+                calls.begin_sums(particles, at, gain)
+                calls.end_sums(particles, gain)
                 follow(parts, particles)
                 move(parts)
                 if particles.slips:
-                    held.begin_normals(particles)
+                    calls.begin_normals(particles)
                     normals(parts, particles)
-                    held.end_normals(particles, False)
+                    calls.end_normals(particles, False)
                 if particles.stores:
-                    held.begin_stored(particles, at)
+                    calls.begin_stored(particles, at)
                     store(parts, particles, at)
-                    held.end_stored(particles)
-                held.settle(particles, at, gain)
+                    calls.end_stored(particles)
+                calls.impose_conditions(particles, at, gain)
                 follow(parts, particles)
                 swing(parts)
             if what == RATES or (steps and stage < STAGES):
                 clear(gain.numbers)
                 if particles.slips:
-                    held.begin_normals(particles)
+                    calls.begin_normals(particles)
                     turn(parts, particles)
-                    held.end_normals(particles, True)
+                    calls.end_normals(particles, True)
                 rates(parts, at, f, gain)
-                held.begin_rates(particles, f)
-                held.end_rates(particles, at, f, gain)
+                calls.begin_rates(particles, f)
+                calls.end_rates(particles, at, f, gain)
             if steps and stage < STAGES:
                 advance(y, f, s, total, stage, now[1])
-        if steps or what == LOOK:
-            look(parts, s)
+        if steps or what == MONITOR:
+            monitor(parts, s)
         more = False
         if steps:
             clear(found.latest)
@@ -124,8 +124,8 @@ def run(box, what, s, f):
             good = note_step(found)
             if good:
                 now[0] += now[1]
-                more = plan_next(found.burst, found.results, found.journal, found.latest)
-                now[1] = found.burst[DT] if more else now[1]
+                more = plan_next(found.batch, found.results, found.journal, found.latest)
+                now[1] = found.batch[DT] if more else now[1]
     return good
 
 

@@ -15,7 +15,7 @@ from fsipetsc.blockrun.columns import point_names
 from fsipetsc.errors import clear_frames
 from fsipetsc.output.quantities import GAINS
 from fsipetsc.process.together import agree
-from fsipetsc.scheme.burst import LONGEST, MADE, NEXT, SHORTEST, TIME
+from fsipetsc.scheme.batch import LONGEST, MADE, NEXT, SHORTEST, TIME
 from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP, shares
 from fsipetsc.scheme.time_step import longest_step, next_step
 from fsipetsc.stepping import verdicts
@@ -26,12 +26,12 @@ from fsipetsc.stepping.state import FAULT, State
 FUSED = "fused"
 #: flags and limits of all ranks end here
 LAST = STOP + 1
-#: with -fsi_check: after so many steps their records are taken, and conservation is looked at
+#: with -fsi_check: after so many steps their records are taken, and conservation is checked
 CHECKED = 256
 #: points (of all ranks, spare ones too) times steps in one call, so that a signal need not wait
 MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}
-#: most steps in one go, from one look at signals and progress to the next
-BURST = 64
+#: most steps in a batch; between batches signals are answered and progress is shown
+MOST_STEPS = 64
 #: what a checkpoint keeps as it is
 KEPT = "steps", "t", "dt_range", "wall_time", "initial", "beyond"
 #: what is noted of a step alone, not of a state; of interfaces so in one dimension on blocks
@@ -47,7 +47,7 @@ class Integrator:
 
     opt: options in force. saved: times [s] at which ``on_frame(t)`` is called. Other hooks:
     ``on_series()`` when the records of steps must be taken (``take_series``), with -fsi_check every
-    CHECKED steps; ``on_step(steps, t, dt)`` after every burst of steps; ``on_checkpoint()`` when a
+    CHECKED steps; ``on_step(steps, t, dt)`` after every batch of steps; ``on_checkpoint()`` when a
     checkpoint is due (stepping.pauses).
     """
 
@@ -73,11 +73,11 @@ class Integrator:
         self.wall_time = self._begun = 0.0
         self.stop_signal = 0
         self._fused = opt["ts_type"] == FUSED
-        self.burst_limit = 1  # most steps in one go
+        self.batch_limit = 1  # most steps in one call
         if self._fused and self._steady:
             most = MOST_POINTS[state.problem.dimension] // (state.points + state.reserve)
             watched = PETSc.Options().hasName("ts_monitor")
-            self.burst_limit = max(1, min(1 if watched else BURST, most))
+            self.batch_limit = max(1, min(1 if watched else MOST_STEPS, most))
         self._error: BaseException | None = None
         self.initial: dict[str, Any] = {}  # integrals at t = 0
         self.beyond = ""  # what is to be said of steps that are too long
@@ -208,7 +208,7 @@ class Integrator:
 
     def step(self, ts: PETSc.TS) -> None:
         """A step, as a TS of type python asks for it: the classical Runge-Kutta method, in compiled
-        code, and further steps as the burst allows, which are one for TS.
+        code, and the further ones of its batch, which are one step for TS.
         """
         t, dt = ts.getTime(), ts.getTimeStep()
         self.state.step(t, dt, self._steady)
@@ -255,10 +255,10 @@ class Integrator:
         """Time, number and length of the steps just made; how many they are."""
         if not self._fused:
             if not self._steady:
-                self.state.set_data(float(self.state.burst[NEXT]))
+                self.state.set_data(float(self.state.batch[NEXT]))
             self.state.finish()
             self.state.plan_next()
-        t, made, *steps = self.state.burst[[TIME, MADE, SHORTEST, LONGEST]].tolist()
+        t, made, *steps = self.state.batch[[TIME, MADE, SHORTEST, LONGEST]].tolist()
         if self.state.results[STOP] >= FAULT:  # the step was made with data that are wrong
             agree(self.state.comm, self.state.fault)
         self.t, self.steps = t, self.steps + int(made)
@@ -276,7 +276,7 @@ class Integrator:
         state.results[SAID_STOP] = self.pauses.word() if state.fault is None else FAULT
         ts.setTimeStep(step)
         room = len(state.journal) - self._recorded
-        most = min(self.burst_limit, opt["ts_max_steps"] - self.steps, room)
+        most = min(self.batch_limit, opt["ts_max_steps"] - self.steps, room)
         times = self.t, step, after, target, courant, fixed
         allowed = self.pauses.allowed(self.steps, most)
-        state.burst[:] = *times, allowed, 0, np.inf, 0.0, self._recorded
+        state.batch[:] = *times, allowed, 0, np.inf, 0.0, self._recorded

@@ -15,7 +15,7 @@ class Ledgers:
     """The largest departures of a problem's invariants, on rank 0, as records of steps come.
 
     invariants: see fsipetsc.scheme.conservation_check.Drifts. tolerance: that of -fsi_check, or
-    None; unit: what stands behind a time in a message.
+    None; unit: what comes after a time in a message.
 
     departures   name -> largest relative departure of any step so far; nan if one was no number
     J_error      largest departure of J from the volume of the grid, over it; 0 if none is recorded
@@ -86,7 +86,7 @@ class Ledgers:
         return {"drifts": self._drifts.memory, **{name: getattr(self, name) for name in KEPT}}
 
     def recall(self, memory: Mapping[str, Any] | None, initial: Mapping[str, Any]) -> None:
-        """Go on behind the steps of which ``memory`` tells; without it nothing is known of them."""
+        """Go on after the steps of which ``memory`` tells; without it nothing is known of them."""
         if memory is None:
             return
         self._drifts = Drifts(self._invariants, initial, memory["drifts"])

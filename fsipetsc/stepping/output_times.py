@@ -15,7 +15,7 @@ def saved_times(
     """Times [s] in [0, t_end] at which profiles are saved: every ``interval``, at ``times``, at the
     end.
 
-    InputError for times beyond the end and for more than MOST; unit: what stands behind a time.
+    InputError for times beyond the end and for more than MOST; unit: what comes after a time.
     """
     saved = set(times or ())
     if beyond := sorted(t for t in saved if t > t_end):

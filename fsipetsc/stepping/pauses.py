@@ -32,7 +32,7 @@ class Pauses:
         self._last = time.monotonic()
 
     def word(self) -> float:
-        """What this rank has to say after the next burst of steps."""
+        """What this rank has to say after the next batch of steps."""
         if self.raised:
             return float(self.raised)
         return CHECKPOINT if time.monotonic() >= self._last + self._interval else 0.0
@@ -56,7 +56,7 @@ class Pauses:
 
 @contextmanager
 def signals_noted(pauses: Pauses) -> Iterator[None]:
-    """SIGTERM, SIGINT and SIGHUP let the current burst of steps end; all ranks stop together.
+    """SIGTERM, SIGINT and SIGHUP let the current batch of steps end; all ranks stop together.
 
     One that comes before the first step is answered after it; one after the last step is not
     answered. A second SIGINT ends at once. A signal that is ignored stays so, as SIGHUP under

@@ -23,7 +23,7 @@ MOST_J_ERROR = 0.01
 #: and a larger loss of the kinetic and elastic energy of solids
 MOST_LOST = 0.001
 #: by kind of layer: names of the bounds by convection and by diffusion
-_BOUNDS = {"fluid": ("sound", "friction and conduction"), "solid": ("waves", "conduction")}
+_BOUNDS = {"fluid": ("sound", "viscosity and conduction"), "solid": ("waves", "conduction")}
 
 
 def bound_of_step(state: State, opt: Mapping[str, Any]) -> str:

@@ -144,12 +144,12 @@ class _Run:
     def _series(self) -> None:
         with stage(OUTPUT):
             self.writer.write_series()
-        self._look()
+        self._check()
 
     def _flush(self) -> None:
         with stage(OUTPUT):
             self.writer.flush()
-        self._look()
+        self._check()
 
     def _take(self) -> np.ndarray:
         """Hand over the records of the steps made since the last time, of which the ledgers learn.
@@ -160,7 +160,7 @@ class _Run:
             self.ledgers.add(steps)
         return steps
 
-    def _look(self) -> None:
+    def _check(self) -> None:
         """With -fsi_check: ComputationError on all ranks if a law that must hold does not."""
         if not self.checks:
             return

@@ -8,8 +8,8 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.errors import FsiError, InputError
-from fsipetsc.scheme.burst import plan_next
-from fsipetsc.scheme.plan import BURST, SAID_STOP
+from fsipetsc.scheme.batch import plan_next
+from fsipetsc.scheme.plan import BATCH, SAID_STOP
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
 FAULT = 1000.0
@@ -18,10 +18,10 @@ FAULT = 1000.0
 class State:
     """A solution and all that belongs to it.
 
-    results: flags and limits of the last step (fsipetsc.scheme.plan). burst: fsipetsc.scheme.burst.
+    results: flags and limits of the last step (fsipetsc.scheme.plan). batch: fsipetsc.scheme.batch.
     journal: records of steps; latest: that of the last one, without its time; the integrals in them
     are this rank's shares. plan_next() puts the last step into the journal, and says whether
-    another one of its burst follows. fault: the first one of a user's function, on this rank.
+    another one of its batch follows. fault: the first one of a user's function, on this rank.
     """
 
     comm: MPI.Comm
@@ -30,12 +30,12 @@ class State:
     fault: InputError | None = None
 
     def _lay_journal(self, record: np.dtype, steps: int) -> tuple[np.ndarray, np.ndarray]:
-        """Make burst, and journal and latest, which it returns as numbers."""
-        rows, self.burst = np.zeros((steps, record.itemsize // 8)), np.zeros(BURST)
+        """Make batch, journal and latest; the last two are returned as numbers, too."""
+        rows, self.batch = np.zeros((steps, record.itemsize // 8)), np.zeros(BATCH)
         latest = np.zeros(rows.shape[1] - 2)
         self.journal = rows.reshape(-1).view(record)
         self.latest = latest.view([(name, record[name]) for name in record.names[2:]])[0]
-        self.plan_next = partial(plan_next, self.burst, self.results, rows, latest)
+        self.plan_next = partial(plan_next, self.batch, self.results, rows, latest)
         return rows, latest
 
     def _guarded(self, action: Callable[[], object]) -> None:

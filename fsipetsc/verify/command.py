@@ -39,7 +39,7 @@ COLUMNS += ("error", "rate", "verdict", "least_rate", "largest_error")
 
 
 def verify(arguments: list[str], comm: MPI.Comm) -> None:
-    """The command, with the arguments behind its name. Collective on comm.
+    """The command, with the arguments after its name. Collective on comm.
 
     Raises InputError; ComputationError at the end where a row falls short; FileError.
     """
@@ -182,7 +182,7 @@ def picture(title: str, rows: list[Row], last: Measured | None, path: Path) -> N
         thick = {"color": "0.6", "linewidth": 3, "label": "reference"}
         axes[0].plot(curve.x_reference, curve.reference, **thick)
         axes[0].plot(curve.x, curve.ours, ".", markersize=4, label="computed")
-        axes[0].set(xlabel=curve.words[0], ylabel=curve.words[1])
+        axes[0].set(xlabel=curve.labels[0], ylabel=curve.labels[1])
         axes[0].legend(frameon=False)
     names, orders = (list(dict.fromkeys(of)) for of in zip(*[row[1:3] for row in rows]))
     for number, row in enumerate(rows):

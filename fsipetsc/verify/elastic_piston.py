@@ -39,8 +39,8 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
         ours = rod["sigma"].ravel() + P
         exact = smooth(table["X"], table[f"{way}_stress"])(X)
         errors[f"{way}, stress"] = float(np.abs(ours - exact).max())
-    words = "X, label in the rod", "stress - stress at rest"
-    return Measured(errors, Curve(words, X, ours, table["X"], table["advancing_stress"]))
+    labels = "X, label in the rod", "stress - stress at rest"
+    return Measured(errors, Curve(labels, X, ours, table["X"], table["advancing_stress"]))
 
 
 ENTRY = Entry(

@@ -18,9 +18,9 @@ Solve = Callable[..., Any]
 
 
 class Curve(NamedTuple):
-    """To be drawn: ours at x, the reference at x_reference. words: of the axes, with units."""
+    """To be drawn: ours at x, the reference at x_reference. labels: of the axes, with units."""
 
-    words: tuple[str, str]
+    labels: tuple[str, str]
     x: Array
     ours: Array
     x_reference: Array

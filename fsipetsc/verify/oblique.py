@@ -22,8 +22,8 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
         "p, mean of errors": float(np.abs(p - exact).mean() / table["p"][0]),
         "p on the wall": Compared(float(p[plateau].mean()), float(table["p"][2])),
     }
-    words = "x", "p on the wall"
-    return Measured(errors, Curve(words, x[wall], p[wall], x[wall], exact[wall]))
+    labels = "x", "p on the wall"
+    return Measured(errors, Curve(labels, x[wall], p[wall], x[wall], exact[wall]))
 
 
 ENTRY = Entry(

@@ -25,8 +25,8 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
         errors[f"{name}, u"] = Compared(float((x[-1] - 1.0) / (t[-1] - hit)), u)
         errors[f"{name}, p"] = Compared(float(pressure[late].mean()), p)
         if name == "Mach 3":
-            ends, words = t[[0, -1]], ("t", "p at the interface, Mach 3")
-            curve = Curve(words, t, pressure, ends, 0.0 * ends + p)
+            ends, labels = t[[0, -1]], ("t", "p at the interface, Mach 3")
+            curve = Curve(labels, t, pressure, ends, 0.0 * ends + p)
     return Measured(errors, curve)
 
 

@@ -19,8 +19,8 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
         "time of it, ms": Compared(found[1], float(table["ms"][2]), size=1.0),
     }
     few = slice(None, None, max(1, len(t) // 300))
-    words = "ms after the hit", "tip [mm]; reference: largest, experiment"
-    return Measured(errors, Curve(words, late[few], moved[few], late[[0, -1]], table["mm"][[0, 0]]))
+    axes = "ms after the hit", "tip [mm]; reference: largest, experiment"
+    return Measured(errors, Curve(axes, late[few], moved[few], late[[0, -1]], table["mm"][[0, 0]]))
 
 
 ENTRY = Entry(

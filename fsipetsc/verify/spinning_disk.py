@@ -30,9 +30,9 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
             found.append(np.abs([X.ravel(), v.ravel()]))
         errors[f"place, density {density:g}"] = place
         errors[f"velocity, density {density:g}"] = speed
-    R, words = table["R"], ("R", f"speed in the disk of density {density:g}")
+    R, labels = table["R"], ("R", f"speed in the disk of density {density:g}")
     exact_speed = R * np.hypot(exact("v_real", R), exact("v_imag", R))
-    return Measured(errors, Curve(words, *np.concatenate(found, axis=1), R, exact_speed))
+    return Measured(errors, Curve(labels, *np.concatenate(found, axis=1), R, exact_speed))
 
 
 ENTRY = Entry(

@@ -63,8 +63,8 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
         "solid": float(np.abs(T_s - in_solid(X, END)[2]).max()) / JUMP,
         "interface": Compared(float(T[0]), float(table["contact T"][0]), JUMP),
     }
-    words = "x", "T of the gas"
-    return Measured(errors, Curve(words, x, T, table["chi"] * np.sqrt(END), table["gas T"]))
+    labels = "x", "T of the gas"
+    return Measured(errors, Curve(labels, x, T, table["chi"] * np.sqrt(END), table["gas T"]))
 
 
 ENTRY = Entry(

@@ -41,8 +41,8 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     line = frame["u"].shape[0] // 16, frame["u"].shape[1] // 8
     ours = {name: v.reshape(n, n, n)[line][:: n // 16] for name, v in frame.items()}
     errors |= {name: float(np.abs(ours[name] - table[name]).max()) for name in "uvw"}
-    words = "x", "w at y = π/4, z = π/8, t = 1"
-    return Measured(errors, Curve(words, ours["x"], ours["w"], table["x"], table["w"]))
+    labels = "x", "w at y = π/4, z = π/8, t = 1"
+    return Measured(errors, Curve(labels, ours["x"], ours["w"], table["x"], table["w"]))
 
 
 ENTRY = Entry(

@@ -59,8 +59,8 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
             errors[f"{axis} of the {name}"] = Compared(value, exact, size=1.0)
     apart = np.interp(table["x"], x, rho[0]) - table["rho"]
     errors["density at the wall"] = float(np.abs(apart).mean() / table["rho"].mean())
-    words = "x", "density at the wall"
-    return Measured(errors, Curve(words, x, rho[0], table["x"], table["rho"]))
+    labels = "x", "density at the wall"
+    return Measured(errors, Curve(labels, x, rho[0], table["x"], table["rho"]))
 
 
 ENTRY = Entry(

@@ -78,8 +78,8 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
             apart[name].append(np.abs(frame[name] - of_r[name](r)).ravel())
         found.append(np.array([r.ravel(), frame["p"].ravel()]))
     errors = {name: float(np.sqrt(np.mean(np.concatenate(v) ** 2))) for name, v in apart.items()}
-    words, at = ("r", "p"), np.concatenate(found, axis=1)
-    return Measured(errors, Curve(words, *at, table["r"], table["vortex p"]))
+    labels, at = ("r", "p"), np.concatenate(found, axis=1)
+    return Measured(errors, Curve(labels, *at, table["r"], table["vortex p"]))
 
 
 ENTRY = Entry(

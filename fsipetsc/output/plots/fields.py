@@ -47,7 +47,7 @@ class View:
 
     layers   those that have the quantity
     values   of each of these, at these frames
-    looks    kind of layer -> colours of its maps, for frames behind the first one
+    scales   kind of layer -> colours of its maps, for frames after the first one
     limits   (left, right), (lower, upper) of a panel
     labels   of its two axes
     ratio    its width over its height
@@ -57,7 +57,7 @@ class View:
         self.run, self.quantity, self.frames = run, quantity, list(frames)
         self.layers = [layer for layer in run.layers if quantity.of(layer.kind)]
         self.values = [[self._values(layer, k) for k in self.frames] for layer in self.layers]
-        self.looks = self._looks()
+        self.scales = self._scales()
         positions = [self.positions(layer, k) for layer in self.layers for k in self.frames]
         ranges = np.array([extremes(*along) for along in zip(*positions)])
         last = "r" if run.header.get("symmetry") else "xyz"[run.dimension - 1]
@@ -84,23 +84,23 @@ class View:
         fields = layer.frame(frame)
         return [in_plane(fields[x]) for x in ("x", "xy", "xz")[self.run.dimension - 1]]
 
-    def _looks(self) -> dict[str, dict[str, Any]]:
+    def _scales(self) -> dict[str, dict[str, Any]]:
         """A kind of layer has colours of its own: what comes through to a solid may be little."""
         unit, last = self.quantity.unit, [layer.frame(-1) for layer in self.run.layers]
         same = [v for frame in last for k, v in frame.items() if written(unit_of(k)) == unit]
         beside = max(map(abs, extremes(*same)))
-        looks = {}
+        scales = {}
         for kind in dict.fromkeys(layer.kind for layer in self.layers):
             some = [k for k, layer in enumerate(self.layers) if layer.kind == kind]
             later = [np.ravel(v) for k in some for v in self.values[k][1:] or self.values[k]]
             start = [np.ravel(self._values(self.layers[k], 0)) for k in some]
-            looks[kind] = colours(kind, np.concatenate(later), np.concatenate(start), beside)
-        return looks
+            scales[kind] = colours(kind, np.concatenate(later), np.concatenate(start), beside)
+        return scales
 
     def bar_label(self, kind: str) -> str:
         """What a colour bar shows."""
         label, both = self.quantity.of(kind).label, (self.quantity.fluid, self.quantity.solid)
-        if len(self.looks) > 1 and both[0].label == both[1].label:
+        if len(self.scales) > 1 and both[0].label == both[1].label:
             label = f"{'gas' if kind == 'fluid' else 'solid'}: {label}"
         return labelled(self.run, label, self.quantity.unit)
 
@@ -115,7 +115,7 @@ class View:
                 continue
             for axis in layer.rings if self.run.dimension == 2 else ():  # it ends where it begins
                 *places, values = (np.append(v, v.take([0], axis), axis) for v in (*places, values))
-            pictures[layer.kind] = shaded(axes, *places, values, self.looks[layer.kind])
+            pictures[layer.kind] = shaded(axes, *places, values, self.scales[layer.kind])
             if layer.kind == "solid":
                 outline(axes, *places)
             axes.set_aspect("equal" if self.ratio <= 1 / THIN else "auto")
@@ -145,7 +145,7 @@ def sizes(view: View) -> tuple[int, float, float]:
     rows = -(-len(view.frames) // columns)
     ratio = min(view.ratio, 1 / THIN)
     width = min(WIDTH / columns - 0.4, HIGHEST * ratio)
-    bars = BAR * len(view.looks) * (view.run.dimension > 1)
+    bars = BAR * len(view.scales) * (view.run.dimension > 1)
     return columns, width, rows * (width / ratio + ABOVE) + bars + 0.45
 
 
@@ -164,7 +164,7 @@ def draw(figure: FigureBase, view: View) -> None:
     for axes in grid[:, 0]:
         label_y(axes, view.labels[1])
     grid[0, 0].locator_params(axis="x", nbins=4)
-    if not pictures and len(view.looks) > 1:
+    if not pictures and len(view.scales) > 1:
         legend_above(grid[0, -1], side="right")
     draw_bars(figure, view, pictures, list(grid.flat))
 
@@ -185,7 +185,7 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
         for layer, kept in zip(view.layers, view.values):
             x, values = without_gaps(layer, np.array(kept))
             x, values, t = between(x, values, np.broadcast_to(run.time[:, None], x.shape))
-            pictures[layer.kind] = shaded(axes, x, t, values, view.looks[layer.kind])
+            pictures[layer.kind] = shaded(axes, x, t, values, view.scales[layer.kind])
         for x in x_interface[some].T:
             for color, width in (("white", 1.8), ("black", 0.8)):
                 axes.plot(x, run.series["t"][some], color=color, linewidth=width)

@@ -126,8 +126,8 @@ def draw_panel(axes: Axes, run: Run, panel: Panel) -> None:
         if panel.logarithmic:
             t, shown = envelope(panel.t, np.abs(values))
             shown = np.where(shown > 0, shown, np.nan)
-        look = {"color": SERIES[k % len(SERIES)], "linestyle": LINES[k % len(LINES)]}
-        axes.plot(t, shown, **look, label=name)
+        style = {"color": SERIES[k % len(SERIES)], "linestyle": LINES[k % len(LINES)]}
+        axes.plot(t, shown, **style, label=name)
     if panel.logarithmic:
         if panel.label == "relative departure" and run.options.get("fsi_check"):
             axes.axhline(run.options["fsi_check"], color=GREY, linestyle=":", label="-fsi_check")

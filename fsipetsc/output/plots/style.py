@@ -164,18 +164,18 @@ def colours(kind: str, values: Array, start: Array, beside: float = 0.0) -> dict
     return {"cmap": MAPS[kind], "vmin": rest - half, "vmax": rest + half}
 
 
-def shaded(axes: Axes, x: Array, y: Array, values: Array, look: dict[str, Any]) -> Any:
+def shaded(axes: Axes, x: Array, y: Array, values: Array, scale: dict[str, Any]) -> Any:
     """Values on a grid, smooth between its points."""
     values = np.ma.masked_invalid(values)
     axes.grid(visible=False)
-    return axes.pcolormesh(x, y, values, shading="gouraud", rasterized=True, **look)
+    return axes.pcolormesh(x, y, values, shading="gouraud", rasterized=True, **scale)
 
 
 def bar_above(figure: FigureBase, picture: Any, axes: Any, label: str) -> None:
     """A colour bar above panels, over what occurs in the last picture."""
     wide = isinstance(axes, list)
-    look = {"aspect": 50, "shrink": 0.7} if wide else {"aspect": 25}
-    made = figure.colorbar(picture, ax=axes, location="top", pad=0.02, **look)
+    shape = {"aspect": 50, "shrink": 0.7} if wide else {"aspect": 25}
+    made = figure.colorbar(picture, ax=axes, location="top", pad=0.02, **shape)
     made.set_label(label, loc="left")
     made.outline.set_visible(False)
     made.ax.locator_params(nbins=6 if wide else 4)

@@ -1,8 +1,7 @@
-"""Several steps in one call: the words of the plan of a burst, what came of it, the next step.
+"""Several steps in one call: the plan of a batch of steps, what came of it, the next step.
 
-A burst of steps ends when it has as many as are allowed (-ts_max_steps, room in the
-journal), or something has to be looked at: a time to be saved, a failure, a
-signal. Each step fills a row of the journal.
+A batch ends when it has as many steps as are allowed (-ts_max_steps, room in the journal), or for a
+time to be saved, a failure or a signal. Each step fills a row of the journal.
 """
 
 from numba import njit
@@ -20,30 +19,30 @@ _longest_step, _next_step = njit(**CALL)(longest_step), njit(**CALL)(next_step)
 
 
 @njit(**MERGED_CALL)
-def plan_next(burst, results, journal, latest):
-    """Note the step just made in burst and journal, plan the next one; False if none follows.
+def plan_next(batch, results, journal, latest):
+    """Note the step just made in batch and journal, plan the next one; False if none follows.
 
-    The same on all ranks. burst: one that has ended, or was never planned, allows no steps.
+    The same on all ranks. batch: one that has ended, or was never planned, allows no steps.
     results: see fsipetsc.scheme.plan. journal: (rows, columns), each row time, step, and what is in
     latest.
     """
-    allowed, burst[ALLOWED] = burst[ALLOWED], 0.0
+    allowed, batch[ALLOWED] = batch[ALLOWED], 0.0
     if allowed == 0.0:
         return False
-    t, dt, made = burst[NEXT], burst[DT], burst[MADE]
-    row = int(burst[FIRST] + made)
+    t, dt, made = batch[NEXT], batch[DT], batch[MADE]
+    row = int(batch[FIRST] + made)
     journal[row, 0], journal[row, 1] = t, dt
     for c in range(latest.size):  # an assignment of arrays compiles for seconds
         journal[row, 2 + c] = latest[c]
-    burst[TIME], burst[MADE] = t, made + 1
-    burst[SHORTEST], burst[LONGEST] = min(burst[SHORTEST], dt), max(burst[LONGEST], dt)
+    batch[TIME], batch[MADE] = t, made + 1
+    batch[SHORTEST], batch[LONGEST] = min(batch[SHORTEST], dt), max(batch[LONGEST], dt)
     rate = results[RATE]
     ends = not 0.0 < rate < 1e300
     for flag in (EXHAUSTED, TOO_SHORT, BAD, STOP):
         ends = ends or results[flag] != 0.0
-    if ends or t >= burst[TARGET] or made + 1 >= allowed:
+    if ends or t >= batch[TARGET] or made + 1 >= allowed:
         return False
-    bound = _longest_step(burst[COURANT], burst[FIXED], rate)
-    burst[DT], burst[NEXT] = _next_step(t, burst[TARGET], bound)
-    burst[ALLOWED] = allowed
+    bound = _longest_step(batch[COURANT], batch[FIXED], rate)
+    batch[DT], batch[NEXT] = _next_step(t, batch[TARGET], bound)
+    batch[ALLOWED] = allowed
     return True

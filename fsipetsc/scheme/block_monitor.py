@@ -1,4 +1,4 @@
-"""A look at the nodes of a block after a step: bounds on the next one, bad states, integrals.
+"""Monitor of the nodes of a block after a step: bounds on the next one, bad states, integrals.
 
     convection   gas: sum_k (|a^k . (u - v)| + c |a^k|) / (J h_k)
                  solid: sqrt(sum_k (c |A^k| / (J0 h_k))^2),  c^2 the largest wave modulus over m0
@@ -17,9 +17,10 @@ from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, along,
 from fsipetsc.operators.loops import _by_length as by_length
 from fsipetsc.scheme.rows import ROW, TILE, U64, Array, add_moment, aligned, at, moments, put
 
+#: extremes of a block: 1 if a state is unphysical, largest rates of convection and of diffusion
+#: [1/s], minus the least J, largest |J - det D x| / J
 BAD, CONVECTION, DIFFUSION, LEAST_J, J_ERROR = range(5)
-#: numbers of a look
-LOOKED = 5
+MONITORED = 5
 #: the larger ones of the numbers of two tuples
 largest = by_length(
     "largest",
@@ -29,18 +30,18 @@ largest = by_length(
 
 
 def room_of(d: int) -> Array:
-    """Memory of a look: by columns of a tile, the four extremes, what is bad, and the sums."""
-    return aligned((LOOKED + sums_of(d)) * int(ROW))
+    """Memory of the monitor: by columns of a tile, the four extremes, what is bad, and the sums."""
+    return aligned((MONITORED + sums_of(d)) * int(ROW))
 
 
 def sums_of(d: int) -> int:
-    """Sums of a look: mass, momentum, energy, entropy, angular momentum."""
+    """Sums that are monitored: mass, momentum, energy, entropy, angular momentum."""
     return d + 3 + moments(d)
 
 
 @njit(**MERGED_CALL)
-def gas_look(part, q, metrics, stiffness):
-    """Fill seen (LOOKED,) and sums (sums_of(d),) of the owned nodes; q: (M, d + 3).
+def gas_monitor(part, q, metrics, stiffness):
+    """Fill seen (MONITORED,) and sums (sums_of(d),) of the owned nodes; q: (M, d + 3).
 
     part: see fsipetsc.scheme.gas_record. metrics: those by which steps are bounded.
     """
@@ -48,7 +49,7 @@ def gas_look(part, q, metrics, stiffness):
     masses, reference, places = part.masses, part.reference, part.places
     room, seen, sums = part.room, part.seen, part.sums
     for c in range(room.size):
-        room[c] = -np.inf if c < LOOKED * ROW else 0.0
+        room[c] = -np.inf if c < MONITORED * ROW else 0.0
     (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
     if patch.own == patch.ghosted:  # rows follow one another
         n0, n1, n2 = n0 * n1 * n2, 1, 1
@@ -70,7 +71,7 @@ def measure(gas, like, per_h, stiffness, grid, q, metrics, masses, reference, ow
     d, like_q, one = U64(len(like)), (*like, 0.0, 0.0, 0.0), U64(1)
     rows, extremes = len(like) ** 2 + len(gas.of_grid(like)) + 1, (0.0, 0.0, 0.0, 0.0, 0.0)
     N = U64(metrics.size // rows)
-    like_sums, first_sum = (*like, 0.0, 0.0, 0.0), U64(LOOKED) * ROW
+    like_sums, first_sum = (*like, 0.0, 0.0, 0.0), U64(MONITORED) * ROW
     for i in range(n):
         here = at(like_q, q, own * U64(len(like_q)), one, i * U64(len(like_q)))
         w, per_J = gas.primitive(here), 1.0 / here[0]
@@ -98,7 +99,7 @@ def measure(gas, like, per_h, stiffness, grid, q, metrics, masses, reference, ow
 def turn(like, q, places, masses, own, first, n, room):
     """Add the angular momentum of n nodes to the sums."""
     d, dof, N = len(like), U64(len(like) + 3), U64(places.size // len(like))
-    q, x_of, begin = q.reshape(q.size), places.reshape(places.size), U64(LOOKED + d + 3) * ROW
+    q, x_of, begin = q.reshape(q.size), places.reshape(places.size), U64(MONITORED + d + 3) * ROW
     for i in range(n):
         momentum, x = at(like, q, own * dof + U64(2), U64(1), i * dof), at(like, x_of, first, N, i)
         add_moment(x, momentum, masses[own + i], room, begin, ROW, i)
@@ -107,18 +108,18 @@ def turn(like, q, places, masses, own, first, n, room):
 @njit(**INNER_CALL)
 def collect(room, seen, sums):
     """The extremes and sums of all columns."""
-    for c in range(LOOKED):
+    for c in range(MONITORED):
         seen[c] = -np.inf if c == LEAST_J else 0.0
         for i in range(ROW):
             seen[c] = max(seen[c], room[U64(c) * ROW + i])
     for c in range(sums.size):
         sums[c] = 0.0
         for i in range(ROW):
-            sums[c] += room[U64(LOOKED + c) * ROW + i]
+            sums[c] += room[U64(MONITORED + c) * ROW + i]
 
 
 @njit(**MERGED_CALL)
-def look_at_end(solid, q, F, node, S, found):
+def monitor_end(solid, q, F, node, S, found):
     """Fill found with displacement, velocity, sigma and T of an owned node in one dimension.
 
     S: prestress [Pa]. With heat 'elastic', S (F - 1) is energy.

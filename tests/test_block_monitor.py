@@ -56,17 +56,17 @@ def test_what_bounds_a_step():
     problem = problem_of(shape, closed, gas(mu=0.02), solid(heat="coupled"))
     with steps_of(problem) as run:
         run.step(2e-3, 2)
-        looked = run.look().copy()
+        found = run.monitor().copy()
         for k in range(2):
-            np.testing.assert_allclose(looked[k, 1:3], bounds_of(run, k), rtol=1e-12)
-            assert looked[k, 0] == 0.0 and looked[k, 2] > 0.0
+            np.testing.assert_allclose(found[k, 1:3], bounds_of(run, k), rtol=1e-12)
+            assert found[k, 0] == 0.0 and found[k, 2] > 0.0
         moving = run.scheme.parts[0].metrics[4:6]
         assert np.abs(moving).max() > 0.01
         run.y.owned(0)[5] *= 0.9  # its J departs from the grid, its density does not
-        assert run.look()[0, 4] == pytest.approx(0.1, rel=1e-6)
+        assert run.monitor()[0, 4] == pytest.approx(0.1, rel=1e-6)
     with steps_of(problem, pace=2.0) as run:  # as much faster are waves where shocks are damped
         run.step(2e-3, 2)
-        np.testing.assert_allclose(run.look()[:, 1:3], looked[:, 1:3] * [2.0, 1.0], rtol=1e-12)
+        np.testing.assert_allclose(run.monitor()[:, 1:3], found[:, 1:3] * [2.0, 1.0], rtol=1e-12)
 
 
 def spin_of(run):
@@ -122,7 +122,7 @@ def swung(cells, dt, t, order=4):
     one = Block("solid", rubber, rectangle((0, 0), (1, 1)), (cells, cells), swinging)
     faces = {("solid", axis, side): Free() for axis in (0, 1) for side in (0, 1)}
     with steps_of(BlockProblem((one,), faces), order) as run:
-        first, energy = run.held(), run.integrals()[-1]
+        first, energy = run.solid_energy(), run.integrals()[-1]
         run.step(dt, round(t / dt))
         change = run.integrals()[-1] - energy
         return first, run.lost(), change / energy
@@ -171,11 +171,11 @@ def test_a_departure_of_volumes_is_told():
     assert again.J_error == 0.03
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.02])
-def test_a_bad_state_leaves_nothing_behind(friction):
+@pytest.mark.parametrize("viscosity", [0.0, 0.02])
+def test_a_bad_state_leaves_nothing_behind(viscosity):
     """A step that fails is made anew: the rates then have the bits that they had before."""
     shape = shapes.warped(shapes.layers(N + 1, False), 0.03)
-    problem = problem_of(shape, closed, gas(mu=friction), solid(heat="coupled"))
+    problem = problem_of(shape, closed, gas(mu=viscosity), solid(heat="coupled"))
     with steps_of(problem, form=BlockForm(dissipation=1.0, shock=1.0)) as run:
         good, rates = run.y.array.copy(), np.zeros((2, run.y.array.size))
         for f in rates:

@@ -1,4 +1,4 @@
-"""A look at the nodes of a solid block after a step, with F: see fsipetsc.scheme.block_look.
+"""Monitor of the nodes of a solid block after a step, with F: see fsipetsc.scheme.block_monitor.
 
 The tiles and rows are those of fsipetsc.scheme.solid_rates: unknowns are loaded, F is found, and
 what bounds the next step is found from both, column by column of a tile.
@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.loops import CALL, EXACT_LOOP, INNER_CALL, add, along, dot, sub
-from fsipetsc.scheme.block_look import BAD, CONVECTION, DIFFUSION, J_ERROR, LEAST_J
+from fsipetsc.scheme.block_monitor import BAD, CONVECTION, DIFFUSION, J_ERROR, LEAST_J
 from fsipetsc.scheme.rows import U64, add_moment, at, put
 from fsipetsc.scheme.solid_rates import (
     differentiate,
@@ -22,24 +22,24 @@ from fsipetsc.scheme.solid_work import EXTREMES, KNOWN, NONE, ONE, OWN, PLAIN, W
 
 
 @njit(**CALL)
-def solid_look(
+def solid_monitor(
     solid, like, q, X, metrics, prestress, per_h, stiffness, masses, work, F, loses, seen, sums
 ):
-    """Fill seen (LOOKED,), sums (solid_work.sums_of(d) + 1,) and F (d d, M) of the owned nodes.
+    """Fill seen (MONITORED,), sums (solid_work.sums_of(d) + 1,) and F (d d, M) of the owned nodes.
 
     sums: momentum, energy, angular momentum, kinetic and elastic energy, minus this. q, metrics,
     prestress, work: see fsipetsc.scheme.solid_rates. X: (d, N) places at rest. per_h: (d,) cells
     per axis; masses: (M,) weight J0 m0. loses: 1 if the last two sums are wanted, else they are 0.
     """
     patch, layout, lags, boxes, jumps, weights = work[:6]
-    unknowns, strains, slopes, looked = work[6], work[7], work[11], work[13]
+    unknowns, strains, slopes, totals = work[6], work[7], work[11], work[13]
     q, metrics, F = q.reshape(q.size), metrics.reshape(metrics.size), F.reshape(F.size)
     X = X.reshape(X.size)
     extra, table, d = prestress.reshape(prestress.size), (jumps, weights, layout), ONE * len(like)
-    for i in range(looked.size):
-        looked[i] = 0.0
+    for i in range(totals.size):
+        totals[i] = 0.0
     for i in range(U64(layout.row)):
-        looked[U64(EXTREMES - 1) * WIDTH + i] = -np.inf
+        totals[U64(EXTREMES - 1) * WIDTH + i] = -np.inf
     for tile in range(boxes.shape[0]):
         for z in range(boxes[tile, KNOWN, 2, 0], boxes[tile, OWN, 2, 1] + lags[0]):
             begin, end = rows_of(boxes, tile, KNOWN, z)
@@ -48,14 +48,14 @@ def solid_look(
             begin, end = rows_of(boxes, tile, OWN, z - lags[0])
             for y in range(begin, end):
                 row = row_of(patch, layout, boxes, tile, OWN, y, z - lags[0])
-                add_up(like, row, unknowns, X, masses, looked)
+                add_up(like, row, unknowns, X, masses, totals)
                 differentiate(like, table, row, PLAIN, unknowns, NONE, NONE, d, slopes, NONE)
                 strain(solid, like, metrics, row, slopes, unknowns, strains)
                 relieve(solid, like, extra, row, strains, unknowns)
-                measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, F, looked)
+                measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, F, totals)
                 if loses == 1:
-                    add_energy(solid, like, extra, row, unknowns, strains, masses, looked)
-    collect(looked, U64(layout.row), seen, sums)
+                    add_energy(solid, like, extra, row, unknowns, strains, masses, totals)
+    collect(totals, U64(layout.row), seen, sums)
 
 
 @njit(**EXACT_LOOP)
@@ -88,7 +88,7 @@ def add_energy(solid, like, extra, row, unknowns, strains, masses, totals):
 
 
 @njit(**EXACT_LOOP)
-def measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, F_of, looked):
+def measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, F_of, totals):
     """Keep F of a row; add it to the extremes of columns: squared rate of waves [1/s2], inf where
     the state is none; that of diffusion [1/s]; -det F.
     """
@@ -109,23 +109,23 @@ def measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, F_of
         modulus = solid.wave_modulus_at(F, T)
         good = J > 0.0 and T > 0.0 and modulus > -1e-300
         fastest = max(modulus, 0.0) / solid.m0 * squares if good else np.inf
-        looked[i] = max(looked[i], fastest)
-        looked[WIDTH + i] = max(looked[WIDTH + i], spread * squares)
-        looked[U64(2) * WIDTH + i] = max(looked[U64(2) * WIDTH + i], -J)
+        totals[i] = max(totals[i], fastest)
+        totals[WIDTH + i] = max(totals[WIDTH + i], spread * squares)
+        totals[U64(2) * WIDTH + i] = max(totals[U64(2) * WIDTH + i], -J)
 
 
 @njit(**INNER_CALL)
-def collect(looked, n, seen, sums):
+def collect(totals, n, seen, sums):
     """The extremes and sums of all columns; the last sum is minus the one before."""
     fastest, seen[DIFFUSION], seen[LEAST_J], seen[J_ERROR] = 0.0, 0.0, -np.inf, 0.0
     for i in range(n):
-        fastest = max(fastest, looked[i])
-        seen[DIFFUSION] = max(seen[DIFFUSION], looked[WIDTH + i])
-        seen[LEAST_J] = max(seen[LEAST_J], looked[U64(2) * WIDTH + i])
+        fastest = max(fastest, totals[i])
+        seen[DIFFUSION] = max(seen[DIFFUSION], totals[WIDTH + i])
+        seen[LEAST_J] = max(seen[LEAST_J], totals[U64(2) * WIDTH + i])
     seen[BAD] = 0.0 if fastest < np.inf else 1.0
     seen[CONVECTION] = np.sqrt(fastest)
     for c in range(sums.size - 1):
         sums[c], first = 0.0, U64(EXTREMES + c) * WIDTH
         for i in range(n):
-            sums[c] += looked[first + i]
+            sums[c] += totals[first + i]
     sums[sums.size - 1] = -sums[sums.size - 2]
