@@ -1,11 +1,16 @@
 """Free vibration of a clamped and of a hinged beam in vacuum."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 
+from fsipetsc.blockrun.block_state import BlockState
+from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.conditions import Clamped, Free, Hinge
+from fsipetsc.blocks.maps import rectangle
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.verify.entry import Compared, Entry, Measured, Solve, expect, reference
 
 #: cells across; 8/4 takes 15 at least
@@ -18,15 +23,6 @@ QUANTITIES = "clamped, d = 0.05", "hinged, d = 0.02"
 
 def first_frequency(order: int, h: float, thickness: float, hinged: bool) -> float:
     """omega [1/s] of the slowest motion that bends the beam. InputError."""
-    from mpi4py import MPI
-
-    from fsipetsc.blockrun.block_state import BlockState
-    from fsipetsc.blocks.block import Block
-    from fsipetsc.blocks.conditions import Clamped, Free, Hinge
-    from fsipetsc.blocks.maps import rectangle
-    from fsipetsc.blocks.problem import BlockProblem
-    from fsipetsc.materials.solid import ElasticSolid
-
     beam = ElasticSolid(1.0, 0.0, 0.0, 1.0, 1.0, law="linear", heat="elastic")
     where = rectangle((0.0, -0.5 * thickness), (1.0, 0.5 * thickness))
     block = Block("beam", beam, where, (round(1 / h), ACROSS), lambda X, Y: (0, 0, 1, X, Y))

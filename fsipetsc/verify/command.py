@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from functools import partial
 from importlib import import_module
-from itertools import count
+from itertools import count, takewhile
 from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from fsipetsc.analysis.tables import csv_target, printer, results_folder, save_csv, text_table
 from fsipetsc.cases import load_case
-from fsipetsc.errors import ComputationError, FileError, InputError
+from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.options import RUN, Option, defaults, read_table
+from fsipetsc.output.file_layout import writing
 from fsipetsc.output.reader import open_run
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import together, wait_asleep
@@ -22,7 +23,6 @@ from fsipetsc.verify.entry import Bound, Compared, Entry, Measured, Row, Solve, 
 if TYPE_CHECKING:
     from mpi4py import MPI
 
-_OF_RUN = ("fsi_quiet",)
 OPTIONS = (
     Option("verify_level", str, "quick", "", "how many grids and orders", ("quick", "full")),
     Option("verify_docs", str, None, "", "folder for a page and a picture of each entry"),
@@ -30,7 +30,7 @@ OPTIONS = (
 )
 SECTIONS: dict[str, tuple[Option, ...]] = {
     "Verification": OPTIONS,
-    "Run": tuple(option for option in RUN if option.name in _OF_RUN),
+    "Run": tuple(option for option in RUN if option.name == "fsi_quiet"),
 }
 HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "verdict")
 COLUMNS = ("case", "quantity", "order", "h", "ranks", "value", "reference", "source")
@@ -42,9 +42,7 @@ def verify(arguments: list[str], comm: MPI.Comm) -> None:
 
     Raises InputError; ComputationError at the end where a row falls short; FileError.
     """
-    names = []
-    while len(names) < len(arguments) and not arguments[len(names)].startswith("-"):
-        names.append(arguments[len(names)])
+    names = list(takewhile(lambda word: not word.startswith("-"), arguments))
     opt = read_table(SECTIONS, start_petsc(arguments[len(names) :], comm))
     for name in names:
         if name not in ENTRIES:
@@ -140,13 +138,11 @@ def _show(
         if rows:
             table = [f"| {' | '.join(cells)} |" for cells in (HEAD, *(row.cells for row in rows))]
             lines += [table[0], "|---|---:|---|---|---|---|", *table[1:]]
-        lines += ["", f"![{_title(name)}]({name}.png)", ""] if rows else []
-        lines += [] if rows else ["Only `-verify_level full` runs this.", ""]
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
+            lines += ["", f"![{_title(name)}]({name}.png)", ""]
+        else:
+            lines += ["Only `-verify_level full` runs this.", ""]
+        with writing(folder / f"{name}.md", "the page"):
             (folder / f"{name}.md").write_text("\n".join(lines), encoding="utf-8")
-        except OSError as error:
-            raise FileError(f"{folder}: cannot write the page: {error.strerror}") from None
     if rows:
         picture(_title(name), rows, last, where)
 
@@ -154,12 +150,10 @@ def _show(
 def picture(title: str, rows: list[Row], last: Measured | None, path: Path) -> None:
     """Ours over the reference, of the last run, and errors over the grid spacing. FileError."""
     from matplotlib import colormaps
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     curve = last.curve if last else None
     figure = Figure(figsize=(12.0 if curve else 8.0, 4.2), layout="constrained")
-    FigureCanvasAgg(figure)
     axes = figure.subplots(1, 2 if curve else 1, squeeze=False)[0]
     if curve:
         thick = {"color": "0.6", "linewidth": 3, "label": "reference"}
@@ -181,7 +175,5 @@ def picture(title: str, rows: list[Row], last: Measured | None, path: Path) -> N
     axes[-1].set_xticks(spacings, [f"{h:.3g}" for h in spacings])
     axes[-1].legend(frameon=False, fontsize="x-small", loc="upper left", bbox_to_anchor=(1.0, 1.0))
     figure.suptitle(title, fontsize="medium")
-    try:
+    with writing(path):
         figure.savefig(path, dpi=75)
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror}") from None

@@ -1,7 +1,5 @@
 """Receding and advancing elastic piston."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fsipetsc.verify.entry import Bound, Curve, Entry, Measured, Solve, expect, reference, smooth

@@ -1,18 +1,15 @@
 """Heat in a slab with a flux, and conjugate heat at the wall of a gas."""
 
-from __future__ import annotations
-
 import numpy as np
 
+from fsipetsc.boundaries import clamped, free
+from fsipetsc.materials.line_solid import Solid
+from fsipetsc.problem import Problem, SolidLayer
 from fsipetsc.verify.entry import Array, Bound, Entry, Measured, Solve, expect, reference, smooth
 
 
 def slab(solve: Solve, order: int, h: float, table: dict[str, Array]) -> float:
     """Largest error."""
-    from fsipetsc.boundaries import clamped, free
-    from fsipetsc.materials.line_solid import Solid
-    from fsipetsc.problem import Problem, SolidLayer
-
     T = smooth(table["x"], table["slab T"])
     solid = SolidLayer("slab", Solid(1.0, 0.1, 1.0, 1.0), (0.0, 1.0), lambda X: (0, 0, T(X), X))
     ends = clamped(T=1.0), free(heat_flux=lambda t: 0.1 * np.cos(2.0 * np.pi * t))

@@ -1,11 +1,13 @@
 """A closed box of gas, solid and gas that is shaken, in one, two and three dimensions."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 
+from fsipetsc.blocks.conditions import NoSlip
+from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.verify.entry import Array, Entry, Measured, Solve, expect
 
 PERIOD = 0.5
@@ -14,10 +16,6 @@ NAMES = ("mass", "momentum", "energy", "entropy")
 
 def box(d: int, h: float, order: int) -> Any:
     """The problem in d dimensions."""
-    from fsipetsc.blocks.conditions import NoSlip
-    from fsipetsc.blocks.layers import Layer, layers
-    from fsipetsc.materials.fluid import Fluid
-    from fsipetsc.materials.solid import ElasticSolid
 
     def lower(*X: Array) -> list[Any]:
         swirl = 0.1 * np.sin(4.0 * np.pi * X[0]) * np.sin(np.pi * X[-1]) ** 2

@@ -1,12 +1,14 @@
 """Solids alone in large deformation: simple shear, extension, rotation, energy of vibration."""
 
-from __future__ import annotations
-
 from itertools import product
 from typing import Any
 
 import numpy as np
 
+from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.conditions import Clamped, Free
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.verify.entry import Array, Bound, Entry, Measured, Solve, expect, reference
 
 RATE = 2.0 * np.pi
@@ -21,10 +23,6 @@ def curved(xi: tuple[Array, ...]) -> tuple[Array, Array]:
 
 def square(law: str, h: float, start: Any, side: Any, forcing: Any = None) -> Any:
     """The problem with one condition at all sides."""
-    from fsipetsc.blocks.block import Block
-    from fsipetsc.blocks.problem import BlockProblem
-    from fsipetsc.materials.solid import ElasticSolid
-
     solid, n = ElasticSolid(1.0, 1.5, 0.0, 1.0, 1.0, law=law, heat="elastic"), round(1.0 / h)
     block = Block("solid", solid, curved, (n, n), start, forcing=forcing)
     faces = {("solid", axis, side_of): side for axis in (0, 1) for side_of in (0, 1)}
@@ -33,7 +31,6 @@ def square(law: str, h: float, start: Any, side: Any, forcing: Any = None) -> An
 
 def stretched(solve: Solve, order: int, h: float, law: str, how: str) -> float:
     """Error of shear or extension."""
-    from fsipetsc.blocks.conditions import Clamped
 
     def speed(X: Array, Y: Array, t: float = 0.0) -> list[Array]:
         return [Y if how == "shear" else X, 0.0 * X]
@@ -53,7 +50,6 @@ def stretched(solve: Solve, order: int, h: float, law: str, how: str) -> float:
 
 def rotated(solve: Solve, order: int, h: float, law: str) -> tuple[float, float]:
     """Errors of place and stress."""
-    from fsipetsc.blocks.conditions import Free
 
     def force(X: Array, Y: Array, t: float) -> list[Array]:
         c, s = np.cos(RATE * t), np.sin(RATE * t)
@@ -70,8 +66,6 @@ def rotated(solve: Solve, order: int, h: float, law: str) -> tuple[float, float]
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
     """Errors of all."""
-    from fsipetsc.blocks.conditions import Free
-
     errors: dict[str, float] = {}
     for law, how in product(LAWS, HOW):
         errors[f"{how}, {law}"] = stretched(solve, order, h, law, how)

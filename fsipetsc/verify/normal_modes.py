@@ -1,11 +1,19 @@
 """Small motions of gas and liquid with elastic solids: frequencies of the scheme's equations."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 
+from fsipetsc.analysis.wave_modes import Stack, linearise, radial_modes
+from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
+from fsipetsc.blocks.layers import Layer
+from fsipetsc.cases import load_case
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.materials.stiffened_gas import stiffened_gas
+from fsipetsc.options import defaults
+from fsipetsc.stepping.solve import build_problem
 from fsipetsc.verify.entry import Array, Compared, Entry, Measured, Solve, expect, reference
 
 #: density, speeds of P and S waves [SI]
@@ -20,13 +28,6 @@ K = 2.0 * np.pi
 
 def at_rest(name: str, order: int, h: float, n: int = 0, **given: Any) -> Array:
     """s of the slowest modes of a case [1/s], of angular number n."""
-    from mpi4py import MPI
-
-    from fsipetsc.analysis.wave_modes import radial_modes
-    from fsipetsc.cases import load_case
-    from fsipetsc.options import defaults
-    from fsipetsc.stepping.solve import build_problem
-
     case = load_case(name)
     opt = {**defaults(case), "fsi_order": order, "fsi_h": h, **given}
     return 1j * radial_modes(build_problem(case, opt, MPI.COMM_SELF), order, n)[:3]
@@ -34,8 +35,6 @@ def at_rest(name: str, order: int, h: float, n: int = 0, **given: Any) -> Array:
 
 def metal(name: str, pressure: float) -> Any:
     """An elastic solid, free of stress under a pressure [Pa]."""
-    from fsipetsc.materials.solid import ElasticSolid
-
     density, cp, cs = METALS[name]
     mu = density * cs**2
     lame = density * cp**2 - 2.0 * mu
@@ -48,11 +47,6 @@ def over_solid(
     """s [1/s] of all modes of a fluid, 1 m high, over a solid; state: density and temperature. The
     fluid may be a solid, too.
     """
-    from fsipetsc.analysis.wave_modes import Stack, linearise
-    from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
-    from fsipetsc.blocks.layers import Layer
-    from fsipetsc.materials.solid import ElasticSolid
-
     rho, T = state
     least = {2: 2, 4: 8, 6: 12}[order]
     below = Layer(
@@ -69,10 +63,6 @@ def over_solid(
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
     """Relative errors, of several modes the largest."""
-    from fsipetsc.materials.fluid import Fluid
-    from fsipetsc.materials.solid import ElasticSolid
-    from fsipetsc.materials.stiffened_gas import stiffened_gas
-
     table = reference("normal_modes")
 
     def misfit(name: str, found: Array, rows: int = 1) -> Compared:

@@ -1,7 +1,5 @@
 """Regular reflection of an oblique shock from a rigid wall."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fsipetsc.verify.entry import Compared, Curve, Entry, Measured, Solve, expect, reference

@@ -1,9 +1,11 @@
 """Flutter of clamped and hinged panels under a supersonic flow."""
 
-from __future__ import annotations
-
 import numpy as np
 
+from fsipetsc.analysis.flutter import SMALL, one_run
+from fsipetsc.analysis.panel_modes import Flow, crossing
+from fsipetsc.cases import load_case
+from fsipetsc.options import defaults
 from fsipetsc.verify.entry import Bound, Compared, Entry, Measured, Solve, reference
 
 #: ends -> lambdas below and above the onset
@@ -13,11 +15,6 @@ THICKNESS = 0.04
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
     """Relative distances of the onsets."""
-    from fsipetsc.analysis.flutter import SMALL, one_run
-    from fsipetsc.analysis.panel_modes import Flow, crossing
-    from fsipetsc.cases import load_case
-    from fsipetsc.options import defaults
-
     case, table, errors = load_case("panel"), reference("panel_flutter"), {}
     thick = int(np.argmin(np.abs(table["d"] - THICKNESS)))
     opt = {**defaults(case), "fsi_order": order, "fsi_h": h, "fsi_cfl": 1.2, "panel_push": SMALL}

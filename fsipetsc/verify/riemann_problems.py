@@ -1,7 +1,5 @@
 """Riemann problems of a gas and an elastic rod."""
 
-from __future__ import annotations
-
 from fsipetsc.verify.entry import Compared, Curve, Entry, Measured, Solve, expect, reference
 
 #: of each problem: its name, end time, options of the case

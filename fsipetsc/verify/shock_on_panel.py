@@ -1,7 +1,5 @@
 """A shock hits a clamped steel panel: an experiment."""
 
-from __future__ import annotations
-
 from fsipetsc.verify.entry import Bound, Compared, Curve, Entry, Measured, Solve, reference
 
 HIT = 0.06e-3  # s, when the shock reaches the panel

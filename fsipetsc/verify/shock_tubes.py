@@ -1,11 +1,12 @@
 """Gas alone in one dimension: Sod's shock tube, Shu and Osher's problem."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 
+from fsipetsc.boundaries import Dirichlet, Wall
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.problem import FluidLayer, Problem
 from fsipetsc.verify.entry import Array, Bound, Curve, Entry, Measured, Solve, expect, reference
 
 GAMMA = 1.4
@@ -13,10 +14,6 @@ GAMMA = 1.4
 
 def tube(X: tuple[float, float], start: Any, left: Any) -> Any:
     """The problem between a left end and a wall."""
-    from fsipetsc.boundaries import Wall
-    from fsipetsc.materials.fluid import Fluid
-    from fsipetsc.problem import FluidLayer, Problem
-
     layer = FluidLayer("gas", Fluid(0.0, 0.0, GAMMA, 1.0), X, start, mapping="stretched")
     return Problem((layer,), left, Wall(X[1]), units="none")
 
@@ -31,8 +28,6 @@ def run_to(solve: Solve, problem: Any, order: int, h: float, end: float) -> Any:
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
     """Mean errors."""
-    from fsipetsc.boundaries import Dirichlet, Wall
-
     table = reference("gas")
 
     def sod(x: Array) -> list[Array]:

@@ -1,7 +1,5 @@
 """A St. Venant-Kirchhoff disk that spins in gas."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fsipetsc.verify.entry import Array, Curve, Entry, Measured, Solve, expect, reference, smooth

@@ -1,9 +1,11 @@
 """A gas and a solid of different temperatures suddenly in contact."""
 
-from __future__ import annotations
-
 import numpy as np
 
+from fsipetsc.boundaries import Wall, clamped
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
+from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 from fsipetsc.verify.entry import (
     Array,
     Bound,
@@ -22,11 +24,6 @@ JUMP, BEGIN, END = 0.01, 10.0, 20.0
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
     """Largest errors of T in gas, solid and at the interface, over the jump."""
-    from fsipetsc.boundaries import Wall, clamped
-    from fsipetsc.materials.fluid import Fluid
-    from fsipetsc.materials.line_solid import Solid
-    from fsipetsc.problem import FluidLayer, Problem, SolidLayer
-
     table = reference("heat")
     gas, U = Fluid(0.001, 0.0063, 1.4, 1.0), float(table["contact u"][0])
     T_gas, u_gas = (smooth(table["chi"], table[name]) for name in ("gas T", "gas u"))

@@ -1,7 +1,5 @@
 """A shock along an elastic half space, faster than its waves."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fsipetsc.verify.entry import Bound, Compared, Curve, Entry, Measured, Solve, expect, reference

@@ -1,11 +1,13 @@
 """Taylor and Green's vortex in three dimensions, without viscosity."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 
+from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.maps import rectangle
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.materials.fluid import Fluid
 from fsipetsc.verify.entry import Array, Bound, Curve, Entry, Measured, Solve, expect, reference
 
 PERIOD = 2.0 * np.pi
@@ -13,10 +15,6 @@ PERIOD = 2.0 * np.pi
 
 def cube(n: int, warm: float, mu: float = 0.0) -> Any:
     """The problem of n nodes along each axis; warm: R T at first; mu: viscosity."""
-    from fsipetsc.blocks.block import Block
-    from fsipetsc.blocks.maps import rectangle
-    from fsipetsc.blocks.problem import BlockProblem
-    from fsipetsc.materials.fluid import Fluid
 
     def start(x: Array, y: Array, z: Array) -> list[Array]:
         p = (np.cos(2 * x) + np.cos(2 * y)) * (np.cos(2 * z) + 2.0) / 16.0

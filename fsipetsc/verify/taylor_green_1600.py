@@ -1,7 +1,5 @@
 """Taylor and Green's vortex at Re = 1600, on its way to turbulence."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fsipetsc.verify.entry import Compared, Curve, Entry, Measured, Solve, expect, reference

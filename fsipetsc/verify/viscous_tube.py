@@ -1,7 +1,5 @@
 """Viscous shock tube: a shock comes back through the boundary layer that it has left."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fsipetsc.verify.entry import Array, Compared, Curve, Entry, Measured, Solve, expect, reference

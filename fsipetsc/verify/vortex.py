@@ -1,11 +1,13 @@
 """An isentropic vortex on four curved blocks that move."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 
+from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.conditions import Given
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.materials.fluid import Fluid
 from fsipetsc.verify.entry import (
     Array,
     Bound,
@@ -38,11 +40,6 @@ def moved(X: Array, Y: Array, t: float) -> list[Array]:
 
 def blocks(n: int) -> Any:
     """The problem with n cells along each side."""
-    from fsipetsc.blocks.block import Block
-    from fsipetsc.blocks.conditions import Given
-    from fsipetsc.blocks.problem import BlockProblem
-    from fsipetsc.materials.fluid import Fluid
-
     gas, found, faces = Fluid(0.0, 0.0, 1.4, 1.0), [], {}
     side = Given(values=lambda X, Y, t: exact(*moved(X, Y, t), t), x=moved)
     for i, j in ((0, 0), (1, 0), (0, 1), (1, 1)):
