@@ -127,8 +127,7 @@ class Run:
             raise KeyError(_unknown("line of an interface", k, names))
         number = names.index(k) if isinstance(k, str) else range(len(names))[k]
         solid, axis, side = self.header["interface_faces"][number]
-        kappa_e = self.header["layers"][solid].get("kappa_e", np.nan)
-        return InterfaceLine(names[number], solid, self.layers[solid], axis, side, kappa_e)
+        return InterfaceLine(names[number], solid, self.layers[solid], axis, side)
 
     def to_xarray(self) -> xarray.Dataset:
         """All frames and series with dimensions, coordinates and units; see `output.as_xarray`."""
