@@ -5,11 +5,9 @@ A case with an exact solution in all of its layers is compared with that, any ot
 terminal and as CSV, and a picture: error against grid spacing and against time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -26,11 +24,8 @@ from fsipetsc.checks import counted
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.options import Option, groups
 from fsipetsc.output.reader import open_run
-from fsipetsc.process.together import together, wait_asleep
+from fsipetsc.process.together import Comm, together, wait_asleep
 from fsipetsc.usage import program
-
-if TYPE_CHECKING:
-    from mpi4py import MPI
 
 #: what -fsi_h is multiplied with for the grids of a study: in one dimension with an exact solution,
 #: in one without, and in more dimensions
@@ -51,7 +46,7 @@ OPTIONS = (
 )
 
 
-def convergence(arguments: list[str], comm: MPI.Comm) -> None:
+def convergence(arguments: list[str], comm: Comm) -> None:
     """The command, with the arguments behind its name. Collective on comm.
 
     Raises InputError; ComputationError at the end if a run has failed; FileError.
@@ -95,7 +90,7 @@ def _case(arguments: Sequence[str]) -> Any:
     return load_case(arguments[0])
 
 
-def _empty_table(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> ConvergenceStudy:
+def _empty_table(case: Any, opt: Mapping[str, Any], comm: Comm) -> ConvergenceStudy:
     """Orders and grids, each of which is laid out once. Collective; InputError."""
     from fsipetsc.stepping.solve import build_problem, make_state
 
@@ -123,7 +118,7 @@ def _empty_table(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Convergen
 
 
 def _run_order(
-    case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy, i: int, folder: Any
+    case: Any, opt: Mapping[str, Any], comm: Comm, table: ConvergenceStudy, i: int, folder: Any
 ) -> Any:
     """Run all grids of order i and fill the table; yields what is said. Collective; InputError
     where grids have no node in common; FileError."""

@@ -5,13 +5,11 @@ good period: the modes are told apart by their shapes (fsipetsc.analysis.panel_m
 is the lambda of each Mach number at which the growth becomes positive.
 """
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Mapping, Sequence
 from itertools import product
 from math import pi
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from fsipetsc.analysis.panel_modes import CRITICAL, Flow, crossing, fit_modes, motion_of
 from fsipetsc.analysis.tables import begin, printer, save_csv, shared, text_table
@@ -20,10 +18,7 @@ from fsipetsc.checks import counted
 from fsipetsc.errors import ComputationError
 from fsipetsc.options import Option, groups
 from fsipetsc.output.reader import open_run
-from fsipetsc.process.together import wait_asleep
-
-if TYPE_CHECKING:
-    from mpi4py import MPI
+from fsipetsc.process.together import Comm, wait_asleep
 
 #: push of the panel, small enough that the motion is linear, where the user gives none
 SMALL = 1e-5
@@ -66,7 +61,7 @@ class FlutterRun(NamedTuple):
     failure: str = ""
 
 
-def flutter(arguments: list[str], comm: MPI.Comm) -> None:
+def flutter(arguments: list[str], comm: Comm) -> None:
     """The command, with the arguments behind its name. Collective on comm.
 
     Raises InputError; FileError; ComputationError at the end if a run has failed.

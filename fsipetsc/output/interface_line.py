@@ -23,7 +23,8 @@ class InterfaceLine:
         """Of a face of a block of a solid (fsipetsc.output.reader.Layer)."""
 
         def row(values: Array) -> Array:
-            return values.take(-side, axis=-1 - axis)
+            taken: Array = values.take(-side, axis=-1 - axis)
+            return taken
 
         self.name, self.solid = name, solid
         X, Y = (row(layer.places[..., k]) for k in range(2))

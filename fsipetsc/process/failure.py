@@ -1,19 +1,14 @@
 """How a run ends that cannot go on: one message, an exit status, and no rank left waiting."""
 
-from __future__ import annotations
-
 import os
 import sys
 import time
 import traceback
-from typing import TYPE_CHECKING
 
 from fsipetsc.blame import explain, frames_in, reason
 from fsipetsc.errors import FsiError, Interrupted, is_petsc, petsc_words
 from fsipetsc.process.streams import abandon, say_error
-
-if TYPE_CHECKING:
-    from mpi4py import MPI
+from fsipetsc.process.together import Comm
 
 #: PETSc's error codes that stand for something other than a fault of the program
 _PETSC_STATUS = {55: 3, 65: 4, 66: 4, 67: 4, 72: 3, 82: 3, 91: 3}
@@ -53,7 +48,7 @@ def _detail(error: BaseException) -> str:
     return f": {lines[0]}" if lines else ""
 
 
-def end_together(error: BaseException, notes: MPI.Comm | None, case_file: str | None = None) -> int:
+def end_together(error: BaseException, notes: Comm | None, case_file: str | None = None) -> int:
     """Report an error, with a traceback where the program itself is at fault (status 1). Returns
     the exit status, or stops all ranks if not all of them failed.
 
@@ -74,7 +69,7 @@ def end_together(error: BaseException, notes: MPI.Comm | None, case_file: str | 
     return status
 
 
-def _all_failed(notes: MPI.Comm, patience: float) -> bool:
+def _all_failed(notes: Comm, patience: float) -> bool:
     """Whether all ranks come here within so many seconds."""
     request, end = notes.Ibarrier(), time.monotonic() + patience
     while not request.Test():

@@ -7,7 +7,7 @@ from importlib import import_module
 from itertools import count, takewhile
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fsipetsc.analysis.tables import csv_target, printer, results_folder, save_csv, text_table
 from fsipetsc.cases import load_case
@@ -16,12 +16,9 @@ from fsipetsc.options import RUN, Option, defaults, read_table
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.reader import open_run
 from fsipetsc.process.launch import start_petsc
-from fsipetsc.process.together import together, wait_asleep
+from fsipetsc.process.together import Comm, together, wait_asleep
 from fsipetsc.verify import ENTRIES
 from fsipetsc.verify.entry import Bound, Compared, Entry, Measured, Row, Solve, problem
-
-if TYPE_CHECKING:
-    from mpi4py import MPI
 
 OPTIONS = (
     Option("verify_level", str, "quick", "", "how many grids and orders", ("quick", "full")),
@@ -37,7 +34,7 @@ COLUMNS = ("case", "quantity", "order", "h", "ranks", "value", "reference", "sou
 COLUMNS += ("error", "rate", "verdict", "least_rate", "largest_error")
 
 
-def verify(arguments: list[str], comm: MPI.Comm) -> None:
+def verify(arguments: list[str], comm: Comm) -> None:
     """The command, with the arguments behind its name. Collective on comm.
 
     Raises InputError; ComputationError at the end where a row falls short; FileError.
@@ -70,7 +67,7 @@ def verify(arguments: list[str], comm: MPI.Comm) -> None:
 
 
 def run_entry(
-    name: str, entry: Entry, level: str, comm: MPI.Comm, beside: Path
+    name: str, entry: Entry, level: str, comm: Comm, beside: Path
 ) -> tuple[list[Row], Measured | None]:
     """Rows of an entry, and what its last run gave. Collective; FsiError. beside: where results are
     kept for a while.
@@ -89,7 +86,7 @@ def run_entry(
     return rows, measured
 
 
-def _solver(comm: MPI.Comm, folder: Path) -> Solve:
+def _solver(comm: Comm, folder: Path) -> Solve:
     """See fsipetsc.verify.entry.Solve. -fsi_h is the spacing of layers, not of blocks."""
     from fsipetsc.stepping.run import run_case
 

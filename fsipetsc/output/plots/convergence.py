@@ -9,11 +9,9 @@ import numpy as np
 
 from fsipetsc.checks import counted
 from fsipetsc.operators.sbp import operator
-from fsipetsc.output.plots.style import ORDERS, STYLE, save, set_title
+from fsipetsc.output.plots.style import ORDERS, STYLE, Axes, save, set_title
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
     from fsipetsc.analysis.convergence_table import ConvergenceStudy
 
 

@@ -2,32 +2,18 @@
 dimensions the deflection of interfaces, too.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from fsipetsc.output.interface_line import InterfaceLine
-from fsipetsc.output.plots.style import (
-    GREY,
-    LINES,
-    MAX_POINTS,
-    SERIES,
-    label_y,
-    labelled,
-    legend_above,
-    time_axis,
-)
+from fsipetsc.output.plots import style
+from fsipetsc.output.plots.style import Axes, FigureBase
 from fsipetsc.output.quantities import AT_INTERFACES, LEDGERS, unit_of, written
 from fsipetsc.output.reader import Run
 from fsipetsc.scheme.conservation_check import drifts
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import FigureBase
 
 Array = np.ndarray
 
@@ -120,25 +106,30 @@ def draw_panels(figure: FigureBase, run: Run, panels: list[Panel], columns: int 
 
 def draw_panel(axes: Axes, run: Run, panel: Panel) -> None:
     """One of them."""
-    some = slice(None, None, max(1, len(panel.t) // MAX_POINTS))
+    some = slice(None, None, max(1, len(panel.t) // style.MAX_POINTS))
     for k, (name, values) in enumerate(panel.curves.items()):
         t, shown = panel.t[some], values[some]
         if panel.logarithmic:
             t, shown = envelope(panel.t, np.abs(values))
             shown = np.where(shown > 0, shown, np.nan)
-        look = {"color": SERIES[k % len(SERIES)], "linestyle": LINES[k % len(LINES)]}
+        look = {
+            "color": style.SERIES[k % len(style.SERIES)],
+            "linestyle": style.LINES[k % len(style.LINES)],
+        }
         axes.plot(t, shown, **look, label=name)
     if panel.logarithmic:
         if panel.label == "relative departure" and run.options.get("fsi_check"):
-            axes.axhline(run.options["fsi_check"], color=GREY, linestyle=":", label="-fsi_check")
+            axes.axhline(
+                run.options["fsi_check"], color=style.GREY, linestyle=":", label="-fsi_check"
+            )
         axes.set_yscale("log")
         axes.set_ylim(bottom=max(axes.get_ylim()[0], axes.get_ylim()[1] / SPAN))
     if panel.label == "time step":
         axes.set_ylim(bottom=0.0)
-    label_y(axes, labelled(run, panel.label, panel.unit))
+    style.label_y(axes, style.labelled(run, panel.label, panel.unit))
     if len(panel.curves) > 1 or panel.logarithmic or panel.label == "time step":
-        legend_above(axes)  # else its one name says nothing
-    time_axis(axes, run)
+        style.legend_above(axes)  # else its one name says nothing
+    style.time_axis(axes, run)
 
 
 def envelope(t: Array, values: Array, parts: int = 300) -> tuple[Array, Array]:

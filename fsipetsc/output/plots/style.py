@@ -3,8 +3,6 @@
 The colours are those of Okabe and Ito, which eyes that do not tell red from green tell apart.
 """
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 from types import ModuleType
@@ -17,12 +15,13 @@ from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.quantities import is_si
+from fsipetsc.output.reader import Run
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # results are read without matplotlib, too
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure, FigureBase
-
-    from fsipetsc.output.reader import Run
+else:
+    Axes = Figure = FigureBase = Any
 
 Array = np.ndarray
 
