@@ -11,13 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.analysis.convergence_table import (
-    COST,
-    SAMPLES,
-    ConvergenceStudy,
-    differences,
-    unresolved,
-)
+from fsipetsc.analysis.convergence_table import COST, SAMPLES, Study, differences, unresolved
 from fsipetsc.analysis.tables import begin, listed_in, printer, results_folder
 from fsipetsc.cases import load_case
 from fsipetsc.checks import counted
@@ -90,7 +84,7 @@ def _case(arguments: Sequence[str]) -> Any:
     return load_case(arguments[0])
 
 
-def _empty_table(case: Any, opt: Mapping[str, Any], comm: Comm) -> ConvergenceStudy:
+def _empty_table(case: Any, opt: Mapping[str, Any], comm: Comm) -> Study:
     """Orders and grids, each of which is laid out once. Collective; InputError."""
     from fsipetsc.stepping.solve import build_problem, make_state
 
@@ -114,11 +108,11 @@ def _empty_table(case: Any, opt: Mapping[str, Any], comm: Comm) -> ConvergenceSt
             except InputError as error:
                 raise InputError(f"order {order}, h = {h:g}: {error}") from None
     about = comm.size, opt["fsi_norm"], problem.units, exact
-    return ConvergenceStudy(case.NAME, opt["ts_max_time"], orders, hs, *about)
+    return Study(case.NAME, opt["ts_max_time"], orders, hs, *about)
 
 
 def _run_order(
-    case: Any, opt: Mapping[str, Any], comm: Comm, table: ConvergenceStudy, i: int, folder: Any
+    case: Any, opt: Mapping[str, Any], comm: Comm, table: Study, i: int, folder: Any
 ) -> Any:
     """Run all grids of order i and fill the table; yields what is said. Collective; InputError
     where grids have no node in common; FileError."""

@@ -13,6 +13,9 @@ from fsipetsc.options import Option, above_one
 
 #: the options in force
 Opt = Mapping[str, Any]
+#: defaults of cases with shocks; of those of the paper, which has this grid and coupling
+SHOCKS = {"fsi_shock": 1.0, "fsi_dissipation": 1.0}
+PAPER = {"fsi_h": 0.0125, "fsi_order": 4, "fsi_coupling": "projection"}
 
 _GRUNEISEN = "pressure of the solid p = G rho epsilon; 0: elastic"
 #: name -> unit, meaning, check

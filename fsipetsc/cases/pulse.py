@@ -14,18 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsipetsc import (
-    Fluid,
-    FluidLayer,
-    InputError,
-    Open,
-    Option,
-    Problem,
-    Solid,
-    SolidLayer,
-    absorbing,
-)
-from fsipetsc.cases.common import Opt, gas_of, material_options, solid_of
+from fsipetsc import Fluid, FluidLayer, InputError, Open, Option, Problem, Solid, SolidLayer
+from fsipetsc.boundaries import absorbing
+from fsipetsc.cases.common import PAPER, Opt, gas_of, material_options, solid_of
 from fsipetsc.checks import Array, Fields
 
 NAME = "pulse"
@@ -40,11 +31,7 @@ OPTIONS = (
     Option("pulse_width", float, 0.12, "m", "of exp(-(distance/width)^2)", check="positive"),
     Option("pulse_start", float, 0.75, "m", "where it starts: above 0 in the fluid, or below"),
 )
-#: interfaces and grids are the paper's
-DEFAULTS = {
-    **{"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 4e-3, "fsi_output_dt": 2e-4},
-    "fsi_coupling": "projection",
-}
+DEFAULTS = {**PAPER, "ts_max_time": 4e-3, "fsi_output_dt": 2e-4}
 #: pressure and temperature at rest, thickness of either layer
 P0, T0, SIZE = 1e5, 300.0, 1.5
 

@@ -6,7 +6,15 @@ at t = 0.90-0.91), and the rod starts under the stress -p0, so that only gravity
 """
 
 from fsipetsc import FluidLayer, Open, Option, Problem, SolidLayer, Wall
-from fsipetsc.cases.common import Opt, constant, gas_of, line_at_rest, material_options, solid_of
+from fsipetsc.cases.common import (
+    PAPER,
+    Opt,
+    constant,
+    gas_of,
+    line_at_rest,
+    material_options,
+    solid_of,
+)
 
 NAME = "rod"
 SUMMARY = "an elastic rod falls into a compressible gas and bounces (Sec. 5.2)"
@@ -23,11 +31,7 @@ OPTIONS = (
     Option("rod_top", float, 6.0, "m", "position of the open upper end",
         check=lambda x: None if x > 2 else "a number above 2"),
 )  # fmt: skip
-#: interfaces and grids are the paper's
-DEFAULTS = {
-    **{"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 3.0, "fsi_output_dt": 0.05},
-    "fsi_coupling": "projection",
-}
+DEFAULTS = {**PAPER, "ts_max_time": 3.0, "fsi_output_dt": 0.05}
 
 
 def build(opt: Opt) -> Problem:

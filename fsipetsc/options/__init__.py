@@ -17,21 +17,9 @@ from typing import Any
 
 from fsipetsc.blame import brief
 from fsipetsc.errors import FileError, InputError, petsc_words
+from fsipetsc.options import tables
 from fsipetsc.options.option import REQUIRED, Option, above_one
-from fsipetsc.options.tables import (
-    ALIASES,
-    CHECKPOINTS,
-    COMMON,
-    DISCRETISATION,
-    IN_LOOP,
-    LONGEST_NAME,
-    OF_A_RUN,
-    OUTPUT,
-    PASSED_ON,
-    PETSC_OPTIONS,
-    PETSCS,
-    RUN,
-)
+from fsipetsc.options.tables import COMMON, LONGEST_NAME, OF_A_RUN, PETSC_OPTIONS, RUN
 
 __all__ = [
     "COMMON", "LONGEST_NAME", "OF_A_RUN", "PETSC_OPTIONS", "REQUIRED", "RUN", "InForce", "Option",
@@ -54,15 +42,15 @@ def groups(
     sections = {
         f"Case {case.NAME}": tuple(case.OPTIONS),
         "This command": tuple(extra),
-        "Discretisation": DISCRETISATION,
-        "Output": OUTPUT,
-        "Checkpoints": CHECKPOINTS,
+        "Discretisation": tables.DISCRETISATION,
+        "Output": tables.OUTPUT,
+        "Checkpoints": tables.CHECKPOINTS,
         "Run": RUN,
         "Time integration (PETSc)": PETSC_OPTIONS,
     }
-    taken = {option.name.lower() for option in COMMON + PETSC_OPTIONS} | {*PASSED_ON, "help"}
+    taken = {option.name.lower() for option in COMMON + PETSC_OPTIONS} | {*tables.PASSED_ON, "help"}
     for name in (option.name.lower() for option in case.OPTIONS):
-        if name in taken or name.startswith(PETSCS):
+        if name in taken or name.startswith(tables.PETSCS):
             what = f"its option -{name} exists already; give it another name"
             raise InputError(f"case {case.NAME}: {what}")
         taken.add(name)
@@ -188,7 +176,7 @@ def put(options: Mapping[str, str]) -> None:
 
 def spelt(given: Mapping[str, str], name: str) -> str | None:
     """What the user gave for an option, under one of its names."""
-    names = [name.lower(), *(alias for alias, meant in ALIASES.items() if meant == name)]
+    names = [name.lower(), *(alias for alias, meant in tables.ALIASES.items() if meant == name)]
     return next((given[spelling] for spelling in names if spelling in given), None)
 
 
@@ -225,7 +213,7 @@ def _tell_petsc(values: Mapping[str, Any], given: Mapping[str, str]) -> None:
     from petsc4py import PETSc
 
     database = PETSc.Options()
-    told = {name: given[name] for name in IN_LOOP if name in given}
+    told = {name: given[name] for name in tables.IN_LOOP if name in given}
     for option in PETSC_OPTIONS:
         method = option.name.split("_")[1]  # ts_rk_type is of ts_type rk
         unused = method in ("rk", "ssp") and values["ts_type"] != method
@@ -233,7 +221,7 @@ def _tell_petsc(values: Mapping[str, Any], given: Mapping[str, str]) -> None:
             told[option.name] = str(values[option.name])
     if "ts_dt" in told and PETSc.Sys.getVersion() >= (3, 25):
         told["ts_time_step"] = told.pop("ts_dt")
-    for name in (*ALIASES, *IN_LOOP, *(option.name for option in PETSC_OPTIONS)):
+    for name in (*tables.ALIASES, *tables.IN_LOOP, *(option.name for option in PETSC_OPTIONS)):
         database.delValue(name)
     for name, text in told.items():
         database.setValue(name, text)
@@ -252,20 +240,20 @@ def read_table(
 
 def _read(options: Mapping[str, Option], given: Mapping[str, str]) -> dict[str, Any]:
     """Name -> value; options: name in lower case -> option."""
-    known = [option.name for option in options.values()] + list(PASSED_ON)
-    known += [alias for alias, name in ALIASES.items() if name in options]
+    known = [option.name for option in options.values()] + list(tables.PASSED_ON)
+    known += [alias for alias, name in tables.ALIASES.items() if name in options]
     lower = {name.lower() for name in known}
     unknown = [
         f"-{brief(name)}{_nearest(name, known)}" for name in sorted(given) if name not in lower
     ]
     if unknown:
         raise InputError(f"unknown option{'s' * (len(unknown) > 1)} {', '.join(unknown)}")
-    for alias, name in ALIASES.items():
+    for alias, name in tables.ALIASES.items():
         if given.get(alias, given.get(name)) != given.get(name, given.get(alias)):
             raise InputError(f"-{alias} and -{name} mean the same; give one of them")
     values = {option.name: option.default for option in options.values()}
     for name, text in given.items():
-        option = options.get(ALIASES.get(name, name))
+        option = options.get(tables.ALIASES.get(name, name))
         if option is not None:
             values[option.name] = option.parse(text)
     return values
@@ -276,7 +264,7 @@ def _nearest(name: str, names: Iterable[str]) -> str:
     if "=" in name:
         return " (write '-name value', without =)"
     spelt = {known.lower(): known for known in names}
-    petscs = name.lower().startswith(PETSCS)
+    petscs = name.lower().startswith(tables.PETSCS)
     best = get_close_matches(name.lower(), sorted(spelt), 1, 0.85 if petscs else 0.6)
     if best:
         return f" (did you mean -{spelt[best[0]]}?)"

@@ -7,18 +7,9 @@ import numpy as np
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Given
 from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.checks import Array
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.verify.entry import (
-    Array,
-    Bound,
-    Curve,
-    Entry,
-    Measured,
-    Solve,
-    expect,
-    reference,
-    smooth,
-)
+from fsipetsc.verify.entry import Bound, Curve, Entry, Measured, Solve, expect, reference, smooth
 
 GRIDS = 1 / 4, 1 / 8, 1 / 16
 CENTRE, SPEED, END = (-0.3, -0.2), (0.5, 0.3), 1.0
