@@ -190,8 +190,7 @@ def test_option_that_could_never_be_read_is_refused(name, kind):
         Option(name, kind, None, "", "")
 
 
-def test_help_shows_every_option_with_type_default_unit_and_choices(monkeypatch):
-    monkeypatch.setenv("COLUMNS", "160")
+def test_help_shows_every_option_with_type_default_unit_and_choices():
     text = case_help(make_case(), "stub")
     rows = {line.split()[0]: line for line in text.splitlines() if line.startswith("  -")}
     for name in [*defaults(make_case()), "ts_monitor", "log_view", "options_file", "malloc_debug"]:

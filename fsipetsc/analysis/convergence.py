@@ -24,19 +24,11 @@ from fsipetsc.usage import program
 #: what -fsi_h is multiplied with for the grids of a study: in one dimension with an exact solution,
 #: in one without, and in more dimensions
 FACTORS = (4, 2, 1, 1 / 2, 1 / 4), (2, 1, 1 / 2), (2, 1, 2 / 3)
+_ORDERS = "instead of -fsi_order; default: all, or the case's own if it has no exact solution"
+_SPACINGS = "grid spacings; default: 4, 2, 1, 1/2, 1/4 times -fsi_h; not so many in 2-D and 3-D"
 OPTIONS = (
-    Option(
-        *("fsi_orders", "ints", None, ""),
-        help="orders to study, instead of -fsi_order; default: all, "
-        "or the case's own if it has no exact solution",
-        check=listed_in((2, 4, 6, 8)),
-    ),
-    Option(
-        *("fsi_hs", "floats", None, "m"),
-        help="grid spacings to study; default: 4, 2, 1, 1/2 and 1/4 times -fsi_h, "
-        "2, 1 and 1/2 times without an exact solution, in 2-D and 3-D 2, 1 and 2/3 times",
-        check="positive",
-    ),
+    Option("fsi_orders", "ints", None, "", _ORDERS, check=listed_in((2, 4, 6, 8))),
+    Option("fsi_hs", "floats", None, "m", _SPACINGS, check="positive"),
 )
 
 

@@ -33,17 +33,10 @@ def _above_one(values: Sequence[float]) -> str | None:
     return None if values and min(values) > 1 else "Mach numbers above 1"
 
 
+MACHS, LAMBDAS = (1.5, 2.0, 2.5, 3.0, 4.0), (500.0, 600.0, 700.0, 800.0)
 OPTIONS = (
-    Option(
-        *("flutter_machs", "floats", (1.5, 2.0, 2.5, 3.0, 4.0), ""),
-        help="Mach numbers, instead of -panel_mach",
-        check=_above_one,
-    ),
-    Option(
-        *("flutter_lambdas", "floats", (500.0, 600.0, 700.0, 800.0), ""),
-        help="dynamic pressures, instead of -panel_lambda",
-        check="positive",
-    ),
+    Option("flutter_machs", "floats", MACHS, "", "instead of -panel_mach", check=_above_one),
+    Option("flutter_lambdas", "floats", LAMBDAS, "", "instead of -panel_lambda", check="positive"),
 )
 
 

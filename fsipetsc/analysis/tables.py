@@ -83,10 +83,8 @@ def results_folder(comm: Comm, beside: Path, prefix: str) -> Iterator[Path]:
     """
 
     def made() -> str:
-        try:
+        with writing(beside / f"{prefix}…", "results"):
             return tempfile.mkdtemp(dir=beside, prefix=prefix)
-        except OSError as error:
-            raise FileError(f"{beside}: cannot keep results there: {error.strerror}") from None
 
     folder = Path(comm.bcast(together(comm, lambda: "" if comm.rank else made())))
     try:

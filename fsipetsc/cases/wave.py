@@ -33,16 +33,6 @@ def both_of(opt: Opt) -> Layers:
     return Layers(gas_of(opt), elastic_of(opt), HEIGHT, DEPTH)
 
 
-def measured(t: Array, X: Array, displacement: Array) -> complex:
-    """s [1/s] of a displacement of the interface, (times, columns) [m].
-
-    By a line through the logarithms of its amplitudes.
-    """
-    amplitudes = displacement @ np.exp(-2j * np.pi * np.arange(len(X)) / len(X))
-    logs = np.stack([np.log(np.abs(amplitudes)), np.unwrap(np.angle(amplitudes))], axis=1)
-    return complex(*np.polyfit(t, logs, 1)[0])
-
-
 def build(opt: Opt) -> BlockProblem:
     """The solid below Y = 0, the gas above."""
     both, low, high = both_of(opt), (-DEPTH, 0.0), (0.0, HEIGHT)

@@ -8,11 +8,9 @@ what PETSc is to follow.
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from difflib import get_close_matches
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 from fsipetsc.blame import brief
@@ -115,21 +113,17 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
     PETSc, which runs, reads PETSC_OPTIONS, then the words of the command line, and the files that
     either names; its database holds these options alone then, and none after an error. Not
     collective. InputError, FileError for what PETSc does not take, InputError for a word that is no
-    option's value, and for an options file that names another one.
+    option's value.
     """
     from petsc4py import PETSc
 
     put({})
-    environment = os.environ.get("PETSC_OPTIONS", "").split()
-    for option, name in pairwise([*environment, "-", *words]):
-        if option.lstrip("-").lower() in ("options_file", "options_file_yaml"):
-            _refuse_nesting(Path(name))
     for before, word in pairwise(["", *words]):
         if not is_option(word) and not is_option(before):
             what = f"unexpected argument '{brief(word)}'"
             raise InputError(f"{what}: a value stands right behind its option")
     quoted = (word if is_option(word) else _quoted(word) for word in words)
-    for text in (" ".join(environment), " ".join(quoted)):
+    for text in (os.environ.get("PETSC_OPTIONS", ""), " ".join(quoted)):
         try:
             PETSc.Options().insertString(text)
         except PETSc.Error as error:
@@ -139,14 +133,6 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
             raise kind(f"options: {said}") from None
     given = {name.lower(): text for name, text in present().items()}
     return {name: text for name, text in given.items() if name != "help"}
-
-
-def _refuse_nesting(file: Path) -> None:
-    """InputError for an options file that names another: PETSc crashes where one names itself."""
-    with suppress(OSError):  # PETSc says so
-        text = file.read_text(errors="replace") if file.is_file() else ""
-        if re.search(r"^[^#\n]*\boptions_file", text, re.MULTILINE | re.IGNORECASE):
-            raise InputError(f"-options_file {file}: an options file cannot name another one")
 
 
 def _quoted(word: str) -> str:

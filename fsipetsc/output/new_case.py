@@ -1,6 +1,5 @@
 """A case file to start from: a copy of a template of fsipetsc/cases under a name of the user's."""
 
-import os
 import re
 import sys
 from collections.abc import Sequence
@@ -9,7 +8,6 @@ from pathlib import Path
 from fsipetsc.blame import NEEDED
 from fsipetsc.cases import BUILT_IN, template_text
 from fsipetsc.errors import FileError, InputError
-from fsipetsc.options import LONGEST_NAME
 from fsipetsc.output.file_layout import check_folder
 
 
@@ -43,9 +41,6 @@ def _check(path: Path, name: str, commands: Sequence[str]) -> None:
     if name.endswith("/") or path.suffix != ".py" or not name.isprintable():
         expected = "expected one that ends in .py, such as my_case.py"
         raise InputError(f"new: '{name}' is no name of a case file: {expected}")
-    if len(os.fsencode(f"{stem}.h5")) > LONGEST_NAME:
-        longest = f"the result's name would have more than {LONGEST_NAME} bytes"
-        raise InputError(f"new: '{path.name}' is too long: {longest}")
     taken = "a built-in case" if stem in BUILT_IN else "a command" if stem in commands else ""
     if not taken and stem in (*sys.stdlib_module_names, "fsipetsc", *NEEDED):
         taken = "a Python module, which this file would hide"
