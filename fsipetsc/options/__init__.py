@@ -123,7 +123,8 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
             what = f"unexpected argument '{brief(word)}'"
             raise InputError(f"{what}: a value stands right behind its option")
     quoted = (word if is_option(word) else _quoted(word) for word in words)
-    for text in (os.environ.get("PETSC_OPTIONS", ""), " ".join(quoted)):
+    environment = os.environ.get("PETSC_OPTIONS", "").split()
+    for text in (" ".join(environment), " ".join(quoted)):
         try:
             PETSc.Options().insertString(text)
         except PETSc.Error as error:
