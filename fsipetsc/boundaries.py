@@ -128,7 +128,7 @@ class SolidEnd:
     = value [Pa].
 
     Insulated, or of temperature T [K], or with a heat flux [W/m2] into the solid. All numbers or
-    functions of t [s].
+    functions of t [s]. InputError for what is neither.
     """
 
     kind: int
@@ -140,8 +140,7 @@ class SolidEnd:
     def __post_init__(self) -> None:
         name = {CLAMPED: "clamped", FREE: "free", ABSORBING: "absorbing"}[self.kind]
         if not callable(self.value):
-            what = "velocity" if self.kind == CLAMPED else "stress"
-            checks.number(self.value, f"{name}: {what}")
+            checks.number(self.value, f"{name}: {'velocity' if name == 'clamped' else 'stress'}")
         _check_heat(self, name)
 
     def data(self, t: float) -> tuple[Timed]:
@@ -151,27 +150,21 @@ class SolidEnd:
 def clamped(
     velocity: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
 ) -> SolidEnd:
-    """Solid end that moves with a given velocity [m/s]; see SolidEnd. InputError for what is
-    neither number nor function.
-    """
+    """Solid end that moves with a given velocity [m/s]; see SolidEnd."""
     return SolidEnd(CLAMPED, velocity, T, heat_flux)
 
 
 def free(
     stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
 ) -> SolidEnd:
-    """Solid end under a given stress sigma - p [Pa]; see SolidEnd. InputError for what is
-    neither number nor function.
-    """
+    """Solid end under a given stress sigma - p [Pa]; see SolidEnd."""
     return SolidEnd(FREE, stress, T, heat_flux)
 
 
 def absorbing(
     stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
 ) -> SolidEnd:
-    """Solid end that lets elastic waves out, towards a solid at rest under the stress sigma - p
-    [Pa]; see SolidEnd. InputError for what is neither number nor function.
-    """
+    """Solid end that lets elastic waves out, towards a solid at rest under this sigma - p [Pa]."""
     return SolidEnd(ABSORBING, stress, T, heat_flux)
 
 

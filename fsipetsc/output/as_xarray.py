@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from fsipetsc.errors import InputError
-from fsipetsc.output.quantities import unit_of
+from fsipetsc.output.quantities import AT_INTERFACES, unit_of
 from fsipetsc.output.reader import Layer, Run
 
 if TYPE_CHECKING:
@@ -70,15 +70,10 @@ def _add_layer(
 
 
 def _what_columns_are(series: str) -> str:
-    """What the columns of a series stand for, "" if that is not known."""
-    if series.endswith("_interface") or series.startswith("residual_"):
-        return "interface"
-    if series.endswith("_point"):
-        return "point"
-    if series.endswith("_face"):
-        return "face"
+    """What the columns of a series stand for."""
     known = {"mass": "gas", "mass_in": "gas", "least_J": "layer", "J_error": "layer"}
-    return known.get(series, "")
+    known |= {name: "interface" for name in AT_INTERFACES}
+    return known.get(series, series.split("_")[-1])
 
 
 def _columns(run: Run) -> dict[str, list[str]]:
