@@ -109,7 +109,7 @@ def test_commands_that_read_a_result_say_what_a_file_is_instead(command, here, c
     pytest.importorskip("matplotlib")
     files = {
         "no.h5": "there is no such file",
-        "folder.h5": "is a directory, not a result",
+        "folder.h5": "is no regular file",
         "text.h5": "is not an HDF5 file",
         "other.h5": "is not a result of fsipetsc",
         "a.checkpoint.h5": "is a checkpoint of fsipetsc, not a result",

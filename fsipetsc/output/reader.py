@@ -11,7 +11,6 @@ Example::
 from __future__ import annotations
 
 import os
-import stat
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -270,16 +269,13 @@ def open_run(path: str | os.PathLike[str]) -> Run:
 def _is_whole(path: Path, folder: Path, name: str) -> bool:
     """Whether there is NAME.h5, or else NAME.parts. FileError if neither is, or it is no result."""
     try:
-        mode = path.stat().st_mode
-        if not stat.S_ISREG(mode):  # a pipe would wait for somebody who writes
-            what = "a directory" if stat.S_ISDIR(mode) else "no regular file"
-            raise FileError(f"{name}: is {what}, not a result file")
+        if not path.exists() and (folder / "header.json").exists():
+            return False
+        if not path.is_file():  # a pipe would wait for somebody who writes
+            what = "is no regular file" if path.exists() else "there is no such file"
+            raise FileError(f"{name}: {what}")
         if is_one(path):
             raise FileError(f"{name}: is a checkpoint of fsipetsc, not a result")
-    except FileNotFoundError:
-        if (folder / "header.json").exists():
-            return False
-        raise FileError(f"{name}: there is no such file") from None
     except OSError as error:
         raise FileError(f"{name}: may not be read: {error.strerror}") from error
     if not h5py.is_hdf5(path):

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.analysis.wave_modes import Stack, linearise, radial_modes
+from fsipetsc.analysis.wave_modes import linearise, radial_modes
 from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases import load_case
@@ -57,8 +57,7 @@ def over_solid(
     start = below.initial if two else lambda X, Y: (rho, 0.0, 0.0, T)
     above = Layer("fluid", fluid, (0.0, 1.0), start, cells=round(1.0 / h))
     lid = Clamped() if two else NoSlip() if fluid.mu > 0.0 else Slip()
-    stack = Stack((below, above), Clamped(), lid)
-    return linearise(stack, order, round(1.0 / h), K).modes()[0]
+    return linearise((below, above), (Clamped(), lid), order, round(1.0 / h), K).modes()[0]
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
