@@ -7,12 +7,11 @@ it is a disc of one pressure, which sends a shock out from the start: that needs
 
 import numpy as np
 
+from fsipetsc import BlockProblem, Option
 from fsipetsc.blocks.conditions import Free, NoSlip, Roller, Slip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases.common import Opt, at_rest, elastic_of, gas_of, material_options, stack
 from fsipetsc.checks import Array, Fields
-from fsipetsc.options import Option
 
 NAME = "blast"
 SUMMARY = "a pressure pulse under an elastic plate, in two dimensions"

@@ -23,17 +23,15 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block
+from fsipetsc import Block, BlockProblem, Fluid, Option
 from fsipetsc.blocks.conditions import Given
 from fsipetsc.blocks.maps import Map, Mapped, Places, annulus, rectangle
-from fsipetsc.blocks.problem import BlockProblem, FaceName
+from fsipetsc.blocks.problem import FaceName
 from fsipetsc.cases.common import Opt, material_options
 from fsipetsc.cases.disk import centre, quarter
 from fsipetsc.cases.manufactured import QUARTER, TIME, Solution, Waves, cofactor, determinant, unit
 from fsipetsc.checks import Array, Fields
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.options import Option
 
 NAME = "body_mms"
 SUMMARY = "a disk, a ring or a panel in gas on joined blocks, a manufactured solution"

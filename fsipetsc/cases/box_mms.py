@@ -8,15 +8,13 @@ the equations lack is their forcing; what traction and heat flux lack at the int
 
 from typing import Any
 
+from fsipetsc import BlockProblem, Fluid, Option
 from fsipetsc.blocks.conditions import Given, NoSlip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases.common import Opt, material_options, stack
 from fsipetsc.cases.manufactured import Solution
 from fsipetsc.checks import Array
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.options import Option
 
 NAME = "box_mms"
 SUMMARY = "gas | solid in one, two or three dimensions, a manufactured solution"

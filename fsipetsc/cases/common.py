@@ -3,13 +3,11 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from fsipetsc import BlockProblem, Fluid, Option, Solid
 from fsipetsc.blocks.layers import Layer, layers
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array, Fields
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.options import Option, above_one
+from fsipetsc.options import above_one
 
 #: the options in force
 Opt = Mapping[str, Any]

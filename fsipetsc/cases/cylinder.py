@@ -7,15 +7,14 @@ to the four sides of the channel, four of the solid from a square centre block t
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block
+from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.conditions import Condition, Outflow, Slip
 from fsipetsc.blocks.maps import Map, Mapped, Places
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases.common import SHOCKS, Opt, at_rest, elastic_of, gas_of
 from fsipetsc.cases.disk import between, centre, quarter
 from fsipetsc.cases.riemann import GasState, shock_in_plane
 from fsipetsc.operators.sbp import operator
-from fsipetsc.options import Option, above_one
+from fsipetsc.options import above_one
 
 NAME = "cylinder"
 SUMMARY = "a shock runs over an elastic or a rigid cylinder, in two dimensions"

@@ -10,13 +10,11 @@ must end well before half a turn.
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block
+from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.conditions import NoSlip, Slip
 from fsipetsc.blocks.maps import Map, Places, annulus
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases.common import Opt, cells_of, constant, elastic_of, gas_of, material_options
 from fsipetsc.checks import Array, Fields
-from fsipetsc.options import Option
 
 NAME = "disk"
 SUMMARY = "an elastic disk of five blocks that spins in gas"

@@ -13,17 +13,14 @@ from itertools import product
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block
+from fsipetsc import Block, BlockProblem, Fluid, InputError, Option
 from fsipetsc.blocks.conditions import Clamped, Condition, Slip
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases.common import Opt, at_rest
 from fsipetsc.cases.riemann import GasState, shock_in_plane
-from fsipetsc.errors import InputError
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import operator
-from fsipetsc.options import Option, above_one
+from fsipetsc.options import above_one
 
 NAME = "fin"
 SUMMARY = "a shock hits a clamped panel in a shock tube and bends it, in two dimensions"

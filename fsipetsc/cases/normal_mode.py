@@ -20,9 +20,8 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 from scipy.linalg import eig
 
+from fsipetsc import Fluid, InputError
 from fsipetsc.checks import Array
-from fsipetsc.errors import InputError
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 
 #: points of the collocation in either layer

@@ -17,13 +17,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fsipetsc import BlockProblem, Fluid, InputError, Option
 from fsipetsc.blocks.conditions import Clamped, Open, Outflow, Roller, Slip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases.common import SHOCKS, Opt, at_rest, constant, elastic_of, stack
-from fsipetsc.errors import InputError
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.options import Option, above_one
+from fsipetsc.options import above_one
 
 NAME = "oblique"
 SUMMARY = "an oblique shock reflected from a rigid wall or an elastic layer, in two dimensions"

@@ -18,16 +18,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from fsipetsc import BlockProblem, Fluid, InputError, Option
 from fsipetsc.blocks.conditions import Clamped, Free, Given, Hinge, NoSlip, Open, Outflow, Slip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases.common import Opt, material_options, stack
 from fsipetsc.checks import Array, Fields
-from fsipetsc.errors import InputError
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import operator
-from fsipetsc.options import Option, above_one
+from fsipetsc.options import above_one
 
 NAME = "panel"
 SUMMARY = "supersonic flow over an elastic panel set into a wall, which flutters"

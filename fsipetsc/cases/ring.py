@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block
+from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.conditions import Condition, Free, NoSlip, Slip
 from fsipetsc.blocks.maps import annulus
-from fsipetsc.blocks.problem import BlockProblem, FaceName
+from fsipetsc.blocks.problem import FaceName
 from fsipetsc.cases.common import (
     Opt,
     at_rest,
@@ -25,7 +25,6 @@ from fsipetsc.cases.common import (
 )
 from fsipetsc.checks import Array, Fields
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.options import Option
 
 NAME = "ring"
 SUMMARY = "an elastic ring with gas inside and outside, and a pressure pulse"

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block
+from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.conditions import Centre, Condition, Free, Slip
 from fsipetsc.blocks.maps import ball, rectangle
-from fsipetsc.blocks.problem import BlockProblem, FaceName
+from fsipetsc.blocks.problem import FaceName
 from fsipetsc.cases.common import (
     Opt,
     at_rest,
@@ -26,7 +26,6 @@ from fsipetsc.cases.common import (
 )
 from fsipetsc.checks import Array, Fields
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.options import Option
 
 NAME = "shell"
 SUMMARY = "a charge in an elastic shell around a centre, or a tube around an axis"

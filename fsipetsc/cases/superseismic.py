@@ -8,12 +8,11 @@ those of verify/superseismic.py, which derives them. The exact states are the da
 
 import numpy as np
 
+from fsipetsc import BlockProblem, Fluid
 from fsipetsc.blocks.conditions import Given, Open
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases.common import SHOCKS, Opt, stack
 from fsipetsc.checks import Array, Fields
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 
 NAME = "superseismic"

@@ -8,13 +8,11 @@ C. Tenaud, Comput. Fluids 30 (2001) 89; 38 (2009) 664). Looked at is t = 1.
 
 import numpy as np
 
+from fsipetsc import BlockProblem, Fluid, Option
 from fsipetsc.blocks.conditions import NoSlip, Slip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases.common import SHOCKS, Opt, stack
 from fsipetsc.checks import Array, Fields
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.options import Option
 
 NAME = "viscous_tube"
 SUMMARY = "a shock and the boundary layer it has left in a closed box, in two dimensions"

@@ -7,13 +7,12 @@ small. What is exact to that size goes as exp(s t).
 
 import numpy as np
 
+from fsipetsc import BlockProblem, Option
 from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases.common import Opt, elastic_of, gas_of, material_options, stack
 from fsipetsc.cases.normal_mode import Layers, interpolated
 from fsipetsc.checks import Array, Fields
-from fsipetsc.options import Option
 
 NAME = "wave"
 SUMMARY = "a normal mode of a gas over an elastic layer, whose frequency and decay are known"

@@ -5,11 +5,10 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
+from fsipetsc import Block, BlockProblem
 from fsipetsc.blockrun.block_state import BlockState
-from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Clamped, Free, Hinge
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.verify.entry import Compared, Entry, Measured, Solve, expect, reference
 

@@ -2,9 +2,7 @@
 
 import numpy as np
 
-from fsipetsc.boundaries import clamped, free
-from fsipetsc.materials.line_solid import Solid
-from fsipetsc.problem import Problem, SolidLayer
+from fsipetsc import Problem, Solid, SolidLayer, clamped, free
 from fsipetsc.verify.entry import Array, Bound, Entry, Measured, Solve, expect, reference, smooth
 
 

@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block
+from fsipetsc import Block, BlockProblem
 from fsipetsc.blocks.conditions import Clamped, Free
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.verify.entry import Array, Bound, Entry, Measured, Solve, expect, reference
 

@@ -4,9 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.boundaries import Dirichlet, Wall
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.problem import FluidLayer, Problem
+from fsipetsc import Dirichlet, Fluid, FluidLayer, Problem, Wall
 from fsipetsc.verify.entry import Array, Bound, Curve, Entry, Measured, Solve, expect, reference
 
 GAMMA = 1.4

@@ -2,10 +2,7 @@
 
 import numpy as np
 
-from fsipetsc.boundaries import Wall, clamped
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid
-from fsipetsc.problem import FluidLayer, Problem, SolidLayer
+from fsipetsc import Fluid, FluidLayer, Problem, Solid, SolidLayer, Wall, clamped
 from fsipetsc.verify.entry import (
     Array,
     Bound,

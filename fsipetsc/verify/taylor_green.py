@@ -4,10 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block
+from fsipetsc import Block, BlockProblem, Fluid
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.verify.entry import Array, Bound, Curve, Entry, Measured, Solve, expect, reference
 
 PERIOD = 2.0 * np.pi

@@ -4,11 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block
+from fsipetsc import Block, BlockProblem, Fluid
 from fsipetsc.blocks.conditions import Given
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.verify.entry import Bound, Curve, Entry, Measured, Solve, expect, reference, smooth
 
 GRIDS = 1 / 4, 1 / 8, 1 / 16
