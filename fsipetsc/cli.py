@@ -96,7 +96,7 @@ def _main(arguments: list[str]) -> int:
 def _flush() -> None:
     """Write out what has been printed, while an error can still be answered."""
     try:
-        sys.stdout.flush()
+        print(end="", flush=True)
     except BrokenPipeError:
         raise
     except OSError as error:

@@ -81,7 +81,7 @@ def _all_failed(notes: Comm, patience: float) -> bool:
 
 def _print(message: str, error: BaseException, status: int) -> None:
     try:
-        sys.stdout.flush()
+        print(end="", flush=True)
     except (OSError, ValueError):
         abandon(1)
     if status == 1:
