@@ -1,7 +1,6 @@
 """How a run ends that cannot go on: one message, an exit status, and no rank left waiting."""
 
 import os
-import sys
 import time
 import traceback
 
