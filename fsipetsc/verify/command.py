@@ -18,7 +18,7 @@ from fsipetsc.output.reader import open_run
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import Comm, together, wait_asleep
 from fsipetsc.verify import ENTRIES
-from fsipetsc.verify.entry import Bound, Compared, Entry, Measured, Row, Solve, problem
+from fsipetsc.verify.entry import Bound, Compared, Measured, Row, Solve, problem
 
 OPTIONS = (
     Option("verify_level", str, "quick", "", "how many grids and orders", ("quick", "full")),
@@ -48,15 +48,15 @@ def verify(arguments: list[str], comm: Comm) -> None:
     rows: list[Row] = []
     lines: list[Any] = []
     for name in names or ENTRIES:
-        entry: Entry = import_module(f"fsipetsc.verify.{name}").ENTRY
-        say(f"{_title(name)} ({name}); reference: {entry.source}")
+        entry = import_module(f"fsipetsc.verify.{name}")
+        say(f"{_title(name)} ({name}); reference: {entry.SOURCE}")
         found, last = run_entry(name, entry, opt["verify_level"], comm, path.parent)
-        show = partial(_show, name, entry, found, last, opt, path)
+        show = partial(_show, name, entry.SOURCE, found, last, opt, path)
         together(comm, show if comm.rank == 0 else lambda: None)
         told = text_table(HEAD, [row.cells for row in found])
         say((told if found else "only with -verify_level full") + "\n")
         rows += found
-        lines += [line for row in found for line in _csv_lines(row, comm.size, entry.source)]
+        lines += [line for row in found for line in _csv_lines(row, comm.size, entry.SOURCE)]
     together(comm, lambda: None if comm.rank else save_csv(path, COLUMNS, lines))
     wait_asleep(comm)
     hold, free = (sum(row.verdict == word for row in rows) for word in ("holds", "no bound"))
@@ -67,7 +67,7 @@ def verify(arguments: list[str], comm: Comm) -> None:
 
 
 def run_entry(
-    name: str, entry: Entry, level: str, comm: Comm, beside: Path
+    name: str, entry: Any, level: str, comm: Comm, beside: Path
 ) -> tuple[list[Row], Measured | None]:
     """Rows of an entry, and what its last run gave. Collective; FsiError. beside: where results are
     kept for a while.
@@ -76,12 +76,12 @@ def run_entry(
     measured = None
     with results_folder(comm, beside, "verify-") as folder:
         solve = _solver(comm, folder)
-        for order, spacings in entry.levels[level].items():
+        for order, spacings in getattr(entry, level.upper()).items():
             found = [entry.measure(solve, order, h) for h in spacings]
             measured = found[-1]
             for quantity in measured.errors:
                 numbers = tuple(one.errors[quantity] for one in found)
-                bound = entry.bounds.get((quantity, order), Bound())
+                bound = entry.BOUNDS.get((quantity, order), Bound())
                 rows.append(Row(name, quantity, order, tuple(spacings), numbers, bound))
     return rows, measured
 
@@ -123,14 +123,14 @@ def _csv_lines(row: Row, ranks: int, source: str) -> list[tuple[Any, ...]]:
 
 
 def _show(
-    name: str, entry: Entry, rows: list[Row], last: Measured | None, opt: Any, path: Path
+    name: str, source: str, rows: list[Row], last: Measured | None, opt: Any, path: Path
 ) -> None:
     """The picture, and FOLDER/NAME.md with problem, table and picture if wanted. FileError."""
     where = path.with_name(f"{path.stem}-{name}.png")
     if opt["verify_docs"]:
         folder = Path(opt["verify_docs"])
         where = folder / f"{name}.png"
-        about = f"Reference: {entry.source}. Level: {opt['verify_level']}."
+        about = f"Reference: {source}. Level: {opt['verify_level']}."
         lines = [problem(name), about, ""]
         if rows:
             table = [f"| {' | '.join(cells)} |" for cells in (HEAD, *(row.cells for row in rows))]

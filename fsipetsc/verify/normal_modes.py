@@ -14,7 +14,7 @@ from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.stiffened_gas import stiffened_gas
 from fsipetsc.options import defaults
 from fsipetsc.stepping.solve import build_problem
-from fsipetsc.verify.entry import Array, Compared, Entry, Measured, Solve, expect, reference
+from fsipetsc.verify.entry import Array, Compared, Measured, Solve, expect, reference
 
 #: density, speeds of P and S waves [SI]
 METALS = {
@@ -94,9 +94,7 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
 
 NAMES = ("ring", *SHELLS.values(), "viscous gas", "water over steel", "water over aluminium")
 NAMES += ("tungsten under aluminium",)
-ENTRY = Entry(
-    source="verify/modes.py (determinants)",
-    levels={"quick": {4: (1 / 16, 1 / 24)}, "full": {4: (1 / 16, 1 / 32), 6: (1 / 24, 1 / 32)}},
-    measure=measure,
-    bounds={**expect(NAMES, (4,), 3.0), **expect(NAMES, (6,), 4.5)},
-)
+SOURCE = "verify/modes.py (determinants)"
+QUICK = {4: (1 / 16, 1 / 24)}
+FULL = {4: (1 / 16, 1 / 32), 6: (1 / 24, 1 / 32)}
+BOUNDS = {**expect(NAMES, (4,), 3.0), **expect(NAMES, (6,), 4.5)}
