@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from fsipetsc.errors import InputError
 from fsipetsc.output.quantities import AT_INTERFACES, unit_of
 from fsipetsc.output.reader import Layer, Run
 
@@ -21,12 +20,10 @@ def to_xarray(run: Run) -> xarray.Dataset:
     layer, face or point, which have names. A name of a layer is written with _ in the place of
     blanks. Attributes: case, options; of variables units.
 
-    Raises InputError without xarray, FileError where the result is damaged.
+    Raises ImportError without xarray, FileError where the result is damaged.
     """
-    try:
-        import xarray
-    except ImportError as error:
-        raise InputError("to_xarray: xarray is not installed (pip install xarray)") from error
+    import xarray
+
     variables: dict[str, Any] = {}
     coordinates: dict[str, Any] = {"time": ("time", run.time, _attributes(run, "t"))}
     for layer in run.layers:

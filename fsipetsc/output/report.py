@@ -15,7 +15,7 @@ import numpy as np
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.info import info_sections
 from fsipetsc.output.plots.page import drawn, pictures, some
-from fsipetsc.output.plots.style import STYLE, moment, needed
+from fsipetsc.output.plots.style import STYLE, moment
 from fsipetsc.output.reader import Run, open_run
 
 FILM = 60  # frames under the slider; of more, some are left out
@@ -25,13 +25,13 @@ DPI, FILM_DPI = 110, 80
 def report(path: str | os.PathLike[str], outdir: str | os.PathLike[str] = ".") -> Path:
     """Write NAME.html in `outdir`; its path.
 
-    Raises FileError if the result cannot be read or the page cannot be written, InputError without
-    matplotlib.
+    Raises FileError if the result cannot be read or the page cannot be written.
     """
-    matplotlib = needed("report")
+    from matplotlib import rc_context
+
     target = Path(outdir) / f"{Path(path).stem}.html"
     style = {**STYLE, "savefig.dpi": DPI}
-    with open_run(path) as run, matplotlib.rc_context(style), np.errstate(all="ignore"):
+    with open_run(path) as run, rc_context(style), np.errstate(all="ignore"):
         text = _page(run)
     with writing(target, "the report"):
         target.write_text(text, encoding="utf-8")

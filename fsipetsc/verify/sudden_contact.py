@@ -3,17 +3,8 @@
 import numpy as np
 
 from fsipetsc import Fluid, FluidLayer, Problem, Solid, SolidLayer, Wall, clamped
-from fsipetsc.verify.entry import (
-    Array,
-    Bound,
-    Compared,
-    Curve,
-    Measured,
-    Solve,
-    expect,
-    reference,
-    smooth,
-)
+from fsipetsc.checks import Array
+from fsipetsc.verify.entry import Bound, Compared, Curve, Measured, Solve, expect, reference, smooth
 
 JUMP, BEGIN, END = 0.01, 10.0, 20.0
 

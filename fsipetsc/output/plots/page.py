@@ -33,7 +33,7 @@ def plot(path: str, given: Mapping[str, str]) -> list[Path]:
     """Do what the options ask for (fsipetsc.cli); the files that have been written.
 
     Raises FileError if the result cannot be read or a file cannot be written, InputError for
-    options that cannot be followed or without matplotlib.
+    options that cannot be followed.
     """
     times = _times(given["-times"]) if "-times" in given else ()
     names = tuple(map(str.strip, given["-fields"].split(","))) if "-fields" in given else ()
@@ -45,11 +45,11 @@ def plot(path: str, given: Mapping[str, str]) -> list[Path]:
     if where.suffix.lower() in KNOWN and not is_file and not where.is_dir():
         named = f", or a name that ends with {', '.join(suffixes)}" if suffixes else ""
         raise InputError(f"plot: -o {where}: expected a directory{named}")
-    matplotlib = style.needed("plot")
+    from matplotlib import rc_context
     from matplotlib.figure import Figure
 
     stem, written = Path(path).stem, []
-    with open_run(path) as run, matplotlib.rc_context(style.STYLE), np.errstate(all="ignore"):
+    with open_run(path) as run, rc_context(style.STYLE), np.errstate(all="ignore"):
         if film:
             return [animate(run, where if is_file else where / f"{stem}.gif", names)]
         if not every:

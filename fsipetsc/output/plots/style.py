@@ -5,13 +5,11 @@ The colours are those of Okabe and Ito, which eyes that do not tell red from gre
 
 import os
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fsipetsc.checks import counted
-from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.quantities import is_si
@@ -66,16 +64,6 @@ STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "pdf.fonttype": 42,
 }
-
-
-def needed(command: str) -> ModuleType:
-    """matplotlib. InputError where it is not installed."""
-    try:
-        import matplotlib
-    except ImportError as error:
-        wanted = "matplotlib is not installed (pip install matplotlib)"
-        raise InputError(f"{command}: {wanted}") from error
-    return matplotlib
 
 
 def save(figure: Figure, target: str | os.PathLike[str]) -> Path:
