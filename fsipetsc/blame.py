@@ -56,12 +56,6 @@ def missing(package: str) -> str:
     return f"{said}: {how}" if package in NEEDED else said
 
 
-def frames_in(error: BaseException, path: str | os.PathLike[str]) -> list[traceback.FrameSummary]:
-    """The frames of an error's traceback that lie in a file."""
-    path = os.path.realpath(path)
-    return [f for f in traceback.extract_tb(error.__traceback__) if f.filename == path]
-
-
 def call(function: Callable[..., Any], arguments: tuple[Any, ...], where: str) -> Any:
     """function(*arguments), a user's; where: what it is, in a message.
 

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-from fsipetsc.cases import BUILT_IN, load_case, summaries
+from fsipetsc.cases import load_case, summaries
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import is_option
 from fsipetsc.process.failure import end_together
@@ -140,7 +140,7 @@ def _run_command(name: str, arguments: list[str]) -> None:
 
 def _in_parallel(arguments: list[str]) -> int:
     """A run, or a command that all ranks do together. Collective."""
-    notes, case_file = None, None
+    notes = None
     try:
         world = start_mpi()
         notes = world.Dup()
@@ -149,8 +149,7 @@ def _in_parallel(arguments: list[str]) -> int:
             getattr(module, name)(arguments[1:], world)
             _flush()
         else:
-            case_file = None if arguments[0] in BUILT_IN else arguments[0]
-            case = together(world, lambda: load_case(arguments[0], tuple(COMMANDS)))
+            case = together(world, lambda: load_case(name, tuple(COMMANDS)))
             given = start_petsc(arguments[1:], world)
             from fsipetsc.stepping.run import run_given
 
@@ -158,7 +157,7 @@ def _in_parallel(arguments: list[str]) -> int:
     except BrokenPipeError:
         abandon(1)
     except (Exception, KeyboardInterrupt) as error:
-        return end_together(error, notes, case_file)
+        return end_together(error, notes)
     finally:
         if notes is not None:
             notes.Free()

@@ -180,7 +180,6 @@ RAISED = {
     "open('/no/such/file')": (4, ["/no/such/file: No such file"]),
     "raise KeyboardInterrupt": (130, ["stopped by SIGINT"]),
     "import no_such_package": (2, ["needs the Python package no_such_package"]),
-    "case.build(options)": (2, ["stub.py, line 10", "KeyError"]),
 }
 #: of the program itself
 FAULTS = {
