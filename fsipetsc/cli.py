@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 from fsipetsc.cases import load_case, summaries
-from fsipetsc.errors import FileError, InputError
+from fsipetsc.errors import InputError
 from fsipetsc.options import is_option
 from fsipetsc.process.failure import end_together
 from fsipetsc.process.launch import launcher_rank, left_as_found, start_mpi, start_petsc
@@ -85,22 +85,12 @@ def _main(arguments: list[str]) -> int:
         return 0  # rank 0 alone answers
     try:
         _answer(arguments)
-        _flush()
+        print(end="", flush=True)  # while an error can still be answered
     except BrokenPipeError:  # the reader, a pager or head, has seen enough
         abandon(1)
     except (Exception, KeyboardInterrupt) as error:
         return end_together(error, None)
     return 0
-
-
-def _flush() -> None:
-    """Write out what has been printed, while an error can still be answered."""
-    try:
-        print(end="", flush=True)
-    except BrokenPipeError:
-        raise
-    except OSError as error:
-        raise FileError(f"the standard output cannot be written: {error.strerror}") from None
 
 
 def _is_run(arguments: Sequence[str]) -> bool:
@@ -147,7 +137,7 @@ def _in_parallel(arguments: list[str]) -> int:
         if (name := arguments[0]) in COMMANDS:
             module = importlib.import_module(COMMANDS[name].module)
             getattr(module, name)(arguments[1:], world)
-            _flush()
+            print(end="", flush=True)
         else:
             case = together(world, lambda: load_case(name, tuple(COMMANDS)))
             given = start_petsc(arguments[1:], world)
