@@ -26,38 +26,34 @@ SMALL = 1e-5
 PERIODS, SAMPLES, CHORDS = 1.25, 64, 2.0
 #: columns of the table: the faster mode, and both by frequency
 HEAD = ("mach", "lambda", "growth", "frequency", "growth_1", "frequency_1")
-HEAD += ("growth_2", "frequency_2", "misfit", "steps", "wall_s", "failure")
-
-
-def _above_one(values: Sequence[float]) -> str | None:
-    return None if values and min(values) > 1 else "Mach numbers above 1"
+HEAD += ("growth_2", "frequency_2", "misfit", "steps", "wall_s")
 
 
 MACHS, LAMBDAS = (1.5, 2.0, 2.5, 3.0, 4.0), (500.0, 600.0, 700.0, 800.0)
+_ABOVE = {"check": lambda values: None if min(values) > 1 else "Mach numbers above 1"}
 OPTIONS = (
-    Option("flutter_machs", "floats", MACHS, "", "instead of -panel_mach", check=_above_one),
+    Option("flutter_machs", "floats", MACHS, "", "instead of -panel_mach", **_ABOVE),
     Option("flutter_lambdas", "floats", LAMBDAS, "", "instead of -panel_lambda", check="positive"),
 )
 
 
 class FlutterRun(NamedTuple):
     """A run: Mach number, lambda, s of the two modes that meet [unit of velocity over the panel's
-    length], misfit of the modes; steps and wall time [s]. failure: why there are none of these.
+    length], misfit of the modes; steps and wall time [s].
     """
 
     mach: float
     dynamic: float
-    pair: tuple[complex, complex] = (complex("nan"),) * 2
-    misfit: float = float("nan")
-    steps: int = 0
-    wall_time: float = 0.0
-    failure: str = ""
+    pair: tuple[complex, complex]
+    misfit: float
+    steps: int
+    wall_time: float
 
 
 def flutter(arguments: list[str], comm: Comm) -> None:
     """The command, with the arguments behind its name. Collective on comm.
 
-    Raises InputError; FileError; ComputationError at the end if a run has failed.
+    Raises InputError; FileError; ComputationError.
     """
     case = load_case("panel")
     instead = {"panel_mach": "flutter_machs", "panel_lambda": "flutter_lambdas"}
@@ -77,10 +73,6 @@ def flutter(arguments: list[str], comm: Comm) -> None:
     if comm.rank == 0:
         say(f"\nresults in {save_csv(path, HEAD, lines)}")
     wait_asleep(comm)
-    failures = [run for run in runs if run.failure]
-    if failures:
-        first = f"M = {failures[0].mach:g}, lambda = {failures[0].dynamic:g}: {failures[0].failure}"
-        raise ComputationError(f"{len(failures)} of {counted(len(runs), 'run')} failed; {first}")
 
 
 def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
@@ -93,7 +85,7 @@ def one_run(
 ) -> FlutterRun:
     """The modes of the panel at a Mach number and lambda = dynamic, from a run on this rank alone.
 
-    It ends at the time end, or after a good period. InputError, FileError.
+    It ends at the time end, or after a good period. InputError, ComputationError, FileError.
     """
     from mpi4py import MPI
 
@@ -112,7 +104,7 @@ def one_run(
                 s, misfit = fit_modes(motion_of(run, later))
                 cost = run.summary["steps"], run.summary["wall_time"]
         except ComputationError as error:
-            return FlutterRun(mach, dynamic, failure=str(error))
+            raise ComputationError(f"M = {mach:g}, lambda = {dynamic:g}: {error}") from None
     return FlutterRun(mach, dynamic, (complex(s[0]), complex(s[1])), misfit, *cost)
 
 
@@ -120,16 +112,16 @@ def _row(run: FlutterRun) -> list[object]:
     """Under HEAD."""
     fastest = max(run.pair, key=lambda s: s.real)
     numbers = [f"{x:.6g}" for s in (fastest, *run.pair) for x in (s.real, s.imag)]
-    cost = [f"{run.misfit:.1e}", run.steps, f"{run.wall_time:.3g}", run.failure]
+    cost = [f"{run.misfit:.1e}", run.steps, f"{run.wall_time:.3g}"]
     return [f"{run.mach:g}", f"{run.dynamic:g}", *numbers, *cost]
 
 
 def onsets(runs: Sequence[FlutterRun], mass: float, ends: str) -> str:
-    """A table of lambda and f of each Mach number, by the runs that went well; NaN where they do
-    not show it. Beside it lambda over that of a thin panel."""
+    """A table of lambda and f of each Mach number; NaN where the runs do not show it. Beside it
+    lambda over that of a thin panel."""
     rows, thin = [], CRITICAL[ends]
     for mach in dict.fromkeys(run.mach for run in runs):
-        own = [run for run in runs if run.mach == mach and not run.failure]
+        own = [run for run in runs if run.mach == mach]
         flow, found, s = Flow(mach, mass), float("nan"), complex("nan")
         if len(own) > 1:
             dynamic = [run.dynamic for run in own]
