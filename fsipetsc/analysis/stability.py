@@ -13,7 +13,7 @@ from typing import Any
 
 from fsipetsc.analysis.stability_linear import Constant, Result, measure, of_options
 from fsipetsc.analysis.tables import listed_in, printer, save_csv, shared, text_table
-from fsipetsc.cases.common import material_options
+from fsipetsc.cases.common import materials
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.operators import operator
 from fsipetsc.options import read_table
@@ -37,10 +37,10 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
     "Gas": (
         Option("fluid_rho", float, 1.0, "kg/m3", "density of the gas at rest", **_ABOVE),
         Option("fluid_T", float, 1.0, "K", "temperature, of the solid too", **_ABOVE),
-        *material_options(fluid_mu=0.01, fluid_kappa=0.03, fluid_gamma=1.4, fluid_R=1.0),
+        *materials(fluid_mu=0.01, fluid_kappa=0.03, fluid_gamma=1.4, fluid_R=1.0),
     ),
     "Solid": (
-        *material_options(solid_density=1.0, solid_modulus=1.0, solid_alpha=2.5, solid_kappa=0.02),
+        *materials(solid_density=1.0, solid_modulus=1.0, solid_alpha=2.5, solid_kappa=0.02),
         Option("solid_eos", str, "ideal", "", _EOS, ("ideal", "elastic")),
     ),
     "Discretisation": (

@@ -32,7 +32,7 @@ _KNOWN = {
 }
 
 
-def material_options(conducting: bool = False, **defaults: Any) -> tuple[Option, ...]:
+def materials(conducting: bool = False, **defaults: Any) -> tuple[Option, ...]:
     """Options with their defaults; a case leaves some out. conducting: no conductivity is 0.
 
     solid_law: its default is the first of the tuple of laws that are allowed.

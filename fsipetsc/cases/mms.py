@@ -13,15 +13,15 @@ from math import cos, sin
 import numpy as np
 
 from fsipetsc import Dirichlet, FluidLayer, InputError, Problem, SolidLayer
-from fsipetsc.cases.common import PAPER, Opt, gas_of, material_options, solid_of
+from fsipetsc.cases.common import PAPER, Opt, gas_of, materials, solid_of
 from fsipetsc.checks import Array, Fields
 
 NAME = "mms"
 SUMMARY = "manufactured solution: errors against the exact solution (Sec. 5.1)"
 
 OPTIONS = (
-    *material_options(fluid_mu=0.01, fluid_kappa=0.03, fluid_gamma=1.4, fluid_R=1.0),
-    *material_options(solid_modulus=10.0, solid_kappa=0.02, solid_density=2.0, solid_alpha=1.0),
+    *materials(fluid_mu=0.01, fluid_kappa=0.03, fluid_gamma=1.4, fluid_R=1.0),
+    *materials(solid_modulus=10.0, solid_kappa=0.02, solid_density=2.0, solid_alpha=1.0),
 )
 DEFAULTS = {**PAPER, "ts_max_time": 0.45, "fsi_output_dt": 0.05}
 

@@ -10,7 +10,7 @@ import numpy as np
 from fsipetsc import BlockProblem, Option
 from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.cases.common import Opt, elastic_of, gas_of, material_options, stack
+from fsipetsc.cases.common import Opt, elastic_of, gas_of, materials, stack
 from fsipetsc.cases.normal_mode import Layers, interpolated
 from fsipetsc.checks import Array, Fields
 
@@ -19,8 +19,8 @@ SUMMARY = "a normal mode of a gas over an elastic layer, whose frequency and dec
 
 OPTIONS = (
     Option("wave_mode", int, 0, "", "number, of those that swing", check="nonnegative"),
-    *material_options(fluid_mu=0.01, fluid_kappa=0.035 / 0.72, solid_density=1.0),
-    *material_options(solid_mu=1.0, solid_lambda=1.0),
+    *materials(fluid_mu=0.01, fluid_kappa=0.035 / 0.72, solid_density=1.0),
+    *materials(solid_mu=1.0, solid_lambda=1.0),
 )
 DEFAULTS = {"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 1.0, "fsi_output_dt": 0.05}
 #: wave number [1/m], displacement of the interface, height of the gas, depth of the solid [m]
