@@ -10,8 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
 from fsipetsc import checks
 from fsipetsc.errors import InputError
 
@@ -22,8 +20,6 @@ WALL, OPEN, DIRICHLET = 0, 1, 2
 CLAMPED, FREE, ABSORBING = 10, 11, 12
 #: a number, or a function of time
 Timed = float | Callable[[float], float]
-#: degrees that a formula may have
-DEGREES = (2, 3, 4, 5)
 
 
 @dataclass(frozen=True)
@@ -90,24 +86,16 @@ class Open:
 
 @dataclass(frozen=True)
 class Dirichlet:
-    """Given rho, u, T at x [m]: values(t) -> (rho, u, T) in kg/m3, m/s, K; see docs/open-end.md.
-
-    degree: of the embedded-boundary formula, 2 to 5; None: what lets the order of the operator
-    show, see ``degree_of``. Raises InputError for another degree.
-    """
+    """Given rho, u, T at x [m]: values(t) -> (rho, u, T) in kg/m3, m/s, K; see docs/open-end.md."""
 
     x: float
     values: Callable[[float], tuple[float, float, float]]
-    degree: int | None = None
     kind = DIRICHLET
+    degree = None  # that of degree_of
 
     def __post_init__(self) -> None:
         checks.numbers(self, "Dirichlet", {"x": checks.ANY})
         checks.function(self.values, "Dirichlet: values", "values(t) -> (rho, u, T)")
-        whole = isinstance(self.degree, (int, np.integer)) and not isinstance(self.degree, bool)
-        if self.degree is not None and not (whole and self.degree in DEGREES):
-            expected = "expected a whole number from 2 to 5, or None: by -fsi_order"
-            raise InputError(f"Dirichlet(degree={self.degree!r}): {expected}")
 
     def data(self, t: float) -> tuple[float, ...]:
         return self.values(t)
@@ -119,7 +107,7 @@ def degree_of(end: Boundary, order: int) -> int:
     Unless the end says: 2, 3, 4, 5 for the orders 2, 4, 6, 8, one more than the closures are exact
     to. A degree less spoils the order, one more gains nothing.
     """
-    return order // 2 + 1 if end.degree is None else int(end.degree)
+    return order // 2 + 1 if end.degree is None else end.degree
 
 
 @dataclass(frozen=True)
