@@ -7,7 +7,7 @@ small. What is exact to that size goes as exp(s t).
 
 import numpy as np
 
-from fsipetsc import BlockProblem, Option
+from fsipetsc import BlockProblem
 from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases.common import Opt, elastic_of, gas_of, materials, stack
@@ -18,7 +18,6 @@ NAME = "wave"
 SUMMARY = "a normal mode of a gas over an elastic layer, whose frequency and decay are known"
 
 OPTIONS = (
-    Option("wave_mode", int, 0, "", "number, of those that swing", check="nonnegative"),
     *materials(fluid_mu=0.01, fluid_kappa=0.035 / 0.72, solid_density=1.0),
     *materials(solid_mu=1.0, solid_lambda=1.0),
 )
@@ -35,7 +34,7 @@ def both_of(opt: Opt) -> Layers:
 def build(opt: Opt) -> BlockProblem:
     """The solid below Y = 0, the gas above."""
     both, low, high = both_of(opt), (-DEPTH, 0.0), (0.0, HEIGHT)
-    mode = both.mode(K, opt["wave_mode"])
+    mode = both.mode(K)
 
     def swinging(
         amplitudes: Array, ends: tuple[float, float], X: Array, Y: Array, t: float
