@@ -83,12 +83,15 @@ def _through(run: Run) -> Rows:
 
 def _positions(run: Run) -> str:
     """Where the interfaces are at the end, in several dimensions on average."""
-    if not len(run.series.get("x_interface", ())):
+    found, t = run.summary.get("interfaces"), run.summary.get("t")
+    if not found and len(run.series.get("x_interface", ())):  # of a run that goes on
+        found = dict(zip(run.interfaces, run.series["x_interface"][-1], strict=True))
+        t = run.series["t"][-1]
+    if not found:
         return ", ".join(run.interfaces) or "none"
     axis, mean = " xyz"[run.dimension], " on average" * (run.dimension > 1)
-    last = zip(run.interfaces, run.series["x_interface"][-1], strict=True)
-    places = (f"{name} at {axis} = {value:.6g}{mean}" for name, value in last)
-    return f"{', '.join(places)} at t = {run.series['t'][-1]:g}"
+    places = (f"{name} at {axis} = {value:.6g}{mean}" for name, value in found.items())
+    return f"{', '.join(places)} at t = {t:g}"
 
 
 def _range(label: str, values: Any, unit: str = "") -> str:

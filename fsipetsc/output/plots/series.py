@@ -107,21 +107,14 @@ def draw_panels(figure: FigureBase, run: Run, panels: list[Panel], columns: int 
 def draw_panel(axes: Axes, run: Run, panel: Panel) -> None:
     """One of them."""
     some = slice(None, None, max(1, len(panel.t) // style.MAX_POINTS))
-    for k, (name, values) in enumerate(panel.curves.items()):
+    axes.set_prop_cycle(**style.CURVES)
+    for name, values in panel.curves.items():
         t, shown = panel.t[some], values[some]
         if panel.logarithmic:
             t, shown = envelope(panel.t, np.abs(values))
             shown = np.where(shown > 0, shown, np.nan)
-        look = {
-            "color": style.SERIES[k % len(style.SERIES)],
-            "linestyle": style.LINES[k % len(style.LINES)],
-        }
-        axes.plot(t, shown, **look, label=name)
+        axes.plot(t, shown, label=name)
     if panel.logarithmic:
-        if panel.label == "relative departure" and run.options.get("fsi_check"):
-            axes.axhline(
-                run.options["fsi_check"], color=style.GREY, linestyle=":", label="-fsi_check"
-            )
         axes.set_yscale("log")
         axes.set_ylim(bottom=max(axes.get_ylim()[0], axes.get_ylim()[1] / SPAN))
     if panel.label == "time step":

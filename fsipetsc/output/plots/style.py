@@ -23,15 +23,12 @@ else:
 
 Array = np.ndarray
 
-BLUE, RED, GREEN, ORANGE, PURPLE, GREY, BLACK = (
-    "#0072b2", "#d55e00", "#009e73", "#e69f00", "#a0528c", "#8a8a8a", "#222222",
-)  # fmt: skip
+BLUE, RED, GREEN, ORANGE, BLACK = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#222222"
 COLORS = {"fluid": BLUE, "solid": RED}
 #: colour maps, white where nothing happens
 MAPS = {"fluid": "RdBu_r", "solid": "PuOr_r"}
 #: colours and line styles of curves in one panel, in turn
-SERIES = (BLACK, ORANGE, BLUE, GREEN, PURPLE)
-LINES = ("-", "--", "-.", ":")
+CURVES = {"color": [BLACK, ORANGE, BLUE, GREEN], "linestyle": ["-", "--", "-.", ":"]}
 #: colour and marker of an order of accuracy
 ORDERS = {2: (GREEN, "s"), 4: (BLUE, "o"), 6: (RED, "^"), 8: (BLACK, "D")}
 MAX_POINTS = 5000  # of a line
