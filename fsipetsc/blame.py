@@ -2,11 +2,9 @@
 
 import os
 import re
-import sys
 import traceback
 from collections.abc import Callable
 from functools import partial
-from types import FrameType
 from typing import Any
 
 from fsipetsc.errors import FsiError, InputError
@@ -98,12 +96,11 @@ def _is_compilers(error: BaseException) -> bool:
 
 def place_of_caller() -> str:
     """What stands before a message about a case file that called this: "file, line N: ", or ""."""
-    frame: FrameType | None = sys._getframe(1)
-    while frame is not None and not _is_users(frame.f_code.co_filename):
-        frame = frame.f_back
-    if frame is None or frame.f_code.co_filename.startswith(_CASES):
+    stack = reversed(traceback.extract_stack())
+    frame = next((frame for frame in stack if _is_users(frame.filename)), None)
+    if frame is None or frame.filename.startswith(_CASES):
         return ""
-    return f"{short(frame.f_code.co_filename)}, line {frame.f_lineno}: "
+    return f"{short(frame.filename)}, line {frame.lineno}: "
 
 
 def place_of(function: Callable[..., Any]) -> str:
