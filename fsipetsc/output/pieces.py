@@ -49,11 +49,6 @@ def pieces(folder: Path) -> list[Path]:
     return [path for k, path in enumerate(found) if int(path.stem) == k + 1]
 
 
-def has_result(folder: Path) -> bool:
-    """Whether there is anything that a run has computed."""
-    return (folder / "header.json").exists() and bool(pieces(folder))
-
-
 def clear(folder: Path) -> None:
     """Remove header, pieces and drafts; the lock stays."""
     for path in (folder / "header.json", *folder.glob("*.h5"), *folder.glob("*.new")):

@@ -154,8 +154,13 @@ def draw(figure: FigureBase, view: View) -> None:
 
 def draw_bars(figure: FigureBase, view: View, pictures: Mapping[str, Any], axes: Any) -> None:
     """A colour bar above the panels for each kind of layer."""
+    wide = isinstance(axes, list)
+    size = {"aspect": 50, "shrink": 0.7} if wide else {"aspect": 25}
     for kind, picture in pictures.items():
-        style.bar_above(figure, picture, axes, view.bar_label(kind))
+        bar = figure.colorbar(picture, ax=axes, location="top", pad=0.02, **size)
+        bar.set_label(view.bar_label(kind), loc="left")
+        bar.outline.set_visible(False)
+        bar.ax.locator_params(nbins=6 if wide else 4)
 
 
 def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity]) -> None:

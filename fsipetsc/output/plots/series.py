@@ -3,7 +3,6 @@ dimensions the deflection of interfaces, too.
 """
 
 from collections.abc import Iterator
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -36,7 +35,8 @@ def interface_panels(run: Run) -> Iterator[Panel]:
     """How interfaces move, in two dimensions first the one that moves most; what holds there."""
     if run.dimension == 2 and run.nframes > 1:
         lines = [run.interface(k) for k in range(len(run.interfaces))]
-        yield from map(partial(_deflection, run), sorted(lines, key=_farthest, reverse=True))
+        lines.sort(key=lambda line: np.nanmax(np.abs(line.displacement)), reverse=True)
+        yield from (_deflection(run, line) for line in lines)
     t = run.series.get("t", np.empty(0))
     for name, label in AT_INTERFACES.items():
         if name in run.series and len(t) > 1:
@@ -44,11 +44,6 @@ def interface_panels(run: Run) -> Iterator[Panel]:
             values = values - values[0] if name == "x_interface" else values
             curves = dict(zip(run.interfaces, values.reshape(len(values), -1).T))
             yield Panel(label, written(unit_of(name)), t, curves, name.startswith("residual"))
-
-
-def _farthest(line: InterfaceLine) -> float:
-    """The largest displacement in any frame."""
-    return float(np.nanmax(np.abs(line.displacement)))
 
 
 def _deflection(run: Run, line: InterfaceLine) -> Panel:

@@ -155,16 +155,6 @@ def shaded(axes: Axes, x: Array, y: Array, values: Array, look: dict[str, Any]) 
     return axes.pcolormesh(x, y, values, shading="gouraud", rasterized=True, **look)
 
 
-def bar_above(figure: FigureBase, picture: Any, axes: Any, label: str) -> None:
-    """A colour bar above panels, over what occurs in the last picture."""
-    wide = isinstance(axes, list)
-    look = {"aspect": 50, "shrink": 0.7} if wide else {"aspect": 25}
-    made = figure.colorbar(picture, ax=axes, location="top", pad=0.02, **look)
-    made.set_label(label, loc="left")
-    made.outline.set_visible(False)
-    made.ax.locator_params(nbins=6 if wide else 4)
-
-
 def legend_above(axes: Axes, side: str = "left") -> None:
     """A legend above a panel, at this side of it, of five entries at most."""
     entries: dict[str, Any] = dict(zip(*reversed(axes.get_legend_handles_labels())))
