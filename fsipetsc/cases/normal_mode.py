@@ -17,7 +17,6 @@ solid is free of strain under it.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.polynomial import Chebyshev
 from scipy.linalg import eig
 
 from fsipetsc import Fluid, InputError
@@ -45,9 +44,16 @@ def chebyshev(n: int, low: float, high: float) -> tuple[Array, Array]:
 
 
 def interpolated(values: Array, low: float, high: float, y: Array) -> Array:
-    """The polynomial through values at the points of ``chebyshev``, at y."""
-    points = chebyshev(len(values), low, high)[0]
-    return Chebyshev.fit(points, values, len(values) - 1, domain=[low, high])(y)
+    """The polynomial through values at the points of ``chebyshev``, at y (barycentric formula)."""
+    n = len(values)
+    points = chebyshev(n, low, high)[0]
+    weights = (-1.0) ** np.arange(n)
+    weights[[0, -1]] /= 2
+    gaps = np.asarray(y)[..., None] - points
+    exact = gaps == 0
+    terms = weights / np.where(exact, 1.0, gaps)
+    terms = np.where(exact.any(axis=-1, keepdims=True), exact.astype(float), terms)
+    return (terms * values).sum(axis=-1) / terms.sum(axis=-1)
 
 
 @dataclass(frozen=True)

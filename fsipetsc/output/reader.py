@@ -112,8 +112,6 @@ class Run:
 
     def at(self, t: float) -> int:
         """Number of the frame saved nearest to time t."""
-        if not self.nframes:
-            raise IndexError(f"{self.path} has no frames")
         return int(np.argmin(np.abs(self.time - t)))
 
     def interface(self, k: int | str) -> InterfaceLine:
@@ -233,10 +231,8 @@ class Layer(Arrays):
 
     def frame(self, number: int) -> dict[str, Array]:
         """All fields of one frame, name -> of `shape`: much cheaper than whole fields of a run."""
-        nframes = self._run.nframes
-        if not -nframes <= number < nframes:
-            raise IndexError(f"frame {number}: there are {nframes}")
-        read, k, first = self._run._contents.frames, self._number, number % nframes
+        first = range(self._run.nframes)[number]
+        read, k = self._run._contents.frames, self._number
         rows = self._run.read(f"frame {first}", lambda: read(k, self.fields, first, first + 1))
         return {name: row.reshape(self.shape) for name, row in zip(self.fields, rows)}
 
