@@ -5,8 +5,6 @@ position x: the moving grid reaches over it to one ghost point outside. A solid 
 point.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -101,15 +99,6 @@ class Dirichlet:
         return self.values(t)
 
 
-def degree_of(end: Boundary, order: int) -> int:
-    """Degree of the formulas of an end with the operator of this interior order.
-
-    Unless the end says: 2, 3, 4, 5 for the orders 2, 4, 6, 8, one more than the closures are exact
-    to. A degree less spoils the order, one more gains nothing.
-    """
-    return order // 2 + 1 if end.degree is None else end.degree
-
-
 @dataclass(frozen=True)
 class SolidEnd:
     """Outer end of a solid. kind CLAMPED: velocity value [m/s]; FREE, ABSORBING: stress sigma - p
@@ -133,6 +122,9 @@ class SolidEnd:
 
     def data(self, t: float) -> tuple[Timed]:
         return (self.value,)
+
+
+Boundary = Wall | Open | Dirichlet | SolidEnd
 
 
 def clamped(
@@ -174,6 +166,15 @@ def _check_heat(end: Wall | SolidEnd, owner: str) -> None:
             _check_timed(end, owner, name, bound)
 
 
+def degree_of(end: Boundary, order: int) -> int:
+    """Degree of the formulas of an end with the operator of this interior order.
+
+    Unless the end says: 2, 3, 4, 5 for the orders 2, 4, 6, 8, one more than the closures are exact
+    to. A degree less spoils the order, one more gains nothing.
+    """
+    return order // 2 + 1 if end.degree is None else end.degree
+
+
 def heat_of(end: Boundary) -> tuple[int, Timed]:
     """(INSULATED, GIVEN_T or GIVEN_FLUX, what is given) at an end."""
     for kind, name in ((GIVEN_T, "T"), (GIVEN_FLUX, "heat_flux")):
@@ -202,6 +203,3 @@ def needs_stretching(end: Boundary) -> bool:
     stays where it is.
     """
     return isinstance(end, Wall) and (end.moves or heat_of(end)[0] != INSULATED)
-
-
-Boundary = Wall | Open | Dirichlet | SolidEnd

@@ -4,8 +4,6 @@ All functions take arrays of Lagrangian coordinates X and, where they depend on 
 never sees a vector of PETSc's or a rank.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import ceil, floor
@@ -80,6 +78,9 @@ class SolidLayer:
         return cells
 
 
+Layer = FluidLayer | SolidLayer
+
+
 def _check_layer(layer: Layer, material: type, values: str) -> None:
     """InputError for the first thing that is wrong with a layer; its X becomes two floats."""
     kind, name = type(layer).__name__, layer.name
@@ -96,9 +97,6 @@ def _check_layer(layer: Layer, material: type, values: str) -> None:
     function(layer.exact, f"{what}: exact", f"exact(X, t) -> {values}", optional=True)
     form = "forcing(X, t) -> the right-hand sides"
     function(layer.forcing, f"{what}: forcing", form, optional=True)
-
-
-Layer = FluidLayer | SolidLayer
 
 
 def _all_are(values: Any, kind: Any) -> bool:
