@@ -1,7 +1,5 @@
 """The command `verify`: cases against references that other codes can be tested with, too."""
 
-from __future__ import annotations
-
 from functools import partial
 from importlib import import_module
 from itertools import count, takewhile

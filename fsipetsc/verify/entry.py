@@ -1,7 +1,5 @@
 """What an entry of the command `verify` is, and how its numbers become rows of the table."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Callable, Iterable, Mapping
 from importlib.resources import files
