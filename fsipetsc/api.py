@@ -1,11 +1,9 @@
 """Runs from Python: what the command line does, with exceptions instead of exits."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Mapping
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases import load_case
@@ -15,13 +13,10 @@ from fsipetsc.output.reader import Run, open_run
 from fsipetsc.problem import Problem
 from fsipetsc.process.failure import end_together
 from fsipetsc.process.launch import left_as_found, start_mpi, start_petsc
-from fsipetsc.process.together import together
-
-if TYPE_CHECKING:
-    from mpi4py import MPI
+from fsipetsc.process.together import Comm, together
 
 
-def run(case: Any, comm: MPI.Comm | None, options: Mapping[str, Any]) -> Run:
+def run(case: Any, comm: Comm | None, options: Mapping[str, Any]) -> Run:
     """See fsipetsc.run, whose work this is."""
     comm = start_mpi() if comm is None else comm
     with left_as_found():
@@ -38,7 +33,7 @@ def run(case: Any, comm: MPI.Comm | None, options: Mapping[str, Any]) -> Run:
     return open_run(path)
 
 
-def _solve(case: Any, comm: MPI.Comm, options: Mapping[str, Any]) -> str:
+def _solve(case: Any, comm: Comm, options: Mapping[str, Any]) -> str:
     """Make the run; returns the path of its result."""
     from fsipetsc.stepping.run import run_given
 

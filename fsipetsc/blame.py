@@ -2,11 +2,9 @@
 
 import os
 import re
-import sys
 import traceback
 from collections.abc import Callable
 from functools import partial
-from types import FrameType
 from typing import Any
 
 from fsipetsc.errors import FsiError, InputError
@@ -56,12 +54,6 @@ def missing(package: str) -> str:
     return f"{said}: {how}" if package in NEEDED else said
 
 
-def frames_in(error: BaseException, path: str | os.PathLike[str]) -> list[traceback.FrameSummary]:
-    """The frames of an error's traceback that lie in a file."""
-    path = os.path.realpath(path)
-    return [f for f in traceback.extract_tb(error.__traceback__) if f.filename == path]
-
-
 def call(function: Callable[..., Any], arguments: tuple[Any, ...], where: str) -> Any:
     """function(*arguments), a user's; where: what it is, in a message.
 
@@ -104,12 +96,11 @@ def _is_compilers(error: BaseException) -> bool:
 
 def place_of_caller() -> str:
     """What stands before a message about a case file that called this: "file, line N: ", or ""."""
-    frame: FrameType | None = sys._getframe(1)
-    while frame is not None and not _is_users(frame.f_code.co_filename):
-        frame = frame.f_back
-    if frame is None or frame.f_code.co_filename.startswith(_CASES):
+    stack = reversed(traceback.extract_stack())
+    frame = next((frame for frame in stack if _is_users(frame.filename)), None)
+    if frame is None or frame.filename.startswith(_CASES):
         return ""
-    return f"{short(frame.f_code.co_filename)}, line {frame.f_lineno}: "
+    return f"{short(frame.filename)}, line {frame.lineno}: "
 
 
 def place_of(function: Callable[..., Any]) -> str:

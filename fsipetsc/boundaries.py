@@ -5,12 +5,8 @@ position x: the moving grid reaches over it to one ghost point outside. A solid 
 point.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
-
-import numpy as np
 
 from fsipetsc import checks
 from fsipetsc.errors import InputError
@@ -22,8 +18,6 @@ WALL, OPEN, DIRICHLET = 0, 1, 2
 CLAMPED, FREE, ABSORBING = 10, 11, 12
 #: a number, or a function of time
 Timed = float | Callable[[float], float]
-#: degrees that a formula may have
-DEGREES = (2, 3, 4, 5)
 
 
 @dataclass(frozen=True)
@@ -90,36 +84,19 @@ class Open:
 
 @dataclass(frozen=True)
 class Dirichlet:
-    """Given rho, u, T at x [m]: values(t) -> (rho, u, T) in kg/m3, m/s, K; see docs/open-end.md.
-
-    degree: of the embedded-boundary formula, 2 to 5; None: what lets the order of the operator
-    show, see ``degree_of``. Raises InputError for another degree.
-    """
+    """Given rho, u, T at x [m]: values(t) -> (rho, u, T) in kg/m3, m/s, K; see docs/open-end.md."""
 
     x: float
     values: Callable[[float], tuple[float, float, float]]
-    degree: int | None = None
     kind = DIRICHLET
+    degree = None  # that of degree_of
 
     def __post_init__(self) -> None:
         checks.numbers(self, "Dirichlet", {"x": checks.ANY})
         checks.function(self.values, "Dirichlet: values", "values(t) -> (rho, u, T)")
-        whole = isinstance(self.degree, (int, np.integer)) and not isinstance(self.degree, bool)
-        if self.degree is not None and not (whole and self.degree in DEGREES):
-            expected = "expected a whole number from 2 to 5, or None: by -fsi_order"
-            raise InputError(f"Dirichlet(degree={self.degree!r}): {expected}")
 
     def data(self, t: float) -> tuple[float, ...]:
         return self.values(t)
-
-
-def degree_of(end: Boundary, order: int) -> int:
-    """Degree of the formulas of an end with the operator of this interior order.
-
-    Unless the end says: 2, 3, 4, 5 for the orders 2, 4, 6, 8, one more than the closures are exact
-    to. A degree less spoils the order, one more gains nothing.
-    """
-    return order // 2 + 1 if end.degree is None else int(end.degree)
 
 
 @dataclass(frozen=True)
@@ -128,7 +105,7 @@ class SolidEnd:
     = value [Pa].
 
     Insulated, or of temperature T [K], or with a heat flux [W/m2] into the solid. All numbers or
-    functions of t [s].
+    functions of t [s]. InputError for what is neither.
     """
 
     kind: int
@@ -140,38 +117,34 @@ class SolidEnd:
     def __post_init__(self) -> None:
         name = {CLAMPED: "clamped", FREE: "free", ABSORBING: "absorbing"}[self.kind]
         if not callable(self.value):
-            what = "velocity" if self.kind == CLAMPED else "stress"
-            checks.number(self.value, f"{name}: {what}")
+            checks.number(self.value, f"{name}: {'velocity' if name == 'clamped' else 'stress'}")
         _check_heat(self, name)
 
     def data(self, t: float) -> tuple[Timed]:
         return (self.value,)
 
 
+Boundary = Wall | Open | Dirichlet | SolidEnd
+
+
 def clamped(
     velocity: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
 ) -> SolidEnd:
-    """Solid end that moves with a given velocity [m/s]; see SolidEnd. InputError for what is
-    neither number nor function.
-    """
+    """Solid end that moves with a given velocity [m/s]; see SolidEnd."""
     return SolidEnd(CLAMPED, velocity, T, heat_flux)
 
 
 def free(
     stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
 ) -> SolidEnd:
-    """Solid end under a given stress sigma - p [Pa]; see SolidEnd. InputError for what is
-    neither number nor function.
-    """
+    """Solid end under a given stress sigma - p [Pa]; see SolidEnd."""
     return SolidEnd(FREE, stress, T, heat_flux)
 
 
 def absorbing(
     stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
 ) -> SolidEnd:
-    """Solid end that lets elastic waves out, towards a solid at rest under the stress sigma - p
-    [Pa]; see SolidEnd. InputError for what is neither number nor function.
-    """
+    """Solid end that lets elastic waves out, towards a solid at rest under this sigma - p [Pa]."""
     return SolidEnd(ABSORBING, stress, T, heat_flux)
 
 
@@ -191,6 +164,15 @@ def _check_heat(end: Wall | SolidEnd, owner: str) -> None:
     for name, bound in (("T", checks.POSITIVE), ("heat_flux", checks.ANY)):
         if getattr(end, name) is not None:
             _check_timed(end, owner, name, bound)
+
+
+def degree_of(end: Boundary, order: int) -> int:
+    """Degree of the formulas of an end with the operator of this interior order.
+
+    Unless the end says: 2, 3, 4, 5 for the orders 2, 4, 6, 8, one more than the closures are exact
+    to. A degree less spoils the order, one more gains nothing.
+    """
+    return order // 2 + 1 if end.degree is None else end.degree
 
 
 def heat_of(end: Boundary) -> tuple[int, Timed]:
@@ -221,6 +203,3 @@ def needs_stretching(end: Boundary) -> bool:
     stays where it is.
     """
     return isinstance(end, Wall) and (end.moves or heat_of(end)[0] != INSULATED)
-
-
-Boundary = Wall | Open | Dirichlet | SolidEnd

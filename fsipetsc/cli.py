@@ -8,12 +8,12 @@ import sys
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-from fsipetsc.cases import BUILT_IN, load_case, summaries
-from fsipetsc.errors import FileError, InputError
+from fsipetsc.cases import load_case, summaries
+from fsipetsc.errors import InputError
 from fsipetsc.options import is_option
 from fsipetsc.process.failure import end_together
 from fsipetsc.process.launch import launcher_rank, left_as_found, start_mpi, start_petsc
-from fsipetsc.process.streams import abandon, complete_streams
+from fsipetsc.process.streams import abandon, replace_letters
 from fsipetsc.process.together import together
 from fsipetsc.usage import case_help, command_help, overview, program
 
@@ -78,29 +78,19 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _main(arguments: list[str]) -> int:
-    complete_streams()
+    replace_letters()
     if _is_run(arguments):
         return _in_parallel(arguments)
     if launcher_rank() > 0:
         return 0  # rank 0 alone answers
     try:
         _answer(arguments)
-        _flush()
+        print(end="", flush=True)  # while an error can still be answered
     except BrokenPipeError:  # the reader, a pager or head, has seen enough
         abandon(1)
     except (Exception, KeyboardInterrupt) as error:
         return end_together(error, None)
     return 0
-
-
-def _flush() -> None:
-    """Write out what has been printed, while an error can still be answered."""
-    try:
-        sys.stdout.flush()
-    except BrokenPipeError:
-        raise
-    except OSError as error:
-        raise FileError(f"the standard output cannot be written: {error.strerror}") from None
 
 
 def _is_run(arguments: Sequence[str]) -> bool:
@@ -140,17 +130,16 @@ def _run_command(name: str, arguments: list[str]) -> None:
 
 def _in_parallel(arguments: list[str]) -> int:
     """A run, or a command that all ranks do together. Collective."""
-    notes, case_file = None, None
+    notes = None
     try:
         world = start_mpi()
         notes = world.Dup()
         if (name := arguments[0]) in COMMANDS:
             module = importlib.import_module(COMMANDS[name].module)
             getattr(module, name)(arguments[1:], world)
-            _flush()
+            print(end="", flush=True)
         else:
-            case_file = None if arguments[0] in BUILT_IN else arguments[0]
-            case = together(world, lambda: load_case(arguments[0], tuple(COMMANDS)))
+            case = together(world, lambda: load_case(name, tuple(COMMANDS)))
             given = start_petsc(arguments[1:], world)
             from fsipetsc.stepping.run import run_given
 
@@ -158,7 +147,7 @@ def _in_parallel(arguments: list[str]) -> int:
     except BrokenPipeError:
         abandon(1)
     except (Exception, KeyboardInterrupt) as error:
-        return end_together(error, notes, case_file)
+        return end_together(error, notes)
     finally:
         if notes is not None:
             notes.Free()

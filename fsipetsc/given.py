@@ -5,11 +5,9 @@ only: what it gives for points that the grid holds in reserve may be anything of
 An error may be this rank's alone.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +15,7 @@ from fsipetsc.blame import call, place_of
 from fsipetsc.blocks.values import NOWHERE, array_of, checked
 from fsipetsc.boundaries import GIVEN_T, heat_of, in_time
 from fsipetsc.errors import InputError
-
-if TYPE_CHECKING:
-    from fsipetsc.problem import Layer, Problem
+from fsipetsc.problem import Layer, Problem
 
 #: (kind of layer, function) -> what it returns
 UNKNOWNS = {

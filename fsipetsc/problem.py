@@ -4,8 +4,6 @@ All functions take arrays of Lagrangian coordinates X and, where they depend on 
 never sees a vector of PETSc's or a rank.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import ceil, floor
@@ -19,9 +17,6 @@ from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
 
 UNITS = ("SI", "none")
-#: what the grid of a gas does: it goes with the interface, over the embedded boundary; or it is
-#: stretched between its ends
-MAPPINGS = ("rigid", "stretched")
 
 
 @dataclass(frozen=True)
@@ -31,11 +26,8 @@ class FluidLayer:
 
     initial(X) -> (rho, u, T); exact(X, t) -> the same; forcing(X, t) -> right-hand sides of (rho,
     rho u, e).
-    mapping: one of MAPPINGS or None, from older case files: the coupling alone decides. With the
-    paper's couplings the grid is rigid: at time t the gas at X stands at x = X - X_I + x_I, I its
-    interface: see docs/cases.md; outside X[0], X[1] the functions are asked for points that the
-    grid holds in reserve. With conservative it is stretched: x_0 + (X - X[0]) (x_1 - x_0) / (X[1] -
-    X[0]) between the places x_0, x_1 of its ends. InputError for what is of the wrong kind.
+    The coupling decides how the grid moves, see docs/cases.md; mapping, of older case files,
+    changes nothing. InputError for what is of the wrong kind.
     """
 
     name: str
@@ -50,10 +42,6 @@ class FluidLayer:
 
     def __post_init__(self) -> None:
         _check_layer(self, Fluid, "(rho, u, T)")
-        if self.mapping not in (*MAPPINGS, None):
-            known = " or ".join(map(repr, MAPPINGS))
-            what = f"mapping is {described(self.mapping)}: expected {known} or None"
-            raise InputError(f"FluidLayer '{self.name}': {what}")
 
 
 @dataclass(frozen=True)
@@ -90,6 +78,9 @@ class SolidLayer:
         return cells
 
 
+Layer = FluidLayer | SolidLayer
+
+
 def _check_layer(layer: Layer, material: type, values: str) -> None:
     """InputError for the first thing that is wrong with a layer; its X becomes two floats."""
     kind, name = type(layer).__name__, layer.name
@@ -108,7 +99,8 @@ def _check_layer(layer: Layer, material: type, values: str) -> None:
     function(layer.forcing, f"{what}: forcing", form, optional=True)
 
 
-Layer = FluidLayer | SolidLayer
+def _all_are(values: Any, kind: Any) -> bool:
+    return isinstance(values, (tuple, list)) and all(isinstance(v, kind) for v in values)
 
 
 @dataclass(frozen=True)
@@ -155,24 +147,20 @@ class Problem:
 
     def _check_types(self) -> None:
         """InputError for what is of the wrong kind; the layers become a tuple."""
-        layers, notes, ends = self.layers, self.notes, (self.left, self.right)
-        of_layers = isinstance(layers, (tuple, list)) and all(isinstance(v, Layer) for v in layers)
-        of_notes = isinstance(notes, (tuple, list)) and all(isinstance(n, str) for n in notes)
-        units = " or ".join(map(repr, UNITS))
-        for name, value, good, expected in (
-            ("layers", layers, of_layers, "a tuple of FluidLayer and SolidLayer"),
-            *(
-                (name, end, isinstance(end, Boundary), "an end, as Wall(x) or free(stress)")
-                for name, end in zip(("left", "right"), ends)
-            ),
-            ("notes", notes, of_notes, "a tuple of texts"),
-            ("units", self.units, self.units in UNITS, units),
+        end, units = "an end, as Wall(x) or free(stress)", " or ".join(map(repr, UNITS))
+        for name, good, expected in (
+            ("layers", _all_are(self.layers, Layer), "a tuple of FluidLayer and SolidLayer"),
+            ("left", isinstance(self.left, Boundary), end),
+            ("right", isinstance(self.right, Boundary), end),
+            ("notes", _all_are(self.notes, str), "a tuple of texts"),
+            ("units", self.units in UNITS, units),
         ):
             if not good:
-                raise InputError(f"Problem: {name} is {described(value)}: expected {expected}")
+                found = described(getattr(self, name))
+                raise InputError(f"Problem: {name} is {found}: expected {expected}")
         form = "jumps(k, t) -> (g_u, g_stress, g_T, g_flux)"
         function(self.jumps, "Problem: jumps", form, optional=True)
-        object.__setattr__(self, "layers", tuple(layers))
+        object.__setattr__(self, "layers", tuple(self.layers))
 
     def unit(self, name: str) -> str:
         """The unit after a number in a message: " m", or nothing if the problem has no

@@ -1,7 +1,6 @@
 """The texts that explain the program: the overview and the options of a case, as tables."""
 
 import os
-import shutil
 import sys
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -11,8 +10,8 @@ from fsipetsc.options import groups
 from fsipetsc.options.option import INT_MAX, REQUIRED, Option
 from fsipetsc.options.tables import IN_LOOP, PASSED_ON
 
-#: characters of the first column of an overview
-_LEFT = 29
+#: characters of a line, and of the first column of an overview
+WIDTH, _LEFT = 100, 29
 _HEADER = ("option", "type", "default", "meaning")
 _NOTES = (
     "An option is written -name value. If one is given more than once the last counts, and the "
@@ -50,15 +49,10 @@ def overview(cases: Mapping[str, str], commands: Mapping[str, tuple[str, str]]) 
 
 
 def _wrapped(text: str, first: str, indent: int) -> list[str]:
-    """Lines of a text: after ``first``, then indented; as wide as the terminal."""
-    width = max(_width(), indent + 30)
+    """Lines of a text: after ``first``, then indented."""
+    width = max(WIDTH, indent + 30)
     form = textwrap.TextWrapper(width, first, " " * indent, break_on_hyphens=False)
     return form.wrap(text) or [first.rstrip()]
-
-
-def _width() -> int:
-    """Of what is printed, in characters."""
-    return min(max(shutil.get_terminal_size((110, 24)).columns, 80), 120)
 
 
 def case_help(case: Any, called: str) -> str:
@@ -90,7 +84,7 @@ def _help(
     lines = [title, "", f"  [mpiexec -n N] {program()} {usage}", "", *laid_out(_HEADER)]
     for heading, section in sections.items():
         lines += ["", heading, *(line for row in section for line in laid_out(row))]
-    return "\n".join([*lines, "", *textwrap.wrap(_NOTES, _width())])
+    return "\n".join([*lines, "", *textwrap.wrap(_NOTES, WIDTH)])
 
 
 def _row(option: Option) -> tuple[str, str, str, str]:

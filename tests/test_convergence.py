@@ -10,18 +10,18 @@ from helpers import message, solve
 
 pytest.importorskip("petsc4py")
 
-from fsipetsc.analysis.convergence_table import ConvergenceStudy, order_of_differences
+from fsipetsc.analysis.convergence_table import Study, order_of_differences
 
 HS = (0.05, 0.025)
 
 
-def load(path) -> ConvergenceStudy:
+def load(path) -> Study:
     """A study from its table."""
     with path.open() as file:
         about, rows = next(file), list(csv.DictReader(file))
     orders, hs = (tuple(dict.fromkeys(float(row[name]) for row in rows)) for name in ("order", "h"))
     end = float(about.split("t = ")[1].split()[0].rstrip(","))
-    study = ConvergenceStudy("", end, tuple(map(int, orders)), hs, exact="errors" in about)
+    study = Study("", end, tuple(map(int, orders)), hs, exact="errors" in about)
     for k, row in enumerate(rows):
         for column in (name for name in row if "/" in name and not name.startswith("order ")):
             group, name = column.split("/")
@@ -29,9 +29,9 @@ def load(path) -> ConvergenceStudy:
     return study
 
 
-def compared(differences, hs=(0.4, 0.2, 0.1)) -> ConvergenceStudy:
+def compared(differences, hs=(0.4, 0.2, 0.1)) -> Study:
     """Grids compared with each other: of one layer and field."""
-    study = ConvergenceStudy("box", 1.0, (4,), hs, exact=False)
+    study = Study("box", 1.0, (4,), hs, exact=False)
     for j, difference in enumerate(differences):
         study.put(0, j, {"gas": {"u": difference, "combined": difference}})
     return study

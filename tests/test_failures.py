@@ -187,8 +187,8 @@ def test_a_result_that_grows_too_large(size, tmp_path):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("-fsi_output", "/proc/x.h5"), "cannot write: No such file"),
-        (("-fsi_checkpoint", "/proc/x.h5"), "no checkpoint can be written there: No such file"),
+        (("-fsi_output", "/proc/x.h5"), "no file can be written in the directory /proc"),
+        (("-fsi_checkpoint", "/proc/x.h5"), "no file can be written in the directory /proc"),
         (("-fsi_restart", "no/where.h5"), "there is no such file"),
         (("-fsi_output", "no/where.h5"), "does not exist"),
     ],

@@ -100,16 +100,11 @@ def test_xdmf_goes_with_its_result(tmp_path):
 
 
 def test_interfaces_are_lines(box):
-    below, plate, above = box.layers
-    for k, (row, gas, edge) in enumerate(((0, below, -1), (-1, above, 0))):
+    plate = box.layers[1]
+    for k, row in enumerate((0, -1)):
         line = box.interface(k)
         assert line.name == box.interfaces[k] == box.interface(line.name).name and line.solid == 1
         assert np.array_equal(line.v, plate["v"][:, row]) and np.ptp(line.displacement) > 1e-5
-        # the gas's, but for viscous stress and what both sides' operators differ by
-        inner = slice(2, -2)
-        differences = np.abs(line.pressure[:, inner] - gas["p"][:, edge, inner])
-        assert differences.max() < (0.05 if k == 0 else 0.01)
-    assert np.abs(below["p"][-1, -1] - 1.0).max() > 0.05  # or it would be no test
     with pytest.raises(IndexError):
         box.interface(2)
     with pytest.raises(KeyError, match=r"below \| plate"):
@@ -151,57 +146,29 @@ def test_xarray(blast):
     assert np.array_equal(traction, blast.series["t_y_point"])
 
 
-# the line of a face of a curved block: normals out of it, tractions and heat of a known state
-
-STRESS = np.array([[2.0, 0.3], [0.3, -1.0]])
-#: temperature 3 x + 2 y, conductivity
-GRADIENT, KAPPA = (3.0, 2.0), 2.0
+# the line of a face of a curved block
 
 
 class Block(dict):
     """A sheared block, deformed: its fields in one frame."""
 
-    def __init__(self, n=1):
-        xi, eta = np.meshgrid(np.linspace(0, 1, 20 * n + 1), np.linspace(0, 1, 16 * n + 1))
+    def __init__(self):
+        xi, eta = np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 17))
         self.X, self.Y = xi + 0.2 * eta * (1 + xi), 1.5 * eta + 0.1 * np.sin(2 * xi)
         self.places = np.stack([self.X, self.Y], axis=-1)
         x, y = self.X + 0.1 * self.Y**2, self.Y + 0.05 * self.X * self.Y
-        T = GRADIENT[0] * x + GRADIENT[1] * y
-        stresses = {"s_xx": STRESS[0, 0], "s_xy": STRESS[0, 1], "s_yy": STRESS[1, 1]}
-        found = {"x": x, "y": y, "u": 0 * x, "v": 0 * x, "T": T}
-        found |= {name: np.full_like(x, value) for name, value in stresses.items()}
+        found = {"x": x, "y": y, "u": 0 * x, "v": 0 * x, "T": x + y}
         super().__init__({name: values[None] for name, values in found.items()})
-        self.fields = tuple(self)
-
-
-def test_heat_through_a_face_of_a_block_of_one_cell():
-    block = Block()
-    block.places = block.places[:2]
-    block.update({name: block[name][:, :2] for name in block.fields})
-    line = InterfaceLine("gas | body", 1, block, 1, 0, KAPPA)
-    heat = KAPPA * (GRADIENT[0] * line.n_x + GRADIENT[1] * line.n_y)
-    assert np.allclose(line.heat, heat, atol=1e-11)
 
 
 @pytest.mark.parametrize("axis", [0, 1])
 @pytest.mark.parametrize("side", [0, 1])
-def test_normal_traction_and_heat_on_all_faces(axis, side):
+def test_displacement_of_all_faces(axis, side):
+    """Along the normal of the reference map, of which the test has the derivatives."""
     block = Block()
-    line = InterfaceLine("gas | body", 1, block, axis, side, KAPPA)
+    line = InterfaceLine("gas | body", 1, block, axis, side)
     along = block["x"][0, -1 if side else 0] if axis == 1 else block["x"][0, :, -1 if side else 0]
     assert np.array_equal(line.x[0], along)
-    outward = (line.x - block["x"].mean()) * line.n_x + (line.y - block["y"].mean()) * line.n_y
-    assert outward.min() > 0.0
-    assert np.allclose(np.hypot(line.n_x, line.n_y), 1.0, atol=1e-14)
-    steps = np.diff(line.x[0]), np.diff(line.y[0])
-    middle = 0.5 * (line.n_x[0, 1:] + line.n_x[0, :-1]), 0.5 * (line.n_y[0, 1:] + line.n_y[0, :-1])
-    across = steps[0] * middle[0] + steps[1] * middle[1]
-    assert np.abs(across).max() < 2e-2 * np.hypot(*steps).max(), "normal to the line"
-    assert np.allclose(line.t_x, STRESS[0, 0] * line.n_x + STRESS[0, 1] * line.n_y, atol=1e-14)
-    assert np.allclose(line.t_y, STRESS[1, 0] * line.n_x + STRESS[1, 1] * line.n_y, atol=1e-14)
-    heat = KAPPA * (GRADIENT[0] * line.n_x + GRADIENT[1] * line.n_y)
-    assert np.allclose(line.heat, heat, atol=1e-11)
-    # displacement along the normal of the reference map, of which the test has the derivatives
     xi, eta = np.linspace(0, 1, 21), np.linspace(0, 1, 17)
     if axis == 0:
         tangent = 0.2 * (1 + side) + 0.0 * eta, 1.5 + 0.0 * eta

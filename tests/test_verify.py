@@ -139,12 +139,11 @@ def test_references_are_those_of_the_literature():
 
 def test_entries_say_all_that_another_code_needs(tmp_path):
     for name in ENTRIES:
-        entry = importlib.import_module(f"fsipetsc.verify.{name}").ENTRY
-        assert set(entry.levels) == {"quick", "full"} and entry.source and entry.bounds
+        entry = importlib.import_module(f"fsipetsc.verify.{name}")
+        assert entry.SOURCE and entry.BOUNDS and entry.FULL
         title, _, *text = problem(name).splitlines()
         assert title.startswith("# ") and 5 < len(text) <= 40
-        orders = {order for level in entry.levels.values() for order in level}
-        assert {order for _, order in entry.bounds} <= orders
+        assert {order for _, order in entry.BOUNDS} <= {*entry.QUICK, *entry.FULL}
     done = solve("verify", "turek", cwd=tmp_path)
     message(done, 2, "there is no entry 'turek': expected elastic_piston")
 

@@ -5,53 +5,34 @@ A case with an exact solution in all of its layers is compared with that, any ot
 terminal and as CSV, and a picture: error against grid spacing and against time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from fsipetsc.analysis.convergence_table import (
-    COST,
-    SAMPLES,
-    ConvergenceStudy,
-    differences,
-    unresolved,
-)
+from fsipetsc.analysis.convergence_table import COST, SAMPLES, Study, differences, unresolved
 from fsipetsc.analysis.tables import begin, listed_in, printer, results_folder
 from fsipetsc.cases import load_case
 from fsipetsc.checks import counted
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.options import Option, groups
 from fsipetsc.output.reader import open_run
-from fsipetsc.process.together import together, wait_asleep
+from fsipetsc.process.together import Comm, together, wait_asleep
 from fsipetsc.usage import program
-
-if TYPE_CHECKING:
-    from mpi4py import MPI
 
 #: what -fsi_h is multiplied with for the grids of a study: in one dimension with an exact solution,
 #: in one without, and in more dimensions
 FACTORS = (4, 2, 1, 1 / 2, 1 / 4), (2, 1, 1 / 2), (2, 1, 2 / 3)
+_ORDERS = "instead of -fsi_order; default: all, or the case's own if it has no exact solution"
+_SPACINGS = "grid spacings; default: 4, 2, 1, 1/2, 1/4 times -fsi_h; not so many in 2-D and 3-D"
 OPTIONS = (
-    Option(
-        *("fsi_orders", "ints", None, ""),
-        help="orders to study, instead of -fsi_order; default: all, "
-        "or the case's own if it has no exact solution",
-        check=listed_in((2, 4, 6, 8)),
-    ),
-    Option(
-        *("fsi_hs", "floats", None, "m"),
-        help="grid spacings to study; default: 4, 2, 1, 1/2 and 1/4 times -fsi_h, "
-        "2, 1 and 1/2 times without an exact solution, in 2-D and 3-D 2, 1 and 2/3 times",
-        check="positive",
-    ),
+    Option("fsi_orders", "ints", None, "", _ORDERS, check=listed_in((2, 4, 6, 8))),
+    Option("fsi_hs", "floats", None, "m", _SPACINGS, check="positive"),
 )
 
 
-def convergence(arguments: list[str], comm: MPI.Comm) -> None:
+def convergence(arguments: list[str], comm: Comm) -> None:
     """The command, with the arguments after its name. Collective on comm.
 
     Raises InputError; ComputationError at the end if a run has failed; FileError.
@@ -95,7 +76,7 @@ def _case(arguments: Sequence[str]) -> Any:
     return load_case(arguments[0])
 
 
-def _empty_table(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> ConvergenceStudy:
+def _empty_table(case: Any, opt: Mapping[str, Any], comm: Comm) -> Study:
     """Orders and grids, each of which is laid out once. Collective; InputError."""
     from fsipetsc.stepping.solve import build_problem, make_state
 
@@ -119,11 +100,11 @@ def _empty_table(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Convergen
             except InputError as error:
                 raise InputError(f"order {order}, h = {h:g}: {error}") from None
     about = comm.size, opt["fsi_norm"], problem.units, exact
-    return ConvergenceStudy(case.NAME, opt["ts_max_time"], orders, hs, *about)
+    return Study(case.NAME, opt["ts_max_time"], orders, hs, *about)
 
 
 def _run_order(
-    case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy, i: int, folder: Any
+    case: Any, opt: Mapping[str, Any], comm: Comm, table: Study, i: int, folder: Any
 ) -> Any:
     """Run all grids of order i and fill the table; yields what is said. Collective; InputError
     where grids have no node in common; FileError."""

@@ -38,7 +38,7 @@ COARSE, FINE, SLOW = 0.1, 1e-3, 0.5
 
 
 @dataclass
-class ConvergenceStudy:
+class Study:
     """Runs of one case over orders and grids, NaN where a run has failed or not been made.
 
     hs: grid spacings [m], coarse to fine. t: time of comparison [s]. exact: errors are from the
@@ -220,7 +220,7 @@ def _range(values: np.ndarray) -> float:
     return span if span > 1e-9 * largest else largest
 
 
-def unresolved(study: ConvergenceStudy, i: int) -> list[str]:
+def unresolved(study: Study, i: int) -> list[str]:
     """A line for each layer whose grids differ by much, or come together slowly."""
     lines, op = [], operator(study.orders[i])
     expected = study.orders[i] // 2 + 1  # closures have half the order

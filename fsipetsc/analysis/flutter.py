@@ -5,13 +5,11 @@ good period: the modes are told apart by their shapes (fsipetsc.analysis.panel_m
 is the lambda of each Mach number at which the growth becomes positive.
 """
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Mapping, Sequence
 from itertools import product
 from math import pi
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from fsipetsc.analysis.panel_modes import CRITICAL, Flow, crossing, fit_modes, motion_of
 from fsipetsc.analysis.tables import begin, printer, save_csv, shared, text_table
@@ -20,10 +18,7 @@ from fsipetsc.checks import counted
 from fsipetsc.errors import ComputationError
 from fsipetsc.options import Option, groups
 from fsipetsc.output.reader import open_run
-from fsipetsc.process.together import wait_asleep
-
-if TYPE_CHECKING:
-    from mpi4py import MPI
+from fsipetsc.process.together import Comm, wait_asleep
 
 #: push of the panel, small enough that the motion is linear, where the user gives none
 SMALL = 1e-5
@@ -31,45 +26,34 @@ SMALL = 1e-5
 PERIODS, SAMPLES, CHORDS = 1.25, 64, 2.0
 #: columns of the table: the faster mode, and both by frequency
 HEAD = ("mach", "lambda", "growth", "frequency", "growth_1", "frequency_1")
-HEAD += ("growth_2", "frequency_2", "misfit", "steps", "wall_s", "failure")
+HEAD += ("growth_2", "frequency_2", "misfit", "steps", "wall_s")
 
 
-def _above_one(values: Sequence[float]) -> str | None:
-    return None if values and min(values) > 1 else "Mach numbers above 1"
-
-
+MACHS, LAMBDAS = (1.5, 2.0, 2.5, 3.0, 4.0), (500.0, 600.0, 700.0, 800.0)
+_ABOVE = {"check": lambda values: None if min(values) > 1 else "Mach numbers above 1"}
 OPTIONS = (
-    Option(
-        *("flutter_machs", "floats", (1.5, 2.0, 2.5, 3.0, 4.0), ""),
-        help="Mach numbers, instead of -panel_mach",
-        check=_above_one,
-    ),
-    Option(
-        *("flutter_lambdas", "floats", (500.0, 600.0, 700.0, 800.0), ""),
-        help="dynamic pressures, instead of -panel_lambda",
-        check="positive",
-    ),
+    Option("flutter_machs", "floats", MACHS, "", "instead of -panel_mach", **_ABOVE),
+    Option("flutter_lambdas", "floats", LAMBDAS, "", "instead of -panel_lambda", check="positive"),
 )
 
 
 class FlutterRun(NamedTuple):
     """A run: Mach number, lambda, s of the two modes that meet [unit of velocity over the panel's
-    length], misfit of the modes; steps and wall time [s]. failure: why there are none of these.
+    length], misfit of the modes; steps and wall time [s].
     """
 
     mach: float
     dynamic: float
-    pair: tuple[complex, complex] = (complex("nan"),) * 2
-    misfit: float = float("nan")
-    steps: int = 0
-    wall_time: float = 0.0
-    failure: str = ""
+    pair: tuple[complex, complex]
+    misfit: float
+    steps: int
+    wall_time: float
 
 
-def flutter(arguments: list[str], comm: MPI.Comm) -> None:
+def flutter(arguments: list[str], comm: Comm) -> None:
     """The command, with the arguments after its name. Collective on comm.
 
-    Raises InputError; FileError; ComputationError at the end if a run has failed.
+    Raises InputError; FileError; ComputationError.
     """
     case = load_case("panel")
     instead = {"panel_mach": "flutter_machs", "panel_lambda": "flutter_lambdas"}
@@ -89,10 +73,6 @@ def flutter(arguments: list[str], comm: MPI.Comm) -> None:
     if comm.rank == 0:
         say(f"\nresults in {save_csv(path, HEAD, lines)}")
     wait_asleep(comm)
-    failures = [run for run in runs if run.failure]
-    if failures:
-        first = f"M = {failures[0].mach:g}, lambda = {failures[0].dynamic:g}: {failures[0].failure}"
-        raise ComputationError(f"{len(failures)} of {counted(len(runs), 'run')} failed; {first}")
 
 
 def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
@@ -105,7 +85,7 @@ def one_run(
 ) -> FlutterRun:
     """The modes of the panel at a Mach number and lambda = dynamic, from a run on this rank alone.
 
-    It ends at the time end, or after a good period. InputError, FileError.
+    It ends at the time end, or after a good period. InputError, ComputationError, FileError.
     """
     from mpi4py import MPI
 
@@ -124,7 +104,7 @@ def one_run(
                 s, misfit = fit_modes(motion_of(run, later))
                 cost = run.summary["steps"], run.summary["wall_time"]
         except ComputationError as error:
-            return FlutterRun(mach, dynamic, failure=str(error))
+            raise ComputationError(f"M = {mach:g}, lambda = {dynamic:g}: {error}") from None
     return FlutterRun(mach, dynamic, (complex(s[0]), complex(s[1])), misfit, *cost)
 
 
@@ -132,16 +112,16 @@ def _row(run: FlutterRun) -> list[object]:
     """Under HEAD."""
     fastest = max(run.pair, key=lambda s: s.real)
     numbers = [f"{x:.6g}" for s in (fastest, *run.pair) for x in (s.real, s.imag)]
-    cost = [f"{run.misfit:.1e}", run.steps, f"{run.wall_time:.3g}", run.failure]
+    cost = [f"{run.misfit:.1e}", run.steps, f"{run.wall_time:.3g}"]
     return [f"{run.mach:g}", f"{run.dynamic:g}", *numbers, *cost]
 
 
 def onsets(runs: Sequence[FlutterRun], mass: float, ends: str) -> str:
-    """A table of lambda and f of each Mach number, by the runs that went well; NaN where they do
-    not show it. Beside it lambda over that of a thin panel."""
+    """A table of lambda and f of each Mach number; NaN where the runs do not show it. Beside it
+    lambda over that of a thin panel."""
     rows, thin = [], CRITICAL[ends]
     for mach in dict.fromkeys(run.mach for run in runs):
-        own = [run for run in runs if run.mach == mach and not run.failure]
+        own = [run for run in runs if run.mach == mach]
         flow, found, s = Flow(mach, mass), float("nan"), complex("nan")
         if len(own) > 1:
             dynamic = [run.dynamic for run in own]

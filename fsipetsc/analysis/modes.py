@@ -3,34 +3,27 @@ scheme (fsipetsc.analysis.wave_modes) and, where nothing conducts heat, exactly
 (fsipetsc.analysis.ring_theory).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from fsipetsc.analysis.ring_theory import Medium, mode_near
 from fsipetsc.analysis.tables import begin, save_csv, text_table
 from fsipetsc.cases import load_case
+from fsipetsc.cases.common import gas_of
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option, groups
-from fsipetsc.process.together import together, wait_asleep
+from fsipetsc.process.together import Comm, together, wait_asleep
 from fsipetsc.usage import program
 
-if TYPE_CHECKING:
-    from mpi4py import MPI
-
-    from fsipetsc.analysis.ring_theory import Medium
-
 _COUNT = Option("modes_count", int, 10, "", "modes that are told, slowest first", check="positive")
-_ANGULAR = Option(
-    "ring_angular", int, 2, "", "angular number, waves around it", check="nonnegative"
-)
+_ANGULAR = Option("ring_angular", int, 2, "", "waves around the ring", check="nonnegative")
 #: case -> the command's options beside those of the case, and options that keep it at rest
 OPTIONS = {"ring": (_ANGULAR, _COUNT), "shell": (_COUNT,)}
 _AT_REST = {"ring": {"ring_pulse": 0.0}, "shell": {"shell_charge": 0.0, "fsi_shock": 0.0}}
 
 
-def modes(arguments: list[str], comm: MPI.Comm) -> None:
+def modes(arguments: list[str], comm: Comm) -> None:
     """The command, with the arguments after its name. Collective on comm; rank 0 computes.
 
     Raises InputError, also for a case that it does not know; FileError.
@@ -57,7 +50,6 @@ def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
 
 def _told(case: Any, problem: Any, opt: Mapping[str, Any], path: Path) -> None:
     """Compute, print and save. InputError, FileError."""
-    from fsipetsc.analysis.ring_theory import mode_near
     from fsipetsc.analysis.wave_modes import radial_modes
     from fsipetsc.stepping.solve import block_form
 
@@ -82,9 +74,6 @@ def media_of(case: Any, opt: Mapping[str, Any]) -> tuple[Medium, ...]:
     """What the equations know of the case ring or shell, from inside; nothing where its gas
     conducts heat.
     """
-    from fsipetsc.analysis.ring_theory import Medium
-    from fsipetsc.cases.common import gas_of
-
     gas, solid, kappa = gas_of(opt), case.solid_of(opt), opt.get("shell_kappa", 0)
     core, inner, outer, vessel = case.radii_of(opt)
     body = Medium(inner, outer, solid.m0, solid.lambda_e, solid.mu_e, kappa=kappa)

@@ -12,19 +12,14 @@ Schmid, Dynamic mode decomposition of numerical and experimental data, J. Fluid 
 so that modes of nearly one frequency are told apart by their shapes, in less than a period.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fsipetsc.analysis.spectra import Complex, Real, bisect
 from fsipetsc.errors import ComputationError
-
-if TYPE_CHECKING:
-    from fsipetsc.output.reader import Run
+from fsipetsc.output.reader import Run
 
 #: lambda at which a thin panel flutters without damping, its frequency there over sqrt(D/m)
 CRITICAL = {"clamped": 636.57, "hinged": 343.36}

@@ -6,27 +6,20 @@ step of the uncoupled layers is kept; the others promise the last two. The heat 
 rest is left out: it belongs to the equations, not to the interface.
 """
 
-from __future__ import annotations
-
-import os
 from collections.abc import Mapping, Sequence
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from fsipetsc.analysis.stability_linear import Constant, Result, measure, of_options
 from fsipetsc.analysis.tables import listed_in, printer, save_csv, shared, text_table
-from fsipetsc.cases.common import material_options
+from fsipetsc.cases.common import materials
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.operators import operator
 from fsipetsc.options import read_table
 from fsipetsc.options.option import Option
 from fsipetsc.process.launch import start_petsc
-from fsipetsc.process.together import wait_asleep
-
-if TYPE_CHECKING:
-    from mpi4py import MPI
-
-    from fsipetsc.analysis.stability_linear import Constant, Result
+from fsipetsc.process.together import Comm, wait_asleep
 
 ORDERS = (2, 4, 6, 8)
 THEORY = {
@@ -44,10 +37,10 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
     "Gas": (
         Option("fluid_rho", float, 1.0, "kg/m3", "density of the gas at rest", **_ABOVE),
         Option("fluid_T", float, 1.0, "K", "temperature, of the solid too", **_ABOVE),
-        *material_options(fluid_mu=0.01, fluid_kappa=0.03, fluid_gamma=1.4, fluid_R=1.0),
+        *materials(fluid_mu=0.01, fluid_kappa=0.03, fluid_gamma=1.4, fluid_R=1.0),
     ),
     "Solid": (
-        *material_options(solid_density=1.0, solid_modulus=1.0, solid_alpha=2.5, solid_kappa=0.02),
+        *materials(solid_density=1.0, solid_modulus=1.0, solid_alpha=2.5, solid_kappa=0.02),
         Option("solid_eos", str, "ideal", "", _EOS, ("ideal", "elastic")),
     ),
     "Discretisation": (
@@ -69,18 +62,14 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
 }
 
 
-def stability(arguments: list[str], comm: MPI.Comm) -> None:
+def stability(arguments: list[str], comm: Comm) -> None:
     """Run the command; the ranks of comm share a sweep. Collective; InputError; ComputationError if
     a promise is not kept."""
-    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ.setdefault(name, "1")  # small matrices: threads would get in each other's way
     opt = read_table(SECTIONS, start_petsc(arguments, comm))
     for op in map(operator, opt["fsi_orders"]):
         least, points = max(4, op.min_points), opt["stability_points"]
         if points < least:
             raise InputError(f"-stability_points {points}: the {op.name} operator needs {least}")
-    from fsipetsc.analysis.stability_linear import measure, of_options
-
     state = of_options(opt)
     states = [state]
     if opt["sweep"]:

@@ -1,7 +1,5 @@
 """What the commands of this folder have in common: tables, and work that ranks share."""
 
-from __future__ import annotations
-
 import csv
 import shutil
 import tempfile
@@ -9,16 +7,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import Option, read_options
 from fsipetsc.output.file_layout import check_folder, writing
 from fsipetsc.process.launch import start_petsc
-from fsipetsc.process.together import together, wait_asleep
-
-if TYPE_CHECKING:
-    from mpi4py import MPI
+from fsipetsc.process.together import Comm, together, wait_asleep
 
 Task, Result = TypeVar("Task"), TypeVar("Result")
 
@@ -26,7 +21,7 @@ Task, Result = TypeVar("Task"), TypeVar("Result")
 def begin(
     case: Any,
     words: Sequence[str],
-    comm: MPI.Comm,
+    comm: Comm,
     extra: Sequence[Option],
     name: str,
     instead: Mapping[str, str] | None = None,
@@ -81,17 +76,15 @@ def csv_target(name: str) -> Path:
 
 
 @contextmanager
-def results_folder(comm: MPI.Comm, beside: Path, prefix: str) -> Iterator[Path]:
+def results_folder(comm: Comm, beside: Path, prefix: str) -> Iterator[Path]:
     """A new folder in the folder `beside`, PREFIX…, for results that are removed in the end.
 
     Collective; FileError.
     """
 
     def made() -> str:
-        try:
+        with writing(beside / f"{prefix}…", "results"):
             return tempfile.mkdtemp(dir=beside, prefix=prefix)
-        except OSError as error:
-            raise FileError(f"{beside}: cannot keep results there: {error.strerror}") from None
 
     folder = Path(comm.bcast(together(comm, lambda: "" if comm.rank else made())))
     try:
@@ -102,14 +95,14 @@ def results_folder(comm: MPI.Comm, beside: Path, prefix: str) -> Iterator[Path]:
             shutil.rmtree(folder, ignore_errors=True)
 
 
-def shared(comm: MPI.Comm, tasks: Sequence[Task], one: Callable[[Task], Result]) -> list[Result]:
+def shared(comm: Comm, tasks: Sequence[Task], one: Callable[[Task], Result]) -> list[Result]:
     """one(task) of all tasks on every rank; each computes its share. Collective; FsiError."""
     mine = together(comm, lambda: [one(task) for task in tasks[comm.rank :: comm.size]])
     shares = comm.allgather(mine)
     return [shares[i % comm.size][i // comm.size] for i in range(len(tasks))]
 
 
-def printer(comm: MPI.Comm, opt: Mapping[str, Any]) -> Callable[[str], None]:
+def printer(comm: Comm, opt: Mapping[str, Any]) -> Callable[[str], None]:
     """Prints on rank 0, and nothing with -fsi_quiet."""
     quiet = opt["fsi_quiet"] or comm.rank > 0
     return (lambda text: None) if quiet else (lambda text: print(text, flush=True))

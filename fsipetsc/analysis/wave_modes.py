@@ -12,6 +12,7 @@ differences of neighbours across the blocks over those of the values: 4 where si
 a wave of 6 nodes.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -33,14 +34,6 @@ SWINGING, ROUGH = 1e-6, 1.0
 FORM = BlockForm()
 
 
-class Stack(NamedTuple):
-    """Layers (fsipetsc.blocks.layers) from below, which say their cells; what is at both ends."""
-
-    layers: tuple[Layer, ...]
-    lower: Condition
-    upper: Condition
-
-
 class Linear(NamedTuple):
     """A (N, N) [1/s] and P (N, N) of the N unknowns of a column of all blocks, over their
     scales."""
@@ -60,14 +53,15 @@ class Linear(NamedTuple):
         return values, basis @ vectors
 
 
-def linearise(stack: Stack, order: int, columns: int, k: float) -> Linear:
-    """The scheme of an order about the initial data of layers, for disturbances proportional to
-    exp(i k X), k [1/m]; a wave is so many columns long.
-
-    InputError where the layers are not at rest, or not the same in all columns.
+def linearise(
+    members: Sequence[Layer], ends: Sequence[Condition], order: int, columns: int, k: float
+) -> Linear:
+    """The scheme of an order about the initial data of layers from below, which say their cells,
+    between two ends, for disturbances proportional to exp(i k X), k [1/m]; a wave is so many
+    columns long. InputError where the layers are not at rest, or not the same in all columns.
     """
-    ends = {"lower": stack.lower, "upper": stack.upper}
-    problem = layers(*stack.layers, along=((0.0, 2.0 * np.pi / k),), cells=(columns,), **ends)
+    wave = {"along": ((0.0, 2.0 * np.pi / k),), "cells": (columns,)}
+    problem = layers(*members, **wave, lower=ends[0], upper=ends[1])
     with BlockState(MPI.COMM_SELF, problem, order, FORM) as state:
         return Bench(state, 0, 1).linear()
 

@@ -6,15 +6,13 @@ of all numbers of ranks and of other programs are taken in turn; ranks without a
 is the median of its samples, a ratio that of pairs taken one after the other.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import product
 from pathlib import Path
 from statistics import median
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fsipetsc.analysis.tables import csv_target, listed_in, printer, save_csv
 from fsipetsc.bench import square
@@ -23,10 +21,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.options import RUN, defaults, read_table
 from fsipetsc.options.option import Option
 from fsipetsc.process.launch import start_petsc
-from fsipetsc.process.together import agree, together, wait_asleep
-
-if TYPE_CHECKING:
-    from mpi4py import MPI
+from fsipetsc.process.together import Comm, agree, together, wait_asleep
 
 #: form -> -fsi_convection, whether there is viscosity, words for the other program
 FORMS = {
@@ -77,7 +72,7 @@ def targets(opt: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
             yield about, square, own, program, (order, n, n), ("-q", *words.split())
 
 
-def bench(arguments: list[str], comm: MPI.Comm) -> None:
+def bench(arguments: list[str], comm: Comm) -> None:
     """The command, with the arguments after its name. Collective on comm.
 
     InputError for options, ranks that do not fit, another program that does not run; FileError.
@@ -112,8 +107,8 @@ def measured(
     case: Any,
     options: Mapping[str, Any],
     opt: Mapping[str, Any],
-    comm: MPI.Comm,
-    teams: Mapping[int, MPI.Comm],
+    comm: Comm,
+    teams: Mapping[int, Comm],
     other: Callable[[int], float | None],
 ) -> list[Sequence[object]]:
     """The last columns for each number of ranks, on rank 0. Collective. InputError where ranks do
@@ -163,7 +158,7 @@ def _ratio(a: list[float], b: list[float]) -> str:
     return f"{median(x / y for x, y in zip(a, b, strict=True)):.3g}"
 
 
-def compiled_state(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Any:
+def compiled_state(case: Any, opt: Mapping[str, Any], comm: Comm) -> Any:
     """The state of a problem, compiled. Collective; InputError where it does not fit."""
     from fsipetsc.stepping.solve import build_problem, make_state
 

@@ -7,12 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc import BlockProblem, Fluid, Option
 from fsipetsc.blocks.conditions import Clamped, NoSlip
 from fsipetsc.blocks.layers import Layer, layers
-from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.options import Option
 
 NAME = "square"
 SUMMARY = "gas | solid, two squares, for measuring what a step costs"

@@ -7,19 +7,18 @@ it is a disc of one pressure, which sends a shock out from the start: that needs
 
 import numpy as np
 
+from fsipetsc import BlockProblem, Option
 from fsipetsc.blocks.conditions import Free, NoSlip, Roller, Slip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.cases.common import Opt, at_rest, elastic_of, gas_of, material_options, stack
+from fsipetsc.cases.common import Opt, at_rest, elastic_of, gas_of, materials, stack
 from fsipetsc.checks import Array, Fields
-from fsipetsc.options import Option
 
 NAME = "blast"
 SUMMARY = "a pressure pulse under an elastic plate, in two dimensions"
 
 OPTIONS = (
-    *material_options(fluid_mu=0.002, fluid_kappa=0.003, solid_density=5.0, solid_modulus=40.0),
-    *material_options(solid_law=("log", "neo-hookean", "svk")),
+    *materials(fluid_mu=0.002, fluid_kappa=0.003, solid_density=5.0, solid_modulus=40.0),
+    *materials(solid_law=("log", "neo-hookean", "svk")),
     Option("blast_kind", str, "pulse", "", "smooth, or a disc with a jump", ("pulse", "shock")),
     Option("blast_height", float, 1.0, "Pa", "overpressure, over 1", check="nonnegative"),
 )

@@ -23,17 +23,15 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block
+from fsipetsc import Block, BlockProblem, Fluid, Option
 from fsipetsc.blocks.conditions import Given
 from fsipetsc.blocks.maps import Map, Mapped, Places, annulus, rectangle
-from fsipetsc.blocks.problem import BlockProblem, FaceName
-from fsipetsc.cases.common import Opt, material_options
+from fsipetsc.blocks.problem import FaceName
+from fsipetsc.cases.common import Opt, materials
 from fsipetsc.cases.disk import centre, quarter
 from fsipetsc.cases.manufactured import QUARTER, TIME, Solution, Waves, cofactor, determinant, unit
 from fsipetsc.checks import Array, Fields
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.options import Option
 
 NAME = "body_mms"
 SUMMARY = "a disk, a ring or a panel in gas on joined blocks, a manufactured solution"
@@ -41,8 +39,8 @@ SUMMARY = "a disk, a ring or a panel in gas on joined blocks, a manufactured sol
 SHAPES = "disk", "ring", "panel"
 OPTIONS = (
     Option("body_shape", str, "disk", "", "nine blocks, three rings, or six blocks", SHAPES),
-    *material_options(fluid_mu=0.02, fluid_kappa=0.03, solid_kappa=0.05),
-    *material_options(solid_law=("svk", "neo-hookean", "log", "linear")),
+    *materials(fluid_mu=0.02, fluid_kappa=0.03, solid_kappa=0.05),
+    *materials(solid_law=("svk", "neo-hookean", "log", "linear")),
 )
 DEFAULTS = {"fsi_h": 1 / 16, "fsi_order": 4, "ts_max_time": 0.1, "fsi_output_dt": 0.1}
 

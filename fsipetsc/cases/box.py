@@ -9,15 +9,15 @@ is flat to the sixth derivative, so that it satisfies all conditions there, as t
 import numpy as np
 
 from fsipetsc import FluidLayer, Problem, SolidLayer, Wall
-from fsipetsc.cases.common import Opt, constant, gas_of, material_options, solid_of
+from fsipetsc.cases.common import Opt, constant, gas_of, materials, solid_of
 from fsipetsc.checks import Array, Fields
 
 NAME = "box"
 SUMMARY = "gas | solid | gas in a closed box, which conserves mass and energy"
 
 OPTIONS = (
-    *material_options(fluid_mu=0.01, fluid_kappa=0.03, fluid_gamma=1.4, solid_modulus=20.0),
-    *material_options(solid_kappa=0.02, solid_density=2.0, solid_alpha=1.0, solid_gruneisen=0.0),
+    *materials(fluid_mu=0.01, fluid_kappa=0.03, fluid_gamma=1.4, solid_modulus=20.0),
+    *materials(solid_kappa=0.02, solid_density=2.0, solid_alpha=1.0, solid_gruneisen=0.0),
 )
 DEFAULTS = {"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 2.0, "fsi_output_dt": 0.05}
 

@@ -8,15 +8,13 @@ the equations lack is their forcing; what traction and heat flux lack at the int
 
 from typing import Any
 
+from fsipetsc import BlockProblem, Fluid, Option
 from fsipetsc.blocks.conditions import Given, NoSlip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.cases.common import Opt, material_options, stack
+from fsipetsc.cases.common import Opt, materials, stack
 from fsipetsc.cases.manufactured import Solution
 from fsipetsc.checks import Array
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.options import Option
 
 NAME = "box_mms"
 SUMMARY = "gas | solid in one, two or three dimensions, a manufactured solution"
@@ -24,8 +22,8 @@ SUMMARY = "gas | solid in one, two or three dimensions, a manufactured solution"
 OPTIONS = (
     Option("box_dimension", int, 2, "", "number of dimensions", (1, 2, 3)),
     Option("box_periodic", bool, True, "", "periodic along the layers; else sides are given"),
-    *material_options(fluid_mu=0.02, fluid_kappa=0.03, solid_kappa=0.05),
-    *material_options(solid_law=("neo-hookean", "log", "svk", "linear")),
+    *materials(fluid_mu=0.02, fluid_kappa=0.03, solid_kappa=0.05),
+    *materials(solid_law=("neo-hookean", "log", "svk", "linear")),
 )
 DEFAULTS = {"fsi_h": 1 / 16, "fsi_order": 4, "ts_max_time": 0.25, "fsi_output_dt": 0.05}
 

@@ -7,15 +7,15 @@ the impulse of the two ends, the momentum stay what they are, to round-off.
 import numpy as np
 
 from fsipetsc import FluidLayer, Option, Problem, SolidLayer, clamped
-from fsipetsc.cases.common import Opt, constant, gas_of, line_at_rest, material_options, solid_of
+from fsipetsc.cases.common import Opt, constant, gas_of, line_at_rest, materials, solid_of
 from fsipetsc.checks import Array, Fields
 
 NAME = "column"
 SUMMARY = "solid | gas | solid | gas | solid: a pulse runs through five layers"
 
 OPTIONS = (
-    *material_options(fluid_mu=0.01, fluid_kappa=0.03, solid_modulus=20.0, solid_kappa=0.02),
-    *material_options(solid_density=2.0, solid_alpha=1.0),
+    *materials(fluid_mu=0.01, fluid_kappa=0.03, solid_modulus=20.0, solid_kappa=0.02),
+    *materials(solid_density=2.0, solid_alpha=1.0),
     Option("column_pulse", float, 0.5, "", "overpressure over p0", check="nonnegative"),
 )
 DEFAULTS = {"fsi_h": 0.025, "fsi_order": 4, "ts_max_time": 4.0, "fsi_output_dt": 0.05}

@@ -3,16 +3,17 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from fsipetsc import BlockProblem, Fluid, Option, Solid
 from fsipetsc.blocks.layers import Layer, layers
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array, Fields
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.options import Option, above_one
+from fsipetsc.options import above_one
 
 #: the options in force
 Opt = Mapping[str, Any]
+#: defaults of cases with shocks; of those of the paper, which has this grid and coupling
+SHOCKS = {"fsi_shock": 1.0, "fsi_dissipation": 1.0}
+PAPER = {"fsi_h": 0.0125, "fsi_order": 4, "fsi_coupling": "projection"}
 
 _GRUNEISEN = "pressure of the solid p = G rho epsilon; 0: elastic"
 #: name -> unit, meaning, check
@@ -31,7 +32,7 @@ _KNOWN = {
 }
 
 
-def material_options(conducting: bool = False, **defaults: Any) -> tuple[Option, ...]:
+def materials(conducting: bool = False, **defaults: Any) -> tuple[Option, ...]:
     """Options with their defaults; a case leaves some out. conducting: no conductivity is 0.
 
     solid_law: its default is the first of the tuple of laws that are allowed.

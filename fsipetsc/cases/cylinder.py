@@ -7,15 +7,14 @@ to the four sides of the channel, four of the solid from a square centre block t
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block
+from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.conditions import Condition, Outflow, Slip
 from fsipetsc.blocks.maps import Map, Mapped, Places
-from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.cases.common import Opt, at_rest, elastic_of, gas_of
+from fsipetsc.cases.common import SHOCKS, Opt, at_rest, elastic_of, gas_of
 from fsipetsc.cases.disk import between, centre, quarter
 from fsipetsc.cases.riemann import GasState, shock_in_plane
 from fsipetsc.operators.sbp import operator
-from fsipetsc.options import Option, above_one
+from fsipetsc.options import above_one
 
 NAME = "cylinder"
 SUMMARY = "a shock runs over an elastic or a rigid cylinder, in two dimensions"
@@ -26,10 +25,7 @@ OPTIONS = (
     Option("solid_modulus", float, 40.0, "", "2 mu_e + lambda_e over p", check="positive"),
     Option("solid_density", float, 10.0, "", "of it over that of the gas", check="positive"),
 )
-DEFAULTS = {
-    **{"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 2.0, "fsi_output_dt": 0.05},
-    **{"fsi_shock": 1.0, "fsi_dissipation": 1.0},
-}
+DEFAULTS = {"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 2.0, "fsi_output_dt": 0.05, **SHOCKS}
 
 AHEAD = GasState(1.4, 0.0, 1.0)
 RADIUS, CORE, START = 0.5, 0.22, -1.0

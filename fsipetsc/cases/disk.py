@@ -10,13 +10,11 @@ must end well before half a turn.
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block
+from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.conditions import NoSlip, Slip
 from fsipetsc.blocks.maps import Map, Places, annulus
-from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.cases.common import Opt, cells_of, constant, elastic_of, gas_of, material_options
+from fsipetsc.cases.common import Opt, cells_of, constant, elastic_of, gas_of, materials
 from fsipetsc.checks import Array, Fields
-from fsipetsc.options import Option
 
 NAME = "disk"
 SUMMARY = "an elastic disk of five blocks that spins in gas"
@@ -24,8 +22,7 @@ SUMMARY = "an elastic disk of five blocks that spins in gas"
 OPTIONS = (
     Option("disk_spin", float, 0.8, "1/s", "angular velocity of the disk at the start"),
     Option("disk_power", int, 0, "", "spin is times (1 - R^2)^power", check="nonnegative"),
-    *material_options(fluid_mu=0.0, fluid_kappa=0.0, solid_density=2.0),
-    *material_options(solid_mu=1.0, solid_lambda=1.5),
+    *materials(fluid_mu=0.0, fluid_kappa=0.0, solid_density=2.0, solid_mu=1.0, solid_lambda=1.5),
 )
 DEFAULTS = {"fsi_h": 0.05, "fsi_order": 4, "ts_max_time": 1.25, "fsi_output_dt": 0.025}
 

@@ -13,14 +13,12 @@ Banks, W. D. Henshaw, D. W. Schwendeman, J. Comput. Phys. 231 (2012) 3518-3547.
 import numpy as np
 from numpy.polynomial import Polynomial
 
+from fsipetsc import BlockProblem, Fluid, Option
 from fsipetsc.blocks.conditions import Free, Slip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases.common import Opt, stack
 from fsipetsc.checks import Array, Fields
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.options import Option
 
 NAME = "elastic_piston"
 SUMMARY = "an elastic rod recedes from a gas or advances into it, with an exact solution"

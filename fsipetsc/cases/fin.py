@@ -13,17 +13,14 @@ from itertools import product
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block
+from fsipetsc import Block, BlockProblem, Fluid, InputError, Option
 from fsipetsc.blocks.conditions import Clamped, Condition, Slip
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases.common import Opt, at_rest
 from fsipetsc.cases.riemann import GasState, shock_in_plane
-from fsipetsc.errors import InputError
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import operator
-from fsipetsc.options import Option, above_one
+from fsipetsc.options import above_one
 
 NAME = "fin"
 SUMMARY = "a shock hits a clamped panel in a shock tube and bends it, in two dimensions"
@@ -32,30 +29,30 @@ OPTIONS = (
     Option("fin_mach", float, 1.21, "", "Mach number of the shock", check=above_one),
     Option("fin_length", float, 0.05, "m", "of the panel, below 0.065", check="positive"),
     Option("fin_thickness", float, 1e-3, "m", "of the panel", check="positive"),
-    Option("fin_modulus", float, 220e9, "Pa", "Young's modulus of the panel", check="positive"),
-    Option("fin_density", float, 7600.0, "kg/m3", "of the panel", check="positive"),
 )
 DEFAULTS = {
     **{"fsi_h": 0.005, "fsi_order": 4, "fsi_cfl": 1.2, "ts_max_time": 2e-3, "fsi_output_dt": 1e-4},
     **{"fsi_shock": 1.0, "fsi_dissipation": 1.0, "fsi_probes": "0.051,0.05"},
 }
 
-AHEAD, POISSON = GasState(1.2, 0.0, 101e3), 0.3
+AHEAD = GasState(1.2, 0.0, 101e3)
+#: steel: Young's modulus [Pa], Poisson's ratio, density [kg/m3], specific heat [J/(kg K)]
+YOUNG, POISSON, DENSITY, HEAT = 220e9, 0.3, 7600.0, 470.0
 #: of the gas before the panel, behind it, and of the channel; X of the shock at first [m]
 BEFORE, BEHIND, HEIGHT, START = 0.05, 0.25, 0.065, 0.025
 
 
 def build(opt: Opt) -> BlockProblem:
     """Three blocks beside each other up to the panel's tip, three above it."""
-    length, E = opt["fin_length"], opt["fin_modulus"]
+    length = opt["fin_length"]
     if length >= HEIGHT:
         raise InputError(f"-fin_length {length:g}: expected less than {HEIGHT:g}")
     air = Fluid(0.0, 0.0, 1.4, 287.0)
     flow, inflow, note = shock_in_plane(air, AHEAD, opt["fin_mach"], START)
-    mu_e = E / (2.0 * (1.0 + POISSON))
+    mu_e = YOUNG / (2.0 * (1.0 + POISSON))
     lambda_e = 2.0 * mu_e * POISSON / (1.0 - 2.0 * POISSON)
-    others = opt["fin_density"], 470.0, AHEAD.p, "neo-hookean"
-    steel = ElasticSolid(mu_e, lambda_e, 0.0, *others, heat="elastic")
+    laws = {"law": "neo-hookean", "heat": "elastic"}
+    steel = ElasticSolid(mu_e, lambda_e, 0.0, DENSITY, HEAT, AHEAD.p, **laws)
     rest = at_rest(AHEAD.p / (air.R * AHEAD.rho))
     x, y = np.cumsum([0.0, BEFORE, opt["fin_thickness"], BEHIND]), (0.0, length, HEIGHT)
     least = operator(opt["fsi_order"]).min_points - 1

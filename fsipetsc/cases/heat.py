@@ -23,15 +23,15 @@ from functools import cached_property
 import numpy as np
 
 from fsipetsc import Fluid, FluidLayer, InputError, Problem, Solid, SolidLayer, Wall, clamped
-from fsipetsc.cases.common import Opt, gas_of, material_options, solid_of
+from fsipetsc.cases.common import Opt, gas_of, materials, solid_of
 from fsipetsc.checks import Array, Fields
 
 NAME = "heat"
 SUMMARY = "conjugate heat transfer between a solid and a gas: errors against the exact solution"
 
 OPTIONS = (
-    *material_options(conducting=True, fluid_mu=0.02, fluid_kappa=0.1, solid_modulus=20.0),
-    *material_options(conducting=True, solid_kappa=0.3, solid_density=2.0, solid_alpha=1.0),
+    *materials(conducting=True, fluid_mu=0.02, fluid_kappa=0.1, solid_modulus=20.0),
+    *materials(conducting=True, solid_kappa=0.3, solid_density=2.0, solid_alpha=1.0),
 )
 DEFAULTS = {"fsi_h": 0.025, "fsi_order": 4, "ts_max_time": 1.0, "fsi_output_dt": 0.1}
 

@@ -13,21 +13,17 @@ from math import cos, sin
 import numpy as np
 
 from fsipetsc import Dirichlet, FluidLayer, InputError, Problem, SolidLayer
-from fsipetsc.cases.common import Opt, gas_of, material_options, solid_of
+from fsipetsc.cases.common import PAPER, Opt, gas_of, materials, solid_of
 from fsipetsc.checks import Array, Fields
 
 NAME = "mms"
 SUMMARY = "manufactured solution: errors against the exact solution (Sec. 5.1)"
 
 OPTIONS = (
-    *material_options(fluid_mu=0.01, fluid_kappa=0.03, fluid_gamma=1.4, fluid_R=1.0),
-    *material_options(solid_modulus=10.0, solid_kappa=0.02, solid_density=2.0, solid_alpha=1.0),
+    *materials(fluid_mu=0.01, fluid_kappa=0.03, fluid_gamma=1.4, fluid_R=1.0),
+    *materials(solid_modulus=10.0, solid_kappa=0.02, solid_density=2.0, solid_alpha=1.0),
 )
-#: interfaces and grids are the paper's
-DEFAULTS = {
-    **{"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 0.45, "fsi_output_dt": 0.05},
-    "fsi_coupling": "projection",
-}
+DEFAULTS = {**PAPER, "ts_max_time": 0.45, "fsi_output_dt": 0.05}
 
 LEFT, RIGHT = 0.25, 4.0
 #: epsilon, omega, phi of (5.1), (5.2)

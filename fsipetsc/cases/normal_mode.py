@@ -19,9 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import eig
 
+from fsipetsc import Fluid, InputError
 from fsipetsc.checks import Array
-from fsipetsc.errors import InputError
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 
 #: points of the collocation in either layer
@@ -78,20 +77,14 @@ class Layers:
     rho: float = 1.0
     T: float = 1.0
 
-    def mode(self, k: float, number: int) -> Mode:
-        """The mode of this number, from 0 on, by increasing frequency, of those that swing more
-        than they decay.
-
-        Its interface is displaced by 1, where that is largest. InputError where the collocation
-        does not resolve it.
-        """
-        found = self._modes(k, POINTS)
+    def mode(self, k: float) -> Mode:
+        """The slowest mode that swings more than it decays, its interface displaced by 1, where
+        that is largest. InputError where the collocation resolves none."""
         finer = np.array([mode.s for mode in self._modes(k, POINTS * 4 // 3)])
-        modes = [mode for mode in found if np.min(np.abs(mode.s - finer)) < RESOLVED * abs(mode.s)]
-        if number >= len(modes):
-            wanted = f"expected a number below {len(modes)}: no more are resolved"
-            raise InputError(f"-wave_mode {number}: {wanted}")
-        return modes[number]
+        for mode in self._modes(k, POINTS):
+            if np.min(np.abs(mode.s - finer)) < RESOLVED * abs(mode.s):
+                return mode
+        raise InputError("no normal mode of the layers is resolved")
 
     def _modes(self, k: float, n: int) -> list[Mode]:
         values, vectors = eig(*self._matrices(k, n))

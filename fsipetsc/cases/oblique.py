@@ -17,13 +17,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fsipetsc import BlockProblem, Fluid, InputError, Option
 from fsipetsc.blocks.conditions import Clamped, Open, Outflow, Roller, Slip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.cases.common import Opt, at_rest, constant, elastic_of, stack
-from fsipetsc.errors import InputError
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.options import Option, above_one
+from fsipetsc.cases.common import SHOCKS, Opt, at_rest, constant, elastic_of, stack
+from fsipetsc.options import above_one
 
 NAME = "oblique"
 SUMMARY = "an oblique shock reflected from a rigid wall or an elastic layer, in two dimensions"
@@ -35,10 +33,7 @@ OPTIONS = (
     Option("solid_modulus", float, 40.0, "", "2 mu_e + lambda_e over p", check="positive"),
     Option("solid_density", float, 10.0, "", "of it over that of the gas", check="positive"),
 )
-DEFAULTS = {
-    **{"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 4.0, "fsi_output_dt": 0.25},
-    **{"fsi_shock": 1.0, "fsi_dissipation": 1.0},
-}
+DEFAULTS = {"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 4.0, "fsi_output_dt": 0.25, **SHOCKS}
 
 #: the gas is 1 high, the layer, if there is one, so thick and so many cells [m]
 GAMMA, LENGTH, THICKNESS, CELLS = 1.4, 3.0, 0.25, 18

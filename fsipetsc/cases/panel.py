@@ -18,16 +18,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from fsipetsc import BlockProblem, Fluid, InputError, Option
 from fsipetsc.blocks.conditions import Clamped, Free, Given, Hinge, NoSlip, Open, Outflow, Slip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.cases.common import Opt, material_options, stack
+from fsipetsc.cases.common import Opt, materials, stack
 from fsipetsc.checks import Array, Fields
-from fsipetsc.errors import InputError
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import operator
-from fsipetsc.options import Option, above_one
+from fsipetsc.options import above_one
 
 NAME = "panel"
 SUMMARY = "supersonic flow over an elastic panel set into a wall, which flutters"
@@ -41,7 +39,7 @@ OPTIONS = (
     Option("panel_push", float, 5e-3, "", "velocity of the panel at first", check="nonnegative"),
     Option("panel_height", float, 0.5, "m", "of the gas", check="positive"),
     Option("panel_rows", int, None, "", "cells across the gas", check="positive"),
-    *material_options(fluid_mu=0.0),
+    *materials(fluid_mu=0.0),
     Option("panel_layer", float, 0.2, "m", "boundary layer, if viscous", check="positive"),
 )
 DEFAULTS = {

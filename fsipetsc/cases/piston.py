@@ -8,14 +8,14 @@ mass of each gas stays what it is to round-off, and the energy of all grows by t
 from math import cos, pi, sin
 
 from fsipetsc import FluidLayer, Option, Problem, SolidLayer, Wall
-from fsipetsc.cases.common import Opt, constant, gas_of, line_at_rest, material_options, solid_of
+from fsipetsc.cases.common import Opt, constant, gas_of, line_at_rest, materials, solid_of
 
 NAME = "piston"
 SUMMARY = "a wall that moves drives gas against an elastic layer: gas | solid | gas"
 
 OPTIONS = (
-    *material_options(fluid_mu=1.8e-5, fluid_kappa=0.026, solid_modulus=1e7, solid_kappa=0.2),
-    *material_options(solid_density=100.0, solid_alpha=1000.0),
+    *materials(fluid_mu=1.8e-5, fluid_kappa=0.026, solid_modulus=1e7, solid_kappa=0.2),
+    *materials(solid_density=100.0, solid_alpha=1000.0),
     Option("piston_time", float, 0.02, "s", "time that the wall takes", check="positive"),
 )
 DEFAULTS = {"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 0.04, "fsi_output_dt": 5e-4}

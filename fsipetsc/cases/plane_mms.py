@@ -2,14 +2,14 @@
 
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases import box_mms
-from fsipetsc.cases.common import Opt, material_options
+from fsipetsc.cases.common import Opt, materials
 
 NAME = "plane_mms"
 SUMMARY = "gas | solid in two dimensions, a manufactured solution whose errors can be measured"
 
 OPTIONS = (
-    *material_options(fluid_mu=0.02, fluid_kappa=0.03, solid_kappa=0.05),
-    *material_options(solid_law=("log", "neo-hookean", "svk")),
+    *materials(fluid_mu=0.02, fluid_kappa=0.03, solid_kappa=0.05),
+    *materials(solid_law=("log", "neo-hookean", "svk")),
 )
 DEFAULTS = {"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 0.25, "fsi_output_dt": 0.05}
 

@@ -14,37 +14,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsipetsc import (
-    Fluid,
-    FluidLayer,
-    InputError,
-    Open,
-    Option,
-    Problem,
-    Solid,
-    SolidLayer,
-    absorbing,
-)
-from fsipetsc.cases.common import Opt, gas_of, material_options, solid_of
+from fsipetsc import Fluid, FluidLayer, InputError, Open, Option, Problem, Solid, SolidLayer
+from fsipetsc.boundaries import absorbing
+from fsipetsc.cases.common import PAPER, Opt, gas_of, materials, solid_of
 from fsipetsc.checks import Array, Fields
 
 NAME = "pulse"
 SUMMARY = "a sound pulse meets a solid | fluid interface: reflection and transmission (Sec. 4)"
 
 OPTIONS = (
-    *material_options(fluid_mu=0.0, fluid_kappa=0.0, fluid_gamma=1.4, fluid_R=8.3145 / 0.029),
-    *material_options(solid_modulus=1e6, solid_kappa=0.0, solid_density=4.0, solid_alpha=1000.0),
-    *material_options(solid_gruneisen=0.0),
+    *materials(fluid_mu=0.0, fluid_kappa=0.0, fluid_gamma=1.4, fluid_R=8.3145 / 0.029),
+    *materials(solid_modulus=1e6, solid_kappa=0.0, solid_density=4.0, solid_alpha=1000.0),
+    *materials(solid_gruneisen=0.0),
     Option("solid_stretch", float, 1.0, "-", "strain x_X of the solid at rest", check="positive"),
     Option("pulse_amplitude", float, 1.0, "Pa", "pressure of the pulse, small against p0"),
     Option("pulse_width", float, 0.12, "m", "of exp(-(distance/width)^2)", check="positive"),
     Option("pulse_start", float, 0.75, "m", "where it starts: above 0 in the fluid, or below"),
 )
-#: interfaces and grids are the paper's
-DEFAULTS = {
-    **{"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 4e-3, "fsi_output_dt": 2e-4},
-    "fsi_coupling": "projection",
-}
+DEFAULTS = {**PAPER, "ts_max_time": 4e-3, "fsi_output_dt": 2e-4}
 #: pressure and temperature at rest, thickness of either layer
 P0, T0, SIZE = 1e5, 300.0, 1.5
 

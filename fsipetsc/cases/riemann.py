@@ -24,11 +24,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc import Fluid, InputError, Solid
 from fsipetsc.blocks.conditions import Open
 from fsipetsc.checks import Array, Fields
-from fsipetsc.errors import InputError
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid
 
 #: part of the jump that is left where a shock's structure is cut off
 _TAIL = 1e-6

@@ -10,22 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block
+from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.conditions import Condition, Free, NoSlip, Slip
 from fsipetsc.blocks.maps import annulus
-from fsipetsc.blocks.problem import BlockProblem, FaceName
-from fsipetsc.cases.common import (
-    Opt,
-    at_rest,
-    cells_of,
-    constant,
-    elastic_of,
-    gas_of,
-    material_options,
-)
+from fsipetsc.blocks.problem import FaceName
+from fsipetsc.cases.common import Opt, at_rest, cells_of, constant, elastic_of, gas_of, materials
 from fsipetsc.checks import Array, Fields
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.options import Option
 
 NAME = "ring"
 SUMMARY = "an elastic ring with gas inside and outside, and a pressure pulse"
@@ -34,8 +25,8 @@ OPTIONS = (
     Option("ring_gas", bool, True, "", "gas inside and outside; else the ring is in a vacuum"),
     Option("ring_pulse", float, 0.5, "Pa", "overpressure, over 1", check="nonnegative"),
     Option("ring_around", int, None, "", "cells around; default: by -fsi_h", check="positive"),
-    *material_options(fluid_mu=0.0, fluid_kappa=0.0, solid_density=2.0),
-    *material_options(solid_mu=1.0, solid_lambda=1.5, solid_law=("neo-hookean", "log", "svk")),
+    *materials(fluid_mu=0.0, fluid_kappa=0.0, solid_density=2.0),
+    *materials(solid_mu=1.0, solid_lambda=1.5, solid_law=("neo-hookean", "log", "svk")),
 )
 DEFAULTS = {"fsi_h": 0.025, "fsi_order": 6, "ts_max_time": 3.0, "fsi_output_dt": 0.05}
 

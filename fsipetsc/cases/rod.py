@@ -6,15 +6,15 @@ at t = 0.90-0.91), and the rod starts under the stress -p0, so that only gravity
 """
 
 from fsipetsc import FluidLayer, Open, Option, Problem, SolidLayer, Wall
-from fsipetsc.cases.common import Opt, constant, gas_of, line_at_rest, material_options, solid_of
+from fsipetsc.cases.common import PAPER, Opt, constant, gas_of, line_at_rest, materials, solid_of
 
 NAME = "rod"
 SUMMARY = "an elastic rod falls into a compressible gas and bounces (Sec. 5.2)"
 
 OPTIONS = (
-    *material_options(fluid_mu=0.5, fluid_kappa=0.7, fluid_gamma=1.4, fluid_R=8.3145 / 0.029),
-    *material_options(solid_modulus=1e5, solid_kappa=0.5, solid_density=2700.0, solid_alpha=1.0),
-    *material_options(solid_gruneisen=0.0),
+    *materials(fluid_mu=0.5, fluid_kappa=0.7, fluid_gamma=1.4, fluid_R=8.3145 / 0.029),
+    *materials(solid_modulus=1e5, solid_kappa=0.5, solid_density=2700.0, solid_alpha=1.0),
+    *materials(solid_gruneisen=0.0),
     Option("rod_gravity", float, -10.0, "m/s2", "body force per mass on the rod"),
     Option("rod_p0", float, 1e5, "Pa", "initial pressure of the gas", check="positive"),
     Option("rod_T0", float, 300.0, "K", "initial temperature", check="positive"),
@@ -23,11 +23,7 @@ OPTIONS = (
     Option("rod_top", float, 6.0, "m", "position of the open upper end",
         check=lambda x: None if x > 2 else "a number above 2"),
 )  # fmt: skip
-#: interfaces and grids are the paper's
-DEFAULTS = {
-    **{"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 3.0, "fsi_output_dt": 0.05},
-    "fsi_coupling": "projection",
-}
+DEFAULTS = {**PAPER, "ts_max_time": 3.0, "fsi_output_dt": 0.05}
 
 
 def build(opt: Opt) -> Problem:

@@ -11,22 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block
+from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.conditions import Centre, Condition, Free, Slip
 from fsipetsc.blocks.maps import ball, rectangle
-from fsipetsc.blocks.problem import BlockProblem, FaceName
-from fsipetsc.cases.common import (
-    Opt,
-    at_rest,
-    cells_of,
-    constant,
-    elastic_of,
-    gas_of,
-    material_options,
-)
+from fsipetsc.blocks.problem import FaceName
+from fsipetsc.cases.common import Opt, at_rest, cells_of, constant, elastic_of, gas_of, materials
 from fsipetsc.checks import Array, Fields
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.options import Option
 
 NAME = "shell"
 SUMMARY = "a charge in an elastic shell around a centre, or a tube around an axis"
@@ -37,8 +28,8 @@ OPTIONS = (
         ("none", "around", "centre")),
     Option("shell_charge", float, 50.0, "", "temperature of the charge, less 1, over that at rest",
         check="nonnegative"),
-    *material_options(fluid_mu=0.0, fluid_kappa=0.0, solid_density=2.0),
-    *material_options(solid_mu=1.0, solid_lambda=1.5, solid_law=("neo-hookean", "log", "svk")),
+    *materials(fluid_mu=0.0, fluid_kappa=0.0, solid_density=2.0),
+    *materials(solid_mu=1.0, solid_lambda=1.5, solid_law=("neo-hookean", "log", "svk")),
 )  # fmt: skip
 DEFAULTS = {
     **{"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 2.0, "fsi_output_dt": 0.02},

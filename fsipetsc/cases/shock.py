@@ -18,7 +18,7 @@ from functools import cached_property
 import numpy as np
 
 from fsipetsc import Fluid, FluidLayer, Option, Problem, Solid, SolidLayer, Wall, clamped, free
-from fsipetsc.cases.common import Opt, gas_of, material_options, solid_of
+from fsipetsc.cases.common import Opt, gas_of, materials, solid_of
 from fsipetsc.cases.riemann import GasState, Riemann, SolidState, behind_shock, shock_structure
 from fsipetsc.checks import Array, Fields
 from fsipetsc.options import above_one
@@ -30,8 +30,8 @@ OPTIONS = (
     Option("shock_problem", "str", "sod", "", "which problem", choices=("sod", "strong")),
     Option("shock_mach", "float", 3.0, "", "strong: Mach number of the shock", check=above_one),
     Option("shock_ratio", "float", 10.0, "", "sod: ratio of the pressures", check=above_one),
-    *material_options(fluid_mu=0.0, fluid_kappa=0.0),
-    *material_options(solid_modulus=4.0, solid_density=0.5, solid_alpha=1.0),
+    *materials(fluid_mu=0.0, fluid_kappa=0.0),
+    *materials(solid_modulus=4.0, solid_density=0.5, solid_alpha=1.0),
 )
 DEFAULTS = {
     **{"fsi_h": 0.005, "fsi_order": 4, "ts_max_time": 0.3, "fsi_output_dt": 0.01, "fsi_norm": "L1"},

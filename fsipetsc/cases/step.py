@@ -13,8 +13,7 @@ the sum of both normals allows. Nothing else is done there.
 from fsipetsc.blocks.conditions import Open, Outflow, Slip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.cases.common import Opt, constant, gas_of, stack
-from fsipetsc.errors import InputError
+from fsipetsc.cases.common import SHOCKS, Opt, constant, gas_of, stack
 from fsipetsc.options import Option, above_one
 
 NAME = "step"
@@ -22,30 +21,24 @@ SUMMARY = "supersonic flow over a step in a wind tunnel, in two dimensions"
 
 OPTIONS = (
     Option("step_mach", float, 3.0, "", "Mach number of the gas that comes in", check=above_one),
-    Option("step_height", float, 0.2, "m", "of the step, below 1", check="positive"),
-    Option("step_place", float, 0.6, "m", "X where it begins, below 3", check="positive"),
 )
-DEFAULTS = {
-    **{"fsi_h": 1 / 40, "fsi_order": 4, "ts_max_time": 4.0, "fsi_output_dt": 0.1},
-    **{"fsi_shock": 1.0, "fsi_dissipation": 1.0},
-}
+DEFAULTS = {"fsi_h": 1 / 40, "fsi_order": 4, "ts_max_time": 4.0, "fsi_output_dt": 0.1, **SHOCKS}
 
 RHO, P, LENGTH, HEIGHT = 1.4, 1.0, 3.0, 1.0
+#: X where the step begins, its height [m]
+PLACE, STEP = 0.6, 0.2
 
 
 def build(opt: Opt) -> BlockProblem:
     """The floor before the step is at Y = 0."""
-    M, place, height = opt["step_mach"], opt["step_place"], opt["step_height"]
-    for name, value, most in (("place", place, LENGTH), ("height", height, HEIGHT)):
-        if value >= most:
-            raise InputError(f"-step_{name} {value:g}: expected less than {most:g}")
+    M = opt["step_mach"]
     gas, flow = gas_of(opt, R=P / RHO), constant(RHO, M, 0.0, 1.0)
     inflow, step = Open(RHO, (M, 0.0), 1.0), Slip(name="step")
     floor, above = {(0, 0): inflow, (0, 1): step}, {(0, 0): inflow, (0, 1): Outflow()}
     return stack(
         opt,
-        Layer("before", gas, (0.0, height), flow, span=((0.0, place),), sides=floor),
-        Layer("above", gas, (height, HEIGHT), flow, sides=above, beside=step),
+        Layer("before", gas, (0.0, STEP), flow, span=((0.0, PLACE),), sides=floor),
+        Layer("above", gas, (STEP, HEIGHT), flow, sides=above, beside=step),
         along=((0.0, LENGTH),),
         lower=Slip(name="floor"),
         upper=Slip(name="ceiling"),

@@ -8,12 +8,11 @@ those of verify/superseismic.py, which derives them. The exact states are the da
 
 import numpy as np
 
+from fsipetsc import BlockProblem, Fluid
 from fsipetsc.blocks.conditions import Given, Open
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.cases.common import Opt, stack
+from fsipetsc.cases.common import SHOCKS, Opt, stack
 from fsipetsc.checks import Array, Fields
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 
 NAME = "superseismic"
@@ -21,7 +20,7 @@ SUMMARY = "a shock along an elastic half space, faster than its waves, in two di
 OPTIONS = ()
 DEFAULTS = {
     **{"fsi_h": 1 / 40, "fsi_order": 4, "ts_max_time": 0.5, "fsi_output_dt": 0.05},
-    **{"fsi_shock": 1.0, "fsi_dissipation": 1.0, "fsi_norm": "L1"},
+    **{**SHOCKS, "fsi_norm": "L1"},
 }
 #: gas ahead: density, temperature (p = rho T); Lame's constants; density of the solid is 1
 RHO, T, LAMBDA, MU = 0.1114827, 0.09375, 0.1398307, 0.07203351

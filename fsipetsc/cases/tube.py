@@ -11,24 +11,21 @@ from collections.abc import Callable
 
 import numpy as np
 
+from fsipetsc import BlockProblem, Fluid, Option, Solid
 from fsipetsc.blocks.conditions import Clamped, Slip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.cases.common import Opt, material_options, stack
+from fsipetsc.cases.common import Opt, materials, stack
 from fsipetsc.cases.riemann import GasState, GasWave, pressure_between
 from fsipetsc.cases.shock import DENSE, GAMMA, LOW, R, Solution
 from fsipetsc.checks import Array, Fields
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.options import Option
 
 NAME = "tube"
 SUMMARY = "a shock tube in a plane, along X, across Y or into an elastic layer: exact solution"
 
 OPTIONS = (
     Option("tube_problem", str, "elastic", "", "along X, Y, into a layer", ("x", "y", "elastic")),
-    *material_options(solid_modulus=4.0, solid_density=0.5),
+    *materials(solid_modulus=4.0, solid_density=0.5),
 )
 DEFAULTS = {
     **{"fsi_h": 0.01, "fsi_order": 4, "ts_max_time": 0.15, "fsi_output_dt": 0.05, "fsi_norm": "L1"},

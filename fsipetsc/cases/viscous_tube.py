@@ -8,21 +8,16 @@ C. Tenaud, Comput. Fluids 30 (2001) 89; 38 (2009) 664). The run ends at t = 1.
 
 import numpy as np
 
+from fsipetsc import BlockProblem, Fluid, Option
 from fsipetsc.blocks.conditions import NoSlip, Slip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.cases.common import Opt, stack
+from fsipetsc.cases.common import SHOCKS, Opt, stack
 from fsipetsc.checks import Array, Fields
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.options import Option
 
 NAME = "viscous_tube"
 SUMMARY = "a shock and the boundary layer it has left in a closed box, in two dimensions"
 OPTIONS = (Option("tube_reynolds", float, 200.0, "", "Reynolds number", check="positive"),)
-DEFAULTS = {
-    **{"fsi_h": 1 / 100, "fsi_order": 4, "ts_max_time": 1.0, "fsi_output_dt": 0.1},
-    **{"fsi_shock": 1.0, "fsi_dissipation": 1.0},
-}
+DEFAULTS = {"fsi_h": 1 / 100, "fsi_order": 4, "ts_max_time": 1.0, "fsi_output_dt": 0.1, **SHOCKS}
 GAMMA, PRANDTL, RHO, RATIO = 1.4, 0.73, 1.2, 100.0
 
 

@@ -7,21 +7,19 @@ small. What is exact to that size goes as exp(s t).
 
 import numpy as np
 
+from fsipetsc import BlockProblem
 from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.cases.common import Opt, elastic_of, gas_of, material_options, stack
+from fsipetsc.cases.common import Opt, elastic_of, gas_of, materials, stack
 from fsipetsc.cases.normal_mode import Layers, interpolated
 from fsipetsc.checks import Array, Fields
-from fsipetsc.options import Option
 
 NAME = "wave"
 SUMMARY = "a normal mode of a gas over an elastic layer, whose frequency and decay are known"
 
 OPTIONS = (
-    Option("wave_mode", int, 0, "", "number, of those that swing", check="nonnegative"),
-    *material_options(fluid_mu=0.01, fluid_kappa=0.035 / 0.72, solid_density=1.0),
-    *material_options(solid_mu=1.0, solid_lambda=1.0),
+    *materials(fluid_mu=0.01, fluid_kappa=0.035 / 0.72, solid_density=1.0),
+    *materials(solid_mu=1.0, solid_lambda=1.0),
 )
 DEFAULTS = {"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 1.0, "fsi_output_dt": 0.05}
 #: wave number [1/m], displacement of the interface, height of the gas, depth of the solid [m]
@@ -33,20 +31,10 @@ def both_of(opt: Opt) -> Layers:
     return Layers(gas_of(opt), elastic_of(opt), HEIGHT, DEPTH)
 
 
-def measured(t: Array, X: Array, displacement: Array) -> complex:
-    """s [1/s] of a displacement of the interface, (times, columns) [m].
-
-    By a line through the logarithms of its amplitudes.
-    """
-    amplitudes = displacement @ np.exp(-2j * np.pi * np.arange(len(X)) / len(X))
-    logs = np.stack([np.log(np.abs(amplitudes)), np.unwrap(np.angle(amplitudes))], axis=1)
-    return complex(*np.polyfit(t, logs, 1)[0])
-
-
 def build(opt: Opt) -> BlockProblem:
     """The solid below Y = 0, the gas above."""
     both, low, high = both_of(opt), (-DEPTH, 0.0), (0.0, HEIGHT)
-    mode = both.mode(K, opt["wave_mode"])
+    mode = both.mode(K)
 
     def swinging(
         amplitudes: Array, ends: tuple[float, float], X: Array, Y: Array, t: float

@@ -8,30 +8,16 @@ what PETSc is to follow.
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from difflib import get_close_matches
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 from fsipetsc.blame import brief
 from fsipetsc.errors import FileError, InputError, petsc_words
+from fsipetsc.options import tables
 from fsipetsc.options.option import REQUIRED, Option, above_one
-from fsipetsc.options.tables import (
-    ALIASES,
-    CHECKPOINTS,
-    COMMON,
-    DISCRETISATION,
-    IN_LOOP,
-    LONGEST_NAME,
-    OF_A_RUN,
-    OUTPUT,
-    PASSED_ON,
-    PETSC_OPTIONS,
-    PETSCS,
-    RUN,
-)
+from fsipetsc.options.tables import COMMON, LONGEST_NAME, OF_A_RUN, PETSC_OPTIONS, RUN
 
 __all__ = [
     "COMMON", "LONGEST_NAME", "OF_A_RUN", "PETSC_OPTIONS", "REQUIRED", "RUN", "InForce", "Option",
@@ -54,15 +40,15 @@ def groups(
     sections = {
         f"Case {case.NAME}": tuple(case.OPTIONS),
         "This command": tuple(extra),
-        "Discretisation": DISCRETISATION,
-        "Output": OUTPUT,
-        "Checkpoints": CHECKPOINTS,
+        "Discretisation": tables.DISCRETISATION,
+        "Output": tables.OUTPUT,
+        "Checkpoints": tables.CHECKPOINTS,
         "Run": RUN,
         "Time integration (PETSc)": PETSC_OPTIONS,
     }
-    taken = {option.name.lower() for option in COMMON + PETSC_OPTIONS} | {*PASSED_ON, "help"}
+    taken = {option.name.lower() for option in COMMON + PETSC_OPTIONS} | {*tables.PASSED_ON, "help"}
     for name in (option.name.lower() for option in case.OPTIONS):
-        if name in taken or name.startswith(PETSCS):
+        if name in taken or name.startswith(tables.PETSCS):
             what = f"its option -{name} exists already; give it another name"
             raise InputError(f"case {case.NAME}: {what}")
         taken.add(name)
@@ -127,20 +113,17 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
     PETSc, which runs, reads PETSC_OPTIONS, then the words of the command line, and the files that
     either names; its database holds these options alone then, and none after an error. Not
     collective. InputError, FileError for what PETSc does not take, InputError for a word that is no
-    option's value, and for an options file that names another one.
+    option's value.
     """
     from petsc4py import PETSc
 
     put({})
-    environment = os.environ.get("PETSC_OPTIONS", "").split()
-    for option, name in pairwise([*environment, "-", *words]):
-        if option.lstrip("-").lower() in ("options_file", "options_file_yaml"):
-            _refuse_nesting(Path(name))
     for before, word in pairwise(["", *words]):
         if not is_option(word) and not is_option(before):
             what = f"unexpected argument '{brief(word)}'"
             raise InputError(f"{what}: a value comes right after its option")
     quoted = (word if is_option(word) else _quoted(word) for word in words)
+    environment = os.environ.get("PETSC_OPTIONS", "").split()
     for text in (" ".join(environment), " ".join(quoted)):
         try:
             PETSc.Options().insertString(text)
@@ -151,14 +134,6 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
             raise kind(f"options: {said}") from None
     given = {name.lower(): text for name, text in present().items()}
     return {name: text for name, text in given.items() if name != "help"}
-
-
-def _refuse_nesting(file: Path) -> None:
-    """InputError for an options file that names another: PETSc crashes where one names itself."""
-    with suppress(OSError):  # PETSc says so
-        text = file.read_text(errors="replace") if file.is_file() else ""
-        if re.search(r"^[^#\n]*\boptions_file", text, re.MULTILINE | re.IGNORECASE):
-            raise InputError(f"-options_file {file}: an options file cannot name another one")
 
 
 def _quoted(word: str) -> str:
@@ -188,7 +163,7 @@ def put(options: Mapping[str, str]) -> None:
 
 def spelt(given: Mapping[str, str], name: str) -> str | None:
     """What the user gave for an option, under one of its names."""
-    names = [name.lower(), *(alias for alias, meant in ALIASES.items() if meant == name)]
+    names = [name.lower(), *(alias for alias, meant in tables.ALIASES.items() if meant == name)]
     return next((given[spelling] for spelling in names if spelling in given), None)
 
 
@@ -225,7 +200,7 @@ def _tell_petsc(values: Mapping[str, Any], given: Mapping[str, str]) -> None:
     from petsc4py import PETSc
 
     database = PETSc.Options()
-    told = {name: given[name] for name in IN_LOOP if name in given}
+    told = {name: given[name] for name in tables.IN_LOOP if name in given}
     for option in PETSC_OPTIONS:
         method = option.name.split("_")[1]  # ts_rk_type is of ts_type rk
         unused = method in ("rk", "ssp") and values["ts_type"] != method
@@ -233,7 +208,7 @@ def _tell_petsc(values: Mapping[str, Any], given: Mapping[str, str]) -> None:
             told[option.name] = str(values[option.name])
     if "ts_dt" in told and PETSc.Sys.getVersion() >= (3, 25):
         told["ts_time_step"] = told.pop("ts_dt")
-    for name in (*ALIASES, *IN_LOOP, *(option.name for option in PETSC_OPTIONS)):
+    for name in (*tables.ALIASES, *tables.IN_LOOP, *(option.name for option in PETSC_OPTIONS)):
         database.delValue(name)
     for name, text in told.items():
         database.setValue(name, text)
@@ -252,20 +227,20 @@ def read_table(
 
 def _read(options: Mapping[str, Option], given: Mapping[str, str]) -> dict[str, Any]:
     """Name -> value; options: name in lower case -> option."""
-    known = [option.name for option in options.values()] + list(PASSED_ON)
-    known += [alias for alias, name in ALIASES.items() if name in options]
+    known = [option.name for option in options.values()] + list(tables.PASSED_ON)
+    known += [alias for alias, name in tables.ALIASES.items() if name in options]
     lower = {name.lower() for name in known}
     unknown = [
         f"-{brief(name)}{_nearest(name, known)}" for name in sorted(given) if name not in lower
     ]
     if unknown:
         raise InputError(f"unknown option{'s' * (len(unknown) > 1)} {', '.join(unknown)}")
-    for alias, name in ALIASES.items():
+    for alias, name in tables.ALIASES.items():
         if given.get(alias, given.get(name)) != given.get(name, given.get(alias)):
             raise InputError(f"-{alias} and -{name} mean the same; give one of them")
     values = {option.name: option.default for option in options.values()}
     for name, text in given.items():
-        option = options.get(ALIASES.get(name, name))
+        option = options.get(tables.ALIASES.get(name, name))
         if option is not None:
             values[option.name] = option.parse(text)
     return values
@@ -276,7 +251,7 @@ def _nearest(name: str, names: Iterable[str]) -> str:
     if "=" in name:
         return " (write '-name value', without =)"
     spelt = {known.lower(): known for known in names}
-    petscs = name.lower().startswith(PETSCS)
+    petscs = name.lower().startswith(tables.PETSCS)
     best = get_close_matches(name.lower(), sorted(spelt), 1, 0.85 if petscs else 0.6)
     if best:
         return f" (did you mean -{spelt[best[0]]}?)"

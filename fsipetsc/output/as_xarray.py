@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from fsipetsc.errors import InputError
-from fsipetsc.output.quantities import unit_of
+from fsipetsc.output.quantities import AT_INTERFACES, unit_of
 from fsipetsc.output.reader import Layer, Run
 
 if TYPE_CHECKING:
@@ -21,12 +20,10 @@ def to_xarray(run: Run) -> xarray.Dataset:
     layer, face or point, which have names. A name of a layer is written with _ in the place of
     blanks. Attributes: case, options; of variables units.
 
-    Raises InputError without xarray, FileError where the result is damaged.
+    Raises ImportError without xarray, FileError where the result is damaged.
     """
-    try:
-        import xarray
-    except ImportError as error:
-        raise InputError("to_xarray: xarray is not installed (pip install xarray)") from error
+    import xarray
+
     variables: dict[str, Any] = {}
     coordinates: dict[str, Any] = {"time": ("time", run.time, _attributes(run, "t"))}
     for layer in run.layers:
@@ -70,15 +67,10 @@ def _add_layer(
 
 
 def _what_columns_are(series: str) -> str:
-    """What the columns of a series stand for, "" if that is not known."""
-    if series.endswith("_interface") or series.startswith("residual_"):
-        return "interface"
-    if series.endswith("_point"):
-        return "point"
-    if series.endswith("_face"):
-        return "face"
+    """What the columns of a series stand for."""
     known = {"mass": "gas", "mass_in": "gas", "least_J": "layer", "J_error": "layer"}
-    return known.get(series, "")
+    known |= {name: "interface" for name in AT_INTERFACES}
+    return known.get(series, series.split("_")[-1])
 
 
 def _columns(run: Run) -> dict[str, list[str]]:

@@ -12,7 +12,6 @@ import io
 import json
 import os
 from pathlib import Path
-from tempfile import TemporaryFile
 from typing import Any, NamedTuple
 
 import h5py
@@ -84,16 +83,6 @@ def is_one(path: Path) -> bool:
 
 
 def check_place(path: str | os.PathLike[str]) -> None:
-    """FileError where no checkpoint can be written, or something else would be overwritten."""
-    check_name(path)
-    try:
-        with TemporaryFile(dir=Path(os.path.realpath(path)).parent):
-            pass
-    except OSError as error:
-        raise FileError(f"{path}: no checkpoint can be written there: {error.strerror}") from None
-
-
-def check_name(path: str | os.PathLike[str]) -> None:
     """FileError without a folder that can be written to, or where something else has the name."""
     check_folder(path, writable=True)
     target = Path(os.path.realpath(path))
@@ -111,7 +100,7 @@ def write(path: str | os.PathLike[str], content: bytes) -> None:
     """Make this the checkpoint of a name. CheckpointError: then what was there is unchanged."""
     target = Path(os.path.realpath(path))
     try:
-        check_name(path)  # something else may have come there meanwhile
+        check_place(path)  # something else may have come there meanwhile
         put(target, content)
     except FileError as error:
         raise CheckpointError(f"the checkpoint cannot be written: {error}") from None

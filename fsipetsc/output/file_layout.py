@@ -27,6 +27,7 @@ import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any
 
 import h5py
@@ -139,8 +140,11 @@ def check_folder(path: str | os.PathLike[str], writable: bool = False) -> None:
         fault = f"the directory {folder} does not exist"
     elif not os.path.isdir(folder):
         fault = f"{folder} is not a directory"
-    elif writable and not os.access(folder, os.W_OK | os.X_OK):
-        fault = f"the directory {folder} is not writable"
+    elif writable:
+        try:
+            TemporaryFile(dir=folder).close()
+        except OSError as error:
+            fault = f"no file can be written in the directory {folder}: {error.strerror}"
     if fault:
         raise FileError(f"{os.fspath(path)}: {fault}")
 

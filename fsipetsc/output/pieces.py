@@ -17,17 +17,8 @@ import h5py
 import numpy as np
 
 from fsipetsc.errors import FileError
-from fsipetsc.output.file_layout import (
-    FORMAT,
-    VERSION,
-    Damaged,
-    columns,
-    damage,
-    in_memory,
-    open_h5,
-    put,
-    write_whole,
-)
+from fsipetsc.output import file_layout as layout
+from fsipetsc.output.file_layout import Damaged, columns, damage, open_h5
 
 Array = np.ndarray[Any, Any]
 Layers = Sequence[Mapping[str, Any]]  # as in the header
@@ -58,11 +49,6 @@ def pieces(folder: Path) -> list[Path]:
     return [path for k, path in enumerate(found) if int(path.stem) == k + 1]
 
 
-def has_result(folder: Path) -> bool:
-    """Whether there is anything that a run has computed."""
-    return (folder / "header.json").exists() and bool(pieces(folder))
-
-
 def clear(folder: Path) -> None:
     """Remove header, pieces and drafts; the lock stays."""
     for path in (folder / "header.json", *folder.glob("*.h5"), *folder.glob("*.new")):
@@ -71,11 +57,11 @@ def clear(folder: Path) -> None:
 
 def write_header(folder: Path, about: Mapping[str, Any]) -> None:
     """Write header.json. OSError."""
-    put(folder / "header.json", _text(about))
+    layout.put(folder / "header.json", _text(about))
 
 
 def _text(about: Mapping[str, Any]) -> bytes:
-    return json.dumps({"format": FORMAT, "version": VERSION, **about}).encode()
+    return json.dumps({"format": layout.FORMAT, "version": layout.VERSION, **about}).encode()
 
 
 def read_about(path: Path, name: str = "") -> dict[str, Any]:
@@ -86,12 +72,12 @@ def read_about(path: Path, name: str = "") -> dict[str, Any]:
         with open_h5(path) as file:
             text = file["about"][()] if "about" in file else b"{}"
     about = json.loads(text)
-    if not isinstance(about, dict) or about.get("format") != FORMAT:
+    if not isinstance(about, dict) or about.get("format") != layout.FORMAT:
         raise FileError(f"{name or path}: is not a result of fsipetsc")
     version = about["version"]
-    if version != VERSION:
-        which = "a newer" if version > VERSION else "an older"
-        said = f"was written by {which} fsipetsc (file format {version}, not {VERSION})"
+    if version != layout.VERSION:
+        which = "a newer" if version > layout.VERSION else "an older"
+        said = f"was written by {which} fsipetsc (file format {version}, not {layout.VERSION})"
         raise FileError(f"{name or path}: {said}")
     for part in ("header", "summary", "errors"):
         if not isinstance(about.setdefault(part, {}), dict):
@@ -264,7 +250,7 @@ def lay_out(
     first: numbers of the first frame and step of a piece. PETSc, which fills it, writes to chunked
     datasets only, of less than 4 GiB a chunk.
     """
-    with in_memory() as (file, image):
+    with layout.in_memory() as (file, image):
         if any(name.startswith("series/") for name in (*numbers, *shapes)):
             file.create_group("series", track_order=True)
         for name, value in numbers.items():
@@ -276,7 +262,7 @@ def lay_out(
         if first is not None:
             file.attrs["first"] = first
     room = sum(8 * math.prod(shape) + 1024 for shape in shapes.values())
-    write_whole(path, image.getvalue(), room + _SPARE)
+    layout.write_whole(path, image.getvalue(), room + _SPARE)
 
 
 def join(

@@ -11,7 +11,6 @@ Example::
 from __future__ import annotations
 
 import os
-import stat
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -113,8 +112,6 @@ class Run:
 
     def at(self, t: float) -> int:
         """Number of the frame saved nearest to time t."""
-        if not self.nframes:
-            raise IndexError(f"{self.path} has no frames")
         return int(np.argmin(np.abs(self.time - t)))
 
     def interface(self, k: int | str) -> InterfaceLine:
@@ -127,8 +124,7 @@ class Run:
             raise KeyError(_unknown("line of an interface", k, names))
         number = names.index(k) if isinstance(k, str) else range(len(names))[k]
         solid, axis, side = self.header["interface_faces"][number]
-        kappa_e = self.header["layers"][solid].get("kappa_e", np.nan)
-        return InterfaceLine(names[number], solid, self.layers[solid], axis, side, kappa_e)
+        return InterfaceLine(names[number], solid, self.layers[solid], axis, side)
 
     def to_xarray(self) -> xarray.Dataset:
         """All frames and series with dimensions, coordinates and units; see `output.as_xarray`."""
@@ -235,10 +231,8 @@ class Layer(Arrays):
 
     def frame(self, number: int) -> dict[str, Array]:
         """All fields of one frame, name -> of `shape`: much cheaper than whole fields of a run."""
-        nframes = self._run.nframes
-        if not -nframes <= number < nframes:
-            raise IndexError(f"frame {number}: there are {nframes}")
-        read, k, first = self._run._contents.frames, self._number, number % nframes
+        first = range(self._run.nframes)[number]
+        read, k = self._run._contents.frames, self._number
         rows = self._run.read(f"frame {first}", lambda: read(k, self.fields, first, first + 1))
         return {name: row.reshape(self.shape) for name, row in zip(self.fields, rows)}
 
@@ -271,16 +265,13 @@ def open_run(path: str | os.PathLike[str]) -> Run:
 def _is_whole(path: Path, folder: Path, name: str) -> bool:
     """Whether there is NAME.h5, or else NAME.parts. FileError if neither is, or it is no result."""
     try:
-        mode = path.stat().st_mode
-        if not stat.S_ISREG(mode):  # a pipe would wait for somebody who writes
-            what = "a directory" if stat.S_ISDIR(mode) else "no regular file"
-            raise FileError(f"{name}: is {what}, not a result file")
+        if not path.exists() and (folder / "header.json").exists():
+            return False
+        if not path.is_file():  # a pipe would wait for somebody who writes
+            what = "is no regular file" if path.exists() else "there is no such file"
+            raise FileError(f"{name}: {what}")
         if is_one(path):
             raise FileError(f"{name}: is a checkpoint of fsipetsc, not a result")
-    except FileNotFoundError:
-        if (folder / "header.json").exists():
-            return False
-        raise FileError(f"{name}: there is no such file") from None
     except OSError as error:
         raise FileError(f"{name}: may not be read: {error.strerror}") from error
     if not h5py.is_hdf5(path):

@@ -6,6 +6,7 @@ import io
 import json
 import os
 from collections.abc import Sequence
+from itertools import starmap
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -15,23 +16,24 @@ import numpy as np
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.info import info_sections
 from fsipetsc.output.plots.page import drawn, pictures, some
-from fsipetsc.output.plots.style import STYLE, moment, needed
+from fsipetsc.output.plots.style import STYLE, moment
 from fsipetsc.output.reader import Run, open_run
 
 FILM = 60  # frames under the slider; of more, some are left out
 DPI, FILM_DPI = 110, 80
+_FIRST = "summary", "errors"  # endings of the titles of tables that come first
 
 
 def report(path: str | os.PathLike[str], outdir: str | os.PathLike[str] = ".") -> Path:
     """Write NAME.html in `outdir`; its path.
 
-    Raises FileError if the result cannot be read or the page cannot be written, InputError without
-    matplotlib.
+    Raises FileError if the result cannot be read or the page cannot be written.
     """
-    matplotlib = needed("report")
+    from matplotlib import rc_context
+
     target = Path(outdir) / f"{Path(path).stem}.html"
     style = {**STYLE, "savefig.dpi": DPI}
-    with open_run(path) as run, matplotlib.rc_context(style), np.errstate(all="ignore"):
+    with open_run(path) as run, rc_context(style), np.errstate(all="ignore"):
         text = _page(run)
     with writing(target, "the report"):
         target.write_text(text, encoding="utf-8")
@@ -49,13 +51,15 @@ def _page(run: Run) -> str:
         figure = Figure()
         draw(figure)
         shown.append(f'<figure id="{name}"><img alt="{name}" src="{_png(figure, DPI)}"></figure>')
+    # what the run came to, then the rest of what `info` says
+    tables = sorted(info_sections(run).items(), key=lambda of: not of[0].endswith(_FIRST))
     state = "complete" if run.complete else str(run.summary.get("status", "unfinished"))
     return template.substitute(
         title=html.escape(f"{run.case}: {Path(run.path).name}"),
         state=html.escape(state),
         film=json.dumps(film),
         times=json.dumps([moment(run, frame) for frame in frames]),
-        tables="\n".join(_table(title, rows) for title, rows in _tables(run)),
+        tables="\n".join(starmap(_table, tables)),
         pictures="\n".join(shown),
     )
 
@@ -65,12 +69,6 @@ def _png(figure: Any, dpi: int) -> str:
     kept = io.BytesIO()
     figure.savefig(kept, format="png", dpi=dpi)
     return f"data:image/png;base64,{base64.b64encode(kept.getvalue()).decode()}"
-
-
-def _tables(run: Run) -> list[tuple[str, Sequence[tuple[str, str]]]]:
-    """What the run came to, then the rest of what `info` says."""
-    tables = list(info_sections(run).items())
-    return sorted(tables, key=lambda part: part[0] != "summary" and not part[0].endswith("errors"))
 
 
 def _table(title: str, rows: Sequence[tuple[str, str]]) -> str:

@@ -198,7 +198,7 @@ class RunWriter:
             raise FileError(f"{path}: exists and is not a regular file")
         self._lock = Lock(self.folder, str(self.path))
         header, whole = self._about["header"], os.path.lexists(self.path)
-        in_pieces = pieces.has_result(self.folder)
+        in_pieces = (self.folder / "header.json").exists() and bool(pieces.pieces(self.folder))
         if whole and in_pieces:  # what a kill has left of the same run's pieces is cleared below
             in_pieces = pieces.run_of(self.path) != pieces.run_of(self.folder)
         found = [self.path] * whole + [self.folder] * in_pieces

@@ -18,14 +18,9 @@ from fsipetsc.output.reader import Layer, Run, open_run
 _HEAD = '<?xml version="1.0" ?>\n<!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>\n<Xdmf Version="2.0">\n'
 
 
-def name_beside(path: str | os.PathLike[str]) -> Path:
-    """NAME.xdmf for NAME.h5."""
-    return beside(path, ".xdmf")
-
-
 def write(path: Path) -> None:
     """Write it beside a finished result. FileError if another file has the name; OSError."""
-    target = name_beside(path)
+    target = beside(path, ".xdmf")
     if target.exists() and not target.read_text(errors="replace").startswith(_HEAD):
         raise FileError(f"{target}: is no XDMF of a result, and is left; {path} is complete")
     with open_run(path) as run:
@@ -34,7 +29,7 @@ def write(path: Path) -> None:
 
 def move(path: Path, kept_as: Path) -> None:
     """Let the XDMF of an earlier result, if there is one, be that of its new name. OSError."""
-    target = name_beside(path)
+    target = beside(path, ".xdmf")
     if target.is_file() and target.read_text(errors="replace").startswith(_HEAD):
         target.unlink()
         with suppress(FileError):  # it is damaged

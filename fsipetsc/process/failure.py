@@ -1,19 +1,13 @@
 """How a run ends that cannot go on: one message, an exit status, and no rank left waiting."""
 
-from __future__ import annotations
-
 import os
-import sys
 import time
 import traceback
-from typing import TYPE_CHECKING
 
-from fsipetsc.blame import explain, frames_in, reason
+from fsipetsc.blame import reason
 from fsipetsc.errors import FsiError, Interrupted, is_petsc, petsc_words
 from fsipetsc.process.streams import abandon, say_error
-
-if TYPE_CHECKING:
-    from mpi4py import MPI
+from fsipetsc.process.together import Comm
 
 #: PETSc's error codes that stand for something other than a fault of the program
 _PETSC_STATUS = {55: 3, 65: 4, 66: 4, 67: 4, 72: 3, 82: 3, 91: 3}
@@ -22,11 +16,8 @@ _PETSC_STATUS = {55: 3, 65: 4, 66: 4, 67: 4, 72: 3, 82: 3, 91: 3}
 _PATIENCE = {True: 10.0, False: 1.0}
 
 
-def describe(error: BaseException, case_file: str | None = None) -> tuple[int, str, bool]:
-    """(exit status, one-line message, whether all ranks surely meet it) of any exception.
-
-    case_file: path of a user's case file, whose errors are the user's and not the program's.
-    """
+def describe(error: BaseException) -> tuple[int, str, bool]:
+    """(exit status, one-line message, whether all ranks surely meet it) of any exception."""
     if isinstance(error, (FsiError, Interrupted)):
         return error.status, str(error), error.collective
     if isinstance(error, KeyboardInterrupt):
@@ -34,8 +25,6 @@ def describe(error: BaseException, case_file: str | None = None) -> tuple[int, s
     if isinstance(error, MemoryError):
         advice = "a coarser grid (-fsi_h) or more ranks need less"
         return 3, f"out of memory{_detail(error)}; {advice}", False
-    if case_file is not None and frames_in(error, case_file):
-        return 2, explain(error, case_file), False
     if isinstance(error, OSError) and error.errno is not None:
         name = f"{os.fspath(error.filename)}: " if error.filename is not None else ""
         return 4, f"{name}{error.strerror}", False
@@ -53,14 +42,14 @@ def _detail(error: BaseException) -> str:
     return f": {lines[0]}" if lines else ""
 
 
-def end_together(error: BaseException, notes: MPI.Comm | None, case_file: str | None = None) -> int:
+def end_together(error: BaseException, notes: Comm | None) -> int:
     """Report an error, with a traceback where the program itself is at fault (status 1). Returns
     the exit status, or stops all ranks if not all of them failed.
 
     notes: a communicator of all ranks that is used for nothing else; None without MPI. Called by
     every rank that failed. Rank 0 speaks; another rank speaks where rank 0 goes on.
     """
-    status, message, collective = describe(error, case_file)
+    status, message, collective = describe(error)
     alone = notes is None or notes.size == 1
     if alone or notes.rank == 0:
         _print(message, error, status)
@@ -74,7 +63,7 @@ def end_together(error: BaseException, notes: MPI.Comm | None, case_file: str | 
     return status
 
 
-def _all_failed(notes: MPI.Comm, patience: float) -> bool:
+def _all_failed(notes: Comm, patience: float) -> bool:
     """Whether all ranks come here within so many seconds."""
     request, end = notes.Ibarrier(), time.monotonic() + patience
     while not request.Test():
@@ -86,7 +75,7 @@ def _all_failed(notes: MPI.Comm, patience: float) -> bool:
 
 def _print(message: str, error: BaseException, status: int) -> None:
     try:
-        sys.stdout.flush()
+        print(end="", flush=True)
     except (OSError, ValueError):
         abandon(1)
     if status == 1:

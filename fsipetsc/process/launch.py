@@ -1,20 +1,14 @@
 """Start of MPI and PETSc; what a run gives back, so that several can be made in one process."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 from fsipetsc.errors import InputError
 from fsipetsc.options import given_options, is_option, present, put
 from fsipetsc.options.tables import AT_START
-from fsipetsc.process.together import together
-
-if TYPE_CHECKING:
-    from mpi4py import MPI
+from fsipetsc.process.together import Comm, together
 
 #: where launchers tell a process its rank
 _RANKS = ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "MV2_COMM_WORLD_RANK", "SLURM_PROCID")
@@ -26,7 +20,7 @@ def launcher_rank() -> int:
     return next((int(text) for text in found if text.isdigit()), 0)
 
 
-def start_mpi() -> MPI.Comm:
+def start_mpi() -> Comm:
     """COMM_WORLD. Collective; ModuleNotFoundError where there is no mpi4py."""
     import mpi4py
 
@@ -46,7 +40,7 @@ def start_mpi() -> MPI.Comm:
     return MPI.COMM_WORLD
 
 
-def start_petsc(arguments: Sequence[str], comm: MPI.Comm) -> dict[str, str]:
+def start_petsc(arguments: Sequence[str], comm: Comm) -> dict[str, str]:
     """Initialise PETSc, unless it runs already, and have it read all options.
 
     Returns what was given, as rank 0 finds it (fsipetsc.options.given_options). arguments: what

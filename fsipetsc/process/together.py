@@ -1,20 +1,19 @@
 """What each rank does for itself, and all go on from together: nobody waits for one that failed."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from fsipetsc.errors import FsiError, clear_frames
 
-if TYPE_CHECKING:
-    from mpi4py import MPI
-
+if TYPE_CHECKING:  # importing MPI starts it
+    from mpi4py.MPI import Comm as Comm
+else:
+    Comm = Any
 Result = TypeVar("Result")
 
 
-def together(comm: MPI.Comm, action: Callable[[], Result]) -> Result:
+def together(comm: Comm, action: Callable[[], Result]) -> Result:
     """What action() returns on this rank. Collective, though the action must not be.
 
     If it raises an FsiError on any rank, all ranks raise the error of the lowest one.
@@ -28,14 +27,14 @@ def together(comm: MPI.Comm, action: Callable[[], Result]) -> Result:
     return result
 
 
-def wait_asleep(comm: MPI.Comm) -> None:
+def wait_asleep(comm: Comm) -> None:
     """Wait for all ranks, asleep: one that compiles or draws may have this rank's core."""
     request = comm.Ibarrier()
     while not request.Test():
         time.sleep(0.002)
 
 
-def agree(comm: MPI.Comm, fault: FsiError | None) -> None:
+def agree(comm: Comm, fault: FsiError | None) -> None:
     """Raise the fault of the lowest rank that has one, on all ranks; none may have. Collective."""
     clear_frames(fault)
     mine = None if fault is None else (type(fault), fault.args)

@@ -1,8 +1,12 @@
 """Cases with exact solutions and their references: the command `verify`.
 
-An entry is a module of this folder with a constant ENTRY (fsipetsc.verify.entry); its name stands
-in ENTRIES. The references in the folder `references` come from the independent programs in the
-repository's folder `verify`.
+An entry is a module of this folder whose name stands in ENTRIES, with
+  measure      measure(solve, order, h) -> Measured (fsipetsc.verify.entry)
+  QUICK, FULL  what the levels take: order -> grid spacings, coarse to fine
+  BOUNDS       (quantity, order) -> Bound
+  SOURCE       str, of the reference
+Its problem is in problems/NAME.md, exact enough to repeat it in another code. The references in the
+folder `references` come from the independent programs in the repository's folder `verify`.
 """
 
 #: entries, in the order of the table

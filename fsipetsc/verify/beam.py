@@ -1,12 +1,16 @@
 """Free vibration of a clamped and of a hinged beam in vacuum."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 
-from fsipetsc.verify.entry import Compared, Entry, Measured, Solve, expect, reference
+from fsipetsc import Block, BlockProblem
+from fsipetsc.blockrun.block_state import BlockState
+from fsipetsc.blocks.conditions import Clamped, Free, Hinge
+from fsipetsc.blocks.maps import rectangle
+from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.verify.entry import Compared, Measured, Solve, expect, reference
 
 #: cells across. With 16, few more than the 15 that 8/4 needs, the derivative of 8/4 hardly sees a
 #: motion of the middle node alone, and a hinge there holds next to nothing
@@ -19,15 +23,6 @@ QUANTITIES = "clamped, d = 0.05", "hinged, d = 0.02"
 
 def first_frequency(order: int, h: float, thickness: float, hinged: bool) -> float:
     """omega [1/s] of the slowest motion that bends the beam. InputError."""
-    from mpi4py import MPI
-
-    from fsipetsc.blockrun.block_state import BlockState
-    from fsipetsc.blocks.block import Block
-    from fsipetsc.blocks.conditions import Clamped, Free, Hinge
-    from fsipetsc.blocks.maps import rectangle
-    from fsipetsc.blocks.problem import BlockProblem
-    from fsipetsc.materials.solid import ElasticSolid
-
     beam = ElasticSolid(1.0, 0.0, 0.0, 1.0, 1.0, law="linear", heat="elastic")
     where = rectangle((0.0, -0.5 * thickness), (1.0, 0.5 * thickness))
     block = Block("beam", beam, where, (round(1 / h), ACROSS), lambda X, Y: (0, 0, 1, X, Y))
@@ -71,10 +66,8 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     return Measured(errors)
 
 
-ENTRY = Entry(
-    source="verify/beams.py (Timoshenko; Euler and Bernoulli in the thin limit)",
-    levels={"quick": {4: (1 / 20,)}, "full": dict.fromkeys((2, 4, 6, 8), (1 / 20, 1 / 40))},
-    measure=measure,
-    # measured at order 2 6.2e-3, 1.8e-3, else at most 1.4e-4, 2e-4
-    bounds={**expect(QUANTITIES, (2,), error=0.01), **expect(QUANTITIES, (4, 6, 8), error=5e-4)},
-)
+SOURCE = "verify/beams.py (Timoshenko; Euler and Bernoulli in the thin limit)"
+QUICK = {4: (1 / 20,)}
+FULL = dict.fromkeys((2, 4, 6, 8), (1 / 20, 1 / 40))
+# measured at order 2 6.2e-3, 1.8e-3, else at most 1.4e-4, 2e-4
+BOUNDS = {**expect(QUANTITIES, (2,), error=0.01), **expect(QUANTITIES, (4, 6, 8), error=5e-4)}

@@ -1,29 +1,24 @@
 """The command `verify`: cases against references that other codes can be tested with, too."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from importlib import import_module
-from itertools import count
+from itertools import count, takewhile
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fsipetsc.analysis.tables import csv_target, printer, results_folder, save_csv, text_table
 from fsipetsc.cases import load_case
-from fsipetsc.errors import ComputationError, FileError, InputError, RanksError
+from fsipetsc.errors import ComputationError, InputError, RanksError
 from fsipetsc.options import RUN, Option, defaults, read_table
+from fsipetsc.output.file_layout import writing
 from fsipetsc.output.reader import open_run
 from fsipetsc.process.launch import start_petsc
-from fsipetsc.process.together import together, wait_asleep
+from fsipetsc.process.together import Comm, together, wait_asleep
 from fsipetsc.verify import ENTRIES
-from fsipetsc.verify.entry import Bound, Compared, Entry, Measured, Row, Solve, problem
+from fsipetsc.verify.entry import Bound, Compared, Measured, Row, Solve, problem
 
-if TYPE_CHECKING:
-    from mpi4py import MPI
-
-_OF_RUN = ("fsi_quiet",)
 OPTIONS = (
     Option("verify_level", str, "quick", "", "how many grids and orders", ("quick", "full")),
     Option("verify_docs", str, None, "", "folder for a page and a picture of each entry"),
@@ -31,21 +26,19 @@ OPTIONS = (
 )
 SECTIONS: dict[str, tuple[Option, ...]] = {
     "Verification": OPTIONS,
-    "Run": tuple(option for option in RUN if option.name in _OF_RUN),
+    "Run": tuple(option for option in RUN if option.name == "fsi_quiet"),
 }
 HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "verdict")
 COLUMNS = ("case", "quantity", "order", "h", "ranks", "value", "reference", "source")
 COLUMNS += ("error", "rate", "verdict", "least_rate", "largest_error")
 
 
-def verify(arguments: list[str], comm: MPI.Comm) -> None:
+def verify(arguments: list[str], comm: Comm) -> None:
     """The command, with the arguments after its name. Collective on comm.
 
     Raises InputError; ComputationError at the end where a row falls short; FileError.
     """
-    names = []
-    while len(names) < len(arguments) and not arguments[len(names)].startswith("-"):
-        names.append(arguments[len(names)])
+    names = list(takewhile(lambda word: not word.startswith("-"), arguments))
     opt = read_table(SECTIONS, start_petsc(arguments[len(names) :], comm))
     for name in names:
         if name not in ENTRIES:
@@ -54,11 +47,11 @@ def verify(arguments: list[str], comm: MPI.Comm) -> None:
     rows: list[Row] = []
     lines: list[Any] = []
     for name in names or ENTRIES:
-        entry: Entry = import_module(f"fsipetsc.verify.{name}").ENTRY
-        say(f"{_title(name)} ({name}); reference: {entry.source}")
+        entry = import_module(f"fsipetsc.verify.{name}")
+        say(f"{_title(name)} ({name}); reference: {entry.SOURCE}")
         found, last = run_entry(name, entry, opt["verify_level"], comm, path.parent)
-        show = partial(_show, name, entry, found, last, opt, path)
-        lines += [line for row in found for line in _csv_lines(row, comm.size, entry.source)]
+        show = partial(_show, name, entry.SOURCE, found, last, opt, path)
+        lines += [line for row in found for line in _csv_lines(row, comm.size, entry.SOURCE)]
         save = partial(save_csv, path, COLUMNS, lines)  # and again after each entry
         for action in (show, save):
             together(comm, action if comm.rank == 0 else lambda: None)
@@ -74,7 +67,7 @@ def verify(arguments: list[str], comm: MPI.Comm) -> None:
 
 
 def run_entry(
-    name: str, entry: Entry, level: str, comm: MPI.Comm, beside: Path
+    name: str, entry: Any, level: str, comm: Comm, beside: Path
 ) -> tuple[list[Row], Measured | None]:
     """Rows of an entry, and what its last run gave. Collective; FsiError. beside: where results are
     kept for a while.
@@ -83,17 +76,17 @@ def run_entry(
     measured = None
     with results_folder(comm, beside, "verify-") as folder:
         solve = _solver(comm, folder)
-        for order, spacings in entry.levels[level].items():
+        for order, spacings in getattr(entry, level.upper()).items():
             found = [entry.measure(solve, order, h) for h in spacings]
             measured = found[-1]
             for quantity in measured.errors:
                 numbers = tuple(one.errors[quantity] for one in found)
-                bound = entry.bounds.get((quantity, order), Bound())
+                bound = entry.BOUNDS.get((quantity, order), Bound())
                 rows.append(Row(name, quantity, order, tuple(spacings), numbers, bound))
     return rows, measured
 
 
-def _solver(comm: MPI.Comm, folder: Path) -> Solve:
+def _solver(comm: Comm, folder: Path) -> Solve:
     """See fsipetsc.verify.entry.Solve. -fsi_h is the spacing of layers, not of blocks."""
     from fsipetsc.stepping.run import run_case
 
@@ -112,7 +105,7 @@ def _solver(comm: MPI.Comm, folder: Path) -> Solve:
     return solve
 
 
-def on_as_many(comm: MPI.Comm, run: Callable[[MPI.Comm], None]) -> None:
+def on_as_many(comm: Comm, run: Callable[[Comm], None]) -> None:
     """run(ranks) on all ranks of comm or, where these are too many, on the first of them.
     Collective; FsiError.
     """
@@ -145,25 +138,23 @@ def _csv_lines(row: Row, ranks: int, source: str) -> list[tuple[Any, ...]]:
 
 
 def _show(
-    name: str, entry: Entry, rows: list[Row], last: Measured | None, opt: Any, path: Path
+    name: str, source: str, rows: list[Row], last: Measured | None, opt: Any, path: Path
 ) -> None:
     """The picture, and FOLDER/NAME.md with problem, table and picture if wanted. FileError."""
     where = path.with_name(f"{path.stem}-{name}.png")
     if opt["verify_docs"]:
         folder = Path(opt["verify_docs"])
         where = folder / f"{name}.png"
-        about = f"Reference: {entry.source}. Level: {opt['verify_level']}."
+        about = f"Reference: {source}. Level: {opt['verify_level']}."
         lines = [problem(name), about, ""]
         if rows:
             table = [f"| {' | '.join(cells)} |" for cells in (HEAD, *(row.cells for row in rows))]
             lines += [table[0], "|---|---:|---|---|---|---|", *table[1:]]
-        lines += ["", f"![{_title(name)}]({name}.png)", ""] if rows else []
-        lines += [] if rows else ["Only `-verify_level full` runs this.", ""]
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
+            lines += ["", f"![{_title(name)}]({name}.png)", ""]
+        else:
+            lines += ["Only `-verify_level full` runs this.", ""]
+        with writing(folder / f"{name}.md", "the page"):
             (folder / f"{name}.md").write_text("\n".join(lines), encoding="utf-8")
-        except OSError as error:
-            raise FileError(f"{folder}: cannot write the page: {error.strerror}") from None
     if rows:
         picture(_title(name), rows, last, where)
 
@@ -171,12 +162,10 @@ def _show(
 def picture(title: str, rows: list[Row], last: Measured | None, path: Path) -> None:
     """Ours over the reference, of the last run, and errors over the grid spacing. FileError."""
     from matplotlib import colormaps
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     curve = last.curve if last else None
     figure = Figure(figsize=(12.0 if curve else 8.0, 4.2), layout="constrained")
-    FigureCanvasAgg(figure)
     axes = figure.subplots(1, 2 if curve else 1, squeeze=False)[0]
     if curve:
         thick = {"color": "0.6", "linewidth": 3, "label": "reference"}
@@ -198,7 +187,5 @@ def picture(title: str, rows: list[Row], last: Measured | None, path: Path) -> N
     axes[-1].set_xticks(spacings, [f"{h:.3g}" for h in spacings])
     axes[-1].legend(frameon=False, fontsize="x-small", loc="upper left", bbox_to_anchor=(1.0, 1.0))
     figure.suptitle(title, fontsize="medium")
-    try:
+    with writing(path):
         figure.savefig(path, dpi=75)
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror}") from None

@@ -1,9 +1,7 @@
 """What an entry of the command `verify` is, and how its numbers become rows of the table."""
 
-from __future__ import annotations
-
 import csv
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from importlib.resources import files
 from itertools import product
 from math import inf, isclose, log, nan
@@ -72,20 +70,6 @@ def expect(
 ) -> dict[tuple[str, int], Bound]:
     """One bound for quantities at some orders."""
     return {key: Bound(order, error) for key in product(names, orders)}
-
-
-class Entry(NamedTuple):
-    """A case and its reference; the problem is in problems/NAME.md, exact enough to repeat it in
-    another code.
-
-    source: of the reference. levels: "quick" and "full" -> order -> grid spacings, coarse to fine.
-    measure(solve, order, h) -> Measured. bounds: (quantity, order) -> Bound.
-    """
-
-    source: str
-    levels: Mapping[str, Mapping[int, Sequence[float]]]
-    measure: Callable[[Solve, int, float], Measured]
-    bounds: Mapping[tuple[str, int], Bound]
 
 
 class Row(NamedTuple):

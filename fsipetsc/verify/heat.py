@@ -1,18 +1,13 @@
 """Heat in a slab with a flux, and conjugate heat at the wall of a gas."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from fsipetsc.verify.entry import Array, Bound, Entry, Measured, Solve, expect, reference, smooth
+from fsipetsc import Problem, Solid, SolidLayer, clamped, free
+from fsipetsc.verify.entry import Array, Bound, Measured, Solve, expect, reference, smooth
 
 
 def slab(solve: Solve, order: int, h: float, table: dict[str, Array]) -> float:
     """Largest error."""
-    from fsipetsc.boundaries import clamped, free
-    from fsipetsc.materials.line_solid import Solid
-    from fsipetsc.problem import Problem, SolidLayer
-
     T = smooth(table["x"], table["slab T"])
     solid = SolidLayer("slab", Solid(1.0, 0.1, 1.0, 1.0), (0.0, 1.0), lambda X: (0, 0, T(X), X))
     ends = clamped(T=1.0), free(heat_flux=lambda t: 0.1 * np.cos(2.0 * np.pi * t))
@@ -39,16 +34,11 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     return Measured({f.__name__: f(solve, order, h, table) for f in (slab, mode)})
 
 
-ENTRY = Entry(
-    source="verify/heat.py (Chebyshev collocation)",
-    levels={
-        "quick": {4: (1 / 20, 1 / 40, 1 / 80)},
-        "full": {order: (1 / 20, 1 / 40, 1 / 80) for order in (2, 4, 6)},
-    },
-    measure=measure,
-    # theory: 2, 3, 4; measured 1.98, 3.11, 2.89 (3.6 with h = 1/160) and 1.97, 2.97, 4.19
-    bounds={
-        **expect(("slab", "mode"), (2,), 1.8),
-        **{**expect(("slab", "mode"), (4, 6), 2.7), ("mode", 6): Bound(3.7)},
-    },
-)
+SOURCE = "verify/heat.py (Chebyshev collocation)"
+QUICK = {4: (1 / 20, 1 / 40, 1 / 80)}
+FULL = {order: (1 / 20, 1 / 40, 1 / 80) for order in (2, 4, 6)}
+# theory: 2, 3, 4; measured 1.98, 3.11, 2.89 (3.6 with h = 1/160) and 1.97, 2.97, 4.19
+BOUNDS = {
+    **expect(("slab", "mode"), (2,), 1.8),
+    **{**expect(("slab", "mode"), (4, 6), 2.7), ("mode", 6): Bound(3.7)},
+}

@@ -1,12 +1,20 @@
 """Small motions of gas and liquid with elastic solids: frequencies of the scheme's equations."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 
-from fsipetsc.verify.entry import Array, Compared, Entry, Measured, Solve, expect, reference
+from fsipetsc.analysis.wave_modes import linearise, radial_modes
+from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
+from fsipetsc.blocks.layers import Layer
+from fsipetsc.cases import load_case
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.materials.stiffened_gas import stiffened_gas
+from fsipetsc.options import defaults
+from fsipetsc.stepping.solve import build_problem
+from fsipetsc.verify.entry import Array, Compared, Measured, Solve, expect, reference
 
 #: density, speeds of P and S waves [SI]
 METALS = {
@@ -20,13 +28,6 @@ K = 2.0 * np.pi
 
 def at_rest(name: str, order: int, h: float, n: int = 0, **given: Any) -> Array:
     """s of the slowest modes of a case [1/s], of angular number n."""
-    from mpi4py import MPI
-
-    from fsipetsc.analysis.wave_modes import radial_modes
-    from fsipetsc.cases import load_case
-    from fsipetsc.options import defaults
-    from fsipetsc.stepping.solve import build_problem
-
     case = load_case(name)
     opt = {**defaults(case), "fsi_order": order, "fsi_h": h, **given}
     return 1j * radial_modes(build_problem(case, opt, MPI.COMM_SELF), order, n)[:3]
@@ -34,8 +35,6 @@ def at_rest(name: str, order: int, h: float, n: int = 0, **given: Any) -> Array:
 
 def metal(name: str, pressure: float) -> Any:
     """An elastic solid, free of stress under a pressure [Pa]."""
-    from fsipetsc.materials.solid import ElasticSolid
-
     density, cp, cs = METALS[name]
     mu = density * cs**2
     lame = density * cp**2 - 2.0 * mu
@@ -48,11 +47,6 @@ def over_solid(
     """s [1/s] of all modes of a fluid, 1 m high, over a solid; state: density and temperature. The
     fluid may be a solid, too.
     """
-    from fsipetsc.analysis.wave_modes import Stack, linearise
-    from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
-    from fsipetsc.blocks.layers import Layer
-    from fsipetsc.materials.solid import ElasticSolid
-
     rho, T = state
     least = {2: 2, 4: 8, 6: 12}[order]
     below = Layer(
@@ -63,16 +57,11 @@ def over_solid(
     start = below.initial if two else lambda X, Y: (rho, 0.0, 0.0, T)
     above = Layer("fluid", fluid, (0.0, 1.0), start, cells=round(1.0 / h))
     lid = Clamped() if two else NoSlip() if fluid.mu > 0.0 else Slip()
-    stack = Stack((below, above), Clamped(), lid)
-    return linearise(stack, order, round(1.0 / h), K).modes()[0]
+    return linearise((below, above), (Clamped(), lid), order, round(1.0 / h), K).modes()[0]
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
     """Relative errors, of several modes the largest."""
-    from fsipetsc.materials.fluid import Fluid
-    from fsipetsc.materials.solid import ElasticSolid
-    from fsipetsc.materials.stiffened_gas import stiffened_gas
-
     table = reference("normal_modes")
 
     def misfit(name: str, found: Array, rows: int = 1) -> Compared:
@@ -105,9 +94,7 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
 
 NAMES = ("ring", *SHELLS.values(), "viscous gas", "water over steel", "water over aluminium")
 NAMES += ("tungsten under aluminium",)
-ENTRY = Entry(
-    source="verify/modes.py (determinants)",
-    levels={"quick": {4: (1 / 16, 1 / 24)}, "full": {4: (1 / 16, 1 / 32), 6: (1 / 24, 1 / 32)}},
-    measure=measure,
-    bounds={**expect(NAMES, (4,), 3.0), **expect(NAMES, (6,), 4.5)},
-)
+SOURCE = "verify/modes.py (determinants)"
+QUICK = {4: (1 / 16, 1 / 24)}
+FULL = {4: (1 / 16, 1 / 32), 6: (1 / 24, 1 / 32)}
+BOUNDS = {**expect(NAMES, (4,), 3.0), **expect(NAMES, (6,), 4.5)}

@@ -1,10 +1,12 @@
 """Flutter of clamped and hinged panels under a supersonic flow."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from fsipetsc.verify.entry import Bound, Compared, Entry, Measured, Solve, reference
+from fsipetsc.analysis.flutter import SMALL, one_run
+from fsipetsc.analysis.panel_modes import Flow, crossing
+from fsipetsc.cases import load_case
+from fsipetsc.options import defaults
+from fsipetsc.verify.entry import Bound, Compared, Measured, Solve, reference
 
 #: ends -> lambdas below and above the onset
 RUNS = {"clamped": (600.0, 700.0), "hinged": (320.0, 380.0)}
@@ -13,11 +15,6 @@ THICKNESS = 0.04
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
     """Relative distances of the onsets."""
-    from fsipetsc.analysis.flutter import SMALL, one_run
-    from fsipetsc.analysis.panel_modes import Flow, crossing
-    from fsipetsc.cases import load_case
-    from fsipetsc.options import defaults
-
     case, table, errors = load_case("panel"), reference("panel_flutter"), {}
     thick = int(np.argmin(np.abs(table["d"] - THICKNESS)))
     opt = {**defaults(case), "fsi_order": order, "fsi_h": h, "fsi_cfl": 1.2, "panel_push": SMALL}
@@ -31,15 +28,13 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     return Measured(errors)
 
 
-ENTRY = Entry(
-    source="verify/beams.py (Timoshenko, quasi-steady; Dowell 1975 has 636.57 in the thin limit)",
-    levels={"quick": {4: (1 / 24,)}, "full": {4: (1 / 24, 1 / 32, 1 / 48)}},
-    measure=measure,
-    # measured with h = 1/48: clamped 8.3e-3, 2.9e-2 from the thin limit, hinged 5.9e-3, 1.2e-2
-    bounds={
-        ("clamped, thin limit", 4): Bound(error=0.04),
-        ("hinged, thin limit", 4): Bound(error=0.02),
-        ("clamped, theory", 4): Bound(error=0.02, at={1 / 48: 0.012}),
-        ("hinged, theory", 4): Bound(error=0.01),
-    },
-)
+SOURCE = "verify/beams.py (Timoshenko, quasi-steady; Dowell 1975 has 636.57 in the thin limit)"
+QUICK = {4: (1 / 24,)}
+FULL = {4: (1 / 24, 1 / 32, 1 / 48)}
+# measured with h = 1/48: clamped 8.3e-3, 2.9e-2 from the thin limit, hinged 5.9e-3, 1.2e-2
+BOUNDS = {
+    ("clamped, thin limit", 4): Bound(error=0.04),
+    ("hinged, thin limit", 4): Bound(error=0.02),
+    ("clamped, theory", 4): Bound(error=0.02, at={1 / 48: 0.012}),
+    ("hinged, theory", 4): Bound(error=0.01),
+}

@@ -1,8 +1,6 @@
 """Riemann problems of a gas and an elastic rod."""
 
-from __future__ import annotations
-
-from fsipetsc.verify.entry import Compared, Curve, Entry, Measured, Solve, expect, reference
+from fsipetsc.verify.entry import Compared, Curve, Measured, Solve, expect, reference
 
 #: of each problem: its name, end time, options of the case
 PROBLEMS = {
@@ -30,12 +28,7 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     return Measured(errors, curve)
 
 
-ENTRY = Entry(
-    source="verify/riemann_problems.py (Rankine and Hugoniot, iteration)",
-    levels={
-        "quick": {4: (0.01, 0.005)},
-        "full": {order: (0.01, 0.005, 0.0025) for order in (2, 4, 6)},
-    },
-    measure=measure,
-    bounds=expect((f"{name}, {what}" for name in PROBLEMS for what in "up"), (2, 4, 6), error=0.01),
-)
+SOURCE = "verify/riemann_problems.py (Rankine and Hugoniot, iteration)"
+QUICK = {4: (0.01, 0.005)}
+FULL = {order: (0.01, 0.005, 0.0025) for order in (2, 4, 6)}
+BOUNDS = expect((f"{name}, {what}" for name in PROBLEMS for what in "up"), (2, 4, 6), error=0.01)

@@ -1,22 +1,17 @@
 """Gas alone in one dimension: Sod's shock tube, Shu and Osher's problem."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 
-from fsipetsc.verify.entry import Array, Bound, Curve, Entry, Measured, Solve, expect, reference
+from fsipetsc import Dirichlet, Fluid, FluidLayer, Problem, Wall
+from fsipetsc.verify.entry import Array, Bound, Curve, Measured, Solve, expect, reference
 
 GAMMA = 1.4
 
 
 def tube(X: tuple[float, float], start: Any, left: Any) -> Any:
     """The problem between a left end and a wall."""
-    from fsipetsc.boundaries import Wall
-    from fsipetsc.materials.fluid import Fluid
-    from fsipetsc.problem import FluidLayer, Problem
-
     layer = FluidLayer("gas", Fluid(0.0, 0.0, GAMMA, 1.0), X, start, mapping="stretched")
     return Problem((layer,), left, Wall(X[1]), units="none")
 
@@ -31,8 +26,6 @@ def run_to(solve: Solve, problem: Any, order: int, h: float, end: float) -> Any:
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
     """Mean errors."""
-    from fsipetsc.boundaries import Dirichlet, Wall
-
     table = reference("gas")
 
     def sod(x: Array) -> list[Array]:
@@ -60,18 +53,13 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     return Measured(errors, Curve(("x", "density, Shu-Osher"), ours["x"], ours["rho"], x, exact))
 
 
-ENTRY = Entry(
-    source="verify/gas.py (Riemann's problem; fitted shock, Chebyshev collocation)",
-    levels={
-        "quick": {4: (1 / 200, 1 / 400)},
-        "full": {order: (1 / 100, 1 / 200, 1 / 400) for order in (2, 4, 6)},
-    },
-    measure=measure,
-    # theory: shocks have order 1, contacts p/(p + 1), 2/3 at order 2; measured 0.73 to 1.00, and
-    # 0.13, 1.50, 1.64 for the waves, which order 2 does not resolve
-    bounds={
-        **expect(("Sod, rho", "Sod, u", "Sod, p"), (2, 4, 6), 0.8),
-        **{**expect(("Shu-Osher, rho",), (2, 4, 6), 1.0), ("Sod, rho", 2): Bound(0.65)},
-        ("Shu-Osher, rho", 4): Bound(1.0, 0.13),
-    },
-)
+SOURCE = "verify/gas.py (Riemann's problem; fitted shock, Chebyshev collocation)"
+QUICK = {4: (1 / 200, 1 / 400)}
+FULL = {order: (1 / 100, 1 / 200, 1 / 400) for order in (2, 4, 6)}
+# theory: shocks have order 1, contacts p/(p + 1), 2/3 at order 2; measured 0.73 to 1.00, and
+# 0.13, 1.50, 1.64 for the waves, which order 2 does not resolve
+BOUNDS = {
+    **expect(("Sod, rho", "Sod, u", "Sod, p"), (2, 4, 6), 0.8),
+    **{**expect(("Shu-Osher, rho",), (2, 4, 6), 1.0), ("Sod, rho", 2): Bound(0.65)},
+    ("Shu-Osher, rho", 4): Bound(1.0, 0.13),
+}

@@ -1,10 +1,8 @@
 """A St. Venant-Kirchhoff disk that spins in gas."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from fsipetsc.verify.entry import Array, Curve, Entry, Measured, Solve, expect, reference, smooth
+from fsipetsc.verify.entry import Array, Curve, Measured, Solve, expect, reference, smooth
 
 DENSITIES = (0.5, 2.0, 20.0)
 
@@ -35,11 +33,9 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     return Measured(errors, Curve(labels, *np.concatenate(found, axis=1), R, exact_speed))
 
 
-ENTRY = Entry(
-    source="verify/disk.py (reduced to the radius; spectral Galerkin method)",
-    levels={"quick": {4: (0.05, 0.025)}, "full": {4: (0.1, 0.05, 0.025), 6: (0.05, 0.025)}},
-    measure=measure,
-    bounds=expect(
-        (f"{what}, density {d:g}" for what in ("place", "velocity") for d in DENSITIES), (4, 6), 2.0
-    ),
+SOURCE = "verify/disk.py (reduced to the radius; spectral Galerkin method)"
+QUICK = {4: (0.05, 0.025)}
+FULL = {4: (0.1, 0.05, 0.025), 6: (0.05, 0.025)}
+BOUNDS = expect(
+    (f"{what}, density {d:g}" for what in ("place", "velocity") for d in DENSITIES), (4, 6), 2.0
 )

@@ -1,32 +1,16 @@
 """A gas and a solid of different temperatures suddenly in contact."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from fsipetsc.verify.entry import (
-    Array,
-    Bound,
-    Compared,
-    Curve,
-    Entry,
-    Measured,
-    Solve,
-    expect,
-    reference,
-    smooth,
-)
+from fsipetsc import Fluid, FluidLayer, Problem, Solid, SolidLayer, Wall, clamped
+from fsipetsc.checks import Array
+from fsipetsc.verify.entry import Bound, Compared, Curve, Measured, Solve, expect, reference, smooth
 
 JUMP, BEGIN, END = 0.01, 10.0, 20.0
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
     """Largest errors of T in gas, solid and at the interface, over the jump."""
-    from fsipetsc.boundaries import Wall, clamped
-    from fsipetsc.materials.fluid import Fluid
-    from fsipetsc.materials.line_solid import Solid
-    from fsipetsc.problem import FluidLayer, Problem, SolidLayer
-
     table = reference("heat")
     gas, U = Fluid(0.001, 0.0063, 1.4, 1.0), float(table["contact u"][0])
     T_gas, u_gas = (smooth(table["chi"], table[name]) for name in ("gas T", "gas u"))
@@ -67,19 +51,14 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     return Measured(errors, Curve(labels, x, T, table["chi"] * np.sqrt(END), table["gas T"]))
 
 
-ENTRY = Entry(
-    source="verify/heat.py (similarity in the gas, error function in the solid)",
-    levels={
-        "quick": {4: (1 / 40, 1 / 80)},
-        "full": {order: (1 / 20, 1 / 40, 1 / 80) for order in (2, 4, 6)},
-    },
-    measure=measure,
-    # theory: order 2; the others meet the floor that the text tells: measured 3.3e-5, 4.4e-5 (3.1)
-    # and 2e-5, 1.9e-5 on the finest grid
-    bounds={
-        **expect(("gas", "solid", "interface"), (2,), 1.7),
-        **expect(("gas",), (4, 6), error=1e-4),
-        **expect(("interface", "solid"), (4, 6), error=6e-5),
-        ("solid", 4): Bound(2.7, 1.5e-4),
-    },
-)
+SOURCE = "verify/heat.py (similarity in the gas, error function in the solid)"
+QUICK = {4: (1 / 40, 1 / 80)}
+FULL = {order: (1 / 20, 1 / 40, 1 / 80) for order in (2, 4, 6)}
+# theory: order 2; the others meet the floor that the text tells: measured 3.3e-5, 4.4e-5 (3.1)
+# and 2e-5, 1.9e-5 on the finest grid
+BOUNDS = {
+    **expect(("gas", "solid", "interface"), (2,), 1.7),
+    **expect(("gas",), (4, 6), error=1e-4),
+    **expect(("interface", "solid"), (4, 6), error=6e-5),
+    ("solid", 4): Bound(2.7, 1.5e-4),
+}

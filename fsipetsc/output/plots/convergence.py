@@ -9,15 +9,13 @@ import numpy as np
 
 from fsipetsc.checks import counted
 from fsipetsc.operators.sbp import operator
-from fsipetsc.output.plots.style import ORDERS, STYLE, save, set_title
+from fsipetsc.output.plots.style import ORDERS, STYLE, Axes, save, set_title
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from fsipetsc.analysis.convergence_table import ConvergenceStudy
+    from fsipetsc.analysis.convergence_table import Study
 
 
-def convergence_figure(study: ConvergenceStudy, path: Path) -> list[Path]:
+def convergence_figure(study: Study, path: Path) -> list[Path]:
     """Figs. 6 and 7 of the paper: a panel for fluid and solid each, or for each layer and the
     series, and one over the wall time.
 
@@ -43,7 +41,7 @@ def convergence_figure(study: ConvergenceStudy, path: Path) -> list[Path]:
         return [save(figure, path)]
 
 
-def _over_spacing(axes: Axes, study: ConvergenceStudy, kind: str) -> None:
+def _over_spacing(axes: Axes, study: Study, kind: str) -> None:
     """Errors of all unknowns of a kind; in brackets the order of the last refinement."""
     rates = study.rates(kind)[:, -1 if study.exact else -2]
     for i, order in enumerate(study.orders):
@@ -56,7 +54,7 @@ def _over_spacing(axes: Axes, study: ConvergenceStudy, kind: str) -> None:
     axes.legend(loc="lower right")
 
 
-def _over_time(axes: Axes, study: ConvergenceStudy) -> None:
+def _over_time(axes: Axes, study: Study) -> None:
     """The largest error of all kinds."""
     largest = np.fmax.reduce([errors["combined"] for errors in study.errors.values()])
     for i, order in enumerate(study.orders):

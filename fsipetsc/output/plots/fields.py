@@ -4,32 +4,15 @@ And fields of one dimension over x and t.
 In three dimensions the maps are those of the plane in the middle of the blocks' second axis.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from fsipetsc.output.plots.style import (
-    COLORS,
-    MAX_POINTS,
-    bar_above,
-    colours,
-    extremes,
-    label_y,
-    labelled,
-    legend_above,
-    moment,
-    shaded,
-    time_axis,
-)
+from fsipetsc.output.plots import style
+from fsipetsc.output.plots.style import Axes, FigureBase, extremes, labelled, shaded
 from fsipetsc.output.quantities import Quantity, unit_of, written
 from fsipetsc.output.reader import Layer, Run
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import FigureBase
 
 Array = np.ndarray
 WIDTH = 10.2  # inches, of all panels beside each other
@@ -94,7 +77,7 @@ class View:
             some = [k for k, layer in enumerate(self.layers) if layer.kind == kind]
             later = [np.ravel(v) for k in some for v in self.values[k][1:] or self.values[k]]
             start = [np.ravel(self._values(self.layers[k], 0)) for k in some]
-            scales[kind] = colours(kind, np.concatenate(later), np.concatenate(start), beside)
+            scales[kind] = style.colours(kind, np.concatenate(later), np.concatenate(start), beside)
         return scales
 
     def bar_label(self, kind: str) -> str:
@@ -111,7 +94,7 @@ class View:
         for layer, kept in zip(self.layers, self.values):
             values, places = kept[self.frames.index(frame)], self.positions(layer, frame)
             if self.run.dimension == 1:
-                axes.plot(*places, values, color=COLORS[layer.kind], label=layer.kind)
+                axes.plot(*places, values, color=style.COLORS[layer.kind], label=layer.kind)
                 continue
             for axis in layer.rings if self.run.dimension == 2 else ():  # it ends where it begins
                 *places, values = (np.append(v, v.take([0], axis), axis) for v in (*places, values))
@@ -156,30 +139,35 @@ def draw(figure: FigureBase, view: View) -> None:
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     for axes, frame in zip(grid.flat, view.frames):
         pictures = view.draw(axes, frame)
-        axes.set_title(moment(view.run, frame), loc="left")
+        axes.set_title(style.moment(view.run, frame), loc="left")
     for axes in grid.flat[len(view.frames) :]:
         axes.set_visible(False)
     for axes in grid[-1]:
         axes.set_xlabel(view.labels[0])
     for axes in grid[:, 0]:
-        label_y(axes, view.labels[1])
+        style.label_y(axes, view.labels[1])
     grid[0, 0].locator_params(axis="x", nbins=4)
     if not pictures and len(view.scales) > 1:
-        legend_above(grid[0, -1], side="right")
+        style.legend_above(grid[0, -1], side="right")
     draw_bars(figure, view, pictures, list(grid.flat))
 
 
 def draw_bars(figure: FigureBase, view: View, pictures: Mapping[str, Any], axes: Any) -> None:
     """A colour bar above the panels for each kind of layer."""
+    wide = isinstance(axes, list)
+    size = {"aspect": 50, "shrink": 0.7} if wide else {"aspect": 25}
     for kind, picture in pictures.items():
-        bar_above(figure, picture, axes, view.bar_label(kind))
+        bar = figure.colorbar(picture, ax=axes, location="top", pad=0.02, **size)
+        bar.set_label(view.bar_label(kind), loc="left")
+        bar.outline.set_visible(False)
+        bar.ax.locator_params(nbins=6 if wide else 4)
 
 
 def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity]) -> None:
     """In one dimension a map of each quantity over x and t, with the interfaces as lines."""
     grid = figure.subplots(1, len(quantities), sharex=True, sharey=True, squeeze=False)[0]
     x_interface = run.series.get("x_interface", np.empty((0, 0)))
-    some = slice(None, None, max(1, len(x_interface) // MAX_POINTS))
+    some = slice(None, None, max(1, len(x_interface) // style.MAX_POINTS))
     for axes, quantity in zip(grid, quantities):
         view, pictures = View(run, quantity, range(run.nframes)), {}
         for layer, kept in zip(view.layers, view.values):
@@ -190,7 +178,7 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
             for color, width in (("white", 1.8), ("black", 0.8)):
                 axes.plot(x, run.series["t"][some], color=color, linewidth=width)
         draw_bars(figure, view, pictures, axes)
-        time_axis(axes, run, "y")
+        style.time_axis(axes, run, "y")
         axes.set(xlim=view.limits[0], ylim=run.time[[0, -1]], xlabel=view.labels[0], ylabel="")
     grid[0].set_ylabel("t")
     grid[0].locator_params(axis="x", nbins=4)

@@ -2,26 +2,20 @@
 film.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fsipetsc.errors import InputError
 from fsipetsc.output.file_layout import writing
-from fsipetsc.output.plots import fields, series
-from fsipetsc.output.plots.style import STYLE, moment, needed, of_run, save, set_title
+from fsipetsc.output.plots import fields, series, style
+from fsipetsc.output.plots.style import Figure, FigureBase
 from fsipetsc.output.quantities import Quantity, chosen, there
 from fsipetsc.output.reader import Run, open_run
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure, FigureBase
 
 WIDTH = 10.8  # inches, of a figure
 PANELS, MAPS = 2.8, 4.4  # inches, heights of a row of curves, of maps over x and t
@@ -32,14 +26,14 @@ PICTURES = (".png", ".pdf", ".svg")
 KNOWN = (*PICTURES, ".gif", ".jpg", ".jpeg", ".eps", ".tif", ".tiff", ".webp", ".mp4")
 
 #: height [inches], what is drawn on a figure of this height
-Drawing = tuple[float, Callable[["FigureBase"], None]]
+Drawing = tuple[float, Callable[[FigureBase], None]]
 
 
 def plot(path: str, given: Mapping[str, str]) -> list[Path]:
     """Do what the options ask for (fsipetsc.cli); the files that have been written.
 
     Raises FileError if the result cannot be read or a file cannot be written, InputError for
-    options that cannot be followed or without matplotlib.
+    options that cannot be followed.
     """
     times = _times(given["-times"]) if "-times" in given else ()
     names = tuple(map(str.strip, given["-fields"].split(","))) if "-fields" in given else ()
@@ -51,21 +45,21 @@ def plot(path: str, given: Mapping[str, str]) -> list[Path]:
     if where.suffix.lower() in KNOWN and not is_file and not where.is_dir():
         named = f", or a name that ends with {', '.join(suffixes)}" if suffixes else ""
         raise InputError(f"plot: -o {where}: expected a directory{named}")
-    matplotlib = needed("plot")
+    from matplotlib import rc_context
     from matplotlib.figure import Figure
 
     stem, written = Path(path).stem, []
-    with open_run(path) as run, matplotlib.rc_context(STYLE), np.errstate(all="ignore"):
+    with open_run(path) as run, rc_context(style.STYLE), np.errstate(all="ignore"):
         if film:
             return [animate(run, where if is_file else where / f"{stem}.gif", names)]
         if not every:
             figure = Figure()
             page(figure, run, names, times)
-            return [save(figure, where if is_file else where / f"{stem}.png")]
+            return [style.save(figure, where if is_file else where / f"{stem}.png")]
         for name, draw in pictures(run, times):
             figure = Figure()
             draw(figure)
-            written.append(save(figure, where / f"{stem}-{name}.png"))
+            written.append(style.save(figure, where / f"{stem}-{name}.png"))
     return written
 
 
@@ -115,7 +109,7 @@ def page(figure: Figure, run: Run, names: Sequence[str] = (), times: Sequence[fl
     if panels := [*panels, *series.step_panels(run)]:
         drawings.append(_curves(run, panels, columns=len(panels)))
     steps = f"{len(run.series.get('t', ())):,} steps"
-    end = moment(run, -1) if run.nframes else "no frame"
+    end = style.moment(run, -1) if run.nframes else "no frame"
     _draw(figure, run, f"{end}, {steps}", drawings)
 
 
@@ -126,7 +120,7 @@ def _draw(figure: Figure, run: Run, title: str, drawings: Sequence[Drawing]) -> 
     parts = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
     for part, (_, draw) in zip(parts, drawings):
         draw(part)
-    set_title(figure, of_run(run, title))
+    style.set_title(figure, style.of_run(run, title))
 
 
 def _at_times(run: Run, quantity: Quantity, times: Sequence[float]) -> Drawing:
@@ -191,7 +185,7 @@ def drawn(
             axes.set(xlabel=view.labels[0], ylabel=view.labels[1])
             if frame == frames[0]:
                 fields.draw_bars(figure, view, pictures, axes)
-        set_title(figure, of_run(run, moment(run, frame)))
+        style.set_title(figure, style.of_run(run, style.moment(run, frame)))
         if frame == frames[0]:
             figure.draw_without_rendering()
             figure.set_layout_engine("none")  # only what is drawn moves from now on

@@ -2,32 +2,17 @@
 dimensions the deflection of interfaces, too.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
-from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from fsipetsc.output.interface_line import InterfaceLine
-from fsipetsc.output.plots.style import (
-    GREY,
-    LINES,
-    MAX_POINTS,
-    SERIES,
-    label_y,
-    labelled,
-    legend_above,
-    time_axis,
-)
+from fsipetsc.output.plots import style
+from fsipetsc.output.plots.style import Axes, FigureBase
 from fsipetsc.output.quantities import AT_INTERFACES, LEDGERS, unit_of, written
 from fsipetsc.output.reader import Run
 from fsipetsc.scheme.conservation_check import drifts
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import FigureBase
 
 Array = np.ndarray
 
@@ -50,7 +35,8 @@ def interface_panels(run: Run) -> Iterator[Panel]:
     """How interfaces move, in two dimensions first the one that moves most; what holds there."""
     if run.dimension == 2 and run.nframes > 1:
         lines = [run.interface(k) for k in range(len(run.interfaces))]
-        yield from map(partial(_deflection, run), sorted(lines, key=_farthest, reverse=True))
+        lines.sort(key=lambda line: np.nanmax(np.abs(line.displacement)), reverse=True)
+        yield from (_deflection(run, line) for line in lines)
     t = run.series.get("t", np.empty(0))
     for name, label in AT_INTERFACES.items():
         if name in run.series and len(t) > 1:
@@ -58,11 +44,6 @@ def interface_panels(run: Run) -> Iterator[Panel]:
             values = values - values[0] if name == "x_interface" else values
             curves = dict(zip(run.interfaces, values.reshape(len(values), -1).T))
             yield Panel(label, written(unit_of(name)), t, curves, name.startswith("residual"))
-
-
-def _farthest(line: InterfaceLine) -> float:
-    """The largest displacement in any frame."""
-    return float(np.nanmax(np.abs(line.displacement)))
 
 
 def _deflection(run: Run, line: InterfaceLine) -> Panel:
@@ -120,25 +101,23 @@ def draw_panels(figure: FigureBase, run: Run, panels: list[Panel], columns: int 
 
 def draw_panel(axes: Axes, run: Run, panel: Panel) -> None:
     """One of them."""
-    some = slice(None, None, max(1, len(panel.t) // MAX_POINTS))
-    for k, (name, values) in enumerate(panel.curves.items()):
+    some = slice(None, None, max(1, len(panel.t) // style.MAX_POINTS))
+    axes.set_prop_cycle(**style.CURVES)
+    for name, values in panel.curves.items():
         t, shown = panel.t[some], values[some]
         if panel.logarithmic:
             t, shown = envelope(panel.t, np.abs(values))
             shown = np.where(shown > 0, shown, np.nan)
-        style = {"color": SERIES[k % len(SERIES)], "linestyle": LINES[k % len(LINES)]}
-        axes.plot(t, shown, **style, label=name)
+        axes.plot(t, shown, label=name)
     if panel.logarithmic:
-        if panel.label == "relative departure" and run.options.get("fsi_check"):
-            axes.axhline(run.options["fsi_check"], color=GREY, linestyle=":", label="-fsi_check")
         axes.set_yscale("log")
         axes.set_ylim(bottom=max(axes.get_ylim()[0], axes.get_ylim()[1] / SPAN))
     if panel.label == "time step":
         axes.set_ylim(bottom=0.0)
-    label_y(axes, labelled(run, panel.label, panel.unit))
+    style.label_y(axes, style.labelled(run, panel.label, panel.unit))
     if len(panel.curves) > 1 or panel.logarithmic or panel.label == "time step":
-        legend_above(axes)  # else its one name says nothing
-    time_axis(axes, run)
+        style.legend_above(axes)  # else its one name says nothing
+    style.time_axis(axes, run)
 
 
 def envelope(t: Array, values: Array, parts: int = 300) -> tuple[Array, Array]:

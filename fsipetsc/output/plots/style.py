@@ -3,38 +3,32 @@
 The colours are those of Okabe and Ito, which eyes that do not tell red from green tell apart.
 """
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fsipetsc.checks import counted
-from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.quantities import is_si
+from fsipetsc.output.reader import Run
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # results are read without matplotlib, too
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure, FigureBase
-
-    from fsipetsc.output.reader import Run
+else:
+    Axes = Figure = FigureBase = Any
 
 Array = np.ndarray
 
-BLUE, RED, GREEN, ORANGE, PURPLE, GREY, BLACK = (
-    "#0072b2", "#d55e00", "#009e73", "#e69f00", "#a0528c", "#8a8a8a", "#222222",
-)  # fmt: skip
+BLUE, RED, GREEN, ORANGE, BLACK = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#222222"
 COLORS = {"fluid": BLUE, "solid": RED}
 #: colour maps, white where nothing happens
 MAPS = {"fluid": "RdBu_r", "solid": "PuOr_r"}
 #: colours and line styles of curves in one panel, in turn
-SERIES = (BLACK, ORANGE, BLUE, GREEN, PURPLE)
-LINES = ("-", "--", "-.", ":")
+CURVES = {"color": [BLACK, ORANGE, BLUE, GREEN], "linestyle": ["-", "--", "-.", ":"]}
 #: colour and marker of an order of accuracy
 ORDERS = {2: (GREEN, "s"), 4: (BLUE, "o"), 6: (RED, "^"), 8: (BLACK, "D")}
 MAX_POINTS = 5000  # of a line
@@ -67,16 +61,6 @@ STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "pdf.fonttype": 42,
 }
-
-
-def needed(command: str) -> ModuleType:
-    """matplotlib. InputError where it is not installed."""
-    try:
-        import matplotlib
-    except ImportError as error:
-        wanted = "matplotlib is not installed (pip install matplotlib)"
-        raise InputError(f"{command}: {wanted}") from error
-    return matplotlib
 
 
 def save(figure: Figure, target: str | os.PathLike[str]) -> Path:
@@ -169,16 +153,6 @@ def shaded(axes: Axes, x: Array, y: Array, values: Array, scale: dict[str, Any])
     values = np.ma.masked_invalid(values)
     axes.grid(visible=False)
     return axes.pcolormesh(x, y, values, shading="gouraud", rasterized=True, **scale)
-
-
-def bar_above(figure: FigureBase, picture: Any, axes: Any, label: str) -> None:
-    """A colour bar above panels, over what occurs in the last picture."""
-    wide = isinstance(axes, list)
-    shape = {"aspect": 50, "shrink": 0.7} if wide else {"aspect": 25}
-    made = figure.colorbar(picture, ax=axes, location="top", pad=0.02, **shape)
-    made.set_label(label, loc="left")
-    made.outline.set_visible(False)
-    made.ax.locator_params(nbins=6 if wide else 4)
 
 
 def legend_above(axes: Axes, side: str = "left") -> None:
