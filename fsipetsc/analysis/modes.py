@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
     from fsipetsc.analysis.ring_theory import Medium
 
-_COUNT = Option("modes_count", int, 10, "", "modes that are told, slowest first", check="positive")
+_COUNT = Option("modes_count", int, 10, "", "how many modes, slowest first", check="positive")
 _ANGULAR = Option(
-    "ring_angular", int, 2, "", "angular number, waves around it", check="nonnegative"
+    "ring_angular", int, 2, "", "angular number: waves around the ring", check="nonnegative"
 )
 #: case -> the command's options beside those of the case, and options that keep it at rest
 OPTIONS = {"ring": (_ANGULAR, _COUNT), "shell": (_COUNT,)}
