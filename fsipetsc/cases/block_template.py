@@ -79,7 +79,7 @@ def build(opt):
 
     # Blocks: name, material, map, cells along its axes, initial data. Axes of an annulus: along the
     # radius, and around, where it is periodic. Faces with the same nodes are connected. With
-    # exact=function(X, Y, t) the run prints errors; forcing=function(X, Y, t) adds right-hand sides.
+    # exact=function(X, Y, t) errors are printed; forcing=function(X, Y, t) adds right-hand sides.
     def cells(thickness):
         return max(8, round(thickness / opt["fsi_h"]))
 
