@@ -33,12 +33,12 @@ def overview(cases: Mapping[str, str], commands: Mapping[str, tuple[str, str]]) 
         "Usage": {
             f"{me} CASE [-option value ...]": "run a case; in parallel with mpiexec -n N before it",
             f"{me} CASE -help": "all options of a case, with defaults and units",
-            f"{me} COMMAND ...": "do something else",
+            f"{me} COMMAND ...": "run a command, see below",
         },
         "Cases": {**cases, "FILE.py": "a case of your own, from a file"},
         "Commands": {f"{name} {words}".rstrip(): what for name, (words, what) in commands.items()},
     }
-    lines = ["fsipetsc: fluid–structure interaction in layers, with PETSc"]
+    lines = ["fsipetsc: compressible gas and elastic solids, coupled, with PETSc"]
     for title, rows in sections.items():
         lines += ["", title]
         for left, right in rows.items():

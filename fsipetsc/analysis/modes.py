@@ -16,8 +16,10 @@ from fsipetsc.options import Option, groups
 from fsipetsc.process.together import Comm, together, wait_asleep
 from fsipetsc.usage import program
 
-_COUNT = Option("modes_count", int, 10, "", "modes that are told, slowest first", check="positive")
-_ANGULAR = Option("ring_angular", int, 2, "", "waves around the ring", check="nonnegative")
+_COUNT = Option("modes_count", int, 10, "", "how many modes, slowest first", check="positive")
+_ANGULAR = Option(
+    "ring_angular", int, 2, "", "angular number: waves around the ring", check="nonnegative"
+)
 #: case -> the command's options beside those of the case, and options that keep it at rest
 OPTIONS = {"ring": (_ANGULAR, _COUNT), "shell": (_COUNT,)}
 _AT_REST = {"ring": {"ring_pulse": 0.0}, "shell": {"shell_charge": 0.0, "fsi_shock": 0.0}}

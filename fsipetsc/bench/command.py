@@ -31,18 +31,18 @@ FORMS = {
     "divergence-viscous": ("divergence", True, "-form div -visc 1"),
 }
 COLUMNS = "problem order form n ranks step_us ns_node_rhs other_us ratio speed_up".split()
-_WHAT = "0: the rod; 1, 2, 3: gas | solid in so many dimensions"
+_WHAT = "0: the rod; 1, 2, 3: gas | solid in that number of dimensions"
 OPTIONS = (
     Option("bench_problems", "ints", (0, 1, 2, 3), "", _WHAT, check=listed_in((0, 1, 2, 3))),
-    Option("bench_orders", "ints", (4,), "", "orders", check=listed_in((2, 4, 6, 8))),
+    Option("bench_orders", "ints", (4,), "", "operators' orders", check=listed_in((2, 4, 6, 8))),
     Option("bench_form", str, "all", "", "form of gas | solid", ("all", *FORMS)),
     Option("bench_rod", "ints", (480, 3840, 100_000), "", "points of the rod", check="positive"),
     Option("bench_line", "ints", (240, 2000, 50_000), "", "nodes of a block", check="positive"),
     Option("bench_square", "ints", (64, 128, 256), "", "nodes of an axis in 2-D", check="positive"),
     Option("bench_cube", "ints", (32, 64), "", "nodes of an axis in 3-D", check="positive"),
     Option("bench_ranks", "ints", None, "", "numbers of ranks; else 1, 2, 4 …", check="positive"),
-    Option("bench_seconds", float, 0.2, "s", "length of a sample, about", check="positive"),
-    Option("bench_repeats", int, 5, "", "samples, of which the median counts", check="positive"),
+    Option("bench_seconds", float, 0.2, "s", "approximate length of a sample", check="positive"),
+    Option("bench_repeats", int, 5, "", "samples; their median counts", check="positive"),
     Option("bench_rod_program", str, None, "", "folder of another program for the rod"),
     Option("bench_square_program", str, None, "", "folder of another program for gas | solid, 2-D"),
     Option("fsi_output", str, "bench", "", "base name of the table NAME.csv"),

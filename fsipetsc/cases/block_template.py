@@ -1,26 +1,27 @@
-"""An elastic ring around a gas that is compressed on one side: blocks that are curved.
+"""An elastic ring around a gas that is compressed on one side: curved blocks.
 
-    python -m fsipetsc FILE.py                                 # ten seconds, at first minutes
+    python -m fsipetsc FILE.py                                 # ten seconds; the first time minutes
     mpiexec -n 2 python -m fsipetsc FILE.py -ring_density 500  # on two ranks, with an option
     python -m fsipetsc FILE.py -help                           # all options
     python -m fsipetsc plot NAME.h5 -o pictures                # draw the result
     python -m fsipetsc plot NAME.h5 -animate                   # a film of it; ParaView: NAME.xdmf
 
-This file is a case: data, and functions of X and Y. Change what you like and run it again: what is
-wrong is answered by one message that names the block, the face and the place. All that a case may
-say: docs/cases.md.
+This file is a case: data, and functions of X and Y. Change what you like and run it again. If
+something is wrong, one message names the block, the face and the place. docs/cases.md lists all
+that a case can say.
 
-What to expect here: gas and ring are springs, and the ring, E = 3/4 ring_modulus, breathes with
+What to expect here: gas and ring act as springs; the radius of the ring, E = 3/4 ring_modulus,
+oscillates with
     omega^2 = (E h/r^2 + 2 gamma P0 r/(r^2 - r_pipe^2)) / (density h),    h = 0.1 m, r = 0.4 m.
-For so thick a ring that is near: 0.018 s is the period by it, 0.019 s the one that is computed. The
-ring widens by 5.6 mm with the pulse as it is; it also bends, as an ellipse.
+This is for thin rings: it gives the period 0.018 s, the computed one is 0.019 s. With the pulse as
+it is the ring widens by 5.6 mm. It also bends into an ellipse.
 """
 
 import numpy as np
 
 from fsipetsc.blocks.block import Block
 
-# What may stand at a face. Of a gas: NoSlip, Slip, Open, Outflow; of a solid: Clamped, Free,
+# Conditions of faces. Of a gas: NoSlip, Slip, Open, Outflow; of a solid: Clamped, Free,
 # Roller; of both: Given and Periodic.
 from fsipetsc.blocks.conditions import Free, Slip
 
@@ -38,17 +39,17 @@ SUMMARY = "an elastic ring around a gas that is compressed on one side"
 # Options of this case: name, type, default, unit, meaning, and perhaps what is allowed.
 OPTIONS = (
     Option("ring_modulus", float, 1e6, "Pa", "2 mu + lambda of the ring", check="positive"),
-    Option("ring_density", float, 100.0, "kg/m3", "of the ring", check="positive"),
+    Option("ring_density", float, 100.0, "kg/m3", "density of the ring", check="positive"),
     Option("pulse", float, 2.0, "", "overpressure of the pulse, over that of the air"),
 )
 
-# Defaults of the program's own options for this case. Blocks say their numbers of cells themselves;
-# what becomes of fsi_h, build says below.
+# Defaults of the program's own options for this case. Blocks have numbers of cells; build computes
+# them from fsi_h below.
 DEFAULTS = {
     "fsi_h": 0.02,  # grid spacing [m]
     "fsi_order": 4,  # order of the differences: 2, 4, 6 or 8
     "ts_max_time": 0.02,  # the run begins at t = 0 and ends here [s]
-    "fsi_output_dt": 0.0004,  # fields are saved that often [s]
+    "fsi_output_dt": 0.0004,  # interval at which fields are saved [s]
 }
 
 P0, T0 = 1e5, 300.0  # of the air at the start: pressure [Pa], temperature [K]
@@ -66,8 +67,8 @@ def build(opt):
     more = {"p_ref": P0, "law": "neo-hookean", "heat": "elastic"}
     rubber = ElasticSolid(mu_e=K / 4, lambda_e=K / 2, kappa_e=0.0, m0=density, alpha=1500.0, **more)
 
-    # Initial data: from arrays X and Y of coordinates [m], of one shape, for each unknown an array
-    # of that shape or one number. The grid of a gas follows the solids; X and Y are of the map.
+    # Initial data: functions of arrays X and Y of coordinates [m] of the map. They return, for each
+    # unknown, an array of their shape or one number. The grid of a gas follows the solids.
     def pulse(X, Y):
         p = P0 * (1.0 + opt["pulse"] * np.exp(-((X - 0.25) ** 2 + Y**2) / 0.05**2))
         T = T0 * (p / P0) ** (1.0 - 1.0 / air.gamma)
@@ -77,9 +78,8 @@ def build(opt):
         return 0.0, 0.0, T0, X, Y  # velocity, temperature, where X, Y is
 
     # Blocks: name, material, map, cells along its axes, initial data. Axes of an annulus: along the
-    # radius, and around, where it is periodic. Faces of two blocks that have the same nodes meet.
-    # exact=function(X, Y, t) would let errors be computed, forcing=function(X, Y, t) would add
-    # right-hand sides.
+    # radius, and around, where it is periodic. Faces with the same nodes are connected. With
+    # exact=function(X, Y, t) errors are printed; forcing=function(X, Y, t) adds right-hand sides.
     def cells(thickness):
         return max(8, round(thickness / opt["fsi_h"]))
 
@@ -89,7 +89,7 @@ def build(opt):
         Block("gas", air, annulus(PIPE, INNER), inside, pulse, periodic=loop),
         Block("ring", rubber, annulus(INNER, OUTER), outside, at_rest, periodic=loop),
     )
-    # Each face that meets no other one has a condition: (block, axis, side), side 0 at xi = 0.
-    # In the middle a pipe along which the gas slips, outside a pressure that follows the ring.
+    # Each other face has a condition: (block, axis, side), side 0 at xi = 0. In the middle is a
+    # pipe, along which the gas slips; outside, a pressure follows the ring.
     faces = {("gas", 0, 0): Slip(), ("ring", 0, 1): Free(P0)}
     return BlockProblem(blocks, faces)

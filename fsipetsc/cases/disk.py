@@ -21,7 +21,7 @@ SUMMARY = "an elastic disk of five blocks that spins in gas"
 
 OPTIONS = (
     Option("disk_spin", float, 0.8, "1/s", "angular velocity of the disk at the start"),
-    Option("disk_power", int, 0, "", "spin is times (1 - R^2)^power", check="nonnegative"),
+    Option("disk_power", int, 0, "", "p of the factor (1 - R^2)^p of spin", check="nonnegative"),
     *materials(fluid_mu=0.0, fluid_kappa=0.0, solid_density=2.0, solid_mu=1.0, solid_lambda=1.5),
 )
 DEFAULTS = {"fsi_h": 0.05, "fsi_order": 4, "ts_max_time": 1.25, "fsi_output_dt": 0.025}

@@ -27,8 +27,8 @@ SUMMARY = "a shock hits a clamped panel in a shock tube and bends it, in two dim
 
 OPTIONS = (
     Option("fin_mach", float, 1.21, "", "Mach number of the shock", check=above_one),
-    Option("fin_length", float, 0.05, "m", "of the panel, below 0.065", check="positive"),
-    Option("fin_thickness", float, 1e-3, "m", "of the panel", check="positive"),
+    Option("fin_length", float, 0.05, "m", "length of the panel, below 0.065", check="positive"),
+    Option("fin_thickness", float, 1e-3, "m", "thickness of the panel", check="positive"),
 )
 DEFAULTS = {
     **{"fsi_h": 0.005, "fsi_order": 4, "fsi_cfl": 1.2, "ts_max_time": 2e-3, "fsi_output_dt": 1e-4},

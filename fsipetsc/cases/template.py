@@ -1,25 +1,25 @@
-"""A plate swings between two gases in a closed tube: gas | solid | gas.
+"""A plate oscillates between two gases in a closed tube: gas | solid | gas.
 
-    python -m fsipetsc FILE.py                                # a second, at first half a minute
+    python -m fsipetsc FILE.py                                # a second; the first time a minute
     mpiexec -n 2 python -m fsipetsc FILE.py -plate_speed 5    # on two ranks, with an option
     python -m fsipetsc FILE.py -help                          # all options
     python -m fsipetsc plot NAME.h5 -o pictures               # draw the result
 
-This file is a case: data, and functions of X. Change what you like and run it again: what is wrong
-is answered by one message that names the line, or the layer, and what is expected there. All that a
-case may say: docs/cases.md.
+This file is a case: data, and functions of X. Change what you like and run it again. If something
+is wrong, one message names the line, or the layer, and what is expected there. docs/cases.md lists
+all that a case can say.
 
-What to expect here: either gas is a spring, and the plate, heavy beside the gas, swings as
+What to expect here: each gas acts as a spring, and the plate, which is heavy, oscillates as
     (plate_speed / omega) sin(omega t),
     omega^2 = 2 GAMMA P0 / (length of a gas * mass of the plate per area):
 at 10 m/s it goes 0.054 m to the right and comes back; the period is 0.034 s.
 """
 
-# What may stand at the ends: Wall, Open, Dirichlet for a gas; clamped, free, absorbing for a solid.
+# Conditions at the ends: Wall, Open, Dirichlet for a gas; clamped, free, absorbing for a solid.
 from fsipetsc import Fluid, FluidLayer, Option, Problem, Solid, SolidLayer, Wall
 
 # One line for -help. The result is named after this file; NAME = "..." would name it otherwise.
-SUMMARY = "a plate swings between two gases in a closed tube"
+SUMMARY = "a plate oscillates between two gases in a closed tube"
 
 # Options of this case: name, type, default, unit, meaning, and perhaps what is allowed.
 OPTIONS = (
@@ -33,7 +33,7 @@ DEFAULTS = {
     "fsi_h": 0.02,  # grid spacing [m]
     "fsi_order": 4,  # order of the differences: 2, 4, 6 or 8
     "ts_max_time": 0.04,  # the run begins at t = 0 and ends here [s]
-    "fsi_output_dt": 0.001,  # profiles are saved that often [s]; "fsi_output_times" names times
+    "fsi_output_dt": 0.001,  # interval at which profiles are saved [s]; or "fsi_output_times"
 }
 
 GAMMA, P0, T0 = 1.4, 1e5, 300.0  # of the gas: ratio of specific heats, pressure [Pa], T [K]
@@ -49,9 +49,9 @@ def build(opt):
     plate = Solid(K=1e7, kappa_e=0.2, m0=opt["plate_density"], alpha=1000.0)
     speed = opt["plate_speed"]
 
-    # Initial data: from an array X of coordinates [m], for each unknown an array of the same shape
-    # or one number. They may be less smooth, but where velocity, or pressure and stress, jump at an
-    # interface, waves start there. Functions compiled by numba (@numba.njit) are taken as well.
+    # Initial data: functions of an array X of coordinates [m]. They return, for each unknown, an
+    # array of the same shape or one number. They may be less smooth, but where velocity, or
+    # pressure and stress, jump at an interface, waves start. @numba.njit functions are taken, too.
     def left_gas(X):
         return P0 / (air.R * T0), speed * X / LEFT, T0  # density, velocity, temperature
 
@@ -62,8 +62,7 @@ def build(opt):
         return speed, -P0, T0, X  # velocity, stress (as the gas presses), temperature, place
 
     # Layers from left to right: name, material, begin and end [m], initial data.
-    # exact=function(X, t) would let the errors be computed, forcing=function(X, t) would add
-    # right-hand sides.
+    # With exact=function(X, t) the run prints errors; forcing=function(X, t) adds right-hand sides.
     layers = (
         FluidLayer("left", air, (0.0, LEFT), left_gas),
         SolidLayer("plate", plate, (LEFT, RIGHT), solid),

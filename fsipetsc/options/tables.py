@@ -35,18 +35,18 @@ DISCRETISATION = (
     Option("fsi_cfl", float, 0.8, "", "Courant number of the time step; -ts_dt replaces it",
         check="positive"),
     Option("fsi_coupling", str, "conservative", "",
-        "treatment of interfaces; all but conservative: the paper's method, in 1-D", COUPLINGS),
+        "coupling of gas and solid; all but conservative: the paper's method, in 1-D", COUPLINGS),
     Option("fsi_mapping", str, "auto", "",
         "grids of gases: rigid with the paper's couplings, stretched with conservative; "
-        "auto: what fits", ("auto", "rigid", "stretched")),
+        "auto: what the coupling needs", ("auto", "rigid", "stretched")),
     Option("fsi_viscous", str, "wide", "",
-        "second derivatives: D twice, or with the paper's couplings half as wide",
+        "second derivatives: D twice, or, with the paper's couplings, a narrow stencil",
         ("wide", "narrow")),
     Option("fsi_convection", str, "auto", "",
-        "form of the gas's convection; entropy: two-point, which keeps it; auto: in 2-D",
+        "form of convection; entropy: a flux that conserves it; auto: that in 2-D and 3-D",
         ("auto", "divergence", "entropy")),
     Option("fsi_dissipation", float, 0.0, "",
-        "times its usual size; 0: 1 where blocks are joined, else none; -1: none",
+        "dissipation, times its usual size; 0: 1 where blocks are joined, else none; -1: none",
         check=_between(-1, 3)),
     Option("fsi_shock", float, 0.0, "",
         "dissipation where a sensor sees a shock, times its usual size; 0: none",
@@ -78,7 +78,7 @@ CHECKPOINTS = (
 )  # fmt: skip
 RUN = (
     Option("fsi_check", float, None, "",
-        "stop when mass, momentum, energy or entropy drifts by this fraction against its law",
+        "stop if mass, momentum, energy or entropy departs from its law by this fraction",
         check="positive"),
     Option("fsi_partition", str, "auto", "", "which ranks own which layers",
         ("auto", "physics", "balanced")),
@@ -86,7 +86,7 @@ RUN = (
         "norm of the errors against an exact solution; L1 where it jumps", ("L1", "L2")),
     Option("fsi_quiet", bool, False, "", "print nothing but errors"),
     Option("fsi_progress", bool, False, "",
-        "lines of progress from 2 s on, not 10 s, where the output is not a terminal"),
+        "print progress from 2 s on, not 10 s, if the output is not a terminal"),
 )  # fmt: skip
 #: those that belong to one run of the program, not to what is computed: no checkpoint has them
 OF_A_RUN = {"fsi_quiet", "fsi_progress", "fsi_restart"}
@@ -112,7 +112,7 @@ ALIASES = {"ts_time_step": "ts_dt", "ts_final_time": "ts_max_time"}
 
 #: options that PETSc follows when it starts or when it ends -> meaning
 AT_START = {
-    "log_view": "print where the time went, at the end; :FILE writes it",
+    "log_view": "print PETSc's log at the end: times of set-up, loop and output; :FILE writes it",
     "memory_view": "print the memory that was used, at the end",
     "info": "print what PETSc does",
     "malloc_debug": "check the memory that PETSc allocates",
