@@ -24,6 +24,10 @@ class InputError(FsiError):
     status = 2
 
 
+class RanksError(InputError):
+    """There are more ranks than the problem can feed."""
+
+
 class ComputationError(FsiError):
     """The computation failed: names field, layer, x, t and step."""
 

@@ -8,7 +8,7 @@ from math import inf
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, message, solve
+from helpers import REPOSITORY, message, mpirun, solve
 
 from fsipetsc.cases import superseismic as case
 from fsipetsc.verify import ENTRIES
@@ -147,6 +147,35 @@ def test_entries_say_all_that_another_code_needs(tmp_path):
         assert {order for _, order in entry.bounds} <= orders
     done = solve("verify", "turek", cwd=tmp_path)
     message(done, 2, "there is no entry 'turek': expected elastic_piston")
+
+
+SMALL = """
+from mpi4py import MPI
+from fsipetsc.errors import InputError, RanksError
+from fsipetsc.verify.command import on_as_many
+
+def run(ranks):
+    tried.append(ranks.size)
+    if ranks.size > most:
+        raise RanksError("too many")
+
+for most in (2, 1, 0):
+    tried = []
+    try:
+        on_as_many(MPI.COMM_WORLD, run)
+    except InputError as error:
+        tried.append(str(error))
+    if MPI.COMM_WORLD.rank == 0:
+        print(tried)
+"""
+
+
+@pytest.mark.mpi
+def test_a_problem_runs_on_as_many_ranks_as_it_can_feed(tmp_path):
+    (tmp_path / "small.py").write_text(SMALL)
+    done = mpirun(2, tmp_path / "small.py", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines() == ["[2]", "[2, 1]", "[2, 1, 'too many']"]
 
 
 @pytest.mark.mpi

@@ -12,7 +12,7 @@ from math import prod
 
 import numpy as np
 
-from fsipetsc.errors import InputError
+from fsipetsc.errors import RanksError
 
 MODES = ("auto", "physics", "balanced")
 #: work of a node, relative to a solid's: measured for gas in entropy form
@@ -124,17 +124,17 @@ def share_out(extents: Sequence[Extent], size: int, mode: str = "auto") -> list[
     and gas and solid on different ranks. balanced: equal work for all ranks, in the order of the
     blocks, gas first; blocks are cut along their longest axes only. auto: the one with which the
     slowest rank has less to do.
-    InputError, which names the largest number of ranks that works, if these are too many.
+    RanksError, which names the largest number of ranks that works, if these are too many.
     """
     if size == 1:
         return [Share((0,), _uncut(extent)) for extent in extents]
     apart, chained = _physics(extents, size), _balanced(extents, size)
     if mode == "balanced":
         if chained is None:
-            raise InputError(_too_many(size, _most_balanced(extents, size), extents))
+            raise RanksError(_too_many(size, _most_balanced(extents, size), extents))
         return chained
     if apart is None:
-        raise InputError(_too_many(size, sum(e.cap for e in extents), extents))
+        raise RanksError(_too_many(size, sum(e.cap for e in extents), extents))
     if mode == "physics" or chained is None:
         return apart
     gain = slowest(extents, apart, size) / slowest(extents, chained, size)
@@ -147,7 +147,7 @@ def share_line(
     """(rank, begin, end) of the pieces of each layer of a line, ``smallest`` points or more.
 
     layers: kind, stored points, active ones, which alone are work, whether the spare ones are on
-    the left; the outermost rank gets these. InputError as of ``share_out``.
+    the left; the outermost rank gets these. RanksError as of ``share_out``.
     """
     extents = [Extent(kind, (active,), (False,), *[smallest] * 3) for kind, _, active, _ in layers]
     found = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from importlib import import_module
 from itertools import count
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from fsipetsc.analysis.tables import csv_target, printer, results_folder, save_csv, text_table
 from fsipetsc.cases import load_case
-from fsipetsc.errors import ComputationError, FileError, InputError
+from fsipetsc.errors import ComputationError, FileError, InputError, RanksError
 from fsipetsc.options import RUN, Option, defaults, read_table
 from fsipetsc.output.reader import open_run
 from fsipetsc.process.launch import start_petsc
@@ -57,12 +58,13 @@ def verify(arguments: list[str], comm: MPI.Comm) -> None:
         say(f"{_title(name)} ({name}); reference: {entry.source}")
         found, last = run_entry(name, entry, opt["verify_level"], comm, path.parent)
         show = partial(_show, name, entry, found, last, opt, path)
-        together(comm, show if comm.rank == 0 else lambda: None)
+        lines += [line for row in found for line in _csv_lines(row, comm.size, entry.source)]
+        save = partial(save_csv, path, COLUMNS, lines)  # and again after each entry
+        for action in (show, save):
+            together(comm, action if comm.rank == 0 else lambda: None)
         told = text_table(HEAD, [row.cells for row in found])
         say((told if found else "only with -verify_level full") + "\n")
         rows += found
-        lines += [line for row in found for line in _csv_lines(row, comm.size, entry.source)]
-    together(comm, lambda: None if comm.rank else save_csv(path, COLUMNS, lines))
     wait_asleep(comm)
     hold, free = (sum(row.verdict == word for row in rows) for word in ("holds", "no bound"))
     short = len(rows) - hold - free
@@ -104,10 +106,25 @@ def _solver(comm: MPI.Comm, folder: Path) -> Solve:
             case = SimpleNamespace(**about, DEFAULTS={"fsi_h": 1.0}, build=lambda opt: what)
         path = str(folder / f"{next(numbers)}.h5")
         opt = {**defaults(case), **options, "fsi_quiet": True, "fsi_output": path}
-        run_case(case, opt, comm)
+        on_as_many(comm, lambda ranks: run_case(case, opt, ranks))
         return open_run(path)
 
     return solve
+
+
+def on_as_many(comm: MPI.Comm, run: Callable[[MPI.Comm], None]) -> None:
+    """run(ranks) on all ranks of comm or, where these are too many, on the first of them.
+    Collective; FsiError.
+    """
+    for size in range(comm.size, 0, -1):
+        ranks = comm.Split(int(comm.rank >= size), comm.rank)
+        try:
+            return together(comm, partial(run, ranks) if comm.rank < size else lambda: None)
+        except RanksError:
+            if size == 1:
+                raise
+        finally:
+            ranks.Free()
 
 
 def _title(name: str) -> str:
