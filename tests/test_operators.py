@@ -103,6 +103,17 @@ def test_spectrum_of_advection_with_injected_inflow(op: SBPOperator, n: int) -> 
 
 
 @ALL
+@pytest.mark.parametrize("n", [16, 40])
+def test_every_motion_is_seen(op: SBPOperator, n: int) -> None:
+    """Only constants have no derivative; of the rest, in the norm H, the longest wave has the least:
+    the least singular value is pi / (n - 1), up to its error, and no motion of few points is below.
+    """
+    H = np.sqrt(op.norm_weights(n))
+    values = np.linalg.svd(H[:, None] * op.matrix(n) / H, compute_uv=False)[::-1] * (n - 1) / np.pi
+    assert values[0] < 1e-13 and 0.98 < values[1] < 1.001
+
+
+@ALL
 def test_too_few_points(op: SBPOperator) -> None:
     n = op.min_points - 1
     words = f"{op.name} operator needs at least {op.min_points} points, not {n}"
