@@ -105,8 +105,8 @@ def test_spectrum_of_advection_with_injected_inflow(op: SBPOperator, n: int) -> 
 @ALL
 @pytest.mark.parametrize("n", [16, 40])
 def test_every_motion_is_seen(op: SBPOperator, n: int) -> None:
-    """Only constants have no derivative; of the rest, in the norm H, the longest wave has the least:
-    the least singular value is pi / (n - 1), up to its error, and no motion of few points is below.
+    """Only constants have no derivative. Of the rest the longest wave has the least, in the norm H:
+    the second singular value is pi / (n - 1) up to its error; no motion of few points is below.
     """
     H = np.sqrt(op.norm_weights(n))
     values = np.linalg.svd(H[:, None] * op.matrix(n) / H, compute_uv=False)[::-1] * (n - 1) / np.pi

@@ -74,7 +74,7 @@ COEFFICIENTS: dict[int, Coefficients] = {
             "670091/725760 5127739/5080320"
         ),
         interior=_fractions("4/5 -1/5 4/105 -1/280"),
-        free={(5, 6): Fraction(1463, 2000), (5, 7): Fraction(-131, 1000), (6, 7): Fraction(761, 1000)},
+        free=dict(zip(((5, 6), (5, 7), (6, 7)), _fractions("1463/2000 -131/1000 761/1000"))),
     ),
 }
 """By interior order."""
