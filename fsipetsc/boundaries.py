@@ -84,16 +84,23 @@ class Open:
 
 @dataclass(frozen=True)
 class Dirichlet:
-    """Given rho, u, T at x [m]: values(t) -> (rho, u, T) in kg/m3, m/s, K; see docs/open-end.md."""
+    """Given rho, u, T at x [m]: values(t) -> (rho, u, T) in kg/m3, m/s, K; see docs/open-end.md.
+
+    degree: of the embedded-boundary formula, 2 to 5; None: see ``degree_of``. InputError for what
+    is not valid.
+    """
 
     x: float
     values: Callable[[float], tuple[float, float, float]]
+    degree: int | None = None
     kind = DIRICHLET
-    degree = None  # that of degree_of
 
     def __post_init__(self) -> None:
         checks.numbers(self, "Dirichlet", {"x": checks.ANY})
         checks.function(self.values, "Dirichlet: values", "values(t) -> (rho, u, T)")
+        if self.degree not in (None, 2, 3, 4, 5):
+            expected = "expected 2, 3, 4, 5, or None: by -fsi_order"
+            raise InputError(f"Dirichlet(degree={self.degree!r}): {expected}")
 
     def data(self, t: float) -> tuple[float, ...]:
         return self.values(t)

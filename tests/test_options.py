@@ -210,7 +210,7 @@ def here(tmp_path, monkeypatch, database):
 
 
 def test_the_command_line_comes_last_and_files_where_they_are_named(here, monkeypatch):
-    (here / "a.opts").write_text("# -b 2\n-a 1 # more\n\n-b x\n-c\n")
+    (here / "a.opts").write_text("# -options_file b\n-a 1 # more\n\n-b x\n-c\n")
     (here / "a.yaml").write_text("fsi:\n  h: 0.1\ntimes: [1, 2.50]\ntext: 'a: b'\n")
     in_file = {"a": "1", "b": "x", "c": ""}
     assert given_options(["-A", "2", "-options_file", "a.opts"]) == in_file
@@ -226,6 +226,7 @@ FAULTY = {
     "three.opts": (InputError, "three.opts line 2"),
     "word.opts": (InputError, "word.opts line 1"),
     "brace.yaml": (InputError, "YAML"),
+    "self.opts": (InputError, "self.opts: an options file cannot name another one"),
 }
 
 
@@ -234,6 +235,7 @@ def test_faulty_file(name, here):
     (here / "three.opts").write_text("-a 1\n-b 2 3\n")
     (here / "word.opts").write_text("fsi_order 6\n")
     (here / "brace.yaml").write_text("a: {\n")
+    (here / "self.opts").write_text("-a 1\n-b 2 -options_file self.opts\n")
     kind, words = FAULTY[name]
     with pytest.raises(kind, match=words) as caught:
         given_options(["-options_file", name])

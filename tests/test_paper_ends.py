@@ -131,6 +131,9 @@ def test_heat_beside_an_insulated_wall(order, narrow):
 def test_degrees():
     end = Dirichlet(0.0, lambda t: (1.0, 0.0, 1.0))
     assert [degree_of(end, order) for order in OPERATORS] == [2, 3, 4, 5]
+    assert degree_of(Dirichlet(0.0, end.values, 4), 2) == 4
+    with pytest.raises(InputError, match=r"Dirichlet\(degree=6\): expected 2, 3, 4, 5"):
+        Dirichlet(0.0, end.values, 6)
     assert degree_of(Wall(0.0), 8) == Wall.degree
     for order in (2, 0.5, "1", None, True):
         with pytest.raises(InputError, match=r"Open\(order=.*expected 0 or 1"):

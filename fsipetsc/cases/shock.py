@@ -138,7 +138,7 @@ def build(opt: Opt) -> Problem:
     piston = Wall(lambda t: X[0] + speed * t, velocity=lambda t: speed)
     left, right = (piston, free(-LOW.p)) if strong else (Wall(X[0]), clamped())
     layers = (
-        FluidLayer("gas", gas, X[:2], begin, exact=exact.in_gas, mapping="stretched"),
+        FluidLayer("gas", gas, X[:2], begin, exact=exact.in_gas),
         SolidLayer("rod", solid, X[1:], at_rest, exact=exact.in_solid),
     )
     return Problem(layers, left, right, notes=notes, units="none")

@@ -17,8 +17,9 @@ The free entries, Q_ij with s < i < j < r (counted from 0):
      One eigenvalue of hD does: it belongs to a motion of a few points at the end, grows as 840 |t|
      and is 0 at (7/10, -61/500, 1519/2000). Above 1.73, the spectral radius of the interior
      stencil, it shortens the time step; near 0, no stress and no flux sees the motion. The values
-     below have t = 0.0015: the spectral radius of hD with the inflow point removed is 1.72, and no
-     motion is seen less than the longest wave. The error is within 1 % of the smallest possible.
+     below have t = 0.0015: the spectral radius of hD with the inflow point removed stays below
+     that of the interior, and no motion is seen less than the longest wave. The error is within 1 %
+     of the smallest possible.
 
 Sources: H.-O. Kreiss and G. Scherer, in Mathematical Aspects of Finite Elements in Partial
 Differential Equations (1974), 195-212 (existence, norms); B. Strand, J. Comput. Phys. 110 (1994),

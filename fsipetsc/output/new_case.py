@@ -7,14 +7,15 @@ from pathlib import Path
 
 from fsipetsc.blame import NEEDED
 from fsipetsc.cases import BUILT_IN, template_text
-from fsipetsc.errors import InputError
+from fsipetsc.errors import FileError, InputError
 
 
 def new_case(name: str, commands: Sequence[str], blocks: bool = False) -> Path:
     """Write the template of layers, or of blocks, as the file `name`; its path.
 
     commands: names of the program's commands. InputError for a name that could not be run, or would
-    hide something else; OSError where there is a file, which is left, or none can be written.
+    hide something else; FileError where there is a file, which is left; OSError where none can be
+    written.
     """
     path, stem = Path(name), Path(name).stem
     if path.suffix != ".py":
@@ -29,6 +30,8 @@ def new_case(name: str, commands: Sequence[str], blocks: bool = False) -> Path:
     text = template_text(blocks)
     if re.fullmatch(r"[\w./-]+", name):  # as it may stand in the examples
         text = text.replace("FILE.py", name).replace("NAME.", f"{stem}.")
+    if path.exists():
+        raise FileError(f"{name}: exists already and is not overwritten; give another name")
     with path.open("x", encoding="utf-8") as file:
         file.write(text)
     return path

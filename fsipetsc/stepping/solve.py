@@ -69,7 +69,7 @@ def make_state(
     kept = problem.invariants
     if opt["fsi_check"] is not None and not (kept.get("masses") or kept.get("energy")):
         raise InputError(
-            "-fsi_check: nothing is conserved here, as forcing or open ends change mass and energy"
+            "-fsi_check: nothing is conserved here, neither the mass of a gas nor the energy"
         )
     return PaperState(comm, problem, opt)
 

@@ -12,7 +12,7 @@ GAMMA = 1.4
 
 def tube(X: tuple[float, float], start: Any, left: Any) -> Any:
     """The problem between a left end and a wall."""
-    layer = FluidLayer("gas", Fluid(0.0, 0.0, GAMMA, 1.0), X, start, mapping="stretched")
+    layer = FluidLayer("gas", Fluid(0.0, 0.0, GAMMA, 1.0), X, start)
     return Problem((layer,), left, Wall(X[1]), units="none")
 
 

@@ -24,11 +24,15 @@ else:
 Array = np.ndarray
 
 BLUE, RED, GREEN, ORANGE, BLACK = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#222222"
+PURPLE = "#cc79a7"
 COLORS = {"fluid": BLUE, "solid": RED}
 #: colour maps, white where nothing happens
 MAPS = {"fluid": "RdBu_r", "solid": "PuOr_r"}
 #: colours and line styles of curves in one panel, in turn
-CURVES = {"color": [BLACK, ORANGE, BLUE, GREEN], "linestyle": ["-", "--", "-.", ":"]}
+CURVES = {
+    "color": [BLACK, ORANGE, BLUE, GREEN, PURPLE] * 4,
+    "linestyle": ["-", "--", "-.", ":"] * 5,
+}
 #: colour and marker of an order of accuracy
 ORDERS = {2: (GREEN, "s"), 4: (BLUE, "o"), 6: (RED, "^"), 8: (BLACK, "D")}
 MAX_POINTS = 5000  # of a line
