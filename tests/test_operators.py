@@ -104,13 +104,18 @@ def test_spectrum_of_advection_with_injected_inflow(op: SBPOperator, n: int) -> 
 
 @ALL
 @pytest.mark.parametrize("n", [16, 40])
-def test_every_motion_is_seen(op: SBPOperator, n: int) -> None:
+def test_what_the_derivative_does_not_see(op: SBPOperator, n: int) -> None:
     """Only constants have no derivative. Of the rest the longest wave has the least, in the norm H:
-    the second singular value is pi / (n - 1) up to its error; no motion of few points is below.
+    the second singular value is pi / (n - 1) up to its error. Not so with 8/4, where two motions of
+    a few points at each end have almost none.
     """
     H = np.sqrt(op.norm_weights(n))
-    values = np.linalg.svd(H[:, None] * op.matrix(n) / H, compute_uv=False)[::-1] * (n - 1) / np.pi
-    assert values[0] < 1e-13 and 0.98 < values[1] < 1.001
+    values = np.linalg.svd(H[:, None] * op.matrix(n) / H, compute_uv=False)[::-1]
+    assert values[0] < 1e-13
+    if op.order == 8:
+        assert values[1] < 3e-5 and values[2] < 3e-3 < values[3]
+    else:
+        assert 0.98 < values[1] * (n - 1) / np.pi < 1.001
 
 
 @ALL

@@ -1,6 +1,5 @@
 """The paper's method, fsipetsc.paper: rates, projections, integrals and bounds at random states, as
-they were frozen when two programs, written apart, agreed on them to 1e-12. Those of order 8 were
-frozen by this one, when the closure got another free parameter.
+they were frozen when two programs, written apart, agreed on them to 1e-12.
 
 `python tests/test_paper_rates.py` freezes them anew, which is for a change of the method alone.
 """
