@@ -7,6 +7,10 @@ from helpers import solve
 
 pytest.importorskip("petsc4py")
 
+from fsipetsc.blockrun.notes import weak_hinges
+from fsipetsc.cases import load_case
+from fsipetsc.options import defaults
+
 pytestmark = pytest.mark.mpi
 
 #: the piston, with one thing changed
@@ -99,3 +103,12 @@ def test_a_layer_at_a_wall_that_one_cell_holds(tmp_path):
     note = notes_of(tmp_path, PLANE)[-1]  # others are of the gas that meets the side
     assert "the velocity along a wall in 'gas' changes by" in note
     assert note.endswith("the layer there is not resolved")
+
+
+@pytest.mark.parametrize(
+    ("order", "ends", "count"), [(8, "hinged", 1), (6, "hinged", 0), (8, "clamped", 0)]
+)
+def test_a_hinge_that_does_not_hold(order, ends, count):
+    case = load_case("panel")
+    problem = case.build({**defaults(case), "panel_ends": ends, "fsi_order": order})
+    assert len(weak_hinges(problem, order)) == count

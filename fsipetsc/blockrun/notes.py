@@ -13,7 +13,7 @@ from mpi4py import MPI
 from fsipetsc.blockrun.columns import fields_of
 from fsipetsc.blockrun.recorded_nodes import stresses_of
 from fsipetsc.blocks.conditions import NoSlip
-from fsipetsc.blocks.problem import Meeting
+from fsipetsc.blocks.problem import BlockProblem, Meeting
 
 if TYPE_CHECKING:
     from fsipetsc.blockrun.block_state import BlockState
@@ -41,7 +41,8 @@ _WORDS = (
 
 
 def first_notes(state: BlockState) -> list[str]:
-    """Where walls are not at the ends of their blocks, and where pressure jumps at an interface.
+    """Hinges that do not hold; where walls are not at the ends of their blocks, and where pressure
+    jumps at an interface.
 
     Of the completed initial data, whose halos are filled. Collective.
     """
@@ -56,6 +57,7 @@ def first_notes(state: BlockState) -> list[str]:
         for block, distance in zip(blocks, away.tolist(), strict=True)
         if distance > AWAY * state.h
     ]
+    found += weak_hinges(problem, state.op.order)
     sums = np.zeros((len(problem.interfaces), 4))
     for row, (gas, solid) in zip(sums, problem.interfaces, strict=True):
         row[:2] = _sum_of_pressures(state, gas, solid)
@@ -70,6 +72,14 @@ def first_notes(state: BlockState) -> list[str]:
                 "interface): waves start there"
             )
     return found
+
+
+def weak_hinges(problem: BlockProblem, order: int) -> list[str]:
+    """A note if there are hinges and the order is 8, whose derivative hardly sees a motion of a
+    single point at an end (tests/test_operators.py).
+    """
+    words = "note: with -fsi_order 8 a hinge hardly holds its point; take 6 or less"
+    return [words] if problem.hinges and order == 8 else []
 
 
 def _sum_of_pressures(state: BlockState, k: int, other: int) -> tuple[float, int]:
