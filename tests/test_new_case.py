@@ -10,7 +10,7 @@ from helpers import assert_same_fields, solve
 
 import fsipetsc
 from fsipetsc.cases import template_text
-from fsipetsc.errors import InputError
+from fsipetsc.errors import FileError, InputError
 from fsipetsc.output.new_case import new_case
 
 pytest.importorskip("petsc4py")
@@ -58,7 +58,7 @@ def test_what_is_there_stays(tmp_path):
     (tmp_path / "mine.py").write_text("precious")
     (tmp_path / "link.py").symlink_to("nowhere")
     for name in ("mine.py", "link.py"):
-        with pytest.raises(FileExistsError):
+        with pytest.raises(FileError, match=f"{name}: exists already"):
             new_case(str(tmp_path / name), ())
     assert (tmp_path / "mine.py").read_text() == "precious"
     assert sorted(os.listdir(tmp_path)) == ["link.py", "mine.py"]
