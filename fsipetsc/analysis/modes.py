@@ -4,6 +4,7 @@ scheme (fsipetsc.analysis.wave_modes) and, where nothing conducts heat, exactly
 """
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from fsipetsc.cases import load_case
 from fsipetsc.cases.common import gas_of
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option, groups
-from fsipetsc.process.together import Comm, together, wait_asleep
+from fsipetsc.process.together import Comm, together
 from fsipetsc.usage import program
 
 _COUNT = Option("modes_count", int, 10, "", "how many modes, slowest first", check="positive")
@@ -40,8 +41,8 @@ def modes(arguments: list[str], comm: Comm) -> None:
 
     opt |= _AT_REST[name]
     problem = build_problem(case, opt, comm)
-    together(comm, lambda: None if comm.rank else _told(case, problem, opt, path))
-    wait_asleep(comm)
+    told = partial(_told, case, problem, opt, path)
+    together(comm, (lambda: None) if comm.rank else told, asleep=True)
 
 
 def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:

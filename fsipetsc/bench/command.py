@@ -9,6 +9,7 @@ is the median of its samples, a ratio that of pairs taken one after the other.
 import os
 import subprocess
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from itertools import product
 from pathlib import Path
 from statistics import median
@@ -21,7 +22,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.options import RUN, defaults, read_table
 from fsipetsc.options.option import Option
 from fsipetsc.process.launch import start_petsc
-from fsipetsc.process.together import Comm, agree, together, wait_asleep
+from fsipetsc.process.together import Comm, together
 
 #: form -> -fsi_convection, whether there is viscosity, words for the other program
 FORMS = {
@@ -117,16 +118,9 @@ def measured(
 
     def on(ranks: int, action: Callable[[], Any]) -> Any:
         """What an action gives on the first ranks, None on the others, which sleep meanwhile."""
-        value, fault = None, None
-        try:
-            value = action() if comm.rank < ranks else None
-        except InputError as error:
-            fault = error
-        wait_asleep(comm)
-        agree(comm, fault)
-        return value
+        return together(comm, action if comm.rank < ranks else lambda: None, asleep=True)
 
-    states = {n: on(n, lambda: compiled_state(case, options, teams[n])) for n in teams}  # noqa: B023
+    states = {n: on(n, partial(compiled_state, case, options, teams[n])) for n in teams}
 
     def sample(n: int, count: int) -> Any:
         return on(n, lambda: step_time(states[n], options, count))

@@ -313,6 +313,7 @@ class BlockState(State):
         if every is None:
             return None
         total, latest = sum(every, np.zeros(self.layout.auxiliary)), as_numbers(self.latest).copy()
+        # "behind": the auxiliary unknowns, by the name that files have
         return {**arrays, "behind": total, "results": self.results.copy(), "latest": latest}
 
     def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> None:

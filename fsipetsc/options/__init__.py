@@ -8,6 +8,7 @@ what PETSc is to follow.
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from difflib import get_close_matches
 from itertools import pairwise
@@ -142,9 +143,10 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
 
 def _refuse_nesting(file: Path) -> None:
     """InputError for an options file that names another: PETSc crashes where one names itself."""
-    text = file.read_text(errors="replace") if file.is_file() else ""
-    if re.search(r"^[^#\n]*\boptions_file", text, re.MULTILINE | re.IGNORECASE):
-        raise InputError(f"-options_file {file}: an options file cannot name another one")
+    with suppress(OSError):  # PETSc says so
+        text = file.read_text(errors="replace") if file.is_file() else ""
+        if re.search(r"^[^#\n]*\boptions_file", text, re.MULTILINE | re.IGNORECASE):
+            raise InputError(f"-options_file {file}: an options file cannot name another one")
 
 
 def _quoted(word: str) -> str:

@@ -128,6 +128,7 @@ def _of_layers(a: Run, b: Run, common: _Common, notes: list[str]) -> Iterator[Di
         nodes = common_nodes(layer, other, notes)
         if nodes is None:
             continue
+        # whether these are all nodes of both
         whole = all(len(n) == max(pair) for n, *pair in zip(nodes[0], layer.shape, other.shape))
         for field in _both(layer.fields, other.fields, f"{name}: field", notes):
             one, two = layer[field][in_a], other[field][in_b]
@@ -167,7 +168,7 @@ def common_nodes(a: Layer, b: Layer, notes: list[str]) -> tuple[list[Array], lis
 
     Another grid, and one without common nodes (None), are told in `notes`.
     """
-    if a.shape == b.shape and _same(a.places, b.places):
+    if a.shape == b.shape and _same(a.places, b.places, a):
         return [np.arange(n) for n in a.shape], [np.arange(n) for n in b.shape]
     found = None
     if len(a.shape) == len(b.shape) and math.prod(a.shape + b.shape) > 0:
@@ -195,11 +196,12 @@ def _of_blocks(a: Layer, b: Layer) -> tuple[list[Array], list[Array]] | None:
         steps = math.gcd(n - last, m - last)
         for nodes, count in zip(chosen, (n, m)):
             nodes.append(np.arange(steps + last) * ((count - last) // max(steps, 1)))
-    same = _same(a.places[np.ix_(*chosen[0])], b.places[np.ix_(*chosen[1])])
+    same = _same(a.places[np.ix_(*chosen[0])], b.places[np.ix_(*chosen[1])], a)
     return chosen if same else None
 
 
-def _same(a: Array, b: Array) -> bool:
-    """Whether places (…, d) are the same, to a billionth of what they span."""
-    size = np.ptp(a.reshape(-1, a.shape[-1]), axis=0).max(initial=0.0)
-    return bool(np.allclose(a, b, rtol=0.0, atol=1e-9 * size))
+def _same(one: Array, two: Array, layer: Layer) -> bool:
+    """Whether places (…, d) are the same, to a billionth of what the layer spans."""
+    places = layer.places.reshape(-1, layer.places.shape[-1])
+    size = np.ptp(places, axis=0).max() if len(places) else 0.0
+    return bool(np.allclose(one, two, rtol=0.0, atol=1e-9 * size))

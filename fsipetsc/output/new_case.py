@@ -1,6 +1,5 @@
 """A case file to start from: a copy of a template of fsipetsc/cases under a name of the user's."""
 
-import os
 import re
 import sys
 from collections.abc import Sequence
@@ -31,8 +30,10 @@ def new_case(name: str, commands: Sequence[str], blocks: bool = False) -> Path:
     text = template_text(blocks)
     if re.fullmatch(r"[\w./-]+", name):  # as it may stand in the examples
         text = text.replace("FILE.py", name).replace("NAME.", f"{stem}.")
-    if os.path.lexists(path):
-        raise FileError(f"{name}: exists already and is not overwritten; give another name")
-    with path.open("x", encoding="utf-8") as file:
-        file.write(text)
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        said = f"{name}: exists already and is not overwritten; give another name"
+        raise FileError(said) from None
     return path

@@ -13,16 +13,19 @@ else:
 Result = TypeVar("Result")
 
 
-def together(comm: Comm, action: Callable[[], Result]) -> Result:
+def together(comm: Comm, action: Callable[[], Result], asleep: bool = False) -> Result:
     """What action() returns on this rank. Collective, though the action must not be.
 
-    If it raises an FsiError on any rank, all ranks raise the error of the lowest one.
+    If it raises an FsiError on any rank, all ranks raise the error of the lowest one. asleep: ranks
+    that are done sleep until all are.
     """
     fault, result = None, None
     try:
         result = action()
     except FsiError as error:
         fault = error
+    if asleep:
+        wait_asleep(comm)
     agree(comm, fault)
     return result
 

@@ -112,22 +112,13 @@ def on_as_many(comm: Comm, run: Callable[[Comm], None]) -> None:
     for size in range(comm.size, 0, -1):
         ranks = comm.Split(int(comm.rank >= size), comm.rank)
         try:
-            return together(
-                comm, partial(_run_or_wait, comm, ranks if comm.rank < size else None, run)
-            )
+            action = partial(run, ranks) if comm.rank < size else lambda: None
+            return together(comm, action, asleep=True)
         except RanksError:
             if size == 1:
                 raise
         finally:
             ranks.Free()
-
-
-def _run_or_wait(comm: Comm, ranks: Comm | None, run: Callable[[Comm], None]) -> None:
-    try:
-        if ranks:
-            run(ranks)
-    finally:
-        wait_asleep(comm)  # the other ranks have compiled and made all steps
 
 
 def _title(name: str) -> str:
