@@ -57,6 +57,8 @@ def test_the_crossing_from_a_few_dynamic_pressures():
     found, s = crossing(dynamic, units, pairs)
     assert found == pytest.approx(np.sqrt(a**2 + d**2 * m) / f, rel=1e-6)
     assert s == pytest.approx(1j * np.sqrt(m), rel=1e-6)
+    of_two = crossing(dynamic[1:3], units[1:3], pairs[1:3])[0]  # linear in lambda^2: two are enough
+    assert of_two == pytest.approx(found, rel=1e-6)
     assert np.isnan(crossing(dynamic[:2], units[:2], pairs[:2])[0])
 
 
