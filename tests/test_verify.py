@@ -134,7 +134,21 @@ def test_references_are_those_of_the_literature():
     for ends, published in (("clamped", 636.57), ("hinged", 343.36)):
         thin = flutter[f"{ends} lambda"][0]
         assert thin == pytest.approx(published, abs=0.005)
-        assert theory.onset(0.0, ends, damped=False) == pytest.approx(thin, rel=1e-9)
+        assert theory.onset(theory.thin(ends), "steady") == pytest.approx(thin, rel=1e-9)
+
+
+def test_what_panels_are_made_of_in_theory():
+    """Waves of a plate are those of Rayleigh and Lamb; pressure of a steep exp(a x) is known."""
+    theory, d, k = program("beams"), 0.04, np.pi * np.arange(1, 4)
+    squares = theory.plane(d, "hinged", 32, 8)[0][:3]
+    alpha, beta = (np.sqrt(k**2 - squares / c**2) for c in (4.0 / d, 2.0 / d))
+    left = 4.0 * alpha * beta * k**2 * np.tanh(0.5 * beta * d)
+    assert left == pytest.approx((k**2 + beta**2) ** 2 * np.tanh(0.5 * alpha * d), rel=1e-10)
+    a, s, half = 30.0, 0.3 + 2.0j, np.array([0.5, 0.5])
+    x = theory.gauss(80)[0]
+    w = np.polynomial.Legendre.fit(x, np.exp(a * (x - 1.0)), 70, domain=[0, 1]).coef[:, None]
+    exact = (s + 2.0 * a) ** 2 / np.sqrt((s + 2.0 * a) ** 2 - a**2) / (2.0 * a)
+    assert theory.pressures((None, half, w))(s)[0, 0] == pytest.approx(exact, rel=1e-9)
 
 
 def test_entries_say_all_that_another_code_needs(tmp_path):

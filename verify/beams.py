@@ -3,8 +3,8 @@
 Flutter, quasi-steady pressure without damping, lengths over the panel's: w'''' + l w' = q w. The w
 are sums of exp(m x), m^4 + l m - q = 0. Flutter begins at the l at which two real q merge: 636.57
 of a clamped panel, 343.36 of a simply supported one (E. H. Dowell, Aeroelasticity of Plates and
-Shells, 1975; J. M. Hedgepeth, J. Aeronaut. Sci. 24 (1957) 381 has 343). Panels with a thickness and
-with damping: Galerkin's method.
+Shells, 1975; J. M. Hedgepeth, J. Aeronaut. Sci. 24 (1957) 381 has 343). Panels with a thickness, in
+plane strain, under the pressure of linear flow: Galerkin's method.
 
 Vibration, Timoshenko: D t'' + S (w' - t) = -r I t.., S (w'' - t') = m w.., plane strain, with
 S = 5/6 mu h, I = density h^3/12. Euler and Bernoulli: cos b cosh b = 1, w = b^2 sqrt(D/m).
@@ -14,8 +14,11 @@ from itertools import product
 
 import numpy as np
 from numpy.polynomial import Chebyshev, Legendre
-from scipy.linalg import eigh
-from scipy.optimize import brentq
+from numpy.polynomial.legendre import legder, leggauss, legint, legval, legvander
+from scipy.linalg import cholesky, eigh
+from scipy.linalg import solve_triangular as solve
+from scipy.optimize import brentq, newton
+from scipy.special import eval_jacobi, iv
 
 #: derivatives that vanish at both ends
 ENDS = {"clamped": (0, 1), "hinged": (0, 2)}
@@ -91,55 +94,155 @@ def hinged_timoshenko(thickness, number=1, poisson_lambda=2.0):
     return np.sqrt(2 * c / (-b + np.sqrt(b * b - 4 * a * c)))
 
 
-def galerkin(thickness, ends, terms=16):
-    """Squares of the frequencies of a panel, D = m = L = 1, lambda_e = 2 mu_e, and integrals of
-    w_i w_j and w_i w_j' of its modes. Polynomials for w and, if it is thick, t; functions that are
-    held vanish at the ends, forces and moments follow.
-    """
-    nodes, weights = np.polynomial.legendre.leggauss(3 * terms)
+def gauss(n):
+    """Nodes and weights for 0 < x < 1."""
+    t, weights = leggauss(n)
+    return 0.5 * (t + 1.0), 0.5 * weights
+
+
+def values(series, x, derivative=0):
+    """(n, nx) of n series of Legendre's polynomials on 0 < x < 1."""
+    return legval(2.0 * x - 1.0, legder(series, derivative, 2.0))
+
+
+def thin(ends, terms=16):
+    """Squares of the frequencies of a thin panel, D = m = L = 1, and series of x and the w."""
+    x, weights = gauss(2 * terms)
     bubble = Legendre.fit([0.0, 0.5, 1.0], [0.0, 0.25, 0.0], 2, domain=[0, 1])
-    thin, clamped = thickness == 0.0, ends == "clamped"
-
-    def values(factor, n):
-        functions = (factor * Legendre.basis(k, domain=[0, 1]) for k in range(terms))
-        return np.array([(f.deriv(n) if n else f)(0.5 * (nodes + 1.0)) for f in functions])
-
-    def integrals(a, b):
-        return (a * 0.5 * weights) @ b.T
-
-    w, w_x, w_xx = (values(bubble**2 if thin and clamped else bubble, n) for n in range(3))
-    K, M = integrals(w_xx, w_xx), integrals(w, w)
-    if not thin:
-        t, t_x = (values(bubble if clamped else 1.0, n) for n in range(2))
-        S, inertia, zero = 5 / 6 * 4 / thickness**2, thickness**2 / 12, 0.0 * M
-        bent = S * integrals(t, t) + integrals(t_x, t_x)
-        K = np.block([[S * integrals(w_x, w_x), -S * integrals(w_x, t)], [zero, bent]])
-        M = np.block([[M, zero], [zero, inertia * integrals(t, t)]])
-    squares, vectors = eigh(K, M, lower=False)  # the upper halves count
-    of_w = vectors[:terms]
-    return squares, of_w.T @ integrals(w, w) @ of_w, of_w.T @ integrals(w, w_x) @ of_w
+    held = bubble**2 if ends == "clamped" else bubble
+    all_w = (held * Legendre.basis(k, domain=[0, 1]) for k in range(terms))
+    series = np.array([np.pad(w.coef, (0, terms + 4 - len(w.coef))) for w in all_w]).T
+    M, K = (v * weights @ v.T for v in (values(series, x, n) for n in (0, 2)))
+    squares, a = eigh(K, M)
+    return squares, np.array([0.5, 0.5]), series @ a
 
 
-def modes(panel, l, mach=2.0, mass=10.0, damped=True):
-    """s sqrt(m/D) with Im s >= 0, by frequency: s^2 w + c s w + ... + l w' = 0, with the damping of
-    quasi-steady flow, c = (M^2 - 2)/(M^2 - 1) sqrt(l/(beta m)), m the mass over density and length.
+def stretched(n, left, right):
+    """Series in s, 0 < s < 1, of x and n - 1 more integrals f of Jacobi's polynomials over x, where
+    dx/ds ~ s^left (1 - s)^right, x(1) = 1; weights of integrals over x, and f, df/dx there. Roots
+    of x and 1 - x are smooth in s. All f but x itself vanish at s = 1, too, not only at 0.
     """
-    squares, ww, ww_x = panel
-    b, one, none = mach**2 - 1.0, np.eye(len(squares)), np.zeros(ww.shape)
-    c = (b - 1.0) / b * np.sqrt(l / (np.sqrt(b) * mass)) if damped else 0.0
-    s = np.linalg.eigvals(np.block([[none, one], [-np.diag(squares) - l * ww_x, -c * ww]]))
-    return sorted(s[s.imag >= 0.0], key=lambda s: s.imag)
+    s, weights = gauss(n + left + right + 8)
+    slope = s**left * (1.0 - s) ** right
+    slope /= weights @ slope
+    f_x = np.array([eval_jacobi(k, right, left, 2.0 * s - 1.0) for k in range(n)])
+    degrees = np.arange(len(s))
+    projected = (legvander(2.0 * s - 1.0, degrees[-1]) * weights[:, None]).T @ (f_x * slope).T
+    series = legint((2 * degrees + 1)[:, None] * projected, lbnd=-1, scl=0.5)
+    return series, weights * slope, values(series, s), f_x
 
 
-def onset(thickness, ends, damped=True):
+def with_one(f, f_x):
+    """f and df/dx with the function 1 before them."""
+    one = np.ones((1, f.shape[1]))
+    return np.vstack([one, f]), np.vstack([0.0 * one, f_x])
+
+
+def reduced(K, M, loads):
+    """Squares and amplitudes of motions of K^-1 loads and K^-1 M K^-1 loads alone: what smooth
+    pressures make. Many more modes were needed for the same.
+    """
+    scale = 1.0 / np.sqrt(np.diag(K))
+    K, M = (A * scale * scale[:, None] for A in (K, M))
+    root = cholesky(K, lower=True)
+
+    def softness(b):
+        return solve(root, M @ solve(root, b, trans="T", lower=True), lower=True)
+
+    b = solve(root, scale[:, None] * loads, lower=True)
+    b = np.linalg.qr(np.hstack([b, softness(b)]))[0]
+    inverse, a = eigh(b.T @ softness(b))
+    a = solve(root, b @ a[:, ::-1], trans="T", lower=True) * scale[:, None]
+    return 1.0 / inverse[::-1], a / np.sqrt(inverse[::-1])
+
+
+def plane(thickness, ends, along=64, across=20, terms=16):
+    """As thin: a panel in plane strain, lambda_e = 2 mu_e, w at its upper face. Clamped: u = v = 0
+    on its end faces; hinged: v = 0 there. u is odd in y, the distance from the middle. Corners of
+    clamped panels have singular stress: 7 digits are right.
+    """
+    mu = 4.0 / thickness**3
+    series, X, all_x, slopes = stretched(along + 1, 5, 5)
+    v, v_x = all_x[1:], slopes[1:]  # all but x vanish at both ends
+    u, u_x = (v, v_x) if ends == "clamped" else with_one(all_x, slopes)
+    upper, Y, g, g_y = stretched(across, 0, 5)  # over the upper half, of which Y is twice
+    Y, g_y = thickness * Y, g_y / (0.5 * thickness)
+    f, f_y = with_one(g, g_y)
+
+    def both(a, b, c, d):
+        return np.kron(a * X @ b.T, c * Y @ d.T)
+
+    uv = mu * (2.0 * both(u_x, v, g, f_y) + both(u, v_x, g_y, f))
+    uu = mu * (4.0 * both(u_x, u_x, g, g) + both(u, u, g_y, g_y))
+    vv = mu * (4.0 * both(v, v, f_y, f_y) + both(v_x, v_x, f, f))
+    K = np.block([[uu, uv], [uv.T, vv]])
+    M = np.block([[both(u, u, g, g), 0.0 * uv], [0.0 * uv.T, both(v, v, f, f)]]) / thickness
+    at_top = np.concatenate([[1.0], values(upper, 1.0)])
+    s = gauss(len(X))[0]
+    pushes = values(np.eye(terms), values(series[:, 0], s))
+    push = np.kron(v * X @ pushes.T, at_top[:, None])
+    loads = np.vstack([np.zeros((len(uu), terms)), push])
+    squares, a = reduced(K, M, loads)
+    of_v = np.einsum("xyk,y->xk", a[len(uu) :].reshape(len(v), len(f), -1), at_top)
+    return squares, series[:, 0], series[:, 1:] @ of_v
+
+
+def pressures(panel, flow="exact", mach=2.0, points=48):
+    """s -> integrals of w_i p_j over x, of the pressure p_j that w_j exp(s t) makes: steady, to
+    first order in s (slow), or exact. Density, velocity of sound and length are 1.
+
+    In Laplace transforms over x of linear potential flow, w = 0 at x = 0, b^2 = M^2 - 1:
+
+        p = (s + M a)^2 K w,   K = 1/sqrt((s + M a)^2 - a^2),
+        K(x) = exp(-M s x/b^2) I0(s x/b^2)/b
+    """
+    _, x_of, w_of = panel
+    square, root = mach**2 - 1.0, np.sqrt(mach**2 - 1.0)
+    at, weights = gauss(points)
+    # p times dx, as functions of the places s of the series
+    w, slope = values(w_of, at), values(x_of, at, 1)
+    steady = (w * weights) @ values(w_of, at, 1).T * mach**2 / root
+    slow = (w * weights * slope) @ w.T * mach * (mach**2 - 2.0) / root**3
+    if flow != "exact":
+        return lambda s: steady + (s * slow if flow == "slow" else 0.0)
+    before = np.outer(at, at)  # places between 0 and each of at
+    r = (values(x_of, at)[:, None] - values(x_of, before)) / square
+    step = at[:, None] * weights
+    dx, w_before = step * values(x_of, before, 1), values(w_of, before)
+    dw = step * values(w_of, before, 1)
+
+    def exact(s):
+        decay, z = np.exp(-mach * s * r) / root, s * r
+        K, K_x = decay * iv(0, z), decay * (iv(1, z) - mach * iv(0, z)) * s / square
+        by_slope = 2.0 * s * mach * K + mach**2 * K_x
+        p = (w_before * (s * s * K * dx) + dw * by_slope).sum(axis=2)
+        return steady + (w * weights * slope) @ p.T
+
+    return exact
+
+
+def modes(panel, l, flow="exact", mach=2.0, mass=10.0):
+    """s of the two slowest modes, velocity of sound and length 1; mass over density and length."""
+    squares, one = panel[0], np.eye(len(panel[0]))
+    stiff = mach**2 / (l * np.sqrt(mach**2 - 1.0)) * np.diag(squares)
+    first = pressures(panel, "steady" if flow == "steady" else "slow", mach)
+    P, P_s = first(0.0), first(1.0) - first(0.0)
+    s = np.linalg.eigvals(np.block([[0.0 * one, one], [-(stiff + P) / mass, -P_s / mass]]))
+    s = sorted(s[s.imag >= 0.0], key=lambda s: s.imag)[:2]
+    if flow != "exact":
+        return s
+    exact, scale = pressures(panel, flow, mach), 1.0 / (np.diag(stiff) + mass)
+
+    def misfit(s):
+        return np.linalg.det((mass * s * s * one + stiff + exact(s)) * scale)
+
+    return [newton(misfit, start, x1=start * (1.0 + 1e-4), tol=1e-13) for start in s]
+
+
+def onset(panel, flow="exact"):
     """Least l at which one of the two slowest modes grows."""
-    panel, low, high = galerkin(thickness, ends), 200.0, 900.0
-    noise = 0.0 if damped else 1e-4  # undamped modes neither grow nor decay below the onset
-    while high - low > 1e-10 * high:
-        middle = 0.5 * (low + high)
-        growth = max(s.real for s in modes(panel, middle, damped=damped)[:2])
-        low, high = (low, middle) if growth > noise else (middle, high)
-    return high
+    noise = 1e-6 if flow == "steady" else 0.0  # without damping, modes do not decay below the onset
+    return brentq(lambda l: max(s.real for s in modes(panel, l, flow)) - noise, 250, 750, xtol=1e-8)
 
 
 def columns():
@@ -152,19 +255,21 @@ def columns():
 
 
 def flutter_columns():
-    """Of panel_flutter.csv: l at flutter, thin, the merged q, and of panels of thickness d without
-    and with damping; s over the speed of sound and the length of the two slowest modes, d = 0.1.
+    """Of panel_flutter.csv: l at flutter of panels of thickness d under steady and exact pressure,
+    the merged q of thin ones; s of the two slowest modes, d = 0.1.
     """
-    both, d = {ends: flutter(ends) for ends in ENDS}, [0.0, 0.04, 0.1]
+    d = [0.0, 0.04, 0.1]
     made = {"d": d}
     for ends in ENDS:
-        made[f"{ends} lambda"] = [both[ends][0], *(onset(v, ends, False) for v in d[1:])]
-        made[f"{ends} damped"] = [onset(v, ends) for v in d]
-        made[f"{ends} q"] = [both[ends][1], np.nan, np.nan]
+        thin_l, q = flutter(ends)
+        panels = [thin(ends), *(plane(v, ends) for v in d[1:])]
+        made[f"{ends} lambda"] = [thin_l, *(onset(panel, "steady") for panel in panels[1:])]
+        made[f"{ends} theory"] = [onset(panel) for panel in panels]
+        made[f"{ends} q"] = [q, np.nan, np.nan]
+        if ends == "clamped":
+            thick = panels[-1]
     made["lambda"] = [350.0, 430.0, 650.0]
-    thick = galerkin(0.1, "clamped")
-    unit = [2.0 / np.sqrt(l * np.sqrt(3.0) * 10.0) for l in made["lambda"]]
-    found = [np.array(modes(thick, l)[:2]) * u for l, u in zip(made["lambda"], unit)]
+    found = [modes(thick, l) for l in made["lambda"]]
     for k, part in product(range(2), ("real", "imag")):
         made[f"s{k + 1} {part}"] = [getattr(s[k], part) for s in found]
     return made
@@ -175,6 +280,6 @@ if __name__ == "__main__":
 
     about = "w sqrt(m/D) of beams of length 1 and thickness d, lambda_e = 0; d = 0: thin"
     save("beam", columns(), f"made by verify/beams.py: {about}")
-    about = "lambda = 2 q L^3/(D beta) at flutter of panels of thickness d, quasi-steady"
-    more = "damped, s1, s2: Mach number 2, mass 10; s1, s2: clamped, d = 0.1, at lambda"
+    about = "lambda = 2 q L^3/(D beta) at flutter of panels of thickness d, steady pressure"
+    more = "theory, s1, s2: exact pressure, Mach 2, mass 10; s1, s2: clamped, d = 0.1, at lambda"
     save("panel_flutter", flutter_columns(), f"made by verify/beams.py: {about}", more)

@@ -8,8 +8,8 @@ from fsipetsc.cases import load_case
 from fsipetsc.options import defaults
 from fsipetsc.verify.entry import Bound, Compared, Measured, Solve, reference
 
-#: ends -> lambdas below and above the onset
-RUNS = {"clamped": (600.0, 700.0), "hinged": (320.0, 380.0)}
+#: ends -> lambdas below and above the onset; from two the crossing is 0.1 to 0.2 % too low
+RUNS = {"clamped": (600.0, 650.0, 700.0), "hinged": (320.0, 350.0, 380.0)}
 THICKNESS = 0.04
 
 
@@ -23,18 +23,18 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
         opt |= {"panel_ends": ends, "panel_thickness": THICKNESS}
         pairs = [one_run(case, opt, 2.0, dynamic).pair for dynamic in lambdas]
         onset = crossing(lambdas, [flow.unit(dynamic) for dynamic in lambdas], pairs)[0]
-        errors[f"{ends}, theory"] = Compared(onset, float(table[f"{ends} damped"][thick]))
+        errors[f"{ends}, theory"] = Compared(onset, float(table[f"{ends} theory"][thick]))
         errors[f"{ends}, thin limit"] = Compared(onset, float(table[f"{ends} lambda"][0]))
     return Measured(errors)
 
 
-SOURCE = "verify/beams.py (Timoshenko, quasi-steady; Dowell 1975 has 636.57 in the thin limit)"
+SOURCE = "verify/beams.py (plane strain, linear flow; Dowell 1975 has 636.57 in the thin limit)"
 QUICK = {4: (1 / 24,)}
 FULL = {4: (1 / 24, 1 / 32, 1 / 48)}
-# measured with h = 1/48: clamped 8.3e-3, 2.9e-2 from the thin limit, hinged 5.9e-3, 1.2e-2
+# measured with h = 1/48: clamped 8.5e-3, 2.5e-2 from the thin limit, hinged 1.7e-4, 7.1e-3
 BOUNDS = {
     ("clamped, thin limit", 4): Bound(error=0.04),
     ("hinged, thin limit", 4): Bound(error=0.02),
     ("clamped, theory", 4): Bound(error=0.02, at={1 / 48: 0.012}),
-    ("hinged, theory", 4): Bound(error=0.01),
+    ("hinged, theory", 4): Bound(error=1e-3),
 }
