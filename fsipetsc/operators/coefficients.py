@@ -124,11 +124,11 @@ def _pairs(text: str) -> dict[tuple[int, int], Fraction]:
     return {(int(i), int(l)): Fraction(weight) for i, l, weight in zip(words, words, words)}
 
 
-#: Weights S_il, i < l, of pairs of nodes beside an axis, where areas are A = |r|, by interior order.
-#: Node -1 - j is the image of node j, and S_(-1-l)(-1-i) = S_il; all others are as ever.
-#: |r| has a kink at r = 0: with the weights of a plane div u of u = r is wrong by a tenth and more
-#: in the first nodes on any grid, velocities there have order 1, and frequencies order 4. With
-#: these, on r = 1/2, 3/2, ... and with J = D (r A/2),
+#: Weights S_il, i < l, of pairs of nodes beside an axis, where areas are A = |r|, by interior
+#: order. Node -1 - j is the image of node j, and S_(-1-l)(-1-i) = S_il; all others are as ever.
+#: |r| has a kink at r = 0. With the weights of a plane div u of u = r is wrong by 4 to 9 % at the
+#: first node on any grid, velocities there have order 1, and frequencies order 4. With these, on
+#: r = 1/2, 3/2, ... and with J = D (r A/2),
 #:
 #:     sum_l S_il                             = 0
 #:     sum_l S_il (A_i + A_l) (p_l - p_i) / 4 = J_i 2 r_i    for p = r^2
