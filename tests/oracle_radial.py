@@ -9,7 +9,8 @@ is used as it is; new are
     solid  force along r -= kappa (J0 R^kappa / R) P_hoop, with the hoop stretch lambda = r / R
 
 A block that goes from -r to r, with an even number of nodes and mirrored states, is the scheme with
-a centre: none of its nodes is there, and the weight is |r|^kappa.
+a centre: none of its nodes is there, and the weight is |r|^kappa. Pairs around an axis have weights
+of their own.
 """
 
 from __future__ import annotations
@@ -18,6 +19,17 @@ import numpy as np
 from block_oracle import Oracle
 from oracle_formulas import cofactor, det, dot, energy_and_stress
 
+from fsipetsc.operators.coefficients import AXIS
+
+
+def beside_axis(order, _, S, weight):
+    """(D, S, weight) of an axis from -r to r with the weights of pairs around r = 0."""
+    S, n = S.copy(), len(weight) // 2
+    for (i, l), w in AXIS.get(order, {}).items():
+        for a, b in ((n + i, n + l), (n - 1 - l, n - 1 - i)):
+            S[a, b], S[b, a] = float(w), -float(w)
+    return 0.5 * (S - np.diag(S.sum(axis=1))) / weight[:, None], S, weight
+
 
 class Radial(Oracle):
     """An oracle with a weight r^kappa; see Oracle. kappa = 0: no weight."""
@@ -25,6 +37,9 @@ class Radial(Oracle):
     def __init__(self, problem, kappa):
         self.kappa = kappa
         super().__init__(problem)
+        for k, b in enumerate(self.blocks):
+            if kappa == 1 and b.X[-1].min() < 0.0 < b.X[-1].max():
+                self.axes[k][-1] = beside_axis(problem.order, *self.axes[k][-1])
         for k, (A, J0) in self.solids.items():
             weight = self.weight(self.blocks[k].X)
             self.solids[k] = A * weight, J0 * weight

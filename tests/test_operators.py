@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from fsipetsc.operators import OPERATORS, SBPOperator, operator
+from fsipetsc.operators.bands import centred_band
+from fsipetsc.operators.coefficients import AXIS
 
 ALL = pytest.mark.parametrize("op", OPERATORS.values(), ids=lambda op: op.name)
 
@@ -125,3 +127,33 @@ def test_too_few_points(op: SBPOperator) -> None:
     for method in (op.matrix, op.exact_matrix, op.norm_weights):
         with pytest.raises(ValueError, match=words):
             method(n)
+
+
+@pytest.mark.parametrize("order", AXIS)
+def test_weights_beside_an_axis(order: int) -> None:
+    """The whole line is antisymmetric and its own mirror image. Around r = 0, u = r and p = r^2
+    have their derivatives exactly; with the weights of a plane they have not.
+    """
+    cells = operator(order).min_points + 5
+    n = cells + 1
+    r = np.arange(-n, n) + 0.5
+
+    def errors(kappa: int) -> list[np.ndarray]:
+        band = centred_band(order, cells, kappa)
+        S = np.zeros((2 * n, 2 * n))
+        for k, weights in enumerate(np.roll(band.S, n, axis=1)):
+            for i in np.flatnonzero(weights):
+                S[i, i + k], S[i + k, i] = weights[i], -weights[i]
+        assert np.array_equal(S, -S[::-1, ::-1])
+        A = np.abs(r)
+        areas = 0.25 * S * (A + A[:, None])
+        J = 0.25 * (S * (r * A - (r * A)[:, None])).sum(axis=1)
+        found = [
+            S.sum(axis=1),
+            (areas * (r**2 - (r**2)[:, None])).sum(axis=1) - 2.0 * J * r,
+            (areas * (r + r[:, None])).sum(axis=1) - 2.0 * J,
+        ]
+        return [np.abs(f[n : n + 6]).max() for f in found]
+
+    assert max(errors(1)) < 1e-13
+    assert min(errors(2)[1:]) > 0.05

@@ -47,18 +47,27 @@ def mode_errors(kappa, gas, order, h):
 @KAPPA
 def test_modes_of_shells(kappa, gas):
     """Measured: 4/2 rates 3.8 to 4.2, or 4.3 of waves within the shell, whose fastest has 13 nodes
-    and an error of 1.5e-2; 6/3 up to 2.8e-9, in a vacuum 9.8e-12, 1.1e-7, 5.9e-6; 8/4 up to 1e-8.
+    and an error of 1.5e-2; 6/3 up to 1.3e-9, in a vacuum 9.8e-12, 1.1e-7, 5.9e-6; 8/4 up to 8e-10.
     """
     coarse, fine = (mode_errors(kappa, gas, 4, h) for h in (0.0375, 0.01875))
     assert (coarse < ([1e-6, 2e-3, 2e-2] if gas == "none" else [2e-6, 3e-5, 8e-5])).all()
     rates = np.log2(coarse / fine)
     exact_at_first = (kappa, gas) == (2, "centre")  # an error of the second one passes through 0
     assert np.delete(rates, 1 if exact_at_first else []).min() > 3.7
-    most = [1e-10, 2e-7, 1e-5] if gas == "none" else [1e-8] * 3
+    most = [1e-10, 2e-7, 1e-5] if gas == "none" else [2e-9] * 3
     assert (mode_errors(kappa, gas, 6, 0.0125) < most).all()
     if gas != "none":
-        assert mode_errors(kappa, gas, 8, 0.01875).max() < 2e-8
+        assert mode_errors(kappa, gas, 8, 0.01875).max() < 2e-9
         assert 1e-3 < mode_errors(kappa, gas, 2, 0.0375).max() < 1e-2
+
+
+@KAPPA
+def test_order_of_6_3_with_gas_to_the_centre(kappa):
+    """Measured: 6.4, 6.5 and 7.1, 6.7; around an axis with the weights of a plane 3.1 and 2.0. The
+    first mode is left out: its error is round-off.
+    """
+    coarse, fine = (mode_errors(kappa, "centre", 6, h)[1:] for h in (0.025, 0.0125))
+    assert np.log2(coarse / fine).min() > 6.0
 
 
 #: frequencies of the first two radial modes of a free ball of steel
@@ -173,7 +182,7 @@ def build(opt):
 @pytest.mark.long
 def test_a_spherical_pulse_around_an_axis(tmp_path):
     """4/2, against the same in one dimension, where no wall is near. Velocities across the axis
-    next to it have order 1 alone: |r| has a kink.
+    next to it converge like the rest. Measured: p 2.2e-4, 1.4e-5, v 2.2e-4, 8.3e-6.
     """
     (tmp_path / "pulse.py").write_text(PULSE)
     line = computed(tmp_path, "line.h5", "pulse.py", *"-d 1 -n 400 -fsi_order 6".split())
@@ -188,8 +197,8 @@ def test_a_spherical_pulse_around_an_axis(tmp_path):
         mean = np.sqrt((np.square(p - pressure)[inside]).mean())
         errors.append((mean, np.abs(across[0][inside[0]]).max()))
     (p, v), (p_fine, v_fine) = errors
-    assert p < 5e-4 and p / p_fine > 7.0
-    assert v < 2e-3 and v / v_fine > 1.8
+    assert p < 4e-4 and p / p_fine > 12.0
+    assert v < 4e-4 and v / v_fine > 8.0
 
 
 def gas_at(*X):

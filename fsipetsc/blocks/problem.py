@@ -94,7 +94,7 @@ class BlockProblem:
         """Pair weights of an axis of block k. InputError if it has too few nodes."""
         block, found = self.blocks[k], self.blocks[k].band(order, axis)
         images = axis == self.dimension - 1 and self.centred(k)
-        return centred_band(order, block.cells[axis]) if images else found
+        return centred_band(order, block.cells[axis], self.symmetry) if images else found
 
     def number(self, name: str) -> int:
         """Of a block. InputError if there is none of this name."""

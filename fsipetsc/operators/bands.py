@@ -21,6 +21,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from fsipetsc.operators.coefficients import AXIS
 from fsipetsc.operators.loops import CALL
 from fsipetsc.operators.sbp import operator
 
@@ -88,9 +89,10 @@ def band(order: int, cells: int, periodic: bool = False) -> Band:
     return Band(S, weight)
 
 
-def centred_band(order: int, cells: int) -> Band:
+def centred_band(order: int, cells: int, kappa: int) -> Band:
     """That of an axis which goes on beyond its first node to its mirror image, half a cell before
-    it: node -1 - i is the image of node i.
+    it: node -1 - i is the image of node i. Around an axis (kappa = 1) nodes beside it have
+    weights of their own, AXIS of fsipetsc.operators.coefficients.
 
     Images come after the nodes, so that ``part`` finds them at numbers below 0. The spacing is
     that of ``band``. ValueError if there are too few nodes.
@@ -98,7 +100,12 @@ def centred_band(order: int, cells: int) -> Band:
     band(order, cells)
     n, whole = cells + 1, band(order, 2 * cells + 1)
     weight = whole.weight * ((2 * cells + 1) / cells)
-    return Band(np.roll(whole.S, n, axis=1), np.roll(weight, n))
+    pairs = AXIS.get(order, {}) if kappa == 1 else {}
+    farthest = max([whole.reach, *(l - i for i, l in pairs)])
+    S = np.pad(whole.S, ((0, farthest - whole.reach), (0, 0)))
+    for (i, l), w in pairs.items():
+        S[l - i, [n + i, n - 1 - l]] = float(w)
+    return Band(np.roll(S, n, axis=1), np.roll(weight, n))
 
 
 class Patch(NamedTuple):

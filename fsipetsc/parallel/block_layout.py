@@ -319,12 +319,14 @@ def halos_of(problem: Any, order: int, shocks: bool = False) -> list[tuple[int, 
 
     Where derivatives act twice, in solids and in gases with viscosity or conduction, a node needs
     2 p others to each side, and corners; 3 p where a solid's temperature follows from its strain
-    and is conducted; else p, one more at shocks, and at least 2.
+    and is conducted; else p, one more at shocks, and at least 2. Beside an axis nodes of 4/2 see 3
+    images.
     """
-    p = order // 2
     found = []
-    for block in problem.blocks:
-        material = block.material
+    for k, block in enumerate(problem.blocks):
+        material, p = block.material, order // 2
+        if order == 4 and problem.symmetry == 1 and problem.centred(k):
+            p = 3
         if block.kind == "solid":
             thrice = material.heat == "elastic" and material.kappa_e > 0.0
             found.append((3 * p if thrice else 2 * p, True))
