@@ -10,8 +10,6 @@ Vibration, Timoshenko: D t'' + S (w' - t) = -r I t.., S (w'' - t') = m w.., plan
 S = 5/6 mu h, I = density h^3/12. Euler and Bernoulli: cos b cosh b = 1, w = b^2 sqrt(D/m).
 """
 
-from itertools import product
-
 import numpy as np
 from numpy.polynomial import Chebyshev, Legendre
 from scipy.linalg import eigh
@@ -32,22 +30,20 @@ def misfit(l, q, ends):
 
 
 def flutter(ends):
-    """(l, q) where the first two q merge."""
+    """The l at which the first two q merge."""
     low, high = {"clamped": (500.5639, 3803.537), "hinged": (np.pi**4, 16 * np.pi**4)}[ends]
     sign = np.sign(misfit(0.0, 0.5 * (low + high), ends))
 
     def gap(l):
-        """Largest misfit between the two eigenvalues, with its sign at l = 0, and where it is."""
+        """Largest misfit between the two eigenvalues, with its sign at l = 0."""
         between = np.vectorize(lambda q: sign * misfit(l, q, ends))
         of = Chebyshev.interpolate(between, 30, domain=(low, high))
         tops = [q.real for q in of.deriv().roots() if q.imag == 0.0 and low < q.real < high]
-        q = max(tops, key=of)
-        return of(q), q
+        return max(of(q) for q in tops)
 
     near = {"clamped": 600.0, "hinged": 320.0}[ends], {"clamped": 680.0, "hinged": 360.0}[ends]
-    scale = abs(gap(near[0])[0])
-    l = brentq(lambda l: gap(l)[0] / scale, *near, xtol=1e-10, rtol=1e-14)
-    return l, gap(l)[1]
+    scale = abs(gap(near[0]))
+    return brentq(lambda l: gap(l) / scale, *near, xtol=1e-10, rtol=1e-14)
 
 
 def euler_bernoulli(number=1, ends="clamped"):
@@ -152,21 +148,12 @@ def columns():
 
 
 def flutter_columns():
-    """Of panel_flutter.csv: l at flutter, thin, the merged q, and of panels of thickness d without
-    and with damping; s over the speed of sound and the length of the two slowest modes, d = 0.1.
-    """
-    both, d = {ends: flutter(ends) for ends in ENDS}, [0.0, 0.04, 0.1]
+    """Of panel_flutter.csv: l at flutter of panels of thickness d, without and with damping."""
+    d = [0.0, 0.04, 0.1]
     made = {"d": d}
     for ends in ENDS:
-        made[f"{ends} lambda"] = [both[ends][0], *(onset(v, ends, False) for v in d[1:])]
+        made[f"{ends} lambda"] = [flutter(ends), *(onset(v, ends, False) for v in d[1:])]
         made[f"{ends} damped"] = [onset(v, ends) for v in d]
-        made[f"{ends} q"] = [both[ends][1], np.nan, np.nan]
-    made["lambda"] = [350.0, 430.0, 650.0]
-    thick = galerkin(0.1, "clamped")
-    unit = [2.0 / np.sqrt(l * np.sqrt(3.0) * 10.0) for l in made["lambda"]]
-    found = [np.array(modes(thick, l)[:2]) * u for l, u in zip(made["lambda"], unit)]
-    for k, part in product(range(2), ("real", "imag")):
-        made[f"s{k + 1} {part}"] = [getattr(s[k], part) for s in found]
     return made
 
 
@@ -175,6 +162,6 @@ if __name__ == "__main__":
 
     about = "w sqrt(m/D) of beams of length 1 and thickness d, lambda_e = 0; d = 0: thin"
     save("beam", columns(), f"made by verify/beams.py: {about}")
-    about = "lambda = 2 q L^3/(D beta) at flutter of panels of thickness d, quasi-steady"
-    more = "damped, s1, s2: Mach number 2, mass 10; s1, s2: clamped, d = 0.1, at lambda"
+    about = "2 q L^3/(D beta) at flutter of panels of thickness d (rows), quasi-steady"
+    more = "lambda: without damping; damped: with that at Mach number 2, mass 10"
     save("panel_flutter", flutter_columns(), f"made by verify/beams.py: {about}", more)
