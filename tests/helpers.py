@@ -4,6 +4,7 @@ under mpiexec.
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import subprocess
 import sys
@@ -191,6 +192,14 @@ def assert_same_fields(one: fsipetsc.output.reader.Run, other: fsipetsc.output.r
     for a, b in zip(one.layers, other.layers, strict=True):
         for name in a.fields:
             assert np.array_equal(a[name], b[name]), (a.name, name)
+
+
+def program(name: str) -> Any:
+    """A program of the folder `verify`, which computes references apart from the package."""
+    spec = importlib.util.spec_from_file_location(name, REPOSITORY / "verify" / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 def integrated(

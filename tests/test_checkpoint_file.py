@@ -15,7 +15,7 @@ import pytest
 from helpers import message, solve
 
 import fsipetsc
-from fsipetsc.errors import FileError
+from fsipetsc.errors import FileError, InputError
 from fsipetsc.output import checkpoint_file
 from fsipetsc.output.checkpoint_file import Checkpoint, CheckpointError, pack, read, unpack, write
 
@@ -179,6 +179,33 @@ def test_another_extent_of_a_layer_is_found_out(tmp_path):
     (tmp_path / "mine.py").write_text(case.replace("TOP", "3.2"))
     done = solve("mine.py", "-fsi_restart", "mine.checkpoint.h5", cwd=tmp_path)
     message(done, 2, "X of 'above' is [", ", 3.2], and was [", ", 3.0] when the checkpoint")
+
+
+def test_another_number_of_points_is_found_out():
+    """Of layers whose ends differ by less than their description shows."""
+    pytest.importorskip("petsc4py")
+    from mpi4py import MPI
+
+    from fsipetsc.cases import load_case
+    from fsipetsc.options import defaults
+    from fsipetsc.stepping import restart
+    from fsipetsc.stepping.solve import build_problem, make_state
+
+    case = load_case("rod")
+
+    def state(top):
+        opt = {**defaults(case), "fsi_h": 0.05, "fsi_coupling": "projection", "rod_top": top}
+        return make_state(build_problem(case, opt, MPI.COMM_SELF), opt, MPI.COMM_SELF)
+
+    with state(3.0) as before, state(3.0 + 4e-10) as now:
+        problem, columns = restart.described(before.problem), restart.columns_of(before)
+        assert problem == restart.described(now.problem)
+        header = {"problem": problem, "columns": columns}
+        past = restart.Past("a.h5", header, before.capture(), [])
+        restart.check_problem(past, before)
+        said = r"nodes of 'above' is \[40\], and was \[39\] when the checkpoint a\.h5"
+        with pytest.raises(InputError, match=said):
+            restart.check_problem(past, now)
 
 
 WORDS = "rod -fsi_h 0.05 -ts_max_time 1 -fsi_checkpoint_steps 20 -ts_max_steps".split()

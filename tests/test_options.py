@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from fsipetsc.cases import load_case
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import (
     COMMON,
@@ -18,6 +19,7 @@ from fsipetsc.options import (
     read_options,
     table,
 )
+from fsipetsc.stepping.solve import block_form
 from fsipetsc.usage import case_help, command_help
 
 petsc4py = pytest.importorskip("petsc4py")
@@ -241,3 +243,16 @@ def test_faulty_file(name, here):
         given_options(["-options_file", name])
     assert present() == {}
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("fsi_coupling", "energy", "energy: this case is made of blocks: expected conservative$"),
+        ("fsi_viscous", "narrow", "narrow: with -fsi_coupling conservative it is wide; "),
+    ],
+)
+def test_methods_that_blocks_do_not_have(name, value, said):
+    opt = {**defaults(load_case("blast")), name: value}
+    with pytest.raises(InputError, match=f"^-{name} {said}"):
+        block_form(opt)

@@ -100,6 +100,16 @@ def test_what_else_is_stored(finished: Path) -> None:
         )
 
 
+def test_a_result_without_frames_says_so(tmp_path: Path) -> None:
+    """As a run leaves it that is killed before its first frame."""
+    program.write(str(tmp_path / "run.h5"), 0, "blocks", join=False)
+    with fsipetsc.open_run(tmp_path / "run.h5") as result:
+        assert result.nframes == 0
+        for action in (lambda: result.at(0.0), lambda: result.layers[0].frame(-1)):
+            with pytest.raises(FileError, match=r"run\.h5: no frame is saved in it"):
+                action()
+
+
 @pytest.mark.mpi
 def test_a_full_disk_fails_on_all_ranks(tmp_path: Path) -> None:
     path = tmp_path / "run.h5"

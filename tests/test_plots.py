@@ -275,6 +275,20 @@ def test_film_and_a_file_where_a_directory_should_be(results, tmp_path, capsys):
     assert "cannot write the " in said and said.endswith("text is not a directory\n"), said
 
 
+def test_only_what_is_drawn_moves_in_a_film():
+    run, places = made_up(), []
+    run.case, run.options, run.summary, run.complete = "made up", {}, {}, True
+    with matplotlib.rc_context(style.STYLE):
+        figure = Figure()
+        FigureCanvasAgg(figure)
+        for frame in page.drawn(figure, run, range(run.nframes)):
+            figure.canvas.draw()
+            assert figure._suptitle.get_text() == f"made up, {style.moment(run, frame)}"
+            boxes = [axes.get_position().bounds for axes in figure.axes]
+            places.append([figure._suptitle.get_position(), *boxes])
+    assert len(places[0]) > 2 and places[0] == places[1] == places[2]
+
+
 def test_report(results, tmp_path):
     """The slider has a picture for each frame; everything is in the page itself."""
     run = results["pulse"]

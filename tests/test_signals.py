@@ -6,10 +6,14 @@ tests/test_kills.py.)
 
 from __future__ import annotations
 
+import signal
+
 import pytest
 from helpers import message, mpirun, run
 
 import fsipetsc
+from fsipetsc.errors import Interrupted
+from fsipetsc.process.together import wait_asleep
 
 pytest.importorskip("petsc4py")
 
@@ -45,6 +49,57 @@ def test_an_error_in_the_initial_data_of_one_rank_alone_ends_all(tmp_path):
     done = mpirun(2, "-m", "fsipetsc", *line, cwd=tmp_path)
     said = message(done, 2)
     assert "failing.py, line " in said and said.endswith("ValueError: no density is known")
+
+
+STOPPED = """
+import signal, sys
+from fsipetsc.errors import Interrupted, RanksError
+from fsipetsc.process.failure import end_together
+from fsipetsc.process.launch import start_mpi
+from fsipetsc.verify.command import on_as_many
+
+
+def run(ranks):
+    if ranks.size > 2:
+        raise RanksError("too many")
+    if sys.argv[1] == "run":  # as a run ends that a signal has stopped
+        raise Interrupted(signal.SIGTERM, "stopped by SIGTERM at t = 1")
+    signal.raise_signal(signal.SIGINT)
+
+
+world = start_mpi()
+notes = world.Dup()
+try:
+    on_as_many(world, run)
+except KeyboardInterrupt as error:
+    sys.exit(end_together(error, notes))
+"""
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize(
+    ("place", "status", "said"),
+    [("run", 143, "stopped by SIGTERM at t = 1"), ("set-up", 130, "stopped by SIGINT")],
+)
+def test_ranks_that_sleep_end_with_those_that_a_signal_has_stopped(place, status, said, tmp_path):
+    done = mpirun(3, "-c", STOPPED, place, cwd=tmp_path)
+    message(done, status, said)
+    assert "MPI_ABORT" not in done.stderr
+
+
+def test_a_rank_that_is_stopped_asleep_gives_the_others_time():
+    class Asleep:
+        size = 2
+
+        def Iallgather(self, sent, received):
+            return self
+
+        def Test(self):
+            signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(Interrupted, match="stopped by SIGINT") as caught:
+        wait_asleep(Asleep())
+    assert caught.value.collective and caught.value.status == 130
 
 
 #: a signal between the start of a run and its time loop; SIGNAL: its name

@@ -3,25 +3,17 @@
 from __future__ import annotations
 
 import csv
-import importlib.util
+import importlib
 from math import inf
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, message, mpirun, solve
+from helpers import REPOSITORY, message, mpirun, program, solve
 
 from fsipetsc.cases import superseismic as case
 from fsipetsc.verify import ENTRIES
 from fsipetsc.verify.entry import Bound, Compared, Row, problem, reference
 from fsipetsc.verify.viscous_tube import main_vortex, triple_point
-
-
-def program(name):
-    """An independent program of the folder `verify`."""
-    spec = importlib.util.spec_from_file_location(name, REPOSITORY / "verify" / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def test_orders_and_verdicts():

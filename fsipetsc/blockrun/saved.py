@@ -29,7 +29,6 @@ def header(state: BlockState) -> dict[str, Any]:
             "fields": list(fields_of(block.kind, d, state.problem.symmetry)),
             "shape": list(shape[::-1]),
             "periodic": list(block.periodic)[::-1],
-            **({"kappa_e": block.material.kappa_e} if block.kind == "solid" else {}),
         }
         for block, shape in zip(state.problem.layers, state.layout.shapes, strict=True)
     ]

@@ -40,7 +40,7 @@ SUMMARY = "an elastic ring around a gas that is compressed on one side"
 OPTIONS = (
     Option("ring_modulus", float, 1e6, "Pa", "2 mu + lambda of the ring", check="positive"),
     Option("ring_density", float, 100.0, "kg/m3", "density of the ring", check="positive"),
-    Option("pulse", float, 2.0, "", "overpressure of the pulse, over that of the air"),
+    Option("pulse", float, 2.0, "", "overpressure of the pulse / pressure of the air"),
 )
 
 # Defaults of the program's own options for this case. Blocks have numbers of cells; build computes

@@ -16,7 +16,7 @@ SUMMARY = "solid | gas | solid | gas | solid: a pulse runs through five layers"
 OPTIONS = (
     *materials(fluid_mu=0.01, fluid_kappa=0.03, solid_modulus=20.0, solid_kappa=0.02),
     *materials(solid_density=2.0, solid_alpha=1.0),
-    Option("column_pulse", float, 0.5, "", "overpressure over p0", check="nonnegative"),
+    Option("column_pulse", float, 0.5, "", "overpressure / p0", check="nonnegative"),
 )
 DEFAULTS = {"fsi_h": 0.025, "fsi_order": 4, "ts_max_time": 4.0, "fsi_output_dt": 0.05}
 

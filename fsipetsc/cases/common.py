@@ -48,6 +48,18 @@ def materials(conducting: bool = False, **defaults: Any) -> tuple[Option, ...]:
     return tuple(options)
 
 
+def beside_gas(modulus: float) -> tuple[Option, ...]:
+    """Options of a solid as multiples of what the gas has where no shock has been; by default it is
+    ten times as dense.
+    """
+    of_modulus = "2 mu_e + lambda_e of the solid, divided by the pressure of the gas at first"
+    of_density = "density of the solid, divided by that of the gas at first"
+    return (
+        Option("solid_modulus", float, modulus, "", of_modulus, check="positive"),
+        Option("solid_density", float, 10.0, "", of_density, check="positive"),
+    )
+
+
 def gas_of(opt: Opt, gamma: float = 1.4, R: float = 1.0) -> Fluid:
     """The gas of a case; gamma, R: where they are no options."""
     both = opt.get("fluid_gamma", gamma), opt.get("fluid_R", R)

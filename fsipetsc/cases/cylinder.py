@@ -10,7 +10,7 @@ import numpy as np
 from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.conditions import Condition, Outflow, Slip
 from fsipetsc.blocks.maps import Map, Mapped, Places
-from fsipetsc.cases.common import SHOCKS, Opt, at_rest, elastic_of, gas_of
+from fsipetsc.cases.common import SHOCKS, Opt, at_rest, beside_gas, elastic_of, gas_of
 from fsipetsc.cases.disk import between, centre, quarter
 from fsipetsc.cases.riemann import GasState, shock_in_plane
 from fsipetsc.operators.sbp import operator
@@ -22,8 +22,7 @@ SUMMARY = "a shock runs over an elastic or a rigid cylinder, in two dimensions"
 OPTIONS = (
     Option("cylinder_mach", float, 2.0, "", "Mach number of the shock", check=above_one),
     Option("cylinder_wall", str, "elastic", "", "what the cylinder is", ("rigid", "elastic")),
-    Option("solid_modulus", float, 40.0, "", "2 mu_e + lambda_e over p", check="positive"),
-    Option("solid_density", float, 10.0, "", "of it over that of the gas", check="positive"),
+    *beside_gas(40.0),
 )
 DEFAULTS = {"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 2.0, "fsi_output_dt": 0.05, **SHOCKS}
 

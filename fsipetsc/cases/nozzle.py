@@ -11,7 +11,7 @@ from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Centre, Clamped, Condition, Outflow, Slip
 from fsipetsc.blocks.maps import Mapped, Places, off_axis
 from fsipetsc.blocks.problem import BlockProblem, FaceName
-from fsipetsc.cases.common import SHOCKS, Opt, at_rest, constant, elastic_of, gas_of
+from fsipetsc.cases.common import SHOCKS, Opt, at_rest, beside_gas, constant, elastic_of, gas_of
 from fsipetsc.cases.riemann import GasState, shock_in_plane
 from fsipetsc.checks import Array
 from fsipetsc.operators.sbp import operator
@@ -22,8 +22,7 @@ SUMMARY = "a shock runs through an elastic nozzle, around an axis"
 
 OPTIONS = (
     Option("nozzle_mach", float, 1.5, "", "Mach number of the shock", check=above_one),
-    Option("solid_modulus", float, 60.0, "", "2 mu_e + lambda_e over p", check="positive"),
-    Option("solid_density", float, 10.0, "", "of the wall over that of the gas", check="positive"),
+    *beside_gas(60.0),
 )
 DEFAULTS = {"fsi_h": 1 / 24, "fsi_order": 4, "ts_max_time": 2.5, "fsi_output_dt": 0.05, **SHOCKS}
 

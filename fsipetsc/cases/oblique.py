@@ -20,7 +20,7 @@ import numpy as np
 from fsipetsc import BlockProblem, Fluid, InputError, Option
 from fsipetsc.blocks.conditions import Clamped, Open, Outflow, Roller, Slip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.cases.common import SHOCKS, Opt, at_rest, constant, elastic_of, stack
+from fsipetsc.cases.common import SHOCKS, Opt, at_rest, beside_gas, constant, elastic_of, stack
 from fsipetsc.options import above_one
 
 NAME = "oblique"
@@ -30,8 +30,7 @@ OPTIONS = (
     Option("oblique_mach", float, 2.9, "", "Mach number of the gas that comes in", check=above_one),
     Option("oblique_angle", float, 10.0, "degrees", "theta, of the wedge", check="positive"),
     Option("oblique_wall", str, "elastic", "", "what is below", ("rigid", "elastic")),
-    Option("solid_modulus", float, 40.0, "", "2 mu_e + lambda_e over p", check="positive"),
-    Option("solid_density", float, 10.0, "", "of it over that of the gas", check="positive"),
+    *beside_gas(40.0),
 )
 DEFAULTS = {"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 4.0, "fsi_output_dt": 0.25, **SHOCKS}
 

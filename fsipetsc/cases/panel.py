@@ -34,7 +34,7 @@ OPTIONS = (
     Option("panel_ends", str, "clamped", "", "how the panel is held", ("clamped", "hinged")),
     Option("panel_mach", float, 2.0, "", "Mach number of the flow", check=above_one),
     Option("panel_lambda", float, 800.0, "", "2 q L^3/(D sqrt(M^2-1)), L = 1", check="positive"),
-    Option("panel_mass", float, 10.0, "", "its mass per length, over gas rho", check="positive"),
+    Option("panel_mass", float, 10.0, "", "its mass / (rho L^2) of the gas", check="positive"),
     Option("panel_thickness", float, 0.04, "m", "its thickness; it is 1 m long", check="positive"),
     Option("panel_push", float, 5e-3, "", "velocity of the panel at first", check="nonnegative"),
     Option("panel_height", float, 0.5, "m", "height of the gas", check="positive"),

@@ -28,7 +28,7 @@ OPTIONS = (
     *materials(solid_gruneisen=0.0),
     Option("solid_stretch", float, 1.0, "-", "strain x_X of the solid at rest", check="positive"),
     Option("pulse_amplitude", float, 1.0, "Pa", "pressure of the pulse, small against p0"),
-    Option("pulse_width", float, 0.12, "m", "of exp(-(distance/width)^2)", check="positive"),
+    Option("pulse_width", float, 0.12, "m", "width of exp(-(distance/width)^2)", check="positive"),
     Option("pulse_start", float, 0.75, "m", "where it starts: above 0 in the fluid, or below"),
 )
 DEFAULTS = {**PAPER, "ts_max_time": 4e-3, "fsi_output_dt": 2e-4}

@@ -26,7 +26,7 @@ OPTIONS = (
     Option("shell_kappa", int, 2, "", "1: around an axis, 2: around a centre", (1, 2)),
     Option("shell_gas", str, "centre", "", "gas inside to r = 0, around a core, or none",
         ("none", "around", "centre")),
-    Option("shell_charge", float, 50.0, "", "temperature of the charge, less 1, over that at rest",
+    Option("shell_charge", float, 50.0, "", "temperature of the charge / that at rest, less 1",
         check="nonnegative"),
     *materials(fluid_mu=0.0, fluid_kappa=0.0, solid_density=2.0),
     *materials(solid_mu=1.0, solid_lambda=1.5, solid_law=("neo-hookean", "log", "svk")),

@@ -110,19 +110,29 @@ class Run:
                 f"{self.path}: has changed since it was opened; open it again"
             ) from None
 
+    def _need_frames(self) -> None:
+        """FileError if no frame is saved, as in the result of a run that was killed at its start.
+
+        Without a frame nothing is known of grids either.
+        """
+        if not self.nframes:
+            raise FileError(f"{self.path}: no frame is saved in it")
+
     def at(self, t: float) -> int:
-        """Number of the frame saved nearest to time t."""
+        """Number of the frame saved nearest to time t. FileError if there is no frame."""
+        self._need_frames()
         return int(np.argmin(np.abs(self.time - t)))
 
     def interface(self, k: int | str) -> InterfaceLine:
         """Interface k, counted from below, or its name, of a run in two dimensions.
 
-        KeyError or IndexError if there is none.
+        KeyError or IndexError if there is none; FileError if no frame is saved.
         """
         names = list(self.interfaces) if self.dimension == 2 else []
         if isinstance(k, str) and k not in names:
             raise KeyError(_unknown("line of an interface", k, names))
         number = names.index(k) if isinstance(k, str) else range(len(names))[k]
+        self._need_frames()
         solid, axis, side = self.header["interface_faces"][number]
         return InterfaceLine(names[number], solid, self.layers[solid], axis, side)
 
@@ -230,7 +240,11 @@ class Layer(Arrays):
         return tuple(found)
 
     def frame(self, number: int) -> dict[str, Array]:
-        """All fields of one frame, name -> of `shape`: much cheaper than whole fields of a run."""
+        """All fields of one frame, name -> of `shape`: much cheaper than whole fields of a run.
+
+        FileError if no frame is saved.
+        """
+        self._run._need_frames()
         first = range(self._run.nframes)[number]
         read, k = self._run._contents.frames, self._number
         rows = self._run.read(f"frame {first}", lambda: read(k, self.fields, first, first + 1))

@@ -1,29 +1,36 @@
 """What each rank does for itself, and all go on from together: nobody waits for one that failed."""
 
+import signal
 import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from fsipetsc.errors import FsiError, clear_frames
+from fsipetsc.errors import FsiError, Interrupted, clear_frames
 
 if TYPE_CHECKING:  # importing MPI starts it
     from mpi4py.MPI import Comm as Comm
 else:
     Comm = Any
 Result = TypeVar("Result")
+#: messages of this rank to those that sleep, which it did not wait for: MPI may still use them
+_sent: list[Any] = []
 
 
 def together(comm: Comm, action: Callable[[], Result], asleep: bool = False) -> Result:
     """What action() returns on this rank. Collective, though the action must not be.
 
     If it raises an FsiError on any rank, all ranks raise the error of the lowest one. asleep: ranks
-    that are done sleep until all are.
+    that are done sleep until all are, or the others were stopped: then they raise Interrupted.
     """
     fault, result = None, None
     try:
         result = action()
     except FsiError as error:
         fault = error
+    except KeyboardInterrupt as error:
+        if asleep:
+            _sent.append(_arrive(comm, getattr(error, "status", 128 + signal.SIGINT)))
+        raise
     if asleep:
         wait_asleep(comm)
     agree(comm, fault)
@@ -31,10 +38,28 @@ def together(comm: Comm, action: Callable[[], Result], asleep: bool = False) -> 
 
 
 def wait_asleep(comm: Comm) -> None:
-    """Wait for all ranks, asleep: one that compiles or draws may have this rank's core."""
-    request = comm.Ibarrier()
-    while not request.Test():
-        time.sleep(0.002)
+    """Wait for all ranks, asleep: one that compiles or draws may have this rank's core.
+
+    Interrupted if ranks were stopped by a signal, this one while it waits, or all those that are at
+    work in ``together``.
+    """
+    request, statuses = _arrive(comm)
+    try:
+        while not request.Test():
+            time.sleep(0.002)
+        number = max(statuses) - 128
+    except KeyboardInterrupt:  # the others get it, too, and may need more time to end
+        number = signal.SIGINT
+    if number > 0:
+        raise Interrupted(number, f"stopped by {signal.Signals(number).name}")
+
+
+def _arrive(comm: Comm, status: int = 0) -> tuple[Any, bytearray]:
+    """Tell all ranks that this one is here, with the exit status of what has stopped it, if
+    anything; the request, and the statuses of all, which are known when it is done.
+    """
+    statuses = bytearray(comm.size)
+    return comm.Iallgather(bytes([status]), statuses), statuses
 
 
 def agree(comm: Comm, fault: FsiError | None) -> None:

@@ -134,7 +134,6 @@ def described(problem: Any) -> list[dict[str, Any]]:
     plain = (bool, int, float, str)
     return [
         {"name": layer.name, "kind": layer.kind, "X": _ends(layer)}
-        | ({"nodes": list(layer.shape)} if hasattr(layer, "shape") else {})
         | {k: v for k, v in vars(layer.material).items() if isinstance(v, plain)}
         for layer in problem.layers
     ]
@@ -163,7 +162,10 @@ def check_problem(past: Past, state: State) -> None:
     now, before = described(state.problem), past.header["problem"]
     if len(now) != len(before):
         raise InputError(f"-fsi_restart: the case had {len(before)} layers {when}, now {len(now)}")
-    for layer, other in zip(now, before, strict=True):
+    grids = [about["shape"][::-1] for about in state.header()["layers"]]
+    for number, (layer, other, nodes) in enumerate(zip(now, before, grids, strict=True)):
+        layer["nodes"] = nodes  # beside X, which is rounded
+        other["nodes"] = list(past.arrays[f"layer{number}"].shape[-2::-1])
         changed = [k for k in sorted(layer | other) if layer.get(k) != other.get(k)]
         if changed:
             name = changed[0]

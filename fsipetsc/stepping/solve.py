@@ -88,7 +88,6 @@ def _check_entropy(problem: BlockProblem) -> None:
 
 #: what blocks have of options that choose between methods
 _OF_BLOCKS = {
-    "fsi_coupling": ("conservative",),
     "fsi_mapping": ("auto", "stretched"),
     "fsi_viscous": ("wide",),
 }
@@ -98,6 +97,9 @@ def block_form(opt: Mapping[str, Any]) -> BlockForm:
     """The form of the equations of blocks that is asked for. InputError for a method that these
     do not have.
     """
+    if opt["fsi_coupling"] != "conservative":
+        wanted = "this case is made of blocks: expected conservative"
+        raise InputError(f"-fsi_coupling {opt['fsi_coupling']}: {wanted}")
     for name, there in _OF_BLOCKS.items():
         if opt[name] not in there:
             wanted = " or ".join(there)

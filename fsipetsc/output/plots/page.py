@@ -177,6 +177,8 @@ def drawn(
     size = (10.8, 3.4) if run.dimension == 1 else (len(views) * (width + 1.2), height + 0.9)
     figure.set_size_inches(*size)
     grid = figure.subplots(1, len(views), squeeze=False)[0]
+    titles = {frame: style.of_run(run, style.moment(run, frame)) for frame in frames}
+    title = style.set_title(figure, max(titles.values(), key=len))  # there is room for all
     for frame in frames:
         for axes, view in zip(grid, views):
             for artist in [*axes.lines, *axes.collections]:
@@ -185,8 +187,8 @@ def drawn(
             axes.set(xlabel=view.labels[0], ylabel=view.labels[1])
             if frame == frames[0]:
                 fields.draw_bars(figure, view, pictures, axes)
-        style.set_title(figure, style.of_run(run, style.moment(run, frame)))
         if frame == frames[0]:
             figure.draw_without_rendering()
             figure.set_layout_engine("none")  # only what is drawn moves from now on
+        title.set_text(titles[frame])
         yield frame

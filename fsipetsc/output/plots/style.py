@@ -18,8 +18,9 @@ from fsipetsc.output.reader import Run
 if TYPE_CHECKING:  # results are read without matplotlib, too
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure, FigureBase
+    from matplotlib.text import Text
 else:
-    Axes = Figure = FigureBase = Any
+    Axes = Figure = FigureBase = Text = Any
 
 Array = np.ndarray
 
@@ -75,9 +76,9 @@ def save(figure: Figure, target: str | os.PathLike[str]) -> Path:
     return path
 
 
-def set_title(figure: Figure, title: str) -> None:
+def set_title(figure: Figure, title: str) -> Text:
     """The title of the whole figure, at the top left, broken where it is wider than the figure."""
-    figure.suptitle(title, x=0.01, ha="left", fontsize=10, weight="bold", wrap=True)
+    return figure.suptitle(title, x=0.01, ha="left", fontsize=10, weight="bold", wrap=True)
 
 
 def of_run(run: Run, what: str) -> str:
