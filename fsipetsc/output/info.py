@@ -150,10 +150,7 @@ LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "rejected_steps": ("rejected steps", str),
     "dt_min": ("shortest step", _three_digits),
     "dt_max": ("longest step", _three_digits),
-    "limits": (
-        "step bounded by",
-        lambda changes: ", ".join(dict.fromkeys(what for _, what in changes)),
-    ),
+    "bound": ("step bounded by", str),
     "wall_time": ("wall time of the steps", duration),
     "ranks": ("ranks", str),
     "points": ("points", str),
