@@ -21,7 +21,6 @@ from fsipetsc.blockrun.recorded_nodes import Recorded, Recorder
 from fsipetsc.blockrun.saved import grids, header, places, seen
 from fsipetsc.blockrun.scheme import Scheme
 from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.checks import counted
 from fsipetsc.errors import FsiError
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
@@ -148,13 +147,6 @@ class BlockState(State):
             if part is not None and nodes[0] in part.numbers:
                 X = float(self.problem.places(k, nodes)[0, 0])
                 yield number, k, int(part.rows(nodes[:1])[0]), X
-
-    # size and names
-
-    @property
-    def grid_text(self) -> str:
-        """About the grid, in the first line of a run."""
-        return counted(len(self.problem.layers), "block")
 
     @property
     def points(self) -> int:

@@ -56,10 +56,10 @@ class Reporter:
         """Say what is going to be computed."""
         state = self._state
         reserve = f" ({state.reserve} more in reserve)" if state.reserve else ""
-        grid = getattr(state, "grid_text", f"h = {state.h:g}{state.problem.unit('m')}")
         self.line(
-            f"{self._name}: order {state.op.name}, {grid}, {state.points} points{reserve} on "
-            f"{counted(self._size, 'rank')}, to t = {self._opt['ts_max_time']:g}{self._s}"
+            f"{self._name}: order {state.op.name}, h = {state.h:g}{state.problem.unit('m')}, "
+            f"{state.points} points{reserve} on {counted(self._size, 'rank')}, "
+            f"to t = {self._opt['ts_max_time']:g}{self._s}"
         )
 
     def start(self, t: float, steps: int) -> None:
