@@ -109,7 +109,7 @@ class ParticleSystem:
         kind, alpha = np.empty(len(members), np.int64), np.zeros(len(members))
         kind[row] = [SOLID if blocks[k].kind == "solid" else GAS for k in members[:, 1]]
         alpha[row] = [getattr(blocks[k].material, "alpha", 0.0) for k in members[:, 1]]
-        at, weight = np.empty(mine.size, np.int64), self._weights(number, members, owners, inertia)
+        at, weight = np.empty(mine.size, np.int64), self._weights(members, inertia)
         booked = np.zeros(mine.size)
         for part in layout.parts:
             own = members[mine, 1] == part.k
@@ -146,19 +146,16 @@ class ParticleSystem:
             flags=flags,
         )
 
-    def _weights(
-        self, number: Array, members: Array, owners: Array, inertia: dict[int, Array]
-    ) -> Array:
+    def _weights(self, members: Array, inertia: dict[int, Array]) -> Array:
         """(rows,) H of gas members, M_s of solid ones, of all ranks."""
-        exchange = ParticleExchange(self._layout.comm, number, owners, 1, tag=3)
+        exchange = self._exchange
         for part in self._layout.parts:
             rows = np.flatnonzero(members[exchange.mine, 1] == part.k)
             nodes = part.ghosted_rows(part.rows(members[exchange.mine[rows], 2]))
             mass = inertia[part.k][nodes] if part.k in inertia else 1.0
             exchange.table[rows, 0] = weights_of(part, nodes) * mass
         exchange.exchange()
-        exchange.destroy()
-        return exchange.table[:, 0]
+        return exchange.table[:, 0].copy()
 
     def _nodes(self, members: Array, number: Array) -> dict[int, tuple[Array, Array]]:
         mine, found = self._exchange.mine, {}
@@ -285,10 +282,6 @@ class ParticleSystem:
             (kernels.end_rates, (y, y, gain)),
         )
         return with_calls(ParticleCalls, self.box, calls)
-
-    def refresh(self, t: float) -> None:
-        """Prescribed data at time t [s]. InputError."""
-        self.prescribed.refresh(t)
 
     def at_walls(self, k: int) -> tuple[Array, Array]:
         """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""

@@ -161,7 +161,7 @@ class Scheme:
         if self._filled is not None and self._filled[0] == instant:
             return
         try:
-            self.particles.refresh(t)
+            self.particles.prescribed.refresh(t)
             for part in self.parts.values():
                 part.refresh(t)
         except InputError as error:
