@@ -93,7 +93,10 @@ class ParticleSystem:
                 slips=int(self.slips),
                 normals=self.normals,
                 turning=self.turning,
-                **self._of_normals,
+                of_normals=self._normal_exchange.table,
+                at_normals=self._normal_exchange.mine.size,
+                of_particle=self._normal_particles,
+                row_of=self._normal_exchange.row,
                 moves=moves,
                 place=self.prescribed.displaced,
                 auxiliary=layout.auxiliary,
@@ -171,13 +174,9 @@ class ParticleSystem:
         self, particles: Sequence[Particle], number: Array, members: Array, owners: Array
     ) -> None:
         """Which members of this rank tell the others what they store."""
-        self._stored = np.zeros((len(members), 1))
         self.stores, self.members = any(p.stores for p in particles), {}
-        if not self.stores:
-            return
         self._store_exchange = ParticleExchange(self._layout.comm, number, owners, 1, tag=4)
-        self._stored = self._store_exchange.table
-        mine = self._store_exchange.mine
+        self._stored, mine = self._store_exchange.table, self._store_exchange.mine
         wanted = np.array([p.stores for p in self._particles], bool)[number[mine]]
         for part in self._layout.parts:
             if self._layout.problem.blocks[part.k].kind == "solid":
@@ -193,21 +192,14 @@ class ParticleSystem:
         """
         layout, d = self._layout, self._d
         bound = np.array([len(p.constraints) > 0 for p in self._particles], bool)
-        chosen = bound[number] if number.size else np.zeros(0, bool)
+        chosen = bound[number]
+        self._normal_particles = number[chosen]
         K = self.table.constraint.shape[1]
         self.slips = layout.comm.allreduce(int(bound.any()), op=MPI.MAX) > 0
         self.normals = np.zeros((bound.size, K, 2 * d))
         self.turning = np.zeros((bound.size, K, 2 * d))
-        self.at_faces = {part.k: of_faces.listed(part, []) for part in layout.parts}
-        none = {"at_normals": 0, "of_particle": number[:0], "row_of": number[:0]}
-        self._of_normals: dict[str, Any] = {"of_normals": np.zeros((0, 2 * K * d)), **none}
-        if not self.slips:
-            return
         exchange = ParticleExchange(layout.comm, number[chosen], owners[chosen], 2 * K * d, tag=2)
         self._normal_exchange = exchange
-        found_of = {"of_particle": number[chosen], "row_of": exchange.row}
-        found_of |= {"of_normals": exchange.table, "at_normals": exchange.mine.size}
-        self._of_normals = found_of
         mine = np.flatnonzero(chosen)[exchange.mine]
         place = {(int(k), int(n)): row for row, (_, k, n) in enumerate(members[mine].tolist())}
         found: dict[int, list[tuple[int, int, int, float, int]]] = {p.k: [] for p in layout.parts}
@@ -301,11 +293,8 @@ class ParticleSystem:
 
     def destroy(self) -> None:
         """Release the messages."""
-        self._exchange.destroy()
-        if self.slips:
-            self._normal_exchange.destroy()
-        if self.stores:
-            self._store_exchange.destroy()
+        for exchange in (self._exchange, self._normal_exchange, self._store_exchange):
+            exchange.destroy()
 
 
 def _flags(p: Particle) -> list[bool]:

@@ -191,9 +191,9 @@ class BlockLayout:
         """Ranks that own nodes of block k."""
         return self.shares[k].owners(nodes)
 
-    def vector(self, array: Array | None = None) -> BlockVector:
-        """This rank's part of a world vector, in new memory, or that of ``array``. Collective."""
-        return BlockVector(self, np.zeros(self.local_size) if array is None else array)
+    def vector(self) -> BlockVector:
+        """This rank's part of a world vector, of zeros. Collective."""
+        return BlockVector(self, np.zeros(self.local_size))
 
     def destroy(self) -> None:
         """Destroy vectors and DMDAs, then their communicators. Collective."""
