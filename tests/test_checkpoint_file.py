@@ -151,7 +151,7 @@ def test_places_where_no_checkpoint_can_be_are_found_out_before_the_run(tmp_path
     message(
         solve(*SHORT, "-fsi_checkpoint", "rod.h5", cwd=tmp_path), 2, "that is where the result goes"
     )
-    said = "no/a.h5: the directory", "does not exist"
+    said = "no/a.h5: no file can be written", "No such file or directory"
     message(solve(*SHORT, "-fsi_checkpoint", "no/a.h5", cwd=tmp_path), 4, *said)
     (tmp_path / "a.h5").write_text("years of work")
     said = "a.h5: exists and is not a checkpoint of fsipetsc"

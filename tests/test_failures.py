@@ -189,7 +189,7 @@ def test_a_result_that_grows_too_large(size, tmp_path):
         (("-fsi_output", "/proc/x.h5"), "no file can be written in the directory /proc"),
         (("-fsi_checkpoint", "/proc/x.h5"), "no file can be written in the directory /proc"),
         (("-fsi_restart", "no/where.h5"), "there is no such file"),
-        (("-fsi_output", "no/where.h5"), "does not exist"),
+        (("-fsi_output", "no/where.h5"), "no: No such file or directory"),
     ],
 )
 def test_places_that_cannot_be_written(words, said, tmp_path):

@@ -80,7 +80,7 @@ def is_one(path: Path) -> bool:
 
 def check_place(path: str | os.PathLike[str]) -> None:
     """FileError without a folder that can be written to, or where something else has the name."""
-    check_folder(path, writable=True)
+    check_folder(path)
     target = Path(os.path.realpath(path))
     if target.exists() and not target.is_file():
         raise FileError(f"{path}: exists and is not a regular file")
