@@ -8,6 +8,7 @@ nothing that is computed, those of STEPS only how long steps are and by which me
 import os
 import platform
 from collections.abc import Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,7 +16,6 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-import fsipetsc
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import OF_A_RUN, PETSC_OPTIONS, spelt, table
 from fsipetsc.output import checkpoint_file
@@ -54,19 +54,12 @@ class Past(NamedTuple):
 
 def versions() -> dict[str, str]:
     """Versions of the program and of what it runs on."""
-    import mpi4py
-    import numba
-    import petsc4py
-
+    packages = "fsipetsc", "petsc4py", "mpi4py", "numba", "numpy"
     return {
-        "fsipetsc": fsipetsc.__version__,
+        **{name: import_module(name).__version__ for name in packages},
         "python": platform.python_version(),
         "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
-        "petsc4py": petsc4py.__version__,
-        "mpi4py": mpi4py.__version__,
         "mpi": MPI.Get_library_version().split(",")[0].split("\n")[0],
-        "numba": numba.__version__,
-        "numpy": np.__version__,
     }
 
 
