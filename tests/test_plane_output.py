@@ -15,7 +15,7 @@ from test_plane_cases import BOX
 
 from fsipetsc.output import file_layout
 from fsipetsc.output.info import info
-from fsipetsc.output.interface_line import InterfaceLine
+from fsipetsc.output.reader import InterfaceLine
 
 BLAST = "-fsi_h 0.125 -ts_max_time 0.3 -fsi_output_dt 0.05 -fsi_points 0.25,0.5"
 

@@ -7,11 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fsipetsc.output.interface_line import InterfaceLine
 from fsipetsc.output.plots import style
 from fsipetsc.output.plots.style import Axes, FigureBase
 from fsipetsc.output.quantities import AT_INTERFACES, LEDGERS, unit_of, written
-from fsipetsc.output.reader import Run
+from fsipetsc.output.reader import InterfaceLine, Run
 from fsipetsc.scheme.conservation_check import drifts
 
 Array = np.ndarray
