@@ -244,8 +244,9 @@ class Layer(Arrays):
 
 
 class InterfaceLine:
-    """The face of the solid at an interface in two dimensions: where it is, and how it moves. All but
-    X and Y are (nframes, n).
+    """The face of the solid at an interface in two dimensions: where it is, and how it moves.
+
+    All but X and Y are (nframes, n).
 
     name, solid    of the interface; number of the block that is the solid
     X              (n,) [m] length along the face in the reference map; X where that is a straight

@@ -91,9 +91,3 @@ def block_form(opt: Mapping[str, Any]) -> BlockForm:
                 "-fsi_coupling projection has others, in one dimension"
             )
     return BlockForm(opt["fsi_convection"], opt["fsi_dissipation"], opt["fsi_shock"])
-
-
-def check_begin(opt: Mapping[str, Any]) -> None:
-    """InputError for -fsi_restart, of a command that begins with the data of a case."""
-    if opt["fsi_restart"] is not None:
-        raise InputError("-fsi_restart: this command begins with the data of the case")
