@@ -246,12 +246,6 @@ class ParticleSystem:
         self._exchange.exchange()
         kernels.end_sums(self.box, gain)
 
-    def impose_conditions(self, y: Array, gain: Array) -> None:
-        """Project velocities on what constraints allow, share heat, and give all members what their
-        particle has; what came in is added to the auxiliary unknowns.
-        """
-        kernels.impose_conditions(self.box, y, gain)
-
     def constrain(self, y: Array, f: Array, gain: Array) -> None:
         """Rates of all members under the constraints of their particles, and of what comes in, in
         place.

@@ -48,8 +48,8 @@ def grids(state: BlockState) -> list[dict[str, Any]]:
     found = []
     for k, shape in enumerate(state.layout.shapes):
         numbers = state.orders[k].numbers if k in state.orders else np.empty(0, np.int64)
-        X = np.empty((0, state.problem.dimension))
-        X = state.problem.places(k, numbers) if numbers.size else X
+        none = np.empty((0, state.problem.dimension))
+        X = state.problem.places(k, numbers) if numbers.size else none
         found.append({"local": numbers.size, "n": int(np.prod(shape)), "X": X})
     return found
 

@@ -31,6 +31,7 @@ from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
 from fsipetsc.scheme import solid_record
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
 from fsipetsc.scheme.part import PartCalls
+from fsipetsc.scheme.particles import impose_conditions
 from fsipetsc.scheme.runge_kutta import STAGES, advance
 from fsipetsc.scheme.steps import COMPLETE, MONITOR, RATES, STEPS, All, Found, run
 
@@ -181,7 +182,7 @@ class Scheme:
         self._move()
         particles.find_normals(self._add_normals, False)
         particles.find_stored(y.array, lambda: self._store(y))
-        particles.impose_conditions(y.array, self._gain)
+        impose_conditions(particles.box, y.array, self._gain)
         if particles.slips:  # velocities are others
             self._follow()
         for gas in self._gases:
@@ -192,9 +193,7 @@ class Scheme:
         for gas in self._gases:
             does = self._does[gas.part.k]
             does.follow(does.part, self.particles.box)
-            gas.gather.begin()
-        for gas in self._gases:
-            gas.gather.end()
+            gas.gather.gather()
 
     def _move(self) -> None:
         """Let the grids follow the displacement of solids and walls."""

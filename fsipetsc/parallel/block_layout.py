@@ -274,18 +274,12 @@ class FaceGather:
         by_rank = [np.flatnonzero(owners == rank) for rank in layout.shares[k].ranks]
         self._order = np.concatenate(by_rank)
         self._counts = [columns * rows.size for rows in by_rank]
-        self._request = MPI.REQUEST_NULL
 
-    def begin(self) -> None:
-        """Send what is in ``local``, which must not change before ``end``."""
-        if self._comm.size > 1:
-            into = [self._received, self._counts, MPI.DOUBLE]
-            self._request = self._comm.Iallgatherv([self.local, MPI.DOUBLE], into)
-
-    def end(self) -> None:
-        """``whole`` is filled."""
-        self._request.Wait()
-        self.whole[self._order] = self._received if self._comm.size > 1 else self.local
+    def gather(self) -> None:
+        """Fill ``whole``."""
+        into = [self._received, self._counts, MPI.DOUBLE]
+        self._comm.Allgatherv([self.local, MPI.DOUBLE], into)
+        self.whole[self._order] = self._received
 
 
 class NaturalOrder:
