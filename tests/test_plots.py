@@ -246,7 +246,7 @@ def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
     ("words", "said"),
     [
         ("-fields q", "-fields q: expected some of u, T, p, rho, sigma, strain"),
-        ("-times a", "-times a: expected times"),
+        ("-times a", "bad value 'a' for -times: expected numbers"),
         ("-all -animate", "-all and -animate are two things"),
         ("-o x.jpg", "-o x.jpg: expected a directory, or a name that ends with .png, .pdf, .svg"),
         ("-all -o x.png", "-o x.png: expected a directory"),

@@ -10,6 +10,7 @@ import numpy as np
 
 from fsipetsc.blockrun.columns import fields_of, point_names
 from fsipetsc.errors import InputError
+from fsipetsc.options import Option
 
 if TYPE_CHECKING:
     from fsipetsc.blockrun.block_state import BlockState
@@ -43,16 +44,11 @@ def chosen(problem: BlockProblem, points: Sequence[float], probes: str | None) -
 
 def _places(text: str | None, d: int) -> list[Array]:
     """Of "X,Y;X,Y". InputError."""
-    found = []
-    for piece in (text or "").split(";") if text else ():
-        try:
-            place = np.array([float(number) for number in piece.split(",")])
-        except ValueError:
-            place = np.empty(0)
-        if place.size != d or not np.isfinite(place).all():
-            wanted = ",".join("XYZ"[:d])
-            raise InputError(f"-fsi_probes {piece}: expected {wanted}, and ; between several")
-        found.append(place)
+    one = Option("fsi_probes", "floats", None, "m", "")
+    found = [np.array(one.parse(piece)) for piece in (text.split(";") if text else ())]
+    if any(place.size != d for place in found):
+        wanted = ",".join("XYZ"[:d])
+        raise InputError(f"-fsi_probes {text}: expected {wanted}, and ; between several")
     return found
 
 
