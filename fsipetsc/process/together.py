@@ -1,5 +1,6 @@
 """What each rank does for itself, and all go on from together: nobody waits for one that failed."""
 
+import math
 import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -30,11 +31,16 @@ def together(comm: Comm, action: Callable[[], Result], asleep: bool = False) -> 
     return result
 
 
-def wait_asleep(comm: Comm) -> None:
-    """Wait for all ranks, asleep: one that compiles or draws may have this rank's core."""
-    request = comm.Ibarrier()
+def wait_asleep(comm: Comm, patience: float = math.inf) -> bool:
+    """Wait for all ranks, asleep: one that compiles or draws may have this rank's core. Whether
+    they come within so many seconds.
+    """
+    request, end = comm.Ibarrier(), time.monotonic() + patience
     while not request.Test():
+        if time.monotonic() > end:
+            return False
         time.sleep(0.002)
+    return True
 
 
 def agree(comm: Comm, fault: FsiError | None) -> None:
