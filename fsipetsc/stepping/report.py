@@ -85,9 +85,9 @@ class Reporter:
         """Print what `info` says of the summary; place: of the result."""
         if not self._speaks:
             return
-        norm, known = self._opt["fsi_norm"], {**summary, "versions": None}
+        norm = self._opt["fsi_norm"]
         of_kinds = [(f"{norm} errors, {kind}", text) for kind, text in error_rows(errors or {})]
-        self.line(table([*summary_rows(known, self._s), *of_kinds]))
+        self.line(table([*summary_rows(summary, self._s), *of_kinds]))
         for note in [*about_volumes(summary["J_error"]), *about_losses(summary)]:
             self.line(note)
         self.line(f"result in {place}")

@@ -203,8 +203,6 @@ def write_checkpoint(
         header = {
             "case": name,
             "options": dict(opt),
-            "versions": versions(),
-            "ranks": state.comm.size,
             "problem": described(state.problem),
             "columns": columns_of(state),
             **more,

@@ -271,14 +271,12 @@ class _Run:
             "dt_max": integrator.dt_range[1] if integrator.steps else None,
             "points": state.points,
             "interfaces": dict(zip(self.problem.interface_names, state.places, strict=True)),
-            "ranks": self.comm.size,
             "wall_time": integrator.wall_time,
             "bound": bound_of_step(state, self.opt),
             "departures": self.ledgers.departures,
             "J_error": self.ledgers.J_error,
             **({"lost_energy": self.ledgers.lost} if getattr(state, "lossy", False) else {}),
             **{f"initial_{name}": value for name, value in integrator.initial.items()},
-            "versions": restart.versions(),
         }
 
     def _early_end(self) -> str:
