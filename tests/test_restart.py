@@ -37,7 +37,7 @@ RUNS = {
 SUMS = {*SUMS_ALONG_X, "momentum_x", "momentum_y", "impulse_x", "impulse_y", "mass_in", "energy_in"}
 SUMS |= {"angular_momentum", "solid_energy", "lost_energy", "energy_face", "heat_face"}
 #: of the summary
-SUMMED = "status", "t", "steps", "rejected_steps", "rhs_evaluations", "dt_min", "dt_max", "points"
+SUMMED = "status", "t", "steps", "rejected_steps", "rhs_evaluations", "points"
 SUMMED += ("interfaces",)
 #: ranks on which the runs are begun; ranks -> what goes on there
 RANKS = 2

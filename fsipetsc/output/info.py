@@ -108,7 +108,7 @@ def summary_rows(summary: Mapping[str, Any], unit: str) -> Rows:
     """Results of a run in the order of LABELS. unit: what comes after a time."""
     known = {name: value for name, value in summary.items() if value not in ("", None, {}, [])}
     return [
-        (label, written(known[name]) + unit * (name in ("t", "dt_min", "dt_max")))
+        (label, written(known[name]) + unit * (name == "t"))
         for name, (label, written) in LABELS.items()
         if name in known
     ]
@@ -148,8 +148,6 @@ LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "lost_energy": ("lost energy of solids", _three_digits),
     "steps": ("time steps", str),
     "rejected_steps": ("rejected steps", str),
-    "dt_min": ("shortest step", _three_digits),
-    "dt_max": ("longest step", _three_digits),
     "bound": ("step bounded by", str),
     "wall_time": ("wall time of the steps", duration),
     "ranks": ("ranks", str),

@@ -267,8 +267,6 @@ class _Run:
             "steps": integrator.steps,
             "rejected_steps": getattr(state, "retries", 0),
             "rhs_evaluations": state.evaluations,
-            "dt_min": integrator.dt_range[0] if integrator.steps else None,
-            "dt_max": integrator.dt_range[1] if integrator.steps else None,
             "points": state.points,
             "interfaces": dict(zip(self.problem.interface_names, state.places, strict=True)),
             "wall_time": integrator.wall_time,
