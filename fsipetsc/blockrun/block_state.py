@@ -23,7 +23,7 @@ from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import FsiError
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.parallel.block_layout import BlockLayout, NaturalOrder, halos_of
+from fsipetsc.parallel.block_layout import BlockLayout, NaturalOrder
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.after_step import note_extremes, note_gained
 from fsipetsc.scheme.batch import DT, MADE
@@ -87,8 +87,7 @@ class BlockState(State):
         self._pace = max(1.0, form.shock * PACE_AT_SHOCKS[order])
         blocks, d = problem.layers, problem.dimension
         self.lossy, auxiliary = lossy(problem), gained(problem).itemsize // 8
-        halos = halos_of(problem, order, self.shocks)
-        self.layout = BlockLayout(comm, problem, order, halos, partition, auxiliary=auxiliary)
+        self.layout = BlockLayout(comm, problem, order, self.shocks, partition, auxiliary)
         self.y = self.layout.vector()
         self._stage = self.layout.vector()
         size = (self.layout.local_size, None)

@@ -84,9 +84,8 @@ class Part:
 class BlockLayout:
     """Parts of all blocks on all ranks. Collective on ``comm``.
 
-    problem: fsipetsc.blocks.problem.BlockProblem. halos: width of the halo of each block, and
-    whether differences along two axes are taken one after the other, see ``halos_of``.
-    partition: as ``share_out`` has it. auxiliary: unknowns of each rank after those of nodes.
+    problem: fsipetsc.blocks.problem.BlockProblem. shocks: a sensor looks for them. partition: as
+    ``share_out`` has it. auxiliary: unknowns of each rank after those of nodes.
 
     shares: of each block, known to all ranks. parts: of this rank, in the order of the blocks.
     local_size: of this rank's part of the world vector.
@@ -98,12 +97,12 @@ class BlockLayout:
         comm: MPI.Comm,
         problem: Any,
         order: int,
-        halos: Sequence[tuple[int, bool]] | None = None,
+        shocks: bool = False,
         partition: str = "auto",
         auxiliary: int = 0,
     ) -> None:
         self.comm, self.problem, self.order = comm, problem, order
-        self._halos = halos_of(problem, order) if halos is None else list(halos)
+        self._halos = halos_of(problem, order, shocks)
         blocks = problem.blocks
         self.shapes = [tuple(int(n) for n in block.shape) for block in blocks]
         widths = [width for width, _ in self._halos]
