@@ -17,7 +17,7 @@ from petsc4py import PETSc
 from fsipetsc.blockrun.columns import OF_INTERFACES, fields_of, gained, lossy, slices, step_record
 from fsipetsc.blockrun.notes import first_notes, last_notes
 from fsipetsc.blockrun.recorded_nodes import Recorded, Recorder
-from fsipetsc.blockrun.saved import errors_of, grids, header, places, seen
+from fsipetsc.blockrun.saved import errors_of, grids, header, seen
 from fsipetsc.blockrun.scheme import Scheme
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import FsiError
@@ -112,8 +112,8 @@ class BlockState(State):
         """Make the scheme, and attach the buffers that monitor and steps in one call fill."""
 
         def made() -> Scheme:
-            ends = list(self._interface_ends()) if self.problem.dimension == 1 else []
             form = self._order, self._form, self._instant
+            ends = list(self._interface_ends())
             return Scheme(self.layout, self.problem, *form, self._columns, ends, alone)
 
         self.scheme = together(self.comm, made)
@@ -125,7 +125,8 @@ class BlockState(State):
 
     def _interface_ends(self) -> Iterator[tuple[int, int, int, float]]:
         """Of interfaces in one dimension with the solid's end here: number, block, row, X."""
-        for number, (_, k) in enumerate(self.problem.interfaces):
+        interfaces = self.problem.interfaces if self.problem.dimension == 1 else ()
+        for number, (_, k) in enumerate(interfaces):
             part, nodes = self.layout.part(k), self.problem.interface_nodes(number)
             if part is not None and nodes[0] in part.numbers:
                 X = float(self.problem.places(k, nodes)[0, 0])
@@ -135,6 +136,15 @@ class BlockState(State):
     def points(self) -> int:
         """Nodes of all blocks."""
         return sum(int(np.prod(shape)) for shape in self.layout.shapes)
+
+    @property
+    def places(self) -> list[float]:
+        """Positions x [m] of the interfaces, in one dimension. Collective."""
+        found = np.zeros(len(self.problem.interfaces) * (self.problem.dimension == 1))
+        for number, k, row, X in self._interface_ends():
+            found[number] = X + self.y.owned(k)[row, 0]
+        self.comm.Allreduce(MPI.IN_PLACE, found)
+        return found.tolist()
 
     # set-up
 
@@ -305,7 +315,7 @@ class BlockState(State):
     # what is saved and said
 
     first_notes, last_notes, errors = first_notes, last_notes, errors_of
-    header, grids, seen, places = header, grids, seen, property(places)
+    header, grids, seen = header, grids, seen
 
     def fields(self, k: int) -> np.ndarray:
         """(M, columns) of ``fields_of``: what is saved of this rank's nodes of block k."""

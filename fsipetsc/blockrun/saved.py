@@ -9,7 +9,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from mpi4py import MPI
 
 from fsipetsc.blockrun.columns import PLACES, VELOCITIES, fields_of
 from fsipetsc.blocks.values import block_values, checked, names_of
@@ -52,20 +51,6 @@ def grids(state: BlockState) -> list[dict[str, Any]]:
         X = state.problem.places(k, numbers) if numbers.size else none
         found.append({"local": numbers.size, "n": int(np.prod(shape)), "X": X})
     return found
-
-
-def places(state: BlockState) -> list[float]:
-    """Mean of the last coordinate [m] of each interface."""
-    problem, sums = state.problem, np.zeros((len(state.problem.interfaces), 2))
-    last = problem.dimension - 1
-    for number, (_, k) in enumerate(problem.interfaces):
-        part, nodes = state.layout.part(k), problem.interface_nodes(number)
-        mine = nodes[state.layout.owners(k, nodes) == state.comm.rank]
-        if part is not None and mine.size:
-            D = state.y.owned(k)[part.rows(mine), last]
-            sums[number] = (problem.places(k, mine)[:, last] + D).sum(), mine.size
-    state.comm.Allreduce(MPI.IN_PLACE, sums)
-    return (sums[:, 0] / sums[:, 1]).tolist()
 
 
 def seen(state: BlockState) -> Iterator[Seen]:

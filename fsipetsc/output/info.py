@@ -82,16 +82,12 @@ def _through(run: Run) -> Rows:
 
 
 def _positions(run: Run) -> str:
-    """Where the interfaces are at the end, in several dimensions on average."""
-    found, t = run.summary.get("interfaces"), run.summary.get("t")
-    if not found and len(run.series.get("x_interface", ())):  # of a run that goes on
-        found = dict(zip(run.interfaces, run.series["x_interface"][-1], strict=True))
-        t = run.series["t"][-1]
-    if not found:
+    """The interfaces, and in one dimension where they are after the last step."""
+    x = run.series.get("x_interface", ())
+    if not len(x):
         return ", ".join(run.interfaces) or "none"
-    axis, mean = " xyz"[run.dimension], " on average" * (run.dimension > 1)
-    places = (f"{name} at {axis} = {value:.6g}{mean}" for name, value in found.items())
-    return f"{', '.join(places)} at t = {t:g}"
+    places = (f"{name} at x = {value:.6g}" for name, value in zip(run.interfaces, x[-1]))
+    return f"{', '.join(places)} at t = {run.series['t'][-1]:g}"
 
 
 def _range(label: str, values: Any, unit: str = "") -> str:

@@ -268,7 +268,7 @@ class _Run:
             "rejected_steps": getattr(state, "retries", 0),
             "rhs_evaluations": state.evaluations,
             "points": state.points,
-            "interfaces": dict(zip(self.problem.interface_names, state.places, strict=True)),
+            "interfaces": dict(zip(self.problem.interface_names, state.places)),
             "wall_time": integrator.wall_time,
             "bound": bound_of_step(state, self.opt),
             "departures": self.ledgers.departures,
