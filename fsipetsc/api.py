@@ -40,12 +40,11 @@ def run(case: Any, *, comm: Comm | None = None, **options: Any) -> Run:
         try:
             path = _solve(case, comm, options)
         except BaseException as error:
-            if comm.size == 1 or getattr(error, "collective", False):
-                notes.Free()
-            else:  # perhaps on this rank alone: the others must not wait for it
-                end_together(error, notes)
+            if comm.size > 1 and not getattr(error, "collective", False):
+                end_together(error, notes)  # perhaps of this rank alone: the others do not wait
             raise
-        notes.Free()
+        finally:
+            notes.Free()
     return open_run(path)
 
 
