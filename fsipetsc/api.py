@@ -16,20 +16,35 @@ from fsipetsc.process.launch import left_as_found, start_mpi, start_petsc
 from fsipetsc.process.together import Comm, together
 
 
-def run(case: Any, comm: Comm | None, options: Mapping[str, Any]) -> Run:
-    """See fsipetsc.run, whose work this is."""
+def run(case: Any, *, comm: Comm | None = None, **options: Any) -> Run:
+    """Solve a case and return its result, opened. Collective on ``comm``; needs PETSc and MPI.
+
+    case      name of a built-in case, path of a case file, a :class:`fsipetsc.problem.Problem` or
+              :class:`fsipetsc.blocks.problem.BlockProblem`, or anything with what a case file
+              defines (``build(opt)``, ``OPTIONS`` …)
+    comm      mpi4py communicator; None: COMM_WORLD
+    options   those of the command line, ``fsi_`` and ``ts_`` may be left out: ``order=6,
+              h=0.025``; lists where it has commas; None for the default. ``quiet=False`` prints
+              what a run prints.
+              The result is ``output``, by default CASE.h5 in the working directory
+
+    Raises the exceptions of :mod:`fsipetsc.errors`: InputError for what is not valid,
+    ComputationError where the computation fails, FileError; after a SIGINT, SIGTERM or SIGHUP
+    KeyboardInterrupt, which no ``except FsiError`` takes, with the result written. Options,
+    modules and settings of PETSc are left as they were found, so that several runs in one process
+    do not know of each other.
+    """
     comm = start_mpi() if comm is None else comm
     with left_as_found():
         notes = comm.Dup()
         try:
             path = _solve(case, comm, options)
         except BaseException as error:
-            if comm.size == 1 or getattr(error, "collective", False):
-                notes.Free()
-            else:  # perhaps on this rank alone: the others must not wait for it
-                end_together(error, notes)
+            if comm.size > 1 and not getattr(error, "collective", False):
+                end_together(error, notes)  # perhaps of this rank alone: the others do not wait
             raise
-        notes.Free()
+        finally:
+            notes.Free()
     return open_run(path)
 
 

@@ -13,8 +13,8 @@ from fsipetsc.errors import InputError
 from fsipetsc.options import is_option
 from fsipetsc.process.failure import end_together
 from fsipetsc.process.launch import launcher_rank, left_as_found, start_mpi, start_petsc
-from fsipetsc.process.streams import abandon, complete_streams
-from fsipetsc.process.together import together
+from fsipetsc.process.streams import abandon, replace_letters
+from fsipetsc.process.together import Comm, together
 from fsipetsc.usage import case_help, command_help, overview, program
 
 
@@ -78,18 +78,23 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _main(arguments: list[str]) -> int:
-    complete_streams()
-    if _is_run(arguments):
-        return _in_parallel(arguments)
-    if launcher_rank() > 0:
-        return 0  # rank 0 alone answers
+    replace_letters()
+    notes = None
     try:
-        _answer(arguments)
+        if _is_run(arguments):
+            world = start_mpi()
+            notes = world.Dup()
+            _do_together(arguments, world)
+        elif launcher_rank() == 0:  # it alone answers
+            _answer(arguments)
         print(end="", flush=True)  # while an error can still be answered
     except BrokenPipeError:  # the reader, a pager or head, has seen enough
         abandon(1)
     except (Exception, KeyboardInterrupt) as error:
-        return end_together(error, None)
+        return end_together(error, notes)
+    finally:
+        if notes is not None:
+            notes.Free()
     return 0
 
 
@@ -128,30 +133,17 @@ def _run_command(name: str, arguments: list[str]) -> None:
         print(f"{program()} {name} {command.arguments}\n\n  {command.summary}")
 
 
-def _in_parallel(arguments: list[str]) -> int:
+def _do_together(arguments: list[str], world: Comm) -> None:
     """A run, or a command that all ranks do together. Collective."""
-    notes = None
-    try:
-        world = start_mpi()
-        notes = world.Dup()
-        if (name := arguments[0]) in COMMANDS:
-            module = importlib.import_module(COMMANDS[name].module)
-            getattr(module, name)(arguments[1:], world)
-            print(end="", flush=True)
-        else:
-            case = together(world, lambda: load_case(name, tuple(COMMANDS)))
-            given = start_petsc(arguments[1:], world)
-            from fsipetsc.stepping.run import run_given
+    if (name := arguments[0]) in COMMANDS:
+        module = importlib.import_module(COMMANDS[name].module)
+        getattr(module, name)(arguments[1:], world)
+        return
+    case = together(world, lambda: load_case(name, tuple(COMMANDS)))
+    given = start_petsc(arguments[1:], world)
+    from fsipetsc.stepping.run import run_given
 
-            run_given(case, given, world)
-    except BrokenPipeError:
-        abandon(1)
-    except (Exception, KeyboardInterrupt) as error:
-        return end_together(error, notes)
-    finally:
-        if notes is not None:
-            notes.Free()
-    return 0
+    run_given(case, given, world)
 
 
 def _done_by_one(name: str, found: dict[str, str]) -> Iterable[object]:

@@ -16,7 +16,7 @@ from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.solid_pressure import gruneisen
-from fsipetsc.parallel.block_layout import BlockLayout, halos_of
+from fsipetsc.parallel.block_layout import BlockLayout
 
 
 def by_components(function):
@@ -84,8 +84,7 @@ class Engine:
         self.shapes = {b.name: b.X.shape[1:] for b in p.blocks}
         self.problem = BlockProblem(tuple(map(block_of, p.blocks)), faces, **options)
         auxiliary = gained(self.problem).itemsize // 8
-        halos = halos_of(self.problem, p.order, p.shock > 0.0)
-        self.layout = BlockLayout(comm, self.problem, p.order, halos, auxiliary=auxiliary)
+        self.layout = BlockLayout(comm, self.problem, p.order, p.shock > 0.0, auxiliary=auxiliary)
         # dissipation 0: on where blocks are joined
         form = BlockForm(p.form, p.dissipation / 0.3 or -1.0, p.shock)
         self.scheme = scheme_of(self.layout, self.problem, p.order, form)

@@ -204,6 +204,6 @@ def test_what_a_line_cannot_be():
         blocks_of_line(old, 0.3, 2)
     forced = line_solid((1.0, 2.0), forcing=lambda X, t: (1.0, t, 2.0, 0.0))
     block = blocks_of_line(line(line_gas((0.0, 1.0)), forced), 0.125, 2).blocks[1]
-    assert [float(v[0]) for v in block.forcing(np.ones(1), 0.0)] == [1.0, 2.0, 0.0]
+    assert block.forcing(np.ones(1), 0.0) == (1.0, 2.0, 0.0)
     with pytest.raises(InputError, match="sigma has a right-hand side"):
         block.forcing(np.ones(1), 1.0)

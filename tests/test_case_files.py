@@ -105,7 +105,7 @@ FAULTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "exact fails at the end": (
         _E,
         f"{_LATER}return 7\n        {_E}",
-        ("LINE def g_exact", "exact of layer 'air'", "faulty.h5"),
+        ("LINE def g_exact", "exact of block 'air'", "faulty.h5"),
     ),
 }
 #: faults of FAULTS that show only when the run is under way: its result is kept

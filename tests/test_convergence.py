@@ -109,7 +109,7 @@ def test_a_run_that_fails_is_one_line_of_the_table(tmp_path):
         ("rod -fsi_hs 0.1,0.05", 2, "the case rod has no exact solution: its grids are compared"),
         ("mms -fsi_order 4", 2, "-fsi_orders"),
         ("mms -fsi_hs 0.03", 2, "order 2, h = 0.03: "),
-        ("mms -fsi_output nowhere/x.csv -fsi_hs 0.05", 4, "nowhere does not exist"),
+        ("mms -fsi_output nowhere/x.csv -fsi_hs 0.05", 4, "nowhere: No such file or directory"),
     ],
 )
 def test_bad_input(tmp_path, words, status, reason):

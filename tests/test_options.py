@@ -112,7 +112,6 @@ def test_long_lists_and_values_with_blanks_arrive_whole(read, name):
         ("-snes_type 2.0", ["-snes_type", "no effect"]),
         ("-fsi_h=0.1", ["without ="]),
         ("-xyzzy", ["-xyzzy", "-help"]),
-        ("-ts_dt 1 -ts_time_step 2", ["-ts_dt", "-ts_time_step", "mean the same"]),
         ("-xyzzy -fsi_ordr 4", ["-xyzzy", "-fsi_ordr"]),
     ],
 )
@@ -228,7 +227,6 @@ FAULTY = {
     "three.opts": (InputError, "three.opts line 2"),
     "word.opts": (InputError, "word.opts line 1"),
     "brace.yaml": (InputError, "YAML"),
-    "self.opts": (InputError, "self.opts: an options file cannot name another one"),
 }
 
 
@@ -237,7 +235,6 @@ def test_faulty_file(name, here):
     (here / "three.opts").write_text("-a 1\n-b 2 3\n")
     (here / "word.opts").write_text("fsi_order 6\n")
     (here / "brace.yaml").write_text("a: {\n")
-    (here / "self.opts").write_text("-a 1\n-b 2 -options_file self.opts\n")
     kind, words = FAULTY[name]
     with pytest.raises(kind, match=words) as caught:
         given_options(["-options_file", name])

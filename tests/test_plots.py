@@ -210,9 +210,8 @@ def test_ledgers_steps_and_residuals(results, figures):
     ((_, _, y), *_) = curves(labelled(figures["rod", "interfaces"], "|residual|, stress"))
     assert np.nanmax(y) == np.abs(run.series["residual_stress"][:, 0]).max()
     assert np.abs(np.diff(run.series["dt"])).max() > 0.05 * run.series["dt"].mean()  # the comb
-    ((label, _, y),) = curves(figures["rod", "steps"].axes[0])
+    ((_, _, y),) = curves(figures["rod", "steps"].axes[0])
     assert np.abs(np.diff(y)).max() < 0.01 * y.mean()
-    assert all(what in label for _, what in run.summary["limits"]) and run.summary["limits"]
 
 
 def test_the_interface_that_moved_most_comes_first():
@@ -247,7 +246,7 @@ def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
     ("words", "said"),
     [
         ("-fields q", "-fields q: expected some of u, T, p, rho, sigma, strain"),
-        ("-times a", "-times a: expected times"),
+        ("-times a", "bad value 'a' for -times: expected numbers"),
         ("-all -animate", "-all and -animate are two things"),
         ("-o x.jpg", "-o x.jpg: expected a directory, or a name that ends with .png, .pdf, .svg"),
         ("-all -o x.png", "-o x.png: expected a directory"),

@@ -42,7 +42,5 @@ def test_ledgers_go_on_after_a_checkpoint(tmp_path):
         fsipetsc.open_run(tmp_path / "parts.h5") as b,
     ):
         assert a.summary["steps"] == b.summary["steps"] > 40
-        assert (
-            a.summary["departures"] == b.summary["departures"]
-            and a.summary["limits"] == b.summary["limits"]
-        )
+        assert a.summary["departures"] == b.summary["departures"]
+        assert a.summary["bound"] == b.summary["bound"] != ""

@@ -31,11 +31,10 @@ def begin(
 
     instead: options of a run that a study does not take -> those that it takes.
     """
-    from fsipetsc.stepping.solve import check_begin
-
     given = start_petsc(words, comm)
     opt = read_options(case, given, extra)
-    check_begin(opt)
+    if opt["fsi_restart"] is not None:
+        raise InputError("-fsi_restart: this command begins with the data of the case")
     for single, several in (instead or {}).items():
         if single in given:
             raise InputError(f"-{single} is for a single run; a study takes -{several}, a list")

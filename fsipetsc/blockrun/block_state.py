@@ -15,23 +15,21 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.blockrun.columns import OF_INTERFACES, fields_of, gained, lossy, slices, step_record
-from fsipetsc.blockrun.errors_of_blocks import errors_of
 from fsipetsc.blockrun.notes import first_notes, last_notes
 from fsipetsc.blockrun.recorded_nodes import Recorded, Recorder
-from fsipetsc.blockrun.saved import grids, header, places, seen
+from fsipetsc.blockrun.saved import errors_of, grids, header, seen
 from fsipetsc.blockrun.scheme import Scheme
 from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.checks import counted
 from fsipetsc.errors import FsiError
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder, halos_of
+from fsipetsc.parallel.block_layout import BlockLayout, NaturalOrder
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.after_step import note_extremes, note_gained
 from fsipetsc.scheme.batch import DT, MADE
 from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP
-from fsipetsc.scheme.runge_kutta import STAGES, advance
+from fsipetsc.scheme.runge_kutta import STAGES
 from fsipetsc.stepping.snapshot import as_numbers, whole
 from fsipetsc.stepping.state import State
 
@@ -53,17 +51,6 @@ class BlockForm(NamedTuple):
     convection: str = "auto"
     dissipation: float = 0.0
     shock: float = 0.0
-
-
-def _call_all(scheme: Scheme, y: BlockVector, t: float) -> None:
-    """Call all of a scheme, at the initial data. Collective on its communicator."""
-    scheme.initial(t, y)
-    scheme.stretch(t, y)
-    scheme.complete(t, y)
-    scheme.rates(t, y, np.zeros_like(y.array))
-    scheme.monitor(y)
-    for k, part in scheme.parts.items():
-        part.fields(y.ghosted(k))
 
 
 class BlockState(State):
@@ -100,8 +87,7 @@ class BlockState(State):
         self._pace = max(1.0, form.shock * PACE_AT_SHOCKS[order])
         blocks, d = problem.layers, problem.dimension
         self.lossy, auxiliary = lossy(problem), gained(problem).itemsize // 8
-        halos = halos_of(problem, order, self.shocks)
-        self.layout = BlockLayout(comm, problem, order, halos, partition, auxiliary=auxiliary)
+        self.layout = BlockLayout(comm, problem, order, self.shocks, partition, auxiliary)
         self.y = self.layout.vector()
         self._stage = self.layout.vector()
         size = (self.layout.local_size, None)
@@ -109,7 +95,10 @@ class BlockState(State):
         self.recorded, interfaces = tuple(recorded), len(problem.interfaces)
         self._recorder = Recorder(self, self.recorded)
         record = step_record(problem, interfaces, len(self.recorded))
-        self._lay_records(record, len(blocks))
+        self.results = np.zeros(FLAGS + LIMITS)
+        self._rows, self._latest = self._lay_journal(record, KEPT)
+        self._extremes = np.zeros(1 + MONITORED * len(blocks))
+        self.rates, self._columns = np.zeros((len(blocks), 2)), slices(self.latest.dtype)
         self._before, self.retries = np.empty_like(self.y.array), 0
         if comm.size > 1 and self.points <= MOST_ALONE:
             self._compile_first(announce)
@@ -119,19 +108,12 @@ class BlockState(State):
         parts = self.layout.parts
         self.orders = {part.k: NaturalOrder(part, widths[part.k]) for part in parts}
 
-    def _lay_records(self, record: np.dtype, blocks: int) -> None:
-        """Flags, the plan of a batch of steps, and the records of steps."""
-        self.results = np.zeros(FLAGS + LIMITS)
-        self._rows, self._latest = self._lay_journal(record, KEPT)
-        self._extremes, self.rates = np.zeros(1 + MONITORED * blocks), np.zeros((blocks, 2))
-        self._columns = slices(self.latest.dtype)
-
     def _make_scheme(self, alone: bool) -> None:
         """Make the scheme, and attach the buffers that monitor and steps in one call fill."""
 
         def made() -> Scheme:
-            ends = list(self._interface_ends()) if self.problem.dimension == 1 else []
             form = self._order, self._form, self._instant
+            ends = list(self._interface_ends())
             return Scheme(self.layout, self.problem, *form, self._columns, ends, alone)
 
         self.scheme = together(self.comm, made)
@@ -143,33 +125,43 @@ class BlockState(State):
 
     def _interface_ends(self) -> Iterator[tuple[int, int, int, float]]:
         """Of interfaces in one dimension with the solid's end here: number, block, row, X."""
-        for number, (_, k) in enumerate(self.problem.interfaces):
+        interfaces = self.problem.interfaces if self.problem.dimension == 1 else ()
+        for number, (_, k) in enumerate(interfaces):
             part, nodes = self.layout.part(k), self.problem.interface_nodes(number)
             if part is not None and nodes[0] in part.numbers:
                 X = float(self.problem.places(k, nodes)[0, 0])
                 yield number, k, int(part.rows(nodes[:1])[0]), X
-
-    # size and names
-
-    @property
-    def grid_text(self) -> str:
-        """About the grid, in the first line of a run."""
-        return counted(len(self.problem.layers), "block")
 
     @property
     def points(self) -> int:
         """Nodes of all blocks."""
         return sum(int(np.prod(shape)) for shape in self.layout.shapes)
 
+    @property
+    def places(self) -> list[float]:
+        """Positions x [m] of the interfaces, in one dimension. Collective."""
+        found = np.zeros(len(self.problem.interfaces) * (self.problem.dimension == 1))
+        for number, k, row, X in self._interface_ends():
+            found[number] = X + self.y.owned(k)[row, 0]
+        self.comm.Allreduce(MPI.IN_PLACE, found)
+        return found.tolist()
+
     # set-up
 
     def compile(self, announce: Callable[[str], None]) -> None:
-        """Compile the kernels of one rank; of several ranks see ``_compile_first``."""
+        """Compile the kernels of one rank, by a step of length 0; of several ranks see
+        ``_compile_first``.
+        """
+        if self.comm.size > 1:
+            return
         with announced(announce):
-            self._compile_own()
-            if self.comm.size == 1:
-                _call_all(self.scheme, self.y, 0.0)
-                self.y.auxiliary[:] = 0.0
+            self.scheme.initial(0.0, self.y)
+            self.scheme.stretch(0.0, self.y)
+            self.scheme.step(0.0, 0.0, self.y, self._stage)
+            self._monitor()
+            self.plan_next()  # nothing is allowed yet
+            self.save()
+            self.results[:] = 0.0  # as on several ranks
 
     def _compile_first(self, announce: Callable[[str], None]) -> None:
         """Rank 0 makes a state of the whole problem, alone, before any rank makes its own scheme:
@@ -182,14 +174,6 @@ class BlockState(State):
                 with BlockState(MPI.COMM_SELF, *of_all, apart=True) as state:
                     state.compile(lambda text: None)
         wait_asleep(self.comm)
-
-    def _compile_own(self) -> None:
-        y, k, stage, total = np.zeros((4, 1))
-        advance(y, k, stage, total, 0, 0.0)
-        extremes, rates = np.zeros(1 + MONITORED), np.zeros((1, 2))
-        note_extremes(extremes, rates, np.zeros(FLAGS + LIMITS), np.zeros(2))
-        note_gained(np.zeros(1), np.zeros(1))
-        self.plan_next()  # nothing is allowed yet
 
     def check_data(self) -> None:
         """Ask the case's functions for all data at t = 0. InputError."""
@@ -331,7 +315,7 @@ class BlockState(State):
     # what is saved and said
 
     first_notes, last_notes, errors = first_notes, last_notes, errors_of
-    header, grids, seen, places = header, grids, seen, property(places)
+    header, grids, seen = header, grids, seen
 
     def fields(self, k: int) -> np.ndarray:
         """(M, columns) of ``fields_of``: what is saved of this rank's nodes of block k."""

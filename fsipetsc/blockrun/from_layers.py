@@ -80,7 +80,7 @@ def _gas(layer: FluidLayer, grid: tuple[float, float], cells: int) -> Block:
     (a, b), (low, high) = layer.X, grid
 
     def of_grid(what: str) -> Function | None:
-        function = _checked(layer, what)
+        function = getattr(layer, what)
         if function is None or (a, b) == (low, high):
             return function
 
@@ -94,31 +94,18 @@ def _gas(layer: FluidLayer, grid: tuple[float, float], cells: int) -> Block:
     return Block(layer.name, layer.material, rectangle(low, high), (cells,), *functions)
 
 
-def _checked(layer: FluidLayer | SolidLayer, what: str) -> Function | None:
-    """layer.initial, exact or forcing: what is wrong with its values is said of the layer."""
-    function = getattr(layer, what)
-    if function is None:
-        return None
-
-    @wraps(function)
-    def called(X: Array, t: float = 0.0) -> list[Array]:
-        return given.fields(layer, what, X, t)
-
-    return called
-
-
 # solids
 
 
 def _solid(layer: SolidLayer, h: float) -> Block:
     stress = _Prestress(layer)
-    uniform, exact = stress.uniform(), _checked(layer, "exact")
+    uniform, exact = stress.uniform(), layer.exact
     return Block(
         layer.name,
         _elastic(layer.material, 0.0 if uniform is None else -uniform),
         rectangle(*layer.X),
         (layer.cells(h),),
-        _without_stress(_checked(layer, "initial")),
+        _without_stress(layer.initial),
         forcing=layer.forcing and _forces_alone(layer),
         exact=exact and _without_stress(exact),
         exact_stress=exact and (lambda X, t: (exact(X, t)[1],)),
@@ -139,11 +126,10 @@ def _without_stress(function: Function) -> Function:
 
 def _forces_alone(layer: SolidLayer) -> Function:
     """The forcing of a solid without that of its stress, which must be 0. InputError."""
-    forcing = _checked(layer, "forcing")
 
-    @wraps(forcing)
+    @wraps(layer.forcing)
     def called(X: Array, t: float) -> Any:
-        u, sigma, T, x = forcing(X, t)
+        u, sigma, T, x = layer.forcing(X, t)
         if np.any(np.abs(sigma) > 1e-9 * layer.material.K):  # but for round-off
             raise InputError(
                 f"forcing of layer '{layer.name}' at t = {t:.6g}: sigma has a right-hand side, but "
@@ -173,7 +159,7 @@ class _Prestress:
 
     def __init__(self, layer: SolidLayer) -> None:
         self._X, self._K, self._step = layer.X, layer.material.K, 1e-3 * (layer.X[1] - layer.X[0])
-        self._initial = _checked(layer, "initial")
+        self._initial = layer.initial
 
     def __call__(self, X: Array) -> tuple[Array]:
         return (self._initial(X)[1] - self._K * np.log(self._stretch(X)),)

@@ -76,6 +76,7 @@ class GasPart(BlockPart):
         if sigma > 0.0 or shock > 0.0:
             found = differences(d, self._order, bands, self.block.cells)
             damping = Damping(sigma, shock, found, room(d, found))
+        self.work = scratch(like, convection, viscous, bands, part.patch)
         around = Radial(self.grid.record, np.zeros(((d + 1) ** 2, self.X.shape[1])))
         return GasRecord(
             **self._common(at_particles, columns, alone),
@@ -86,7 +87,7 @@ class GasPart(BlockPart):
             axis=around if self._problem.symmetry else Straight(),
             column=column,
             places=self._places,
-            work=scratch(like, convection, viscous, bands, part.patch),
+            work=self.work,
             room=room_of(d),
             masses=self.weights,
             follows=self._particles,

@@ -93,7 +93,10 @@ class ParticleSystem:
                 slips=int(self.slips),
                 normals=self.normals,
                 turning=self.turning,
-                **self._of_normals,
+                of_normals=self._normal_exchange.table,
+                at_normals=self._normal_exchange.mine.size,
+                of_particle=self._normal_particles,
+                row_of=self._normal_exchange.row,
                 moves=moves,
                 place=self.prescribed.displaced,
                 auxiliary=layout.auxiliary,
@@ -109,7 +112,7 @@ class ParticleSystem:
         kind, alpha = np.empty(len(members), np.int64), np.zeros(len(members))
         kind[row] = [SOLID if blocks[k].kind == "solid" else GAS for k in members[:, 1]]
         alpha[row] = [getattr(blocks[k].material, "alpha", 0.0) for k in members[:, 1]]
-        at, weight = np.empty(mine.size, np.int64), self._weights(number, members, owners, inertia)
+        at, weight = np.empty(mine.size, np.int64), self._weights(members, inertia)
         booked = np.zeros(mine.size)
         for part in layout.parts:
             own = members[mine, 1] == part.k
@@ -146,19 +149,16 @@ class ParticleSystem:
             flags=flags,
         )
 
-    def _weights(
-        self, number: Array, members: Array, owners: Array, inertia: dict[int, Array]
-    ) -> Array:
+    def _weights(self, members: Array, inertia: dict[int, Array]) -> Array:
         """(rows,) H of gas members, M_s of solid ones, of all ranks."""
-        exchange = ParticleExchange(self._layout.comm, number, owners, 1, tag=3)
+        exchange = self._exchange
         for part in self._layout.parts:
             rows = np.flatnonzero(members[exchange.mine, 1] == part.k)
             nodes = part.ghosted_rows(part.rows(members[exchange.mine[rows], 2]))
             mass = inertia[part.k][nodes] if part.k in inertia else 1.0
             exchange.table[rows, 0] = weights_of(part, nodes) * mass
         exchange.exchange()
-        exchange.destroy()
-        return exchange.table[:, 0]
+        return exchange.table[:, 0].copy()
 
     def _nodes(self, members: Array, number: Array) -> dict[int, tuple[Array, Array]]:
         mine, found = self._exchange.mine, {}
@@ -174,13 +174,9 @@ class ParticleSystem:
         self, particles: Sequence[Particle], number: Array, members: Array, owners: Array
     ) -> None:
         """Which members of this rank tell the others what they store."""
-        self._stored = np.zeros((len(members), 1))
         self.stores, self.members = any(p.stores for p in particles), {}
-        if not self.stores:
-            return
         self._store_exchange = ParticleExchange(self._layout.comm, number, owners, 1, tag=4)
-        self._stored = self._store_exchange.table
-        mine = self._store_exchange.mine
+        self._stored, mine = self._store_exchange.table, self._store_exchange.mine
         wanted = np.array([p.stores for p in self._particles], bool)[number[mine]]
         for part in self._layout.parts:
             if self._layout.problem.blocks[part.k].kind == "solid":
@@ -196,21 +192,14 @@ class ParticleSystem:
         """
         layout, d = self._layout, self._d
         bound = np.array([len(p.constraints) > 0 for p in self._particles], bool)
-        chosen = bound[number] if number.size else np.zeros(0, bool)
+        chosen = bound[number]
+        self._normal_particles = number[chosen]
         K = self.table.constraint.shape[1]
         self.slips = layout.comm.allreduce(int(bound.any()), op=MPI.MAX) > 0
         self.normals = np.zeros((bound.size, K, 2 * d))
         self.turning = np.zeros((bound.size, K, 2 * d))
-        self.at_faces = {part.k: of_faces.listed(part, []) for part in layout.parts}
-        none = {"at_normals": 0, "of_particle": number[:0], "row_of": number[:0]}
-        self._of_normals: dict[str, Any] = {"of_normals": np.zeros((0, 2 * K * d)), **none}
-        if not self.slips:
-            return
         exchange = ParticleExchange(layout.comm, number[chosen], owners[chosen], 2 * K * d, tag=2)
         self._normal_exchange = exchange
-        found_of = {"of_particle": number[chosen], "row_of": exchange.row}
-        found_of |= {"of_normals": exchange.table, "at_normals": exchange.mine.size}
-        self._of_normals = found_of
         mine = np.flatnonzero(chosen)[exchange.mine]
         place = {(int(k), int(n)): row for row, (_, k, n) in enumerate(members[mine].tolist())}
         found: dict[int, list[tuple[int, int, int, float, int]]] = {p.k: [] for p in layout.parts}
@@ -257,12 +246,6 @@ class ParticleSystem:
         self._exchange.exchange()
         kernels.end_sums(self.box, gain)
 
-    def impose_conditions(self, y: Array, gain: Array) -> None:
-        """Project velocities on what constraints allow, share heat, and give all members what their
-        particle has; what came in is added to the auxiliary unknowns.
-        """
-        kernels.impose_conditions(self.box, y, gain)
-
     def constrain(self, y: Array, f: Array, gain: Array) -> None:
         """Rates of all members under the constraints of their particles, and of what comes in, in
         place.
@@ -286,10 +269,6 @@ class ParticleSystem:
         )
         return with_calls(ParticleCalls, self.box, calls)
 
-    def refresh(self, t: float) -> None:
-        """Prescribed data at time t [s]. InputError."""
-        self.prescribed.refresh(t)
-
     def at_walls(self, k: int) -> tuple[Array, Array]:
         """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""
         nodes, particle = self.nodes[k]
@@ -308,11 +287,8 @@ class ParticleSystem:
 
     def destroy(self) -> None:
         """Release the messages."""
-        self._exchange.destroy()
-        if self.slips:
-            self._normal_exchange.destroy()
-        if self.stores:
-            self._store_exchange.destroy()
+        for exchange in (self._exchange, self._normal_exchange, self._store_exchange):
+            exchange.destroy()
 
 
 def _flags(p: Particle) -> list[bool]:

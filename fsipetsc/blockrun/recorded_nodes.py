@@ -10,6 +10,7 @@ import numpy as np
 
 from fsipetsc.blockrun.columns import fields_of, point_names
 from fsipetsc.errors import InputError
+from fsipetsc.options import Option
 
 if TYPE_CHECKING:
     from fsipetsc.blockrun.block_state import BlockState
@@ -43,16 +44,11 @@ def chosen(problem: BlockProblem, points: Sequence[float], probes: str | None) -
 
 def _places(text: str | None, d: int) -> list[Array]:
     """Of "X,Y;X,Y". InputError."""
-    found = []
-    for piece in (text or "").split(";") if text else ():
-        try:
-            place = np.array([float(number) for number in piece.split(",")])
-        except ValueError:
-            place = np.empty(0)
-        if place.size != d or not np.isfinite(place).all():
-            wanted = ",".join("XYZ"[:d])
-            raise InputError(f"-fsi_probes {piece}: expected {wanted}, and ; between several")
-        found.append(place)
+    one = Option("fsi_probes", "floats", None, "m", "")
+    found = [np.array(one.parse(piece)) for piece in (text.split(";") if text else ())]
+    if any(place.size != d for place in found):
+        wanted = ",".join("XYZ"[:d])
+        raise InputError(f"-fsi_probes {text}: expected {wanted}, and ; between several")
     return found
 
 
@@ -83,7 +79,7 @@ def _nearest(problem: BlockProblem, place: Array) -> Recorded:
         if distance[at] < best[0] - problem.tolerance:
             best = float(distance[at]), k, at, places[at]
     distance, k, node, X = best
-    if distance > _reach(problem, k, node):
+    if distance > _reach(problem, k):
         text = ",".join(f"{x:g}" for x in place)
         nearest = f"the nearest node is {distance:g} away"
         raise InputError(f"-fsi_probes {text}: no block is there; {nearest}")
@@ -91,17 +87,12 @@ def _nearest(problem: BlockProblem, place: Array) -> Recorded:
     return Recorded(problem.layers[k].name, k, node, tuple(X.tolist()), face)
 
 
-def _reach(problem: BlockProblem, k: int, node: int) -> float:
-    """The sum of the distances to the neighbours along each axis: no place in a cell is further."""
-    shape, total = problem.layers[k].shape, 0.0
-    at = np.unravel_index(node, shape, order="F")
-    for axis, n in enumerate(shape):
-        beside = [i for i in (at[axis] - 1, at[axis] + 1) if 0 <= i < n]
-        index = [(*at[:axis], i, *at[axis + 1 :]) for i in (at[axis], *beside)]
-        numbers = np.ravel_multi_index(np.transpose(index), shape, order="F")
-        X = problem.places(k, numbers)
-        total += np.linalg.norm(X[1:] - X[0], axis=1).max()
-    return float(total)
+def _reach(problem: BlockProblem, k: int) -> float:
+    """The sum of the longest cells along each axis: no place in a cell is further from a node."""
+    shape = problem.layers[k].shape
+    X = problem.places(k, np.arange(np.prod(shape))).reshape(*shape[::-1], len(shape))
+    cells = (np.diff(X, axis=axis) for axis in range(len(shape)))
+    return float(sum(np.linalg.norm(cell, axis=-1).max() for cell in cells))
 
 
 def _face_of(problem: BlockProblem, k: int, node: int) -> tuple[int, int] | None:

@@ -31,6 +31,7 @@ from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
 from fsipetsc.scheme import solid_record
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
 from fsipetsc.scheme.part import PartCalls
+from fsipetsc.scheme.particles import impose_conditions
 from fsipetsc.scheme.runge_kutta import STAGES, advance
 from fsipetsc.scheme.steps import COMPLETE, MONITOR, RATES, STEPS, All, Found, run
 
@@ -92,24 +93,23 @@ class Scheme:
         first = {name: where.start for name, where in columns.items()}
         momenta = [first[f"momentum_{x}"] for x in "xyz"[: self.dimension]]
         turns = [first[name] for name in spins(self.dimension)]
-        self._lines: dict[int, Any] = {}
         self._does: dict[int, PartCalls] = {}
         for k, part in self.parts.items():
             faces = self.particles.at_faces[k]
             if isinstance(part, GasPart):
                 mass = first["mass"] + fluids.index(k)
                 sums = np.array([mass, *momenta, first["energy"], first["entropy"], *turns])
-                line: Any = part.record(fluids.index(k), sums, faces, self.alone)
+                record: Any = part.record(fluids.index(k), sums, faces, self.alone)
                 functions = part.functions
             else:
                 own = [(number, row, X) for number, block, row, X in ends if block == k]
-                stored = self.particles.members.get(k, (np.zeros(0, int), np.zeros(0, int)))
+                stored = self.particles.members[k]
                 lost = [first[name] for name in ("solid_energy", "lost_energy") if name in first]
                 sums = np.array([*momenta, first["energy"], *turns, *lost])
-                line = part.record(sums, faces, self.alone, own, stored)
+                record = part.record(sums, faces, self.alone, own, stored)
                 stores = self.particles.stores and not part.equations.coupled
                 functions = solid_record.functions(stores, self.dimension == 1)
-            self._lines[k], self._does[k] = line, PartCalls(Box(line), *functions)
+            self._does[k] = PartCalls(Box(record), *functions)
 
     def attach(self, y: Array, stage: Array, *buffers: Any) -> None:
         """What steps in one call take and fill: see fsipetsc.scheme.steps.Found, without now.
@@ -161,7 +161,7 @@ class Scheme:
         if self._filled is not None and self._filled[0] == instant:
             return
         try:
-            self.particles.refresh(t)
+            self.particles.prescribed.refresh(t)
             for part in self.parts.values():
                 part.refresh(t)
         except InputError as error:
@@ -182,7 +182,7 @@ class Scheme:
         self._move()
         particles.find_normals(self._add_normals, False)
         particles.find_stored(y.array, lambda: self._store(y))
-        particles.impose_conditions(y.array, self._gain)
+        impose_conditions(particles.box, y.array, self._gain)
         if particles.slips:  # velocities are others
             self._follow()
         for gas in self._gases:
@@ -193,9 +193,7 @@ class Scheme:
         for gas in self._gases:
             does = self._does[gas.part.k]
             does.follow(does.part, self.particles.box)
-            gas.gather.begin()
-        for gas in self._gases:
-            gas.gather.end()
+            gas.gather.gather()
 
     def _move(self) -> None:
         """Let the grids follow the displacement of solids and walls."""
@@ -275,7 +273,7 @@ class Scheme:
     def forget(self) -> None:
         """Clear what gases remember of a bad state: no NaN may stay there for another step."""
         for gas in self._gases:
-            self._lines[gas.part.k].work.w[:] = 0.0
+            gas.work.w[:] = 0.0
 
     def destroy(self) -> None:
         """Release messages."""

@@ -8,21 +8,19 @@ what PETSc is to follow.
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from difflib import get_close_matches
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 from fsipetsc.blame import brief
 from fsipetsc.errors import FileError, InputError, petsc_words
 from fsipetsc.options import tables
 from fsipetsc.options.option import REQUIRED, Option, above_one
-from fsipetsc.options.tables import COMMON, LONGEST_NAME, OF_A_RUN, PETSC_OPTIONS, RUN
+from fsipetsc.options.tables import COMMON, OF_A_RUN, PETSC_OPTIONS, RUN
 
 __all__ = [
-    "COMMON", "LONGEST_NAME", "OF_A_RUN", "PETSC_OPTIONS", "REQUIRED", "RUN", "InForce", "Option",
+    "COMMON", "OF_A_RUN", "PETSC_OPTIONS", "REQUIRED", "RUN", "InForce", "Option",
     "above_one", "defaults", "given_options", "groups", "is_option", "present", "put",
     "read_options", "read_table", "spelt", "table",
 ]  # fmt: skip
@@ -115,7 +113,7 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
     PETSc, which runs, reads PETSC_OPTIONS, then the words of the command line, and the files that
     either names; its database holds these options alone then, and none after an error. Not
     collective. InputError, FileError for what PETSc does not take, InputError for a word that is no
-    option's value, and for an options file that names another one.
+    option's value.
     """
     from petsc4py import PETSc
 
@@ -126,9 +124,6 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
             raise InputError(f"{what}: a value comes right after its option")
     quoted = (word if is_option(word) else _quoted(word) for word in words)
     environment = os.environ.get("PETSC_OPTIONS", "").split()
-    for option, name in pairwise([*environment, *words]):
-        if option.lstrip("-").lower() in ("options_file", "options_file_yaml"):
-            _refuse_nesting(Path(name))
     for text in (" ".join(environment), " ".join(quoted)):
         try:
             PETSc.Options().insertString(text)
@@ -139,14 +134,6 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
             raise kind(f"options: {said}") from None
     given = {name.lower(): text for name, text in present().items()}
     return {name: text for name, text in given.items() if name != "help"}
-
-
-def _refuse_nesting(file: Path) -> None:
-    """InputError for an options file that names another: PETSc crashes where one names itself."""
-    with suppress(OSError):  # PETSc says so
-        text = file.read_text(errors="replace") if file.is_file() else ""
-        if re.search(r"^[^#\n]*\boptions_file", text, re.MULTILINE | re.IGNORECASE):
-            raise InputError(f"-options_file {file}: an options file cannot name another one")
 
 
 def _quoted(word: str) -> str:
@@ -248,9 +235,6 @@ def _read(options: Mapping[str, Option], given: Mapping[str, str]) -> dict[str, 
     ]
     if unknown:
         raise InputError(f"unknown option{'s' * (len(unknown) > 1)} {', '.join(unknown)}")
-    for alias, name in tables.ALIASES.items():
-        if given.get(alias, given.get(name)) != given.get(name, given.get(alias)):
-            raise InputError(f"-{alias} and -{name} mean the same; give one of them")
     values = {option.name: option.default for option in options.values()}
     for name, text in given.items():
         option = options.get(tables.ALIASES.get(name, name))

@@ -1,12 +1,8 @@
 """The options of all cases, section by section, and those of PETSc that work here."""
 
-import os
 from collections.abc import Callable, Sequence
 
 from fsipetsc.options.option import INT_MAX, REQUIRED, Option
-
-#: bytes of a file's name: MPI makes longer ones of it, and Open MPI 4 crashes on more than 255
-LONGEST_NAME = 150
 
 
 def _increasing(times: Sequence[float]) -> str | None:
@@ -17,13 +13,6 @@ def _increasing(times: Sequence[float]) -> str | None:
 
 def _between(least: float, most: float) -> Callable[[float], str | None]:
     return lambda value: None if least <= value <= most else f"a number from {least} to {most}"
-
-
-def _file_name(name: str) -> str | None:
-    last = os.path.basename(name)
-    short = len(os.fsencode(last)) <= LONGEST_NAME and "\0" not in name
-    fits = short and last not in ("", ".", "..")
-    return None if fits else f"a file name of at most {LONGEST_NAME} bytes"
 
 
 COUPLINGS = ("projection", "energy", "traditional", "conservative")
@@ -54,7 +43,7 @@ DISCRETISATION = (
 )  # fmt: skip
 OUTPUT = (
     Option("fsi_output", str, None, "",
-        "result file (HDF5); an earlier result is never destroyed silently", check=_file_name),
+        "result file (HDF5); an earlier result is never destroyed silently"),
     Option("fsi_output_dt", float, None, "s", "interval at which profiles are saved",
         check="positive"),
     Option("fsi_output_times", "floats", None, "s", "times at which profiles are saved: t0,t1,…",
@@ -66,15 +55,13 @@ OUTPUT = (
 )  # fmt: skip
 CHECKPOINTS = (
     Option("fsi_checkpoint", str, None, "",
-        "file of checkpoints; NAME.checkpoint.h5 beside the result NAME.h5 if not given",
-        check=_file_name),
+        "file of checkpoints; NAME.checkpoint.h5 beside the result NAME.h5 if not given"),
     Option("fsi_checkpoint_steps", int, None, "steps", "steps from one checkpoint to the next",
         check="positive"),
     Option("fsi_checkpoint_wall", float, None, "s", "wall time from one checkpoint to the next",
         check="positive"),
     Option("fsi_restart", str, None, "",
-        "go on from a checkpoint; auto: from the run's own, if there is one",
-        check=_file_name),
+        "go on from a checkpoint; auto: from the run's own, if there is one"),
 )  # fmt: skip
 RUN = (
     Option("fsi_check", float, None, "",

@@ -11,8 +11,9 @@ import hashlib
 import io
 import json
 import os
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import h5py
 import numpy as np
@@ -30,24 +31,19 @@ class CheckpointError(FileError):
     """A checkpoint could not be written; the result may well be."""
 
 
-class Checkpoint(NamedTuple):
-    """What a checkpoint says: header, as JSON has it, and arrays by name."""
-
-    header: dict[str, Any]
-    arrays: dict[str, Array]
-
-
-def pack(checkpoint: Checkpoint) -> bytes:
-    """The content of the file."""
+def pack(header: Mapping[str, Any], arrays: Mapping[str, Array]) -> bytes:
+    """The content of the file. header: as JSON has it."""
     with in_memory() as (file, image):
-        file["header"] = json.dumps(checkpoint.header)
-        for name, array in checkpoint.arrays.items():
+        file["header"] = json.dumps(header)
+        for name, array in arrays.items():
             file[f"arrays/{name}"] = array
     return _head(image.getvalue()) + image.getvalue()
 
 
-def unpack(content: bytes, name: str) -> Checkpoint:
-    """The checkpoint in a file's content; FileError with the name, if a byte is not as written."""
+def unpack(content: bytes, name: str) -> tuple[dict[str, Any], dict[str, Array]]:
+    """Header and arrays in a file's content; FileError with the name, if a byte is not as
+    written.
+    """
     if not content.startswith(_MAGIC):
         raise FileError(f"{name}: is not a checkpoint of fsipetsc")
     head, body = content[:_HEAD], content[_HEAD:]
@@ -55,7 +51,7 @@ def unpack(content: bytes, name: str) -> Checkpoint:
         raise FileError(f"{name}: the checkpoint is damaged, or of another version of fsipetsc")
     with h5py.File(io.BytesIO(body), "r") as file:
         arrays = {key: dataset[...] for key, dataset in file.get("arrays", {}).items()}
-        return Checkpoint(json.loads(file["header"].asstr()[()]), arrays)
+        return json.loads(file["header"].asstr()[()]), arrays
 
 
 def _head(body: bytes) -> bytes:
@@ -63,8 +59,8 @@ def _head(body: bytes) -> bytes:
     return f"{_MAGIC.decode()}{VERSION}\n{sha}\n{len(body)}".encode().ljust(_HEAD, b"\0")
 
 
-def read(path: str | os.PathLike[str]) -> Checkpoint:
-    """The checkpoint in a file. FileError."""
+def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Array]]:
+    """Header and arrays of a checkpoint. FileError."""
     name = os.fspath(path)
     if not os.path.lexists(path):
         raise FileError(f"{name}: there is no such file")
@@ -84,7 +80,7 @@ def is_one(path: Path) -> bool:
 
 def check_place(path: str | os.PathLike[str]) -> None:
     """FileError without a folder that can be written to, or where something else has the name."""
-    check_folder(path, writable=True)
+    check_folder(path)
     target = Path(os.path.realpath(path))
     if target.exists() and not target.is_file():
         raise FileError(f"{path}: exists and is not a regular file")

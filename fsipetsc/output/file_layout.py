@@ -130,23 +130,14 @@ def folder_of(path: str | os.PathLike[str]) -> Path:
     return beside(path, ".parts")
 
 
-def check_folder(path: str | os.PathLike[str], writable: bool = False) -> None:
-    """FileError, which names the file that is to be written, unless its directory is there.
-
-    writable: and files can be written there.
-    """
-    folder, fault = os.path.dirname(os.path.realpath(path)), ""
-    if not os.path.lexists(folder):
-        fault = f"the directory {folder} does not exist"
-    elif not os.path.isdir(folder):
-        fault = f"{folder} is not a directory"
-    elif writable:
-        try:
-            TemporaryFile(dir=folder).close()
-        except OSError as error:
-            fault = f"no file can be written in the directory {folder}: {error.strerror}"
-    if fault:
-        raise FileError(f"{os.fspath(path)}: {fault}")
+def check_folder(path: str | os.PathLike[str]) -> None:
+    """FileError, which names the file that is to be written, unless its directory takes files."""
+    folder = os.path.dirname(os.path.realpath(path))
+    try:
+        TemporaryFile(dir=folder).close()
+    except OSError as error:
+        said = f"no file can be written in the directory {folder}: {error.strerror}"
+        raise FileError(f"{os.fspath(path)}: {said}") from None
 
 
 @contextmanager

@@ -82,16 +82,12 @@ def _through(run: Run) -> Rows:
 
 
 def _positions(run: Run) -> str:
-    """Where the interfaces are at the end, in several dimensions on average."""
-    found, t = run.summary.get("interfaces"), run.summary.get("t")
-    if not found and len(run.series.get("x_interface", ())):  # of a run that goes on
-        found = dict(zip(run.interfaces, run.series["x_interface"][-1], strict=True))
-        t = run.series["t"][-1]
-    if not found:
+    """The interfaces, and in one dimension where they are after the last step."""
+    x = run.series.get("x_interface", ())
+    if not len(x):
         return ", ".join(run.interfaces) or "none"
-    axis, mean = " xyz"[run.dimension], " on average" * (run.dimension > 1)
-    places = (f"{name} at {axis} = {value:.6g}{mean}" for name, value in found.items())
-    return f"{', '.join(places)} at t = {t:g}"
+    places = (f"{name} at x = {value:.6g}" for name, value in zip(run.interfaces, x[-1]))
+    return f"{', '.join(places)} at t = {run.series['t'][-1]:g}"
 
 
 def _range(label: str, values: Any, unit: str = "") -> str:
@@ -108,7 +104,7 @@ def summary_rows(summary: Mapping[str, Any], unit: str) -> Rows:
     """Results of a run in the order of LABELS. unit: what comes after a time."""
     known = {name: value for name, value in summary.items() if value not in ("", None, {}, [])}
     return [
-        (label, written(known[name]) + unit * (name in ("t", "dt_min", "dt_max")))
+        (label, written(known[name]) + unit * (name == "t"))
         for name, (label, written) in LABELS.items()
         if name in known
     ]
@@ -148,12 +144,7 @@ LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "lost_energy": ("lost energy of solids", _three_digits),
     "steps": ("time steps", str),
     "rejected_steps": ("rejected steps", str),
-    "dt_min": ("shortest step", _three_digits),
-    "dt_max": ("longest step", _three_digits),
-    "limits": (
-        "step bounded by",
-        lambda changes: ", ".join(dict.fromkeys(what for _, what in changes)),
-    ),
+    "bound": ("step bounded by", str),
     "wall_time": ("wall time of the steps", duration),
     "ranks": ("ranks", str),
     "points": ("points", str),

@@ -193,7 +193,7 @@ class RunWriter:
 
         Returns the frames, the rows of the series, and the number of the next piece.
         """
-        check_folder(path, writable=True)
+        check_folder(path)
         if os.path.lexists(self.path) and not self.path.is_file():  # a device keeps its name
             raise FileError(f"{path}: exists and is not a regular file")
         self._lock = Lock(self.folder, str(self.path))

@@ -84,9 +84,8 @@ class Part:
 class BlockLayout:
     """Parts of all blocks on all ranks. Collective on ``comm``.
 
-    problem: fsipetsc.blocks.problem.BlockProblem. halos: width of the halo of each block, and
-    whether differences along two axes are taken one after the other, see ``halos_of``.
-    partition: as ``share_out`` has it. auxiliary: unknowns of each rank after those of nodes.
+    problem: fsipetsc.blocks.problem.BlockProblem. shocks: a sensor looks for them. partition: as
+    ``share_out`` has it. auxiliary: unknowns of each rank after those of nodes.
 
     shares: of each block, known to all ranks. parts: of this rank, in the order of the blocks.
     local_size: of this rank's part of the world vector.
@@ -98,12 +97,12 @@ class BlockLayout:
         comm: MPI.Comm,
         problem: Any,
         order: int,
-        halos: Sequence[tuple[int, bool]] | None = None,
+        shocks: bool = False,
         partition: str = "auto",
         auxiliary: int = 0,
     ) -> None:
         self.comm, self.problem, self.order = comm, problem, order
-        self._halos = halos_of(problem, order) if halos is None else list(halos)
+        self._halos = halos_of(problem, order, shocks)
         blocks = problem.blocks
         self.shapes = [tuple(int(n) for n in block.shape) for block in blocks]
         widths = [width for width, _ in self._halos]
@@ -191,9 +190,9 @@ class BlockLayout:
         """Ranks that own nodes of block k."""
         return self.shares[k].owners(nodes)
 
-    def vector(self, array: Array | None = None) -> BlockVector:
-        """This rank's part of a world vector, in new memory, or that of ``array``. Collective."""
-        return BlockVector(self, np.zeros(self.local_size) if array is None else array)
+    def vector(self) -> BlockVector:
+        """This rank's part of a world vector, of zeros. Collective."""
+        return BlockVector(self, np.zeros(self.local_size))
 
     def destroy(self) -> None:
         """Destroy vectors and DMDAs, then their communicators. Collective."""
@@ -274,18 +273,12 @@ class FaceGather:
         by_rank = [np.flatnonzero(owners == rank) for rank in layout.shares[k].ranks]
         self._order = np.concatenate(by_rank)
         self._counts = [columns * rows.size for rows in by_rank]
-        self._request = MPI.REQUEST_NULL
 
-    def begin(self) -> None:
-        """Send what is in ``local``, which must not change before ``end``."""
-        if self._comm.size > 1:
-            into = [self._received, self._counts, MPI.DOUBLE]
-            self._request = self._comm.Iallgatherv([self.local, MPI.DOUBLE], into)
-
-    def end(self) -> None:
-        """``whole`` is filled."""
-        self._request.Wait()
-        self.whole[self._order] = self._received if self._comm.size > 1 else self.local
+    def gather(self) -> None:
+        """Fill ``whole``."""
+        into = [self._received, self._counts, MPI.DOUBLE]
+        self._comm.Allgatherv([self.local, MPI.DOUBLE], into)
+        self.whole[self._order] = self._received
 
 
 class NaturalOrder:

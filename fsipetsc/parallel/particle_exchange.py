@@ -46,23 +46,15 @@ class ParticleExchange:
             shared = np.isin(particles[self.mine], particles[members])
             into, begin = self.table[begin : begin + len(members)], begin + len(members)
             self._requests.append(comm.Recv_init([into, MPI.DOUBLE], rank, tag))
-            self._requests.append(comm.Send_init([self._outgoing(shared), MPI.DOUBLE], rank, tag))
-
-    def _outgoing(self, shared: NDArray[np.bool_]) -> Array:
-        """The rows for one neighbour: part of the table if they lie side by side, else a buffer."""
-        rows = np.flatnonzero(shared)
-        first, last = int(rows[0]), int(rows[-1])
-        if last - first + 1 == len(rows):
-            return self.table[first : last + 1]
-        buffer = np.empty((len(rows), self.table.shape[1]))
-        self._packed.append((rows, buffer))
-        return buffer
+            outgoing = np.empty((np.count_nonzero(shared), columns))
+            self._packed.append((np.flatnonzero(shared), outgoing))
+            self._requests.append(comm.Send_init([outgoing, MPI.DOUBLE], rank, tag))
 
     def exchange(self) -> None:
         """Send the rows of this rank; then all rows of the table are there."""
         if self._requests:
-            for rows, buffer in self._packed:
-                np.take(self.table, rows, axis=0, out=buffer, mode="clip")
+            for rows, outgoing in self._packed:
+                np.take(self.table, rows, axis=0, out=outgoing, mode="clip")
             MPI.Prequest.Startall(self._requests)
             MPI.Request.Waitall(self._requests)
 

@@ -15,7 +15,7 @@ from fsipetsc.blockrun.columns import point_names
 from fsipetsc.errors import clear_frames
 from fsipetsc.output.quantities import GAINS
 from fsipetsc.process.together import agree
-from fsipetsc.scheme.batch import LONGEST, MADE, NEXT, SHORTEST, TIME
+from fsipetsc.scheme.batch import LONGEST, MADE, NEXT, TIME
 from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP, shares
 from fsipetsc.scheme.time_step import longest_step, next_step
 from fsipetsc.stepping import verdicts
@@ -33,7 +33,7 @@ MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}
 #: most steps in a batch; between batches signals are answered and progress is shown
 MOST_STEPS = 64
 #: what a checkpoint keeps as it is
-KEPT = "steps", "t", "dt_range", "wall_time", "initial", "beyond"
+KEPT = "steps", "t", "wall_time", "initial", "beyond"
 #: what is noted of a step alone, not of a state; of interfaces so in one dimension on blocks
 OF_STEPS = (*GAINS, "x_interface", "u_interface")
 
@@ -69,7 +69,7 @@ class Integrator:
         self.pauses = Pauses(opt, state.comm.rank == 0)
         self._targets = sorted(saved, reverse=True)  # times that are still to be hit
         self._steady = state.problem.steady_data
-        self.steps, self.t, self.dt_range = 0, 0.0, [np.inf, 0.0]
+        self.steps, self.t = 0, 0.0
         self.wall_time = self._begun = 0.0
         self.stop_signal = 0
         self._fused = opt["ts_type"] == FUSED
@@ -252,20 +252,19 @@ class Integrator:
             self._plan_step(ts)
 
     def _note_steps(self, ts: PETSc.TS) -> int:
-        """Time, number and length of the steps just made; how many they are."""
+        """Time and number of the steps just made; how many they are."""
         if not self._fused:
             if not self._steady:
                 self.state.set_data(float(self.state.batch[NEXT]))
             self.state.finish()
             self.state.plan_next()
-        t, made, *steps = self.state.batch[[TIME, MADE, SHORTEST, LONGEST]].tolist()
+        t, made, dt = self.state.batch[[TIME, MADE, LONGEST]].tolist()
         if self.state.results[STOP] >= FAULT:  # the step was made with data that are wrong
             agree(self.state.comm, self.state.fault)
         self.t, self.steps = t, self.steps + int(made)
         ts.setTime(t)  # the sum of steps may miss a target by round-off
         ts.setStepNumber(self.steps)
-        self.dt_range = [min(self.dt_range[0], steps[0]), max(self.dt_range[1], steps[1])]
-        self._on_step(self.steps, t, steps[1])
+        self._on_step(self.steps, t, dt)
         return int(made)
 
     def _plan_step(self, ts: PETSc.TS) -> None:

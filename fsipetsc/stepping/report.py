@@ -16,8 +16,6 @@ from fsipetsc.stepping.state import State
 
 #: wall seconds before the first line of progress; with -fsi_progress or on a terminal; the most
 FIRST, SOON, RAREST = 10.0, 2.0, 60.0
-#: steps after which the clock is asked
-STEPS = 32
 #: a larger departure of J from the volume of the grid is told
 MOST_J_ERROR = 0.01
 #: and a larger loss of the kinetic and elastic energy of solids
@@ -55,25 +53,20 @@ class Reporter:
     def begin(self) -> None:
         """Say what is going to be computed."""
         state = self._state
-        reserve = f" ({state.reserve} more in reserve)" if state.reserve else ""
-        grid = getattr(state, "grid_text", f"h = {state.h:g}{state.problem.unit('m')}")
         self.line(
-            f"{self._name}: order {state.op.name}, {grid}, {state.points} points{reserve} on "
-            f"{counted(self._size, 'rank')}, to t = {self._opt['ts_max_time']:g}{self._s}"
+            f"{self._name}: order {state.op.name}, h = {state.h:g}{state.problem.unit('m')}, "
+            f"{state.points} points on {counted(self._size, 'rank')}, "
+            f"to t = {self._opt['ts_max_time']:g}{self._s}"
         )
 
     def start(self, t: float, steps: int) -> None:
         """The time loop begins: what is done and left is reckoned from here."""
         self._first = self._last = t, steps, time.monotonic()
-        self._next = steps + 1
 
     def step(self, steps: int, t: float, dt: float) -> None:
         """Say how far the run is, if that is due."""
-        if not self._speaks or steps < self._next:
-            return
-        self._next = steps + STEPS
         now = time.monotonic()
-        if now - self._last[2] < self._interval:
+        if not self._speaks or now - self._last[2] < self._interval:
             return
         self._interval = min(1.5 * self._interval, RAREST)
         end, most = self._opt["ts_max_time"], self._opt["ts_max_steps"]
@@ -92,9 +85,9 @@ class Reporter:
         """Print what `info` says of the summary; place: of the result."""
         if not self._speaks:
             return
-        norm, known = self._opt["fsi_norm"], {**summary, "versions": None}
+        norm = self._opt["fsi_norm"]
         of_kinds = [(f"{norm} errors, {kind}", text) for kind, text in error_rows(errors or {})]
-        self.line(table([*summary_rows(known, self._s), *of_kinds]))
+        self.line(table([*summary_rows(summary, self._s), *of_kinds]))
         for note in [*about_volumes(summary["J_error"]), *about_losses(summary)]:
             self.line(note)
         self.line(f"result in {place}")

@@ -4,11 +4,12 @@ import datetime
 import signal
 import uuid
 from collections.abc import Mapping
-from contextlib import closing, suppress
+from contextlib import AbstractContextManager, closing, nullcontext, suppress
 from typing import Any
 
 import numpy as np
 from mpi4py import MPI
+from petsc4py import PETSc
 
 from fsipetsc.errors import ComputationError, FileError, FsiError, InputError, Interrupted
 from fsipetsc.options import read_options
@@ -21,12 +22,18 @@ from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.ledgers import Ledgers
 from fsipetsc.stepping.output_times import saved_times
 from fsipetsc.stepping.pauses import signals_noted
-from fsipetsc.stepping.phases import LOOP, OUTPUT, SET_UP, stage
 from fsipetsc.stepping.report import Reporter, bound_of_step
 from fsipetsc.stepping.restart import Past
 from fsipetsc.stepping.solve import build_problem, make_state
 from fsipetsc.stepping.state import State
 from fsipetsc.stepping.verdicts import cold_layers
+
+SET_UP, LOOP, OUTPUT = "set-up", "time loop", "output"
+
+
+def stage(name: str) -> AbstractContextManager[Any]:
+    """What is done within belongs to a stage of -log_view; one within another interrupts it."""
+    return PETSc.Log.Stage(name) if PETSc.Log.isActive() else nullcontext()
 
 
 def run_given(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> dict[str, Any]:
@@ -81,7 +88,6 @@ class _Run:
         self.report = Reporter(comm, case.NAME, opt, state)
         self.checks = opt["fsi_check"] is not None
         self.ledgers = Ledgers(self.problem.invariants, opt["fsi_check"], self.unit)
-        self.limits: list[list[Any]] = []  # [time, what bounds the step from then on]
         self.saved_at = -1.0
         times = opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"]
         self.integrator = Integrator(
@@ -93,7 +99,8 @@ class _Run:
             on_step=self.report.step,
             on_checkpoint=self._checkpoint,
         )
-        self.mark = self._mark()
+        #: by which header and checkpoints know each other, and when the run was begun
+        self.mark = _new_mark() if past is None else past.header["run"]
         root = comm.rank == 0
         other = together(
             comm, lambda: restart.other_checkpoint(self.checkpoint, past) if root else None
@@ -103,15 +110,6 @@ class _Run:
             comm, opt["fsi_output"], self._header(), state.grids(), after, other
         )
         self.writer.take_series = self._take
-
-    def _mark(self) -> dict[str, Any]:
-        """What header and checkpoints say of the run: "run", by which they know each other, and
-        when it was "created".
-        """
-        if self.past is not None:
-            return self.past.header["run"]
-        created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
-        return {"run": uuid.uuid4().hex, "created": created}
 
     def _header(self) -> dict[str, Any]:
         problem = self.problem
@@ -132,9 +130,6 @@ class _Run:
     # what the integrator calls
 
     def _frame(self, t: float) -> None:
-        bound = bound_of_step(self.state, self.opt)
-        if bound and (not self.limits or self.limits[-1][1] != bound):
-            self.limits.append([t, bound])
         with stage(OUTPUT):
             self.writer.write_frame(t, self.state.save())
         self.saved_at = t
@@ -178,7 +173,6 @@ class _Run:
                 "memory": self.integrator.memory(),
                 "ledgers": self.ledgers.memory(),
                 "saved_at": self.saved_at,
-                "limits": self.limits,
                 "result": [self.writer.nframes, self.writer.rows],
             }
             restart.write_checkpoint(self.state, self.checkpoint, self.case.NAME, self.opt, more)
@@ -248,7 +242,7 @@ class _Run:
         """Go on from a checkpoint."""
         self.integrator.resume(header["memory"], self.past.arrays)
         self.ledgers.recall(header["ledgers"], self.integrator.initial)
-        self.limits, self.saved_at = list(header["limits"]), header["saved_at"]
+        self.saved_at = header["saved_at"]
         if not self.writer.nframes:  # a file of its own
             self._frame(self.integrator.t)
 
@@ -273,18 +267,14 @@ class _Run:
             "steps": integrator.steps,
             "rejected_steps": getattr(state, "retries", 0),
             "rhs_evaluations": state.evaluations,
-            "dt_min": integrator.dt_range[0] if integrator.steps else None,
-            "dt_max": integrator.dt_range[1] if integrator.steps else None,
             "points": state.points,
-            "interfaces": dict(zip(self.problem.interface_names, state.places, strict=True)),
-            "ranks": self.comm.size,
+            "interfaces": dict(zip(self.problem.interface_names, state.places)),
             "wall_time": integrator.wall_time,
-            "limits": self.limits,
+            "bound": bound_of_step(state, self.opt),
             "departures": self.ledgers.departures,
             "J_error": self.ledgers.J_error,
             **({"lost_energy": self.ledgers.lost} if getattr(state, "lossy", False) else {}),
             **{f"initial_{name}": value for name, value in integrator.initial.items()},
-            "versions": restart.versions(),
         }
 
     def _early_end(self) -> str:
@@ -294,3 +284,8 @@ class _Run:
             return ""
         end = f"-ts_max_time {self.opt['ts_max_time']:g}{self.unit}"
         return f"ended by -ts_max_steps at t = {integrator.t:g}{self.unit}, before {end}"
+
+
+def _new_mark() -> dict[str, str]:
+    created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
+    return {"run": uuid.uuid4().hex, "created": created}

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.blame import call, place_of
@@ -54,8 +53,6 @@ def make_state(
     order and ranks do not fit.
     """
     if isinstance(problem, BlockProblem):
-        if opt["fsi_check"] is not None:
-            _check_entropy(problem)
         form = block_form(opt)
         points, probes = opt["fsi_points"] or (), opt["fsi_probes"]
         recorded = together(comm, lambda: chosen(problem, points, probes))
@@ -72,18 +69,6 @@ def make_state(
             "-fsi_check: nothing is conserved here, neither the mass of a gas nor the energy"
         )
     return PaperState(comm, problem, opt)
-
-
-def _check_entropy(problem: BlockProblem) -> None:
-    """InputError for a gas law without a formula for the entropy, which is not a number then."""
-    for block in problem.layers:
-        if block.kind == "fluid":
-            law = block.material.gas_law
-            if np.isnan([law.entropy(rho, 1.0) for rho in (1e-6, 1.0, 1e6)]).all():
-                raise InputError(
-                    f"the gas law of layer '{block.name}' has no formula for the entropy, which "
-                    "-fsi_check needs"
-                )
 
 
 #: what blocks have of options that choose between methods
@@ -108,9 +93,3 @@ def block_form(opt: Mapping[str, Any]) -> BlockForm:
                 "-fsi_coupling projection has others, in one dimension"
             )
     return BlockForm(opt["fsi_convection"], opt["fsi_dissipation"], opt["fsi_shock"])
-
-
-def check_begin(opt: Mapping[str, Any]) -> None:
-    """InputError for -fsi_restart, of a command that begins with the data of a case."""
-    if opt["fsi_restart"] is not None:
-        raise InputError("-fsi_restart: this command begins with the data of the case")

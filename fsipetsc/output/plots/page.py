@@ -5,12 +5,12 @@ film.
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from math import isfinite
 from pathlib import Path
 
 import numpy as np
 
 from fsipetsc.errors import InputError
+from fsipetsc.options.option import Option
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.plots import fields, series, style
 from fsipetsc.output.plots.style import Figure, FigureBase
@@ -23,6 +23,7 @@ PANELS, MAPS = 2.8, 4.4  # inches, heights of a row of curves, of maps over x an
 FILM_DPI, MOST_FRAMES, FILM_SECONDS = 100, 200, 10.0
 LEAST_FRAMES = 5  # of fewer, profiles say more than maps over x and t
 PICTURES = (".png", ".pdf", ".svg")
+TIMES = Option("times", "floats", None, "s", "of profiles and maps")
 KNOWN = (*PICTURES, ".gif", ".jpg", ".jpeg", ".eps", ".tif", ".tiff", ".webp", ".mp4")
 
 #: height [inches], what is drawn on a figure of this height
@@ -35,7 +36,7 @@ def plot(path: str, given: Mapping[str, str]) -> list[Path]:
     Raises FileError if the result cannot be read or a file cannot be written, InputError for
     options that cannot be followed.
     """
-    times = _times(given["-times"]) if "-times" in given else ()
+    times = TIMES.parse(given["-times"]) if "-times" in given else ()
     names = tuple(map(str.strip, given["-fields"].split(","))) if "-fields" in given else ()
     where, every, film = Path(given.get("-o", os.curdir)), "-all" in given, "-animate" in given
     if every and film:
@@ -61,16 +62,6 @@ def plot(path: str, given: Mapping[str, str]) -> list[Path]:
             draw(figure)
             written.append(style.save(figure, where / f"{stem}-{name}.png"))
     return written
-
-
-def _times(text: str) -> tuple[float, ...]:
-    try:
-        times = tuple(float(word) for word in text.split(","))
-    except ValueError:
-        times = (float("nan"),)
-    if not all(map(isfinite, times)):
-        raise InputError(f"plot: -times {text}: expected times with commas, as 0,0.25")
-    return times
 
 
 def pictures(

@@ -7,11 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fsipetsc.output.interface_line import InterfaceLine
 from fsipetsc.output.plots import style
 from fsipetsc.output.plots.style import Axes, FigureBase
 from fsipetsc.output.quantities import AT_INTERFACES, LEDGERS, unit_of, written
-from fsipetsc.output.reader import Run
+from fsipetsc.output.reader import InterfaceLine, Run
 from fsipetsc.scheme.conservation_check import drifts
 
 Array = np.ndarray
@@ -84,9 +83,7 @@ def step_panels(run: Run) -> Iterator[Panel]:
     t = run.series.get("t", np.empty(0))
     if len(t) > 1:
         at, dt = envelope(t, run.series["dt"], len(t) // 4)
-        bounds = dict.fromkeys(what for _, what in run.summary.get("limits", ()))
-        name = f"bounded by {', '.join(bounds)}" if bounds else "dt"
-        yield Panel("time step", "s", at, {name: dt})
+        yield Panel("time step", "s", at, {"dt": dt})
 
 
 def draw_panels(figure: FigureBase, run: Run, panels: list[Panel], columns: int = 3) -> None:
@@ -115,7 +112,7 @@ def draw_panel(axes: Axes, run: Run, panel: Panel) -> None:
     if panel.label == "time step":
         axes.set_ylim(bottom=0.0)
     style.label_y(axes, style.labelled(run, panel.label, panel.unit))
-    if len(panel.curves) > 1 or panel.logarithmic or panel.label == "time step":
+    if len(panel.curves) > 1 or panel.logarithmic:
         style.legend_above(axes)  # else its one name says nothing
     style.time_axis(axes, run)
 
