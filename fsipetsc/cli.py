@@ -13,7 +13,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.options import is_option
 from fsipetsc.process.failure import end_together
 from fsipetsc.process.launch import launcher_rank, left_as_found, start_mpi, start_petsc
-from fsipetsc.process.streams import abandon, replace_letters
+from fsipetsc.process.streams import abandon, complete_streams
 from fsipetsc.process.together import Comm, together
 from fsipetsc.usage import case_help, command_help, overview, program
 
@@ -78,7 +78,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _main(arguments: list[str]) -> int:
-    replace_letters()
+    complete_streams()
     notes = None
     try:
         if _is_run(arguments):

@@ -227,6 +227,7 @@ FAULTY = {
     "three.opts": (InputError, "three.opts line 2"),
     "word.opts": (InputError, "word.opts line 1"),
     "brace.yaml": (InputError, "YAML"),
+    "self.opts": (InputError, "self.opts: an options file cannot name another one"),
 }
 
 
@@ -235,6 +236,7 @@ def test_faulty_file(name, here):
     (here / "three.opts").write_text("-a 1\n-b 2 3\n")
     (here / "word.opts").write_text("fsi_order 6\n")
     (here / "brace.yaml").write_text("a: {\n")
+    (here / "self.opts").write_text("-a 1\n-b 2 -options_file self.opts\n")
     kind, words = FAULTY[name]
     with pytest.raises(kind, match=words) as caught:
         given_options(["-options_file", name])

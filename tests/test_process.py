@@ -128,9 +128,14 @@ def shell(line: str, cwd) -> tuple[int, str]:
     return done.returncode, done.stderr
 
 
-@pytest.mark.parametrize("rest", [">/dev/full", "| head -n 0; exit ${PIPESTATUS[0]}"])
-def test_a_run_goes_on(rest, tmp_path):
-    assert shell(f"{COMPUTES} {rest}", tmp_path) == (0, "")
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [(f"{COMPUTES} >/dev/full", 1), (f"{COMPUTES} | head -n 0; exit ${{PIPESTATUS[0]}}", 0)],
+)
+def test_a_run_goes_on(line, said, tmp_path):
+    status, err = shell(line, tmp_path)
+    assert (status, err.count("\n")) == (0, said), err
+    assert ("No space left on device" in err) == bool(said)
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
         assert result.complete and result.summary["steps"] == 300
 

@@ -8,9 +8,11 @@ what PETSc is to follow.
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from difflib import get_close_matches
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 from fsipetsc.blame import brief
@@ -113,7 +115,7 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
     PETSc, which runs, reads PETSC_OPTIONS, then the words of the command line, and the files that
     either names; its database holds these options alone then, and none after an error. Not
     collective. InputError, FileError for what PETSc does not take, InputError for a word that is no
-    option's value.
+    option's value, and for an options file that names another one.
     """
     from petsc4py import PETSc
 
@@ -124,6 +126,9 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
             raise InputError(f"{what}: a value comes right after its option")
     quoted = (word if is_option(word) else _quoted(word) for word in words)
     environment = os.environ.get("PETSC_OPTIONS", "").split()
+    for option, name in pairwise([*environment, *words]):
+        if option.lstrip("-").lower() in ("options_file", "options_file_yaml"):
+            _refuse_nesting(Path(name))
     for text in (" ".join(environment), " ".join(quoted)):
         try:
             PETSc.Options().insertString(text)
@@ -134,6 +139,14 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
             raise kind(f"options: {said}") from None
     given = {name.lower(): text for name, text in present().items()}
     return {name: text for name, text in given.items() if name != "help"}
+
+
+def _refuse_nesting(file: Path) -> None:
+    """InputError for an options file that names another: PETSc crashes where one names itself."""
+    with suppress(OSError):  # PETSc says so
+        text = file.read_text(errors="replace") if file.is_file() else ""
+        if re.search(r"^[^#\n]*\boptions_file", text, re.MULTILINE | re.IGNORECASE):
+            raise InputError(f"-options_file {file}: an options file cannot name another one")
 
 
 def _quoted(word: str) -> str:

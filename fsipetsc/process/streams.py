@@ -5,11 +5,16 @@ import os
 import sys
 
 
-def replace_letters() -> None:
-    """Letters that a terminal lacks are printed as question marks, and end no run."""
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")
+def complete_streams() -> None:
+    """Open /dev/null where a standard stream is closed, so that no file of ours gets its number."""
+    while (number := os.open(os.devnull, os.O_RDWR)) < 3:
+        pass
+    os.close(number)
+    for name, stream in (("stdout", sys.stdout), ("stderr", sys.stderr)):
+        if stream is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))
+        elif hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")  # a letter that a terminal lacks ends no run
 
 
 def abandon(number: int) -> None:
@@ -24,8 +29,11 @@ def say(text: str) -> None:
     """Print a line of a run; where nothing can be printed any more, the run goes on in silence."""
     try:
         print(text, flush=True)
-    except OSError:  # the reader, such as head, has seen enough; or the disk is full
+    except BrokenPipeError:  # a reader that has seen enough, such as head
         abandon(1)
+    except OSError as error:
+        abandon(1)
+        say_error(f"fsipetsc: nothing can be printed any more ({error.strerror}); the run goes on")
 
 
 def say_error(text: str) -> None:
