@@ -12,8 +12,8 @@ from fsipetsc.scheme.time_step import longest_step, next_step
 
 #: time before or, once it is made, after the step; the step; time after it; the next time that must
 #: be hit; Courant number, or the step that is given and else 0; steps that may be made, and have
-#: been; shortest and longest; first row of the journal to be filled
-TIME, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, SHORTEST, LONGEST, FIRST = range(11)
+#: been; the longest; first row of the journal to be filled
+TIME, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, LONGEST, FIRST = range(10)
 
 _longest_step, _next_step = njit(**CALL)(longest_step), njit(**CALL)(next_step)
 
@@ -35,7 +35,7 @@ def plan_next(batch, results, journal, latest):
     for c in range(latest.size):  # an assignment of arrays compiles for seconds
         journal[row, 2 + c] = latest[c]
     batch[TIME], batch[MADE] = t, made + 1
-    batch[SHORTEST], batch[LONGEST] = min(batch[SHORTEST], dt), max(batch[LONGEST], dt)
+    batch[LONGEST] = max(batch[LONGEST], dt)
     rate = results[RATE]
     ends = not 0.0 < rate < 1e300
     for flag in (EXHAUSTED, TOO_SHORT, BAD, STOP):

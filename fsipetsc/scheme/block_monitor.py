@@ -19,7 +19,7 @@ from fsipetsc.scheme.rows import ROW, TILE, U64, Array, add_moment, aligned, at,
 
 #: extremes of a block: 1 if a state is unphysical, largest rates of convection and of diffusion
 #: [1/s], minus the least J, largest |J - det D x| / J
-BAD, CONVECTION, DIFFUSION, LEAST_J, J_ERROR = range(5)
+UNPHYSICAL, CONVECTION, DIFFUSION, LEAST_J, J_ERROR = range(5)
 MONITORED = 5
 #: the larger ones of the numbers of two tuples
 largest = by_length(

@@ -10,7 +10,7 @@ RATE, BAD, STOP, SAID_STOP = 2, 3, 4, 5
 #: doubles of the flags and of the limits among the results
 FLAGS, LIMITS = 2, 4
 #: numbers of the plan of a batch of steps, see fsipetsc.scheme.batch
-BATCH = 11
+BATCH = 10
 #: steps that the journal holds; they must be written then. Whole chunks of the file, see
 #: output.tables
 CAPACITY = 40 << 10

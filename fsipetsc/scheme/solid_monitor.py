@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.loops import CALL, EXACT_LOOP, INNER_CALL, add, along, dot, sub
-from fsipetsc.scheme.block_monitor import BAD, CONVECTION, DIFFUSION, J_ERROR, LEAST_J
+from fsipetsc.scheme.block_monitor import CONVECTION, DIFFUSION, J_ERROR, LEAST_J, UNPHYSICAL
 from fsipetsc.scheme.rows import U64, add_moment, at, put
 from fsipetsc.scheme.solid_rates import (
     differentiate,
@@ -122,7 +122,7 @@ def collect(totals, n, seen, sums):
         fastest = max(fastest, totals[i])
         seen[DIFFUSION] = max(seen[DIFFUSION], totals[WIDTH + i])
         seen[LEAST_J] = max(seen[LEAST_J], totals[U64(2) * WIDTH + i])
-    seen[BAD] = 0.0 if fastest < np.inf else 1.0
+    seen[UNPHYSICAL] = 0.0 if fastest < np.inf else 1.0
     seen[CONVECTION] = np.sqrt(fastest)
     for c in range(sums.size - 1):
         sums[c], first = 0.0, U64(EXTREMES + c) * WIDTH

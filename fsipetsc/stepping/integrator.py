@@ -278,4 +278,4 @@ class Integrator:
         most = min(self.batch_limit, opt["ts_max_steps"] - self.steps, room)
         times = self.t, step, after, target, courant, fixed
         allowed = self.pauses.allowed(self.steps, most)
-        state.batch[:] = *times, allowed, 0, np.inf, 0.0, self._recorded
+        state.batch[:] = *times, allowed, 0, 0.0, self._recorded
