@@ -140,7 +140,7 @@ def test_what_panels_are_made_of_in_theory():
     x = theory.gauss(80)[0]
     w = np.polynomial.Legendre.fit(x, np.exp(a * (x - 1.0)), 70, domain=[0, 1]).coef[:, None]
     exact = (s + 2.0 * a) ** 2 / np.sqrt((s + 2.0 * a) ** 2 - a**2) / (2.0 * a)
-    assert theory.pressures((None, half, w))(s)[0, 0] == pytest.approx(exact, rel=1e-9)
+    assert theory.pressure((None, half, w))(s)[0, 0] == pytest.approx(exact, rel=1e-9)
 
 
 def test_entries_say_all_that_another_code_needs(tmp_path):

@@ -1,92 +1,87 @@
-"""Frequencies of beams and plates, and the pressure at which a panel flutters.
+"""Frequencies of beams, and the pressure at which a panel flutters. Lengths are over the panel's.
 
-Flutter, quasi-steady pressure without damping, lengths over the panel's: w'''' + l w' = q w. The w
-are sums of exp(m x), m^4 + l m - q = 0. Flutter begins at the l at which two real q merge: 636.57
-of a clamped panel, 343.36 of a simply supported one (E. H. Dowell, Aeroelasticity of Plates and
+Panels, l = 2 q L^3/(D sqrt(M^2 - 1)). A thin one under steady pressure: w'''' + l w' = k w, where w
+is a sum of exp(m x) with m^4 + l m = k. Flutter begins at the l at which two real k merge: 636.57
+if the ends are clamped, 343.36 if they are hinged (E. H. Dowell, Aeroelasticity of Plates and
 Shells, 1975; J. M. Hedgepeth, J. Aeronaut. Sci. 24 (1957) 381 has 343). Panels with a thickness, in
 plane strain, under the pressure of linear flow: Galerkin's method.
 
-Vibration, Timoshenko: D t'' + S (w' - t) = -r I t.., S (w'' - t') = m w.., plane strain, with
-S = 5/6 mu h, I = density h^3/12. Euler and Bernoulli: cos b cosh b = 1, w = b^2 sqrt(D/m).
+Beams with a thickness d, by Timoshenko: w is the deflection, t the turn of a cross-section,
+
+    S (w'' - t') = m w_tt,   D t'' + S (w' - t) = m d^2/12 t_tt.
+
+In plane strain with lambda_e = 0, S = 5/6 mu d and D = mu d^3/6. Frequencies are over sqrt(D/m).
 """
 
 import numpy as np
-from numpy.polynomial import Chebyshev, Legendre
+from numpy.polynomial import Legendre
 from numpy.polynomial.legendre import legder, leggauss, legint, legval, legvander
 from scipy.linalg import cholesky, eigh
 from scipy.linalg import solve_triangular as solve
-from scipy.optimize import brentq, newton
+from scipy.optimize import brentq, minimize_scalar, newton
 from scipy.special import eval_jacobi, iv
 
-#: derivatives that vanish at both ends
+#: derivatives of w that vanish at both ends
 ENDS = {"clamped": (0, 1), "hinged": (0, 2)}
+#: the two least k at l = 0, and numbers below and above the l at which they merge
+THIN = {
+    "clamped": ((500.5639, 3803.537), (600.0, 680.0)),
+    "hinged": ((np.pi**4, 16 * np.pi**4), (320.0, 360.0)),
+}
+#: of the flow; of the panel, over the density of the gas and the length
+MACH, MASS = 2.0, 10.0
 
 
-def misfit(l, q, ends):
-    """Zero at an eigenvalue q; real, smooth in q."""
-    m = np.roots([1, 0, 0, l, -q]).astype(complex)
-    for _ in range(3):
-        m -= (m**4 + l * m - q) / (4 * m**3 + l)
+def misfit(l, k, ends):
+    """Zero at an eigenvalue k; real, smooth in k."""
+    m = np.roots([1, 0, 0, l, -k]).astype(complex)
     rows = [m**d for d in ENDS[ends]] + [m**d * np.exp(m) for d in ENDS[ends]]
     differences = np.prod([m[j] - m[i] for i in range(4) for j in range(i + 1, 4)])
     return (np.linalg.det(np.array(rows)) / differences).real
 
 
-def flutter(ends):
-    """The l at which the first two q merge."""
-    low, high = {"clamped": (500.5639, 3803.537), "hinged": (np.pi**4, 16 * np.pi**4)}[ends]
-    sign = np.sign(misfit(0.0, 0.5 * (low + high), ends))
+def thin_limit(ends):
+    """The l at which the two least k merge: no misfit is left between them."""
+    between, bounds = THIN[ends]
+    scale = misfit(0.0, 0.5 * sum(between), ends)
 
-    def gap(l):
-        """Largest misfit between the two eigenvalues, with its sign at l = 0."""
-        between = np.vectorize(lambda q: sign * misfit(l, q, ends))
-        of = Chebyshev.interpolate(between, 30, domain=(low, high))
-        tops = [q.real for q in of.deriv().roots() if q.imag == 0.0 and low < q.real < high]
-        return max(of(q) for q in tops)
+    def largest(l):
+        """Misfit between the two k, over its size at l = 0."""
+        return -minimize_scalar(lambda k: -misfit(l, k, ends) / scale, bounds=between).fun
 
-    near = {"clamped": 600.0, "hinged": 320.0}[ends], {"clamped": 680.0, "hinged": 360.0}[ends]
-    scale = abs(gap(near[0]))
-    return brentq(lambda l: gap(l) / scale, *near, xtol=1e-10, rtol=1e-14)
+    return brentq(largest, *bounds, xtol=1e-10, rtol=1e-14)
 
 
-def euler_bernoulli(number=1, ends="clamped"):
-    """w sqrt(m/D) L^2."""
-    if ends == "hinged":
-        return (number * np.pi) ** 2
-    b = (number + 0.5) * np.pi
-    return (
-        brentq(lambda b: np.cos(b) - 1 / np.cosh(b), b - 0.3, b + 0.3, xtol=1e-15, rtol=1e-15) ** 2
-    )
+def thin_beam():
+    """First frequency of a clamped beam of Euler and Bernoulli."""
+    return brentq(lambda b: np.cos(b) - 1 / np.cosh(b), 4.0, 5.0, xtol=1e-15, rtol=1e-15) ** 2
 
 
-def timoshenko(thickness, number=1, poisson_lambda=2.0):
-    """w sqrt(m/D) of a clamped beam, L = 1, h = thickness, lambda_e = poisson_lambda mu_e."""
-    ratio = 4 * (poisson_lambda + 1) / (poisson_lambda + 2) / 12  # D/(mu h^3)
-    S, inertia = 5 / 6 / (ratio * thickness**2), thickness**2 / 12  # D = m = 1
+def clamped_beam(d):
+    """First frequency of Timoshenko's beam."""
+    S, inertia = 5.0 / d**2, d**2 / 12.0
 
     def misfit(w):
         # w, t ~ exp(m x): (S m^2 + w^2) W = S m t,  (m^2 - S + inertia w^2) t = -S m W
-        a, b, c = S, S * inertia * w**2 + w**2, (inertia * w**2 - S) * w**2
-        squares = np.roots([a, b, c]).astype(complex)
-        m = np.concatenate([np.sqrt(squares), -np.sqrt(squares)])
+        squares = np.roots([S, (S * inertia + 1.0) * w**2, (inertia * w**2 - S) * w**2])
+        m = np.sqrt(squares.astype(complex))
+        m = np.concatenate([m, -m])
         t = (S * m * m + w * w) / (S * m)
         top = np.exp(m - np.abs(m.real).max())
         d = np.linalg.det(np.array([np.ones(4), t, top, t * top])) / (m[0] * m[1])
         return d.real if abs(d.real) > abs(d.imag) else d.imag
 
-    top = euler_bernoulli(number)
-    grid = np.linspace(0.5, 1.0, 201) * top
+    grid = np.linspace(0.5, 1.0, 201) * thin_beam()
     values = [misfit(w) for w in grid]
     found = [i for i in range(200) if values[i] * values[i + 1] < 0]
     return brentq(misfit, grid[found[-1]], grid[found[-1] + 1], xtol=1e-12, rtol=1e-15)
 
 
-def hinged_timoshenko(thickness, number=1, poisson_lambda=2.0):
-    """w sqrt(m/D) of a simply supported beam: the deflection is sin(k x)."""
-    ratio = 4 * (poisson_lambda + 1) / (poisson_lambda + 2) / 12
-    S, inertia, k = 5 / 6 / (ratio * thickness**2), thickness**2 / 12, number * np.pi
-    # (S k^2 - w^2)(k^2 + S - inertia w^2) = S^2 k^2
-    a, b, c = inertia, -(k**2 + S + inertia * S * k**2), S * k**4
+def hinged_beam(d):
+    """First frequency of Timoshenko's beam, which bends as sin(pi x)."""
+    S, inertia, square = 5.0 / d**2, d**2 / 12.0, np.pi**2
+    # (S k^2 - w^2)(k^2 + S - inertia w^2) = S^2 k^2 with k = pi
+    a, b, c = inertia, -(square + S + inertia * S * square), S * square**2
     return np.sqrt(2 * c / (-b + np.sqrt(b * b - 4 * a * c)))
 
 
@@ -114,9 +109,11 @@ def thin(ends, terms=16):
 
 
 def stretched(n, left, right):
-    """Series in s, 0 < s < 1, of x and n - 1 more integrals f of Jacobi's polynomials over x, where
-    dx/ds ~ s^left (1 - s)^right, x(1) = 1; weights of integrals over x, and f, df/dx there. Roots
-    of x and 1 - x are smooth in s. All f but x itself vanish at s = 1, too, not only at 0.
+    """Functions f on 0 < x < 1 for Galerkin's method: x itself and n - 1 that vanish at both ends.
+
+    They are smooth functions of s, 0 < s < 1, with dx/ds ~ s^left (1 - s)^right, so that roots of x
+    and 1 - x, as in corners, are well approximated. Their df/dx are Jacobi's polynomials of s.
+    Returns Legendre series in s of all f; at nodes, weights of integrals over x, f, df/dx.
     """
     s, weights = gauss(n + left + right + 8)
     slope = s**left * (1.0 - s) ** right
@@ -154,38 +151,50 @@ def reduced(K, M, loads):
 
 def plane(thickness, ends, along=64, across=20, terms=16):
     """As thin: a panel in plane strain, lambda_e = 2 mu_e, w at its upper face. Clamped: u = v = 0
-    on its end faces; hinged: v = 0 there. u is odd in y, the distance from the middle. Corners of
-    clamped panels have singular stress: 7 digits are right.
+    on its end faces; hinged: v = 0 there. u is odd in y, the distance from the middle, v is even.
+    Corners of clamped panels have singular stress: 7 digits are right.
     """
     mu = 4.0 / thickness**3
-    series, X, all_x, slopes = stretched(along + 1, 5, 5)
+    series, dx, all_x, slopes = stretched(along + 1, 5, 5)
     v, v_x = all_x[1:], slopes[1:]  # all but x vanish at both ends
     u, u_x = (v, v_x) if ends == "clamped" else with_one(all_x, slopes)
-    upper, Y, g, g_y = stretched(across, 0, 5)  # over the upper half, of which Y is twice
-    Y, g_y = thickness * Y, g_y / (0.5 * thickness)
+    upper, dy, g, g_y = stretched(across, 0, 5)  # over the upper half, counted twice
+    dy, g_y = thickness * dy, g_y / (0.5 * thickness)
     f, f_y = with_one(g, g_y)
 
-    def both(a, b, c, d):
-        return np.kron(a * X @ b.T, c * Y @ d.T)
+    def integral(a, b, c, d):
+        """Of a(x) b(x) c(y) d(y), for all pairs of products a c and b d."""
+        return np.kron(a * dx @ b.T, c * dy @ d.T)
 
-    uv = mu * (2.0 * both(u_x, v, g, f_y) + both(u, v_x, g_y, f))
-    uu = mu * (4.0 * both(u_x, u_x, g, g) + both(u, u, g_y, g_y))
-    vv = mu * (4.0 * both(v, v, f_y, f_y) + both(v_x, v_x, f, f))
+    uv = mu * (2.0 * integral(u_x, v, g, f_y) + integral(u, v_x, g_y, f))
+    uu = mu * (4.0 * integral(u_x, u_x, g, g) + integral(u, u, g_y, g_y))
+    vv = mu * (4.0 * integral(v, v, f_y, f_y) + integral(v_x, v_x, f, f))
     K = np.block([[uu, uv], [uv.T, vv]])
-    M = np.block([[both(u, u, g, g), 0.0 * uv], [0.0 * uv.T, both(v, v, f, f)]]) / thickness
+    M = np.block([[integral(u, u, g, g), 0.0 * uv], [0.0 * uv.T, integral(v, v, f, f)]]) / thickness
     at_top = np.concatenate([[1.0], values(upper, 1.0)])
-    s = gauss(len(X))[0]
+    s = gauss(len(dx))[0]
     pushes = values(np.eye(terms), values(series[:, 0], s))
-    push = np.kron(v * X @ pushes.T, at_top[:, None])
+    push = np.kron(v * dx @ pushes.T, at_top[:, None])
     loads = np.vstack([np.zeros((len(uu), terms)), push])
     squares, a = reduced(K, M, loads)
     of_v = np.einsum("xyk,y->xk", a[len(uu) :].reshape(len(v), len(f), -1), at_top)
     return squares, series[:, 0], series[:, 1:] @ of_v
 
 
-def pressures(panel, flow="exact", mach=2.0, points=48):
-    """s -> integrals of w_i p_j over x, of the pressure p_j that w_j exp(s t) makes: steady, to
-    first order in s (slow), or exact. Density, velocity of sound and length are 1.
+def slow_pressure(panel, points=48):
+    """Integrals of w_i p_j over x, of the pressure p_j that w_j exp(s t) makes, at s = 0, and their
+    derivative by s there. Density, velocity of sound and length are 1.
+    """
+    _, x_of, w_of = panel
+    at, weights = gauss(points)
+    w, w_s, x_s = values(w_of, at), values(w_of, at, 1), values(x_of, at, 1)
+    square, root = MACH**2 - 1.0, np.sqrt(MACH**2 - 1.0)
+    by_s = MACH * (MACH**2 - 2.0) / (square * root)
+    return (w * weights) @ w_s.T * MACH**2 / root, (w * weights * x_s) @ w.T * by_s
+
+
+def pressure(panel, points=48):
+    """A function of s: the same integrals at any s.
 
     In Laplace transforms over x of linear potential flow, w = 0 at x = 0, b^2 = M^2 - 1:
 
@@ -193,44 +202,40 @@ def pressures(panel, flow="exact", mach=2.0, points=48):
         K(x) = exp(-M s x/b^2) I0(s x/b^2)/b
     """
     _, x_of, w_of = panel
-    square, root = mach**2 - 1.0, np.sqrt(mach**2 - 1.0)
+    square, root = MACH**2 - 1.0, np.sqrt(MACH**2 - 1.0)
     at, weights = gauss(points)
-    # p times dx, as functions of the places s of the series
-    w, slope = values(w_of, at), values(x_of, at, 1)
-    steady = (w * weights) @ values(w_of, at, 1).T * mach**2 / root
-    slow = (w * weights * slope) @ w.T * mach * (mach**2 - 2.0) / root**3
-    if flow != "exact":
-        return lambda s: steady + (s * slow if flow == "slow" else 0.0)
+    steady = slow_pressure(panel, points)[0]
+    w = values(w_of, at) * weights * values(x_of, at, 1)
     before = np.outer(at, at)  # places between 0 and each of at
     r = (values(x_of, at)[:, None] - values(x_of, before)) / square
     step = at[:, None] * weights
     dx, w_before = step * values(x_of, before, 1), values(w_of, before)
     dw = step * values(w_of, before, 1)
 
-    def exact(s):
-        decay, z = np.exp(-mach * s * r) / root, s * r
-        K, K_x = decay * iv(0, z), decay * (iv(1, z) - mach * iv(0, z)) * s / square
-        by_slope = 2.0 * s * mach * K + mach**2 * K_x
-        p = (w_before * (s * s * K * dx) + dw * by_slope).sum(axis=2)
-        return steady + (w * weights * slope) @ p.T
+    def at_any(s):
+        decay, z = np.exp(-MACH * s * r) / root, s * r
+        K, K_x = decay * iv(0, z), decay * (iv(1, z) - MACH * iv(0, z)) * s / square
+        by_slope = 2.0 * s * MACH * K + MACH**2 * K_x
+        return steady + w @ (w_before * (s * s * K * dx) + dw * by_slope).sum(axis=2).T
 
-    return exact
+    return at_any
 
 
-def modes(panel, l, flow="exact", mach=2.0, mass=10.0):
-    """s of the two slowest modes, velocity of sound and length 1; mass over density and length."""
+def modes(panel, l, flow="exact"):
+    """s of the two slowest modes; velocity of sound and length are 1. flow: exact or steady."""
     squares, one = panel[0], np.eye(len(panel[0]))
-    stiff = mach**2 / (l * np.sqrt(mach**2 - 1.0)) * np.diag(squares)
-    first = pressures(panel, "steady" if flow == "steady" else "slow", mach)
-    P, P_s = first(0.0), first(1.0) - first(0.0)
-    s = np.linalg.eigvals(np.block([[0.0 * one, one], [-(stiff + P) / mass, -P_s / mass]]))
+    stiff = MACH**2 / (l * np.sqrt(MACH**2 - 1.0)) * np.diag(squares)
+    P, P_s = slow_pressure(panel)
+    if flow == "steady":
+        P_s = 0.0 * P_s
+    s = np.linalg.eigvals(np.block([[0.0 * one, one], [-(stiff + P) / MASS, -P_s / MASS]]))
     s = sorted(s[s.imag >= 0.0], key=lambda s: s.imag)[:2]
-    if flow != "exact":
+    if flow == "steady":
         return s
-    exact, scale = pressures(panel, flow, mach), 1.0 / (np.diag(stiff) + mass)
+    exact, scale = pressure(panel), 1.0 / (np.diag(stiff) + MASS)
 
     def misfit(s):
-        return np.linalg.det((mass * s * s * one + stiff + exact(s)) * scale)
+        return np.linalg.det((MASS * s * s * one + stiff + exact(s)) * scale)
 
     return [newton(misfit, start, x1=start * (1.0 + 1e-4), tol=1e-13) for start in s]
 
@@ -242,12 +247,10 @@ def onset(panel, flow="exact"):
 
 
 def columns():
-    """Of beam.csv: lambda_e = 0, the first frequencies over sqrt(D/m)."""
-    d = [0.1, 0.05, 0.02, 0.01, 0.0]
-    made = {"d": d}
-    made["clamped"] = [timoshenko(v, 1, 0.0) for v in d[:-1]] + [euler_bernoulli()]
-    made["hinged"] = [hinged_timoshenko(v, 1, 0.0) for v in d[:-1]] + [np.pi**2]
-    return made
+    """Of beam.csv."""
+    d = [0.1, 0.05, 0.02, 0.01]
+    clamped, hinged = ([beam(v) for v in d] for beam in (clamped_beam, hinged_beam))
+    return {"d": [*d, 0.0], "clamped": [*clamped, thin_beam()], "hinged": [*hinged, np.pi**2]}
 
 
 def flutter_columns():
@@ -257,7 +260,7 @@ def flutter_columns():
     for ends in ENDS:
         panels = [thin(ends), *(plane(v, ends) for v in d[1:])]
         steady = (onset(panel, "steady") for panel in panels[1:])
-        made[f"{ends} lambda"] = [flutter(ends), *steady]
+        made[f"{ends} lambda"] = [thin_limit(ends), *steady]
         made[f"{ends} theory"] = [onset(panel) for panel in panels]
     return made
 
