@@ -8,7 +8,7 @@ from fsipetsc.cases import load_case
 from fsipetsc.options import defaults
 from fsipetsc.verify.entry import Bound, Compared, Measured, Solve, reference
 
-#: ends -> lambdas below and above the onset; from two the crossing is 0.1 to 0.2 % too low
+#: ends -> lambdas around the onset; without that in the middle it is 0.1 to 0.2 % too low
 RUNS = {"clamped": (600.0, 650.0, 700.0), "hinged": (320.0, 350.0, 380.0)}
 THICKNESS = 0.04
 
