@@ -88,6 +88,8 @@ def test_ranks_that_sleep_end_with_those_that_a_signal_has_stopped(place, status
 
 
 def test_a_rank_that_is_stopped_asleep_gives_the_others_time():
+    """Its error is collective: end_together then waits 10 s for the others, not 1 s."""
+
     class Asleep:
         size = 2
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:  # importing MPI starts it
 else:
     Comm = Any
 Result = TypeVar("Result")
-#: messages of this rank to those that sleep, which it did not wait for: MPI may still use them
+#: requests and buffers of ``_arrive`` that this rank did not wait for: MPI may still use them
 _sent: list[Any] = []
 
 
@@ -20,7 +20,7 @@ def together(comm: Comm, action: Callable[[], Result], asleep: bool = False) -> 
     """What action() returns on this rank. Collective, though the action must not be.
 
     If it raises an FsiError on any rank, all ranks raise the error of the lowest one. asleep: ranks
-    that are done sleep until all are, or the others were stopped: then they raise Interrupted.
+    that are done sleep until all are; if a signal has stopped the others, they raise Interrupted.
     """
     fault, result = None, None
     try:
@@ -40,7 +40,7 @@ def together(comm: Comm, action: Callable[[], Result], asleep: bool = False) -> 
 def wait_asleep(comm: Comm) -> None:
     """Wait for all ranks, asleep: one that compiles or draws may have this rank's core.
 
-    Interrupted if ranks were stopped by a signal, this one while it waits, or all those that are at
+    Raises Interrupted if a signal stops this rank while it waits, or has stopped ranks that were at
     work in ``together``.
     """
     request, statuses = _arrive(comm)
@@ -55,8 +55,9 @@ def wait_asleep(comm: Comm) -> None:
 
 
 def _arrive(comm: Comm, status: int = 0) -> tuple[Any, bytearray]:
-    """Tell all ranks that this one is here, with the exit status of what has stopped it, if
-    anything; the request, and the statuses of all, which are known when it is done.
+    """Tell all ranks that this one is here. status: of the signal that has stopped it; else 0.
+
+    Returns the request, and the statuses of all ranks, which are known when the request is done.
     """
     statuses = bytearray(comm.size)
     return comm.Iallgather(bytes([status]), statuses), statuses
