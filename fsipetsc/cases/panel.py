@@ -8,7 +8,7 @@ it decays. With D the bending stiffness, L = 1 and q the dynamic pressure, the p
     lambda = 2 q L^3 / (D sqrt(M^2 - 1)),
     D = h^3/12 . 4 mu_e (lambda_e + mu_e) / (lambda_e + 2 mu_e)       (plane strain)
 
-and quasi-steady supersonic theory has flutter of a thin panel from lambda = 636.57 on if its ends
+and in theory without damping by the flow a thin panel flutters from lambda = 636.57 on if its ends
 are clamped, from 343.36 on if they are hinged (E. H. Dowell, Aeroelasticity of Plates and Shells,
 1975). A hinge holds the middle of an end face. panel_lambda sets the stiffness; unit of velocity is
 the speed of sound of the flow, of density its density.
