@@ -41,7 +41,7 @@ def run(case: Any, *, comm: Comm | None = None, **options: Any) -> Run:
             path = _solve(case, comm, options)
         except BaseException as error:
             if comm.size > 1 and not getattr(error, "collective", False):
-                end_together(error, notes)  # perhaps of this rank alone: the others do not wait
+                end_together(error, notes)  # perhaps of this rank alone: nobody may wait for it
             raise
         finally:
             notes.Free()

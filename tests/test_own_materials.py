@@ -137,7 +137,7 @@ def test_a_run_with_a_wrong_law_ends_with_status_2(tmp_path):
 
 @pytest.mark.long
 def test_a_perfect_gas_written_by_hand_has_the_bits_of_the_built_in_one(tmp_path):
-    """Another gas, as dense as bρ = 0.02 makes it, moves the solid by 3e-5 more."""
+    """Another gas, as dense as bρ = 0.02 makes it, moves the solid by a part of 3e-5 more."""
     own, short = str(REPOSITORY / "tests" / "own_gas.py"), "-fsi_h 0.05 -ts_max_time 0.5"
     other = f"{short} -fluid_gamma 1.5"
     listed = {"built_in": ("box", short), "by_hand": (own, short)}

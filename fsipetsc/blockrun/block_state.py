@@ -159,9 +159,9 @@ class BlockState(State):
             self.scheme.stretch(0.0, self.y)
             self.scheme.step(0.0, 0.0, self.y, self._stage)
             self._monitor()
-            self.plan_next()  # nothing is allowed yet
+            self.plan_next()  # only compiles it: no step is allowed yet
             self.save()
-            self.results[:] = 0.0  # as on several ranks
+            self.results[:] = 0.0  # as on several ranks, whose states begin without these calls
 
     def _compile_first(self, announce: Callable[[str], None]) -> None:
         """Rank 0 makes a state of the whole problem, alone, before any rank makes its own scheme:

@@ -183,7 +183,7 @@ class Scheme:
         particles.find_normals(self._add_normals, False)
         particles.find_stored(y.array, lambda: self._store(y))
         impose_conditions(particles.box, y.array, self._gain)
-        if particles.slips:  # velocities are others
+        if particles.slips:  # the conditions have changed velocities
             self._follow()
         for gas in self._gases:
             self._does[gas.part.k].swing(self._does[gas.part.k].part)

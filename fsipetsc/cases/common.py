@@ -49,8 +49,8 @@ def materials(conducting: bool = False, **defaults: Any) -> tuple[Option, ...]:
 
 
 def beside_gas(modulus: float) -> tuple[Option, ...]:
-    """Stiffness and density of a solid, as multiples of the pressure and density that the gas beside
-    it has at first. modulus: default of the stiffness.
+    """Stiffness and density of a solid, as multiples of the pressure and the density that the gas
+    has at first. modulus: default of the stiffness.
     """
     of_modulus = "2 mu_e + lambda_e of the solid, divided by the pressure of the gas at first"
     of_density = "density of the solid, divided by that of the gas at first"

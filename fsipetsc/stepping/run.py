@@ -99,7 +99,7 @@ class _Run:
             on_step=self.report.step,
             on_checkpoint=self._checkpoint,
         )
-        #: by which header and checkpoints know each other, and when the run was begun
+        # a number of its own, by which result and checkpoints are recognised, and when it began
         self.mark = _new_mark() if past is None else past.header["run"]
         root = comm.rank == 0
         other = together(

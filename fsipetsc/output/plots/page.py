@@ -169,7 +169,7 @@ def drawn(
     figure.set_size_inches(*size)
     grid = figure.subplots(1, len(views), squeeze=False)[0]
     titles = {frame: style.of_run(run, style.moment(run, frame)) for frame in frames}
-    title = style.set_title(figure, max(titles.values(), key=len))  # there is room for all
+    title = style.set_title(figure, max(titles.values(), key=len))  # the layout has room for each
     for frame in frames:
         for axes, view in zip(grid, views):
             for artist in [*axes.lines, *axes.collections]:
