@@ -1,5 +1,5 @@
-"""What a result file holds of blocks, and what messages say of them: names, sizes, grids, places
-of interfaces, values at nodes, errors against exact solutions.
+"""What a result file holds of blocks, and what messages say of them: names, sizes, grids, values at
+nodes, errors against exact solutions.
 """
 
 from __future__ import annotations
