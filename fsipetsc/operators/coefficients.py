@@ -125,7 +125,8 @@ def _pairs(text: str) -> dict[tuple[int, int], Fraction]:
 
 
 #: Weights S_il, i < l, of pairs of nodes beside an axis, where areas are A = |r|, by interior
-#: order. Node -1 - j is the image of node j, and S_(-1-l)(-1-i) = S_il; all others are as ever.
+#: order. Node -1 - j is the image of node j, and S_(-1-l)(-1-i) = S_il. All other pairs have the
+#: weights of a plane.
 #: |r| has a kink at r = 0. With the weights of a plane div u of u = r is wrong by 4 to 9 % at the
 #: first node on any grid, velocities there have order 1, and frequencies order 4. With these, on
 #: r = 1/2, 3/2, ... and with J = D (r A/2),
