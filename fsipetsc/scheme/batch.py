@@ -10,9 +10,9 @@ from fsipetsc.operators.loops import CALL, MERGED_CALL
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, STOP, TOO_SHORT
 from fsipetsc.scheme.time_step import longest_step, next_step
 
-#: TIME before a step or, once it is made, after it; DT, its length; NEXT, the time after it; TARGET,
-#: the next time that must be hit; COURANT number; FIXED, the step that is given, or 0; steps ALLOWED
-#: and MADE; the LONGEST of these; FIRST row of the journal to be filled
+#: TIME before a step or, once it is made, after it; DT, its length; NEXT, the time after it;
+#: TARGET, the next time that must be hit; COURANT number; FIXED, the step that is given, or 0;
+#: steps ALLOWED and MADE; the LONGEST of these; FIRST row of the journal to be filled
 TIME, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, LONGEST, FIRST = range(10)
 
 _longest_step, _next_step = njit(**CALL)(longest_step), njit(**CALL)(next_step)
