@@ -6,14 +6,10 @@ tests/test_kills.py.)
 
 from __future__ import annotations
 
-import signal
-
 import pytest
 from helpers import message, mpirun, run
 
 import fsipetsc
-from fsipetsc.errors import Interrupted
-from fsipetsc.process.together import wait_asleep
 
 pytest.importorskip("petsc4py")
 
@@ -87,21 +83,42 @@ def test_ranks_that_sleep_end_with_those_that_a_signal_has_stopped(place, status
     assert "MPI_ABORT" not in done.stderr
 
 
-def test_a_rank_that_is_stopped_asleep_gives_the_others_time():
-    """Its error is collective: end_together then waits 10 s for the others, not 1 s."""
+#: a SIGINT of all ranks in the set-up: rank 0 compiles, rank 1 sleeps and ends first
+SET_UP = """
+import signal, time
+import fsipetsc
+from fsipetsc.blockrun.block_state import BlockState
+from fsipetsc.process import together
+from fsipetsc.process.launch import start_mpi
 
-    class Asleep:
-        size = 2
+sleep, rank = time.sleep, start_mpi().rank
 
-        def Iallgather(self, sent, received):
-            return self
 
-        def Test(self):
-            signal.raise_signal(signal.SIGINT)
+def stopped(self, announce):
+    sleep(2.0)
+    signal.raise_signal(signal.SIGINT)
 
-    with pytest.raises(Interrupted, match="stopped by SIGINT") as caught:
-        wait_asleep(Asleep())
-    assert caught.value.collective and caught.value.status == 130
+
+def woken(seconds):
+    signal.raise_signal(signal.SIGINT)
+
+
+if rank == 0:
+    BlockState.compile = stopped
+else:
+    together.time.sleep = woken
+try:
+    fsipetsc.run("rod", h=0.1, coupling="conservative")
+except KeyboardInterrupt:
+    print("ended", rank, flush=True)
+"""
+
+
+@pytest.mark.mpi
+def test_all_ranks_that_are_stopped_in_the_set_up_end_in_order(tmp_path):
+    done = mpirun(2, "-c", SET_UP, cwd=tmp_path)
+    assert (done.returncode, sorted(done.stdout.split())) == (0, ["0", "1", "ended", "ended"])
+    assert "MPI_ABORT" not in done.stderr and "stopped by SIGINT" in done.stderr
 
 
 #: a signal between the start of a run and its time loop; SIGNAL: its name

@@ -20,8 +20,8 @@ def describe(error: BaseException) -> tuple[int, str, bool]:
     """(exit status, one-line message, whether all ranks surely meet it) of any exception."""
     if isinstance(error, (FsiError, Interrupted)):
         return error.status, str(error), error.collective
-    if isinstance(error, KeyboardInterrupt):
-        return 130, "stopped by SIGINT", False
+    if isinstance(error, KeyboardInterrupt):  # the others get it, too, and may need time to end
+        return 130, "stopped by SIGINT", True
     if isinstance(error, MemoryError):
         advice = "a coarser grid (-fsi_h) or more ranks need less"
         return 3, f"out of memory{_detail(error)}; {advice}", False

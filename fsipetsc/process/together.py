@@ -12,8 +12,8 @@ if TYPE_CHECKING:  # importing MPI starts it
 else:
     Comm = Any
 Result = TypeVar("Result")
-#: requests and buffers of ``_arrive`` that this rank did not wait for: MPI may still use them
-_sent: list[Any] = []
+#: requests and buffers of ``_arrive`` that this rank has not waited for: MPI may still use them
+_pending: list[Any] = []
 
 
 def together(comm: Comm, action: Callable[[], Result], asleep: bool = False) -> Result:
@@ -29,7 +29,7 @@ def together(comm: Comm, action: Callable[[], Result], asleep: bool = False) -> 
         fault = error
     except KeyboardInterrupt as error:
         if asleep:
-            _sent.append(_arrive(comm, getattr(error, "status", 128 + signal.SIGINT)))
+            _arrive(comm, getattr(error, "status", 128 + signal.SIGINT))
         raise
     if asleep:
         wait_asleep(comm)
@@ -40,16 +40,14 @@ def together(comm: Comm, action: Callable[[], Result], asleep: bool = False) -> 
 def wait_asleep(comm: Comm) -> None:
     """Wait for all ranks, asleep: one that compiles or draws may have this rank's core.
 
-    Raises Interrupted if a signal stops this rank while it waits, or has stopped ranks that were at
-    work in ``together``.
+    Raises Interrupted if a signal has stopped ranks that were at work in ``together``; one that
+    comes to this rank while it waits is a KeyboardInterrupt, as everywhere.
     """
     request, statuses = _arrive(comm)
-    try:
-        while not request.Test():
-            time.sleep(0.002)
-        number = max(statuses) - 128
-    except KeyboardInterrupt:  # the others get it, too, and may need more time to end
-        number = signal.SIGINT
+    while not request.Test():
+        time.sleep(0.002)
+    _pending.pop()
+    number = max(statuses) - 128
     if number > 0:
         raise Interrupted(number, f"stopped by {signal.Signals(number).name}")
 
@@ -60,7 +58,9 @@ def _arrive(comm: Comm, status: int = 0) -> tuple[Any, bytearray]:
     Returns the request, and the statuses of all ranks, which are known when the request is done.
     """
     statuses = bytearray(comm.size)
-    return comm.Iallgather(bytes([status]), statuses), statuses
+    request = comm.Iallgather(bytes([status]), statuses)
+    _pending.append((request, statuses))
+    return request, statuses
 
 
 def agree(comm: Comm, fault: FsiError | None) -> None:
