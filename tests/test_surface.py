@@ -44,3 +44,8 @@ def test_ledgers_go_on_after_a_checkpoint(tmp_path):
         assert a.summary["steps"] == b.summary["steps"] > 40
         assert a.summary["departures"] == b.summary["departures"]
         assert a.summary["bound"] == b.summary["bound"] != ""
+    # from the checkpoint at the end no step follows, and nothing is known of its bound
+    done = solve("box", *more[:2], "-fsi_output", "none.h5", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    with fsipetsc.open_run(tmp_path / "none.h5") as c:
+        assert (c.summary["steps"], c.summary["bound"]) == (b.summary["steps"], "")

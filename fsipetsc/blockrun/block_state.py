@@ -161,7 +161,8 @@ class BlockState(State):
             self._monitor()
             self.plan_next()  # only compiles it: no step is allowed yet
             self.save()
-            self.results[:] = 0.0  # as on several ranks, whose states begin without these calls
+            # as on several ranks, whose states begin without these calls
+            self.results[:], self.rates[:] = 0.0, 0.0
 
     def _compile_first(self, announce: Callable[[str], None]) -> None:
         """Rank 0 makes a state of the whole problem, alone, before any rank makes its own scheme:
