@@ -30,6 +30,7 @@ BAD_INPUT = {
         ["11 points", "8/4", "16", "-fsi_h", "-fsi_order"],
     ),
     "far too fine": ("rod -fsi_h 1e-9", ["'below'", "cells", "-fsi_h", "too many"]),
+    "file name": ("rod -fsi_output .", ["'.' for -fsi_output: expected the name of a file"]),
     "times beyond the end": (
         "box -fsi_output_times 7",
         [": 7 would not be reached", "-ts_max_time 2"],

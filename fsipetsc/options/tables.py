@@ -1,6 +1,7 @@
 """The options of all cases, section by section, and those of PETSc that work here."""
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 from fsipetsc.options.option import INT_MAX, REQUIRED, Option
 
@@ -9,6 +10,10 @@ def _increasing(times: Sequence[float]) -> str | None:
     rising = all(a < b for a, b in zip(times, times[1:]))
     fits = rising and min(times, default=0) >= 0
     return None if fits else "times that are not negative and increase"
+
+
+def _file_name(name: str) -> str | None:
+    return None if Path(name).name and "\0" not in name else "the name of a file"
 
 
 def _between(least: float, most: float) -> Callable[[float], str | None]:
@@ -43,7 +48,7 @@ DISCRETISATION = (
 )  # fmt: skip
 OUTPUT = (
     Option("fsi_output", str, None, "",
-        "result file (HDF5); an earlier result is never destroyed silently"),
+        "result file (HDF5); an earlier result is never destroyed silently", check=_file_name),
     Option("fsi_output_dt", float, None, "s", "interval at which profiles are saved",
         check="positive"),
     Option("fsi_output_times", "floats", None, "s", "times at which profiles are saved: t0,t1,…",
