@@ -20,7 +20,7 @@ OPTIONS = (
     *materials(fluid_mu=0.002, fluid_kappa=0.003, solid_density=5.0, solid_modulus=40.0),
     *materials(solid_law=("log", "neo-hookean", "svk")),
     Option("blast_kind", str, "pulse", "", "smooth, or a disc with a jump", ("pulse", "shock")),
-    Option("blast_height", float, 1.0, "Pa", "overpressure; at rest it is 1", check="nonnegative"),
+    Option("blast_height", float, 1.0, "Pa", "overpressure; else p is 1", check="nonnegative"),
 )
 DEFAULTS = {"fsi_h": 0.03125, "fsi_order": 4, "ts_max_time": 2.0, "fsi_output_dt": 0.05}
 #: of the pulse [m]

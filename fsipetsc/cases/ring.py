@@ -23,7 +23,7 @@ SUMMARY = "an elastic ring with gas inside and outside, and a pressure pulse"
 
 OPTIONS = (
     Option("ring_gas", bool, True, "", "gas inside and outside; else the ring is in a vacuum"),
-    Option("ring_pulse", float, 0.5, "Pa", "overpressure; at rest it is 1", check="nonnegative"),
+    Option("ring_pulse", float, 0.5, "Pa", "overpressure; else p is 1", check="nonnegative"),
     Option("ring_around", int, None, "", "cells around; default: by -fsi_h", check="positive"),
     *materials(fluid_mu=0.0, fluid_kappa=0.0, solid_density=2.0),
     *materials(solid_mu=1.0, solid_lambda=1.5, solid_law=("neo-hookean", "log", "svk")),
