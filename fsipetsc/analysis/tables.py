@@ -67,7 +67,8 @@ def save_csv(
 
 def csv_target(name: str) -> Path:
     """The CSV file of a study that is called NAME, whatever suffix the name has. FileError."""
-    path = Path(name).with_suffix(".csv")
+    given = Path(name)
+    path = given.with_suffix(".csv") if given.name else given
     check_folder(path)
     if path.is_dir():
         raise FileError(f"{path}: is a directory")

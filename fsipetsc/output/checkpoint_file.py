@@ -23,7 +23,7 @@ from fsipetsc.output.file_layout import check_folder, in_memory, put
 
 Array = np.ndarray[Any, Any]
 _MAGIC = b"fsipetsc checkpoint "
-VERSION = 4
+VERSION = 5
 _HEAD = 512  # bytes: HDF5 looks for its own beginning at this place, too
 
 
