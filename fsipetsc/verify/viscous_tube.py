@@ -12,10 +12,13 @@ def front(x: Array, p: Array, level: float) -> float:
 
 
 def triple_point(x: Array, y: Array, p: Array) -> tuple[float, float]:
-    """Where the two lines through the front meet; x of columns, y of rows, p of both."""
+    """Where the two lines through the front meet; x of columns, y of rows, p of both.
+
+    The front is where a tenth of the jump is reached: behind the foot of the λ there is a fifth.
+    """
     right = x > 0.2
     high = p[int(np.argmin(abs(y - 0.4)))][right]
-    level = high[0] + 0.2 * (high.max() - high[0])
+    level = high[0] + 0.1 * (high.max() - high[0])
     places = np.array([front(x[right], row[right], level) for row in p])
     lines = []
     for low, top in ((0.2, 0.4), (0.04, 0.1)):
