@@ -93,10 +93,14 @@ def test_references_of_gases():
 
 def test_places_in_the_viscous_tube():
     """Found where they are in a made-up flow."""
-    x, y = np.linspace(0, 1, 201), np.linspace(0, 0.5, 101)
+    x, y = np.linspace(0, 1, 801), np.linspace(0, 0.5, 101)
     X, Y = np.meshgrid(x, y)
-    branch = np.where(Y > 0.137, 0.58 + 0.1 * (Y - 0.137), 0.58 + 0.4 * (Y - 0.137))
-    p = 1.0 + 1.0 / (1.0 + np.exp(-(X - branch) / 0.002))
+    above, foot = 0.58 + 0.1 * (Y - 0.137), 0.58 + 0.4 * (Y - 0.137)
+    shock = np.where(Y > 0.137, above, 0.58 + 0.3 * (0.137 - Y))
+    # behind the foot p rises from 0.15 of the jump at the wall on
+    first = np.where(Y > 0.137, 0.0, 0.15 + 0.8 * Y)
+    behind = [0.5 + 0.5 * np.tanh((X - front) / 0.001) for front in (foot, shock)]
+    p = 1.0 + first * behind[0] + (1.0 - first) * behind[1]
     assert triple_point(x, y, p) == pytest.approx((0.58, 0.137), abs=4e-3)
     bell = np.exp(-(((X - 0.763) / 0.1) ** 2)) * np.cos(np.pi * Y / 0.16) * (Y < 0.24)
     assert main_vortex(x, y, -bell) == pytest.approx((0.763, 0.08), abs=1e-3)
