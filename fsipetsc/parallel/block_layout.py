@@ -24,6 +24,7 @@ from petsc4py import PETSc
 
 from fsipetsc.errors import InputError
 from fsipetsc.operators.bands import NO_AXIS, Band, Patch, mirror
+from fsipetsc.operators.coefficients import AXIS
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_shares import Extent, share_out
 
@@ -312,14 +313,14 @@ def halos_of(problem: Any, order: int, shocks: bool = False) -> list[tuple[int, 
 
     Where derivatives act twice, in solids and in gases with viscosity or conduction, a node needs
     2 p others to each side, and corners; 3 p where a solid's temperature follows from its strain
-    and is conducted; else p, one more at shocks, and at least 2. Beside an axis nodes of 4/2 see 3
-    images.
+    and is conducted; else p, one more at shocks, and at least 2. Around an axis
+    p is the number of images that nodes see, if that is more.
     """
     found = []
     for k, block in enumerate(problem.blocks):
         material, p = block.material, order // 2
-        if order == 4 and problem.symmetry == 1 and problem.centred(k):
-            p = 3
+        if problem.symmetry == 1 and problem.centred(k):
+            p = max([p, *(-i for i, _ in AXIS.get(order, ()))])
         if block.kind == "solid":
             thrice = material.heat == "elastic" and material.kappa_e > 0.0
             found.append((3 * p if thrice else 2 * p, True))

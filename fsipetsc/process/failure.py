@@ -1,13 +1,12 @@
 """How a run ends that cannot go on: one message, an exit status, and no rank left waiting."""
 
 import os
-import time
 import traceback
 
 from fsipetsc.blame import reason
 from fsipetsc.errors import FsiError, Interrupted, is_petsc, petsc_words
 from fsipetsc.process.streams import abandon, say_error
-from fsipetsc.process.together import Comm
+from fsipetsc.process.together import Comm, done_asleep
 
 #: PETSc's error codes that stand for something other than a fault of the program
 _PETSC_STATUS = {55: 3, 65: 4, 66: 4, 67: 4, 72: 3, 82: 3, 91: 3}
@@ -55,22 +54,12 @@ def end_together(error: BaseException, notes: Comm | None) -> int:
         _print(message, error, status)
     if alone:
         return status
-    if _all_failed(notes, _PATIENCE[collective]):
+    if done_asleep(notes.Ibarrier(), _PATIENCE[collective]):  # all ranks failed
         return notes.bcast(status)
     if notes.rank > 0:
         _print(message, error, status)
     notes.Abort(status)
     return status
-
-
-def _all_failed(notes: Comm, patience: float) -> bool:
-    """Whether all ranks come here within so many seconds."""
-    request, end = notes.Ibarrier(), time.monotonic() + patience
-    while not request.Test():
-        if time.monotonic() > end:
-            return False
-        time.sleep(0.005)
-    return True
 
 
 def _print(message: str, error: BaseException, status: int) -> None:

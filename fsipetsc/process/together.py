@@ -1,5 +1,6 @@
 """What each rank does for itself, and all go on from together: nobody waits for one that failed."""
 
+import math
 import signal
 import time
 from collections.abc import Callable
@@ -44,12 +45,21 @@ def wait_asleep(comm: Comm) -> None:
     comes to this rank while it waits is a KeyboardInterrupt, as everywhere.
     """
     request, statuses = _arrive(comm)
-    while not request.Test():
-        time.sleep(0.002)
+    done_asleep(request)
     _pending.pop()
     number = max(statuses) - 128
     if number > 0:
         raise Interrupted(number, f"stopped by {signal.Signals(number).name}")
+
+
+def done_asleep(request: Any, patience: float = math.inf) -> bool:
+    """Whether a request is done within so many seconds, for which this rank sleeps."""
+    end = time.monotonic() + patience
+    while not request.Test():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.002)
+    return True
 
 
 def _arrive(comm: Comm, status: int = 0) -> tuple[Any, bytearray]:

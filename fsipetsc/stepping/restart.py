@@ -151,9 +151,9 @@ def check_problem(past: Past, state: State) -> None:
     if len(now) != len(before):
         raise InputError(f"-fsi_restart: the case had {len(before)} layers {when}, now {len(now)}")
     grids = [about["shape"][::-1] for about in state.header()["layers"]]
-    for number, (layer, other, nodes) in enumerate(zip(now, before, grids, strict=True)):
-        layer["nodes"] = nodes  # X is rounded, and can be the same for another number
-        other["nodes"] = list(past.arrays[f"layer{number}"].shape[-2::-1])
+    for number, nodes in enumerate(grids):  # X is rounded, and can be the same for another number
+        layer = {**now[number], "nodes": nodes}
+        other = {**before[number], "nodes": list(past.arrays[f"layer{number}"].shape[-2::-1])}
         changed = [k for k in sorted(layer | other) if layer.get(k) != other.get(k)]
         if changed:
             name = changed[0]
