@@ -44,9 +44,6 @@ from fsipetsc.equations.tensors import (
 )
 from fsipetsc.operators.loops import add_last, along, dot, last_times, scale
 
-#: step of differences of a pressure, which only the wave modulus takes
-STEP = 2.0**-17
-
 
 class Solid(NamedTuple):
     """The equations for laws of stress and pressure and numbers.
@@ -142,13 +139,10 @@ class Solid(NamedTuple):
         F = self.tensor(strain)
         J, m0, alpha = determinant(F), self.m0, self.alpha
         area = largest_stretch(cofactor(F))
-        dJ, dT = STEP * J, STEP * (1.0 + abs(T))
-        p = self.pressing.pressure(J, T, m0, alpha)
-        by_J = (self.pressing.pressure(J + dJ, T, m0, alpha) - p) / dJ
-        by_T = (self.pressing.pressure(J, T + dT, m0, alpha) - p) / dT
-        P = self.full_stress(F, T)
+        stiffness = self.pressing.stiffness(J, T, m0, alpha) / J
+        P, by_T = self.full_stress(F, T), self.pressing.pressure_by_temperature(J, T, m0, alpha)
         heating = abs(by_T) * np.sqrt(area * dot(P, P)) / (m0 * alpha)
-        return self.law.wave_modulus(F) + max(-by_J, 0.0) * area + heating
+        return self.law.wave_modulus(F) + max(stiffness, 0.0) * area + heating
 
 
 class RadialSolid(Solid):
