@@ -71,9 +71,8 @@ def place_in(error: BaseException) -> str:
 def place_of_caller() -> str:
     """What stands before a message about a case file that called this: "file, line N: ", or ""."""
     frame = _users_frame(traceback.extract_stack())
-    if frame is None or frame.filename.startswith(_CASES):
-        return ""
-    return f"{short(frame.filename)}, line {frame.lineno}: "
+    own = frame if frame and not frame.filename.startswith(_CASES) else None
+    return f"{short(own.filename)}, line {own.lineno}: " if own else ""
 
 
 def _users_frame(frames: list[traceback.FrameSummary]) -> traceback.FrameSummary | None:

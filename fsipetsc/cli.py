@@ -1,13 +1,13 @@
 """The command line: runs a case, or one of the commands; its exit status is one for scripts."""
 
 import importlib
-import os
 import re
 import shlex
 import sys
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
+from fsipetsc import __version__
 from fsipetsc.cases import load_case, summaries
 from fsipetsc.errors import InputError
 from fsipetsc.options import groups, is_option
@@ -21,10 +21,9 @@ from fsipetsc.usage import PROGRAM, options_help, overview
 class Command(NamedTuple):
     """A command: what comes after its name, and one line about it.
 
-    module: of what is done by all ranks, imported when it is called. Its function of the command's
-    name gets the list of arguments and their communicator, and starts PETSc itself. Its SECTIONS,
-    or sections(arguments), are the command's own options, heading -> Options, which -help lists.
-    "" for what one process does, see ``_done_by_one``.
+    module: of what all ranks do; its function of the command's name gets the arguments and their
+    communicator, and starts PETSc; its SECTIONS, or sections(arguments), are the options that -help
+    lists. "": what one process does, see ``_done_by_one``.
     """
 
     arguments: str
@@ -80,12 +79,15 @@ def _main(arguments: list[str]) -> int:
     complete_streams()
     notes = None
     try:
-        if not _is_answered(arguments):
+        first = arguments[0] if arguments else "-help"
+        by_one = first in COMMANDS and not COMMANDS[first].module
+        if by_one or not (HELP_FLAGS | _VERSION_FLAGS).isdisjoint([first, *arguments]):
+            if launcher_rank() == 0:
+                _answer(first, arguments[1:])
+        else:
             world = start_mpi()
             notes = world.Dup()
-            _do_together(arguments, world)
-        elif launcher_rank() == 0:
-            _answer(arguments)
+            _do_together(first, arguments[1:], world)
         print(end="", flush=True)  # while an error can still be answered
     except BrokenPipeError:  # the reader, a pager or head, has seen enough
         abandon(1)
@@ -97,20 +99,10 @@ def _main(arguments: list[str]) -> int:
     return 0
 
 
-def _is_answered(arguments: Sequence[str]) -> bool:
-    """True for what one process answers, False for what all ranks do together."""
-    if not arguments or not (HELP_FLAGS | _VERSION_FLAGS).isdisjoint(arguments):
-        return True
-    return arguments[0] in COMMANDS and not COMMANDS[arguments[0]].module
-
-
-def _answer(arguments: list[str]) -> None:
+def _answer(first: str, rest: list[str]) -> None:
     """Print a text about the program, or do a command that one process does."""
-    first, *rest = arguments or ["-help"]
-    if not _VERSION_FLAGS.isdisjoint(arguments):
-        import fsipetsc
-
-        print(f"fsipetsc {fsipetsc.__version__}")
+    if not _VERSION_FLAGS.isdisjoint([first, *rest]):
+        print(f"fsipetsc {__version__}")
     elif first in HELP_FLAGS:
         print(overview(summaries(), {name: command[:2] for name, command in COMMANDS.items()}))
     elif first not in COMMANDS:
@@ -129,14 +121,14 @@ def _answer(arguments: list[str]) -> None:
         print(f"{PROGRAM} {first} {command.arguments}\n\n  {command.summary}")
 
 
-def _do_together(arguments: list[str], world: Comm) -> None:
+def _do_together(name: str, arguments: list[str], world: Comm) -> None:
     """A run, or a command that all ranks do together. Collective."""
-    if (name := arguments[0]) in COMMANDS:
+    if name in COMMANDS:
         module = importlib.import_module(COMMANDS[name].module)
-        getattr(module, name)(arguments[1:], world)
+        getattr(module, name)(arguments, world)
         return
     case = together(world, lambda: load_case(name, tuple(COMMANDS)))
-    given = start_petsc(arguments[1:], world)
+    given = start_petsc(arguments, world)
     from fsipetsc.stepping.run import run_given
 
     run_given(case, given, world)
@@ -155,7 +147,7 @@ def _done_by_one(name: str, found: dict[str, str]) -> Iterable[object]:
     if name == "report":
         from fsipetsc.output.report import report
 
-        return [report(found["RUN.h5"], found.get("-o", os.curdir))]
+        return [report(found["RUN.h5"], found.get("-o", "."))]
     if name == "diff":
         from fsipetsc.output.differences import compare, table
 

@@ -20,13 +20,12 @@ _NOTES = (
 
 def overview(cases: Mapping[str, str], commands: Mapping[str, tuple[str, str]]) -> str:
     """The short usage; cases: name -> summary; commands: name -> (arguments, summary)."""
-    usage = {
-        "CASE [-option value ...]": "run a case; in parallel with mpiexec -n N before it",
-        "CASE -help": "all options of a case, with defaults and units",
-        "COMMAND ...": "run a command, see below",
-    }
     sections = {
-        "Usage": {f"{PROGRAM} {words}": what for words, what in usage.items()},
+        f"Usage: {PROGRAM} ...": {
+            "CASE [-option value ...]": "run a case; in parallel with mpiexec -n N before it",
+            "CASE -help": "all options of a case, with defaults and units",
+            "COMMAND ...": "run a command, see below",
+        },
         "Cases": {**cases, "FILE.py": "a case of your own, from a file"},
         "Commands": {f"{name} {words}": what for name, (words, what) in commands.items()},
     }

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
-from itertools import pairwise
+from itertools import pairwise, permutations
 from pathlib import Path
 from typing import Any
 
@@ -69,11 +69,7 @@ def groups(
 
 def table(case: Any) -> dict[str, Option]:
     """Name in lower case -> option with the default in force, for every option of a case."""
-    return _by_name(groups(case))
-
-
-def _by_name(sections: Mapping[str, Sequence[Option]]) -> dict[str, Option]:
-    return {option.name.lower(): option for found in sections.values() for option in found}
+    return {option.name.lower(): option for found in groups(case).values() for option in found}
 
 
 def defaults(case: Any) -> dict[str, Any]:
@@ -96,8 +92,7 @@ class InForce(dict[str, Any]):
 
 def is_option(word: str) -> bool:
     """PETSc's rule: a dash, or two, and a letter. -10, -.5 and -inf are values."""
-    number = word.lower() in ("-inf", "-infinity", "-nan")
-    return re.match(r"--?[A-Za-z]", word) is not None and not number
+    return re.match(r"--?(?!(inf|infinity|nan)$)[a-z]", word, re.IGNORECASE) is not None
 
 
 def given_options(words: Sequence[str]) -> dict[str, str]:
@@ -186,8 +181,7 @@ def read_options(
         if f"ts_{method}_type" in given and "ts_type" not in given:
             values["ts_type"] = method
     # who names times does not want the interval that the case suggests, and the other way round
-    one, other = "fsi_output_times", "fsi_output_dt"
-    for this, instead in ((one, other), (other, one)):
+    for this, instead in permutations(("fsi_output_times", "fsi_output_dt")):
         if this in given and instead not in given:
             values[instead] = None
     told = {option.name: values[option.name] for option in PETSC_OPTIONS}
@@ -206,14 +200,16 @@ def read_table(
     """Name -> typed value of the options of a command: heading -> options, as ``groups`` has them.
     InputError for an unknown name or a bad value.
     """
-    options = _by_name(sections)
-    known = [option.name for option in options.values()] + list(tables.PASSED_ON)
+    options = {option.name: option for found in sections.values() for option in found}
+    known = [*options, *tables.PASSED_ON]
     unknown = sorted(given.keys() - {name.lower() for name in known})
     if unknown:
         listed = ", ".join(f"-{name}{_nearest(name, known)}" for name in unknown)
         raise InputError(f"unknown option{'s' * (len(unknown) > 1)} {listed}")
-    parsed = {o.name: o.parse(given[name]) for name, o in options.items() if name in given}
-    return {option.name: option.default for option in options.values()} | parsed
+    return {
+        name: option.parse(given[name.lower()]) if name.lower() in given else option.default
+        for name, option in options.items()
+    }
 
 
 def _nearest(name: str, names: Iterable[str]) -> str:

@@ -1,6 +1,5 @@
 """How a run ends that cannot go on: one message, an exit status, and no rank left waiting."""
 
-import os
 import traceback
 
 from fsipetsc.blame import missing, reason
@@ -21,7 +20,7 @@ def describe(error: BaseException) -> tuple[int, str, bool]:
     if isinstance(error, MemoryError):
         return 3, f"out of memory ({reason(error)}); coarser grids or more ranks need less", False
     if isinstance(error, OSError) and error.errno is not None:
-        name = f"{os.fspath(error.filename)}: " if error.filename is not None else ""
+        name = f"{error.filename}: " if error.filename is not None else ""
         return 4, f"{name}{error.strerror}", False
     if missing(error):
         return 2, reason(error), False
@@ -38,13 +37,12 @@ def end_together(error: BaseException, notes: Comm | None) -> int:
     every rank that failed. Rank 0 speaks; another rank speaks where rank 0 goes on.
     """
     status, message, collective = describe(error)
-    alone = notes is None or notes.size == 1
-    if alone or notes.rank == 0:
+    if notes is None or notes.rank == 0:
         _print(message, error, status)
-    if alone:
+    if notes is None or notes.size == 1:
         return status
     patience = 10.0 if collective else 1.0  # seconds for the others to fail as well
-    if done_asleep(notes.Ibarrier(), patience):
+    if done_asleep(notes.Ibarrier(), patience + min(notes.rank, 1)):  # first rank 0, which spoke
         return notes.bcast(status)
     if notes.rank > 0:
         _print(message, error, status)

@@ -56,10 +56,8 @@ def start_petsc(arguments: Sequence[str], comm: Comm) -> dict[str, str]:
     start = {name: given[name] for name in AT_START if name in given}
     for name, text in start.items():
         if before.get(name) != text:
-            raise InputError(
-                f"-{name} works from the start of PETSc: give it on the command line, or in "
-                "PETSC_OPTIONS, of the first run in a process, not in an options file"
-            )
+            where = "on the command line, or in PETSC_OPTIONS, of the first run in a process"
+            raise InputError(f"-{name} works from the start of PETSc: give it {where}")
     # newer releases (3.22) print what nobody asked for at the end, after every error
     put({"options_left": "false", **start})
     return given
