@@ -113,7 +113,7 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
     environment = os.environ.get("PETSC_OPTIONS", "").split()
     for option, name in pairwise([*environment, *words]):
         if option.lstrip("-").lower() in ("options_file", "options_file_yaml"):
-            _check_file(Path(name))
+            _check_file(Path(name.removesuffix(":yaml")))  # PETSc's word for YAML
     put({})
     try:
         quoted = (word if is_option(word) else f'"{word}"' for word in words)
