@@ -58,7 +58,7 @@ def _laid_out(title: str, sections: Mapping[str, Mapping[str, str]], most: int) 
         for name, text in rows.items():
             lines += [f"  {name}"] if len(name) > left else []
             form.initial_indent = f"  {'' if len(name) > left else name:<{left}}  "
-            lines += form.wrap(text) or [form.initial_indent]
+            lines += form.wrap(text) or [form.initial_indent.rstrip()]
     return "\n".join(lines)
 
 
