@@ -16,42 +16,28 @@ _CASES = os.path.join(_PACKAGE, "cases", "")
 _LIBRARIES = (os.path.join(os.path.dirname(os.path.abspath(os.__file__)), ""), _PACKAGE)
 
 
-def explain(error: BaseException, path: str | os.PathLike[str]) -> str:
-    """One line about an error that came out of a case file: file, line, reason."""
-    if isinstance(error, SyntaxError):
-        file, line, why = error.filename or path, error.lineno or 0, str(error.msg)
-    else:
-        frame, why = _last_frame(error), reason(error)
-        file, line = (frame.filename, frame.lineno or 0) if frame else (path, 0)
-    own = os.path.realpath(file) == os.path.realpath(path)
-    place = f", line {line}" if own else f": {short(file)}, line {line}"
-    return f"case file {path}{place if line else ''}: {why}"
-
-
 def reason(error: BaseException) -> str:
     """What an exception says, on one line."""
-    text = " ".join(str(error).split())
+    text = " ".join(str(getattr(error, "msg", None) or error).split())
     if isinstance(error, FsiError):
         return text
-    if isinstance(error, ModuleNotFoundError) and error.name:
-        package = error.name.split(".")[0]
-        own = package == "fsipetsc"
-        return f"fsipetsc has no module {error.name}" if own else missing(package)
-    if isinstance(error, SystemExit):
-        return "SystemExit: sys.exit() is called; a case file must not end the program"
+    if package := missing(error):
+        said = f"this needs the Python package {package}, which is not installed here"
+        how = "scripts/setup, or pip install '.[solver,plot]', installs what fsipetsc needs"
+        return f"{said}: {how}" if package in NEEDED else said
     if _is_compilers(error):
-        said = [line for line in str(error).split('\nFile "')[0].splitlines() if line.strip()]
+        lines = [line for line in str(error).split('\nFile "')[0].splitlines() if line.strip()]
         where = "Failed in", "During:", "---", "Return of:"
-        text = " ".join([line.strip() for line in said if not line.startswith(where)][:2])
+        text = " ".join([line.strip() for line in lines if not line.startswith(where)][:2])
         return f"numba cannot compile it: {text[:300]}"
     return type(error).__name__ + (f": {text[:300]}" if text else "")
 
 
-def missing(package: str) -> str:
-    """How to get a Python package that is not there."""
-    said = f"this needs the Python package {package}, which is not installed here"
-    how = "scripts/setup, or pip install '.[solver,plot]', installs what fsipetsc needs"
-    return f"{said}: {how}" if package in NEEDED else said
+def missing(error: BaseException) -> str:
+    """The Python package that an import did not find; "" if it is this one, or no such error."""
+    name = (error.name or "") if isinstance(error, ModuleNotFoundError) else ""
+    package = name.split(".")[0]
+    return package if package != "fsipetsc" else ""
 
 
 def call(function: Callable[..., Any], arguments: tuple[Any, ...], where: str) -> Any:
@@ -67,18 +53,31 @@ def call(function: Callable[..., Any], arguments: tuple[Any, ...], where: str) -
         of_package = getattr(function, "__module__", "").startswith("fsipetsc.")
         if isinstance(error, FsiError) and of_package:
             raise  # it is about an option, or explained already
-        frame = _last_frame(error)
-        place = f"{short(frame.filename)}, line {frame.lineno}" if frame else place_of(function)
-        if _is_compilers(error):  # numba names the line, of this function or of one that it calls
-            for name, line in re.findall(r'File "([^"]+)", line (\d+)', str(error))[:1]:
-                place = f"{short(name)}, line {line}"
+        place = place_in(error) or place_of(function)
         raise InputError(f"{place}: {where}: {reason(error)}", collective=False) from error
 
 
-def _last_frame(error: BaseException) -> traceback.FrameSummary | None:
-    """The innermost frame of an error in the user's code, if it ever was in it."""
-    frames = reversed(traceback.extract_tb(error.__traceback__))
-    return next((frame for frame in frames if _is_users(frame.filename)), None)
+def place_in(error: BaseException) -> str:
+    """Where in the user's code an error arose, as "file, line N"; "" if it never was in it."""
+    if isinstance(error, SyntaxError) and error.lineno and _is_users(error.filename or ""):
+        return f"{short(error.filename or '')}, line {error.lineno}"
+    if _is_compilers(error):  # numba names the line, of this function or of one that it calls
+        for name, line in re.findall(r'File "([^"]+)", line (\d+)', str(error))[:1]:
+            return f"{short(name)}, line {line}"
+    frame = _users_frame(traceback.extract_tb(error.__traceback__))
+    return f"{short(frame.filename)}, line {frame.lineno}" if frame else ""
+
+
+def place_of_caller() -> str:
+    """What stands before a message about a case file that called this: "file, line N: ", or ""."""
+    frame = _users_frame(traceback.extract_stack())
+    own = frame if frame and not frame.filename.startswith(_CASES) else None
+    return f"{short(own.filename)}, line {own.lineno}: " if own else ""
+
+
+def _users_frame(frames: list[traceback.FrameSummary]) -> traceback.FrameSummary | None:
+    """The innermost frame in the user's code."""
+    return next((frame for frame in reversed(frames) if _is_users(frame.filename)), None)
 
 
 def _is_users(name: str) -> bool:
@@ -94,23 +93,12 @@ def _is_compilers(error: BaseException) -> bool:
     return type(error).__module__.startswith("numba.")
 
 
-def place_of_caller() -> str:
-    """What stands before a message about a case file that called this: "file, line N: ", or ""."""
-    stack = reversed(traceback.extract_stack())
-    frame = next((frame for frame in stack if _is_users(frame.filename)), None)
-    if frame is None or frame.filename.startswith(_CASES):
-        return ""
-    return f"{short(frame.filename)}, line {frame.lineno}: "
-
-
 def place_of(function: Callable[..., Any]) -> str:
     """Where a function is defined, as "file, line N"; its name if that is not known."""
     while isinstance(function, partial) or hasattr(function, "__wrapped__"):
         function = function.func if isinstance(function, partial) else function.__wrapped__
-    for found in (function, type(function).__call__):
-        code = getattr(found, "__code__", None)
-        if code is not None:
-            return f"{short(code.co_filename)}, line {code.co_firstlineno}"
+    if code := getattr(function, "__code__", getattr(type(function).__call__, "__code__", None)):
+        return f"{short(code.co_filename)}, line {code.co_firstlineno}"
     return getattr(function, "__name__", type(function).__name__)
 
 
@@ -118,9 +106,3 @@ def short(name: str | os.PathLike[str]) -> str:
     """A path as a user would write it."""
     inside = os.path.relpath(name)
     return os.path.abspath(name) if inside.startswith(os.pardir) else inside
-
-
-def brief(text: str) -> str:
-    """A text for a message: in one line, and not all of it if it is long."""
-    line = " ".join("".join(c if c.isprintable() else " " for c in text).split())
-    return line if len(line) <= 80 else f"{line[:60]}… ({len(line)} characters)"

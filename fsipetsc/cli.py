@@ -1,30 +1,29 @@
 """The command line: runs a case, or one of the commands; its exit status is one for scripts."""
 
 import importlib
-import os
 import re
 import shlex
 import sys
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
+from fsipetsc import __version__
 from fsipetsc.cases import load_case, summaries
 from fsipetsc.errors import InputError
-from fsipetsc.options import is_option
+from fsipetsc.options import groups, is_option
 from fsipetsc.process.failure import end_together
 from fsipetsc.process.launch import launcher_rank, left_as_found, start_mpi, start_petsc
 from fsipetsc.process.streams import abandon, complete_streams
 from fsipetsc.process.together import Comm, together
-from fsipetsc.usage import case_help, command_help, overview, program
+from fsipetsc.usage import PROGRAM, options_help, overview
 
 
 class Command(NamedTuple):
     """A command: what comes after its name, and one line about it.
 
-    module: of what is done by all ranks, imported when it is called. Its function of the command's
-    name gets the list of arguments and their communicator, and starts PETSc itself. Its SECTIONS,
-    or sections(arguments), are the command's own options, heading -> Options, which -help lists.
-    "" for what one process does, see ``_done_by_one``.
+    module: of what all ranks do; its function of the command's name gets the arguments and their
+    communicator, and starts PETSc; its SECTIONS, or sections(arguments), are the options that -help
+    lists. "": what one process does, see ``_done_by_one``.
     """
 
     arguments: str
@@ -61,8 +60,7 @@ COMMANDS = {
         "measure what a time step costs on 1 to N ranks",
         "fsipetsc.bench.command"),
 }  # fmt: skip
-HELP_FLAGS = ("-h", "-help", "--help")
-_VERSION_FLAGS = ("--version", "-version")
+HELP_FLAGS, _VERSION_FLAGS = {"-h", "-help", "--help"}, {"--version", "-version"}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -81,12 +79,15 @@ def _main(arguments: list[str]) -> int:
     complete_streams()
     notes = None
     try:
-        if _is_run(arguments):
+        first = arguments[0] if arguments else "-help"
+        by_one = first in COMMANDS and not COMMANDS[first].module
+        if by_one or not (HELP_FLAGS | _VERSION_FLAGS).isdisjoint([first, *arguments]):
+            if launcher_rank() == 0:
+                _answer(first, arguments[1:])
+        else:
             world = start_mpi()
             notes = world.Dup()
-            _do_together(arguments, world)
-        elif launcher_rank() == 0:  # it alone answers
-            _answer(arguments)
+            _do_together(first, arguments[1:], world)
         print(end="", flush=True)  # while an error can still be answered
     except BrokenPipeError:  # the reader, a pager or head, has seen enough
         abandon(1)
@@ -98,49 +99,36 @@ def _main(arguments: list[str]) -> int:
     return 0
 
 
-def _is_run(arguments: Sequence[str]) -> bool:
-    """True for what is done by all ranks together, False for what one process answers."""
-    if not arguments or any(word in HELP_FLAGS + _VERSION_FLAGS for word in arguments):
-        return False
-    return arguments[0] not in COMMANDS or bool(COMMANDS[arguments[0]].module)
-
-
-def _answer(arguments: list[str]) -> None:
-    first = arguments[0] if arguments else "-help"
-    if any(word in _VERSION_FLAGS for word in arguments):
-        import fsipetsc
-
-        print(f"fsipetsc {fsipetsc.__version__}")
+def _answer(first: str, rest: list[str]) -> None:
+    """Print a text about the program, or do a command that one process does."""
+    if not _VERSION_FLAGS.isdisjoint([first, *rest]):
+        print(f"fsipetsc {__version__}")
     elif first in HELP_FLAGS:
         print(overview(summaries(), {name: command[:2] for name, command in COMMANDS.items()}))
-    elif first in COMMANDS:
-        _run_command(first, arguments[1:])
-    else:
-        print(case_help(load_case(first, tuple(COMMANDS)), first))
-
-
-def _run_command(name: str, arguments: list[str]) -> None:
-    """A command that one process does, or the help of any."""
-    command = COMMANDS[name]
-    if not any(word in HELP_FLAGS for word in arguments):
-        for line in _done_by_one(name, _given(name, arguments)):
+    elif first not in COMMANDS:
+        case = load_case(first, tuple(COMMANDS))
+        title = f"{case.NAME}: {case.SUMMARY}"
+        print(options_help(title, f"{first} [-option value ...]", groups(case)))
+    elif HELP_FLAGS.isdisjoint(rest):
+        for line in _done_by_one(first, _given(first, rest)):
             print(line)
-    elif command.module:
+    elif (command := COMMANDS[first]).module:
         module: Any = importlib.import_module(command.module)
-        sections = getattr(module, "SECTIONS", None) or module.sections(arguments)
-        print(command_help(name, command.arguments, command.summary, sections))
+        sections = getattr(module, "SECTIONS", None) or module.sections(rest)
+        about = f"{first}: {command.summary}", f"{first} {command.arguments}"
+        print(options_help(*about, sections, in_loop=False))
     else:
-        print(f"{program()} {name} {command.arguments}\n\n  {command.summary}")
+        print(f"{PROGRAM} {first} {command.arguments}\n\n  {command.summary}")
 
 
-def _do_together(arguments: list[str], world: Comm) -> None:
+def _do_together(name: str, arguments: list[str], world: Comm) -> None:
     """A run, or a command that all ranks do together. Collective."""
-    if (name := arguments[0]) in COMMANDS:
+    if name in COMMANDS:
         module = importlib.import_module(COMMANDS[name].module)
-        getattr(module, name)(arguments[1:], world)
+        getattr(module, name)(arguments, world)
         return
     case = together(world, lambda: load_case(name, tuple(COMMANDS)))
-    given = start_petsc(arguments[1:], world)
+    given = start_petsc(arguments, world)
     from fsipetsc.stepping.run import run_given
 
     run_given(case, given, world)
@@ -159,7 +147,7 @@ def _done_by_one(name: str, found: dict[str, str]) -> Iterable[object]:
     if name == "report":
         from fsipetsc.output.report import report
 
-        return [report(found["RUN.h5"], found.get("-o", os.curdir))]
+        return [report(found["RUN.h5"], found.get("-o", "."))]
     if name == "diff":
         from fsipetsc.output.differences import compare, table
 
@@ -167,7 +155,7 @@ def _done_by_one(name: str, found: dict[str, str]) -> Iterable[object]:
     from fsipetsc.output.new_case import new_case
 
     path = new_case(found["FILE.py"], tuple(COMMANDS), "-blocks" in found)
-    return [f"wrote {path}; it runs as it is:  {program()} {shlex.quote(str(path))}"]
+    return [f"wrote {path}; it runs as it is:  {PROGRAM} {shlex.quote(str(path))}"]
 
 
 def _given(command: str, arguments: list[str]) -> dict[str, str]:
@@ -179,16 +167,15 @@ def _given(command: str, arguments: list[str]) -> dict[str, str]:
     while waiting and not fault:
         word = waiting.pop(0)
         name = word[1:] if word.startswith("--") else word
-        if not is_option(word) and word and files:
+        if files and word and not is_option(word):
             found[files.pop(0)] = word
         elif name not in options:
-            fault = f"unexpected argument '{word}'" if word else "'' names no file"
+            fault = f"unexpected argument '{word}'"
         elif options[name] and (not waiting or is_option(waiting[0])):
             fault = f"{name} needs a value"
         else:
             found[name] = waiting.pop(0) if options[name] else ""
-    if files and not fault:
-        fault = f"{files[0]} is missing"
-    if fault:
-        raise InputError(f"{command}: {fault}: {program()} {command} {usage}")
+    if fault or files:
+        fault = fault or f"{files[0]} is missing"
+        raise InputError(f"{command}: {fault}: {PROGRAM} {command} {usage}")
     return found

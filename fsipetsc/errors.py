@@ -53,11 +53,6 @@ class Interrupted(KeyboardInterrupt):
         self.status = 128 + number
 
 
-def is_petsc(error: BaseException) -> bool:
-    """PETSc has raised it."""
-    return type(error).__module__.startswith("petsc4py") and hasattr(error, "ierr")
-
-
 def petsc_words(error: BaseException) -> str:
     """PETSc's words without its list of routines, "[0] TSSolve() at file:line" and so on."""
     lines = [line.split("] ", 1)[-1] for line in str(error).splitlines()[1:]]

@@ -17,12 +17,12 @@ FAULTY_FILES = {
     "import": ("import math\nimport no_such_module\n", ["line 2", "no_such_module"]),
     "ours": (
         "from fsipetsc.materials.nothing import x\n",
-        ["line 1", "fsipetsc has no module fsipetsc.materials.nothing"],
+        ["line 1", "No module named 'fsipetsc.materials.nothing'"],
     ),
     "name": ("\n\nundefined\n", ["line 3", "NameError", "undefined"]),
     "no options": (CASE.replace("OPTIONS =", "OPTION ="), ["does not define", "OPTIONS"]),
     "own names": (CASE.replace("solid_force", "fsi_h"), ["exists already"]),
-    "beside": ("import beside_a_faulty_case\n", ["beside_a_faulty_case.py, line 3: NameError"]),
+    "beside": ("import beside_a_faulty_case\n", ["beside_a_faulty_case.py, line 3: case file "]),
     "no name": ("OPTIONS = ()\ndef build(opt): ...\nNAME = ''\n", ["line 3", "NAME", "a text"]),
 }
 

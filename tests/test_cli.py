@@ -93,7 +93,7 @@ def test_bad_input(name, ranks, here):
         (["info", "-x", "a.h5"], ["-x"]),
         (["plot", "a.h5", "-o"], ["-o needs a value", "plot RUN.h5 [-o DIR"]),
         (["plot", "a.h5", "-out", "b"], ["unexpected argument '-out'"]),
-        (["diff", "a.h5", ""], ["'' names no file"]),
+        (["diff", "a.h5", ""], ["unexpected argument ''"]),
     ],
 )
 def test_bad_arguments_of_commands(args, words):

@@ -77,10 +77,11 @@ except KeyboardInterrupt as error:
     ("place", "status", "said"),
     [("run", 143, "stopped by SIGTERM at t = 1"), ("set-up", 130, "stopped by SIGINT")],
 )
-def test_ranks_that_sleep_end_with_those_that_a_signal_has_stopped(place, status, said, tmp_path):
-    done = mpirun(3, "-c", STOPPED, place, cwd=tmp_path)
-    message(done, status, said)
-    assert "MPI_ABORT" not in done.stderr
+def test_ranks_that_sleep_are_ended_by_those_that_a_signal_has_stopped(
+    place, status, said, tmp_path
+):
+    """Where it came to these alone: by MPI_Abort, 10 s later, and rank 0 says why."""
+    message(mpirun(3, "-c", STOPPED, place, cwd=tmp_path), status, said)
 
 
 #: a SIGINT of all ranks in the set-up: rank 0 compiles, rank 1 sleeps and ends first

@@ -19,7 +19,7 @@ from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.options import Option, groups
 from fsipetsc.output.reader import open_run
 from fsipetsc.process.together import Comm, together, wait_asleep
-from fsipetsc.usage import program
+from fsipetsc.usage import PROGRAM
 
 #: what -fsi_h is multiplied with for the grids of a study: in one dimension with an exact solution,
 #: in one without, and in more dimensions
@@ -71,7 +71,7 @@ def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
 
 def _case(arguments: Sequence[str]) -> Any:
     if not arguments or arguments[0].startswith("-"):
-        usage = f"{program()} convergence CASE [-option value ...]"
+        usage = f"{PROGRAM} convergence CASE [-option value ...]"
         raise InputError(f"the command convergence wants a case, such as mms or pulse: {usage}")
     return load_case(arguments[0])
 

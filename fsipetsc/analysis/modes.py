@@ -15,7 +15,7 @@ from fsipetsc.cases.common import gas_of
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option, groups
 from fsipetsc.process.together import Comm, together
-from fsipetsc.usage import program
+from fsipetsc.usage import PROGRAM
 
 _COUNT = Option("modes_count", int, 10, "", "how many modes, slowest first", check="positive")
 _ANGULAR = Option(
@@ -32,7 +32,7 @@ def modes(arguments: list[str], comm: Comm) -> None:
     Raises InputError, also for a case that it does not know; FileError.
     """
     if not arguments or arguments[0] not in OPTIONS:
-        usage = f"{program()} modes ring|shell [-option value ...]"
+        usage = f"{PROGRAM} modes ring|shell [-option value ...]"
         raise InputError(f"the command modes knows the cases ring and shell: {usage}")
     name = arguments[0]
     case = load_case(name)

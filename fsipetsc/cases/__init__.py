@@ -21,7 +21,7 @@ from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType
 
-from fsipetsc.blame import explain
+from fsipetsc.blame import call
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option, groups
 
@@ -81,11 +81,7 @@ def _load_file(path: Path) -> ModuleType:
         sys.path.append(str(path.resolve().parent))  # for modules of the user's beside the file
     written, sys.dont_write_bytecode = sys.dont_write_bytecode, True
     try:
-        loader.exec_module(module)
-    except (KeyboardInterrupt, MemoryError):
-        raise
-    except BaseException as error:  # sys.exit() among them
-        raise InputError(explain(error, path)) from error
+        call(loader.exec_module, (module,), f"case file {path}")
     finally:
         sys.dont_write_bytecode = written
     _complete(module, path)

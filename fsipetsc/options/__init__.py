@@ -8,14 +8,12 @@ what PETSc is to follow.
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from difflib import get_close_matches
-from itertools import pairwise
+from itertools import pairwise, permutations
 from pathlib import Path
 from typing import Any
 
-from fsipetsc.blame import brief
 from fsipetsc.errors import FileError, InputError, petsc_words
 from fsipetsc.options import tables
 from fsipetsc.options.option import REQUIRED, Option, above_one
@@ -24,11 +22,8 @@ from fsipetsc.options.tables import COMMON, OF_A_RUN, PETSC_OPTIONS, RUN
 __all__ = [
     "COMMON", "OF_A_RUN", "PETSC_OPTIONS", "REQUIRED", "RUN", "InForce", "Option",
     "above_one", "defaults", "given_options", "groups", "is_option", "present", "put",
-    "read_options", "read_table", "spelt", "table",
+    "read_options", "read_table", "table",
 ]  # fmt: skip
-
-#: PETSc's error where an options file cannot be read
-_UNREADABLE = "Unable to open", "Specified options file"
 
 
 def groups(
@@ -62,32 +57,24 @@ def groups(
             raise InputError(f"case {case.NAME}: DEFAULTS has {name!r}, which is no option{hint}")
 
     def in_force(option: Option) -> Option:
-        return _with_default(option, values.get(option.name, option.default), case.NAME)
+        value = values.get(option.name, option.default)
+        unset = value is None and option.default is None  # None is for what need not be set
+        if value is not REQUIRED and not unset:
+            said = f"case {case.NAME}: bad default {value!r} of -{option.name}"
+            value = option.checked(value, said)
+        return replace(option, default=value)
 
     return {title: tuple(map(in_force, found)) for title, found in sections.items() if found}
 
 
-def table(
-    case: Any, extra: Sequence[Option] = (), inherited: Mapping[str, Any] | None = None
-) -> dict[str, Option]:
+def table(case: Any) -> dict[str, Option]:
     """Name in lower case -> option with the default in force, for every option of a case."""
-    every = (option for options in groups(case, extra, inherited).values() for option in options)
-    return {option.name.lower(): option for option in every}
+    return {option.name.lower(): option for found in groups(case).values() for option in found}
 
 
 def defaults(case: Any) -> dict[str, Any]:
     """Name -> default in force for every option of a case; REQUIRED if the user must give it."""
     return {option.name: option.default for option in table(case).values()}
-
-
-def _with_default(option: Option, value: Any, case: str) -> Option:
-    try:
-        if value is None and option.default is not None:
-            raise ValueError  # None is for what need not be set
-        return replace(option, default=option.convert(value))
-    except (ValueError, TypeError, OverflowError):
-        what = f"bad default {value!r} of -{option.name}: expected {option.expected()}"
-        raise InputError(f"case {case}: {what}") from None
 
 
 class InForce(dict[str, Any]):
@@ -105,53 +92,51 @@ class InForce(dict[str, Any]):
 
 def is_option(word: str) -> bool:
     """PETSc's rule: a dash, or two, and a letter. -10, -.5 and -inf are values."""
-    number = word.lower() in ("-inf", "-infinity", "-nan")
-    return re.match(r"--?[A-Za-z]", word) is not None and not number
+    return re.match(r"--?(?!(inf|infinity|nan)$)[a-z]", word, re.IGNORECASE) is not None
 
 
 def given_options(words: Sequence[str]) -> dict[str, str]:
-    """Name in lower case -> text, "" without a value, of the options that were given.
+    """Name in lower case -> text, "" without a value, of the options that were given, each under
+    the name that the tables have.
 
     PETSc, which runs, reads PETSC_OPTIONS, then the words of the command line, and the files that
-    either names; its database holds these options alone then, and none after an error. Not
-    collective. InputError, FileError for what PETSc does not take, InputError for a word that is no
-    option's value, and for an options file that names another one.
+    either names. Its database is empty afterwards. Not collective. InputError, FileError for what
+    PETSc does not take, InputError for a word that is no option's value, and for an options file
+    that names another one.
     """
     from petsc4py import PETSc
 
-    put({})
     for before, word in pairwise(["", *words]):
         if not is_option(word) and not is_option(before):
-            what = f"unexpected argument '{brief(word)}'"
+            what = f"unexpected argument {word[:80]!r}"
             raise InputError(f"{what}: a value comes right after its option")
-    quoted = (word if is_option(word) else _quoted(word) for word in words)
     environment = os.environ.get("PETSC_OPTIONS", "").split()
     for option, name in pairwise([*environment, *words]):
         if option.lstrip("-").lower() in ("options_file", "options_file_yaml"):
-            _refuse_nesting(Path(name))
-    for text in (" ".join(environment), " ".join(quoted)):
-        try:
-            PETSc.Options().insertString(text)
-        except PETSc.Error as error:
-            put({})
-            said = petsc_words(error).split(": ", 1)[-1].split("; ")[-1]
-            kind = FileError if any(text in said for text in _UNREADABLE) else InputError
-            raise kind(f"options: {said}") from None
-    given = {name.lower(): text for name, text in present().items()}
-    return {name: text for name, text in given.items() if name != "help"}
+            _check_file(Path(name.removesuffix(":yaml")))  # PETSc's word for YAML
+    put({})
+    try:
+        quoted = (word if is_option(word) else f'"{word}"' for word in words)
+        PETSc.Options().insertString(" ".join([*environment, *quoted]))
+        given = {name.lower(): text for name, text in present().items()}
+    except PETSc.Error as error:
+        said = petsc_words(error).split(": ", 1)[-1].split("; ")[-1]
+        raise InputError(f"options: {said}") from None
+    finally:
+        put({})
+    return {tables.ALIASES.get(name, name): text for name, text in given.items() if name != "help"}
 
 
-def _refuse_nesting(file: Path) -> None:
-    """InputError for an options file that names another: PETSc crashes where one names itself."""
-    with suppress(OSError):  # PETSc says so
-        text = file.read_text(errors="replace") if file.is_file() else ""
-        if re.search(r"^[^#\n]*\boptions_file", text, re.MULTILINE | re.IGNORECASE):
-            raise InputError(f"-options_file {file}: an options file cannot name another one")
-
-
-def _quoted(word: str) -> str:
-    mark = "'" if '"' in word else '"'
-    return f"{mark}{word}{mark}"
+def _check_file(file: Path) -> None:
+    """FileError for an options file that cannot be read, InputError for one that names another:
+    PETSc crashes where one names itself.
+    """
+    try:
+        text = "" if file.is_fifo() else file.read_text(errors="replace")
+    except OSError as error:
+        raise FileError(f"-options_file {file}: {error.strerror}") from None
+    if re.search(r"^[^#\n]*\boptions_file", text, re.MULTILINE | re.IGNORECASE):
+        raise InputError(f"-options_file {file}: an options file cannot name another one")
 
 
 def present() -> dict[str, str]:
@@ -174,12 +159,6 @@ def put(options: Mapping[str, str]) -> None:
         database.setValue(name, value)
 
 
-def spelt(given: Mapping[str, str], name: str) -> str | None:
-    """What the user gave for an option, under one of its names."""
-    names = [name.lower(), *(alias for alias, meant in tables.ALIASES.items() if meant == name)]
-    return next((given[spelling] for spelling in names if spelling in given), None)
-
-
 def read_options(
     case: Any,
     given: Mapping[str, str],
@@ -192,7 +171,9 @@ def read_options(
     them, which stand for the defaults. Not collective; the same on all ranks. InputError for an
     unknown name, a missing or bad value.
     """
-    values = _read(table(case, extra, inherited), given)
+    from petsc4py import PETSc
+
+    values = read_table(groups(case, extra, inherited), given)
     for option, value in values.items():
         if value is REQUIRED:
             raise InputError(f"-{option} must be given: the case has no default for it")
@@ -200,60 +181,35 @@ def read_options(
         if f"ts_{method}_type" in given and "ts_type" not in given:
             values["ts_type"] = method
     # who names times does not want the interval that the case suggests, and the other way round
-    one, other = "fsi_output_times", "fsi_output_dt"
-    for this, instead in ((one, other), (other, one)):
+    for this, instead in permutations(("fsi_output_times", "fsi_output_dt")):
         if this in given and instead not in given:
             values[instead] = None
-    _tell_petsc(values, given)
-    return values
-
-
-def _tell_petsc(values: Mapping[str, Any], given: Mapping[str, str]) -> None:
-    """Put what PETSc's time integrator follows into its database, as this release names it."""
-    from petsc4py import PETSc
-
-    database = PETSc.Options()
-    told = {name: given[name] for name in tables.IN_LOOP if name in given}
-    for option in PETSC_OPTIONS:
-        method = option.name.split("_")[1]  # ts_rk_type is of ts_type rk
-        unused = method in ("rk", "ssp") and values["ts_type"] != method
-        if values[option.name] is not None and not unused:
-            told[option.name] = str(values[option.name])
-    if "ts_dt" in told and PETSc.Sys.getVersion() >= (3, 25):
+    told = {option.name: values[option.name] for option in PETSC_OPTIONS}
+    told |= {name: given.get(name) for name in tables.IN_LOOP}
+    if PETSc.Sys.getVersion() >= (3, 25):
         told["ts_time_step"] = told.pop("ts_dt")
-    for name in (*tables.ALIASES, *tables.IN_LOOP, *(option.name for option in PETSC_OPTIONS)):
-        database.delValue(name)
-    for name, text in told.items():
-        database.setValue(name, text)
+    for name, value in told.items():
+        if value is not None:
+            PETSc.Options().setValue(name, str(value))
+    return values
 
 
 def read_table(
     sections: Mapping[str, Sequence[Option]], given: Mapping[str, str]
 ) -> dict[str, Any]:
-    """Name -> typed value of the options of a command that runs no case.
-
-    sections: heading -> options, as for ``groups``. InputError for an unknown name or a bad value.
+    """Name -> typed value of the options of a command: heading -> options, as ``groups`` has them.
+    InputError for an unknown name or a bad value.
     """
-    every = (option for options in sections.values() for option in options)
-    return _read({option.name.lower(): option for option in every}, given)
-
-
-def _read(options: Mapping[str, Option], given: Mapping[str, str]) -> dict[str, Any]:
-    """Name -> value; options: name in lower case -> option."""
-    known = [option.name for option in options.values()] + list(tables.PASSED_ON)
-    known += [alias for alias, name in tables.ALIASES.items() if name in options]
-    lower = {name.lower() for name in known}
-    unknown = [
-        f"-{brief(name)}{_nearest(name, known)}" for name in sorted(given) if name not in lower
-    ]
+    options = {option.name: option for found in sections.values() for option in found}
+    known = [*options, *tables.PASSED_ON]
+    unknown = sorted(given.keys() - {name.lower() for name in known})
     if unknown:
-        raise InputError(f"unknown option{'s' * (len(unknown) > 1)} {', '.join(unknown)}")
-    values = {option.name: option.default for option in options.values()}
-    for name, text in given.items():
-        option = options.get(tables.ALIASES.get(name, name))
-        if option is not None:
-            values[option.name] = option.parse(text)
-    return values
+        listed = ", ".join(f"-{name}{_nearest(name, known)}" for name in unknown)
+        raise InputError(f"unknown option{'s' * (len(unknown) > 1)} {listed}")
+    return {
+        name: option.parse(given[name.lower()]) if name.lower() in given else option.default
+        for name, option in options.items()
+    }
 
 
 def _nearest(name: str, names: Iterable[str]) -> str:

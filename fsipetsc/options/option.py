@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
-from fsipetsc.blame import brief, call
+from fsipetsc.blame import call
 from fsipetsc.errors import InputError
 
 #: default of an option that the case or the user must give
@@ -67,27 +67,18 @@ class Option:
 
     def parse(self, text: str) -> Any:
         """The value that a text from the options database stands for; InputError if it is none."""
-        kind = str(self.kind)
-        if text == "" and kind != "bool":
+        if text == "" and self.kind != "bool":
             raise InputError(f"-{self.name} needs a value: {self.expected()}")
-        expected = self.expected()
-        try:
-            value = _as_kind(kind, _from_text(kind, text.strip()))
-            expected = self._objection(value) or ""
-        except (ValueError, OverflowError):
-            pass
-        if expected:
-            raise InputError(f"bad value '{brief(text)}' for -{self.name}: expected {expected}")
-        return value
+        return self.checked(text.strip(), f"bad value {text[:80]!r} for -{self.name}")
 
-    def convert(self, value: Any) -> Any:
-        """A Python value as this option's type, checked; ValueError if it is not allowed."""
-        if value is None or value is REQUIRED:
-            return value
-        value = _as_kind(str(self.kind), value)
-        if self._objection(value):
-            raise ValueError
-        return value
+    def checked(self, value: Any, said: str) -> Any:
+        """A text or a Python value as this option's type; InputError, which begins with ``said``,
+        if it is not allowed.
+        """
+        found = as_kind(str(self.kind), value, said, self.expected())
+        if objection := self._objection(found):
+            raise InputError(f"{said}: expected {objection}")
+        return found
 
     def expected(self) -> str:
         """What is valid, as the end of a sentence."""
@@ -102,35 +93,35 @@ class Option:
             return self.expected()
         if callable(self.check):
             verdict = call(self.check, (value,), f"check of -{self.name}")
-            if verdict is False:
-                return "a value within its range"
-            return verdict if isinstance(verdict, str) and verdict else None
+            if isinstance(verdict, str):
+                return verdict
+            return None if verdict is None or verdict else "a value within its range"
         least = min(value, default=1) if isinstance(value, tuple) else value
         fine = self.check is None or least > 0 or (self.check == "nonnegative" and least == 0)
         return None if fine else self.expected()
 
 
-def _from_text(kind: str, text: str) -> Any:
-    """What a text says, as Python has it; ValueError."""
-    if kind in ("ints", "floats"):
-        return tuple(_from_text(kind[:-1], word.strip()) for word in text.split(","))
-    if kind == "bool":
-        if text.lower() not in _BOOLS:
-            raise ValueError
-        return _BOOLS[text.lower()]
-    if kind in ("int", "float") and "_" in text:
-        raise ValueError
-    return {"int": int, "float": float}.get(kind, str)(text)
+def as_kind(kind: str, value: Any, said: str, expected: str = "") -> Any:
+    """A text or a Python value as one of a kind; InputError, which begins with ``said``."""
+    try:
+        return _as_kind(kind, value)
+    except (ValueError, TypeError, OverflowError):
+        raise InputError(f"{said}: expected {expected or _NOUNS[kind]}") from None
 
 
 def _as_kind(kind: str, value: Any) -> Any:
-    """A Python value as one of a kind; ValueError."""
+    """A text or a Python value as one of a kind; ValueError, TypeError, OverflowError."""
     if kind in ("ints", "floats"):
-        return tuple(_as_kind(kind[:-1], item) for item in value)
-    if kind == "str":
+        items = value.split(",") if isinstance(value, str) else value
+        return tuple(_as_kind(kind[:-1], item) for item in items)
+    if kind == "str" and value is not None:
         return str(value)
-    number = isinstance(value, (int, float)) or hasattr(value, "__float__")
-    if (kind == "bool") != isinstance(value, bool) or not number or not isfinite(value):
+    if isinstance(value, str):
+        if "_" in value:  # Python would skip it in a number
+            raise ValueError
+        text = value.strip().lower()
+        value = _BOOLS.get(text) if kind == "bool" else int(text) if kind == "int" else float(text)
+    if (kind == "bool") != isinstance(value, bool) or not isfinite(value):
         raise ValueError
     if kind == "int" and (int(value) != value or abs(value) > INT_MAX):
         raise ValueError

@@ -17,7 +17,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.errors import FileError, FsiError, is_petsc, petsc_words
+from fsipetsc.errors import FileError, FsiError, petsc_words
 from fsipetsc.output import pieces, xdmf
 from fsipetsc.output.file_layout import check_folder, columns, folder_of
 from fsipetsc.output.lock import Lock, set_aside
@@ -180,7 +180,7 @@ class RunWriter:
         if isinstance(error, FileError):
             return str(error)
         words = getattr(error, "strerror", None) or " ".join(str(error).split())
-        reason = petsc_words(error) if is_petsc(error) else words or type(error).__name__
+        reason = petsc_words(error) if hasattr(error, "ierr") else words or type(error).__name__
         said = f"{self.path}: cannot write: {reason}"
         return f"{said}; what was written before is in {self.folder}" if self._number > 1 else said
 

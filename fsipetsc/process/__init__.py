@@ -1,3 +1,1 @@
-"""The process and its ranks: start of MPI and PETSc, signals, streams, and how all ranks end
-together.
-"""
+"""Start of MPI and PETSc, signals, streams, and how all ranks of a run end together."""

@@ -1,18 +1,14 @@
 """How a run ends that cannot go on: one message, an exit status, and no rank left waiting."""
 
-import os
 import traceback
 
-from fsipetsc.blame import reason
-from fsipetsc.errors import FsiError, Interrupted, is_petsc, petsc_words
+from fsipetsc.blame import missing, reason
+from fsipetsc.errors import FsiError, Interrupted, petsc_words
 from fsipetsc.process.streams import abandon, say_error
 from fsipetsc.process.together import Comm, done_asleep
 
 #: PETSc's error codes that stand for something other than a fault of the program
 _PETSC_STATUS = {55: 3, 65: 4, 66: 4, 67: 4, 72: 3, 82: 3, 91: 3}
-#: seconds that the other ranks have to fail as well: after an error that all ranks meet together,
-#: and after one that a rank may be alone with
-_PATIENCE = {True: 10.0, False: 1.0}
 
 
 def describe(error: BaseException) -> tuple[int, str, bool]:
@@ -22,23 +18,15 @@ def describe(error: BaseException) -> tuple[int, str, bool]:
     if isinstance(error, KeyboardInterrupt):  # the others get it, too, and may need time to end
         return 130, "stopped by SIGINT", True
     if isinstance(error, MemoryError):
-        advice = "a coarser grid (-fsi_h) or more ranks need less"
-        return 3, f"out of memory{_detail(error)}; {advice}", False
+        return 3, f"out of memory ({reason(error)}); coarser grids or more ranks need less", False
     if isinstance(error, OSError) and error.errno is not None:
-        name = f"{os.fspath(error.filename)}: " if error.filename is not None else ""
+        name = f"{error.filename}: " if error.filename is not None else ""
         return 4, f"{name}{error.strerror}", False
-    if isinstance(error, ModuleNotFoundError) and not (error.name or "").startswith("fsipetsc"):
+    if missing(error):
         return 2, reason(error), False
-    if is_petsc(error):
+    if hasattr(error, "ierr"):  # PETSc has raised it
         return _PETSC_STATUS.get(error.ierr, 1), petsc_words(error), False
-    where = traceback.extract_tb(error.__traceback__)[-1:]
-    place = "".join(f" in {os.path.basename(f.filename)}, line {f.lineno}" for f in where)
-    return 1, f"unexpected {type(error).__name__}{place}{_detail(error)}", False
-
-
-def _detail(error: BaseException) -> str:
-    lines = str(error).splitlines()
-    return f": {lines[0]}" if lines else ""
+    return 1, f"unexpected {reason(error)}", False
 
 
 def end_together(error: BaseException, notes: Comm | None) -> int:
@@ -49,12 +37,12 @@ def end_together(error: BaseException, notes: Comm | None) -> int:
     every rank that failed. Rank 0 speaks; another rank speaks where rank 0 goes on.
     """
     status, message, collective = describe(error)
-    alone = notes is None or notes.size == 1
-    if alone or notes.rank == 0:
+    if notes is None or notes.rank == 0:
         _print(message, error, status)
-    if alone:
+    if notes is None or notes.size == 1:
         return status
-    if done_asleep(notes.Ibarrier(), _PATIENCE[collective]):  # all ranks failed
+    patience = 10.0 if collective else 1.0  # seconds for the others to fail as well
+    if done_asleep(notes.Ibarrier(), patience + min(notes.rank, 1)):  # first rank 0, which spoke
         return notes.bcast(status)
     if notes.rank > 0:
         _print(message, error, status)

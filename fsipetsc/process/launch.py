@@ -4,6 +4,7 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import pairwise
 
 from fsipetsc.errors import InputError
 from fsipetsc.options import given_options, is_option, present, put
@@ -55,11 +56,8 @@ def start_petsc(arguments: Sequence[str], comm: Comm) -> dict[str, str]:
     start = {name: given[name] for name in AT_START if name in given}
     for name, text in start.items():
         if before.get(name) != text:
-            put({})
-            raise InputError(
-                f"-{name} works from the start of PETSc: give it on the command line, or in "
-                "PETSC_OPTIONS, of the first run in a process, not in an options file"
-            )
+            where = "on the command line, or in PETSC_OPTIONS, of the first run in a process"
+            raise InputError(f"-{name} works from the start of PETSc: give it {where}")
     # newer releases (3.22) print what nobody asked for at the end, after every error
     put({"options_left": "false", **start})
     return given
@@ -67,36 +65,27 @@ def start_petsc(arguments: Sequence[str], comm: Comm) -> dict[str, str]:
 
 def _initialise(arguments: Sequence[str]) -> None:
     """Start PETSc with those options that it follows only when it starts."""
-    words, start = [*os.environ.get("PETSC_OPTIONS", "").split(), *arguments, "-"], []
-    for word, value in zip(words, words[1:]):
-        if word.lstrip("-").lower() in AT_START:
-            start += [word, *([] if is_option(value) or value == "-" else [value])]
-    # a SIGTERM is the program's business; an error of options is not a list of those left
-    always = ["-skip_petscrc", "-no_signal_handler", "-options_left", "false"]
     import petsc4py
 
-    environment = os.environ.pop("PETSC_OPTIONS", None)
+    # a SIGTERM is the program's business; an error of options is not a list of those left
+    always, start = ["-skip_petscrc", "-no_signal_handler", "-options_left", "false"], []
+    environment = os.environ.pop("PETSC_OPTIONS", "")
+    for word, value in pairwise([*environment.split(), *arguments, "-end"]):
+        if word.lstrip("-").lower() in AT_START:
+            start += [word] if is_option(value) else [word, value]
     try:
         petsc4py.init(["fsipetsc", *always, *start])
     except RuntimeError:
         raise InputError(f"PETSc could not start with {' '.join(start)}") from None
     finally:
-        if environment is not None:
+        if environment:
             os.environ["PETSC_OPTIONS"] = environment
 
 
-# several runs in one process: PETSc has one database of options for all of it
-
-
 def petsc_runs() -> bool:
-    """PETSc has been started in this process. InputError if it has been ended, too."""
-    if "petsc4py.PETSc" not in sys.modules:
-        return False
-    from petsc4py import PETSc
-
-    if PETSc.Sys.isFinalized():
-        raise InputError("PETSc has been ended in this process, and cannot be started again")
-    return PETSc.Sys.isInitialized()
+    """PETSc has been started in this process."""
+    module = sys.modules.get("petsc4py.PETSc")
+    return module is not None and module.Sys.isInitialized()
 
 
 @contextmanager
@@ -110,7 +99,7 @@ def left_as_found() -> Iterator[None]:
     try:
         yield
     finally:
-        if "petsc4py.PETSc" in sys.modules and petsc_runs():
+        if petsc_runs():
             at_end = {name: text for name, text in present().items() if name in AT_START}
             put(at_end if found is None else found)
         folders = tuple(os.path.join(folder, "") for folder in set(sys.path) - set(path))

@@ -29,11 +29,10 @@ def say(text: str) -> None:
     """Print a line of a run; where nothing can be printed any more, the run goes on in silence."""
     try:
         print(text, flush=True)
-    except BrokenPipeError:  # a reader that has seen enough, such as head
-        abandon(1)
     except OSError as error:
         abandon(1)
-        say_error(f"fsipetsc: nothing can be printed any more ({error.strerror}); the run goes on")
+        if not isinstance(error, BrokenPipeError):  # a reader that has seen enough, such as head
+            say_error(f"fsipetsc: nothing can be printed ({error.strerror}); the run goes on")
 
 
 def say_error(text: str) -> None:

@@ -17,7 +17,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.errors import FileError, InputError
-from fsipetsc.options import OF_A_RUN, PETSC_OPTIONS, spelt, table
+from fsipetsc.options import OF_A_RUN, PETSC_OPTIONS, table
 from fsipetsc.output import checkpoint_file
 from fsipetsc.output.file_layout import beside
 from fsipetsc.output.pieces import Kept
@@ -105,7 +105,7 @@ def check_options(past: Past, opt: Mapping[str, Any], given: Mapping[str, str]) 
     for name, now in opt.items():
         before = past.options.get(name, now)
         before = tuple(before) if isinstance(before, list) else before
-        one = spelt(given, name)
+        one = given.get(name.lower())
         if before == now or one is None or name in FREE:
             continue
         text = f"{before:g}" if isinstance(before, float) else str(before)

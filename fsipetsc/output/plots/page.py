@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from fsipetsc.errors import InputError
-from fsipetsc.options.option import Option
+from fsipetsc.options.option import as_kind
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.plots import fields, series, style
 from fsipetsc.output.plots.style import Figure, FigureBase
@@ -23,7 +23,6 @@ PANELS, MAPS = 2.8, 4.4  # inches, heights of a row of curves, of maps over x an
 FILM_DPI, MOST_FRAMES, FILM_SECONDS = 100, 200, 10.0
 LEAST_FRAMES = 5  # of fewer, profiles say more than maps over x and t
 PICTURES = (".png", ".pdf", ".svg")
-TIMES = Option("times", "floats", None, "s", "of profiles and maps")
 KNOWN = (*PICTURES, ".gif", ".jpg", ".jpeg", ".eps", ".tif", ".tiff", ".webp", ".mp4")
 
 #: height [inches], what is drawn on a figure of this height
@@ -36,7 +35,9 @@ def plot(path: str, given: Mapping[str, str]) -> list[Path]:
     Raises FileError if the result cannot be read or a file cannot be written, InputError for
     options that cannot be followed.
     """
-    times = TIMES.parse(given["-times"]) if "-times" in given else ()
+    times: tuple[float, ...] = ()
+    if "-times" in given:
+        times = as_kind("floats", given["-times"], f"bad value {given['-times']!r} for -times")
     names = tuple(map(str.strip, given["-fields"].split(","))) if "-fields" in given else ()
     where, every, film = Path(given.get("-o", os.curdir)), "-all" in given, "-animate" in given
     if every and film:
