@@ -87,7 +87,7 @@ def test_a_run_that_is_killed_goes_on(case, kills, tmp_path):
 def test_an_error_of_one_rank_alone_ends_all(tmp_path):
     """Its traceback holds objects of PETSc, and PETSc's end waits for ranks with other objects."""
     case = REPOSITORY / "tests" / "going_wrong.py"
-    words = "-mad_function initial -mad_rank 1 -fsi_partition physics -fsi_quiet".split()
+    words = "-mad_function initial -mad_rank 1 -fsi_quiet".split()
     done = mpirun(2, "-m", "fsipetsc", case, *words, cwd=tmp_path)
     message(done, 2, "going_wrong.py, line ", "ValueError: nothing is known")
 
