@@ -19,6 +19,8 @@ from kept_ranks import KEPT
 import fsipetsc
 
 REPOSITORY = Path(__file__).resolve().parent.parent
+#: seconds after which what should have ended long ago is taken for hung; no test measures time
+PATIENCE = 7200
 
 _MPI_ENVIRONMENT = {
     "OMPI_ALLOW_RUN_AS_ROOT": "1",
@@ -33,72 +35,64 @@ _MPI_ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
 }
+#: what a developer may have set for runs of his own, what the program must set itself
+#: (fsipetsc.process.launch), and what makes each start compile the sources
+_DROPPED = {
+    *("PETSC_OPTIONS", "OMPI_MCA_sharedfp", "OMPI_MCA_io", "OMPI_MCA_io_ompio_priority"),
+    "PYTHONDONTWRITEBYTECODE",
+}
+
+Done = subprocess.CompletedProcess[str]
+Place = str | os.PathLike[str] | None
 
 
-#: seconds after which what should have ended long ago is taken for hung, on a machine as busy as
-#: can be, where kernels are compiled; no test measures time
-PATIENCE = 7200
-
-
-def environment(extra: Mapping[str, str] | None = None) -> dict[str, str]:
-    """The environment of a test run: ours plus what Open MPI wants, the package importable from any
-    directory.
-
-    PETSC_OPTIONS of the caller is dropped, so that a developer's own settings do not change a test;
-    and what says how Open MPI opens files, which the program must say itself
-    (fsipetsc.process.launch).
-    """
-    own = "PETSC_OPTIONS", "OMPI_MCA_sharedfp", "OMPI_MCA_io", "OMPI_MCA_io_ompio_priority"
-    env = {key: value for key, value in os.environ.items() if key not in own}
-    env.update(_MPI_ENVIRONMENT)
-    # with it, each start compiles the sources: a quarter of what it costs
-    env.pop("PYTHONDONTWRITEBYTECODE", None)
+def environment() -> dict[str, str]:
+    """The environment of a test run: what Open MPI wants, the package importable from anywhere."""
+    kept = {key: value for key, value in os.environ.items() if key not in _DROPPED}
     paths = str(REPOSITORY), os.environ.get("PYTHONPATH")
-    env["PYTHONPATH"] = os.pathsep.join(p for p in paths if p)
-    env.update(extra or {})
-    return env
+    return {**kept, **_MPI_ENVIRONMENT, "PYTHONPATH": os.pathsep.join(filter(None, paths))}
 
 
-def run(
-    *args: object,
-    timeout: float = PATIENCE,
-    cwd: str | os.PathLike[str] | None = None,
-    env: Mapping[str, str] | None = None,
-) -> subprocess.CompletedProcess[str]:
-    """`python *args` without mpiexec, output captured as text.
-    Example: run("-m", "fsipetsc", "rod", "-help").
-    """
-    command = [sys.executable, *map(str, args)]
-    # Open MPI starts a process of its own beside each that it has not launched, which nothing here
-    # has a use for (and then all have one directory for what they share, which the first that ends
-    # removes)
+def launch(command: Sequence[str], cwd: Place = None, env: Mapping[str, str] | None = None) -> Done:
+    """A command that runs to its end, its output captured as text."""
+    done = subprocess.run(
+        command,
+        cwd=cwd,
+        env={**environment(), **(env or {})},
+        text=True,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        timeout=PATIENCE,
+    )
+    for name in ("stdout", "stderr"):  # Open MPI 5 ends what it says with a zero
+        setattr(done, name, getattr(done, name).replace("\0", ""))
+    return done
+
+
+def run(*args: object, cwd: Place = None, env: Mapping[str, str] | None = None) -> Done:
+    """`python *args` without mpiexec. Example: run("-m", "fsipetsc", "rod", "-help")."""
+    # else Open MPI starts a process of its own beside each that it has not launched
     alone = {"OMPI_MCA_ess_singleton_isolated": "1"}
-    return _capture(command, timeout, cwd, environment({**alone, **(env or {})}))
+    return launch([sys.executable, *map(str, args)], cwd, {**alone, **(env or {})})
 
 
-def mpirun(
-    n: int,
-    *args: object,
-    timeout: float = PATIENCE,
-    cwd: str | os.PathLike[str] | None = None,
-    env: Mapping[str, str] | None = None,
-    under: Sequence[str] = (),
-) -> subprocess.CompletedProcess[str]:
-    """`mpiexec -n N python *args`, output captured as text; more ranks than cores are allowed.
+def mpirun(n: int, *args: object, cwd: Place = None) -> Done:
+    """`mpiexec -n N python *args`."""
+    return launch(["mpiexec", "-n", str(n), sys.executable, *map(str, args)], cwd)
 
-    under: words of a command that becomes the launcher (exec).
-    Raises subprocess.TimeoutExpired after `timeout` seconds, with nothing left running.
-    Example: mpirun(2, "-m", "fsipetsc", "rod", "-ts_max_time", 0.1, cwd=tmp_path).
+
+def solve(*args: object, cwd: Place = None, ranks: int = 1) -> Done:
+    """What `mpiexec -n RANKS python -m fsipetsc *args` would do, by ranks that are there already.
+
+    For what is about processes, streams or the environment there are run and mpirun.
     """
-    command = [*under, "mpiexec", "-n", str(n), sys.executable, *map(str, args)]
-    return _capture(command, timeout, cwd, environment(env))
+    words = list(map(str, args))
+    (answer,) = KEPT.do(ranks, Path(cwd or "").resolve(), environment(), [words])
+    return Done(words, *answer)
 
 
-def compute(
-    n: int, directory: Path, runs: Mapping[str, tuple[str, str]], timeout: float = PATIENCE
-) -> dict[str, Path]:
-    """Run cases on n ranks, all in one process: name -> (case, options) gives name -> result file
-    in `directory`.
+def compute(n: int, directory: Path, runs: Mapping[str, tuple[str, str]]) -> dict[str, Path]:
+    """Run cases on n ranks: name -> (case, options) gives name -> result file in `directory`.
 
     What ends with an error has no result in the returned dict; its message is in
     directory/NAME.txt.
@@ -109,7 +103,7 @@ def compute(
         for name, (case, text) in runs.items()
     ]
     done = {}
-    answers = KEPT.do(n, directory, timeout, environment(), lines)
+    answers = KEPT.do(n, directory, environment(), lines)
     for name, (status, _, err) in zip(runs, answers, strict=True):
         if status:
             (directory / f"{name}.txt").write_text(err)
@@ -119,34 +113,11 @@ def compute(
     return done
 
 
-def _capture(
-    command: list[str], timeout: float, cwd: str | os.PathLike[str] | None, env: dict[str, str]
-) -> subprocess.CompletedProcess[str]:
-    """Run to the end or to the timeout; then SIGTERM first, since mpiexec ends its ranks on that
-    but not on SIGKILL.
-    """
-    process = subprocess.Popen(
-        command,
-        cwd=cwd,
-        env=env,
-        text=True,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-    )
-    try:
-        out, err = process.communicate(timeout=timeout)
-    except subprocess.TimeoutExpired as expired:
-        process.terminate()
-        try:
-            expired.stdout, expired.stderr = process.communicate(timeout=10)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.communicate()
-        raise
-    # Open MPI 5 ends what it says with a zero
-    out, err = out.replace("\0", ""), err.replace("\0", "")
-    return subprocess.CompletedProcess(command, process.returncode, out, err)
+def computed(folder: Path, name: str, *words: object, ranks: int = 1) -> fsipetsc.output.reader.Run:
+    """The result folder/name of a run of the program on so many ranks, opened."""
+    done = solve(*words, "-fsi_output", name, "-fsi_quiet", cwd=folder, ranks=ranks)
+    assert (done.returncode, done.stderr) == (0, ""), done.stderr
+    return fsipetsc.open_run(folder / name)
 
 
 @cache
@@ -162,29 +133,6 @@ def from_python(function: Any, *law: Any) -> Any:
         (formulas,) = law
         return njit(error_model="numpy")(lambda *arguments: function(formulas, *arguments))
     return njit(error_model="numpy")(lambda *arguments: function(*arguments))
-
-
-def solve(
-    *args: object,
-    cwd: str | os.PathLike[str] | None = None,
-    ranks: int = 1,
-    timeout: float = PATIENCE,
-) -> subprocess.CompletedProcess[str]:
-    """What `mpiexec -n RANKS python -m fsipetsc *args` would do, by ranks that are there already:
-    starts cost more than runs.
-
-    For what is about processes, streams or the environment there are run and mpirun.
-    """
-    words = list(map(str, args))
-    (answer,) = KEPT.do(ranks, Path(cwd or "").resolve(), timeout, environment(), [words])
-    return subprocess.CompletedProcess(words, *answer)
-
-
-def computed(folder: Path, name: str, *words: object, ranks: int = 1) -> fsipetsc.output.reader.Run:
-    """The result folder/name of a run of the program on so many ranks, opened."""
-    done = solve(*words, "-fsi_output", name, "-fsi_quiet", cwd=folder, ranks=ranks)
-    assert (done.returncode, done.stderr) == (0, ""), done.stderr
-    return fsipetsc.open_run(folder / name)
 
 
 def assert_same_fields(one: fsipetsc.output.reader.Run, other: fsipetsc.output.reader.Run) -> None:
@@ -223,7 +171,7 @@ def integrated(
         return state.errors(integrator.t, opt["fsi_norm"])
 
 
-def message(done: subprocess.CompletedProcess[str], status: int, *words: str) -> str:
+def message(done: Done, status: int, *words: str) -> str:
     """The program's one message; asserts the status, that the words are in it, and that no more is
     said but by the launcher.
     """
@@ -240,11 +188,8 @@ def message(done: subprocess.CompletedProcess[str], status: int, *words: str) ->
 def assert_readable(path: Path, status: str, reached: float) -> None:
     """A result that can be opened, with frames and series up to the end."""
     with fsipetsc.open_run(path) as result:
-        assert result.summary["status"] == status
-        assert result.nframes >= 1
-        assert result.time[0] == 0.0
-        steps = result.summary["steps"]
-        assert len(result.series["t"]) >= steps - 1, "all steps but one that failed"
+        assert result.summary["status"] == status and result.time[0] == 0.0
+        assert len(result.series["t"]) >= result.summary["steps"] - 1, "all but one that failed"
         assert 0 < result.summary["t"] <= reached
         for layer in result.layers:
             for field in layer.fields:

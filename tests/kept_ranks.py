@@ -1,9 +1,7 @@
-"""Ranks that are kept from test to test: a run among them costs the run, and not the start of as
-many processes.
+"""Ranks that stay from test to test: a run among them costs no start of processes.
 
-What they do is what the command line does in a process that makes many runs (see cli.main); tests
-of what becomes of processes, of signals and of starts make their own. Jobs come through a pipe for
-each rank, so that a rank without a job takes no time of a processor; answers are files.
+Rank 0 reads jobs from its standard input. The ranks do a job as a process that makes many runs
+(fsipetsc.cli.main). Tests of processes, signals and starts use their own processes.
 """
 
 from __future__ import annotations
@@ -11,104 +9,117 @@ from __future__ import annotations
 import atexit
 import json
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
-import time
+import traceback
+import warnings
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 
-#: as many ranks as there can be
 MOST = 4
+Answer = tuple[int, str, str]  # exit status, standard output, standard error
 
 
 class KeptRanks:
     """MOST ranks, started when the first job comes, and again when one was left unfinished."""
 
     def __init__(self) -> None:
-        self._process: subprocess.Popen[bytes] | None = None
-        self._jobs, self._folder, self._pipes = 0, Path(), list[int]()
+        self._process: subprocess.Popen[str] | None = None
 
     def do(
-        self,
-        ranks: int,
-        folder: Path,
-        timeout: float,
-        environment: Mapping[str, str],
-        lines: Sequence[Sequence[str]],
-        **more: str,
-    ) -> list[tuple[int, str, str]]:
-        """(status, standard output, standard error) of command lines on the first so many ranks,
-        one after the other, see kept_program.py.
+        self, ranks: int, folder: Path, environment: Mapping[str, str], lines: Sequence[list[str]]
+    ) -> list[Answer]:
+        """What comes of command lines on the first so many ranks.
 
-        subprocess.TimeoutExpired, with nothing left running, where there is no answer in time;
         AssertionError where a rank has ended, or the ranks do not agree in the status.
         """
         try:
             if self._process is None:
-                self._start(environment)
-            self._jobs += 1
-            job = {"number": self._jobs, "ranks": ranks, "folder": str(folder), "lines": lines}
-            (self._folder / f"job.{self._jobs}").write_text(json.dumps({**job, **more}))
-            for pipe in self._pipes[:ranks]:
-                os.write(pipe, f"{self._jobs}\n".encode())
-            end = time.monotonic() + timeout
-            answers = [self._answer(rank, end, timeout) for rank in range(ranks)]
+                command = ["mpiexec", "-n", str(MOST), sys.executable, __file__]
+                given = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+                self._process = subprocess.Popen(command, env=dict(environment), **given)
+            print(json.dumps([ranks, str(folder), lines]), file=self._process.stdin, flush=True)
+            answer = self._process.stdout.readline()
+            assert answer, "a rank has ended"
         except BaseException:
-            self.close(kill=True)
+            self.close()
             raise
         found = []
-        for said in zip(*answers, strict=True):  # of each line, by all ranks
+        for said in zip(*json.loads(answer), strict=True):  # of each line, by all ranks
             statuses, out, err = zip(*said, strict=True)
             assert len(set(statuses)) == 1, said
             found.append((statuses[0], "".join(out), "".join(err)))
         return found
 
-    def _start(self, environment: Mapping[str, str]) -> None:
-        self._folder, self._jobs = Path(tempfile.mkdtemp(prefix="fsi-")), 0
-        program = str(Path(__file__).with_name("kept_program.py"))
-        for path in (self._folder / f"jobs.{rank}" for rank in range(MOST)):
-            os.mkfifo(path)
-            self._pipes.append(os.open(path, os.O_RDWR))  # does not wait for the rank
-        command = ["mpiexec", "-n", str(MOST), sys.executable, program, str(self._folder)]
-        with open(self._folder / "said", "wb") as said:
-            self._process = subprocess.Popen(
-                command,
-                cwd="/",
-                env=dict(environment),
-                stdin=subprocess.DEVNULL,
-                stdout=said,
-                stderr=said,
-            )
-
-    def _answer(self, rank: int, end: float, timeout: float) -> list[tuple[int, str, str]]:
-        path = self._folder / f"{self._jobs}.{rank}"
-        while not path.exists():
-            if self._process.poll() is not None:
-                said = (self._folder / "said").read_text(errors="replace")
-                raise AssertionError(f"a rank has ended: {said}")
-            if time.monotonic() > end:
-                raise subprocess.TimeoutExpired("a job of the kept ranks", timeout)
-            time.sleep(0.005)
-        return json.loads(path.read_text())
-
-    def close(self, kill: bool = False) -> None:
-        """Let the ranks end, which they do when their pipes are closed."""
+    def close(self) -> None:
+        """End the ranks: mpiexec does so on SIGTERM."""
         process, self._process = self._process, None
-        while self._pipes:
-            os.close(self._pipes.pop())
         if process is not None:
-            if kill:
-                process.terminate()  # mpiexec ends its ranks on that
-            try:
-                process.wait(60.0)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
-            shutil.rmtree(self._folder, ignore_errors=True)
+            process.terminate()
+            process.communicate()
 
 
 #: of this process
 KEPT = KeptRanks()
-atexit.register(KEPT.close)
+
+
+# what each rank does
+
+
+def answered(words: list[str]) -> Answer:
+    """What comes of a command line, with what C code says."""
+    from fsipetsc import cli
+
+    kept, said = [os.dup(number) for number in (1, 2)], []
+    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
+        for number, file in ((1, out), (2, err)):
+            os.dup2(file.fileno(), number)
+        try:
+            status = cli.main(words)
+        except BaseException:
+            status = 1
+            traceback.print_exc()
+        for number, file, stream in ((1, out, sys.stdout), (2, err, sys.stderr)):
+            stream.flush()
+            os.dup2(kept[number - 1], number)
+            os.close(kept[number - 1])
+            file.seek(0)
+            said.append(file.read().decode(errors="replace"))
+    return status, *said
+
+
+def work() -> None:
+    """Do jobs until there are no more."""
+    from fsipetsc import cli
+    from fsipetsc.process.launch import start_mpi, start_petsc
+    from fsipetsc.process.together import done_asleep
+
+    world = start_mpi()
+    start_petsc([], world)  # for which PETSc wants all ranks
+    first = cache(lambda n: world.Create_group(world.group.Incl(range(n))))
+    jobs = os.fdopen(os.dup(0))
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)  # for the runs, and what they start
+    sys.argv = ["-m"]
+    warnings.filterwarnings("always", category=RuntimeWarning)  # in each run
+    while True:
+        line = jobs.readline() if world.rank == 0 else ""
+        done_asleep(world.Ibarrier())  # takes no time of a processor
+        line = world.bcast(line)
+        if not line:
+            return
+        ranks, folder, lines = json.loads(line)
+        if world.rank < ranks:
+            comm = first(ranks)
+            cli.start_mpi = lambda comm=comm: comm
+            os.chdir(folder)
+            answers = comm.gather([answered(words) for words in lines])
+            if world.rank == 0:
+                print(json.dumps(answers), flush=True)
+
+
+if __name__ == "__main__":
+    work()
+else:
+    atexit.register(KEPT.close)

@@ -2,26 +2,25 @@
 one that was left alone.
 
 The run signals itself or its mpiexec at named places (signalled_program.py), so each cycle can be
-made again. `cycles` is called by tests/test_kills.py, and, many times, by scripts/soak:
+made again. tests/test_kills.py calls `cycles`; so does scripts/soak, many times:
 kill_cycles.py rod|blast KILLS [SEED].
 """
 
 from __future__ import annotations
 
+import fcntl
 import json
 import random
 import signal
 import sys
 import tempfile
-import time
-from collections import Counter
+from contextlib import suppress
 from pathlib import Path
 
-from helpers import PATIENCE, REPOSITORY, mpirun, solve
+from helpers import REPOSITORY, mpirun, solve
+from test_restart import different
 
 import fsipetsc
-from fsipetsc.errors import FileError
-from fsipetsc.output.lock import Lock
 
 PROGRAM = REPOSITORY / "tests" / "signalled_program.py"
 #: case and options; steps from one checkpoint to the next
@@ -30,62 +29,37 @@ RUNS = {
     "blast": ("blast -fsi_h 0.125 -fsi_order 2 -ts_max_time 4 -fsi_output_dt 0.04", 4),
 }
 PLACES = "frame", "fill", "piece", "checkpoint", "begin", "begun"
-#: of places that are reached a few times only
-FIRST = "begin", "begun"
 KILL, TERM, INT = signal.SIGKILL, signal.SIGTERM, signal.SIGINT
 
 
 def at_random(chance: random.Random, number: int) -> tuple[int, list]:
     """(ranks, place) of kill number 0, 1 …: SIGKILL most of the times; a minus: to mpiexec."""
-    ranks, place = (
-        chance.randint(1, 3),
-        chance.choice(PLACES) if number else "checkpoint",
-    )  # else there is nothing to take over
+    ranks = chance.randint(1, 3)
+    place = chance.choice(PLACES) if number else "checkpoint"  # else there is nothing to take over
     rank = chance.randrange(ranks) if place in ("frame", "fill") else 0
-    count = 1 if place in FIRST else chance.randint(2, 4)
-    return ranks, [
-        place,
-        count,
-        rank,
-        chance.choice((KILL, KILL, KILL, TERM, INT)) * chance.choice((1, 1, 1, -1)),
-    ]
-
-
-def wait_for_the_end(folder: Path) -> None:
-    """Of the ranks whose mpiexec was killed: the lock is free."""
-    end = time.monotonic() + PATIENCE
-    while (folder / "run.parts").exists():
-        try:
-            return Lock(folder / "run.parts", "run.h5").release(
-                remove=not (folder / "run.parts/header.json").exists()
-            )
-        except FileError:
-            assert time.monotonic() < end, "ranks are left"
-            time.sleep(0.05)
+    count = 1 if place in ("begin", "begun") else chance.randint(2, 4)
+    sent = chance.choice((KILL, KILL, KILL, TERM, INT)) * chance.choice((1, 1, 1, -1))
+    return ranks, [place, count, rank, sent]
 
 
 def killed(folder: Path, words: list[str], ranks: int, place: list) -> str:
     """Let the run be killed there; what was done, and what the result has then."""
     done = mpirun(ranks, PROGRAM, json.dumps([place]), *words, cwd=folder)
-    wait_for_the_end(folder)
+    # ranks whose mpiexec was killed may still run: they have the lock
+    with suppress(FileNotFoundError), (folder / "run.parts" / "lock").open() as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+    ended = f"{ranks} ranks, {place}, status {done.returncode}"
     if not (folder / "run.h5").exists() and not (folder / "run.parts/header.json").exists():
-        return f"{ranks} ranks, {place}: no result yet"
+        return f"{ended}: no result yet"
     with fsipetsc.open_run(folder / "run.h5") as result:
-        reached = len(result.series.get("t", ()))
-        assert all(
-            layer[name].shape[0] == result.nframes
-            for layer in result.layers
-            for name in layer.fields
-        )
+        for layer in result.layers:
+            assert all(layer[name].shape[0] == result.nframes for name in layer.fields)
         assert done.returncode != 0 or place[3] < 0, f"{place} was not reached: {done.stderr}"
-        ended = f"{ranks} ranks, {place}, status {done.returncode}"
-        return f"{ended}: {result.nframes} frames, {reached} steps"
+        return f"{ended}: {result.nframes} frames, {len(result.series.get('t', ()))} steps"
 
 
 def cycles(folder: Path, case: str, kills: list[tuple[int, list]]) -> list[str]:
     """Kill a run at all these places, let it end, and compare; what was done. AssertionError."""
-    from test_restart import different
-
     line, steps = RUNS[case]
     words = [*line.split(), "-fsi_quiet", "-fsi_output", "run.h5"]
     whole = solve(*words[:-1], "whole.h5", cwd=folder)
@@ -102,15 +76,8 @@ def cycles(folder: Path, case: str, kills: list[tuple[int, list]]) -> list[str]:
 
 
 if __name__ == "__main__":
+    name, count, seed = sys.argv[1], int(sys.argv[2]), int((sys.argv[3:] or ["1"])[0])
+    chance = random.Random(seed)
+    chosen = [at_random(chance, number) for number in range(count)]
     with tempfile.TemporaryDirectory() as place:
-        name, count, seed = sys.argv[1], int(sys.argv[2]), int((sys.argv[3:] or ["1"])[0])
-        chance = random.Random(seed)
-        chosen = [at_random(chance, number) for number in range(count)]
         print(json.dumps(cycles(Path(place), name, chosen), indent=1))
-        print(
-            Counter(
-                f"{where[0]} {signal.Signals(abs(where[3])).name} "
-                f"to {'mpiexec' if where[3] < 0 else 'a rank'}"
-                for _, where in chosen
-            )
-        )

@@ -8,8 +8,8 @@ to mpiexec. The places:
     fill         as this rank puts its frames into a piece
     piece        a piece is full, and has not got its name
     checkpoint   half of a checkpoint is written
-    join, clear  before and after the pieces have become one file, as what a restart keeps does, too
-the last four on rank 0. So the order of what happens is certain.
+    join, clear  before the pieces become one file, and before they are removed
+the last four on rank 0.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ import os
 import signal
 import sys
 from collections import Counter
-from collections.abc import Callable
 from pathlib import Path
 
 from fsipetsc import cli
@@ -38,24 +37,22 @@ places, seen = json.loads(sys.argv.pop(1)), Counter()
 def reached(place: str) -> None:
     """Send the signals that are to come here, this time."""
     seen[place] += 1
-    for name, count, rank, number in places:
-        if (name, count, rank) == (place, seen[place], launcher_rank() or 0):
+    for *where, number in places:
+        if where == [place, seen[place], launcher_rank()]:
             if number < 0:
                 os.kill(os.getppid(), -number)
             else:
                 signal.raise_signal(number)
 
 
-def signalled(owner: object, name: str, before: str = "", after: str = "") -> None:
-    """Let a function be reached."""
-    usual: Callable[..., object] = getattr(owner, name)
+def signalled(owner: object, name: str, before: str, after: str = "") -> None:
+    """Let places be reached before and after a function is called."""
+    usual = getattr(owner, name)
 
     def called(*arguments: object, **more: object) -> object:
-        if before:
-            reached(before)
+        reached(before)
         value = usual(*arguments, **more)
-        if after:
-            reached(after)
+        reached(after)
         return value
 
     setattr(owner, name, called)

@@ -1,110 +1,73 @@
-"""The command line as users and scripts meet it: texts, options and arguments, on one rank and on
-two.
-"""
+"""The command line as users and scripts meet it: texts, options, arguments, every kind of error."""
 
 from __future__ import annotations
 
-import json
 import os
 import sys
+from errno import ENOENT
 
 import h5py
 import pytest
-from helpers import message, mpirun, run, solve
-from stub_case import run_stub, start_stub
+from helpers import message, run, solve
 
+import fsipetsc
 from fsipetsc.cli import main
+from fsipetsc.errors import ComputationError
 from fsipetsc.output import checkpoint_file
+from fsipetsc.process.failure import end_together
 
 
 def test_overview_lists_cases_and_commands_without_importing_the_solver():
-    """So that it takes no time that could be noticed: nothing but the standard library, and little
-    of ours.
-    """
+    """So that it takes no time that could be noticed: nothing but the standard library."""
     code = "import sys; old = set(sys.modules); from fsipetsc.cli import main; main([]); "
     done = run("-c", code + "print(*sorted(set(sys.modules) - old), file=sys.stderr)")
     assert done.returncode == 0
     for word in ("Cases", "rod", "mms", "pulse", "Commands", "info RUN.h5", "plot RUN.h5"):
         assert word in done.stdout
-    loaded = done.stderr.split()
-    assert {name.split(".")[0] for name in loaded} <= {"fsipetsc", *sys.stdlib_module_names}
-    assert len(loaded) < 120
+    loaded = {name.split(".")[0] for name in done.stderr.split()}
+    assert loaded <= {"fsipetsc", *sys.stdlib_module_names}
     assert max(map(len, done.stdout.splitlines())) <= 100
 
 
-@pytest.mark.parametrize("flag", ["-h", "-help", "--help"])
-def test_help_flags(flag, here):
-    assert "Cases" in solve(flag).stdout
-    text = solve("stub.py", flag, "-fsi_h", "x").stdout
-    assert "-solid_force" in text
-    assert "0.1 m" in text
-    assert "plot RUN.h5 [-o DIR|FILE]" in solve("plot", flag).stdout
-
-
-@pytest.mark.parametrize("flag", ["--version", "-version"])
-def test_version(flag):
-    done = solve(flag)
-    assert (done.returncode, done.stdout.split()[0], len(done.stdout.split())) == (0, "fsipetsc", 2)
+@pytest.mark.mpi
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("", ["Cases"]),
+        ("-h", ["Cases"]),
+        ("rod -help -fsi_h x", ["-rod_gravity", "-10 m/s2"]),
+        ("plot --help", ["plot RUN.h5 [-o DIR|FILE]"]),
+        ("--version", [f"fsipetsc {fsipetsc.__version__}\n"]),
+    ],
+)
+def test_texts_are_printed_once(line, words):
+    one, two = (solve(*line.split(), ranks=ranks) for ranks in (1, 2))
+    assert (one.returncode, two.returncode, two.stdout) == (0, 0, one.stdout)
+    for word in words:
+        assert word in one.stdout
 
 
 def test_run_gets_typed_options_from_everywhere(here):
-    (here / "a.opts").write_text("# comment\n-fsi_order 6  # more\n\n-fsi_cfl 0.5\n")
+    """The command line comes last, and files where they are named."""
+    (here / "a.opts").write_text("# -options_file b\n-fsi_order 2  # more\n\n-fsi_cfl 0.5\n")
     (here / "b.yaml").write_text(
         "fsi:\n  norm: L1\nfsi_output_times: [0.1, 0.5]\nfsi_quiet: true\n"
     )
-    args = "-options_file a.opts -options_file b.yaml -fsi_cfl 0.7 -solid_force -10".split()
-    done = start_stub(*args, env={"PETSC_OPTIONS": "-fsi_cfl 0.6 -ts_dt 0.25"})
-    assert (done.returncode, done.stderr) == (0, "")
-    again = run_stub(*args, petsc_options="-fsi_cfl 0.6 -ts_dt 0.25")
-    opt = json.loads(done.stdout)
-    assert (again.returncode, again.stderr, json.loads(again.stdout)) == (0, "", opt)
-    assert (opt["fsi_order"], opt["fsi_norm"], opt["fsi_quiet"]) == (6, "L1", True)
-    assert (opt["fsi_cfl"], opt["ts_dt"], opt["solid_force"]) == (0.7, 0.25, -10.0)
-    assert opt["fsi_output_times"] == [0.1, 0.5]
+    files = "-options_file a.opts -options_file b.yaml"
+    words = (
+        f"rod -FSI_Order 6 {files} -fsi_cfl 0.7 -rod_gravity -10 -fsi_h 0.1 -ts_max_steps 1".split()
+    )
+    done = run("-m", "fsipetsc", *words, env={"PETSC_OPTIONS": "-fsi_cfl 0.6 -ts_dt 2e-5"})
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    with fsipetsc.open_run("rod.h5") as result:
+        opt = result.options
+        assert result.series["t"].tolist() == [2e-5]
+    assert (opt["fsi_order"], opt["fsi_norm"], opt["fsi_quiet"]) == (2, "L1", True)
+    assert (opt["fsi_cfl"], opt["ts_dt"], opt["rod_gravity"]) == (0.7, 2e-5, -10.0)
+    assert list(opt["fsi_output_times"]) == [0.1, 0.5]
 
 
-BAD_INPUT = {
-    "unknown option": (["-fsi_ordr", 4], 2, ["-fsi_ordr", "did you mean -fsi_order?"]),
-    "no options file": (["-options_file", "no.opts"], 4, ["no.opts"]),
-    "bad options file": (["-options_file", "bad.opts"], 2, ["bad.opts line 2"]),
-    "too late": (["-options_file", "log.opts"], 2, ["-log_view works from the start of PETSc"]),
-}
-
-
-@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
-@pytest.mark.parametrize("name", BAD_INPUT)
-def test_bad_input(name, ranks, here):
-    """One message and one status on any number of ranks; nobody waits for one that has gone."""
-    (here / "log.opts").write_text("-log_view\n")
-    (here / "bad.opts").write_text("-fsi_h 0.1\nfsi_order 6\n")
-    args, status, words = BAD_INPUT[name]
-    if name == "unknown option":  # in processes of their own
-        done = mpirun(ranks, "driver.py", "stub.py", *args)
-    else:
-        done = run_stub(*args, ranks=ranks)
-    message(done, status, *words)
-
-
-@pytest.mark.parametrize(
-    ("args", "words"),
-    [
-        (["info"], ["RUN.h5 is missing"]),
-        (["info", "a.h5", "b.h5"], ["b.h5"]),
-        (["info", "-x", "a.h5"], ["-x"]),
-        (["plot", "a.h5", "-o"], ["-o needs a value", "plot RUN.h5 [-o DIR"]),
-        (["plot", "a.h5", "-out", "b"], ["unexpected argument '-out'"]),
-        (["diff", "a.h5", ""], ["unexpected argument ''"]),
-    ],
-)
-def test_bad_arguments_of_commands(args, words):
-    message(solve(*args), 2, *words)
-
-
-@pytest.mark.parametrize(
-    "command",
-    ["info {}", "plot {}", "plot {} -all", "plot {} -animate", "report {}", "diff {} no.h5"],
-)
-def test_commands_that_read_a_result_say_what_a_file_is_instead(command, here, capsys):
+def test_commands_that_read_a_result_say_what_a_file_is_instead(here, capsys):
     """One line, status 4, and nothing is written."""
     pytest.importorskip("matplotlib")
     files = {
@@ -119,103 +82,59 @@ def test_commands_that_read_a_result_say_what_a_file_is_instead(command, here, c
     h5py.File(here / "other.h5", "w").close()
     checkpoint_file.write(here / "a.checkpoint.h5", checkpoint_file.pack({}, {}))
     before = sorted(os.listdir(here))
-    for name, reason in files.items():
-        assert main(command.format(name).split()) == 4
-        said = capsys.readouterr()
-        assert (
-            said.err.startswith(f"fsipetsc: error: {name}: {reason}") and said.err.count("\n") == 1
-        ), said.err
-        assert said.out == ""
+    for command in ("info {}", "plot {}", "plot {} -animate", "report {}", "diff {} no.h5"):
+        for name, reason in files.items():
+            assert main(command.format(name).split()) == 4
+            said = capsys.readouterr()
+            assert said.err.startswith(f"fsipetsc: error: {name}: {reason}"), said.err
+            assert (said.err.count("\n"), said.out) == (1, "")
     assert sorted(os.listdir(here)) == before
-
-
-def test_a_result_is_no_case(here, capsys):
-    (here / "rod.h5").touch()
-    assert main(["rod.h5"]) == 2
-    assert (
-        "'rod.h5' is no case; results are for commands: info rod.h5, plot rod.h5"
-        in capsys.readouterr().err
-    )
 
 
 #: the program where packages of the extra "solver" are missing
 WITHOUT = """
 import sys
-
-class Finder:
-    def find_spec(self, name, path=None, target=None):
-        if name.split(".")[0] in ("numba", "mpi4py", "petsc4py"):
-            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
-
-sys.meta_path.insert(0, Finder())
+sys.modules |= dict.fromkeys(("numba", "mpi4py", "petsc4py"))
 from fsipetsc.cli import main
-sys.exit(main())
+sys.exit(main(sys.argv[1:]))
 """
 
 
-@pytest.mark.parametrize(("line", "status"), [("rod", 2), ("stability", 2), ("mine.py -help", 2)])
-def test_who_lacks_a_package_is_told_how_to_get_it(line, status, here):
-    (here / "without.py").write_text(WITHOUT)
+@pytest.mark.parametrize(("line", "package"), [("rod", "mpi4py"), ("mine.py -help", "numba")])
+def test_who_lacks_a_package_is_told_how_to_get_it(line, package, here):
     (here / "mine.py").write_text("from fsipetsc.problem import Problem\nimport mpi4py\n")
-    package = "numba" if "mine.py" in line else "mpi4py"
-    words = [f"needs the Python package {package}", "scripts/setup"]
-    said = message(run("without.py", *line.split()), status, *words)
-    assert ("case file mine.py: " in said) == ("mine.py" in line), said
+    words = f"needs the Python package {package}", "scripts/setup"
+    said = message(run("-c", WITHOUT, *line.split()), 2, *words)
+    assert ("case file mine.py, line 1: " in said) == ("mine.py" in line), said
 
 
-@pytest.mark.mpi
-@pytest.mark.parametrize("args", [[], ["stub.py", "-help"], ["--version"]])
-def test_texts_are_printed_once(args, here):
-    done = solve(*args, ranks=2)
-    assert done.returncode == 0
-    assert done.stdout == solve(*args).stdout
+def no_such_type() -> None:
+    from petsc4py import PETSc
+
+    PETSc.TS().create().setType("nix")
 
 
-# every kind of error
-
-RAISED = {
-    "from fsipetsc.errors import ComputationError as E; raise E('T <= 0')": (3, ["T <= 0"]),
-    "open('/no/such/file')": (4, ["/no/such/file: No such file"]),
-    "raise KeyboardInterrupt": (130, ["stopped by SIGINT"]),
-    "import no_such_package": (2, ["needs the Python package no_such_package"]),
-}
-#: of the program itself
-FAULTS = {
-    "1 / 0": ["unexpected ZeroDivisionError"],
-    "from petsc4py import PETSc; PETSc.TS().create().setType('nix')": [
-        "PETSc error 86",
-        "Unknown TS type: nix",
-    ],
-}
-
-
-@pytest.mark.parametrize("code", RAISED)
-def test_every_kind_of_error_is_one_message_and_its_status(code, here):
-    status, words = RAISED[code]
-    message(run_stub("-do", code), status, *words)
-
-
-@pytest.mark.parametrize("code", FAULTS)
-def test_an_error_of_the_program_shows_its_traceback_first(code, here):
-    own = "petsc4py" in code  # where PETSc waits for all ranks that there are
-    done = (start_stub if own else run_stub)("-do", code)
-    assert done.returncode == 1 and done.stderr.startswith("Traceback")
-    last = done.stderr.splitlines()[-1]
-    assert last.startswith("fsipetsc: error: ") and all(word in last for word in FAULTS[code])
-
-
-@pytest.mark.mpi
 @pytest.mark.parametrize(
-    ("code", "status"),
+    ("raised", "status", "said"),
     [
-        ("1 / 0", 1),
-        ("from fsipetsc.errors import ComputationError as E; raise E('T <= 0')", 3),
-        ("from fsipetsc.errors import *; raise (FileError, InputError)[comm.rank]('a')", 4),
+        (ComputationError("T <= 0"), 3, "T <= 0"),
+        (MemoryError(), 3, "out of memory; a coarser grid"),
+        (FileNotFoundError(ENOENT, "No such file", "/no/file"), 4, "/no/file: No such file"),
+        (KeyboardInterrupt(), 130, "stopped by SIGINT"),
+        (ModuleNotFoundError(name="nothing"), 2, "needs the Python package nothing"),
+        (ZeroDivisionError("none"), 1, "unexpected ZeroDivisionError in test_cli.py, line "),
+        (no_such_type, 1, "Unknown TS type: nix"),
     ],
 )
-def test_all_ranks_fail_perhaps_with_different_errors(code, status, here):
-    done = run_stub("-do", f"comm.barrier(); {code}", ranks=2)
-    assert (done.returncode, done.stderr.count("fsipetsc: error: ")) == (status, 1), done.stderr
-    assert "MPI_ABORT" not in done.stderr, "an error of all ranks ends in order"
-    if status != 1:
-        message(done, status)
+def test_every_kind_of_error_is_one_message_and_its_status(raised, status, said, capsys):
+    """An error of the program itself shows its traceback first."""
+    try:
+        if callable(raised):
+            pytest.importorskip("petsc4py")
+            raised()
+        raise raised
+    except BaseException as error:
+        assert end_together(error, None) == status
+    *before, last = capsys.readouterr().err.splitlines()
+    assert last.startswith("fsipetsc: error: ") and said in last
+    assert before[:1] == (["Traceback (most recent call last):"] if status == 1 else [])

@@ -4,117 +4,91 @@ what is left on disk.
 
 from __future__ import annotations
 
-import subprocess
 import sys
-from pathlib import Path
 
-import numpy as np
 import pytest
-from helpers import PATIENCE, assert_readable, environment, message, mpirun, solve
+from helpers import REPOSITORY, assert_readable, launch, message, mpirun, solve
 
 import fsipetsc
 
 pytest.importorskip("petsc4py")
 
-
-# bad input: status 2
-
+FILES = {"log.opts": "-log_view\n", "bad.opts": "-fsi_h 0.1\nfsi_order 6\n", "run.h5": ""}
+#: arguments -> status, words of the message
 BAD_INPUT = {
-    "unknown case": ("rood", ["'rood'; did you mean 'rod'? There are rod, "]),
-    "h that misses an interface": (
-        "rod -fsi_h 0.03",
-        ["-fsi_h 0.03", "'rod'", "0.02941176", "0.03030303"],
-    ),
-    "too few points": (
-        "rod -fsi_order 8 -fsi_h 0.1",
-        ["11 points", "8/4", "16", "-fsi_h", "-fsi_order"],
-    ),
-    "far too fine": ("rod -fsi_h 1e-9", ["'below'", "cells", "-fsi_h", "too many"]),
-    "file name": ("rod -fsi_output .", ["'.' for -fsi_output: expected the name of a file"]),
-    "times beyond the end": (
-        "box -fsi_output_times 7",
-        [": 7 would not be reached", "-ts_max_time 2"],
-    ),  # no unit
-    "output directory": ("rod -fsi_output no/such/dir/x.h5", ["no/such/dir"]),
+    "rood": (2, ["'rood'; did you mean 'rod'? There are rod, "]),
+    "run.h5": (2, ["'run.h5' is no case; results are for commands: info run.h5"]),
+    "info": (2, ["RUN.h5 is missing"]),
+    "info a.h5 b.h5": (2, ["unexpected argument 'b.h5'"]),
+    "plot a.h5 -o": (2, ["-o needs a value", "plot RUN.h5 [-o DIR"]),
+    "plot a.h5 -out b": (2, ["unexpected argument '-out'"]),
+    "rod -fsi_ordr 4": (2, ["-fsi_ordr", "did you mean -fsi_order?"]),
+    "rod -fsi_h 0.03": (2, ["-fsi_h 0.03", "'rod'", "0.02941176", "0.03030303"]),
+    "rod -fsi_order 8 -fsi_h 0.1": (2, ["11 points", "8/4", "16", "-fsi_h", "-fsi_order"]),
+    "rod -fsi_h 1e-9": (2, ["'below'", "cells", "-fsi_h", "too many"]),
+    "rod -fsi_output .": (2, ["'.' for -fsi_output: expected the name of a file"]),
+    "box -fsi_output_times 7": (2, [": 7 would not be reached", "-ts_max_time 2"]),
+    "blast -fsi_coupling energy": (2, ["this case is made of blocks: expected conservative"]),
+    "blast -fsi_viscous narrow": (2, ["narrow: with -fsi_coupling conservative it is wide; "]),
+    "rod -options_file bad.opts": (2, ["bad.opts line 2"]),
+    "rod -options_file log.opts": (2, ["-log_view works from the start of PETSc"]),
+    "rod -options_file no.opts": (4, ["no.opts"]),
+    "rod -fsi_output no/such/dir/x.h5": (4, ["no/such/dir: No such file or directory"]),
+    "rod -fsi_output /proc/x.h5": (4, ["no file can be written in the directory /proc"]),
+    "rod -fsi_checkpoint /proc/x.h5": (4, ["no file can be written in the directory /proc"]),
+    "rod -fsi_restart no/where.h5": (4, ["no/where.h5", "there is no such file"]),
 }
-
-
-def status_of(name: str) -> int:
-    return 4 if name == "output directory" else 2
 
 
 @pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [1, 2])
-@pytest.mark.parametrize("name", BAD_INPUT)
-def test_bad_input(name, ranks, tmp_path):
-    line, words = BAD_INPUT[name]
-    done = solve(*line.split(), cwd=tmp_path, ranks=ranks)
-    text = message(done, status_of(name))
-    for word in words:
-        assert word in text
-    assert "MPI_ABORT" not in done.stderr and list(tmp_path.iterdir()) == []
+@pytest.mark.parametrize("line", BAD_INPUT)
+def test_bad_input(line, ranks, tmp_path):
+    """One message and one status; nobody waits for a rank that has gone; nothing is written."""
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(text)
+    if "-fsi_ordr" in line:  # in processes of their own
+        done = mpirun(ranks, "-m", "fsipetsc", *line.split(), cwd=tmp_path)
+    else:
+        one = line.startswith(("info", "plot"))  # what one process does
+        done = solve(*line.split(), cwd=tmp_path, ranks=1 if one else ranks)
+    status, words = BAD_INPUT[line]
+    message(done, status, *words)
+    assert "MPI_ABORT" not in done.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {*FILES}
 
 
 # the computation fails: status 3
 
 
-def test_a_step_beyond_the_stability_limit(tmp_path):
-    done = solve(*"rod -fsi_h 0.05 -fsi_cfl 5 -fsi_output_dt 0.002".split(), cwd=tmp_path)
-    text = message(done, 3)
-    for word in ("in layer '", "at x = ", "(X = ", "t = ", ", step ", "what was computed before"):
-        assert word in text
-    assert any(f" {field} " in text for field in ("rho", "T", "u", "x_X"))
-    assert_readable(tmp_path / "rod.h5", "failed", 3.0)
-
-
 @pytest.mark.parametrize("coupling", ["conservative", "projection"])
-@pytest.mark.parametrize(
-    ("option", "said"),
-    [
-        (
-            "-rod_T0 20",
-            [
-                f"note: '{name}' is nowhere warmer than T = 20 K: "
-                for name in ("below", "rod", "above")
-            ],
-        ),
-        (
-            "-rod_T0 110 -fsi_cfl 4",
-            ["note: -fsi_cfl 4 is 4 times the bound on the step at t = 0 s"],
-        ),
-        ("-rod_T0 110", []),
-    ],
-)
-def test_what_can_hardly_be_meant_is_questioned_at_the_start(option, said, coupling, tmp_path):
-    line = f"rod -fsi_h 0.1 -ts_max_steps 1 -fsi_coupling {coupling} {option}".split()
-    done = solve(*line, cwd=tmp_path)
+def test_what_can_hardly_be_meant_is_questioned_at_the_start(coupling, tmp_path):
+    line = f"rod -rod_T0 20 -fsi_cfl 4 -fsi_h 0.1 -ts_max_steps 1 -fsi_coupling {coupling}"
+    done = solve(*line.split(), cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    notes = [
-        text
-        for text in done.stdout.splitlines()
-        if text.startswith("note: ") and "J has" not in text
-    ]
-    assert len(notes) == len(said), notes
-    for note, begin in zip(notes, said, strict=True):
-        assert note.startswith(begin)
+    said = [f"'{name}' is nowhere warmer than T = 20 K: " for name in ("below", "rod", "above")]
+    said.append("-fsi_cfl 4 is 4 times the bound on the step at t = 0 s")
+    assert done.stdout.count("note: ") - done.stdout.count("J has") == len(said)
+    for note in said:
+        assert f"note: {note}" in done.stdout
 
 
-@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
-def test_a_layer_that_becomes_too_short(ranks, tmp_path):
+@pytest.mark.mpi
+def test_a_layer_that_becomes_too_short(tmp_path):
     """With a wall close under the rod there is soon no room for 16 points of the 8/4 operator."""
     line = "rod -fsi_h 0.0125 -fsi_order 8 -rod_wall 0.81 -rod_top 3".split()
-    text = message(solve(*line, cwd=tmp_path, ranks=ranks), 3)
-    for word in ("'below'", "too short", "t = ", ", step ", "x = ", "needs 16 points"):
-        assert word in text
+    words = "'below'", "too short", "t = ", ", step ", "x = ", "needs 16 points"
+    message(solve(*line, cwd=tmp_path, ranks=2), 3, *words)
     assert_readable(tmp_path / "rod.h5", "failed", 0.5)
 
 
 def test_a_failure_within_a_batch_loses_nothing(tmp_path):
     """Neither steps of the series nor of the summary, as if they had been made one by one."""
-    found = []
+    found, words = [], ["in layer '", "at x = ", "(X = ", "t = ", ", step ", "computed before"]
     for watch in ((), ("-ts_monitor",)):  # which makes batches of one step
         done = solve(*"rod -fsi_h 0.025 -ts_max_time 0.5 -ts_dt 3e-4".split(), *watch, cwd=tmp_path)
-        assert done.returncode == 3, done.stderr
+        message(done, 3, *words, "; -ts_dt 0.0003 s is ", " times the bound on the step at t = 0")
+        assert_readable(tmp_path / "rod.h5", "failed", 0.5)
         with fsipetsc.open_run(tmp_path / "rod.h5") as result:
             series = [result.series[name].tolist() for name in ("t", "dt", "x_interface", "mass")]
             names = "steps", "rhs_evaluations", "message"
@@ -130,11 +104,11 @@ from mpi4py import MPI
 from fsipetsc.cli import main
 from fsipetsc.stepping import run
 
-ranks, frame = [int(rank) for rank in sys.argv[1:]], run._Run._frame
+frame = run._Run._frame
 
 
 def broken(self, t):
-    if t > 0.0035 and MPI.COMM_WORLD.rank in ranks:
+    if t > 0.0035 and MPI.COMM_WORLD.rank == int(sys.argv[1]):
         raise MemoryError
     frame(self, t)
 
@@ -144,23 +118,71 @@ sys.exit(main("rod -fsi_h 0.1 -fsi_output_dt 0.001 -ts_max_time 0.01 -fsi_quiet"
 """
 
 
-@pytest.mark.parametrize("ranks", [[0], pytest.param([1], marks=pytest.mark.mpi)], ids=str)
-def test_any_error_leaves_what_was_computed(ranks, tmp_path):
+@pytest.mark.parametrize("rank", [0, pytest.param(1, marks=pytest.mark.mpi)])
+def test_any_error_leaves_what_was_computed(rank, tmp_path):
     """Of one rank; where one of two is alone, it ends the other, who cannot write without it."""
-    n = max(ranks) + 1
-    done = mpirun(n, "-c", BROKEN, *ranks, cwd=tmp_path)
-    assert done.returncode == 3, done.stderr
-    assert done.stderr.count("fsipetsc: error: out of memory") == 1
-    if len(ranks) < n:
+    done = mpirun(rank + 1, "-c", BROKEN, rank, cwd=tmp_path)
+    message(done, 3, "out of memory")
+    if rank:
         return
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
-        np.testing.assert_allclose(result.time, [0.0, 0.001, 0.002, 0.003])
+        assert result.time == pytest.approx([0.0, 0.001, 0.002, 0.003])
         assert result.series["t"][-1] == pytest.approx(0.004)
         assert (result.summary["status"], result.summary["message"]) == ("failed", "MemoryError")
         assert len(result.series["t"]) == result.summary["steps"]
 
 
-# a disk that is full, or a place that cannot be written: status 4
+CASE = REPOSITORY / "tests" / "going_wrong.py"
+RANKS = 2, 3
+#: layers, number of the driven one, its unknown, its rate, words of the message
+DRIVEN = [
+    ("gsg", 0, "e", -1e6, "T = -"),
+    ("gsg", 0, "rho", -1e6, "rho = -"),
+    ("gsg", 1, "y", -1e6, "J = -"),
+    ("sgs", 2, "T", -1e6, "T = -"),
+    ("gsg", 0, "rho v", 1e308, "v = "),
+    ("gsg", 2, "e", 1e308, "T = 6.66667e+303, too large to go on with,"),
+    ("gsg", 0, "place", 2000, "J"),
+]
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize(("layers", "number", "field", "rate", "said"), DRIVEN)
+def test_what_went_wrong_is_named_and_what_helps(layers, number, field, rate, said, tmp_path):
+    """Field, layer, place, time and step, the same on any number of ranks; the result opens."""
+    time, texts = 0.0101 if field == "place" else 0.01, []
+    line = f"-mad_layers {layers} -mad_layer {number} -mad_rate {rate}"
+    words = [CASE, *line.split(), "-mad_field", field, "-mad_time", time, "-fsi_quiet"]
+    layer = f"layer '{'gas' if layers[number] == 'g' else 'bar'} {number}'"
+    where = layer, " at x = ", ", t = 0.01", ", step 1", "what usually helps: "
+    for ranks in RANKS:
+        done = solve(*words, "-fsi_output", "mad.h5", cwd=tmp_path, ranks=ranks)
+        texts.append(message(done, 3, f"error: {said}", *where))
+        with fsipetsc.open_run(tmp_path / "mad.h5") as result:
+            assert result.summary["status"] == "failed" and result.summary["steps"] >= 10
+    assert texts[0] == texts[1]
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", RANKS)
+@pytest.mark.parametrize("name", ["edge", "initial", "forcing", "jumps", "T"])
+def test_an_error_of_a_function_ends_all_with_its_place(name, ranks, tmp_path):
+    """On all ranks, or that of the initial data on the last one alone."""
+    rank, layers = ranks - 1 if name == "initial" else -1, "sg" if name == "edge" else "gsg"
+    line = f"-mad_function {name} -mad_rank {rank} -mad_time 0.0105 -mad_layers {layers}"
+    more = "-ts_max_steps", 20, "-fsi_output", "mad.h5"
+    done = solve(CASE, *line.split(), *more, "-fsi_quiet", cwd=tmp_path, ranks=ranks)
+    message(done, 2, "going_wrong.py, line ", "ValueError: nothing is known")
+    if name != "initial":
+        with fsipetsc.open_run(tmp_path / "mad.h5") as result:
+            steps = result.summary["steps"]
+            assert result.summary["status"] == "failed"
+            assert result.series["t"].size == steps, "no step that was good is lost"
+            # the acceleration of an end is a difference in time, some steps to either side
+            assert steps >= (5 if name == "edge" else 10)
+
+
+# a disk that is full: status 4
 
 LINE = "-m fsipetsc rod -fsi_h 0.05 -ts_max_time 0.05 -fsi_output_dt 1e-4 -fsi_quiet"
 
@@ -170,64 +192,21 @@ def test_a_result_that_grows_too_large(size, tmp_path):
     """The system refuses files beyond so many kB, compiled code among them: it is there before."""
     first = solve("rod", "-fsi_h", 0.05, "-ts_max_steps", 1, "-fsi_output", "a.h5", cwd=tmp_path)
     assert first.returncode == 0
-    line = f"ulimit -f {size}; exec {sys.executable} {LINE}"
-    given = {
-        "cwd": tmp_path,
-        "env": environment({"PYTHONDONTWRITEBYTECODE": "1"}),
-        "stdin": subprocess.DEVNULL,
-        "timeout": PATIENCE,
-    }
-    done = subprocess.run(["bash", "-c", line], capture_output=True, text=True, **given)
+    line = f"ulimit -f {size}; exec {sys.executable} -B {LINE}"
+    done = launch(["bash", "-c", line], tmp_path)
     message(done, 4, "rod.h5: cannot write: ", "File too large")
     if size > 1:
         with fsipetsc.open_run(tmp_path / "rod.h5") as result:
             assert result.nframes > 0
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (("-fsi_output", "/proc/x.h5"), "no file can be written in the directory /proc"),
-        (("-fsi_checkpoint", "/proc/x.h5"), "no file can be written in the directory /proc"),
-        (("-fsi_restart", "no/where.h5"), "there is no such file"),
-        (("-fsi_output", "no/where.h5"), "no: No such file or directory"),
-    ],
-)
-def test_places_that_cannot_be_written(words, said, tmp_path):
-    done = solve("rod", "-fsi_h", 0.1, "-ts_max_steps", 3, "-fsi_quiet", *words, cwd=tmp_path)
-    message(done, 4, words[1], said)
-    assert not list(Path(tmp_path).glob("*.parts"))
-
-
-# what a run says of its end, and of steps that are too long
-
-
-@pytest.fixture(scope="module")
-def where(tmp_path_factory):
-    return tmp_path_factory.mktemp("report")
-
-
-def box(where, *words):
-    return solve("box", "-fsi_h", 0.1, "-fsi_order", 2, "-fsi_output", "r.h5", *words, cwd=where)
-
-
-def test_an_end_by_the_number_of_steps_is_not_said_to_be_the_end(where):
-    done = box(where, "-ts_max_steps", 1)
-    assert (done.returncode, done.stderr) == (0, "")
-    with fsipetsc.open_run(where / "r.h5") as result:
-        t, summary, complete = result.series["t"][-1], result.summary, result.complete
-    words = f"ended by -ts_max_steps at t = {t:g}, before -ts_max_time 2"
-    assert words in done.stdout
-    assert (summary["status"], summary["message"], complete) == ("done", words, True), (
-        "as the user wished"
-    )
-    assert words in solve("info", "r.h5", cwd=where).stdout
-
-
-def test_steps_far_beyond_their_bound_are_noted(where):
-    """Those of -ts_dt, too, and where they fail; not the default ones."""
-    for words in ((), ("-ts_dt", 1e-4)):
-        assert "\nnote: " not in box(where, "-ts_max_steps", 1, *words).stdout
-    assert "\nnote: -ts_dt 1 is " in box(where, "-ts_max_steps", 1, "-ts_dt", 1.0).stdout
-    said = box(where, "-ts_dt", 4, "-fsi_output_dt", 8).stderr
-    assert "; -ts_dt 4 is " in said and " times the bound on the step at t = 0" in said
+def test_an_end_by_the_number_of_steps_and_steps_far_beyond_their_bound_are_said(tmp_path):
+    line = "box -fsi_h 0.1 -fsi_order 2 -ts_max_steps 1 -ts_dt".split()
+    far, said = (solve(*line, dt, cwd=tmp_path).stdout for dt in (1.0, 1e-4))
+    assert "\nnote: " not in said and "\nnote: -ts_dt 1 is " in far
+    with fsipetsc.open_run(tmp_path / "box.h5") as result:
+        summary = result.summary
+        assert result.complete and summary["status"] == "done"  # as the user wished
+    words = "ended by -ts_max_steps at t = 0.0001, before -ts_max_time 2"
+    assert words == summary["message"] and words in said
+    assert words in solve("info", "box.h5", cwd=tmp_path).stdout

@@ -1,19 +1,18 @@
-"""Runs that are stopped or killed go on as if nothing had been.
+"""Runs that signals stop or kill: all ranks end in order, and the run goes on with the same bits.
 
-Signals come at named places of the run, which it sends to itself (signalled_program.py); at random:
-`scripts/soak kill`.
+Each process sends the signals to itself at named places (signalled_program.py), so that they come
+there and nowhere else; at random: `scripts/soak kill`.
 """
 
 from __future__ import annotations
 
 import json
 import signal
-import subprocess
 from pathlib import Path
 
 import pytest
 from helpers import REPOSITORY, assert_readable, message, mpirun, run, solve
-from kill_cycles import cycles
+from kill_cycles import PROGRAM, cycles
 from test_restart import different
 
 import fsipetsc
@@ -22,15 +21,7 @@ pytest.importorskip("petsc4py")
 
 pytestmark = pytest.mark.mpi
 
-PROGRAM = REPOSITORY / "tests" / "signalled_program.py"
 LINE = "rod -fsi_h 0.05 -ts_max_time 0.1 -fsi_output_dt 0.01 -fsi_quiet".split()
-
-
-def signalled(
-    ranks: int, folder: Path, places: list[list[object]], *words: object
-) -> subprocess.CompletedProcess[str]:
-    """The rod on so many ranks, which get signals at these places (signalled_program.py)."""
-    return mpirun(ranks, PROGRAM, json.dumps(places), *LINE, *words, cwd=folder)
 
 
 @pytest.fixture(scope="module")
@@ -42,30 +33,36 @@ def whole(tmp_path_factory) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("ranks", "rank", "number"),
-    [(1, 0, signal.SIGINT), (2, 0, signal.SIGHUP), (2, 1, signal.SIGTERM)],
+    ("ranks", "rank", "count", "number"),
+    [(1, 0, 4, signal.SIGINT), (2, 0, 1, signal.SIGHUP), (2, 1, 4, signal.SIGTERM)],
 )
-def test_a_run_that_a_signal_stopped_goes_on(ranks, rank, number, whole, tmp_path):
-    """One message, 128 + signal, a frame and a checkpoint of the last step; then on another number
-    of ranks.
+def test_a_run_that_a_signal_stopped_goes_on(ranks, rank, count, number, whole, tmp_path):
+    """One message, 128 + signal, a frame and a checkpoint of the last step, which is the first one
+    where the signal comes before the steps; then on another number of ranks.
     """
-    done = signalled(ranks, tmp_path, [["frame", 4, rank, number]])
-    message(
-        done,
-        128 + number,
-        f"stopped by {number.name} at t = ",
-        "rod.h5",
-        "the checkpoint in rod.checkpoint.h5",
-    )
+    place = json.dumps([["frame", count, rank, number]])
+    done = mpirun(ranks, PROGRAM, place, *LINE, cwd=tmp_path)
+    words = f"stopped by {number.name} at t = ", "rod.h5", "the checkpoint in rod.checkpoint.h5"
+    message(done, 128 + number, *words)
     assert_readable(tmp_path / "rod.h5", "stopped", 0.1)
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
-        assert not result.complete and result.nframes in (4, 5)
-        assert result.time[-1] == result.series["t"][-1] == result.summary["t"], (
-            "the last state is saved"
-        )
+        assert not result.complete and result.nframes in (count, count + 1)
+        assert count > 1 or result.summary["steps"] == 1
+        assert result.time[-1] == result.series["t"][-1] == result.summary["t"]
     done = solve(*LINE, "-fsi_restart", "auto", cwd=tmp_path, ranks=3 - ranks)
     assert (done.returncode, done.stderr) == (0, "")
     assert different(whole, tmp_path / "rod.h5", same_ranks=False) == []
+
+
+def test_a_second_sigint_ends_at_once_and_one_after_the_last_step_ends_nothing(tmp_path):
+    twice = [["frame", 4, 0, signal.SIGINT]] * 2
+    done = run(PROGRAM, json.dumps(twice), *LINE, cwd=tmp_path)
+    assert done.returncode == -signal.SIGINT  # 130 in a shell
+    late = [["frame", 11, 0, signal.SIGTERM], ["join", 1, 0, signal.SIGTERM]]
+    done = run(PROGRAM, json.dumps(late), *LINE, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+        assert result.complete and result.summary["status"] == "done"
 
 
 KILLS = [
@@ -83,39 +80,65 @@ KILLS = [
 
 @pytest.mark.parametrize(("case", "kills"), [("rod", KILLS), ("blast", KILLS[3:])])
 def test_a_run_that_is_killed_goes_on(case, kills, tmp_path):
-    """A frame, a checkpoint, a piece, a whole result half written; each time on another number of
-    ranks: the same bits.
-    """
-    said = cycles(tmp_path, case, kills)
-    assert len(said) == len(kills)
+    """Each time on another number of ranks: the same bits."""
+    assert len(cycles(tmp_path, case, kills)) == len(kills)
 
 
-SLOW = """
-import signal
-from dataclasses import replace
-from fsipetsc.cases import rod
-
-NAME, OPTIONS, DEFAULTS = "slow", rod.OPTIONS, rod.DEFAULTS
-
-
-def build(opt):
-    problem = rod.build(opt)
-    below, solid, above = problem.layers
-    return replace(problem, layers=(replace(below, forcing=forcing), solid, above))
+def test_an_error_of_one_rank_alone_ends_all(tmp_path):
+    """Its traceback holds objects of PETSc, and PETSc's end waits for ranks with other objects."""
+    case = REPOSITORY / "tests" / "going_wrong.py"
+    words = "-mad_function initial -mad_rank 1 -fsi_quiet".split()
+    done = mpirun(2, "-m", "fsipetsc", case, *words, cwd=tmp_path)
+    message(done, 2, "going_wrong.py, line ", "ValueError: nothing is known")
 
 
-def forcing(X, t):
-    if t > 0:  # within a step
-        for name in ("once", "twice"):
-            signal.raise_signal(signal.SIGINT)
-            open(name, "w").close()
-    return 0 * X, 0 * X, 0 * X
+STOPPED = """
+import signal, sys, time
+from fsipetsc.errors import ComputationError, FileError, Interrupted
+from fsipetsc.process.failure import end_together
+from fsipetsc.process.launch import start_mpi
+from fsipetsc.process.together import together
+
+
+def run():
+    if sys.argv[1] == "none":
+        return
+    if sys.argv[1] == "run":  # as a run ends that a signal has stopped
+        raise Interrupted(signal.SIGTERM, "stopped by SIGTERM at t = 1")
+    sleep(1.0)
+    signal.raise_signal(signal.SIGINT)
+
+
+def woken(seconds):
+    time.sleep = sleep
+    signal.raise_signal(signal.SIGINT)
+
+
+world, sleep = start_mpi(), time.sleep
+notes = world.Dup()
+if sys.argv[1] == "all" and world.rank == 2:
+    time.sleep = woken
+try:
+    together(world, run if world.rank < 2 else lambda: None, asleep=True)
+except KeyboardInterrupt as error:
+    sys.exit(end_together(error, notes))
+kinds = FileError, ComputationError, FileError
+sys.exit(end_together(kinds[world.rank]("of this rank"), notes))
 """
 
 
-def test_a_second_sigint_ends_at_once(tmp_path):
-    """The first one lets the step end; the second does not wait for it."""
-    (tmp_path / "slow.py").write_text(SLOW)
-    done = run("-m", "fsipetsc", "slow.py", "-fsi_quiet", "-fsi_mapping", "rigid", cwd=tmp_path)
-    assert done.returncode == -signal.SIGINT  # 130 in a shell
-    assert (tmp_path / "once").exists() and not (tmp_path / "twice").exists()
+@pytest.mark.parametrize(
+    ("place", "status", "said", "aborts"),
+    [
+        ("run", 143, "stopped by SIGTERM at t = 1", True),
+        ("all", 130, "stopped by SIGINT", False),
+        ("none", 4, "of this rank", False),
+    ],
+)
+def test_all_ranks_end_in_order(place, status, said, aborts, tmp_path):
+    """A signal comes to all; or to all but rank 2, which sleeps until they are done and is aborted;
+    or all fail, with different errors.
+    """
+    done = mpirun(3, "-c", STOPPED, place, cwd=tmp_path)
+    message(done, status, said)
+    assert ("MPI_ABORT" in done.stderr) == aborts
