@@ -10,16 +10,13 @@ from helpers import message, solve
 pytest.importorskip("petsc4py")
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
+def test_bad_input(tmp_path):
+    for words, said in (
         ("-bench_ranks 3", "mpiexec -n 3"),
         ("-bench_rod_program .", "no rod"),
         ("-bench_orders 5", "2,4,6,8"),
-    ],
-)
-def test_bad_input(tmp_path, words, said):
-    message(solve("bench", *words.split(), cwd=tmp_path), 2, said)
+    ):
+        message(solve("bench", *words.split(), cwd=tmp_path), 2, said)
 
 
 def test_table(tmp_path):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import json
 import re
 import shlex
 from functools import cache
@@ -22,9 +23,23 @@ TEXTS = {page.name: page.read_text() for page in PAGES}
 #: what a reader meets first; the code of the other pages compiles more kernels
 FIRST = [page for page in PAGES if page.stem in ("README", "start", "commands", "checkpoints")]
 OTHERS = [*(page for page in PAGES if page not in FIRST), DOCS / "tutorial.ipynb"]
+OTHERS = [pytest.param(page, marks=pytest.mark.long) for page in OTHERS]
+#: what makes a command short
+SHORT = {
+    "run": "-ts_max_steps 3 -fsi_quiet",
+    "convergence": "-fsi_orders 2 -ts_max_time 0.01",
+    "stability": "-stability_points 20",
+    "flutter": "-fsi_h 0.0625 -panel_thickness 0.1 -flutter_machs 2 -flutter_lambdas 500,600 "
+    "-ts_max_time 4",
+}
+#: may end with 3: a coupling breaks its promise, a run is too short for two modes
+VERDICTS = "stability", "flutter"
 #: options files that need kernels of their own
 ALONE = {f"{name}.opts" for name in ("piston", "panel_viscous", "heat", "blast_shock", "plane_mms")}
-OPTIONS_FILES = sorted((REPOSITORY / "runs").rglob("*.opts"))
+OPTIONS_FILES = {
+    path.relative_to(REPOSITORY).as_posix(): path.read_text()
+    for path in sorted((REPOSITORY / "runs").rglob("*.opts"))
+}
 FENCED = re.compile(r"^```(\w*)$(.*?)^```$", re.S | re.M)
 
 
@@ -41,26 +56,22 @@ def known_options() -> frozenset[str]:
 
 
 @pytest.mark.parametrize("name", TEXTS)
-def test_options_exist(name):
-    """Those in `code` and in blocks for the shell, or of a case that the page makes."""
-    code = re.findall(r"`([^`\n]+)`", FENCED.sub("", TEXTS[name]))
-    for language, block in FENCED.findall(TEXTS[name]):
+def test_options_links_and_files_exist(name):
+    """Options in `code` and in blocks for the shell may be of a case that the page makes."""
+    text, folder = TEXTS[name], REPOSITORY if name == "README.md" else DOCS
+    code = re.findall(r"`([^`\n]+)`", FENCED.sub("", text))
+    for language, block in FENCED.findall(text):
         code += [line.split(" #")[0] for line in block.splitlines() if language == "sh"]
     named = {o for piece in code for o in re.findall(r"(?<![\w(-])-([A-Za-z]\w*)\b(?!\.)", piece)}
-    assert not named - known_options() - set(re.findall(r'Option\("(\w+)"', TEXTS[name]))
-
-
-@pytest.mark.parametrize("name", TEXTS)
-def test_links_and_files_exist(name):
-    folder = REPOSITORY if name == "README.md" else DOCS
-    for target, anchor in re.findall(r"\]\(([\w./-]*)(?:#([\w-]*))?\)", TEXTS[name]):
+    assert not named - known_options() - set(re.findall(r'Option\("(\w+)"', text))
+    for target, anchor in re.findall(r"\]\(([\w./-]*)(?:#([\w-]*))?\)", text):
         assert (folder / target).exists(), target
         headings = re.findall(r"^#+ (.*)$", TEXTS.get(Path(target).name or name, ""), re.M)
         anchors = [re.sub(r"[^\w\- ]", "", h.lower()).replace(" ", "-") for h in headings]
         assert not anchor or anchor in anchors, f"{target}#{anchor}"
-    named = re.findall(r"(?<![\w/.])((?:scripts|runs|docs|tests|fsipetsc)/[\w./-]*\w)", TEXTS[name])
+    named = re.findall(r"(?<![\w/.])((?:scripts|runs|docs|tests|fsipetsc)/[\w./-]*\w)", text)
     assert not [path for path in named if not (REPOSITORY / path).exists()]
-    prose = FENCED.sub("", TEXTS[name]).splitlines()
+    prose = FENCED.sub("", text).splitlines()
     assert not [line for line in prose if len(line) > 100 and not line.startswith("|")]
 
 
@@ -85,25 +96,89 @@ def test_the_page_of_options_has_the_table():
             assert told == ("" if default in (None, ...) else said.removesuffix(".0")), name
 
 
-@pytest.mark.parametrize("pages", [FIRST, pytest.param(OTHERS, marks=pytest.mark.long)])
-def test_code_blocks_run(pages, tmp_path):
-    """Commands for a few steps, Python as it stands, each page from top to bottom."""
-    program = REPOSITORY / "tests" / "page_program.py"
-    done = run(program, tmp_path, *pages, cwd=tmp_path, env={"MPLBACKEND": "agg"})
-    assert (done.returncode, done.stdout) == (0, ""), done.stderr
+def code_of(page):
+    """(language, content, what it prints or None) of fenced blocks, or of a notebook's cells."""
+    if page.suffix == ".md":
+        return [(*found, None) for found in FENCED.findall(TEXTS[page.name])]
+    cells = [c for c in json.loads(page.read_text())["cells"] if c["cell_type"] == "code"]
+    said = ["".join("".join(o.get("text", "")) for o in cell["outputs"]) for cell in cells]
+    return [("python", "".join(cell["source"]), out) for cell, out in zip(cells, said, strict=True)]
+
+
+def run_python(content, expected, names):
+    """Python that begins with `# NAME.py` is that file. What `# prints …` says, and what a notebook
+    shows, must be what is printed.
+    """
+    if file := re.match(r"\s*# (\w+\.py)\n", content):
+        Path(file[1]).write_text(content)
+        return
+    with contextlib.redirect_stdout(io.StringIO()) as out:
+        exec(content, names)
+    said, told = out.getvalue(), re.findall(r"^# prints (.*)$", content, re.M)
+    assert not told or told == [line.strip() for line in said.splitlines()], said
+    assert expected in (None, said), said
+
+
+def run_command(line):
+    """A line for the shell, for a few steps, on a coarse grid; what is in [ ] is left out."""
+    from fsipetsc.cli import COMMANDS, main
+
+    line = re.sub(r"^scripts/run", "python -m fsipetsc", re.sub(r"\[[^]]*\]", "", line))
+    words = shlex.split(re.sub(r"^(mpiexec -n \d+|\.) ", "", line), comments=True)
+    if not words or words[0] == "export" or words[0].startswith("scripts/"):
+        return
+    assert words[:3] == ["python", "-m", "fsipetsc"], words
+    words = words[3:]
+    kind = words[0] if words[0] in COMMANDS else "run"
+    if "-help" not in words and not words[-1].endswith(".h5"):
+        words += SHORT.get(kind, "").split()
+        words += "-density_ratios 1 -stiffness_ratios 1".split() if "-sweep" in words else ()
+    with contextlib.redirect_stdout(io.StringIO()) as said, contextlib.redirect_stderr(said):
+        status = main(words)
+    assert status == 0 or (status == 3 and kind in VERDICTS), said.getvalue()
+
+
+@pytest.mark.filterwarnings("ignore:FigureCanvasAgg is non-interactive")
+@pytest.mark.parametrize("page", [*FIRST, *OTHERS])
+def test_code_runs(page, tmp_path, monkeypatch):
+    """Of a page from top to bottom."""
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "runs").symlink_to(REPOSITORY / "runs")
+    names = {"__name__": "__main__"}
+    for language, content, expected in code_of(page):
+        if language == "python":
+            run_python(content, expected, names)
+        for line in content.splitlines() if language == "sh" else ():
+            run_command(line)
+
+
+def words_of(name):
+    """What a file of options says to run: the words after `python -m fsipetsc`."""
+    command = r"python -m fsipetsc (.*?)(?: &&.*)?$"
+    return shlex.split(re.search(command, OPTIONS_FILES[name], re.M)[1])
+
+
+def test_each_case_has_an_options_file():
+    """Its first line says what it is, and it has only options that there are."""
+    from fsipetsc.cases import BUILT_IN
+
+    for name, text in OPTIONS_FILES.items():
+        assert re.match(r"# .*\.\n", text), name
+        given = set(re.findall(r"^-(\w+)", text, re.M))
+        assert given and given <= known_options(), name
+        assert f"-options_file {name}" in " ".join(words_of(name))
+    assert set(BUILT_IN) <= {words_of(name)[0] for name in OPTIONS_FILES}
 
 
 @pytest.mark.parametrize("alone", [False, pytest.param(True, marks=pytest.mark.long)])
 def test_options_files_run(alone, tmp_path):
     """A few steps; or all that the header states, if fewer than 5,000, and as many as it states."""
     runs, steps = {}, {}
-    for path in OPTIONS_FILES:
-        text, name = path.read_text(), path.stem + path.parent.name
-        command = re.search(r"python -m fsipetsc (.*?)(?: &&.*)?$", text, re.M)[1]
-        case, *words = shlex.split(command)
-        if case == "convergence" or alone != (path.name in ALONE):
+    for path, text in OPTIONS_FILES.items():
+        name, (case, *words) = path.replace("/", "_"), words_of(path)
+        if case == "convergence" or alone != (Path(path).name in ALONE):
             continue
-        assert words[:2] == ["-options_file", str(path.relative_to(REPOSITORY))]
         stated = re.search(r"([\d,]+) steps", text)
         count = int(stated[1].replace(",", "")) if stated else 0
         steps[name] = count if 0 < count < 5000 else 3
@@ -116,6 +191,17 @@ def test_options_files_run(alone, tmp_path):
     results = compute(1, tmp_path, many) | compute(2, tmp_path, few)
     assert set(results) == set(runs), [path.read_text() for path in tmp_path.glob("*.txt")]
     assert {n: fsipetsc.open_run(path).summary["steps"] for n, path in results.items()} == steps
+
+
+def test_petscs_own_options_behave_as_in_its_examples(tmp_path):
+    (tmp_path / "a.yaml").write_text("fsi:\n  h: 0.1\nts:\n  type: rk\n  rk_type: 3bs\n")
+    (tmp_path / "b.opts").write_text("-ts_max_steps 3\n-ts_monitor\n")
+    words = "-options_file_yaml a.yaml -options_file b.opts -ts_view -log_view :log.txt"
+    done = run("-m", "fsipetsc", "rod", *words.split(), cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert re.findall(r"^(\d) TS dt \S+ time \S+$", done.stdout, re.M) == list("0123"), done.stdout
+    assert "RK type 3bs" in done.stdout
+    assert re.search(r"^TSStep +3 ", (tmp_path / "log.txt").read_text(), re.M)
 
 
 def test_numbers_that_pages_tell(tmp_path):

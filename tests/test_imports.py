@@ -1,62 +1,30 @@
-"""The layout of the code: imports go one way, and only who has to knows PETSc and MPI; what
-docs/code.md names exists.
-"""
+"""The layout of the code: imports go one way, and only who has to knows PETSc and MPI."""
 
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Iterator
 from pathlib import Path
 
-import pytest
 from helpers import REPOSITORY
 
 PACKAGE = REPOSITORY / "fsipetsc"
-#: files and folders of the package: each imports from those below it, never from one above, nor
-#: from one beside it
-ORDER = """
-    __main__
-    cli api
-    verify bench
-    analysis
-    stepping
-    output
-    process
-    cases
-    usage
-    options
-    given mesh_files
-    scheme
-    parallel
-    blocks
-    problem
-    boundaries
-    materials
-    equations
-    operators
-    blame checks
-    errors
-    __init__
-"""
-RANK = {name: rank for rank, line in enumerate(ORDER.split("\n")) for name in line.split()}
-#: the run of blocks, which stands beside that of layers until all runs are of blocks; the paper's
-#: method with its state
-SAME = {"blockrun": "stepping", "paper": "stepping"}
-#: who knows MPI, PETSc: the folders whose work that is, and what starts them, reads PETSc's options
-#: and ends them
-KNOW_MPI = {"cli", "api", "verify", "analysis", "bench", "stepping", "output", "process"}
-KNOW_MPI |= {"parallel"}
-KNOW_PETSC = {"analysis", "bench", "stepping", "output", "process", "options", "parallel"}
-#: files of ``parallel`` that know PETSc: those that have the DMDAs
-PETSC_IN_PARALLEL = {"parallel/block_layout.py"}
+#: folders and files of the package: each imports from those to its right alone
+ORDER = """__main__ → cli api → verify bench → analysis → stepping blockrun paper → output → process
+→ cases → usage → options → given mesh_files → scheme → parallel → blocks → problem → boundaries
+→ materials → equations → operators → blame checks → errors → __init__"""
+RANK = {name: rank for rank, names in enumerate(ORDER.split("→")) for name in names.split()}
+#: these three make a run, and know each other
+RUN = {"stepping", "blockrun", "paper"}
+#: who knows MPI, PETSc: who starts them, computes or writes with them, reads PETSc's options
+MPI = RUN | {"cli", "api", "verify", "analysis", "bench", "output", "process", "parallel"}
+PETSC = RUN | {"analysis", "bench", "output", "process", "options"}
+PETSC |= {"parallel/block_layout.py"}  # has the DMDAs
 
 
-def imports(source: str) -> Iterator[tuple[int, str]]:
-    """(line, module) of all imports, those within functions too, but not those for type checkers
-    alone.
-    """
-    waiting: list[ast.AST] = [ast.parse(source)]
+def imports(path: Path) -> Iterator[str]:
+    """Modules of all imports, those within functions too, but not those for type checkers alone."""
+    waiting: list[ast.AST] = [ast.parse(path.read_text())]
     while waiting:
         node = waiting.pop()
         if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
@@ -64,69 +32,37 @@ def imports(source: str) -> Iterator[tuple[int, str]]:
             continue
         waiting += ast.iter_child_nodes(node)
         if isinstance(node, ast.Import):
-            yield from ((node.lineno, alias.name) for alias in node.names)
+            yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, "absolute imports only"
+            assert node.level == 0, f"{path}: absolute imports only"
             whole = node.module == "fsipetsc"
-            for alias in node.names:
-                yield node.lineno, f"{node.module}.{alias.name}" if whole else node.module
+            yield from (f"{node.module}.{x.name}" if whole else node.module for x in node.names)
 
 
-def place(name: str) -> str:
-    """Where in ORDER a module of the package stands: its first name after the package's."""
-    first = name.split(".")[1] if "." in name else "__init__"
-    first = SAME.get(first, first)
-    return first if first in RANK else "__init__"  # what the package itself offers
+def place(path: Path) -> str:
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
-def files() -> list[Path]:
-    return sorted(PACKAGE.rglob("*.py"))
+FILES = sorted(PACKAGE.rglob("*.py"))
 
 
-def wrong_imports(place_of_file: str, source: str) -> list[str]:
-    """Imports against the order in a file that belongs to a place."""
-    found = []
-    for line, name in imports(source):
-        if name.split(".")[0] != "fsipetsc" or place(name) == place_of_file:
-            continue
-        if RANK[place(name)] <= RANK[place_of_file]:
-            found.append(f"{line}: {place_of_file} imports {name}")
-    return found
-
-
-def place_of(path: Path) -> str:
-    first = path.relative_to(PACKAGE).parts[0].removesuffix(".py")
-    return SAME.get(first, first)
-
-
-def test_everything_has_its_place():
-    assert {place_of(path) for path in files()} == set(RANK)
-
-
-@pytest.mark.parametrize(
-    "path",
-    [p for p in files() if place_of(p) != "__init__"],
-    ids=lambda p: str(p.relative_to(PACKAGE)),
-)
-def test_imports_go_one_way(path):
-    assert not wrong_imports(place_of(path), path.read_text())
-
-
-def test_who_knows_mpi_and_petsc():
-    know: dict[str, set[Path]] = {"mpi4py": set(), "petsc4py": set()}
-    for path in files():
-        for _, name in imports(path.read_text()):
-            if name.split(".")[0] in know:
-                know[name.split(".")[0]].add(path)
-    assert {place_of(path) for path in know["mpi4py"]} <= KNOW_MPI
-    assert {place_of(path) for path in know["petsc4py"]} <= KNOW_PETSC
-    in_parallel = {path for path in know["petsc4py"] if place_of(path) == "parallel"}
-    in_parallel = {str(path.relative_to(PACKAGE)) for path in in_parallel}
-    assert in_parallel == PETSC_IN_PARALLEL
-
-
-def test_what_the_description_of_the_code_names_exists():
+def test_everything_has_its_place_as_the_documentation_says():
+    assert {place(path) for path in FILES} == set(RANK)
     text = (REPOSITORY / "docs" / "code.md").read_text()
-    named = set(re.findall(r"`((?:fsipetsc|tests|runs|docs)/[\w./-]*\w)`", text))
-    assert len(named) > 20
-    assert not {name for name in named if not (REPOSITORY / name).exists()}
+    told = text[text.index("`cli` →") : text.index("\n\n| folder")].replace("`", "").split("→")
+    ranks = [{RANK[name.strip()] for name in names.split(",")} for names in told]
+    assert len(told) > 15 and all(len(same) == 1 for same in ranks)
+    assert ranks == sorted(ranks, key=min)
+
+
+def test_imports_go_one_way():
+    for path in FILES:
+        here, known_as = place(path), {place(path), str(path.relative_to(PACKAGE))}
+        for name in imports(path) if here != "__init__" else ():
+            package, first = (*name.split("."), "")[:2]
+            if package == "fsipetsc":
+                there = first if first in RANK else "__init__"  # what the package itself offers
+                beside = here == there or {here, there} <= RUN
+                assert beside or RANK[there] > RANK[here], f"{path} imports {name}"
+            allowed = {"mpi4py": MPI, "petsc4py": PETSC}.get(package, known_as)
+            assert known_as & allowed, f"{path} imports {name}"

@@ -14,33 +14,33 @@ from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.mesh_files import read_cgns
 
-SECTOR = REPOSITORY / "tests" / "frozen" / "sector.cgns"
 AIR = Fluid(mu=0.01, kappa=0.0, gamma=1.4, R=287.0)
+SQUARE = np.meshgrid(np.linspace(0.0, 2.0, 5), np.linspace(0.0, 1.0, 4))
 
 
-def at_rest(X, Y):
-    return 1.2, 0.0, 0.0, 300.0
+def block_of(name, zone):
+    """InputError for a left-handed zone."""
+    return Block(name, AIR, zone, zone.cells, lambda X, Y: (1.2, 0.0, 0.0, 300.0))
 
 
 def problem_of(grid, conditions):
-    blocks = tuple(Block(name, AIR, z, z.cells, at_rest) for name, z in grid.zones.items())
+    blocks = tuple(block_of(*zone) for zone in grid.zones.items())
     return BlockProblem(blocks, grid.faces(conditions))
 
 
-def put(group, name, label, data=None):
-    """A node of CGNS."""
-    child = group.create_group(name)
-    child.attrs["label"] = np.bytes_(label)
-    if isinstance(data, str):
-        data = np.frombuffer(data.encode(), "i1")
-    if data is not None:
-        child.create_dataset(" data", data=data)
-    return child
+def read(folder, X, kind="Structured", patch=None, unit=None):
+    """A file with a zone 'z' of coordinates X, as CGNS has them; patch: (first nodes, last)."""
 
+    def put(group, name, label, data=None):
+        child = group.create_group(name)
+        child.attrs["label"] = np.bytes_(label)
+        if isinstance(data, str):
+            data = np.frombuffer(data.encode(), "i1")
+        if data is not None:
+            child.create_dataset(" data", data=data)
+        return child
 
-def write(path, X, kind="Structured", patch=None, unit=None):
-    """A zone 'z' of coordinates X, as CGNS has them; patch: (first nodes, last nodes)."""
-    with h5py.File(path, "w") as file:
+    with h5py.File(folder / "a.cgns", "w") as file:
         base = put(file, "base", "CGNSBase_t", np.array([2, len(X)]))
         if unit:
             names = "".join(n.ljust(32) for n in ("Kilogram", unit, "Second", "Kelvin", "Radian"))
@@ -53,16 +53,11 @@ def write(path, X, kind="Structured", patch=None, unit=None):
         if patch:
             wall = put(put(zone, "ZoneBC", "ZoneBC_t"), "wall", "BC_t", "BCWall")
             put(wall, "PointRange", "IndexRange_t", np.array(patch))
-    return path
-
-
-def square(n=5, m=4):
-    x, y = np.meshgrid(np.linspace(0.0, 2.0, n), np.linspace(0.0, 1.0, m))
-    return x, y
+    return read_cgns(folder / "a.cgns")
 
 
 def test_blocks_of_a_file_of_gmsh_meet():
-    grid = read_cgns(SECTOR)
+    grid = read_cgns(REPOSITORY / "tests" / "frozen" / "sector.cgns")
     cells = {name: zone.cells for name, zone in grid.zones.items()}
     assert cells == {"gas_S00001": (8, 12), "gas_S00002": (8, 12)}
     conditions = {"inner": NoSlip(), "outer": Slip(), "bottom": Slip(), "left": Slip()}
@@ -77,19 +72,17 @@ def test_blocks_of_a_file_of_gmsh_meet():
 
 
 def test_units_planes_and_hands(tmp_path):
-    x, y = square()
-    grid = read_cgns(write(tmp_path / "a.cgns", (x, y), unit="Millimeter", patch=((5, 1), (5, 4))))
+    x, y = SQUARE
+    grid = read(tmp_path, (x, y), unit="Millimeter", patch=((5, 1), (5, 4)))
     assert grid.zones["z"].places[-1, -1] == pytest.approx([2e-3, 1e-3])
     assert grid.patches == {"wall": (("z", 0, 1),)}
     # (z, x) is right-handed in the plane y = 1; x runs backwards, so the zone is turned
-    turned = read_cgns(write(tmp_path / "b.cgns", (y, 1.0 + 0.0 * x, x), patch=((1, 1), (1, 4))))
-    assert turned.zones["z"].places[0, 0] == pytest.approx([0.0, 0.0])
-    assert turned.patches == {"wall": (("z", 0, 0),)}
-    left = read_cgns(write(tmp_path / "c.cgns", (2.0 - x, y), patch=((1, 1), (1, 4))))
-    assert left.zones["z"].places[0, 0] == pytest.approx([0.0, 0.0])
-    assert left.patches == {"wall": (("z", 0, 1),)}
-    for grid in (turned, left):
-        Block("z", AIR, grid.zones["z"], grid.zones["z"].cells, at_rest)
+    turned = read(tmp_path, (y, 1.0 + 0.0 * x, x), patch=((1, 1), (1, 4)))
+    left = read(tmp_path, (2.0 - x, y), patch=((1, 1), (1, 4)))
+    for grid, side in ((turned, 0), (left, 1)):
+        assert grid.zones["z"].places[0, 0] == pytest.approx([0.0, 0.0])
+        assert grid.patches == {"wall": (("z", 0, side),)}
+        block_of("z", grid.zones["z"])
 
 
 @pytest.mark.parametrize(
@@ -98,10 +91,10 @@ def test_units_planes_and_hands(tmp_path):
         ({"kind": "Unstructured"}, "zone 'z' is Unstructured: expected Structured"),
         ({"patch": ((1, 1), (3, 1))}, "'wall' has nodes .1, 1. to .3, 1.: expected a whole face"),
         ({"unit": "Furlong"}, "lengths are in Furlong: expected Meter"),
-        ({"X": (*square(), square()[0])}, "zone 'z' is no plane"),
+        ({"X": (*SQUARE, SQUARE[0])}, "zone 'z' is no plane"),
         ({"X": ()}, "expected CoordinateX, CoordinateY"),
     ],
 )
 def test_what_is_wrong_with_a_file(tmp_path, changed, message):
     with pytest.raises(InputError, match=message):
-        read_cgns(write(tmp_path / "a.cgns", **{"X": square(), **changed}))
+        read(tmp_path, **{"X": SQUARE, **changed})

@@ -6,30 +6,30 @@ import os
 import re
 
 import pytest
-from helpers import assert_same_fields, solve
+from helpers import assert_same_fields, computed, message, solve
 
-import fsipetsc
 from fsipetsc.cases import template_text
-from fsipetsc.errors import FileError, InputError
-from fsipetsc.output.new_case import new_case
 
 pytest.importorskip("petsc4py")
 
 
+def written(folder, name, *words, ranks=1):
+    """The text of the case file that `new` writes, which is the template's but for names."""
+    made = solve("new", name, *words, cwd=folder, ranks=ranks)
+    assert (made.returncode, made.stderr, made.stdout.count("wrote")) == (0, "", 1)
+    assert f"python -m fsipetsc {name}" in made.stdout
+    text, stem = (folder / name).read_text(), name.removesuffix(".py")
+    template = template_text(bool(words)).replace("FILE.py", name).replace("NAME.", f"{stem}.")
+    assert text == template and f"{stem}.h5" in text
+    return text
+
+
 def test_the_case_runs_and_does_what_it_says(tmp_path):
     """The plate swings with the amplitude and the period of the file's own words."""
-    made = solve("new", "my_case.py", cwd=tmp_path, ranks=2)
-    assert (made.returncode, made.stderr, made.stdout.count("wrote")) == (0, "", 1)
-    assert "python -m fsipetsc my_case.py" in made.stdout
-    text = (tmp_path / "my_case.py").read_text()
-    assert "FILE.py" not in text and "NAME.h5" not in text and "plot my_case.h5" in text
-    assert text.splitlines()[15:] == template_text().splitlines()[15:], "but for its own name"
-
-    done = solve("my_case.py", "-fsi_check", 1e-3, cwd=tmp_path, ranks=2)
-    assert (done.returncode, done.stderr) == (0, "")
-    with fsipetsc.open_run(tmp_path / "my_case.h5") as result:
-        assert result.complete and result.nframes == 41
-        t, way = result.series["t"], result.series["x_interface"][:, 0] - 0.4
+    text = written(tmp_path, "my_case.py", ranks=2)
+    result = computed(tmp_path, "a.h5", "my_case.py", "-fsi_check", 1e-3, ranks=2)
+    assert result.complete and result.nframes == 41
+    t, way = result.series["t"], result.series["x_interface"][:, 0] - 0.4
     swing = r"it goes ([\d.]+) m to the right and comes back; the period is ([\d.]+) s"
     told = re.search(swing, text)
     assert way.max() == pytest.approx(float(told[1]), rel=0.02)
@@ -38,42 +38,28 @@ def test_the_case_runs_and_does_what_it_says(tmp_path):
 
 def test_blocks(tmp_path):
     """A ring that widens under the gas in it, what is kept of it; on three ranks as on two."""
-    made = solve("new", "my_ring.py", "-blocks", cwd=tmp_path)
-    assert (made.returncode, made.stderr) == (0, "")
-    text, template = (tmp_path / "my_ring.py").read_text(), template_text(True)
-    assert "FILE" not in text and "NAME." not in text and "my_ring.xdmf" in text
-    assert text.splitlines()[12:] == template.splitlines()[12:]
+    written(tmp_path, "my_ring.py", "-blocks")
     words = "my_ring.py", "-fsi_h", 0.04, "-ts_max_time", 0.004, "-fsi_check", 1e-9
-    for name, ranks in (("two.h5", 2), ("three.h5", 3)):
-        done = solve(*words, "-fsi_output", name, cwd=tmp_path, ranks=ranks)
-        assert (done.returncode, done.stderr) == (0, "")
-    two, three = (fsipetsc.open_run(tmp_path / name) for name in ("two.h5", "three.h5"))
+    two, three = (computed(tmp_path, f"{n}.h5", *words, ranks=n) for n in (2, 3))
     assert two.complete and two.dimension == 2 and two.nframes == 11
     moved = two.interface("gas | ring").displacement[-1]
     assert 1e-3 < moved.mean() < 6e-3 and moved.max() < 2e-2
     assert_same_fields(two, three)
 
 
-def test_what_is_there_stays(tmp_path):
+@pytest.mark.parametrize(
+    ("name", "status", "said"),
+    [
+        ("mine.py", 4, "mine.py: exists already"),
+        ("link.py", 4, "link.py: exists already"),
+        ("rod.py", 2, "'rod' is the name of a built-in case"),
+        ("numpy.py", 2, "a Python module, which this file would hide"),
+        ("run.h5", 2, "expected one that ends in .py"),
+    ],
+)
+def test_a_name_that_would_not_do(name, status, said, tmp_path):
     (tmp_path / "mine.py").write_text("precious")
     (tmp_path / "link.py").symlink_to("nowhere")
-    for name in ("mine.py", "link.py"):
-        with pytest.raises(FileError, match=f"{name}: exists already"):
-            new_case(str(tmp_path / name), ())
+    message(solve("new", name, cwd=tmp_path), status, said)
     assert (tmp_path / "mine.py").read_text() == "precious"
     assert sorted(os.listdir(tmp_path)) == ["link.py", "mine.py"]
-
-
-NAMES = {
-    "rod.py": "'rod' is the name of a built-in case",
-    "numpy.py": "a Python module, which this file would hide",
-    "run.h5": "expected one that ends in .py",
-}
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_a_name_that_would_not_do(name, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(InputError, match=re.escape(NAMES[name])):
-        new_case(name, ("info", "plot"))
-    assert os.listdir(tmp_path) == []

@@ -37,8 +37,7 @@ RUNS = {
 SUMS = {*SUMS_ALONG_X, "momentum_x", "momentum_y", "impulse_x", "impulse_y", "mass_in", "energy_in"}
 SUMS |= {"angular_momentum", "solid_energy", "lost_energy", "energy_face", "heat_face"}
 #: of the summary
-SUMMED = "status", "t", "steps", "rejected_steps", "rhs_evaluations", "points"
-SUMMED += ("interfaces",)
+SUMMED = "status", "t", "steps", "rejected_steps", "rhs_evaluations", "points", "interfaces"
 #: ranks on which the runs are begun; ranks -> what goes on there
 RANKS = 2
 ON = {RANKS: list(RUNS), 3: list(RUNS)[::2]}
@@ -57,6 +56,11 @@ def different(a: Path, b: Path, same_ranks: bool) -> list[str]:
     return [*wrong, *found.notes, *(f"{name}: {x}, {y}" for name, x, y in pairs if x != y)]
 
 
+def made(ranks: int, folder: Path, runs: dict[str, tuple[str, str]]) -> None:
+    results = compute(ranks, folder, runs)
+    assert set(results) == set(runs), [file.read_text() for file in folder.glob("*.txt")]
+
+
 @pytest.fixture(scope="module")
 def begun(tmp_path_factory) -> Path:
     """A folder with each run whole, NAME.h5, and stopped, NAME.cut.h5: after twice the steps, but
@@ -68,44 +72,24 @@ def begun(tmp_path_factory) -> Path:
         runs[f"{name}.cut"] = case, f"{text} -ts_max_steps {steps} -fsi_checkpoint_steps {steps}"
         restart = f"-fsi_restart {folder}/{name}.cut.checkpoint.h5 -ts_max_steps {2 * steps}"
         later[f"{name}.cut"] = case, f"{restart} -fsi_checkpoint {folder}/unused.h5"
-    for some in (runs, later):
-        made = compute(RANKS, folder, some)
-        assert set(made) == set(some), [file.read_text() for file in folder.glob("*.txt")]
+    made(RANKS, folder, runs)
+    made(RANKS, folder, later)
     return folder
 
 
-@pytest.fixture(scope="module")
-def gone_on(begun, tmp_path_factory):
-    """ranks -> folder of the runs that went on from the earlier checkpoint, on so many ranks."""
-    folders = {}
-    for ranks, names in ON.items():
-        folder, runs = tmp_path_factory.mktemp(f"on{ranks}"), {}
-        for name in names:
-            shutil.copy(begun / f"{name}.cut.h5", folder / f"{name}.h5")
-            runs[name] = (
-                RUNS[name][0],
-                f"-fsi_restart {begun}/{name}.cut.checkpoint.h5 -ts_max_steps 1000000000",
-            )
-        compute(ranks, folder, runs)
-        folders[ranks] = folder
-    return folders
-
-
-@pytest.mark.parametrize(
-    ("ranks", "name"), [(ranks, name) for ranks, names in ON.items() for name in names]
-)
-def test_the_same_bits(ranks, name, begun, gone_on):
-    folder = gone_on[ranks]
-    failed = folder / f"{name}.txt"
-    assert not failed.exists(), failed.read_text()
-    header, arrays = checkpoint_file.read(begun / f"{name}.cut.checkpoint.h5")
-    assert header["memory"]["steps"] == RUNS[name][2]
-    with (
-        fsipetsc.open_run(begun / f"{name}.cut.h5") as cut,
-        fsipetsc.open_run(begun / f"{name}.h5") as whole,
-    ):
-        assert len(cut.series["t"]) == 2 * RUNS[name][2] < whole.summary["steps"], (
-            "nothing is to be cut off, or to go on with"
-        )
-    assert different(begun / f"{name}.h5", folder / f"{name}.h5", ranks == RANKS) == []
-    assert np.isfinite(arrays["results"]).all()
+@pytest.mark.parametrize("ranks", ON)
+def test_the_same_bits(ranks, begun, tmp_path):
+    runs = {}
+    for name in ON[ranks]:
+        case, _, steps = RUNS[name]
+        header, arrays = checkpoint_file.read(begun / f"{name}.cut.checkpoint.h5")
+        assert header["memory"]["steps"] == steps and np.isfinite(arrays["results"]).all()
+        cut, whole = (fsipetsc.open_run(begun / f"{name}{end}.h5") for end in (".cut", ""))
+        reached = len(cut.series["t"])
+        assert reached == 2 * steps < whole.summary["steps"], "nothing to cut off, or to go on with"
+        shutil.copy(cut.path, tmp_path / f"{name}.h5")
+        restart = f"-fsi_restart {begun}/{name}.cut.checkpoint.h5 -ts_max_steps 1000000000"
+        runs[name] = case, restart
+    made(ranks, tmp_path, runs)
+    for name in runs:
+        assert different(begun / f"{name}.h5", tmp_path / f"{name}.h5", ranks == RANKS) == [], name
