@@ -26,7 +26,6 @@ PROBLEMS = {
     "back": problem(HIGH, 2.5, F=1.2),
     "apart": problem(HIGH, 1.1, u=0.6),
     "heavy": problem(HIGH, 0.1, m0=1e3),
-    "nothing": problem(HIGH, 1.0),
 }
 
 
