@@ -11,7 +11,6 @@ import pytest
 from helpers import assert_same_fields, compute
 
 import fsipetsc
-from fsipetsc.cases.manufactured import Solution
 
 pytest.importorskip("petsc4py")
 
@@ -67,16 +66,3 @@ def test_three_dimensions_have_the_same_bits_on_any_number_of_ranks(tmp_path):
     for result in results[1:]:
         assert result.summary["steps"] == results[0].summary["steps"] > 1
         assert_same_fields(results[0], result)
-
-
-@pytest.mark.parametrize("d", STUDIES)
-def test_the_forcing_is_no_small_thing(d):
-    """Velocity and temperature are continuous at the interface, where traction and heat lack."""
-    exact, t = Solution(d, mu=0.3, kappa=0.2, kappa_e=0.4, law="linear"), 0.4
-    X = [*np.random.default_rng(d).uniform(0.1, 0.9, (d - 1, 7)), np.linspace(0.1, 0.9, 7)]
-    above, at = [*X[:-1], X[-1] + 1.0], [*X[:-1], np.ones(7)]
-    assert np.abs(exact.force_gas(*X, t)).max(axis=1).min() > 0.05
-    assert np.abs(exact.force_solid(*above, t)[: d + 1]).max(axis=1).min() > 0.05
-    assert np.abs(exact.supplied(*at, t)).max(axis=1).min() > 0.05
-    gap = np.array(exact.exact_gas(*at, t)[1:]) - np.array(exact.exact_solid(*at, t)[: d + 1])
-    assert np.abs(gap).max() < 1e-14

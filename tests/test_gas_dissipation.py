@@ -1,5 +1,5 @@
-"""Dissipation of gas blocks and the terms of shocks on a line: what they keep, and the terms of
-shocks one by one. In two dimensions test_block_oracle.py compares dissipation with the oracle.
+"""Dissipation of gas blocks, with the terms of shocks. The oracle of blocks has no shocks of gases:
+here they are sums over all pairs and links of a line.
 """
 
 from __future__ import annotations
@@ -16,9 +16,7 @@ from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.operators.bands import NO_AXIS, Patch, band
 from fsipetsc.operators.undivided import differences
 from fsipetsc.scheme.gas_dissipation import gas_dissipation, room
-from fsipetsc.scheme.gas_memory import scratch
-from fsipetsc.scheme.gas_rates import gas_rates
-from fsipetsc.scheme.gas_rows import EntropyForm, Viscous
+from fsipetsc.scheme.gas_rows import EntropyForm
 
 LIKE, FORM = (0.0,), EntropyForm()
 LAW = formulas.Gas()
@@ -38,11 +36,6 @@ class Line(NamedTuple):
     @property
     def weights(self):
         return self.axes[0].weight[:, None]
-
-    def variables(self):
-        """(n, 3) entropy variables."""
-        w = GAS.primitive(tuple(self.q.T))
-        return np.array([GAS.first_entropy_variable(w), *GAS.entropy_variables(w)]).T
 
     def dissipation(self, sigma, shock):
         """(n, 4) rates."""
@@ -68,26 +61,13 @@ def line(order, spread=1.0):
 @ORDERS
 @pytest.mark.parametrize("shock", [0.0, 1.0])
 def test_dissipation_conserves_and_makes_entropy_grow(order, shock):
-    """And a uniform flow stays on a moving grid."""
+    """And a uniform flow stays, on a moving grid."""
     s = line(order, 0.3)
-    found, z = s.weights * s.dissipation(0.3, shock), s.variables()
+    found, w = s.weights * s.dissipation(0.3, shock), GAS.primitive(tuple(s.q.T))
+    z = np.array([GAS.first_entropy_variable(w), *GAS.entropy_variables(w)]).T
     assert np.abs(found.sum(axis=0)).max() < 1e-14 * np.abs(found).sum()
     assert -(found[:, 1:] * z).sum() > 1e-3 * np.abs(found[:, 1:] * z).sum()
     assert np.abs(line(order, 0.0).dissipation(0.3, shock)[:, 1:]).max() < 1e-13
-
-
-@ORDERS
-def test_chains_of_neighbours_give_the_entropy_of_their_pair(order):
-    """Without the flux of Lax and Friedrichs the blend changes rates, but no sum and no entropy.
-
-    alpha is between 0 and 1 and varies from node to node.
-    """
-    s = line(order, 0.03)
-    found, z = s.weights * s.dissipation(0.0, 1e-300), s.variables()
-    if order > 2:  # the pairs of order 2 are neighbours, but for none
-        assert np.abs(found).max() > 1e-5
-    assert np.abs(found.sum(axis=0)).max() < 1e-14
-    assert abs((found[:, 1:] * z).sum()) < 1e-14 * max(np.abs(found[:, 1:] * z).sum(), 1.0)
 
 
 def steepness(a):
@@ -132,10 +112,9 @@ def test_shock_terms_of_a_line(order):
     np.testing.assert_allclose(found[:, 1:].T, exact, rtol=0.0, atol=1e-14 * n)
 
 
-@ORDERS
-def test_where_all_is_a_shock_there_is_no_other_dissipation(order):
+def test_where_all_is_a_shock_there_is_no_other_dissipation():
     """Density goes up and down from node to node."""
-    s = line(order, 0.0)
+    s = line(4, 0.0)
     s.q[::2, 1:] *= 2.0
     assert np.abs(s.dissipation(0.3, 0.0)).max() > 1e-2
     assert np.array_equal(s.dissipation(0.3, 0.9), s.dissipation(0.0, 0.9))
@@ -156,37 +135,3 @@ def test_rows_of_a_plane_are_lines():
     expected = np.tile(s.dissipation(0.3, 0.9).T, m).T
     np.testing.assert_allclose(rates[:, [0, 1, 2, 4]], expected, rtol=0.0, atol=1e-14)
     assert np.abs(rates[:, 3]).max() == 0.0
-
-
-def test_smooth_flow_has_no_shocks():
-    s = line(4)
-    wave = 0.03 * np.sin(2.0 * np.pi * np.linspace(0.0, 1.0, len(s.q)))
-    s.q[:] = np.array([1.0 + 0.0 * wave, 1.0 + wave, 0.3 + 0.0 * wave, 2.5 + wave]).T
-    assert np.abs(s.dissipation(0.0, 1.0)).max() == 0.0
-
-
-@ORDERS
-def test_strong_shock_lives(order):
-    """A pressure ratio of 1000 onto a wall, fifty nodes: positive, mass and energy to round-off."""
-    n, p = 51, np.where(np.arange(51) < 3 * 51 // 4, 1000.0, 1.0)
-    axes, metrics = [band(order, n - 1), NO_AXIS, NO_AXIS], np.outer([1.0, 0.0, 0.0], np.ones(n))
-    patch, kind = Patch((n, 1, 1), (n, 1, 1), (0, 0, 0)), Viscous()
-    S, w, work = *zip(*axes, strict=True), scratch(LIKE, FORM, kind, axes, patch)
-    q = np.array(GAS.conserved(np.ones(n), np.ones(n), (np.zeros(n),), p)).T.copy()
-    start, dt = w[0] @ q, 0.4 / (n - 1) / 60.0
-
-    def slope(q):
-        rates = np.zeros_like(q)
-        gas_rates(GAS, LIKE, FORM, kind, q, metrics, *S, *w, patch, rates, work)
-        rates += Line(q, metrics, axes, order).dissipation(0.3, 1.0)
-        rates[[0, -1], 2] = 0.0
-        return rates
-
-    for _ in range(120):
-        a = slope(q)
-        b = slope(q + 0.5 * dt * a)
-        c = slope(q + 0.5 * dt * b)
-        q = q + dt / 6.0 * (a + 2.0 * b + 2.0 * c + slope(q + dt * c))
-    state = GAS.primitive(tuple(q.T))
-    assert state[0].min() > 0.3 and state[1].min() > 0.9 and state[1][-1] > 500.0
-    np.testing.assert_allclose((w[0] @ q)[[0, 1, 3]], start[[0, 1, 3]], rtol=1e-13)

@@ -1,4 +1,7 @@
-"""The built-in laws beside the pair that is always there: formulas in numbers, and runs."""
+"""Laws of materials, built in and as cases bring them: against the literature, and what is refused.
+
+tests/test_gas.py has the laws of gases, tests/test_solid_laws.py the stresses of solids.
+"""
 
 from __future__ import annotations
 
@@ -10,23 +13,25 @@ import pytest
 pytest.importorskip("numba")
 pytest.importorskip("petsc4py")
 
+from helpers import REPOSITORY, compute, message, solve
+
+import fsipetsc
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
+from fsipetsc.materials.own import gas_law, solid_law, transport_law
+from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.power_law import power_law
+from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.solid_pressure import mie_gruneisen
 from fsipetsc.materials.sutherland import sutherland
 
-# the pressure of a solid
+# the pressure of a solid in one dimension
 
 ROCK = {"K": 3e9, "kappa_e": 2.0, "m0": 2700.0, "alpha": 900.0}
 M0, ALPHA, T_0 = ROCK["m0"], ROCK["alpha"], 300.0
 #: of a pressure: that of waves of 5000 m/s
 SIZE = M0 * 5e3**2
-
-
-def gruneisen(rho, epsilon):
-    return 0.8 * rho * epsilon
 
 
 def mie(rho, epsilon):
@@ -36,14 +41,12 @@ def mie(rho, epsilon):
     return p_H + 2.1 * M0 * (epsilon - ALPHA * T_0 - 0.5 * p_H * (1 / M0 - 1 / rho))
 
 
-#: name -> p(rho, epsilon) as the literature has it, and the solid
+MIE = mie_gruneisen(5350.0, 1.34, 2.1, T_0)
+#: p(rho, epsilon) as the literature has it, and the solid
 SOLIDS = {
-    "gruneisen": (gruneisen, Solid(**ROCK, gruneisen=0.8)),
-    "mie": (mie, Solid(**ROCK, pressing=mie_gruneisen(5350.0, 1.34, 2.1, T_0))),
+    "gruneisen": (lambda rho, epsilon: 0.8 * rho * epsilon, Solid(**ROCK, gruneisen=0.8)),
+    "mie": (mie, Solid(**ROCK, pressing=MIE)),
 }
-EACH_SOLID = pytest.mark.parametrize("name", SOLIDS)
-#: (T, x_X): squeezed, at rest, pulled
-STATES = [(T, x_X) for T in (250.0, T_0, 1500.0) for x_X in (0.7, 1.0, 1.15)]
 
 
 def slope(f, x):
@@ -52,74 +55,40 @@ def slope(f, x):
     return sum(w * (f(x + k * d) - f(x - k * d)) for k, w in ((1, 45), (2, -9), (3, 1))) / (60 * d)
 
 
-def exact(name, T, x_X):
-    """p, dp/dT and dp/dx_X of a law of the literature."""
-    p = SOLIDS[name][0]
-    by_T = slope(lambda T: p(M0 / x_X, ALPHA * T), T)
-    return p(M0 / x_X, ALPHA * T), by_T, slope(lambda x_X: p(M0 / x_X, ALPHA * T), x_X)
-
-
-@EACH_SOLID
-def test_pressure_and_its_derivatives(name):
-    """Also by differences, where a law of a case does not give them: 1e-9 of the formulas."""
-    solid = SOLIDS[name][1]
+@pytest.mark.parametrize("x_X", [0.7, 1.0, 1.15])
+@pytest.mark.parametrize("T", [250.0, T_0, 1500.0])
+@pytest.mark.parametrize("name", SOLIDS)
+def test_pressure_of_a_solid(name, T, x_X):
+    """With its derivatives, also by differences, where a law of a case does not give them; the
+    speed of sound is an eigenvalue of (3.1) without conduction, linearised.
+    """
+    exact, solid = SOLIDS[name]
+    p = exact(M0 / x_X, ALPHA * T)
+    by_T = slope(lambda T: exact(M0 / x_X, ALPHA * T), T)
+    by_x = slope(lambda x_X: exact(M0 / x_X, ALPHA * T), x_X)
     law = solid.pressure_law
-    Given = NamedTuple("Given", [(name, float) for name in law._fields])
+    Given = NamedTuple("Given", [(field, float) for field in law._fields])
     Given.pressure = type(law).pressure
     own = Solid(**ROCK, pressing=Given(*law))
-    for T, x_X in STATES:
-        p, by_T, by_x = exact(name, T, x_X)
-        assert solid.pressure(T, x_X) == pytest.approx(p, rel=1e-12, abs=1e-15 * SIZE)
-        assert solid.elastic.pressure_by_temperature(T, x_X) == pytest.approx(by_T, rel=1e-8)
-        assert solid.elastic.stiffness(T, x_X) == pytest.approx(-x_X * by_x, rel=1e-8)
-        assert own.pressure(T, x_X) == solid.pressure(T, x_X)
-        for what in ("pressure_by_temperature", "stiffness"):
-            found, wanted = (getattr(one.elastic, what)(T, x_X) for one in (own, solid))
-            assert found == pytest.approx(wanted, abs=1e-9 * (abs(p) + SIZE))
-
-
-@EACH_SOLID
-def test_speed_of_sound_is_that_of_the_linear_theory(name):
-    """(3.1) without conduction, linearised with differences of the pressure: an eigenvalue."""
-    solid = SOLIDS[name][1]
-    for T, x_X in STATES:
-        for sigma in (0.0, -2e8):
-            A, (p, by_T, by_x) = np.zeros((4, 4)), exact(name, T, x_X)  # u, sigma, T, x_X
-            A[0, 1:] = np.array([1.0, -by_T, -by_x]) / M0
-            A[1:, 0] = solid.K / x_X, (sigma - p) / (ALPHA * M0), 1.0
-            c = np.max(np.linalg.eigvals(A).real)
-            assert solid.sound_speed(x_X, T, sigma) == pytest.approx(c, rel=1e-8)
-
-
-MIE = SOLIDS["mie"][1].pressing
-WRONG = {
-    "mie_gruneisen: G_0 is 1, s is 0.2: expected G_0 of at most 4 s": lambda: mie_gruneisen(
-        1.0, 0.2, 1.0, 300.0
-    ),
-    "sutherland: S is -111: expected a number not below 0": lambda: sutherland(273.0, -111.0),
-    "power_law: T_ref is 0: expected a number above 0": lambda: power_law(0.0, 0.7),
-    "gruneisen is 1 beside pressing": lambda: Solid(**ROCK, gruneisen=1.0, pressing=MIE),
-    "Solid: pressing": lambda: Solid(**ROCK, pressing=sutherland(273.0, 111.0)),
-    "Fluid: transport": lambda: Fluid(1.0, 1.0, 1.4, 1.0, transport=MIE),
-    "Fluid: force is None: expected a number": lambda: Fluid(1.0, 1.0, 1.4, 1.0, force=None),
-}
-
-
-@pytest.mark.parametrize("said", WRONG)
-def test_wrong_numbers_are_named(said):
-    with pytest.raises(InputError) as caught:
-        WRONG[said]()
-    assert said in str(caught.value)
+    for one, most in (solid, 1e-12), (own, 1e-9):
+        assert one.pressure(T, x_X) == pytest.approx(p, rel=1e-12, abs=1e-15 * SIZE)
+        near = {"rel": 1e-8, "abs": most * (abs(p) + SIZE)}
+        assert one.elastic.pressure_by_temperature(T, x_X) == pytest.approx(by_T, **near)
+        assert one.elastic.stiffness(T, x_X) == pytest.approx(-x_X * by_x, **near)
+    for sigma in (0.0, -2e8):
+        A = np.zeros((4, 4))  # u, sigma, T, x_X
+        A[0, 1:] = np.array([1.0, -by_T, -by_x]) / M0
+        A[1:, 0] = solid.K / x_X, (sigma - p) / (ALPHA * M0), 1.0
+        c = np.max(np.linalg.eigvals(A).real)
+        assert solid.sound_speed(x_X, T, sigma) == pytest.approx(c, rel=1e-8)
 
 
 # viscosity and conductivity of a gas
 
-AIR = {"mu": 1.716e-5, "kappa": 0.0241, "gamma": 1.4, "R": 287.0}
-
 
 def relative(law, T):
-    """mu(T)/mu, kappa(T)/kappa of air with this law."""
-    transport = Fluid(**AIR, transport=law).transport_law
+    """mu(T)/mu, kappa(T)/kappa of a gas with this law."""
+    transport = Fluid(1.0, 1.0, 1.4, 287.0, transport=law).transport_law
     return transport.viscosity(T), transport.conductivity(T)
 
 
@@ -131,10 +100,127 @@ def test_sutherland_and_power_law():
     factors = relative(sutherland(273.0, 111.0, 194.0), T)
     for factor, S in zip(factors, (111.0, 194.0), strict=True):
         np.testing.assert_allclose(factor, (T / 273) ** 1.5 * (273 + S) / (T + S), rtol=1e-14)
-    mu_300, kappa_300 = (of_mu[2] for of_mu in factors)
-    assert 1.716e-5 * mu_300 == pytest.approx(184.6e-7, rel=3e-3)
-    assert 0.0241 * kappa_300 == pytest.approx(26.3e-3, rel=3e-3)
+    assert 1.716e-5 * factors[0][2] == pytest.approx(184.6e-7, rel=3e-3)
+    assert 0.0241 * factors[1][2] == pytest.approx(26.3e-3, rel=3e-3)
     powers = relative(power_law(273.0, 0.67, 0.81), T)
     np.testing.assert_allclose(powers, [(T / 273) ** 0.67, (T / 273) ** 0.81], rtol=1e-14)
-    alike = relative(power_law(273.0, 0.67), T)
-    np.testing.assert_array_equal(alike, [powers[0], powers[0]])
+    np.testing.assert_array_equal(relative(power_law(273.0, 0.67), T), [powers[0], powers[0]])
+
+
+# laws that cases bring
+
+R, CV = 287.0, 717.5
+GAS = {
+    "pressure": lambda rho, T: R * rho * T,
+    "internal_energy": lambda rho, T: CV * T,
+    "temperature": lambda rho, e: e / CV,
+    "density": lambda p, T: p / (R * T),
+    "temperature_of": lambda rho, p: p / (R * rho),
+}
+SOLID = {"mu_e": 1.3, "lambda_e": 2.1, "kappa_e": 0.0, "m0": 1.7, "alpha": 0.6}
+
+
+LOG = ElasticSolid(**SOLID).solid_law
+
+
+def elastic(stress=lambda F: LOG.stress(F), **energy):
+    """A law in two dimensions."""
+    made = ElasticSolid(**SOLID, law=solid_law(stress=stress, **energy), heat="elastic")
+    return made.equations(2).law
+
+
+def test_functions_as_laws_are_the_built_in_ones():
+    """With what is not given, but for the entropy of a gas."""
+    own, built_in = Fluid(0.0, 0.0, 1.4, R, law=gas_law(**GAS)).gas_law, PerfectGas(1.4, R)
+    names = "energy_density", "heat_capacity", "bulk_modulus", "pressure_by_temperature"
+    for name in (*GAS, *names, "sound_speed_squared"):
+        wanted = getattr(built_in, name)(1.3, 310.0)
+        assert getattr(own, name)(1.3, 310.0) == pytest.approx(wanted, rel=1e-9)
+    assert np.isnan(own.entropy(1.3, 310.0))
+    own = elastic(energy=lambda F: LOG.energy(F))
+    for F in (1.0, 0.0, 0.0, 1.0), (1.1, 0.05, -0.08, 0.95), (0.7, -0.3, 0.2, 1.3):
+        assert (own.stress(F), own.energy(F)) == (LOG.stress(F), LOG.energy(F))
+        assert own.wave_modulus(F) >= 0.99 * LOG.wave_modulus(F) / 2.0
+
+
+GASES = {
+    "no formula 'viscosity'": {"viscosity": GAS["pressure"]},
+    "density(p): expected density(p, T)": {"density": lambda p: p},
+    "gas_law: density cannot be compiled": {"density": lambda p, T: T.nowhere},
+    "density returns a value of the type": {"density": lambda p, T: (p, T)},
+}
+BODIES = {
+    "law is 'rubber': expected 'log', 'neo-hookean', 'svk', 'linear'": {"law": "rubber"},
+    "heat is 'none': expected 'coupled' or 'elastic'": {"heat": "none"},
+    "mu_e and lambda_e are 0": {"mu_e": 0.0, "lambda_e": 0.0},
+    "kappa_e is nan": {"kappa_e": float("nan")},
+    "pressing is 3: expected what pressure_law": {"pressing": 3},
+    "force is": {"force": (1.0,) * 4},
+}
+WRONG = {
+    **{said: lambda more=more: gas_law(**GAS | more) for said, more in GASES.items()},
+    **{said: lambda more=more: ElasticSolid(**SOLID | more) for said, more in BODIES.items()},
+    "gas_law: the formula pressure(rho, T) is missing": lambda: gas_law(),
+    "viscosity is 3: expected a function": lambda: transport_law(3),
+    "no formula energy(F), which heat='elastic' needs": lambda: elastic(),
+    "stress is not the derivative of energy": lambda: elastic(
+        energy=lambda F: 1.001 * LOG.energy(F)
+    ),
+    "expected a tuple of 4 numbers": lambda: elastic(lambda F: F[:3], energy=lambda F: F[0]),
+    "G_0 is 1, s is 0.2: expected G_0 of at most 4 s": lambda: mie_gruneisen(1.0, 0.2, 1.0, 300.0),
+    "sutherland: S is -111: expected a number not below 0": lambda: sutherland(273.0, -111.0),
+    "gruneisen is 1 beside pressing": lambda: Solid(**ROCK, gruneisen=1.0, pressing=MIE),
+    "Fluid: transport": lambda: Fluid(1.0, 1.0, 1.4, 1.0, transport=MIE),
+    "Fluid: force is None: expected a number": lambda: Fluid(1.0, 1.0, 1.4, 1.0, force=None),
+}
+
+
+@pytest.mark.parametrize("said", WRONG)
+def test_what_is_wrong_with_a_material(said):
+    with pytest.raises(InputError) as caught:
+        WRONG[said]()
+    assert said in str(caught.value)
+
+
+def test_a_run_with_a_wrong_law_ends_with_status_2(tmp_path):
+    text = (REPOSITORY / "runs" / "sutherland.py").read_text()
+    (tmp_path / "wrong.py").write_text(text.replace("/ (T + S))\n", "/ (T + S)).wrong\n"))
+    message(solve("wrong.py", "-fsi_coupling", "energy", cwd=tmp_path), 2, "transport_law")
+
+
+#: the case box with its gas as functions
+OWN_GAS = """
+from dataclasses import replace
+from fsipetsc.cases import box
+from fsipetsc.materials.own import gas_law
+
+OPTIONS, DEFAULTS = box.OPTIONS, box.DEFAULTS
+
+
+def build(opt):
+    problem = box.build(opt)
+    gas = problem.layers[0].material
+    R, cv = gas.R, gas.cv
+    own = replace(gas, law=gas_law(
+        pressure=lambda rho, T: R * rho * T,
+        internal_energy=lambda rho, T: cv * T,
+        temperature=lambda rho, e: e / cv,
+        density=lambda p, T: p / (R * T),
+        temperature_of=lambda rho, p: p / (R * rho),
+    ))
+    left, solid, right = problem.layers
+    layers = replace(left, material=own), solid, replace(right, material=own)
+    return replace(problem, layers=layers)
+"""
+
+
+@pytest.mark.long
+def test_a_perfect_gas_of_functions_on_blocks(tmp_path):
+    (tmp_path / "own.py").write_text(OWN_GAS)
+    words = "-fsi_h 0.05 -ts_max_time 0.5 -fsi_convection divergence"
+    files = compute(1, tmp_path, {name: (name, words) for name in ("box", "own.py")})
+    built_in, own = (fsipetsc.open_run(files[name]) for name in ("box", "own.py"))
+    for one, other in zip(built_in.layers, own.layers, strict=True):
+        for name in ("u", "T"):
+            np.testing.assert_allclose(other[name][-1], one[name][-1], rtol=1e-8, atol=1e-8)
+    assert np.ptp(own.layers[1]["u"][-1]) > 1e-3

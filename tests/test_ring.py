@@ -10,11 +10,9 @@ from helpers import assert_same_fields, computed, solve
 
 pytest.importorskip("petsc4py")
 
-from mpi4py import MPI
 
 from fsipetsc.analysis.ring_theory import Medium, mode_near
-from fsipetsc.analysis.wave_modes import Bench, radial_modes
-from fsipetsc.blockrun.block_state import BlockForm, BlockState
+from fsipetsc.analysis.wave_modes import radial_modes
 from fsipetsc.cases import ring
 
 #: of angular number 2, by another program: with gas, and in a vacuum
@@ -40,12 +38,6 @@ def modes_of(folder, words=""):
     assert [row["index"] for row in rows] == list(range(1, len(rows) + 1))
     omega, exact = ("omega_re", "omega_im"), ("exact", "exact_im")
     return np.array([[complex(row[a], row[b]) for row in rows] for a, b in (omega, exact)])
-
-
-@pytest.mark.parametrize(("rings", "known"), [(media(), IN_GAS), ((RING,), IN_VACUUM)])
-def test_theory_has_the_known_modes(rings, known):
-    for omega in known:
-        assert abs(mode_near(rings, 2, 1.02 * omega) - omega) < 1e-11
 
 
 def test_theory_with_viscosity_and_where_there_is_no_mode():
@@ -107,18 +99,6 @@ def test_modes_at_all_orders(order):
     for coarse, fine in zip(found, found[1:]):
         rates = np.log2(coarse / fine)
         assert rates.min() > order - 0.2, rates
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("viscosity", [0.0, 0.01])
-@pytest.mark.parametrize("density", [1e-3, 1.0, 1e3])
-def test_nothing_grows_beside_light_and_heavy_rings(density, viscosity):
-    """About rest; modes of frequency 0 are double, and differences split these."""
-    words = {"fsi_order": 4, "fsi_h": 0.1, "ring_around": 24, "fluid_mu": viscosity}
-    problem = at_rest(solid_density=density, **words)
-    with BlockState(MPI.COMM_SELF, problem, 4, BlockForm()) as state:
-        values = Bench(state, 1, 2).linear().modes()[0]
-    assert values.real.max() < 1e-11 * np.abs(values).max()
 
 
 @pytest.mark.mpi

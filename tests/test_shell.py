@@ -29,7 +29,6 @@ from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.scheme.plan import RATE
 
 KAPPA = pytest.mark.parametrize("kappa", [1, 2])
-AIR = Fluid(0.0, 0.0, 1.4, 1.0)
 
 
 def mode_errors(kappa, gas, order, h):
@@ -100,21 +99,6 @@ def test_modes_of_a_ball(order):
     assert np.log2(coarse[0] / fine[0]) > min(order, 5) - 0.1
 
 
-def test_theory_of_thin_shells_and_of_balls_of_gas():
-    """Love's frequencies of rings and spheres that breathe; tan x = x in a rigid sphere."""
-    lame, mu, rho = 1.5, 1.0, 2.0
-    E, nu = mu * (3 * lame + 2 * mu) / (lame + mu), 0.5 * lame / (lame + mu)
-    for kappa, stiffness in ((1, E / (1 - nu**2)), (2, 2 * E / (1 - nu))):
-        thin = Medium(1.0, 1.0001, rho, lame, mu, kappa=kappa)
-        expected = np.sqrt(stiffness / rho)
-        assert abs(mode_near((thin,), 0, expected) - expected) < 1e-4
-    sound = np.sqrt(1.4)
-    gas = Medium(0.0, 1.0, 1.0, 1.4, kappa=2)
-    assert abs(mode_near((gas,), 0, 4.5 * sound) / sound - 4.493409457909064) < 1e-9
-    gas = Medium(0.0, 1.0, 1.0, 1.4, kappa=1)
-    assert abs(mode_near((gas,), 0, 3.8 * sound) / sound - 3.831705970207512) < 1e-9
-
-
 def test_the_command_writes_the_modes(tmp_path):
     done = solve(
         "modes", "shell", *"-shell_gas none -fsi_order 6 -modes_count 3".split(), cwd=tmp_path
@@ -151,115 +135,6 @@ def test_a_charge_in_a_shell(tmp_path):
     assert (two.layers[1]["x"][-1] > two.layers[1]["x"][0] + 0.02).all()
 
 
-#: a pulse in gas, around a centre or, in (z, r), around an axis
-PULSE = """
-import numpy as np
-from fsipetsc import BlockProblem, Block, Fluid, Option
-from fsipetsc.blocks.conditions import Centre, Slip
-from fsipetsc.blocks.maps import Mapped, ball, off_axis
-
-NAME, SUMMARY = "pulse", "a spherical pulse"
-OPTIONS = (Option("n", int, 16, "", "cells along r"), Option("d", int, 2, "", "dimensions"))
-DEFAULTS = {"fsi_h": 1.0, "ts_max_time": 0.4, "fsi_output_dt": 0.4}
-
-
-def start(*X):
-    p = 1.0 + 0.3 * np.exp(-sum(x * x for x in X) / 0.09)
-    return [p ** (1 / 1.4), *[0.0 * p] * len(X), p ** (0.4 / 1.4)]
-
-
-def build(opt):
-    n, d = opt["n"], opt["d"]
-    plane = off_axis(Mapped(lambda xi: (2.0 * xi[0] - 1.0, xi[1]), 2), n)
-    shape, cells = (ball(1.0, n), (n,)) if d == 1 else (plane, (2 * n, n))
-    gas = Block("gas", Fluid(0.0, 0.0, 1.4, 1.0), shape, cells, start)
-    faces = {("gas", k, side): Slip() for k in range(d) for side in (0, 1)}
-    faces["gas", d - 1, 0] = Centre()
-    return BlockProblem((gas,), faces, units="none", symmetry=3 - d)
-"""
-
-
-@pytest.mark.long
-def test_a_spherical_pulse_around_an_axis(tmp_path):
-    """4/2, against the same in one dimension, where no wall is near. Velocities across the axis
-    next to it converge like the rest. Measured: p 2.2e-4, 1.4e-5, v 2.2e-4, 8.3e-6.
-    """
-    (tmp_path / "pulse.py").write_text(PULSE)
-    line = computed(tmp_path, "line.h5", "pulse.py", *"-d 1 -n 400 -fsi_order 6".split())
-    r, *exact = (line.layers[0].frame(-1)[name] for name in ("x", "p", "u"))
-    errors = []
-    for n in (16, 32):
-        run = computed(tmp_path, f"{n}.h5", "pulse.py", "-n", n)
-        x, y, p, v = (np.asarray(run.layers[0].frame(-1)[name]) for name in ("x", "y", "p", "v"))
-        distance = np.hypot(x, y)
-        pressure, speed = (np.interp(distance, r, values) for values in exact)
-        inside, across = distance < 0.6, v - speed * y / distance
-        mean = np.sqrt((np.square(p - pressure)[inside]).mean())
-        errors.append((mean, np.abs(across[0][inside[0]]).max()))
-    (p, v), (p_fine, v_fine) = errors
-    assert p < 4e-4 and p / p_fine > 12.0
-    assert v < 4e-4 and v / v_fine > 8.0
-
-
-def gas_at(*X):
-    return 1.0 + 0.0 * X[0], *(0.0 * x for x in X), 1.0 + 0.0 * X[0]
-
-
-def radial(map_, faces, cells=(12,), material=AIR, **more):
-    """A problem of one block of gas."""
-    options = {"symmetry": 2, **more}
-    return BlockProblem((Block("gas", material, map_, cells, gas_at),), faces, **options)
-
-
-def test_other_mistakes():
-    """A centre without symmetry, at another side; symmetry in two dimensions, or another number;
-    nodes on the axis or beyond it, or at another place beside it.
-    """
-    faces = {("gas", 0, 0): Centre(), ("gas", 0, 1): Slip()}
-    assert radial(ball(1.0, 12), faces).centred(0)
-    wrong = [
-        lambda: radial(ball(1.0, 12), faces, symmetry=0),
-        lambda: radial(rectangle(0.0, 1.0), faces),
-        lambda: radial(rectangle(-0.5, 1.0), {**faces, ("gas", 0, 0): Slip()}),
-        lambda: radial(rectangle(0.1, 1.0), faces),
-        lambda: radial(rectangle(0.5, 1.0), {("gas", 0, 0): Slip(), ("gas", 0, 1): Centre()}),
-        lambda: radial(ball(1.0, 12), faces, symmetry=3),
-        lambda: radial(rectangle((0.5, 0), (1, 1)), {}, (12, 12)),
-    ]
-    for make in wrong:
-        with pytest.raises(InputError):
-            make()
-
-
-def test_a_rod_that_reaches_the_axis_is_refused():
-    steel = ElasticSolid(1.0, 1.5, 0.0, 2.0, 1.0, heat="elastic")
-    body = Block("rod", steel, ball(1.0, 12), (12,), at_rest())
-    with pytest.raises(InputError, match=r"^block 'rod': a solid cannot reach an axis"):
-        BlockProblem((body,), {("rod", 0, 0): Centre(), ("rod", 0, 1): Free()}, symmetry=1)
-
-
-@pytest.mark.parametrize(
-    ("map_", "symmetry", "last", "message"),
-    [
-        (rectangle((0, 0), (1, 1)), 1, Slip(), r"a node is at \(X, Y\) = \(0, 0\): expected r > 0"),
-        (rectangle((0, -1), (1, 1)), 1, Slip(), r"a node is at \(X, Y\) = \(0, -1\): expected r"),
-        (rectangle((0, 1), (1, 2)), 2, Slip(), "symmetry is 2 in 2 dimensions: expected 0, 1 in"),
-        (rectangle((0, 1), (1, 2)), 1, Centre(), r"at \(X, Y\) = \(0, 1\) and \(X, Y\)"),
-        (Mapped(lambda xi: (xi[0] + 2 * xi[1], xi[1]), 2), 1, Centre(), "expected half a spacing"),
-    ],
-)
-def test_mistakes_in_two_dimensions(map_, symmetry, last, message):
-    """A node on the axis or beyond it, a centre in a plane, a first row at another distance, lines
-    that leave the axis aslant: one message names the block and the place.
-    """
-    if message.startswith("expected half"):
-        map_ = off_axis(map_, 12)
-    sides = {("gas", axis, side): Slip() for axis in (0, 1) for side in (0, 1)}
-    with pytest.raises(InputError, match=f"^block 'gas'.*{message}") as raised:
-        radial(map_, {**sides, ("gas", 1, 0): last}, (12, 12), symmetry=symmetry)
-    assert raised.value.status == 2
-
-
 @pytest.mark.mpi
 def test_a_shock_in_a_nozzle(tmp_path):
     """In (z, r): the same bits on two and four ranks; mass, energy and the momentum along the
@@ -275,3 +150,36 @@ def test_a_shock_in_a_nozzle(tmp_path):
     mass = series["mass"] - np.cumsum(series["mass_in"], axis=0)
     assert np.abs(mass / mass[0] - 1.0).max() < 1e-13
     assert two.layers[1]["y"][-1].max() > two.layers[1]["y"][0].max() + 1e-4
+
+
+STEEL = ElasticSolid(1.0, 1.5, 0.0, 2.0, 1.0, heat="elastic")
+UNIT, SHIFTED = rectangle((0, 0), (1, 1)), rectangle((0, 1), (1, 2))
+ASLANT = off_axis(Mapped(lambda xi: (xi[0] + 2 * xi[1], xi[1]), 2), 12)
+#: map, symmetry, conditions below and above the last coordinate, words; the gas is a solid if said
+WRONG = [
+    (ball(1.0, 12), 0, Centre(), Slip(), ""),
+    (rectangle(0.0, 1.0), 2, Centre(), Slip(), ""),
+    (rectangle(-0.5, 1.0), 2, Slip(), Slip(), ""),
+    (rectangle(0.1, 1.0), 2, Centre(), Slip(), ""),
+    (rectangle(0.5, 1.0), 2, Slip(), Centre(), ""),
+    (ball(1.0, 12), 3, Centre(), Slip(), ""),
+    (ball(1.0, 12), 1, Centre(), Free(), "a solid cannot reach an axis"),
+    (UNIT, 1, Slip(), Slip(), "a node is at (X, Y) = (0, 0): expected r > 0"),
+    (SHIFTED, 2, Slip(), Slip(), "symmetry is 2 in 2 dimensions: expected 0, 1 in"),
+    (SHIFTED, 1, Centre(), Slip(), "at (X, Y) = (0, 1) and (X, Y)"),
+    (ASLANT, 1, Centre(), Slip(), "expected half a spacing"),
+]
+
+
+@pytest.mark.parametrize(("map_", "symmetry", "below", "above", "said"), WRONG)
+def test_mistakes(map_, symmetry, below, above, said):
+    """A centre without symmetry, at a node, at another side; nodes on the axis or beyond it."""
+    cells = (12,) * (2 if map_ in (UNIT, SHIFTED, ASLANT) else 1)
+    start = at_rest() if "solid" in said else lambda *X: (1.0, *(0.0 * x for x in X), 1.0)
+    material = STEEL if "solid" in said else Fluid(0.0, 0.0, 1.4, 1.0)
+    faces = {("it", axis, side): Slip() for axis in range(len(cells)) for side in (0, 1)}
+    faces |= {("it", len(cells) - 1, 0): below, ("it", len(cells) - 1, 1): above}
+    block = Block("it", material, map_, cells, start)
+    with pytest.raises(InputError) as raised:
+        BlockProblem((block,), faces, symmetry=symmetry)
+    assert said in str(raised.value)

@@ -2,59 +2,40 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
-from fsipetsc.blockrun.block_state import PARTS, BlockState
+pytest.importorskip("petsc4py")
+
+from test_stretched import Case, column
+
+from fsipetsc.blockrun.block_state import PARTS
+from fsipetsc.boundaries import Wall
 from fsipetsc.scheme.plan import BAD, RATE
-from fsipetsc.scheme.runge_kutta import STAGES
 
 
-class Run:
-    """What BlockState._advance asks for; steps longer than ``longest`` leave a bad state."""
-
-    def __init__(self, longest):
-        self.y, self._before = SimpleNamespace(array=np.ones(3)), np.zeros(3)
-        self.scheme, self.results = SimpleNamespace(step=self.step, forget=self.forget), np.ones(6)
-        self._stage, self.forgotten, self.told = None, 0, set()
-        self.evaluations, self.retries, self.longest, self.made = 0, 0, longest, []
-
-    def step(self, t, dt, y, stage):
-        self.made.append((t, dt))
-        self.told.add(self.results[RATE])
-        y.array += dt if dt <= self.longest else np.nan
-
-    def forget(self):
-        self.forgotten += 1
-
-    def _guarded(self, action):
-        action()
-
-    def _monitor(self):
-        self.results[BAD] = float(np.isnan(self.y.array).any())
-        self.results[RATE] = np.inf if self.results[BAD] else 2.0
-
-
-@pytest.mark.parametrize(("longest", "parts"), [(1.0, 1), (0.5, 2), (0.06, 16)])
-def test_a_failed_step_is_made_in_parts(longest, parts):
-    run = Run(longest)
-    BlockState._advance(run, 2.0, 0.8)
-    tried = PARTS[: PARTS.index(parts) + 1]
-    assert run.evaluations == STAGES * sum(tried)
-    assert run.retries == len(tried) - 1
-    last = run.made[-tried[-1] :]
-    np.testing.assert_allclose([t for t, _ in last], 2.0 + 0.8 * np.arange(tried[-1]) / tried[-1])
-    assert {dt for _, dt in last} == {0.8 / tried[-1]}
-    np.testing.assert_allclose(run.y.array, 1.8)
-    assert run._t == 2.8 and run.results[BAD] == 0.0
-    assert run.told == {1.0}, "data in time are found with the rate of the good state"
-    assert run.forgotten == run.retries and run.results[RATE] == 2.0
-
-
-def test_a_step_that_cannot_be_made_stays_bad():
-    run = Run(1e-3)
-    BlockState._advance(run, 0.0, 1.0)
-    assert run.results[BAD] == 1.0 and run.retries == len(PARTS) - 1
-    assert np.isnan(run.y.array).all()
+@pytest.mark.parametrize("dt", [0.2, 0.5, 50.0])
+def test_a_failed_step_is_made_in_parts(dt):
+    """As if they had been made one by one, with the data in time found by the rate of the good
+    state; one that cannot be made stays bad.
+    """
+    walls = Wall(lambda t: 0.02 * np.sin(3.0 * t)), Wall(1.0)
+    problem = column(*walls, speed=lambda X: 0.5 * np.sin(2 * np.pi * X))
+    with Case(problem, fsi_order=2, fsi_h=1 / 20).state() as state:
+        state.set_initial()
+        state.finish()
+        start, rate = state.y.array.copy(), state.results[RATE]
+        forgotten, forget = [], state.scheme.forget
+        state.scheme.forget = lambda: forgotten.append(forget())  # no NaN may stay in its memory
+        state._advance(0.0, dt)
+        found, tried = state.y.owned(0).copy(), PARTS[: state.retries + 1]
+        assert state.evaluations == 4 * sum(tried) and len(forgotten) == state.retries
+        if dt > 1.0:
+            assert tried == PARTS and state.results[BAD] == 1.0
+            return
+        assert (len(tried) == 1) == (dt < 0.3) and state.results[BAD] == 0.0
+        state.scheme.forget()
+        state.y.array[:], state.results[RATE] = start, rate
+        for part in range(tried[-1]):
+            state.scheme.step(dt * part / tried[-1], dt / tried[-1], state.y, state._stage)
+        assert np.array_equal(state.y.owned(0), found)
