@@ -109,10 +109,12 @@ def test_a_fault_is_one_message_that_says_where_and_what(name, tmp_path):
 
 FAULTY_FILES = {
     "x = 1\nx = = 2\n": ("line 2", "invalid syntax"),
-    "from fsipetsc.materials.nothing import x\n": ("line 1", "fsipetsc has no module"),
+    "from fsipetsc.materials.nothing import x\n": ("line 1", "No module named 'fsipetsc.materials.nothing'"),
     CASE.replace("OPTIONS =", "OPTION ="): ("does not define", "OPTIONS"),
     CASE.replace("solid_force", "fsi_h"): ("exists already",),
-    "import beside_a_faulty_case\n": ("beside_a_faulty_case.py, line 3: NameError",),
+    "import beside_a_faulty_case\n": (
+        "beside_a_faulty_case.py, line 3: case file faulty.py: NameError",
+    ),
     "OPTIONS = ()\ndef build(opt): ...\nNAME = ''\n": ("line 3", "NAME", "a text"),
 }
 
