@@ -109,7 +109,10 @@ def test_a_fault_is_one_message_that_says_where_and_what(name, tmp_path):
 
 FAULTY_FILES = {
     "x = 1\nx = = 2\n": ("line 2", "invalid syntax"),
-    "from fsipetsc.materials.nothing import x\n": ("line 1", "No module named 'fsipetsc.materials.nothing'"),
+    "from fsipetsc.materials.nothing import x\n": (
+        "line 1",
+        "No module named 'fsipetsc.materials.nothing'",
+    ),
     CASE.replace("OPTIONS =", "OPTION ="): ("does not define", "OPTIONS"),
     CASE.replace("solid_force", "fsi_h"): ("exists already",),
     "import beside_a_faulty_case\n": (
