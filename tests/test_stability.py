@@ -15,17 +15,16 @@ pytest.importorskip("petsc4py")
 
 from helpers import message, solve
 from mpi4py import MPI
+from ratios import sandwich
 
 from fsipetsc.analysis.spectra import CENTRAL, step_limit
 from fsipetsc.analysis.stability_linear import Constant, assemble, measure
-from fsipetsc.boundaries import Wall
 from fsipetsc.cases import load_case
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.operators import OPERATORS, operator
 from fsipetsc.options import defaults
 from fsipetsc.paper.state import PaperState
-from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 ORDERS = pytest.mark.parametrize("order", OPERATORS)
 N = 16  # points of a layer, enough for all orders
@@ -48,25 +47,6 @@ def constant(density=2.0, stiffness=3.0, eos="ideal", stretch=1.0, **gas):
 
 #: points of a layer; those at the interface that change, and those whose rates are compared
 POINTS, COLUMNS, ROWS = 33, 20, 8
-
-
-def built_in():
-    """gas | solid | gas with viscosity; the solid has a pressure, is strained, and in balance."""
-    gas, solid = Fluid(0.01, 0.03, 1.4, 1.0), Solid(3.0, 0.02, 2.0, 1.2, gruneisen=0.4)
-    state = Constant(gas, solid, 1.5, 0.8, 1.1)
-
-    def air(X):
-        return [1.5 + 0 * X, 0 * X, 0.8 + 0 * X]
-
-    def bar(X):
-        return [0 * X, state.stress + 0 * X, 0.8 + 0 * X, 1 + 1.1 * (X - 1)]
-
-    layers = (
-        FluidLayer("left", gas, (0.0, 1.0), air),
-        SolidLayer("bar", solid, (1.0, 2.0), bar),
-        FluidLayer("right", gas, (2.0, 3.0), air),
-    )
-    return Problem(layers, Wall(0.0), Wall(3.1), units="none"), state
 
 
 def theory(linear, state, order, change):
@@ -115,13 +95,15 @@ def solver_rates(state, constant, order):
     ],
 )
 def test_the_linear_scheme_is_the_derivative_of_the_right_hand_side(order, coupling, narrow):
-    """In the direction of each unknown at the points near the interface, with random numbers."""
-    (problem, constant), h = built_in(), 1 / (POINTS - 1)
+    """In the direction of each unknown at points near the interface; the solid has a pressure, is
+    strained, and in balance."""
+    gas, solid = Fluid(0.01, 0.03, 1.4, 1.0), Solid(3.0, 0.02, 2.0, 1.2, gruneisen=0.4)
+    constant, h = Constant(gas, solid, 1.5, 0.8, 1.1), 1 / (POINTS - 1)
     opt = {**defaults(load_case("rod")), "fsi_order": order, "fsi_h": h, "fsi_coupling": coupling}
     opt["fsi_viscous"] = "narrow" if narrow else "wide"
     linear = assemble(constant, order, POINTS, h, coupling, narrow)
     random, size = np.random.default_rng(order), constant.scales[:, None]
-    with PaperState(MPI.COMM_SELF, problem, opt) as state:
+    with PaperState(MPI.COMM_SELF, sandwich(constant), opt) as state:
         state.set_initial()
         rates = solver_rates(state, constant, order)
         for c, begin in product(range(6), range(0, COLUMNS, 4)):
