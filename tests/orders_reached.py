@@ -37,14 +37,13 @@ def slab(which):
     def exact(X, t):
         return 0 * X, 0 * X, 1 + warmth(X, t).real, X
 
-    def into(X, outward):
-        return lambda t: -outward * SLAB.kappa_e * K * warmth(X, t).imag
+    def end(X, outward):
+        if which == "heated":
+            return clamped(heat_flux=lambda t: -outward * SLAB.kappa_e * K * warmth(X, t).imag)
+        return clamped(T=1.0) if which == "warm" else clamped()
 
-    heat = [{"heat_flux": into(X, outward)} for X, outward in ((0.0, -1), (1.0, 1))]
-    if which != "heated":
-        heat = [{"T": 1.0} if which == "warm" else {}] * 2
     layer = SolidLayer("slab", SLAB, (0.0, 1.0), lambda X: exact(X, 0.0), exact=exact)
-    return Problem((layer,), clamped(**heat[0]), clamped(**heat[1]), units="none")
+    return Problem((layer,), end(0.0, -1), end(1.0, 1), units="none")
 
 
 def wave(X, t):
@@ -52,8 +51,8 @@ def wave(X, t):
     return rho, 0.4 + 0 * rho, 1 / rho
 
 
-#: of the shock: gamma, viscosity; velocities of the gas before it (at p = rho = 1) and behind it,
-#: seen from the shock, which starts at X = 0.75
+#: of the shock: velocities of the gas before it (p = rho = 1) and behind it, seen from the shock,
+#: which starts at X = 0.75
 GAMMA, MU, MACH = 1.4, 0.02, 1.3
 CP = GAMMA / (GAMMA - 1)
 BEFORE = MACH * GAMMA**0.5
@@ -82,9 +81,8 @@ def build(opt):
     which = opt["orders_problem"]
     if which in PHASE:
         return slab(which)
-    exact, gas = wave, Fluid(0.0, 0.0, 1.4, 1.0)
-    if which != "gas":
-        exact, gas = shock, Fluid(MU, 4 / 3 * MU * CP, GAMMA, 1.0)
+    exact, mu = (wave, 0.0) if which == "gas" else (shock, MU)
+    gas = Fluid(mu, 4 / 3 * mu * CP, GAMMA, 1.0)
     layer = FluidLayer("gas", gas, (0.0, 1.0), lambda X: exact(X, 0.0), exact=exact)
     left, right = (Dirichlet(x, lambda t, x=x: tuple(map(float, exact(x, t)))) for x in (0.0, 1.0))
     if which in ("shock_open", "shock_first"):

@@ -16,23 +16,16 @@ from fsipetsc.verify.entry import reference
 COARSE = "-fsi_h 0.0625 -panel_thickness 0.1 -panel_height 0.5 -flutter_machs 2"
 
 
-def motion(s, a, t, noise=0.0):
-    """Of two modes with the shapes sin(pi x), sin(2 pi x), and a mean that stays."""
-    x = np.linspace(0, 1, 17)
-    waves = np.sin(np.pi * x), np.sin(2 * np.pi * x)
-    shapes = np.array([waves[0] + 0.2j * waves[1], waves[1]]) * np.array(a)[:, None]
-    e = np.exp(np.outer(t, s))
-    random = noise * np.random.default_rng(1).standard_normal((2, len(t), len(x)))
-    return Motion(t, (e @ shapes).real + 1e-3 + random[0], ((e * s) @ shapes).real + random[1])
-
-
 def test_two_modes_of_nearly_one_frequency_are_told_apart():
-    """In a period and a quarter, without noise and with some; what does not oscillate has none."""
-    s, t = np.array([-0.04 + 1.0j, 0.02 + 1.05j]), np.arange(0, 8, 0.1)
-    for noise, most in ((0.0, 1e-9), (1e-4, 2e-3)):
-        found, misfit = fit_modes(motion(s, (1.0, 0.5), t, noise))
-        assert np.abs(found[:2] - s).max() < most
-        assert misfit < 1e-9 + 10 * noise
+    """In a period and a quarter, with some noise; what does not oscillate has none."""
+    s, t, x = np.array([-0.04 + 1.0j, 0.02 + 1.05j]), np.arange(0, 8, 0.1), np.linspace(0, 1, 17)
+    first, second = np.sin(np.pi * x), np.sin(2 * np.pi * x)
+    shapes, e = np.array([first + 0.2j * second, 0.5 * second]), np.exp(np.outer(t, s))
+    place, speed = (e @ shapes).real + 1e-3, ((e * s) @ shapes).real
+    for size, most in ((0.0, 1e-9), (1e-4, 2e-3)):
+        noise = size * np.random.default_rng(1).standard_normal((2, *place.shape))
+        found, misfit = fit_modes(Motion(t, place + noise[0], speed + noise[1]))
+        assert np.abs(found[:2] - s).max() < most and misfit < 1e-9 + 10 * size
     still = np.outer(np.exp(-0.1 * t), np.ones(9))
     with pytest.raises(ComputationError, match="0 modes oscillate"):
         fit_modes(Motion(t, still, -0.1 * still))
@@ -50,8 +43,6 @@ def test_the_crossing_from_a_few_dynamic_pressures():
     found, s = crossing(dynamic, units, pairs)
     assert found == pytest.approx(np.sqrt(a**2 + d**2 * m) / f, rel=1e-6)
     assert s == pytest.approx(1j * np.sqrt(m), rel=1e-6)
-    of_two = crossing(dynamic[1:3], units[1:3], pairs[1:3])[0]  # linear in lambda^2: two are enough
-    assert of_two == pytest.approx(found, rel=1e-6)
     assert np.isnan(crossing(dynamic[:2], units[:2], pairs[:2])[0])
 
 
@@ -63,16 +54,14 @@ def test_runs_decay_below_and_grow_above(tmp_path):
     known = {at: np.array(beams.modes(panel, at)) for at in dynamic}
     words = f"flutter {COARSE} -flutter_lambdas 350,430,650 -fsi_output some.csv".split()
     done = solve(*words, cwd=tmp_path, ranks=2)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "onset of flutter" in done.stdout
+    assert (done.returncode, done.stderr) == (0, "") and "onset of flutter" in done.stdout
     with (tmp_path / "some.csv").open() as file:
         runs = [{k: float(v) for k, v in row.items() if v} for row in csv.DictReader(file)]
     assert [row["lambda"] for row in runs] == [*dynamic]
     assert runs[0]["growth"] < 0 < runs[2]["growth"]
     for row in runs[:2]:  # before they meet
         found = [complex(row[f"growth_{n}"], row[f"frequency_{n}"]) for n in (1, 2)]
-        expected = known[row["lambda"]]
-        assert np.all(np.abs(found - expected) < 0.05 * np.abs(expected)), (found, expected)
+        np.testing.assert_allclose(found, known[row["lambda"]], rtol=0.05)
     assert abs(complex(runs[2]["growth"], runs[2]["frequency"]) - known[650][1]) < 0.05
 
 
@@ -93,5 +82,4 @@ def test_messages(tmp_path):
         "-flutter_machs 0.9": "Mach numbers above 1",
         "-panel_ends hinged -fluid_mu 1e-3": "expected -fluid_mu 0",
     }.items():
-        done = solve("flutter", *words.split(), cwd=tmp_path)
-        message(done, 2, said)
+        message(solve("flutter", *words.split(), cwd=tmp_path), 2, said)

@@ -1,5 +1,4 @@
-"""The manufactured solution of Sec. 5.1: errors no larger and rates no lower than the
-reference's."""
+"""The manufactured solution of Sec. 5.1: errors as the reference's, and rates no lower."""
 
 from __future__ import annotations
 
@@ -8,9 +7,6 @@ import pytest
 from conftest import ORDERS, VISCOUS_ORDERS
 
 pytest.importorskip("petsc4py")
-
-from fsipetsc.cases import load_case
-from fsipetsc.options import defaults
 
 #: combined errors (fluid, solid) at t = 0.45 for h = 0.0125 and 0.00625
 REFERENCE = {
@@ -37,7 +33,7 @@ def test_errors_and_rates(computed, order):
         for name in ("u", "stress", "T", "flux"):
             assert np.abs(run.series[f"residual_{name}"]).max() < 2e-13, "with their jumps"
         errors.append(combined(run))
-        assert np.all(errors[-1] <= 1.3 * np.array(largest))
+        assert np.all(np.abs(np.log(errors[-1] / largest)) <= np.log(1.3))
     assert np.all(np.log2(errors[0] / errors[1]) >= LEAST_RATE[order])
 
 
@@ -47,21 +43,3 @@ def test_orders_with_resolved_viscosity(computed, gas, orders):
         runs = [computed("viscous", f"order{order}_h{h}_{gas}") for h in (0.05, 0.025)]
         coarse, fine = (combined(run)[0] for run in runs)
         assert np.log2(coarse / fine) >= LEAST_VISCOUS[order]
-
-
-def test_errors_are_what_the_frames_say(computed):
-    """The L2 errors in the file against the exact solution evaluated here."""
-    case, run = load_case("mms"), computed("mms", "order4_h0.0125")
-    problem = case.build({**defaults(case), **run.options})
-    sums = {"fluid": np.zeros(3), "solid": np.zeros(4)}
-    for layer, saved in zip(problem.layers, run.layers, strict=True):
-        names = ("rho", "u", "T") if layer.kind == "fluid" else ("u", "sigma", "T", "x")
-        active = np.flatnonzero(np.isfinite(saved["u"][-1]))
-        ghosts = {"left": slice(1, None), "right": slice(None, -1)}  # do not count
-        active = active[ghosts.get(saved.name, slice(None))]
-        for k, exact in enumerate(layer.exact(saved.X[active], 0.45)):
-            difference = saved[names[k]][-1][active] - exact
-            sums[layer.kind][k] += saved.h * np.sum(difference**2)
-    for kind, squares in sums.items():
-        listed = list(run.errors[kind].values())
-        np.testing.assert_allclose([*np.sqrt(squares), np.sqrt(squares.sum())], listed, rtol=1e-10)

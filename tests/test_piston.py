@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, solve
-
-import fsipetsc
+from helpers import REPOSITORY, computed
 
 pytest.importorskip("petsc4py")
 
@@ -16,9 +14,7 @@ P0, GAMMA, MASS, SPEED = 1e5, 1.4, 250.0 * 0.2, 25.0
 def test_it_turns_where_the_energy_balance_says_and_comes_back_as_fast(tmp_path):
     from scipy.optimize import brentq
 
-    done = solve(REPOSITORY / "runs" / "piston.py", cwd=tmp_path, ranks=2)
-    assert (done.returncode, done.stderr) == (0, "")
-    run = fsipetsc.open_run(tmp_path / "piston.h5")
+    run = computed(tmp_path, "piston.h5", REPOSITORY / "runs" / "piston.py", ranks=2)
     x, u = run.series["x_interface"][:, 0], run.series["u_interface"][:, 0]
     kinetic = 0.5 * MASS * SPEED**2
     energy = kinetic + 0.5 * 1.1614 * SPEED**2 / 3  # and of the gas, at the start

@@ -1,48 +1,24 @@
-"""The sound pulse against linear acoustics: what is reflected, what goes through, and how fast the
-error falls."""
+"""The sound pulse against linear acoustics: what is reflected, what goes through, what leaves."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import ORDERS, PULSE_SPACINGS, PULSE_STARTS, SOLIDS
+from conftest import PULSE_STARTS, SOLIDS
 
-from fsipetsc.operators import operator
+from fsipetsc.cases import pulse
 
 pytest.importorskip("petsc4py")
 
 AMPLITUDE = 0.01
-#: of the error from h = 0.0125 to 0.00625; measured 1.96, 3.0, 4.3, 5.1
-LEAST_RATE = {2: 1.9, 4: 2.9, 6: 4.2, 8: 4.9}
-
 STARTS = pytest.mark.parametrize("start", PULSE_STARTS, ids=["from the fluid", "from the solid"])
 
 
 def linear_problem(run):
     """(case's problem, its Acoustics) of a run."""
-    from fsipetsc.cases import pulse
-
     problem = pulse.build(run.options)
     solid, gas = problem.layers
     return problem, pulse.acoustics(run.options, gas.material, solid.material)
-
-
-def relative_errors(run):
-    """L2 errors of the pressure waves in fluid and solid over the norm of the incoming pulse."""
-    _, linear = linear_problem(run)
-    norm = AMPLITUDE * np.sqrt(run.options["pulse_width"] * np.sqrt(np.pi / 2))
-    Z_gas = linear.Z1 if linear.side > 0 else linear.Z2
-    return np.array([Z_gas * run.errors["fluid"]["u"], run.errors["solid"]["sigma"]]) / norm
-
-
-@pytest.mark.parametrize("order", ORDERS)
-def test_convergence(computed, order):
-    runs = [computed("pulse", f"order{order}_h{h}") for h in PULSE_SPACINGS]
-    coarse, fine = map(relative_errors, runs)
-    assert np.all(np.log2(coarse / fine) >= LEAST_RATE[order])
-    assert np.all(coarse < {2: 0.25, 4: 0.02, 6: 0.01, 8: 0.01}[order])
-    assert np.abs(runs[0].series["residual_u"]).max() < 1e-12
-    assert np.abs(runs[0].series["residual_stress"]).max() < 1e-9
 
 
 @STARTS
@@ -52,6 +28,8 @@ def test_reflection_and_transmission(computed, start, solid):
     what comes in."""
     run = computed("pulse", f"{solid}_{start}")
     problem, linear = linear_problem(run)
+    assert np.abs(run.series["residual_u"]).max() < 1e-12
+    assert np.abs(run.series["residual_stress"]).max() < 1e-9
     for saved, layer, name, sign, at_rest in (
         (run.layers[0], problem.layers[0], "sigma", -1, -1e5),
         (run.layers[1], problem.layers[1], "p", 1, 1e5),
@@ -73,23 +51,3 @@ def test_waves_leave_through_the_ends(computed, start):
     solid, gas = computed("pulse", f"out_{start}").layers
     assert np.abs(solid["sigma"][-1] + 1e5).max() < 0.01 * AMPLITUDE
     assert np.nanmax(np.abs(gas["p"][-1] - 1e5)) < 0.01 * AMPLITUDE
-
-
-def test_a_solid_with_pressure(computed):
-    """Linear acoustics with the solid's pressure: wave speed, sigma, T and p; order 8 at Courant
-    number 0.8 needs the true wave speed, and an absorbing end the true impedance."""
-    run = computed("pulse", "pressed_in")
-    problem, linear = linear_problem(run)
-    solid, layer = run.layers[0], problem.layers[0]
-    exact, at_rest = layer.exact(solid.X, run.time[-1]), layer.exact(np.array([1e3]), 0.0)
-    for name, values, rest in zip(("u", "sigma", "T"), exact, at_rest):
-        wave = values - rest
-        assert np.abs(solid[name][-1] - values).max() < 0.02 * np.abs(wave).max(), name
-    x_X = operator(8).matrix(len(solid.X), run.options["fsi_h"]) @ solid["x"][-1]
-    pressure = layer.material.pressure(solid["T"][-1], x_X)
-    np.testing.assert_allclose(solid["p"][-1], pressure, rtol=1e-13)
-    assert 0.1 < linear.transmission < 1.9
-    solid, gas = computed("pulse", "pressed_out").layers
-    # with the impedance of the elastic solid 2e-2 of the pulse is left
-    assert np.abs(solid["sigma"][-1] - solid["sigma"][0, -1]).max() < 1e-3 * AMPLITUDE
-    assert np.nanmax(np.abs(gas["p"][-1] - 1e5)) < 5e-3 * AMPLITUDE
