@@ -124,7 +124,6 @@ def test_forces_in_the_volume(heat):
     assert {face for face, (energy, _) in found.items() if abs(energy) > 1e-12} == {
         "through no face"
     }
-    assert found["through no face"][1] == 0.0
     hinged, _ = check(problem_of(shape, faces, *materials, points, **options))
     assert abs(hinged[Y] - came[Y]) > 1e-6
 
