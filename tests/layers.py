@@ -1,10 +1,5 @@
 """Layers of gas (g) and solid (s) in any sequence, between walls or clamped; gases have pulses."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from fsipetsc.boundaries import Wall, clamped
@@ -23,26 +18,25 @@ OPTIONS = (
 DEFAULTS = {"fsi_h": 0.05, "fsi_order": 4, "ts_max_time": 1.0, "fsi_output_dt": 0.5}
 
 
-def build(opt: Mapping[str, Any]) -> Problem:
+def build(opt):
     """Layers of length 1; the gases have the pressure 1 but for a pulse."""
     gas = Fluid(0.01, 0.03, 1.4, 1.0)
     solid = Solid(20.0, 0.02, 2.0, 1.0, gruneisen=opt["layers_gruneisen"])
-    layers: list[FluidLayer | SolidLayer] = []
-    for k, kind in enumerate(opt["layers"]):
 
-        def pulse(X: np.ndarray, middle: float = k + 0.4) -> list[np.ndarray]:
-            return [1 + 0.2 * np.exp(-60 * (X - middle) ** 2), 0 * X, 1 + 0 * X]
+    def at_rest(X):
+        return [0 * X, 0 * X + solid.pressure(1.0, 1.0) - 1.0, 1 + 0 * X, X]
 
-        def at_rest(X: np.ndarray) -> list[np.ndarray]:
-            return [0 * X, 0 * X + solid.pressure(1.0, 1.0) - 1.0, 1 + 0 * X, X]
+    def layer(k, kind):
+        def pulse(X):
+            return [1 + 0.2 * np.exp(-60 * (X - k - 0.4) ** 2), 0 * X, 1 + 0 * X]
 
         X = float(k), float(k + 1)
-        layers.append(
-            FluidLayer(f"gas {k}", gas, X, pulse)
-            if kind == "g"
-            else SolidLayer(f"bar {k}", solid, X, at_rest)
-        )
+        if kind == "g":
+            return FluidLayer(f"gas {k}", gas, X, pulse)
+        return SolidLayer(f"bar {k}", solid, X, at_rest)
+
+    kinds = opt["layers"]
     place = (lambda t: 0.05 * t * t) if opt["layers_moving"] else 0.0
-    left = Wall(place) if opt["layers"][0] == "g" else clamped()
-    right = Wall(float(len(layers))) if opt["layers"][-1] == "g" else clamped()
-    return Problem(tuple(layers), left, right, units="none")
+    left = Wall(place) if kinds[0] == "g" else clamped()
+    right = Wall(float(len(kinds))) if kinds[-1] == "g" else clamped()
+    return Problem(tuple(map(layer, range(len(kinds)), kinds)), left, right, units="none")

@@ -40,23 +40,17 @@ def bent(*X):
     return [*v, 1.1 + 0.1 * np.sin(2.0 * X[0] + X[-1]), *x]
 
 
-def block(name, X, material, **options):
-    """A block on an array of nodes, as in block_shapes."""
-    cells, d = tuple(n - 1 for n in X.shape[1:]), len(X)
-    initial = options.pop("initial", swirling if material.kind == "fluid" else bent)
-    return Block(name, material, nodes(X.transpose(*range(d, 0, -1), 0)), cells, initial, **options)
-
-
-def straight(X, Y):
-    return [*bent(X, Y)[:3], X, Y]
-
-
 def problem_of(shape, faces, fluid, plate, points=(), **options):
-    """A problem on a shape; faces: (name, axis, side) -> condition of those that meet nothing."""
+    """A problem on a shape of block_shapes; faces: (name, axis, side) -> condition of those that
+    meet nothing. options: of blocks of gas and of solids; jumps.
+    """
     blocks = []
     for name, (X, _) in shape.items():
-        material = fluid if name.startswith("gas") else plate
-        blocks.append(block(name, X, material, **dict(options.get(name.split()[0], {}))))
+        kind = name.split()[0]
+        material, initial = (fluid, swirling) if kind == "gas" else (plate, bent)
+        cells, d = tuple(n - 1 for n in X.shape[1:]), len(X)
+        more = {"initial": initial, **options.get(kind, {})}
+        blocks.append(Block(name, material, nodes(X.transpose(*range(d, 0, -1), 0)), cells, **more))
     found = conditions_of(blocks, faces)
     return BlockProblem(tuple(blocks), found, options.get("jumps"), points=points)
 

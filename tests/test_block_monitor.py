@@ -1,10 +1,8 @@
-"""What is seen of blocks after a step: bounds on the next one, angular momentum, what steps lose of
-the energy of solids, and which of it is told.
+"""What is seen of blocks after a step: bounds on the next one, its plan, angular momentum, what
+steps lose of the energy of solids, a state that is none.
 """
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,19 +10,32 @@ import pytest
 pytest.importorskip("petsc4py")
 
 import block_shapes as shapes
-from block_ledgers import steps_of
+from block_ledgers import Steps
 from ledger_problems import N, closed, gas, problem_of, solid
 
 from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.blockrun.face_terms import weights_of
-from fsipetsc.blocks.block import Block
-from fsipetsc.blocks.conditions import Free
-from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
+from fsipetsc.scheme.batch import LONGEST, MADE, TIME, plan_next
+from fsipetsc.scheme.plan import (
+    BAD,
+    BATCH,
+    EXHAUSTED,
+    FLAGS,
+    LIMITS,
+    RATE,
+    SAID_STOP,
+    STOP,
+    TOO_SHORT,
+)
 from fsipetsc.stepping.ledgers import Ledgers
 from fsipetsc.stepping.report import about_losses, about_volumes
+
+
+def warped(mu):
+    """Gas whose grid moves and a solid, on a shape that is warped."""
+    shape = shapes.warped(shapes.layers(N + 1, False), 0.03)
+    return problem_of(shape, closed, gas(mu=mu), solid(heat="coupled" if mu else "elastic"))
 
 
 def bounds_of(run, k):
@@ -50,23 +61,22 @@ def bounds_of(run, k):
     return waves.max(), (STIFFNESS_OF_WIDE * nu * squares.sum(axis=0) / J**2).max()
 
 
-def test_what_bounds_a_step():
-    """Of gas on a grid that moves and a solid that conducts, on a shape that is warped."""
-    shape = shapes.warped(shapes.layers(N + 1, False), 0.03)
-    problem = problem_of(shape, closed, gas(mu=0.02), solid(heat="coupled"))
-    with steps_of(problem) as run:
+@pytest.mark.parametrize("shock", [0.0, 2.0])
+def test_what_bounds_a_step(shock):
+    """Where shocks are damped, waves are as much faster."""
+    with Steps(warped(0.02), form=BlockForm(shock=shock)) as run:
         run.step(2e-3, 2)
-        found = run.monitor().copy()
-        for k in range(2):
-            np.testing.assert_allclose(found[k, 1:3], bounds_of(run, k), rtol=1e-12)
-            assert found[k, 0] == 0.0 and found[k, 2] > 0.0
-        moving = run.scheme.parts[0].metrics[4:6]
-        assert np.abs(moving).max() > 0.01
+        expected = np.array([bounds_of(run, k) for k in range(2)]) * [shock or 1.0, 1.0]
+        np.testing.assert_allclose(run.rates, expected, rtol=1e-12)
+        assert run.results[RATE] == pytest.approx((run.rates.max(axis=0) ** 4).sum() ** 0.25)
+        assert run.results[BAD] == 0.0 and run.rates.min() > 0.0
+        part = run.scheme.parts[0]
+        least = (run.y.owned(0)[:, 0] / part.reference).min()
+        assert run.latest["least_J"][0] == pytest.approx(least, rel=1e-14)
+        assert np.abs(part.metrics[4:6]).max() > 0.01  # its grid moves
         run.y.owned(0)[5] *= 0.9  # its J departs from the grid, its density does not
-        assert run.monitor()[0, 4] == pytest.approx(0.1, rel=1e-6)
-    with steps_of(problem, pace=2.0) as run:  # as much faster are waves where shocks are damped
-        run.step(2e-3, 2)
-        np.testing.assert_allclose(run.monitor()[:, 1:3], found[:, 1:3] * [2.0, 1.0], rtol=1e-12)
+        run._monitor()
+        assert run.latest["J_error"][0] == pytest.approx(0.1, rel=1e-6)
 
 
 def spin_of(run):
@@ -87,104 +97,124 @@ def spin_of(run):
 
 @pytest.mark.parametrize("d", [2, 3])
 def test_angular_momentum(d):
-    """Of gas whose grid has moved and of a solid; nothing turns a solid that nothing holds."""
+    """Of gas whose grid has moved and of a solid."""
     shape = shapes.layers(N + 1, False) if d == 2 else shapes.three(4)
-    problem = problem_of(shape, closed, gas(d), solid(d, heat="elastic"))
     names = ["angular_momentum"] if d == 2 else [f"angular_momentum_{x}" for x in "xyz"]
-    with steps_of(problem) as run:
+    with Steps(problem_of(shape, closed, gas(d, 0.02), solid(d, "coupled"))) as run:
         run.step(2e-3, 2)
-        run.integrals()
-        found = [float(run.scheme.latest[name]) for name in names]
+        found = [float(run.latest[name]) for name in names]
         np.testing.assert_allclose(found, spin_of(run), rtol=1e-13, atol=1e-15)
         assert np.abs(found).min() > 1e-3
-    block = problem.blocks[-1]
-    if d == 3:  # where p_ref is a traction along discrete normals, whose torque is not 0
-        block = replace(block, material=replace(block.material, p_ref=0.0))
-    alone = BlockProblem((block,), {("solid", k, s): Free() for k in range(d) for s in (0, 1)})
-    with steps_of(alone) as run:
-        before = [float(run.scheme.latest[name]) for name in names]
-        run.step(2e-3, 5)
-        run.integrals()
-        after = [float(run.scheme.latest[name]) for name in names]
-        np.testing.assert_allclose(after, before, rtol=1e-9, atol=1e-11)
-        assert np.abs(before).min() > 1e-3
 
 
-def swung(cells, dt, t, order=4):
-    """A solid that swings freely: its kinetic and elastic energy at first, and what is lost of it,
-    as the series of a run has it; change of all energy.
+def swung(dt):
+    """A solid that swings for a second: its kinetic and elastic energy at first, what is lost of
+    it, change of all energy.
     """
-    rubber = ElasticSolid(1.0, 2.0, 0.0, 2.0, 1.5, 0.0, "log", "elastic")
-
-    def swinging(X, Y):
-        return [0.1 * np.sin(np.pi * X), 0.1 * np.cos(np.pi * Y) * X, 1.0 + 0.0 * X, X, Y]
-
-    one = Block("solid", rubber, rectangle((0, 0), (1, 1)), (cells, cells), swinging)
-    faces = {("solid", axis, side): Free() for axis in (0, 1) for side in (0, 1)}
-    with steps_of(BlockProblem((one,), faces), order) as run:
-        first, energy = run.solid_energy(), run.integrals()[-1]
-        run.step(dt, round(t / dt))
-        change = run.integrals()[-1] - energy
-        return first, run.lost(), change / energy
+    shape = {"solid": shapes.box((0, 0), (1, 1), 11, 11)}
+    with Steps(problem_of(shape, closed, None, solid()), 4) as run:
+        first, energy = float(run.latest["solid_energy"]), run.integrals()[-1]
+        run.step(dt, round(1.0 / dt))
+        assert run.lost() == pytest.approx(first - float(run.latest["solid_energy"]), abs=1e-14)
+        return first, run.lost(), run.integrals()[-1] / energy - 1.0
 
 
 def test_what_steps_lose_falls_with_their_order():
     """Runge-Kutta loses kinetic and elastic energy by the fifth power of the step; all of the
     energy stays.
     """
-    first, coarse, change = swung(10, 0.01, 1.0)
-    _, fine, _ = swung(10, 0.005, 1.0)
+    first, coarse, change = swung(0.01)
+    _, fine, _ = swung(0.005)
     assert abs(change) < 1e-14 and 1e-10 * first < fine < coarse
     assert 4.5 < np.log2(coarse / fine) < 5.5
 
 
-def test_much_that_is_lost_is_told():
-    """From a thousandth on, over the largest energy; it is remembered over a restart."""
-    steps = np.zeros(4, [("t", "f8"), ("dt", "f8"), ("lost_energy", "f8"), ("solid_energy", "f8")])
+def test_what_a_summary_tells_of_losses_and_volumes():
+    """What has been is remembered over a restart."""
+    columns = [(name, "f8") for name in ("t", "dt", "lost_energy", "solid_energy")]
+    steps = np.zeros(4, [*columns, ("J_error", "f8", (2,))])
     steps["solid_energy"] = 2.0, 1.0, 0.5, 0.0
     steps["lost_energy"] = 0.001, 0.002, 0.003, -0.001
-    ledgers = Ledgers({"masses": [], "energy": False})
+    steps["J_error"][1] = 0.001, 0.03
+    ledgers, again = Ledgers({"masses": [], "energy": False}), Ledgers({})
     ledgers.begin({"mass": []})
     ledgers.add(steps[:2])
-    again = Ledgers({})
     again.recall(ledgers.memory(), {})
     again.add(steps[2:])
-    assert again.lost == pytest.approx(0.003)
+    assert again.lost == pytest.approx(0.003) and again.J_error == 0.03
     assert "lost 0.3 %" in about_losses({"lost_energy": again.lost})[0]
     assert about_losses({"lost_energy": 0.0009}) == [] and about_losses({}) == []
-
-
-def test_a_departure_of_volumes_is_told():
-    """From 1 % on; what is no number, too. It is remembered over a restart."""
-    steps = np.zeros(3, [("t", "f8"), ("dt", "f8"), ("J_error", "f8", (2,))])
-    steps["J_error"][1] = 0.001, 0.03
-    ledgers = Ledgers({})
-    for step in range(3):
-        ledgers.add(steps[step : step + 1])
-    assert ledgers.J_error == 0.03
-    assert "J has departed by 3 %" in about_volumes(ledgers.J_error)[0]
+    assert "J has departed by 3 %" in about_volumes(again.J_error)[0]
     assert about_volumes(0.0099) == [] and len(about_volumes(np.nan)) == 1
-    known, again = Ledgers({"masses": [], "energy": False}), Ledgers({})
-    known.begin({"mass": []})
-    known.add(steps)
-    again.recall(known.memory(), {})
-    assert again.J_error == 0.03
 
 
 @pytest.mark.parametrize("viscosity", [0.0, 0.02])
 def test_a_bad_state_leaves_nothing_behind(viscosity):
     """A step that fails is made anew: the rates then have the bits that they had before."""
-    shape = shapes.warped(shapes.layers(N + 1, False), 0.03)
-    problem = problem_of(shape, closed, gas(mu=viscosity), solid(heat="coupled"))
-    with steps_of(problem, form=BlockForm(dissipation=1.0, shock=1.0)) as run:
-        good, rates = run.y.array.copy(), np.zeros((2, run.y.array.size))
-        for f in rates:
+    with Steps(warped(viscosity), form=BlockForm(dissipation=1.0, shock=1.0)) as run:
+        good, rates = run.y.array.copy(), np.zeros((3, run.y.array.size))
+        for k, f in enumerate(rates):
             run.y.array[:] = good
             run.scheme.complete(0.0, run.y)
             run.scheme.rates(0.0, run.y, f)
-            run.y.array[:] = np.nan
-            run.scheme.complete(0.0, run.y)
-            run.scheme.rates(0.0, run.y, np.zeros_like(f))
-            run.scheme.forget()
-    np.testing.assert_array_equal(*rates)
+            if k < 2:  # one block is enough
+                run.y.owned(k)[:] = np.nan
+                run.finish()
+                assert run.results[BAD] == 1.0 or np.isnan(run.results[RATE])
+                run.scheme.rates(0.0, run.y, np.zeros_like(f))
+                run.scheme.forget()
+    for f in rates:
+        np.testing.assert_array_equal(f, rates[0])
     assert np.isfinite(rates).all() and rates.any()
+
+
+def test_a_step_that_ends_badly_is_made_in_parts():
+    """From the state before it. Steps in one call also hand on what a rank says of stopping."""
+    shape = {"gas": shapes.box((0.0,), (1.0,), 21)}
+    problem = problem_of(shape, closed, gas(1), None)
+    with Steps(problem, apart=False) as run, Steps(problem) as other:
+        start = run.y.array.copy()
+        assert run._steps(0.0, 0.5) == (False, 0.0, 0.5) and run.results[BAD] == 1.0
+        assert np.array_equal(run.y.array, start)
+        run.step(0.5)
+        assert run.results[BAD] == 0.0 and run.retries > 0
+        other.step(0.5 / 2**run.retries, 2**run.retries)
+        assert np.array_equal(run.y.array, other.y.array) and other.retries == 0
+        run.results[SAID_STOP] = 2.0
+        assert run._steps(0.5, 1e-3)[0] and run.results[STOP] == 2.0 and run.results[BAD] == 0.0
+        run.step(1e3)
+        assert run.results[BAD] == 1.0
+
+
+def planned(target, allowed, *, rate=10.0, fixed=0.0, end=None, flag=STOP):
+    """Lengths of the steps of a batch from t = 0 with Courant number 0.8, by its journal."""
+    batch, results = np.zeros(BATCH), np.zeros(FLAGS + LIMITS)
+    journal, latest = np.zeros((32, 4)), np.array([7.0, 8.0])
+    results[RATE] = rate
+    dt = fixed or 0.8 / rate
+    batch[:] = 0.0, dt, dt, target, 0.8, fixed, allowed, 0.0, 0.0, 3.0
+    for step in range(40):
+        results[flag] = float(step == end)
+        if not plan_next(batch, results, journal, latest):
+            break
+    assert not plan_next(batch, results, journal, latest), "it has ended"
+    rows = journal[3 : 3 + int(batch[MADE])]
+    assert not journal[:3].any() and not journal[3 + len(rows) :].any()
+    assert (rows[:, 2:] == latest).all() and batch[LONGEST] == rows[:, 1].max()
+    assert batch[TIME] == rows[-1, 0] and np.allclose(np.cumsum(rows[:, 1]), rows[:, 0], rtol=1e-15)
+    return rows[:, 1].tolist()
+
+
+def test_the_plan_of_a_batch():
+    """It hits its target without a tiny step, and ends when a flag is set, when it has the steps
+    that are allowed, and without a bound.
+    """
+    assert planned(0.5, 20) == pytest.approx([0.08] * 5 + [0.05] * 2)
+    assert planned(0.22, 20) == pytest.approx([0.08, 0.07, 0.07])
+    assert planned(0.16 * (1 + 1e-12), 20) == pytest.approx([0.08] * 2)
+    assert planned(0.5, 20, fixed=0.1) == pytest.approx([0.1] * 5)
+    assert len(planned(5.0, 4)) == 4
+    for flag in (EXHAUSTED, TOO_SHORT, BAD, STOP):
+        assert len(planned(5.0, 20, end=2, flag=flag)) == 3
+    for rate in (np.inf, np.nan, 0.0):
+        assert len(planned(5.0, 20, fixed=0.1, rate=rate)) == 1

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import ORDERS
 from helpers import compute
 
 import fsipetsc
@@ -12,36 +11,28 @@ from fsipetsc.output.info import info
 
 pytest.importorskip("petsc4py")
 
-#: of two grids; at 8/4 the errors on finer ones are round-off
-SPACINGS = {2: (0.05, 0.025), 4: (0.05, 0.025), 6: (0.05, 0.025), 8: (1 / 15, 0.05)}
-
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     """results(name): the result of a run."""
-    folder, runs = tmp_path_factory.mktemp("cases"), {}
-    for q in ORDERS:
-        for h in SPACINGS[q]:
-            runs[f"heat_{q}_{h}"] = "heat", f"-fsi_order {q} -fsi_h {h} -fsi_output_dt 1"
-        runs[f"column_{q}"] = "column", f"-fsi_order {q} -ts_max_time 2 -fsi_cfl 0.4"
+    folder = tmp_path_factory.mktemp("cases")
     words = "-fsi_h 0.025 -fluid_mu 0 -fluid_kappa 0 -piston_time 0.1 -ts_max_time 0.1"
-    runs["piston"] = "piston", f"{words} -solid_density 1e8"
+    runs = {"piston": ("piston", f"{words} -solid_density 1e8")}
+    for q in (4, 8):
+        runs[f"column_{q}"] = "column", f"-fsi_order {q} -ts_max_time 2 -fsi_cfl 0.4"
+    for h in (0.05, 0.025):
+        runs[f"heat_{h}"] = "heat", f"-fsi_order 4 -fsi_h {h} -fsi_output_dt 1"
     compute(1, folder, runs)
     return lambda name: fsipetsc.open_run(folder / f"{name}.h5")
 
 
-@pytest.mark.parametrize("order", ORDERS)
-def test_heat_has_the_order_of_the_scheme(results, order):
-    """Relative to the amplitude; measured orders in the gas 2.0, 3.0, 4.4, 4.3."""
+def test_heat_has_the_order_of_the_scheme(results):
     for kind in ("fluid", "solid"):
-        runs = [results(f"heat_{order}_{h}") for h in SPACINGS[order]]
-        coarse, fine = (run.errors[kind]["T"] / 1e-7 for run in runs)
-        assert fine < {2: 2e-3, 4: 1e-4, 6: 1e-5, 8: 1e-5}[order], (kind, fine)
-        found = np.log(coarse / fine) / np.log(SPACINGS[order][0] / SPACINGS[order][1])
-        assert found > {2: 1.7, 4: 2.7, 6: 2.7, 8: 3.7}[order], (kind, coarse)
+        coarse, fine = (results(f"heat_{h}").errors[kind]["T"] / 1e-7 for h in (0.05, 0.025))
+        assert fine < 1e-4 and np.log2(coarse / fine) > 2.7, (kind, coarse, fine)
 
 
-@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("order", [4, 8])
 def test_the_column_keeps_what_it_has(results, order):
     run = results(f"column_{order}")
     series, start = run.series, run.summary

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 from helpers import assert_same_fields, computed, message, solve
@@ -45,51 +47,58 @@ def build(opt):
 """
 
 
+POINTS = "-fsi_points", "0,0.3,1", "-fsi_probes", "0.4,0.6;0.5,1.25"
+
+
 @pytest.fixture(scope="module")
 def box(tmp_path_factory):
-    """Results of the box on 2 and 4 ranks, and on two that have parts of all blocks."""
+    """box(ranks, partition): a result; on two ranks "balanced" lets both have parts of all."""
     folder = tmp_path_factory.mktemp("box")
     (folder / "box2d.py").write_text(BOX)
-    words = "box2d.py", "-fsi_points", "0,0.3,1", "-fsi_probes", "0.4,0.6;0.5,1.25"
-    results = {n: computed(folder, f"{n}.h5", *words, ranks=n) for n in (2, 4)}
-    even = computed(folder, "even.h5", *words, "-fsi_partition", "balanced", ranks=2)
-    return {**results, "2 even": even}
+
+    @cache
+    def result(ranks, partition="auto"):
+        words = "box2d.py", *POINTS, "-fsi_partition", partition
+        return computed(folder, f"{ranks}{partition}.h5", *words, ranks=ranks)
+
+    return result
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("n", [4, "2 even"])
-def test_ranks_make_no_difference(box, n):
-    one, several = box[2], box[n]
+@pytest.mark.parametrize("several", [(4,), (2, "balanced")])
+def test_ranks_make_no_difference(box, several):
+    one, other = box(2), box(*several)
     watched = [name for name in one.series if name.endswith("_point")]
     assert len(watched) == 8 == one.series["p_point"].shape[1] == len(one.points)
     for name in ("t", "least_J", *watched):
-        assert np.array_equal(one.series[name], several.series[name]), name
-    assert_same_fields(one, several)
+        assert np.array_equal(one.series[name], other.series[name]), name
+    assert_same_fields(one, other)
 
 
 def test_recorded_nodes_are_those_of_the_frames_and_the_box_is_closed(box):
     """Of both interfaces at three X, and two places: in the gas, in the plate."""
-    result = box[2]
+    result = box(2)
     below, plate, _ = result.layers
     names = ["below | plate"] * 3 + ["plate | above"] * 3
     assert [name for name, _ in result.points[:6]] == names
     assert result.points[6:] == (("below", (0.375, 0.625)), ("plate", (0.5, 1.25)))
     last = {name: values[-1] for name, values in result.series.items() if name.endswith("_point")}
+    frame = {name: plate[name][-1] for name in plate.fields}
     for name in "xvTp":
         assert last[f"{name}_point"][6] == below[name][-1][10, 6], name
-    frame = {name: plate[name][-1] for name in plate.fields}
     assert last["p_point"][7] == -(frame["s_xx"][4, 8] + frame["s_yy"][4, 8]) / 2
-    for k, line in enumerate(result.interface(n) for n in range(2)):
-        for place, column in enumerate((0, 5, 16)):
-            number = 3 * k + place
-            for name in ("x", "y", "u", "v", "T"):
-                assert last[f"{name}_point"][number] == getattr(line, name)[-1, column], name
+    columns = [0, 5, 16]
+    for k in range(2):
+        line, here = result.interface(k), slice(3 * k, 3 * k + 3)
+        for name in ("x", "y", "u", "v", "T"):
+            expected = getattr(line, name)[-1, columns]
+            assert np.array_equal(last[f"{name}_point"][here], expected), name
         dx, dy = (np.gradient(v[-1], line.X, edge_order=2) for v in (line.x, line.y))
         size = (1 - 2 * k) * np.hypot(dx, dy)  # the plate is above the first interface
-        n_x, n_y = dy / size, -dx / size
-        xx, xy, yy = (frame[name][-k] for name in ("s_xx", "s_xy", "s_yy"))
-        for name, values in (("t_x", xx * n_x + xy * n_y), ("t_y", xy * n_x + yy * n_y)):
-            gap = last[f"{name}_point"][3 * k : 3 * k + 3] - values[[0, 5, 16]]
+        for name, row in (("t_x", ("s_xx", "s_xy")), ("t_y", ("s_xy", "s_yy"))):
+            x, y = (frame[s][-k] for s in row)
+            expected = (x * dy - y * dx) / size
+            gap = last[f"{name}_point"][here] - expected[columns]
             assert np.abs(gap).max() < 1e-4, name  # normals by differences of second order
     for name in ("mass", "energy"):
         kept = result.series[name]
