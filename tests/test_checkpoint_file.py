@@ -18,6 +18,7 @@ import fsipetsc
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.output import checkpoint_file
 from fsipetsc.output.checkpoint_file import CheckpointError, pack, read, unpack, write
+from fsipetsc.output.file_layout import in_memory
 
 SMALL = {"case": "rod", "memory": {"t": float("inf")}}, {"layer0": np.arange(6.0)}
 
@@ -113,6 +114,41 @@ def test_a_file_that_cannot_be_gone_on_from_ends_all(ranks, stopped, tmp_path):
         done = solve("rod", "-fsi_restart", name, cwd=tmp_path, ranks=ranks)
         message(done, 4, words, "begins anew" if name == "auto" else name)
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def wrong_files(header, arrays):
+    """Contents with right checksums: no HDF5, no header, no JSON, headers that lack an entry or
+    have one of another kind, a layer that is missing."""
+    bodies = [b"no HDF5"]
+    for name, value in (("other", 1.0), ("header", 1.0), ("header", "no JSON")):
+        with in_memory() as (file, image):
+            file[name] = value
+        bodies.append(image.getvalue())
+    yield from (checkpoint_file._head(body) + body for body in bodies)
+    yield from (pack(wrong, arrays) for wrong in ([], "rod", {**header, "result": [1]}))
+    yield pack(header, {name: array for name, array in arrays.items() if name != "layer1"})
+    places = [(header, ()), *((header[name], (name,)) for name in ("memory", "ledgers", "run"))]
+    for entries, inside in places:
+        for name in entries:
+            for kept in ({}, {name: True}):
+                wrong = {k: v for k, v in entries.items() if k != name} | kept
+                yield pack({**header, inside[0]: wrong} if inside else wrong, arrays)
+
+
+def test_a_header_that_no_run_has_written_is_refused(stopped, tmp_path):
+    """Status 4, and one message."""
+    from mpi4py import MPI
+
+    from fsipetsc.cases import load_case
+    from fsipetsc.stepping.restart import find_past
+
+    target = tmp_path / "a.h5"
+    header, arrays = read(stopped / "rod.checkpoint.h5")
+    for content in wrong_files(header, arrays):
+        target.write_bytes(content)
+        with pytest.raises(FileError, match=r"a\.h5: the (checkpoint has no )?header"):
+            find_past(load_case("rod"), {"fsi_restart": str(target)}, MPI.COMM_SELF)
+    message(solve("rod", "-fsi_restart", "a.h5", cwd=tmp_path), 4, "a.h5: the header")
 
 
 def test_options_that_cannot_change_are_named(stopped, tmp_path):

@@ -31,6 +31,12 @@ FREE = OF_A_RUN | {
 }
 STEPS = ({option.name for option in PETSC_OPTIONS} | {"fsi_cfl"}) - FREE
 AUTO = "auto"
+#: entries of a header, with values of their kinds; of ledgers, unless there are none
+_MEMORY = {"steps": 0, "t": 0.0, "wall_time": 0.0, "initial": {}, "beyond": "", "evaluations": 0}
+_HEADER = {"case": "", "options": {}, "problem": [], "columns": [], "saved_at": 0.0}
+_HEADER |= {"result": [0, 0], "memory": _MEMORY, "run": {"run": "", "created": ""}}
+_LEDGERS = {"drifts": {}, "steps": 0, "departures": {}, "J_error": 0.0, "lost": 0.0}
+_LEDGERS |= {"energies": [0.0, 0.0]}
 
 
 class Past(NamedTuple):
@@ -86,7 +92,10 @@ def find_past(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> Past | Non
 
     def read() -> Past:
         try:
-            return Past(path, *checkpoint_file.read(path), [])
+            header, arrays = checkpoint_file.read(path)
+            if not _is_whole(header, arrays):
+                raise FileError(f"{path}: the header of the checkpoint is not that of a run")
+            return Past(path, header, arrays, [])
         except FileError as error:
             hint = "; without it -fsi_restart auto begins anew" if auto else ""
             raise FileError(f"{error}{hint}") from None
@@ -98,6 +107,27 @@ def find_past(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> Past | Non
             f"-fsi_restart: {past.path} is a checkpoint of the case {other}, not of {case.NAME}"
         )
     return past
+
+
+def _is_whole(header: Any, arrays: Mapping[str, np.ndarray]) -> bool:
+    """Whether a header has all that a restart reads, and there is an array of each layer."""
+    if not _fits(header, _HEADER) or "ledgers" not in header:
+        return False
+    layers = header["problem"]
+    known = header["ledgers"] is None or _fits(header["ledgers"], _LEDGERS)
+    named = all(isinstance(of, dict) and f"layer{k}" in arrays for k, of in enumerate(layers))
+    return known and named
+
+
+def _fits(value: Any, model: Any) -> bool:
+    """Whether a value is of the kind of a model, with entries like those of the model."""
+    if type(value) is not type(model):
+        return False
+    if isinstance(model, dict):
+        return all(name in value and _fits(value[name], one) for name, one in model.items())
+    if isinstance(model, list) and model:
+        return len(value) == len(model) and all(map(_fits, value, model))
+    return True
 
 
 def check_options(past: Past, opt: Mapping[str, Any], given: Mapping[str, str]) -> None:
