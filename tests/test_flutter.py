@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers import message, program, solve
 
-from fsipetsc.analysis.panel_modes import Flow, Motion, crossing, fit_modes
+from fsipetsc.analysis.panel_modes import Flow, crossing, fit_modes
 from fsipetsc.errors import ComputationError
 from fsipetsc.verify.entry import reference
 
@@ -23,19 +23,19 @@ def motion(s, a, t, noise=0.0):
     shapes = np.array([waves[0] + 0.2j * waves[1], waves[1]]) * np.array(a)[:, None]
     e = np.exp(np.outer(t, s))
     random = noise * np.random.default_rng(1).standard_normal((2, len(t), len(x)))
-    return Motion(t, (e @ shapes).real + 1e-3 + random[0], ((e * s) @ shapes).real + random[1])
+    return t, (e @ shapes).real + 1e-3 + random[0], ((e * s) @ shapes).real + random[1]
 
 
 def test_two_modes_of_nearly_one_frequency_are_told_apart():
     """In a period and a quarter, without noise and with some; what does not oscillate has none."""
     s, t = np.array([-0.04 + 1.0j, 0.02 + 1.05j]), np.arange(0, 8, 0.1)
     for noise, most in ((0.0, 1e-9), (1e-4, 2e-3)):
-        found, misfit = fit_modes(motion(s, (1.0, 0.5), t, noise))
+        found, misfit = fit_modes(*motion(s, (1.0, 0.5), t, noise))
         assert np.abs(found[:2] - s).max() < most
         assert misfit < 1e-9 + 10 * noise
     still = np.outer(np.exp(-0.1 * t), np.ones(9))
     with pytest.raises(ComputationError, match="0 modes oscillate"):
-        fit_modes(Motion(t, still, -0.1 * still))
+        fit_modes(t, still, -0.1 * still)
 
 
 def test_the_crossing_from_a_few_dynamic_pressures():

@@ -40,16 +40,16 @@ def gas_over_layer(n):
     return stack(gas, STONE, (n // 2, n), depth=0.5)
 
 
-def distance(linear, s):
-    return np.abs(linear.modes()[0] - s).min() / abs(s)
+def distance(values, s):
+    return np.abs(values - s).min() / abs(s)
 
 
 def test_normal_modes():
     """As in the notes to the scheme: 4/2 with 32 cells, and 6/3 with 48."""
 
     def distances(order, n):
-        linear = linearise(*gas_over_layer(n), order, n, 2 * np.pi)
-        return np.array([distance(linear, s) for s in KNOWN])
+        values = linearise(*gas_over_layer(n), order, n, 2 * np.pi)
+        return np.array([distance(values, s) for s in KNOWN])
 
     four, coarse = distances(4, 32), distances(4, 16)
     assert (four < (7e-4, 4e-5)).all() and (np.log2(coarse / four) > 3.8).all()
@@ -66,7 +66,7 @@ def test_nothing_grows_and_the_step_is_kept(order):
         problem = stack(Fluid(0.0, 0.0, GAMMA, 1.0), solid, (n, n))
         for columns in (n, 2 * n):
             k = 2 * np.pi * n / columns
-            values = np.linalg.eigvals(linearise(*problem, order, columns, k).matrix()[0])
+            values = linearise(*problem, order, columns, k)
             assert values.real.max() < 1e-11 * np.abs(values).max()
             fastest = max((stiffness / density) ** 0.5, GAMMA**0.5)
             assert step_limit(values) * fastest * n > 0.8

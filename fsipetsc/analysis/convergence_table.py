@@ -1,9 +1,8 @@
 """The numbers of a convergence study: errors, observed orders and cost, as text and CSV.
 
 Without an exact solution grids are compared with each other: fields at the end, at the nodes that
-all grids have in common, series at SAMPLES equal distances of time. A difference is the norm in
-force (L1 or L2) of the mean over these, over the largest range on the finest grid of all fields of
-its unit in layers of its kind.
+all grids have in common. A difference is the norm in force (L1 or L2) of the mean over these, over
+the largest range on the finest grid of all fields of its unit in layers of its kind.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,13 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
-from fsipetsc.analysis.spectra import bisect
 from fsipetsc.analysis.tables import save_csv, text_table, texts
 from fsipetsc.checks import counted
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator
-from fsipetsc.output.differences import common_nodes, summed
+from fsipetsc.output.differences import common_nodes
 from fsipetsc.output.quantities import unit_of
 from fsipetsc.output.reader import Run
 
@@ -28,13 +27,6 @@ COST = "points", "steps", "rhs_evaluations", "wall_time"
 LEAST, MOST = -4.0, 16.0
 #: a relative difference of grids that is none
 ROUND_OFF = 1e-12
-#: times at which series are compared
-SAMPLES = 10
-#: series that are of the steps or of the method, not of the solution
-NO_SOLUTION = "t", "dt", "least_J", "J_error", "lost_energy"
-#: a relative difference of the two finest grids that is too much, and one that is little enough
-#: whatever the order; the part of the order that is too little
-COARSE, FINE, SLOW = 0.1, 1e-3, 0.5
 
 
 @dataclass
@@ -43,7 +35,7 @@ class Study:
 
     hs: grid spacings [m], coarse to fine. t: time of comparison [s]. exact: errors are from the
     exact solution, and groups are kinds of layers; else grid j is compared with the next finer one,
-    groups are layers and "series", and errors relative. units: as in fsipetsc.problem.Problem.
+    groups are layers, and errors relative. units: as in fsipetsc.problem.Problem.
     failures: (order, h) -> message. errors: group -> name -> (orders, grids). cost: name -> the
     same, of the names in COST; the wall time [s] is that of the time loop.
     """
@@ -146,7 +138,7 @@ def order_of_differences(ratio: float, first: float, second: float, third: float
         return float(np.log(one / two))
 
     there = found(LEAST) <= ratio <= found(MOST)
-    return bisect(lambda p: found(p) > ratio, LEAST, MOST) if there else float("nan")
+    return brentq(lambda p: found(p) - ratio, LEAST, MOST) if there else float("nan")
 
 
 def differences(runs: Sequence[Run], norm: str) -> Iterator[dict[str, dict[str, float]]]:
@@ -158,7 +150,7 @@ def differences(runs: Sequence[Run], norm: str) -> Iterator[dict[str, dict[str, 
 
     def sort(group: str, name: str) -> tuple[str, str]:
         """Kind of layer and unit; what has no known unit has one of its own."""
-        return kinds.get(group, group), unit_of(name) or name
+        return kinds[group], unit_of(name) or name
 
     ranges: dict[tuple[str, str], float] = {}
     for group, names in values.items():
@@ -194,12 +186,6 @@ def _common_values(runs: Sequence[Run]) -> dict[str, dict[str, list[np.ndarray]]
         for name in layer.fields:
             ends = [other.frame(-1)[name] for other in layers]
             own[name] = [end[np.ix_(*(axis[j] for axis in axes))] for j, end in enumerate(ends)]
-    times = runs[0].time[1:]
-    for name in runs[0].series:
-        if name not in NO_SOLUTION and not name.startswith("residual_"):
-            values = [summed(r, name)[np.isin(r.series["t"], times)] for r in runs]
-            if len({v.shape for v in values}) == 1 and values[0].size:
-                found.setdefault("series", {})[name] = values
     return found
 
 
@@ -218,23 +204,3 @@ def _range(values: np.ndarray) -> float:
         return 0.0
     largest, span = float(np.abs(known).max()), float(np.ptp(known))
     return span if span > 1e-9 * largest else largest
-
-
-def unresolved(study: Study, i: int) -> list[str]:
-    """A line for each layer whose grids differ by much, or come together slowly."""
-    lines, op = [], operator(study.orders[i])
-    expected = study.orders[i] // 2 + 1  # closures have half the order
-    for group in sorted(study.errors.keys() - {"series"}):
-        errors, rate = study.errors[group], study.rates(group)[i, -2]
-        fields = {name: np.nan_to_num(e[i, -2]) for name, e in errors.items() if name != "combined"}
-        worst, last = max(fields, key=lambda name: fields[name]), errors["combined"][i, -2]
-        if last > COARSE:
-            part = f"{100 * fields[worst]:.0f} %"
-            why = f"in {worst} the two finest grids differ by {part} of its range"
-        elif last > FINE and not rate >= SLOW * expected:
-            seen = f"of order {rate:.1f}" if np.isfinite(rate) else "of no order"
-            why = f"its grids come together {seen}, {worst} last, where {op.name} has {expected}"
-        else:
-            continue
-        lines.append(f"layer '{group}' is not resolved: {why}")
-    return lines

@@ -75,7 +75,8 @@ class Integrator:
         self._fused = opt["ts_type"] == FUSED
         self.batch_limit = 1  # most steps in one call
         if self._fused and self._steady:
-            most = MOST_POINTS[state.problem.dimension] // (state.points + state.reserve)
+            points = state.points + getattr(state, "reserve", 0)
+            most = MOST_POINTS[state.problem.dimension] // points
             watched = PETSc.Options().hasName("ts_monitor")
             self.batch_limit = max(1, min(1 if watched else MOST_STEPS, most))
         self._error: BaseException | None = None

@@ -111,23 +111,20 @@ def find_past(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> Past | Non
 
 def _is_whole(header: Any, arrays: Mapping[str, np.ndarray]) -> bool:
     """Whether a header has all that a restart reads, and there is an array of each layer."""
-    if not _fits(header, _HEADER) or "ledgers" not in header:
-        return False
-    layers = header["problem"]
-    known = header["ledgers"] is None or _fits(header["ledgers"], _LEDGERS)
-    named = all(isinstance(of, dict) and f"layer{k}" in arrays for k, of in enumerate(layers))
-    return known and named
+    whole = _fits(header, _HEADER) and "ledgers" in header
+    whole = whole and (header["ledgers"] is None or _fits(header["ledgers"], _LEDGERS))
+    layers = enumerate(header["problem"]) if whole else ()
+    return whole and all(isinstance(of, dict) and f"layer{k}" in arrays for k, of in layers)
 
 
 def _fits(value: Any, model: Any) -> bool:
     """Whether a value is of the kind of a model, with entries like those of the model."""
     if type(value) is not type(model):
         return False
-    if isinstance(model, dict):
-        return all(name in value and _fits(value[name], one) for name, one in model.items())
     if isinstance(model, list) and model:
         return len(value) == len(model) and all(map(_fits, value, model))
-    return True
+    entries = model.items() if isinstance(model, dict) else ()
+    return all(name in value and _fits(value[name], one) for name, one in entries)
 
 
 def check_options(past: Past, opt: Mapping[str, Any], given: Mapping[str, str]) -> None:
