@@ -15,7 +15,9 @@ from helpers import message, solve
 
 import fsipetsc
 from fsipetsc.errors import FileError
+from fsipetsc.output import checkpoint_file
 from fsipetsc.output.checkpoint_file import CheckpointError, pack, read, unpack, write
+from fsipetsc.output.file_layout import in_memory
 
 SMALL = {"case": "rod", "memory": {"t": float("inf")}}, {"layer0": np.arange(6.0)}
 
@@ -103,6 +105,18 @@ def test_a_file_that_cannot_be_gone_on_from_ends_all(ranks, stopped, tmp_path):
         done = solve("rod", "-fsi_restart", name, cwd=tmp_path, ranks=ranks)
         message(done, 4, words, "begins anew" if name == "auto" else name)
     assert contents(tmp_path) == before
+
+
+def test_a_body_without_a_header_is_refused():
+    """With right checksums, too: no HDF5, no header, no text, no JSON."""
+    bodies = [b"no HDF5"]
+    for name, value in (("other", 1.0), ("header", 1.0), ("header", "no JSON")):
+        with in_memory() as (file, image):
+            file[name] = value
+        bodies.append(image.getvalue())
+    for body in bodies:
+        with pytest.raises(FileError, match=r"^a\.h5: the checkpoint has no header$"):
+            unpack(checkpoint_file._head(body) + body, "a.h5")
 
 
 def test_what_cannot_change_is_named(stopped, tmp_path):

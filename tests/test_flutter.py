@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers import message, program, solve
 
-from fsipetsc.analysis.panel_modes import Flow, Motion, crossing, fit_modes
+from fsipetsc.analysis.panel_modes import Flow, crossing, fit_modes
 from fsipetsc.errors import ComputationError
 from fsipetsc.verify.entry import reference
 
@@ -24,11 +24,11 @@ def test_two_modes_of_nearly_one_frequency_are_told_apart():
     place, speed = (e @ shapes).real + 1e-3, ((e * s) @ shapes).real
     for size, most in ((0.0, 1e-9), (1e-4, 2e-3)):
         noise = size * np.random.default_rng(1).standard_normal((2, *place.shape))
-        found, misfit = fit_modes(Motion(t, place + noise[0], speed + noise[1]))
+        found, misfit = fit_modes(t, place + noise[0], speed + noise[1])
         assert np.abs(found[:2] - s).max() < most and misfit < 1e-9 + 10 * size
     still = np.outer(np.exp(-0.1 * t), np.ones(9))
     with pytest.raises(ComputationError, match="0 modes oscillate"):
-        fit_modes(Motion(t, still, -0.1 * still))
+        fit_modes(t, still, -0.1 * still)
 
 
 def test_the_crossing_from_a_few_dynamic_pressures():

@@ -10,9 +10,11 @@ from helpers import assert_same_fields, computed, solve
 
 pytest.importorskip("petsc4py")
 
+from mpi4py import MPI
 
 from fsipetsc.analysis.ring_theory import Medium, mode_near
-from fsipetsc.analysis.wave_modes import radial_modes
+from fsipetsc.analysis.wave_modes import Bench, radial_modes
+from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.cases import ring
 
 #: of angular number 2, by another program: with gas, and in a vacuum
@@ -99,6 +101,18 @@ def test_modes_at_all_orders(order):
     for coarse, fine in zip(found, found[1:]):
         rates = np.log2(coarse / fine)
         assert rates.min() > order - 0.2, rates
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("viscosity", [0.0, 0.01])
+@pytest.mark.parametrize("density", [1e-3, 1.0, 1e3])
+def test_nothing_grows_beside_light_and_heavy_rings(density, viscosity):
+    """About rest; modes of frequency 0 are double, and differences split these."""
+    words = {"fsi_order": 4, "fsi_h": 0.1, "ring_around": 24, "fluid_mu": viscosity}
+    problem = at_rest(solid_density=density, **words)
+    with BlockState(MPI.COMM_SELF, problem, 4, BlockForm()) as state:
+        values = Bench(state, 1, 2).modes()[0]
+    assert values.real.max() < 1e-11 * np.abs(values).max()
 
 
 @pytest.mark.mpi

@@ -82,7 +82,7 @@ def modes_of_a_ball(order, cells):
     faces = {("ball", 0, 0): Centre(), ("ball", 0, 1): Free()}
     problem = BlockProblem((body,), faces, symmetry=2)
     with BlockState(MPI.COMM_SELF, problem, order, BlockForm()) as state:
-        longest = step_limit(Bench(state, 1, 0).linear().modes()[0])
+        longest = step_limit(Bench(state, 1, 0).modes()[0])
         state.finish()
         longest *= state.results[RATE]
     medium = Medium(0.0, 1.0, 2.0, 1.5, 1.0, kappa=2)

@@ -40,8 +40,8 @@ def test_normal_modes():
 
     def distances(order, n):
         gas = Fluid(MU, MU * 3.5 / 0.72, GAMMA, 1.0)
-        modes = linearise(*stack(gas, STONE, (n // 2, n), depth=0.5), order, n, 2 * np.pi).modes()
-        return np.array([np.abs(modes[0] - s).min() / abs(s) for s in KNOWN])
+        values = linearise(*stack(gas, STONE, (n // 2, n), depth=0.5), order, n, 2 * np.pi)
+        return np.array([np.abs(values - s).min() / abs(s) for s in KNOWN])
 
     four, coarse = distances(4, 32), distances(4, 16)
     assert (four < (7e-4, 4e-5)).all() and (np.log2(coarse / four) > 3.8).all()
@@ -58,7 +58,7 @@ def test_nothing_grows_and_the_step_is_kept(order):
         problem = stack(Fluid(0.0, 0.0, GAMMA, 1.0), solid, (n, n))
         for columns in (n, 2 * n):
             k = 2 * np.pi * n / columns
-            values = np.linalg.eigvals(linearise(*problem, order, columns, k).matrix()[0])
+            values = linearise(*problem, order, columns, k)
             assert values.real.max() < 1e-11 * np.abs(values).max()
             fastest = max((stiffness / density) ** 0.5, GAMMA**0.5)
             assert step_limit(values) * fastest * n > 0.8

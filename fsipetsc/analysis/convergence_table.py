@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
-from fsipetsc.analysis.spectra import bisect
 from fsipetsc.analysis.tables import save_csv, text_table, texts
 from fsipetsc.checks import counted
 from fsipetsc.errors import InputError
@@ -146,7 +146,7 @@ def order_of_differences(ratio: float, first: float, second: float, third: float
         return float(np.log(one / two))
 
     there = found(LEAST) <= ratio <= found(MOST)
-    return bisect(lambda p: found(p) > ratio, LEAST, MOST) if there else float("nan")
+    return brentq(lambda p: found(p) - ratio, LEAST, MOST) if there else float("nan")
 
 
 def differences(runs: Sequence[Run], norm: str) -> Iterator[dict[str, dict[str, float]]]:

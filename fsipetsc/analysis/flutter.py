@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 from fsipetsc.analysis.panel_modes import CRITICAL, Flow, crossing, fit_modes, motion_of
 from fsipetsc.analysis.tables import begin, printer, save_csv, shared, text_table
 from fsipetsc.cases import load_case
-from fsipetsc.checks import counted
 from fsipetsc.errors import ComputationError
 from fsipetsc.options import Option, groups
 from fsipetsc.output.reader import open_run
@@ -26,9 +25,7 @@ SMALL = 1e-5
 PERIODS, SAMPLES, CHORDS = 1.25, 64, 2.0
 #: columns of the table: the faster mode, and both by frequency
 HEAD = ("mach", "lambda", "growth", "frequency", "growth_1", "frequency_1")
-HEAD += ("growth_2", "frequency_2", "misfit", "steps", "wall_s")
-
-
+HEAD += ("growth_2", "frequency_2", "misfit")
 MACHS, LAMBDAS = (1.5, 2.0, 2.5, 3.0, 4.0), (500.0, 600.0, 700.0, 800.0)
 _ABOVE = {"check": lambda values: None if min(values) > 1 else "Mach numbers above 1"}
 OPTIONS = (
@@ -39,15 +36,12 @@ OPTIONS = (
 
 class FlutterRun(NamedTuple):
     """A run: Mach number, lambda, s of the two modes that meet [unit of velocity over the panel's
-    length], misfit of the modes; steps and wall time [s].
-    """
+    length], misfit of the modes."""
 
     mach: float
     dynamic: float
     pair: tuple[complex, complex]
     misfit: float
-    steps: int
-    wall_time: float
 
 
 def flutter(arguments: list[str], comm: Comm) -> None:
@@ -62,12 +56,10 @@ def flutter(arguments: list[str], comm: Comm) -> None:
         opt["panel_push"] = SMALL
     say, mass = printer(comm, opt), opt["panel_mass"]
     tasks = list(product(*(sorted({*opt[option.name]}) for option in OPTIONS)))
-    runs_of = f"{counted(len(tasks), 'run')} of panel on {counted(comm.size, 'rank')}"
-    say(f"{runs_of}, h = {opt['fsi_h']:g}")
     end = opt["ts_max_time"] if "ts_max_time" in given else None
     runs = shared(comm, tasks, lambda task: one_run(case, opt, *task, end))
     facts, lines = f"mass {mass:g}, thickness {opt['panel_thickness']:g}", list(map(_row, runs))
-    say(f"\npanel, {facts}: growth and angular frequency of its modes\n\n{text_table(HEAD, lines)}")
+    say(f"panel, {facts}: growth and angular frequency of its modes\n\n{text_table(HEAD, lines)}")
     say("\nonset of flutter: lambda, and frequency f in cycles per unit of time")
     say(onsets(runs, mass, opt["panel_ends"]))
     if comm.rank == 0:
@@ -101,19 +93,17 @@ def one_run(
         try:
             run_case(case, own, MPI.COMM_SELF)
             with open_run(own["fsi_output"]) as run:
-                s, misfit = fit_modes(motion_of(run, later))
-                cost = run.summary["steps"], run.summary["wall_time"]
+                s, misfit = fit_modes(*motion_of(run, later))
         except ComputationError as error:
             raise ComputationError(f"M = {mach:g}, lambda = {dynamic:g}: {error}") from None
-    return FlutterRun(mach, dynamic, (complex(s[0]), complex(s[1])), misfit, *cost)
+    return FlutterRun(mach, dynamic, (complex(s[0]), complex(s[1])), misfit)
 
 
 def _row(run: FlutterRun) -> list[object]:
     """Under HEAD."""
     fastest = max(run.pair, key=lambda s: s.real)
     numbers = [f"{x:.6g}" for s in (fastest, *run.pair) for x in (s.real, s.imag)]
-    cost = [f"{run.misfit:.1e}", run.steps, f"{run.wall_time:.3g}"]
-    return [f"{run.mach:g}", f"{run.dynamic:g}", *numbers, *cost]
+    return [f"{run.mach:g}", f"{run.dynamic:g}", *numbers, f"{run.misfit:.1e}"]
 
 
 def onsets(runs: Sequence[FlutterRun], mass: float, ends: str) -> str:
@@ -122,10 +112,8 @@ def onsets(runs: Sequence[FlutterRun], mass: float, ends: str) -> str:
     rows, thin = [], CRITICAL[ends]
     for mach in dict.fromkeys(run.mach for run in runs):
         own = [run for run in runs if run.mach == mach]
-        flow, found, s = Flow(mach, mass), float("nan"), complex("nan")
-        if len(own) > 1:
-            dynamic = [run.dynamic for run in own]
-            found, s = crossing(dynamic, list(map(flow.unit, dynamic)), [run.pair for run in own])
+        flow, dynamic = Flow(mach, mass), [run.dynamic for run in own]
+        found, s = crossing(dynamic, list(map(flow.unit, dynamic)), [run.pair for run in own])
         f = s.imag * flow.unit(found) / (2.0 * pi)
         rows.append([f"{mach:g}", f"{found:.1f}", f"{f:.4f}", f"{found / thin:.3f}"])
     return text_table(["M", "lambda", "f", f"of {thin}"], rows)

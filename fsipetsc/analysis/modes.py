@@ -4,7 +4,6 @@ scheme (fsipetsc.analysis.wave_modes) and, where nothing conducts heat, exactly
 """
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -41,8 +40,7 @@ def modes(arguments: list[str], comm: Comm) -> None:
 
     opt |= _AT_REST[name]
     problem = build_problem(case, opt, comm)
-    told = partial(_told, case, problem, opt, path)
-    together(comm, (lambda: None) if comm.rank else told, asleep=True)
+    together(comm, lambda: None if comm.rank else _told(case, problem, opt, path), asleep=True)
 
 
 def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
@@ -63,7 +61,7 @@ def _told(case: Any, problem: Any, opt: Mapping[str, Any], path: Path) -> None:
         exact = mode_near(media, n, omega) if media else None
         rows.append((i, omega.real, omega.imag, *((exact.real, exact.imag) if exact else ("", ""))))
         error = f"{abs(omega - exact) / abs(exact):.1e}" if exact else ""
-        lines.append((i, _text(omega), _text(exact) if exact else "", error))
+        lines.append((i, f"{omega:.10f}", f"{exact:.10f}" if exact else "", error))
     save_csv(path, ("index", "omega_re", "omega_im", "exact", "exact_im"), rows)
     if not opt["fsi_quiet"]:
         grid = f"order {opt['fsi_order']}, h = {opt['fsi_h']:g}"
@@ -85,10 +83,3 @@ def media_of(case: Any, opt: Mapping[str, Any]) -> tuple[Medium, ...]:
     of_gas = 1.0, gas.gamma, 0.0, gas.mu, kappa
     air = Medium(core, inner, *of_gas), Medium(outer, vessel, *of_gas)
     return () if gas.kappa > 0.0 else (air[0], body, air[1])
-
-
-def _text(omega: complex) -> str:
-    """Real where the other part is round-off."""
-    if abs(omega.imag) < 1e-9 * abs(omega):
-        return f"{omega.real:.10f}{'':>15}"
-    return f"{omega.real:.10f} {omega.imag:+.10f}i"

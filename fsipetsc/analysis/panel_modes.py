@@ -16,8 +16,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 
-from fsipetsc.analysis.spectra import Complex, Real, bisect
+from fsipetsc.analysis.spectra import Complex, Real
 from fsipetsc.errors import ComputationError
 from fsipetsc.output.reader import Run
 
@@ -50,42 +51,33 @@ class Flow:
         return 2.0 * np.pi / (FREQUENCY[self.ends] * self.unit(dynamic))
 
 
-@dataclass(frozen=True)
-class Motion:
-    """Of a panel: t (nt,), equal steps; deflection w and velocity v (nt, nx)."""
-
-    t: Real
-    w: Real
-    v: Real
-
-
-def motion_of(run: Run, begin: float) -> Motion:
-    """Of the middle row of the solid, from a time on, by frames at equal distances."""
+def motion_of(run: Run, begin: float) -> tuple[Real, Real, Real]:
+    """t (nt,), equal steps; deflection w and velocity v (nt, nx) of the middle row of the solid,
+    from a time on."""
     solid = next(layer for layer in run.layers if layer.kind == "solid")
     t, row = run.time, len(solid.Y) // 2
     if len(t) > 2 and not np.isclose(t[-1] - t[-2], t[1] - t[0], rtol=1e-6):
         t = t[:-1]
     chosen = np.flatnonzero(t >= begin - 1e-9 * max(1.0, abs(begin)))
     w, v = (np.array([solid.frame(k)[name][row] for k in chosen]) for name in ("y", "v"))
-    return Motion(t[chosen], w - solid.Y[row], v)
+    return t[chosen], w - solid.Y[row], v
 
 
-def fit_modes(motion: Motion) -> tuple[Complex, float]:
+def fit_modes(t: Real, w: Real, v: Real) -> tuple[Complex, float]:
     """(s of the modes that oscillate, Im s > 0, by frequency; part of the motion in no mode).
 
     The first two are those that meet in flutter. ComputationError where there are fewer.
     """
-    dt = float(motion.t[1] - motion.t[0])
-    scales = [max(float(np.abs(part).max()), 1e-300) for part in (motion.w, motion.v)]
-    seen = np.concatenate([motion.w / scales[0], motion.v / scales[1]], axis=1).T
+    parts = [part / max(float(np.abs(part).max()), 1e-300) for part in (w, v)]
+    seen = np.concatenate(parts, axis=1).T
     U, sizes, Vt = np.linalg.svd(seen[:, :-1], full_matrices=False)
-    r = min(RANK, int(np.sum(sizes > NOISE * sizes[0])), (len(motion.t) - 1) // 2)
+    r = min(RANK, int(np.sum(sizes > NOISE * sizes[0])), (len(t) - 1) // 2)
     U, sizes, Vt = U[:, :r], sizes[:r], Vt[:r]
     values, vectors = np.linalg.eig(U.T @ seen[:, 1:] @ (Vt.T / sizes))
-    s = np.log(np.where(values == 0.0, 1e-300, values.astype(complex))) / dt
-    lasting = np.abs(s.real) * (motion.t[-1] - motion.t[0]) < STEEPEST
+    s = np.log(np.where(values == 0.0, 1e-300, values.astype(complex))) / (t[1] - t[0])
+    lasting = np.abs(s.real) * (t[-1] - t[0]) < STEEPEST
     s, shapes = s[lasting], U @ vectors[:, lasting]
-    times = np.exp(np.outer(s, motion.t - 0.5 * (motion.t[0] + motion.t[-1])))
+    times = np.exp(np.outer(s, t - 0.5 * (t[0] + t[-1])))
     # the amplitudes by least squares over all times at once
     normal = (shapes.conj().T @ shapes) * (times.conj() @ times.T)
     projected = np.einsum("xk,xt,kt->k", shapes.conj(), seen, times.conj())
@@ -124,5 +116,5 @@ def crossing(
     first = int(np.argmax([fastest(at).real > 0.0 for at in fine]))
     if first == 0:
         return float("nan"), complex("nan")
-    at = bisect(lambda at: fastest(at).real > 0.0, float(fine[first - 1]), float(fine[first]))
+    at = float(brentq(lambda at: fastest(at).real, fine[first - 1], fine[first]))
     return at, fastest(at)

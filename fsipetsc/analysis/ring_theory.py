@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import newton
-from scipy.special import h1vp, jv, jvp, spherical_jn, spherical_yn, yv
+from scipy.special import h1vp, jvp, spherical_jn, spherical_yn
 
 Complex = NDArray[np.complex128]
 #: how far from where it begins a search may end, over |omega|; when it ends, and steps it may take;
@@ -27,13 +27,9 @@ class Medium:
     """A ring or shell between two radii [m], of a density [kg/m3] and Lame's constants [Pa]; of a
     gas lame = gamma p, shear = 0, and the viscosity [Pa s].
 
-    kappa: 0 in the plane; 1, 2 of what moves along the radius alone, around an axis or a centre, as
-    compression waves, k = omega/c_p:
-
-        u = a j_1(k r) + b y_1(k r),    s_rr = (lambda + 2 mu) k (a j_0 + b y_0) - 2 kappa mu u/r
-
-    j_n and y_n are Bessel functions around an axis, spherical ones around a centre. In what goes to
-    r = 0 b is 0.
+    kappa: 0 in the plane; 1, 2 of what moves along the radius alone, around an axis or a centre,
+    where n is 0 and psi too; around a centre the Bessel functions are spherical. At r = 0 only the
+    first of them is finite.
     """
 
     inner: float
@@ -45,27 +41,22 @@ class Medium:
     kappa: int = 0
 
     @property
-    def solid(self) -> bool:
-        """Whether it has a stiffness against shear."""
-        return self.shear > 0.0
-
-    @property
     def sticks(self) -> bool:
         """Whether there are tangential stresses in it."""
-        return self.kappa == 0 and (self.solid or self.viscosity > 0.0)
+        return self.kappa == 0 and (self.shear > 0.0 or self.viscosity > 0.0)
 
     def fields(self, n: int, omega: complex, r: float) -> Complex:
         """(4, 2 or 4): displacements and stresses u_r, u_theta, s_rr, s_rtheta at r of each
-        function; n is 0 where kappa is not.
-        """
+        function."""
         mu = self.shear - 1j * omega * self.viscosity
         lame = self.lame + 2j / 3 * omega * self.viscosity
+        if r == 0.0:
+            return np.array([[0.0, 1.0], [0.0, 0.0], [0.0, 1.0], [0.0, 0.0]], complex)
         k = omega / np.sqrt((lame + 2.0 * mu) / self.density)
-        if self.kappa:
-            return self._radial(k, lame, mu, r)
         found = []
-        for f in (jvp, h1vp):
-            p, dp, ddp = (k**m * f(n, k * r, m) for m in range(3))
+        for f in (spherical_jn, spherical_yn) if self.kappa == 2 else (jvp, h1vp):
+            p, dp = (k**m * f(n, k * r, m) for m in (0, 1))
+            ddp = ((n / r) ** 2 - k**2) * p - max(self.kappa, 1) / r * dp
             turning = 2j * n * mu * (dp / r - p / r**2)
             found.append([dp, 1j * n / r * p, 2.0 * mu * ddp - lame * k**2 * p, turning])
         k = omega / np.sqrt(mu / self.density) if self.sticks else 0.0
@@ -74,16 +65,6 @@ class Medium:
             turning = mu * (dp / r - ddp - n**2 / r**2 * p)
             found.append([1j * n / r * p, -dp, 2j * n * mu * (dp / r - p / r**2), turning])
         return np.array(found, complex).T
-
-    def _radial(self, k: complex, lame: complex, mu: complex, r: float) -> Complex:
-        """(4, 2): u, 0, s_rr, 0 of both functions."""
-        if r == 0.0:
-            return np.array([[0.0, 1.0], [0.0, 0.0], [0.0, 1.0], [0.0, 0.0]], complex)
-        found = np.zeros((4, 2), complex)
-        for column, f in enumerate((jv, yv) if self.kappa == 1 else (spherical_jn, spherical_yn)):
-            u, squeezed = f(1, k * r), (lame + 2.0 * mu) * k * f(0, k * r)
-            found[:, column] = u, 0.0, squeezed - 2.0 * self.kappa * mu * u / r, 0.0
-        return found
 
 
 def conditions(media: Sequence[Medium], n: int, omega: complex) -> Complex:
@@ -101,10 +82,9 @@ def conditions(media: Sequence[Medium], n: int, omega: complex) -> Complex:
 
     for k, r in ((0, media[0].inner), (len(media) - 1, media[-1].outer)):
         fixed, free = ((0, 1), (2, 3)) if media[k].sticks else ((0,), (2,))
-        add(free if media[k].solid else fixed, {k: media[k].fields(n, omega, r)})
+        add(free if media[k].shear else fixed, {k: media[k].fields(n, omega, r)})
     for k, (one, other) in enumerate(zip(media, media[1:])):
-        inside, outside = one.fields(n, omega, one.outer), other.fields(n, omega, other.inner)
-        both = {k: inside, k + 1: -outside}
+        both = {k: one.fields(n, omega, one.outer), k + 1: -other.fields(n, omega, other.inner)}
         if one.sticks and other.sticks:
             add(range(4), both)
         else:

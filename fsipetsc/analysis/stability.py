@@ -2,16 +2,14 @@
 
 It ends with status 3 where the interface treatment does not keep what it promises. `energy` and
 `conservative` promise that the energy never grows (Theorem 4.1), that no mode grows and that the
-step of the uncoupled layers is kept; the others promise the last two. The heat of the stress at
-rest is left out: it belongs to the equations, not to the interface.
+step of the uncoupled layers is kept; the others promise the last two.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import product
 from pathlib import Path
-from typing import Any
 
-from fsipetsc.analysis.stability_linear import Constant, Result, measure, of_options
+from fsipetsc.analysis.stability_linear import Result, measure, of_options
 from fsipetsc.analysis.tables import listed_in, printer, save_csv, shared, text_table
 from fsipetsc.cases.common import materials
 from fsipetsc.errors import ComputationError, InputError
@@ -75,35 +73,18 @@ def stability(arguments: list[str], comm: Comm) -> None:
     if opt["sweep"]:
         ratios = product(opt["density_ratios"], opt["stiffness_ratios"])
         states = [state.swept(*both) for both in ratios]
-    names = "stability_points", "fsi_h", "fsi_coupling"
-    how = *(opt[name] for name in names), opt["fsi_viscous"] == "narrow"
-    tasks = list(product(opt["fsi_orders"], states))
+    coupling, narrow = opt["fsi_coupling"], opt["fsi_viscous"] == "narrow"
+    how = opt["stability_points"], opt["fsi_h"], coupling, narrow
+    tasks, say = list(product(opt["fsi_orders"], states)), printer(comm, opt)
     results = shared(comm, tasks, lambda task: measure(task[1], task[0], *how))
-    say = printer(comm, opt)
-    say("\n".join([heading(opt, state), "", table(results), ""]))
+    say(f"stability of {coupling}: {THEORY[coupling]}\nsolid | gas at rest, linearised (4.2)")
+    say(f"gas    p {state.p:g} Pa; solid  p {state.solid_pressure:g} Pa, sigma {state.stress:g} Pa")
+    say(f"\n{table(results)}\n")
     if opt["sweep"] and comm.rank == 0:
-        path = Path(f"{opt['fsi_output'] or 'stability-' + opt['fsi_coupling']}.csv")
+        path = Path(f"{opt['fsi_output'] or f'stability-{coupling}'}.csv")
         say(f"saved {save_csv(path, results[0]._fields, results)}")
     wait_asleep(comm)
     judge(results)
-
-
-def heading(opt: Mapping[str, Any], state: Constant) -> str:
-    """What is studied."""
-    gas, solid, coupling = state.gas, state.solid, opt["fsi_coupling"]
-    body = f"m0 {solid.m0:g} kg/m3, K {solid.K:g} Pa"
-    if opt["sweep"]:
-        body = f"alpha m0 {solid.alpha * solid.m0:g} J/(m3 K)"
-    lines = (
-        f"stability of {coupling}: {THEORY[coupling]}",
-        f"solid | gas at rest, linearised (4.2): {opt['stability_points']} points of h = "
-        f"{opt['fsi_h']:g} m in each, {opt['fsi_viscous']} second derivatives",
-        f"gas    rho {state.rho:g} kg/m3, T {state.T:g} K, p {state.p:g} Pa, mu {gas.mu:g} "
-        f"Pa s, kappa {gas.kappa:g} W/(m K)",
-        f"solid  {body}, kappa {solid.kappa_e:g} W/(m K), pressure {state.solid_pressure:g} "
-        f"Pa, sigma {state.stress:g} Pa",
-    )
-    return "\n".join(lines)
 
 
 def table(results: Sequence[Result]) -> str:

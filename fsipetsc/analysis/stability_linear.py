@@ -17,23 +17,21 @@ The energy E = h sum_j a_j (W q^2)_j has the weights of fsipetsc.paper.coupling.
 are symmetric but for a part of the last one: -p^ = -c T^ + sigma^. That part, the heat that a
 stress sigma^ != 0 sets free, is left out.
 
-With the conservative coupling D of a flux is without what goes through the interface
-(fsipetsc.blocks). The interface is treated by the code that the solver calls, differentiated
-numerically at the constant state. At the outer ends u = 0, and T = 0 in what conducts: orthogonal
-projections that neither add nor take energy, so that growth comes from the interface or from the
-equations.
+At the outer ends u = 0, and T = 0 in what conducts: orthogonal projections that neither add nor
+take energy, so that growth comes from the interface or from the equations.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
+from scipy.linalg import orth
 
-from fsipetsc.analysis.spectra import CENTRAL, Real, range_basis, step_limit
+from fsipetsc.analysis.spectra import CENTRAL, Real, step_limit
 from fsipetsc.cases.common import gas_of, solid_of
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
@@ -116,7 +114,7 @@ def of_options(opt: Mapping[str, Any]) -> Constant:
 
 
 class Result(NamedTuple):
-    """Numbers of one problem. Rates of growth are over the largest |lambda|, which is radius [1/s].
+    """Numbers of one problem. Rates of growth are over the largest |lambda|.
 
     energy, growth: those of the energy and of the fastest mode. step: that RK4 can take [s],
     step_ratio: over that of the uncoupled layers. estimate, stable, step_kept: the energy does not
@@ -129,7 +127,6 @@ class Result(NamedTuple):
     stiffness_ratio: float
     energy: float
     growth: float
-    radius: float
     step: float
     step_ratio: float
     estimate: bool
@@ -137,57 +134,29 @@ class Result(NamedTuple):
     step_kept: bool
 
 
-class Linear(NamedTuple):
-    """The assembled problem in the variables sqrt(h a W) q, in which the energy is the square of
-    the vector.
-
-    raw: (6n, 6n) right-hand side of both layers without any condition, symmetric in the last
-    equation; projection: (6n, 6n) all conditions; free: (6n,) 0 where a layer alone is held: at its
-    outer end, and at the interface in the same way, but with the conservative coupling, where it is
-    free and insulated. Order: fluid rho, u, T, solid u, S, T; in each the points from left to
-    right.
-    """
-
-    raw: Real
-    projection: Real
-    free: Real
-
-
 def assemble(
     state: Constant, order: int, n: int, h: float, coupling: str, narrow: bool = False
-) -> Linear:
-    """The problem with n points of spacing h [m] in each layer."""
+) -> tuple[Real, Real, Real]:
+    """The problem with n points of spacing h [m] in each layer, in the variables sqrt(h a W) q, in
+    which the energy is the square of the vector; in each the points from left to right.
+
+    Returns the right-hand side (6n, 6n) of both layers without any condition, symmetric in the last
+    equation; all conditions (6n, 6n); and (6n,) 0 where a layer alone is held: at its outer end,
+    and at the interface in the same way, but with the conservative coupling, where it is free and
+    insulated.
+    """
     op, conservative = operator(order), coupling == "conservative"
+    gas, solid, rho, T = state.gas, state.solid, state.rho, state.T
     D, H = op.matrix(n, h), h * op.norm_weights(n)
     narrowing = remainder(op.interior, np.ones(n)) / (h * H[:, None]) if narrow else 0.0
-    outer = D.copy(), D.copy()
+    Df, Ds = D.copy(), D.copy()
     if conservative:  # no flux through the interface is in the rates of the end points
-        outer[0][0, 0] += 1.0 / H[0]
-        outer[1][-1, -1] -= 1.0 / H[0]
-    ends = np.ones((6, n))
-    ends[1, -1] = ends[3, 0] = 0.0
-    ends[2, -1] = 0.0 if state.gas.kappa > 0 else 1.0
-    ends[5, 0] = 0.0 if state.solid.kappa_e > 0 else 1.0
-    both = ends if conservative else ends * ends[:, ::-1]
-    interface = scatter(interface_jacobian(state, order, h, coupling), n)
-    root = np.sqrt(np.outer(state.weights, H)).ravel()
-    scaled = root[:, None] / root
-    raw = rates(state, D, outer, [divergence @ D - narrowing for divergence in outer])
-    conditions = np.outer(ends, ends) * interface
-    return Linear(scaled * raw, scaled * conditions, both.ravel())
-
-
-def rates(state: Constant, D: Real, outer: Sequence[Real], second: Sequence[Real]) -> Real:
-    """The right-hand side, (6n, 6n).
-
-    D: derivative of the velocities, (n, n); outer, second: in fluid and solid those of the stress
-    and, of second order, of what is conducted or diffuses.
-    """
-    gas, solid, rho, T = state.gas, state.solid, state.rho, state.T
+        Df[0, 0] += 1.0 / H[0]
+        Ds[-1, -1] -= 1.0 / H[0]
+    D2f, D2s = Df @ D - narrowing, Ds @ D - narrowing
     c, p_T, heat = state.solid_pressure / T, rho * gas.R, solid.alpha * solid.m0
     heat_f, o, mu = rho * gas.cv, np.zeros_like(D), 4 / 3 * gas.mu
-    (Df, Ds), (D2f, D2s) = outer, second
-    return np.block(
+    raw = np.block(
         [
             [o, -rho * D, o, o, o, o],
             [-state.p / rho**2 * Df, mu / rho * D2f, -p_T / rho * Df, o, o, o],
@@ -197,18 +166,21 @@ def rates(state: Constant, D: Real, outer: Sequence[Real], second: Sequence[Real
             [o, o, o, -c * T / heat * D, o, solid.kappa_e / state.stretch / heat * D2s],
         ]
     )
+    ends = np.ones((6, n))
+    ends[1, -1] = ends[3, 0] = 0.0
+    ends[2, -1] = 0.0 if gas.kappa > 0 else 1.0
+    ends[5, 0] = 0.0 if solid.kappa_e > 0 else 1.0
+    both = ends if conservative else ends * ends[:, ::-1]
+    treatment = one_particle(state, n) if conservative else of_paper(state, order, n, h, coupling)
+    root = np.sqrt(np.outer(state.weights, H)).ravel()
+    scaled = root[:, None] / root
+    return scaled * raw, scaled * np.outer(ends, ends) * treatment, both.ravel()
 
 
-def interface_jacobian(state: Constant, order: int, h: float, coupling: str) -> Real:
-    """Derivative, (6 rows, 6 rows), of the interface treatment at the constant state.
-
-    Order as in Linear, rows counted from the interface into each layer. That of the paper's
-    couplings is of the solver's own code.
-    """
-    rows = row_length(operator(order))
-    if coupling == "conservative":
-        return one_particle(state, rows)
-    gas, solid = law_of(state.gas), law_of(state.solid)
+def of_paper(state: Constant, order: int, n: int, h: float, coupling: str) -> Real:
+    """Derivative, (6n, 6n), of the interface treatment at the constant state, by the solver's own
+    code, on the rows next to the interface."""
+    rows, gas, solid = row_length(operator(order)), law_of(state.gas), law_of(state.solid)
     size = 6 * rows
     constant = np.repeat([state.rho, 0.0, state.T, 0.0, state.stress, state.T], rows)
     steps = STEP * np.repeat(state.scales, rows)
@@ -223,7 +195,11 @@ def interface_jacobian(state: Constant, order: int, h: float, coupling: str) -> 
     u, T = gas.velocity_and_temperature(*np.moveaxis(f, -1, 0))
     after = np.stack([f[..., 0], u, T, *np.moveaxis(s, -1, 0)[:3]], axis=1)
     after = after.reshape(8, size, size)
-    return np.tensordot(CENTRAL, after[4:] - after[3::-1], 1).T / steps
+    near, beyond = np.arange(rows), n - 1 - np.arange(rows)
+    index = np.concatenate([c * n + (near if c < 3 else beyond) for c in range(6)])
+    jacobian = np.eye(6 * n)
+    jacobian[np.ix_(index, index)] = np.tensordot(CENTRAL, after[4:] - after[3::-1], 1).T / steps
+    return jacobian
 
 
 @njit(**CALL)
@@ -234,28 +210,17 @@ def couple_all(ops, face, jump, f, s):
         couple(ops[0], face, jump, f[m], s[m])
 
 
-def one_particle(state: Constant, rows: int) -> Real:
+def one_particle(state: Constant, n: int) -> Real:
     """The same of the conservative coupling: the two end points share momentum, and heat if both
     conduct it."""
-    jacobian = np.eye(6 * rows)
-    pairs = [(1, 3, state.rho, state.solid.m0)]
-    if state.gas.kappa > 0.0 and state.solid.kappa_e > 0.0:
-        heat_capacities = state.rho * state.gas.cv, state.solid.alpha * state.solid.m0
-        pairs.append((2, 5, *heat_capacities))
+    gas, solid, jacobian = state.gas, state.solid, np.eye(6 * n)
+    pairs = [(1, 3, state.rho, solid.m0)]
+    if gas.kappa > 0.0 and solid.kappa_e > 0.0:
+        pairs.append((2, 5, state.rho * gas.cv, solid.alpha * solid.m0))
     for of_gas, of_solid, a, b in pairs:
-        points = np.array([of_gas, of_solid]) * rows
+        points = of_gas * n, of_solid * n + n - 1
         jacobian[np.ix_(points, points)] = np.array([[a, b], [a, b]]) / (a + b)
     return jacobian
-
-
-def scatter(jacobian: Real, n: int) -> Real:
-    """The interface treatment on all points, (6n, 6n), from its derivative on the rows there."""
-    rows = len(jacobian) // 6
-    fluid, solid = np.arange(rows), n - 1 - np.arange(rows)
-    index = np.concatenate([v * n + (fluid if v < 3 else solid) for v in range(6)])
-    full = np.eye(6 * n)
-    full[np.ix_(index, index)] = jacobian
-    return full
 
 
 def measure(
@@ -264,15 +229,15 @@ def measure(
     """All numbers for n points of spacing h [m] in each layer, and D twice or narrow second
     derivatives.
 
-    Energy: with w the vector of Linear, w = P w, d/dt |w|^2 / 2 = w^T P L w. Its largest value for
-    |w| = 1 is the largest eigenvalue of the symmetric part of Z^T P L Z, Z an orthonormal basis of
-    the range of P: 0 or less where the estimate holds. Modes: eigenvalues of Z^T P L Z.
+    Energy: with w = P w, the vector of ``assemble``, d/dt |w|^2 / 2 = w^T P L w. Its largest value
+    for |w| = 1 is the largest eigenvalue of the symmetric part of Z^T P L Z, Z an orthonormal basis
+    of the range of P: 0 or less where the estimate holds. Modes: eigenvalues of Z^T P L Z.
     """
-    problem = assemble(state, order, n, h, coupling, narrow)
-    P, Z = problem.projection, range_basis(problem.projection)
-    A = Z.T @ (P @ problem.raw @ P) @ Z
+    raw, P, free = assemble(state, order, n, h, coupling, narrow)
+    Z = orth(P, rcond=1e-9)
+    A = Z.T @ (P @ raw @ P) @ Z
     energy, spectrum = float(np.linalg.eigvalsh((A + A.T) / 2).max()), np.linalg.eigvals(A)
-    alone = np.outer(problem.free, problem.free) * problem.raw
+    alone = np.outer(free, free) * raw
     halves = alone[: 3 * n, : 3 * n], alone[3 * n :, 3 * n :]
     uncoupled = min(step_limit(np.linalg.eigvals(half)) for half in halves)
     radius, step = float(np.abs(spectrum).max()), step_limit(spectrum)
@@ -284,7 +249,6 @@ def measure(
         stiffness_ratio=state.solid.K / state.p,
         energy=energy / radius,
         growth=growth,
-        radius=radius,
         step=step,
         step_ratio=step / uncoupled,
         estimate=energy <= ENERGY_TOLERANCE * radius,

@@ -1,10 +1,11 @@
 """Small disturbances of blocks at rest: the scheme's own right-hand side, linearised.
 
 Columns of the blocks are alike: those along flat layers, those of a ring in the frame of radius and
-angle; in one dimension there is one column. Unknown j of all M columns is disturbed by cos(n phi),
-phi = 2 pi m / M in column m. The part of the rates in exp(i n phi), found by central differences of
-order 8, is column j of a matrix A(n), by which what is proportional to exp(i n phi) changes. What
-may be disturbed is what the projection P lets through: P A acts on its range.
+angle; in one dimension there is one column. The derivative of the rates of column m by unknown j of
+column 0 is found by central differences of order 8. Times exp(-i n phi), phi = 2 pi m / M, and
+added up over the M columns, it is column j of a matrix A(n), by which what is proportional to
+exp(i n phi) changes. What may be disturbed is what the projection P lets through: P A acts on its
+range.
 
 Central differences do not see what alternates from node to node. Modes that do so across the blocks
 swing at frequencies of waves that are long. They are told by their roughness, the squares of the
@@ -13,12 +14,12 @@ a wave of 6 nodes.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from mpi4py import MPI
+from scipy.linalg import orth
 
-from fsipetsc.analysis.spectra import CENTRAL, Complex, Real, range_basis
+from fsipetsc.analysis.spectra import CENTRAL, Complex, Real
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blocks.conditions import Condition
 from fsipetsc.blocks.layers import Layer, layers
@@ -34,36 +35,18 @@ SWINGING, ROUGH = 1e-6, 1.0
 FORM = BlockForm()
 
 
-class Linear(NamedTuple):
-    """A (N, N) [1/s] and P (N, N) of the N unknowns of a column of all blocks, over their
-    scales."""
-
-    rates: Complex
-    projection: Real
-
-    def matrix(self) -> tuple[Complex, Real]:
-        """((n, n), dz/dt = A z of amplitudes; (N, n), basis of these)."""
-        basis = range_basis(self.projection)
-        return basis.T @ (self.projection @ self.rates) @ basis, basis
-
-    def modes(self) -> tuple[Complex, Complex]:
-        """(eigenvalues [1/s], (N, n) of the amplitudes of the unknowns over their scales)."""
-        matrix, basis = self.matrix()
-        values, vectors = np.linalg.eig(matrix)
-        return values, basis @ vectors
-
-
 def linearise(
     members: Sequence[Layer], ends: Sequence[Condition], order: int, columns: int, k: float
-) -> Linear:
-    """The scheme of an order about the initial data of layers from below, which say their cells,
-    between two ends, for disturbances proportional to exp(i k X), k [1/m]; a wave is so many
-    columns long. InputError where the layers are not at rest, or not the same in all columns.
+) -> Complex:
+    """Eigenvalues [1/s] of the scheme of an order about the initial data of layers from below,
+    which say their cells, between two ends, for disturbances proportional to exp(i k X), k [1/m]; a
+    wave is so many columns long. InputError where the layers are not at rest, or not the same in
+    all columns.
     """
     wave = {"along": ((0.0, 2.0 * np.pi / k),), "cells": (columns,)}
     problem = layers(*members, **wave, lower=ends[0], upper=ends[1])
     with BlockState(MPI.COMM_SELF, problem, order, FORM) as state:
-        return Bench(state, 0, 1).linear()
+        return Bench(state, 0, 1).modes()[0]
 
 
 def radial_modes(problem: BlockProblem, order: int, n: int = 0, form: BlockForm = FORM) -> Complex:
@@ -79,8 +62,9 @@ def radial_modes(problem: BlockProblem, order: int, n: int = 0, form: BlockForm 
             known = f"-ring_around {columns} knows angular numbers from 0 to {(columns - 1) // 2}"
             raise InputError(f"-ring_angular {n}: {known}")
         bench = Bench(state, 1, n)
-        values, vectors = bench.linear().modes()
-        parts = bench.by_blocks(vectors)
+        values, vectors = bench.modes()
+    blocks = np.split(vectors, np.cumsum([rows * dof for rows, dof in bench.shapes])[:-1])
+    parts = [part.reshape(*shape, -1) for part, shape in zip(blocks, bench.shapes, strict=True)]
     steps = [np.diff(part, axis=0) for part in parts]
     squares = [sum((np.abs(a) ** 2).sum(axis=(0, 1)) for a in of) for of in (steps, parts)]
     smooth = squares[0] < ROUGH * squares[1]
@@ -104,9 +88,10 @@ def scales_of(state: BlockState, k: int, q: Real) -> tuple[Real, int, Real]:
 
 
 class Bench:
-    """A state on which one unknown after the other is disturbed by cos(n phi).
+    """A state on which one unknown of column 0 after the other is disturbed.
 
     axis: of the blocks, along which all columns are alike: 0 for flat layers, 1 for rings.
+    shapes: (rows, unknowns) of each block.
     """
 
     def __init__(self, state: BlockState, axis: int, n: int) -> None:
@@ -117,14 +102,13 @@ class Bench:
         self._f = np.empty_like(self._y)
         columns = state.layout.shapes[0][axis] if self._d > 1 else 1
         phi = 2.0 * np.pi * np.arange(columns) / columns
-        self._wave = np.cos(n * phi)
-        self._part = (2.0 if n > 0 else 1.0) * np.exp(-1j * n * phi) / columns
+        self._part = np.exp(-1j * n * phi)
         #: of the frame of each column
         turning = axis == 1 and self._d > 1
         self._cos, self._sin = (np.cos(phi), np.sin(phi)) if turning else (1.0, 0.0)
-        self._blocks = range(len(state.layout.shapes))
-        found = [scales_of(state, k, self._block(k, self._y)[:, 0]) for k in self._blocks]
-        self._shapes = [scales.shape for scales, _, _ in found]
+        blocks = range(len(state.layout.shapes))
+        found = [scales_of(state, k, self._block(k, self._y)[:, 0]) for k in blocks]
+        self.shapes = [scales.shape for scales, _, _ in found]
         self._scales = np.concatenate([scales.ravel() for scales, _, _ in found])
         # velocities are disturbed by the same on both sides of interfaces
         slowest = min((scales[:, i] / mass).min() for scales, i, mass in found)
@@ -132,11 +116,12 @@ class Bench:
             scales[:, i : i + self._d] = (slowest * mass)[:, None]
         self._nudges = np.concatenate([scales.ravel() for scales, _, _ in found])
 
-    def linear(self) -> Linear:
-        """Disturb all unknowns. InputError where the state is not at rest."""
+    def modes(self) -> tuple[Complex, Complex]:
+        """Eigenvalues [1/s], and (N, n) of the amplitudes of the N unknowns of a column of all
+        blocks, over their scales. InputError where the state is not at rest."""
         size = len(self._scales)
         rates, projection = np.zeros((2, size, size), complex)
-        shapes = enumerate(self._shapes)
+        shapes = enumerate(self.shapes)
         unknowns = [(k, *of_block) for k, shape in shapes for of_block in np.ndindex(*shape)]
         for i, unknown in enumerate(unknowns):
             step = NUDGE * self._nudges[i]
@@ -146,19 +131,15 @@ class Bench:
                     rates[:, i] += sign * weight / step * f
                     projection[:, i] += sign * weight / step * y
         relative = self._scales / self._scales[:, None]
-        linear = Linear(rates * relative, _rounded(projection.real * relative))
+        rates, projection = rates * relative, projection.real * relative
         self._evaluate(self._y)
-        rates, values = (self._whole(array) / self._scales for array in (self._f, self._y))
-        moving = np.abs(rates @ linear.projection.T).max() > AT_REST * np.abs(linear.rates).max()
+        rest, values = (self._whole(array) / self._scales for array in (self._f, self._y))
+        moving = np.abs(rest @ projection.T).max() > AT_REST * np.abs(rates).max()
         if moving or np.ptp(values, axis=0).max() > AT_REST:
             raise InputError("the blocks are not at rest at first, or not the same in all columns")
-        return linear
-
-    def by_blocks(self, vectors: Complex) -> list[Complex]:
-        """Of each block (rows, unknowns, modes) of amplitudes (N, modes)."""
-        ends = np.cumsum([rows * dof for rows, dof in self._shapes])[:-1]
-        parts = zip(np.split(vectors, ends), self._shapes, strict=True)
-        return [part.reshape(*shape, -1) for part, shape in parts]
+        basis = orth(projection, rcond=1e-9)
+        values, vectors = np.linalg.eig(basis.T @ (projection @ rates) @ basis)
+        return values, basis @ vectors
 
     def _evaluate(self, y: Real) -> None:
         """Rates, and y projected in its place."""
@@ -176,32 +157,21 @@ class Bench:
         return nodes if self._axis == 0 else nodes.swapaxes(0, 1)
 
     def _disturbed(self, k: int, j: int, c: int, size: float) -> tuple[Complex, Complex]:
-        """(rates, projected unknowns), (N,), where unknown c of row j of block k is disturbed by
-        size cos(n phi)."""
-        y, change = self._y.copy(), np.zeros((len(self._wave), self._shapes[k][1]))
-        change[:, c] = size * self._wave
-        self._block(k, y)[j] += self._turned(k, change, -1.0)
+        """(rates, projected unknowns), (N,), where unknown c of row j of block k is disturbed."""
+        y = self._y.copy()
+        self._block(k, y)[j, 0, c] += size
         self._evaluate(y)
         return self._part @ self._whole(self._f), self._part @ self._whole(y)
 
     def _whole(self, array: Real) -> Real:
         """(columns, N) of a vector; of a ring vectors along radius and angle."""
-        rows = [self._turned(k, self._block(k, array), 1.0) for k in self._blocks]
-        return np.concatenate([r.swapaxes(0, 1).reshape(r.shape[1], -1) for r in rows], axis=1)
-
-    def _turned(self, k: int, values: Real, sense: float) -> Real:
-        """(…, columns, unknowns) of block k: from x and y to radius and angle, or back with sense
-        -1."""
-        turned, sine = values.copy(), sense * self._sin
-        solid = self._state.problem.layers[k].kind == "solid"
-        for first in ((0, 2) if solid else (2,)) if self._d > 1 else ():
-            a, b = values[..., first], values[..., first + 1]
-            turned[..., first] = self._cos * a + sine * b
-            turned[..., first + 1] = self._cos * b - sine * a
-        return turned
-
-
-def _rounded(projection: Real) -> Real:
-    """A projection whose rows that change nothing do so exactly."""
-    same, none = np.eye(len(projection)), np.abs(projection) < 1e-11
-    return np.where(np.abs(projection - same) < 1e-11, same, np.where(none, 0.0, projection))
+        found = []
+        for k, layer in enumerate(self._state.problem.layers):
+            nodes = self._block(k, array)
+            turned = nodes.copy()
+            for first in ((0, 2) if layer.kind == "solid" else (2,)) if self._d > 1 else ():
+                a, b = nodes[..., first], nodes[..., first + 1]
+                turned[..., first] = self._cos * a + self._sin * b
+                turned[..., first + 1] = self._cos * b - self._sin * a
+            found.append(turned.swapaxes(0, 1).reshape(turned.shape[1], -1))
+        return np.concatenate(found, axis=1)

@@ -19,7 +19,6 @@ from fsipetsc.scheme.gas_dissipation import room
 from fsipetsc.scheme.gas_memory import scratch
 from fsipetsc.scheme.gas_record import Damping, GasRecord, Undamped
 from fsipetsc.scheme.gas_rows import DivergenceForm, EntropyForm, Inviscid, Viscous
-from fsipetsc.scheme.normals import add_areas
 from fsipetsc.scheme.radial import Radial, Straight
 
 Array = NDArray[Any]
@@ -36,7 +35,6 @@ class GasPart(BlockPart):
         super().__init__(layout, part, order)
         self._layout, self._order, self._form = layout, order, form
         self.equations = self.block.material.equations(self._d, self._problem.symmetry)
-        self._places = self.X.copy()
 
     def follow(self, particles: Sequence[Particle], system: ParticleSystem) -> None:
         """Let the grid follow the particles that have a solid, or are on walls that move.
@@ -86,7 +84,7 @@ class GasPart(BlockPart):
             dissipation=damping,
             axis=around if self._problem.symmetry else Straight(),
             column=column,
-            places=self._places,
+            places=self.X.copy(),
             work=self.work,
             room=room_of(d),
             masses=self.weights,
@@ -97,11 +95,6 @@ class GasPart(BlockPart):
             reference=self.reference,
             sums=np.zeros(sums_of(d)),
         )
-
-    def add_turning(self, faces: Any, table: Array) -> None:
-        """Add how area vectors at faces turn to rows of a table, in three dimensions."""
-        if self.moves and self._d == 3:
-            add_areas(faces, 3, self.grid.record.turning(), table)
 
     def initial(self, t: float, q: Array) -> None:
         """Fill q (M, d + 3) with the case's data, with J = 1."""

@@ -70,7 +70,11 @@ class ParticleSystem:
         columns = max(self._d + 3, 2 * self._d + 2)
         self._exchange = ParticleExchange(layout.comm, number, owners, columns, tag=1)
         self.table = self._table(number, members, owners, inertia)
-        self.nodes = self._nodes(members, number)
+        mine, self.nodes = self._exchange.mine, {}
+        for part in layout.parts:
+            of_block = mine[members[mine, 1] == part.k]
+            order = np.argsort(members[of_block, 2])
+            self.nodes[part.k] = members[of_block, 2][order], number[of_block][order]
         self._constraints(number, members, owners)
         self._storing(particles, number, members, owners)
         n, d = here.size, self._d
@@ -159,14 +163,6 @@ class ParticleSystem:
             exchange.table[rows, 0] = weights_of(part, nodes) * mass
         exchange.exchange()
         return exchange.table[:, 0].copy()
-
-    def _nodes(self, members: Array, number: Array) -> dict[int, tuple[Array, Array]]:
-        mine, found = self._exchange.mine, {}
-        for part in self._layout.parts:
-            of_block = mine[members[mine, 1] == part.k]
-            order = np.argsort(members[of_block, 2])
-            found[part.k] = members[of_block, 2][order], number[of_block][order]
-        return found
 
     # elastic energies of members
 
@@ -330,5 +326,5 @@ def _members(layout: BlockLayout, particles: Sequence[Particle]) -> tuple[Array,
     owners = np.empty(len(members), np.int64)
     for k in range(len(layout.problem.blocks)):
         of_block = members[:, 1] == k
-        owners[of_block] = layout.owners(k, members[of_block, 2])
+        owners[of_block] = layout.shares[k].owners(members[of_block, 2])
     return members, owners

@@ -72,28 +72,38 @@ def _on_interfaces(problem: BlockProblem, X: float) -> list[Recorded]:
 
 def _nearest(problem: BlockProblem, place: Array) -> Recorded:
     """The node next to a place; on an interface that of the solid. InputError for one outside."""
-    best = np.inf, 0, 0, place
-    for k in sorted(range(len(problem.layers)), key=lambda k: problem.layers[k].kind != "solid"):
-        places = problem.places(k, np.arange(int(np.prod(problem.layers[k].shape))))
-        distance = np.linalg.norm(places - place, axis=1)
-        at = int(np.argmin(distance))
-        if distance[at] < best[0] - problem.tolerance:
-            best = float(distance[at]), k, at, places[at]
-    distance, k, node, X = best
-    if distance > _reach(problem, k):
+    order = sorted(range(len(problem.layers)), key=lambda k: problem.layers[k].kind != "solid")
+    X = {k: problem.places(k, np.arange(np.prod(problem.layers[k].shape))) for k in order}
+    apart = {k: np.linalg.norm(places - place, axis=1) for k, places in X.items()}
+    least = min(float(distance.min()) for distance in apart.values())
+    near = {k: np.flatnonzero(d <= least + problem.tolerance) for k, d in apart.items()}
+    known = [(k, n) for k, nodes in near.items() for n in nodes]
+    if not any(_has_cell(problem, k, n, X[k], place) for k, n in known):
         text = ",".join(f"{x:g}" for x in place)
-        nearest = f"the nearest node is {distance:g} away"
+        nearest = f"the nearest node is {least:g} away"
         raise InputError(f"-fsi_probes {text}: no block is there; {nearest}")
+    k = known[0][0]
+    node = int(apart[k].argmin())
     face = _face_of(problem, k, node)
-    return Recorded(problem.layers[k].name, k, node, tuple(X.tolist()), face)
+    return Recorded(problem.layers[k].name, k, node, tuple(X[k][node].tolist()), face)
 
 
-def _reach(problem: BlockProblem, k: int) -> float:
-    """The sum of the longest cells along each axis: no place in a cell is further from a node."""
-    shape = problem.layers[k].shape
-    X = problem.places(k, np.arange(np.prod(shape))).reshape(*shape[::-1], len(shape))
-    cells = (np.diff(X, axis=axis) for axis in range(len(shape)))
-    return float(sum(np.linalg.norm(cell, axis=-1).max() for cell in cells))
+def _has_cell(problem: BlockProblem, k: int, node: int, X: Array, place: Array) -> bool:
+    """Whether a place is in a block, or by at most half of the cell at its nearest node out of it;
+    by one cell on a periodic axis. X: all nodes of the block.
+    """
+    block = problem.layers[k]
+    X = X.reshape(*block.shape, block.dimension, order="F")
+    at, cells, most = np.unravel_index(node, block.shape, order="F"), [], []
+    for axis, (i, n) in enumerate(zip(at, block.shape, strict=True)):
+        low, high = max(i - 1, 0), min(i + 1, n - 1)
+        ends = (X[(*at[:axis], end, *at[axis + 1 :])] for end in (low, high))
+        cells.append(np.subtract(*ends) / (low - high))
+        beyond = 1.0 if block.periodic[axis] else 0.5
+        most.append([-beyond if i == 0 else -np.inf, beyond if i == n - 1 else np.inf])
+    steps = np.linalg.lstsq(np.array(cells).T, place - X[at], rcond=None)[0]
+    low, high = np.array(most).T * (1.0 + 1e-9)
+    return bool(np.all((low <= steps) & (steps <= high)))
 
 
 def _face_of(problem: BlockProblem, k: int, node: int) -> tuple[int, int] | None:

@@ -30,6 +30,7 @@ from fsipetsc.operators.boxed import Box, with_calls
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
 from fsipetsc.scheme import solid_record
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
+from fsipetsc.scheme.normals import add_areas
 from fsipetsc.scheme.part import PartCalls
 from fsipetsc.scheme.particles import impose_conditions
 from fsipetsc.scheme.runge_kutta import STAGES, advance
@@ -110,6 +111,7 @@ class Scheme:
                 stores = self.particles.stores and not part.equations.coupled
                 functions = solid_record.functions(stores, self.dimension == 1)
             self._does[k] = PartCalls(Box(record), *functions)
+        self._of_gases = [(gas, self._does[gas.part.k]) for gas in self._gases]
 
     def attach(self, y: Array, stage: Array, *buffers: Any) -> None:
         """What steps in one call take and fill: see fsipetsc.scheme.steps.Found, without now.
@@ -185,30 +187,30 @@ class Scheme:
         impose_conditions(particles.box, y.array, self._gain)
         if particles.slips:  # the conditions have changed velocities
             self._follow()
-        for gas in self._gases:
-            self._does[gas.part.k].swing(self._does[gas.part.k].part)
+        for _, does in self._of_gases:
+            does.swing(does.part)
 
     def _follow(self) -> None:
         """Ranks of a gas tell each other by what its grid moves. Collective."""
-        for gas in self._gases:
-            does = self._does[gas.part.k]
+        for gas, does in self._of_gases:
             does.follow(does.part, self.particles.box)
             gas.gather.gather()
 
     def _move(self) -> None:
         """Let the grids follow the displacement of solids and walls."""
-        for gas in self._gases:
-            self._does[gas.part.k].move(self._does[gas.part.k].part)
+        for _, does in self._of_gases:
+            does.move(does.part)
 
     def _add_normals(self, table: Array) -> None:
         for does in self._does.values():
             does.normals(does.part, self.particles.box)
 
     def _add_turning(self, table: Array) -> None:
-        for gas in self._gases:
-            does = self._does[gas.part.k]
+        for gas, does in self._of_gases:
             does.turn(does.part, self.particles.box)
-            gas.add_turning(self.particles.at_faces[gas.part.k], table)
+            if gas.moves and self.dimension == 3:
+                faces = self.particles.at_faces[gas.part.k]
+                add_areas(faces, 3, gas.grid.record.turning(), table)
 
     def _store(self, y: BlockVector) -> None:
         """What members of solids store, where it matters to temperatures."""

@@ -21,7 +21,7 @@ from fsipetsc.scheme.gas_record import Undamped
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, SMALL, Damping, room
 from fsipetsc.scheme.solid_monitor import solid_monitor
 from fsipetsc.scheme.solid_record import SolidDamping, SolidRecord
-from fsipetsc.scheme.solid_work import Work, solid_work, sums_of
+from fsipetsc.scheme.solid_work import solid_work, sums_of
 
 Array = NDArray[Any]
 
@@ -45,7 +45,11 @@ class SolidPart(BlockPart):
         strain = self.equations.unstrained((0.0,) * d)
         self._F = np.zeros((len(strain), part.numbers.size))
         self.prestress = prestress_of(self.block, self.X)
-        self._work = self._make_work(OPERATORS[order].rows, self._ranges[0][0])
+        first, nodes, rows = self._ranges[0][0], self.block.shape[0], OPERATORS[order].rows
+        inside = rows - first, nodes - rows - first  # of the ghosted nodes along axis 0
+        if self.block.periodic[0]:
+            inside = 0, part.patch.ghosted[0]
+        self._work = solid_work(self.equations, part.bands, inside, part.patch)
         self._dissipation = list(self._make_dissipation(order, form))
 
     @property
@@ -53,14 +57,6 @@ class SolidPart(BlockPart):
         """(M,) J of the reference map."""
         J: Array = self.metrics[self._d**2, self.owned]
         return J
-
-    def _make_work(self, rows: int, first: int) -> Work:
-        """Memory of rates. rows: of the closures; first: the first ghosted node along axis 0."""
-        part, nodes = self.part, self.block.shape[0]
-        inside = rows - first, nodes - rows - first
-        if self.block.periodic[0]:
-            inside = 0, part.patch.ghosted[0]
-        return solid_work(self.equations, part.bands, inside, part.patch)
 
     def _make_dissipation(self, order: int, form: Any) -> Iterator[tuple[Any, ...]]:
         """What solid_dissipation wants of each term: that of all nodes, and that of shocks."""
@@ -85,7 +81,8 @@ class SolidPart(BlockPart):
         q[:, 2 * d] = solid.alpha * T + 0.5 * sum(c * c for c in v)
         if not solid.coupled:
             F = self._strain_of_case()
-            q[:, 2 * d] += self._stored(F, self.owned)
+            of_law = solid.energy(F) / solid.m0
+            q[:, 2 * d] += of_law + self._stored_by_prestress(F, self.owned)
 
     def _strain_of_case(self) -> tuple[Array, ...]:
         """F of the owned nodes from the case's places, which it knows in halos as well."""
@@ -96,11 +93,6 @@ class SolidPart(BlockPart):
         for c in range(self._d):
             q[:, c] = (places[c] - X[c]) * np.where(X[c] == self.X[c], 1.0, -1.0)
         return tuple(self._deformation(q))
-
-    def _stored(self, F: Any, at: Array) -> Any:
-        """Energy per mass [J/kg] of ghosted nodes that heat 'elastic' has beside alpha T."""
-        of_law = self.equations.energy(tuple(F)) / self.equations.m0
-        return of_law + self._stored_by_prestress(F, at)
 
     def _stored_by_prestress(self, F: Any, at: Array) -> Any:
         """Energy per mass [J/kg] of ghosted nodes with heat 'elastic': S : (F - 1)/m0."""

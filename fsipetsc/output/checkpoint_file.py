@@ -1,6 +1,6 @@
 """The file of a checkpoint: numbers and a text, never code; what was written whole is read.
 
-    the first 512 bytes   "fsipetsc checkpoint 4", the SHA-256 and the length of all that follows
+    the first 512 bytes   "fsipetsc checkpoint 5", the SHA-256 and the length of all that follows
     from there on         an HDF5 file: /header, JSON text, and a dataset arrays/NAME for each array
 
 HDF5 passes over the first 512 bytes, so h5dump and h5py open the file as it is. The checksum is of
@@ -49,9 +49,12 @@ def unpack(content: bytes, name: str) -> tuple[dict[str, Any], dict[str, Array]]
     head, body = content[:_HEAD], content[_HEAD:]
     if head != _head(body):
         raise FileError(f"{name}: the checkpoint is damaged, or of another version of fsipetsc")
-    with h5py.File(io.BytesIO(body), "r") as file:
-        arrays = {key: dataset[...] for key, dataset in file.get("arrays", {}).items()}
-        return json.loads(file["header"].asstr()[()]), arrays
+    try:
+        with h5py.File(io.BytesIO(body), "r") as file:
+            arrays = {key: dataset[...] for key, dataset in file.get("arrays", {}).items()}
+            return json.loads(file["header"].asstr()[()]), arrays
+    except (AttributeError, KeyError, OSError, TypeError, ValueError):
+        raise FileError(f"{name}: the checkpoint has no header") from None
 
 
 def _head(body: bytes) -> bytes:

@@ -151,7 +151,8 @@ class BlockLayout:
         if last >= 0:  # it has nodes beyond the outer end, too, after all others
             a, b = ghosted[last]
             ghosted = (*ghosted[:last], (a, min(b, self.shapes[k][last])), *ghosted[last + 1 :])
-        patch = _patch(own, ghosted)
+        sizes = [tuple(b - a for a, b in spans) for spans in (own, ghosted)]
+        patch = Patch(*sizes, tuple(a - g for (a, _), (g, _) in zip(own, ghosted, strict=True)))
         axes = range(block.dimension)
         bands = [self.problem.band(k, self.order, axis).part(*ghosted[axis]) for axis in axes]
         begin = sum(self._sizes[:k])
@@ -186,10 +187,6 @@ class BlockLayout:
         if part is None:
             return np.empty((0, self.dofs[k]))
         return array[part.begin : part.end].reshape(-1, part.dof)
-
-    def owners(self, k: int, nodes: Numbers) -> Numbers:
-        """Ranks that own nodes of block k."""
-        return self.shares[k].owners(nodes)
 
     def vector(self) -> BlockVector:
         """This rank's part of a world vector, of zeros. Collective."""
@@ -267,7 +264,7 @@ class FaceGather:
 
     def __init__(self, layout: BlockLayout, k: int, nodes: Numbers, columns: int) -> None:
         self._comm = layout.part(k).comm
-        owners = layout.owners(k, nodes) if nodes.size else nodes
+        owners = layout.shares[k].owners(nodes) if nodes.size else nodes
         self.nodes = nodes[owners == layout.comm.rank]
         self.local = np.empty((self.nodes.size, columns))
         self.whole, self._received = np.empty((2, nodes.size, columns))
@@ -356,11 +353,6 @@ def _check_size(blocks: Sequence[Any], dofs: Sequence[int]) -> None:
 def _ranges(corners: tuple[tuple[int, ...], tuple[int, ...]]) -> tuple[tuple[int, int], ...]:
     """(first, first beyond) of three axes, of what PETSc says."""
     return _padded([(a, a + n) for a, n in zip(*corners, strict=True)])
-
-
-def _patch(own: Spans, ghosted: Spans) -> Patch:
-    sizes = [tuple(b - a for a, b in spans) for spans in (own, ghosted)]
-    return Patch(*sizes, tuple(a - g for (a, _), (g, _) in zip(own, ghosted, strict=True)))
 
 
 def _padded(spans: Sequence[tuple[int, int]]) -> tuple[tuple[int, int], ...]:

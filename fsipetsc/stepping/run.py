@@ -100,7 +100,9 @@ class _Run:
             on_checkpoint=self._checkpoint,
         )
         # a number of its own, by which result and checkpoints are recognised, and when it began
-        self.mark = _new_mark() if past is None else past.header["run"]
+        created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
+        new = {"run": uuid.uuid4().hex, "created": created}
+        self.mark = new if past is None else past.header["run"]
         root = comm.rank == 0
         other = together(
             comm, lambda: restart.other_checkpoint(self.checkpoint, past) if root else None
@@ -284,8 +286,3 @@ class _Run:
             return ""
         end = f"-ts_max_time {self.opt['ts_max_time']:g}{self.unit}"
         return f"ended by -ts_max_steps at t = {integrator.t:g}{self.unit}, before {end}"
-
-
-def _new_mark() -> dict[str, str]:
-    created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
-    return {"run": uuid.uuid4().hex, "created": created}

@@ -30,7 +30,7 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
 }
 HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "verdict")
 COLUMNS = ("case", "quantity", "order", "h", "ranks", "value", "reference", "source")
-COLUMNS += ("error", "rate", "verdict", "least_rate", "largest_error")
+COLUMNS += ("error", "rate", "verdict")
 
 
 def verify(arguments: list[str], comm: Comm) -> None:
@@ -129,12 +129,11 @@ def _csv_lines(row: Row, ranks: int, source: str) -> list[tuple[Any, ...]]:
     """One line for each grid, under COLUMNS; norms of errors have no value and no reference."""
     lines = []
     for k, (h, found, error) in enumerate(zip(row.spacings, row.found, row.errors)):
-        bounds = row.bound.order, row.bound.largest(h, h == row.spacings[-1])
         observed = row.observed[k - 1] if k else ""
         about = row.entry, row.quantity, row.order, h, ranks
         pair = found[:2] if isinstance(found, Compared) else ()
         value, reference = [f"{v:.12g}" for v in pair] or ("", "")
-        lines.append((*about, value, reference, source, error, observed, row.verdict, *bounds))
+        lines.append((*about, value, reference, source, error, observed, row.verdict))
     return lines
 
 

@@ -57,7 +57,7 @@ def over_solid(
     start = below.initial if two else lambda X, Y: (rho, 0.0, 0.0, T)
     above = Layer("fluid", fluid, (0.0, 1.0), start, cells=round(1.0 / h))
     lid = Clamped() if two else NoSlip() if fluid.mu > 0.0 else Slip()
-    return linearise((below, above), (Clamped(), lid), order, round(1.0 / h), K).modes()[0]
+    return linearise((below, above), (Clamped(), lid), order, round(1.0 / h), K)
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
