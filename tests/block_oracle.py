@@ -22,7 +22,7 @@ other are not covered.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 from oracle_formulas import (
@@ -38,22 +38,6 @@ from oracle_formulas import (
     gauss,
 )
 from oracle_particles import Particles
-
-
-@dataclass
-class Sums:
-    """Of the members of a particle. gas: Q (sums of W q), R (of rates); solid: mass, momentum,
-    mass times displacement, force, energy or its rate, and what of that is stored.
-    """
-
-    Q: np.ndarray = 0.0
-    R: np.ndarray = 0.0
-    M: float = 0.0
-    P: np.ndarray = 0.0
-    D: np.ndarray = 0.0
-    force: np.ndarray = 0.0
-    energy: float = 0.0
-    stored: float = 0.0
 
 
 class Oracle(Particles):
@@ -74,7 +58,10 @@ class Oracle(Particles):
         return out
 
     def _sums(self, p, q, terms=None):
-        s = Sums()
+        """Of the members of a particle. gas: Q (sums of W q), R (of rates); solid: mass, momentum,
+        mass times displacement, force, energy or its rate, and what of that is stored.
+        """
+        s = SimpleNamespace(**dict.fromkeys("QRMPD", 0.0), force=0.0, energy=0.0, stored=0.0)
         for k, node in p.gas:
             i = (slice(None), *node)
             s.Q = s.Q + self.W[k][node] * q[self.names[k]][i]

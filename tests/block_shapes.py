@@ -117,14 +117,24 @@ def three(n):
     return found
 
 
-def skew(n):
-    """Gas | solid in three dimensions, wavy, periodic along two axes that are not at right
-    angles.
+def skewed(xi):
+    """Wavy places, periodic with the period 1 in xi_1, ..., and the vectors of the periods, which
+    are not at right angles.
     """
-    P, found = np.array([[1.0, 0.2, 0.1], [0.3, 0.9, -0.1], [0.1, -0.2, 1.0]]), {}
-    for name, low, high in (("gas", 0.0, 1.0), ("solid", 1.0, 1.5)):
-        xi = box((0, 0, low), (1 - 1 / n, 1 - 1 / n, high), n, n, n)[0]
-        angle = 2 * np.pi * np.array([xi[0] - xi[1], xi[1], xi[0] + xi[1]]) + xi[2]
-        X = np.einsum("kc,k...->c...", P, xi) + 0.03 * np.sin(angle)
+    P = np.eye(len(xi)) + 0.2 * np.roll(np.eye(len(xi)), 1, axis=0)
+    return np.einsum("kc,k...->c...", P, xi) + 0.03 * np.sin(2 * np.pi * (xi - xi[::-1])), P
+
+
+def skew(n):
+    """Gas | solid in three dimensions, periodic along two axes."""
+    found = {}
+    for name, low, high in (("gas", 0.0, 1.0), ("solid", 1.0, 2.0)):
+        X, P = skewed(box((0, 0, low), (1 - 1 / n, 1 - 1 / n, high), n, n, n)[0])
         found[name] = X, (P[0], P[1], None)
     return found
+
+
+def cell(n, d):
+    """Gas that is periodic along all axes."""
+    X, P = skewed(box([0] * d, [1 - 1 / n] * d, *[n] * d)[0])
+    return {"gas": (X, tuple(P))}

@@ -90,35 +90,13 @@ class Problem(NamedTuple):
     shock: float = 0.0
 
 
-class State(NamedTuple):
-    """Of a gas, per volume."""
-
-    rho: np.ndarray
-    u: np.ndarray
-    p: np.ndarray
-    T: np.ndarray
-    E: np.ndarray
-
-
-class Row(NamedTuple):
-    """gas . (of the gas) + solid . (of the solid) = value; powers: the work of its force on both,
-    over its multiplier.
-    """
-
-    gas: np.ndarray
-    solid: np.ndarray
-    gas_power: float
-    solid_power: float
-    value: float
-
-
-class Axis(NamedTuple):
-    """D; D without the flux through the ends; S_il = 2 (H D)_il without diagonal; diagonal of H."""
-
-    D: np.ndarray
-    flux_free: np.ndarray
-    S: np.ndarray
-    weight: np.ndarray
+#: of a gas, per volume
+State = namedtuple("State", "rho u p T E")
+#: gas . (of the gas) + solid . (of the solid) = value; powers: the work of its force on both, over
+#: its multiplier
+Row = namedtuple("Row", "gas solid gas_power solid_power value")
+#: D; D without the flux through the ends; S_il = 2 (H D)_il without diagonal; diagonal of H
+Axis = namedtuple("Axis", "D flux_free S weight")
 
 
 # numbers and matrices

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import defaultdict, namedtuple
 from dataclasses import dataclass, field
 from itertools import product
-from typing import Any, NamedTuple
 
 import numpy as np
 from oracle_formulas import Clamped, Given, NoSlip, Open, Roller, Row, Slip, rate_of
@@ -16,14 +15,8 @@ CONCAVE = -0.5
 STEP = 1e-5  # of differences of a wall's velocity in time
 
 
-class Face(NamedTuple):
-    """One face at one node, with its condition (None where it meets another face)."""
-
-    block: int
-    axis: int
-    side: int
-    node: tuple
-    condition: Any
+#: one face at one node, with its condition (None where it meets another face)
+Face = namedtuple("Face", "block axis side node condition")
 
 
 @dataclass

@@ -16,9 +16,9 @@ a centre: none of its nodes is there, and the weight is |r|^kappa.
 
 from __future__ import annotations
 
+from collections import namedtuple
 from itertools import product
 from math import comb
-from typing import NamedTuple
 
 import numpy as np
 from oracle_formulas import (
@@ -40,14 +40,8 @@ from oracle_formulas import (
     three,
 )
 
-
-class Grid(NamedTuple):
-    """Of a block at one time: places, velocities (d, ...), metrics a[axis, component, ...], a_t."""
-
-    x: np.ndarray
-    v: np.ndarray
-    a: np.ndarray
-    a_t: np.ndarray
+#: of a block at one time: places, velocities (d, ...), metrics a[axis, component, ...], their rates
+Grid = namedtuple("Grid", "x v a a_t")
 
 
 class Volume:

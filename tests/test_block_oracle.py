@@ -48,6 +48,8 @@ SHAPES = {
     "walls": lambda n: shapes.layers(n, False),
     **{of.__name__: of for of in (shapes.ring, shapes.square, shapes.disk, shapes.panel)},
     **{of.__name__: of for of in (shapes.flush, shapes.three, shapes.skew)},
+    "cell": lambda n: shapes.cell(n, 2),
+    "cell of three": lambda n: shapes.cell(n, 3),
 }
 NODES = {2: 7, 4: 9, 6: 12, 8: 16}
 
