@@ -35,6 +35,7 @@ pytest.importorskip("petsc4py")
 from oracle_engine import Engine
 
 from fsipetsc.scheme import solid_work
+from fsipetsc.scheme.constraints import eliminate
 
 #: inviscid gas that slips along solids with an energy of their own; viscous, conducting gas and
 #: solid
@@ -323,3 +324,12 @@ def test_pressures_of_solids():
     """Of reference in three dimensions; of heat in one."""
     check("three", (Gas(mu=0.02), Solid("log", 1.0, 2.0, 3.0, 1.5, 0.05, 0.7)), 4)
     check("line", (STICKING[0], Solid("log", kappa=0.05, gruneisen=1.2)), 4)
+
+
+def test_constraints_that_others_imply_get_no_force():
+    n = np.array([[1.0, 0.0], [0.6, 0.8], [0.3, 0.4 + 1e-12]])
+    A, x = n @ n.T, n @ np.array([2.0, 3.0])
+    found = x.copy()
+    eliminate.py_func(3, A.copy(), found, np.zeros(3))
+    assert found[2] == 0.0 and np.abs(found).max() < 10.0
+    assert np.allclose(A @ found, x, rtol=0.0, atol=1e-9)
