@@ -9,55 +9,58 @@ from __future__ import annotations
 import numpy as np
 
 
-def grid(*lengths):
-    """Logical coordinates in [0, 1] of so many nodes along each axis."""
-    return np.array(np.meshgrid(*(np.linspace(0.0, 1.0, n) for n in lengths), indexing="ij"))
-
-
 def box(lower, upper, *nodes):
     """(X, periods) of an interval, rectangle or box."""
-    xi = grid(*nodes)
-    shape = (-1, *[1] * len(nodes))
-    low, high = np.reshape(lower, shape), np.reshape(upper, shape)
-    return np.array(low + (high - low) * xi, float), ()
+    lines = (np.linspace(a, b, n) for a, b, n in zip(lower, upper, nodes, strict=True))
+    return np.array(np.meshgrid(*lines, indexing="ij")), ()
 
 
-def wave(size, n, rows, low, high):
-    """(X, periods) of a layer of [0, 1) x [low, high], periodic along xi_1, with wavy lines."""
-    xi, eta = np.meshgrid(np.arange(n) / n, np.linspace(0.0, 1.0, rows), indexing="ij")
-    y = low + (high - low) * eta
-    return np.array([xi, y + size * np.sin(2 * np.pi * xi) * np.sin(2 * y)]), ((1.0, 0.0), None)
+def boxes(n, x, y, solid):
+    """Rectangles between lines x and y, all but one of gas."""
+    cells = [(i, j) for i in range(len(x) - 1) for j in range(len(y) - 1)]
+    return {
+        "solid" if (i, j) == solid else f"gas {i}{j}": box((x[i], y[j]), (x[i + 1], y[j + 1]), n, n)
+        for i, j in cells
+    }
+
+
+def line(n=17):
+    """Gas, a solid, and two blocks of gas."""
+    names, ends = ("gas left", "solid", "gas right", "gas beyond"), (0.0, 1.0, 1.5, 2.0, 4.0)
+    return {name: box((a,), (b,), n) for name, a, b in zip(names, ends, ends[1:])}
 
 
 def layers(n, periodic):
-    """Gas | solid, periodic in x or with sides."""
-    if periodic:
-        return {"gas": wave(0.05, n, n, 0.0, 1.0), "solid": wave(0.05, n, n, 1.0, 1.6)}
-    return {"gas": box((0, 0), (1, 1), n, n), "solid": box((0, 1), (1, 1.6), n, n)}
+    """Gas | solid, periodic in x and wavy, or with sides."""
+    found = {"gas": box((0, 0), (1, 1), n, n), "solid": box((0, 1), (1, 1.6), n, n)}
+    for name, (X, _) in found.items() if periodic else ():
+        x, y = np.broadcast_to(np.arange(n)[:, None] / n, (n, n)), X[1]
+        bent = y + 0.05 * np.sin(2 * np.pi * x) * np.sin(2 * y)
+        found[name] = np.array([x, bent]), ((1.0, 0.0), None)
+    return found
 
 
 def warped(blocks, size=0.06):
     """The same under one smooth map of the plane."""
     found = {}
-    for name, (X, periods) in blocks.items():
-        x, y = X[:2]
-        Y = X.copy()
-        Y[0] = x + size * np.sin(1.7 * y + 0.3) * np.cos(1.1 * x)
-        Y[1] = y + size * np.sin(1.9 * x - 0.2) * np.cos(0.8 * y)
-        found[name] = Y, periods
+    for name, ((x, y), periods) in blocks.items():
+        bend = [np.sin(1.7 * y + 0.3) * np.cos(1.1 * x), np.sin(1.9 * x - 0.2) * np.cos(0.8 * y)]
+        found[name] = np.array([x, y]) + size * np.array(bend), periods
     return found
 
 
-def ring(n, around=None):
+def flush(n):
+    """A solid in the wall of a channel."""
+    shape = warped(boxes(n, (0.0, 1.0, 2.0), (0.0, 1.0, 1.3), (0, 1)))
+    return {name: X for name, X in shape.items() if name != "gas 11"}
+
+
+def ring(n):
     """Gas | solid | gas as O-grids."""
-    radii = {"gas inside": (0.5, 1.0), "solid": (1.0, 1.3), "gas outside": (1.3, 2.0)}
     found = {}
-    for name, (inner, outer) in radii.items():
-        phi, s = np.meshgrid(
-            np.arange(around or 2 * n) / (around or 2 * n), np.linspace(0, 1, n), indexing="ij"
-        )
-        r = inner + (outer - inner) * s
-        angle = -2 * np.pi * phi  # right-handed with r as the second axis
+    for name, inner, outer in (("gas inside", 0.5, 1), ("solid", 1, 1.3), ("gas outside", 1.3, 2)):
+        # right-handed with r as the second axis
+        angle, r = box((0, inner), (-2 * np.pi * (1 - 0.5 / n), outer), 2 * n, n)[0]
         found[name] = np.array([r * np.cos(angle), r * np.sin(angle)]), ((0.0, 0.0), None)
     return found
 
@@ -65,22 +68,12 @@ def ring(n, around=None):
 def square(n):
     """A free square solid in the middle of eight blocks of gas."""
     lines = (0.0, 1.0, 1.8, 3.0)
-    found = {}
-    for i in range(3):
-        for j in range(3):
-            name = "solid" if (i, j) == (1, 1) else f"gas {i}{j}"
-            found[name] = box((lines[i], lines[j]), (lines[i + 1], lines[j + 1]), n, n)
-    return warped(found)
+    return warped(boxes(n, lines, lines, (1, 1)))
 
 
 def panel(n):
     """A solid that stands on the floor of a channel, foot clamped, in five blocks of gas."""
-    x, y, found = (0.0, 1.0, 1.3, 2.5), (0.0, 0.7, 1.5), {}
-    for i in range(3):
-        for j in range(2):
-            name = "solid" if (i, j) == (1, 0) else f"gas {i}{j}"
-            found[name] = box((x[i], y[j]), (x[i + 1], y[j + 1]), n, n)
-    return found
+    return boxes(n, (0.0, 1.0, 1.3, 2.5), (0.0, 0.7, 1.5), (1, 0))
 
 
 def turned(X, turns):
@@ -90,26 +83,24 @@ def turned(X, turns):
     return X
 
 
-def disk(n, box_of_gas=True):
+def disk(n):
     """A solid disk of five blocks, axes turned against each other, and four of gas between it and a
     square box.
     """
-    t, s = grid(n, n)
-    a, found = 0.45, {}
-    x, y = a * (2 * t - 1), a * (2 * s - 1)
+    a = 0.45
+    (t, _), (x, y) = box((0, 0), (1, 1), n, n)[0], box((-a, -a), (a, a), n, n)[0]
     bulge = 0.25 * np.array([x * (1 - (y / a) ** 2 / 2), y * (1 - (x / a) ** 2 / 2)])
-    found["solid centre"] = turned(np.array([x, y]) + bulge, 1), ()
-    edge = (np.array([x, y]) + bulge)[:, -1, :]
-    angle = np.pi / 4 * (2 * np.linspace(0, 1, n) - 1)
+    centre = np.array([x, y]) + bulge
+    found = {"solid centre": (turned(centre, 1), ())}
+    angle = np.linspace(-np.pi / 4, np.pi / 4, n)
     circle = np.array([np.cos(angle), np.sin(angle)])
     side = np.array([np.full(n, 2.0), 2.0 * np.tan(angle)])
     for quarter in range(4):
         c, w = np.cos(quarter * np.pi / 2), np.sin(quarter * np.pi / 2)
         turn = np.array([[c, -w], [w, c]])
-        for name, inner, outer in (("solid", edge, circle), ("gas", circle, side)):
-            X = (1 - t)[None] * inner[:, None, :] + t[None] * outer[:, None, :]
-            if name == "solid" or box_of_gas:
-                found[f"{name} {quarter}"] = turned(np.einsum("ij,jkl->ikl", turn, X), quarter), ()
+        for name, inner, outer in (("solid", centre[:, -1], circle), ("gas", circle, side)):
+            X = (1 - t) * inner[:, None, :] + t * outer[:, None, :]
+            found[f"{name} {quarter}"] = turned(np.einsum("ij,jkl->ikl", turn, X), quarter), ()
     return found
 
 
@@ -120,26 +111,30 @@ def three(n):
         "gas beside": box((1, 0, 0), (2, 1, 1), n, n, n),
         "solid": box((0, 1, 0), (1, 1.8, 1), n, n, n),
     }
-    for name, (X, periods) in found.items():
-        x, y, z = X
-        bend = 0.06 * np.array(
-            [np.sin(1.7 * y + z), np.sin(1.9 * x - 0.7 * z), np.sin(1.3 * x + 0.9 * y)]
-        )
-        found[name] = X + bend, periods
+    for name, ((x, y, z), periods) in found.items():
+        bend = [np.sin(1.7 * y + z), np.sin(1.9 * x - 0.7 * z), np.sin(1.3 * x + 0.9 * y)]
+        found[name] = np.array([x, y, z]) + 0.06 * np.array(bend), periods
     return found
 
 
-def tube(n):
-    """Gas in a solid shell, both bent, around (xi_1) and along (xi_2) periodic, in three
-    dimensions.
+def skewed(xi):
+    """Wavy places, periodic with the period 1 in xi_1, ..., and the vectors of the periods, which
+    are not at right angles.
     """
+    P = np.eye(len(xi)) + 0.2 * np.roll(np.eye(len(xi)), 1, axis=0)
+    return np.einsum("kc,k...->c...", P, xi) + 0.03 * np.sin(2 * np.pi * (xi - xi[::-1])), P
+
+
+def skew(n):
+    """Gas | solid in three dimensions, periodic along two axes."""
     found = {}
-    for name, inner, outer in (("gas", 0.5, 1.0), ("solid", 1.0, 1.4)):
-        around, length = np.arange(n) / n, np.arange(n) / n
-        phi, z, s = np.meshgrid(2 * np.pi * around, length, np.linspace(0, 1, n), indexing="ij")
-        radius = inner + (outer - inner) * s
-        r = radius * (1 + 0.05 * np.sin(2 * np.pi * z + phi))
-        x = r * np.cos(phi) + 0.1 * np.sin(2 * np.pi * z)
-        along = z + 0.03 * np.sin(2 * phi) * np.cos(2 * np.pi * z) * radius
-        found[name] = np.array([x, r * np.sin(phi), along]), ((0, 0, 0), (0, 0, 1.0), None)
+    for name, low, high in (("gas", 0.0, 1.0), ("solid", 1.0, 2.0)):
+        X, P = skewed(box((0, 0, low), (1 - 1 / n, 1 - 1 / n, high), n, n, n)[0])
+        found[name] = X, (P[0], P[1], None)
     return found
+
+
+def cell(n, d):
+    """Gas that is periodic along all axes."""
+    X, P = skewed(box([0] * d, [1 - 1 / n] * d, *[n] * d)[0])
+    return {"gas": (X, tuple(P))}

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import oracle_formulas as oracle
 from block_ledgers import scheme_of
 from mpi4py import MPI
+from oracle_formulas import rate_of, spread
 
 from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.blockrun.columns import gained
@@ -16,38 +16,32 @@ from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.solid_pressure import gruneisen
+from fsipetsc.materials.stiffened_gas import stiffened_gas
 from fsipetsc.parallel.block_layout import BlockLayout
 
 
-def by_components(function):
-    """f(X, t) as f(*X, t)."""
-    return lambda *arguments: function(np.array(arguments[:-1]), arguments[-1])
+def by_components(value):
+    """f(X, t) as f(*X, t); else the value."""
+    if not callable(value):
+        return value
+    return lambda *arguments: value(np.array(arguments[:-1]), arguments[-1])
 
 
 def condition_of(given):
     """A condition of the oracle as one of the engine."""
-    motion, kept = getattr(given, "motion", oracle.REST), given._asdict()
-    kept = {key: value for key, value in kept.items() if key not in ("motion", "values")}
-    for key in ("T", "heat_flux"):
-        if key in kept and not isinstance(given, oracle.Open):
-            value = kept.pop(key)
-            if callable(value):
-                kept[key] = by_components(value)
-            elif value:
-                kept[key] = value
-    if isinstance(given, oracle.Given):
-        kept["values"] = by_components(given.values)
-    if motion is not oracle.REST:
-        kept["x"] = by_components(motion.x)
-        kept["velocity"] = by_components(motion.velocity)
+    kept = given._asdict()
+    if motion := kept.pop("motion", None):
+        kept |= {"x": motion, "velocity": lambda X, t: rate_of(motion, X, t)}
+    kept = {key: by_components(value) for key, value in kept.items() if value is not None}
     return getattr(conditions, type(given).__name__)(**kept)
 
 
 def material_of(m, d):
-    """A material of the oracle as one of the engine: a perfect gas, or a solid."""
+    """A material of the oracle as one of the engine."""
     force = tuple(m.force) if m.force else ((0.0,) * d if d > 1 else 0.0)
     if m.kind == "gas":
-        return Fluid(m.mu, m.kappa, m.gamma, m.R, force=force)
+        law = stiffened_gas(m.gamma, m.cv, m.p_inf) if m.p_inf else None
+        return Fluid(m.mu, m.kappa, m.gamma, m.R, law, force=force)
     more = {"pressing": gruneisen(m.gruneisen)} if m.gruneisen else {}
     return ElasticSolid(
         *(m.mu_e, m.lambda_e, m.kappa, m.m0, m.alpha, m.p_ref), m.law, m.heat, force=force, **more
@@ -57,63 +51,57 @@ def material_of(m, d):
 def block_of(b):
     """A block of the oracle as one of the engine."""
     X, d = b.X, len(b.X)
-    periodic = tuple(p is not None for p in b.periods) or (False,) * d
     for k, period in enumerate(b.periods):
         if period is not None:
-            first = np.take(X, [0], k + 1) + oracle.spread(period, d)
-            X = np.concatenate([X, first], axis=k + 1)
-    places = X.transpose(*range(d, 0, -1), 0)
-    cells = tuple(n - 1 for n in X.shape[1:])
-
-    def initial(*places):
-        return [1.0 + 0.0 * places[0]] * (2 * d + 1 if b.material.kind == "solid" else d + 2)
-
-    more = {"prestress": lambda *X: b.prestress(np.array(X))} if b.prestress else {}
-    material = material_of(b.material, d)
-    return Block(b.name, material, nodes(places), cells, initial, periodic=periodic, **more)
+            X = np.concatenate([X, X.take([0], k + 1) + spread(period, d)], axis=k + 1)
+    return Block(
+        *(b.name, material_of(b.material, d), nodes(X.transpose(*range(d, 0, -1), 0))),
+        tuple(n - 1 for n in X.shape[1:]),
+        lambda *X: [1.0 + 0.0 * X[0]] * (2 * d + 1 if b.material.kind == "solid" else d + 2),
+        periodic=tuple(p is not None for p in b.periods) or (False,) * d,
+        prestress=(lambda *X: b.prestress(np.array(X))) if b.prestress else None,
+    )
 
 
 class Engine:
     """The right-hand side of the engine for an oracle's problem, in arrays like the oracle's."""
 
-    def __init__(self, made, comm=MPI.COMM_SELF, **options):
+    def __init__(self, made, **options):
         p = made.problem
-        outer = (f for q in made.particles for f in q.outer)
-        found = {(made.names[f.block], f.axis, f.side): f.condition for f in outer}
-        faces = {owner: condition_of(condition) for owner, condition in found.items()}
-        self.shapes = {b.name: b.X.shape[1:] for b in p.blocks}
+        faces = {
+            (made.names[f.block], f.axis, f.side): condition_of(f.condition)
+            for particle in made.particles
+            for f in particle.outer
+        }
+        self.shapes = [b.X.shape[1:] for b in p.blocks]
         self.problem = BlockProblem(tuple(map(block_of, p.blocks)), faces, **options)
         auxiliary = gained(self.problem).itemsize // 8
-        self.layout = BlockLayout(comm, self.problem, p.order, p.shock > 0.0, auxiliary=auxiliary)
+        more = p.order, p.shock > 0.0
+        self.layout = BlockLayout(MPI.COMM_SELF, self.problem, *more, auxiliary=auxiliary)
         # dissipation 0: on where blocks are joined
         form = BlockForm(p.form, p.dissipation / 0.3 or -1.0, p.shock)
         self.scheme = scheme_of(self.layout, self.problem, p.order, form)
         self.y, self.f = self.layout.vector(), self.layout.vector()
 
-    def put(self, q):
-        """Let the solution be a state of the oracle."""
-        for part in self.layout.parts:
-            value = q[self.problem.blocks[part.k].name]
-            self.y.owned(part.k)[:] = value.reshape(len(value), -1, order="F").T[part.numbers]
-
-    def get(self, vector):
-        """A world vector as arrays like the oracle's; on several ranks nan where others own it."""
+    def _get(self, vector):
         found = {}
         for part in self.layout.parts:
-            name, own = self.problem.blocks[part.k].name, vector.owned(part.k)
-            whole = np.full((own.shape[1], np.prod(self.shapes[name])), np.nan)
-            whole[:, part.numbers] = own.T
-            found[name] = whole.reshape(own.shape[1], *self.shapes[name], order="F")
+            whole = np.empty_like(vector.owned(part.k).T)
+            whole[:, part.numbers] = vector.owned(part.k).T
+            name, shape = self.problem.blocks[part.k].name, self.shapes[part.k]
+            found[name] = whole.reshape(-1, *shape, order="F")
         return found
 
     def complete(self, q, t=0.0):
         """As the oracle's."""
-        self.put(q)
+        for part in self.layout.parts:
+            value = q[self.problem.blocks[part.k].name]
+            self.y.owned(part.k)[:] = value.reshape(len(value), -1, order="F").T[part.numbers]
         self.scheme.complete(t, self.y)
-        return self.get(self.y)
+        return self._get(self.y)
 
     def rates(self, q, t=0.0):
         """As the oracle's; q is completed, which the engine must see, too."""
         self.complete(q, t)
         self.scheme.rates(t, self.y, self.f.array)
-        return self.get(self.f)
+        return self._get(self.f)

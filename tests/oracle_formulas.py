@@ -7,14 +7,16 @@ the exact SBP coefficients.
 
 from __future__ import annotations
 
+from collections import namedtuple
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.operators.coefficients import AXIS
 from fsipetsc.operators.sbp import operator
 
-TINY = 1e-30  # step into the complex plane, for derivatives of given functions of time
+TINY = 1e-30  # step into the complex plane, for derivatives
 
 
 class Gas(NamedTuple):
@@ -34,8 +36,8 @@ class Gas(NamedTuple):
 
 
 class Solid(NamedTuple):
-    """law: "log", "neo-hookean", "svk" or "linear"; heat: "coupled" or "elastic". gruneisen: G of a
-    pressure G m0 alpha T / J.
+    """law: "log" or "neo-hookean"; heat: "coupled" or "elastic". gruneisen: G of a pressure
+    G m0 alpha T / J.
     """
 
     law: str = "log"
@@ -63,60 +65,15 @@ class Block(NamedTuple):
     prestress: Any = None
 
 
-class Motion(NamedTuple):
-    """Functions of (X, t): place, velocity and acceleration of points of a wall or clamp."""
-
-    x: Callable
-    velocity: Callable
-    acceleration: Callable
-
-
-REST = Motion(lambda X, t: X, lambda X, t: 0.0 * X, lambda X, t: 0.0 * X)
-
-
-# conditions, as those of fsipetsc.blocks.conditions; T: a number or T(X, t)
-
-
-class NoSlip(NamedTuple):
-    T: Any = None
-    heat_flux: float = 0.0
-    motion: Motion = REST
-
-
-class Slip(NamedTuple):
-    name: str = ""
-    motion: Motion = REST
-
-
-class Open(NamedTuple):
-    rho: float
-    u: tuple
-    T: float
-
-
-class Outflow(NamedTuple):
-    pressure: float = 0.0
-
-
-class Given(NamedTuple):
-    values: Callable
-    motion: Motion = REST
-
-
-class Clamped(NamedTuple):
-    motion: Motion = REST
-    T: Any = None
-    heat_flux: float = 0.0
-
-
-class Roller(NamedTuple):
-    pass
-
-
-class Free(NamedTuple):
-    pressure: float = 0.0
-    T: Any = None
-    heat_flux: float = 0.0
+# conditions, as those of fsipetsc.blocks.conditions; T: a number or T(X, t); motion: places (X, t)
+NoSlip = namedtuple("NoSlip", "T heat_flux motion", defaults=(None, None, None))
+Slip = namedtuple("Slip", "name motion", defaults=("", None))
+Open = namedtuple("Open", "rho u T")
+Outflow = namedtuple("Outflow", "pressure")
+Given = namedtuple("Given", "values motion", defaults=(None,))
+Clamped = namedtuple("Clamped", "motion T heat_flux", defaults=(None, None, None))
+Roller = namedtuple("Roller", "")
+Free = namedtuple("Free", "pressure T heat_flux", defaults=(0.0, None, None))
 
 
 class Problem(NamedTuple):
@@ -133,37 +90,20 @@ class Problem(NamedTuple):
     shock: float = 0.0
 
 
-class State(NamedTuple):
-    """Of a gas, per volume."""
-
-    rho: np.ndarray
-    u: np.ndarray
-    p: np.ndarray
-    T: np.ndarray
-    E: np.ndarray
-
-
-class Row(NamedTuple):
-    """gas . (of the gas) + solid . (of the solid) = value; powers: the work of its force on both,
-    over its multiplier.
-    """
-
-    gas: np.ndarray
-    solid: np.ndarray
-    gas_power: float
-    solid_power: float
-    value: float
+#: of a gas, per volume
+State = namedtuple("State", "rho u p T E")
+#: gas . (of the gas) + solid . (of the solid) = value; powers: the work of its force on both, over
+#: its multiplier
+Row = namedtuple("Row", "gas solid gas_power solid_power value")
+#: D; D without the flux through the ends; S_il = 2 (H D)_il without diagonal; diagonal of H
+Axis = namedtuple("Axis", "D flux_free S weight")
 
 
 # numbers and matrices
 
 
-def at(value, X, t):
-    return value(X, t) if callable(value) else value
-
-
 def rate_of(value, X, t):
-    """Its derivative in time."""
+    """The derivative in time of a number or of value(X, t)."""
     if not callable(value):
         return 0.0 * np.asarray(value)
     return np.imag(np.array(value(X, t + 1j * TINY), complex)) / TINY
@@ -171,12 +111,6 @@ def rate_of(value, X, t):
 
 def dot(a, b):
     return (a * b).sum(axis=0)
-
-
-def cross(a, b):
-    return np.array(
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    )
 
 
 def spread(vector, d):
@@ -190,23 +124,31 @@ def along(matrix, f, k, d):
     return np.moveaxis(np.tensordot(matrix, f, (1, axis)), 0, axis)
 
 
-def sbp(order, nodes, periodic):
-    """(D, norm times h) of one axis of [0, 1]."""
-    op = operator(order)
-    if not periodic:
-        h = 1.0 / (nodes - 1)
-        return op.matrix(nodes, h), h * op.norm_weights(nodes)
-    D, one = np.zeros((nodes, nodes)), np.eye(nodes)
-    for k, weight in enumerate(op.interior, start=1):
-        D += float(weight) * nodes * (np.roll(one, k, axis=1) - np.roll(one, -k, axis=1))
-    return D, np.full(nodes, 1.0 / nodes)
+def axis_of(order, n, periodic, around):
+    """Of n nodes of [0, 1]. around: r = 0 is in the middle, where pairs have weights of their
+    own.
+    """
+    op, h = operator(order), 1.0 / n if periodic else 1.0 / (n - 1)
+    if periodic:
+        weight, D, one = np.full(n, h), np.zeros((n, n)), np.eye(n)
+        for k, c in enumerate(op.interior, start=1):
+            D += float(c) / h * (np.roll(one, k, axis=1) - np.roll(one, -k, axis=1))
+    else:
+        weight, D = h * op.norm_weights(n), op.matrix(n, h)
+    S = 2.0 * weight[:, None] * D
+    np.fill_diagonal(S, 0.0)
+    for (i, l), w in AXIS.get(order, {}).items() if around else ():
+        for a, b in ((n // 2 + i, n // 2 + l), (n // 2 - 1 - l, n // 2 - 1 - i)):
+            S[a, b], S[b, a] = float(w), -float(w)
+    ends = np.diag(S.sum(axis=1))
+    return Axis(*(0.5 * (S + sign * ends) / weight[:, None] for sign in (-1.0, 1.0)), S, weight)
 
 
 def gauss(rows, z, inverse_mass):
     """z' nearest to z in the norm of the masses that obeys the rows, and their multipliers (force =
     multiplier * row). Rows may say the same.
     """
-    C = np.array([np.concatenate([r.gas, r.solid]) for r in rows])
+    C = np.array([np.concatenate([r.gas, r.solid]) for r in rows]).reshape(-1, len(z))
     B = C * np.sqrt(inverse_mass)
     size = np.sqrt((B * B).sum(axis=1))
     B, gap = B / size[:, None], (C @ z - [r.value for r in rows]) / size
@@ -265,40 +207,28 @@ def pair_flux(m, left, right, a, g):
 def three(F):
     """F of d dimensions as one of three, without strain in the others."""
     G = np.zeros((3, 3, *F.shape[2:]), F.dtype)
-    for i in range(3):
-        G[i, i] = 1.0
+    G[range(3), range(3)] = 1.0
     G[: len(F), : len(F)] = F
     return G
 
 
 def cofactor(F):
     """cof F = J F^-T, for any d."""
-    G = three(F)
-    return np.array([cross(G[1], G[2]), cross(G[2], G[0]), cross(G[0], G[1])])[: len(F), : len(F)]
+    G, d = three(F), len(F)
+    return np.array([np.cross(G[i - 2], G[i - 1], axis=0) for i in range(3)])[:d, :d]
 
 
 def det(F):
-    G = three(F)
-    return dot(G[0], cross(G[1], G[2]))
+    return dot(three(F)[0], cofactor(three(F))[0])
 
 
-def energy_and_stress(m, F, p_ref):
-    """(W, P) of a solid's law."""
-    G, J, n = three(F), det(F), len(F)
-    mu, lam, K = m.mu_e, m.lambda_e, 2.0 * m.mu_e + m.lambda_e
-    if m.law in ("log", "neo-hookean"):
-        if m.law == "log":
-            U = K * (J * np.log(J) - J + 1.0) - mu * (0.5 * (J**2 - 1.0) - np.log(J))
-            slope = K * np.log(J) - mu * (J - 1.0 / J)
-        else:
-            U, slope = 0.5 * lam * np.log(J) ** 2, lam * np.log(J) / J
-        W = 0.5 * mu * ((G * G).sum(axis=(0, 1)) - 3.0 - 2.0 * np.log(J)) + U
-        P = mu * F + (slope - mu / J) * cofactor(F)
+def elastic_energy(m, F, p_ref):
+    """W of a solid's law; F: (3, 3, ...)."""
+    J, mu, lam = det(F), m.mu_e, m.lambda_e
+    if m.law == "log":
+        K = 2.0 * mu + lam
+        U = K * (J * np.log(J) - J + 1.0) - mu * (0.5 * (J**2 - 1.0) - np.log(J))
     else:
-        one, nonlinear = three(np.zeros((0, 0, *F.shape[2:]))), m.law == "svk"
-        square = np.einsum("ki...,kj...->ij...", G, G)
-        E = 0.5 * (square - one) if nonlinear else 0.5 * (G + np.swapaxes(G, 0, 1)) - one
-        S = lam * np.trace(E) * one + 2.0 * mu * E
-        W = 0.5 * (S * E).sum(axis=(0, 1))
-        P = (np.einsum("ik...,kj...->ij...", G, S) if nonlinear else S)[:n, :n]
-    return W - p_ref * (J - 1.0), P - p_ref * cofactor(F)
+        U = 0.5 * lam * np.log(J) ** 2
+    square = (F * F).sum(axis=(0, 1))
+    return 0.5 * mu * (square - 3.0 - 2.0 * np.log(J)) + U - p_ref * (J - 1.0)

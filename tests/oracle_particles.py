@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
+from collections import defaultdict, namedtuple
 from dataclasses import dataclass, field
 from itertools import product
-from typing import Any, NamedTuple
 
 import numpy as np
-from oracle_formulas import REST, Clamped, Given, NoSlip, Open, Roller, Row, Slip, at, rate_of
+from oracle_formulas import Clamped, Given, NoSlip, Open, Roller, Row, Slip, rate_of
 from oracle_volume import Volume
 
 #: two faces are walls of their own where one goes into the other's gas by more than 30 degrees
 CONCAVE = -0.5
+STEP = 1e-5  # of differences of a wall's velocity in time
 
 
-class Face(NamedTuple):
-    """One face at one node, with its condition (None where it meets another face)."""
-
-    block: int
-    axis: int
-    side: int
-    node: tuple
-    condition: Any
+#: one face at one node, with its condition (None where it meets another face)
+Face = namedtuple("Face", "block axis side node condition")
 
 
 @dataclass
@@ -38,50 +33,41 @@ class Particle:
 class Particles(Volume):
     """Blocks, and the nodes of their faces put together by place."""
 
-    def __init__(self, problem):
-        super().__init__(problem)
+    def __init__(self, problem, kappa=0):
+        super().__init__(problem, kappa)
         self.reference = [self.metrics(k, b.X) for k, b in enumerate(self.blocks)]
-        self._find_particles()
-
-    def _find_particles(self):
-        size = max(np.ptp(b.X) for b in self.blocks)
-        by_place, by_face = {}, {}
+        size = 1e-7 * max(np.ptp(b.X) for b in self.blocks)
+        by_place, by_face = defaultdict(Particle), defaultdict(list)
         for k, b in enumerate(self.blocks):
-            n = b.X.shape[1:]
             for axis, side in product(range(self.d), (0, 1)):
                 if self.periodic(k, axis):
                     continue
-                ranges = [range(m) for m in n]
-                ranges[axis] = [(0, n[axis] - 1)[side]]
-                nodes = list(product(*ranges))
-                keys = [self._key(k, node, 1e-7 * size) for node in nodes]
-                by_face.setdefault(frozenset(keys), []).append((k, axis, side, nodes, keys))
+                index = np.indices(b.X.shape[1:]).take(-side, axis + 1)
+                nodes = list(map(tuple, index.reshape(self.d, -1).T.tolist()))
+                # whole numbers, whose bounds are no places that anyone would choose
+                places = (self.place(k, node) / size + 0.3819660113 for node in nodes)
+                keys = [tuple(np.floor(place).astype(int)) for place in places]
+                by_face[frozenset(keys)].append((k, axis, side, nodes, keys))
                 for node, key in zip(nodes, keys):
-                    p = by_place.setdefault(key, Particle())
+                    p = self.of_node[k, node] = by_place[key]
                     members = p.gas if b.material.kind == "gas" else p.solid
                     if (k, node) not in members:
                         members.append((k, node))
         for faces in by_face.values():
-            for k, axis, side, nodes, keys in faces:
-                kinds = [self.blocks[f[0]].material.kind for f in faces]
-                assert len(faces) <= 2
+            kinds = [self.blocks[f[0]].material.kind for f in faces]
+            assert len(faces) <= 2
+            for (k, axis, side, nodes, keys), kind in zip(faces, kinds):
                 owner = self.names[k], axis, side
-                condition = self.problem.faces(owner) if len(faces) == 1 else None
+                condition = problem.faces(owner) if len(faces) == 1 else None
                 for node, key in zip(nodes, keys):
                     face = Face(k, axis, side, node, condition)
                     if condition is not None:
                         by_place[key].outer.append(face)
-                    elif self.blocks[k].material.kind == "gas" and "solid" in kinds:
+                    elif kind == "gas" and "solid" in kinds:
                         by_place[key].contact.append(face)
         self.particles = list(by_place.values())
         for p in self.particles:
             self._group_slips(p)
-            for member in p.gas + p.solid:
-                self.of_node[member] = p
-
-    def _key(self, k, node, size):
-        """Of a place: whole numbers, whose bounds are no places that anyone would choose."""
-        return tuple(np.floor(self.place(k, node) / size + 0.3819660113).astype(int))
 
     def place(self, k, node):
         return self.blocks[k].X[(slice(None), *node)]
@@ -89,7 +75,7 @@ class Particles(Volume):
     def normal(self, face, a):
         """Outward area vector at a node, from metrics a (or their rate)."""
         k, axis, side, node = face[:4]
-        area = self.W[k][node] / self.axes[k][axis][2][node[axis]]
+        area = self.W[k][node] / self.axes[k][axis].weight[node[axis]]
         return (2 * side - 1) * area * a[(axis, slice(None), *node)]
 
     def _sticks(self, p):
@@ -128,41 +114,39 @@ class Particles(Volume):
                     inward += toward / np.linalg.norm(toward)
         return normal / np.linalg.norm(normal), inward / max(np.linalg.norm(inward), 1e-3)
 
-    def _kind(self, face):
+    def kind(self, face):
         return self.blocks[face.block].material.kind
 
-    def _conducts(self, p):
+    def conducts(self, p):
         """Whether gas and solid of a particle have one temperature."""
         members = p.gas[:1] + p.solid[:1]
         return len(members) == 2 and all(self.blocks[k].material.kappa > 0.0 for k, _ in members)
 
-    def _prescribed_T(self, p, t):
+    def prescribed_T(self, p, t):
         """(T, T_t) or None, of the gas and of the solid."""
         found = {"gas": None, "solid": None}
         for f in p.outer:
             T = None if isinstance(f.condition, Open) else getattr(f.condition, "T", None)
             if T is not None:
                 X = self.place(f.block, f.node)
-                found[self._kind(f)] = at(T, X, t), rate_of(T, X, t)
+                found[self.kind(f)] = T(X, t) if callable(T) else T, rate_of(T, X, t)
         both = found["gas"] or found["solid"]
-        return (both, both) if self._conducts(p) else (found["gas"], found["solid"])
+        return (both, both) if self.conducts(p) else (found["gas"], found["solid"])
 
-    def _apart(self, p):
-        """Whether each member of a solid keeps its own temperature: W is an energy of its own, and
-        no heat is conducted.
+    def apart(self, p):
+        """Whether each member of a solid keeps its own temperature: W is an energy of its own, no
+        heat is conducted, and none is given.
         """
         solids = [self.blocks[k].material for k, _ in p.solid]
-        given = self._given(p, "solid") is not None
-        return all(m.heat == "elastic" and m.kappa == 0.0 for m in solids) and not given
+        free = self.given(p, "solid") is None and self.prescribed_T(p, 0.0)[1] is None
+        return free and all(m.heat == "elastic" and m.kappa == 0.0 for m in solids)
 
-    @staticmethod
-    def _clamped(p):
-        return any(isinstance(f.condition, Clamped) for f in p.outer)
-
-    def _given(self, p, kind):
-        """The face at which the unknowns of a kind are given, or None."""
-        found = [f for f in p.outer if isinstance(f.condition, Given) and self._kind(f) == kind]
-        return found[0] if found else None
+    def given(self, p, kind):
+        """values(t) of the face at which the unknowns of a kind are given, or None."""
+        for f in p.outer:
+            if isinstance(f.condition, Given) and self.kind(f) == kind:
+                return lambda t, f=f: f.condition.values(self.place(f.block, f.node), t)
+        return None
 
     def rows(self, p, grids, t, level, u, v):
         """Constraints of places (level 0, of solids alone), velocities (1), accelerations (2)."""
@@ -172,20 +156,24 @@ class Particles(Volume):
         for group in p.slips if level > 0 else ():
             found.append(self._slip_row(p, group, grids, t, level, u, v))
         for f in p.outer:
-            c, (x, w, w_t) = f.condition, self._motion(f, t)
-            if isinstance(c, NoSlip) and level > 0:
-                found += [Row(e, zero, e @ w, 0.0, (w @ e, w_t @ e)[level - 1]) for e in unit]
-            elif isinstance(c, Clamped):
-                found += [Row(zero, e, 0.0, e @ w, (x @ e, w @ e, w_t @ e)[level]) for e in unit]
-            elif isinstance(c, Roller):
+            motion = self._motion(f, t)
+            w, value = motion[1], motion[level]
+            if isinstance(f.condition, NoSlip) and level > 0:
+                found += [Row(e, zero, e @ w, 0.0, e @ value) for e in unit]
+            elif isinstance(f.condition, Clamped):
+                found += [Row(zero, e, 0.0, e @ w, e @ value) for e in unit]
+            elif isinstance(f.condition, Roller):
                 n = self.normal(f, self.solids[f.block][0])
                 found.append(Row(zero, n, 0.0, 0.0, 0.0))
         return found
 
     def _motion(self, face, t):
         """Displacement, velocity, acceleration of a wall or clamp."""
-        motion, X = getattr(face.condition, "motion", REST), self.place(face.block, face.node)
-        return motion.x(X, t) - X, motion.velocity(X, t), motion.acceleration(X, t)
+        motion, X = getattr(face.condition, "motion", None), self.place(face.block, face.node)
+        if motion is None:
+            return np.zeros((3, self.d))
+        w, before, after = (rate_of(motion, X, t + step) for step in (0.0, -STEP, STEP))
+        return motion(X, t) - X, w, (after - before) / (2.0 * STEP)
 
     def _slip_row(self, p, group, grids, t, level, u, v):
         """sum n.(u - w) = 0 over the faces of a group, w the velocity of the solid or the wall, or

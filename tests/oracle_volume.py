@@ -1,42 +1,47 @@
 """Volume terms of the oracle of blocks: grids, metrics, rates of blocks with closed faces.
 
-SCHEME-BLOCKS.md sections 1, 2, 5, 8. Arrays of a block have the shape (components, n_1, ..., n_d).
-Rates are extensive: times the weights W of the nodes.
+SCHEME-BLOCKS.md sections 1, 2, 5, 6, 8. Arrays of a block have the shape (components, n_1, ...,
+n_d). Rates are extensive: times the weights W of the nodes.
+
+Around an axis (kappa = 1) or a centre (kappa = 2) the last coordinate is r. The metrics carry the
+weight r^kappa, so that sums are over a sector of unit angle or unit solid angle:
+
+    grid   a^k = (b^k_1, r^kappa b^k_2), b^k the metrics of (z, s), s = r^(kappa + 1)/(kappa + 1)
+    gas    momentum along r += p S - tau_hoop S, with S = sum_k D_k a^k_2; else S is 0
+    solid  force along r -= kappa (J0 R^kappa / R) P_hoop, with the hoop stretch lambda = r / R
+
+A block that goes from -r to r, with an even number of nodes and mirrored states, is the scheme with
+a centre: none of its nodes is there, and the weight is |r|^kappa.
 """
 
 from __future__ import annotations
 
+from collections import namedtuple
 from itertools import product
 from math import comb
-from typing import NamedTuple
 
 import numpy as np
 from oracle_formulas import (
-    REST,
+    TINY,
     State,
     along,
+    axis_of,
     cofactor,
     conserved,
-    cross,
     det,
     dot,
-    energy_and_stress,
+    elastic_energy,
     entropy_of,
     flux,
     gas_state,
     pair_flux,
-    sbp,
+    rate_of,
     spread,
+    three,
 )
 
-
-class Grid(NamedTuple):
-    """Of a block at one time: places, velocities (d, ...), metrics a[axis, component, ...], a_t."""
-
-    x: np.ndarray
-    v: np.ndarray
-    a: np.ndarray
-    a_t: np.ndarray
+#: of a block at one time: places, velocities (d, ...), metrics a[axis, component, ...], their rates
+Grid = namedtuple("Grid", "x v a a_t")
 
 
 class Volume:
@@ -44,44 +49,50 @@ class Volume:
     class on top of it.
     """
 
-    def __init__(self, problem):
+    def __init__(self, problem, kappa=0):
         self.problem, self.blocks, self.d = problem, problem.blocks, len(problem.blocks[0].X)
-        self.names = [b.name for b in self.blocks]
+        self.kappa, self.names = kappa, [b.name for b in self.blocks]
         self.axes, self.W, self.periods, self.linear = [], [], [], []
         self.solids, self.of_node = {}, {}
         for k, b in enumerate(self.blocks):
-            periods = b.periods or (None,) * self.d
-            made = [sbp(problem.order, n, p is not None) for n, p in zip(b.X.shape[1:], periods)]
-            self.axes.append([self._matrices(*m) for m in made])
-            self.W.append(np.array(np.meshgrid(*(m[1] for m in made), indexing="ij")).prod(axis=0))
+            shape, periods = b.X.shape[1:], b.periods or (None,) * self.d
+            around = [False] * (self.d - 1) + [kappa == 1 and b.X[-1].min() < 0.0 < b.X[-1].max()]
+            kinds = zip(shape, (p is not None for p in periods), around)
+            self.axes.append([axis_of(problem.order, *kind) for kind in kinds])
+            weights = np.meshgrid(*(axis.weight for axis in self.axes[k]), indexing="ij")
+            self.W.append(np.prod(weights, axis=0))
             vectors = [np.zeros(self.d) if p is None else p for p in periods]
             self.periods.append(np.array(vectors, float))
-            xi = np.meshgrid(*(np.arange(n) / n for n in b.X.shape[1:]), indexing="ij")
+            xi = np.meshgrid(*(np.arange(n) / n for n in shape), indexing="ij")
             self.linear.append(sum(spread(p, self.d) * x for p, x in zip(self.periods[k], xi)))
             if b.material.kind == "solid":
                 G = np.swapaxes(self.slopes(k, b.X), 0, 1)  # G[component, axis] = D_axis X
-                self.solids[k] = np.swapaxes(cofactor(G), 0, 1), det(G)
-
-    @staticmethod
-    def _matrices(D, weight):
-        """(D, S, weight): S_il = 2 H D without the diagonal, which holds the boundary terms."""
-        S = 2.0 * weight[:, None] * D
-        np.fill_diagonal(S, 0.0)
-        return D, S, weight
+                A, J0 = np.swapaxes(cofactor(G), 0, 1), det(G)
+                self.solids[k] = A * self.weight(b.X), J0 * self.weight(b.X)
 
     def periodic(self, k, axis):
         return bool(self.blocks[k].periods) and self.blocks[k].periods[axis] is not None
 
     def derivative(self, k, f, axis):
-        return along(self.axes[k][axis][0], f, axis, self.d)
+        return along(self.axes[k][axis].D, f, axis, self.d)
 
     def boundary_flux_free(self, k, f, axis):
         """H D° f: the derivative without the flux through the ends."""
-        _, S, weight = self.axes[k][axis]
-        Q = 0.5 * (S + np.diag(S.sum(axis=1)))
-        return along(Q / weight[:, None], f, axis, self.d) * self.W[k]
+        return along(self.axes[k][axis].flux_free, f, axis, self.d) * self.W[k]
 
     # grids and metrics
+
+    def weight(self, x):
+        """r^kappa (...); also of complex x, whose real part has the sign."""
+        return (np.where(x[-1].real < 0.0, -1.0, 1.0) * x[-1]) ** self.kappa
+
+    def flat(self, x):
+        """(z, s) of places."""
+        return np.array([*x[:-1], self.weight(x) * x[-1] / (self.kappa + 1.0)])
+
+    def start(self, k):
+        """A volume per logical volume."""
+        return det(np.swapaxes(self.slopes(k, self.flat(self.blocks[k].X)), 0, 1))
 
     def slopes(self, k, x):
         """D_axis x for each axis, (d, d, ...), of places x, of which ``linear`` is not periodic."""
@@ -91,7 +102,13 @@ class Volume:
         )
 
     def metrics(self, k, x):
-        """a[axis, component]: the area vectors of the logical axes, with sum D_axis a = 0."""
+        """a[axis, component]: the area vectors of the logical axes."""
+        a = self.flat_metrics(k, self.flat(x))
+        a[:, -1] *= self.weight(x)
+        return a
+
+    def flat_metrics(self, k, x):
+        """Those without weight, with sum D_axis a = 0."""
         if self.d == 1:
             return np.ones((1, *x.shape)) + 0.0 * x
         Dx = self.slopes(k, x)
@@ -112,53 +129,45 @@ class Volume:
                 a[i, n] = self.derivative(k, f[o], j) - self.derivative(k, f[j], o) + constant[i]
         return a
 
-    def grids(self, q, t, given=None):
-        """Of all blocks. given: {name: (displacement, velocity)} in the place of those that follow
-        from the solids.
-        """
+    def moved(self, q, t, part):
+        """By block the displacement (part 0) or the velocity (1) of its nodes."""
+        of_solid = slice(part * self.d, (part + 1) * self.d)
+        return [
+            q[name][of_solid] if k in self.solids else self._blended(k, q, t, part)
+            for k, name in enumerate(self.names)
+        ]
+
+    def grids(self, q, t):
+        """Of all blocks."""
         found = []
-        for k, b in enumerate(self.blocks):
-            if given and b.name in given:
-                moved, v = given[b.name]
-            elif b.material.kind == "solid":
-                moved, v = q[b.name][: self.d], q[b.name][self.d : 2 * self.d]
-            else:
-                moved, v = (self._blended(k, q, t, part) for part in (0, 1))
-            x = b.X + moved
-            # bilinear in x at most: exact
-            a_t = 0.5 * (self.metrics(k, x + v) - self.metrics(k, x - v))
+        for k, (D, v) in enumerate(zip(self.moved(q, t, 0), self.moved(q, t, 1))):
+            x = self.blocks[k].X + D
+            a_t = np.imag(self.metrics(k, x + 1j * TINY * v)) / TINY
             found.append(Grid(x, v, self.metrics(k, x), a_t))
         return found
 
     def _blended(self, k, q, t, part):
-        """Displacement (part 0) or velocity (1) of a gas's grid: on vertices, then on edges, on
-        faces, inside.
+        """Of a gas's grid: of vertices, then of edges, faces and the inside. Where not all nodes
+        are moved by something it is the Boolean sum of the boundary.
         """
-        b, d = self.blocks[k], self.d
-        n, f = b.X.shape[1:], np.zeros(b.X.shape, q[b.name].dtype)
-        closed = [j for j in range(d) if not self.periodic(k, j)]
-        for free in range(len(closed) + 1):
-            for fixed in product((0, 1, None), repeat=len(closed)):
-                if sum(side is None for side in fixed) != free:
-                    continue
-                where = [slice(None)] * d
-                for j, side in zip(closed, fixed):
-                    where[j] = {0: slice(0, 1), 1: slice(n[j] - 1, n[j]), None: slice(None)}[side]
-                nodes = list(product(*(range(*w.indices(m)) for w, m in zip(where, n))))
-                known = [self._source(k, node, q, t, part) for node in nodes]
-                piece = f[(slice(None), *where)]
-                if all(value is not None for value in known):
-                    for node, value in zip(nodes, known):
-                        f[(slice(None), *node)] = value
-                elif free:
-                    rest = piece.copy()
-                    for j, side in zip(closed, fixed):
-                        if side is None:
-                            xi = np.arange(n[j]) / (n[j] - 1)
-                            xi = xi.reshape([-1 if i == j else 1 for i in range(d)])
-                            low, high = np.take(rest, [0], j + 1), np.take(rest, [-1], j + 1)
-                            rest = rest - (1.0 - xi) * low - xi * high
-                    piece -= rest
+        X, d = self.blocks[k].X, self.d
+        f, index = np.zeros(X.shape, q[self.names[k]].dtype), np.indices(X.shape[1:])
+        sides = [(None,) if self.periodic(k, j) else (0, -1, None) for j in range(d)]
+        for ends in sorted(product(*sides), key=lambda ends: ends.count(None)):
+            slices = (slice(None) if e is None else slice(e, e + 1 or None) for e in ends)
+            where = (slice(None), *slices)
+            nodes = index[where].reshape(d, -1).T.tolist()
+            known = [self._source(k, tuple(node), q, t, part) for node in nodes]
+            if all(value is not None for value in known):
+                f[where] = np.transpose(known).reshape(f[where].shape)
+                continue
+            rest = f[where]
+            for j in range(d):
+                if ends[j] is None and not self.periodic(k, j):
+                    xi = np.linspace(0.0, 1.0, X.shape[1 + j]).reshape(-1, *[1] * (d - 1 - j))
+                    low, high = rest.take([0], j + 1), rest.take([-1], j + 1)
+                    rest = rest - (1.0 - xi) * low - xi * high
+            f[where] = f[where] - rest
         return f
 
     def _source(self, k, node, q, t, part):
@@ -171,28 +180,36 @@ class Volume:
             return q[self.names[s]][(slice(part * self.d, (part + 1) * self.d), *other)]
         X = self.blocks[k].X[(slice(None), *node)]
         for face in p.outer:
-            motion = getattr(face.condition, "motion", REST)
-            if motion is not REST:
-                return motion.velocity(X, t) if part else motion.x(X, t) - X
+            if motion := getattr(face.condition, "motion", None):
+                return rate_of(motion, X, t) if part else motion(X, t) - X
         return None
 
     # gas
 
+    def volume_flux(self, k, grid):
+        """b^k and w = d(z, s)/dt, which make the volume flux g of two nodes."""
+        w = np.array([*grid.v[:-1], self.weight(grid.x) * grid.v[-1]])
+        return self.flat_metrics(k, self.flat(grid.x)), w
+
     def volume_rate(self, k, grid):
         """J_t, per node."""
-        total, (b, w) = 0.0, self.volume_metrics(k, grid)
+        total, (b, w) = 0.0, self.volume_flux(k, grid)
         for j, a in enumerate(b):
-            total = total + dot(a, self.derivative(k, w, j))
-            total = total + dot(w, self.derivative(k, a, j))
+            total = total + dot(a, self.derivative(k, w, j)) + dot(w, self.derivative(k, a, j))
         return total
 
-    def gas_terms(self, k, q, grid, t):
+    def hoop_area(self, k, grid):
+        """S: 0 without an axis."""
+        return sum(self.derivative(k, grid.a[j, -1], j) for j in range(self.d))
+
+    def gas_terms(self, k, q, grid):
         """Rates of J, J rho, J rho u, J E, (d + 3, ...)."""
         b, d, W, R = self.blocks[k], self.d, self.W[k], np.zeros_like(q)
         m, s = b.material, gas_state(b.material, q)
         R[0] = W * self.volume_rate(k, grid)
         for j in range(d):
             R[1:] += self._convection(k, s, grid, j)
+        R[-2] += W * s.p * self.hoop_area(k, grid)
         if m.mu > 0.0 or m.kappa > 0.0:
             R[2:] += self._viscous(k, q[0], s, grid)
         if self.problem.dissipation > 0.0:
@@ -202,13 +219,9 @@ class Volume:
             R[2:] += W * q[1] * np.array([*(f + 0.0 * s.u), dot(f, s.u)])
         return R
 
-    def volume_metrics(self, k, grid):
-        """Area vectors and velocities that make the volume flux g of two nodes."""
-        return grid.a, grid.v
-
     def _convection(self, k, s, grid, j):
         """- sum_l S_il F(i, l) along axis j: i along one axis of an array, l along the next."""
-        m, d, (b, w) = self.blocks[k].material, self.d, self.volume_metrics(k, grid)
+        m, d, (b, w) = self.blocks[k].material, self.d, self.volume_flux(k, grid)
         here, there = (lambda f: np.expand_dims(f, j - d)), (lambda f: np.expand_dims(f, j - d - 1))
         left, right = State(*map(here, s)), State(*map(there, s))
         a_l, a_r = here(grid.a[j]), there(grid.a[j])
@@ -217,31 +230,36 @@ class Volume:
             F = pair_flux(m, left, right, 0.5 * (a_l + a_r), g)
         else:
             F = 0.5 * (flux(left, a_l, g) + flux(right, a_r, g))
-        _, S, weight = self.axes[k][j]
-        scaled = (S / weight[:, None]).reshape(*S.shape, *[1] * (d - j - 1))
+        scaled = self.axes[k][j].S / self.axes[k][j].weight[:, None]
+        scaled = scaled.reshape(*scaled.shape, *[1] * (d - j - 1))
         return -(scaled * F).sum(axis=j - d) * self.W[k]
 
     def _viscous(self, k, J, s, grid):
-        """Of momentum and energy; gradients are those of the entropy variables u/T and -1/T."""
-        m, d = self.blocks[k].material, self.d
+        """Of momentum and energy; gradients are those of the entropy variables u/T and -1/T, and
+        all hoop rates together are e = u_r S / J.
+        """
+        m, d, S = self.blocks[k].material, self.d, self.hoop_area(k, grid)
 
         def gradient(f):
             return sum(grid.a[j] * self.derivative(k, f, j) for j in range(d)) / J
 
         w = gradient(-1.0 / s.T)
         gu = np.array([s.T * (gradient(u / s.T) + u * w) for u in s.u])
-        one = np.eye(d).reshape(d, d, *[1] * d)
-        tau = m.mu * (gu + np.swapaxes(gu, 0, 1) - 2.0 / 3.0 * np.trace(gu) * one)
+        e, one = s.u[-1] * S / J, np.eye(d).reshape(d, d, *[1] * d)
+        mean = (np.trace(gu) + e) / 3.0
+        tau = m.mu * (gu + np.swapaxes(gu, 0, 1) - 2.0 * mean * one)
+        hoop = 2.0 * m.mu * (e / max(self.kappa, 1) - mean)
         heat, total = m.kappa * s.T**2 * w, 0.0
         for j in range(d):
             traction = np.einsum("ij...,j...->i...", tau, grid.a[j])
             power = dot(traction, s.u) + dot(heat, grid.a[j])
             total = total + self.boundary_flux_free(k, np.array([*traction, power]), j)
+        total[-2] -= self.W[k] * hoop * S
         return total
 
     def _differences(self, k, j, q):
         """(Delta_q, means of the middle points, the least norm) along axis j."""
-        weight = self.axes[k][j][2]
+        weight = self.axes[k][j].weight
         n, periodic = len(weight), self.periodic(k, j)
         count, h = (n, 1.0 / n) if periodic else (n - q, 1.0 / (n - 1))
         delta, middle, least = np.zeros((count, n)), np.zeros((count, n)), np.ones(count)
@@ -255,7 +273,7 @@ class Volume:
 
     def _scatter(self, k, j, matrix, F):
         """W / weight_j matrix^T F."""
-        return along(matrix.T / self.axes[k][j][2][:, None], F, j, self.d) * self.W[k]
+        return along(matrix.T / self.axes[k][j].weight[:, None], F, j, self.d) * self.W[k]
 
     def _gas_dissipation(self, k, s, grid):
         """-Delta^T sigma lambda U_w Delta w, w: entropy variables, lambda = |a.(u-v)| + c |a|."""
@@ -281,42 +299,58 @@ class Volume:
     # solid
 
     def deformation(self, k, x):
-        """F = (1/J0) sum D_axis x (x) A^axis."""
-        A, J0 = self.solids[k]
-        return np.einsum("jm...,jn...->mn...", self.slopes(k, x), A) / J0
+        """F (3, 3, ...), (1/J0) sum D_axis x (x) A^axis and the hoop stretches."""
+        (A, J0), d = self.solids[k], self.d
+        F = three(np.einsum("jm...,jn...->mn...", self.slopes(k, x), A) / J0)
+        for i in range(d, d + self.kappa):
+            F[i, i] = x[-1] / self.blocks[k].X[-1]
+        return F
 
-    def elastic(self, k, x):
-        """(W, P); without p_ref in three dimensions, where it is a force on faces."""
-        b, F = self.blocks[k], self.deformation(k, x)
-        W, P = energy_and_stress(b.material, F, b.material.p_ref if self.d < 3 else 0.0)
+    def elastic(self, k, F):
+        """W of F; without p_ref in three dimensions, where it is a force on faces."""
+        b, d = self.blocks[k], self.d
+        W = elastic_energy(b.material, F, b.material.p_ref if d < 3 else 0.0)
         if b.prestress is not None:
-            S = np.reshape(b.prestress(b.X), F.shape)
-            one = np.eye(self.d).reshape(self.d, self.d, *[1] * self.d)
-            W, P = W + (S * (F - one)).sum(axis=(0, 1)), P + S
-        return W, P
+            S, one = np.reshape(b.prestress(b.X), (d, d, *b.X.shape[1:])), three(0.0 * F[:0, :0])
+            W = W + (S * (F - one)[:d, :d]).sum(axis=(0, 1))
+        return W
 
-    def temperature(self, k, q):
-        m, d = self.blocks[k].material, self.d
-        W = self.elastic(k, self.blocks[k].X + q[:d])[0] / m.m0 if m.heat == "elastic" else 0.0
-        return (q[-1] - 0.5 * dot(q[d:-1], q[d:-1]) - W) / m.alpha
+    def stress(self, k, F):
+        """P = dW/dF."""
+        P = np.zeros_like(F)
+        for at in product(range(3), repeat=2):
+            stepped = F.astype(complex)
+            stepped[at] += 1j * TINY
+            P[at] = np.imag(self.elastic(k, stepped)) / TINY
+        return P
 
-    def solid_terms(self, k, q, grid, t):
+    def stored(self, k, q):
+        """W / m0, where it is part of the energy."""
+        b = self.blocks[k]
+        if b.material.heat == "coupled":
+            return 0.0 * q[0]
+        return self.elastic(k, self.deformation(k, b.X + q[: self.d])) / b.material.m0
+
+    def solid_terms(self, k, q, grid):
         """(mass, force (d, ...), energy, what of it is stored in W)."""
         b, d, (A, J0) = self.blocks[k], self.d, self.solids[k]
         m, v, M = b.material, q[d:-1], self.W[k] * J0 * b.material.m0
-        F, P = self.deformation(k, grid.x), self.elastic(k, grid.x)[1]
-        T, cof = self.temperature(k, q), cofactor(F)
-        P = P - m.gruneisen * m.m0 * m.alpha * T / det(F) * cof
+        T = (q[-1] - 0.5 * dot(v, v) - self.stored(k, q)) / m.alpha
+        F = self.deformation(k, grid.x)
+        J, cof = det(F), cofactor(F)
+        P = self.stress(k, F) - m.gruneisen * m.m0 * m.alpha * T / J * cof
         gradient = sum(A[j] * self.derivative(k, T, j) for j in range(d)) / J0
-        conducted = m.kappa / det(F) * np.einsum("ki...,kj...,j...->i...", cof, cof, gradient)
+        cof = cof[:d, :d]
+        conducted = m.kappa / J * np.einsum("ki...,kj...,j...->i...", cof, cof, gradient)
         force, work, heat = 0.0, 0.0, 0.0
         for j in range(d):
-            _, S, weight = self.axes[k][j]
-            PA, scaled = np.einsum("mn...,n...->m...", P, A[j]), S / weight[:, None]
+            PA = np.einsum("mn...,n...->m...", P[:d, :d], A[j])
             force = force + self.boundary_flux_free(k, PA, j)
-            pairs = dot(PA, along(scaled, v, j, d)) + dot(along(scaled, PA, j, d), v)
-            work = work + 0.5 * self.W[k] * pairs
+            work = work + self.W[k] * dot(PA, self.derivative(k, v, j))
             heat = heat + self.boundary_flux_free(k, dot(conducted, A[j]), j)
+        work = work + dot(v, force)
+        if self.kappa:  # what hoops take from the motion they store or gain as heat
+            force[-1] -= self.kappa * self.W[k] * J0 / b.X[-1] * P[d, d]
         stored = work - dot(v, force) if m.heat == "elastic" else 0.0 * work
         energy = work + heat
         if self.problem.dissipation > 0.0 or self.problem.shock > 0.0:
@@ -347,7 +381,7 @@ class Volume:
 
     def _steepness(self, v, small, k, j):
         """alpha: 0 in smooth motion along axis j, 1 at shocks."""
-        v = np.moveaxis(v, 1 + j, 1).real
+        v = np.moveaxis(v, 1 + j, 1)
         rise, fall = np.roll(v, -1, axis=1) - v, v - np.roll(v, 1, axis=1)
         s = (np.abs(rise - fall) / (np.abs(rise) + np.abs(fall) + small)).max(axis=0)
         if not self.periodic(k, j):
@@ -358,14 +392,14 @@ class Volume:
         """Unknowns node by node random; places of a solid by a few per cent of the spacing."""
         b, d = self.blocks[k], self.d
         noise, G = size * rng.uniform(-1.0, 1.0, (2 * d + 2, *b.X.shape[1:])), self.slopes(k, b.X)
+        rho, T = 1.0 + 0.2 * noise[1], 1.0 + 0.2 * noise[2 * d]
         if b.material.kind == "gas":
-            J, rho, T = det(G) * (1.0 + 0.2 * noise[0]), 1.0 + 0.2 * noise[1], 1.0 + 0.2 * noise[2]
-            U = conserved(b.material, rho, 0.5 * noise[3 : 3 + d], T)
-            return J * np.array([1.0 + 0.0 * J, *U])
+            U = conserved(b.material, rho, 0.5 * noise[2 : 2 + d], T)
+            return self.start(k) * (1.0 + 0.2 * noise[0]) * np.array([1.0 + 0.0 * rho, *U])
         spacing = min(np.sqrt(dot(g, g)).min() / n for g, n in zip(G, b.X.shape[1:]))
-        D, v, T = 0.05 * spacing * noise[:d], 0.3 * noise[d : 2 * d], 1.0 + 0.2 * noise[2 * d]
-        W = self.elastic(k, b.X + D)[0] / b.material.m0 if b.material.heat == "elastic" else 0.0
-        return np.array([*D, *v, 0.5 * dot(v, v) + W + b.material.alpha * T])
+        q = np.array([*(0.05 * spacing * noise[:d]), *(0.3 * noise[d : 2 * d]), 0.0 * T])
+        q[-1] = 0.5 * dot(q[d:-1], q[d:-1]) + self.stored(k, q) + b.material.alpha * T
+        return q
 
     def sums(self, k, q, x):
         """Sums over a block: momentum, energy, angular momentum about 0; of a gas mass, entropy."""
@@ -378,6 +412,5 @@ class Volume:
             M = W * self.solids[k][1] * m.m0
             momentum, energy, found = M * q[d:-1], M * q[-1], {}
         if d > 1:
-            turning = cross(x, momentum) if d == 3 else x[0] * momentum[1] - x[1] * momentum[0]
-            found["angular"] = turning.sum(axis=space)
+            found["angular"] = np.cross(x, momentum, axis=0).sum(axis=space)
         return {**found, "momentum": momentum.sum(axis=space), "energy": energy.sum()}

@@ -1,4 +1,4 @@
-"""The SBP operators: their defining properties in exact arithmetic, their spectra, their record."""
+"""The SBP operators: their defining properties in exact arithmetic, and their spectra."""
 
 from __future__ import annotations
 
@@ -17,10 +17,6 @@ ALL = pytest.mark.parametrize("op", OPERATORS.values(), ids=lambda op: op.name)
 INTERIOR_RADIUS = {2: 1.0, 4: 1.3722, 6: 1.5860, 8: 1.7306}
 
 
-def exact_norm(op: SBPOperator, n: int) -> list[Fraction]:
-    return [*op.norm, *[Fraction(1)] * (n - 2 * op.rows), *reversed(op.norm)]
-
-
 def derivative_error(op: SBPOperator, n: int, degree: int) -> list[Fraction]:
     """D x^degree - degree x^(degree-1) on x = 0..n-1, exactly."""
     exact = [degree * Fraction(i) ** max(degree - 1, 0) for i in range(n)]
@@ -28,29 +24,21 @@ def derivative_error(op: SBPOperator, n: int, degree: int) -> list[Fraction]:
     return [f - e for f, e in zip(found, exact)]
 
 
-def test_classical_closures() -> None:
-    """2/1 and 4/2 have no free parameter: the rows as every table prints them."""
-    assert operator(2).closure == ((-1, 1),)
-    table = """
-        -24/17  59/34  -4/17  -3/34   0      0
-        -1/2    0      1/2    0       0      0
-        4/43    -59/86 0      59/86   -4/43  0
-        3/98    0      -59/98 0       32/49  -4/49
-    """
-    rows = table.strip().splitlines()
-    assert operator(4).closure == tuple(tuple(map(Fraction, line.split())) for line in rows)
-
-
 @ALL
 @pytest.mark.parametrize("extra", [0, 7])
 def test_summation_by_parts(op: SBPOperator, extra: int) -> None:
-    n = op.min_points + extra
-    norm, rows = exact_norm(op, n), op.exact_matrix(n)
-    boundary = [-1] + [0] * (n - 2) + [1]
+    """With a positive norm, which has the same numbers at both ends, as D has."""
+    n, h = op.min_points + extra, 0.125
+    norm = [*op.norm, *[Fraction(1)] * (n - 2 * op.rows), *reversed(op.norm)]
+    rows, boundary = op.exact_matrix(n), [-1, *[0] * (n - 2), 1]
+    assert min(norm) > 0
+    assert [[-weight for weight in reversed(row)] for row in reversed(rows)] == rows
     for i in range(n):
         for j in range(n):
             wanted = boundary[i] if i == j else 0
             assert norm[i] * rows[i][j] + norm[j] * rows[j][i] == wanted, (i, j)
+    assert op.norm_weights(n).tolist() == [float(weight) for weight in norm]
+    assert np.array_equal(op.matrix(n, h), np.array(rows, float) / h)
 
 
 @ALL
@@ -59,35 +47,9 @@ def test_order_of_accuracy(op: SBPOperator) -> None:
     n, r, s = op.min_points + 2, op.rows, op.boundary_order
     for degree in range(op.order + 1):
         error = derivative_error(op, n, degree)
-        assert not any(error[r:-r])
-        if degree <= s:
-            assert not any(error)
+        assert not any(error[r:-r]) and (degree > s or not any(error))
     assert all(derivative_error(op, n, op.order + 1)[r:-r])
     assert any(derivative_error(op, n, s + 1)[:r])
-
-
-@ALL
-def test_both_ends_and_the_matrix_on_a_spacing(op: SBPOperator) -> None:
-    """The right end is the mirrored left end; D over h, and the norm, in floating point."""
-    n, h = op.min_points + 3, 0.125
-    rows = op.exact_matrix(n)
-    assert [[-weight for weight in reversed(row)] for row in reversed(rows)] == rows
-    assert [tuple(row[: op.rows + op.p]) for row in rows[: op.rows]] == list(op.closure)
-    assert op.norm_weights(n).tolist() == [float(weight) for weight in exact_norm(op, n)]
-    exact = np.array([[float(weight) for weight in row] for row in rows])
-    assert np.array_equal(op.matrix(n, h), exact / h)
-
-
-@ALL
-def test_norm_is_a_positive_quadrature(op: SBPOperator) -> None:
-    """SBP with u = x^i, v = x^j and i, j <= s integrates (uv)' exactly: degree 2s - 1 at most."""
-    n = op.min_points + 1
-    norm = exact_norm(op, n)
-    assert min(norm) > 0
-    for degree in range(2 * op.boundary_order + 1):
-        quadrature = sum(weight * x**degree for x, weight in enumerate(norm))
-        exact = Fraction((n - 1) ** (degree + 1), degree + 1)
-        assert (quadrature == exact) == (degree < 2 * op.boundary_order)
 
 
 @ALL
@@ -99,9 +61,6 @@ def test_spectrum_of_advection_with_injected_inflow(op: SBPOperator, n: int) -> 
     eigenvalues, limit = np.linalg.eigvals(op.matrix(n)[1:, 1:]), INTERIOR_RADIUS[op.order]
     assert eigenvalues.real.min() > 1e-9
     assert (0.995 if n == 60 else 0.5) * limit < np.abs(eigenvalues).max() < limit
-    theta = np.linspace(0, np.pi, 20001)
-    symbol = 2 * sum(float(c) * np.sin(k * theta) for k, c in enumerate(op.interior, start=1))
-    assert symbol.max() == pytest.approx(limit, abs=5e-5)
 
 
 @ALL
@@ -118,15 +77,6 @@ def test_what_the_derivative_does_not_see(op: SBPOperator, n: int) -> None:
         assert values[1] < 3e-5 and values[2] < 3e-3 < values[3]
     else:
         assert 0.98 < values[1] * (n - 1) / np.pi < 1.001
-
-
-@ALL
-def test_too_few_points(op: SBPOperator) -> None:
-    n = op.min_points - 1
-    words = f"{op.name} operator needs at least {op.min_points} points, not {n}"
-    for method in (op.matrix, op.exact_matrix, op.norm_weights):
-        with pytest.raises(ValueError, match=words):
-            method(n)
 
 
 @pytest.mark.parametrize("order", AXIS)
