@@ -1,4 +1,4 @@
-"""The engine around an axis or a centre: its rates are the oracle's (oracle_radial.py), and
+"""The engine around an axis or a centre: its rates are the oracle's (block_oracle.py), and
 keep the sums.
 """
 
@@ -12,9 +12,9 @@ import pytest
 
 pytest.importorskip("petsc4py")
 
+from block_oracle import Oracle
 from oracle_engine import Engine
 from oracle_formulas import Block, Gas, Given, Open, Problem, conserved
-from oracle_radial import Radial
 from test_block_oracle import (
     ELASTIC,
     NODES,
@@ -60,7 +60,7 @@ def radial(shape, gas, solid, order, kappa, **options):
         Block(name, gas if name.startswith("gas") else solid, X, periods)
         for name, (X, periods) in shape.items()
     ]
-    return Radial(Problem(tuple(blocks), closed, order, **options), kappa)
+    return Oracle(Problem(tuple(blocks), closed, order, **options), kappa)
 
 
 def mirrored(oracle, q):
@@ -95,7 +95,7 @@ def engine_of(oracle, kappa, centre, faces=closed):
         return Centre() if to_axis else faces(owner)
 
     p = oracle.problem
-    return Engine(Radial(Problem(tuple(blocks), condition, *p[2:]), kappa), symmetry=kappa)
+    return Engine(Oracle(Problem(tuple(blocks), condition, *p[2:]), kappa), symmetry=kappa)
 
 
 def half_of(q, centre):
