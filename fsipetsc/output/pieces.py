@@ -22,6 +22,7 @@ from fsipetsc.output.file_layout import Damaged, columns, damage, open_h5
 
 Array = np.ndarray[Any, Any]
 Layers = Sequence[Mapping[str, Any]]  # as in the header
+_NAMES = "names"  # attribute of the group of series: their names
 _SPARE = 1 << 16  # bytes for what HDF5 needs besides the numbers
 _AT_ONCE = 1 << 26  # bytes of frames that are copied at once
 _MOST_COMPRESSED = 1000  # a dataset that claims more than so many times its file is damaged
@@ -143,7 +144,7 @@ class Contents:
         """How many steps a file has, all of whose series have the same length."""
         if "series" not in file:
             return 0
-        shapes = {name: _numbers(file, f"series/{name}").shape for name in file["series"]}
+        shapes = {name: _numbers(file, f"series/{name}").shape for name in _series(file)}
         names = {name: shape[1:] for name, shape in shapes.items()}
         steps = {shape[0] for shape in shapes.values()}
         if "t" not in names or len(steps) != 1 or names != (self.names or names):
@@ -223,6 +224,15 @@ class Contents:
         self._open = None
 
 
+def _series(file: h5py.File) -> list[str]:
+    """Names of the series, in their order. Without a list of them HDF5 looks at the group, and
+    crashes where a byte of a group of more than eight names has changed.
+    """
+    group = file["series"]
+    names = group.attrs.get(_NAMES)
+    return [*group] if names is None else [name.decode() for name in names]
+
+
 def _numbers(file: h5py.File, name: str, ndim: int | None = None) -> h5py.Dataset:
     """A dataset of numbers, no larger than the file can hold."""
     found = file[name]
@@ -251,8 +261,9 @@ def lay_out(
     datasets only, of less than 4 GiB a chunk.
     """
     with layout.in_memory() as (file, image):
-        if any(name.startswith("series/") for name in (*numbers, *shapes)):
-            file.create_group("series", track_order=True)
+        names = [name[7:] for name in (*numbers, *shapes) if name.startswith("series/")]
+        if names:
+            file.create_group("series", track_order=True).attrs[_NAMES] = np.array(names, "S")
         for name, value in numbers.items():
             file[name] = value
         for name, shape in shapes.items():
@@ -322,7 +333,7 @@ def _shapes(
 
 def _fill(file: h5py.File, content: Contents, layers: Layers, frames: int, rows: int) -> None:
     """Put the numbers into the datasets of a whole result."""
-    for name in file.get("series", ()):
+    for name in content.names if rows else ():
         file[f"series/{name}"][...] = content.series(name)[:rows]
     for k, layer in enumerate(layers if frames else ()):
         group, names, X = file[f"layer{k}"], columns(layer), content.X[k]
