@@ -112,18 +112,18 @@ def test_volumes_stay_those_of_the_grid(order):
     """
     gas, n = Fluid(0.0, 0.0, 1.4, 1.0), 2 * order
 
-    def cold(X, Y):
-        return 1.0, 0.0, 0.0, 1e-3
+    def rest(X, Y):
+        return 1.0, 0.0, 0.0, 1.0
 
-    block = Block("gas", gas, rectangle((0, 0), (1, 1)), (n, n), cold)
+    block = Block("gas", gas, rectangle((0, 0), (1, 1)), (n, n), rest)
     sides = {("gas", 0, side): Slip() for side in (0, 1)}
     faces = {("gas", 1, 0): NoSlip(**wall(0.0, 0.05)), ("gas", 1, 1): NoSlip(**wall(1.3, 0.07))}
     with Steps(BlockProblem((block,), sides | faces), order) as run:
         worst = 0.0
         for _ in range(100):
-            run.step(1 / 8, 8)
+            run.step(1 / 32, 32)
             worst = max(worst, *run.latest["J_error"])
-    assert 0.0 < worst < 1e-12
+    assert 0.0 < worst < 1e-12 and not run.retries
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,6 @@ import sys
 
 import pytest
 from helpers import message, solve
-from stub_case import CASE
 
 import fsipetsc
 from fsipetsc.cases import BUILT_IN, load_case
@@ -107,6 +106,17 @@ def test_a_fault_is_one_message_that_says_where_and_what(name, tmp_path):
 
 # files that cannot be loaded
 
+CASE = """
+from fsipetsc.options import Option
+
+SUMMARY = "a stub"
+OPTIONS = (Option("solid_force", float, 0.0, "N", "force"), Option("do", str, "", "", "what to do"))
+DEFAULTS = {"fsi_h": 0.1, "ts_max_time": 1.0}
+
+
+def build(opt):
+    return opt["no_such_option"]
+"""
 FAULTY_FILES = {
     "x = 1\nx = = 2\n": ("line 2", "invalid syntax"),
     "from fsipetsc.materials.nothing import x\n": (

@@ -105,7 +105,7 @@ def test_who_lacks_a_package_is_told_how_to_get_it(line, package, here):
     (here / "mine.py").write_text("from fsipetsc.problem import Problem\nimport mpi4py\n")
     words = f"needs the Python package {package}", "scripts/setup"
     said = message(run("-c", WITHOUT, *line.split()), 2, *words)
-    assert ("case file mine.py, line 1: " in said) == ("mine.py" in line), said
+    assert ("mine.py, line 1: case file mine.py: " in said) == ("mine.py" in line), said
 
 
 def no_such_type() -> None:
@@ -122,7 +122,7 @@ def no_such_type() -> None:
         (FileNotFoundError(ENOENT, "No such file", "/no/file"), 4, "/no/file: No such file"),
         (KeyboardInterrupt(), 130, "stopped by SIGINT"),
         (ModuleNotFoundError(name="nothing"), 2, "needs the Python package nothing"),
-        (ZeroDivisionError("none"), 1, "unexpected ZeroDivisionError in test_cli.py, line "),
+        (ZeroDivisionError("none"), 1, "unexpected ZeroDivisionError: none"),
         (no_such_type, 1, "Unknown TS type: nix"),
     ],
 )

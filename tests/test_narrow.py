@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
-from test_operators import ALL, exact_norm
+from test_operators import ALL
 
 from fsipetsc.operators import SBPOperator
 from fsipetsc.operators.narrow import ENDS, remainder
@@ -13,6 +13,10 @@ from fsipetsc.operators.narrow import ENDS, remainder
 
 def exact(rows) -> np.ndarray:
     return np.array(rows, dtype=object)
+
+
+def exact_norm(op: SBPOperator, n: int) -> list[Fraction]:
+    return [*op.norm, *[Fraction(1)] * (n - 2 * op.rows), *reversed(op.norm)]
 
 
 def pivots(matrix: np.ndarray) -> list[Fraction]:

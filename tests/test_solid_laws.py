@@ -35,6 +35,28 @@ def derivative(f, F, step=1e-5):
     return np.moveaxis(found, 0, -1).reshape(*np.shape(found[0]), *F.shape)
 
 
+def energy_and_stress(m, F, p_ref):
+    """(W, P) of a law by its name."""
+    G, J, n = formulas.three(F), formulas.det(F), len(F)
+    mu, lam, K = m.mu_e, m.lambda_e, 2.0 * m.mu_e + m.lambda_e
+    if m.law in ("log", "neo-hookean"):
+        if m.law == "log":
+            U = K * (J * np.log(J) - J + 1.0) - mu * (0.5 * (J**2 - 1.0) - np.log(J))
+            slope = K * np.log(J) - mu * (J - 1.0 / J)
+        else:
+            U, slope = 0.5 * lam * np.log(J) ** 2, lam * np.log(J) / J
+        W = 0.5 * mu * ((G * G).sum(axis=(0, 1)) - 3.0 - 2.0 * np.log(J)) + U
+        P = mu * F + (slope - mu / J) * formulas.cofactor(F)
+    else:
+        one, nonlinear = formulas.three(np.zeros((0, 0, *F.shape[2:]))), m.law == "svk"
+        square = np.einsum("ki...,kj...->ij...", G, G)
+        E = 0.5 * (square - one) if nonlinear else 0.5 * (G + np.swapaxes(G, 0, 1)) - one
+        S = lam * np.trace(E) * one + 2.0 * mu * E
+        W = 0.5 * (S * E).sum(axis=(0, 1))
+        P = (np.einsum("ik...,kj...->ij...", G, S) if nonlinear else S)[:n, :n]
+    return W - p_ref * (J - 1.0), P - p_ref * formulas.cofactor(F)
+
+
 @EACH_D
 @pytest.mark.parametrize("name", LAWS)
 def test_energy_and_stress(name, d):
@@ -42,7 +64,7 @@ def test_energy_and_stress(name, d):
     law, of_oracle = solid(law=name, p_ref=P_REF).solid_law, formulas.Solid(name, MU, LAMBDA)
     assert law.energy(flat(np.eye(d))) == 0.0
     for F in strains(d):
-        W, P = formulas.energy_and_stress(of_oracle, F, P_REF)
+        W, P = energy_and_stress(of_oracle, F, P_REF)
         assert law.energy(flat(F)) == pytest.approx(W, abs=1e-14)
         assert np.abs(np.reshape(law.stress(flat(F)), (d, d)) - P).max() < 1e-13
         slopes = derivative(lambda G: law.energy(flat(G)), F)
@@ -82,6 +104,6 @@ def test_the_pressure_is_part_of_the_stress(d, pressing):
     F = strains(d)[0]
     J = np.linalg.det(F)
     p = pressing.pressure(J, T, M0, ALPHA)
-    _, P = formulas.energy_and_stress(formulas.Solid("log", MU, LAMBDA), F, 0.0)
+    _, P = energy_and_stress(formulas.Solid("log", MU, LAMBDA), F, 0.0)
     found = solid(pressing=pressing).equations(d).stress_at(flat(F), T)
     assert np.abs(np.subtract(found, flat(P - p * J * np.linalg.inv(F).T))).max() < 1e-13

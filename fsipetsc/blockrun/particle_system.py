@@ -290,7 +290,7 @@ class ParticleSystem:
 def _flags(p: Particle) -> list[bool]:
     """Of fsipetsc.scheme.particle_records, from FREE_GAS on."""
     found = [
-        not (p.wall or p.given_gas or (p.sticks and p.clamp)),
+        not (p.wall or p.given_gas or (p.sticks and (p.clamp or p.given_solid))),
         not (p.clamp or p.given_solid or (p.sticks and p.wall)),
         p.clamp and p.clamp.x,
         p.sticks,

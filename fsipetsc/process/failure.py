@@ -18,7 +18,8 @@ def describe(error: BaseException) -> tuple[int, str, bool]:
     if isinstance(error, KeyboardInterrupt):  # the others get it, too, and may need time to end
         return 130, "stopped by SIGINT", True
     if isinstance(error, MemoryError):
-        return 3, f"out of memory ({reason(error)}); coarser grids or more ranks need less", False
+        known = f" ({error})" if str(error) else ""
+        return 3, f"out of memory{known}; a coarser grid or more ranks need less", False
     if isinstance(error, OSError) and error.errno is not None:
         name = f"{error.filename}: " if error.filename is not None else ""
         return 4, f"{name}{error.strerror}", False

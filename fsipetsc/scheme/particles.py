@@ -161,28 +161,29 @@ def obeyed(flags, like, p, data, of_gas, of_solid):
     (V, M, P, E), (M_s, D, P_s, E_s) = of_gas, of_solid
     d, wall, clamp, clamp_velocity = len(like), data.wall, data.clamp, data.clamp_velocity
     at_wall, clamped, gas, solid = flags[p, AT_WALL], flags[p, AT_CLAMP], data.gas, data.solid
+    moved = clamped or flags[p, GIVEN_SOLID]
     if M_s > 0.0:
         D = per(D, M_s)
     if clamped:
         P_s = scale(M_s, node(like, clamp_velocity, p))
+    if flags[p, GIVEN_SOLID]:
+        D, P_s = node(like, solid, p), scale(M_s, part_of(like, solid, p, d))
     if at_wall:
         P = scale(M, node(like, wall, p))
     if flags[p, STICKS]:
         both = per(add(P, P_s), M + M_s)
-        if clamped:
+        if moved:
             both = per(P_s, M_s)
         elif at_wall:
             both = node(like, wall, p)
         first, P, P_s = kinetic(P_s, M_s), scale(M, both), scale(M_s, both)
-        if not clamped:
+        if not moved:
             change = kinetic(P_s, M_s) - first
             E, E_s = E - change, E_s + change
     if flags[p, PLACED]:
         D = node(like, clamp, p)
     if flags[p, GIVEN_GAS]:
         M, P, E = V * gas[p, 0], scale(V, part_of(like, gas, p, 1)), V * gas[p, d + 1]
-    if flags[p, GIVEN_SOLID]:
-        D, P_s = node(like, solid, p), scale(M_s, part_of(like, solid, p, d))
     return (V, M, P, E), (M_s, D, P_s, E_s)
 
 
