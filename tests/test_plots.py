@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from itertools import product
 from types import SimpleNamespace
 
 import numpy as np
@@ -52,7 +53,8 @@ def figure_of(run, name):
     with matplotlib.rc_context(style.STYLE):
         figure = Figure()
         FigureCanvasAgg(figure)
-        dict(page.pictures(run))[name](figure)
+        whole = {"page": lambda figure: page.page(figure, run)}
+        (whole | dict(page.pictures(run)))[name](figure)
         figure.canvas.draw()
     return figure
 
@@ -62,6 +64,26 @@ def curves(figure, word=""):
     labels = {axes: f"{axes.get_ylabel()} {axes.get_xlabel()}" for axes in figure.axes}
     axes = next(axes for axes, label in labels.items() if word in label)
     return {line.get_label(): tuple(map(np.asarray, line.get_data())) for line in axes.lines}
+
+
+def test_no_text_lies_on_another_or_is_cut_off(results):
+    for run, name in product(results.values(), ("page", "p", "interfaces", "ledgers", "steps")):
+        figure = figure_of(run, name)
+        renderer, written = figure.canvas.get_renderer(), [figure._suptitle]
+        for axes in (axes for axes in figure.axes if axes.get_visible()):
+            written += [axes._left_title, axes.xaxis.label, axes.yaxis.label]
+            for axis in (axes.xaxis, axes.yaxis):
+                low, high = sorted(axis.get_view_interval())
+                inside = [t for t in axis.get_major_ticks() if low <= t.get_loc() <= high]
+                written += [label for t in inside for label in (t.label1, t.label2)]
+        shown = [text for text in written if text.get_text().strip() and text.get_visible()]
+        boxes = [(text.get_text(), text.get_window_extent(renderer)) for text in shown]
+        for i, (text, box) in enumerate(boxes):
+            assert -1 < box.x0 and box.x1 < figure.bbox.width + 1, (name, text)
+            assert -1 < box.y0 and box.y1 < figure.bbox.height + 1, (name, text)
+            for other, its in boxes[:i]:
+                beside = box.x0 >= its.x1 - 1 or its.x0 >= box.x1 - 1
+                assert beside or box.y0 >= its.y1 - 1 or its.y0 >= box.y1 - 1, (name, text, other)
 
 
 def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results):
