@@ -34,8 +34,8 @@ SHORT = {
 }
 #: may end with 3: a coupling breaks its promise, a run is too short for two modes
 VERDICTS = "stability", "flutter"
-#: options files that need kernels of their own
-ALONE = {f"{name}.opts" for name in ("piston", "panel_viscous", "heat", "blast_shock", "plane_mms")}
+#: options files of which the kernels are compiled for other tests as well
+OFTEN = {f"{name}.opts" for name in ("rod", "mms", "pulse", "box", "column", "blast")}
 OPTIONS_FILES = {
     path.relative_to(REPOSITORY).as_posix(): path.read_text()
     for path in sorted((REPOSITORY / "runs").rglob("*.opts"))
@@ -160,24 +160,28 @@ def words_of(name):
 
 
 def test_each_case_has_an_options_file():
-    """Its first line says what it is, and it has only options that there are."""
-    from fsipetsc.cases import BUILT_IN
+    """Its first line says what it is, and it has only options of its case, which can be built."""
+    from fsipetsc.cases import BUILT_IN, load_case
+    from fsipetsc.options import read_options
 
     for name, text in OPTIONS_FILES.items():
         assert re.match(r"# .*\.\n", text), name
         given = set(re.findall(r"^-(\w+)", text, re.M))
         assert given and given <= known_options(), name
         assert f"-options_file {name}" in " ".join(words_of(name))
+        if (case := words_of(name)[0]) != "convergence":
+            words = dict(re.findall(r"^-(\w+) *([^#\n]*)", text, re.M))
+            load_case(case).build(read_options(load_case(case), words))
     assert set(BUILT_IN) <= {words_of(name)[0] for name in OPTIONS_FILES}
 
 
-@pytest.mark.parametrize("alone", [False, pytest.param(True, marks=pytest.mark.long)])
-def test_options_files_run(alone, tmp_path):
+@pytest.mark.parametrize("often", [True, pytest.param(False, marks=pytest.mark.long)])
+def test_options_files_run(often, tmp_path):
     """A few steps; or all that the header states, if fewer than 5,000, and as many as it states."""
     runs, steps = {}, {}
     for path, text in OPTIONS_FILES.items():
         name, (case, *words) = path.replace("/", "_"), words_of(path)
-        if case == "convergence" or alone != (Path(path).name in ALONE):
+        if case == "convergence" or often != (Path(path).name in OFTEN):
             continue
         stated = re.search(r"([\d,]+) steps", text)
         count = int(stated[1].replace(",", "")) if stated else 0
