@@ -233,12 +233,12 @@ class BlockVector:
     def begin(self) -> None:
         """Begin to fill the ghosted arrays; what is sent must not change before ``end``."""
         for scatter, vector, local in self._exchanged:
-            scatter.scatterBegin(vector, local)
+            scatter.begin(vector, local)
 
     def end(self) -> None:
         """End it."""
         for scatter, vector, local in self._exchanged:
-            scatter.scatterEnd(vector, local)
+            scatter.end(vector, local)
         for part in self._layout.parts:
             if part.signs.size:
                 mirror(part.local, part.patch.first, part.patch.ghosted, part.signs)
