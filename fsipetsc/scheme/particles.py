@@ -166,6 +166,8 @@ def obeyed(flags, like, p, data, of_gas, of_solid):
         D = per(D, M_s)
     if clamped:
         P_s = scale(M_s, node(like, clamp_velocity, p))
+    if flags[p, PLACED]:
+        D = node(like, clamp, p)
     if flags[p, GIVEN_SOLID]:
         D, P_s = node(like, solid, p), scale(M_s, part_of(like, solid, p, d))
     if at_wall:
@@ -180,8 +182,6 @@ def obeyed(flags, like, p, data, of_gas, of_solid):
         if not moved:
             change = kinetic(P_s, M_s) - first
             E, E_s = E - change, E_s + change
-    if flags[p, PLACED]:
-        D = node(like, clamp, p)
     if flags[p, GIVEN_GAS]:
         M, P, E = V * gas[p, 0], scale(V, part_of(like, gas, p, 1)), V * gas[p, d + 1]
     return (V, M, P, E), (M_s, D, P_s, E_s)
