@@ -18,6 +18,7 @@ from fsipetsc.operators.undivided import differences
 from fsipetsc.scheme.gas_dissipation import gas_dissipation, room
 from fsipetsc.scheme.gas_memory import scratch
 from fsipetsc.scheme.gas_rates import gas_rates
+from fsipetsc.scheme.gas_record import Damping
 from fsipetsc.scheme.gas_rows import EntropyForm, Viscous
 
 LIKE, FORM = (0.0,), EntropyForm()
@@ -43,9 +44,9 @@ class Line(NamedTuple):
         """(n, 4) rates."""
         n = len(self.q)
         found, rates = differences(1, self.order, self.axes, [n - 1]), np.zeros((n, 4))
-        of_block = Patch((n, 1, 1), (n, 1, 1), (0, 0, 0)), rates, room(1, found)
-        S = [axis.S for axis in self.axes]
-        gas_dissipation(GAS, LIKE, FORM, sigma, shock, self.q, self.metrics, *S, found, *of_block)
+        damping = Damping(sigma, shock, found, room(1, found))
+        of_block = tuple(axis.S for axis in self.axes), Patch((n, 1, 1), (n, 1, 1), (0, 0, 0))
+        gas_dissipation(GAS, LIKE, FORM, damping, self.q, self.metrics, *of_block, rates)
         return rates
 
 
@@ -132,8 +133,8 @@ def test_rows_of_a_plane_are_lines():
     metrics = np.array([one, zero, zero, one, v, zero, zero])
     axes, patch = [s.axes[0], band(4, m - 1), NO_AXIS], Patch((n, m, 1), (n, m, 1), (0, 0, 0))
     found, rates = differences(2, 4, axes, [n - 1, m - 1]), np.zeros((n * m, 5))
-    S, more = [axis.S for axis in axes], (found, patch, rates, room(2, found))
-    gas_dissipation(gas, (0.0, 0.0), FORM, 0.3, 0.9, q, metrics, *S, *more)
+    S, damping = tuple(axis.S for axis in axes), Damping(0.3, 0.9, found, room(2, found))
+    gas_dissipation(gas, (0.0, 0.0), FORM, damping, q, metrics, S, patch, rates)
     expected = np.tile(s.dissipation(0.3, 0.9).T, m).T
     np.testing.assert_allclose(rates[:, [0, 1, 2, 4]], expected, rtol=0.0, atol=1e-14)
     assert np.abs(rates[:, 3]).max() == 0.0
@@ -145,13 +146,13 @@ def test_strong_shock_lives(order):
     n, p = 51, np.where(np.arange(51) < 3 * 51 // 4, 1000.0, 1.0)
     axes, metrics = [band(order, n - 1), NO_AXIS, NO_AXIS], np.outer([1.0, 0.0, 0.0], np.ones(n))
     patch, kind = Patch((n, 1, 1), (n, 1, 1), (0, 0, 0)), Viscous()
-    S, w, work = *zip(*axes, strict=True), scratch(LIKE, FORM, kind, axes, patch)
+    S, w, work = *zip(*axes, strict=True), scratch(LIKE, kind, axes, patch)
     q = np.array(GAS.conserved(np.ones(n), np.ones(n), (np.zeros(n),), p)).T.copy()
     start, dt = w[0] @ q, 0.4 / (n - 1) / 60.0
 
     def slope(q):
         rates = np.zeros_like(q)
-        gas_rates(GAS, LIKE, FORM, kind, q, metrics, *S, *w, patch, rates, work)
+        gas_rates(GAS, LIKE, FORM, kind, q, metrics, S, w, patch, rates, work)
         rates += Line(q, metrics, axes, order).dissipation(0.3, 1.0)
         rates[[0, -1], 2] = 0.0
         return rates

@@ -67,7 +67,7 @@ class ParticleSystem:
         members, owners = members[taken], owners[taken]
         self._particles = [particles[p] for p in here]
         number = local[members[:, 0]]
-        columns = max(self._d + 3, 2 * self._d + 2)
+        columns = max(self._d + 3, 2 * self._d + 1)
         self._exchange = ParticleExchange(layout.comm, number, owners, columns, tag=1)
         self.table = self._table(number, members, owners, inertia)
         mine, self.nodes = self._exchange.mine, {}
@@ -80,7 +80,6 @@ class ParticleSystem:
         n, d = here.size, self._d
         sums = *np.zeros((3, n)), np.zeros((n, d + 2)), *np.zeros((2, n, d)), *np.zeros((4, n))
         self.state = State(*sums, U_t=np.zeros((n, d + 2)), acceleration=np.zeros((n, d)))
-        weigh_heat(self.table, self._stored, self.state)
         self.prescribed = Prescribed(layout.problem, self._particles, law, instant)
         moves = np.zeros(n, np.int64)
         moves[self.prescribed.moving] = 1
@@ -106,6 +105,7 @@ class ParticleSystem:
                 auxiliary=layout.auxiliary,
             )
         )
+        weigh_heat(self.box)
 
     def _table(
         self, number: Array, members: Array, owners: Array, inertia: dict[int, Array]
@@ -192,8 +192,7 @@ class ParticleSystem:
         self._normal_particles = number[chosen]
         K = self.table.constraint.shape[1]
         self.slips = layout.comm.allreduce(int(bound.any()), op=MPI.MAX) > 0
-        self.normals = np.zeros((bound.size, K, 2 * d))
-        self.turning = np.zeros((bound.size, K, 2 * d))
+        self.normals, self.turning = np.zeros((2, bound.size, K * 2 * d))
         exchange = ParticleExchange(layout.comm, number[chosen], owners[chosen], 2 * K * d, tag=2)
         self._normal_exchange = exchange
         mine = np.flatnonzero(chosen)[exchange.mine]
@@ -229,7 +228,7 @@ class ParticleSystem:
             kernels.begin_stored(self.box, y)
             store()
             self._store_exchange.exchange()
-            kernels.end_stored(self.box)
+            weigh_heat(self.box)
 
     # what the scheme calls; gain: masses, impulse and energy that come in. `share` begins it, the
     # others add to it
@@ -238,7 +237,7 @@ class ParticleSystem:
         """Sums of the members; ``state`` has what the particles share, but for slipping and
         temperatures.
         """
-        kernels.begin_sums(self.box, y, gain)
+        kernels.weigh(self.box, y)
         self._exchange.exchange()
         kernels.end_sums(self.box, gain)
 
@@ -246,21 +245,20 @@ class ParticleSystem:
         """Rates of all members under the constraints of their particles, and of what comes in, in
         place.
         """
-        kernels.begin_rates(self.box, f)
+        kernels.weigh(self.box, f)
         self._exchange.exchange()
         kernels.end_rates(self.box, y, f, gain)
 
     def calls(self, y: Array, gain: Array) -> Any:
         """All that compiled code takes with what it calls; y, gain: examples of what these take."""
         calls = (
-            (kernels.begin_sums, (y, gain)),
+            (kernels.weigh, (y,)),
             (kernels.end_sums, (gain,)),
             (kernels.begin_normals, ()),
             (kernels.end_normals, (True,)),
             (kernels.begin_stored, (y,)),
-            (kernels.end_stored, ()),
+            (weigh_heat, ()),
             (kernels.impose_conditions, (y, gain)),
-            (kernels.begin_rates, (y,)),
             (kernels.end_rates, (y, y, gain)),
         )
         return with_calls(ParticleCalls, self.box, calls)

@@ -17,7 +17,7 @@ from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
-from fsipetsc.scheme.gas_record import Undamped
+from fsipetsc.scheme.part import Nothing
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, SMALL, Damping, room
 from fsipetsc.scheme.solid_monitor import solid_monitor
 from fsipetsc.scheme.solid_record import SolidDamping, SolidRecord
@@ -137,7 +137,7 @@ class SolidPart(BlockPart):
         end of this part in one dimension. stored: rows and numbers of nodes of members that tell
         what they store.
         """
-        part, d, damping = self.part, self._d, Undamped()
+        part, d, damping = self.part, self._d, Nothing()
         for of_term, found, memory in self._dissipation[::-1]:
             damping = SolidDamping(of_term, found, memory, damping)
         ends = np.zeros((len(interfaces), 4))

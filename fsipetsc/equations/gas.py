@@ -102,30 +102,19 @@ class Gas(NamedTuple):
         """g of two nodes, from their area vectors and velocities of the grid."""
         return 0.5 * (dot(a_l, v_r) + dot(a_r, v_l))
 
-    def mean_flux(self, l, r, a_l, v_l, a_r, v_r):
+    def mean_flux(self, l, r, a_l, a_r, g):
         """{a . f} - g {U} of two nodes: the divergence form, for any gas law."""
         f = mean(self.flux(l, a_l), self.flux(r, a_r))
-        U = mean(self.densities(l), self.densities(r))
-        return along(f, -self.volume_flux(a_l, v_l, a_r, v_r), U)
-
-    def pair_flux(self, l, r, a_l, v_l, a_r, v_r):
-        """F of any two nodes."""
-        return self.flux_through(l, r, mean(a_l, a_r), self.volume_flux(a_l, v_l, a_r, v_r))
-
-    def flux_through(self, l, r, a, g):
-        """a . f# - g U# of any two nodes: linear in a and g."""
-        rho = logarithmic_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
-        T = harmonic_mean(l[2], r[2], distance(l[2], r[2], l[-1], r[-1]))
-        return two_point_flux(self.law, l, r, a, g, rho, T)
-
-    def mean_flux_through(self, l, r, a, g):
-        """{a . f} - g {U} of two nodes, through one area."""
-        f = mean(self.flux(l, a), self.flux(r, a))
         return along(f, -g, mean(self.densities(l), self.densities(r)))
 
-    def near_pair_flux(self, l, r, a_l, v_l, a_r, v_r):
-        """The same where pair_distance is at most NEAR, in half the time: without logarithms."""
-        g = self.volume_flux(a_l, v_l, a_r, v_r)
+    def pair_flux(self, l, r, a_l, a_r, g):
+        """F of any two nodes; linear in a_l, a_r and g."""
+        rho = logarithmic_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
+        T = harmonic_mean(l[2], r[2], distance(l[2], r[2], l[-1], r[-1]))
+        return two_point_flux(self.law, l, r, mean(a_l, a_r), g, rho, T)
+
+    def near_pair_flux(self, l, r, a_l, a_r, g):
+        """The same where pair_distance is at most NEAR, in a third of the time: no logarithms."""
         rho = near_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
         T = near_harmonic_mean(l[2], r[2], distance(l[2], r[2], l[-1], r[-1]))
         return two_point_flux(self.law, l, r, mean(a_l, a_r), g, rho, T)

@@ -11,7 +11,7 @@ from typing import Any
 
 from numba.extending import register_jitable
 
-from fsipetsc.operators.loops import _by_length as by_length
+from fsipetsc.operators.loops import by_length
 
 Entry = Callable[[int, int, int], str]
 

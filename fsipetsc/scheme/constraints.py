@@ -17,7 +17,6 @@ from fsipetsc.operators.loops import (
     scale,
     sub,
 )
-from fsipetsc.operators.loops import _by_length as by_length
 from fsipetsc.scheme.particle_records import (
     FREE_GAS,
     FREE_SOLID,
@@ -29,12 +28,13 @@ from fsipetsc.scheme.particle_records import (
 
 #: a pivot below this part of its size before elimination belongs to a constraint that others imply
 REDUNDANT = 1e-9
-#: the vector G or S, from ``first`` on, of constraint k of particle p
-normal = by_length(
-    "normal",
-    "like, array, p, k, first",
-    lambda d: f" return ({''.join(f'array[p, k, first + {c}],' for c in range(d))})",
-)
+
+
+@njit(**INLINED_CALL)
+def vectors(like, normals, p, k):
+    """G and S of constraint k of particle p."""
+    d = len(like)
+    return part_of(like, normals, p, 2 * k * d), part_of(like, normals, p, (2 * k + 1) * d)
 
 
 @njit(**INLINED_CALL)
@@ -42,23 +42,23 @@ def solve(table, like, p, normals, wanted, M, M_s, a, b, room):
     """The vectors a of the gas and b of the solid, changed least in their masses so that G_c . a +
     S_c . b = wanted_c, for count[p] constraints. room: A, sizes of pivots; wanted becomes pi.
     """
-    K, d, flags, (A, size) = table.count[p], len(like), table.flags, room
+    K, flags, (A, size) = table.count[p], table.flags, room
     per_gas = 1.0 / M if M > 0.0 and flags[p, FREE_GAS] else 0.0
     per_solid = 1.0 / M_s if M_s > 0.0 and flags[p, FREE_SOLID] else 0.0
     sticks = flags[p, STICKS] == 1
     if sticks:
         per_gas, per_solid = 1.0 / (M + M_s) if flags[p, FREE_GAS] else 0.0, 0.0
     for k in range(K):
-        G, S = normal(like, normals, p, k, 0), normal(like, normals, p, k, d)
+        G, S = vectors(like, normals, p, k)
         G = add(G, S) if sticks else G
         wanted[k] -= dot(G, a) if sticks else dot(G, a) + dot(S, b)
         for i in range(K):
-            G_i, S_i = normal(like, normals, p, i, 0), normal(like, normals, p, i, d)
+            G_i, S_i = vectors(like, normals, p, i)
             G_i = add(G_i, S_i) if sticks else G_i
             A[k, i] = dot(G, G_i) * per_gas + dot(S, S_i) * per_solid
     eliminate(K, A, wanted, size)
     for k in range(K):
-        G, S = normal(like, normals, p, k, 0), normal(like, normals, p, k, d)
+        G, S = vectors(like, normals, p, k)
         a = along(a, wanted[k] * per_gas, add(G, S) if sticks else G)
         b = along(b, wanted[k] * per_solid, S)
     return a, a if sticks else b
@@ -97,7 +97,7 @@ def slide(all, gain):
     table, like, normals, state = all.table, all.like, all.normals, all.state
     flags, count, constraint, wall = table.flags, table.count, table.constraint, all.data.wall
     mass, solid_mass, V, U, vs, e = state.mass, state.solid_mass, state.V, state.U, state.v, state.e
-    d, K, impulse = len(like), normals.shape[1], gain.impulse
+    d, K, impulse = len(like), constraint.shape[1], gain.impulse
     pi, room = np.zeros(K), (np.zeros((K, K)), np.zeros(K))
     for p in range(count.size):
         if count[p] == 0:
@@ -107,13 +107,13 @@ def slide(all, gain):
         for k in range(count[p]):
             pi[k] = 0.0
             if constraint[p, k] == SLIPS:
-                G, S = normal(like, normals, p, k, 0), normal(like, normals, p, k, d)
+                G, S = vectors(like, normals, p, k)
                 pi[k] = dot(add(G, S), node(like, wall, p))
         before = 0.5 * M_s * dot(v, v)
         u, v = solve(table, like, p, normals, pi, M, M_s, u, v, room)
         change = 0.5 * M_s * dot(v, v) - before
         for k in range(count[p] if flags[p, MINE] else 0):  # what forces do to bodies they move
-            G, S = normal(like, normals, p, k, 0), normal(like, normals, p, k, d)
+            G, S = vectors(like, normals, p, k)
             for c in range(d):
                 both = flags[p, FREE_GAS] * G[c] + flags[p, FREE_SOLID] * S[c]
                 impulse[c] += pi[k] * both
@@ -131,14 +131,14 @@ def powers(table, like, p, normals, pi, force, u, v, w):
     """Two powers that the gas gets: from walls, and from the solid. Where the gas slips, a face
     moves as the wall or the solid there, not as the gas.
     """
-    d, flags, count, constraint = len(like), table.flags, table.count, table.constraint
+    flags, count, constraint = table.flags, table.count, table.constraint
     if count[p] == 0 or not flags[p, FREE_GAS] or flags[p, STICKS]:
         return dot(force, u), 0.0
     power, of_solid = 0.0, 0.0
     for k in range(count[p]):
         if constraint[p, k] == SLIPS:
-            S = normal(like, normals, p, k, d)
-            power += pi[k] * dot(add(normal(like, normals, p, k, 0), S), w)
+            G, S = vectors(like, normals, p, k)
+            power += pi[k] * dot(add(G, S), w)
             of_solid -= pi[k] * dot(S, v)
     return power, of_solid
 
@@ -157,7 +157,8 @@ def book(table, like, p, normals, pi, v, w, force, force_s, power, of_solid, gai
         energies[faces[p, MOVES_SOLID]] += of_solid + dot(force_s, v)
         return
     for k in range(table.count[p]):
-        N = add(normal(like, normals, p, k, 0), normal(like, normals, p, k, d))
+        G, S = vectors(like, normals, p, k)
+        N = add(G, S)
         for c in range(d):
             impulse[c] += pi[k] * N[c]
         slips = constraint[p, k] == SLIPS
@@ -170,12 +171,9 @@ def right_sides(like, normals, turning, constraint, p, K, u, v, w, w_t, wanted):
     """The K right-hand sides of constraints: walls accelerate, and area vectors turn under
     relative velocities.
     """
-    d = len(like)
     for k in range(K):
         wanted[k] = 0.0
         if constraint[p, k] == SLIPS:
-            at_solid = normal(like, turning, p, k, d)
-            of_walls = add(normal(like, turning, p, k, 0), at_solid)
-            N = add(normal(like, normals, p, k, 0), normal(like, normals, p, k, d))
-            wanted[k] = dot(at_solid, sub(u, v)) - dot(of_walls, sub(u, w))
-            wanted[k] += dot(N, w_t)
+            (G, S), (G_t, S_t) = vectors(like, normals, p, k), vectors(like, turning, p, k)
+            wanted[k] = dot(S_t, sub(u, v)) - dot(add(G_t, S_t), sub(u, w))
+            wanted[k] += dot(add(G, S), w_t)

@@ -66,11 +66,10 @@ SMALL = 0.05
 
 
 class Room(NamedTuple):
-    """Memory, by components of N nodes: states, entropy variables, fluxes of differences (after
-    `before` zeros), alpha, areas and volume fluxes of links, sums.
+    """Memory, by components of N nodes: states, entropy variables, fluxes of differences (each
+    component after zeros), alpha, areas and volume fluxes of links, sums.
     """
 
-    before: int
     state: Array
     z: Array
     F: Array
@@ -81,38 +80,35 @@ class Room(NamedTuple):
 
 def room(d: int, difference: Differences) -> Room:
     """For the nodes of a patch."""
-    N = difference.norm.shape[1]
-    before = (len(difference.weights) - 1) * int(difference.strides[d - 1])
-    sizes = (d + 5) * N, (d + 2) * N, (d + 2) * (N + before), N, (d + 1) * N, (d + 2) * N
-    return Room(before, *(np.zeros(size) for size in sizes))
+    N, F = difference.norm.shape[1], difference.room(d)
+    sizes = (d + 5) * N, (d + 2) * N, (d + 2) * F, N, (d + 1) * N, (d + 2) * N
+    return Room(*map(np.zeros, sizes))
 
 
 @njit(**CALL)
-def gas_dissipation(
-    gas, like, form, sigma, shock, q, metrics, S0, S1, S2, difference, patch, rates, room
-):
+def gas_dissipation(gas, like, form, damping, q, metrics, S, patch, rates):
     """Add both terms to the rates (M, d + 3) of the owned nodes.
 
-    sigma, shock: sizes, 0: none. q, metrics, S0 … S2, patch: as in fsipetsc.scheme.gas_rates, with
-    a halo of q + 1 nodes. difference: fsipetsc.operators.undivided.
+    damping: fsipetsc.scheme.gas_record.Damping. q, metrics, S, patch: as in
+    fsipetsc.scheme.gas_rates, with a halo of q + 1 nodes.
     """
+    sigma, shock, difference, room = damping
     q, metrics, rates, N = q.reshape(-1), metrics.reshape(-1), rates.reshape(-1), room.alpha.size
-    own, ghosted, first = patch.own, patch.ghosted, patch.first
+    own, ghosted, first, weights = patch.own, patch.ghosted, patch.first, difference.weights
     prepare(gas, like, q, room.state, room.z, U64(N))
     for k in range(len(like)):
-        S = S0 if k == 0 else (S1 if k == 1 else S2)
         stride, room.sums[:] = int(difference.strides[k]), 0.0
         if shock > 0.0:
-            steepest = sense(room.state, room.alpha, stride, ghosted[k])
-            if steepest > 0.0:
+            of_state = room.state, U64(0), U64(N), ONE, SMALL, 1e-300
+            sense((0.0, 0.0), *of_state, room.alpha, stride, ghosted[k])
+            if room.alpha.max() > 0.0:
                 room.link[:] = 0.0
-                split_pairs(gas, like, form, S, metrics, k, stride, ghosted, patch, room)
+                split_pairs(gas, like, form, S[k], metrics, k, stride, patch, room)
                 flow_on(gas, like, form, shock, stride, room)
         if sigma > 0.0:
-            strength = sigma / 4.0 ** (len(difference.weights) - 1)
-            norm, weights, step = difference.norm[k], difference.weights, U64(stride)
-            fluxes(gas, like, strength, weights, norm, metrics, k, step, room, U64(N))
-        weights, of_axis = difference.weights, difference.per_weight[k]
+            strength, norm = sigma / 4.0 ** (len(weights) - 1), difference.norm[k]
+            fluxes(gas, like, strength, weights, norm, metrics, k, U64(stride), room, U64(N))
+        of_axis = difference.per_weight[k]
         for y in range(own[1]):
             for z in range(own[2]):
                 node = U64(first[0] + ghosted[0] * (first[1] + y + ghosted[1] * (first[2] + z)))
@@ -128,6 +124,33 @@ def prepare(gas, like, q, state, z, n):
         w = gas.primitive(at(like_q, q, U64(0), ONE, i * U64(len(like_q))))
         put(state, U64(0), n, i, w)
         put(z, U64(0), n, i, (gas.first_entropy_variable(w), *gas.entropy_variables(w)))
+
+
+@njit(**EXACT_LOOP)
+def sense(like, values, first, apart, step, part, least, alpha, stride, length):
+    """alpha of all nodes along an axis of so many, of as many numbers of a node as ``like`` has:
+    apart from each other, beginning at ``first``, those of nodes at a distance of ``step``.
+
+    part, least: s has |d_+| + |d_-| + part (|a_j+1| + 2 |a_j| + |a_j-1|) + least below it.
+    """
+    apart, step, next_one = U64(apart), U64(step), U64(stride)
+    for line in range(0, alpha.size, stride * length):
+        begin, end, beyond = line + stride, line + stride * (length - 1), line + stride * length
+        for i in range(line, begin):
+            alpha[i] = 0.0
+        for i in range(U64(begin), U64(max(begin, end))):
+            s = 0.0
+            for c in range(len(like)):
+                place = first + U64(c) * apart
+                here = values[place + i * step]
+                above = values[place + (i + next_one) * step]
+                below = values[place + (i - next_one) * step]
+                rise, fall = above - here, here - below
+                size = part * (abs(above) + 2.0 * abs(here) + abs(below)) + least
+                s = max(s, abs(rise - fall) / (abs(rise) + abs(fall) + size))
+            alpha[i] = min(1.0, max(0.0, RISE * (s - NO_SHOCK)))
+        for i in range(max(begin, end), beyond):
+            alpha[i] = 0.0
 
 
 # of order q
@@ -154,7 +177,7 @@ def fluxes(gas, like, strength, weights, norm, metrics, k, stride, room, n):
     like_z, nothing = (*like, 0.0, 0.0), (*zeros(like), 0.0, 0.0)
     d, order, none = len(like), len(weights) - 1, U64(0)
     low, high = U64(order // 2) * stride, U64((order + 1) // 2) * stride
-    area, grid, before = U64(k * d) * n, U64(d * d) * n, U64(room.before)
+    area, grid, apart = U64(k * d) * n, U64(d * d) * n, U64(room.F.size // len(like_z))
     for i in range(n - U64(order) * stride):
         change = shifted_sum(like_z, room.z, none, n, i, stride, weights)
         l, r = i + low, i + high
@@ -166,9 +189,9 @@ def fluxes(gas, like, strength, weights, norm, metrics, k, stride, room, n):
         speed = gas.fastest(w, mean(a_l, a_r), 0.5 * g)
         wide = 1.0 - largest(room.alpha, i, stride, weights)
         F = scale(strength * norm[i] * wide * speed, gas.densities_of_change(w, change))
-        put(room.F, before, n + before, i, choose(norm[i] > 0.0, F, nothing))
+        put(room.F, apart - n, apart, i, choose(norm[i] > 0.0, F, nothing))
     for i in range(n - U64(order) * stride, n):
-        put(room.F, before, n + before, i, nothing)
+        put(room.F, apart - n, apart, i, nothing)
 
 
 @register_jitable
@@ -188,12 +211,12 @@ def largest(alpha, i, stride, weights):
 def collect(like, weights, per_weight, differs, node, stride, room, rates, to, n):
     """Add sums and H^-1 Delta^T F to the rates of a row of owned nodes; all is interlaced there."""
     like_f, N, count = (*like, 0.0, 0.0), U64(per_weight.size), U64(len(like) + 3)
-    order, before = len(weights) - 1, U64(room.before)
-    back, sign = before + node - U64(order) * stride, 1.0 - 2.0 * (order % 2)
+    order, apart = len(weights) - 1, U64(room.F.size // len(like_f))
+    back, sign = apart - N + node - U64(order) * stride, 1.0 - 2.0 * (order % 2)
     for i in range(n):
         more, place = at(like_f, room.sums, node, N, i), (to + i) * count + ONE
         if differs:  # weights of Delta^T: those of Delta in reverse order, perhaps with sign -1
-            sum_of_F = shifted_sum(like_f, room.F, back, N + before, i, stride, weights)
+            sum_of_F = shifted_sum(like_f, room.F, back, apart, i, stride, weights)
             more = along(more, -sign, sum_of_F)
         found = at(like_f, rates, place, ONE, U64(0))
         put(rates, place, ONE, U64(0), along(found, per_weight[node + i], more))
@@ -203,44 +226,12 @@ def collect(like, weights, per_weight, differs, node, stride, room, rates, to, n
 
 
 @njit(**INNER_CALL)
-def sense(state, alpha, stride, length):
-    """alpha of all nodes along an axis of so many, 0 at its ends; the largest."""
-    N = alpha.size
-    alpha[:] = 0.0
-    sense_row(state, alpha, U64(stride), U64(N))
-    most = 0.0
-    for i in range(N):
-        place = i // stride % length
-        if place == 0 or place == length - 1:
-            alpha[i] = 0.0
-        most = max(most, alpha[i])
-    return most
-
-
-@njit(**EXACT_LOOP)
-def sense_row(state, alpha, stride, N):
-    """alpha of density and pressure."""
-    for i in range(stride, N - stride):
-        s = max(steepness(state, i, stride), steepness(state, N + i, stride))
-        alpha[i] = min(1.0, max(0.0, RISE * (s - NO_SHOCK)))
-
-
-@register_jitable
-def steepness(values, i, stride):
-    """s."""
-    below, here, above = values[i - stride], values[i], values[i + stride]
-    rise, fall = above - here, here - below
-    values = abs(above) + 2.0 * abs(here) + abs(below) + 1e-300
-    return abs(rise - fall) / (abs(rise) + abs(fall) + SMALL * values)
-
-
-@njit(**INNER_CALL)
-def split_pairs(gas, like, form, S, metrics, k, stride, ghosted, patch, room):
+def split_pairs(gas, like, form, S, metrics, k, stride, patch, room):
     """Take alpha of its flux from each pair; add to areas and volume fluxes of its links."""
-    N, length, reach = room.alpha.size, ghosted[k], S.shape[0] - 1
+    N, length, reach = room.alpha.size, patch.ghosted[k], S.shape[0] - 1
     for i in range(N):
         place = i // stride % length
-        if owned_across(i, k, ghosted, patch):
+        if owned_across(i, k, patch):
             alpha = room.alpha[i]
             for m in range(1, min(reach, length - 1 - place) + 1):
                 alpha = max(alpha, room.alpha[i + m * stride])
@@ -250,10 +241,10 @@ def split_pairs(gas, like, form, S, metrics, k, stride, ghosted, patch, room):
 
 
 @register_jitable
-def owned_across(i, k, ghosted, patch):
+def owned_across(i, k, patch):
     """Whether node i is owned but for its place along axis k."""
-    x, y, z = i % ghosted[0], i // ghosted[0] % ghosted[1], i // (ghosted[0] * ghosted[1])
-    first, own = patch.first, patch.own
+    (nx, ny, _), first, own = patch.ghosted, patch.first, patch.own
+    x, y, z = i % nx, i // nx % ny, i // (nx * ny)
     in_x = k == 0 or first[0] <= x < first[0] + own[0]
     in_y = k == 1 or first[1] <= y < first[1] + own[1]
     return in_x and in_y and (k == 2 or first[2] <= z < first[2] + own[2])
@@ -268,10 +259,11 @@ def split(gas, like, form, weight, metrics, k, i, m, stride, room):
     l, r = at(like_w, room.state, none, N, i), at(like_w, room.state, none, N, j)
     a_l, v_l = at(like, metrics, area, N, i), at(like_v, metrics, grid, N, i)
     a_r, v_r = at(like, metrics, area, N, j), at(like_v, metrics, grid, N, j)
-    F = form.two(gas, l, r, a_l, v_l, a_r, v_r)
+    g = gas.volume_flux(a_l, v_l, a_r, v_r)
+    F = form.any(gas, l, r, a_l, a_r, g)
     put(room.sums, none, N, i, along(at(like_f, room.sums, none, N, i), weight, F))
     put(room.sums, none, N, j, along(at(like_f, room.sums, none, N, j), -weight, F))
-    more = (*mean(a_l, a_r), gas.volume_flux(a_l, v_l, a_r, v_r))
+    more = (*mean(a_l, a_r), g)
     for n in range(m):
         link = i + U64(n) * stride
         before = at((*like, 0.0), room.link, none, N, link)
@@ -289,6 +281,6 @@ def flow_on(gas, like, form, shock, stride, room):
             l, r = at(like_w, room.state, none, N, i), at(like_w, room.state, none, N, j)
             speed = 0.5 * shock * max(gas.fastest(l, a, g), gas.fastest(r, a, g))
             jump = sub(gas.densities(r), gas.densities(l))
-            F = along(form.flux_through(gas, l, r, a, g), -speed, jump)
+            F = along(form.any(gas, l, r, a, a, g), -speed, jump)
             put(room.sums, none, N, i, sub(at(like_f, room.sums, none, N, i), F))
             put(room.sums, none, N, j, add(at(like_f, room.sums, none, N, j), F))

@@ -76,14 +76,14 @@ class Work(NamedTuple):
     begins: Any
 
 
-def scratch(like: Any, form: Any, viscous: Any, bands: Any, patch: Any) -> Work:
+def scratch(like: Any, viscous: Any, bands: Any, patch: Any) -> Work:
     """Memory for `gas_rates` with the three bands of a patch."""
     d, reach, row = len(like), 1 + viscous.reach, int(ROW)
     K = [len(band.S) - 1 for band in bands]
     inner, last = (K[1], K[2]) if d == 3 else (0, K[1])
     layers, depth = reach * last + 1, (DEPTH if d == 3 else 1) + 2 * reach * inner
     gain, loss, spans, begins = _weights(bands[0], patch)
-    numbers = 2 * d + 6 + d * d + len(form.kept(like)) + d * (d + 1)
+    numbers = 2 * d + 6 + d * d + d * (d + 1)
     return Work(
         layers,
         depth,

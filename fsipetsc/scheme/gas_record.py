@@ -73,25 +73,10 @@ class Damping(NamedTuple):
     differences: Any
     room: Any
 
-    def add(self, part, q, rates):
+    def add(self, part, q, rates, gain):
         """Both terms."""
-        sizes, of_patch = (self.sigma, self.shock), (self.differences, part.patch)
-        equations, more = (part.laws, part.like, part.form), (*part.S, *of_patch, rates, self.room)
-        gas_dissipation(*equations, *sizes, q, part.metrics, *more)
-
-
-class Undamped(NamedTuple):
-    """No dissipation."""
-
-    kind: int = 0
-
-    def add(self, part, q, rates):
-        """Nothing."""
-        return None
-
-    def power(self, part, q, rates):
-        """None."""
-        return 0.0
+        equations, of_patch = (part.laws, part.like, part.form), (part.metrics, part.S, part.patch)
+        gas_dissipation(*equations, self, q, *of_patch, rates)
 
 
 @njit(**CALL)
@@ -135,14 +120,13 @@ def store(part, particles, s):
 @njit(**CALL)
 def rates(part, s, f, gain):
     """Fill a gas's part of f, from that of a completed s; what comes in goes to ``gain``."""
-    d, patch = len(part.like), part.patch
+    d = len(part.like)
     q, own = ghosted(part, s, d + 3), owned(part, f, d + 3)
     laws, like, form, viscous = part.laws, part.like, part.form, part.viscous
-    metrics = part.metrics
-    (S0, S1, S2), (w0, w1, w2), work = part.S, part.weight, part.work
-    gas_rates(laws, like, form, viscous, q, metrics, S0, S1, S2, w0, w1, w2, patch, own, work)
-    part.axis.add(part, q, own)
-    part.dissipation.add(part, q, own)
+    of_patch = part.metrics, part.S, part.weight, part.patch
+    gas_rates(laws, like, form, viscous, q, *of_patch, own, part.work)
+    part.axis.add(part, q, own, gain)
+    part.dissipation.add(part, q, own, gain)
     part.faces.add(part, q, own, gain)
     supply(part, owned(part, s, d + 3), own, gain)
 
@@ -170,13 +154,14 @@ def supply(part, q, rates, gain):
 
 
 @njit(**CALL)
-def monitor(part, s):
-    """Fill seen and sums of a part: see fsipetsc.scheme.block_monitor."""
+def monitor(part, s, found):
+    """Note extremes and sums of a part: see fsipetsc.scheme.block_monitor."""
     if part.known.shape[0] > 0:
         part.grid.find_places(part.X, part.places)
     metrics = part.axis.bounds(part.metrics)
     gas_monitor(part, owned(part, s, len(part.like) + 3), metrics, STIFFNESS_OF_WIDE)
+    note(part, found)
 
 
 #: what is called of a gas: fsipetsc.scheme.part.PartCalls, without ``part``
-FUNCTIONS = follow, move, swing, add_normals, turn, store, rates, monitor, note
+FUNCTIONS = follow, move, swing, add_normals, turn, store, rates, monitor

@@ -18,10 +18,9 @@ from fsipetsc.scheme.particle_records import (
 
 
 @njit(**CALL)
-def weigh_heat(table, stored, state):
-    """Mean specific heat of the solid members of each particle, and mean of what they store;
-    stored: (rows, 1) energy per mass.
-    """
+def weigh_heat(all):
+    """Mean specific heat of the solid members of each particle, and mean of what they store."""
+    table, stored, state = all.table, all.stored, all.state
     begin, row, kind, weight = table.begin, table.row, table.kind, table.weight
     alpha, capacity, potential = table.alpha, state.capacity, state.potential
     for p in range(begin.size - 1):

@@ -91,7 +91,8 @@ class Particles(NamedTuple):
 
     like: (0, …) of d dimensions. law: of the gas. stored: (rows, 1) energy per mass of members that
     is neither kinetic nor heat; stores: whether it changes. rows: (rows, columns) of the exchange.
-    slips: whether any has constraints; normals, turning: (p, K, 2d), G and S and how they turn.
+    slips: whether any has constraints; normals, turning: (p, 2 d K), G and S of each and how they
+    turn.
     of_normals: (members of those, 2 K d) area vectors, at_normals: how many are here, of_particle,
     row_of: particle and row of each. moves: (p,) whether a wall there moves, place: (p, d) its
     displacement. auxiliary: number of unknowns, at the end of a vector, of what came in.
@@ -121,12 +122,11 @@ class ParticleCalls(NamedTuple):
     """Particles and what they do, called by address: see fsipetsc.operators.boxed."""
 
     all: Any
-    begin_sums: Any
+    weigh: Any
     end_sums: Any
     begin_normals: Any
     end_normals: Any
     begin_stored: Any
-    end_stored: Any
+    weigh_heat: Any
     impose_conditions: Any
-    begin_rates: Any
     end_rates: Any

@@ -23,12 +23,12 @@ of mass M + M_s. A body whose motion is given counts as infinitely heavy.
 What comes in is added to ``gain``, see fsipetsc.scheme.part.Gain. Constraints tell it by their
 forces, data that replace unknowns by the change.
 
-    begin_sums, exchange, end_sums, impose_conditions     complete the unknowns
-    begin_rates, exchange, end_rates                      complete their rates
+    weigh, exchange, end_sums, impose_conditions     complete the unknowns
+    weigh, exchange, end_rates                       complete their rates
 
 begin_normals, what blocks say of their faces, an exchange and end_normals come before
-impose_conditions and begin_rates where particles have constraints; begin_stored, what solids say of
-their members, an exchange and end_stored before impose_conditions where stored energies matter.
+impose_conditions and the rates where particles have constraints; begin_stored, what solids say of
+their members, an exchange and weigh_heat before impose_conditions where stored energies matter.
 """
 
 import numpy as np
@@ -48,8 +48,8 @@ from fsipetsc.operators.loops import (
     sub,
 )
 from fsipetsc.scheme.constraints import book, powers, right_sides, slide, solve
-from fsipetsc.scheme.normals import sum_members
-from fsipetsc.scheme.particle_heat import share_heat, weigh_heat
+from fsipetsc.scheme.part import clear
+from fsipetsc.scheme.particle_heat import share_heat
 from fsipetsc.scheme.particle_records import (
     AT_CLAMP,
     AT_WALL,
@@ -69,32 +69,10 @@ from fsipetsc.scheme.particle_records import (
 
 
 @njit(**CALL)
-def begin_sums(all, s, gain):
-    """Rows of this rank's members: H q of a gas, (M_s D, M_s v, M_s e, M_s) of a solid."""
-    gain.numbers[:] = 0.0
-    weigh(all, s)
-    d, rows, kind, weight = len(all.like), all.rows, all.table.kind, all.table.weight
-    for r in range(all.table.at.size):
-        if kind[r] == SOLID:
-            rows[r, 2 * d + 1] = weight[r]
-
-
-@njit(**CALL)
-def begin_rates(all, f):
-    """The same of rates."""
-    weigh(all, f)
-
-
-@njit(**INLINED_CALL)
 def weigh(all, y):
-    """Rows of this rank's members: what they have in y times their weights."""
-    d, rows, kind, at, weight = (
-        len(all.like),
-        all.rows,
-        all.table.kind,
-        all.table.at,
-        all.table.weight,
-    )
+    """Rows of this rank's members: H q of a gas, (M_s D, M_s v, M_s e) of a solid; or of rates."""
+    table, rows, d = all.table, all.rows, len(all.like)
+    kind, at, weight = table.kind, table.at, table.weight
     for r in range(at.size):
         for c in range(d + 3 if kind[r] == GAS else 2 * d + 1):
             rows[r, c] = weight[r] * y[at[r] + c]
@@ -103,7 +81,7 @@ def weigh(all, y):
 @njit(**INLINED_CALL)
 def summed(table, like, p, rows):
     """(V, M, P, E) of the gas and (M_s, M_s D, M_s v, M_s e) of the solid of particle p."""
-    d, begin, row, kind = len(like), table.begin, table.row, table.kind
+    begin, row, kind, weight, d = table.begin, table.row, table.kind, table.weight, len(like)
     V, M, P, E, M_s, D, P_s, E_s = 0.0, 0.0, like, 0.0, 0.0, like, like, 0.0
     for m in range(begin[p], begin[p + 1]):
         r = row[m]
@@ -111,7 +89,7 @@ def summed(table, like, p, rows):
             V, M, E = V + rows[r, 0], M + rows[r, 1], E + rows[r, d + 2]
             P = add(P, part_of(like, rows, r, 2))
         else:
-            M_s, E_s = M_s + rows[r, 2 * d + 1], E_s + rows[r, 2 * d]
+            M_s, E_s = M_s + weight[r], E_s + rows[r, 2 * d]
             D, P_s = add(D, node(like, rows, r)), add(P_s, part_of(like, rows, r, d))
     return (V, M, P, E), (M_s, D, P_s, E_s)
 
@@ -125,8 +103,10 @@ def kinetic(P, M):
 @njit(**CALL)
 def end_sums(all, gain):
     """From the sums of all members: one U, one displacement and velocity; what sticks has one
-    velocity, and the kinetic energy that the solid loses by that goes to the gas.
+    velocity, and the kinetic energy that the solid loses by that goes to the gas. What comes in
+    begins here.
     """
+    clear(gain.numbers)
     table, like, rows, data, state = all.table, all.like, all.rows, all.data, all.state
     flags, column, faces, d = table.flags, table.column, table.faces, len(like)
     masses, impulse, energies = gain.mass, gain.impulse, gain.energy
@@ -202,8 +182,12 @@ def begin_normals(all):
 @njit(**CALL)
 def end_normals(all, turning):
     """Normals of particles, or how they turn, from the rows of all members."""
-    total = all.turning if turning else all.normals
-    sum_members(all.of_particle, all.row_of, all.of_normals, total)
+    total, table = all.turning if turning else all.normals, all.of_normals
+    particle, row = all.of_particle, all.row_of
+    total[:] = 0.0
+    for m in range(particle.size):
+        for c in range(table.shape[1]):
+            total[particle[m], c] += table[row[m], c]
 
 
 @njit(**CALL)
@@ -219,12 +203,6 @@ def begin_stored(all, s):
             if r < at.size and kind[r] == SOLID:
                 for c in range(d):
                     s[at[r] + c] = D[p, c]
-
-
-@njit(**CALL)
-def end_stored(all):
-    """Mean specific heat of the solid members of each particle and mean of what they store."""
-    weigh_heat(all.table, all.stored, all.state)
 
 
 # constraints
@@ -298,7 +276,7 @@ def accelerate(all, gain):
     flags, count, constraint = table.flags, table.count, table.constraint
     mass, solid_mass, V, U, vs = state.mass, state.solid_mass, state.V, state.U, state.v
     U_t, acceleration, clamp_rate = state.U_t, state.acceleration, data.clamp_rate
-    d, K = len(like), normals.shape[1]
+    d, K = len(like), constraint.shape[1]
     pi, room = np.zeros(K), (np.zeros((K, K)), np.zeros(K))
     for p in range(count.size):
         (J_t, R, R_m, R_E), (_, _, F, _) = summed(table, like, p, rows)

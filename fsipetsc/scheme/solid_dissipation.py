@@ -26,7 +26,7 @@ from numba import njit
 
 from fsipetsc.operators.loops import CALL, EXACT_LOOP, add, dot, mean, scale, zeros
 from fsipetsc.operators.undivided import Differences
-from fsipetsc.scheme.gas_dissipation import NO_SHOCK, RISE, largest, shifted_sum
+from fsipetsc.scheme.gas_dissipation import largest, sense, shifted_sum
 from fsipetsc.scheme.rows import ONE, U64, Array, at, put
 
 #: e of s, over the speed of sound
@@ -46,32 +46,32 @@ class Damping(NamedTuple):
 
 
 class Room(NamedTuple):
-    """Memory, of N nodes: F and F . Delta_q v by components, after ``before`` zeros, and alpha."""
+    """Memory, of N nodes: F and F . Delta_q v by components, each after zeros, and alpha."""
 
-    before: int
     F: Array
     alpha: Array
 
 
 def room(d: int, difference: Differences) -> Room:
     """For the nodes of a patch."""
-    N = difference.norm.shape[1]
-    before = (len(difference.weights) - 1) * int(difference.strides[d - 1])
-    return Room(before, np.zeros((d + 1) * (N + before)), np.zeros(N))
+    return Room(np.zeros((d + 1) * difference.room(d)), np.zeros(difference.norm.shape[1]))
 
 
 @njit(**CALL)
-def solid_dissipation(like, damping, q, metrics, difference, patch, rates, room):
-    """Add it to the rates (M, 2d + 1) of the owned nodes.
+def solid_dissipation(like, term, q, metrics, patch, rates):
+    """Add a term to the rates (M, 2d + 1) of the owned nodes.
 
-    q, metrics, patch: as in fsipetsc.scheme.solid_rates, with a halo of q + 1 nodes at least.
+    term: fsipetsc.scheme.solid_record.SolidDamping. q, metrics, patch: as in
+    fsipetsc.scheme.solid_rates, with a halo of q + 1 nodes at least.
     """
+    damping, difference, room = term.damping, term.differences, term.room
     q, metrics, rates = q.reshape(q.size), metrics.reshape(metrics.size), rates.reshape(rates.size)
     own, ghosted, first = patch.own, patch.ghosted, patch.first
     for k in range(len(like)):
         stride = int(difference.strides[k])
         if damping.b != 0.0:
-            sense(like, damping.small, q, room.alpha, stride, ghosted[k])
+            of_v = q, U64(len(like)), ONE, U64(2 * len(like) + 1), 0.0, damping.small
+            sense(like, *of_v, room.alpha, stride, ghosted[k])
         lose(like, damping, q, metrics, k, stride, difference.weights, difference.norm[k], room)
         for z in range(own[2]):
             for y in range(own[1]):
@@ -82,24 +82,10 @@ def solid_dissipation(like, damping, q, metrics, difference, patch, rates, room)
 
 
 @njit(**EXACT_LOOP)
-def sense(like, small, q, alpha, stride, length):
-    """alpha of all nodes along an axis of so many nodes."""
-    d, dof = len(like), 2 * len(like) + 1
-    for i in range(alpha.size):
-        place, s = i // stride % length, 0.0
-        if 0 < place < length - 1:
-            for c in range(d, 2 * d):
-                here = q[i * dof + c]
-                rise, fall = q[(i + stride) * dof + c] - here, here - q[(i - stride) * dof + c]
-                s = max(s, abs(rise - fall) / (abs(rise) + abs(fall) + small))
-        alpha[i] = min(1.0, max(0.0, RISE * (s - NO_SHOCK)))
-
-
-@njit(**EXACT_LOOP)
 def lose(like, damping, q, metrics, k, stride, weights, norm, room):
     """F and F . Delta v of the differences that begin at each node; norm is 0 where none fits."""
     d, dof, order, N = len(like), U64(2 * len(like) + 1), len(weights) - 1, norm.size
-    area, before, step, apart = U64(k * d * N), U64(room.before), U64(N), U64(room.before + N)
+    area, step, apart = U64(k * d * N), U64(N), U64(room.F.size // (len(like) + 1))
     low, high, next_one = U64(order // 2 * stride), U64((order + 1) // 2 * stride), U64(stride)
     for i in range(U64(N - order * stride)):
         change = shifted_sum(like, q, U64(d), ONE, i * dof, next_one * dof, weights)
@@ -107,16 +93,17 @@ def lose(like, damping, q, metrics, k, stride, weights, norm, room):
         alpha = largest(room.alpha, i, next_one, weights)
         speed = (damping.a + damping.b * alpha) * norm[i] * damping.impedance * np.sqrt(dot(A, A))
         F = scale(speed, change)
-        put(room.F, before, apart, i, (*F, dot(F, change)))
+        put(room.F, apart - step, apart, i, (*F, dot(F, change)))
     for i in range(U64(N - order * stride), U64(N)):
-        put(room.F, before, apart, i, (*zeros(like), 0.0))
+        put(room.F, apart - step, apart, i, (*zeros(like), 0.0))
 
 
 @njit(**EXACT_LOOP)
 def collect(like, damping, q, metrics, stride, weights, per_weight, room, g, to, n, rates):
     """Add what differences give to the rates of a row of owned nodes."""
     d, dof, order, N = len(like), U64(2 * len(like) + 1), len(weights) - 1, per_weight.size
-    apart, here, next_one = U64(room.before + N), U64(room.before + g), U64(stride)
+    apart, next_one = U64(room.F.size // (len(like) + 1)), U64(stride)
+    here = apart - U64(N) + U64(g)
     back, loss = here - U64(order) * next_one, here + U64(d) * apart
     low, high = U64(order // 2 * stride), U64((order + 1) // 2 * stride)
     sign = 1.0 - 2.0 * (order % 2)  # of Delta^T, whose weights are those of Delta in reverse order

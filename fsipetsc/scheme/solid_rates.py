@@ -28,8 +28,19 @@ from fsipetsc.equations.tensors import (
     product_transposed,
     transposed_product,
 )
-from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, add, along, dot, scale
-from fsipetsc.operators.loops import _by_length as by_length
+from fsipetsc.operators.loops import (
+    EXACT_LOOP,
+    INNER_CALL,
+    MERGED_CALL,
+    add,
+    along,
+    by_length,
+    choose,
+    dot,
+    scale,
+    total,
+    total_of,
+)
 from fsipetsc.scheme.rows import U64, at, put
 from fsipetsc.scheme.solid_work import (
     FREE,
@@ -47,13 +58,7 @@ from fsipetsc.scheme.solid_work import (
 )
 
 #: sum of weights w times f at some places, i nodes on
-weighted = by_length(
-    "weighted",
-    "w, f, places, i",
-    lambda n: " return " + " + ".join(f"w[{k}] * f[places[{k}] + i]" for k in range(n)),
-)
-#: a_1 + … + a_d
-total = by_length("total", "a", lambda d: " return " + " + ".join(f"a[{k}]" for k in range(d)))
+weighted = by_length("weighted", "w, f, places, i", total_of("w[@] * f[places[@] + i]"))
 
 
 # The sweep
@@ -69,7 +74,7 @@ def solid_rates(solid, like, q, metrics, prestress, rates, work):
     'elastic'. work: fsipetsc.scheme.solid_work.
     """
     patch, layout, lags, boxes, jumps, weights = work[:6]
-    unknowns, strains, tractions, temps, heats, slopes, found = work[6:13]
+    unknowns, strains, tractions, temps, heats, slopes = work[6:12]
     q, metrics, rates = q.reshape(q.size), metrics.reshape(metrics.size), rates.reshape(rates.size)
     extra, table, d = prestress.reshape(prestress.size), (jumps, weights, layout), ONE * len(like)
     for tile in range(boxes.shape[0]):
@@ -83,8 +88,7 @@ def solid_rates(solid, like, q, metrics, prestress, rates, work):
                 differentiate(like, table, row, PLAIN, unknowns, NONE, NONE, d, slopes, NONE)
                 strain(solid, like, metrics, row, slopes, unknowns, strains)
                 relieve(solid, like, extra, row, strains, unknowns)
-                pull(solid, like, metrics, row, unknowns, strains, tractions)
-                pull_more(like, metrics, extra, row, tractions)
+                pull(solid, like, metrics, extra, row, unknowns, strains, tractions)
             begin, end = rows_of(boxes, tile, WARM, z - lags[0])
             for y in range(begin, end):
                 row = row_of(patch, layout, boxes, tile, WARM, y, z - lags[0])
@@ -101,8 +105,7 @@ def solid_rates(solid, like, q, metrics, prestress, rates, work):
                 differentiate(like, table, row, PLAIN, unknowns, d, NONE, d, slopes, d * d)
                 if solid.kappa > 0.0:
                     differentiate(like, table, row, FREE, heats, NONE, ONE, ONE, slopes, 2 * d * d)
-                accelerate(solid, like, metrics, row, slopes, unknowns, tractions, strains, found)
-                give(like, found, row, rates)
+                accelerate(solid, like, metrics, row, slopes, unknowns, tractions, strains, rates)
 
 
 @njit(**INNER_CALL)
@@ -133,16 +136,6 @@ def take(like, q, row, unknowns):
         to, of = U64(c * step_of(like) + row.tile), U64(row.patch * dof + c)
         for i in range(U64(row.n)):
             unknowns[to + i] = q[of + i * U64(dof)]
-
-
-@njit(**EXACT_LOOP)
-def give(like, found, row, rates):
-    """Interlace the rates."""
-    dof = 2 * len(like) + 1
-    for c in range(dof):
-        to, of = U64(row.own * dof + c), U64(c) * WIDTH
-        for i in range(U64(row.n)):
-            rates[to + i * U64(dof)] = found[of + i]
 
 
 # Rows
@@ -218,8 +211,8 @@ def relieve(solid, like, extra, row, strains, unknowns):
 
 
 @njit(**EXACT_LOOP)
-def pull(solid, like, metrics, row, unknowns, strains, tractions):
-    """t^k = P A^k."""
+def pull(solid, like, metrics, extra, row, unknowns, strains, tractions):
+    """t^k = (P + S) A^k with a prestress S."""
     nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
     N, node, g = U64(metrics.size // solid.rows(like)), U64(row.tile), U64(row.patch)
     for i in range(U64(row.n)):
@@ -227,14 +220,7 @@ def pull(solid, like, metrics, row, unknowns, strains, tractions):
         v, e = at(like, unknowns, node + d * step, step, i), unknowns[node + U64(2) * d * step + i]
         P = solid.stress_at(F, solid.temperature(v, e, F))
         put(tractions, node, step, i, product_transposed(A, P))
-
-
-@njit(**EXACT_LOOP)
-def pull_more(like, metrics, extra, row, tractions):
-    """t^k += S A^k of a prestress."""
-    n, nine, step = row.n if extra.size > 0 else 0, outer(like, like), U64(step_of(like))
-    N, node, g = U64(extra.size // len(nine)), U64(row.tile), U64(row.patch)
-    for i in range(U64(n)):
+    for i in range(U64(row.n if extra.size > 0 else 0)):
         A, S = at(nine, metrics, g, N, i), at(nine, extra, g, N, i)
         more = add(at(nine, tractions, node, step, i), product_transposed(A, S))
         put(tractions, node, step, i, more)
@@ -247,11 +233,8 @@ def find_temps(solid, like, row, unknowns, strains, temps):
     node, first = U64(row.tile), U64(row.tile) + d * step
     for i in range(U64(row.n)):
         v, e = at(like, unknowns, first, step, i), unknowns[first + d * step + i]
-        temps[node + i] = solid.temperature(v, e, rest)
-    if solid.coupled == 0.0:
-        for i in range(U64(row.n)):
-            v, e = at(like, unknowns, first, step, i), unknowns[first + d * step + i]
-            temps[node + i] = solid.temperature(v, e, at(rest, strains, node, step, i))
+        F = choose(solid.coupled == 1.0, rest, at(rest, strains, node, step, i))
+        temps[node + i] = solid.temperature(v, e, F)
 
 
 @njit(**EXACT_LOOP)
@@ -267,9 +250,10 @@ def conduct(solid, like, metrics, row, slopes, strains, heats):
 
 
 @njit(**EXACT_LOOP)
-def accelerate(solid, like, metrics, row, slopes, unknowns, tractions, strains, found):
+def accelerate(solid, like, metrics, row, slopes, unknowns, tractions, strains, rates):
     """(v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v); slopes: D°_k t^k, D_k v, D°_k A^k . h."""
     nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
+    dof = U64(2 * len(like) + 1)
     N, node, g = U64(metrics.size // solid.rows(like)), U64(row.tile), U64(row.patch)
     for i in range(U64(row.n)):
         per_mass = 1.0 / (metrics[g + d * d * N + i] * solid.m0)
@@ -283,4 +267,4 @@ def accelerate(solid, like, metrics, row, slopes, unknowns, tractions, strains, 
         R = metrics[U64(metrics.size) - N + g + i]
         acceleration = solid.with_hoop_force(acceleration, v, e, F, R)
         energy = per_mass * power + dot(solid.force, v)
-        put(found, U64(0), WIDTH, i, (*v, *acceleration, energy))
+        put(rates, U64(row.own) * dof, U64(1), i * dof, (*v, *acceleration, energy))

@@ -9,7 +9,7 @@ from fsipetsc.operators.loops import CALL, column, dot
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.block_monitor import monitor_end
 from fsipetsc.scheme.faces import strain_at
-from fsipetsc.scheme.part import add_normals, ghosted, note, note_part, owned
+from fsipetsc.scheme.part import add_normals, ghosted, note, owned
 from fsipetsc.scheme.rows import U64, Array
 from fsipetsc.scheme.solid_dissipation import solid_dissipation
 from fsipetsc.scheme.solid_monitor import solid_monitor
@@ -66,11 +66,10 @@ class SolidDamping(NamedTuple):
     room: Any
     after: Any
 
-    def add(self, part, q, rates):
+    def add(self, part, q, rates, gain):
         """This term and the next one."""
-        of_patch = self.differences, part.patch
-        solid_dissipation(part.like, self.damping, q, part.metrics, *of_patch, rates, self.room)
-        self.after.add(part, q, rates)
+        solid_dissipation(part.like, self, q, part.metrics, part.patch, rates)
+        self.after.add(part, q, rates, gain)
 
     def power(self, part, q, rates):
         """Sum of v . v_t times the masses, if work is booked; q, rates: of the owned nodes."""
@@ -93,24 +92,18 @@ def none_of(part, particles):
 
 @njit(**CALL)
 def store(part, particles, s):
-    """Tell particles what members of a solid with heat 'elastic' store: energy per mass [J/kg]
-    that is neither kinetic nor heat. See fsipetsc.scheme.particle_records.Particles.
+    """Tell particles what members of a solid store: energy per mass [J/kg] that is neither kinetic
+    nor heat. See fsipetsc.scheme.particle_records.Particles.
     """
     d, solid, extra = len(part.like), part.laws, part.prestress
     q, at, rows = ghosted(part, s, 2 * d + 1), part.stored_at, part.rows_of_stored
-    of_axes = part.S, part.weight, part.patch
     for i in range(at.size):
-        strain = strain_at(solid, part.like, at[i], *of_axes, part.metrics, q)
+        strain = strain_at(part, q, at[i])
         energy = solid.energy(strain)
         if extra.shape[1] > 0:
             S = column(outer(part.like, part.like), extra, U64(at[i]))
             energy += dot(S, add_unit(-1.0, strain))
-        particles.stored[rows[i], 0] = energy / solid.m0
-
-
-@njit(**CALL)
-def store_nothing(part, particles, s):
-    """Of solids whose stresses heat them, and where nobody asks."""
+        particles.stored[rows[i], 0] = (1.0 - solid.coupled) * energy / solid.m0
 
 
 @njit(**CALL)
@@ -121,7 +114,7 @@ def rates(part, s, f, gain):
     own, own_q = owned(part, f, dof), owned(part, s, dof)
     solid_rates(part.laws, part.like, q, part.metrics, part.prestress, own, part.work)
     work = -damping.power(part, own_q, own)
-    damping.add(part, q, own)
+    damping.add(part, q, own, gain)
     work += damping.power(part, own_q, own)
     work += part.faces.add(part, q, own, gain)
     work += supply(part, own_q, own, gain)
@@ -157,31 +150,23 @@ def supply(part, q, rates, gain):
 
 
 @njit(**CALL)
-def monitor(part, s):
-    """Fill seen, sums and F of a part."""
+def monitor(part, s, found):
+    """Note extremes and sums of a part, and what is recorded of interfaces in one dimension; fill
+    F.
+    """
     laws, like, X, metrics = part.laws, part.like, part.X, part.metrics
     prestress, per_h, z, loses = part.prestress, part.per_h, STIFFNESS_OF_WIDE, part.loses
     q, masses, work, F = ghosted(part, s, 2 * len(like) + 1), part.masses, part.work, part.F
-    found = F, loses, part.seen, part.sums
-    solid_monitor(laws, like, q, X, metrics, prestress, per_h, z, masses, work, *found)
-
-
-@njit(**CALL)
-def note_ends(part, found):
-    """Note what the monitor found, and what is recorded of interfaces in one dimension."""
-    note_part(part, found)
-    at_ends, interfaces, F = found.at_ends, part.interfaces, part.F
-    q, laws = owned(part, found.stage, 3), part.laws
+    filled = F, loses, part.seen, part.sums
+    solid_monitor(laws, like, q, X, metrics, prestress, per_h, z, masses, work, *filled)
+    note(part, found)
+    at_ends, interfaces, own_q = found.at_ends, part.interfaces, owned(part, s, 2 * len(like) + 1)
     for m in range(interfaces.shape[0]):
-        number, own, X, S = interfaces[m]
+        number, own, X_of_end, S = interfaces[m]
         of_end = at_ends[:, int(number)]
-        monitor_end(laws, q, F, int(own), S, of_end)
-        of_end[0] += X
+        monitor_end(laws, like, own_q, F, int(own), S, of_end)
+        of_end[0] += X_of_end
 
 
 #: what is called of a solid: fsipetsc.scheme.part.PartCalls, without ``part``
-def functions(stores: bool, line: bool) -> tuple[Any, ...]:
-    """stores: members tell what they store. line: in one dimension ends are noted."""
-    of_grid = none_of, stay, stay, add_normals, none_of
-    notes = note_ends if line else note
-    return *of_grid, store if stores else store_nothing, rates, monitor, notes
+FUNCTIONS = none_of, stay, stay, add_normals, none_of, store, rates, monitor

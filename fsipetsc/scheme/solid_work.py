@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.operators.bands import Band, Patch
-from fsipetsc.operators.loops import _by_length as by_length
+from fsipetsc.operators.loops import by_length
+from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.rows import U64, moments
 
 Array = NDArray[Any]
@@ -31,8 +32,6 @@ STEPS = 1096, 29 * 170 + 6, 29 * 58 * 106 + 12
 step_of = by_length("step_of", "like", lambda d: f" return {STEPS[d - 1]}")
 #: what is known of a tile's nodes: rates, t^k and heats, T, F, unknowns
 OWN, NEAR, WARM, STRAINED, KNOWN = map(U64, range(5))
-#: extremes that are monitored: rates of waves and of diffusion, -det F
-EXTREMES = 3
 
 
 def sums_of(d: int) -> int:
@@ -80,8 +79,7 @@ class Work(NamedTuple):
     axis and node how many neighbours there are, and how far; weights: (2, 3, n, 1 + most)
     S_il/(2 weight_i) of these, for PLAIN and FREE, which differ at the node itself. In flat arrays
     by components, of the nodes of a tile: unknowns, strains F, tractions t^k, temps T, heats
-    A^k . h; of the nodes of a row: slopes, found (rates), totals
-    (extremes and sums of fsipetsc.scheme.solid_monitor).
+    A^k . h; of the nodes of a row: slopes, totals (fsipetsc.scheme.block_monitor).
     """
 
     patch: Patch
@@ -96,7 +94,6 @@ class Work(NamedTuple):
     temps: Array
     heats: Array
     slopes: Array
-    found: Array
     totals: Array
 
 
@@ -117,7 +114,7 @@ def solid_work(solid: Any, bands: Any, regular: tuple[int, int], patch: Patch) -
     lags = reach, (1 + conducts) * reach, (2 + conducts) * reach
     strains = len(solid.unstrained((0.0,) * d))
     memory = [np.zeros(count * STEPS[d - 1]) for count in (2 * d + 1, strains, d * d, 1, d)]
-    counts = 2 * d * d + d, 2 * d + 1, EXTREMES + sums_of(d)
+    counts = 2 * d * d + d, MONITORED + sums_of(d)
     of_row = [np.zeros(count * int(WIDTH)) for count in counts]
     return Work(patch, layout, lags, boxes, *neighbours(bands), *memory, *of_row)
 
@@ -149,13 +146,12 @@ def boxes_of(bands: tuple[Band, ...], own: Any, further: bool) -> list[Any]:
 
 def reached_along(S: Array, begin: int, end: int) -> tuple[int, int]:
     """First node and first beyond of those in pairs with nodes begin … end - 1."""
-    low, high = begin, end
-    for m in range(1, len(S)):
-        ahead = np.flatnonzero(S[m, begin:end])
-        behind = np.flatnonzero(S[m, max(begin - m, 0) : end - m]) if end > m else ()
-        high = max(high, begin + ahead[-1] + m + 1) if len(ahead) else high
-        low = min(low, max(begin - m, 0) + behind[0]) if len(behind) else low
-    return low, min(high, S.shape[1])
+    first = max(begin - len(S) + 1, 0)
+    m, i = np.nonzero(S[:, first:end])
+    i += first
+    l = np.minimum(i + m, S.shape[1] - 1)
+    inside = (i >= begin) | (begin <= l) & (l < end)
+    return min(begin, *i[inside].tolist()), max(end - 1, *l[inside].tolist()) + 1
 
 
 def neighbours(bands: Any) -> tuple[Array, Array]:
