@@ -15,10 +15,9 @@ from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.operators.bands import NO_AXIS, Patch, band
 from fsipetsc.operators.undivided import differences
-from fsipetsc.scheme.gas_dissipation import gas_dissipation, room
+from fsipetsc.scheme.gas_dissipation import gas_damping, gas_dissipation
 from fsipetsc.scheme.gas_memory import scratch
 from fsipetsc.scheme.gas_rates import gas_rates
-from fsipetsc.scheme.gas_record import Damping
 from fsipetsc.scheme.gas_rows import EntropyForm, Viscous
 
 LIKE, FORM = (0.0,), EntropyForm()
@@ -44,7 +43,7 @@ class Line(NamedTuple):
         """(n, 4) rates."""
         n = len(self.q)
         found, rates = differences(1, self.order, self.axes, [n - 1]), np.zeros((n, 4))
-        damping = Damping(sigma, shock, found, room(1, found))
+        damping = gas_damping(1, found, sigma, shock)
         of_block = tuple(axis.S for axis in self.axes), Patch((n, 1, 1), (n, 1, 1), (0, 0, 0))
         gas_dissipation(GAS, LIKE, FORM, damping, self.q, self.metrics, *of_block, rates)
         return rates
@@ -133,7 +132,7 @@ def test_rows_of_a_plane_are_lines():
     metrics = np.array([one, zero, zero, one, v, zero, zero])
     axes, patch = [s.axes[0], band(4, m - 1), NO_AXIS], Patch((n, m, 1), (n, m, 1), (0, 0, 0))
     found, rates = differences(2, 4, axes, [n - 1, m - 1]), np.zeros((n * m, 5))
-    S, damping = tuple(axis.S for axis in axes), Damping(0.3, 0.9, found, room(2, found))
+    S, damping = tuple(axis.S for axis in axes), gas_damping(2, found, 0.3, 0.9)
     gas_dissipation(gas, (0.0, 0.0), FORM, damping, q, metrics, S, patch, rates)
     expected = np.tile(s.dissipation(0.3, 0.9).T, m).T
     np.testing.assert_allclose(rates[:, [0, 1, 2, 4]], expected, rtol=0.0, atol=1e-14)

@@ -14,9 +14,9 @@ from fsipetsc.blocks.values import block_values
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.scheme.block_monitor import room_of, sums_of
-from fsipetsc.scheme.gas_dissipation import room
+from fsipetsc.scheme.gas_dissipation import gas_damping
 from fsipetsc.scheme.gas_memory import scratch
-from fsipetsc.scheme.gas_record import Damping, GasRecord
+from fsipetsc.scheme.gas_record import GasRecord
 from fsipetsc.scheme.gas_rows import DivergenceForm, EntropyForm, Inviscid, Viscous
 from fsipetsc.scheme.part import Nothing
 from fsipetsc.scheme.radial import Radial, Straight
@@ -71,7 +71,7 @@ class GasPart(BlockPart):
         damping: Any = Nothing()
         if sigma > 0.0 or shock > 0.0:
             found = differences(d, self._order, bands, self.block.cells)
-            damping = Damping(sigma, shock, found, room(d, found))
+            damping = gas_damping(d, found, sigma, shock)
         self.work = scratch(like, viscous, bands, part.patch)
         around = Radial(self.grid.record, np.zeros(((d + 1) ** 2, self.X.shape[1])))
         return GasRecord(

@@ -24,10 +24,8 @@ from fsipetsc.scheme import normals as of_faces
 from fsipetsc.scheme import particles as kernels
 from fsipetsc.scheme.particle_heat import weigh_heat
 from fsipetsc.scheme.particle_records import (
-    AT_WALL,
-    FLAGS,
+    FACTS,
     GAS,
-    MINE,
     SOLID,
     ParticleCalls,
     Particles,
@@ -129,15 +127,13 @@ class ParticleSystem:
             constraint[p, : len(particle.constraints)] = [c.kind for c in particle.constraints]
         begin = np.searchsorted(number, np.arange(count + 1))
         gases = [k for k, block in enumerate(blocks) if block.kind == "fluid"]
-        of_gas = [[k for k, _ in p.members if k in gases][:1] for p in self._particles]
-
         through = layout.problem.column_of_face
-        faces = [[through.get(face, len(through)) for face in _faces(p)] for p in self._particles]
-
-        flags = np.zeros((count, FLAGS), np.int64)
-        flags[:, MINE] = owners[begin[:-1]] == layout.comm.rank
+        facts = np.zeros(count, FACTS)
         for p, particle in enumerate(self._particles):
-            flags[p, 1:] = _flags(particle)
+            mine = owners[begin[p]] == layout.comm.rank
+            column = next((gases.index(k) for k, _ in particle.members if k in gases), 0)
+            faces = [through.get(face, len(through)) for face in _faces(particle)]
+            facts[p] = mine, *_flags(particle), *faces, len(particle.constraints), column
         return Table(
             begin=begin,
             row=row,
@@ -146,11 +142,8 @@ class ParticleSystem:
             weight=weight,
             alpha=alpha,
             inertia=booked,
-            count=np.array([len(p.constraints) for p in self._particles], np.int64),
             constraint=constraint,
-            column=np.array([gases.index(k[0]) if k else 0 for k in of_gas], np.int64),
-            faces=np.array(faces, np.int64).reshape(-1, 4),
-            flags=flags,
+            facts=facts,
         )
 
     def _weights(self, members: Array, inertia: dict[int, Array]) -> Array:
@@ -266,7 +259,7 @@ class ParticleSystem:
     def at_walls(self, k: int) -> tuple[Array, Array]:
         """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""
         nodes, particle = self.nodes[k]
-        at_wall = self.table.flags[particle, AT_WALL] == 1
+        at_wall = self.table.facts["at_wall"][particle] == 1
         return nodes[at_wall], self.prescribed.data.wall[particle[at_wall]]
 
     def walls_away(self) -> dict[int, float]:
@@ -286,7 +279,7 @@ class ParticleSystem:
 
 
 def _flags(p: Particle) -> list[bool]:
-    """Of fsipetsc.scheme.particle_records, from FREE_GAS on."""
+    """FLAGS of fsipetsc.scheme.particle_records, but for the first one."""
     found = [
         not (p.wall or p.given_gas or (p.sticks and (p.clamp or p.given_solid))),
         not (p.clamp or p.given_solid or (p.sticks and p.wall)),

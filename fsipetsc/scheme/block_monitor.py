@@ -51,7 +51,8 @@ def gas_monitor(part, q, metrics, stiffness):
     part: see fsipetsc.scheme.gas_record. metrics: those by which steps are bounded.
     """
     gas, like, grid, patch, per_h = part.laws, part.like, part.grid, part.patch, part.per_h
-    masses, reference, places, room = part.masses, part.reference, part.places, part.room
+    masses, reference, room = part.masses, part.reference, part.room
+    places = part.places.reshape(part.places.size)
     begin(room, ROW)
     (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
     flat, flat_metrics = q.reshape(q.size), metrics.reshape(metrics.size)
@@ -60,18 +61,19 @@ def gas_monitor(part, q, metrics, stiffness):
             row, own = f0 + g0 * (y + f1 + g1 * (z + f2)), n0 * (y + n1 * z)
             for x in range(0, n0, TILE):
                 at_q, first, n = U64(own + x), U64(row + x), U64(min(TILE, n0 - x))
-                of_nodes = flat, flat_metrics, masses, reference, at_q, first, n
+                of_nodes = flat, flat_metrics, places, masses, reference, at_q, first, n
                 measure(gas, like, per_h, stiffness, grid, *of_nodes, room)
-                turn(like, q, places, masses, at_q, first, n, room)
     collect(room, ROW, ROW, part.seen, part.sums)
 
 
 @njit(**EXACT_LOOP)
-def measure(gas, like, per_h, stiffness, grid, q, metrics, masses, reference, own, first, n, room):
+def measure(
+    gas, like, per_h, stiffness, grid, q, metrics, places, masses, reference, own, first, n, room
+):
     """Add n nodes to the extremes and sums of the columns of a tile."""
     d, like_q, one = U64(len(like)), (*like, 0.0, 0.0, 0.0), U64(1)
     N = U64(metrics.size // (len(like) ** 2 + len(gas.of_grid(like)) + 1))
-    first_sum = U64(MONITORED) * ROW
+    first_sum, turns = U64(MONITORED) * ROW, (U64(MONITORED) + d + U64(3)) * ROW
     for i in range(n):
         here = at(like_q, q, own * U64(len(like_q)), one, i * U64(len(like_q)))
         w, per_J = gas.primitive(here), 1.0 / here[0]
@@ -93,16 +95,7 @@ def measure(gas, like, per_h, stiffness, grid, q, metrics, masses, reference, ow
         more = (*here[1:], here[0] * gas.entropy_density(w))
         total = along(at(like_q, room, first_sum, ROW, i), masses[own + i], more)
         put(room, first_sum, ROW, i, total)
-
-
-@njit(**EXACT_LOOP)
-def turn(like, q, places, masses, own, first, n, room):
-    """Add the angular momentum of n nodes to the sums."""
-    d, dof, N = len(like), U64(len(like) + 3), U64(places.size // len(like))
-    q, x_of, turns = q.reshape(q.size), places.reshape(places.size), U64(MONITORED + d + 3) * ROW
-    for i in range(n):
-        momentum, x = at(like, q, own * dof + U64(2), U64(1), i * dof), at(like, x_of, first, N, i)
-        add_moment(x, momentum, masses[own + i], room, turns, ROW, i)
+        add_moment(at(like, places, first, N, i), here[2:-1], masses[own + i], room, turns, ROW, i)
 
 
 @njit(**INNER_CALL)

@@ -65,11 +65,15 @@ NO_SHOCK, RISE = 0.03, 2.5
 SMALL = 0.05
 
 
-class Room(NamedTuple):
-    """Memory, by components of N nodes: states, entropy variables, fluxes of differences (each
-    component after zeros), alpha, areas and volume fluxes of links, sums.
+class GasDamping(NamedTuple):
+    """Sizes of both terms, 0: none. Memory, by components of N nodes: states, entropy variables,
+    fluxes of differences (each component after zeros), alpha, areas and volume fluxes of links,
+    sums.
     """
 
+    sigma: float
+    shock: float
+    differences: Differences
     state: Array
     z: Array
     F: Array
@@ -77,43 +81,47 @@ class Room(NamedTuple):
     link: Array
     sums: Array
 
+    def add(self, part, q, rates, gain):
+        """Both terms."""
+        of_part = part.metrics, part.S, part.patch
+        gas_dissipation(part.laws, part.like, part.form, self, q, *of_part, rates)
 
-def room(d: int, difference: Differences) -> Room:
+
+def gas_damping(d: int, found: Differences, sigma: float, shock: float) -> GasDamping:
     """For the nodes of a patch."""
-    N, F = difference.norm.shape[1], difference.room(d)
+    N, F = found.norm.shape[1], found.room(d)
     sizes = (d + 5) * N, (d + 2) * N, (d + 2) * F, N, (d + 1) * N, (d + 2) * N
-    return Room(*map(np.zeros, sizes))
+    return GasDamping(sigma, shock, found, *map(np.zeros, sizes))
 
 
 @njit(**CALL)
-def gas_dissipation(gas, like, form, damping, q, metrics, S, patch, rates):
+def gas_dissipation(gas, like, form, damp, q, metrics, S, patch, rates):
     """Add both terms to the rates (M, d + 3) of the owned nodes.
 
-    damping: fsipetsc.scheme.gas_record.Damping. q, metrics, S, patch: as in
-    fsipetsc.scheme.gas_rates, with a halo of q + 1 nodes.
+    q, metrics, S, patch: as in fsipetsc.scheme.gas_rates, with a halo of q + 1 nodes.
     """
-    sigma, shock, difference, room = damping
-    q, metrics, rates, N = q.reshape(-1), metrics.reshape(-1), rates.reshape(-1), room.alpha.size
+    sigma, shock, difference = damp.sigma, damp.shock, damp.differences
+    q, metrics, rates, N = q.reshape(-1), metrics.reshape(-1), rates.reshape(-1), damp.alpha.size
     own, ghosted, first, weights = patch.own, patch.ghosted, patch.first, difference.weights
-    prepare(gas, like, q, room.state, room.z, U64(N))
+    prepare(gas, like, q, damp.state, damp.z, U64(N))
     for k in range(len(like)):
-        stride, room.sums[:] = int(difference.strides[k]), 0.0
+        stride, damp.sums[:] = int(difference.strides[k]), 0.0
         if shock > 0.0:
-            of_state = room.state, U64(0), U64(N), ONE, SMALL, 1e-300
-            sense((0.0, 0.0), *of_state, room.alpha, stride, ghosted[k])
-            if room.alpha.max() > 0.0:
-                room.link[:] = 0.0
-                split_pairs(gas, like, form, S[k], metrics, k, stride, patch, room)
-                flow_on(gas, like, form, shock, stride, room)
+            of_state = damp.state, U64(0), U64(N), ONE, SMALL, 1e-300
+            sense((0.0, 0.0), *of_state, damp.alpha, stride, ghosted[k])
+            if damp.alpha.max() > 0.0:
+                damp.link[:] = 0.0
+                split_pairs(gas, like, form, S[k], metrics, k, stride, patch, damp)
+                flow_on(gas, like, form, shock, stride, damp)
         if sigma > 0.0:
             strength, norm = sigma / 4.0 ** (len(weights) - 1), difference.norm[k]
-            fluxes(gas, like, strength, weights, norm, metrics, k, U64(stride), room, U64(N))
+            fluxes(gas, like, strength, weights, norm, metrics, k, U64(stride), damp, U64(N))
         of_axis = difference.per_weight[k]
         for y in range(own[1]):
             for z in range(own[2]):
                 node = U64(first[0] + ghosted[0] * (first[1] + y + ghosted[1] * (first[2] + z)))
                 to, n = U64(own[0] * (y + own[1] * z)), U64(own[0])
-                collect(like, weights, of_axis, sigma > 0.0, node, U64(stride), room, rates, to, n)
+                collect(like, weights, of_axis, sigma > 0.0, node, U64(stride), damp, rates, to, n)
 
 
 @njit(**EXACT_LOOP)
@@ -172,26 +180,26 @@ def shifted_sum(like, array, start, step, i, stride, weights):
 
 
 @njit(**EXACT_LOOP)
-def fluxes(gas, like, strength, weights, norm, metrics, k, stride, room, n):
+def fluxes(gas, like, strength, weights, norm, metrics, k, stride, damp, n):
     """sigma/4^q lambda U_z Delta z of differences by their first nodes, 0 if one does not fit."""
     like_z, nothing = (*like, 0.0, 0.0), (*zeros(like), 0.0, 0.0)
     d, order, none = len(like), len(weights) - 1, U64(0)
     low, high = U64(order // 2) * stride, U64((order + 1) // 2) * stride
-    area, grid, apart = U64(k * d) * n, U64(d * d) * n, U64(room.F.size // len(like_z))
+    area, grid, apart = U64(k * d) * n, U64(d * d) * n, U64(damp.F.size // len(like_z))
     for i in range(n - U64(order) * stride):
-        change = shifted_sum(like_z, room.z, none, n, i, stride, weights)
+        change = shifted_sum(like_z, damp.z, none, n, i, stride, weights)
         l, r = i + low, i + high
-        middle = mean(at(like_z, room.z, none, n, l), at(like_z, room.z, none, n, r))
+        middle = mean(at(like_z, damp.z, none, n, l), at(like_z, damp.z, none, n, r))
         T = -1.0 / middle[-1]
-        w = gas.state(0.5 * (room.state[l] + room.state[r]), scale(T, middle[1:-1]), T)
+        w = gas.state(0.5 * (damp.state[l] + damp.state[r]), scale(T, middle[1:-1]), T)
         a_l, a_r = at(like, metrics, area, n, l), at(like, metrics, area, n, r)
         g = dot(a_l, at(like, metrics, grid, n, l)) + dot(a_r, at(like, metrics, grid, n, r))
         speed = gas.fastest(w, mean(a_l, a_r), 0.5 * g)
-        wide = 1.0 - largest(room.alpha, i, stride, weights)
+        wide = 1.0 - largest(damp.alpha, i, stride, weights)
         F = scale(strength * norm[i] * wide * speed, gas.densities_of_change(w, change))
-        put(room.F, apart - n, apart, i, choose(norm[i] > 0.0, F, nothing))
+        put(damp.F, apart - n, apart, i, choose(norm[i] > 0.0, F, nothing))
     for i in range(n - U64(order) * stride, n):
-        put(room.F, apart - n, apart, i, nothing)
+        put(damp.F, apart - n, apart, i, nothing)
 
 
 @register_jitable
@@ -208,15 +216,15 @@ def largest(alpha, i, stride, weights):
 
 
 @njit(**EXACT_LOOP)
-def collect(like, weights, per_weight, differs, node, stride, room, rates, to, n):
+def collect(like, weights, per_weight, differs, node, stride, damp, rates, to, n):
     """Add sums and H^-1 Delta^T F to the rates of a row of owned nodes; all is interlaced there."""
     like_f, N, count = (*like, 0.0, 0.0), U64(per_weight.size), U64(len(like) + 3)
-    order, apart = len(weights) - 1, U64(room.F.size // len(like_f))
+    order, apart = len(weights) - 1, U64(damp.F.size // len(like_f))
     back, sign = apart - N + node - U64(order) * stride, 1.0 - 2.0 * (order % 2)
     for i in range(n):
-        more, place = at(like_f, room.sums, node, N, i), (to + i) * count + ONE
+        more, place = at(like_f, damp.sums, node, N, i), (to + i) * count + ONE
         if differs:  # weights of Delta^T: those of Delta in reverse order, perhaps with sign -1
-            sum_of_F = shifted_sum(like_f, room.F, back, apart, i, stride, weights)
+            sum_of_F = shifted_sum(like_f, damp.F, back, apart, i, stride, weights)
             more = along(more, -sign, sum_of_F)
         found = at(like_f, rates, place, ONE, U64(0))
         put(rates, place, ONE, U64(0), along(found, per_weight[node + i], more))
@@ -226,18 +234,18 @@ def collect(like, weights, per_weight, differs, node, stride, room, rates, to, n
 
 
 @njit(**INNER_CALL)
-def split_pairs(gas, like, form, S, metrics, k, stride, patch, room):
+def split_pairs(gas, like, form, S, metrics, k, stride, patch, damp):
     """Take alpha of its flux from each pair; add to areas and volume fluxes of its links."""
-    N, length, reach = room.alpha.size, patch.ghosted[k], S.shape[0] - 1
+    N, length, reach = damp.alpha.size, patch.ghosted[k], S.shape[0] - 1
     for i in range(N):
         place = i // stride % length
         if owned_across(i, k, patch):
-            alpha = room.alpha[i]
+            alpha = damp.alpha[i]
             for m in range(1, min(reach, length - 1 - place) + 1):
-                alpha = max(alpha, room.alpha[i + m * stride])
+                alpha = max(alpha, damp.alpha[i + m * stride])
                 if alpha > 0.0 and S[m, place] != 0.0:
                     weight, ends = alpha * S[m, place], (U64(i), U64(m), U64(stride))
-                    split(gas, like, form, weight, metrics, k, *ends, room)
+                    split(gas, like, form, weight, metrics, k, *ends, damp)
 
 
 @register_jitable
@@ -251,36 +259,36 @@ def owned_across(i, k, patch):
 
 
 @njit(**INNER_CALL)
-def split(gas, like, form, weight, metrics, k, i, m, stride, room):
+def split(gas, like, form, weight, metrics, k, i, m, stride, damp):
     """One pair, of the node i and that m farther on; weight: alpha S."""
     like_w, like_f, d = state_like(like), (*like, 0.0, 0.0), len(like)
-    N, none, like_v = U64(room.alpha.size), U64(0), gas.of_grid(like)
+    N, none, like_v = U64(damp.alpha.size), U64(0), gas.of_grid(like)
     j, area, grid = i + m * stride, U64(k * d) * N, U64(d * d) * N
-    l, r = at(like_w, room.state, none, N, i), at(like_w, room.state, none, N, j)
+    l, r = at(like_w, damp.state, none, N, i), at(like_w, damp.state, none, N, j)
     a_l, v_l = at(like, metrics, area, N, i), at(like_v, metrics, grid, N, i)
     a_r, v_r = at(like, metrics, area, N, j), at(like_v, metrics, grid, N, j)
     g = gas.volume_flux(a_l, v_l, a_r, v_r)
     F = form.any(gas, l, r, a_l, a_r, g)
-    put(room.sums, none, N, i, along(at(like_f, room.sums, none, N, i), weight, F))
-    put(room.sums, none, N, j, along(at(like_f, room.sums, none, N, j), -weight, F))
+    put(damp.sums, none, N, i, along(at(like_f, damp.sums, none, N, i), weight, F))
+    put(damp.sums, none, N, j, along(at(like_f, damp.sums, none, N, j), -weight, F))
     more = (*mean(a_l, a_r), g)
     for n in range(m):
         link = i + U64(n) * stride
-        before = at((*like, 0.0), room.link, none, N, link)
-        put(room.link, none, N, link, along(before, weight, more))
+        before = at((*like, 0.0), damp.link, none, N, link)
+        put(damp.link, none, N, link, along(before, weight, more))
 
 
 @njit(**INNER_CALL)
-def flow_on(gas, like, form, shock, stride, room):
+def flow_on(gas, like, form, shock, stride, damp):
     """Fluxes through the links, with those of Lax and Friedrichs."""
-    like_w, like_f, N, none = state_like(like), (*like, 0.0, 0.0), U64(room.alpha.size), U64(0)
+    like_w, like_f, N, none = state_like(like), (*like, 0.0, 0.0), U64(damp.alpha.size), U64(0)
     for i in range(N - U64(stride)):
-        link, j = at((*like, 0.0), room.link, none, N, i), i + U64(stride)
+        link, j = at((*like, 0.0), damp.link, none, N, i), i + U64(stride)
         a, g = link[:-1], link[-1]
         if dot(link, link) > 0.0:
-            l, r = at(like_w, room.state, none, N, i), at(like_w, room.state, none, N, j)
+            l, r = at(like_w, damp.state, none, N, i), at(like_w, damp.state, none, N, j)
             speed = 0.5 * shock * max(gas.fastest(l, a, g), gas.fastest(r, a, g))
             jump = sub(gas.densities(r), gas.densities(l))
             F = along(form.any(gas, l, r, a, a, g), -speed, jump)
-            put(room.sums, none, N, i, sub(at(like_f, room.sums, none, N, i), F))
-            put(room.sums, none, N, j, add(at(like_f, room.sums, none, N, j), F))
+            put(damp.sums, none, N, i, sub(at(like_f, damp.sums, none, N, i), F))
+            put(damp.sums, none, N, j, add(at(like_f, damp.sums, none, N, j), F))

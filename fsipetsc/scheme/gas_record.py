@@ -7,7 +7,6 @@ from numba import njit
 from fsipetsc.operators.loops import CALL
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.block_monitor import gas_monitor
-from fsipetsc.scheme.gas_dissipation import gas_dissipation
 from fsipetsc.scheme.gas_rates import gas_rates
 from fsipetsc.scheme.part import add_normals, ghosted, note, owned
 from fsipetsc.scheme.rows import Array
@@ -63,20 +62,6 @@ class GasRecord(NamedTuple):
     seen: Array
     sums: Array
     columns: Array
-
-
-class Damping(NamedTuple):
-    """See fsipetsc.scheme.gas_dissipation."""
-
-    sigma: float
-    shock: float
-    differences: Any
-    room: Any
-
-    def add(self, part, q, rates, gain):
-        """Both terms."""
-        equations, of_patch = (part.laws, part.like, part.form), (part.metrics, part.S, part.patch)
-        gas_dissipation(*equations, self, q, *of_patch, rates)
 
 
 @njit(**CALL)

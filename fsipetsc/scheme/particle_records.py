@@ -2,6 +2,7 @@
 
 from typing import Any, NamedTuple
 
+import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
@@ -15,11 +16,8 @@ class Table(NamedTuple):
     begin: (p + 1,), rows of particle p are row[begin[p]:begin[p + 1]], in the order that all ranks
     have. kind: (rows,) GAS or SOLID. at: (own,) where the unknowns of a member begin in the world's
     vector. weight: (rows,) H of a gas member, M_s of a solid one; alpha: (rows,) specific heat of
-    solids. inertia: (own,) M_s of members whose work is booked, else 0. count: (p,) number of
-    constraints; constraint: (p, K) their kinds. column: (p,) where the mass of the gas is in
-    ``gain``. faces: (p, 4), through which face what moves gas and solid does work, and what gives
-    temperatures to gas and solid heats. flags: (p, FLAGS) 1 or 0 for each of MINE …, see
-    fsipetsc.blocks.particles.
+    solids. inertia: (own,) M_s of members whose work is booked, else 0. constraint: (p, K) kinds of
+    constraints. facts: (p,) records of FACTS, see fsipetsc.blocks.particles.
     """
 
     begin: Array
@@ -29,21 +27,21 @@ class Table(NamedTuple):
     weight: Array
     alpha: Array
     inertia: Array
-    count: Array
     constraint: Array
-    column: Array
-    faces: Array
-    flags: Array
+    facts: Array
 
 
-#: this rank adds what comes in; forces move the gas, the solid; a clamp gives the place; gas and
-#: solid stick; the gas is at a wall, the solid at a clamp; all is given of the gas, of the solid;
-#: the temperature of the gas, of the solid; they have one; so have members of the solid
-MINE, FREE_GAS, FREE_SOLID, PLACED, STICKS, AT_WALL, AT_CLAMP, GIVEN_GAS, GIVEN_SOLID = range(9)
-WARM_GAS, WARM_SOLID, SHARES_HEAT, ONE_T = range(9, 13)
-FLAGS = 13
-#: columns of ``faces``
-MOVES_GAS, MOVES_SOLID, HEATS_GAS, HEATS_SOLID = range(4)
+#: 1 or 0: this rank adds what comes in; forces move the gas, the solid; a clamp gives the place;
+#: gas and solid stick; the gas is at a wall, the solid at a clamp; all is given of the gas, of the
+#: solid; the temperature of the gas, of the solid; they have one; so have members of the solid
+FLAGS = (
+    *("mine", "free_gas", "free_solid", "placed", "sticks", "at_wall", "clamped", "given_gas"),
+    *("given_solid", "warm_gas", "warm_solid", "shares_heat", "one_T"),
+)
+#: through which face what moves gas and solid does work, and what gives them temperatures heats
+FACES = "moves_gas", "moves_solid", "heats_gas", "heats_solid"
+#: also the number of constraints, and where the mass of the gas is in ``gain``
+FACTS = np.dtype([(name, np.int64) for name in (*FLAGS, *FACES, "count", "column")], align=True)
 
 
 class Data(NamedTuple):

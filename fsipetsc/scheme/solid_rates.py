@@ -35,7 +35,6 @@ from fsipetsc.operators.loops import (
     add,
     along,
     by_length,
-    choose,
     dot,
     scale,
     total,
@@ -51,7 +50,6 @@ from fsipetsc.scheme.solid_work import (
     OWN,
     PLAIN,
     STRAINED,
-    WARM,
     WIDTH,
     Row,
     step_of,
@@ -70,8 +68,8 @@ def solid_rates(solid, like, q, metrics, prestress, rates, work):
 
     solid: fsipetsc.equations.solid.Solid; like: d zeros; q: (N, 2d + 1) unknowns of the nodes with
     halo; metrics: (d*d + 1, N) A^1 … A^d and J0, then R around an axis; prestress: (d*d, N) what P
-    has beside, or (d*d, 0). The halo is of two interior reaches, of three for conduction with heat
-    'elastic'. work: fsipetsc.scheme.solid_work.
+    has beside, or (d*d, 0). The halo is of two interior reaches, of three for conduction. work:
+    fsipetsc.scheme.solid_work.
     """
     patch, layout, lags, boxes, jumps, weights = work[:6]
     unknowns, strains, tractions, temps, heats, slopes = work[6:12]
@@ -88,11 +86,7 @@ def solid_rates(solid, like, q, metrics, prestress, rates, work):
                 differentiate(like, table, row, PLAIN, unknowns, NONE, NONE, d, slopes, NONE)
                 strain(solid, like, metrics, row, slopes, unknowns, strains)
                 relieve(solid, like, extra, row, strains, unknowns)
-                pull(solid, like, metrics, extra, row, unknowns, strains, tractions)
-            begin, end = rows_of(boxes, tile, WARM, z - lags[0])
-            for y in range(begin, end):
-                row = row_of(patch, layout, boxes, tile, WARM, y, z - lags[0])
-                find_temps(solid, like, row, unknowns, strains, temps)
+                pull(solid, like, metrics, extra, row, unknowns, strains, temps, tractions)
             begin, end = rows_of(boxes, tile, NEAR, z - lags[1])
             for y in range(begin, end):
                 row = row_of(patch, layout, boxes, tile, NEAR, y, z - lags[1])
@@ -211,30 +205,20 @@ def relieve(solid, like, extra, row, strains, unknowns):
 
 
 @njit(**EXACT_LOOP)
-def pull(solid, like, metrics, extra, row, unknowns, strains, tractions):
-    """t^k = (P + S) A^k with a prestress S."""
+def pull(solid, like, metrics, extra, row, unknowns, strains, temps, tractions):
+    """T, and t^k = (P + S) A^k with a prestress S."""
     nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
     N, node, g = U64(metrics.size // solid.rows(like)), U64(row.tile), U64(row.patch)
     for i in range(U64(row.n)):
         A, F = at(nine, metrics, g, N, i), at(solid.unstrained(like), strains, node, step, i)
         v, e = at(like, unknowns, node + d * step, step, i), unknowns[node + U64(2) * d * step + i]
-        P = solid.stress_at(F, solid.temperature(v, e, F))
+        T = solid.temperature(v, e, F)
+        P, temps[node + i] = solid.stress_at(F, T), T
         put(tractions, node, step, i, product_transposed(A, P))
     for i in range(U64(row.n if extra.size > 0 else 0)):
         A, S = at(nine, metrics, g, N, i), at(nine, extra, g, N, i)
         more = add(at(nine, tractions, node, step, i), product_transposed(A, S))
         put(tractions, node, step, i, more)
-
-
-@njit(**EXACT_LOOP)
-def find_temps(solid, like, row, unknowns, strains, temps):
-    """T; with heat 'coupled' F does not matter, and is not known everywhere."""
-    rest, step, d = solid.unstrained(like), U64(step_of(like)), U64(len(like))
-    node, first = U64(row.tile), U64(row.tile) + d * step
-    for i in range(U64(row.n)):
-        v, e = at(like, unknowns, first, step, i), unknowns[first + d * step + i]
-        F = choose(solid.coupled == 1.0, rest, at(rest, strains, node, step, i))
-        temps[node + i] = solid.temperature(v, e, F)
 
 
 @njit(**EXACT_LOOP)

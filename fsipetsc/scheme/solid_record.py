@@ -11,7 +11,6 @@ from fsipetsc.scheme.block_monitor import monitor_end
 from fsipetsc.scheme.faces import strain_at
 from fsipetsc.scheme.part import add_normals, ghosted, note, owned
 from fsipetsc.scheme.rows import U64, Array
-from fsipetsc.scheme.solid_dissipation import solid_dissipation
 from fsipetsc.scheme.solid_monitor import solid_monitor
 from fsipetsc.scheme.solid_rates import solid_rates
 
@@ -56,28 +55,6 @@ class SolidRecord(NamedTuple):
     interfaces: Array
     stored_at: Array
     rows_of_stored: Array
-
-
-class SolidDamping(NamedTuple):
-    """See fsipetsc.scheme.solid_dissipation. after: the next term, or none."""
-
-    damping: Any
-    differences: Any
-    room: Any
-    after: Any
-
-    def add(self, part, q, rates, gain):
-        """This term and the next one."""
-        solid_dissipation(part.like, self, q, part.metrics, part.patch, rates)
-        self.after.add(part, q, rates, gain)
-
-    def power(self, part, q, rates):
-        """Sum of v . v_t times the masses, if work is booked; q, rates: of the owned nodes."""
-        d, masses, total = len(part.like), part.masses, 0.0
-        for i in range(masses.size if part.loses == 1 else 0):
-            for c in range(d, 2 * d):
-                total += masses[i] * q[i, c] * rates[i, c]
-        return total
 
 
 @njit(**CALL)

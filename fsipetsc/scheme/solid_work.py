@@ -1,8 +1,8 @@
 """What fsipetsc.scheme.solid_rates knows of a patch before, and its memory.
 
 A tile is a range of nodes along the first axis, and along the second one of three; its layers along
-the last axis are swept. Boxes of nodes around a tile say where what is needed: t^k where its pairs
-reach, displacements where these reach in turn; conduction reaches once more.
+the last axis are swept. Boxes of nodes around a tile say where what is needed: F, T and t^k where
+its pairs reach, displacements where these reach in turn; conduction reaches once more.
 """
 
 from itertools import product
@@ -30,8 +30,8 @@ WIDTH = U64(1024 + 6 * REACH)
 #: loops that store many components only if it knows how far they are apart
 STEPS = 1096, 29 * 170 + 6, 29 * 58 * 106 + 12
 step_of = by_length("step_of", "like", lambda d: f" return {STEPS[d - 1]}")
-#: what is known of a tile's nodes: rates, t^k and heats, T, F, unknowns
-OWN, NEAR, WARM, STRAINED, KNOWN = map(U64, range(5))
+#: what is known of a tile's nodes: rates; heats; F, T and t^k; unknowns
+OWN, NEAR, STRAINED, KNOWN = map(U64, range(4))
 
 
 def sums_of(d: int) -> int:
@@ -75,7 +75,7 @@ class Work(NamedTuple):
     """What solid_rates knows of a patch, and its memory. The axes are first, inner and last one.
 
     patch: in this order. lags: layers from loading to t^k, conduction, rates. boxes:
-    (tiles, 5, 3, 2) first node and first beyond of OWN … KNOWN. jumps: (3, n, 1 + most) of each
+    (tiles, 4, 3, 2) first node and first beyond of OWN … KNOWN. jumps: (3, n, 1 + most) of each
     axis and node how many neighbours there are, and how far; weights: (2, 3, n, 1 + most)
     S_il/(2 weight_i) of these, for PLAIN and FREE, which differ at the node itself. In flat arrays
     by components, of the nodes of a tile: unknowns, strains F, tractions t^k, temps T, heats
@@ -106,8 +106,8 @@ def solid_work(solid: Any, bands: Any, regular: tuple[int, int], patch: Patch) -
     bands, patch = in_order(bands, d), Patch(*(in_order(of_axes, d) for of_axes in patch))
     conducts = int(solid.kappa > 0.0)
     tiles = tiles_of(patch, d)
-    boxes = np.array([boxes_of(bands, own, conducts and not solid.coupled) for own in tiles])
-    boxes[:, [NEAR, WARM]] *= conducts  # else no rows of T and heats
+    boxes = np.array([boxes_of(bands, own, conducts) for own in tiles])
+    boxes[:, NEAR] *= conducts  # else no rows of heats
     row, inner = (int((b[:, 1] - b[:, 0]).max()) for b in (boxes[:, KNOWN, 0], boxes[:, KNOWN, 1]))
     reach = bands[2].reach
     layout = Layout(row, row * inner, (3 + conducts) * reach + 1, *regular)
@@ -133,15 +133,15 @@ def tiles_of(patch: Patch, d: int) -> list[Any]:
     return list(product(*cuts))
 
 
-def boxes_of(bands: tuple[Band, ...], own: Any, further: bool) -> list[Any]:
-    """OWN … KNOWN of a tile. further: T follows from F, so that both are needed around t^k."""
+def boxes_of(bands: tuple[Band, ...], own: Any, conducts: int) -> list[Any]:
+    """OWN … KNOWN of a tile."""
 
     def reached(box: Any) -> Any:
         return [reached_along(b.S, *ends) for b, ends in zip(bands, box, strict=True)]
 
     near = reached(own)
-    warm = reached(near)
-    return [own, near, warm, warm if further else near, reached(warm) if further else warm]
+    strained = reached(near) if conducts else near
+    return [own, near, strained, reached(strained)]
 
 
 def reached_along(S: Array, begin: int, end: int) -> tuple[int, int]:
