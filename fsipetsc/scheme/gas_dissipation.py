@@ -111,7 +111,7 @@ def gas_dissipation(gas, like, form, damp, q, metrics, S, patch, rates):
             sense((0.0, 0.0), *of_state, damp.alpha, stride, ghosted[k])
             if damp.alpha.max() > 0.0:
                 damp.link[:] = 0.0
-                split_pairs(gas, like, form, S[k], metrics, k, stride, patch, damp)
+                split_pairs(gas, like, form, S[k], metrics, k, stride, ghosted[k], damp)
                 flow_on(gas, like, form, shock, stride, damp)
         if sigma > 0.0:
             strength, norm = sigma / 4.0 ** (len(weights) - 1), difference.norm[k]
@@ -166,16 +166,19 @@ def sense(like, values, first, apart, step, part, least, alpha, stride, length):
 
 @register_jitable
 def shifted_sum(like, array, start, step, i, stride, weights):
-    """sum_m weights_m f_(i + m stride) of the numbers f of a node, one to four differences on."""
+    """sum_m weights_m f_(i + m stride) of the numbers f of a node."""
     found = scale(weights[0], at(like, array, start, step, i))
-    found = along(found, weights[1], at(like, array, start, step, i + stride))
-    if len(weights) > 2:
-        found = along(found, weights[2], at(like, array, start, step, i + stride + stride))
-    if len(weights) > 3:
-        found = along(found, weights[3], at(like, array, start, step, i + stride + stride + stride))
-    if len(weights) > 4:
-        four = stride + stride + stride + stride
-        found = along(found, weights[4], at(like, array, start, step, i + four))
+    for m in range(1, len(weights)):
+        found = along(found, weights[m], at(like, array, start, step, i + U64(m) * stride))
+    return found
+
+
+@register_jitable
+def largest(alpha, i, stride, weights):
+    """The largest alpha of the nodes of a difference."""
+    found = alpha[i]
+    for m in range(1, len(weights)):
+        found = max(found, alpha[i + U64(m) * stride])
     return found
 
 
@@ -202,19 +205,6 @@ def fluxes(gas, like, strength, weights, norm, metrics, k, stride, damp, n):
         put(damp.F, apart - n, apart, i, nothing)
 
 
-@register_jitable
-def largest(alpha, i, stride, weights):
-    """The largest alpha of the nodes of a difference."""
-    found = max(alpha[i], alpha[i + stride])
-    if len(weights) > 2:
-        found = max(found, alpha[i + stride + stride])
-    if len(weights) > 3:
-        found = max(found, alpha[i + stride + stride + stride])
-    if len(weights) > 4:
-        found = max(found, alpha[i + stride + stride + stride + stride])
-    return found
-
-
 @njit(**EXACT_LOOP)
 def collect(like, weights, per_weight, differs, node, stride, damp, rates, to, n):
     """Add sums and H^-1 Delta^T F to the rates of a row of owned nodes; all is interlaced there."""
@@ -234,28 +224,15 @@ def collect(like, weights, per_weight, differs, node, stride, damp, rates, to, n
 
 
 @njit(**INNER_CALL)
-def split_pairs(gas, like, form, S, metrics, k, stride, patch, damp):
+def split_pairs(gas, like, form, S, metrics, k, stride, length, damp):
     """Take alpha of its flux from each pair; add to areas and volume fluxes of its links."""
-    N, length, reach = damp.alpha.size, patch.ghosted[k], S.shape[0] - 1
-    for i in range(N):
-        place = i // stride % length
-        if owned_across(i, k, patch):
-            alpha = damp.alpha[i]
-            for m in range(1, min(reach, length - 1 - place) + 1):
-                alpha = max(alpha, damp.alpha[i + m * stride])
-                if alpha > 0.0 and S[m, place] != 0.0:
-                    weight, ends = alpha * S[m, place], (U64(i), U64(m), U64(stride))
-                    split(gas, like, form, weight, metrics, k, *ends, damp)
-
-
-@register_jitable
-def owned_across(i, k, patch):
-    """Whether node i is owned but for its place along axis k."""
-    (nx, ny, _), first, own = patch.ghosted, patch.first, patch.own
-    x, y, z = i % nx, i // nx % ny, i // (nx * ny)
-    in_x = k == 0 or first[0] <= x < first[0] + own[0]
-    in_y = k == 1 or first[1] <= y < first[1] + own[1]
-    return in_x and in_y and (k == 2 or first[2] <= z < first[2] + own[2])
+    for i in range(damp.alpha.size):
+        place, alpha = i // stride % length, damp.alpha[i]
+        for m in range(1, min(S.shape[0], length - place)):
+            alpha = max(alpha, damp.alpha[i + m * stride])
+            if alpha > 0.0 and S[m, place] != 0.0:
+                weight, ends = alpha * S[m, place], (U64(i), U64(m), U64(stride))
+                split(gas, like, form, weight, metrics, k, *ends, damp)
 
 
 @njit(**INNER_CALL)
