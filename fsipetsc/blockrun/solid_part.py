@@ -12,7 +12,6 @@ from fsipetsc.blocks.values import block_values, prestress_of
 from fsipetsc.equations.tensors import add_unit, apply, cofactor
 from fsipetsc.operators.loops import dot
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
-from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
@@ -44,11 +43,7 @@ class SolidPart(BlockPart):
         strain = self.equations.unstrained((0.0,) * d)
         self._F = np.zeros((len(strain), part.numbers.size))
         self.prestress = prestress_of(self.block, self.X)
-        first, nodes, rows = self._ranges[0][0], self.block.shape[0], OPERATORS[order].rows
-        inside = rows - first, nodes - rows - first  # of the ghosted nodes along axis 0
-        if self.block.periodic[0]:
-            inside = 0, part.patch.ghosted[0]
-        self._work = solid_work(self.equations, part.bands, inside, part.patch)
+        self._work = solid_work(self.equations, part.bands, part.patch)
         self._dissipation = self._make_dissipation(order, form)
 
     @property

@@ -25,14 +25,9 @@ def advance(y, k, stage, total, number, dt):
     """
     a = dt if number == 2 else 0.5 * dt
     b = dt / 3.0 if 0 < number < 3 else dt / 6.0
-    if number == 0:
-        for i in range(y.size):
-            total[i] = y[i] + b * k[i]
-            stage[i] = y[i] + a * k[i]
-    elif number < 3:
-        for i in range(y.size):
-            total[i] += b * k[i]
-            stage[i] = y[i] + a * k[i]
-    else:
-        for i in range(y.size):
-            stage[i] = total[i] + b * k[i]
+    for i in range(y.size):
+        found = (y[i] if number == 0 else total[i]) + b * k[i]
+        if number < 3:
+            total[i] = found
+            found = y[i] + a * k[i]
+        stage[i] = found

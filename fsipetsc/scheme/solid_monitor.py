@@ -31,11 +31,11 @@ def solid_monitor(
     prestress, work: see fsipetsc.scheme.solid_rates. X: (d, N) places at rest. per_h: (d,) cells
     per axis; masses: (M,) weight J0 m0. loses: 1 if the last two sums are wanted, else they are 0.
     """
-    patch, layout, lags, boxes, jumps, weights = work[:6]
-    unknowns, strains, slopes, totals = work[6], work[7], work[11], work[12]
+    patch, layout, lags, boxes, jumps, weights, ends = work[:7]
+    unknowns, strains, slopes, totals = work[7], work[8], work[12], work[13]
     q, metrics, F = q.reshape(q.size), metrics.reshape(metrics.size), F.reshape(F.size)
-    X = X.reshape(X.size)
-    extra, table, d = prestress.reshape(prestress.size), (jumps, weights, layout), ONE * len(like)
+    X, extra, d = X.reshape(-1), prestress.reshape(-1), ONE * len(like)
+    table = jumps, weights, ends, layout
     begin(totals, WIDTH)
     for tile in range(boxes.shape[0]):
         for z in range(boxes[tile, KNOWN, 2, 0], boxes[tile, OWN, 2, 1] + lags[0]):

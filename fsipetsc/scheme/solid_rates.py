@@ -71,10 +71,10 @@ def solid_rates(solid, like, q, metrics, prestress, rates, work):
     has beside, or (d*d, 0). The halo is of two interior reaches, of three for conduction. work:
     fsipetsc.scheme.solid_work.
     """
-    patch, layout, lags, boxes, jumps, weights = work[:6]
-    unknowns, strains, tractions, temps, heats, slopes = work[6:12]
+    patch, layout, lags, boxes, jumps, weights, ends = work[:7]
+    unknowns, strains, tractions, temps, heats, slopes = work[7:13]
     q, metrics, rates = q.reshape(q.size), metrics.reshape(metrics.size), rates.reshape(rates.size)
-    extra, table, d = prestress.reshape(prestress.size), (jumps, weights, layout), ONE * len(like)
+    extra, d, table = prestress.reshape(-1), ONE * len(like), (jumps, weights, ends, layout)
     for tile in range(boxes.shape[0]):
         for z in range(boxes[tile, KNOWN, 2, 0], boxes[tile, OWN, 2, 1] + lags[2]):
             begin, end = rows_of(boxes, tile, KNOWN, z)
@@ -117,9 +117,7 @@ def row_of(patch, layout, boxes, tile, stage, y, z):
     own = ((z - first[2]) * own_y + y - first[1]) * own_x + x - first[0]
     place, x0, y0 = z % layout.layers, boxes[tile, KNOWN, 0, 0], boxes[tile, KNOWN, 1, 0]
     node = place * layout.layer + (y - y0) * layout.row + x - x0
-    begin = min(max(layout.begin - x, 0), n)
-    end = max(min(layout.end - x, n), begin)
-    return Row(n, (z * ny + y) * nx + x, own, node, x, y, z, place, begin, end)
+    return Row(n, (z * ny + y) * nx + x, own, node, x, y, z, place)
 
 
 @njit(**EXACT_LOOP)
@@ -142,13 +140,13 @@ def differentiate(like, table, row, kind, f, first, next_k, count, out, to):
     Along axis k those of count components of f, an array of a tile, from first + k next_k on.
     Nodes with the same neighbours are taken together: all across the row, those in the interior.
     """
-    (jumps, weights, layout), step = table, step_of(like)
+    (jumps, weights, ends, layout), step = table, step_of(like)
     for k in range(len(like)):
         axis, begin = 2 * k if len(like) == 2 else k, 0
         while begin < row.n:
             end, x = row.n, row.y if axis == 1 else row.z
             if axis == 0:
-                end, x = max(row.end, begin + 1) if begin == row.begin else begin + 1, row.x + begin
+                end, x = min(ends[row.x + begin] - row.x, row.n), row.x + begin
             w, far = weights[kind, axis, x], jumps[axis, x]
             for m in range(1, 1 + far[0], 4):
                 four = w[m], w[m + 1], w[m + 2], w[m + 3]

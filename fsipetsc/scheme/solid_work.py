@@ -40,23 +40,18 @@ def sums_of(d: int) -> int:
 
 
 class Layout(NamedTuple):
-    """Of a tile's arrays, row, layer: nodes of a row and of a layer; layers: how many are kept.
-
-    begin, end: nodes of the first axis with the same neighbours, those of the interior.
-    """
+    """Of a tile's arrays, row, layer: nodes of a row and of a layer; layers: how many are kept."""
 
     row: int
     layer: int
     layers: int
-    begin: int
-    end: int
 
 
 class Row(NamedTuple):
     """n nodes along the first axis from x, y, z on: numbers of the first one in arrays.
 
     patch, own: in those of a patch, and of its owned nodes; tile: in those of a tile, whose layer
-    ``place`` it is in. From its node ``begin`` to ``end`` all have the neighbours of the interior.
+    ``place`` it is in.
     """
 
     n: int
@@ -67,8 +62,6 @@ class Row(NamedTuple):
     y: int
     z: int
     place: int
-    begin: int
-    end: int
 
 
 class Work(NamedTuple):
@@ -77,7 +70,8 @@ class Work(NamedTuple):
     patch: in this order. lags: layers from loading to t^k, conduction, rates. boxes:
     (tiles, 4, 3, 2) first node and first beyond of OWN … KNOWN. jumps: (3, n, 1 + most) of each
     axis and node how many neighbours there are, and how far; weights: (2, 3, n, 1 + most)
-    S_il/(2 weight_i) of these, for PLAIN and FREE, which differ at the node itself. In flat arrays
+    S_il/(2 weight_i) of these, for PLAIN and FREE, which differ at the node itself; ends: the first
+    node along the first axis, after each, for which they are others. In flat arrays
     by components, of the nodes of a tile: unknowns, strains F, tractions t^k, temps T, heats
     A^k . h; of the nodes of a row: slopes, totals (fsipetsc.scheme.block_monitor).
     """
@@ -88,6 +82,7 @@ class Work(NamedTuple):
     boxes: Array
     jumps: Array
     weights: Array
+    ends: Array
     unknowns: Array
     strains: Array
     tractions: Array
@@ -97,11 +92,8 @@ class Work(NamedTuple):
     totals: Array
 
 
-def solid_work(solid: Any, bands: Any, regular: tuple[int, int], patch: Patch) -> Work:
-    """Work for a patch with these three bands of its ghosted nodes.
-
-    regular: nodes of axis 0, from … to, whose rows of D are those of the interior.
-    """
+def solid_work(solid: Any, bands: Any, patch: Patch) -> Work:
+    """Work for a patch with these three bands of its ghosted nodes."""
     d = len(solid.force)
     bands, patch = in_order(bands, d), Patch(*(in_order(of_axes, d) for of_axes in patch))
     conducts = int(solid.kappa > 0.0)
@@ -110,7 +102,7 @@ def solid_work(solid: Any, bands: Any, regular: tuple[int, int], patch: Patch) -
     boxes[:, NEAR] *= conducts  # else no rows of heats
     row, inner = (int((b[:, 1] - b[:, 0]).max()) for b in (boxes[:, KNOWN, 0], boxes[:, KNOWN, 1]))
     reach = bands[2].reach
-    layout = Layout(row, row * inner, (3 + conducts) * reach + 1, *regular)
+    layout = Layout(row, row * inner, (3 + conducts) * reach + 1)
     lags = reach, (1 + conducts) * reach, (2 + conducts) * reach
     strains = len(solid.unstrained((0.0,) * d))
     memory = [np.zeros(count * STEPS[d - 1]) for count in (2 * d + 1, strains, d * d, 1, d)]
@@ -154,8 +146,8 @@ def reached_along(S: Array, begin: int, end: int) -> tuple[int, int]:
     return min(begin, *i[inside].tolist()), max(end - 1, *l[inside].tolist()) + 1
 
 
-def neighbours(bands: Any) -> tuple[Array, Array]:
-    """jumps and weights of Work."""
+def neighbours(bands: Any) -> tuple[Array, Array, Array]:
+    """jumps, weights and ends of Work."""
     most = max(2 * band.reach + 1 for band in bands)
     shape = 3, max(len(band.weight) for band in bands), 1 + most + -most % 4
     jumps, weights = np.zeros(shape, np.int64), np.zeros((2, *shape))
@@ -170,4 +162,9 @@ def neighbours(bands: Any) -> tuple[Array, Array]:
             for kind, sign in ((PLAIN, -1.0), (FREE, 1.0)):
                 signed = [S_il if m else sign * S_il for m, S_il in pairs]
                 weights[kind, axis, i, here] = np.array(signed) / (2.0 * weight[i])
-    return jumps, weights
+    n = len(bands[0].weight)
+    ends, all_of = np.arange(1, n + 1), np.concatenate([jumps[:1], weights[:, 0]])
+    for i in range(n - 2, -1, -1):
+        if np.array_equal(all_of[:, i], all_of[:, i + 1]):
+            ends[i] = ends[i + 1]
+    return jumps, weights, ends
