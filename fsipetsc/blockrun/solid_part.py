@@ -11,7 +11,6 @@ from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.blocks.values import block_values, prestress_of
 from fsipetsc.equations.tensors import add_unit, apply, cofactor
 from fsipetsc.operators.loops import dot
-from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
@@ -114,7 +113,7 @@ class SolidPart(BlockPart):
         """
         seen, sums = np.zeros(MONITORED), np.zeros(sums_of(self._d) + 1)
         of_block = self.X, self.metrics, self.prestress, self._per_h
-        memory = STIFFNESS_OF_WIDE, self._masses, self._work, self._F, self._loses, seen, sums
+        memory = self._masses, self._work, self._F, self._loses, seen, sums
         solid_monitor(self.equations, (0.0,) * self._d, q, *of_block, *memory)
         return seen, sums
 

@@ -24,6 +24,7 @@ from fsipetsc.operators.loops import (
     part_of,
     sub,
 )
+from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.rows import ROW, TILE, U64, Array, add_moment, aligned, at, moments, put
 
 #: extremes of a block: 1 if a state is unphysical, largest rates of convection and of diffusion
@@ -45,7 +46,7 @@ def sums_of(d: int) -> int:
 
 
 @njit(**MERGED_CALL)
-def gas_monitor(part, q, metrics, stiffness):
+def gas_monitor(part, q, metrics):
     """Fill seen (MONITORED,) and sums (sums_of(d),) of the owned nodes; q: (M, d + 3).
 
     part: see fsipetsc.scheme.gas_record. metrics: those by which steps are bounded.
@@ -62,14 +63,12 @@ def gas_monitor(part, q, metrics, stiffness):
             for x in range(0, n0, TILE):
                 at_q, first, n = U64(own + x), U64(row + x), U64(min(TILE, n0 - x))
                 of_nodes = flat, flat_metrics, places, masses, reference, at_q, first, n
-                measure(gas, like, per_h, stiffness, grid, *of_nodes, room)
+                measure(gas, like, per_h, grid, *of_nodes, room)
     collect(room, ROW, ROW, part.seen, part.sums)
 
 
 @njit(**EXACT_LOOP)
-def measure(
-    gas, like, per_h, stiffness, grid, q, metrics, places, masses, reference, own, first, n, room
-):
+def measure(gas, like, per_h, grid, q, metrics, places, masses, reference, own, first, n, room):
     """Add n nodes to the extremes and sums of the columns of a tile."""
     d, like_q, one = U64(len(like)), (*like, 0.0, 0.0, 0.0), U64(1)
     N = U64(metrics.size // (len(like) ** 2 + len(gas.of_grid(like)) + 1))
@@ -86,7 +85,7 @@ def measure(
             convection += abs(dot(a, relative)) * per_h[k] + c * np.sqrt(size)
             squares += size
         convection, spread = convection * per_J, squares * per_J * per_J
-        diffusion = stiffness * gas.diffusivity(w) * spread
+        diffusion = STIFFNESS_OF_WIDE * gas.diffusivity(w) * spread
         J, of_map = grid.jacobian(metrics, N, first + i, reference[own + i]), reference[own + i]
         good = convection < np.inf and diffusion < np.inf and min(w[0], w[2], here[0]) > 0.0
         bad, apart = 0.0 if good else 1.0, abs(here[0] - J) / abs(J)

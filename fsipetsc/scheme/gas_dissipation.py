@@ -83,8 +83,7 @@ class GasDamping(NamedTuple):
 
     def add(self, part, q, rates, gain):
         """Both terms."""
-        of_part = part.metrics, part.S, part.patch
-        gas_dissipation(part.laws, part.like, part.form, self, q, *of_part, rates)
+        gas_dissipation(part, self, q, rates)
 
 
 def gas_damping(d: int, found: Differences, sigma: float, shock: float) -> GasDamping:
@@ -95,12 +94,10 @@ def gas_damping(d: int, found: Differences, sigma: float, shock: float) -> GasDa
 
 
 @njit(**CALL)
-def gas_dissipation(gas, like, form, damp, q, metrics, S, patch, rates):
-    """Add both terms to the rates (M, d + 3) of the owned nodes.
-
-    q, metrics, S, patch: as in fsipetsc.scheme.gas_rates, with a halo of q + 1 nodes.
-    """
-    sigma, shock, difference = damp.sigma, damp.shock, damp.differences
+def gas_dissipation(part, damp, q, rates):
+    """Add both terms to the rates (M, d + 3) of the owned nodes; q: with a halo of q + 1 nodes."""
+    gas, like, form, S, patch = part.laws, part.like, part.form, part.S, part.patch
+    sigma, shock, difference, metrics = damp.sigma, damp.shock, damp.differences, part.metrics
     q, metrics, rates, N = q.reshape(-1), metrics.reshape(-1), rates.reshape(-1), damp.alpha.size
     own, ghosted, first, weights = patch.own, patch.ghosted, patch.first, difference.weights
     prepare(gas, like, q, damp.state, damp.z, U64(N))

@@ -107,7 +107,7 @@ def _weights(band: Any, patch: Any) -> tuple[Array, Array, Any, Any]:
     wide, spans, begins = tiles_of(own), [], [0]
     gain, loss = (aligned(wide * len(S) * int(ROW)).reshape(wide, len(S), -1) for _ in range(2))
     for m in range(wide):
-        x0, x1 = part(begin, begin + own, m, wide), part(begin, begin + own, m + 1, wide)
+        x0, x1 = piece(begin, begin + own, m, wide), piece(begin, begin + own, m + 1, wide)
         nodes = x0 - MARGIN + np.arange(int(ROW))
         for k in range(1, len(S)):
             column = np.flatnonzero((nodes >= 0) & (nodes < size - k))
@@ -141,8 +141,8 @@ def tiles_of(nodes):
 
 
 @register_jitable
-def part(begin, end, m, count):
-    """Where part m of so many begins."""
+def piece(begin, end, m, count):
+    """Where piece m of so many begins."""
     return begin + (end - begin) * m // count
 
 

@@ -36,7 +36,7 @@ from fsipetsc.scheme.gas_memory import (
     clear,
     fill,
     number_of,
-    part,
+    piece,
     row_of,
     tiles_of,
 )
@@ -206,13 +206,14 @@ def sweep(gas, like, form, viscous, q, metrics, axes, tile, work, rates):
 
 
 @njit(**MERGED_CALL)
-def gas_rates(gas, like, form, viscous, q, metrics, S, weight, patch, rates, work):
-    """Rates of the nodes of a patch that are owned.
+def gas_rates(part, q, rates):
+    """Rates of the nodes of a part that are owned.
 
-    q: (N, d + 3) over the ghosted array, metrics: (d d + d + 1, N): a^1 … a^d, velocity of the
-    grid, J_t, and around an axis A before it. S, weight: of three bands. rates: (M, d + 3) of the
-    owned nodes: J_t, and those of J rho, J rho u, J E.
+    q: (N, d + 3) over the ghosted array. rates: (M, d + 3) of the owned nodes: J_t, and those of
+    J rho, J rho u, J E.
     """
+    gas, like, form, viscous, work = part.laws, part.like, part.form, part.viscous, part.work
+    metrics, S, weight, patch = part.metrics, part.S, part.weight, part.patch
     own, size, first = patch.own, patch.ghosted, patch.first
     x = Axis(S[0], weight[0], first[0], first[0] + own[0], size[0], 1)
     y = Axis(S[1], weight[1], first[1], first[1] + own[1], size[1], size[0])
@@ -221,9 +222,9 @@ def gas_rates(gas, like, form, viscous, q, metrics, S, weight, patch, rates, wor
     inner, q, metrics, rates = axes.inner, q.reshape(-1), metrics.reshape(-1), rates.reshape(-1)
     wide, deep = tiles_of(own[0]), (inner.end - inner.begin + DEPTH - 1) // DEPTH
     for m in range(deep):
-        y0, y1 = part(inner.begin, inner.end, m, deep), part(inner.begin, inner.end, m + 1, deep)
+        y0, y1 = piece(inner.begin, inner.end, m, deep), piece(inner.begin, inner.end, m + 1, deep)
         for n in range(wide):
-            x0, x1 = part(x.begin, x.end, n, wide), part(x.begin, x.end, n + 1, wide)
+            x0, x1 = piece(x.begin, x.end, n, wide), piece(x.begin, x.end, n + 1, wide)
             weights = U64(n * x.S.shape[0]) * ROW
             tile = Tile(x0, x1, y0, y1, weights, work.begins[n], work.begins[n + 1])
             sweep(gas, like, form, viscous, q, metrics, axes, tile, work, rates)

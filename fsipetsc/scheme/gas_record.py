@@ -5,7 +5,6 @@ from typing import Any, NamedTuple
 from numba import njit
 
 from fsipetsc.operators.loops import CALL
-from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.block_monitor import gas_monitor
 from fsipetsc.scheme.gas_rates import gas_rates
 from fsipetsc.scheme.part import add_normals, ghosted, note, owned
@@ -17,16 +16,16 @@ class GasRecord(NamedTuple):
 
     like: d zeros. laws: fsipetsc.equations.gas. faces: fsipetsc.scheme.faces. block: its number,
     begin: of its unknowns in the world vector. X, places: (d, N) of the reference map, and where
-    the monitor finds the nodes. halo: (N, d + 3), its nodes with a halo, or none;
-    wraps: whether it is filled by fsipetsc.scheme.part. S, weight: of three bands. masses: (M,)
-    weights of its own nodes.
+    the monitor finds the nodes. metrics: (d d + d + 1, N), a^1 … a^d, velocity of the grid, J_t,
+    and around an axis A before it. halo: (N, d + 3), its nodes with a halo, or none; wraps: whether
+    it is filled by fsipetsc.scheme.part. S, weight: of three bands. masses: (M,) weights of its own
+    nodes.
 
     follows: (n,) particles by which its grid moves, here: (n, 2d) their displacement and velocity,
     known: (m, 2d) those of all ranks; grid: see fsipetsc.blocks.grid. at_particles: faces at
-    constraints, see fsipetsc.scheme.normals. reference: (M,) J of the reference map. forcing:
-    (d + 2, M), or (d + 2, 0). column: of its mass in what comes in; columns: of its sums in the
-    record of a step. axis: fsipetsc.scheme.radial; signs: of images, see
-    fsipetsc.parallel.block_layout.
+    constraints, see fsipetsc.scheme.normals. reference: (M,) J of the reference map. forcing: (d +
+    2, M), or (d + 2, 0). column: of its mass in what comes in; columns: of its sums in the record
+    of a step. axis: fsipetsc.scheme.radial; signs: of images, see fsipetsc.parallel.block_layout.
     """
 
     like: Any
@@ -107,9 +106,7 @@ def rates(part, s, f, gain):
     """Fill a gas's part of f, from that of a completed s; what comes in goes to ``gain``."""
     d = len(part.like)
     q, own = ghosted(part, s, d + 3), owned(part, f, d + 3)
-    laws, like, form, viscous = part.laws, part.like, part.form, part.viscous
-    of_patch = part.metrics, part.S, part.weight, part.patch
-    gas_rates(laws, like, form, viscous, q, *of_patch, own, part.work)
+    gas_rates(part, q, own)
     part.axis.add(part, q, own, gain)
     part.dissipation.add(part, q, own, gain)
     part.faces.add(part, q, own, gain)
@@ -144,7 +141,7 @@ def monitor(part, s, found):
     if part.known.shape[0] > 0:
         part.grid.find_places(part.X, part.places)
     metrics = part.axis.bounds(part.metrics)
-    gas_monitor(part, owned(part, s, len(part.like) + 3), metrics, STIFFNESS_OF_WIDE)
+    gas_monitor(part, owned(part, s, len(part.like) + 3), metrics)
     note(part, found)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.loops import CALL, EXACT_LOOP, add, along, dot, larger, sub
+from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.block_monitor import EXTREMES, MONITORED, begin, collect
 from fsipetsc.scheme.rows import U64, add_moment, at, put
 from fsipetsc.scheme.solid_rates import (
@@ -22,9 +23,7 @@ from fsipetsc.scheme.solid_work import KNOWN, NONE, ONE, OWN, PLAIN, WIDTH, step
 
 
 @njit(**CALL)
-def solid_monitor(
-    solid, like, q, X, metrics, prestress, per_h, stiffness, masses, work, F, loses, seen, sums
-):
+def solid_monitor(solid, like, q, X, metrics, prestress, per_h, masses, work, F, loses, seen, sums):
     """Fill seen (MONITORED,), sums (solid_work.sums_of(d) + 1,) and F (d d, M) of the owned nodes.
 
     sums: momentum, energy, angular momentum, kinetic and elastic energy, minus this. q, metrics,
@@ -49,7 +48,7 @@ def solid_monitor(
                 differentiate(like, table, row, PLAIN, unknowns, NONE, NONE, d, slopes, NONE)
                 strain(solid, like, metrics, row, slopes, unknowns, strains)
                 relieve(solid, like, extra, row, strains, unknowns)
-                measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, F, totals)
+                measure(solid, like, metrics, per_h, row, unknowns, strains, F, totals)
                 if loses == 1:
                     add_energy(solid, like, extra, row, unknowns, strains, masses, totals)
     collect(totals, WIDTH, U64(layout.row), seen, sums[:-1])
@@ -86,14 +85,14 @@ def add_energy(solid, like, extra, row, unknowns, strains, masses, totals):
 
 
 @njit(**EXACT_LOOP)
-def measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, F_of, totals):
+def measure(solid, like, metrics, per_h, row, unknowns, strains, F_of, totals):
     """Keep F of a row; add it to the extremes of columns, with convection inf where the state is
     none.
     """
     step, d = U64(step_of(like)), U64(len(like))
     N, node, g = U64(metrics.size // solid.rows(like)), U64(row.tile), U64(row.patch)
     own, M = U64(row.own), U64(F_of.size // len(solid.unstrained(like)))
-    spread = stiffness * solid.kappa / (solid.m0 * solid.alpha)
+    spread = STIFFNESS_OF_WIDE * solid.kappa / (solid.m0 * solid.alpha)
     for i in range(U64(row.n)):
         J0, squares = metrics[g + d * d * N + i], 0.0
         for k in range(len(like)):

@@ -63,18 +63,15 @@ weighted = by_length("weighted", "w, f, places, i", total_of("w[@] * f[places[@]
 
 
 @njit(**MERGED_CALL)
-def solid_rates(solid, like, q, metrics, prestress, rates, work):
-    """Fill rates (M, 2d + 1) of the owned nodes of a patch.
-
-    solid: fsipetsc.equations.solid.Solid; like: d zeros; q: (N, 2d + 1) unknowns of the nodes with
-    halo; metrics: (d*d + 1, N) A^1 … A^d and J0, then R around an axis; prestress: (d*d, N) what P
-    has beside, or (d*d, 0). The halo is of two interior reaches, of three for conduction. work:
-    fsipetsc.scheme.solid_work.
+def solid_rates(part, q, rates):
+    """Fill rates (M, 2d + 1) of the owned nodes of a part; q: (N, 2d + 1) unknowns, with a halo of
+    two interior reaches, of three for conduction.
     """
+    solid, like, metrics, work = part.laws, part.like, part.metrics, part.work
     patch, layout, lags, boxes, jumps, weights, ends = work[:7]
     unknowns, strains, tractions, temps, heats, slopes = work[7:13]
     q, metrics, rates = q.reshape(q.size), metrics.reshape(metrics.size), rates.reshape(rates.size)
-    extra, d, table = prestress.reshape(-1), ONE * len(like), (jumps, weights, ends, layout)
+    extra, d, table = part.prestress.reshape(-1), ONE * len(like), (jumps, weights, ends, layout)
     for tile in range(boxes.shape[0]):
         for z in range(boxes[tile, KNOWN, 2, 0], boxes[tile, OWN, 2, 1] + lags[2]):
             begin, end = rows_of(boxes, tile, KNOWN, z)

@@ -6,7 +6,6 @@ from numba import njit
 
 from fsipetsc.equations.tensors import add_unit, outer
 from fsipetsc.operators.loops import CALL, column, dot
-from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.block_monitor import monitor_end
 from fsipetsc.scheme.faces import strain_at
 from fsipetsc.scheme.part import add_normals, ghosted, note, owned
@@ -18,12 +17,13 @@ from fsipetsc.scheme.solid_rates import solid_rates
 class SolidRecord(NamedTuple):
     """A part of a solid block; what has the same name as in GasRecord is the same.
 
-    X: (d, N) places at rest. inertia: (N,) J0 m0, masses: (M,) weights times J0 m0. F: (d d, M), as
-    monitored last. loses: 1 if work is booked, for what steps lose of kinetic and elastic
-    energy. forcing: (2d + 1, M), or (2d + 1, 0), of velocity, temperature and place. interfaces:
-    (n, 4) number of an interface at this part in one dimension, owned row of its node, X,
-    prestress. stored_at: (n,) ghosted rows of members that tell what they store, rows_of_stored:
-    (n,) where.
+    X: (d, N) places at rest. metrics: (d d + 1, N), A^1 … A^d and J0, then R around an axis;
+    prestress: (d d, N) what P has beside, or (d d, 0). work: fsipetsc.scheme.solid_work. inertia:
+    (N,) J0 m0, masses: (M,) weights times J0 m0. F: (d d, M), as monitored last. loses: 1 if work
+    is booked, for what steps lose of kinetic and elastic energy. forcing: (2d + 1, M), or (2d + 1,
+    0), of velocity, temperature and place. interfaces: (n, 4) number of an interface at this part
+    in one dimension, owned row of its node, X, prestress. stored_at: (n,) ghosted rows of members
+    that tell what they store, rows_of_stored: (n,) where.
     """
 
     like: Any
@@ -89,7 +89,7 @@ def rates(part, s, f, gain):
     d, damping = len(part.like), part.dissipation
     q, dof = ghosted(part, s, 2 * d + 1), 2 * d + 1
     own, own_q = owned(part, f, dof), owned(part, s, dof)
-    solid_rates(part.laws, part.like, q, part.metrics, part.prestress, own, part.work)
+    solid_rates(part, q, own)
     work = -damping.power(part, own_q, own)
     damping.add(part, q, own, gain)
     work += damping.power(part, own_q, own)
@@ -132,10 +132,10 @@ def monitor(part, s, found):
     F.
     """
     laws, like, X, metrics = part.laws, part.like, part.X, part.metrics
-    prestress, per_h, z, loses = part.prestress, part.per_h, STIFFNESS_OF_WIDE, part.loses
+    prestress, per_h, loses = part.prestress, part.per_h, part.loses
     q, masses, work, F = ghosted(part, s, 2 * len(like) + 1), part.masses, part.work, part.F
     filled = F, loses, part.seen, part.sums
-    solid_monitor(laws, like, q, X, metrics, prestress, per_h, z, masses, work, *filled)
+    solid_monitor(laws, like, q, X, metrics, prestress, per_h, masses, work, *filled)
     note(part, found)
     at_ends, interfaces, own_q = found.at_ends, part.interfaces, owned(part, s, 2 * len(like) + 1)
     for m in range(interfaces.shape[0]):
