@@ -28,8 +28,7 @@ from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.batch import DT, MADE
 from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP
-from fsipetsc.scheme.runge_kutta import STAGES
-from fsipetsc.scheme.steps import note_extremes, note_gained
+from fsipetsc.scheme.steps import STAGES, note_extremes, note_gained
 from fsipetsc.stepping.snapshot import as_numbers, whole
 from fsipetsc.stepping.state import State
 

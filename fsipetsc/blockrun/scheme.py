@@ -33,8 +33,17 @@ from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
 from fsipetsc.scheme.normals import add_areas
 from fsipetsc.scheme.part import PartCalls
 from fsipetsc.scheme.particles import impose_conditions
-from fsipetsc.scheme.runge_kutta import STAGES, advance
-from fsipetsc.scheme.steps import COMPLETE, MONITOR, RATES, STEPS, All, Found, run
+from fsipetsc.scheme.steps import (
+    COMPLETE,
+    MONITOR,
+    RATES,
+    STAGES,
+    STEPS,
+    All,
+    Found,
+    advance,
+    run,
+)
 
 Array = NDArray[Any]
 

@@ -44,7 +44,7 @@ from fsipetsc.operators.loops import (
     scale,
     sub,
 )
-from fsipetsc.scheme.normals import Displacement, slope_at, turned
+from fsipetsc.scheme.normals import Columns, slope_at, turned
 
 Array = NDArray[Any]
 #: first order of an open face fades out where viscosity is this fraction of L times the speed at
@@ -310,7 +310,7 @@ class Flat(NamedTuple):
 def strain_at(part, q, at):
     """F = 1 + sum_k D_k D A^k / J0 of a solid's node of the ghosted array, with hoops."""
     like, metrics, of_axes = part.like, part.metrics, (part.S, part.weight, part.patch)
-    d, F, displacement = len(like), add_unit(1.0, outer(like, like)), Displacement(q)
+    d, F, displacement = len(like), add_unit(1.0, outer(like, like)), Columns(q.T, 0)
     for k in range(d):
         A = per(column_of(like, metrics, k * d, at), metrics[d * d, at])
         F = add(F, outer(slope_at(like, at, k, *of_axes, displacement), A))

@@ -169,10 +169,8 @@ def sweep_layer(gas, like, form, viscous, q, metrics, axes, tile, work, rates, l
         if d > 1:
             pairs_across(gas, like, form, viscous, axes, tile, work, layer, j, True)
         if owned:
-            row, high = (
-                row_of(work, tile, layer, j),
-                number_of(work, tile, layer, j) * U64(d + 2) * ROW,
-            )
+            high = number_of(work, tile, layer, j) * U64(d + 2) * ROW
+            row = row_of(work, tile, layer, j)
             for m in range(tile.spans, tile.end):
                 k, a, b = work.spans[m, 0], work.spans[m, 1], work.spans[m, 2]
                 column, other = U64(MARGIN + a - tile.x0), U64(k)

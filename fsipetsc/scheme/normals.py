@@ -21,7 +21,6 @@ from fsipetsc.operators.loops import (
     along,
     by_length,
     column_of,
-    node,
     per,
     scale,
 )
@@ -89,15 +88,6 @@ class Columns(NamedTuple):
         return column_of(like, self.array, self.first, n)
 
 
-class Displacement(NamedTuple):
-    """Of a solid's node."""
-
-    q: Array
-
-    def at(self, like, n):
-        return node(like, self.q, n)
-
-
 @njit(**INNER_CALL)
 def along_axis(at, axis, patch):
     """Number of a node of the ghosted array along an axis, of so many, and their distance."""
@@ -108,8 +98,8 @@ def along_axis(at, axis, patch):
 
 @njit(**INNER_CALL)
 def slope_at(like, at, axis, S, weight, patch, of, own=-1.0):
-    """D_axis of a vector, ``of`` an object as the two above, at a node of the ghosted array; own =
-    1: D°, without the flux through the ends.
+    """D_axis of a vector, ``of`` an object as Columns, at a node of the ghosted array; own = 1: D°,
+    without the flux through the ends.
     """
     (place, nodes, stride), band = along_axis(at, axis, patch), S[axis]
     here, total = of.at(like, at), like

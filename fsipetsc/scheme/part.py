@@ -4,7 +4,8 @@ what the monitor finds. The records are those of fsipetsc.scheme.gas_record and 
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections import namedtuple
+from typing import NamedTuple
 
 from numba import njit
 
@@ -14,19 +15,8 @@ from fsipetsc.scheme.block_monitor import CONVECTION, MONITORED
 from fsipetsc.scheme.normals import add_areas
 from fsipetsc.scheme.rows import Array
 
-
-class PartCalls(NamedTuple):
-    """A part and what is done with it in a step, called by address (fsipetsc.operators.boxed)."""
-
-    part: Any
-    follow: Any
-    move: Any
-    swing: Any
-    normals: Any
-    turn: Any
-    store: Any
-    rates: Any
-    monitor: Any
+#: a part and what is done with it in a step, called by address (fsipetsc.operators.boxed)
+PartCalls = namedtuple("PartCalls", "part follow move swing normals turn store rates monitor")
 
 
 class Nothing(NamedTuple):

@@ -1,5 +1,6 @@
 """Particles of a rank as compiled code has them: records of tables, data and sums."""
 
+from collections import namedtuple
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -116,15 +117,9 @@ class Particles(NamedTuple):
     auxiliary: int
 
 
-class ParticleCalls(NamedTuple):
-    """Particles and what they do, called by address: see fsipetsc.operators.boxed."""
-
-    all: Any
-    weigh: Any
-    end_sums: Any
-    begin_normals: Any
-    end_normals: Any
-    begin_stored: Any
-    weigh_heat: Any
-    impose_conditions: Any
-    end_rates: Any
+#: particles and what they do, called by address: see fsipetsc.operators.boxed
+ParticleCalls = namedtuple(
+    "ParticleCalls",
+    "all weigh end_sums begin_normals end_normals begin_stored weigh_heat impose_conditions "
+    "end_rates",
+)

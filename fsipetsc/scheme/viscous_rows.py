@@ -69,12 +69,10 @@ def slopes(gas, like, axes, tile, work, layer, j, column, n):
         for k in range(1, axis.S.shape[0]):
             before = axis.S[k, i - k] / axis.weight[i] if i >= k else 0.0
             after = axis.S[k, i] / axis.weight[i] if i + k < axis.size else 0.0
-            low, high = here, here
-            if before != 0.0:
-                low = row_of(work, tile, layer - k * up, j - k * right) + column
-            if after != 0.0:
-                high = row_of(work, tile, layer + k * up, j + k * right) + column
             if before != 0.0 or after != 0.0:
+                back, on = k if before != 0.0 else 0, k if after != 0.0 else 0
+                low = row_of(work, tile, layer - back * up, j - back * right) + column
+                high = row_of(work, tile, layer + on * up, j + on * right) + column
                 fill(gain, loss, before, after, n)
                 to, none = column + U64(m) * of_axis, U64(0)
                 slope_row(gas, like, w, low, here, high, gain, none, loss, none, slope, to, n)
