@@ -95,7 +95,6 @@ class ParticleSystem:
                 normals=self.normals,
                 turning=self.turning,
                 of_normals=self._normal_exchange.table,
-                at_normals=self._normal_exchange.mine.size,
                 of_particle=self._normal_particles,
                 row_of=self._normal_exchange.row,
                 moves=moves,
@@ -210,7 +209,6 @@ class ParticleSystem:
         add: adds area vectors of faces, or how these turn, to the rows of members.
         """
         if self.slips:
-            kernels.begin_normals(self.box)
             add(self._normal_exchange.table)
             self._normal_exchange.exchange()
             kernels.end_normals(self.box, turning)
@@ -247,7 +245,6 @@ class ParticleSystem:
         calls = (
             (kernels.weigh, (y,)),
             (kernels.end_sums, (gain,)),
-            (kernels.begin_normals, ()),
             (kernels.end_normals, (True,)),
             (kernels.begin_stored, (y,)),
             (weigh_heat, ()),

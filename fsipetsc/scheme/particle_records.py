@@ -91,10 +91,9 @@ class Particles(NamedTuple):
     like: (0, …) of d dimensions. law: of the gas. stored: (rows, 1) energy per mass of members that
     is neither kinetic nor heat; stores: whether it changes. rows: (rows, columns) of the exchange.
     slips: whether any has constraints; normals, turning: (p, 2 d K), G and S of each and how they
-    turn.
-    of_normals: (members of those, 2 K d) area vectors, at_normals: how many are here, of_particle,
-    row_of: particle and row of each. moves: (p,) whether a wall there moves, place: (p, d) its
-    displacement. auxiliary: number of unknowns, at the end of a vector, of what came in.
+    turn. of_normals: (members of those, 2 d K) area vectors, of_particle, row_of: particle and row
+    of each. moves: (p,) whether a wall there moves, place: (p, d) its displacement. auxiliary:
+    number of unknowns, at the end of a vector, of what came in.
     """
 
     like: Any
@@ -109,7 +108,6 @@ class Particles(NamedTuple):
     normals: Array
     turning: Array
     of_normals: Array
-    at_normals: int
     of_particle: Array
     row_of: Array
     moves: Array
@@ -120,6 +118,5 @@ class Particles(NamedTuple):
 #: particles and what they do, called by address: see fsipetsc.operators.boxed
 ParticleCalls = namedtuple(
     "ParticleCalls",
-    "all weigh end_sums begin_normals end_normals begin_stored weigh_heat impose_conditions "
-    "end_rates",
+    "all weigh end_sums end_normals begin_stored weigh_heat impose_conditions end_rates",
 )

@@ -26,9 +26,9 @@ forces, data that replace unknowns by the change.
     weigh, exchange, end_sums, impose_conditions     complete the unknowns
     weigh, exchange, end_rates                       complete their rates
 
-begin_normals, what blocks say of their faces, an exchange and end_normals come before
-impose_conditions and the rates where particles have constraints; begin_stored, what solids say of
-their members, an exchange and weigh_heat before impose_conditions where stored energies matter.
+What blocks say of their faces, an exchange and end_normals come before impose_conditions and the
+rates where particles have constraints; begin_stored, what solids say of their members, an exchange
+and weigh_heat before impose_conditions where stored energies matter.
 """
 
 import numpy as np
@@ -159,23 +159,15 @@ def obeyed(one, like, p, data, of_gas, of_solid):
 
 
 @njit(**CALL)
-def begin_normals(all):
-    """Clear the rows of the members here."""
-    table = all.of_normals
-    for m in range(all.at_normals):
-        for c in range(table.shape[1]):
-            table[m, c] = 0.0
-
-
-@njit(**CALL)
 def end_normals(all, turning):
-    """Normals of particles, or how they turn, from the rows of all members."""
+    """Normals of particles, or how they turn, from the rows of all members, which are cleared."""
     total, table = all.turning if turning else all.normals, all.of_normals
     particle, row = all.of_particle, all.row_of
     total[:] = 0.0
     for m in range(particle.size):
         for c in range(table.shape[1]):
             total[particle[m], c] += table[row[m], c]
+    table[:] = 0.0
 
 
 @njit(**CALL)

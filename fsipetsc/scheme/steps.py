@@ -116,7 +116,6 @@ def run(box, what, s, f):
                 follow(parts, particles)
                 move(parts)
                 if particles.slips:
-                    calls.begin_normals(particles)
                     normals(parts, particles)
                     calls.end_normals(particles, False)
                 if particles.stores:
@@ -129,7 +128,6 @@ def run(box, what, s, f):
             if what == RATES or (steps and stage < STAGES):
                 clear(gain.numbers)
                 if particles.slips:
-                    calls.begin_normals(particles)
                     turn(parts, particles)
                     calls.end_normals(particles, True)
                 rates(parts, at, f, gain)
