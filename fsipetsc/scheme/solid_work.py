@@ -143,7 +143,7 @@ def reached_along(S: Array, begin: int, end: int) -> tuple[int, int]:
     i += first
     l = np.minimum(i + m, S.shape[1] - 1)
     inside = (i >= begin) | (begin <= l) & (l < end)
-    return min(begin, *i[inside].tolist()), max(end - 1, *l[inside].tolist()) + 1
+    return min([begin, *i[inside].tolist()]), max([end - 1, *l[inside].tolist()]) + 1
 
 
 def neighbours(bands: Any) -> tuple[Array, Array, Array]:
