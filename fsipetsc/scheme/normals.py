@@ -89,20 +89,13 @@ class Columns(NamedTuple):
 
 
 @njit(**INNER_CALL)
-def along_axis(at, axis, patch):
-    """Number of a node of the ghosted array along an axis, of so many, and their distance."""
-    nx, ny, nz = patch.ghosted
-    stride, nodes = (1, nx) if axis == 0 else (nx, ny) if axis == 1 else (nx * ny, nz)
-    return at // stride % nodes, nodes, stride
-
-
-@njit(**INNER_CALL)
 def slope_at(like, at, axis, S, weight, patch, of, own=-1.0):
     """D_axis of a vector, ``of`` an object as Columns, at a node of the ghosted array; own = 1: D°,
     without the flux through the ends.
     """
-    (place, nodes, stride), band = along_axis(at, axis, patch), S[axis]
-    here, total = of.at(like, at), like
+    nx, ny, nz = patch.ghosted
+    stride, nodes = (1, nx) if axis == 0 else (nx, ny) if axis == 1 else (nx * ny, nz)
+    place, band, here, total = at // stride % nodes, S[axis], of.at(like, at), like
     for k in range(1, band.shape[0]):
         for sign in (1, -1):
             first = place if sign > 0 else place - k
