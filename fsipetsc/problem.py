@@ -188,7 +188,7 @@ class Problem:
 
     @property
     def invariants(self) -> dict[str, Any]:
-        """What must not change, as JSON holds it: see fsipetsc.scheme.conservation_check.drifts,
+        """What must not change, as JSON holds it: see fsipetsc.scheme.conservation_check.Drifts,
         which takes it.
 
         masses: (name, numbers among the fluids) of the gas layers that nothing enters or leaves;

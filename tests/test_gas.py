@@ -39,15 +39,16 @@ def variables(gas, w):
 def test_fluxes_are_symmetric_and_those_of_the_equations(law, d, name):
     gas = equations(law, d)
     l, r, a_l, v_l, a_r, v_r = pair(gas, d)
-    flux, through = getattr(gas, name), getattr(gas, name.replace("pair_", "") + "_through")
+
+    def flux(l, r, a_l, v_l, a_r, v_r):
+        return getattr(gas, name)(l, r, a_l, a_r, gas.volume_flux(a_l, v_l, a_r, v_r))
+
     there, back = flux(l, r, a_l, v_l, a_r, v_r), flux(r, l, a_r, v_r, a_l, v_l)
     np.testing.assert_allclose(there, back, rtol=1e-14)
     rho, p, T, u, a, g = *l[:3], np.array(l[3:-2]), np.array(a_l), np.dot(a_l, v_l)
     E, V = rho * law.internal_energy(rho, T) + 0.5 * rho * u @ u, a @ u
     exact = [rho * (V - g), *(rho * u * (V - g) + p * a), E * (V - g) + p * V]
     np.testing.assert_allclose(flux(l, l, a_l, v_l, a_l, v_l), exact, rtol=1e-13, atol=1e-14)
-    one_area = flux(l, r, a_l, v_l, a_l, v_l)
-    np.testing.assert_allclose(through(l, r, a_l, g), one_area, rtol=1e-13, atol=1e-14)
 
 
 @EACH
@@ -73,7 +74,7 @@ def test_two_point_flux_conserves_entropy(law, d, spread):
     # z . U + rho s: u times it is the potential of the flux
     of_l, of_r = (variables(gas, w) @ gas.densities(w) + gas.entropy_density(w) for w in (l, r))
     exact = of_r * (a @ r[3:-2] - g) - of_l * (a @ l[3:-2] - g)
-    parts = (variables(gas, r) - variables(gas, l)) * gas.pair_flux(l, r, a_l, v_l, a_r, v_r)
+    parts = (variables(gas, r) - variables(gas, l)) * gas.pair_flux(l, r, a_l, a_r, g)
     assert abs(parts.sum() - exact) < 1e-13 * (np.abs(parts).sum() + abs(exact))
 
 

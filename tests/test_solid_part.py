@@ -79,7 +79,7 @@ def test_what_is_recorded_of_an_end_in_one_dimension(heat):
     solid, S = ElasticSolid(**NUMBERS, law="log", heat=heat).equations(1), 0.3
     stored = (solid.law.energy((1.1,)) + S * 0.1) / 1.7 if heat == "elastic" else 0.0
     q, found = np.array([[0.05, 0.2, 0.6 * 1.5 + 0.02 + stored]]), np.zeros(4)
-    monitor_end(solid, q, np.array([[1.1]]), 0, S, found)
+    monitor_end(solid, (0.0,), q, np.array([[1.1]]), 0, S, found)
     np.testing.assert_allclose(found, [0.05, 0.2, solid.law.stress((1.1,))[0] + S, 1.5], rtol=1e-13)
 
 

@@ -25,11 +25,10 @@ from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, NaturalOrder
 from fsipetsc.process.together import agree, together, wait_asleep
-from fsipetsc.scheme.after_step import note_extremes, note_gained
 from fsipetsc.scheme.batch import DT, MADE
 from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP
-from fsipetsc.scheme.runge_kutta import STAGES
+from fsipetsc.scheme.steps import STAGES, note_extremes, note_gained
 from fsipetsc.stepping.snapshot import as_numbers, whole
 from fsipetsc.stepping.state import State
 

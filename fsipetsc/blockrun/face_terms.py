@@ -13,7 +13,8 @@ from fsipetsc.blocks.metrics import Wide, curl_metrics
 from fsipetsc.blocks.problem import Meeting
 from fsipetsc.blocks.values import checked, checked_one, data, datum
 from fsipetsc.parallel.block_layout import Part
-from fsipetsc.scheme.faces import Closed, GasFaces, SolidFaces
+from fsipetsc.scheme.faces import GasFaces, SolidFaces
+from fsipetsc.scheme.part import Nothing
 
 Array = NDArray[Any]
 
@@ -61,7 +62,7 @@ class FaceTerms:
         nodes, n = [np.concatenate(values) for values in zip(*listed, strict=True)], count
         flags, numbers = np.zeros(n, np.int64), np.zeros((3, n))
         if len(listed) == 1:  # on all ranks of the block, for these compile the same
-            self.record: Any = Closed()
+            self.record: Any = Nothing()
         elif self._gas:
             self.record = GasFaces(*nodes, flags, np.zeros((n, d + 2)), *numbers)
         else:

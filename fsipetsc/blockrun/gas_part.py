@@ -13,12 +13,12 @@ from fsipetsc.blocks.particles import Particle
 from fsipetsc.blocks.values import block_values
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
-from fsipetsc.scheme import gas_record
 from fsipetsc.scheme.block_monitor import room_of, sums_of
-from fsipetsc.scheme.gas_dissipation import room
+from fsipetsc.scheme.gas_dissipation import gas_damping
 from fsipetsc.scheme.gas_memory import scratch
-from fsipetsc.scheme.gas_record import Damping, GasRecord, Undamped
+from fsipetsc.scheme.gas_record import GasRecord
 from fsipetsc.scheme.gas_rows import DivergenceForm, EntropyForm, Inviscid, Viscous
+from fsipetsc.scheme.part import Nothing
 from fsipetsc.scheme.radial import Radial, Straight
 
 Array = NDArray[Any]
@@ -28,8 +28,6 @@ class GasPart(BlockPart):
     """One part of a gas block. metrics: (d d + d + 1, N), a^k, velocity of the grid, J_t; around an
     axis A before J_t.
     """
-
-    functions = gas_record.FUNCTIONS
 
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
         super().__init__(layout, part, order)
@@ -70,11 +68,11 @@ class GasPart(BlockPart):
         like, viscous = (0.0,) * d, Viscous() if material.mu or material.kappa else Inviscid()
         convection = DivergenceForm() if form.convection == "divergence" else EntropyForm()
         sigma, shock = sigma_of(form.dissipation, self._problem.joined), form.shock
-        damping: Any = Undamped()
+        damping: Any = Nothing()
         if sigma > 0.0 or shock > 0.0:
             found = differences(d, self._order, bands, self.block.cells)
-            damping = Damping(sigma, shock, found, room(d, found))
-        self.work = scratch(like, convection, viscous, bands, part.patch)
+            damping = gas_damping(d, found, sigma, shock)
+        self.work = scratch(like, viscous, bands, part.patch)
         around = Radial(self.grid.record, np.zeros(((d + 1) ** 2, self.X.shape[1])))
         return GasRecord(
             **self._common(at_particles, columns, alone),

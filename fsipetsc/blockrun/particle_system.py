@@ -24,10 +24,8 @@ from fsipetsc.scheme import normals as of_faces
 from fsipetsc.scheme import particles as kernels
 from fsipetsc.scheme.particle_heat import weigh_heat
 from fsipetsc.scheme.particle_records import (
-    AT_WALL,
-    FLAGS,
+    FACTS,
     GAS,
-    MINE,
     SOLID,
     ParticleCalls,
     Particles,
@@ -67,7 +65,7 @@ class ParticleSystem:
         members, owners = members[taken], owners[taken]
         self._particles = [particles[p] for p in here]
         number = local[members[:, 0]]
-        columns = max(self._d + 3, 2 * self._d + 2)
+        columns = max(self._d + 3, 2 * self._d + 1)
         self._exchange = ParticleExchange(layout.comm, number, owners, columns, tag=1)
         self.table = self._table(number, members, owners, inertia)
         mine, self.nodes = self._exchange.mine, {}
@@ -80,7 +78,6 @@ class ParticleSystem:
         n, d = here.size, self._d
         sums = *np.zeros((3, n)), np.zeros((n, d + 2)), *np.zeros((2, n, d)), *np.zeros((4, n))
         self.state = State(*sums, U_t=np.zeros((n, d + 2)), acceleration=np.zeros((n, d)))
-        weigh_heat(self.table, self._stored, self.state)
         self.prescribed = Prescribed(layout.problem, self._particles, law, instant)
         moves = np.zeros(n, np.int64)
         moves[self.prescribed.moving] = 1
@@ -98,7 +95,6 @@ class ParticleSystem:
                 normals=self.normals,
                 turning=self.turning,
                 of_normals=self._normal_exchange.table,
-                at_normals=self._normal_exchange.mine.size,
                 of_particle=self._normal_particles,
                 row_of=self._normal_exchange.row,
                 moves=moves,
@@ -106,6 +102,7 @@ class ParticleSystem:
                 auxiliary=layout.auxiliary,
             )
         )
+        weigh_heat(self.box)
 
     def _table(
         self, number: Array, members: Array, owners: Array, inertia: dict[int, Array]
@@ -129,15 +126,13 @@ class ParticleSystem:
             constraint[p, : len(particle.constraints)] = [c.kind for c in particle.constraints]
         begin = np.searchsorted(number, np.arange(count + 1))
         gases = [k for k, block in enumerate(blocks) if block.kind == "fluid"]
-        of_gas = [[k for k, _ in p.members if k in gases][:1] for p in self._particles]
-
         through = layout.problem.column_of_face
-        faces = [[through.get(face, len(through)) for face in _faces(p)] for p in self._particles]
-
-        flags = np.zeros((count, FLAGS), np.int64)
-        flags[:, MINE] = owners[begin[:-1]] == layout.comm.rank
+        facts = np.zeros(count, FACTS)
         for p, particle in enumerate(self._particles):
-            flags[p, 1:] = _flags(particle)
+            mine = owners[begin[p]] == layout.comm.rank
+            column = next((gases.index(k) for k, _ in particle.members if k in gases), 0)
+            faces = [through.get(face, len(through)) for face in _faces(particle)]
+            facts[p] = mine, *_flags(particle), *faces, len(particle.constraints), column
         return Table(
             begin=begin,
             row=row,
@@ -146,11 +141,8 @@ class ParticleSystem:
             weight=weight,
             alpha=alpha,
             inertia=booked,
-            count=np.array([len(p.constraints) for p in self._particles], np.int64),
             constraint=constraint,
-            column=np.array([gases.index(k[0]) if k else 0 for k in of_gas], np.int64),
-            faces=np.array(faces, np.int64).reshape(-1, 4),
-            flags=flags,
+            facts=facts,
         )
 
     def _weights(self, members: Array, inertia: dict[int, Array]) -> Array:
@@ -192,8 +184,7 @@ class ParticleSystem:
         self._normal_particles = number[chosen]
         K = self.table.constraint.shape[1]
         self.slips = layout.comm.allreduce(int(bound.any()), op=MPI.MAX) > 0
-        self.normals = np.zeros((bound.size, K, 2 * d))
-        self.turning = np.zeros((bound.size, K, 2 * d))
+        self.normals, self.turning = np.zeros((2, bound.size, K * 2 * d))
         exchange = ParticleExchange(layout.comm, number[chosen], owners[chosen], 2 * K * d, tag=2)
         self._normal_exchange = exchange
         mine = np.flatnonzero(chosen)[exchange.mine]
@@ -218,7 +209,6 @@ class ParticleSystem:
         add: adds area vectors of faces, or how these turn, to the rows of members.
         """
         if self.slips:
-            kernels.begin_normals(self.box)
             add(self._normal_exchange.table)
             self._normal_exchange.exchange()
             kernels.end_normals(self.box, turning)
@@ -229,7 +219,7 @@ class ParticleSystem:
             kernels.begin_stored(self.box, y)
             store()
             self._store_exchange.exchange()
-            kernels.end_stored(self.box)
+            weigh_heat(self.box)
 
     # what the scheme calls; gain: masses, impulse and energy that come in. `share` begins it, the
     # others add to it
@@ -238,7 +228,7 @@ class ParticleSystem:
         """Sums of the members; ``state`` has what the particles share, but for slipping and
         temperatures.
         """
-        kernels.begin_sums(self.box, y, gain)
+        kernels.weigh(self.box, y)
         self._exchange.exchange()
         kernels.end_sums(self.box, gain)
 
@@ -246,21 +236,19 @@ class ParticleSystem:
         """Rates of all members under the constraints of their particles, and of what comes in, in
         place.
         """
-        kernels.begin_rates(self.box, f)
+        kernels.weigh(self.box, f)
         self._exchange.exchange()
         kernels.end_rates(self.box, y, f, gain)
 
     def calls(self, y: Array, gain: Array) -> Any:
         """All that compiled code takes with what it calls; y, gain: examples of what these take."""
         calls = (
-            (kernels.begin_sums, (y, gain)),
+            (kernels.weigh, (y,)),
             (kernels.end_sums, (gain,)),
-            (kernels.begin_normals, ()),
             (kernels.end_normals, (True,)),
             (kernels.begin_stored, (y,)),
-            (kernels.end_stored, ()),
+            (weigh_heat, ()),
             (kernels.impose_conditions, (y, gain)),
-            (kernels.begin_rates, (y,)),
             (kernels.end_rates, (y, y, gain)),
         )
         return with_calls(ParticleCalls, self.box, calls)
@@ -268,7 +256,7 @@ class ParticleSystem:
     def at_walls(self, k: int) -> tuple[Array, Array]:
         """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""
         nodes, particle = self.nodes[k]
-        at_wall = self.table.flags[particle, AT_WALL] == 1
+        at_wall = self.table.facts["at_wall"][particle] == 1
         return nodes[at_wall], self.prescribed.data.wall[particle[at_wall]]
 
     def walls_away(self) -> dict[int, float]:
@@ -288,7 +276,7 @@ class ParticleSystem:
 
 
 def _flags(p: Particle) -> list[bool]:
-    """Of fsipetsc.scheme.particle_records, from FREE_GAS on."""
+    """FLAGS of fsipetsc.scheme.particle_records, but for the first one."""
     found = [
         not (p.wall or p.given_gas or (p.sticks and (p.clamp or p.given_solid))),
         not (p.clamp or p.given_solid or (p.sticks and p.wall)),

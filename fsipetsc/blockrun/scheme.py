@@ -28,13 +28,22 @@ from fsipetsc.errors import InputError
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.operators.boxed import Box, with_calls
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
-from fsipetsc.scheme import solid_record
+from fsipetsc.scheme import gas_record, solid_record
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
 from fsipetsc.scheme.normals import add_areas
 from fsipetsc.scheme.part import PartCalls
 from fsipetsc.scheme.particles import impose_conditions
-from fsipetsc.scheme.runge_kutta import STAGES, advance
-from fsipetsc.scheme.steps import COMPLETE, MONITOR, RATES, STEPS, All, Found, run
+from fsipetsc.scheme.steps import (
+    COMPLETE,
+    MONITOR,
+    RATES,
+    STAGES,
+    STEPS,
+    All,
+    Found,
+    advance,
+    run,
+)
 
 Array = NDArray[Any]
 
@@ -101,15 +110,14 @@ class Scheme:
                 mass = first["mass"] + fluids.index(k)
                 sums = np.array([mass, *momenta, first["energy"], first["entropy"], *turns])
                 record: Any = part.record(fluids.index(k), sums, faces, self.alone)
-                functions = part.functions
+                functions = gas_record.FUNCTIONS
             else:
                 own = [(number, row, X) for number, block, row, X in ends if block == k]
                 stored = self.particles.members[k]
                 lost = [first[name] for name in ("solid_energy", "lost_energy") if name in first]
                 sums = np.array([*momenta, first["energy"], *turns, *lost])
                 record = part.record(sums, faces, self.alone, own, stored)
-                stores = self.particles.stores and not part.equations.coupled
-                functions = solid_record.functions(stores, self.dimension == 1)
+                functions = solid_record.FUNCTIONS
             self._does[k] = PartCalls(Box(record), *functions)
         self._of_gases = [(gas, self._does[gas.part.k]) for gas in self._gases]
 
@@ -119,15 +127,15 @@ class Scheme:
         """
         stages = y, stage, *self._memory, np.zeros_like(y)
         self._found = Found(*stages, self._gain, *buffers, np.zeros(2))
-        self._noted = Box(self._found._replace(stage=y))
+        self._found_box = Box(self._found)
 
     @cached_property
     def _all(self) -> Any:
         """All that compiled code takes for stages in one call."""
-        found, gain, particles = Box(self._found), self._gain, self.particles.box
+        found, gain, particles = self._found_box, self._gain, self.particles.box
         y = self._found.y
         takes = (particles,), (), (), (particles,), (particles,)
-        takes += (particles, y), (y, y, gain), (y,), (found,)
+        takes += (particles, y), (y, y, gain), (y, found)
         parts = [
             with_calls(PartCalls, part, zip(functions, takes, strict=True))
             for part, *functions in self._does.values()
@@ -267,10 +275,9 @@ class Scheme:
         found.extremes[1:].reshape(blocks, MONITORED)[:, LEAST_J] = -np.inf
         if self.alone:
             run(self._all, MONITOR, y.array, y.array)
+            return
         for does in self._does.values():
-            if not self.alone:
-                does.monitor(does.part, y.array)
-            does.note(does.part, self._noted)
+            does.monitor(does.part, y.array, self._found_box)
 
     def forget(self) -> None:
         """Clear what gases remember of a bad state: no NaN may stay there for another step."""

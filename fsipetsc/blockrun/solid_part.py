@@ -1,6 +1,5 @@
 """A rank's part of a solid block: metrics, rates, what is saved of it."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -12,15 +11,13 @@ from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.blocks.values import block_values, prestress_of
 from fsipetsc.equations.tensors import add_unit, apply, cofactor
 from fsipetsc.operators.loops import dot
-from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
-from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
-from fsipetsc.scheme.gas_record import Undamped
-from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, SMALL, Damping, room
+from fsipetsc.scheme.part import Nothing
+from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, solid_damping
 from fsipetsc.scheme.solid_monitor import solid_monitor
-from fsipetsc.scheme.solid_record import SolidDamping, SolidRecord
+from fsipetsc.scheme.solid_record import SolidRecord
 from fsipetsc.scheme.solid_work import solid_work, sums_of
 
 Array = NDArray[Any]
@@ -45,12 +42,8 @@ class SolidPart(BlockPart):
         strain = self.equations.unstrained((0.0,) * d)
         self._F = np.zeros((len(strain), part.numbers.size))
         self.prestress = prestress_of(self.block, self.X)
-        first, nodes, rows = self._ranges[0][0], self.block.shape[0], OPERATORS[order].rows
-        inside = rows - first, nodes - rows - first  # of the ghosted nodes along axis 0
-        if self.block.periodic[0]:
-            inside = 0, part.patch.ghosted[0]
-        self._work = solid_work(self.equations, part.bands, inside, part.patch)
-        self._dissipation = list(self._make_dissipation(order, form))
+        self._work = solid_work(self.equations, part.bands, part.patch)
+        self._dissipation = self._make_dissipation(order, form)
 
     @property
     def reference(self) -> Array:
@@ -58,17 +51,16 @@ class SolidPart(BlockPart):
         J: Array = self.metrics[self._d**2, self.owned]
         return J
 
-    def _make_dissipation(self, order: int, form: Any) -> Iterator[tuple[Any, ...]]:
-        """What solid_dissipation wants of each term: that of all nodes, and that of shocks."""
-        d, solid, bands, cells = self._d, self.equations, self.part.bands, self.block.cells
-        K = solid.law.wave_modulus(solid.tensor(solid.unstrained((0.0,) * d)))
-        of_solid = np.sqrt(K * solid.m0), solid.m0, SMALL * np.sqrt(K / solid.m0)
+    def _make_dissipation(self, order: int, form: Any) -> Any:
+        """The term of all nodes, and after it that of shocks."""
+        found: Any = Nothing()
         sigma = sigma_of(form.dissipation, self._problem.joined) / 4.0 ** (order // 2)
-        terms = (order, sigma, -sigma * (form.shock > 0.0)), (2, 0.0, AT_SHOCKS * form.shock)
+        terms = (2, 0.0, AT_SHOCKS * form.shock), (order, sigma, -sigma * (form.shock > 0.0))
         for order_of_term, a, b in terms:
             if a > 0.0 or b > 0.0:
-                found = differences(d, order_of_term, bands, cells)
-                yield Damping(a, b, *of_solid), found, room(d, found)
+                apart = differences(self._d, order_of_term, self.part.bands, self.block.cells)
+                found = solid_damping(self.equations, apart, a, b, found)
+        return found
 
     def initial(self, t: float, q: Array) -> None:
         """Fill q (M, 2d + 1) with the case's data."""
@@ -121,7 +113,7 @@ class SolidPart(BlockPart):
         """
         seen, sums = np.zeros(MONITORED), np.zeros(sums_of(self._d) + 1)
         of_block = self.X, self.metrics, self.prestress, self._per_h
-        memory = STIFFNESS_OF_WIDE, self._masses, self._work, self._F, self._loses, seen, sums
+        memory = self._masses, self._work, self._F, self._loses, seen, sums
         solid_monitor(self.equations, (0.0,) * self._d, q, *of_block, *memory)
         return seen, sums
 
@@ -137,16 +129,14 @@ class SolidPart(BlockPart):
         end of this part in one dimension. stored: rows and numbers of nodes of members that tell
         what they store.
         """
-        part, d, damping = self.part, self._d, Undamped()
-        for of_term, found, memory in self._dissipation[::-1]:
-            damping = SolidDamping(of_term, found, memory, damping)
+        part, d = self.part, self._d
         ends = np.zeros((len(interfaces), 4))
         for end, (number, row, X) in zip(ends, interfaces, strict=True):
             end[:] = number, row, X, self._prestress_at(self.owned[[row]])[0, 0]
         return SolidRecord(
             **self._common(at_particles, columns, alone),
             laws=self.equations,
-            dissipation=damping,
+            dissipation=self._dissipation,
             loses=self._loses,
             inertia=self.inertia,
             prestress=self.prestress,

@@ -32,7 +32,6 @@ its primitive variables, with the reciprocals that two-point fluxes need.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from fsipetsc.equations.means import (
     distance,
@@ -88,11 +87,10 @@ class Gas(NamedTuple):
 
     def flux(self, w, a):
         """a . f, the inviscid flux through the area a at rest."""
-        rho, p, u = w[0], w[1], w[3:-2]
+        p, u, U = w[1], w[3:-2], self.densities(w)
         through = dot(a, u)
-        energy = self.law.energy_density(rho, w[2]) + 0.5 * rho * dot(u, u)
-        mass = rho * through
-        return (mass, *along(scale(mass, u), p, a), (energy + p) * through)
+        mass = U[0] * through
+        return (mass, *along(scale(mass, u), p, a), (U[-1] + p) * through)
 
     def of_grid(self, like):
         """As many numbers as v has: what is known of the grid at a node beside its area vectors."""
@@ -102,33 +100,32 @@ class Gas(NamedTuple):
         """g of two nodes, from their area vectors and velocities of the grid."""
         return 0.5 * (dot(a_l, v_r) + dot(a_r, v_l))
 
-    def mean_flux(self, l, r, a_l, v_l, a_r, v_r):
+    def mean_flux(self, l, r, a_l, a_r, g):
         """{a . f} - g {U} of two nodes: the divergence form, for any gas law."""
         f = mean(self.flux(l, a_l), self.flux(r, a_r))
-        U = mean(self.densities(l), self.densities(r))
-        return along(f, -self.volume_flux(a_l, v_l, a_r, v_r), U)
-
-    def pair_flux(self, l, r, a_l, v_l, a_r, v_r):
-        """F of any two nodes."""
-        return self.flux_through(l, r, mean(a_l, a_r), self.volume_flux(a_l, v_l, a_r, v_r))
-
-    def flux_through(self, l, r, a, g):
-        """a . f# - g U# of any two nodes: linear in a and g."""
-        rho = logarithmic_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
-        T = harmonic_mean(l[2], r[2], distance(l[2], r[2], l[-1], r[-1]))
-        return two_point_flux(self.law, l, r, a, g, rho, T)
-
-    def mean_flux_through(self, l, r, a, g):
-        """{a . f} - g {U} of two nodes, through one area."""
-        f = mean(self.flux(l, a), self.flux(r, a))
         return along(f, -g, mean(self.densities(l), self.densities(r)))
 
-    def near_pair_flux(self, l, r, a_l, v_l, a_r, v_r):
-        """The same where pair_distance is at most NEAR, in half the time: without logarithms."""
-        g = self.volume_flux(a_l, v_l, a_r, v_r)
+    def pair_flux(self, l, r, a_l, a_r, g):
+        """F of any two nodes; linear in a_l, a_r and g."""
+        rho = logarithmic_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
+        T = harmonic_mean(l[2], r[2], distance(l[2], r[2], l[-1], r[-1]))
+        return self.two_point_flux(l, r, mean(a_l, a_r), g, rho, T)
+
+    def near_pair_flux(self, l, r, a_l, a_r, g):
+        """The same where pair_distance is at most NEAR, in a third of the time: no logarithms."""
         rho = near_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
         T = near_harmonic_mean(l[2], r[2], distance(l[2], r[2], l[-1], r[-1]))
-        return two_point_flux(self.law, l, r, mean(a_l, a_r), g, rho, T)
+        return self.two_point_flux(l, r, mean(a_l, a_r), g, rho, T)
+
+    def two_point_flux(self, l, r, a, g, rho, T):
+        """a . f# - g U#, with the means rho and T."""
+        u_l, u_r = l[3:-2], r[3:-2]
+        through_l, through_r = dot(a, u_l), dot(a, u_r)
+        relative = 0.5 * (through_l + through_r) - g
+        mass = rho * relative
+        momentum = along(scale(mass, mean(u_l, u_r)), 0.5 * (l[1] + r[1]), a)
+        energy = relative * (self.law.energy_density(rho, T) + 0.5 * rho * dot(u_l, u_r))
+        return (mass, *momentum, energy + 0.5 * (l[1] * through_r + r[1] * through_l))
 
     def pair_distance(self, l, r):
         """How far two states are apart: the larger distance (means.py) of density, temperature."""
@@ -220,15 +217,3 @@ class RadialGas(Gas):
         A_l, A_r = v_l[-1] + 1e-300, v_r[-1] + 1e-300  # A is 0 beyond the ends of rows
         there, here = last_times(A_r / A_l, v_r[:-1]), last_times(A_l / A_r, v_l[:-1])
         return 0.5 * (dot(a_l, there) + dot(a_r, here))
-
-
-@register_jitable
-def two_point_flux(law, l, r, a, g, rho, T):
-    """a . f# - g U#, with the means rho and T."""
-    u_l, u_r = l[3:-2], r[3:-2]
-    through_l, through_r = dot(a, u_l), dot(a, u_r)
-    relative = 0.5 * (through_l + through_r) - g
-    mass = rho * relative
-    momentum = along(scale(mass, mean(u_l, u_r)), 0.5 * (l[1] + r[1]), a)
-    energy = relative * (law.energy_density(rho, T) + 0.5 * rho * dot(u_l, u_r))
-    return (mass, *momentum, energy + 0.5 * (l[1] * through_r + r[1] * through_l))

@@ -52,6 +52,8 @@ class Solid(NamedTuple):
     alpha: specific heat [J/(kg K)], kappa: conductivity [W/(m K)], coupled: 1, or 0 with heat
     'elastic'. force: (d,) body force per mass [m/s2]. around: a zero for each hoop stretch, p_ref:
     pressure [Pa] on faces that is no part of the stress; both of radial solids alone.
+
+    Formulas take F with hoop stretches, where there are any.
     """
 
     law: Any
@@ -74,27 +76,33 @@ class Solid(NamedTuple):
 
     def weight(self, x):
         """r^kappa of a place, of what weighs the last number of its area vectors."""
-        return 1.0
+        kappa = len(self.around)
+        return 1.0 if kappa == 0 else x[-1] if kappa == 1 else x[-1] * x[-1]
 
     def flat(self, x):
-        """A place in the coordinates whose metrics they have otherwise."""
-        return x
+        """A place in the coordinates whose metrics they have otherwise: around an axis or a centre
+        (z, s), see fsipetsc.blocks.radial_grid.
+        """
+        return last_times(self.weight(x) / (len(self.around) + 1), x)
 
     def rows(self, like):
-        """How many numbers the metrics of a node are."""
-        return len(like) ** 2 + 1
+        """How many numbers the metrics of a node are: A^k, J0, and R around an axis."""
+        return len(like) ** 2 + 1 + min(len(self.around), 1)
 
     def with_hoops(self, F, D, R):
         """F with hoop stretches, from the displacement D and the radius R at rest."""
         return F
 
     def with_hoop_force(self, acceleration, v, e, F, R):
-        """An acceleration with what hoop stresses do."""
+        """An acceleration less kappa P_o/(R m0) along r."""
         return acceleration
 
     def curvature(self, R):
-        """What hoop stress adds to the squared wave number that bounds a step [1/m2]."""
-        return 0.0
+        """What hoop stress adds to the squared wave number that bounds a step [1/m2]:
+        (kappa/(2 R))^2. With it, omega dt of a node at R = h/2 is at most 2.7 for the longest
+        step; RK4 allows 2.8.
+        """
+        return (0.5 * len(self.around) / R) ** 2
 
     def energy(self, F):
         """W [J/m3]."""
@@ -117,8 +125,9 @@ class Solid(NamedTuple):
         """p [Pa]."""
         return self.pressing.pressure(J, T, self.m0, self.alpha)
 
-    def full_stress(self, F, T):
-        """P [Pa] of a full tensor F."""
+    def full_stress(self, strain, T):
+        """P [Pa] in the dimensions of the law."""
+        F = self.tensor(strain)
         return along(self.law.stress(F), -self.pressure_at(determinant(F), T), cofactor(F))
 
     def stress_at(self, F, T):
@@ -126,9 +135,9 @@ class Solid(NamedTuple):
         return self.full_stress(F, T)
 
     def full_heat_flux(self, F, gradient):
-        """h of a full tensor F."""
-        C = cofactor(F)
-        return scale(self.kappa / determinant(F), apply_transposed(C, apply(C, gradient)))
+        """h in the dimensions of the law."""
+        C = cofactor(self.tensor(F))
+        return scale(self.kappa / self.volume(F), apply_transposed(C, apply(C, gradient)))
 
     def heat_flux(self, F, gradient):
         """h = kappa/J (cof F)^T cof F grad T [W/m2]: minus the flux of heat, per area at rest."""
@@ -138,9 +147,9 @@ class Solid(NamedTuple):
         """Upper bound of m0 c^2 [Pa], of waves along the stiffest direction at constant entropy."""
         F = self.tensor(strain)
         J, m0, alpha = determinant(F), self.m0, self.alpha
-        area = largest_stretch(cofactor(F))
+        area, P = largest_stretch(cofactor(F)), self.full_stress(strain, T)
         stiffness = self.pressing.stiffness(J, T, m0, alpha) / J
-        P, by_T = self.full_stress(F, T), self.pressing.pressure_by_temperature(J, T, m0, alpha)
+        by_T = self.pressing.pressure_by_temperature(J, T, m0, alpha)
         heating = abs(by_T) * np.sqrt(area * dot(P, P)) / (m0 * alpha)
         return self.law.wave_modulus(F) + max(stiffness, 0.0) * area + heating
 
@@ -151,43 +160,22 @@ class RadialSolid(Solid):
     """
 
     def unstrained(self, like):
-        """F at rest."""
         return (*add_unit(1.0, outer(like, like)), 1.0)
 
     def tensor(self, F):
         """diag(dr/dR, lambda) or diag(dr/dR, lambda, lambda)."""
         return diagonal(self.around, F[0], F[1])
 
-    def weight(self, x):
-        """r^kappa."""
-        return x[-1] if len(self.around) == 1 else x[-1] * x[-1]
-
-    def flat(self, x):
-        """(z, s), see fsipetsc.blocks.radial_grid."""
-        return last_times(self.weight(x) / (len(self.around) + 1), x)
-
-    def rows(self, like):
-        """A^k, J0, R."""
-        return len(like) ** 2 + 2
-
     def with_hoops(self, F, D, R):
-        """(F, lambda), lambda from the displacement D and the radius R at rest."""
         return (*F, 1.0 + D[-1] / R)
 
     def with_hoop_force(self, acceleration, v, e, F, R):
-        """An acceleration less kappa P_o/(R m0) along r."""
-        P = self.full_stress(self.tensor(F), self.temperature(v, e, F))[-1]
+        P = self.full_stress(F, self.temperature(v, e, F))[-1]
         return add_last(-len(self.around) * P / (self.m0 * R), acceleration)
-
-    def curvature(self, R):
-        """(kappa/(2 R))^2. With it, omega dt of a node at R = h/2 is at most 2.7 for the longest
-        step; RK4 allows 2.8.
-        """
-        return (0.5 * len(self.around) / R) ** 2
 
     def hoop_stress(self, F, T):
         """Cauchy stress of the hoops [Pa]."""
-        return self.full_stress(self.tensor(F), T)[-1] * F[-1] / self.volume(F) - self.p_ref
+        return self.full_stress(F, T)[-1] * F[-1] / self.volume(F) - self.p_ref
 
     def line_stress(self, F):
         """Cauchy stress of the law along the radius [Pa]."""
@@ -195,11 +183,11 @@ class RadialSolid(Solid):
 
     def stress_at(self, F, T):
         """P_r [Pa]."""
-        return (self.full_stress(self.tensor(F), T)[0],)
+        return (self.full_stress(F, T)[0],)
 
     def heat_flux(self, F, gradient):
         """kappa J/F_r^2 dT/dR."""
-        return (self.full_heat_flux(self.tensor(F), (gradient[0], *self.around))[0],)
+        return (self.full_heat_flux(F, (gradient[0], *self.around))[0],)
 
 
 class AxialSolid(RadialSolid):
@@ -207,13 +195,14 @@ class AxialSolid(RadialSolid):
 
     def tensor(self, F):
         """F of (z, r), and lambda."""
-        return (F[0], F[1], 0.0 * F[0], F[2], F[3], 0.0 * F[0], 0.0 * F[0], 0.0 * F[0], F[4])
+        zero = 0.0 * F[0]
+        return (F[0], F[1], zero, F[2], F[3], zero, zero, zero, F[4])
 
     def stress_at(self, F, T):
         """P in (z, r) [Pa]."""
-        P = self.full_stress(self.tensor(F), T)
+        P = self.full_stress(F, T)
         return (P[0], P[1], P[3], P[4])
 
     def heat_flux(self, F, gradient):
         """h in (z, r) [W/m2]."""
-        return self.full_heat_flux(self.tensor(F), (*gradient, 0.0))[:2]
+        return self.full_heat_flux(F, (*gradient, 0.0))[:2]

@@ -11,7 +11,7 @@ from typing import Any
 
 from numba.extending import register_jitable
 
-from fsipetsc.operators.loops import _by_length as by_length
+from fsipetsc.operators.loops import by_length
 
 Entry = Callable[[int, int, int], str]
 
@@ -54,14 +54,9 @@ def _invariant_excess(n: int) -> str:
 def _largest_eigenvalue(n: int) -> str:
     """The right end of Gershgorin's circles."""
     d = isqrt(n)
-    row = [
-        " + ".join(f"abs(B[{i * d + j}])" for j in range(d) if j != i) or "0.0" for i in range(d)
-    ]
-    ends = [f"B[{i * d + i}] + {row[i]}" for i in range(d)]
-    nested = ends[0]
-    for end in ends[1:]:
-        nested = f"max({nested}, {end})"
-    return " return " + nested
+    others = [[f" + abs(B[{i * d + j}])" for j in range(d) if j != i] for i in range(d)]
+    ends = (f"B[{i * d + i}]" + "".join(others[i]) for i in range(d))
+    return f" return max(0.0, {', '.join(ends)})"
 
 
 def _diagonal(hoops: int) -> str:
@@ -98,7 +93,7 @@ determinant = by_length("determinant", "F", _determinant)
 cofactor = by_length("cofactor", "F", _tensor(_cofactor))
 #: |F|^2 - d
 invariant_excess = by_length("invariant_excess", "F", _invariant_excess)
-#: an upper bound of the eigenvalues of a symmetric tensor, exact for a diagonal one
+#: an upper bound of the eigenvalues of a positive tensor, exact for a diagonal one
 largest_eigenvalue = by_length("largest_eigenvalue", "B", _largest_eigenvalue)
 #: F + c times the unit tensor
 add_unit = by_length(

@@ -20,8 +20,7 @@ from numba.extending import register_jitable
 
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError
-from fsipetsc.operators.loops import _by_length as by_length
-from fsipetsc.operators.loops import zeros
+from fsipetsc.operators.loops import by_length, zeros
 
 Formula = Callable[..., Any]
 #: step of differences, relative to rho and T

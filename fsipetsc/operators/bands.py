@@ -49,16 +49,6 @@ class Band(NamedTuple):
         chosen = np.arange(begin, end) % len(self.weight)
         return Band(np.ascontiguousarray(self.S[:, chosen]), self.weight[chosen])
 
-    def matrix(self) -> Array:
-        """D as a dense (n, n) array."""
-        n = len(self.weight)
-        Q = np.zeros((n, n))
-        for k in range(1, len(self.S)):
-            i = np.arange(n)
-            np.add.at(Q, (i, (i + k) % n), 0.5 * self.S[k])
-            np.add.at(Q, ((i + k) % n, i), -0.5 * self.S[k])
-        return (Q - np.diag(Q.sum(axis=1))) / self.weight[:, None]
-
 
 #: an axis that is not there: one node, no pairs
 NO_AXIS = Band(np.zeros((1, 1)), np.ones(1))

@@ -38,7 +38,7 @@ class Coefficients(NamedTuple):
     """(r,) Weights of the first r points, without h."""
     interior: tuple[Fraction, ...]
     """(p,) c_1..c_p of the centred stencil."""
-    free: Mapping[tuple[int, int], Fraction]
+    free: Mapping[tuple[int, int], Fraction] = {}
     """Entries (i, j), i < j, of Q that accuracy leaves free."""
 
 
@@ -51,13 +51,11 @@ COEFFICIENTS: dict[int, Coefficients] = {
         boundary_order=1,
         norm=_fractions("1/2"),
         interior=_fractions("1/2"),
-        free={},
     ),
     4: Coefficients(
         boundary_order=2,
         norm=_fractions("17/48 59/48 43/48 49/48"),
         interior=_fractions("2/3 -1/12"),
-        free={},
     ),
     6: Coefficients(
         boundary_order=3,

@@ -52,12 +52,11 @@ def use_kernel_cache() -> Path:
     """Let numba keep kernels in a folder of these sources, from now on; the folder."""
     given = os.environ.get("NUMBA_CACHE_DIR")
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    base = Path(given) if given else Path(home) / "fsipetsc"
+    folder = (Path(given) if given else Path(home) / "fsipetsc") / source_hash()
     try:
-        (base / source_hash()).mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
     except OSError:
-        base = Path(tempfile.gettempdir()) / f"fsipetsc-{os.getuid()}"
-        (base / source_hash()).mkdir(parents=True, exist_ok=True)
-    folder = base / source_hash()
+        folder = Path(tempfile.gettempdir()) / f"fsipetsc-{os.getuid()}" / folder.name
+        folder.mkdir(parents=True, exist_ok=True)
     numba.config.CACHE_DIR = str(folder)
     return folder

@@ -91,7 +91,7 @@ def _method(formula: Callable[..., Any]) -> Any:
     return Method
 
 
-def _by_length(name: str, arguments: str, body: Callable[[int], str], inline: str = "never") -> Any:
+def by_length(name: str, arguments: str, body: Callable[[int], str], inline: str = "never") -> Any:
     """A function of tuples, by its source for tuples of length n, in Python and compiled."""
     made: dict[int, Any] = {}
 
@@ -113,7 +113,8 @@ def _by_length(name: str, arguments: str, body: Callable[[int], str], inline: st
     return space[name]
 
 
-def _tuple(item: str) -> Callable[[int], str]:
+def numbers(item: str) -> Callable[[int], str]:
+    """Source of a tuple of so many numbers; @: the number of one."""
     return lambda n: " return (" + "".join(item.replace("@", str(k)) + "," for k in range(n)) + ")"
 
 
@@ -126,34 +127,39 @@ def _lines(line: str) -> Callable[[int], str]:
     return lambda n: "\n".join(" " + line.replace("@", str(k)) for k in range(n))
 
 
-def _sum(term: str) -> Callable[[int], str]:
+def total_of(term: str) -> Callable[[int], str]:
+    """Source of a sum."""
     return lambda n: " return " + " + ".join(term.replace("@", str(k)) for k in range(n))
 
 
-dot = _by_length("dot", "a, b", _sum("a[@] * b[@]"))
-add = _by_length("add", "a, b", _tuple("a[@] + b[@]"))
-sub = _by_length("sub", "a, b", _tuple("a[@] - b[@]"))
-scale = _by_length("scale", "c, a", _tuple("c * a[@]"))
-mean = _by_length("mean", "a, b", _tuple("0.5 * (a[@] + b[@])"))
-per = _by_length("per", "a, c", _tuple("a[@] / c"))
+dot = by_length("dot", "a, b", total_of("a[@] * b[@]"))
+add = by_length("add", "a, b", numbers("a[@] + b[@]"))
+sub = by_length("sub", "a, b", numbers("a[@] - b[@]"))
+scale = by_length("scale", "c, a", numbers("c * a[@]"))
+mean = by_length("mean", "a, b", numbers("0.5 * (a[@] + b[@])"))
+per = by_length("per", "a, c", numbers("a[@] / c"))
 #: a + c b
-along = _by_length("along", "a, c, b", _tuple("a[@] + c * b[@]"))
+along = by_length("along", "a, c, b", numbers("a[@] + c * b[@]"))
+total = by_length("total", "a", total_of("a[@]"))
+larger = by_length("larger", "a, b", numbers("max(a[@], b[@])"))
 #: (a_1, …, c a_n), and (a_1, …, a_n + c)
-last_times = _by_length("last_times", "c, a", _last("c * a[@]"))
-add_last = _by_length("add_last", "c, a", _last("a[@] + c"))
-zeros = _by_length("zeros", "a", _tuple("0.0 * a[@]"))
-choose = _by_length("choose", "first, a, b", _tuple("a[@] if first else b[@]"))
+last_times = by_length("last_times", "c, a", _last("c * a[@]"))
+add_last = by_length("add_last", "c, a", _last("a[@] + c"))
+zeros = by_length("zeros", "a", numbers("0.0 * a[@]"))
+choose = by_length("choose", "first, a, b", numbers("a[@] if first else b[@]"))
 #: rows[c][i], as a tuple
-load = _by_length("load", "rows, i", _tuple("rows[@][i]"))
-store = _by_length("store", "rows, i, values", _lines("rows[@][i] = values[@]"))
+load = by_length("load", "rows, i", numbers("rows[@][i]"))
+store = by_length("store", "rows, i, values", _lines("rows[@][i] = values[@]"))
 #: array[c, a:b] for each c of like, made where it is used: else numba counts references to views
-rows = _by_length("rows", "like, array, a, b", _tuple("array[@, a:b]"), inline="always")
+rows = by_length("rows", "like, array, a, b", numbers("array[@, a:b]"), inline="always")
 #: array[c, n] for each c of like: the numbers of one node of an array by components
-column = _by_length("column", "like, array, n", _tuple("array[@, n]"))
+column = by_length("column", "like, array, n", numbers("array[@, n]"))
+#: the same from array[first, n] on
+column_of = by_length("column_of", "like, array, first, n", numbers("array[first + @, n]"))
 #: array[n, c] for each c of like: the numbers of one node of an interlaced array
-node = _by_length("node", "like, array, n", _tuple("array[n, @]"))
+node = by_length("node", "like, array, n", numbers("array[n, @]"))
 #: the same from array[n, first] on
-part_of = _by_length("part_of", "like, array, n, first", _tuple("array[n, first + @]"))
-put_part = _by_length(
+part_of = by_length("part_of", "like, array, n, first", numbers("array[n, first + @]"))
+put_part = by_length(
     "put_part", "array, n, first, values", _lines("array[n, first + @] = values[@]")
 )

@@ -120,23 +120,19 @@ def end_term(interior: Sequence[Fraction]) -> NDArray[Any]:
 def remainder(interior: Sequence[Fraction], b: Sequence[Any]) -> NDArray[Any]:
     """R(b), (n, n), of fractions if b are fractions, and of floats otherwise; interior: the centred
     stencil of D."""
-    n, exact = len(b), all(isinstance(value, (int, Fraction)) for value in b)
-    result = np.full((n, n), Fraction(0), dtype=object) if exact else np.zeros((n, n))
-    end = end_term(interior)
-    if not exact:
-        end = end.astype(float)
+    n, exact, end = len(b), all(isinstance(v, (int, Fraction)) for v in b), end_term(interior)
+    result = np.full((n, n), Fraction(0), dtype=object)
     for level in levels(interior):
-        weights = np.array(difference(level.order), dtype=object if exact else float)
+        weights = np.array(difference(level.order), dtype=object)
         products = np.outer(weights, weights)
         for t in range(len(end), n - level.order - len(end)):
-            near = b[t + level.skipped :]
-            mean = sum((w if exact else float(w)) * near[k] for k, w in enumerate(level.weights))
+            mean = sum(w * b[t + level.skipped + k] for k, w in enumerate(level.weights))
             result[t : t + level.order + 1, t : t + level.order + 1] += mean * products
-    weights = np.array(difference(len(interior) + 1), dtype=object if exact else float)
+    weights = np.array(difference(len(interior) + 1), dtype=object)
     for i, j in np.argwhere(end):
         for side in (slice(None), slice(None, None, -1)):
             at = result[side, side]
             at[i : i + len(weights), j : j + len(weights)] += (
                 b[side][len(end)] * end[i, j] * np.outer(weights, weights)
             )
-    return result
+    return result if exact else result.astype(float)

@@ -1,12 +1,10 @@
 """Summation-by-parts first derivatives: exact coefficients and dense matrices."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import NDArray
 
 from fsipetsc.operators.coefficients import COEFFICIENTS, closure_rows
 
@@ -59,11 +57,21 @@ class SBPOperator:
 
     def matrix(self, n: int, h: float = 1.0) -> NDArray[np.float64]:
         """D as a dense (n, n) array on spacing h > 0. ValueError if n < min_points."""
-        return self._assemble(n, float, np.float64) / h
+        return np.array(self.exact_matrix(n), float) / h
 
     def exact_matrix(self, n: int) -> list[list[Fraction]]:
         """D for h = 1 as n rows of n fractions. ValueError if n < min_points."""
-        return self._assemble(n, Fraction, object).tolist()
+        self._require(n)
+        matrix = np.full((n, n), Fraction(0), dtype=object)
+        for k, weight in enumerate(self.interior, start=1):
+            i = np.arange(n - k)
+            matrix[i, i + k], matrix[i + k, i] = weight, -weight
+        closure = np.array(self.closure, dtype=object)
+        rows, cols = closure.shape
+        matrix[:rows, :cols] = closure
+        matrix[n - rows :, n - cols :] = -closure[::-1, ::-1]
+        found: list[list[Fraction]] = matrix.tolist()
+        return found
 
     def norm_weights(self, n: int) -> NDArray[np.float64]:
         """The diagonal of H, shape (n,), without h. ValueError if n < min_points."""
@@ -72,19 +80,6 @@ class SBPOperator:
         weights[: self.rows] = [float(w) for w in self.norm]
         weights[n - self.rows :] = weights[: self.rows][::-1]
         return weights
-
-    def _assemble(self, n: int, number: Callable[[Any], Any], dtype: DTypeLike) -> NDArray[Any]:
-        self._require(n)
-        matrix = np.full((n, n), number(0), dtype=dtype)
-        for k, weight in enumerate(self.interior, start=1):
-            i = np.arange(n - k)
-            matrix[i, i + k] = number(weight)
-            matrix[i + k, i] = number(-weight)
-        closure = np.array([[number(w) for w in row] for row in self.closure], dtype=dtype)
-        rows, cols = closure.shape
-        matrix[:rows, :cols] = closure
-        matrix[n - rows :, n - cols :] = 0 - closure[::-1, ::-1]  # -closure would hold -0.0
-        return matrix
 
     def _require(self, n: int) -> None:
         if n < self.min_points:

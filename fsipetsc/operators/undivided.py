@@ -40,6 +40,10 @@ class Differences(NamedTuple):
     norm: Array
     per_weight: Array
 
+    def room(self, d: int) -> int:
+        """Numbers of a component of all differences, after zeros for those before the first."""
+        return self.norm.shape[1] + (len(self.weights) - 1) * int(self.strides[d - 1])
+
 
 def differences(d: int, order: int, bands: Sequence[Band], cells: Sequence[int]) -> Differences:
     """Of half the order of the scheme. bands: three, cut to the ghosted array; cells: of the whole

@@ -309,9 +309,9 @@ def halos_of(problem: Any, order: int, shocks: bool = False) -> list[tuple[int, 
     """(width of the halo, whether its corners are needed) of each block.
 
     Where derivatives act twice, in solids and in gases with viscosity or conduction, a node needs
-    2 p others to each side, and corners; 3 p where a solid's temperature follows from its strain
-    and is conducted; else p, one more at shocks, and at least 2. Around an axis
-    p is the number of images that nodes see, if that is more.
+    2 p others to each side, and corners; 3 p in solids that conduct, whose temperature may follow
+    from the strain; else p, one more at shocks, and at least 2. Around an axis p is the number of
+    images that nodes see, if that is more.
     """
     found = []
     for k, block in enumerate(problem.blocks):
@@ -319,8 +319,7 @@ def halos_of(problem: Any, order: int, shocks: bool = False) -> list[tuple[int, 
         if problem.symmetry == 1 and problem.centred(k):
             p = max([p, *(-i for i, _ in AXIS.get(order, ()))])
         if block.kind == "solid":
-            thrice = material.heat == "elastic" and material.kappa_e > 0.0
-            found.append((3 * p if thrice else 2 * p, True))
+            found.append((3 * p if material.kappa_e > 0.0 else 2 * p, True))
         else:
             twice = material.mu > 0.0 or material.kappa > 0.0
             found.append((2 * p, True) if twice else (max(p + shocks, 2), False))

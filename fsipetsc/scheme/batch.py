@@ -1,4 +1,4 @@
-"""Several steps in one call: the plan of a batch of steps, what came of it, the next step.
+"""The length of a step; several steps in one call: the plan of a batch, what came of it.
 
 A batch ends when it has as many steps as are allowed (-ts_max_steps, room in the journal), or for a
 time to be saved, a failure or a signal. Each step fills a row of the journal.
@@ -8,12 +8,33 @@ from numba import njit
 
 from fsipetsc.operators.loops import CALL, MERGED_CALL
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, STOP, TOO_SHORT
-from fsipetsc.scheme.time_step import longest_step, next_step
 
 #: TIME before a step or, once it is made, after it; DT, its length; NEXT, the time after it;
 #: TARGET, the next time that must be hit; COURANT number; FIXED, the step that is given, or 0;
 #: steps ALLOWED and MADE; the LONGEST of these; FIRST row of the journal to be filled
 TIME, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, LONGEST, FIRST = range(10)
+
+#: a step may be longer than its bound by this fraction, so that round-off costs no extra step
+SLACK = 1e-9
+
+
+def longest_step(courant, fixed, rate):
+    """Bound on a step [s]: the one that is given (-ts_dt), or, if that is 0, the Courant number
+    times 1/``rate``.
+    """
+    return fixed if fixed != 0.0 else courant / rate
+
+
+def next_step(t, target, bound):
+    """(step, time after it) [s]: at most ``bound``; with less than two steps to the target they are
+    equal.
+    """
+    left = target - t
+    if left <= bound * (1 + SLACK):
+        return left, target
+    step = left / 2 if left < 2 * bound else bound
+    return step, t + step
+
 
 _longest_step, _next_step = njit(**CALL)(longest_step), njit(**CALL)(next_step)
 

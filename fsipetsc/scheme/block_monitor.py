@@ -5,32 +5,38 @@
     diffusion    z nu sum_k |a^k|^2 / (J h_k)^2,  nu = max(4/3 mu/rho, kappa/(rho cv)),
                  z the stiffness of D twice
 
-They are taken column by column of a tile, so that loops become vector code. Integrals are sums over
-nodes with their weights. Their last bits depend on who owns the nodes;
-nothing else takes them.
+They are taken column by column of a tile, so that loops become vector code: memory has the extremes
+of each column, then its sums. Integrals are sums over nodes with their weights. Their last bits
+depend on who owns the nodes; nothing else takes them.
 """
 
 import numpy as np
 from numba import njit
 
-from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, along, column, dot, sub
-from fsipetsc.operators.loops import _by_length as by_length
+from fsipetsc.operators.loops import (
+    EXACT_LOOP,
+    INNER_CALL,
+    MERGED_CALL,
+    along,
+    column,
+    dot,
+    larger,
+    part_of,
+    sub,
+)
+from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.rows import ROW, TILE, U64, Array, add_moment, aligned, at, moments, put
 
 #: extremes of a block: 1 if a state is unphysical, largest rates of convection and of diffusion
 #: [1/s], minus the least J, largest |J - det D x| / J
 UNPHYSICAL, CONVECTION, DIFFUSION, LEAST_J, J_ERROR = range(5)
 MONITORED = 5
-#: the larger ones of the numbers of two tuples
-largest = by_length(
-    "largest",
-    "a, b",
-    lambda n: " return (" + "".join(f"max(a[{k}], b[{k}])," for k in range(n)) + ")",
-)
+#: as many numbers
+EXTREMES = (0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def room_of(d: int) -> Array:
-    """Memory of the monitor: by columns of a tile, the four extremes, what is bad, and the sums."""
+    """Memory of the monitor of a gas."""
     return aligned((MONITORED + sums_of(d)) * int(ROW))
 
 
@@ -40,38 +46,33 @@ def sums_of(d: int) -> int:
 
 
 @njit(**MERGED_CALL)
-def gas_monitor(part, q, metrics, stiffness):
+def gas_monitor(part, q, metrics):
     """Fill seen (MONITORED,) and sums (sums_of(d),) of the owned nodes; q: (M, d + 3).
 
     part: see fsipetsc.scheme.gas_record. metrics: those by which steps are bounded.
     """
     gas, like, grid, patch, per_h = part.laws, part.like, part.grid, part.patch, part.per_h
-    masses, reference, places = part.masses, part.reference, part.places
-    room, seen, sums = part.room, part.seen, part.sums
-    for c in range(room.size):
-        room[c] = -np.inf if c < MONITORED * ROW else 0.0
+    masses, reference, room = part.masses, part.reference, part.room
+    places = part.places.reshape(part.places.size)
+    begin(room, ROW)
     (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
-    if patch.own == patch.ghosted:  # rows follow one another
-        n0, n1, n2 = n0 * n1 * n2, 1, 1
     flat, flat_metrics = q.reshape(q.size), metrics.reshape(metrics.size)
     for z in range(n2):
         for y in range(n1):
             row, own = f0 + g0 * (y + f1 + g1 * (z + f2)), n0 * (y + n1 * z)
             for x in range(0, n0, TILE):
                 at_q, first, n = U64(own + x), U64(row + x), U64(min(TILE, n0 - x))
-                of_nodes = flat, flat_metrics, masses, reference, at_q, first, n
-                measure(gas, like, per_h, stiffness, grid, *of_nodes, room)
-                turn(like, q, places, masses, at_q, first, n, room)
-    collect(room, seen, sums)
+                of_nodes = flat, flat_metrics, places, masses, reference, at_q, first, n
+                measure(gas, like, per_h, grid, *of_nodes, room)
+    collect(room, ROW, ROW, part.seen, part.sums)
 
 
 @njit(**EXACT_LOOP)
-def measure(gas, like, per_h, stiffness, grid, q, metrics, masses, reference, own, first, n, room):
+def measure(gas, like, per_h, grid, q, metrics, places, masses, reference, own, first, n, room):
     """Add n nodes to the extremes and sums of the columns of a tile."""
     d, like_q, one = U64(len(like)), (*like, 0.0, 0.0, 0.0), U64(1)
-    rows, extremes = len(like) ** 2 + len(gas.of_grid(like)) + 1, (0.0, 0.0, 0.0, 0.0, 0.0)
-    N = U64(metrics.size // rows)
-    like_sums, first_sum = (*like, 0.0, 0.0, 0.0), U64(MONITORED) * ROW
+    N = U64(metrics.size // (len(like) ** 2 + len(gas.of_grid(like)) + 1))
+    first_sum, turns = U64(MONITORED) * ROW, (U64(MONITORED) + d + U64(3)) * ROW
     for i in range(n):
         here = at(like_q, q, own * U64(len(like_q)), one, i * U64(len(like_q)))
         w, per_J = gas.primitive(here), 1.0 / here[0]
@@ -84,48 +85,46 @@ def measure(gas, like, per_h, stiffness, grid, q, metrics, masses, reference, ow
             convection += abs(dot(a, relative)) * per_h[k] + c * np.sqrt(size)
             squares += size
         convection, spread = convection * per_J, squares * per_J * per_J
-        diffusion = stiffness * gas.diffusivity(w) * spread
+        diffusion = STIFFNESS_OF_WIDE * gas.diffusivity(w) * spread
         J, of_map = grid.jacobian(metrics, N, first + i, reference[own + i]), reference[own + i]
         good = convection < np.inf and diffusion < np.inf and min(w[0], w[2], here[0]) > 0.0
         bad, apart = 0.0 if good else 1.0, abs(here[0] - J) / abs(J)
         found = bad, convection, diffusion, -here[0] / of_map, apart
-        put(room, U64(0), ROW, i, largest(found, at(extremes, room, U64(0), ROW, i)))
+        put(room, U64(0), ROW, i, larger(found, at(EXTREMES, room, U64(0), ROW, i)))
         more = (*here[1:], here[0] * gas.entropy_density(w))
-        total = along(at(like_sums, room, first_sum, ROW, i), masses[own + i], more)
+        total = along(at(like_q, room, first_sum, ROW, i), masses[own + i], more)
         put(room, first_sum, ROW, i, total)
-
-
-@njit(**EXACT_LOOP)
-def turn(like, q, places, masses, own, first, n, room):
-    """Add the angular momentum of n nodes to the sums."""
-    d, dof, N = len(like), U64(len(like) + 3), U64(places.size // len(like))
-    q, x_of, begin = q.reshape(q.size), places.reshape(places.size), U64(MONITORED + d + 3) * ROW
-    for i in range(n):
-        momentum, x = at(like, q, own * dof + U64(2), U64(1), i * dof), at(like, x_of, first, N, i)
-        add_moment(x, momentum, masses[own + i], room, begin, ROW, i)
+        add_moment(at(like, places, first, N, i), here[2:-1], masses[own + i], room, turns, ROW, i)
 
 
 @njit(**INNER_CALL)
-def collect(room, seen, sums):
-    """The extremes and sums of all columns."""
+def begin(room, width):
+    """Clear columns, ``width`` apart."""
+    for c in range(room.size):
+        room[c] = -np.inf if c < MONITORED * width else 0.0
+
+
+@njit(**INNER_CALL)
+def collect(room, width, n, seen, sums):
+    """The extremes and sums of the first n columns."""
     for c in range(MONITORED):
         seen[c] = -np.inf if c == LEAST_J else 0.0
-        for i in range(ROW):
-            seen[c] = max(seen[c], room[U64(c) * ROW + i])
+        for i in range(n):
+            seen[c] = max(seen[c], room[U64(c) * width + i])
     for c in range(sums.size):
         sums[c] = 0.0
-        for i in range(ROW):
-            sums[c] += room[U64(MONITORED + c) * ROW + i]
+        for i in range(n):
+            sums[c] += room[U64(MONITORED + c) * width + i]
 
 
 @njit(**MERGED_CALL)
-def monitor_end(solid, q, F, node, S, found):
+def monitor_end(solid, like, q, F, node, S, found):
     """Fill found with displacement, velocity, sigma and T of an owned node in one dimension.
 
     S: prestress [Pa]. With heat 'elastic', S (F - 1) is energy.
     """
-    strain = column(solid.unstrained((0.0,)), F, node)
+    d, strain = len(like), column(solid.unstrained(like), F, node)
     stored = (1.0 - solid.coupled) * S * (strain[0] - 1.0) / solid.m0
-    found[0], found[1] = q[node, 0], q[node, 1]
+    found[0], found[1] = q[node, 0], q[node, d]
     found[2] = solid.line_stress(strain) + S
-    found[3] = solid.temperature((q[node, 1],), q[node, 2] - stored, strain)
+    found[3] = solid.temperature(part_of(like, q, node, d), q[node, 2 * d] - stored, strain)

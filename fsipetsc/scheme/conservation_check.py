@@ -18,22 +18,14 @@ LEAST_COMPONENT = 1e-3
 TINY = np.finfo(float).tiny
 
 
-def drifts(
-    invariants: Mapping[str, Any], initial: Mapping[str, Any], series: Mapping[str, np.ndarray]
-) -> dict[str, np.ndarray]:
-    """Name of an invariant that must hold -> its relative drift (nsteps,); series: complete, from
-    the first step on.
-
-    invariants: which ones must hold (fsipetsc.blocks.problem.BlockProblem.invariants). Entropy
-    counts only where it decreases. Momentum is relative to the impulse that has passed, of either
-    sign, energy to itself, entropy to itself or to the heat capacity, whatever is more.
-    """
-    return Drifts(invariants, initial).go_on(series)
-
-
 class Drifts:
-    """The drifts, piece by piece of the series: ``memory`` has the sums of what has gone before.
-    Arguments as of ``drifts``, and the memory of steps that go before the first.
+    """Relative drifts of the invariants that must hold, piece by piece of the series: ``memory``
+    has the sums of what has gone before.
+
+    invariants: which ones must hold (fsipetsc.blocks.problem.BlockProblem.invariants). initial: the
+    integrals at t = 0. memory: of the steps before the first one. Entropy counts only where it
+    decreases. Momentum is relative to the impulse that has passed, of either sign, energy to
+    itself, entropy to itself or to the heat capacity, whatever is more.
     """
 
     def __init__(
@@ -49,7 +41,7 @@ class Drifts:
 
     @np.errstate(all="ignore")  # a drift that is no number says so itself
     def go_on(self, series: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """The drifts in the next steps: name -> (steps,)."""
+        """The drifts in the next steps, all columns of the series in them: name -> (steps,)."""
         result: dict[str, np.ndarray] = {}
         invariants, initial = self._invariants, self._initial
         if not invariants or not len(series["dt"]):

@@ -32,7 +32,9 @@ from fsipetsc.equations.tensors import add_unit, outer
 from fsipetsc.operators.loops import (
     INNER_CALL,
     add,
+    add_last,
     along,
+    column_of,
     dot,
     last_times,
     mean,
@@ -42,18 +44,12 @@ from fsipetsc.operators.loops import (
     scale,
     sub,
 )
-from fsipetsc.operators.loops import _by_length as by_length
+from fsipetsc.scheme.normals import Columns, slope_at, turned
 
 Array = NDArray[Any]
 #: first order of an open face fades out where viscosity is this fraction of L times the speed at
 #: which sound leaves, L the length of the gas
 LONGEST = 0.25
-#: array[first + c, n] for each c of like
-column_of = by_length(
-    "column_of",
-    "like, array, first, n",
-    lambda d: f" return ({''.join(f'array[first + {c}, n],' for c in range(d))})",
-)
 
 
 class GasFaces(NamedTuple):
@@ -82,9 +78,8 @@ class GasFaces(NamedTuple):
     width: Array
 
     def add(self, part, q, rates, gain):
-        """Add all that passes, see ``pass_faces``."""
-        of_axes = part.S, part.weight, part.patch
-        pass_faces(part.laws, part.like, self, *of_axes, q, part.metrics, part.column, rates, gain)
+        """Add all that passes."""
+        pass_faces(part, self, q, rates, gain)
 
 
 class SolidFaces(NamedTuple):
@@ -111,30 +106,17 @@ class SolidFaces(NamedTuple):
     X: Array
 
     def add(self, part, q, rates, gain):
-        """Add all that loads a solid, see ``load_faces``; returns its work."""
-        laws, of_axes = part.laws, (part.S, part.weight, part.patch)
-        of_part = part.metrics, part.inertia
-        return load_faces(laws, part.like, self, *of_axes, q, *of_part, rates, gain)
-
-
-class Closed(NamedTuple):
-    """Faces through which nothing passes."""
-
-    kind: int = 0
-
-    def add(self, part, q, rates, gain):
-        """Nothing."""
-        return 0.0
+        """Add all that loads a solid; returns its work."""
+        return load_faces(part, self, q, rates, gain)
 
 
 @njit(**INNER_CALL)
-def pass_faces(gas, like, faces, S, weight, patch, q, metrics, column, rates, gain):
-    """Add what passes the faces of a gas to ``rates`` (owned, d + 3) and ``gain``.
-
-    q: (ghosted, d + 3); metrics: (d d + d + 1, ghosted). S, weight: of the three axes. column: of
-    the block's mass in what comes in.
+def pass_faces(part, faces, q, rates, gain):
+    """Add what passes the faces of a gas to ``rates`` (owned, d + 3) and ``gain``; q: (ghosted,
+    d + 3).
     """
-    d, like_q = len(like), (*like, 0.0, 0.0, 0.0)
+    gas, like, metrics, column = part.laws, part.like, part.metrics, part.column
+    d, like_q, of_axes = len(like), (*like, 0.0, 0.0, 0.0), (part.S, part.weight, part.patch)
     mass, impulse, energy, warmth = gain.mass, gain.impulse, gain.energy, gain.heat
     for i in range(faces.at.size):
         at, own, axis = faces.at[i], faces.own[i], faces.axis[i]
@@ -145,7 +127,7 @@ def pass_faces(gas, like, faces, S, weight, patch, q, metrics, column, rates, ga
             beyond = gas.state(out[i, 0], part_of(like, out, i, 1), out[i, d + 1])
             v_n = 0.0
             if width > 0.0:
-                slope = slope_at(like, at, axis, S, weight, patch, Velocity(gas, q))
+                slope = slope_at(like, at, axis, *of_axes, Velocity(gas, q))
                 v_n = faces.sign[i] / q[at, 0] * dot(n, slope)
             f = open_flux(gas, w, beyond, faces.pressure[i], width, n, g, size, v_n)
             for c in range(d + 2):
@@ -186,14 +168,6 @@ def open_flux(gas, w, beyond, pressure, width, n, g, size, v_n):
     fastest = max(gas.fastest(w, n, g), gas.fastest(beyond, n, g))
     jump = sub(gas.densities(beyond), gas.densities(w))
     return along(mean(f, surface_flux(gas, beyond, n, g)), -0.5 * fastest, jump)
-
-
-@njit(**INNER_CALL)
-def along_axis(at, axis, patch):
-    """Number of a node of the ghosted array along an axis, of so many, and their distance."""
-    nx, ny, nz = patch.ghosted
-    stride, nodes = (1, nx) if axis == 0 else (nx, ny) if axis == 1 else (nx * ny, nz)
-    return at // stride % nodes, nodes, stride
 
 
 @njit(**INNER_CALL)
@@ -258,12 +232,11 @@ def by_characteristics(gas, w, beyond, n, g, size, viscous):
 
 
 @njit(**INNER_CALL)
-def load_faces(solid, like, faces, S, weight, patch, q, metrics, inertia, rates, gain):
+def load_faces(part, faces, q, rates, gain):
     """Add forces and heat at the faces of a solid to ``rates`` (owned, 2d + 1) and ``gain``;
-    returns the work.
-
-    q: (ghosted, 2d + 1). S, weight: of the three axes. inertia: (ghosted,), J0 m0.
+    returns the work; q: (ghosted, 2d + 1).
     """
+    solid, like, metrics, inertia = part.laws, part.like, part.metrics, part.inertia
     d, total, impulse, energy, warmth = len(like), 0.0, gain.impulse, gain.energy, gain.heat
     for i in range(faces.at.size):
         at, own = faces.at[i], faces.own[i]
@@ -271,12 +244,12 @@ def load_faces(solid, like, faces, S, weight, patch, q, metrics, inertia, rates,
         area, v = np.sqrt(dot(A, A)), part_of(like, q, at, d)
         force = scale(area, node(like, faces.traction, i))
         if faces.absorbs[i] == 1:
-            F = strain_at(solid, like, at, S, weight, patch, metrics, q)
+            F = strain_at(part, q, at)
             T = solid.temperature(v, q[at, 2 * d], F)
             Z = np.sqrt(solid.m0 * solid.wave_modulus_at(F, T))
             force = along(force, faces.stress[i] - Z * dot(A, v) / area, A)
         if faces.pressure[i] != 0.0:
-            n = normal_at(solid, like, faces, i, S, weight, patch, q)
+            n = normal_at(part, faces, i, q)
             force = along(force, -faces.pressure[i], n)
         scaled, heat = faces.per_weight[i] / inertia[at], faces.heat[i] * area
         work = dot(force, v)
@@ -291,17 +264,18 @@ def load_faces(solid, like, faces, S, weight, patch, q, metrics, inertia, rates,
 
 
 @njit(**INNER_CALL)
-def normal_at(solid, like, faces, i, S, weight, patch, q):
+def normal_at(part, faces, i, q):
     """Outward area vector of a solid's face where it is now; around an axis see
     fsipetsc.blocks.radial_grid.
     """
-    at, axis, sign = faces.at[i], faces.axis[i], faces.sign[i]
+    solid, like, at, axis, sign = part.laws, part.like, faces.at[i], faces.axis[i], faces.sign[i]
     if len(like) == 3:
         return node(like, faces.normal, i)
     x = place_at(like, faces.X, q, at)
     if len(like) == 1:
-        return last_times(solid.weight(x), filled(like, sign))
-    slope = slope_at(like, at, 1 - axis, S, weight, patch, Flat(solid, faces.X, q))
+        return last_times(solid.weight(x), add_last(sign, like))
+    of_axes = part.S, part.weight, part.patch
+    slope = slope_at(like, at, 1 - axis, *of_axes, Flat(solid, faces.X, q))
     return last_times(solid.weight(x), turned(sign if axis == 0 else -sign, slope))
 
 
@@ -309,13 +283,6 @@ def normal_at(solid, like, faces, i, S, weight, patch, q):
 def place_at(like, X, q, n):
     """Where a solid's node of the ghosted array is."""
     return add(column_of(like, X, 0, n), node(like, q, n))
-
-
-filled = by_length("filled", "like, c", lambda d: f" return ({'c, ' * d})")
-#: c times a vector of two numbers turned to the right; a vector of another length as it is
-turned = by_length(
-    "turned", "c, a", lambda d: " return (c * a[1], -c * a[0])" if d == 2 else " return a"
-)
 
 
 class Velocity(NamedTuple):
@@ -339,34 +306,12 @@ class Flat(NamedTuple):
         return self.solid.flat(place_at(like, self.X, self.q, n))
 
 
-class Displacement(NamedTuple):
-    """Of a solid's node."""
-
-    q: Array
-
-    def at(self, like, n):
-        return node(like, self.q, n)
-
-
 @njit(**INNER_CALL)
-def slope_at(like, at, axis, S, weight, patch, of):
-    """D_axis of a vector, one of the three above, at a node of the ghosted array."""
-    (place, nodes, stride), band = along_axis(at, axis, patch), S[axis]
-    here, total = of.at(like, at), like
-    for k in range(1, band.shape[0]):
-        for sign in (1, -1):
-            first = place if sign > 0 else place - k
-            if first >= 0 and first + k < nodes and band[k, first] != 0.0:
-                apart = sub(of.at(like, at + sign * k * stride), here)
-                total = along(total, sign * band[k, first], apart)
-    return per(scale(0.5, total), weight[axis][place])
-
-
-@njit(**INNER_CALL)
-def strain_at(solid, like, at, S, weight, patch, metrics, q):
+def strain_at(part, q, at):
     """F = 1 + sum_k D_k D A^k / J0 of a solid's node of the ghosted array, with hoops."""
-    d, F, displacement = len(like), add_unit(1.0, outer(like, like)), Displacement(q)
+    like, metrics, of_axes = part.like, part.metrics, (part.S, part.weight, part.patch)
+    d, F, displacement = len(like), add_unit(1.0, outer(like, like)), Columns(q.T, 0)
     for k in range(d):
         A = per(column_of(like, metrics, k * d, at), metrics[d * d, at])
-        F = add(F, outer(slope_at(like, at, k, S, weight, patch, displacement), A))
-    return solid.with_hoops(F, node(like, q, at), metrics[metrics.shape[0] - 1, at])
+        F = add(F, outer(slope_at(like, at, k, *of_axes, displacement), A))
+    return part.laws.with_hoops(F, node(like, q, at), metrics[metrics.shape[0] - 1, at])

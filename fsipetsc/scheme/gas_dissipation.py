@@ -65,12 +65,15 @@ NO_SHOCK, RISE = 0.03, 2.5
 SMALL = 0.05
 
 
-class Room(NamedTuple):
-    """Memory, by components of N nodes: states, entropy variables, fluxes of differences (after
-    `before` zeros), alpha, areas and volume fluxes of links, sums.
+class GasDamping(NamedTuple):
+    """Sizes of both terms, 0: none. Memory, by components of N nodes: states, entropy variables,
+    fluxes of differences (each component after zeros), alpha, areas and volume fluxes of links,
+    sums.
     """
 
-    before: int
+    sigma: float
+    shock: float
+    differences: Differences
     state: Array
     z: Array
     F: Array
@@ -78,46 +81,44 @@ class Room(NamedTuple):
     link: Array
     sums: Array
 
+    def add(self, part, q, rates, gain):
+        """Both terms."""
+        gas_dissipation(part, self, q, rates)
 
-def room(d: int, difference: Differences) -> Room:
+
+def gas_damping(d: int, found: Differences, sigma: float, shock: float) -> GasDamping:
     """For the nodes of a patch."""
-    N = difference.norm.shape[1]
-    before = (len(difference.weights) - 1) * int(difference.strides[d - 1])
-    sizes = (d + 5) * N, (d + 2) * N, (d + 2) * (N + before), N, (d + 1) * N, (d + 2) * N
-    return Room(before, *(np.zeros(size) for size in sizes))
+    N, F = found.norm.shape[1], found.room(d)
+    sizes = (d + 5) * N, (d + 2) * N, (d + 2) * F, N, (d + 1) * N, (d + 2) * N
+    return GasDamping(sigma, shock, found, *map(np.zeros, sizes))
 
 
 @njit(**CALL)
-def gas_dissipation(
-    gas, like, form, sigma, shock, q, metrics, S0, S1, S2, difference, patch, rates, room
-):
-    """Add both terms to the rates (M, d + 3) of the owned nodes.
-
-    sigma, shock: sizes, 0: none. q, metrics, S0 … S2, patch: as in fsipetsc.scheme.gas_rates, with
-    a halo of q + 1 nodes. difference: fsipetsc.operators.undivided.
-    """
-    q, metrics, rates, N = q.reshape(-1), metrics.reshape(-1), rates.reshape(-1), room.alpha.size
-    own, ghosted, first = patch.own, patch.ghosted, patch.first
-    prepare(gas, like, q, room.state, room.z, U64(N))
+def gas_dissipation(part, damp, q, rates):
+    """Add both terms to the rates (M, d + 3) of the owned nodes; q: with a halo of q + 1 nodes."""
+    gas, like, form, S, patch = part.laws, part.like, part.form, part.S, part.patch
+    sigma, shock, difference, metrics = damp.sigma, damp.shock, damp.differences, part.metrics
+    q, metrics, rates, N = q.reshape(-1), metrics.reshape(-1), rates.reshape(-1), damp.alpha.size
+    own, ghosted, first, weights = patch.own, patch.ghosted, patch.first, difference.weights
+    prepare(gas, like, q, damp.state, damp.z, U64(N))
     for k in range(len(like)):
-        S = S0 if k == 0 else (S1 if k == 1 else S2)
-        stride, room.sums[:] = int(difference.strides[k]), 0.0
+        stride, damp.sums[:] = int(difference.strides[k]), 0.0
         if shock > 0.0:
-            steepest = sense(room.state, room.alpha, stride, ghosted[k])
-            if steepest > 0.0:
-                room.link[:] = 0.0
-                split_pairs(gas, like, form, S, metrics, k, stride, ghosted, patch, room)
-                flow_on(gas, like, form, shock, stride, room)
+            of_state = damp.state, U64(0), U64(N), ONE, SMALL, 1e-300
+            sense((0.0, 0.0), *of_state, damp.alpha, stride, ghosted[k])
+            if damp.alpha.max() > 0.0:
+                damp.link[:] = 0.0
+                split_pairs(gas, like, form, S[k], metrics, k, stride, ghosted[k], damp)
+                flow_on(gas, like, form, shock, stride, damp)
         if sigma > 0.0:
-            strength = sigma / 4.0 ** (len(difference.weights) - 1)
-            norm, weights, step = difference.norm[k], difference.weights, U64(stride)
-            fluxes(gas, like, strength, weights, norm, metrics, k, step, room, U64(N))
-        weights, of_axis = difference.weights, difference.per_weight[k]
+            strength, norm = sigma / 4.0 ** (len(weights) - 1), difference.norm[k]
+            fluxes(gas, like, strength, weights, norm, metrics, k, U64(stride), damp, U64(N))
+        of_axis = difference.per_weight[k]
         for y in range(own[1]):
             for z in range(own[2]):
                 node = U64(first[0] + ghosted[0] * (first[1] + y + ghosted[1] * (first[2] + z)))
                 to, n = U64(own[0] * (y + own[1] * z)), U64(own[0])
-                collect(like, weights, of_axis, sigma > 0.0, node, U64(stride), room, rates, to, n)
+                collect(like, weights, of_axis, sigma > 0.0, node, U64(stride), damp, rates, to, n)
 
 
 @njit(**EXACT_LOOP)
@@ -130,70 +131,87 @@ def prepare(gas, like, q, state, z, n):
         put(z, U64(0), n, i, (gas.first_entropy_variable(w), *gas.entropy_variables(w)))
 
 
+@njit(**EXACT_LOOP)
+def sense(like, values, first, apart, step, part, least, alpha, stride, length):
+    """alpha of all nodes along an axis of so many, of as many numbers of a node as ``like`` has:
+    apart from each other, beginning at ``first``, those of nodes at a distance of ``step``.
+
+    part, least: s has |d_+| + |d_-| + part (|a_j+1| + 2 |a_j| + |a_j-1|) + least below it.
+    """
+    apart, step, next_one = U64(apart), U64(step), U64(stride)
+    for line in range(0, alpha.size, stride * length):
+        begin, end, beyond = line + stride, line + stride * (length - 1), line + stride * length
+        for i in range(line, begin):
+            alpha[i] = 0.0
+        for i in range(U64(begin), U64(max(begin, end))):
+            s = 0.0
+            for c in range(len(like)):
+                place = first + U64(c) * apart
+                here = values[place + i * step]
+                above = values[place + (i + next_one) * step]
+                below = values[place + (i - next_one) * step]
+                rise, fall = above - here, here - below
+                size = part * (abs(above) + 2.0 * abs(here) + abs(below)) + least
+                s = max(s, abs(rise - fall) / (abs(rise) + abs(fall) + size))
+            alpha[i] = min(1.0, max(0.0, RISE * (s - NO_SHOCK)))
+        for i in range(max(begin, end), beyond):
+            alpha[i] = 0.0
+
+
 # of order q
 
 
 @register_jitable
 def shifted_sum(like, array, start, step, i, stride, weights):
-    """sum_m weights_m f_(i + m stride) of the numbers f of a node, one to four differences on."""
+    """sum_m weights_m f_(i + m stride) of the numbers f of a node."""
     found = scale(weights[0], at(like, array, start, step, i))
-    found = along(found, weights[1], at(like, array, start, step, i + stride))
-    if len(weights) > 2:
-        found = along(found, weights[2], at(like, array, start, step, i + stride + stride))
-    if len(weights) > 3:
-        found = along(found, weights[3], at(like, array, start, step, i + stride + stride + stride))
-    if len(weights) > 4:
-        four = stride + stride + stride + stride
-        found = along(found, weights[4], at(like, array, start, step, i + four))
+    for m in range(1, len(weights)):
+        found = along(found, weights[m], at(like, array, start, step, i + U64(m) * stride))
     return found
-
-
-@njit(**EXACT_LOOP)
-def fluxes(gas, like, strength, weights, norm, metrics, k, stride, room, n):
-    """sigma/4^q lambda U_z Delta z of differences by their first nodes, 0 if one does not fit."""
-    like_z, nothing = (*like, 0.0, 0.0), (*zeros(like), 0.0, 0.0)
-    d, order, none = len(like), len(weights) - 1, U64(0)
-    low, high = U64(order // 2) * stride, U64((order + 1) // 2) * stride
-    area, grid, before = U64(k * d) * n, U64(d * d) * n, U64(room.before)
-    for i in range(n - U64(order) * stride):
-        change = shifted_sum(like_z, room.z, none, n, i, stride, weights)
-        l, r = i + low, i + high
-        middle = mean(at(like_z, room.z, none, n, l), at(like_z, room.z, none, n, r))
-        T = -1.0 / middle[-1]
-        w = gas.state(0.5 * (room.state[l] + room.state[r]), scale(T, middle[1:-1]), T)
-        a_l, a_r = at(like, metrics, area, n, l), at(like, metrics, area, n, r)
-        g = dot(a_l, at(like, metrics, grid, n, l)) + dot(a_r, at(like, metrics, grid, n, r))
-        speed = gas.fastest(w, mean(a_l, a_r), 0.5 * g)
-        wide = 1.0 - largest(room.alpha, i, stride, weights)
-        F = scale(strength * norm[i] * wide * speed, gas.densities_of_change(w, change))
-        put(room.F, before, n + before, i, choose(norm[i] > 0.0, F, nothing))
-    for i in range(n - U64(order) * stride, n):
-        put(room.F, before, n + before, i, nothing)
 
 
 @register_jitable
 def largest(alpha, i, stride, weights):
     """The largest alpha of the nodes of a difference."""
-    found = max(alpha[i], alpha[i + stride])
-    if len(weights) > 2:
-        found = max(found, alpha[i + stride + stride])
-    if len(weights) > 3:
-        found = max(found, alpha[i + stride + stride + stride])
-    if len(weights) > 4:
-        found = max(found, alpha[i + stride + stride + stride + stride])
+    found = alpha[i]
+    for m in range(1, len(weights)):
+        found = max(found, alpha[i + U64(m) * stride])
     return found
 
 
 @njit(**EXACT_LOOP)
-def collect(like, weights, per_weight, differs, node, stride, room, rates, to, n):
+def fluxes(gas, like, strength, weights, norm, metrics, k, stride, damp, n):
+    """sigma/4^q lambda U_z Delta z of differences by their first nodes, 0 if one does not fit."""
+    like_z, nothing = (*like, 0.0, 0.0), (*zeros(like), 0.0, 0.0)
+    d, order, none = len(like), len(weights) - 1, U64(0)
+    low, high = U64(order // 2) * stride, U64((order + 1) // 2) * stride
+    area, grid, apart = U64(k * d) * n, U64(d * d) * n, U64(damp.F.size // len(like_z))
+    for i in range(n - U64(order) * stride):
+        change = shifted_sum(like_z, damp.z, none, n, i, stride, weights)
+        l, r = i + low, i + high
+        middle = mean(at(like_z, damp.z, none, n, l), at(like_z, damp.z, none, n, r))
+        T = -1.0 / middle[-1]
+        w = gas.state(0.5 * (damp.state[l] + damp.state[r]), scale(T, middle[1:-1]), T)
+        a_l, a_r = at(like, metrics, area, n, l), at(like, metrics, area, n, r)
+        g = dot(a_l, at(like, metrics, grid, n, l)) + dot(a_r, at(like, metrics, grid, n, r))
+        speed = gas.fastest(w, mean(a_l, a_r), 0.5 * g)
+        wide = 1.0 - largest(damp.alpha, i, stride, weights)
+        F = scale(strength * norm[i] * wide * speed, gas.densities_of_change(w, change))
+        put(damp.F, apart - n, apart, i, choose(norm[i] > 0.0, F, nothing))
+    for i in range(n - U64(order) * stride, n):
+        put(damp.F, apart - n, apart, i, nothing)
+
+
+@njit(**EXACT_LOOP)
+def collect(like, weights, per_weight, differs, node, stride, damp, rates, to, n):
     """Add sums and H^-1 Delta^T F to the rates of a row of owned nodes; all is interlaced there."""
     like_f, N, count = (*like, 0.0, 0.0), U64(per_weight.size), U64(len(like) + 3)
-    order, before = len(weights) - 1, U64(room.before)
-    back, sign = before + node - U64(order) * stride, 1.0 - 2.0 * (order % 2)
+    order, apart = len(weights) - 1, U64(damp.F.size // len(like_f))
+    back, sign = apart - N + node - U64(order) * stride, 1.0 - 2.0 * (order % 2)
     for i in range(n):
-        more, place = at(like_f, room.sums, node, N, i), (to + i) * count + ONE
+        more, place = at(like_f, damp.sums, node, N, i), (to + i) * count + ONE
         if differs:  # weights of Delta^T: those of Delta in reverse order, perhaps with sign -1
-            sum_of_F = shifted_sum(like_f, room.F, back, N + before, i, stride, weights)
+            sum_of_F = shifted_sum(like_f, damp.F, back, apart, i, stride, weights)
             more = along(more, -sign, sum_of_F)
         found = at(like_f, rates, place, ONE, U64(0))
         put(rates, place, ONE, U64(0), along(found, per_weight[node + i], more))
@@ -203,92 +221,48 @@ def collect(like, weights, per_weight, differs, node, stride, room, rates, to, n
 
 
 @njit(**INNER_CALL)
-def sense(state, alpha, stride, length):
-    """alpha of all nodes along an axis of so many, 0 at its ends; the largest."""
-    N = alpha.size
-    alpha[:] = 0.0
-    sense_row(state, alpha, U64(stride), U64(N))
-    most = 0.0
-    for i in range(N):
-        place = i // stride % length
-        if place == 0 or place == length - 1:
-            alpha[i] = 0.0
-        most = max(most, alpha[i])
-    return most
-
-
-@njit(**EXACT_LOOP)
-def sense_row(state, alpha, stride, N):
-    """alpha of density and pressure."""
-    for i in range(stride, N - stride):
-        s = max(steepness(state, i, stride), steepness(state, N + i, stride))
-        alpha[i] = min(1.0, max(0.0, RISE * (s - NO_SHOCK)))
-
-
-@register_jitable
-def steepness(values, i, stride):
-    """s."""
-    below, here, above = values[i - stride], values[i], values[i + stride]
-    rise, fall = above - here, here - below
-    values = abs(above) + 2.0 * abs(here) + abs(below) + 1e-300
-    return abs(rise - fall) / (abs(rise) + abs(fall) + SMALL * values)
-
-
-@njit(**INNER_CALL)
-def split_pairs(gas, like, form, S, metrics, k, stride, ghosted, patch, room):
+def split_pairs(gas, like, form, S, metrics, k, stride, length, damp):
     """Take alpha of its flux from each pair; add to areas and volume fluxes of its links."""
-    N, length, reach = room.alpha.size, ghosted[k], S.shape[0] - 1
-    for i in range(N):
-        place = i // stride % length
-        if owned_across(i, k, ghosted, patch):
-            alpha = room.alpha[i]
-            for m in range(1, min(reach, length - 1 - place) + 1):
-                alpha = max(alpha, room.alpha[i + m * stride])
-                if alpha > 0.0 and S[m, place] != 0.0:
-                    weight, ends = alpha * S[m, place], (U64(i), U64(m), U64(stride))
-                    split(gas, like, form, weight, metrics, k, *ends, room)
-
-
-@register_jitable
-def owned_across(i, k, ghosted, patch):
-    """Whether node i is owned but for its place along axis k."""
-    x, y, z = i % ghosted[0], i // ghosted[0] % ghosted[1], i // (ghosted[0] * ghosted[1])
-    first, own = patch.first, patch.own
-    in_x = k == 0 or first[0] <= x < first[0] + own[0]
-    in_y = k == 1 or first[1] <= y < first[1] + own[1]
-    return in_x and in_y and (k == 2 or first[2] <= z < first[2] + own[2])
+    for i in range(damp.alpha.size):
+        place, alpha = i // stride % length, damp.alpha[i]
+        for m in range(1, min(S.shape[0], length - place)):
+            alpha = max(alpha, damp.alpha[i + m * stride])
+            if alpha > 0.0 and S[m, place] != 0.0:
+                weight, ends = alpha * S[m, place], (U64(i), U64(m), U64(stride))
+                split(gas, like, form, weight, metrics, k, *ends, damp)
 
 
 @njit(**INNER_CALL)
-def split(gas, like, form, weight, metrics, k, i, m, stride, room):
+def split(gas, like, form, weight, metrics, k, i, m, stride, damp):
     """One pair, of the node i and that m farther on; weight: alpha S."""
     like_w, like_f, d = state_like(like), (*like, 0.0, 0.0), len(like)
-    N, none, like_v = U64(room.alpha.size), U64(0), gas.of_grid(like)
+    N, none, like_v = U64(damp.alpha.size), U64(0), gas.of_grid(like)
     j, area, grid = i + m * stride, U64(k * d) * N, U64(d * d) * N
-    l, r = at(like_w, room.state, none, N, i), at(like_w, room.state, none, N, j)
+    l, r = at(like_w, damp.state, none, N, i), at(like_w, damp.state, none, N, j)
     a_l, v_l = at(like, metrics, area, N, i), at(like_v, metrics, grid, N, i)
     a_r, v_r = at(like, metrics, area, N, j), at(like_v, metrics, grid, N, j)
-    F = form.two(gas, l, r, a_l, v_l, a_r, v_r)
-    put(room.sums, none, N, i, along(at(like_f, room.sums, none, N, i), weight, F))
-    put(room.sums, none, N, j, along(at(like_f, room.sums, none, N, j), -weight, F))
-    more = (*mean(a_l, a_r), gas.volume_flux(a_l, v_l, a_r, v_r))
+    g = gas.volume_flux(a_l, v_l, a_r, v_r)
+    F = form.any(gas, l, r, a_l, a_r, g)
+    put(damp.sums, none, N, i, along(at(like_f, damp.sums, none, N, i), weight, F))
+    put(damp.sums, none, N, j, along(at(like_f, damp.sums, none, N, j), -weight, F))
+    more = (*mean(a_l, a_r), g)
     for n in range(m):
         link = i + U64(n) * stride
-        before = at((*like, 0.0), room.link, none, N, link)
-        put(room.link, none, N, link, along(before, weight, more))
+        before = at((*like, 0.0), damp.link, none, N, link)
+        put(damp.link, none, N, link, along(before, weight, more))
 
 
 @njit(**INNER_CALL)
-def flow_on(gas, like, form, shock, stride, room):
+def flow_on(gas, like, form, shock, stride, damp):
     """Fluxes through the links, with those of Lax and Friedrichs."""
-    like_w, like_f, N, none = state_like(like), (*like, 0.0, 0.0), U64(room.alpha.size), U64(0)
+    like_w, like_f, N, none = state_like(like), (*like, 0.0, 0.0), U64(damp.alpha.size), U64(0)
     for i in range(N - U64(stride)):
-        link, j = at((*like, 0.0), room.link, none, N, i), i + U64(stride)
+        link, j = at((*like, 0.0), damp.link, none, N, i), i + U64(stride)
         a, g = link[:-1], link[-1]
         if dot(link, link) > 0.0:
-            l, r = at(like_w, room.state, none, N, i), at(like_w, room.state, none, N, j)
+            l, r = at(like_w, damp.state, none, N, i), at(like_w, damp.state, none, N, j)
             speed = 0.5 * shock * max(gas.fastest(l, a, g), gas.fastest(r, a, g))
             jump = sub(gas.densities(r), gas.densities(l))
-            F = along(form.flux_through(gas, l, r, a, g), -speed, jump)
-            put(room.sums, none, N, i, sub(at(like_f, room.sums, none, N, i), F))
-            put(room.sums, none, N, j, add(at(like_f, room.sums, none, N, j), F))
+            F = along(form.any(gas, l, r, a, a, g), -speed, jump)
+            put(damp.sums, none, N, i, sub(at(like_f, damp.sums, none, N, i), F))
+            put(damp.sums, none, N, j, add(at(like_f, damp.sums, none, N, j), F))

@@ -76,14 +76,14 @@ class Work(NamedTuple):
     begins: Any
 
 
-def scratch(like: Any, form: Any, viscous: Any, bands: Any, patch: Any) -> Work:
+def scratch(like: Any, viscous: Any, bands: Any, patch: Any) -> Work:
     """Memory for `gas_rates` with the three bands of a patch."""
     d, reach, row = len(like), 1 + viscous.reach, int(ROW)
     K = [len(band.S) - 1 for band in bands]
     inner, last = (K[1], K[2]) if d == 3 else (0, K[1])
     layers, depth = reach * last + 1, (DEPTH if d == 3 else 1) + 2 * reach * inner
     gain, loss, spans, begins = _weights(bands[0], patch)
-    numbers = 2 * d + 6 + d * d + len(form.kept(like)) + d * (d + 1)
+    numbers = 2 * d + 6 + d * d + d * (d + 1)
     return Work(
         layers,
         depth,
@@ -107,7 +107,7 @@ def _weights(band: Any, patch: Any) -> tuple[Array, Array, Any, Any]:
     wide, spans, begins = tiles_of(own), [], [0]
     gain, loss = (aligned(wide * len(S) * int(ROW)).reshape(wide, len(S), -1) for _ in range(2))
     for m in range(wide):
-        x0, x1 = part(begin, begin + own, m, wide), part(begin, begin + own, m + 1, wide)
+        x0, x1 = piece(begin, begin + own, m, wide), piece(begin, begin + own, m + 1, wide)
         nodes = x0 - MARGIN + np.arange(int(ROW))
         for k in range(1, len(S)):
             column = np.flatnonzero((nodes >= 0) & (nodes < size - k))
@@ -141,8 +141,8 @@ def tiles_of(nodes):
 
 
 @register_jitable
-def part(begin, end, m, count):
-    """Where part m of so many begins."""
+def piece(begin, end, m, count):
+    """Where piece m of so many begins."""
     return begin + (end - begin) * m // count
 
 

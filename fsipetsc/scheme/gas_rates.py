@@ -36,11 +36,11 @@ from fsipetsc.scheme.gas_memory import (
     clear,
     fill,
     number_of,
-    part,
+    piece,
     row_of,
     tiles_of,
 )
-from fsipetsc.scheme.gas_rows import place_of
+from fsipetsc.scheme.gas_rows import grid_of, pair_of, place_of
 from fsipetsc.scheme.rows import MARGIN, ONE, ROW, U64, at, put
 from fsipetsc.scheme.viscous_rows import viscous_layer
 
@@ -69,8 +69,9 @@ def pair_row(
     nothing = scale(0.0, like_f)
     for i in range(n):
         j = i + other
-        apart = form.distance(gas, like, w, place, i, j) > NEAR
-        F = choose(apart, nothing, form.near(gas, like, w, place, i, j))
+        l, r = pair_of(like, w, place, i, j)
+        apart = form.distance(gas, l, r) > NEAR
+        F = choose(apart, nothing, form.near(gas, l, r, *grid_of(gas, like, w, place, i, j)))
         F = viscous.less(like, F, w, place, i, j)
         put(low, lower, ROW, i, along(at(like_f, low, lower, ROW, i), -loss[weights + i], F))
         put(high, upper, ROW, i, along(at(like_f, high, upper, ROW, i), gain[weights + i], F))
@@ -84,8 +85,9 @@ def far_row(gas, like, form, w, place, other, gain, loss, weights, low, lower, h
     like_f = (*like, 0.0, 0.0)
     for i in range(n):
         j = i + other
-        if form.distance(gas, like, w, place, i, j) > NEAR:
-            F = form.any(gas, like, w, place, i, j)
+        l, r = pair_of(like, w, place, i, j)
+        if form.distance(gas, l, r) > NEAR:
+            F = form.any(gas, l, r, *grid_of(gas, like, w, place, i, j))
             put(low, lower, ROW, i, along(at(like_f, low, lower, ROW, i), -loss[weights + i], F))
             put(high, upper, ROW, i, along(at(like_f, high, upper, ROW, i), gain[weights + i], F))
 
@@ -105,7 +107,7 @@ def store_row(gas, like, low, high, upper, q, at_q, metrics, J_t, rates, to, n):
 
 
 @njit(**INLINED_CALL)
-def load_layer(gas, like, form, viscous, q, metrics, axes, tile, work, layer):
+def load_layer(gas, like, viscous, q, metrics, axes, tile, work, layer):
     """The rows of a layer that are read."""
     inner, last, d = axes.inner, axes.last, len(like)
     ahead, beside, reach = last.S.shape[0] - 1, inner.S.shape[0] - 1, 1 + viscous.reach
@@ -119,7 +121,6 @@ def load_layer(gas, like, form, viscous, q, metrics, axes, tile, work, layer):
         row, n = row_of(work, tile, layer, j) + U64(MARGIN + x0 - tile.x0), U64(x1 - x0)
         node = U64(x0 + j * inner.stride + layer * last.stride)
         load_row(gas, like, q, node * U64(d + 3), metrics, node, step, work.w, row, n)
-        form.keep(gas, like, work.w, row, n)
         high = number_of(work, tile, layer, j) * U64(d + 2) * ROW + U64(MARGIN)
         clear(work.high, high, d + 2, U64(tile.x1 - tile.x0))
 
@@ -130,7 +131,7 @@ def pairs(gas, like, form, viscous, work, row, k, other, weights, column, upper,
 
     column: of the first pair, weights: where gain and loss begin, upper: the upper nodes' sums.
     """
-    place, whole = place_of(like, form, row + column, k), U64((n + 3) // 4 * 4)
+    place, whole = place_of(gas, like, row + column, k), U64((n + 3) // 4 * 4)
     w, gain, loss, low, high = work.w, work.gain, work.loss, work.low, work.high
     more = weights, low, column, high, upper
     far = pair_row(gas, like, form, viscous, w, place, other, gain, loss, *more, whole)
@@ -168,10 +169,8 @@ def sweep_layer(gas, like, form, viscous, q, metrics, axes, tile, work, rates, l
         if d > 1:
             pairs_across(gas, like, form, viscous, axes, tile, work, layer, j, True)
         if owned:
-            row, high = (
-                row_of(work, tile, layer, j),
-                number_of(work, tile, layer, j) * U64(d + 2) * ROW,
-            )
+            high = number_of(work, tile, layer, j) * U64(d + 2) * ROW
+            row = row_of(work, tile, layer, j)
             for m in range(tile.spans, tile.end):
                 k, a, b = work.spans[m, 0], work.spans[m, 1], work.spans[m, 2]
                 column, other = U64(MARGIN + a - tile.x0), U64(k)
@@ -196,33 +195,34 @@ def sweep(gas, like, form, viscous, q, metrics, axes, tile, work, rates):
     for layer in range(completed, last.end):
         while completed <= layer + ahead and completed < last.size:
             while loaded <= completed + behind and loaded < last.size:
-                load_layer(gas, like, form, viscous, q, metrics, axes, tile, work, loaded)
+                load_layer(gas, like, viscous, q, metrics, axes, tile, work, loaded)
                 loaded += 1
             if viscous.reach > 0:
-                viscous_layer(gas, like, form, q, axes, tile, work, completed)
+                viscous_layer(gas, like, q, axes, tile, work, completed)
             completed += 1
         sweep_layer(gas, like, form, viscous, q, metrics, axes, tile, work, rates, layer)
 
 
 @njit(**MERGED_CALL)
-def gas_rates(gas, like, form, viscous, q, metrics, S0, S1, S2, w0, w1, w2, patch, rates, work):
-    """Rates of the nodes of a patch that are owned.
+def gas_rates(part, q, rates):
+    """Rates of the nodes of a part that are owned.
 
-    q: (N, d + 3) over the ghosted array, metrics: (d d + d + 1, N): a^1 … a^d, velocity of the
-    grid, J_t, and around an axis A before it. rates: (M, d + 3) of the owned nodes: J_t, and those
-    of J rho, J rho u, J E.
+    q: (N, d + 3) over the ghosted array. rates: (M, d + 3) of the owned nodes: J_t, and those of
+    J rho, J rho u, J E.
     """
+    gas, like, form, viscous, work = part.laws, part.like, part.form, part.viscous, part.work
+    metrics, S, weight, patch = part.metrics, part.S, part.weight, part.patch
     own, size, first = patch.own, patch.ghosted, patch.first
-    x = Axis(S0, w0, first[0], first[0] + own[0], size[0], 1)
-    y = Axis(S1, w1, first[1], first[1] + own[1], size[1], size[0])
-    z = Axis(S2, w2, first[2], first[2] + own[2], size[2], size[0] * size[1])
+    x = Axis(S[0], weight[0], first[0], first[0] + own[0], size[0], 1)
+    y = Axis(S[1], weight[1], first[1], first[1] + own[1], size[1], size[0])
+    z = Axis(S[2], weight[2], first[2], first[2] + own[2], size[2], size[0] * size[1])
     axes = Axes(x, y, z) if len(like) == 3 else Axes(x, z, y)
     inner, q, metrics, rates = axes.inner, q.reshape(-1), metrics.reshape(-1), rates.reshape(-1)
     wide, deep = tiles_of(own[0]), (inner.end - inner.begin + DEPTH - 1) // DEPTH
     for m in range(deep):
-        y0, y1 = part(inner.begin, inner.end, m, deep), part(inner.begin, inner.end, m + 1, deep)
+        y0, y1 = piece(inner.begin, inner.end, m, deep), piece(inner.begin, inner.end, m + 1, deep)
         for n in range(wide):
-            x0, x1 = part(x.begin, x.end, n, wide), part(x.begin, x.end, n + 1, wide)
-            weights = U64(n * S0.shape[0]) * ROW
+            x0, x1 = piece(x.begin, x.end, n, wide), piece(x.begin, x.end, n + 1, wide)
+            weights = U64(n * x.S.shape[0]) * ROW
             tile = Tile(x0, x1, y0, y1, weights, work.begins[n], work.begins[n + 1])
             sweep(gas, like, form, viscous, q, metrics, axes, tile, work, rates)

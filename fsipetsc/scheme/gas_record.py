@@ -5,9 +5,7 @@ from typing import Any, NamedTuple
 from numba import njit
 
 from fsipetsc.operators.loops import CALL
-from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.block_monitor import gas_monitor
-from fsipetsc.scheme.gas_dissipation import gas_dissipation
 from fsipetsc.scheme.gas_rates import gas_rates
 from fsipetsc.scheme.part import add_normals, ghosted, note, owned
 from fsipetsc.scheme.rows import Array
@@ -18,16 +16,16 @@ class GasRecord(NamedTuple):
 
     like: d zeros. laws: fsipetsc.equations.gas. faces: fsipetsc.scheme.faces. block: its number,
     begin: of its unknowns in the world vector. X, places: (d, N) of the reference map, and where
-    the monitor finds the nodes. halo: (N, d + 3), its nodes with a halo, or none;
-    wraps: whether it is filled by fsipetsc.scheme.part. S, weight: of three bands. masses: (M,)
-    weights of its own nodes.
+    the monitor finds the nodes. metrics: (d d + d + 1, N), a^1 … a^d, velocity of the grid, J_t,
+    and around an axis A before it. halo: (N, d + 3), its nodes with a halo, or none; wraps: whether
+    it is filled by fsipetsc.scheme.part. S, weight: of three bands. masses: (M,) weights of its own
+    nodes.
 
     follows: (n,) particles by which its grid moves, here: (n, 2d) their displacement and velocity,
     known: (m, 2d) those of all ranks; grid: see fsipetsc.blocks.grid. at_particles: faces at
-    constraints, see fsipetsc.scheme.normals. reference: (M,) J of the reference map. forcing:
-    (d + 2, M), or (d + 2, 0). column: of its mass in what comes in; columns: of its sums in the
-    record of a step. axis: fsipetsc.scheme.radial; signs: of images, see
-    fsipetsc.parallel.block_layout.
+    constraints, see fsipetsc.scheme.normals. reference: (M,) J of the reference map. forcing: (d +
+    2, M), or (d + 2, 0). column: of its mass in what comes in; columns: of its sums in the record
+    of a step. axis: fsipetsc.scheme.radial; signs: of images, see fsipetsc.parallel.block_layout.
     """
 
     like: Any
@@ -63,35 +61,6 @@ class GasRecord(NamedTuple):
     seen: Array
     sums: Array
     columns: Array
-
-
-class Damping(NamedTuple):
-    """See fsipetsc.scheme.gas_dissipation."""
-
-    sigma: float
-    shock: float
-    differences: Any
-    room: Any
-
-    def add(self, part, q, rates):
-        """Both terms."""
-        sizes, of_patch = (self.sigma, self.shock), (self.differences, part.patch)
-        equations, more = (part.laws, part.like, part.form), (*part.S, *of_patch, rates, self.room)
-        gas_dissipation(*equations, *sizes, q, part.metrics, *more)
-
-
-class Undamped(NamedTuple):
-    """No dissipation."""
-
-    kind: int = 0
-
-    def add(self, part, q, rates):
-        """Nothing."""
-        return None
-
-    def power(self, part, q, rates):
-        """None."""
-        return 0.0
 
 
 @njit(**CALL)
@@ -135,14 +104,11 @@ def store(part, particles, s):
 @njit(**CALL)
 def rates(part, s, f, gain):
     """Fill a gas's part of f, from that of a completed s; what comes in goes to ``gain``."""
-    d, patch = len(part.like), part.patch
+    d = len(part.like)
     q, own = ghosted(part, s, d + 3), owned(part, f, d + 3)
-    laws, like, form, viscous = part.laws, part.like, part.form, part.viscous
-    metrics = part.metrics
-    (S0, S1, S2), (w0, w1, w2), work = part.S, part.weight, part.work
-    gas_rates(laws, like, form, viscous, q, metrics, S0, S1, S2, w0, w1, w2, patch, own, work)
-    part.axis.add(part, q, own)
-    part.dissipation.add(part, q, own)
+    gas_rates(part, q, own)
+    part.axis.add(part, q, own, gain)
+    part.dissipation.add(part, q, own, gain)
     part.faces.add(part, q, own, gain)
     supply(part, owned(part, s, d + 3), own, gain)
 
@@ -170,13 +136,14 @@ def supply(part, q, rates, gain):
 
 
 @njit(**CALL)
-def monitor(part, s):
-    """Fill seen and sums of a part: see fsipetsc.scheme.block_monitor."""
+def monitor(part, s, found):
+    """Note extremes and sums of a part: see fsipetsc.scheme.block_monitor."""
     if part.known.shape[0] > 0:
         part.grid.find_places(part.X, part.places)
     metrics = part.axis.bounds(part.metrics)
-    gas_monitor(part, owned(part, s, len(part.like) + 3), metrics, STIFFNESS_OF_WIDE)
+    gas_monitor(part, owned(part, s, len(part.like) + 3), metrics)
+    note(part, found)
 
 
 #: what is called of a gas: fsipetsc.scheme.part.PartCalls, without ``part``
-FUNCTIONS = follow, move, swing, add_normals, turn, store, rates, monitor, note
+FUNCTIONS = follow, move, swing, add_normals, turn, store, rates, monitor

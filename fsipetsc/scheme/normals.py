@@ -1,4 +1,4 @@
-"""Area vectors of faces at particles, and how they turn. Compiled.
+"""Area vectors of faces at particles, and how they turn; derivatives at single nodes. Compiled.
 
 The area vector of a face of axis k is +-a^k times the weights of the other axes. With x' the
 velocity of the grid it turns by
@@ -15,20 +15,31 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fsipetsc.operators.loops import CALL, INNER_CALL
+from fsipetsc.operators.loops import (
+    CALL,
+    INNER_CALL,
+    along,
+    by_length,
+    column_of,
+    per,
+    scale,
+)
 
 Array = NDArray[Any]
+#: c times a vector of two numbers turned to the right; a vector of another length as it is
+turned = by_length(
+    "turned", "c, a", lambda d: " return (c * a[1], -c * a[0])" if d == 2 else " return a"
+)
 
 
 class Faces(NamedTuple):
     """Faces of a block at members of this rank: row of the member in a table, node in the ghosted
-    array and its places along the three axes, axis of the face, sign of its outward normal times
-    the weights of the other axes, column of the table where its area vector begins.
+    array, axis of the face, sign of its outward normal times the weights of the other axes, column
+    of the table where its area vector begins.
     """
 
     row: Array
     node: Array
-    place: Array
     axis: Array
     weight: Array
     column: Array
@@ -43,7 +54,7 @@ def listed(part: Any, rows: list[tuple[int, int, int, float, int]]) -> Faces:
     place = np.stack([node % nx, node // nx % ny, node // (nx * ny)])
     weights = np.stack([band.weight[at] for band, at in zip(part.bands, place, strict=True)])
     weight = sign * weights.prod(axis=0) / weights[axis, np.arange(axis.size)]
-    return Faces(row, node, place, axis, weight, column)
+    return Faces(row, node, axis, weight, column)
 
 
 @njit(**CALL)
@@ -56,40 +67,39 @@ def add_areas(faces, d, areas, table):
 
 
 @njit(**INNER_CALL)
-def derivative(S, weight, stride, values, at, place, own=-1.0):
-    """D of values (ghosted nodes,) at node ``at``, which is number ``place`` along the axis; own =
-    1: D°, without the flux through the ends.
-    """
-    total = 0.0
-    for k in range(1, S.shape[0]):
-        if place + k < S.shape[1] and S[k, place] != 0.0:
-            total += S[k, place] * (values[at + k * stride] + own * values[at])
-        if place - k >= 0 and S[k, place - k] != 0.0:
-            total -= S[k, place - k] * (values[at - k * stride] + own * values[at])
-    return 0.5 * total / weight
-
-
-@njit(**INNER_CALL)
-def sum_members(particle, row, table, total):
-    """Add rows of members, in their order, to particles; total: (p, K, n), table: (rows, K n)."""
-    total[:] = 0.0
-    n = total.shape[2]
-    for m in range(particle.size):
-        for c in range(table.shape[1]):
-            total[particle[m], c // n, c % n] += table[row[m], c]
-
-
-@njit(**INNER_CALL)
 def turn_plane(part, table):
     """Add to a table how area vectors turn on a flat plane; in one dimension they do not."""
-    faces, metrics = part.at_particles, part.metrics
-    nx, d = part.patch.ghosted[0], len(part.like)
+    faces, like, of_axes = part.at_particles, part.like, (part.S, part.weight, part.patch)
+    d, velocity = len(like), Columns(part.metrics, len(like) ** 2)
     for i in range(faces.row.size if d == 2 and part.known.shape[0] > 0 else 0):
-        axis, other = faces.axis[i], 1 - faces.axis[i]
-        place, stride = faces.place[other, i], nx if other == 1 else 1
-        band = part.S[other], part.weight[other][place], stride
-        x = derivative(*band, metrics[d * d], faces.node[i], place)
-        y = derivative(*band, metrics[d * d + d - 1], faces.node[i], place)
-        sign = faces.weight[i] if axis == 0 else -faces.weight[i]
-        table[faces.row[i], faces.column[i]] += sign * y
-        table[faces.row[i], faces.column[i] + d - 1] -= sign * x
+        slope = slope_at(like, faces.node[i], 1 - faces.axis[i], *of_axes, velocity)
+        turning = turned(faces.weight[i] if faces.axis[i] == 0 else -faces.weight[i], slope)
+        for c in range(d):
+            table[faces.row[i], faces.column[i] + c] += turning[c]
+
+
+class Columns(NamedTuple):
+    """Numbers of a node in an array by components, from row ``first`` on."""
+
+    array: Array
+    first: int
+
+    def at(self, like, n):
+        return column_of(like, self.array, self.first, n)
+
+
+@njit(**INNER_CALL)
+def slope_at(like, at, axis, S, weight, patch, of, own=-1.0):
+    """D_axis of a vector, ``of`` an object as Columns, at a node of the ghosted array; own = 1: D°,
+    without the flux through the ends.
+    """
+    nx, ny, nz = patch.ghosted
+    stride, nodes = (1, nx) if axis == 0 else (nx, ny) if axis == 1 else (nx * ny, nz)
+    place, band, here, total = at // stride % nodes, S[axis], of.at(like, at), like
+    for k in range(1, band.shape[0]):
+        for sign in (1, -1):
+            first = place if sign > 0 else place - k
+            if first >= 0 and first + k < nodes and band[k, first] != 0.0:
+                both = along(of.at(like, at + sign * k * stride), own, here)
+                total = along(total, sign * band[k, first], both)
+    return per(scale(0.5, total), weight[axis][place])

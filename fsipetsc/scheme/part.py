@@ -4,7 +4,8 @@ what the monitor finds. The records are those of fsipetsc.scheme.gas_record and 
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections import namedtuple
+from typing import NamedTuple
 
 from numba import njit
 
@@ -14,20 +15,21 @@ from fsipetsc.scheme.block_monitor import CONVECTION, MONITORED
 from fsipetsc.scheme.normals import add_areas
 from fsipetsc.scheme.rows import Array
 
+#: a part and what is done with it in a step, called by address (fsipetsc.operators.boxed)
+PartCalls = namedtuple("PartCalls", "part follow move swing normals turn store rates monitor")
 
-class PartCalls(NamedTuple):
-    """A part and what is done with it in a step, called by address (fsipetsc.operators.boxed)."""
 
-    part: Any
-    follow: Any
-    move: Any
-    swing: Any
-    normals: Any
-    turn: Any
-    store: Any
-    rates: Any
-    monitor: Any
-    note: Any
+class Nothing(NamedTuple):
+    """What adds nothing to rates: no dissipation, closed faces."""
+
+    kind: int = 0
+
+    def add(self, part, q, rates, gain):
+        """No work."""
+        return 0.0
+
+    def power(self, part, q, rates):
+        return 0.0
 
 
 class Gain(NamedTuple):
@@ -56,13 +58,11 @@ def owned(part, s, dof):
 @njit(**MERGED_CALL)
 def ghosted(part, s, dof):
     """(N, dof), the same with its halo, which a rank that has all blocks fills here."""
-    n = part.patch.own[0] * part.patch.own[1] * part.patch.own[2]
     if part.wraps:
         fill_halo(s, part.begin, dof, part.patch, part.halo)
         if part.signs.size > 0:
             mirror(part.halo, part.patch.first, part.patch.ghosted, part.signs)
-    own = s[part.begin : part.begin + n * dof].reshape((n, dof))
-    return part.halo if part.halo.shape[0] > 0 else own
+    return part.halo if part.halo.shape[0] > 0 else owned(part, s, dof)
 
 
 @njit(**INNER_CALL)
@@ -95,8 +95,8 @@ def clear(numbers):
         numbers[i] = 0.0
 
 
-@njit(**MERGED_CALL)
-def note_part(part, found):
+@njit(**INNER_CALL)
+def note(part, found):
     """Put the extremes and sums of the monitor where they belong; found: a box of
     fsipetsc.scheme.steps.Found.
     """
@@ -107,12 +107,6 @@ def note_part(part, found):
     extremes[begin + CONVECTION] *= found.pace
     for c in range(columns.size):
         latest[columns[c]] += sums[c]
-
-
-@njit(**CALL)
-def note(part, found):
-    """The same as a function of its own."""
-    note_part(part, found)
 
 
 @njit(**CALL)

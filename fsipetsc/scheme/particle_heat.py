@@ -5,23 +5,13 @@ Compiled.
 from numba import njit
 
 from fsipetsc.operators.loops import CALL, INLINED_CALL, dot, node, part_of, per
-from fsipetsc.scheme.particle_records import (
-    GIVEN_SOLID,
-    HEATS_GAS,
-    HEATS_SOLID,
-    MINE,
-    SHARES_HEAT,
-    SOLID,
-    WARM_GAS,
-    WARM_SOLID,
-)
+from fsipetsc.scheme.particle_records import SOLID
 
 
 @njit(**CALL)
-def weigh_heat(table, stored, state):
-    """Mean specific heat of the solid members of each particle, and mean of what they store;
-    stored: (rows, 1) energy per mass.
-    """
+def weigh_heat(all):
+    """Mean specific heat of the solid members of each particle, and mean of what they store."""
+    table, stored, state = all.table, all.stored, all.state
     begin, row, kind, weight = table.begin, table.row, table.kind, table.weight
     alpha, capacity, potential = table.alpha, state.capacity, state.potential
     for p in range(begin.size - 1):
@@ -39,16 +29,16 @@ def weigh_heat(table, stored, state):
 @njit(**INLINED_CALL)
 def share_heat(table, law, like, data, state, gain):
     """One temperature of gas and solid where both conduct, or that which is given."""
-    d, flags, T_gas, T_solid = len(like), table.flags, data.T, data.T_solid
+    d, facts, T_gas, T_solid = len(like), table.facts, data.T, data.T_solid
     mass, solid_mass, V, U, v, e = state.mass, state.solid_mass, state.V, state.U, state.v, state.e
-    capacity, potential, faces = state.capacity, state.potential, table.faces
-    energies, heats = gain.energy, gain.heat
-    for p in range(mass.size):
-        warm_gas, warm_solid = flags[p, WARM_GAS] == 1, flags[p, WARM_SOLID] == 1
-        both = flags[p, SHARES_HEAT] == 1 and not warm_gas and not warm_solid
+    capacity, potential, energies, heats = state.capacity, state.potential, gain.energy, gain.heat
+    for p in range(facts.size):
+        one = facts[p]
+        warm_gas, warm_solid = one.warm_gas == 1, one.warm_solid == 1
+        both = one.shares_heat == 1 and not warm_gas and not warm_solid
         if not (both or warm_gas or warm_solid):
             continue
-        rho, M, M_s, mine = U[p, 0], mass[p], solid_mass[p], flags[p, MINE]
+        rho, M, M_s, mine = U[p, 0], mass[p], solid_mass[p], one.mine
         u = per(part_of(like, U, p, 1), rho) if M > 0.0 else like
         of_gas = 0.5 * dot(u, u)
         of_solid = potential[p] + 0.5 * dot(node(like, v, p), node(like, v, p))
@@ -62,14 +52,14 @@ def share_heat(table, law, like, data, state, gain):
             U[p, d + 1] = rho * (sum_of_both - M_s * e[p]) / M
         if warm_gas and M > 0.0:
             E = rho * (law.internal_energy(rho, T_gas[p]) + of_gas)
-            came, at = mine * V[p] * (E - U[p, d + 1]), faces[p, HEATS_GAS]
+            came, at = mine * V[p] * (E - U[p, d + 1]), one.heats_gas
             energies[at], heats[at] = energies[at] + came, heats[at] + came
             U[p, d + 1] = E
         if warm_solid and M_s > 0.0:
             found = of_solid + capacity[p] * T_solid[p]
-            came, at = mine * M_s * (found - e[p]), faces[p, HEATS_SOLID]
+            came, at = mine * M_s * (found - e[p]), one.heats_solid
             energies[at] += came
-            heats[at] += came if flags[p, GIVEN_SOLID] == 0 else 0.0
+            heats[at] += came if one.given_solid == 0 else 0.0
             e[p] = found
 
 

@@ -1,7 +1,9 @@
 """Particles of a rank as compiled code has them: records of tables, data and sums."""
 
+from collections import namedtuple
 from typing import Any, NamedTuple
 
+import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
@@ -15,11 +17,8 @@ class Table(NamedTuple):
     begin: (p + 1,), rows of particle p are row[begin[p]:begin[p + 1]], in the order that all ranks
     have. kind: (rows,) GAS or SOLID. at: (own,) where the unknowns of a member begin in the world's
     vector. weight: (rows,) H of a gas member, M_s of a solid one; alpha: (rows,) specific heat of
-    solids. inertia: (own,) M_s of members whose work is booked, else 0. count: (p,) number of
-    constraints; constraint: (p, K) their kinds. column: (p,) where the mass of the gas is in
-    ``gain``. faces: (p, 4), through which face what moves gas and solid does work, and what gives
-    temperatures to gas and solid heats. flags: (p, FLAGS) 1 or 0 for each of MINE …, see
-    fsipetsc.blocks.particles.
+    solids. inertia: (own,) M_s of members whose work is booked, else 0. constraint: (p, K) kinds of
+    constraints. facts: (p,) records of FACTS, see fsipetsc.blocks.particles.
     """
 
     begin: Array
@@ -29,21 +28,21 @@ class Table(NamedTuple):
     weight: Array
     alpha: Array
     inertia: Array
-    count: Array
     constraint: Array
-    column: Array
-    faces: Array
-    flags: Array
+    facts: Array
 
 
-#: this rank adds what comes in; forces move the gas, the solid; a clamp gives the place; gas and
-#: solid stick; the gas is at a wall, the solid at a clamp; all is given of the gas, of the solid;
-#: the temperature of the gas, of the solid; they have one; so have members of the solid
-MINE, FREE_GAS, FREE_SOLID, PLACED, STICKS, AT_WALL, AT_CLAMP, GIVEN_GAS, GIVEN_SOLID = range(9)
-WARM_GAS, WARM_SOLID, SHARES_HEAT, ONE_T = range(9, 13)
-FLAGS = 13
-#: columns of ``faces``
-MOVES_GAS, MOVES_SOLID, HEATS_GAS, HEATS_SOLID = range(4)
+#: 1 or 0: this rank adds what comes in; forces move the gas, the solid; a clamp gives the place;
+#: gas and solid stick; the gas is at a wall, the solid at a clamp; all is given of the gas, of the
+#: solid; the temperature of the gas, of the solid; they have one; so have members of the solid
+FLAGS = (
+    *("mine", "free_gas", "free_solid", "placed", "sticks", "at_wall", "clamped", "given_gas"),
+    *("given_solid", "warm_gas", "warm_solid", "shares_heat", "one_T"),
+)
+#: through which face what moves gas and solid does work, and what gives them temperatures heats
+FACES = "moves_gas", "moves_solid", "heats_gas", "heats_solid"
+#: also the number of constraints, and where the mass of the gas is in ``gain``
+FACTS = np.dtype([(name, np.int64) for name in (*FLAGS, *FACES, "count", "column")], align=True)
 
 
 class Data(NamedTuple):
@@ -91,10 +90,10 @@ class Particles(NamedTuple):
 
     like: (0, …) of d dimensions. law: of the gas. stored: (rows, 1) energy per mass of members that
     is neither kinetic nor heat; stores: whether it changes. rows: (rows, columns) of the exchange.
-    slips: whether any has constraints; normals, turning: (p, K, 2d), G and S and how they turn.
-    of_normals: (members of those, 2 K d) area vectors, at_normals: how many are here, of_particle,
-    row_of: particle and row of each. moves: (p,) whether a wall there moves, place: (p, d) its
-    displacement. auxiliary: number of unknowns, at the end of a vector, of what came in.
+    slips: whether any has constraints; normals, turning: (p, 2 d K), G and S of each and how they
+    turn. of_normals: (members of those, 2 d K) area vectors, of_particle, row_of: particle and row
+    of each. moves: (p,) whether a wall there moves, place: (p, d) its displacement. auxiliary:
+    number of unknowns, at the end of a vector, of what came in.
     """
 
     like: Any
@@ -109,7 +108,6 @@ class Particles(NamedTuple):
     normals: Array
     turning: Array
     of_normals: Array
-    at_normals: int
     of_particle: Array
     row_of: Array
     moves: Array
@@ -117,16 +115,8 @@ class Particles(NamedTuple):
     auxiliary: int
 
 
-class ParticleCalls(NamedTuple):
-    """Particles and what they do, called by address: see fsipetsc.operators.boxed."""
-
-    all: Any
-    begin_sums: Any
-    end_sums: Any
-    begin_normals: Any
-    end_normals: Any
-    begin_stored: Any
-    end_stored: Any
-    impose_conditions: Any
-    begin_rates: Any
-    end_rates: Any
+#: particles and what they do, called by address: see fsipetsc.operators.boxed
+ParticleCalls = namedtuple(
+    "ParticleCalls",
+    "all weigh end_sums end_normals begin_stored weigh_heat impose_conditions end_rates",
+)

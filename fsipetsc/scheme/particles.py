@@ -23,12 +23,12 @@ of mass M + M_s. A body whose motion is given counts as infinitely heavy.
 What comes in is added to ``gain``, see fsipetsc.scheme.part.Gain. Constraints tell it by their
 forces, data that replace unknowns by the change.
 
-    begin_sums, exchange, end_sums, impose_conditions     complete the unknowns
-    begin_rates, exchange, end_rates                      complete their rates
+    weigh, exchange, end_sums, impose_conditions     complete the unknowns
+    weigh, exchange, end_rates                       complete their rates
 
-begin_normals, what blocks say of their faces, an exchange and end_normals come before
-impose_conditions and begin_rates where particles have constraints; begin_stored, what solids say of
-their members, an exchange and end_stored before impose_conditions where stored energies matter.
+What blocks say of their faces, an exchange and end_normals come before impose_conditions and the
+rates where particles have constraints; begin_stored, what solids say of their members, an exchange
+and weigh_heat before impose_conditions where stored energies matter.
 """
 
 import numpy as np
@@ -48,53 +48,19 @@ from fsipetsc.operators.loops import (
     sub,
 )
 from fsipetsc.scheme.constraints import book, powers, right_sides, slide, solve
-from fsipetsc.scheme.normals import sum_members
-from fsipetsc.scheme.particle_heat import share_heat, weigh_heat
-from fsipetsc.scheme.particle_records import (
-    AT_CLAMP,
-    AT_WALL,
-    GAS,
-    GIVEN_GAS,
-    GIVEN_SOLID,
-    MINE,
-    MOVES_GAS,
-    ONE_T,
-    PLACED,
-    SOLID,
-    STICKS,
-)
+from fsipetsc.scheme.part import clear
+from fsipetsc.scheme.particle_heat import share_heat
+from fsipetsc.scheme.particle_records import GAS, SOLID
 
 # Functions name arrays before their loops: where a record is asked within a loop, numba counts
 # references to its arrays, which takes as long as all else.
 
 
 @njit(**CALL)
-def begin_sums(all, s, gain):
-    """Rows of this rank's members: H q of a gas, (M_s D, M_s v, M_s e, M_s) of a solid."""
-    gain.numbers[:] = 0.0
-    weigh(all, s)
-    d, rows, kind, weight = len(all.like), all.rows, all.table.kind, all.table.weight
-    for r in range(all.table.at.size):
-        if kind[r] == SOLID:
-            rows[r, 2 * d + 1] = weight[r]
-
-
-@njit(**CALL)
-def begin_rates(all, f):
-    """The same of rates."""
-    weigh(all, f)
-
-
-@njit(**INLINED_CALL)
 def weigh(all, y):
-    """Rows of this rank's members: what they have in y times their weights."""
-    d, rows, kind, at, weight = (
-        len(all.like),
-        all.rows,
-        all.table.kind,
-        all.table.at,
-        all.table.weight,
-    )
+    """Rows of this rank's members: H q of a gas, (M_s D, M_s v, M_s e) of a solid; or of rates."""
+    table, rows, d = all.table, all.rows, len(all.like)
+    kind, at, weight = table.kind, table.at, table.weight
     for r in range(at.size):
         for c in range(d + 3 if kind[r] == GAS else 2 * d + 1):
             rows[r, c] = weight[r] * y[at[r] + c]
@@ -103,7 +69,7 @@ def weigh(all, y):
 @njit(**INLINED_CALL)
 def summed(table, like, p, rows):
     """(V, M, P, E) of the gas and (M_s, M_s D, M_s v, M_s e) of the solid of particle p."""
-    d, begin, row, kind = len(like), table.begin, table.row, table.kind
+    begin, row, kind, weight, d = table.begin, table.row, table.kind, table.weight, len(like)
     V, M, P, E, M_s, D, P_s, E_s = 0.0, 0.0, like, 0.0, 0.0, like, like, 0.0
     for m in range(begin[p], begin[p + 1]):
         r = row[m]
@@ -111,7 +77,7 @@ def summed(table, like, p, rows):
             V, M, E = V + rows[r, 0], M + rows[r, 1], E + rows[r, d + 2]
             P = add(P, part_of(like, rows, r, 2))
         else:
-            M_s, E_s = M_s + rows[r, 2 * d + 1], E_s + rows[r, 2 * d]
+            M_s, E_s = M_s + weight[r], E_s + rows[r, 2 * d]
             D, P_s = add(D, node(like, rows, r)), add(P_s, part_of(like, rows, r, d))
     return (V, M, P, E), (M_s, D, P_s, E_s)
 
@@ -125,16 +91,19 @@ def kinetic(P, M):
 @njit(**CALL)
 def end_sums(all, gain):
     """From the sums of all members: one U, one displacement and velocity; what sticks has one
-    velocity, and the kinetic energy that the solid loses by that goes to the gas.
+    velocity, and the kinetic energy that the solid loses by that goes to the gas. What comes in
+    begins here.
     """
+    clear(gain.numbers)
     table, like, rows, data, state = all.table, all.like, all.rows, all.data, all.state
-    flags, column, faces, d = table.flags, table.column, table.faces, len(like)
+    facts, d = table.facts, len(like)
     masses, impulse, energies = gain.mass, gain.impulse, gain.energy
     mass, solid_mass, V_of, U, e = state.mass, state.solid_mass, state.V, state.U, state.e
     D_of, v, mean_energy = state.D, state.v, state.mean_energy
-    for p in range(column.size):
+    for p in range(facts.size):
+        one = facts[p]
         of_gas, of_solid = summed(table, like, p, rows)
-        (V, M, P, E), (M_s, D, P_s, E_s) = obeyed(flags, like, p, data, of_gas, of_solid)
+        (V, M, P, E), (M_s, D, P_s, E_s) = obeyed(one, like, p, data, of_gas, of_solid)
         mass[p], V_of[p], solid_mass[p] = M, V, M_s
         if V > 0.0:
             U[p, 0], U[p, d + 1] = M / V, E / V
@@ -143,46 +112,45 @@ def end_sums(all, gain):
             mean_energy[p], e[p] = of_solid[3] / M_s, E_s / M_s
             put_part(v, p, 0, per(P_s, M_s))
             put_part(D_of, p, 0, D)
-        given = flags[p, GIVEN_GAS] or flags[p, GIVEN_SOLID]
-        if flags[p, MINE] and (flags[p, AT_WALL] or flags[p, AT_CLAMP] or given):
+        given = one.given_gas or one.given_solid
+        if one.mine and (one.at_wall or one.clamped or given):
             if V > 0.0:
-                masses[column[p]] += M - of_gas[1]
+                masses[one.column] += M - of_gas[1]
             push = add(sub(P, of_gas[2]), sub(P_s, of_solid[2]))
             for c in range(d):
                 impulse[c] += push[c]
-            energies[faces[p, MOVES_GAS]] += (E - of_gas[3]) + (E_s - of_solid[3])
+            energies[one.moves_gas] += (E - of_gas[3]) + (E_s - of_solid[3])
 
 
 @njit(**INLINED_CALL)
-def obeyed(flags, like, p, data, of_gas, of_solid):
+def obeyed(one, like, p, data, of_gas, of_solid):
     """The sums of particle p with the mean displacement in place of its sum, as walls, clamps and
     data have them.
     """
     (V, M, P, E), (M_s, D, P_s, E_s) = of_gas, of_solid
     d, wall, clamp, clamp_velocity = len(like), data.wall, data.clamp, data.clamp_velocity
-    at_wall, clamped, gas, solid = flags[p, AT_WALL], flags[p, AT_CLAMP], data.gas, data.solid
-    moved = clamped or flags[p, GIVEN_SOLID]
+    gas, solid, moved = data.gas, data.solid, one.clamped or one.given_solid
     if M_s > 0.0:
         D = per(D, M_s)
-    if clamped:
+    if one.clamped:
         P_s = scale(M_s, node(like, clamp_velocity, p))
-    if flags[p, PLACED]:
+    if one.placed:
         D = node(like, clamp, p)
-    if flags[p, GIVEN_SOLID]:
+    if one.given_solid:
         D, P_s = node(like, solid, p), scale(M_s, part_of(like, solid, p, d))
-    if at_wall:
+    if one.at_wall:
         P = scale(M, node(like, wall, p))
-    if flags[p, STICKS]:
+    if one.sticks:
         both = per(add(P, P_s), M + M_s)
         if moved:
             both = per(P_s, M_s)
-        elif at_wall:
+        elif one.at_wall:
             both = node(like, wall, p)
         first, P, P_s = kinetic(P_s, M_s), scale(M, both), scale(M_s, both)
         if not moved:
             change = kinetic(P_s, M_s) - first
             E, E_s = E - change, E_s + change
-    if flags[p, GIVEN_GAS]:
+    if one.given_gas:
         M, P, E = V * gas[p, 0], scale(V, part_of(like, gas, p, 1)), V * gas[p, d + 1]
     return (V, M, P, E), (M_s, D, P_s, E_s)
 
@@ -191,19 +159,15 @@ def obeyed(flags, like, p, data, of_gas, of_solid):
 
 
 @njit(**CALL)
-def begin_normals(all):
-    """Clear the rows of the members here."""
-    table = all.of_normals
-    for m in range(all.at_normals):
-        for c in range(table.shape[1]):
-            table[m, c] = 0.0
-
-
-@njit(**CALL)
 def end_normals(all, turning):
-    """Normals of particles, or how they turn, from the rows of all members."""
-    total = all.turning if turning else all.normals
-    sum_members(all.of_particle, all.row_of, all.of_normals, total)
+    """Normals of particles, or how they turn, from the rows of all members, which are cleared."""
+    total, table = all.turning if turning else all.normals, all.of_normals
+    particle, row = all.of_particle, all.row_of
+    total[:] = 0.0
+    for m in range(particle.size):
+        for c in range(table.shape[1]):
+            total[particle[m], c] += table[row[m], c]
+    table[:] = 0.0
 
 
 @njit(**CALL)
@@ -219,12 +183,6 @@ def begin_stored(all, s):
             if r < at.size and kind[r] == SOLID:
                 for c in range(d):
                     s[at[r] + c] = D[p, c]
-
-
-@njit(**CALL)
-def end_stored(all):
-    """Mean specific heat of the solid members of each particle and mean of what they store."""
-    weigh_heat(all.table, all.stored, all.state)
 
 
 # constraints
@@ -257,7 +215,7 @@ def sum_up(gain):
 @njit(**INLINED_CALL)
 def give_state(table, like, stored, y, state):
     """Members of this rank get what their particle has; each keeps its own J."""
-    d, flags, begin, row, kind = len(like), table.flags, table.begin, table.row, table.kind
+    d, facts, begin, row, kind = len(like), table.facts, table.begin, table.row, table.kind
     starts, alpha, U, D, v, e = table.at, table.alpha, state.U, state.D, state.v, state.e
     potential, mean_energy, capacity = state.potential, state.mean_energy, state.capacity
     for p in range(begin.size - 1):
@@ -274,7 +232,7 @@ def give_state(table, like, stored, y, state):
                 continue
             for c in range(d):
                 y[at + c], y[at + d + c] = D[p, c], v[p, c]
-            if flags[p, ONE_T]:
+            if facts[p].one_T:
                 y[at + 2 * d] = kinetic + stored[r, 0] + heat * alpha[r] / capacity[p]
             else:
                 y[at + 2 * d] += e[p] - mean_energy[p]
@@ -295,31 +253,34 @@ def accelerate(all, gain):
     """U_t of the gas and acceleration of the solid of each particle."""
     table, like, rows, data, state = all.table, all.like, all.rows, all.data, all.state
     normals, turning, wall, wall_rate = all.normals, all.turning, data.wall, data.wall_rate
-    flags, count, constraint = table.flags, table.count, table.constraint
+    facts, constraint = table.facts, table.constraint
     mass, solid_mass, V, U, vs = state.mass, state.solid_mass, state.V, state.U, state.v
     U_t, acceleration, clamp_rate = state.U_t, state.acceleration, data.clamp_rate
-    d, K = len(like), normals.shape[1]
+    d, K = len(like), constraint.shape[1]
     pi, room = np.zeros(K), (np.zeros((K, K)), np.zeros(K))
-    for p in range(count.size):
+    for p in range(facts.size):
+        one = facts[p]
         (J_t, R, R_m, R_E), (_, _, F, _) = summed(table, like, p, rows)
         M, M_s, v, w = mass[p], solid_mass[p], node(like, vs, p), node(like, wall, p)
         u = per(part_of(like, U, p, 1), U[p, 0]) if M > 0.0 else like
         a = per(sub(R_m, scale(R, u)), M) if M > 0.0 else like
         b = per(F, M_s) if M_s > 0.0 else like
         force, force_s = scale(-M, a), scale(-M_s, b)
-        at_wall, clamped, sticks = flags[p, AT_WALL], flags[p, AT_CLAMP], flags[p, STICKS] == 1
-        b = node(like, clamp_rate, p) if clamped else b
-        a = node(like, wall_rate, p) if at_wall else a
-        if sticks:
-            a, b = as_one_body(M, M_s, a, b, at_wall, clamped)
-        if count[p] > 0:
-            w_t, K_p = node(like, wall_rate, p), count[p]
-            right_sides(like, normals, turning, constraint, p, K_p, u, v, w, w_t, pi)
-            a, b = solve(table, like, p, normals, pi, M, M_s, a, b, room)
+        b = node(like, clamp_rate, p) if one.clamped else b
+        a = node(like, wall_rate, p) if one.at_wall else a
+        if one.sticks:
+            if not (one.clamped or one.at_wall):
+                a = per(add(scale(M, a), scale(M_s, b)), M + M_s)
+            a, b = (b, b) if one.clamped else (a, a)
+        if one.count > 0:
+            w_t = node(like, wall_rate, p)
+            right_sides(one, like, p, normals, turning, constraint, u, v, w, w_t, pi)
+            a, b = solve(one, like, p, normals, pi, M, M_s, a, b, room)
         force, force_s = along(force, M, a), along(force_s, M_s, b)
-        power, of_solid = powers(table, like, p, normals, pi, force, u, v, w)
-        if flags[p, MINE]:
-            book(table, like, p, normals, pi, v, w, force, force_s, power, of_solid, gain)
+        power, of_solid = powers(one, like, p, normals, constraint, pi, force, u, v, w)
+        if one.mine:
+            forces = force, force_s, power, of_solid
+            book(one, like, p, normals, constraint, pi, v, w, *forces, gain)
         power += of_solid
         put_part(acceleration, p, 0, b)
         if M > 0.0:
@@ -327,15 +288,6 @@ def accelerate(all, gain):
             put_part(U_t, p, 1, per(momentum, V[p]))
             U_t[p, 0] = (R - U[p, 0] * J_t) / V[p]
             U_t[p, d + 1] = (R_E + power - U[p, d + 1] * J_t) / V[p]
-
-
-@njit(**INLINED_CALL)
-def as_one_body(M, M_s, a, b, at_wall, clamped):
-    """Accelerations of gas and solid that stick, of which one may be given."""
-    both = b if clamped else a
-    if not (clamped or at_wall):
-        both = per(add(scale(M, a), scale(M_s, b)), M + M_s)
-    return both, both
 
 
 @njit(**INLINED_CALL)

@@ -17,20 +17,14 @@ from typing import Any, NamedTuple
 
 from numba import njit
 
-from fsipetsc.operators.loops import INNER_CALL, dot, node, put_part, scale
-from fsipetsc.scheme.faces import column_of
-from fsipetsc.scheme.normals import add_areas, derivative, turn_plane
+from fsipetsc.operators.loops import INNER_CALL, column_of, dot, node, put_part, scale
+from fsipetsc.scheme.normals import Columns, add_areas, slope_at, turn_plane
+from fsipetsc.scheme.part import Nothing
 from fsipetsc.scheme.rows import Array
 
 
-class Straight(NamedTuple):
+class Straight(Nothing):
     """Neither axis nor centre."""
-
-    kind: int = 0
-
-    def add(self, part, q, rates):
-        """Nothing."""
-        return None
 
     def turn(self, part, table):
         """Add how area vectors at constraints turn, in two dimensions; in one they do not."""
@@ -49,15 +43,13 @@ class Radial(NamedTuple):
     grid: Any
     room: Array
 
-    def add(self, part, q, rates):
+    def add(self, part, q, rates, gain):
         """See the head of this file; q: (N, d + 3) ghosted, rates: (M, d + 3)."""
-        add_pressure(part.laws, part.like, self.grid.source, q, part.patch, rates)
+        add_pressure(part, self.grid.source, q, rates)
         if part.laws.mu > 0.0:
-            of_axes = part.S, part.weight, part.patch
-            add_viscous(part.laws, part.like, self, q, part.metrics, *of_axes, rates)
+            add_viscous(part, self, q, rates)
 
     def turn(self, part, table):
-        """The same around an axis."""
         add_areas(part.at_particles, len(part.like), self.grid.turning, table)
 
     def bounds(self, metrics):
@@ -73,8 +65,9 @@ def ghosted_node(i, patch):
 
 
 @njit(**INNER_CALL)
-def add_pressure(gas, like, source, q, patch, rates):
+def add_pressure(part, source, q, rates):
     """p S."""
+    gas, like, patch = part.laws, part.like, part.patch
     d, like_q = len(like), (*like, 0.0, 0.0, 0.0)
     for i in range(rates.shape[0]):
         n = ghosted_node(i, patch)
@@ -82,10 +75,12 @@ def add_pressure(gas, like, source, q, patch, rates):
 
 
 @njit(**INNER_CALL)
-def add_viscous(gas, like, radial, q, metrics, S, weight, patch, rates):
+def add_viscous(part, radial, q, rates):
     """What viscous stresses around the axis do."""
-    d, like_q, kappa = len(like), (*like, 0.0, 0.0, 0.0), len(radial.grid.hoops)
-    source, room, nx = radial.grid.source, radial.room, patch.ghosted[0]
+    gas, like, metrics, patch = part.laws, part.like, part.metrics, part.patch
+    d, like_z, like_q = len(like), (*like, 0.0), (*like, 0.0, 0.0, 0.0)
+    source, room, of_axes = radial.grid.source, radial.room, (part.S, part.weight, patch)
+    kappa = len(radial.grid.hoops)
     for n in range(source.size):
         w = gas.primitive(node(like_q, q, n))
         mu = gas.mu * gas.transport.viscosity(w[2])
@@ -100,14 +95,14 @@ def add_viscous(gas, like, radial, q, metrics, S, weight, patch, rates):
         w = gas.primitive(node(like_q, q, n))
         u, T, spread = gas.velocity(w), w[2], 0.0
         for k in range(d):
-            stride, place = (nx, n // nx) if k == 1 else (1, n % nx)
-            a, band = column_of(like, metrics, k * d, n), (S[k], weight[k][place], stride)
-            spread += dot(a, u) * derivative(*band, room[d], n, place)
+            a = column_of(like, metrics, k * d, n)
+            slope = slope_at(like_z, n, k, *of_axes, Columns(room, 0))
+            flux = slope_at(like_z, n, k, *of_axes, Columns(room, (k + 1) * (d + 1)), 1.0)
+            spread += dot(a, u) * slope[-1]
+            for c in range(d):
+                spread += a[c] * slope[c]
             for c in range(d + 1):
-                if c < d:
-                    spread += a[c] * derivative(*band, room[c], n, place)
-                flux = room[(k + 1) * (d + 1) + c]
-                rates[i, 2 + c] += derivative(*band, flux, n, place, 1.0)
+                rates[i, 2 + c] += flux[c]
         div, e = T / q[n, 0] * spread, u[-1] * source[n] / q[n, 0]
         mu = gas.mu * gas.transport.viscosity(T)
         rates[i, 1 + d] -= mu * (2.0 * e / kappa - 2.0 / 3.0 * (div + e)) * source[n]

@@ -14,7 +14,7 @@ import numpy as np
 from numba import config
 from numpy.typing import NDArray
 
-from fsipetsc.operators.loops import _by_length
+from fsipetsc.operators.loops import by_length
 
 Array = NDArray[np.float64]
 
@@ -35,13 +35,13 @@ def _put(n: int) -> str:
 
 
 #: the numbers of node i, one for each of like
-at = _by_length(
+at = by_length(
     "at",
     "like, array, start, step, i",
     lambda n: " return (" + "".join(f"array[{_start(c)}]," for c in range(n)) + ")",
 )
 #: stores values there
-put = _by_length("put", "array, start, step, i, values", _put)
+put = by_length("put", "array, start, step, i, values", _put)
 
 
 def moments(d: int) -> int:
@@ -56,7 +56,7 @@ def _add_moment(d: int) -> str:
 
 
 #: adds c times x cross p to the numbers of node i
-add_moment = _by_length("add_moment", "x, p, c, array, start, step, i", _add_moment)
+add_moment = by_length("add_moment", "x, p, c, array, start, step, i", _add_moment)
 
 
 def aligned(size: int) -> Array:

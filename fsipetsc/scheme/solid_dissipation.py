@@ -19,14 +19,14 @@ d_+ = v_j+1 - v_j, d_- = v_j - v_j-1, and 0 at an end. In smooth motion s falls 
 is 0.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 
 from fsipetsc.operators.loops import CALL, EXACT_LOOP, add, dot, mean, scale, zeros
 from fsipetsc.operators.undivided import Differences
-from fsipetsc.scheme.gas_dissipation import NO_SHOCK, RISE, largest, shifted_sum
+from fsipetsc.scheme.gas_dissipation import largest, sense, shifted_sum
 from fsipetsc.scheme.rows import ONE, U64, Array, at, put
 
 #: e of s, over the speed of sound
@@ -35,98 +35,98 @@ SMALL = 0.02
 AT_SHOCKS = 0.7
 
 
-class Damping(NamedTuple):
-    """a and b of F, sqrt(K m0) [kg/(m2 s)], m0 [kg/m3] and the e of s [m/s]."""
+class SolidDamping(NamedTuple):
+    """A term: a and b of F, sqrt(K m0) [kg/(m2 s)], the e of s [m/s]. F, alpha: memory, of N nodes,
+    F and F . Delta_q v by components, each after zeros, and alpha. after: the next term, or none.
+    """
 
     a: float
     b: float
     impedance: float
-    m0: float
     small: float
-
-
-class Room(NamedTuple):
-    """Memory, of N nodes: F and F . Delta_q v by components, after ``before`` zeros, and alpha."""
-
-    before: int
+    differences: Any
     F: Array
     alpha: Array
+    after: Any
+
+    def add(self, part, q, rates, gain):
+        """This term and the next one."""
+        solid_dissipation(part, self, q, rates)
+        self.after.add(part, q, rates, gain)
+
+    def power(self, part, q, rates):
+        """Sum of v . v_t times the masses, if work is booked; q, rates: of the owned nodes."""
+        d, masses, total = len(part.like), part.masses, 0.0
+        for i in range(masses.size if part.loses == 1 else 0):
+            for c in range(d, 2 * d):
+                total += masses[i] * q[i, c] * rates[i, c]
+        return total
 
 
-def room(d: int, difference: Differences) -> Room:
-    """For the nodes of a patch."""
-    N = difference.norm.shape[1]
-    before = (len(difference.weights) - 1) * int(difference.strides[d - 1])
-    return Room(before, np.zeros((d + 1) * (N + before)), np.zeros(N))
+def solid_damping(solid: Any, found: Differences, a: float, b: float, after: Any) -> SolidDamping:
+    """Of a solid, fsipetsc.equations.solid, for the nodes of a patch."""
+    d, nodes = len(solid.force), found.norm.shape[1]
+    K = solid.law.wave_modulus(solid.tensor(solid.unstrained((0.0,) * d)))
+    of_solid = np.sqrt(K * solid.m0), SMALL * np.sqrt(K / solid.m0)
+    F = np.zeros((d + 1) * found.room(d))
+    return SolidDamping(a, b, *of_solid, found, F, np.zeros(nodes), after)
 
 
 @njit(**CALL)
-def solid_dissipation(like, damping, q, metrics, difference, patch, rates, room):
-    """Add it to the rates (M, 2d + 1) of the owned nodes.
-
-    q, metrics, patch: as in fsipetsc.scheme.solid_rates, with a halo of q + 1 nodes at least.
+def solid_dissipation(part, term, q, rates):
+    """Add a term to the rates (M, 2d + 1) of the owned nodes; q: as in fsipetsc.scheme.solid_rates,
+    with a halo of q + 1 nodes at least.
     """
+    like, metrics, patch, difference = part.like, part.metrics, part.patch, term.differences
     q, metrics, rates = q.reshape(q.size), metrics.reshape(metrics.size), rates.reshape(rates.size)
-    own, ghosted, first = patch.own, patch.ghosted, patch.first
+    own, ghosted, first, weights = patch.own, patch.ghosted, patch.first, difference.weights
+    m0 = part.laws.m0
     for k in range(len(like)):
-        stride = int(difference.strides[k])
-        if damping.b != 0.0:
-            sense(like, damping.small, q, room.alpha, stride, ghosted[k])
-        lose(like, damping, q, metrics, k, stride, difference.weights, difference.norm[k], room)
+        stride, of_axis = int(difference.strides[k]), (weights, difference.per_weight[k])
+        if term.b != 0.0:
+            of_v = q, U64(len(like)), ONE, U64(2 * len(like) + 1), 0.0, term.small
+            sense(like, *of_v, term.alpha, stride, ghosted[k])
+        lose(like, term, q, metrics, k, stride, weights, difference.norm[k])
         for z in range(own[2]):
             for y in range(own[1]):
                 g = first[0] + ghosted[0] * (first[1] + y + ghosted[1] * (first[2] + z))
-                to = own[0] * (y + own[1] * z)
-                weights, per = difference.weights, difference.per_weight[k]
-                collect(like, damping, q, metrics, stride, weights, per, room, g, to, own[0], rates)
+                to, n = own[0] * (y + own[1] * z), own[0]
+                collect(like, m0, q, metrics, stride, *of_axis, term.F, g, to, n, rates)
 
 
 @njit(**EXACT_LOOP)
-def sense(like, small, q, alpha, stride, length):
-    """alpha of all nodes along an axis of so many nodes."""
-    d, dof = len(like), 2 * len(like) + 1
-    for i in range(alpha.size):
-        place, s = i // stride % length, 0.0
-        if 0 < place < length - 1:
-            for c in range(d, 2 * d):
-                here = q[i * dof + c]
-                rise, fall = q[(i + stride) * dof + c] - here, here - q[(i - stride) * dof + c]
-                s = max(s, abs(rise - fall) / (abs(rise) + abs(fall) + small))
-        alpha[i] = min(1.0, max(0.0, RISE * (s - NO_SHOCK)))
-
-
-@njit(**EXACT_LOOP)
-def lose(like, damping, q, metrics, k, stride, weights, norm, room):
+def lose(like, term, q, metrics, k, stride, weights, norm):
     """F and F . Delta v of the differences that begin at each node; norm is 0 where none fits."""
     d, dof, order, N = len(like), U64(2 * len(like) + 1), len(weights) - 1, norm.size
-    area, before, step, apart = U64(k * d * N), U64(room.before), U64(N), U64(room.before + N)
+    area, step, apart = U64(k * d * N), U64(N), U64(term.F.size // (len(like) + 1))
     low, high, next_one = U64(order // 2 * stride), U64((order + 1) // 2 * stride), U64(stride)
     for i in range(U64(N - order * stride)):
         change = shifted_sum(like, q, U64(d), ONE, i * dof, next_one * dof, weights)
         A = mean(at(like, metrics, area, step, i + low), at(like, metrics, area, step, i + high))
-        alpha = largest(room.alpha, i, next_one, weights)
-        speed = (damping.a + damping.b * alpha) * norm[i] * damping.impedance * np.sqrt(dot(A, A))
+        alpha = largest(term.alpha, i, next_one, weights)
+        speed = (term.a + term.b * alpha) * norm[i] * term.impedance * np.sqrt(dot(A, A))
         F = scale(speed, change)
-        put(room.F, before, apart, i, (*F, dot(F, change)))
+        put(term.F, apart - step, apart, i, (*F, dot(F, change)))
     for i in range(U64(N - order * stride), U64(N)):
-        put(room.F, before, apart, i, (*zeros(like), 0.0))
+        put(term.F, apart - step, apart, i, (*zeros(like), 0.0))
 
 
 @njit(**EXACT_LOOP)
-def collect(like, damping, q, metrics, stride, weights, per_weight, room, g, to, n, rates):
+def collect(like, m0, q, metrics, stride, weights, per_weight, F, g, to, n, rates):
     """Add what differences give to the rates of a row of owned nodes."""
     d, dof, order, N = len(like), U64(2 * len(like) + 1), len(weights) - 1, per_weight.size
-    apart, here, next_one = U64(room.before + N), U64(room.before + g), U64(stride)
+    apart, next_one = U64(F.size // (len(like) + 1)), U64(stride)
+    here = apart - U64(N) + U64(g)
     back, loss = here - U64(order) * next_one, here + U64(d) * apart
     low, high = U64(order // 2 * stride), U64((order + 1) // 2 * stride)
     sign = 1.0 - 2.0 * (order % 2)  # of Delta^T, whose weights are those of Delta in reverse order
     for i in range(U64(n)):
         node = U64(g) + i
-        per_mass = per_weight[node] / (metrics[U64(d * d * N) + node] * damping.m0)
-        total = shifted_sum(like, room.F, back, apart, i, next_one, weights)
+        per_mass = per_weight[node] / (metrics[U64(d * d * N) + node] * m0)
+        total = shifted_sum(like, F, back, apart, i, next_one, weights)
         force = scale(-sign * per_mass, total)
         v, place = at(like, q, U64(d), ONE, node * dof), (U64(to) + i) * dof + U64(d)
-        heat = 0.5 * per_mass * (room.F[loss - low + i] + room.F[loss - high + i])
+        heat = 0.5 * per_mass * (F[loss - low + i] + F[loss - high + i])
         power = dot(v, force) + heat
         before = at((*like, 0.0), rates, place, ONE, U64(0))
         put(rates, place, ONE, U64(0), (*add(before[:-1], force), before[-1] + power))

@@ -28,8 +28,18 @@ from fsipetsc.equations.tensors import (
     product_transposed,
     transposed_product,
 )
-from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, add, along, dot, scale
-from fsipetsc.operators.loops import _by_length as by_length
+from fsipetsc.operators.loops import (
+    EXACT_LOOP,
+    INNER_CALL,
+    MERGED_CALL,
+    add,
+    along,
+    by_length,
+    dot,
+    scale,
+    total,
+    total_of,
+)
 from fsipetsc.scheme.rows import U64, at, put
 from fsipetsc.scheme.solid_work import (
     FREE,
@@ -40,38 +50,28 @@ from fsipetsc.scheme.solid_work import (
     OWN,
     PLAIN,
     STRAINED,
-    WARM,
     WIDTH,
     Row,
     step_of,
 )
 
 #: sum of weights w times f at some places, i nodes on
-weighted = by_length(
-    "weighted",
-    "w, f, places, i",
-    lambda n: " return " + " + ".join(f"w[{k}] * f[places[{k}] + i]" for k in range(n)),
-)
-#: a_1 + … + a_d
-total = by_length("total", "a", lambda d: " return " + " + ".join(f"a[{k}]" for k in range(d)))
+weighted = by_length("weighted", "w, f, places, i", total_of("w[@] * f[places[@] + i]"))
 
 
 # The sweep
 
 
 @njit(**MERGED_CALL)
-def solid_rates(solid, like, q, metrics, prestress, rates, work):
-    """Fill rates (M, 2d + 1) of the owned nodes of a patch.
-
-    solid: fsipetsc.equations.solid.Solid; like: d zeros; q: (N, 2d + 1) unknowns of the nodes with
-    halo; metrics: (d*d + 1, N) A^1 … A^d and J0, then R around an axis; prestress: (d*d, N) what P
-    has beside, or (d*d, 0). The halo is of two interior reaches, of three for conduction with heat
-    'elastic'. work: fsipetsc.scheme.solid_work.
+def solid_rates(part, q, rates):
+    """Fill rates (M, 2d + 1) of the owned nodes of a part; q: (N, 2d + 1) unknowns, with a halo of
+    two interior reaches, of three for conduction.
     """
-    patch, layout, lags, boxes, jumps, weights = work[:6]
-    unknowns, strains, tractions, temps, heats, slopes, found = work[6:13]
+    solid, like, metrics, work = part.laws, part.like, part.metrics, part.work
+    patch, layout, lags, boxes, jumps, weights, ends = work[:7]
+    unknowns, strains, tractions, temps, heats, slopes = work[7:13]
     q, metrics, rates = q.reshape(q.size), metrics.reshape(metrics.size), rates.reshape(rates.size)
-    extra, table, d = prestress.reshape(prestress.size), (jumps, weights, layout), ONE * len(like)
+    extra, d, table = part.prestress.reshape(-1), ONE * len(like), (jumps, weights, ends, layout)
     for tile in range(boxes.shape[0]):
         for z in range(boxes[tile, KNOWN, 2, 0], boxes[tile, OWN, 2, 1] + lags[2]):
             begin, end = rows_of(boxes, tile, KNOWN, z)
@@ -83,12 +83,7 @@ def solid_rates(solid, like, q, metrics, prestress, rates, work):
                 differentiate(like, table, row, PLAIN, unknowns, NONE, NONE, d, slopes, NONE)
                 strain(solid, like, metrics, row, slopes, unknowns, strains)
                 relieve(solid, like, extra, row, strains, unknowns)
-                pull(solid, like, metrics, row, unknowns, strains, tractions)
-                pull_more(like, metrics, extra, row, tractions)
-            begin, end = rows_of(boxes, tile, WARM, z - lags[0])
-            for y in range(begin, end):
-                row = row_of(patch, layout, boxes, tile, WARM, y, z - lags[0])
-                find_temps(solid, like, row, unknowns, strains, temps)
+                pull(solid, like, metrics, extra, row, unknowns, strains, temps, tractions)
             begin, end = rows_of(boxes, tile, NEAR, z - lags[1])
             for y in range(begin, end):
                 row = row_of(patch, layout, boxes, tile, NEAR, y, z - lags[1])
@@ -101,8 +96,7 @@ def solid_rates(solid, like, q, metrics, prestress, rates, work):
                 differentiate(like, table, row, PLAIN, unknowns, d, NONE, d, slopes, d * d)
                 if solid.kappa > 0.0:
                     differentiate(like, table, row, FREE, heats, NONE, ONE, ONE, slopes, 2 * d * d)
-                accelerate(solid, like, metrics, row, slopes, unknowns, tractions, strains, found)
-                give(like, found, row, rates)
+                accelerate(solid, like, metrics, row, slopes, unknowns, tractions, strains, rates)
 
 
 @njit(**INNER_CALL)
@@ -120,9 +114,7 @@ def row_of(patch, layout, boxes, tile, stage, y, z):
     own = ((z - first[2]) * own_y + y - first[1]) * own_x + x - first[0]
     place, x0, y0 = z % layout.layers, boxes[tile, KNOWN, 0, 0], boxes[tile, KNOWN, 1, 0]
     node = place * layout.layer + (y - y0) * layout.row + x - x0
-    begin = min(max(layout.begin - x, 0), n)
-    end = max(min(layout.end - x, n), begin)
-    return Row(n, (z * ny + y) * nx + x, own, node, x, y, z, place, begin, end)
+    return Row(n, (z * ny + y) * nx + x, own, node, x, y, z, place)
 
 
 @njit(**EXACT_LOOP)
@@ -135,16 +127,6 @@ def take(like, q, row, unknowns):
             unknowns[to + i] = q[of + i * U64(dof)]
 
 
-@njit(**EXACT_LOOP)
-def give(like, found, row, rates):
-    """Interlace the rates."""
-    dof = 2 * len(like) + 1
-    for c in range(dof):
-        to, of = U64(row.own * dof + c), U64(c) * WIDTH
-        for i in range(U64(row.n)):
-            rates[to + i * U64(dof)] = found[of + i]
-
-
 # Rows
 
 
@@ -155,13 +137,13 @@ def differentiate(like, table, row, kind, f, first, next_k, count, out, to):
     Along axis k those of count components of f, an array of a tile, from first + k next_k on.
     Nodes with the same neighbours are taken together: all across the row, those in the interior.
     """
-    (jumps, weights, layout), step = table, step_of(like)
+    (jumps, weights, ends, layout), step = table, step_of(like)
     for k in range(len(like)):
         axis, begin = 2 * k if len(like) == 2 else k, 0
         while begin < row.n:
             end, x = row.n, row.y if axis == 1 else row.z
             if axis == 0:
-                end, x = max(row.end, begin + 1) if begin == row.begin else begin + 1, row.x + begin
+                end, x = min(ends[row.x + begin] - row.x, row.n), row.x + begin
             w, far = weights[kind, axis, x], jumps[axis, x]
             for m in range(1, 1 + far[0], 4):
                 four = w[m], w[m + 1], w[m + 2], w[m + 3]
@@ -218,40 +200,20 @@ def relieve(solid, like, extra, row, strains, unknowns):
 
 
 @njit(**EXACT_LOOP)
-def pull(solid, like, metrics, row, unknowns, strains, tractions):
-    """t^k = P A^k."""
+def pull(solid, like, metrics, extra, row, unknowns, strains, temps, tractions):
+    """T, and t^k = (P + S) A^k with a prestress S."""
     nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
     N, node, g = U64(metrics.size // solid.rows(like)), U64(row.tile), U64(row.patch)
     for i in range(U64(row.n)):
         A, F = at(nine, metrics, g, N, i), at(solid.unstrained(like), strains, node, step, i)
         v, e = at(like, unknowns, node + d * step, step, i), unknowns[node + U64(2) * d * step + i]
-        P = solid.stress_at(F, solid.temperature(v, e, F))
+        T = solid.temperature(v, e, F)
+        P, temps[node + i] = solid.stress_at(F, T), T
         put(tractions, node, step, i, product_transposed(A, P))
-
-
-@njit(**EXACT_LOOP)
-def pull_more(like, metrics, extra, row, tractions):
-    """t^k += S A^k of a prestress."""
-    n, nine, step = row.n if extra.size > 0 else 0, outer(like, like), U64(step_of(like))
-    N, node, g = U64(extra.size // len(nine)), U64(row.tile), U64(row.patch)
-    for i in range(U64(n)):
+    for i in range(U64(row.n if extra.size > 0 else 0)):
         A, S = at(nine, metrics, g, N, i), at(nine, extra, g, N, i)
         more = add(at(nine, tractions, node, step, i), product_transposed(A, S))
         put(tractions, node, step, i, more)
-
-
-@njit(**EXACT_LOOP)
-def find_temps(solid, like, row, unknowns, strains, temps):
-    """T; with heat 'coupled' F does not matter, and is not known everywhere."""
-    rest, step, d = solid.unstrained(like), U64(step_of(like)), U64(len(like))
-    node, first = U64(row.tile), U64(row.tile) + d * step
-    for i in range(U64(row.n)):
-        v, e = at(like, unknowns, first, step, i), unknowns[first + d * step + i]
-        temps[node + i] = solid.temperature(v, e, rest)
-    if solid.coupled == 0.0:
-        for i in range(U64(row.n)):
-            v, e = at(like, unknowns, first, step, i), unknowns[first + d * step + i]
-            temps[node + i] = solid.temperature(v, e, at(rest, strains, node, step, i))
 
 
 @njit(**EXACT_LOOP)
@@ -267,9 +229,10 @@ def conduct(solid, like, metrics, row, slopes, strains, heats):
 
 
 @njit(**EXACT_LOOP)
-def accelerate(solid, like, metrics, row, slopes, unknowns, tractions, strains, found):
+def accelerate(solid, like, metrics, row, slopes, unknowns, tractions, strains, rates):
     """(v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v); slopes: D°_k t^k, D_k v, D°_k A^k . h."""
     nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
+    dof = U64(2 * len(like) + 1)
     N, node, g = U64(metrics.size // solid.rows(like)), U64(row.tile), U64(row.patch)
     for i in range(U64(row.n)):
         per_mass = 1.0 / (metrics[g + d * d * N + i] * solid.m0)
@@ -283,4 +246,4 @@ def accelerate(solid, like, metrics, row, slopes, unknowns, tractions, strains, 
         R = metrics[U64(metrics.size) - N + g + i]
         acceleration = solid.with_hoop_force(acceleration, v, e, F, R)
         energy = per_mass * power + dot(solid.force, v)
-        put(found, U64(0), WIDTH, i, (*v, *acceleration, energy))
+        put(rates, U64(row.own) * dof, U64(1), i * dof, (*v, *acceleration, energy))

@@ -6,12 +6,10 @@ from numba import njit
 
 from fsipetsc.equations.tensors import add_unit, outer
 from fsipetsc.operators.loops import CALL, column, dot
-from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.block_monitor import monitor_end
 from fsipetsc.scheme.faces import strain_at
-from fsipetsc.scheme.part import add_normals, ghosted, note, note_part, owned
+from fsipetsc.scheme.part import add_normals, ghosted, note, owned
 from fsipetsc.scheme.rows import U64, Array
-from fsipetsc.scheme.solid_dissipation import solid_dissipation
 from fsipetsc.scheme.solid_monitor import solid_monitor
 from fsipetsc.scheme.solid_rates import solid_rates
 
@@ -19,12 +17,13 @@ from fsipetsc.scheme.solid_rates import solid_rates
 class SolidRecord(NamedTuple):
     """A part of a solid block; what has the same name as in GasRecord is the same.
 
-    X: (d, N) places at rest. inertia: (N,) J0 m0, masses: (M,) weights times J0 m0. F: (d d, M), as
-    monitored last. loses: 1 if work is booked, for what steps lose of kinetic and elastic
-    energy. forcing: (2d + 1, M), or (2d + 1, 0), of velocity, temperature and place. interfaces:
-    (n, 4) number of an interface at this part in one dimension, owned row of its node, X,
-    prestress. stored_at: (n,) ghosted rows of members that tell what they store, rows_of_stored:
-    (n,) where.
+    X: (d, N) places at rest. metrics: (d d + 1, N), A^1 … A^d and J0, then R around an axis;
+    prestress: (d d, N) what P has beside, or (d d, 0). work: fsipetsc.scheme.solid_work. inertia:
+    (N,) J0 m0, masses: (M,) weights times J0 m0. F: (d d, M), as monitored last. loses: 1 if work
+    is booked, for what steps lose of kinetic and elastic energy. forcing: (2d + 1, M), or (2d + 1,
+    0), of velocity, temperature and place. interfaces: (n, 4) number of an interface at this part
+    in one dimension, owned row of its node, X, prestress. stored_at: (n,) ghosted rows of members
+    that tell what they store, rows_of_stored: (n,) where.
     """
 
     like: Any
@@ -58,29 +57,6 @@ class SolidRecord(NamedTuple):
     rows_of_stored: Array
 
 
-class SolidDamping(NamedTuple):
-    """See fsipetsc.scheme.solid_dissipation. after: the next term, or none."""
-
-    damping: Any
-    differences: Any
-    room: Any
-    after: Any
-
-    def add(self, part, q, rates):
-        """This term and the next one."""
-        of_patch = self.differences, part.patch
-        solid_dissipation(part.like, self.damping, q, part.metrics, *of_patch, rates, self.room)
-        self.after.add(part, q, rates)
-
-    def power(self, part, q, rates):
-        """Sum of v . v_t times the masses, if work is booked; q, rates: of the owned nodes."""
-        d, masses, total = len(part.like), part.masses, 0.0
-        for i in range(masses.size if part.loses == 1 else 0):
-            for c in range(d, 2 * d):
-                total += masses[i] * q[i, c] * rates[i, c]
-        return total
-
-
 @njit(**CALL)
 def stay(part):
     """Solids have no grid to move."""
@@ -93,24 +69,18 @@ def none_of(part, particles):
 
 @njit(**CALL)
 def store(part, particles, s):
-    """Tell particles what members of a solid with heat 'elastic' store: energy per mass [J/kg]
-    that is neither kinetic nor heat. See fsipetsc.scheme.particle_records.Particles.
+    """Tell particles what members of a solid store: energy per mass [J/kg] that is neither kinetic
+    nor heat. See fsipetsc.scheme.particle_records.Particles.
     """
     d, solid, extra = len(part.like), part.laws, part.prestress
     q, at, rows = ghosted(part, s, 2 * d + 1), part.stored_at, part.rows_of_stored
-    of_axes = part.S, part.weight, part.patch
     for i in range(at.size):
-        strain = strain_at(solid, part.like, at[i], *of_axes, part.metrics, q)
+        strain = strain_at(part, q, at[i])
         energy = solid.energy(strain)
         if extra.shape[1] > 0:
             S = column(outer(part.like, part.like), extra, U64(at[i]))
             energy += dot(S, add_unit(-1.0, strain))
-        particles.stored[rows[i], 0] = energy / solid.m0
-
-
-@njit(**CALL)
-def store_nothing(part, particles, s):
-    """Of solids whose stresses heat them, and where nobody asks."""
+        particles.stored[rows[i], 0] = (1.0 - solid.coupled) * energy / solid.m0
 
 
 @njit(**CALL)
@@ -119,9 +89,9 @@ def rates(part, s, f, gain):
     d, damping = len(part.like), part.dissipation
     q, dof = ghosted(part, s, 2 * d + 1), 2 * d + 1
     own, own_q = owned(part, f, dof), owned(part, s, dof)
-    solid_rates(part.laws, part.like, q, part.metrics, part.prestress, own, part.work)
+    solid_rates(part, q, own)
     work = -damping.power(part, own_q, own)
-    damping.add(part, q, own)
+    damping.add(part, q, own, gain)
     work += damping.power(part, own_q, own)
     work += part.faces.add(part, q, own, gain)
     work += supply(part, own_q, own, gain)
@@ -157,31 +127,23 @@ def supply(part, q, rates, gain):
 
 
 @njit(**CALL)
-def monitor(part, s):
-    """Fill seen, sums and F of a part."""
+def monitor(part, s, found):
+    """Note extremes and sums of a part, and what is recorded of interfaces in one dimension; fill
+    F.
+    """
     laws, like, X, metrics = part.laws, part.like, part.X, part.metrics
-    prestress, per_h, z, loses = part.prestress, part.per_h, STIFFNESS_OF_WIDE, part.loses
+    prestress, per_h, loses = part.prestress, part.per_h, part.loses
     q, masses, work, F = ghosted(part, s, 2 * len(like) + 1), part.masses, part.work, part.F
-    found = F, loses, part.seen, part.sums
-    solid_monitor(laws, like, q, X, metrics, prestress, per_h, z, masses, work, *found)
-
-
-@njit(**CALL)
-def note_ends(part, found):
-    """Note what the monitor found, and what is recorded of interfaces in one dimension."""
-    note_part(part, found)
-    at_ends, interfaces, F = found.at_ends, part.interfaces, part.F
-    q, laws = owned(part, found.stage, 3), part.laws
+    filled = F, loses, part.seen, part.sums
+    solid_monitor(laws, like, q, X, metrics, prestress, per_h, masses, work, *filled)
+    note(part, found)
+    at_ends, interfaces, own_q = found.at_ends, part.interfaces, owned(part, s, 2 * len(like) + 1)
     for m in range(interfaces.shape[0]):
-        number, own, X, S = interfaces[m]
+        number, own, X_of_end, S = interfaces[m]
         of_end = at_ends[:, int(number)]
-        monitor_end(laws, q, F, int(own), S, of_end)
-        of_end[0] += X
+        monitor_end(laws, like, own_q, F, int(own), S, of_end)
+        of_end[0] += X_of_end
 
 
 #: what is called of a solid: fsipetsc.scheme.part.PartCalls, without ``part``
-def functions(stores: bool, line: bool) -> tuple[Any, ...]:
-    """stores: members tell what they store. line: in one dimension ends are noted."""
-    of_grid = none_of, stay, stay, add_normals, none_of
-    notes = note_ends if line else note
-    return *of_grid, store if stores else store_nothing, rates, monitor, notes
+FUNCTIONS = none_of, stay, stay, add_normals, none_of, store, rates, monitor

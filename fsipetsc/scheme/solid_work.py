@@ -1,8 +1,8 @@
 """What fsipetsc.scheme.solid_rates knows of a patch before, and its memory.
 
 A tile is a range of nodes along the first axis, and along the second one of three; its layers along
-the last axis are swept. Boxes of nodes around a tile say where what is needed: t^k where its pairs
-reach, displacements where these reach in turn; conduction reaches once more.
+the last axis are swept. Boxes of nodes around a tile say where what is needed: F, T and t^k where
+its pairs reach, displacements where these reach in turn; conduction reaches once more.
 """
 
 from itertools import product
@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.operators.bands import Band, Patch
-from fsipetsc.operators.loops import _by_length as by_length
+from fsipetsc.operators.loops import by_length
+from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.rows import U64, moments
 
 Array = NDArray[Any]
@@ -29,10 +30,8 @@ WIDTH = U64(1024 + 6 * REACH)
 #: loops that store many components only if it knows how far they are apart
 STEPS = 1096, 29 * 170 + 6, 29 * 58 * 106 + 12
 step_of = by_length("step_of", "like", lambda d: f" return {STEPS[d - 1]}")
-#: what is known of a tile's nodes: rates, t^k and heats, T, F, unknowns
-OWN, NEAR, WARM, STRAINED, KNOWN = map(U64, range(5))
-#: extremes that are monitored: rates of waves and of diffusion, -det F
-EXTREMES = 3
+#: what is known of a tile's nodes: rates; heats; F, T and t^k; unknowns
+OWN, NEAR, STRAINED, KNOWN = map(U64, range(4))
 
 
 def sums_of(d: int) -> int:
@@ -41,23 +40,18 @@ def sums_of(d: int) -> int:
 
 
 class Layout(NamedTuple):
-    """Of a tile's arrays, row, layer: nodes of a row and of a layer; layers: how many are kept.
-
-    begin, end: nodes of the first axis with the same neighbours, those of the interior.
-    """
+    """Of a tile's arrays, row, layer: nodes of a row and of a layer; layers: how many are kept."""
 
     row: int
     layer: int
     layers: int
-    begin: int
-    end: int
 
 
 class Row(NamedTuple):
     """n nodes along the first axis from x, y, z on: numbers of the first one in arrays.
 
     patch, own: in those of a patch, and of its owned nodes; tile: in those of a tile, whose layer
-    ``place`` it is in. From its node ``begin`` to ``end`` all have the neighbours of the interior.
+    ``place`` it is in.
     """
 
     n: int
@@ -68,20 +62,18 @@ class Row(NamedTuple):
     y: int
     z: int
     place: int
-    begin: int
-    end: int
 
 
 class Work(NamedTuple):
     """What solid_rates knows of a patch, and its memory. The axes are first, inner and last one.
 
     patch: in this order. lags: layers from loading to t^k, conduction, rates. boxes:
-    (tiles, 5, 3, 2) first node and first beyond of OWN … KNOWN. jumps: (3, n, 1 + most) of each
+    (tiles, 4, 3, 2) first node and first beyond of OWN … KNOWN. jumps: (3, n, 1 + most) of each
     axis and node how many neighbours there are, and how far; weights: (2, 3, n, 1 + most)
-    S_il/(2 weight_i) of these, for PLAIN and FREE, which differ at the node itself. In flat arrays
+    S_il/(2 weight_i) of these, for PLAIN and FREE, which differ at the node itself; ends: the first
+    node along the first axis, after each, for which they are others. In flat arrays
     by components, of the nodes of a tile: unknowns, strains F, tractions t^k, temps T, heats
-    A^k . h; of the nodes of a row: slopes, found (rates), totals
-    (extremes and sums of fsipetsc.scheme.solid_monitor).
+    A^k . h; of the nodes of a row: slopes, totals (fsipetsc.scheme.block_monitor).
     """
 
     patch: Patch
@@ -90,34 +82,31 @@ class Work(NamedTuple):
     boxes: Array
     jumps: Array
     weights: Array
+    ends: Array
     unknowns: Array
     strains: Array
     tractions: Array
     temps: Array
     heats: Array
     slopes: Array
-    found: Array
     totals: Array
 
 
-def solid_work(solid: Any, bands: Any, regular: tuple[int, int], patch: Patch) -> Work:
-    """Work for a patch with these three bands of its ghosted nodes.
-
-    regular: nodes of axis 0, from … to, whose rows of D are those of the interior.
-    """
+def solid_work(solid: Any, bands: Any, patch: Patch) -> Work:
+    """Work for a patch with these three bands of its ghosted nodes."""
     d = len(solid.force)
     bands, patch = in_order(bands, d), Patch(*(in_order(of_axes, d) for of_axes in patch))
     conducts = int(solid.kappa > 0.0)
     tiles = tiles_of(patch, d)
-    boxes = np.array([boxes_of(bands, own, conducts and not solid.coupled) for own in tiles])
-    boxes[:, [NEAR, WARM]] *= conducts  # else no rows of T and heats
+    boxes = np.array([boxes_of(bands, own, conducts) for own in tiles])
+    boxes[:, NEAR] *= conducts  # else no rows of heats
     row, inner = (int((b[:, 1] - b[:, 0]).max()) for b in (boxes[:, KNOWN, 0], boxes[:, KNOWN, 1]))
     reach = bands[2].reach
-    layout = Layout(row, row * inner, (3 + conducts) * reach + 1, *regular)
+    layout = Layout(row, row * inner, (3 + conducts) * reach + 1)
     lags = reach, (1 + conducts) * reach, (2 + conducts) * reach
     strains = len(solid.unstrained((0.0,) * d))
     memory = [np.zeros(count * STEPS[d - 1]) for count in (2 * d + 1, strains, d * d, 1, d)]
-    counts = 2 * d * d + d, 2 * d + 1, EXTREMES + sums_of(d)
+    counts = 2 * d * d + d, MONITORED + sums_of(d)
     of_row = [np.zeros(count * int(WIDTH)) for count in counts]
     return Work(patch, layout, lags, boxes, *neighbours(bands), *memory, *of_row)
 
@@ -136,30 +125,29 @@ def tiles_of(patch: Patch, d: int) -> list[Any]:
     return list(product(*cuts))
 
 
-def boxes_of(bands: tuple[Band, ...], own: Any, further: bool) -> list[Any]:
-    """OWN … KNOWN of a tile. further: T follows from F, so that both are needed around t^k."""
+def boxes_of(bands: tuple[Band, ...], own: Any, conducts: int) -> list[Any]:
+    """OWN … KNOWN of a tile."""
 
     def reached(box: Any) -> Any:
         return [reached_along(b.S, *ends) for b, ends in zip(bands, box, strict=True)]
 
     near = reached(own)
-    warm = reached(near)
-    return [own, near, warm, warm if further else near, reached(warm) if further else warm]
+    strained = reached(near) if conducts else near
+    return [own, near, strained, reached(strained)]
 
 
 def reached_along(S: Array, begin: int, end: int) -> tuple[int, int]:
     """First node and first beyond of those in pairs with nodes begin … end - 1."""
-    low, high = begin, end
-    for m in range(1, len(S)):
-        ahead = np.flatnonzero(S[m, begin:end])
-        behind = np.flatnonzero(S[m, max(begin - m, 0) : end - m]) if end > m else ()
-        high = max(high, begin + ahead[-1] + m + 1) if len(ahead) else high
-        low = min(low, max(begin - m, 0) + behind[0]) if len(behind) else low
-    return low, min(high, S.shape[1])
+    first = max(begin - len(S) + 1, 0)
+    m, i = np.nonzero(S[:, first:end])
+    i += first
+    l = np.minimum(i + m, S.shape[1] - 1)
+    inside = (i >= begin) | (begin <= l) & (l < end)
+    return min([begin, *i[inside].tolist()]), max([end - 1, *l[inside].tolist()]) + 1
 
 
-def neighbours(bands: Any) -> tuple[Array, Array]:
-    """jumps and weights of Work."""
+def neighbours(bands: Any) -> tuple[Array, Array, Array]:
+    """jumps, weights and ends of Work."""
     most = max(2 * band.reach + 1 for band in bands)
     shape = 3, max(len(band.weight) for band in bands), 1 + most + -most % 4
     jumps, weights = np.zeros(shape, np.int64), np.zeros((2, *shape))
@@ -174,4 +162,9 @@ def neighbours(bands: Any) -> tuple[Array, Array]:
             for kind, sign in ((PLAIN, -1.0), (FREE, 1.0)):
                 signed = [S_il if m else sign * S_il for m, S_il in pairs]
                 weights[kind, axis, i, here] = np.array(signed) / (2.0 * weight[i])
-    return jumps, weights
+    n = len(bands[0].weight)
+    ends, all_of = np.arange(1, n + 1), np.concatenate([jumps[:1], weights[:, 0]])
+    for i in range(n - 2, -1, -1):
+        if np.array_equal(all_of[:, i], all_of[:, i + 1]):
+            ends[i] = ends[i + 1]
+    return jumps, weights, ends

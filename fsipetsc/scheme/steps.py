@@ -8,16 +8,39 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
 from numba import njit
 
-from fsipetsc.operators.loops import CALL, MERGED_CALL
-from fsipetsc.operators.loops import _by_length as by_length
-from fsipetsc.scheme.after_step import note_extremes, note_gained
+from fsipetsc.operators.loops import CALL, LOOP, MERGED_CALL, by_length
 from fsipetsc.scheme.batch import DT, plan_next
+from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.part import clear, copy_row
-from fsipetsc.scheme.plan import BAD, SAID_STOP
+from fsipetsc.scheme.plan import BAD, RATE, SAID_STOP, STOP
 from fsipetsc.scheme.rows import Array
-from fsipetsc.scheme.runge_kutta import STAGES, advance
+
+STAGES = 4
+
+
+@njit(**LOOP)
+def advance(y, k, stage, total, number, dt):
+    """The classical Runge-Kutta method of fourth order: what follows from the rates k of stage
+    ``number``, 0 to 3, in one pass over memory. With base y at first, then total,
+
+        stage = y + a k,   total = base + b k   a = dt/2, dt/2, dt;  b = dt/6, dt/3, dt/3
+        stage = total + dt/6 k                  after the last one: the solution
+
+    The paper's method has its own, which rounds each operation by itself. It cannot compile this
+    one otherwise: on the disk numba takes two compilations of one function for each other.
+    """
+    a = dt if number == 2 else 0.5 * dt
+    b = dt / 3.0 if 0 < number < 3 else dt / 6.0
+    for i in range(y.size):
+        found = (y[i] if number == 0 else total[i]) + b * k[i]
+        if number < 3:
+            total[i] = found
+            found = y[i] + a * k[i]
+        stage[i] = found
+
 
 #: what `run` does
 COMPLETE, RATES, MONITOR, STEPS = range(4)
@@ -68,8 +91,8 @@ def _each(name: str, more: str = "") -> Any:
 
 follow, store = _each("follow", ", particles"), _each("store", ", particles, s")
 normals, turn = _each("normals", ", particles"), _each("turn", ", particles")
-move, swing, monitor = _each("move"), _each("swing"), _each("monitor", ", s")
-rates, note = _each("rates", ", s, f, gain"), _each("note", ", found")
+move, swing, monitor = _each("move"), _each("swing"), _each("monitor", ", s, found")
+rates = _each("rates", ", s, f, gain")
 
 
 @njit(**CALL)
@@ -88,39 +111,37 @@ def run(box, what, s, f):
         for stage in range(stages):
             at = y if steps and stage == 0 else s
             if steps or what == COMPLETE:
-                calls.begin_sums(particles, at, gain)
+                calls.weigh(particles, at)
                 calls.end_sums(particles, gain)
                 follow(parts, particles)
                 move(parts)
                 if particles.slips:
-                    calls.begin_normals(particles)
                     normals(parts, particles)
                     calls.end_normals(particles, False)
                 if particles.stores:
                     calls.begin_stored(particles, at)
                     store(parts, particles, at)
-                    calls.end_stored(particles)
+                    calls.weigh_heat(particles)
                 calls.impose_conditions(particles, at, gain)
                 follow(parts, particles)
                 swing(parts)
             if what == RATES or (steps and stage < STAGES):
                 clear(gain.numbers)
                 if particles.slips:
-                    calls.begin_normals(particles)
                     turn(parts, particles)
                     calls.end_normals(particles, True)
                 rates(parts, at, f, gain)
-                calls.begin_rates(particles, f)
+                calls.weigh(particles, f)
                 calls.end_rates(particles, at, f, gain)
             if steps and stage < STAGES:
                 advance(y, f, s, total, stage, now[1])
-        if steps or what == MONITOR:
-            monitor(parts, s)
-        more = False
         if steps:
             clear(found.latest)
             found.extremes[0] = found.results[SAID_STOP]
-            note(parts, found)
+        if steps or what == MONITOR:
+            monitor(parts, s, found)
+        more = False
+        if steps:
             good = note_step(found)
             if good:
                 now[0] += now[1]
@@ -140,3 +161,37 @@ def note_step(found):
     good = found.results[BAD] == 0.0
     copy_row(s if good else found.before, found.y)
     return good
+
+
+@njit(**MERGED_CALL)
+def note_extremes(extremes, rates, results, latest):
+    """Put the extremes of all ranks where they belong.
+
+    extremes: (1 + MONITORED blocks,), what a rank says of stopping, and those of each block. rates:
+    (blocks, 2). latest: begins with the least J and the departure of J of each block. The bound on
+    the step is the 4-norm of both rates.
+    """
+    blocks = rates.shape[0]
+    convection, diffusion, bad = 0.0, 0.0, 0.0
+    for k in range(blocks):
+        at = 1 + MONITORED * k
+        bad = max(bad, extremes[at])
+        rates[k, 0], rates[k, 1] = extremes[at + 1], extremes[at + 2]
+        latest[k], latest[blocks + k] = -extremes[at + 3], extremes[at + 4]
+        convection = np.maximum(convection, extremes[at + 1])  # what is no number stays one
+        diffusion = np.maximum(diffusion, extremes[at + 2])
+    results[RATE] = np.sqrt(np.sqrt(convection**4 + diffusion**4))
+    results[BAD], results[STOP] = bad, extremes[0]
+
+
+@njit(**MERGED_CALL)
+def note_gained(latest, auxiliary):
+    """Put what came in, the auxiliary unknowns, into the last columns of ``latest``.
+
+    The monitor leaves minus the energy E of solids where what they lost of it will be. So E stays
+    in an auxiliary unknown, which after the next step is W + E, W the work: W + E - E' is lost.
+    """
+    first = latest.size - auxiliary.size
+    for c in range(auxiliary.size):
+        latest[first + c] += auxiliary[c]
+        auxiliary[c] -= latest[first + c]

@@ -39,11 +39,8 @@ def viscous_row(gas, like, w, place, q, at_q, slope, to, n):
     d, count = U64(len(like)), U64(len(like) + 3)
     for i in range(n):
         scaled, inverse = slopes_of(like, w, place.area, slope, to, i, U64(0))
-        if len(like) > 1:
-            more, by = slopes_of(like, w, place.area, slope, to, i, ONE)
-            scaled, inverse = add(scaled, more), add(inverse, by)
-        if len(like) > 2:
-            more, by = slopes_of(like, w, place.area, slope, to, i, U64(2))
+        for k in range(U64(1), d):
+            more, by = slopes_of(like, w, place.area, slope, to, i, k)
             scaled, inverse = add(scaled, more), add(inverse, by)
         per_J = 1.0 / q[at_q + i * count]
         scaled, inverse = scale(per_J, scaled), scale(per_J, inverse)
@@ -72,19 +69,17 @@ def slopes(gas, like, axes, tile, work, layer, j, column, n):
         for k in range(1, axis.S.shape[0]):
             before = axis.S[k, i - k] / axis.weight[i] if i >= k else 0.0
             after = axis.S[k, i] / axis.weight[i] if i + k < axis.size else 0.0
-            low, high = here, here
-            if before != 0.0:
-                low = row_of(work, tile, layer - k * up, j - k * right) + column
-            if after != 0.0:
-                high = row_of(work, tile, layer + k * up, j + k * right) + column
             if before != 0.0 or after != 0.0:
+                back, on = k if before != 0.0 else 0, k if after != 0.0 else 0
+                low = row_of(work, tile, layer - back * up, j - back * right) + column
+                high = row_of(work, tile, layer + on * up, j + on * right) + column
                 fill(gain, loss, before, after, n)
                 to, none = column + U64(m) * of_axis, U64(0)
                 slope_row(gas, like, w, low, here, high, gain, none, loss, none, slope, to, n)
 
 
 @njit(**INLINED_CALL)
-def viscous_layer(gas, like, form, q, axes, tile, work, layer):
+def viscous_layer(gas, like, q, axes, tile, work, layer):
     """Viscous fluxes of the rows of a layer that pairs with owned nodes take."""
     first, inner, last = axes.first, axes.inner, axes.last
     owned = last.begin <= layer < last.end
@@ -94,6 +89,6 @@ def viscous_layer(gas, like, form, q, axes, tile, work, layer):
         x0, x1 = max(tile.x0 - longer, 0), min(tile.x1 + longer, first.size)
         column, n = U64(MARGIN + x0 - tile.x0), U64(x1 - x0)
         slopes(gas, like, axes, tile, work, layer, j, column, n)
-        place = place_of(like, form, row_of(work, tile, layer, j) + column, 0)
+        place = place_of(gas, like, row_of(work, tile, layer, j) + column, 0)
         at_q = U64(x0 + j * inner.stride + layer * last.stride) * U64(len(like) + 3)
         viscous_row(gas, like, work.w, place, q, at_q, work.slope, column, n)

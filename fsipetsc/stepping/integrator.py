@@ -15,9 +15,8 @@ from fsipetsc.blockrun.columns import point_names
 from fsipetsc.errors import clear_frames
 from fsipetsc.output.quantities import GAINS
 from fsipetsc.process.together import agree
-from fsipetsc.scheme.batch import LONGEST, MADE, NEXT, TIME
+from fsipetsc.scheme.batch import LONGEST, MADE, NEXT, TIME, longest_step, next_step
 from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP, shares
-from fsipetsc.scheme.time_step import longest_step, next_step
 from fsipetsc.stepping import verdicts
 from fsipetsc.stepping.pauses import Pauses
 from fsipetsc.stepping.state import FAULT, State

@@ -9,8 +9,8 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.errors import ComputationError
+from fsipetsc.scheme.batch import longest_step
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, TOO_SHORT
-from fsipetsc.scheme.time_step import longest_step
 
 if TYPE_CHECKING:
     from fsipetsc.stepping.state import State

@@ -11,7 +11,7 @@ from fsipetsc.output.plots import style
 from fsipetsc.output.plots.style import Axes, FigureBase
 from fsipetsc.output.quantities import AT_INTERFACES, LEDGERS, unit_of, written
 from fsipetsc.output.reader import InterfaceLine, Run
-from fsipetsc.scheme.conservation_check import drifts
+from fsipetsc.scheme.conservation_check import Drifts
 
 Array = np.ndarray
 
@@ -73,7 +73,7 @@ def departures(run: Run) -> dict[str, Array]:
     """Name of what must not change in this run -> its relative departure, (nsteps,)."""
     laws, prefix = run.header.get("laws"), "initial_"
     initial = {k.removeprefix(prefix): v for k, v in run.summary.items() if k.startswith(prefix)}
-    return drifts(laws, initial, run.series) if laws and initial else {}
+    return Drifts(laws, initial).go_on(run.series) if laws and initial else {}
 
 
 def step_panels(run: Run) -> Iterator[Panel]:
