@@ -51,9 +51,6 @@ class Wall:
         """The wall does not stay where it is."""
         return callable(self.x)
 
-    def data(self, t: float) -> tuple[float, ...]:
-        return ()
-
 
 @dataclass(frozen=True)
 class Open:
@@ -74,12 +71,9 @@ class Open:
     def __post_init__(self) -> None:
         positive, any_ = checks.POSITIVE, checks.ANY
         checks.numbers(self, "Open", {"x": any_, "p0": positive, "T0": positive, "u0": any_})
-        if isinstance(self.order, bool) or self.order not in (0, 1):
+        if self.order not in (0, 1):
             expected = "expected 0 or 1, the order of the conditions in the viscosity"
             raise InputError(f"Open(order={self.order!r}): {expected}")
-
-    def data(self, t: float) -> tuple[float, ...]:
-        return (self.p0, self.T0, self.u0, float(self.order))
 
 
 @dataclass(frozen=True)
@@ -102,9 +96,6 @@ class Dirichlet:
             expected = "expected 2, 3, 4, 5, or None: by -fsi_order"
             raise InputError(f"Dirichlet(degree={self.degree!r}): {expected}")
 
-    def data(self, t: float) -> tuple[float, ...]:
-        return self.values(t)
-
 
 @dataclass(frozen=True)
 class SolidEnd:
@@ -126,9 +117,6 @@ class SolidEnd:
         if not callable(self.value):
             checks.number(self.value, f"{name}: {'velocity' if name == 'clamped' else 'stress'}")
         _check_heat(self, name)
-
-    def data(self, t: float) -> tuple[Timed]:
-        return (self.value,)
 
 
 Boundary = Wall | Open | Dirichlet | SolidEnd
@@ -191,10 +179,9 @@ def heat_of(end: Boundary) -> tuple[int, Timed]:
     return INSULATED, 0.0
 
 
-def in_time(end: Boundary) -> dict[str, Callable[[float], float]]:
-    """What is given at an end as functions of time: name -> function."""
-    names = ("x", "velocity", "value", "T", "heat_flux", "values")
-    return {name: getattr(end, name) for name in names if callable(getattr(end, name, None))}
+def in_time(end: Boundary) -> bool:
+    """Whether something that is given at an end is a function of time."""
+    return any(map(callable, vars(end).values()))
 
 
 def closes(end: Boundary) -> bool:
