@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blocks.maps import Map, Nodes, place_text
-from fsipetsc.checks import Array, described, function
+from fsipetsc.checks import Array, check_name, described, function
+from fsipetsc.equations import tensors
 from fsipetsc.errors import InputError
 from fsipetsc.operators.bands import Band, band
 
@@ -49,12 +50,10 @@ class Block:
     exact_stress: Callable[..., Any] | None = None
 
     def __post_init__(self) -> None:
-        name, material = self.name, self.material
-        if not isinstance(name, str) or not name.isprintable() or not name.strip() or "|" in name:
-            raise InputError(f"Block: name is {described(name)}: expected a line of text without |")
-        if not (hasattr(material, "m0") or hasattr(material, "mu")):
+        check_name(self.name, "Block")
+        if not (hasattr(self.material, "m0") or hasattr(self.material, "mu")):
             wanted = "expected a Fluid or an ElasticSolid"
-            raise InputError(f"{self}: material is {described(material)}: {wanted}")
+            raise InputError(f"{self}: material is {described(self.material)}: {wanted}")
         self._check_axes()
         function(self.initial, f"{self}: initial", "initial(*X) -> the unknowns")
         function(self.exact, f"{self}: exact", "exact(*X, t) -> the unknowns", optional=True)
@@ -97,15 +96,20 @@ class Block:
         index = mesh([np.arange(*ends) for ends in where])
         return self.places(index).reshape(self.dimension, -1)
 
-    def places(self, index: Sequence[Array]) -> Array:
-        """Places X (d, …) of the nodes of these indices, d arrays of one shape. InputError."""
+    def places(self, index: Sequence[Array], known: tuple[Array, Array] | None = None) -> Array:
+        """Places X (d, …) of the nodes of these indices, d arrays of one shape. InputError.
+
+        known: numbers of nodes, ascending, and X (d, M) of these instead of what the map gives.
+        """
         turns = [i // n if closed else 0 for i, n, closed in zip(index, self.shape, self.periodic)]
-        within = (i - turn * n for i, turn, n in zip(index, turns, self.shape))
+        within = [i - turn * n for i, turn, n in zip(index, turns, self.shape)]
         X = self._mapped(tuple(i / c for i, c in zip(within, self.cells)))
-        for axis, turn in enumerate(turns):
-            if np.any(turn):
-                X = X + np.multiply.outer(self.periods[axis], turn)
-        return X
+        if known is not None and known[0].size:
+            number = np.ravel_multi_index(within[::-1], self.shape[::-1])
+            at = np.searchsorted(known[0], number).clip(max=known[0].size - 1)
+            X = np.where(known[0][at] == number, known[1][:, at], X)
+        turned = [axis for axis, turn in enumerate(turns) if np.any(turn)]
+        return X + sum(np.multiply.outer(self.periods[axis], turns[axis]) for axis in turned)
 
     @cached_property
     def periods(self) -> tuple[Array, ...]:
@@ -152,10 +156,9 @@ class Block:
 
     def _check_axes(self) -> None:
         """InputError for wrong cells or periodic; both become tuples."""
-        cells = (self.cells,) if isinstance(self.cells, int) else self.cells
-        good = isinstance(cells, (tuple, list)) and 1 <= len(cells) <= 3
-        whole = (int, np.integer)
-        if not good or not all(isinstance(c, whole) and c is not True and c > 0 for c in cells):
+        cells = self.cells if isinstance(self.cells, (tuple, list)) else (self.cells,)
+        whole = (isinstance(c, (int, np.integer)) and c > 0 for c in cells)
+        if not (1 <= len(cells) <= 3 and all(whole)):
             wanted = "expected 1, 2 or 3 whole numbers above 0"
             raise InputError(f"{self}: cells is {described(self.cells)}: {wanted}")
         periodic = tuple(self.periodic) or (False,) * len(cells)
@@ -166,10 +169,7 @@ class Block:
         object.__setattr__(self, "periodic", periodic)
 
     def _check_map(self) -> None:
-        """InputError where the map has another dimension or grid, kinks, J <= 0, or no period."""
-        d = getattr(self.map, "dimension", self.dimension)
-        if d != self.dimension:
-            raise InputError(f"{self}: its map has {d} dimensions, cells {self.dimension} numbers")
+        """InputError where the map has another grid, kinks, J <= 0, or no period."""
         if not isinstance(self.map, Nodes):
             self._check_smooth()
         elif self.map.cells != self.cells:
@@ -220,12 +220,7 @@ class Block:
 
 def determinant(edges: Array) -> Array:
     """det of d vectors: (d, d, …) -> (…)."""
-    if len(edges) == 1:
-        return edges[0, 0]
-    if len(edges) == 2:
-        return edges[0, 0] * edges[1, 1] - edges[0, 1] * edges[1, 0]
-    a, b, c = edges
-    return (a * np.cross(b, c, axis=0)).sum(axis=0)
+    return tensors.determinant(tuple(edges.reshape(-1, *edges.shape[2:])))
 
 
 def mesh(axes: Sequence[Array]) -> tuple[Array, ...]:

@@ -92,11 +92,7 @@ def particles_of(problem: BlockProblem) -> list[Particle]:
         for (axis, side), stands in problem.faces_of(k).items():
             for n in problem.face_nodes(k, axis, side).tolist():
                 met[k, n].append((axis, side, stands))
-    groups: dict[int, list[tuple[int, int]]] = defaultdict(list)
-    numbers = (array.tolist() for array in problem.members)
-    for particle, block, node in zip(*numbers, strict=True):
-        groups[particle].append((block, node))
-    return [_particle(problem, members, met) for members in groups.values()]
+    return [_particle(problem, members, met) for members in problem.members]
 
 
 def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any) -> Particle:
@@ -120,7 +116,7 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
             elif isinstance(met, Roller):
                 rolls.append(face)
             _take_over(particle, met, gas is not None, (k, axis, side))
-    if particle.clamp is None and problem.hinged(members):
+    if particle.clamp is None and not problem.hinges.isdisjoint(members):
         particle.clamp = Clamped()
     if particle.sticks:
         slips = [(face, wall) for face, wall in slips if wall is not None]

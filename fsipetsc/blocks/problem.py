@@ -8,7 +8,6 @@ other face needs a condition.
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -22,9 +21,8 @@ from fsipetsc.blocks.expected import (
     named_faces,
     number_of,
 )
-from fsipetsc.blocks.faces import all_faces, same_within, united
+from fsipetsc.blocks.faces import Faces, Kinds, Meeting, face_nodes, united
 from fsipetsc.blocks.maps import place_text
-from fsipetsc.blocks.matching import Kinds, Matching, Meeting, Members
 from fsipetsc.blocks.overlap import check_overlap
 from fsipetsc.checks import Array, function
 from fsipetsc.errors import InputError
@@ -55,9 +53,10 @@ class BlockProblem:
     notes: tuple[str, ...] = ()
     units: str = "SI"
     symmetry: int = 0
-    hinges: tuple[tuple[int, int, Hinge], ...] = field(default=(), init=False)
-    """(block, node, condition) of points."""
-    members: Members = field(init=False)
+    hinges: frozenset[tuple[int, int]] = field(default=frozenset(), init=False)
+    """(block, node) of points."""
+    members: list[list[tuple[int, int]]] = field(init=False)
+    """(block, node) of the nodes of faces that are at one place, ascending, for each place."""
     tolerance: float = field(init=False)
     """Places are the same that are no further apart than this [m]."""
 
@@ -71,14 +70,12 @@ class BlockProblem:
         self._put("faces", named_faces(blocks, self.faces))
         check_symmetry(blocks, self.faces, self.symmetry)
         check_overlap(blocks)
-        faces = all_faces(blocks)
-        self._put("tolerance", same_within(faces))
-        self._put("_faces", {(face.block, face.axis, face.side): face for face in faces})
-        matching = Matching(faces, self.faces, self.tolerance)
-        self._put("_kinds", matching.kinds(len(blocks)))
-        self._put("members", matching.members())
-        matching.share_places()
-        self._put("hinges", tuple(self._hinge(*point) for point in self.points))
+        faces = Faces(blocks, self.faces)
+        self._put("tolerance", faces.tolerance)
+        self._put("members", faces.particles)
+        self._put("_kinds", faces.kinds)
+        self._put("_known", [faces.places(k) for k in range(len(blocks))])
+        self._put("hinges", frozenset(self._hinge(*point) for point in self.points))
 
     @property
     def dimension(self) -> int:
@@ -107,9 +104,9 @@ class BlockProblem:
     @property
     def outer_faces(self) -> list[tuple[int, int, int]]:
         """(block, axis, side) of the faces that no other one meets; where r = 0 is none."""
-        faces = [(k, *face) for k, kinds in enumerate(self._kinds) for face in kinds]
-        kinds = [self._kinds[k][axis, side] for k, axis, side in faces]
-        return [f for f, kind in zip(faces, kinds) if not isinstance(kind, (Meeting, Centre))]
+        none = Meeting, Centre
+        every = ((k, *face, met) for k, own in enumerate(self._kinds) for face, met in own.items())
+        return [(k, axis, side) for k, axis, side, met in every if not isinstance(met, none)]
 
     @property
     def column_of_face(self) -> dict[tuple[int, int, int], int]:
@@ -121,16 +118,20 @@ class BlockProblem:
         kind = self._kinds[k].get((axis, side))
         return isinstance(kind, Meeting) and self.blocks[kind.block].kind != self.blocks[k].kind
 
+    @cached_property
+    def _meeting(self) -> list[tuple[int, int]]:
+        """Blocks that have a face in common, of each face."""
+        every = ((k, met) for k, own in enumerate(self._kinds) for met in own.values())
+        return [(k, met.block) for k, met in every if isinstance(met, Meeting)]
+
     @property
     def joined(self) -> bool:
         """Whether there are joins of gas and gas or solid and solid."""
-        faces = ((k, *face) for k, kinds in enumerate(self._kinds) for face in kinds)
-        meeting = (f for f in faces if isinstance(self._kinds[f[0]][f[1:]], Meeting))
-        return not all(self.is_interface(*face) for face in meeting)
+        return any(self.blocks[k].kind == self.blocks[j].kind for k, j in self._meeting)
 
     def face_nodes(self, k: int, axis: int, side: int) -> Array:
         """Numbers of the nodes of a face of block k, lower axis fastest."""
-        return self._faces[k, axis, side].nodes
+        return face_nodes(self.blocks[k].shape, axis, side)
 
     def places(self, k: int, nodes: Array) -> Array:
         """X of nodes of block k, (len, d); on faces the same bits for all nodes at one place."""
@@ -143,10 +144,6 @@ class BlockProblem:
         """
         index = mesh([np.arange(*ends) for ends in where])
         return self._places(k, index).reshape(self.dimension, -1)
-
-    def hinged(self, members: Iterable[tuple[int, int]]) -> bool:
-        """Whether one of these (block, node) is a point that is held."""
-        return not {(k, node) for k, node, _ in self.hinges}.isdisjoint(members)
 
     def face_normal(self, k: int, node: int, axis: int, side: int) -> tuple[Array, Array, Array]:
         """At a node of a face: the outward unit normal of the reference map, the place X of the
@@ -168,17 +165,10 @@ class BlockProblem:
 
     def _places(self, k: int, index: Sequence[Array]) -> Array:
         """X of the nodes of these indices, d arrays of one shape: (d, …)."""
-        block = self.blocks[k]
-        if self.centred(k) and (index[-1] < 0).any():
-            *others, i = index
-            X = self._places(k, [*others, np.where(i < 0, -1 - i, i)])
-            X[-1] *= np.where(i < 0, -1.0, 1.0)
-            return X
-        X = block.places(index)
-        for axis, side in self._kinds[k]:
-            there = index[axis] == (block.shape[axis] - 1 if side else 0)
-            if there.any():
-                X[:, there] = self._faces[k, axis, side].places([i[there] for i in index])
+        *others, i = index
+        image = (i < 0) & self.centred(k)
+        X = self.blocks[k].places([*others, np.where(image, -1 - i, i)], self._known[k])
+        X[-1] *= np.where(image, -1.0, 1.0)
         return X
 
     # what a run asks for
@@ -195,10 +185,8 @@ class BlockProblem:
     @cached_property
     def interfaces(self) -> list[tuple[int, int]]:
         """(block of gas, block of a solid) that have faces in common, in the order of blocks."""
-        every = ((k, met) for k in range(len(self.blocks)) for met in self.faces_of(k).values())
-        met = {(k, m.block) for k, m in every if isinstance(m, Meeting)}
-        kinds = [block.kind for block in self.blocks]
-        found = [(k, j) for k, j in met if (kinds[k], kinds[j]) == ("fluid", "solid")]
+        kinds, pair = [block.kind for block in self.blocks], ("fluid", "solid")
+        found = {(k, j) for k, j in self._meeting if (kinds[k], kinds[j]) == pair}
         return sorted(found, key=sorted)
 
     @property
@@ -285,30 +273,27 @@ class BlockProblem:
     def bodies(self) -> list[list[int]]:
         """Numbers of the blocks of each body of gas, which joins connect."""
         gas = [block.kind == "fluid" for block in self.blocks]
-        every = ((k, met) for k, own in enumerate(gas) if own for met in self.faces_of(k).values())
-        pairs = [(k, met.block) for k, met in every if isinstance(met, Meeting) and gas[met.block]]
-        k, other = np.array(pairs, int).reshape(-1, 2).T
-        first = united(np.arange(len(gas)), [(k, other)])
+        pairs = [(k, j) for k, j in self._meeting if gas[k] and gas[j]]
+        first = united(np.arange(len(gas)), [tuple(np.array(pairs, int).reshape(-1, 2).T)])
         return [np.flatnonzero(first == k).tolist() for k in np.unique(first) if gas[k]]
 
     def _put(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)
 
-    def _hinge(self, name: str, place: Any, condition: Hinge) -> tuple[int, int, Hinge]:
-        """(block, node, condition). InputError where no node of a solid's face is at the place."""
+    def _hinge(self, name: str, place: Any, condition: Hinge) -> tuple[int, int]:
+        """(block, node). InputError where no node of a solid's face is at the place."""
         k, d = self.number(name), self.dimension
         block, X = self.blocks[k], np.atleast_1d(np.asarray(place, float))
         where = f"{block}, point at {place_text(X)}"
         if block.kind != "solid" or not isinstance(condition, Hinge) or X.shape != (d,):
             raise InputError(f"{where}: expected (name of a solid, {d} coordinates, Hinge())")
-        nodes = np.unique([n for f in self._kinds[k] for n in self.face_nodes(k, *f)])
-        places = self.places(k, nodes)
-        apart = np.abs(places - X).max(axis=1)
+        nodes, places = self._known[k]
+        apart = np.abs(places.T - X).max(axis=1)
         i = int(np.argmin(apart))
         if not apart[i] <= 1e3 * self.tolerance:
-            nearest = place_text(places[i])
+            nearest = place_text(places[:, i])
             raise InputError(f"{where}: no node of a face is there; the nearest is at {nearest}")
-        return k, int(nodes[i]), condition
+        return k, int(nodes[i])
 
 
 def _size(block: Block, symmetry: int = 0) -> float:
@@ -317,12 +302,13 @@ def _size(block: Block, symmetry: int = 0) -> float:
     """
     d = block.dimension
     index = [np.unique(np.linspace(0, c, min(c, _CELLS) + 1).astype(int)) for c in block.cells]
-    X, edges = block.places(mesh(index)), []
-    r = np.mean([X[-1][tuple(c)] for c in product((np.s_[1:], np.s_[:-1]), repeat=d)], axis=0)
-    for axis in range(1, d + 1):
-        edge = np.diff(X, axis=axis)
-        for other in range(1, d + 1):
-            low, high = (np.delete(edge, end, axis=other) for end in (-1, 0))
-            edge = edge if other == axis else 0.5 * (low + high)
-        edges.append(edge)
-    return float(np.abs(determinant(np.array(edges[::-1])) * r**symmetry).sum())
+    X, axes = block.places(mesh(index)), range(d, 0, -1)
+    edges = [_means(np.diff(X, axis=axis), {*axes} - {axis}) for axis in axes]
+    return float(np.abs(determinant(np.array(edges)) * _means(X, axes)[-1] ** symmetry).sum())
+
+
+def _means(values: Array, axes: Iterable[int]) -> Array:
+    """Of neighbours along axes."""
+    for axis in axes:
+        values = 0.5 * (np.delete(values, -1, axis=axis) + np.delete(values, 0, axis=axis))
+    return values
