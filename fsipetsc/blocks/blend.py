@@ -30,12 +30,16 @@ class BlendAxis(NamedTuple):
 
 
 class Blend(NamedTuple):
-    """axes: of BlendAxis; u: (d, …), missing: their room; at: of the W wide nodes in it."""
+    """axes: of BlendAxis; u: (d, …), missing: their room; at: of the W wide nodes in it; images:
+    numbers of those wide nodes that are images before a centre, whose component along r has the
+    other sign.
+    """
 
     axes: Any
     u: Array
     missing: Array
     at: Array
+    images: Array
 
     def fill(self, values, out):
         """out (d, W) from values (d, H) of the hull."""
@@ -43,7 +47,7 @@ class Blend(NamedTuple):
 
 
 def blend_of(block: Block, wide: Wide, nodes: Array, centred: bool = False) -> Blend:
-    """nodes: of the hull. Images before a centre have the values of what they are images of."""
+    """nodes: of the hull. centred: the block goes to r = 0."""
     d, index, places = block.dimension, [], []
     for k, (ends, n) in enumerate(zip(wide.wide, block.shape)):
         i = np.arange(*ends)
@@ -69,7 +73,9 @@ def blend_of(block: Block, wide: Wide, nodes: Array, centred: bool = False) -> B
         axes.append(BlendAxis(none, none, *np.zeros((2, d, 0)), 1))
     size = int(np.prod(sizes))
     at = np.ravel_multi_index(mesh(places)[::-1], sizes[::-1]).ravel()
-    return Blend(tuple(axes), np.zeros((d, size)), np.zeros((2, size)), at)
+    rows = max(-wide.wide[-1][0], 0) if centred else 0
+    images = np.arange(rows * int(np.prod(wide.sizes[:-1])))
+    return Blend(tuple(axes), np.zeros((d, size)), np.zeros((2, size)), at, images)
 
 
 @njit(**CALL)
@@ -94,6 +100,8 @@ def blend(of, values, out):
                     u[(m // before * n + i) * before + m % before] = f[face]
         for m in range(of.at.size):
             out[c, m] = u[of.at[m]]
+    for m in of.images:
+        out[out.shape[0] - 1, m] *= -1.0
 
 
 @njit(**CALL)

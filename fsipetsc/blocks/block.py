@@ -16,7 +16,6 @@ from fsipetsc.blocks.maps import Map, Nodes, place_text
 from fsipetsc.checks import Array, check_name, described, function
 from fsipetsc.equations import tensors
 from fsipetsc.errors import InputError
-from fsipetsc.operators.bands import Band, band
 
 #: index ranges, one (begin, end) for each axis
 Range = Sequence[tuple[int, int]]
@@ -81,13 +80,6 @@ class Block:
     def shape(self) -> tuple[int, ...]:
         """Nodes along each axis, axis 0 first."""
         return tuple(c + (not closed) for c, closed in zip(self.cells, self.periodic))
-
-    def band(self, order: int, axis: int) -> Band:
-        """Pair weights of an axis. InputError if it has too few nodes."""
-        try:
-            return band(order, self.cells[axis], self.periodic[axis])
-        except ValueError as error:
-            raise InputError(f"{self}, axis {axis}: {error}") from None
 
     def positions(self, where: Range) -> Array:
         """Places X of a range of nodes, (d, N), axis 0 fastest. Beyond the ends of a periodic axis

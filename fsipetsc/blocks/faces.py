@@ -4,7 +4,7 @@ Faces whose nodes are at the same places meet. Nodes of faces at one place are o
 (SCHEME-BLOCKS.md, section 3), also where blocks touch at an edge or a vertex only.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
@@ -12,13 +12,65 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blocks.block import Block, mesh
-from fsipetsc.blocks.conditions import Condition, Periodic
+from fsipetsc.blocks.conditions import Condition, Hinge, Periodic
 from fsipetsc.blocks.maps import place_text
-from fsipetsc.checks import Array
+from fsipetsc.checks import Array, described
 from fsipetsc.errors import InputError
 
+#: (block name, axis, side)
+FaceName = tuple[str, int, int]
 #: places are the same within this part of the largest coordinate
 _SAME = 1e-10
+
+
+def number_of(blocks: Sequence[Block], name: Any) -> int:
+    """The number of the block of this name. InputError."""
+    names = [block.name for block in blocks]
+    if name not in names:
+        known = ", ".join(map(repr, names))
+        raise InputError(f"there is no block {described(name)}: expected one of {known}")
+    return names.index(name)
+
+
+def named_faces(
+    blocks: Sequence[Block],
+    faces: Mapping[FaceName, Condition] | Iterable[tuple[FaceName, Condition]],
+) -> dict[FaceName, Condition]:
+    """The faces as a dict. InputError for wrong names and conditions, and for those named
+    twice.
+    """
+    found: dict[FaceName, Condition] = {}
+    for name, condition in faces.items() if isinstance(faces, Mapping) else faces:
+        if not isinstance(name, tuple) or len(name) != 3:
+            wanted = "expected (block name, axis, side)"
+            raise InputError(f"BlockProblem: faces: {described(name)}: {wanted}")
+        block = blocks[number_of(blocks, name[0])]
+        where = f"{block}, face (axis {name[1]}, side {name[2]})"
+        if name[1] not in range(block.dimension) or name[2] not in (0, 1):
+            last = block.dimension - 1
+            raise InputError(f"{where}: expected an axis from 0 to {last} and side 0 or 1")
+        if block.periodic[name[1]]:
+            raise InputError(f"{where} is named, but a periodic axis has no faces")
+        if name in found:
+            raise InputError(f"{where} is named twice: expected one condition")
+        _check_condition(block, where, condition)
+        found[name] = condition
+    return found
+
+
+def _check_condition(block: Block, where: str, condition: Any) -> None:
+    """InputError for what is no condition of this kind of block, or has another dimension."""
+    if not isinstance(condition, Condition) or isinstance(condition, Hinge):
+        wanted = "expected a condition, as NoSlip() or Clamped()"
+        raise InputError(f"{where}: {described(condition)}: {wanted}")
+    name = type(condition).__name__
+    if block.kind not in condition.of:
+        raise InputError(f"{where}: {name} is no condition of a {block.kind}")
+    vector = {"Open": "u", "Periodic": "shift"}.get(name, "")
+    numbers = getattr(condition, vector, ())
+    if vector and not callable(numbers) and len(numbers) != block.dimension:
+        found = f"{vector} has {len(numbers)} numbers"
+        raise InputError(f"{where}: {name}: {found}: expected {block.dimension}")
 
 
 def face_nodes(shape: Sequence[int], axis: int, side: int) -> Array:
@@ -79,17 +131,17 @@ class Face:
 class Faces:
     """The faces of all blocks, none on periodic axes. InputError for what does not meet.
 
-    tolerance: places are the same that are no further apart [m]. kinds: what stands at the faces of
-    each block. particles: (block, node) of the nodes at each place, ascending, particles in the
-    order of their first nodes.
+    named: their conditions. tolerance: places are the same that are no further apart [m]. kinds:
+    what stands at the faces of each block. particles: (block, node) of the nodes at each place,
+    ascending, particles in the order of their first nodes.
     """
 
-    def __init__(self, blocks: Sequence[Block], named: Mapping[Any, Condition]) -> None:
-        self.faces = []
+    def __init__(self, blocks: Sequence[Block], named: Any) -> None:
+        self.faces, self.named = [], named_faces(blocks, named)
         for k, block in enumerate(blocks):
             for axis, side in product(range(block.dimension), (0, 1)):
                 if not block.periodic[axis]:
-                    condition = named.get((block.name, axis, side))
+                    condition = self.named.get((block.name, axis, side))
                     nodes, X = face_nodes(block.shape, axis, side), block.face_positions(axis, side)
                     self.faces.append(Face(k, block, axis, side, condition, nodes, X.T))
         periodic = [face for face in self.faces if isinstance(face.condition, Periodic)]

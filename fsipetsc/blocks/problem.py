@@ -14,19 +14,12 @@ import numpy as np
 
 from fsipetsc.blocks.block import Block, Range, determinant, mesh
 from fsipetsc.blocks.conditions import Centre, Condition, Hinge, conserves_energy, steady
-from fsipetsc.blocks.expected import (
-    FaceName,
-    check_blocks,
-    check_symmetry,
-    named_faces,
-    number_of,
-)
-from fsipetsc.blocks.faces import Faces, Kinds, Meeting, face_nodes, united
+from fsipetsc.blocks.faces import FaceName, Faces, Kinds, Meeting, face_nodes, number_of, united
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.overlap import check_overlap
-from fsipetsc.checks import Array, function
+from fsipetsc.checks import Array, described, function
 from fsipetsc.errors import InputError
-from fsipetsc.operators.bands import Band, centred_band
+from fsipetsc.operators.bands import Band, band, centred_band
 
 #: pieces along an axis by which the size of a block is estimated
 _CELLS = 32
@@ -64,13 +57,13 @@ class BlockProblem:
         blocks = tuple(self.blocks)
         self._put("blocks", blocks)
         self._put("notes", tuple(self.notes))
-        check_blocks(blocks)
+        self._check_blocks()
         form = "jumps(*X, t) -> (traction per axis, heat)"
         function(self.jumps, "BlockProblem: jumps", form, optional=True)
-        self._put("faces", named_faces(blocks, self.faces))
-        check_symmetry(blocks, self.faces, self.symmetry)
         check_overlap(blocks)
         faces = Faces(blocks, self.faces)
+        self._put("faces", faces.named)
+        self._check_symmetry()
         self._put("tolerance", faces.tolerance)
         self._put("members", faces.particles)
         self._put("_kinds", faces.kinds)
@@ -89,13 +82,14 @@ class BlockProblem:
 
     def band(self, k: int, order: int, axis: int) -> Band:
         """Pair weights of an axis of block k. InputError if it has too few nodes."""
-        block, found = self.blocks[k], self.blocks[k].band(order, axis)
+        block = self.blocks[k]
         images = axis == self.dimension - 1 and self.centred(k)
-        return centred_band(order, block.cells[axis], self.symmetry) if images else found
-
-    def number(self, name: str) -> int:
-        """Of a block. InputError if there is none of this name."""
-        return number_of(self.blocks, name)
+        try:
+            if images:
+                return centred_band(order, block.cells[axis], self.symmetry)
+            return band(order, block.cells[axis], block.periodic[axis])
+        except ValueError as error:
+            raise InputError(f"{block}, axis {axis}: {error}") from None
 
     def faces_of(self, k: int) -> Kinds:
         """(axis, side) -> what stands at the faces of block k; nothing on a periodic axis."""
@@ -280,9 +274,40 @@ class BlockProblem:
     def _put(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)
 
+    def _check_blocks(self) -> None:
+        """InputError unless blocks have names of their own and one number of dimensions."""
+        blocks = self.blocks
+        if not blocks or not all(isinstance(block, Block) for block in blocks):
+            raise InputError("BlockProblem: blocks: expected one or more Blocks")
+        for k, block in enumerate(blocks):
+            if block.name in [other.name for other in blocks[:k]]:
+                raise InputError(f"BlockProblem: two blocks are named '{block.name}'")
+            if block.dimension != blocks[0].dimension:
+                numbers = f"{block.dimension} dimensions, {blocks[0]} {blocks[0].dimension}"
+                raise InputError(f"{block} has {numbers}: expected the same")
+
+    def _check_symmetry(self) -> None:
+        """InputError for what a problem with an axis or a centre cannot have."""
+        d, symmetry = self.dimension, self.symmetry
+        if symmetry not in (0, 1, 2)[: max(4 - d, 1)]:
+            found = f"symmetry is {described(symmetry)} in {d} dimensions"
+            wanted = "expected 0, 1 in one or two dimensions, or 2 in one"
+            raise InputError(f"{self.blocks[0]}: {found}: {wanted}")
+        for (name, *face), met in self.faces.items():
+            if isinstance(met, Centre) and not (symmetry and face == [d - 1, 0]):
+                wanted = f"expected axis {d - 1}, side 0 of a problem with an axis or a centre"
+                raise InputError(f"block '{name}', face {tuple(face)}: Centre(): {wanted}")
+        for k, block in enumerate(self.blocks if symmetry else ()):
+            if symmetry == 1 and block.kind == "solid" and self.centred(k):
+                raise InputError(
+                    f"{block}: a solid cannot reach an axis, where its stresses would be "
+                    "wrong on any grid: expected r > 0, or a centre (symmetry=2)"
+                )
+            _check_radial(block, self.centred(k))
+
     def _hinge(self, name: str, place: Any, condition: Hinge) -> tuple[int, int]:
         """(block, node). InputError where no node of a solid's face is at the place."""
-        k, d = self.number(name), self.dimension
+        k, d = number_of(self.blocks, name), self.dimension
         block, X = self.blocks[k], np.atleast_1d(np.asarray(place, float))
         where = f"{block}, point at {place_text(X)}"
         if block.kind != "solid" or not isinstance(condition, Hinge) or X.shape != (d,):
@@ -294,6 +319,26 @@ class BlockProblem:
             nearest = place_text(places[:, i])
             raise InputError(f"{where}: no node of a face is there; the nearest is at {nearest}")
         return k, int(nodes[i])
+
+
+def _check_radial(block: Block, centred: bool) -> None:
+    """InputError where a block does not fit around an axis or a centre."""
+    X = block.positions([(0, n) for n in block.shape])
+    r, lines = X[-1], X.reshape(block.dimension, block.shape[-1], -1)
+    slanted = any(period[-1] for period, p in zip(block.periods, block.periodic) if p)
+    if slanted or block.prestress is not None:
+        raise InputError(f"{block}: r grows by a period, or it has a prestress: expected neither")
+    lowest = int(np.argmin(r))
+    if not r[lowest] > 1e-9 * r.max():
+        wanted = "expected r > 0 at all nodes; with Centre() a map as ball or off_axis make it"
+        raise InputError(f"{block}: a node is at {place_text(X[:, lowest])}: {wanted}")
+    first, second = lines[:, 0], lines[:, 1]
+    wrong = np.abs([*(second - first)[:-1], 3.0 * first[-1] - second[-1]]).sum(axis=0)
+    i = int(np.argmax(wrong / (second - first)[-1]))
+    if centred and not wrong[i] <= 0.1 * (second - first)[-1, i]:
+        found = f"its first nodes are at {place_text(first[:, i])} and {place_text(second[:, i])}"
+        wanted = "expected half a spacing and one and a half from r = 0, as off_axis has them"
+        raise InputError(f"{block}: Centre(): {found}: {wanted}")
 
 
 def _size(block: Block, symmetry: int = 0) -> float:
