@@ -6,13 +6,12 @@ An error may be this rank's alone.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from math import isfinite
 from typing import Any
 
 import numpy as np
 
-from fsipetsc.blame import call, place_of
-from fsipetsc.blocks.values import NOWHERE, array_of, block_values, checked, names_of
+from fsipetsc.blame import place_of
+from fsipetsc.blocks.values import NOWHERE, block_values, checked, checked_one, names_of
 from fsipetsc.boundaries import GIVEN_T, Dirichlet, Open, heat_of
 from fsipetsc.errors import InputError
 from fsipetsc.problem import Layer, Problem
@@ -67,11 +66,7 @@ def at_end(function: Callable[..., Any], name: str, side: int, t: float) -> list
     where = f"{name} of the {('left', 'right')[side]} end at t = {t:.6g}{early}"
     if name == "values":
         return _numbers(function, (t,), names_of("fluid", name, 1), where)
-    with np.errstate(all="ignore"):
-        found = call(function, (t,), where)
-    if type(found) is float and isfinite(found) and name != "T":
-        return [found]  # nearly always, and often: several times in each stage
-    return [float(array_of(found, name, NOWHERE, function, where)[0])]
+    return [float(checked_one(function, (t,), NOWHERE, name, where)[0])]
 
 
 def jumps(problem: Problem, k: int, t: float) -> Sequence[float]:

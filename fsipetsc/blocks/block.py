@@ -7,7 +7,6 @@ periodic. Axis 0 is the fastest in memory: node number n = i_0 + N_0 (i_1 + N_1 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -194,20 +193,20 @@ class Block:
         """InputError where the edges of a cell at one of its corners are left-handed or have no
         volume; a sample of cells.
         """
-        d, counts = self.dimension, [min(c, _SAMPLED) for c in self.cells]
-        at = [np.linspace(0, c - 1, n).astype(int) for c, n in zip(self.cells, counts)]
-        X = {
-            corner: self._mapped(mesh([(i + s) / c for i, s, c in zip(at, corner, self.cells)]))
-            for corner in product((0, 1), repeat=d)
-        }
-        for corner, here in X.items():
-            ends = [[(*corner[:k], end, *corner[k + 1 :]) for end in (1, 0)] for k in range(d)]
-            J = determinant(np.array([X[ahead] - X[behind] for ahead, behind in ends])).ravel()
-            if not J.min() > 0.0:
-                i = int(np.argmin(J))
-                found = f"J = {J[i]:.3g} per cell at {place_text(here.reshape(d, -1)[:, i])}"
-                wanted = "expected J > 0, axes in right-handed order"
-                raise InputError(f"{self}: its map has {found}: {wanted}")
+        d = self.dimension
+        cells = [np.linspace(0, c - 1, min(c, _SAMPLED)).astype(int) for c in self.cells]
+        ends = (np.stack([i, i + 1], axis=-1).ravel() / c for i, c in zip(cells, self.cells))
+        X = self._mapped(mesh(list(ends)))
+        edges = [
+            np.repeat(np.diff(X, axis=axis).take(range(0, X.shape[axis], 2), axis), 2, axis)
+            for axis in range(d, 0, -1)
+        ]
+        J = determinant(np.array(edges)).ravel()
+        i = int(np.argmin(J))
+        if not J[i] > 0.0:
+            found = f"J = {J[i]:.3g} per cell at {place_text(X.reshape(d, -1)[:, i])}"
+            wanted = "expected J > 0, axes in right-handed order"
+            raise InputError(f"{self}: its map has {found}: {wanted}")
 
 
 def determinant(edges: Array) -> Array:

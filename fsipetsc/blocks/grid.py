@@ -11,9 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from fsipetsc.blocks.blend import blend_of
 from fsipetsc.blocks.block import Block, Range
-from fsipetsc.blocks.hull import Hull, end_weights, hull_of
+from fsipetsc.blocks.hull import Hull, blend_of, end_weights, hull_of
 from fsipetsc.blocks.metrics import Wide, curl_metrics, volume_rate
 from fsipetsc.blocks.plane_grid import plane_motion
 from fsipetsc.blocks.problem import BlockProblem

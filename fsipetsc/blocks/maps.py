@@ -21,9 +21,20 @@ Map = Callable[[Places], Sequence[Any]]
 
 @dataclass(frozen=True, eq=False)
 class Nodes:
-    """A grid of given nodes; `places` is (…, n_1, n_0, d). Defined at its nodes only."""
+    """A grid of nodes, places (n_0, 1), (n_1, n_0, 2) or (n_2, n_1, n_0, 3) [m]; defined at these
+    only. InputError.
+
+    On a periodic axis the last nodes are the first ones, a period on.
+    """
 
     places: Array
+
+    def __post_init__(self) -> None:
+        X = np.array(self.places, float)
+        object.__setattr__(self, "places", X)
+        if not 2 <= X.ndim <= 4 or X.shape[-1] != X.ndim - 1 or min(X.shape[:-1]) < 2:
+            wanted = "expected the shape (n_0, 1), (n_1, n_0, 2) or (n_2, n_1, n_0, 3)"
+            raise InputError(f"nodes: {described(X)}: {wanted}")
 
     @property
     def cells(self) -> tuple[int, ...]:
@@ -34,6 +45,9 @@ class Nodes:
         """Places of the nodes next to xi."""
         index = tuple(np.rint(x * c).astype(int) for x, c in zip(xi, self.cells))
         return tuple(np.moveaxis(self.places[index[::-1]], -1, 0))
+
+
+nodes = Nodes
 
 
 def rectangle(lower: Any, upper: Any) -> Map:
@@ -140,33 +154,6 @@ def _check_edges(d: int, on_face: Callable[[int, int, Sequence[Array]], Array]) 
             places = f"{place_text(one[:, i])} and {place_text(other[:, i])}"
             both = f"faces (axis {a}, side {p}) and (axis {b}, side {q})"
             raise InputError(f"transfinite: {both} do not meet: {places}")
-
-
-def stretched(map: Map, *functions: Callable[[Array], Array] | None) -> Map:
-    """X(s_0(xi_0), …): a function of [0, 1] onto itself for each axis, or None. InputError."""
-    for k, s in enumerate(functions):
-        ends = [0.0, 1.0] if s is None else [float(s(np.array(end))) for end in (0.0, 1.0)]
-        if not np.allclose(ends, (0.0, 1.0), rtol=0.0, atol=1e-12):
-            found = f"{ends[0]:g} and {ends[1]:g}"
-            raise InputError(f"stretched: function {k} takes 0 and 1 to {found}: expected 0 and 1")
-
-    def places(xi: Places) -> Sequence[Any]:
-        pairs = zip(xi, functions, strict=True)
-        return map(tuple(x if s is None else s(x) for x, s in pairs))
-
-    return places
-
-
-def nodes(places: Any) -> Nodes:
-    """A grid of nodes, (n_0, 1), (n_1, n_0, 2) or (n_2, n_1, n_0, 3) [m]. InputError.
-
-    On a periodic axis the last nodes are the first ones, a period on.
-    """
-    array = np.array(places, float)
-    if not 2 <= array.ndim <= 4 or array.shape[-1] != array.ndim - 1 or min(array.shape[:-1]) < 2:
-        wanted = "expected the shape (n_0, 1), (n_1, n_0, 2) or (n_2, n_1, n_0, 3)"
-        raise InputError(f"nodes: {described(array)}: {wanted}")
-    return Nodes(array)
 
 
 def place_text(X: Any) -> str:

@@ -95,12 +95,13 @@ class BlockProblem:
         """(axis, side) -> what stands at the faces of block k; nothing on a periodic axis."""
         return self._kinds[k]
 
-    @property
-    def outer_faces(self) -> list[tuple[int, int, int]]:
-        """(block, axis, side) of the faces that no other one meets; where r = 0 is none."""
-        none = Meeting, Centre
-        every = ((k, *face, met) for k, own in enumerate(self._kinds) for face, met in own.items())
-        return [(k, axis, side) for k, axis, side, met in every if not isinstance(met, none)]
+    @cached_property
+    def outer_faces(self) -> dict[tuple[int, int, int], Condition]:
+        """(block, axis, side) -> what stands at the faces that no other one meets; where r = 0 is
+        none.
+        """
+        every = {(k, *face): met for k, own in enumerate(self._kinds) for face, met in own.items()}
+        return {face: met for face, met in every.items() if not isinstance(met, (Meeting, Centre))}
 
     @property
     def column_of_face(self) -> dict[tuple[int, int, int], int]:
@@ -194,9 +195,9 @@ class BlockProblem:
         """Of what energy comes in by: the outer faces, as "gas, axis 0, side 1"; at last that of
         forces, interfaces and points that are held.
         """
-        faces = ((self.blocks[k].name, axis, side) for k, axis, side in self.outer_faces)
-        names = [f"{name}, axis {axis}, side {side}" for name, axis, side in faces]
-        return [*names, "through no face"]
+        name = "{}, axis {}, side {}".format
+        faces = [name(self.blocks[k].name, axis, side) for k, axis, side in self.outer_faces]
+        return [*faces, "through no face"]
 
     def interface_nodes(self, number: int) -> np.ndarray:
         """Nodes of the solid on an interface, each once."""
@@ -222,11 +223,6 @@ class BlockProblem:
         d = self.dimension
         return min((_size(b) / np.prod(b.cells)) ** (1.0 / d) for b in self.blocks)
 
-    @cached_property
-    def _conditions(self) -> list[Any]:
-        """Of all faces that no other one meets."""
-        return [self.faces_of(k)[axis, side] for k, axis, side in self.outer_faces]
-
     @property
     def _forced(self) -> bool:
         """There is forcing, or interfaces get something from outside."""
@@ -235,7 +231,7 @@ class BlockProblem:
     @property
     def steady_data(self) -> bool:
         """No data of faces and no forcing depend on time."""
-        return all(map(steady, self._conditions)) and not self._forced
+        return all(map(steady, self.outer_faces.values())) and not self._forced
 
     @cached_property
     def invariants(self) -> dict[str, Any]:
@@ -246,7 +242,8 @@ class BlockProblem:
         """
         solids = [block for block in self.blocks if block.kind == "solid"]
         gases = [k for k, block in enumerate(self.blocks) if block.kind == "fluid"]
-        closed = all(map(conserves_energy, self._conditions)) and not self._forced
+        outer = self.outer_faces.values()
+        closed = all(map(conserves_energy, outer)) and not self._forced
         elastic = all(getattr(solid.material, "heat", "") == "elastic" for solid in solids)
         masses = [solid.material.m0 * _size(solid, self.symmetry) for solid in solids]
         capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]

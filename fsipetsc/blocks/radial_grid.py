@@ -20,8 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from fsipetsc.blocks.blend import blend_of
-from fsipetsc.blocks.hull import Hull
+from fsipetsc.blocks.hull import Hull, blend_of
 from fsipetsc.blocks.metrics import Wide, differentiate
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array

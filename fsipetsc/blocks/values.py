@@ -1,6 +1,7 @@
 """What the functions of a block return for places and times, checked."""
 
 from collections.abc import Callable, Sequence
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -73,14 +74,14 @@ def checked(
         count = counted(len(values), "value")
         raise _fault(function, where, f"returns {count}: {expected}")
     pairs = zip(names, values, strict=True)
-    return [array_of(value, name, X, function, where, physical, active) for name, value in pairs]
+    return [_array_of(value, name, X, function, where, physical, active) for name, value in pairs]
 
 
 def checked_one(
     function: Callable[..., Any], arguments: Sequence[Any], X: Array, name: str, where: str
 ) -> Array:
     """The same of a function that returns one value."""
-    return array_of(_called(function, arguments, where), name, X, function, where)
+    return _array_of(_called(function, arguments, where), name, X, function, where)
 
 
 def _called(function: Callable[..., Any], arguments: Sequence[Any], where: str) -> Any:
@@ -106,7 +107,7 @@ def datum(
     return np.stack(checked(of, (*X.T, t), X.T, names, where), axis=-1)
 
 
-def array_of(
+def _array_of(
     value: Any,
     name: str,
     X: Array,
@@ -116,7 +117,9 @@ def array_of(
     active: slice = slice(None),
 ) -> Array:
     """One of the values that a function has returned, for all places. InputError."""
-    size = X.shape[1]
+    size, positive = X.shape[1], physical and name in ("rho", "T")
+    if type(value) is float and isfinite(value) and not positive:
+        return np.full(size, value)  # of ends in one dimension, several times in each stage
     try:
         array = np.asarray(value)
     except (ValueError, TypeError):  # rows of different lengths
@@ -129,7 +132,6 @@ def array_of(
         shape = f"{name} has the shape {array.shape}: expected {wanted}one number"
         raise _fault(function, where, shape)
     array = np.broadcast_to(array.astype(float, copy=False), (size,))
-    positive = physical and name in ("rho", "T")
     good = np.isfinite(array) & ((array > 0.0) | (not positive))
     if not good[active].all():
         i = (active.start or 0) + int(np.argmin(good[active]))
