@@ -39,8 +39,7 @@ class Wall:
     degree = 2
 
     def __post_init__(self) -> None:
-        _check_timed(self, "Wall", "x")
-        _check_heat(self, "Wall")
+        _check(self, "Wall", "x")
         checks.function(self.velocity, "Wall: velocity", "velocity(t) [m/s]", optional=True)
         if self.velocity is not None and not self.moves:
             expected = "expected a function x(t) [m], too"
@@ -114,51 +113,40 @@ class SolidEnd:
 
     def __post_init__(self) -> None:
         name = {CLAMPED: "clamped", FREE: "free", ABSORBING: "absorbing"}[self.kind]
-        if not callable(self.value):
-            checks.number(self.value, f"{name}: {'velocity' if name == 'clamped' else 'stress'}")
-        _check_heat(self, name)
+        _check(self, name, "value")
 
 
 Boundary = Wall | Open | Dirichlet | SolidEnd
 
 
-def clamped(
-    velocity: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
-) -> SolidEnd:
-    """Solid end that moves with a given velocity [m/s]; see SolidEnd."""
-    return SolidEnd(CLAMPED, velocity, T, heat_flux)
+def clamped(velocity: Timed = 0.0, **heat: Timed | None) -> SolidEnd:
+    """Solid end that moves with a given velocity [m/s]; heat: T or heat_flux of a SolidEnd."""
+    return SolidEnd(CLAMPED, velocity, **heat)
 
 
-def free(
-    stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
-) -> SolidEnd:
-    """Solid end under a given stress sigma - p [Pa]; see SolidEnd."""
-    return SolidEnd(FREE, stress, T, heat_flux)
+def free(stress: Timed = 0.0, **heat: Timed | None) -> SolidEnd:
+    """Solid end under a given stress sigma - p [Pa]; heat: T or heat_flux."""
+    return SolidEnd(FREE, stress, **heat)
 
 
-def absorbing(
-    stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
-) -> SolidEnd:
-    """Solid end that lets elastic waves out, towards a solid at rest under this sigma - p [Pa]."""
-    return SolidEnd(ABSORBING, stress, T, heat_flux)
-
-
-def _check_timed(end: object, owner: str, name: str, bound: str = checks.ANY) -> None:
-    """InputError if an attribute is neither a number within its range nor a function; a number
-    becomes a float.
+def absorbing(stress: Timed = 0.0, **heat: Timed | None) -> SolidEnd:
+    """Solid end that lets elastic waves out, towards a solid at rest under this sigma - p [Pa];
+    heat: T or heat_flux.
     """
-    value = getattr(end, name)
-    if not callable(value):
-        object.__setattr__(end, name, checks.number(value, f"{owner}: {name}", bound))
+    return SolidEnd(ABSORBING, stress, **heat)
 
 
-def _check_heat(end: Wall | SolidEnd, owner: str) -> None:
+def _check(end: Wall | SolidEnd, owner: str, needed: str) -> None:
+    """InputError if what is given is neither a number within its range nor a function; numbers
+    become floats.
+    """
     if end.T is not None and end.heat_flux is not None:
         expected = "expected one of them, or neither for an insulated end"
         raise InputError(f"{owner}: T and heat_flux are given: {expected}")
-    for name, bound in (("T", checks.POSITIVE), ("heat_flux", checks.ANY)):
-        if getattr(end, name) is not None:
-            _check_timed(end, owner, name, bound)
+    for name in (needed, "T", "heat_flux"):
+        value, bound = getattr(end, name), checks.POSITIVE if name == "T" else checks.ANY
+        if not callable(value) and (name == needed or value is not None):
+            object.__setattr__(end, name, checks.number(value, f"{owner}: {name}", bound))
 
 
 def degree_of(end: Boundary, order: int) -> int:

@@ -103,22 +103,22 @@ class Block:
         return X + sum(np.multiply.outer(self.periods[axis], turns[axis]) for axis in turned)
 
     @cached_property
-    def periods(self) -> tuple[Array, ...]:
-        """X(xi_k = 1) - X(xi_k = 0) (d,) of each axis k, of use where it is periodic. InputError
+    def periods(self) -> Array:
+        """X(xi_k = 1) - X(xi_k = 0) of each periodic axis k, 0 of the others, (d, d). InputError
         where the ends of a periodic axis are not one vector apart.
         """
-        found = []
-        for axis, closed in enumerate(self.periodic):
+        found = np.zeros((self.dimension, self.dimension))
+        for axis in np.flatnonzero(self.periodic):
             xi = [np.arange(n) / c for n, c in zip(self.shape, self.cells)]
             ends = (mesh([*xi[:axis], np.array([s]), *xi[axis + 1 :]]) for s in (0.0, 1.0))
             low, high = (self._mapped(end).reshape(self.dimension, -1) for end in ends)
             apart, size = high - low, np.abs(low).max() + np.abs(high).max()
             period = apart.mean(axis=1)
-            if closed and np.abs(apart - period[:, None]).max() > 1e-9 * size:
+            if np.abs(apart - period[:, None]).max() > 1e-9 * size:
                 wrong = f"axis {axis} is periodic, and its map is not"
                 raise InputError(f"{self}: {wrong}: expected ends that are one vector apart")
-            found.append(np.where(np.abs(period) < 1e-12 * size, 0.0, period))
-        return tuple(found)
+            found[axis] = np.where(np.abs(period) < 1e-12 * size, 0.0, period)
+        return found
 
     def face_positions(self, axis: int, side: int) -> Array:
         """Places X of the nodes of a face, (d, N), lower axis fastest."""
@@ -166,8 +166,7 @@ class Block:
         elif self.map.cells != self.cells:
             raise InputError(f"{self}: its map has {self.map.cells} cells, the block {self.cells}")
         self._check_jacobian()
-        if any(self.periodic):
-            _ = self.periods
+        _ = self.periods
 
     def _check_smooth(self) -> None:
         """InputError where second differences along an axis do not fall as the square of the

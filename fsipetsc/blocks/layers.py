@@ -12,7 +12,7 @@ from itertools import product
 from typing import Any
 
 from fsipetsc.blocks.block import Block
-from fsipetsc.blocks.conditions import Condition, Periodic, Slip
+from fsipetsc.blocks.conditions import Condition, Periodic
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import POSITIVE, described, extent, number
@@ -169,24 +169,20 @@ def _columns(layer: Layer, span: Extent | None, along: Extent, n: int) -> list[i
 def _condition(
     stack: Sequence[Layer], n: int, axis: int, side: int, ends: tuple[Condition, Condition]
 ) -> Condition | None:
-    """At a face of layer n that meets none; None: it goes on periodically. InputError.
-
-    A wall without a name gets one: over several blocks it is one.
-    """
+    """At a face of layer n that meets none; None: it goes on periodically. InputError."""
     layer, other = stack[n], n + 2 * side - 1
     if axis < len(layer.span):
-        said, name = _side(layer, axis, side), f"{layer.name} {axis} {side}"
+        said = _side(layer, axis, side)
         if said is None and layer.span[axis] is not None:
             nothing = f"nothing is said of axis {axis}, side {side}"
             raise InputError(f"layer '{layer.name}' has a span: sides: {nothing}")
-    elif 0 <= other < len(stack):
-        said, name = layer.beside, f"{layer.name} {('lower', 'upper')[side]} beside"
-        if said is None:
-            ended = f"'{stack[other].name}' does not reach over all of it"
-            raise InputError(f"layer '{layer.name}': {ended}: expected beside=…")
-    else:
-        said, name = ends[side], f"{layer.name} {('lower', 'upper')[side]}"
-    return replace(said, name=name) if isinstance(said, Slip) and not said.name else said
+        return said
+    if not 0 <= other < len(stack):
+        return ends[side]
+    if layer.beside is None:
+        ended = f"'{stack[other].name}' does not reach over all of it"
+        raise InputError(f"layer '{layer.name}': {ended}: expected beside=…")
+    return layer.beside
 
 
 def _periodic(along: Sequence[Extent], axis: int, side: int) -> Periodic:

@@ -43,8 +43,13 @@ class Wide:
         self.sizes = tuple(end - begin for begin, end in self.wide)
         ranges = list(zip(self.where, self.wide))[::-1]
         self._inner = tuple(slice(a - first, b - first) for (a, b), (first, _) in ranges)
-        self.P = np.where(np.array(block.periodic)[:, None], block.periods, 0.0)
-        self.y = self._periodic_part(problem, k)
+        index = mesh([np.arange(*ends) for ends in self.wide])
+        self.P, around = block.periods, zip(index, block.shape, block.periodic)
+        index = [i % n if closed else i for i, n, closed in around]
+        y = problem.places_at(k, index).reshape(len(index), -1)
+        for P, i, cells in zip(self.P, index, block.cells):
+            y = y - np.multiply.outer(P, i.ravel() / cells)
+        self.y = np.ascontiguousarray(y)
 
     def inner(self, f: Array) -> Array:
         """The part of f (…, wide nodes) on the range, (…, nodes)."""
@@ -58,18 +63,6 @@ class Wide:
             for c, y in enumerate(self.y):
                 differentiate(G[k, c], y, self.S[k], self.weight[k], before)
         return self.inner(G) + self.P[..., None]
-
-    def _periodic_part(self, problem: BlockProblem, k: int) -> Array:
-        block, *index = problem.blocks[k], *mesh([np.arange(*ends) for ends in self.wide])
-        images = (index[-1] < 0).ravel() & problem.centred(k)
-        if problem.centred(k):
-            index[-1] = np.where(index[-1] < 0, -1 - index[-1], index[-1])
-        index = [i % n for i, n in zip(index, block.shape)]
-        y = problem.places(k, np.ravel_multi_index(index[::-1], block.shape[::-1]).ravel()).T
-        y[-1, images] *= -1.0
-        for P, i, cells in zip(self.P, index, block.cells):
-            y = y - np.multiply.outer(P, i.ravel() / cells)
-        return np.ascontiguousarray(y)
 
 
 def solid_metrics(problem: BlockProblem, k: int, order: int, where: Range) -> Array:

@@ -131,14 +131,22 @@ class BlockProblem:
     def places(self, k: int, nodes: Array) -> Array:
         """X of nodes of block k, (len, d); on faces the same bits for all nodes at one place."""
         shape = self.blocks[k].shape[::-1]
-        return self._places(k, np.unravel_index(np.asarray(nodes), shape)[::-1]).T
+        return self.places_at(k, np.unravel_index(np.asarray(nodes), shape)[::-1]).T
 
     def positions(self, k: int, where: Range) -> Array:
         """X of a range of nodes of block k, (d, N), axis 0 fastest, as `places`. Beyond the ends of
         a periodic axis they go on.
         """
         index = mesh([np.arange(*ends) for ends in where])
-        return self._places(k, index).reshape(self.dimension, -1)
+        return self.places_at(k, index).reshape(self.dimension, -1)
+
+    def places_at(self, k: int, index: Sequence[Array]) -> Array:
+        """X (d, …) of the nodes of these indices, d arrays of one shape, as `places`."""
+        *others, i = index
+        image = (i < 0) & self.centred(k)
+        X = self.blocks[k].places([*others, np.where(image, -1 - i, i)], self._known[k])
+        X[-1] *= np.where(image, -1.0, 1.0)
+        return X
 
     def face_normal(self, k: int, node: int, axis: int, side: int) -> tuple[Array, Array, Array]:
         """At a node of a face: the outward unit normal of the reference map, the place X of the
@@ -147,24 +155,16 @@ class BlockProblem:
         """
         block, slopes, around = self.blocks[k], [], []
         index = np.array(np.unravel_index(node, block.shape[::-1]))[::-1, None]
-        here = self._places(k, index)[:, 0]
+        here = self.places_at(k, index)[:, 0]
         for along, n in enumerate(block.shape):
             steps = [s for s in (-1, 1) if block.periodic[along] or 0 <= index[along, 0] + s < n]
             unit = np.arange(self.dimension)[:, None] == along
-            places = [self._places(k, index + s * unit)[:, 0] for s in steps]
+            places = [self.places_at(k, index + s * unit)[:, 0] for s in steps]
             slopes.append(np.mean([s * (X - here) for s, X in zip(steps, places)], axis=0))
             around += places if along != axis else []
         normal = np.linalg.inv(np.array(slopes))[:, axis] * (1.0 if side else -1.0)
         normal /= np.linalg.norm(normal)
         return normal, here, np.mean(around, axis=0) if around else here - normal
-
-    def _places(self, k: int, index: Sequence[Array]) -> Array:
-        """X of the nodes of these indices, d arrays of one shape: (d, …)."""
-        *others, i = index
-        image = (i < 0) & self.centred(k)
-        X = self.blocks[k].places([*others, np.where(image, -1 - i, i)], self._known[k])
-        X[-1] *= np.where(image, -1.0, 1.0)
-        return X
 
     # what a run asks for
 
@@ -322,8 +322,7 @@ def _check_radial(block: Block, centred: bool) -> None:
     """InputError where a block does not fit around an axis or a centre."""
     X = block.positions([(0, n) for n in block.shape])
     r, lines = X[-1], X.reshape(block.dimension, block.shape[-1], -1)
-    slanted = any(period[-1] for period, p in zip(block.periods, block.periodic) if p)
-    if slanted or block.prestress is not None:
+    if block.periods[:, -1].any() or block.prestress is not None:
         raise InputError(f"{block}: r grows by a period, or it has a prestress: expected neither")
     lowest = int(np.argmin(r))
     if not r[lowest] > 1e-9 * r.max():

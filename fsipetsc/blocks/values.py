@@ -15,8 +15,10 @@ NOWHERE = np.empty((0, 1))
 
 
 def names_of(kind: str, what: str, d: int) -> tuple[str, ...]:
-    """What initial, exact, values and forcing of a block of a kind return, by name."""
+    """What initial, exact, values, forcing, prestress of a block of a kind return, by name."""
     u, x = "uvw"[:d], "xyz"[:d]
+    if what == "prestress":
+        return tuple(f"S_{i}{j}" for i in x for j in x)
     if kind == "solid":
         return (*u, "T", *x)
     return ("rho", *(f"rho {c}" for c in u), "e") if what == "forcing" else ("rho", *u, "T")
@@ -30,7 +32,7 @@ def block_values(
 
     InputError, perhaps on this rank alone; rho and T must be above 0.
     """
-    first = what == "initial"
+    first = what in ("initial", "prestress")
     where = f"{what} of {block}" + ("" if first else f" at t = {t:.6g}")
     names = getattr(block, "unknowns", None) or names_of(block.kind, what, len(X))
     arguments, function = tuple(X) if first else (*X, t), getattr(block, what)
@@ -42,12 +44,9 @@ def prestress_of(block: Any, X: Array) -> Array:
 
     InputError, perhaps on this rank alone.
     """
-    d = len(X)
     if block.prestress is None:
-        return np.zeros((d * d, 0))
-    names = [f"S_{i}{j}" for i in "xyz"[:d] for j in "xyz"[:d]]
-    where = f"prestress of {block}"
-    return np.array(checked(block.prestress, tuple(X), X, names, where))
+        return np.zeros((len(X) ** 2, 0))
+    return np.array(block_values(block, "prestress", X, 0.0))
 
 
 def checked(
