@@ -30,19 +30,20 @@ class Condition:
     of = frozenset({"fluid", "solid"})
 
     def __post_init__(self) -> None:
-        name = type(self).__name__
+        name, given = type(self).__name__, set()
         for field in fields(self):  # type: ignore[arg-type]
             key, value, what = field.name, getattr(self, field.name), f"{name}: {field.name}"
-            optional = field.default is None
+            if value is None and field.default is None:
+                continue
+            given.add(key)
             if key in _FUNCTIONS:
-                function(value, what, f"{key}(*X, t) -> {_FUNCTIONS[key]}", optional=optional)
-            elif key in _NUMBERS and not callable(value) and not (optional and value is None):
+                function(value, what, f"{key}(*X, t) -> {_FUNCTIONS[key]}")
+            elif key in _NUMBERS and not callable(value):
                 object.__setattr__(self, key, number(value, what, _NUMBERS[key]))
             elif key in _VECTORS and not callable(value):
                 items = enumerate(value if isinstance(value, (tuple, list)) else (value,))
                 found = (v if callable(v) else number(v, f"{what}[{k}]") for k, v in items)
                 object.__setattr__(self, key, tuple(found))
-        given = {key for key, value in vars(self).items() if value is not None}
         if {"T", "heat_flux"} <= given:
             raise InputError(f"{name}: T and heat_flux are both given: expected one, or neither")
         if "velocity" in given and "x" not in given and not isinstance(self, Clamped):

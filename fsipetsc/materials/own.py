@@ -166,7 +166,7 @@ def checked_law(law: Any, what: str, kind: Kind) -> Any:
     cls = type(law)
     if not (isinstance(law, tuple) and hasattr(cls, "_fields")):
         raise InputError(f"{what} is {described(law)}: expected what {kind.maker}(…) returns")
-    given, names = _formulas(cls), kind.forms().keys()
+    given, names = _formulas(cls), _formulas(kind.like).keys()
     if cls.__module__.startswith("fsipetsc.") and names <= given.keys():
         return law
     _check(what, kind, {name: given[name] for name in names & given.keys()}, "self, ")
