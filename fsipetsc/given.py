@@ -16,8 +16,6 @@ from fsipetsc.boundaries import GIVEN_T, Dirichlet, Open, heat_of
 from fsipetsc.errors import InputError
 from fsipetsc.problem import Layer, Problem
 
-JUMPS = ("g_u", "g_stress", "g_T", "g_flux")
-
 
 def fields(
     layer: Layer, what: str, X: np.ndarray, t: float, active: slice = slice(None)
@@ -71,7 +69,8 @@ def at_end(function: Callable[..., Any], name: str, side: int, t: float) -> list
 
 def jumps(problem: Problem, k: int, t: float) -> Sequence[float]:
     """The prescribed jumps at interface k at time t [s]. InputError."""
-    return _numbers(problem.jumps, (k, t), JUMPS, f"jumps at interface {k} at t = {t:.6g}")
+    names = "g_u", "g_stress", "g_T", "g_flux"
+    return _numbers(problem.jumps, (k, t), names, f"jumps at interface {k} at t = {t:.6g}")
 
 
 def _numbers(

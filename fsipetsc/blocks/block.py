@@ -60,7 +60,12 @@ class Block:
         if self.prestress is not None and self.kind == "fluid":
             raise InputError(f"{self}: prestress is given: expected none, as it is a gas")
         function(self.map, f"{self}: map", "X(xi) -> d arrays")
-        self._check_map()
+        if not isinstance(self.map, Nodes):
+            self._check_smooth()
+        elif self.map.cells != self.cells:
+            raise InputError(f"{self}: its map has {self.map.cells} cells, the block {self.cells}")
+        self._check_jacobian()
+        _ = self.periods  # checked, too
 
     def __str__(self) -> str:
         return f"block '{self.name}'"
@@ -159,15 +164,6 @@ class Block:
         object.__setattr__(self, "cells", tuple(int(c) for c in cells))
         object.__setattr__(self, "periodic", periodic)
 
-    def _check_map(self) -> None:
-        """InputError where the map has another grid, kinks, J <= 0, or no period."""
-        if not isinstance(self.map, Nodes):
-            self._check_smooth()
-        elif self.map.cells != self.cells:
-            raise InputError(f"{self}: its map has {self.map.cells} cells, the block {self.cells}")
-        self._check_jacobian()
-        _ = self.periods
-
     def _check_smooth(self) -> None:
         """InputError where second differences along an axis do not fall as the square of the
         spacing.
@@ -179,7 +175,7 @@ class Block:
             lines = [np.array([0.0, 0.31, 1.0])] * self.dimension
             lines[axis] = np.arange(2049) / 2048
             X = np.moveaxis(self._mapped(mesh(lines)), self.dimension - axis, -1)
-            fine, coarse = (np.linalg.norm(_second(X[..., ::m]), axis=0) for m in (1, 8))
+            fine, coarse = (np.linalg.norm(np.diff(X[..., ::m], 2), axis=0) for m in (1, 8))
             length = np.linalg.norm(np.diff(X), axis=0).max(axis=-1)
             largest = fine.max(axis=-1)
             rough = (largest > coarse.max(axis=-1) / 32) & (largest > 1e-3 * length)
@@ -216,7 +212,3 @@ def determinant(edges: Array) -> Array:
 def mesh(axes: Sequence[Array]) -> tuple[Array, ...]:
     """Coordinates of a grid, arrays of shape (…, n_1, n_0), in the order of the axes."""
     return tuple(np.meshgrid(*axes[::-1], indexing="ij")[::-1])
-
-
-def _second(X: Array) -> Array:
-    return X[..., 2:] - 2.0 * X[..., 1:-1] + X[..., :-2]

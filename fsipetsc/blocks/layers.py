@@ -90,7 +90,11 @@ def layers(
         beyond[axis] += 2 * side - 1
         if tuple(beyond) not in blocks and not block.periodic[axis]:
             condition = _condition(found, where[-1], axis, side, (lower, upper))
-            faces[block.name, axis, side] = condition or _periodic(along, axis, side)
+            if condition is None:
+                shift = [0.0] * len(beyond)
+                shift[axis] = (along[axis][1] - along[axis][0]) * (1 - 2 * side)
+                condition = Periodic(tuple(shift))
+            faces[block.name, axis, side] = condition
     return BlockProblem(tuple(blocks.values()), faces, **more)
 
 
@@ -183,12 +187,6 @@ def _condition(
         ended = f"'{stack[other].name}' does not reach over all of it"
         raise InputError(f"layer '{layer.name}': {ended}: expected beside=…")
     return layer.beside
-
-
-def _periodic(along: Sequence[Extent], axis: int, side: int) -> Periodic:
-    shift = [0.0] * (len(along) + 1)
-    shift[axis] = (along[axis][1] - along[axis][0]) * (1 - 2 * side)
-    return Periodic(tuple(shift))
 
 
 def _side(layer: Layer, axis: int, side: int) -> Condition | None:

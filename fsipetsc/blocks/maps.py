@@ -126,6 +126,17 @@ def transfinite(*faces: tuple[Callable[..., Any], Callable[..., Any]]) -> Map:
         values = faces[axis][side](*(s for k, s in enumerate(xi) if k != axis))
         return np.array([x + 0.0 * xi[0] for x in values])
 
+    for (a, b), (p, q) in product(combinations(range(d), 2), product((0, 1), repeat=2)):
+        at = [np.linspace(0.0, 1.0, 5)] * d  # the edge of two faces
+        at[a], at[b] = p + 0.0 * at[0], q + 0.0 * at[0]
+        one, other = on_face(a, p, at), on_face(b, q, at)
+        apart = np.abs(one - other).max(axis=0)
+        i = int(np.argmax(apart))
+        if not apart[i] <= 1e-9 * (np.abs(one).max() + 1e-300):
+            found = f"{place_text(one[:, i])} and {place_text(other[:, i])}"
+            both = f"faces (axis {a}, side {p}) and (axis {b}, side {q})"
+            raise InputError(f"transfinite: {both} do not meet: {found}")
+
     def places(xi: Places) -> Places:
         total = np.zeros((d, *np.shape(xi[0])))
         for count in range(1, d + 1):
@@ -138,22 +149,7 @@ def transfinite(*faces: tuple[Callable[..., Any], Callable[..., Any]]) -> Map:
                     total += weight * on_face(axes[0], sides[0], at)
         return tuple(total)
 
-    _check_edges(d, on_face)
     return places
-
-
-def _check_edges(d: int, on_face: Callable[[int, int, Sequence[Array]], Array]) -> None:
-    """InputError where two faces of a transfinite map have different edges."""
-    for (a, b), (p, q) in product(combinations(range(d), 2), product((0, 1), repeat=2)):
-        at = [np.linspace(0.0, 1.0, 5)] * d
-        at[a], at[b] = p + 0.0 * at[0], q + 0.0 * at[0]
-        one, other = on_face(a, p, at), on_face(b, q, at)
-        apart = np.abs(one - other).max(axis=0)
-        i = int(np.argmax(apart))
-        if not apart[i] <= 1e-9 * (np.abs(one).max() + 1e-300):
-            places = f"{place_text(one[:, i])} and {place_text(other[:, i])}"
-            both = f"faces (axis {a}, side {p}) and (axis {b}, side {q})"
-            raise InputError(f"transfinite: {both} do not meet: {places}")
 
 
 def place_text(X: Any) -> str:
