@@ -178,10 +178,3 @@ def closes(end: Boundary) -> bool:
         return False
     solid = isinstance(end, SolidEnd) and end.kind != ABSORBING and end.value == 0.0
     return solid or isinstance(end, Wall)
-
-
-def needs_stretching(end: Boundary) -> bool:
-    """Whether the gas at this end must have a stretched grid: an embedded wall insulates, and
-    stays where it is.
-    """
-    return isinstance(end, Wall) and (end.moves or heat_of(end)[0] != INSULATED)
