@@ -39,8 +39,7 @@ class Wall:
     degree = 2
 
     def __post_init__(self) -> None:
-        _check_timed(self, "Wall", "x")
-        _check_heat(self, "Wall")
+        _check(self, "Wall", "x")
         checks.function(self.velocity, "Wall: velocity", "velocity(t) [m/s]", optional=True)
         if self.velocity is not None and not self.moves:
             expected = "expected a function x(t) [m], too"
@@ -50,9 +49,6 @@ class Wall:
     def moves(self) -> bool:
         """The wall does not stay where it is."""
         return callable(self.x)
-
-    def data(self, t: float) -> tuple[float, ...]:
-        return ()
 
 
 @dataclass(frozen=True)
@@ -74,12 +70,9 @@ class Open:
     def __post_init__(self) -> None:
         positive, any_ = checks.POSITIVE, checks.ANY
         checks.numbers(self, "Open", {"x": any_, "p0": positive, "T0": positive, "u0": any_})
-        if isinstance(self.order, bool) or self.order not in (0, 1):
+        if self.order not in (0, 1):
             expected = "expected 0 or 1, the order of the conditions in the viscosity"
             raise InputError(f"Open(order={self.order!r}): {expected}")
-
-    def data(self, t: float) -> tuple[float, ...]:
-        return (self.p0, self.T0, self.u0, float(self.order))
 
 
 @dataclass(frozen=True)
@@ -102,9 +95,6 @@ class Dirichlet:
             expected = "expected 2, 3, 4, 5, or None: by -fsi_order"
             raise InputError(f"Dirichlet(degree={self.degree!r}): {expected}")
 
-    def data(self, t: float) -> tuple[float, ...]:
-        return self.values(t)
-
 
 @dataclass(frozen=True)
 class SolidEnd:
@@ -123,54 +113,40 @@ class SolidEnd:
 
     def __post_init__(self) -> None:
         name = {CLAMPED: "clamped", FREE: "free", ABSORBING: "absorbing"}[self.kind]
-        if not callable(self.value):
-            checks.number(self.value, f"{name}: {'velocity' if name == 'clamped' else 'stress'}")
-        _check_heat(self, name)
-
-    def data(self, t: float) -> tuple[Timed]:
-        return (self.value,)
+        _check(self, name, "value")
 
 
 Boundary = Wall | Open | Dirichlet | SolidEnd
 
 
-def clamped(
-    velocity: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
-) -> SolidEnd:
-    """Solid end that moves with a given velocity [m/s]; see SolidEnd."""
-    return SolidEnd(CLAMPED, velocity, T, heat_flux)
+def clamped(velocity: Timed = 0.0, **heat: Timed | None) -> SolidEnd:
+    """Solid end that moves with a given velocity [m/s]; heat: T or heat_flux of a SolidEnd."""
+    return SolidEnd(CLAMPED, velocity, **heat)
 
 
-def free(
-    stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
-) -> SolidEnd:
-    """Solid end under a given stress sigma - p [Pa]; see SolidEnd."""
-    return SolidEnd(FREE, stress, T, heat_flux)
+def free(stress: Timed = 0.0, **heat: Timed | None) -> SolidEnd:
+    """Solid end under a given stress sigma - p [Pa]; heat: T or heat_flux."""
+    return SolidEnd(FREE, stress, **heat)
 
 
-def absorbing(
-    stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
-) -> SolidEnd:
-    """Solid end that lets elastic waves out, towards a solid at rest under this sigma - p [Pa]."""
-    return SolidEnd(ABSORBING, stress, T, heat_flux)
-
-
-def _check_timed(end: object, owner: str, name: str, bound: str = checks.ANY) -> None:
-    """InputError if an attribute is neither a number within its range nor a function; a number
-    becomes a float.
+def absorbing(stress: Timed = 0.0, **heat: Timed | None) -> SolidEnd:
+    """Solid end that lets elastic waves out, towards a solid at rest under this sigma - p [Pa];
+    heat: T or heat_flux.
     """
-    value = getattr(end, name)
-    if not callable(value):
-        object.__setattr__(end, name, checks.number(value, f"{owner}: {name}", bound))
+    return SolidEnd(ABSORBING, stress, **heat)
 
 
-def _check_heat(end: Wall | SolidEnd, owner: str) -> None:
+def _check(end: Wall | SolidEnd, owner: str, needed: str) -> None:
+    """InputError if what is given is neither a number within its range nor a function; numbers
+    become floats.
+    """
     if end.T is not None and end.heat_flux is not None:
         expected = "expected one of them, or neither for an insulated end"
         raise InputError(f"{owner}: T and heat_flux are given: {expected}")
-    for name, bound in (("T", checks.POSITIVE), ("heat_flux", checks.ANY)):
-        if getattr(end, name) is not None:
-            _check_timed(end, owner, name, bound)
+    for name in (needed, "T", "heat_flux"):
+        value, bound = getattr(end, name), checks.POSITIVE if name == "T" else checks.ANY
+        if not callable(value) and (name == needed or value is not None):
+            object.__setattr__(end, name, checks.number(value, f"{owner}: {name}", bound))
 
 
 def degree_of(end: Boundary, order: int) -> int:
@@ -191,10 +167,9 @@ def heat_of(end: Boundary) -> tuple[int, Timed]:
     return INSULATED, 0.0
 
 
-def in_time(end: Boundary) -> dict[str, Callable[[float], float]]:
-    """What is given at an end as functions of time: name -> function."""
-    names = ("x", "velocity", "value", "T", "heat_flux", "values")
-    return {name: getattr(end, name) for name in names if callable(getattr(end, name, None))}
+def in_time(end: Boundary) -> bool:
+    """Whether something that is given at an end is a function of time."""
+    return any(map(callable, vars(end).values()))
 
 
 def closes(end: Boundary) -> bool:
@@ -203,10 +178,3 @@ def closes(end: Boundary) -> bool:
         return False
     solid = isinstance(end, SolidEnd) and end.kind != ABSORBING and end.value == 0.0
     return solid or isinstance(end, Wall)
-
-
-def needs_stretching(end: Boundary) -> bool:
-    """Whether the gas at this end must have a stretched grid: an embedded wall insulates, and
-    stays where it is.
-    """
-    return isinstance(end, Wall) and (end.moves or heat_of(end)[0] != INSULATED)

@@ -74,6 +74,12 @@ def numbers(record: Any, owner: str, ranges: Ranges) -> None:
         object.__setattr__(record, name, number(getattr(record, name), f"{owner}: {name}", bound))
 
 
+def check_name(value: Any, what: str) -> None:
+    """InputError if a value is no name of a layer or a block."""
+    if not isinstance(value, str) or not value.isprintable() or not value.strip() or "|" in value:
+        raise InputError(f"{what}: name is {described(value)}: expected a line of text without |")
+
+
 def extent(X: Any, what: str) -> tuple[float, float]:
     """(left, right), left < right; InputError."""
     try:

@@ -6,38 +6,22 @@ An error may be this rank's alone.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from math import isfinite
 from typing import Any
 
 import numpy as np
 
-from fsipetsc.blame import call, place_of
-from fsipetsc.blocks.values import NOWHERE, array_of, checked
-from fsipetsc.boundaries import GIVEN_T, heat_of, in_time
+from fsipetsc.blame import place_of
+from fsipetsc.blocks.values import NOWHERE, block_values, checked, checked_one, names_of
+from fsipetsc.boundaries import GIVEN_T, Dirichlet, Open, heat_of
 from fsipetsc.errors import InputError
 from fsipetsc.problem import Layer, Problem
-
-#: (kind of layer, function) -> what it returns
-UNKNOWNS = {
-    **{("fluid", what): ("rho", "u", "T") for what in ("initial", "exact")},
-    **{("solid", what): ("u", "sigma", "T", "x") for what in ("initial", "exact", "forcing")},
-    ("fluid", "forcing"): ("rho", "rho u", "e"),
-}
-JUMPS = ("g_u", "g_stress", "g_T", "g_flux")
 
 
 def fields(
     layer: Layer, what: str, X: np.ndarray, t: float, active: slice = slice(None)
 ) -> list[np.ndarray]:
-    """The values of layer.initial, exact or forcing at the points X at time t [s], each of X's
-    shape. InputError; rho and T must be above 0.
-
-    active: the points at which they count.
-    """
-    arguments, when = ((X,), "") if what == "initial" else ((X, t), f" at t = {t:.6g}")
-    where, names = f"{what} of layer '{layer.name}'{when}", UNKNOWNS[layer.kind, what]
-    function, physical = getattr(layer, what), what != "forcing"
-    return checked(function, arguments, X[None], names, where, physical, active)
+    """The values of layer.initial, exact or forcing at the points X; see block_values."""
+    return block_values(layer, what, X[None], t, active)
 
 
 def initial(layer: Layer, X: np.ndarray, active: slice) -> list[np.ndarray]:
@@ -45,7 +29,7 @@ def initial(layer: Layer, X: np.ndarray, active: slice) -> list[np.ndarray]:
     found = fields(layer, "initial", X, 0.0, active)
     if layer.kind == "solid" and not np.all(rises := np.diff(found[3][active]) > 0):
         at = f"after X = {X[active][np.argmin(rises)]:.6g}: expected positions [m]"
-        where = f"{place_of(layer.initial)}: initial of layer '{layer.name}'"
+        where = f"{place_of(layer.initial)}: initial of {layer}"
         raise InputError(f"{where}: x does not rise with X {at}", collective=False)
     return found
 
@@ -53,10 +37,11 @@ def initial(layer: Layer, X: np.ndarray, active: slice) -> list[np.ndarray]:
 def end_data(problem: Problem, side: int, t: float) -> Sequence[float]:
     """The data of the left (0) or right (1) end at time t [s]. InputError."""
     end = (problem.left, problem.right)[side]
-    functions = in_time(end)
-    for name in functions.keys() & {"value", "values"}:
-        return at_end(functions[name], name, side, t)
-    return end.data(t)
+    if isinstance(end, Open):
+        return end.p0, end.T0, end.u0, float(end.order)
+    name = "values" if isinstance(end, Dirichlet) else "value"
+    found = getattr(end, name, ())  # a wall has none
+    return at_end(found, name, side, t) if callable(found) else np.ravel(found)
 
 
 def end_heat(problem: Problem, side: int, t: float) -> float:
@@ -78,17 +63,14 @@ def at_end(function: Callable[..., Any], name: str, side: int, t: float) -> list
     early = " (where it is asked for because no velocity is given)" if t < 0 and name == "x" else ""
     where = f"{name} of the {('left', 'right')[side]} end at t = {t:.6g}{early}"
     if name == "values":
-        return _numbers(function, (t,), UNKNOWNS["fluid", "exact"], where)
-    with np.errstate(all="ignore"):
-        found = call(function, (t,), where)
-    if type(found) is float and isfinite(found) and name != "T":
-        return [found]  # nearly always, and often: several times in each stage
-    return [float(array_of(found, name, NOWHERE, function, where)[0])]
+        return _numbers(function, (t,), names_of("fluid", name, 1), where)
+    return [float(checked_one(function, (t,), NOWHERE, name, where)[0])]
 
 
 def jumps(problem: Problem, k: int, t: float) -> Sequence[float]:
     """The prescribed jumps at interface k at time t [s]. InputError."""
-    return _numbers(problem.jumps, (k, t), JUMPS, f"jumps at interface {k} at t = {t:.6g}")
+    names = "g_u", "g_stress", "g_T", "g_flux"
+    return _numbers(problem.jumps, (k, t), names, f"jumps at interface {k} at t = {t:.6g}")
 
 
 def _numbers(
@@ -112,10 +94,9 @@ def check_ends(problem: Problem, x: Mapping[tuple[int, int], float], h: float) -
         x_I, X_I = x[(1, 0) if side == 0 else (last - 1, 1)], layer.X[1 - side]
         wanted, kind = layer.X[side] - X_I + x_I, type(end).__name__
         if abs(end.x - wanted) > h:
-            what = f"its {kind} stands at x = {end.x:g}, but X[{side}] = {layer.X[side]:g}"
-            why = f"as the interface X = {X_I:g} begins at x = {x_I:g}"
-            either = f"X[{side}] = {end.x - x_I + X_I:g} or the {kind} at x = {wanted:g}"
             raise InputError(
-                f"{layer.place}layer '{layer.name}': {what} is x = {wanted:g}, {why}: "
-                f"expected the same x, so {either}"
+                f"{layer.place}{layer}: its {kind} stands at x = {end.x:g}, but "
+                f"X[{side}] = {layer.X[side]:g} is x = {wanted:g}, as the interface X = {X_I:g} "
+                f"begins at x = {x_I:g}: expected the same x, so X[{side}] = "
+                f"{end.x - x_I + X_I:g} or the {kind} at x = {wanted:g}"
             )

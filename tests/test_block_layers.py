@@ -57,7 +57,7 @@ def test_two_layers_that_go_on(d):
 
 
 def test_a_panel_in_a_wall():
-    """The gas is three blocks, joined; the walls beside the panel are one wall of one name."""
+    """The gas is three blocks, joined."""
     sides = {(0, 0): new.Slip(), (0, 1): new.Outflow(1.0)}
     found = layers(
         solid((-0.1, 0.0), cells=8, span=[(0.0, 1.0)], sides=new.Clamped()),
@@ -69,13 +69,12 @@ def test_a_panel_in_a_wall():
     )
     assert [block.name for block in found.blocks] == ["solid", "gas 1", "gas 2", "gas 3"]
     assert [block.cells for block in found.blocks] == [(8, 8), (4, 4), (8, 4), (4, 4)]
-    beside = new.Slip(name="gas lower beside")
     places = (0, 0), (0, 1), (1, 0), (1, 1)
     wanted = (
         (new.Clamped(), new.Clamped(), new.Free(1.0), ("gas 2", 1, 0)),
-        (new.Slip(name="gas 0 0"), ("gas 2", 0, 0), beside, new.NoSlip()),
+        (new.Slip(), ("gas 2", 0, 0), new.Slip(), new.NoSlip()),
         (("gas 1", 0, 1), ("gas 3", 0, 0), ("solid", 1, 1), new.NoSlip()),
-        (("gas 2", 0, 1), new.Outflow(1.0), beside, new.NoSlip()),
+        (("gas 2", 0, 1), new.Outflow(1.0), new.Slip(), new.NoSlip()),
     )
     assert [seen(found, k) for k in range(4)] == [dict(zip(places, faces)) for faces in wanted]
 
@@ -90,8 +89,7 @@ BESIDE = gas((0.0, 0.5), beside=new.Slip())
 WRONG = {
     "one or more of Layer": lambda: fit(),
     "ends at 0.5, 'solid' begins at 0.6": lambda: fit(LOW, solid((0.6, 1.0))),
-    "neither cells nor h": lambda: fit(LOW, h=None),
-    "one for each of along": lambda: fit(LOW, h=None, cells=(8, 8)),
+    "no h is given": lambda: fit(LOW, h=None),
     "0.125 apart from 0 to 1": lambda: fit(LOW, solid((0.5, 1.0), span=[(0.1, 0.6)])),
     "span: expected": lambda: fit(LOW, solid((0.5, 1.0), span=SPAN * 2)),
     "span: sides: nothing": lambda: fit(BESIDE, solid((0.5, 1.0), span=SPAN)),

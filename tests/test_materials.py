@@ -155,7 +155,7 @@ BODIES = {
     "mu_e and lambda_e are 0": {"mu_e": 0.0, "lambda_e": 0.0},
     "kappa_e is nan": {"kappa_e": float("nan")},
     "pressing is 3: expected what pressure_law": {"pressing": 3},
-    "force is": {"force": (1.0,) * 4},
+    "force[1] is None": {"force": (1.0, None)},
 }
 WRONG = {
     **{said: lambda more=more: gas_law(**GAS | more) for said, more in GASES.items()},
@@ -171,7 +171,7 @@ WRONG = {
     "sutherland: S is -111: expected a number not below 0": lambda: sutherland(273.0, -111.0),
     "gruneisen is 1 beside pressing": lambda: Solid(**ROCK, gruneisen=1.0, pressing=MIE),
     "Fluid: transport": lambda: Fluid(1.0, 1.0, 1.4, 1.0, transport=MIE),
-    "Fluid: force is None: expected a number": lambda: Fluid(1.0, 1.0, 1.4, 1.0, force=None),
+    "Fluid: force[0] is None: expected a number": lambda: Fluid(1.0, 1.0, 1.4, 1.0, force=None),
 }
 
 

@@ -23,7 +23,6 @@ from fsipetsc.boundaries import (
     INSULATED,
     INTERFACE_END,
     OPEN,
-    Open,
 )
 from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.line_solid import Solid
@@ -61,7 +60,7 @@ def filled(kind, mach, mu, kappa, of_end, delta):
     layer, op = record(N, 1.0), packed(4)[0]
     layer["end_kind"], layer["end_x"] = kind, N - 1 - delta
     if kind == OPEN:
-        layer["end_data"] = Open(0.0, R, 1.0, mach, of_end).data(0.0)
+        layer["end_data"] = R, 1.0, mach, of_end
     else:
         layer["end_data"][:, :3], layer["end_degree"] = (1.0, mach, 1.0), 1 + of_end // 2
 

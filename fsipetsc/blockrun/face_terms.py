@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fsipetsc.blocks.conditions import Absorbing, Free, Open, Outflow
 from fsipetsc.blocks.metrics import Wide, curl_metrics
 from fsipetsc.blocks.problem import Meeting
-from fsipetsc.blocks.values import checked, checked_one, data, datum
+from fsipetsc.blocks.values import checked, checked_one, datum
 from fsipetsc.parallel.block_layout import Part
 from fsipetsc.scheme.faces import GasFaces, SolidFaces
 from fsipetsc.scheme.part import Nothing
@@ -190,7 +190,7 @@ def _outside(condition: Open, X: Array, t: float) -> Array:
     """(n, d + 2) density, velocity and temperature beyond an open face."""
     d, u = X.shape[1], condition.u
     if callable(u):
-        u = data(condition, "u", X, t, "uvw"[:d])
+        u = datum(condition, "u", X, t, "uvw"[:d])
     else:
         where = f"u of Open at t = {t:.6g}"
         called = (

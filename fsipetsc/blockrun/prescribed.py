@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fsipetsc.blocks.conditions import moves
 from fsipetsc.blocks.particles import Particle
-from fsipetsc.blocks.values import data, datum, names_of
+from fsipetsc.blocks.values import datum, names_of
 from fsipetsc.scheme.particle_records import Data
 
 Array = NDArray[Any]
@@ -63,11 +63,11 @@ class Prescribed:
             out.T_solid[who] = datum(condition, "T", x[who], t)
         for condition, who in groups["given_gas"]:
             names = names_of("fluid", "values", d)
-            rho, *u, T = data(condition, "values", x[who], t, names).T
+            rho, *u, T = datum(condition, "values", x[who], t, names).T
             energy = rho * (self._law.internal_energy(rho, T) + 0.5 * sum(c * c for c in u))
             out.gas[who] = np.stack([rho, *(rho * c for c in u), energy], axis=-1)
         for condition, who in groups["given_solid"]:
-            values = data(condition, "values", x[who], t, names_of("solid", "values", d))
+            values = datum(condition, "values", x[who], t, names_of("solid", "values", d))
             v, T, place = np.split(values, [d, d + 1], axis=1)
             out.solid[who] = np.concatenate([place - x[who], v], axis=1)
             out.T_solid[who] = T[:, 0]
@@ -79,10 +79,10 @@ class Prescribed:
         s, d = self._instant(), self._d
 
         def x(t: float) -> Array:
-            return data(condition, "x", X, t, "xyz"[:d])
+            return datum(condition, "x", X, t, "xyz"[:d])
 
         def velocity(t: float) -> Array:
-            return data(condition, "velocity", X, t, "uvw"[:d])
+            return datum(condition, "velocity", X, t, "uvw"[:d])
 
         place = x(t) if moves(condition) else X
         if getattr(condition, "velocity", None) is not None:

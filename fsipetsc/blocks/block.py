@@ -7,15 +7,14 @@ periodic. Axis 0 is the fastest in memory: node number n = i_0 + N_0 (i_1 + N_1 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
 from typing import Any
 
 import numpy as np
 
 from fsipetsc.blocks.maps import Map, Nodes, place_text
-from fsipetsc.checks import Array, described, function
+from fsipetsc.checks import Array, check_name, described, function
+from fsipetsc.equations import tensors
 from fsipetsc.errors import InputError
-from fsipetsc.operators.bands import Band, band
 
 #: index ranges, one (begin, end) for each axis
 Range = Sequence[tuple[int, int]]
@@ -49,12 +48,10 @@ class Block:
     exact_stress: Callable[..., Any] | None = None
 
     def __post_init__(self) -> None:
-        name, material = self.name, self.material
-        if not isinstance(name, str) or not name.isprintable() or not name.strip() or "|" in name:
-            raise InputError(f"Block: name is {described(name)}: expected a line of text without |")
-        if not (hasattr(material, "m0") or hasattr(material, "mu")):
+        check_name(self.name, "Block")
+        if not (hasattr(self.material, "m0") or hasattr(self.material, "mu")):
             wanted = "expected a Fluid or an ElasticSolid"
-            raise InputError(f"{self}: material is {described(material)}: {wanted}")
+            raise InputError(f"{self}: material is {described(self.material)}: {wanted}")
         self._check_axes()
         function(self.initial, f"{self}: initial", "initial(*X) -> the unknowns")
         function(self.exact, f"{self}: exact", "exact(*X, t) -> the unknowns", optional=True)
@@ -63,7 +60,12 @@ class Block:
         if self.prestress is not None and self.kind == "fluid":
             raise InputError(f"{self}: prestress is given: expected none, as it is a gas")
         function(self.map, f"{self}: map", "X(xi) -> d arrays")
-        self._check_map()
+        if not isinstance(self.map, Nodes):
+            self._check_smooth()
+        elif self.map.cells != self.cells:
+            raise InputError(f"{self}: its map has {self.map.cells} cells, the block {self.cells}")
+        self._check_jacobian()
+        _ = self.periods  # checked, too
 
     def __str__(self) -> str:
         return f"block '{self.name}'"
@@ -83,13 +85,6 @@ class Block:
         """Nodes along each axis, axis 0 first."""
         return tuple(c + (not closed) for c, closed in zip(self.cells, self.periodic))
 
-    def band(self, order: int, axis: int) -> Band:
-        """Pair weights of an axis. InputError if it has too few nodes."""
-        try:
-            return band(order, self.cells[axis], self.periodic[axis])
-        except ValueError as error:
-            raise InputError(f"{self}, axis {axis}: {error}") from None
-
     def positions(self, where: Range) -> Array:
         """Places X of a range of nodes, (d, N), axis 0 fastest. Beyond the ends of a periodic axis
         they go on. InputError.
@@ -97,33 +92,38 @@ class Block:
         index = mesh([np.arange(*ends) for ends in where])
         return self.places(index).reshape(self.dimension, -1)
 
-    def places(self, index: Sequence[Array]) -> Array:
-        """Places X (d, …) of the nodes of these indices, d arrays of one shape. InputError."""
+    def places(self, index: Sequence[Array], known: tuple[Array, Array] | None = None) -> Array:
+        """Places X (d, …) of the nodes of these indices, d arrays of one shape. InputError.
+
+        known: numbers of nodes, ascending, and X (d, M) of these instead of what the map gives.
+        """
         turns = [i // n if closed else 0 for i, n, closed in zip(index, self.shape, self.periodic)]
-        within = (i - turn * n for i, turn, n in zip(index, turns, self.shape))
+        within = [i - turn * n for i, turn, n in zip(index, turns, self.shape)]
         X = self._mapped(tuple(i / c for i, c in zip(within, self.cells)))
-        for axis, turn in enumerate(turns):
-            if np.any(turn):
-                X = X + np.multiply.outer(self.periods[axis], turn)
-        return X
+        if known is not None and known[0].size:
+            number = np.ravel_multi_index(within[::-1], self.shape[::-1])
+            at = np.searchsorted(known[0], number).clip(max=known[0].size - 1)
+            X = np.where(known[0][at] == number, known[1][:, at], X)
+        turned = [axis for axis, turn in enumerate(turns) if np.any(turn)]
+        return X + sum(np.multiply.outer(self.periods[axis], turns[axis]) for axis in turned)
 
     @cached_property
-    def periods(self) -> tuple[Array, ...]:
-        """X(xi_k = 1) - X(xi_k = 0) (d,) of each axis k, of use where it is periodic. InputError
+    def periods(self) -> Array:
+        """X(xi_k = 1) - X(xi_k = 0) of each periodic axis k, 0 of the others, (d, d). InputError
         where the ends of a periodic axis are not one vector apart.
         """
-        found = []
-        for axis, closed in enumerate(self.periodic):
+        found = np.zeros((self.dimension, self.dimension))
+        for axis in np.flatnonzero(self.periodic):
             xi = [np.arange(n) / c for n, c in zip(self.shape, self.cells)]
             ends = (mesh([*xi[:axis], np.array([s]), *xi[axis + 1 :]]) for s in (0.0, 1.0))
             low, high = (self._mapped(end).reshape(self.dimension, -1) for end in ends)
             apart, size = high - low, np.abs(low).max() + np.abs(high).max()
             period = apart.mean(axis=1)
-            if closed and np.abs(apart - period[:, None]).max() > 1e-9 * size:
+            if np.abs(apart - period[:, None]).max() > 1e-9 * size:
                 wrong = f"axis {axis} is periodic, and its map is not"
                 raise InputError(f"{self}: {wrong}: expected ends that are one vector apart")
-            found.append(np.where(np.abs(period) < 1e-12 * size, 0.0, period))
-        return tuple(found)
+            found[axis] = np.where(np.abs(period) < 1e-12 * size, 0.0, period)
+        return found
 
     def face_positions(self, axis: int, side: int) -> Array:
         """Places X of the nodes of a face, (d, N), lower axis fastest."""
@@ -152,10 +152,9 @@ class Block:
 
     def _check_axes(self) -> None:
         """InputError for wrong cells or periodic; both become tuples."""
-        cells = (self.cells,) if isinstance(self.cells, int) else self.cells
-        good = isinstance(cells, (tuple, list)) and 1 <= len(cells) <= 3
-        whole = (int, np.integer)
-        if not good or not all(isinstance(c, whole) and c is not True and c > 0 for c in cells):
+        cells = self.cells if isinstance(self.cells, (tuple, list)) else (self.cells,)
+        whole = (isinstance(c, (int, np.integer)) and c > 0 for c in cells)
+        if not (1 <= len(cells) <= 3 and all(whole)):
             wanted = "expected 1, 2 or 3 whole numbers above 0"
             raise InputError(f"{self}: cells is {described(self.cells)}: {wanted}")
         periodic = tuple(self.periodic) or (False,) * len(cells)
@@ -164,19 +163,6 @@ class Block:
             raise InputError(f"{self}: periodic is {described(self.periodic)}: {wanted}")
         object.__setattr__(self, "cells", tuple(int(c) for c in cells))
         object.__setattr__(self, "periodic", periodic)
-
-    def _check_map(self) -> None:
-        """InputError where the map has another dimension or grid, kinks, J <= 0, or no period."""
-        d = getattr(self.map, "dimension", self.dimension)
-        if d != self.dimension:
-            raise InputError(f"{self}: its map has {d} dimensions, cells {self.dimension} numbers")
-        if not isinstance(self.map, Nodes):
-            self._check_smooth()
-        elif self.map.cells != self.cells:
-            raise InputError(f"{self}: its map has {self.map.cells} cells, the block {self.cells}")
-        self._check_jacobian()
-        if any(self.periodic):
-            _ = self.periods
 
     def _check_smooth(self) -> None:
         """InputError where second differences along an axis do not fall as the square of the
@@ -189,7 +175,7 @@ class Block:
             lines = [np.array([0.0, 0.31, 1.0])] * self.dimension
             lines[axis] = np.arange(2049) / 2048
             X = np.moveaxis(self._mapped(mesh(lines)), self.dimension - axis, -1)
-            fine, coarse = (np.linalg.norm(_second(X[..., ::m]), axis=0) for m in (1, 8))
+            fine, coarse = (np.linalg.norm(np.diff(X[..., ::m], 2), axis=0) for m in (1, 8))
             length = np.linalg.norm(np.diff(X), axis=0).max(axis=-1)
             largest = fine.max(axis=-1)
             rough = (largest > coarse.max(axis=-1) / 32) & (largest > 1e-3 * length)
@@ -202,36 +188,27 @@ class Block:
         """InputError where the edges of a cell at one of its corners are left-handed or have no
         volume; a sample of cells.
         """
-        d, counts = self.dimension, [min(c, _SAMPLED) for c in self.cells]
-        at = [np.linspace(0, c - 1, n).astype(int) for c, n in zip(self.cells, counts)]
-        X = {
-            corner: self._mapped(mesh([(i + s) / c for i, s, c in zip(at, corner, self.cells)]))
-            for corner in product((0, 1), repeat=d)
-        }
-        for corner, here in X.items():
-            ends = [[(*corner[:k], end, *corner[k + 1 :]) for end in (1, 0)] for k in range(d)]
-            J = determinant(np.array([X[ahead] - X[behind] for ahead, behind in ends])).ravel()
-            if not J.min() > 0.0:
-                i = int(np.argmin(J))
-                found = f"J = {J[i]:.3g} per cell at {place_text(here.reshape(d, -1)[:, i])}"
-                wanted = "expected J > 0, axes in right-handed order"
-                raise InputError(f"{self}: its map has {found}: {wanted}")
+        d = self.dimension
+        cells = [np.linspace(0, c - 1, min(c, _SAMPLED)).astype(int) for c in self.cells]
+        ends = (np.stack([i, i + 1], axis=-1).ravel() / c for i, c in zip(cells, self.cells))
+        X = self._mapped(mesh(list(ends)))
+        edges = [
+            np.repeat(np.diff(X, axis=axis).take(range(0, X.shape[axis], 2), axis), 2, axis)
+            for axis in range(d, 0, -1)
+        ]
+        J = determinant(np.array(edges)).ravel()
+        i = int(np.argmin(J))
+        if not J[i] > 0.0:
+            found = f"J = {J[i]:.3g} per cell at {place_text(X.reshape(d, -1)[:, i])}"
+            wanted = "expected J > 0, axes in right-handed order"
+            raise InputError(f"{self}: its map has {found}: {wanted}")
 
 
 def determinant(edges: Array) -> Array:
     """det of d vectors: (d, d, …) -> (…)."""
-    if len(edges) == 1:
-        return edges[0, 0]
-    if len(edges) == 2:
-        return edges[0, 0] * edges[1, 1] - edges[0, 1] * edges[1, 0]
-    a, b, c = edges
-    return (a * np.cross(b, c, axis=0)).sum(axis=0)
+    return tensors.determinant(tuple(edges.reshape(-1, *edges.shape[2:])))
 
 
 def mesh(axes: Sequence[Array]) -> tuple[Array, ...]:
     """Coordinates of a grid, arrays of shape (…, n_1, n_0), in the order of the axes."""
     return tuple(np.meshgrid(*axes[::-1], indexing="ij")[::-1])
-
-
-def _second(X: Array) -> Array:
-    return X[..., 2:] - 2.0 * X[..., 1:-1] + X[..., :-2]

@@ -1,16 +1,76 @@
-"""Faces of blocks: their nodes, which nodes are at one place."""
+"""Faces of blocks: which of them meet, which of their nodes are at one place.
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+Faces whose nodes are at the same places meet. Nodes of faces at one place are one particle
+(SCHEME-BLOCKS.md, section 3), also where blocks touch at an edge or a vertex only.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import product
+from typing import Any
 
 import numpy as np
 
 from fsipetsc.blocks.block import Block, mesh
-from fsipetsc.checks import Array
+from fsipetsc.blocks.conditions import Condition, Hinge, Periodic
+from fsipetsc.blocks.maps import place_text
+from fsipetsc.checks import Array, described
+from fsipetsc.errors import InputError
 
-#: places are the same within this part of the shortest edge of a cell on a face, or of all
-_OF_CELL, _OF_ALL = 1e-9, 1e-13
+#: (block name, axis, side)
+FaceName = tuple[str, int, int]
+#: places are the same within this part of the largest coordinate
+_SAME = 1e-10
+
+
+def number_of(blocks: Sequence[Block], name: Any) -> int:
+    """The number of the block of this name. InputError."""
+    names = [block.name for block in blocks]
+    if name not in names:
+        known = ", ".join(map(repr, names))
+        raise InputError(f"there is no block {described(name)}: expected one of {known}")
+    return names.index(name)
+
+
+def named_faces(
+    blocks: Sequence[Block],
+    faces: Mapping[FaceName, Condition] | Iterable[tuple[FaceName, Condition]],
+) -> dict[FaceName, Condition]:
+    """The faces as a dict. InputError for wrong names and conditions, and for those named
+    twice.
+    """
+    found: dict[FaceName, Condition] = {}
+    for name, condition in faces.items() if isinstance(faces, Mapping) else faces:
+        if not isinstance(name, tuple) or len(name) != 3:
+            wanted = "expected (block name, axis, side)"
+            raise InputError(f"BlockProblem: faces: {described(name)}: {wanted}")
+        block = blocks[number_of(blocks, name[0])]
+        where = f"{block}, face (axis {name[1]}, side {name[2]})"
+        if name[1] not in range(block.dimension) or name[2] not in (0, 1):
+            last = block.dimension - 1
+            raise InputError(f"{where}: expected an axis from 0 to {last} and side 0 or 1")
+        if block.periodic[name[1]]:
+            raise InputError(f"{where} is named, but a periodic axis has no faces")
+        if name in found:
+            raise InputError(f"{where} is named twice: expected one condition")
+        _check_condition(block, where, condition)
+        found[name] = condition
+    return found
+
+
+def _check_condition(block: Block, where: str, condition: Any) -> None:
+    """InputError for what is no condition of this kind of block, or has another dimension."""
+    if not isinstance(condition, Condition) or isinstance(condition, Hinge):
+        wanted = "expected a condition, as NoSlip() or Clamped()"
+        raise InputError(f"{where}: {described(condition)}: {wanted}")
+    name = type(condition).__name__
+    if block.kind not in condition.of:
+        raise InputError(f"{where}: {name} is no condition of a {block.kind}")
+    vector = {"Open": "u", "Periodic": "shift"}.get(name, "")
+    numbers = getattr(condition, vector, ())
+    if vector and not callable(numbers) and len(numbers) != block.dimension:
+        found = f"{vector} has {len(numbers)} numbers"
+        raise InputError(f"{where}: {name}: {found}: expected {block.dimension}")
 
 
 def face_nodes(shape: Sequence[int], axis: int, side: int) -> Array:
@@ -21,71 +81,159 @@ def face_nodes(shape: Sequence[int], axis: int, side: int) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
+class Meeting:
+    """What stands at a face that another one meets: its number of block, axis and side."""
+
+    block: int
+    axis: int
+    side: int
+
+
+#: of the faces (axis, side) of a block
+Kinds = dict[tuple[int, int], Condition | Meeting]
+
+
+@dataclass(eq=False)
 class Face:
-    """A face of block number `block`: its nodes, their places X (N, d), its axes in the block."""
+    """A face of block number `block`, and the condition that is named for it.
+
+    nodes: their numbers, X: their places (N, d). labels: the same for nodes at one place; wanted:
+    those of the nodes that the face meets.
+    """
 
     block: int
     owner: Block
     axis: int
     side: int
-    axes: tuple[int, ...]
+    condition: Condition | None
     nodes: Array
     X: Array
+    labels: Array = field(init=False)
+    wanted: Array = field(init=False)
 
     def __str__(self) -> str:
         return f"{self.owner}, face (axis {self.axis}, side {self.side})"
 
     @property
-    def shape(self) -> tuple[int, ...]:
-        """Nodes along its axes."""
-        return tuple(self.owner.shape[k] for k in self.axes)
-
-    @property
     def grid(self) -> list[tuple[int, bool]]:
         """Nodes along its axes and whether these are periodic, sorted."""
-        return sorted((self.owner.shape[k], self.owner.periodic[k]) for k in self.axes)
+        axes = (k for k in range(self.owner.dimension) if k != self.axis)
+        return sorted((self.owner.shape[k], self.owner.periodic[k]) for k in axes)
 
-    def places(self, index: Sequence[Array]) -> Array:
-        """X (d, N) of those of its nodes that have these indices in the block."""
-        block, number, stride, beyond = self.owner, 0, 1, 0.0
-        for k, n in zip(self.axes, self.shape):
-            number, stride = number + stride * (index[k] % n), stride * n
-            beyond = beyond + np.multiply.outer(block.periods[k], index[k] // n)
-        return self.X[number].T + beyond
-
-    def corners(self, values: Array) -> Array:
-        """The values (N,) at its corners, sorted; of a periodic axis at its first node."""
-        array = values.reshape(self.shape[::-1])
-        for k, axis in enumerate(self.axes):
-            ends = [0] if self.owner.periodic[axis] else [0, -1]
-            array = np.take(array, ends, axis=array.ndim - 1 - k)
-        return np.sort(array.ravel())
+    def corners(self) -> Array:
+        """The labels at its corners, sorted; of a periodic axis at its first node."""
+        shape, periodic = self.owner.shape, self.owner.periodic
+        ends = [[0] if p or k == self.axis else [0, -1] for k, p in enumerate(periodic)]
+        sizes = [1 if k == self.axis else n for k, n in enumerate(shape)]
+        return np.sort(self.labels.reshape(sizes[::-1])[np.ix_(*ends[::-1])].ravel())
 
 
-def all_faces(blocks: Sequence[Block]) -> list[Face]:
-    """Block after block, axis after axis; none on periodic axes."""
-    found = []
-    for k, block in enumerate(blocks):
-        for axis, side in product(range(block.dimension), (0, 1)):
-            if not block.periodic[axis]:
-                axes = tuple(j for j in range(block.dimension) if j != axis)
-                nodes, X = face_nodes(block.shape, axis, side), block.face_positions(axis, side)
-                found.append(Face(k, block, axis, side, axes, nodes, X.T.copy()))
-    return found
+class Faces:
+    """The faces of all blocks, none on periodic axes. InputError for what does not meet.
+
+    named: their conditions. tolerance: places are the same that are no further apart [m]. kinds:
+    what stands at the faces of each block. particles: (block, node) of the nodes at each place,
+    ascending, particles in the order of their first nodes.
+    """
+
+    def __init__(self, blocks: Sequence[Block], named: Any) -> None:
+        self.faces, self.named = [], named_faces(blocks, named)
+        for k, block in enumerate(blocks):
+            for axis, side in product(range(block.dimension), (0, 1)):
+                if not block.periodic[axis]:
+                    condition = self.named.get((block.name, axis, side))
+                    nodes, X = face_nodes(block.shape, axis, side), block.face_positions(axis, side)
+                    self.faces.append(Face(k, block, axis, side, condition, nodes, X.T))
+        periodic = [face for face in self.faces if isinstance(face.condition, Periodic)]
+        shifted = (face.X + face.condition.shift for face in periodic)
+        X = [np.zeros((0, blocks[0].dimension)), *(face.X for face in self.faces), *shifted]
+        places = np.concatenate(X)
+        self.tolerance = float(_SAME * np.abs(places).max(initial=0.0))
+        labels = same_place(places, self.tolerance)
+        self._places = places[np.unique(labels, return_index=True)[1]]  # of the first of a label
+        pieces = iter(np.split(labels, np.cumsum([len(x) for x in X[1:]])))
+        for face in self.faces:
+            face.labels = face.wanted = next(pieces)
+        for face in periodic:
+            face.wanted = next(pieces)
+        self._at: dict[bytes, list[Face]] = {}
+        for face in self.faces:
+            self._at.setdefault(_key(face.labels), []).append(face)
+        self.kinds: list[Kinds] = [{} for _ in blocks]
+        for face in self.faces:
+            self.kinds[face.block][face.axis, face.side] = self._kind(face)
+        self.particles = self._particles()
+
+    def places(self, k: int) -> tuple[Array, Array]:
+        """Numbers of the nodes on faces of block k, ascending, and X (d, M) of the first node that
+        is at their place.
+        """
+        faces = [face for face in self.faces if face.block == k]
+        nodes = np.concatenate([np.zeros(0, int), *(face.nodes for face in faces)])
+        labels = np.concatenate([np.zeros(0, int), *(face.labels for face in faces)])
+        numbers, first = np.unique(nodes, return_index=True)
+        return numbers, self._places[labels[first]].T
+
+    def _particles(self) -> list[list[tuple[int, int]]]:
+        periodic = [face for face in self.faces if isinstance(face.condition, Periodic)]
+        pairs = [(face.labels, face.wanted) for face in periodic]
+        smallest = united(np.arange(len(self._places)), pairs)
+        found: dict[int, set[tuple[int, int]]] = {}
+        for face in self.faces:
+            for node, label in zip(face.nodes.tolist(), smallest[face.labels].tolist()):
+                found.setdefault(label, set()).add((face.block, node))
+        return sorted(sorted(members) for members in found.values())
+
+    def _kind(self, face: Face) -> Condition | Meeting:
+        """What stands at a face. InputError for a condition too many or none."""
+        condition, place = face.condition, place_text(face.X.mean(axis=0))
+        found = [other for other in self._at.get(_key(face.wanted), []) if other is not face]
+        if len(found) > 1:
+            three = f"{face}, {found[0]} and {found[1]} are at one place"
+            raise InputError(f"{three}, {place}: expected two faces")
+        if isinstance(condition, Periodic):
+            if not found or _key(found[0].wanted) != _key(face.labels):
+                at = f"{place_text(face.X[0])} + {condition.shift}"
+                wanted = "expected one with the opposite shift"
+                raise InputError(f"{face} is Periodic, and no Periodic face is at {at}: {wanted}")
+            if face.owner.kind != found[0].owner.kind:
+                expected = "expected gas and gas, or two solids"
+                raise InputError(f"{face} goes on at {found[0]}: {expected}")
+        elif found and condition is not None:
+            what = f"{found[0]} and is named {type(condition).__name__}(…), too"
+            raise InputError(f"{face} meets {what}: expected no condition")
+        if not found:
+            if condition is None:
+                raise InputError(self._why_alone(face))
+            return condition
+        (other,) = found
+        if face.grid != other.grid:
+            what = "have the same nodes, but one of them is periodic and the other ends there"
+            raise InputError(f"{face} and {other} {what}, about {place}")
+        return Meeting(other.block, other.axis, other.side)
+
+    def _why_alone(self, face: Face) -> str:
+        """What is wrong with a face that has no condition and that no other meets."""
+        others, centre = [other for other in self.faces if other is not face], face.X.mean(axis=0)
+        for other in others if face.grid else ():
+            if np.array_equal(face.corners(), other.corners()):
+                mine, its = ([n for n, _ in x.grid] for x in (face, other))
+                if mine != its:
+                    numbers, its = (" by ".join(map(str, x)) for x in (mine, its))
+                    between = f"{face} has {numbers} nodes, {other} that it meets has {its}"
+                    return f"{between}, about {place_text(centre)}: expected the same"
+                alone = int(np.argmin(np.isin(face.labels, other.labels)))
+                return f"{face} and {other} do not conform at {place_text(face.X[alone])}"
+        apart = [float(np.linalg.norm(other.X.mean(axis=0) - centre)) for other in others]
+        near = int(np.argmin(apart))
+        nearest = f"{others[near]}, {apart[near]:.3g} away"
+        alone = f"{face}, about {place_text(centre)}, has no condition"
+        wanted = f"expected one, or a face with the same nodes; the nearest is {nearest}"
+        return f"{alone}, and no face meets it: {wanted}"
 
 
-def same_within(faces: Sequence[Face]) -> float:
-    """How far apart places may be that are the same [m]."""
-    edges, size = [np.inf], 0.0
-    for face in faces:
-        X = face.X.reshape(*face.shape[::-1], -1)
-        size = max(size, float(np.abs(X).max()))
-        for axis in range(X.ndim - 1):
-            lengths = np.linalg.norm(np.diff(X, axis=axis), axis=-1)
-            edges.append(lengths.min(initial=np.inf))
-        across = np.diff([face.owner.face_positions(face.axis, side) for side in (0, 1)], axis=0)
-        edges.append(np.linalg.norm(across[0], axis=0).max() / face.owner.cells[face.axis])
-    return float(max(_OF_CELL * min(edges), _OF_ALL * size)) if faces else 0.0
+def _key(labels: Array) -> bytes:
+    return np.sort(labels).tobytes()
 
 
 def same_place(X: Array, within: float) -> Array:

@@ -11,9 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from fsipetsc.blocks.blend import blend_of
 from fsipetsc.blocks.block import Block, Range
-from fsipetsc.blocks.hull import Hull, end_weights, hull_of
+from fsipetsc.blocks.hull import Hull, blend_of, end_weights, hull_of
 from fsipetsc.blocks.metrics import Wide, curl_metrics, volume_rate
 from fsipetsc.blocks.plane_grid import plane_motion
 from fsipetsc.blocks.problem import BlockProblem
@@ -42,7 +41,9 @@ class LineMotion(NamedTuple):
     def swing(self, known, metrics):
         """Fill the velocity of the grid and J_t, after `move`."""
         self.hull.fill(self.hull.moving, known, 1)
-        line_velocities(metrics, *self.hull.ends(self.hull.moving), self.low, self.high)
+        at_low, at_high = self.hull.ends(self.hull.moving)
+        metrics[1, :] = self.low * at_low + self.high * at_high
+        metrics[2, :] = at_high - at_low
 
     def find_places(self, X, places):
         """Where nodes are after `move` (d, N); X: those of the reference map."""
@@ -53,14 +54,6 @@ class LineMotion(NamedTuple):
         """det(D x) of a node, after `move`; metrics: flat; reference: that of the reference map."""
         at_low, at_high = self.hull.ends(self.hull.moved)
         return reference + (at_high - at_low)
-
-
-@njit(**CALL)
-def line_velocities(metrics, at_low, at_high, low, high):
-    """v and J_t = D v in 1-D, from the velocities of both ends."""
-    for i in range(low.size):
-        metrics[1, i] = low[i] * at_low + high[i] * at_high
-        metrics[2, i] = at_high - at_low
 
 
 class CubeMotion(NamedTuple):
@@ -153,8 +146,7 @@ def _cube_motion(block: Block, wide: Wide, hull: Hull) -> CubeMotion:
 
 
 class GridMotion:
-    """Positions, velocities and metrics of a range of nodes of gas block k (of a rank: the
-    ghosted).
+    """Positions and metrics of a range of nodes of gas block k (of a rank: the ghosted).
 
     nodes: numbers (M,) of those nodes on faces of the whole block whose displacement and velocity
     will be given, in any order. record: for compiled code, see LineMotion. metrics: as there.
@@ -163,33 +155,22 @@ class GridMotion:
     def __init__(
         self, problem: BlockProblem, k: int, order: int, where: Range, nodes: Array
     ) -> None:
-        block, around = problem.blocks[k], problem.symmetry > 0
-        hull = hull_of(block, nodes, problem.centred(k))
-        self._X, d = problem.positions(k, where), block.dimension
-        rows = d * d + d + 1 + around
-        self.metrics, self._reference = np.zeros((rows, self._X.shape[1])), None
+        block, d = problem.blocks[k], problem.dimension
+        self._X, wide = problem.positions(k, where), Wide(problem, k, order, where)
+        around, hull = problem.symmetry > 0, hull_of(block, nodes, problem.centred(k))
+        self.metrics, self._reference = np.zeros((d * d + d + 1 + around, self._X.shape[1])), None
         self.record: Any
-        wide = Wide(problem, k, order, where)
         if around:
             self.record = radial_motion(problem, k, wide, hull)
-            return
-        if d == 1:
+        elif d == 1:
             self._reference = wide.gradients()[0, 0]
-            weights = end_weights(block, 0, np.arange(*where[0]))[:, 0]
-            self.record = LineMotion(hull, *weights)
+            self.record = LineMotion(hull, *end_weights(block, 0, np.arange(*where[0]))[:, 0])
         else:
             self.record = (plane_motion if d == 2 else _cube_motion)(block, wide, hull)
 
     def move(self, displacement: Array) -> None:
         """Fill a^1 … a^d from the displacement (M, d) [m] of the given nodes."""
-        self.record.move(np.asarray(displacement, float), self.metrics)
-
-    def velocities(self, velocity: Array) -> None:
-        """Fill the velocity of the grid and J_t from the velocity (M, d) [m/s] of the given nodes,
-        after `move`.
-        """
-        values = np.asarray(velocity, float)
-        self.record.swing(np.hstack([values, values]), self.metrics)
+        self.record.move(displacement, self.metrics)
 
     def positions(self) -> Array:
         """x (d, N) [m] after the last `move`."""

@@ -12,9 +12,9 @@ from itertools import product
 from typing import Any
 
 from fsipetsc.blocks.block import Block
-from fsipetsc.blocks.conditions import Condition, Periodic, Slip
+from fsipetsc.blocks.conditions import Condition, Periodic
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.problem import BlockProblem, FaceName
+from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import POSITIVE, described, extent, number
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator
@@ -62,163 +62,133 @@ def layers(
     lower: Condition,
     upper: Condition,
     along: Sequence[Extent] = (),
-    cells: Sequence[int] | None = None,
     h: float | None = None,
     order: int | None = None,
     sides: Sides | None = None,
-    jumps: Callable[..., Any] | None = None,
-    notes: Sequence[str] = (),
-    units: str = "SI",
+    **more: Any,
 ) -> BlockProblem:
     """The blocks of layers from below; two neighbours of different kinds, or of the same, meet.
 
-    along: (low, high) of each axis along the layers [m], none in one dimension. cells: along each;
-    or h: spacing [m] that gives these and those across the layers; order: of the operators, whose
-    least number of cells layers across which none is said then have. lower, upper: what stands at
-    the lowest and the topmost layer. sides: at the sides of layers that have none of their own;
-    None: they go on periodically. jumps, notes, units: as of BlockProblem. InputError where these
-    do not fit together.
+    along: (low, high) of each axis along the layers [m], none in one dimension. h: spacing [m] that
+    gives cells along, and across layers that say none; order: of the operators, whose least number
+    of cells these then have. lower, upper: what stands at the lowest and the topmost layer. sides:
+    at the sides of layers that have none of their own; None: they go on periodically. more: jumps,
+    notes, units, as of BlockProblem. InputError where these do not fit together.
     """
     if not stack or not all(isinstance(layer, Layer) for layer in stack):
         raise InputError("layers: expected one or more of Layer")
     along = tuple(extent(ends, "layers: along") for ends in along)
-    if cells is None and along and h is None:
-        raise InputError("layers: neither cells nor h is given: expected one of them")
-    if cells is None:
-        step = number(1.0 if h is None else h, "layers: h", POSITIVE)
-        cells = [max(1, round((b - a) / step)) for a, b in along]
-    if len(cells) != len(along):
-        raise InputError(f"layers: cells is {described(cells)}: expected one for each of along")
-    least = 1 if order is None else operator(order).min_points - 1
-    made = _Stack(_meeting(stack), along, cells, sides, (lower, upper))
-    pieces = []
-    for layer in made.layers:
-        rows, (low, high) = layer.cells, layer.across
-        if rows is None and h is None:
-            raise InputError(f"layer '{layer.name}': neither its cells nor h is given")
-        rows = max(round((high - low) / h), least, 1) if rows is None else rows
-        pieces.append(made.pieces(layer, rows))
-    blocks = tuple(block for of_layer in pieces for block in of_layer.values())
-    return BlockProblem(blocks, made.faces(pieces), jumps, notes=tuple(notes), units=units)
+    cells = [_cells(ends, h, "layers") for ends in along]
+    least, found = 1 if order is None else operator(order).min_points - 1, []
+    for layer in stack:
+        below = found[-1] if found else None
+        rows = layer.cells or max(_cells(layer.across, h, f"layer '{layer.name}'"), least)
+        found.append(_complete(layer, below, len(along), rows, sides))
+    blocks, faces = _pieces(found, along, cells), {}
+    for (where, block), axis, side in product(blocks.items(), range(len(along) + 1), (0, 1)):
+        beyond = list(where)
+        beyond[axis] += 2 * side - 1
+        if tuple(beyond) not in blocks and not block.periodic[axis]:
+            condition = _condition(found, where[-1], axis, side, (lower, upper))
+            if condition is None:
+                shift = [0.0] * len(beyond)
+                shift[axis] = (along[axis][1] - along[axis][0]) * (1 - 2 * side)
+                condition = Periodic(tuple(shift))
+            faces[block.name, axis, side] = condition
+    return BlockProblem(tuple(blocks.values()), faces, **more)
 
 
-def _meeting(stack: Sequence[Layer]) -> list[Layer]:
-    """Layers whose ends are the same number where they meet. InputError where they do not."""
-    found = [stack[0]]
-    for below, above in zip(stack, stack[1:]):
-        low, high = below.across
-        if abs(high - above.across[0]) > 1e-9 * (high - low):
-            ends = f"ends at {high:g}, '{above.name}' begins at {above.across[0]:g}"
+def _cells(ends: Extent, h: float | None, what: str) -> int:
+    """Cells of the spacing h [m]. InputError where it is none."""
+    if h is None:
+        raise InputError(f"{what}: no h is given, and no cells across a layer: expected h")
+    return max(1, round((ends[1] - ends[0]) / number(h, "layers: h", POSITIVE)))
+
+
+def _complete(layer: Layer, below: Layer | None, axes: int, rows: int, sides: Any) -> Layer:
+    """A layer that begins where the one below it ends, with cells, a span along each axis, and
+    sides. InputError.
+    """
+    low, high = layer.across
+    if below is not None:
+        bottom, top = below.across
+        if abs(top - low) > 1e-9 * (top - bottom):
+            ends = f"ends at {top:g}, '{layer.name}' begins at {low:g}"
             raise InputError(f"layers: '{below.name}' {ends}: expected the same")
-        found.append(replace(above, across=(high, above.across[1])))
-    return found
+        low = top
+    span = layer.span or (None,) * axes
+    if len(span) != axes:
+        raise InputError(f"layer '{layer.name}': span: expected (low, high) for each of along")
+    own = sides if layer.sides is None else layer.sides
+    return replace(layer, across=(low, high), cells=rows, span=span, sides=own)
 
 
-class _Stack:
-    """Where layers are cut along each axis, and what stands at faces that meet no other."""
-
-    def __init__(
-        self,
-        stack: list[Layer],
-        along: Sequence[Extent],
-        cells: Sequence[int],
-        sides: Sides | None,
-        ends: tuple[Condition, Condition],
-    ) -> None:
-        self.layers, self._along, self._cells = stack, along, cells
-        self._sides, self._ends = sides, ends
-        found = [{0, n} for n in cells]
-        for layer in stack:
-            if layer.span is not None and len(layer.span) != len(along):
-                expected = "expected (low, high) for each of along"
-                raise InputError(f"layer '{layer.name}': span: {expected}")
-            for axis, numbers in enumerate(found):
-                numbers |= set(self._span(layer, axis))
-        #: of each axis along the layers, numbers of the columns where they are cut
-        self._cuts = [sorted(numbers) for numbers in found]
-        #: whether one block closes in itself
-        self._closed = [
-            len(cuts) == 2 and all(self._side(layer, axis, 0) is None for layer in stack)
-            for axis, cuts in enumerate(self._cuts)
-        ]
-
-    def _span(self, layer: Layer, axis: int) -> tuple[int, ...]:
-        """Numbers of the columns at which a layer begins and ends. InputError where none is."""
-        (low, high), n = self._along[axis], self._cells[axis]
-        ends = None if layer.span is None else layer.span[axis]
-        columns = (0, n) if ends is None else [(x - low) / (high - low) * n for x in ends]
-        for place, column in zip(ends or (), columns):
-            if abs(column - round(column)) > _SAME * n or not 0 <= round(column) <= n:
-                apart = f"{(high - low) / n:.6g} apart from {low:g} to {high:g}"
-                expected = f"expected one of the columns, which are {apart}"
-                raise InputError(f"layer '{layer.name}' has an end at {place:g}: {expected}")
-        return tuple(map(round, columns))
-
-    def pieces(self, layer: Layer, rows: int) -> dict[tuple[int, ...], Block]:
-        """The blocks of a layer by their numbers between cuts, axis 0 fastest."""
-        (low, high), ranges, found = layer.across, [], {}
-        for axis, cuts in enumerate(self._cuts):
-            first, end = map(cuts.index, self._span(layer, axis))
-            ranges.append(range(first, end))
+def _pieces(
+    stack: Sequence[Layer], along: Sequence[Extent], cells: Sequence[int]
+) -> dict[tuple[int, ...], Block]:
+    """The blocks of all layers by their numbers between cuts along each axis, and that of the
+    layer; axis 0 fastest.
+    """
+    spans = [list(map(_columns, [layer] * len(along), layer.span, along, cells)) for layer in stack]
+    cuts = [sorted({0, n}.union(*(span[k] for span in spans))) for k, n in enumerate(cells)]
+    closed = [
+        len(cut) == 2 and all(_side(layer, axis, 0) is None for layer in stack)
+        for axis, cut in enumerate(cuts)
+    ]
+    found = {}
+    for n, (layer, span) in enumerate(zip(stack, spans)):
+        ranges = [range(*map(cut.index, ends)) for cut, ends in zip(cuts, span)]
         numbers = [where[::-1] for where in product(*ranges[::-1])]
         for count, where in enumerate(numbers, 1):
-            at = [(cuts[k], cuts[k + 1]) for cuts, k in zip(self._cuts, where)]
-            a, b = ([self._place(axis, ends[s]) for axis, ends in enumerate(at)] for s in (0, 1))
-            found[where] = Block(
+            columns = [cut[i : i + 2] for cut, i in zip(cuts, where)]
+            ends = [
+                [b if column == n else a + (b - a) * column / n for column in pair]
+                for pair, (a, b), n in zip(columns, along, cells)
+            ]
+            found[(*where, n)] = Block(
                 layer.name if len(numbers) == 1 else f"{layer.name} {count}",
                 layer.material,
-                rectangle((*a, low), (*b, high)),
-                (*(end - begin for begin, end in at), rows),
+                rectangle(*zip(*ends, layer.across)),
+                (*(end - begin for begin, end in columns), layer.cells),
                 layer.initial,
                 layer.forcing,
                 layer.exact,
-                periodic=(*self._closed, False),
+                periodic=(*closed, False),
             )
-        return found
+    return found
 
-    def _place(self, axis: int, column: int) -> float:
-        (low, high), n = self._along[axis], self._cells[axis]
-        return high if column == n else low + (high - low) * column / n
 
-    def faces(self, pieces: list[dict[tuple[int, ...], Block]]) -> dict[FaceName, Condition]:
-        """The conditions of all faces that do not meet another one. InputError."""
-        found: dict[FaceName, Condition] = {}
-        across = len(self._along)
-        for n, of_layer in enumerate(pieces):
-            for where, block in of_layer.items():
-                for axis, side in product(range(across + 1), (0, 1)):
-                    step = 2 * side - 1
-                    if axis == across:
-                        met = 0 <= n + step < len(pieces) and where in pieces[n + step]
-                    else:
-                        beyond = (*where[:axis], where[axis] + step, *where[axis + 1 :])
-                        met = beyond in of_layer or block.periodic[axis]
-                    if not met:
-                        found[block.name, axis, side] = self._condition(n, axis, side)
-        return found
+def _columns(layer: Layer, span: Extent | None, along: Extent, n: int) -> list[int]:
+    """Numbers of the columns at which a layer begins and ends. InputError where none is."""
+    low, high = along
+    columns = [(x - low) / (high - low) * n for x in span or along]
+    for place, column in zip(span or along, columns):
+        if abs(column - round(column)) > _SAME * n or not 0 <= round(column) <= n:
+            apart = f"{(high - low) / n:.6g} apart from {low:g} to {high:g}"
+            expected = f"expected one of the columns, which are {apart}"
+            raise InputError(f"layer '{layer.name}' has an end at {place:g}: {expected}")
+    return list(map(round, columns))
 
-    def _condition(self, n: int, axis: int, side: int) -> Condition:
-        """Of a face of layer n. A wall without a name gets one: over several blocks it is one."""
-        layer, other = self.layers[n], n + 2 * side - 1
-        if axis < len(self._along):
-            said, name = self._side(layer, axis, side), f"{layer.name} {axis} {side}"
-            if said is None and layer.span is not None and layer.span[axis] is not None:
-                nothing = f"nothing is said of axis {axis}, side {side}"
-                raise InputError(f"layer '{layer.name}' has a span: sides: {nothing}")
-        elif 0 <= other < len(self.layers):
-            said, name = layer.beside, f"{layer.name} {('lower', 'upper')[side]} beside"
-            if said is None:
-                ended = f"'{self.layers[other].name}' does not reach over all of it"
-                raise InputError(f"layer '{layer.name}': {ended}: expected beside=…")
-        else:
-            said, name = self._ends[side], f"{layer.name} {('lower', 'upper')[side]}"
-        if said is None:
-            shift = [0.0] * (len(self._along) + 1)
-            shift[axis] = (self._along[axis][1] - self._along[axis][0]) * (1 - 2 * side)
-            return Periodic(tuple(shift))
-        return replace(said, name=name) if isinstance(said, Slip) and not said.name else said
 
-    def _side(self, layer: Layer, axis: int, side: int) -> Condition | None:
-        """What is said of a side of a layer."""
-        chosen = layer.sides if layer.sides is not None else self._sides
-        return chosen.get((axis, side)) if isinstance(chosen, Mapping) else chosen
+def _condition(
+    stack: Sequence[Layer], n: int, axis: int, side: int, ends: tuple[Condition, Condition]
+) -> Condition | None:
+    """At a face of layer n that meets none; None: it goes on periodically. InputError."""
+    layer, other = stack[n], n + 2 * side - 1
+    if axis < len(layer.span):
+        said = _side(layer, axis, side)
+        if said is None and layer.span[axis] is not None:
+            nothing = f"nothing is said of axis {axis}, side {side}"
+            raise InputError(f"layer '{layer.name}' has a span: sides: {nothing}")
+        return said
+    if not 0 <= other < len(stack):
+        return ends[side]
+    if layer.beside is None:
+        ended = f"'{stack[other].name}' does not reach over all of it"
+        raise InputError(f"layer '{layer.name}': {ended}: expected beside=…")
+    return layer.beside
+
+
+def _side(layer: Layer, axis: int, side: int) -> Condition | None:
+    """What is said of a side of a layer."""
+    return layer.sides.get((axis, side)) if isinstance(layer.sides, Mapping) else layer.sides

@@ -1,8 +1,7 @@
 """Maps of the logical cube [0, 1]^d to places X.
 
 A map is a callable X(xi) -> d arrays, xi a tuple of d arrays of one shape. Any function of this
-form will do; it must be smooth, and right-handed: det(dX/dxi) > 0. Those made here know their
-dimension.
+form will do; it must be smooth, and right-handed: det(dX/dxi) > 0.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,28 +19,22 @@ Places = tuple[Array, ...]
 Map = Callable[[Places], Sequence[Any]]
 
 
-@dataclass(frozen=True)
-class Mapped:
-    """A function X(xi) of which the number of dimensions is known."""
-
-    function: Map
-    dimension: int
-
-    def __call__(self, xi: Places) -> Places:
-        """Places X, d arrays of the shape of those in xi."""
-        return tuple(x + 0.0 * xi[0] for x in self.function(xi))
-
-
 @dataclass(frozen=True, eq=False)
 class Nodes:
-    """A grid of given nodes; `places` is (…, n_1, n_0, d). Defined at its nodes only."""
+    """A grid of nodes, places (n_0, 1), (n_1, n_0, 2) or (n_2, n_1, n_0, 3) [m]; defined at these
+    only. InputError.
+
+    On a periodic axis the last nodes are the first ones, a period on.
+    """
 
     places: Array
 
-    @property
-    def dimension(self) -> int:
-        """Number of logical axes."""
-        return self.places.shape[-1]
+    def __post_init__(self) -> None:
+        X = np.array(self.places, float)
+        object.__setattr__(self, "places", X)
+        if not 2 <= X.ndim <= 4 or X.shape[-1] != X.ndim - 1 or min(X.shape[:-1]) < 2:
+            wanted = "expected the shape (n_0, 1), (n_1, n_0, 2) or (n_2, n_1, n_0, 3)"
+            raise InputError(f"nodes: {described(X)}: {wanted}")
 
     @property
     def cells(self) -> tuple[int, ...]:
@@ -54,37 +47,32 @@ class Nodes:
         return tuple(np.moveaxis(self.places[index[::-1]], -1, 0))
 
 
-def rectangle(lower: Any, upper: Any) -> Mapped:
+nodes = Nodes
+
+
+def rectangle(lower: Any, upper: Any) -> Map:
     """The interval, rectangle or box between two corners [m], numbers or d numbers. InputError."""
     low, high = _point(lower, "rectangle: lower"), _point(upper, "rectangle: upper")
     if len(low) != len(high) or not all(a < b for a, b in zip(low, high)):
         wanted = "expected each coordinate of upper above that of lower"
         raise InputError(f"rectangle: lower is {low}, upper {high}: {wanted}")
-
-    def places(xi: Places) -> Places:
-        return tuple((1.0 - s) * a + s * b for s, a, b in zip(xi, low, high))
-
-    return Mapped(places, len(low))
+    return lambda xi: [(1.0 - s) * a + s * b for s, a, b in zip(xi, low, high, strict=True)]
 
 
-def ball(radius: float, cells: int) -> Mapped:
+def ball(radius: float, cells: int) -> Map:
     """Nodes (i + 1/2) h from the middle to a radius [m]: of a block with Centre(). InputError."""
     return off_axis(rectangle(0.0, number(radius, "ball: radius", POSITIVE)), cells)
 
 
-def off_axis(map: Map, cells: int) -> Mapped:
+def off_axis(map: Map, cells: int) -> Map:
     """A map that has r = 0 where its last coordinate is 0, with nodes half a cell beside: of a
     block with Centre() and so many cells along its last axis. InputError.
     """
     n = number(cells, "off_axis: cells", POSITIVE)
-
-    def places(xi: Places) -> Places:
-        return tuple(map((*xi[:-1], (0.5 + n * xi[-1]) / (n + 0.5))))
-
-    return Mapped(places, getattr(map, "dimension", 2))
+    return lambda xi: map((*xi[:-1], (0.5 + n * xi[-1]) / (n + 0.5)))
 
 
-def corners(*points: Any) -> Mapped:
+def corners(*points: Any) -> Map:
     """Multilinear between 2^d corners [m], axis 0 fastest: (0, 0), (1, 0), (0, 1), (1, 1).
     InputError.
     """
@@ -101,12 +89,12 @@ def corners(*points: Any) -> Mapped:
             values = [tuple((1.0 - s) * a + s * b for a, b in zip(*pair)) for pair in pairs]
         return values[0]
 
-    return Mapped(places, d)
+    return places
 
 
 def annulus(
     inner: float, outer: float, angles: Any = (0.0, 2.0 * np.pi), centre: Any = (0.0, 0.0)
-) -> Mapped:
+) -> Map:
     """Ring or part of one: axis 0 along the radius [m], axis 1 along the angle. InputError.
 
     The whole ring is periodic along axis 1: Block(…, periodic=(False, True)).
@@ -121,10 +109,10 @@ def annulus(
         r, angle = (1.0 - xi[0]) * a + xi[0] * b, (1.0 - xi[1]) * begin + xi[1] * end
         return x + r * np.cos(angle), y + r * np.sin(angle)
 
-    return Mapped(places, 2)
+    return places
 
 
-def transfinite(*faces: tuple[Callable[..., Any], Callable[..., Any]]) -> Mapped:
+def transfinite(*faces: tuple[Callable[..., Any], Callable[..., Any]]) -> Map:
     """Gordon–Hall map between 2 d faces: for each axis those at xi_k = 0 and 1. InputError.
 
     Each face is a function of the d - 1 other logical coordinates that gives d arrays. In 2-D:
@@ -138,6 +126,17 @@ def transfinite(*faces: tuple[Callable[..., Any], Callable[..., Any]]) -> Mapped
         values = faces[axis][side](*(s for k, s in enumerate(xi) if k != axis))
         return np.array([x + 0.0 * xi[0] for x in values])
 
+    for (a, b), (p, q) in product(combinations(range(d), 2), product((0, 1), repeat=2)):
+        at = [np.linspace(0.0, 1.0, 5)] * d  # the edge of two faces
+        at[a], at[b] = p + 0.0 * at[0], q + 0.0 * at[0]
+        one, other = on_face(a, p, at), on_face(b, q, at)
+        apart = np.abs(one - other).max(axis=0)
+        i = int(np.argmax(apart))
+        if not apart[i] <= 1e-9 * (np.abs(one).max() + 1e-300):
+            found = f"{place_text(one[:, i])} and {place_text(other[:, i])}"
+            both = f"faces (axis {a}, side {p}) and (axis {b}, side {q})"
+            raise InputError(f"transfinite: {both} do not meet: {found}")
+
     def places(xi: Places) -> Places:
         total = np.zeros((d, *np.shape(xi[0])))
         for count in range(1, d + 1):
@@ -150,51 +149,7 @@ def transfinite(*faces: tuple[Callable[..., Any], Callable[..., Any]]) -> Mapped
                     total += weight * on_face(axes[0], sides[0], at)
         return tuple(total)
 
-    _check_edges(d, on_face)
-    return Mapped(places, d)
-
-
-def _check_edges(d: int, on_face: Callable[[int, int, Sequence[Array]], Array]) -> None:
-    """InputError where two faces of a transfinite map have different edges."""
-    for (a, b), (p, q) in product(combinations(range(d), 2), product((0, 1), repeat=2)):
-        at = [np.linspace(0.0, 1.0, 5)] * d
-        at[a], at[b] = p + 0.0 * at[0], q + 0.0 * at[0]
-        one, other = on_face(a, p, at), on_face(b, q, at)
-        apart = np.abs(one - other).max(axis=0)
-        i = int(np.argmax(apart))
-        if not apart[i] <= 1e-9 * (np.abs(one).max() + 1e-300):
-            places = f"{place_text(one[:, i])} and {place_text(other[:, i])}"
-            both = f"faces (axis {a}, side {p}) and (axis {b}, side {q})"
-            raise InputError(f"transfinite: {both} do not meet: {places}")
-
-
-def stretched(map: Map, *functions: Callable[[Array], Array] | None) -> Mapped:
-    """X(s_0(xi_0), …): a function of [0, 1] onto itself for each axis, or None. InputError."""
-    for k, s in enumerate(functions):
-        ends = [0.0, 1.0] if s is None else [float(s(np.array(end))) for end in (0.0, 1.0)]
-        if not np.allclose(ends, (0.0, 1.0), rtol=0.0, atol=1e-12):
-            found = f"{ends[0]:g} and {ends[1]:g}"
-            raise InputError(f"stretched: function {k} takes 0 and 1 to {found}: expected 0 and 1")
-    d = getattr(map, "dimension", len(functions))
-    if d != len(functions):
-        raise InputError(f"stretched: {len(functions)} functions for a map of {d} dimensions")
-
-    def places(xi: Places) -> Places:
-        return tuple(map(tuple(x if s is None else s(x) for x, s in zip(xi, functions))))
-
-    return Mapped(places, d)
-
-
-def nodes(places: Any) -> Nodes:
-    """A grid of nodes, (n_0, 1), (n_1, n_0, 2) or (n_2, n_1, n_0, 3) [m]. InputError.
-
-    On a periodic axis the last nodes are the first ones, a period on.
-    """
-    array = np.array(places, float)
-    if not 2 <= array.ndim <= 4 or array.shape[-1] != array.ndim - 1 or min(array.shape[:-1]) < 2:
-        wanted = "expected the shape (n_0, 1), (n_1, n_0, 2) or (n_2, n_1, n_0, 3)"
-        raise InputError(f"nodes: {described(array)}: {wanted}")
-    return Nodes(array)
+    return places
 
 
 def place_text(X: Any) -> str:

@@ -6,20 +6,17 @@ whichever way their axes run. Along periodic axes only periodic functions are di
 X = y + sum_k xi_k P_k, with P_k the period of axis k, or 0.
 """
 
-from typing import Any
-
 import numpy as np
 from numba import njit
 
-from fsipetsc.blocks.block import Block, Range, determinant, mesh
+from fsipetsc.blocks.block import Range, determinant, mesh
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array
+from fsipetsc.equations.tensors import cofactor
 from fsipetsc.errors import InputError
-from fsipetsc.operators.loops import CALL, INNER_CALL, INNER_LOOP
-
-#: of loops that round each operation by itself
-EXACT: dict[str, Any] = {**INNER_LOOP, "fastmath": {"nsz"}}
+from fsipetsc.operators.loops import CALL, INNER_CALL
+from fsipetsc.operators.loops import EXACT_LOOP as EXACT
 
 
 class Wide:
@@ -46,9 +43,13 @@ class Wide:
         self.sizes = tuple(end - begin for begin, end in self.wide)
         ranges = list(zip(self.where, self.wide))[::-1]
         self._inner = tuple(slice(a - first, b - first) for (a, b), (first, _) in ranges)
-        closed = np.array(block.periodic)[:, None]
-        self.P = np.where(closed, block.periods, 0.0)
-        self.y = self._periodic_part(problem, k)
+        index = mesh([np.arange(*ends) for ends in self.wide])
+        self.P, around = block.periods, zip(index, block.shape, block.periodic)
+        index = [i % n if closed else i for i, n, closed in around]
+        y = problem.places_at(k, index).reshape(len(index), -1)
+        for P, i, cells in zip(self.P, index, block.cells):
+            y = y - np.multiply.outer(P, i.ravel() / cells)
+        self.y = np.ascontiguousarray(y)
 
     def inner(self, f: Array) -> Array:
         """The part of f (…, wide nodes) on the range, (…, nodes)."""
@@ -63,53 +64,25 @@ class Wide:
                 differentiate(G[k, c], y, self.S[k], self.weight[k], before)
         return self.inner(G) + self.P[..., None]
 
-    def _periodic_part(self, problem: BlockProblem, k: int) -> Array:
-        block, *index = problem.blocks[k], *mesh([np.arange(*ends) for ends in self.wide])
-        images = (index[-1] < 0).ravel() & problem.centred(k)
-        if problem.centred(k):
-            index[-1] = np.where(index[-1] < 0, -1 - index[-1], index[-1])
-        index = [i % n for i, n in zip(index, block.shape)]
-        y = problem.places(k, np.ravel_multi_index(index[::-1], block.shape[::-1]).ravel()).T
-        y[-1, images] *= -1.0
-        for P, i, cells in zip(self.P, index, block.cells):
-            y = y - np.multiply.outer(P, i.ravel() / cells)
-        return np.ascontiguousarray(y)
-
 
 def solid_metrics(problem: BlockProblem, k: int, order: int, where: Range) -> Array:
-    """A^1, …, A^d and J0 of a range of nodes, (d d + 1, N). InputError if J0 <= 0.
+    """A^1, …, A^d and J0 of a range of nodes, (d d + 1, N). InputError if J0 <= 0,
+    perhaps on this rank alone.
 
     J0 = det G, A^k = J0 G^-T e_k from G = D X, node by node; both times R^kappa around an axis or
     a centre, and then R is another row, below 0 of images, which are at a centre alone (kappa = 2).
     """
-    block = problem.blocks[k]
-    G = Wide(problem, k, order, where).gradients()
+    G, X = Wide(problem, k, order, where).gradients(), problem.positions(k, where)
     J = determinant(G)
-    X = problem.positions(k, where)
-    check_positive(block, J, X)
-    metrics = np.concatenate([cofactors(G).reshape(-1, J.size), J[None]])
+    if not J.min() > 0.0:
+        i = int(np.argmin(J))
+        found = f"{problem.blocks[k]}: J = {J[i]:.3g} at {place_text(X[:, i])}"
+        wanted = "expected J > 0: more cells, or another map"
+        raise InputError(f"{found}: {wanted}", collective=False)
+    metrics = np.array([*cofactor(tuple(G.reshape(-1, J.size))), J])
     if problem.symmetry:
         metrics = np.concatenate([metrics * X[-1] ** problem.symmetry, X[-1:]])
     return metrics
-
-
-def cofactors(G: Array) -> Array:
-    """A^k, (d, d, N) as G, with A^k . G_l = det G where k = l and 0 elsewhere."""
-    if len(G) == 1:
-        return np.ones_like(G)
-    if len(G) == 2:
-        (a, b), (c, e) = G
-        return np.array([[e, -c], [-b, a]])
-    return np.array([np.cross(G[j], G[k], axis=0) for j, k in ((1, 2), (2, 0), (0, 1))])
-
-
-def check_positive(block: Block, J: Array, X: Array) -> None:
-    """InputError where J (N,) of the nodes at X (d, N) is not above 0; this rank may be alone."""
-    if not J.min() > 0.0:
-        i = int(np.argmin(J))
-        found = f"J = {J[i]:.3g} at {place_text(X[:, i])}"
-        wanted = "expected J > 0: more cells, or another map"
-        raise InputError(f"{block}: {found}: {wanted}", collective=False)
 
 
 @njit(**EXACT)
@@ -124,18 +97,6 @@ def _add_across(out, behind, f, ahead, s_behind, s):
     """The same with rows ahead and behind, which have one weight each."""
     for i in range(out.size):
         out[i] += s * (ahead[i] - f[i]) + s_behind * (f[i] - behind[i])
-
-
-@njit(**EXACT)
-def _multiply(out, c):
-    for i in range(out.size):
-        out[i] *= c[i]
-
-
-@njit(**EXACT)
-def _multiply_row(out, c):
-    for i in range(out.size):
-        out[i] *= c
 
 
 @njit(**CALL)
@@ -166,7 +127,8 @@ def _differentiate_row(out, f, S, half):
             _add_along(out[k:m], f[: m - k], f[k:m], f[2 * k :], s[: m - k], s[k:m])
         for i in range(max(k, n - k), n):
             out[i] += s[i - k] * (f[i] - f[i - k])
-    _multiply(out, half)
+    for i in range(n):
+        out[i] *= half[i]
 
 
 @njit(**INNER_CALL)
@@ -182,7 +144,8 @@ def _differentiate_rows(out, f, S, half, m):
             if s != 0.0 or s_behind != 0.0:
                 b, c = a - k * m * (i >= k), a + k * m * (i + k < n)
                 _add_across(row, f[b : b + m], here, f[c : c + m], s_behind, s)
-        _multiply_row(row, half[i])
+        for j in range(m):
+            row[j] *= half[i]
 
 
 @njit(**EXACT)
@@ -191,12 +154,6 @@ def _potential(q, f, g, slope_f, slope_g, P_f, P_g):
     for i in range(q.size):
         half = 0.5 * (f[i] * slope_g[i] - g[i] * slope_f[i])
         q[i] = half + (f[i] * P_g - g[i] * P_f)
-
-
-@njit(**EXACT)
-def _less(out, f, c):
-    for i in range(out.size):
-        out[i] = (out[i] - f[i]) + c
 
 
 @njit(**CALL)
@@ -222,15 +179,11 @@ def curl_metrics(a, y, P, S, weight, slopes, q):
             _potential(q[k], y[m], y[l], slopes[k, m], slopes[k, l], P[k, m], P[k, l])
         for i in range(3):
             j, k = (i + 1) % 3, (i + 2) % 3
-            differentiate(a[i, n], q[k], S[j], weight[j], before[j])
-            differentiate(q[3], q[j], S[k], weight[k], before[k])
-            _less(a[i, n], q[3], P[j, m] * P[k, l] - P[k, m] * P[j, l])
-
-
-@njit(**EXACT)
-def _add_product(out, f, g):
-    for i in range(out.size):
-        out[i] += f[i] * g[i]
+            area, less, more = a[i, n], q[3], P[j, m] * P[k, l] - P[k, m] * P[j, l]
+            differentiate(area, q[k], S[j], weight[j], before[j])
+            differentiate(less, q[j], S[k], weight[k], before[k])
+            for at in range(area.size):
+                area[at] = (area[at] - less[at]) + more
 
 
 @njit(**CALL)
@@ -241,4 +194,6 @@ def volume_rate(J_t, a, v, S, weight, slope):
     for k in range(3):
         for c in range(3):
             differentiate(slope, v[c], S[k], weight[k], before[k])
-            _add_product(J_t, a[k, c], slope)
+            area = a[k, c]
+            for at in range(area.size):
+                J_t[at] += area[at] * slope[at]

@@ -5,7 +5,7 @@ from itertools import combinations, product
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block, determinant
+from fsipetsc.blocks.block import Block, determinant, mesh
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
@@ -44,9 +44,8 @@ def _boundary(block: Block) -> Array:
             numbers = (min(c, _MOST) + 1 for c in block.cells)
             index = [np.linspace(0, i[-1], n).astype(int) for i, n in zip(index, numbers)]
         index[axis] = index[axis][-1:] if side else index[axis][:1]
-        mesh = np.meshgrid(*index[::-1], indexing="ij")[::-1]
-        X = np.moveaxis(np.squeeze(block.places(mesh), axis=d - axis), 0, -1)
-        pieces = _simplices(X)
+        X = np.squeeze(block.places(mesh(index)), axis=d - axis)
+        pieces = _simplices(np.moveaxis(X, 0, -1))
         found.append(pieces if (axis + side) % 2 else pieces[:, ::-1])
     return np.concatenate(found)
 

@@ -92,41 +92,33 @@ def particles_of(problem: BlockProblem) -> list[Particle]:
         for (axis, side), stands in problem.faces_of(k).items():
             for n in problem.face_nodes(k, axis, side).tolist():
                 met[k, n].append((axis, side, stands))
-    groups: dict[int, list[tuple[int, int]]] = defaultdict(list)
-    numbers = (array.tolist() for array in problem.members)
-    for particle, block, node in zip(*numbers, strict=True):
-        groups[particle].append((block, node))
-    return [_particle(problem, members, met) for members in groups.values()]
+    return [_particle(problem, members, met) for members in problem.members]
 
 
 def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any) -> Particle:
     """faces: (block, node) -> [(axis, side, what the face meets or its condition)]."""
     particle, blocks = Particle(members), problem.blocks
     slips: list[tuple[Face, Any]] = []  # with the wall's condition; None at a solid
-    rolls: list[Face] = []
+    rolls: list[tuple[Face, Any]] = []
     for number, (k, n) in enumerate(members):
         gas = blocks[k].material if blocks[k].kind == "fluid" else None
         for axis, side, met in faces[k, n]:
             face = Face(number, axis, side)
-            if isinstance(met, Meeting):
-                if gas and blocks[met.block].kind == "solid":
-                    slips.append((face, None))
-                    conducts = gas.kappa > 0.0 and blocks[met.block].material.kappa_e > 0.0
-                    particle.sticks |= gas.mu > 0.0
-                    particle.shares_heat |= conducts
-                continue
-            if isinstance(met, Slip):
-                slips.append((face, met))
-            elif isinstance(met, Roller):
-                rolls.append(face)
-            _take_over(particle, met, gas is not None, (k, axis, side))
-    if particle.clamp is None and problem.hinged(members):
+            if not isinstance(met, Meeting):
+                if isinstance(met, (Slip, Roller)):
+                    (slips if gas else rolls).append((face, met))
+                _take_over(particle, met, gas is not None, (k, axis, side))
+            elif gas and blocks[met.block].kind == "solid":
+                slips.append((face, None))
+                particle.sticks |= gas.mu > 0.0
+                conducts = gas.kappa > 0.0 and blocks[met.block].material.kappa_e > 0.0
+                particle.shares_heat |= conducts
+    if particle.clamp is None and not problem.hinges.isdisjoint(members):
         particle.clamp = Clamped()
     if particle.sticks:
         slips = [(face, wall) for face, wall in slips if wall is not None]
     directions = {}  # outward unit normal, and unit vector from the node into the face
-    every = [*rolls, *(face for face, _ in slips)]
-    for face in every if len(every) > 1 else ():
+    for face, _ in [*slips, *rolls] if len(slips) + len(rolls) > 1 else ():
         normal, place, within = problem.face_normal(*members[face.member], face.axis, face.side)
         directions[face] = normal, (within - place) / np.linalg.norm(within - place)
 
@@ -138,36 +130,30 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
         (n, into), (m, along) = directions[one[0]], directions[other[0]]
         return bool(min(into @ m, along @ n) > CONCAVE)
 
-    def one_roller(one: Face, other: Face) -> bool:
-        return bool(directions[one][0] @ directions[other][0] > SMOOTH)
+    def one_roller(one: tuple[Face, Any], other: tuple[Face, Any]) -> bool:
+        return bool(directions[one[0]][0] @ directions[other[0]][0] > SMOOTH)
 
-    for group in _grouped(slips, one_wall):
-        walls = [face for face, wall in group if wall is not None]
-        solids = [face for face, wall in group if wall is None]
-        particle.constraints.append(Constraint(SLIPS, walls, solids))
-    rollers = _grouped(rolls, one_roller)
-    particle.constraints += [Constraint(ROLLS, group, []) for group in rollers]
+    for kind, faces_of, one in (SLIPS, slips, one_wall), (ROLLS, rolls, one_roller):
+        for group in _grouped(faces_of, one):
+            walls, solids = ([f for f, c in group if (c is None) == s] for s in (False, True))
+            particle.constraints.append(Constraint(kind, walls, solids))
     _heat_conditions(particle, [blocks[k].material for k, _ in members])
     return particle
 
 
 def _take_over(particle: Particle, met: Any, gas: bool, face: tuple[int, int, int]) -> None:
     """What a condition says beside a direction; of two of a kind that which prescribes motion."""
-
-    def take(name: str) -> None:
-        setattr(particle, name, met)
-        particle.faces[name] = face
-
-    names = {NoSlip: "wall", Slip: "slip", Clamped: "clamp"}
-    if type(met) in names:
-        known = getattr(particle, names[type(met)])
-        moving = [c.x or c.velocity for c in (met, known) if c]
-        if known is None or (moving[0] and not moving[1]):
-            take(names[type(met)])
-    elif isinstance(met, Given):
-        take("given_gas" if gas else "given_solid")
-    if getattr(met, "T", None) is not None and not isinstance(met, Open):
-        take("warm_gas" if gas else "warm_solid")
+    name = {NoSlip: "wall", Slip: "slip", Clamped: "clamp"}.get(type(met), "")
+    if isinstance(met, Given):
+        name = "given_gas" if gas else "given_solid"
+    elif name and (known := getattr(particle, name)):
+        moving, moved = (c.x or c.velocity for c in (met, known))
+        name = name if moving and not moved else ""
+    warm = getattr(met, "T", None) is not None and not isinstance(met, Open)
+    for taken in (name, ("warm_gas" if gas else "warm_solid") if warm else ""):
+        if taken:
+            setattr(particle, taken, met)
+            particle.faces[taken] = face
 
 
 def _heat_conditions(particle: Particle, materials: list[Any]) -> None:
@@ -190,9 +176,10 @@ def _grouped(faces: list[Any], one: Any) -> list[list[Any]]:
     """Faces of which each is one with all others of its group."""
     groups: list[list[Any]] = []
     for face in faces:
-        fits = (group for group in groups if all(one(face, other) for other in group))
-        group = next(fits, None)
-        if group is None:
-            groups.append(group := [])
-        group.append(face)
+        for group in groups:
+            if all(one(face, other) for other in group):
+                group.append(face)
+                break
+        else:
+            groups.append([face])
     return groups

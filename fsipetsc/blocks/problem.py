@@ -8,27 +8,18 @@ other face needs a condition.
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import product
 from typing import Any
 
 import numpy as np
 
 from fsipetsc.blocks.block import Block, Range, determinant, mesh
 from fsipetsc.blocks.conditions import Centre, Condition, Hinge, conserves_energy, steady
-from fsipetsc.blocks.expected import (
-    FaceName,
-    check_blocks,
-    check_symmetry,
-    named_faces,
-    number_of,
-)
-from fsipetsc.blocks.faces import all_faces, same_within, united
+from fsipetsc.blocks.faces import FaceName, Faces, Kinds, Meeting, face_nodes, number_of, united
 from fsipetsc.blocks.maps import place_text
-from fsipetsc.blocks.matching import Kinds, Matching, Meeting, Members
 from fsipetsc.blocks.overlap import check_overlap
-from fsipetsc.checks import Array, function
+from fsipetsc.checks import Array, described, function
 from fsipetsc.errors import InputError
-from fsipetsc.operators.bands import Band, centred_band
+from fsipetsc.operators.bands import Band, band, centred_band
 
 #: pieces along an axis by which the size of a block is estimated
 _CELLS = 32
@@ -55,9 +46,10 @@ class BlockProblem:
     notes: tuple[str, ...] = ()
     units: str = "SI"
     symmetry: int = 0
-    hinges: tuple[tuple[int, int, Hinge], ...] = field(default=(), init=False)
-    """(block, node, condition) of points."""
-    members: Members = field(init=False)
+    hinges: frozenset[tuple[int, int]] = field(default=frozenset(), init=False)
+    """(block, node) of points."""
+    members: list[list[tuple[int, int]]] = field(init=False)
+    """(block, node) of the nodes of faces that are at one place, ascending, for each place."""
     tolerance: float = field(init=False)
     """Places are the same that are no further apart than this [m]."""
 
@@ -65,20 +57,18 @@ class BlockProblem:
         blocks = tuple(self.blocks)
         self._put("blocks", blocks)
         self._put("notes", tuple(self.notes))
-        check_blocks(blocks)
+        self._check_blocks()
         form = "jumps(*X, t) -> (traction per axis, heat)"
         function(self.jumps, "BlockProblem: jumps", form, optional=True)
-        self._put("faces", named_faces(blocks, self.faces))
-        check_symmetry(blocks, self.faces, self.symmetry)
         check_overlap(blocks)
-        faces = all_faces(blocks)
-        self._put("tolerance", same_within(faces))
-        self._put("_faces", {(face.block, face.axis, face.side): face for face in faces})
-        matching = Matching(faces, self.faces, self.tolerance)
-        self._put("_kinds", matching.kinds(len(blocks)))
-        self._put("members", matching.members())
-        matching.share_places()
-        self._put("hinges", tuple(self._hinge(*point) for point in self.points))
+        faces = Faces(blocks, self.faces)
+        self._put("faces", faces.named)
+        self._check_symmetry()
+        self._put("tolerance", faces.tolerance)
+        self._put("members", faces.particles)
+        self._put("_kinds", faces.kinds)
+        self._put("_known", [faces.places(k) for k in range(len(blocks))])
+        self._put("hinges", frozenset(self._hinge(*point) for point in self.points))
 
     @property
     def dimension(self) -> int:
@@ -92,24 +82,26 @@ class BlockProblem:
 
     def band(self, k: int, order: int, axis: int) -> Band:
         """Pair weights of an axis of block k. InputError if it has too few nodes."""
-        block, found = self.blocks[k], self.blocks[k].band(order, axis)
+        block = self.blocks[k]
         images = axis == self.dimension - 1 and self.centred(k)
-        return centred_band(order, block.cells[axis], self.symmetry) if images else found
-
-    def number(self, name: str) -> int:
-        """Of a block. InputError if there is none of this name."""
-        return number_of(self.blocks, name)
+        try:
+            if images:
+                return centred_band(order, block.cells[axis], self.symmetry)
+            return band(order, block.cells[axis], block.periodic[axis])
+        except ValueError as error:
+            raise InputError(f"{block}, axis {axis}: {error}") from None
 
     def faces_of(self, k: int) -> Kinds:
         """(axis, side) -> what stands at the faces of block k; nothing on a periodic axis."""
         return self._kinds[k]
 
-    @property
-    def outer_faces(self) -> list[tuple[int, int, int]]:
-        """(block, axis, side) of the faces that no other one meets; where r = 0 is none."""
-        faces = [(k, *face) for k, kinds in enumerate(self._kinds) for face in kinds]
-        kinds = [self._kinds[k][axis, side] for k, axis, side in faces]
-        return [f for f, kind in zip(faces, kinds) if not isinstance(kind, (Meeting, Centre))]
+    @cached_property
+    def outer_faces(self) -> dict[tuple[int, int, int], Condition]:
+        """(block, axis, side) -> what stands at the faces that no other one meets; where r = 0 is
+        none.
+        """
+        every = {(k, *face): met for k, own in enumerate(self._kinds) for face, met in own.items()}
+        return {face: met for face, met in every.items() if not isinstance(met, (Meeting, Centre))}
 
     @property
     def column_of_face(self) -> dict[tuple[int, int, int], int]:
@@ -121,32 +113,40 @@ class BlockProblem:
         kind = self._kinds[k].get((axis, side))
         return isinstance(kind, Meeting) and self.blocks[kind.block].kind != self.blocks[k].kind
 
+    @cached_property
+    def _meeting(self) -> list[tuple[int, int]]:
+        """Blocks that have a face in common, of each face."""
+        every = ((k, met) for k, own in enumerate(self._kinds) for met in own.values())
+        return [(k, met.block) for k, met in every if isinstance(met, Meeting)]
+
     @property
     def joined(self) -> bool:
         """Whether there are joins of gas and gas or solid and solid."""
-        faces = ((k, *face) for k, kinds in enumerate(self._kinds) for face in kinds)
-        meeting = (f for f in faces if isinstance(self._kinds[f[0]][f[1:]], Meeting))
-        return not all(self.is_interface(*face) for face in meeting)
+        return any(self.blocks[k].kind == self.blocks[j].kind for k, j in self._meeting)
 
     def face_nodes(self, k: int, axis: int, side: int) -> Array:
         """Numbers of the nodes of a face of block k, lower axis fastest."""
-        return self._faces[k, axis, side].nodes
+        return face_nodes(self.blocks[k].shape, axis, side)
 
     def places(self, k: int, nodes: Array) -> Array:
         """X of nodes of block k, (len, d); on faces the same bits for all nodes at one place."""
         shape = self.blocks[k].shape[::-1]
-        return self._places(k, np.unravel_index(np.asarray(nodes), shape)[::-1]).T
+        return self.places_at(k, np.unravel_index(np.asarray(nodes), shape)[::-1]).T
 
     def positions(self, k: int, where: Range) -> Array:
         """X of a range of nodes of block k, (d, N), axis 0 fastest, as `places`. Beyond the ends of
         a periodic axis they go on.
         """
         index = mesh([np.arange(*ends) for ends in where])
-        return self._places(k, index).reshape(self.dimension, -1)
+        return self.places_at(k, index).reshape(self.dimension, -1)
 
-    def hinged(self, members: Iterable[tuple[int, int]]) -> bool:
-        """Whether one of these (block, node) is a point that is held."""
-        return not {(k, node) for k, node, _ in self.hinges}.isdisjoint(members)
+    def places_at(self, k: int, index: Sequence[Array]) -> Array:
+        """X (d, …) of the nodes of these indices, d arrays of one shape, as `places`."""
+        *others, i = index
+        image = (i < 0) & self.centred(k)
+        X = self.blocks[k].places([*others, np.where(image, -1 - i, i)], self._known[k])
+        X[-1] *= np.where(image, -1.0, 1.0)
+        return X
 
     def face_normal(self, k: int, node: int, axis: int, side: int) -> tuple[Array, Array, Array]:
         """At a node of a face: the outward unit normal of the reference map, the place X of the
@@ -155,31 +155,16 @@ class BlockProblem:
         """
         block, slopes, around = self.blocks[k], [], []
         index = np.array(np.unravel_index(node, block.shape[::-1]))[::-1, None]
-        here = self._places(k, index)[:, 0]
+        here = self.places_at(k, index)[:, 0]
         for along, n in enumerate(block.shape):
             steps = [s for s in (-1, 1) if block.periodic[along] or 0 <= index[along, 0] + s < n]
             unit = np.arange(self.dimension)[:, None] == along
-            places = [self._places(k, index + s * unit)[:, 0] for s in steps]
+            places = [self.places_at(k, index + s * unit)[:, 0] for s in steps]
             slopes.append(np.mean([s * (X - here) for s, X in zip(steps, places)], axis=0))
             around += places if along != axis else []
         normal = np.linalg.inv(np.array(slopes))[:, axis] * (1.0 if side else -1.0)
         normal /= np.linalg.norm(normal)
         return normal, here, np.mean(around, axis=0) if around else here - normal
-
-    def _places(self, k: int, index: Sequence[Array]) -> Array:
-        """X of the nodes of these indices, d arrays of one shape: (d, …)."""
-        block = self.blocks[k]
-        if self.centred(k) and (index[-1] < 0).any():
-            *others, i = index
-            X = self._places(k, [*others, np.where(i < 0, -1 - i, i)])
-            X[-1] *= np.where(i < 0, -1.0, 1.0)
-            return X
-        X = block.places(index)
-        for axis, side in self._kinds[k]:
-            there = index[axis] == (block.shape[axis] - 1 if side else 0)
-            if there.any():
-                X[:, there] = self._faces[k, axis, side].places([i[there] for i in index])
-        return X
 
     # what a run asks for
 
@@ -195,10 +180,8 @@ class BlockProblem:
     @cached_property
     def interfaces(self) -> list[tuple[int, int]]:
         """(block of gas, block of a solid) that have faces in common, in the order of blocks."""
-        every = ((k, met) for k in range(len(self.blocks)) for met in self.faces_of(k).values())
-        met = {(k, m.block) for k, m in every if isinstance(m, Meeting)}
-        kinds = [block.kind for block in self.blocks]
-        found = [(k, j) for k, j in met if (kinds[k], kinds[j]) == ("fluid", "solid")]
+        kinds, pair = [block.kind for block in self.blocks], ("fluid", "solid")
+        found = {(k, j) for k, j in self._meeting if (kinds[k], kinds[j]) == pair}
         return sorted(found, key=sorted)
 
     @property
@@ -212,9 +195,9 @@ class BlockProblem:
         """Of what energy comes in by: the outer faces, as "gas, axis 0, side 1"; at last that of
         forces, interfaces and points that are held.
         """
-        faces = ((self.blocks[k].name, axis, side) for k, axis, side in self.outer_faces)
-        names = [f"{name}, axis {axis}, side {side}" for name, axis, side in faces]
-        return [*names, "through no face"]
+        name = "{}, axis {}, side {}".format
+        faces = [name(self.blocks[k].name, axis, side) for k, axis, side in self.outer_faces]
+        return [*faces, "through no face"]
 
     def interface_nodes(self, number: int) -> np.ndarray:
         """Nodes of the solid on an interface, each once."""
@@ -240,11 +223,6 @@ class BlockProblem:
         d = self.dimension
         return min((_size(b) / np.prod(b.cells)) ** (1.0 / d) for b in self.blocks)
 
-    @cached_property
-    def _conditions(self) -> list[Any]:
-        """Of all faces that no other one meets."""
-        return [self.faces_of(k)[axis, side] for k, axis, side in self.outer_faces]
-
     @property
     def _forced(self) -> bool:
         """There is forcing, or interfaces get something from outside."""
@@ -253,7 +231,7 @@ class BlockProblem:
     @property
     def steady_data(self) -> bool:
         """No data of faces and no forcing depend on time."""
-        return all(map(steady, self._conditions)) and not self._forced
+        return all(map(steady, self.outer_faces.values())) and not self._forced
 
     @cached_property
     def invariants(self) -> dict[str, Any]:
@@ -264,7 +242,8 @@ class BlockProblem:
         """
         solids = [block for block in self.blocks if block.kind == "solid"]
         gases = [k for k, block in enumerate(self.blocks) if block.kind == "fluid"]
-        closed = all(map(conserves_energy, self._conditions)) and not self._forced
+        outer = self.outer_faces.values()
+        closed = all(map(conserves_energy, outer)) and not self._forced
         elastic = all(getattr(solid.material, "heat", "") == "elastic" for solid in solids)
         masses = [solid.material.m0 * _size(solid, self.symmetry) for solid in solids]
         capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
@@ -285,30 +264,77 @@ class BlockProblem:
     def bodies(self) -> list[list[int]]:
         """Numbers of the blocks of each body of gas, which joins connect."""
         gas = [block.kind == "fluid" for block in self.blocks]
-        every = ((k, met) for k, own in enumerate(gas) if own for met in self.faces_of(k).values())
-        pairs = [(k, met.block) for k, met in every if isinstance(met, Meeting) and gas[met.block]]
-        k, other = np.array(pairs, int).reshape(-1, 2).T
-        first = united(np.arange(len(gas)), [(k, other)])
+        pairs = [(k, j) for k, j in self._meeting if gas[k] and gas[j]]
+        first = united(np.arange(len(gas)), [tuple(np.array(pairs, int).reshape(-1, 2).T)])
         return [np.flatnonzero(first == k).tolist() for k in np.unique(first) if gas[k]]
 
     def _put(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)
 
-    def _hinge(self, name: str, place: Any, condition: Hinge) -> tuple[int, int, Hinge]:
-        """(block, node, condition). InputError where no node of a solid's face is at the place."""
-        k, d = self.number(name), self.dimension
+    def _check_blocks(self) -> None:
+        """InputError unless blocks have names of their own and one number of dimensions."""
+        blocks = self.blocks
+        if not blocks or not all(isinstance(block, Block) for block in blocks):
+            raise InputError("BlockProblem: blocks: expected one or more Blocks")
+        for k, block in enumerate(blocks):
+            if block.name in [other.name for other in blocks[:k]]:
+                raise InputError(f"BlockProblem: two blocks are named '{block.name}'")
+            if block.dimension != blocks[0].dimension:
+                numbers = f"{block.dimension} dimensions, {blocks[0]} {blocks[0].dimension}"
+                raise InputError(f"{block} has {numbers}: expected the same")
+
+    def _check_symmetry(self) -> None:
+        """InputError for what a problem with an axis or a centre cannot have."""
+        d, symmetry = self.dimension, self.symmetry
+        if symmetry not in (0, 1, 2)[: max(4 - d, 1)]:
+            found = f"symmetry is {described(symmetry)} in {d} dimensions"
+            wanted = "expected 0, 1 in one or two dimensions, or 2 in one"
+            raise InputError(f"{self.blocks[0]}: {found}: {wanted}")
+        for (name, *face), met in self.faces.items():
+            if isinstance(met, Centre) and not (symmetry and face == [d - 1, 0]):
+                wanted = f"expected axis {d - 1}, side 0 of a problem with an axis or a centre"
+                raise InputError(f"block '{name}', face {tuple(face)}: Centre(): {wanted}")
+        for k, block in enumerate(self.blocks if symmetry else ()):
+            if symmetry == 1 and block.kind == "solid" and self.centred(k):
+                raise InputError(
+                    f"{block}: a solid cannot reach an axis, where its stresses would be "
+                    "wrong on any grid: expected r > 0, or a centre (symmetry=2)"
+                )
+            _check_radial(block, self.centred(k))
+
+    def _hinge(self, name: str, place: Any, condition: Hinge) -> tuple[int, int]:
+        """(block, node). InputError where no node of a solid's face is at the place."""
+        k, d = number_of(self.blocks, name), self.dimension
         block, X = self.blocks[k], np.atleast_1d(np.asarray(place, float))
         where = f"{block}, point at {place_text(X)}"
         if block.kind != "solid" or not isinstance(condition, Hinge) or X.shape != (d,):
             raise InputError(f"{where}: expected (name of a solid, {d} coordinates, Hinge())")
-        nodes = np.unique([n for f in self._kinds[k] for n in self.face_nodes(k, *f)])
-        places = self.places(k, nodes)
-        apart = np.abs(places - X).max(axis=1)
+        nodes, places = self._known[k]
+        apart = np.abs(places.T - X).max(axis=1)
         i = int(np.argmin(apart))
         if not apart[i] <= 1e3 * self.tolerance:
-            nearest = place_text(places[i])
+            nearest = place_text(places[:, i])
             raise InputError(f"{where}: no node of a face is there; the nearest is at {nearest}")
-        return k, int(nodes[i]), condition
+        return k, int(nodes[i])
+
+
+def _check_radial(block: Block, centred: bool) -> None:
+    """InputError where a block does not fit around an axis or a centre."""
+    X = block.positions([(0, n) for n in block.shape])
+    r, lines = X[-1], X.reshape(block.dimension, block.shape[-1], -1)
+    if block.periods[:, -1].any() or block.prestress is not None:
+        raise InputError(f"{block}: r grows by a period, or it has a prestress: expected neither")
+    lowest = int(np.argmin(r))
+    if not r[lowest] > 1e-9 * r.max():
+        wanted = "expected r > 0 at all nodes; with Centre() a map as ball or off_axis make it"
+        raise InputError(f"{block}: a node is at {place_text(X[:, lowest])}: {wanted}")
+    first, second = lines[:, 0], lines[:, 1]
+    wrong = np.abs([*(second - first)[:-1], 3.0 * first[-1] - second[-1]]).sum(axis=0)
+    i = int(np.argmax(wrong / (second - first)[-1]))
+    if centred and not wrong[i] <= 0.1 * (second - first)[-1, i]:
+        found = f"its first nodes are at {place_text(first[:, i])} and {place_text(second[:, i])}"
+        wanted = "expected half a spacing and one and a half from r = 0, as off_axis has them"
+        raise InputError(f"{block}: Centre(): {found}: {wanted}")
 
 
 def _size(block: Block, symmetry: int = 0) -> float:
@@ -317,12 +343,13 @@ def _size(block: Block, symmetry: int = 0) -> float:
     """
     d = block.dimension
     index = [np.unique(np.linspace(0, c, min(c, _CELLS) + 1).astype(int)) for c in block.cells]
-    X, edges = block.places(mesh(index)), []
-    r = np.mean([X[-1][tuple(c)] for c in product((np.s_[1:], np.s_[:-1]), repeat=d)], axis=0)
-    for axis in range(1, d + 1):
-        edge = np.diff(X, axis=axis)
-        for other in range(1, d + 1):
-            low, high = (np.delete(edge, end, axis=other) for end in (-1, 0))
-            edge = edge if other == axis else 0.5 * (low + high)
-        edges.append(edge)
-    return float(np.abs(determinant(np.array(edges[::-1])) * r**symmetry).sum())
+    X, axes = block.places(mesh(index)), range(d, 0, -1)
+    edges = [_means(np.diff(X, axis=axis), {*axes} - {axis}) for axis in axes]
+    return float(np.abs(determinant(np.array(edges)) * _means(X, axes)[-1] ** symmetry).sum())
+
+
+def _means(values: Array, axes: Iterable[int]) -> Array:
+    """Of neighbours along axes."""
+    for axis in axes:
+        values = 0.5 * (np.delete(values, -1, axis=axis) + np.delete(values, 0, axis=axis))
+    return values

@@ -20,8 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from fsipetsc.blocks.blend import blend_of
-from fsipetsc.blocks.hull import Hull
+from fsipetsc.blocks.hull import Hull, blend_of
 from fsipetsc.blocks.metrics import Wide, differentiate
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array
@@ -33,11 +32,10 @@ class RadialMotion(NamedTuple):
     """See fsipetsc.blocks.grid.LineMotion; metrics have A as a row before J_t.
 
     like: d zeros, hoops: kappa zeros. blend, y, P, S, weight, inner, x, v: as of CubeMotion.
-    images: numbers of the wide nodes that are images before a centre, whose component along r
-    changes its sign. before: nodes of faster axes between neighbours along each axis. area, slope:
-    (W,), flat: (d, W) z and s, or w, b, slopes: (d d, W), room. source, volume: (N,) S and J of the
-    range; turning: (d d, N) d a^k/dt in two dimensions; bounds: (d d + d + 2, N) metrics by which
-    steps are bounded.
+    before: nodes of faster axes between neighbours along each axis. area, slope: (W,), flat: (d, W)
+    z and s, or w, b, slopes: (d d, W), room. source, volume: (N,) S and J of the range; turning:
+    (d d, N) d a^k/dt in two dimensions; bounds: (d d + d + 2, N) metrics by which steps are
+    bounded.
     """
 
     hull: Any
@@ -45,7 +43,6 @@ class RadialMotion(NamedTuple):
     hoops: Any
     blend: Any
     inner: Array
-    images: Array
     y: Array
     P: Array
     S: Any
@@ -93,24 +90,13 @@ class RadialMotion(NamedTuple):
 
 def radial_motion(problem: BlockProblem, k: int, wide: Wide, hull: Hull) -> RadialMotion:
     """Of a range of nodes of block k; images before a centre have numbers below 0."""
-    d, W, centred = problem.dimension, wide.y.shape[1], problem.centred(k)
-    inner, rows = wide.inner(np.arange(W)), max(-wide.wide[-1][0], 0) if centred else 0
-    images = np.arange(rows * int(np.prod(wide.sizes[:-1])))
-    blend = blend_of(problem.blocks[k], wide, hull.nodes, centred)
+    d, W, inner = problem.dimension, wide.y.shape[1], wide.inner(np.arange(wide.y.shape[1]))
+    blend = blend_of(problem.blocks[k], wide, hull.nodes, problem.centred(k))
     of_map = wide.y, wide.P, wide.S, wide.weight, tuple((1, *wide.sizes[:-1]))
     room = *np.zeros((2, W)), *np.zeros((3, d, W)), *np.zeros((2, d * d, W))
     of_range = *np.zeros((2, inner.size)), np.zeros((d * d, inner.size))
     bounds, hoops = np.zeros((d * d + d + 2, inner.size)), (0.0,) * problem.symmetry
-    of_grid = blend, inner, images, *of_map
-    return RadialMotion(hull, (0.0,) * d, hoops, *of_grid, *room, *of_range, bounds)
-
-
-@njit(**CALL)
-def place(grid, values, out):
-    """out (d, W) from values of the hull, with images."""
-    grid.blend.fill(values, out)
-    for n in grid.images:
-        out[out.shape[0] - 1, n] *= -1.0
+    return RadialMotion(hull, (0.0,) * d, hoops, blend, inner, *of_map, *room, *of_range, bounds)
 
 
 @njit(**CALL)
@@ -128,7 +114,7 @@ def radial_metrics(grid, metrics):
     """See RadialMotion.move."""
     d, kappa, x, area, flat = len(grid.like), len(grid.hoops), grid.x, grid.area, grid.flat
     last, nine = d - 1, outer(grid.like, grid.like)
-    place(grid, grid.hull.moved, x)
+    grid.blend.fill(grid.hull.moved, x)
     for n in range(area.size):
         for c in range(d):
             x[c, n] += grid.y[c, n]
@@ -163,7 +149,7 @@ def radial_velocities(grid, metrics):
     """See RadialMotion.swing."""
     d, kappa, v, area, flat = len(grid.like), len(grid.hoops), grid.v, grid.area, grid.flat
     last, nine = d - 1, outer(grid.like, grid.like)
-    place(grid, grid.hull.moving, v)
+    grid.blend.fill(grid.hull.moving, v)
     for n in range(area.size):
         for c in range(d):
             flat[c, n] = v[c, n] * (area[n] if c == last else 1.0)

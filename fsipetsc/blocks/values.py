@@ -1,6 +1,7 @@
 """What the functions of a block return for places and times, checked."""
 
 from collections.abc import Callable, Sequence
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -14,22 +15,28 @@ NOWHERE = np.empty((0, 1))
 
 
 def names_of(kind: str, what: str, d: int) -> tuple[str, ...]:
-    """What initial, exact, values and forcing of a block of a kind return, by name."""
+    """What initial, exact, values, forcing, prestress of a block of a kind return, by name."""
     u, x = "uvw"[:d], "xyz"[:d]
+    if what == "prestress":
+        return tuple(f"S_{i}{j}" for i in x for j in x)
     if kind == "solid":
         return (*u, "T", *x)
     return ("rho", *(f"rho {c}" for c in u), "e") if what == "forcing" else ("rho", *u, "T")
 
 
-def block_values(block: Any, what: str, X: Array, t: float) -> list[Array]:
-    """Values of block.initial, exact or forcing at places X (d, n) at time t [s], (n,) each.
+def block_values(
+    block: Any, what: str, X: Array, t: float, active: slice = slice(None)
+) -> list[Array]:
+    """Values of initial, exact or forcing of a block or a layer at places X (d, n) at time t [s],
+    (n,) each. active: the places at which they count.
 
     InputError, perhaps on this rank alone; rho and T must be above 0.
     """
-    where = f"{what} of block '{block.name}'" + ("" if what == "initial" else f" at t = {t:.6g}")
-    arguments = tuple(X) if what == "initial" else (*X, t)
-    names = names_of(block.kind, what, len(X))
-    return checked(getattr(block, what), arguments, X, names, where, physical=what != "forcing")
+    first = what in ("initial", "prestress")
+    where = f"{what} of {block}" + ("" if first else f" at t = {t:.6g}")
+    names = getattr(block, "unknowns", None) or names_of(block.kind, what, len(X))
+    arguments, function = tuple(X) if first else (*X, t), getattr(block, what)
+    return checked(function, arguments, X, names, where, what != "forcing", active)
 
 
 def prestress_of(block: Any, X: Array) -> Array:
@@ -37,12 +44,9 @@ def prestress_of(block: Any, X: Array) -> Array:
 
     InputError, perhaps on this rank alone.
     """
-    d = len(X)
     if block.prestress is None:
-        return np.zeros((d * d, 0))
-    names = [f"S_{i}{j}" for i in "xyz"[:d] for j in "xyz"[:d]]
-    where = f"prestress of block '{block.name}'"
-    return np.array(checked(block.prestress, tuple(X), X, names, where))
+        return np.zeros((len(X) ** 2, 0))
+    return np.array(block_values(block, "prestress", X, 0.0))
 
 
 def checked(
@@ -59,8 +63,7 @@ def checked(
     X: (d, n) places, or NOWHERE for one number each. physical: what is called rho or T must be
     above 0. active: the places at which values count.
     """
-    with np.errstate(all="ignore"):  # what comes of it is checked
-        values = call(function, tuple(arguments), where)
+    values = _called(function, arguments, where)
     expected = f"expected {len(names)} values ({', '.join(names)})"
     if values is None:
         raise _fault(function, where, f"returns nothing (is its return missing?): {expected}")
@@ -70,39 +73,40 @@ def checked(
         count = counted(len(values), "value")
         raise _fault(function, where, f"returns {count}: {expected}")
     pairs = zip(names, values, strict=True)
-    return [array_of(value, name, X, function, where, physical, active) for name, value in pairs]
+    return [_array_of(value, name, X, function, where, physical, active) for name, value in pairs]
 
 
 def checked_one(
     function: Callable[..., Any], arguments: Sequence[Any], X: Array, name: str, where: str
 ) -> Array:
     """The same of a function that returns one value."""
-    with np.errstate(all="ignore"):
-        value = call(function, tuple(arguments), where)
-    return array_of(value, name, X, function, where)
+    return _array_of(_called(function, arguments, where), name, X, function, where)
 
 
-def datum(condition: Any, name: str, X: Array, t: float) -> Array:
-    """(n,) a datum of a condition, a number or a function of (*X, t); X: (n, d). InputError."""
+def _called(function: Callable[..., Any], arguments: Sequence[Any], where: str) -> Any:
+    with np.errstate(all="ignore"):  # what comes of it is checked
+        return call(function, tuple(arguments), where)
+
+
+def datum(
+    condition: Any, name: str, X: Array, t: float, names: Sequence[str] | None = None
+) -> Array:
+    """A datum of a condition, a number or a function of (*X, t); X: (n, d). InputError.
+
+    (n,), or (n, len(names)) of a function that returns several values.
+    """
     of = getattr(condition, name)
-    if not callable(of):
-        return np.full(len(X), float(of))
     if hasattr(of, "of_time"):  # of an end in one dimension
-        return np.full(len(X), of.of_time(t))
+        of = of.of_time(t)
+    if not callable(of):
+        return np.broadcast_to(np.asarray(of, float), (len(X), *np.shape(of)))
     where = f"{name} of {type(condition).__name__} at t = {t:.6g}"
-    return checked_one(of, (*X.T, t), X.T, name, where)
-
-
-def data(condition: Any, name: str, X: Array, t: float, names: Sequence[str]) -> Array:
-    """(n, len(names)) what a condition's function of (*X, t) returns. InputError."""
-    of = getattr(condition, name)
-    if hasattr(of, "of_time"):
-        return np.full((len(X), len(names)), of.of_time(t))
-    where = f"{name} of {type(condition).__name__} at t = {t:.6g}"
+    if names is None:
+        return checked_one(of, (*X.T, t), X.T, name, where)
     return np.stack(checked(of, (*X.T, t), X.T, names, where), axis=-1)
 
 
-def array_of(
+def _array_of(
     value: Any,
     name: str,
     X: Array,
@@ -112,7 +116,9 @@ def array_of(
     active: slice = slice(None),
 ) -> Array:
     """One of the values that a function has returned, for all places. InputError."""
-    size = X.shape[1]
+    size, positive = X.shape[1], physical and name in ("rho", "T")
+    if type(value) is float and isfinite(value) and not positive:
+        return np.full(size, value)  # of ends in one dimension, several times in each stage
     try:
         array = np.asarray(value)
     except (ValueError, TypeError):  # rows of different lengths
@@ -125,7 +131,6 @@ def array_of(
         shape = f"{name} has the shape {array.shape}: expected {wanted}one number"
         raise _fault(function, where, shape)
     array = np.broadcast_to(array.astype(float, copy=False), (size,))
-    positive = physical and name in ("rho", "T")
     good = np.isfinite(array) & ((array > 0.0) | (not positive))
     if not good[active].all():
         i = (active.start or 0) + int(np.argmin(good[active]))

@@ -25,7 +25,7 @@ import numpy as np
 
 from fsipetsc import Block, BlockProblem, Fluid, Option
 from fsipetsc.blocks.conditions import Given
-from fsipetsc.blocks.maps import Map, Mapped, Places, annulus, rectangle
+from fsipetsc.blocks.maps import Map, Places, annulus, rectangle
 from fsipetsc.blocks.problem import FaceName
 from fsipetsc.cases.common import Opt, materials
 from fsipetsc.cases.disk import centre, quarter
@@ -166,7 +166,7 @@ class Panel(Body):
         return self.jump(where, top + 0.0 * X if np.ptp(Y) < np.ptp(X) else side)
 
 
-def turned(map: Map, times: int) -> Mapped:
+def turned(map: Map, times: int) -> Map:
     """The same places with the logical axes turned by so many right angles."""
 
     def places(xi: Places) -> Places:
@@ -174,7 +174,7 @@ def turned(map: Map, times: int) -> Mapped:
             xi = xi[1], 1.0 - xi[0]
         return map(xi)
 
-    return Mapped(places, 2)
+    return places
 
 
 def to_box(q: int) -> Map:

@@ -36,8 +36,7 @@ class Fluid:
     def __post_init__(self) -> None:
         ranges = {"mu": NONNEGATIVE, "kappa": NONNEGATIVE, "gamma": "above 1", "R": POSITIVE}
         numbers(self, "Fluid", ranges)
-        object.__setattr__(self, "force", checked_force(self.force, "Fluid"))
-        self.equations(len(self.force) if isinstance(self.force, tuple) else 1)
+        self.equations(np.size(self.force))
 
     @property
     def gas_law(self) -> Any:
@@ -72,21 +71,14 @@ class Fluid:
         return kind(self.gas_law, self.transport_law, self.mu, self.kappa, force)
 
 
-def checked_force(force: Any, owner: str) -> float | tuple[float, ...]:
-    """A body force [m/s2], a number or a tuple of one to three; InputError."""
-    if isinstance(force, (tuple, list)):
-        if not 1 <= len(force) <= 3:
-            expected = "expected a number, or one for each dimension"
-            raise InputError(f"{owner}: force is {described(force)}: {expected}")
-        return tuple(number(b, f"{owner}: force[{k}]", ANY, "m/s2") for k, b in enumerate(force))
-    return number(force, f"{owner}: force", ANY, "m/s2")
-
-
 def force_in(force: float | tuple[float, ...], d: int, owner: str) -> tuple[float, ...]:
-    """The body force as d numbers; InputError if it is given with others than d, but for 0."""
-    given = force if isinstance(force, tuple) else (force,)
-    if not any(given):
+    """A body force [m/s2], a number or a tuple, as d numbers; InputError if it is given with others
+    than d, but for 0.
+    """
+    given = force if isinstance(force, (tuple, list)) else (force,)
+    found = tuple(number(b, f"{owner}: force[{k}]", ANY, "m/s2") for k, b in enumerate(given))
+    if not any(found):
         return (0.0,) * d
-    if len(given) != d:
+    if len(found) != d:
         raise InputError(f"{owner}: force is {described(force)}: expected {d} numbers [m/s2]")
-    return given
+    return found

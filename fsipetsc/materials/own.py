@@ -20,7 +20,11 @@ from numba.extending import register_jitable
 
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError
-from fsipetsc.operators.loops import by_length, zeros
+from fsipetsc.materials.constant_transport import ConstantTransport
+from fsipetsc.materials.neo_hookean import NeoHookean
+from fsipetsc.materials.perfect_gas import PerfectGas
+from fsipetsc.materials.solid_pressure import ConstantPressure
+from fsipetsc.operators.loops import by_length, numbers, zeros
 
 Formula = Callable[..., Any]
 #: step of differences, relative to rho and T
@@ -28,131 +32,99 @@ STEP = 2.0**-17
 _classes: dict[str, type] = {}
 
 
-# What is not given of a gas law
+class _Gas:
+    """What is not given of a gas law."""
 
+    def energy_density(self, rho, T):
+        """rho e [J/m3]."""
+        return rho * self.internal_energy(rho, T)
 
-def energy_density(self, rho, T):
-    """rho e [J/m3]."""
-    return rho * self.internal_energy(rho, T)
+    def heat_capacity(self, rho, T):
+        """de/dT [J/(kg K)]."""
+        dT = STEP * T
+        return (self.internal_energy(rho, T + dT) - self.internal_energy(rho, T - dT)) / (2.0 * dT)
 
+    def bulk_modulus(self, rho, T):
+        """rho dp/drho [Pa]."""
+        more, less = self.pressure(rho + STEP * rho, T), self.pressure(rho - STEP * rho, T)
+        return (more - less) / (2.0 * STEP)
 
-def heat_capacity(self, rho, T):
-    """de/dT [J/(kg K)]."""
-    more, less = self.internal_energy(rho, T + STEP * T), self.internal_energy(rho, T - STEP * T)
-    return (more - less) / (2.0 * STEP * T)
+    def pressure_by_temperature(self, rho, T):
+        """dp/dT [Pa/K]."""
+        dT = STEP * T
+        return (self.pressure(rho, T + dT) - self.pressure(rho, T - dT)) / (2.0 * dT)
 
+    def sound_speed_squared(self, rho, T):
+        """dp/drho + T/(rho^2 cv) (dp/dT)^2 [m2/s2]."""
+        slope = self.pressure_by_temperature(rho, T) / rho
+        return self.bulk_modulus(rho, T) / rho + T * slope * slope / self.heat_capacity(rho, T)
 
-def bulk_modulus(self, rho, T):
-    """rho dp/drho [Pa]."""
-    more, less = self.pressure(rho + STEP * rho, T), self.pressure(rho - STEP * rho, T)
-    return (more - less) / (2.0 * STEP)
-
-
-def pressure_by_temperature(self, rho, T):
-    """dp/dT [Pa/K]."""
-    return (self.pressure(rho, T + STEP * T) - self.pressure(rho, T - STEP * T)) / (2.0 * STEP * T)
-
-
-def sound_speed_squared(self, rho, T):
-    """dp/drho + T/(rho^2 cv) (dp/dT)^2 [m2/s2]."""
-    slope = self.pressure_by_temperature(rho, T) / rho
-    return self.bulk_modulus(rho, T) / rho + T * slope * slope / self.heat_capacity(rho, T)
-
-
-def no_entropy(self, rho, T):
-    """Not a number."""
-    return np.nan * T
-
-
-# What is not given of a solid law
-
-
-def _numbers(item: str) -> Callable[[int], str]:
-    return lambda n: " return (" + "".join(item.replace("@", str(k)) + "," for k in range(n)) + ")"
+    def entropy(self, rho, T):
+        """Not a number."""
+        return np.nan * T
 
 
 #: F with F[n] raised by step
-bumped = by_length("bumped", "F, n, step", _numbers("F[@] + step * (n == @)"))
+bumped = by_length("bumped", "F, n, step", numbers("F[@] + step * (n == @)"))
 #: a + c |P - Q|
-add_slopes = by_length("add_slopes", "a, c, P, Q", _numbers("a[@] + c * abs(P[@] - Q[@])"))
+add_slopes = by_length("add_slopes", "a, c, P, Q", numbers("a[@] + c * abs(P[@] - Q[@])"))
 
 
-def wave_modulus(self, F):
-    """Upper bound of m0 c^2 [Pa]: the largest row of dP/dF, by differences."""
-    rows = zeros(F)
-    for n in range(len(F)):
-        more, less = self.stress(bumped(F, n, STEP)), self.stress(bumped(F, n, -STEP))
-        rows = add_slopes(rows, 0.5 / STEP, more, less)
-    return max(rows)
+class _Solid:
+    """What is not given of a solid law."""
+
+    def wave_modulus(self, F):
+        """Upper bound of m0 c^2 [Pa]: the largest row of dP/dF, by differences."""
+        rows = zeros(F)
+        for n in range(len(F)):
+            more, less = self.stress(bumped(F, n, STEP)), self.stress(bumped(F, n, -STEP))
+            rows = add_slopes(rows, 0.5 / STEP, more, less)
+        return max(rows)
+
+    def energy(self, F):
+        """Nothing: heat 'elastic' is refused."""
+        return 0.0
 
 
-def no_energy(self, F):
-    """Nothing: heat 'elastic' is refused."""
-    return 0.0
+class _Pressure:
+    """What is not given of a pressure of a solid."""
 
+    def pressure_by_temperature(self, J, T, m0, alpha):
+        """dp/dT [Pa/K]."""
+        dT = STEP * (1.0 + abs(T))
+        more, less = self.pressure(J, T + dT, m0, alpha), self.pressure(J, T - dT, m0, alpha)
+        return (more - less) / (2.0 * dT)
 
-# What is not given of a pressure of a solid
-
-
-def heated(self, J, T, m0, alpha):
-    """dp/dT [Pa/K]."""
-    dT = STEP * (1.0 + abs(T))
-    more, less = self.pressure(J, T + dT, m0, alpha), self.pressure(J, T - dT, m0, alpha)
-    return (more - less) / (2.0 * dT)
-
-
-def stiffness(self, J, T, m0, alpha):
-    """-J dp/dJ [Pa]."""
-    less = self.pressure(J - STEP * J, T, m0, alpha)
-    return (less - self.pressure(J + STEP * J, T, m0, alpha)) / (2.0 * STEP)
+    def stiffness(self, J, T, m0, alpha):
+        """-J dp/dJ [Pa]."""
+        less = self.pressure(J - STEP * J, T, m0, alpha)
+        return (less - self.pressure(J + STEP * J, T, m0, alpha)) / (2.0 * STEP)
 
 
 class Kind(NamedTuple):
-    """A kind of law: arguments of its formulas, which of them a case must give, the others' names
-    with what stands for them.
-
-    Arguments: rho [kg/m3], T [K], e [J/kg], p [Pa]; F: the deformation gradient, d*d numbers row by
-    row; J: det F, m0: density at rest, alpha: specific heat.
+    """A kind of law. maker: what makes one of functions. like: a law that has all its formulas.
+    derived: those that a case need not give.
     """
 
     maker: str
-    arguments: Mapping[str, str]
-    needed: tuple[str, ...]
-    derived: Mapping[str, Formula] = {}
+    like: type
+    derived: type = object
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Of all formulas."""
-        return (*self.needed, *self.derived)
-
-    def form(self, name: str) -> str:
-        """A formula with its arguments."""
-        return f"{name}({self.arguments.get(name, self.arguments[''])})"
+    def forms(self) -> dict[str, str]:
+        """Names of all formulas -> their arguments, as in "rho, T"."""
+        every = _formulas(self.like).items()
+        return {name: ", ".join([*inspect.signature(of).parameters][1:]) for name, of in every}
 
 
-GAS = Kind(
-    "gas_law",
-    {"": "rho, T", "temperature": "rho, e", "density": "p, T", "temperature_of": "rho, p"},
-    ("pressure", "internal_energy", "temperature", "density", "temperature_of"),
-    {
-        "energy_density": energy_density,
-        "heat_capacity": heat_capacity,
-        "bulk_modulus": bulk_modulus,
-        "pressure_by_temperature": pressure_by_temperature,
-        "sound_speed_squared": sound_speed_squared,
-        "entropy": no_entropy,
-    },
-)
-TRANSPORT = Kind("transport_law", {"": "T"}, ("viscosity", "conductivity"))
-SOLID = Kind(
-    "solid_law", {"": "F"}, ("stress",), {"wave_modulus": wave_modulus, "energy": no_energy}
-)
-PRESSURE = Kind(
-    "pressure_law",
-    {"": "J, T, m0, alpha"},
-    ("pressure",),
-    {"pressure_by_temperature": heated, "stiffness": stiffness},
-)
+GAS, SOLID = Kind("gas_law", PerfectGas, _Gas), Kind("solid_law", NeoHookean, _Solid)
+TRANSPORT = Kind("transport_law", ConstantTransport)
+PRESSURE = Kind("pressure_law", ConstantPressure, _Pressure)
+
+
+def _formulas(cls: type) -> dict[str, Formula]:
+    """The methods of a class by name."""
+    every = vars(cls).items()
+    return {name: of for name, of in every if isinstance(of, FunctionType) and name[0] != "_"}
 
 
 def gas_law(**formulas: Formula) -> Any:
@@ -193,17 +165,17 @@ def checked_law(law: Any, what: str, kind: Kind) -> Any:
     cls = type(law)
     if not (isinstance(law, tuple) and hasattr(cls, "_fields")):
         raise InputError(f"{what} is {described(law)}: expected what {kind.maker}(…) returns")
-    if cls.__module__.startswith("fsipetsc.") and all(hasattr(cls, name) for name in kind.names):
+    given, names = _formulas(cls), _formulas(kind.like).keys()
+    if cls.__module__.startswith("fsipetsc.") and names <= given.keys():
         return law
-    given = {n: f for n, f in vars(cls).items() if isinstance(f, FunctionType) and n[0] != "_"}
-    _check(what, kind, {n: f for n, f in given.items() if n in kind.names}, "self, ")
+    _check(what, kind, {name: given[name] for name in names & given.keys()}, "self, ")
     numbers = tuple(float(v) if isinstance(v, (int, float)) else v for v in law)
-    return _class(cls.__name__, cls._fields, {**kind.derived, **given})(*numbers)
+    return _class(cls.__name__, cls._fields, {**_formulas(kind.derived), **given})(*numbers)
 
 
 def knows_energy(law: Any) -> bool:
     """Whether a solid law has an energy."""
-    return type(law).energy is not no_energy
+    return type(law).energy is not _Solid.energy
 
 
 def check_solid_law(law: Any, d: int) -> None:
@@ -227,7 +199,7 @@ def _law_of(kind: Kind, formulas: Mapping[str, Formula]) -> Any:
     """A law without numbers, of functions."""
     plain = {name: getattr(formula, "py_func", formula) for name, formula in formulas.items()}
     _check(kind.maker, kind, plain, "")
-    methods = dict(kind.derived)
+    methods = _formulas(kind.derived)
     for name, formula in plain.items():
         arguments = ", ".join(inspect.signature(formula).parameters)
         space = {"formula": register_jitable(formula)}
@@ -240,18 +212,19 @@ def _law_of(kind: Kind, formulas: Mapping[str, Formula]) -> Any:
 
 def _check(what: str, kind: Kind, given: Mapping[str, Formula], first: str) -> None:
     """InputError for a formula that is missing, unknown or has not its arguments."""
-    for name in kind.needed:
-        if name not in given:
-            raise InputError(f"{what}: the formula {kind.form(name)} is missing")
+    forms, derived = kind.forms(), _formulas(kind.derived)
+    for name in forms:
+        if name not in given and name not in derived:
+            raise InputError(f"{what}: the formula {name}({forms[name]}) is missing")
     for name, formula in given.items():
-        if name not in kind.names:
-            raise InputError(f"{what}: no formula '{name}': expected {', '.join(kind.names)}")
-        form = kind.form(name)
+        if name not in forms:
+            raise InputError(f"{what}: no formula '{name}': expected {', '.join(forms)}")
+        form = f"{name}({first}{forms[name]})"
         if not inspect.isfunction(formula):
             raise InputError(f"{what}: {name} is {described(formula)}: expected a function {form}")
         found = ", ".join(inspect.signature(formula).parameters)
-        if found.count(",") != (first + form).count(","):
-            raise InputError(f"{what}: {name}({found}): expected {form.replace('(', '(' + first)}")
+        if found.count(",") != form.count(","):
+            raise InputError(f"{what}: {name}({found}): expected {form}")
 
 
 def _compile(what: str, formula: Formula, count: int) -> None:

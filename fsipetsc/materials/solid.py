@@ -3,11 +3,13 @@
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, described, numbers
 from fsipetsc.equations.solid import AxialSolid, RadialSolid, Solid
 from fsipetsc.errors import InputError
 from fsipetsc.materials import own
-from fsipetsc.materials.fluid import checked_force, force_in
+from fsipetsc.materials.fluid import force_in
 from fsipetsc.materials.linear_elastic import LinearElastic
 from fsipetsc.materials.log_solid import Log
 from fsipetsc.materials.neo_hookean import NeoHookean
@@ -15,12 +17,7 @@ from fsipetsc.materials.solid_pressure import ConstantPressure
 from fsipetsc.materials.st_venant_kirchhoff import StVenantKirchhoff
 
 #: laws by name
-LAWS = {
-    "log": Log,
-    "neo-hookean": NeoHookean,
-    "svk": StVenantKirchhoff,
-    "linear": LinearElastic,
-}
+LAWS = {"log": Log, "neo-hookean": NeoHookean, "svk": StVenantKirchhoff, "linear": LinearElastic}
 HEATS = ("coupled", "elastic")
 
 
@@ -56,11 +53,11 @@ class ElasticSolid:
         if self.heat not in HEATS:
             expected = " or ".join(map(repr, HEATS))
             raise InputError(f"ElasticSolid: heat is {described(self.heat)}: expected {expected}")
-        object.__setattr__(self, "force", checked_force(self.force, "ElasticSolid"))
+        force_in(self.force, np.size(self.force), "ElasticSolid")
         law = self.solid_law
         if self.heat == "elastic" and not own.knows_energy(law):
-            problem = "its law has no formula energy(F), which heat='elastic' needs"
-            raise InputError(f"ElasticSolid: {problem}")
+            needs = "its law has no formula energy(F), which heat='elastic' needs"
+            raise InputError(f"ElasticSolid: {needs}")
         self.pressure_law  # noqa: B018  (checks it)
 
     @property
@@ -93,24 +90,18 @@ class ElasticSolid:
         In three dimensions p_ref is left out of the stress: faces have it (fsipetsc.blockrun.
         face_terms), so that a solid under p_ref is at rest exactly.
         """
-        force = force_in(self.force, d, "ElasticSolid")
-        return Solid(self._law_in(d, d == 3), self.pressure_law, *self._constants, force)
+        return Solid(*self._in(d, d == 3), force_in(self.force, d, "ElasticSolid"))
 
     def radial_equations(self, symmetry: int, d: int = 1) -> RadialSolid:
         """Its equations around an axis (1) or a centre (2), without p_ref, too. InputError."""
         force, kind = force_in(self.force, d, "ElasticSolid"), (RadialSolid, AxialSolid)[d - 1]
-        laws = self._law_in(symmetry + d, True), self.pressure_law
         p_ref = self.p_ref if isinstance(self.law, str) else 0.0
-        return kind(*laws, *self._constants, force, (0.0,) * symmetry, p_ref)
+        return kind(*self._in(symmetry + d, True), force, (0.0,) * symmetry, p_ref)
 
-    @property
-    def _constants(self) -> tuple[float, ...]:
-        coupled = 1.0 if self.heat == "coupled" else 0.0
-        return self.m0, self.alpha, self.kappa_e, coupled
-
-    def _law_in(self, d: int, without_p_ref: bool) -> Any:
-        law = self.solid_law
+    def _in(self, d: int, without_p_ref: bool) -> tuple[Any, ...]:
+        """Laws and constants of the equations."""
+        law, coupled = self.solid_law, 1.0 if self.heat == "coupled" else 0.0
         if without_p_ref and isinstance(self.law, str):
             law = law._replace(p_ref=0.0)
         own.check_solid_law(law, d)
-        return law
+        return law, self.pressure_law, self.m0, self.alpha, self.kappa_e, coupled

@@ -7,7 +7,7 @@ layers, each interlaced (gas rho, rho u, e; solid u, sigma, T, x).
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.boundaries import INTERFACE_END, Wall, degree_of, heat_of, needs_stretching
+from fsipetsc.boundaries import INSULATED, INTERFACE_END, Wall, degree_of, heat_of
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import SBPOperator, row_length
 from fsipetsc.paper.ends import nodes_needed
@@ -71,7 +71,7 @@ def check_form(problem: Problem) -> None:
         reason = "a gas lies between two solids"
     for k in fluids:
         end = problem.left if k == 0 else problem.right
-        if not reason and isinstance(end, Wall) and needs_stretching(end):
+        if not reason and isinstance(end, Wall) and (end.moves or heat_of(end)[0] != INSULATED):
             doing = "moves" if end.moves else "gives or takes heat"
             reason = f"the wall of layer '{problem.layers[k].name}' {doing}"
     if reason:
