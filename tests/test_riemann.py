@@ -5,7 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fsipetsc.cases.riemann import GasState, GasWave, Riemann, SolidState, behind_shock
+from fsipetsc.cases.riemann import (
+    GasState,
+    GasWave,
+    Riemann,
+    SolidState,
+    SolidWave,
+    behind_shock,
+)
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
 
@@ -14,7 +21,8 @@ GAS = Fluid(0.0, 0.0, 1.4, 1.0)
 
 def problem(left, p, u=0.0, F=1.0, m0=0.5) -> Riemann:
     """A gas before a solid under the pressure p."""
-    return Riemann(GAS, Solid(4.0, 0.0, m0, 1.3), left, SolidState(u, -p, 0.9, F))
+    solid = SolidWave(Solid(4.0, 0.0, m0, 1.3), SolidState(u, -p, 0.9, F))
+    return Riemann(GasWave(GAS, left), solid)
 
 
 HIGH = GasState(1.0, 0.0, 1.0)
@@ -56,15 +64,15 @@ def test_both_sides_have_one_velocity_and_pressure_and_nothing_is_lost(name):
     p, u = r.p, r.u
     gas, (solid, _) = r.in_gas(np.array([u]), 1.0), r.in_solid(np.array([0.0]), 1.0)
     assert abs(gas.u[0] - solid.u[0]) < 1e-12 and abs(gas.p[0] + solid.sigma[0]) < 1e-12 * max(p, 1)
-    waves = [t * v for v in r.gas_wave.speeds(p)]
+    waves = [t * v for v in r.gas.speeds(p)]
     found = total(lambda x: of_gas(r.in_gas(x, t))[0], -far, *waves, t * u)
-    U, F = of_gas(r.left)
+    U, F = of_gas(r.gas.before)
     came = t * (F - np.array([0.0, p, p * u]))
     assert np.abs(found - far * U - came).max() < 1e-11 * np.abs(far * U).max()
-    front, back = r.solid_wave.speeds(p)
+    front, back = r.solid.speeds(p)
     edges = 0.0, t * back, t * front, far
-    found = total(lambda X: of_solid(r.solid, r.in_solid(X, t)[0])[0], *edges)
-    U, F = of_solid(r.solid, r.right)
+    found = total(lambda X: of_solid(r.solid.solid, r.in_solid(X, t)[0])[0], *edges)
+    U, F = of_solid(r.solid.solid, r.solid.before)
     came = t * (np.array([-u, p, p * u]) - F)
     assert np.abs(found - far * U - came).max() < 1e-11 * np.abs(far * U).max()
 

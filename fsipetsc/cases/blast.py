@@ -13,7 +13,6 @@ from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases.common import Opt, at_rest, elastic_of, gas_of, materials, stack
 from fsipetsc.checks import Array, Fields
 
-NAME = "blast"
 SUMMARY = "a pressure pulse under an elastic plate, in two dimensions"
 
 OPTIONS = (

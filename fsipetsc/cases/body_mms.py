@@ -33,7 +33,6 @@ from fsipetsc.cases.manufactured import QUARTER, TIME, Solution, Waves, cofactor
 from fsipetsc.checks import Array, Fields
 from fsipetsc.materials.solid import ElasticSolid
 
-NAME = "body_mms"
 SUMMARY = "a disk, a ring or a panel in gas on joined blocks, a manufactured solution"
 
 SHAPES = "disk", "ring", "panel"

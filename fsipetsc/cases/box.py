@@ -12,7 +12,6 @@ from fsipetsc import FluidLayer, Problem, SolidLayer, Wall
 from fsipetsc.cases.common import Opt, constant, gas_of, materials, solid_of
 from fsipetsc.checks import Array, Fields
 
-NAME = "box"
 SUMMARY = "gas | solid | gas in a closed box, which conserves mass and energy"
 
 OPTIONS = (

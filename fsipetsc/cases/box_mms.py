@@ -16,7 +16,6 @@ from fsipetsc.cases.manufactured import Solution
 from fsipetsc.checks import Array
 from fsipetsc.materials.solid import ElasticSolid
 
-NAME = "box_mms"
 SUMMARY = "gas | solid in one, two or three dimensions, a manufactured solution"
 
 OPTIONS = (

@@ -10,7 +10,6 @@ from fsipetsc import FluidLayer, Option, Problem, SolidLayer, clamped
 from fsipetsc.cases.common import Opt, constant, gas_of, line_at_rest, materials, solid_of
 from fsipetsc.checks import Array, Fields
 
-NAME = "column"
 SUMMARY = "solid | gas | solid | gas | solid: a pulse runs through five layers"
 
 OPTIONS = (

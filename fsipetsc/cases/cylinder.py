@@ -16,7 +16,6 @@ from fsipetsc.cases.riemann import GasState, shock_in_plane
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import above_one
 
-NAME = "cylinder"
 SUMMARY = "a shock runs over an elastic or a rigid cylinder, in two dimensions"
 
 OPTIONS = (

@@ -16,7 +16,6 @@ from fsipetsc.blocks.maps import Map, Places, annulus
 from fsipetsc.cases.common import Opt, cells_of, constant, elastic_of, gas_of, materials
 from fsipetsc.checks import Array, Fields
 
-NAME = "disk"
 SUMMARY = "an elastic disk of five blocks that spins in gas"
 
 OPTIONS = (

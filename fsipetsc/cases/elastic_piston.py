@@ -20,7 +20,6 @@ from fsipetsc.cases.common import Opt, stack
 from fsipetsc.checks import Array, Fields
 from fsipetsc.materials.solid import ElasticSolid
 
-NAME = "elastic_piston"
 SUMMARY = "an elastic rod recedes from a gas or advances into it, with an exact solution"
 OPTIONS = (
     Option("piston_way", str, "receding", "", "what the rod does", ("receding", "advancing")),

@@ -22,7 +22,6 @@ from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import above_one
 
-NAME = "fin"
 SUMMARY = "a shock hits a clamped panel in a shock tube and bends it, in two dimensions"
 
 OPTIONS = (

@@ -16,7 +16,6 @@ from fsipetsc import Dirichlet, FluidLayer, InputError, Problem, SolidLayer
 from fsipetsc.cases.common import PAPER, Opt, gas_of, materials, solid_of
 from fsipetsc.checks import Array, Fields
 
-NAME = "mms"
 SUMMARY = "manufactured solution: errors against the exact solution (Sec. 5.1)"
 
 OPTIONS = (

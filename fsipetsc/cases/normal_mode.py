@@ -15,8 +15,10 @@ solid is free of strain under it.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial import Chebyshev
 from scipy.linalg import eig
 
 from fsipetsc import Fluid, InputError
@@ -28,7 +30,8 @@ POINTS = 36
 #: eigenvalues larger than this times k c are those of the collocation itself; modes change less
 #: than this with more points
 LARGE, RESOLVED = 200.0, 1e-7
-GAS, SOLID = ("rho", "u", "v", "T"), ("x", "y", "U", "V")
+#: (field, point) of a row -> field and its weights, the sum of which is 0
+Conditions = dict[tuple[int, int], list[tuple[int, Array]]]
 
 
 def chebyshev(n: int, low: float, high: float) -> tuple[Array, Array]:
@@ -43,26 +46,31 @@ def chebyshev(n: int, low: float, high: float) -> tuple[Array, Array]:
     return low + (x + 1) / 2 * (high - low), D * 2 / (high - low)
 
 
-def interpolated(values: Array, low: float, high: float, y: Array) -> Array:
-    """The polynomial through values at the points of ``chebyshev``, at y (barycentric formula)."""
-    n = len(values)
-    points = chebyshev(n, low, high)[0]
-    weights = (-1.0) ** np.arange(n)
-    weights[[0, -1]] /= 2
-    gaps = np.asarray(y)[..., None] - points
-    exact = gaps == 0
-    terms = weights / np.where(exact, 1.0, gaps)
-    terms = np.where(exact.any(axis=-1, keepdims=True), exact.astype(float), terms)
-    return (terms * values).sum(axis=-1) / terms.sum(axis=-1)
+def eigenmodes(A: Array, B: Array, conditions: Conditions) -> tuple[Array, Array]:
+    """(s, modes (…, fields, n)) of A z = s B z; both matrices are (fields, n, fields, n), and some
+    of their rows give way to conditions.
+    """
+    for row, terms in conditions.items():
+        A[row] = B[row] = 0.0
+        for field, weights in terms:
+            A[row][field] += weights
+    size = A.shape[0] * A.shape[1]
+    values, vectors = eig(A.reshape(size, size), B.reshape(size, size))
+    return values, vectors.T.reshape(size, *A.shape[:2])
 
 
-@dataclass(frozen=True)
-class Mode:
-    """s [1/s], and across the layers the amplitudes of (rho, u, v, T) and of (x, y, U, V)."""
+def polynomials(x: Array, values: Array) -> list[Chebyshev]:
+    """Those through the values (fields, n) at the points of ``chebyshev``."""
+    return [Chebyshev.fit(x, row, len(x) - 1, (x[-1], x[0])) for row in values]
+
+
+class Mode(NamedTuple):
+    """s [1/s], and across the layers the amplitudes of the unknowns of gas and solid: (rho, u, v,
+    T) and (x, y, U, V)."""
 
     s: complex
-    gas: Array
-    solid: Array
+    gas: list[Chebyshev]
+    solid: list[Chebyshev]
 
 
 @dataclass(frozen=True)
@@ -87,23 +95,23 @@ class Layers:
         raise InputError("no normal mode of the layers is resolved")
 
     def _modes(self, k: float, n: int) -> list[Mode]:
-        values, vectors = eig(*self._matrices(k, n))
+        (y, D), (y_s, E) = chebyshev(n, 0.0, self.height), chebyshev(n, -self.depth, 0.0)
+        values, vectors = eigenmodes(*self._matrices(k, D, E))
         c = np.sqrt(self.gas.gamma * self.gas.R * self.T)
         found = []
         for i in np.argsort(values.imag):
-            s, parts = complex(values[i]), vectors[:, i].reshape(8, n)
+            s, parts = complex(values[i]), vectors[i]
             swings = s.imag > max(abs(s.real), 1e-6 * k * c)
             if np.isfinite(s) and abs(s) < LARGE * k * c and swings:
                 ends = parts[4:6, 0]
                 parts = parts / ends[np.argmax(np.abs(ends))]
-                found.append(Mode(s, parts[:4], parts[4:]))
+                found.append(Mode(s, polynomials(y, parts[:4]), polynomials(y_s, parts[4:])))
         return found
 
-    def _matrices(self, k: float, n: int) -> tuple[Array, Array]:
-        """A z = s B z, z the four unknowns of the gas and the four of the solid, each at n points
-        from above."""
-        (_, D), (_, E) = chebyshev(n, 0.0, self.height), chebyshev(n, -self.depth, 0.0)
-        gas, rho, T = self.gas, self.rho, self.T
+    def _matrices(self, k: float, D: Array, E: Array) -> tuple[Array, Array, Conditions]:
+        """Of ``eigenmodes``; z are the four unknowns of the gas and the four of the solid, with the
+        derivatives D and E, each at n points from above."""
+        gas, rho, T, n = self.gas, self.rho, self.T, len(D)
         A, B = np.zeros((8, n, 8, n), complex), np.zeros((8, n, 8, n))
         one, ik, D2, E2 = np.eye(n), 1j * k, D @ D, E @ E
         mu, kappa, p = gas.mu, gas.kappa, rho * gas.R * T
@@ -122,25 +130,20 @@ class Layers:
         A[6, :, 4], A[6, :, 5] = m * E2 - K * k * k * one, (lam + m) * ik * E
         A[7, :, 4], A[7, :, 5] = (lam + m) * ik * E, K * E2 - m * k * k * one
 
-        def condition(c: int, i: int, *terms: tuple[int, Array]) -> None:
-            A[c, i], B[c, i] = 0.0, 0.0
-            for which, row in terms:
-                A[c, i, which] += row
-
         first, last = one[0], one[-1]
-        condition(2, 0, (2, first))
-        condition(2, -1, (2, last), (7, -first))
-        condition(6, -1, (6, last))
-        condition(7, -1, (7, last))
         normal = [(c, part * last) for c, part in pressure.items()]
         normal += [(2, -4 / 3 * mu * D[-1]), (1, 2 / 3 * mu * ik * last)]
-        condition(7, 0, (5, K * E[0]), (4, lam * ik * first), *normal)
         shear = [(1, -mu * D[-1]), (2, -mu * ik * last)]
-        condition(6, 0, (4, m * E[0]), (5, m * ik * first), *shear)
+        conditions: Conditions = {
+            (2, 0): [(2, first)],
+            (2, -1): [(2, last), (7, -first)],
+            (6, -1): [(6, last)],
+            (7, -1): [(7, last)],
+            (7, 0): [(5, K * E[0]), (4, lam * ik * first), *normal],
+            (6, 0): [(4, m * E[0]), (5, m * ik * first), *shear],
+        }
         if mu > 0:
-            condition(1, 0, (1, first))
-            condition(1, -1, (1, last), (6, -first))
+            conditions |= {(1, 0): [(1, first)], (1, -1): [(1, last), (6, -first)]}
         if kappa > 0:
-            condition(3, 0, (3, D[0]))
-            condition(3, -1, (3, D[-1]))
-        return A.reshape(8 * n, 8 * n), B.reshape(8 * n, 8 * n)
+            conditions |= {(3, 0): [(3, D[0])], (3, -1): [(3, D[-1])]}
+        return A, B, conditions

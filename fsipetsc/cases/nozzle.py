@@ -17,7 +17,6 @@ from fsipetsc.checks import Array
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import Option, above_one
 
-NAME = "nozzle"
 SUMMARY = "a shock runs through an elastic nozzle, around an axis"
 
 OPTIONS = (

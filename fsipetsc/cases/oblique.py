@@ -23,7 +23,6 @@ from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases.common import SHOCKS, Opt, at_rest, beside_gas, constant, elastic_of, stack
 from fsipetsc.options import above_one
 
-NAME = "oblique"
 SUMMARY = "an oblique shock reflected from a rigid wall or an elastic layer, in two dimensions"
 
 OPTIONS = (

@@ -27,7 +27,6 @@ from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import above_one
 
-NAME = "panel"
 SUMMARY = "supersonic flow over an elastic panel set into a wall, which flutters"
 
 OPTIONS = (

@@ -10,7 +10,6 @@ from math import cos, pi, sin
 from fsipetsc import FluidLayer, Option, Problem, SolidLayer, Wall
 from fsipetsc.cases.common import Opt, constant, gas_of, line_at_rest, materials, solid_of
 
-NAME = "piston"
 SUMMARY = "a wall that moves drives gas against an elastic layer: gas | solid | gas"
 
 OPTIONS = (

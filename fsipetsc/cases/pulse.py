@@ -19,7 +19,6 @@ from fsipetsc.boundaries import absorbing
 from fsipetsc.cases.common import PAPER, Opt, gas_of, materials, solid_of
 from fsipetsc.checks import Array, Fields
 
-NAME = "pulse"
 SUMMARY = "a sound pulse meets a solid | fluid interface: reflection and transmission (Sec. 4)"
 
 OPTIONS = (

@@ -20,7 +20,6 @@ from fsipetsc.cases.shock import DENSE, GAMMA, LOW, R, Solution
 from fsipetsc.checks import Array, Fields
 from fsipetsc.materials.solid import ElasticSolid
 
-NAME = "tube"
 SUMMARY = "a shock tube in a plane, along X, across Y or into an elastic layer: exact solution"
 
 OPTIONS = (

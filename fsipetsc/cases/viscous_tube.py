@@ -14,7 +14,6 @@ from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases.common import SHOCKS, Opt, stack
 from fsipetsc.checks import Array, Fields
 
-NAME = "viscous_tube"
 SUMMARY = "a shock and the boundary layer it has left in a closed box, in two dimensions"
 OPTIONS = (Option("tube_reynolds", float, 200.0, "", "Reynolds number", check="positive"),)
 DEFAULTS = {"fsi_h": 1 / 100, "fsi_order": 4, "ts_max_time": 1.0, "fsi_output_dt": 0.1, **SHOCKS}
