@@ -10,9 +10,9 @@ around it. With D a displacement, X material places and labels of the gas,
     density of the gas    rho = 1 + .2 cos(1.2 X + 1.7 Y - t)
 
 b is 0 at interfaces: (R^2 - 1)/(R^2 + 1) around the disk, whose radius is 1; at the panel the
-product of the distances from its three sides. The grid of the gas is blended between walls and body, so
-that its nodes have other labels at each time: X + D(X, t) is solved for X. All unknowns are given
-on the outer walls, which move, too. See fsipetsc.cases.manufactured.
+product of the distances from its three sides. The grid of the gas is blended between walls and
+body, so that its nodes have other labels at each time: X + D(X, t) is solved for X. All unknowns
+are given on the outer walls, which move, too. See fsipetsc.cases.manufactured.
 """
 
 from collections.abc import Callable
@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc import Block, BlockProblem, Fluid, Option
+from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.conditions import Given
 from fsipetsc.blocks.maps import Map, Mapped, Places, rectangle
 from fsipetsc.blocks.problem import FaceName
@@ -29,7 +29,6 @@ from fsipetsc.cases.common import Opt, materials
 from fsipetsc.cases.disk import centre, quarter
 from fsipetsc.cases.manufactured import QUARTER, TIME, Solution, Waves, cofactor, determinant, unit
 from fsipetsc.checks import Array, Fields
-from fsipetsc.materials.solid import ElasticSolid
 
 SUMMARY = "a disk or a panel in gas on joined blocks, a manufactured solution"
 
@@ -40,8 +39,6 @@ OPTIONS = (
 )
 DEFAULTS = {"fsi_h": 1 / 16, "fsi_order": 4, "ts_max_time": 0.1, "fsi_output_dt": 0.1}
 
-#: options in the order that the solution has them
-MATERIALS = "fluid_mu", "fluid_kappa", "solid_kappa", "solid_law"
 #: half the side of the box and of the block in the middle of the disk
 BOX, HALF = 2.0, 0.45
 #: X and Y of the edges of the blocks around the panel
@@ -62,13 +59,14 @@ class Body(Solution):
 
     moved: Callable[[Array, Array, float], Array]
 
-    def __post_init__(self) -> None:
+    def __init__(self, opt: Opt) -> None:
+        super().__init__(2, opt)
         D = (0.06, phase(1.9, 0.7, 1.0, 1)), (0.06, phase(1.3, -1.7, 2.0))
         drift = (0.3, phase(1.4, -0.6, -1.0, 1)), (0.2, phase(0.9, 1.5, 2.0))
         T, rho = (1.0, [(0.15, phase(1.6, -1.1, 1.0, 1))]), (1.0, [(0.2, phase(1.2, 1.7, -1.0))])
-        object.__setattr__(self, "displacement", Waves(*((0.0, [wave]) for wave in D)))
-        object.__setattr__(self, "temperature", Waves(T))
-        object.__setattr__(self, "of_gas", Waves(rho, *((0.0, [wave]) for wave in drift), T))
+        self.displacement = Waves(*((0.0, [wave]) for wave in D))
+        self.temperature = Waves(T)
+        self.of_gas = Waves(rho, *((0.0, [wave]) for wave in drift), T)
 
     def grid(self, where: Any) -> tuple[Array, Array, Array]:
         """x_X, w and w_X at labels, without eta: all gas moves with D."""
@@ -192,11 +190,9 @@ def blocks_of(shape: str) -> tuple[dict[str, Map], list[FaceName]]:
 
 def build(opt: Opt) -> BlockProblem:
     """-fsi_h: of the side of each block, which is 1 in logical coordinates."""
-    body = Disk if opt["body_shape"] == "disk" else Panel
-    exact: Body = body(2, *(opt[name] for name in MATERIALS))
-    numbers = exact.mu_e, exact.lambda_e, exact.kappa_e, exact.m0, exact.alpha
-    gas = Fluid(exact.mu, exact.kappa, exact.gamma, exact.R), exact.exact_gas, exact.force_gas
-    solid = ElasticSolid(*numbers, law=exact.law), exact.exact_solid, exact.force_solid
+    exact: Body = (Disk if opt["body_shape"] == "disk" else Panel)(opt)
+    gas = exact.fluid, exact.exact_gas, exact.force_gas
+    solid = exact.body, exact.exact_solid, exact.force_solid
     walls: Any = {"x": lambda X, Y, t: np.stack([X, Y]) + exact.moved(X, Y, t)[0]}
     of_gas = Given(exact.exact_gas, **walls, velocity=lambda *at: exact.moved(*at)[1])
     of_solid = Given(exact.exact_solid)
