@@ -6,14 +6,11 @@ periodic along the other axes; with -box_periodic false all unknowns are given a
 the equations lack is their forcing; what traction and heat flux lack at the interface is supplied.
 """
 
-from typing import Any
-
 from fsipetsc import BlockProblem, Option
 from fsipetsc.blocks.conditions import Given, NoSlip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases.common import Opt, materials, stack
 from fsipetsc.cases.manufactured import Solution
-from fsipetsc.checks import Array
 
 SUMMARY = "gas | solid in one, two or three dimensions, a manufactured solution"
 
@@ -31,10 +28,10 @@ def build(opt: Opt) -> BlockProblem:
     d = opt["box_dimension"]
     exact = Solution(d, opt)
 
-    def wall_temperature(*where: Any) -> Array:
+    def wall_temperature(*where):
         return exact.temperature.at(where).value[0]
 
-    def layer(name: str, material: Any, low: float, of: Any, forcing: Any) -> Layer:
+    def layer(name, material, low, of, forcing):
         sides = None if opt["box_periodic"] or d == 1 else Given(of)
         start = lambda *X: of(*X, 0.0)  # noqa: E731
         more = {"sides": sides, "forcing": forcing, "exact": of}

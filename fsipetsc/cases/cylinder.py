@@ -9,7 +9,7 @@ import numpy as np
 
 from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.conditions import Condition, Outflow, Slip
-from fsipetsc.blocks.maps import Map, Mapped, Places
+from fsipetsc.blocks.maps import Map, Mapped
 from fsipetsc.cases.common import SHOCKS, Opt, at_rest, beside_gas, elastic_of, gas_of
 from fsipetsc.cases.disk import between, centre, quarter
 from fsipetsc.cases.riemann import GasState, shock_in_plane
@@ -34,7 +34,7 @@ CORNERS = np.array([(2.5, -1.5), (2.5, 1.5), (-1.5, 1.5), (-1.5, -1.5)])
 def in_gas(q: int) -> Map:
     """From the circle to a side of the channel; quarter 0 is on the right, 1 above."""
 
-    def places(xi: Places) -> Places:
+    def places(xi):
         angle = np.pi / 4 * (2.0 * xi[1] - 1.0 + 2.0 * q)
         circle = RADIUS * np.cos(angle), RADIUS * np.sin(angle)
         ends = zip(CORNERS[q], CORNERS[(q + 1) % 4])

@@ -9,7 +9,7 @@ import numpy as np
 
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Centre, Clamped, Condition, Outflow, Slip
-from fsipetsc.blocks.maps import Mapped, Places, off_axis
+from fsipetsc.blocks.maps import Mapped, off_axis
 from fsipetsc.blocks.problem import BlockProblem, FaceName
 from fsipetsc.cases.common import SHOCKS, Opt, at_rest, beside_gas, constant, elastic_of, gas_of
 from fsipetsc.cases.riemann import GasState, shock_in_plane
@@ -40,7 +40,7 @@ def radius(z: Array) -> Array:
 def between(low: float, high: float) -> Mapped:
     """From so far beyond the inner side of the wall to so far; high = 0: to the vessel."""
 
-    def places(xi: Places) -> Places:
+    def places(xi):
         z = LENGTH * xi[0]
         inner, outer = radius(z) + low, radius(z) + high if high else VESSEL
         return z, (1.0 - xi[1]) * inner + xi[1] * outer

@@ -40,7 +40,7 @@ def shock_angle(M: float, theta: float) -> float:
     """beta [rad] of the weak shock that turns a flow by theta [rad]. InputError if none does."""
     from scipy.optimize import brentq
 
-    def turned(beta: float) -> float:
+    def turned(beta):
         normal = (M * np.sin(beta)) ** 2
         below = M * M * (GAMMA + np.cos(2.0 * beta)) + 2.0
         return np.arctan(2.0 / np.tan(beta) * (normal - 1.0) / below)

@@ -22,7 +22,6 @@ from fsipetsc import BlockProblem, Fluid, InputError, Option
 from fsipetsc.blocks.conditions import Clamped, Free, Given, Hinge, NoSlip, Open, Outflow, Slip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases.common import Opt, materials, stack
-from fsipetsc.checks import Array, Fields
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import above_one
@@ -67,13 +66,13 @@ def build(opt: Opt) -> BlockProblem:
     across = max(CELLS, operator(opt["fsi_order"]).min_points // 2 * 2)  # even: hinges
     panel = ElasticSolid(mu_e, 2.0 * mu_e, 0.0, density, 1.0, p_ref=p, heat="elastic")
 
-    def flow(X: Array, Y: Array, t: float = 0.0) -> Fields:
+    def flow(X, Y, t=0.0):
         """With viscosity a boundary layer, hot at the wall as Crocco and Busemann have it."""
         along = M * np.tanh(2.0 * Y / opt["panel_layer"]) if mu > 0 else M + 0.0 * X
         T = 1.0 + 0.5 * (GAMMA - 1.0) * PRANDTL**0.5 * (M * M - along * along)
         return [1.0 / T, along, 0.0 * X, T]
 
-    def push(X: Array, Y: Array) -> Fields:
+    def push(X, Y):
         shape = np.sin(np.pi * X) ** 2 * (1.0 + np.cos(np.pi * X))
         return [0.0 * X, opt["panel_push"] * shape, np.ones_like(X), X, Y]
 

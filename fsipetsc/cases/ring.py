@@ -6,8 +6,6 @@ of stress under the pressure of the gas. Its small motions are known exactly: se
 `modes`.
 """
 
-from typing import Any
-
 import numpy as np
 
 from fsipetsc import Block, BlockProblem, Option
@@ -15,7 +13,6 @@ from fsipetsc.blocks.conditions import Condition, Free, NoSlip, Slip
 from fsipetsc.blocks.maps import annulus
 from fsipetsc.blocks.problem import FaceName
 from fsipetsc.cases.common import Opt, at_rest, cells_of, constant, elastic_of, gas_of, materials
-from fsipetsc.checks import Array, Fields
 
 SUMMARY = "an elastic ring with gas inside and outside, and a pressure pulse"
 
@@ -40,11 +37,11 @@ def build(opt: Opt) -> BlockProblem:
     gas = gas_of(opt)
     solid = elastic_of(opt, 1.0 if opt["ring_gas"] else 0.0, law=opt["solid_law"])
 
-    def block(name: str, material: Any, inner: float, outer: float, initial: Any) -> Block:
+    def block(name, material, inner, outer, initial):
         shape = annulus(inner, outer), (cells_of(opt, outer - inner), around)
         return Block(name, material, *shape, initial, periodic=(False, True))
 
-    def pulse(X: Array, Y: Array) -> Fields:
+    def pulse(X, Y):
         """The entropy is the same everywhere."""
         squared = ((X - MIDDLE) ** 2 + Y**2) / WIDTH**2
         p = 1.0 + opt["ring_pulse"] * np.exp(-squared)

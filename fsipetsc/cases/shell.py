@@ -7,8 +7,6 @@ of stress under the pressure of the gas at rest. Its small motions are known exa
 command `modes`.
 """
 
-from typing import Any
-
 import numpy as np
 
 from fsipetsc import Block, BlockProblem, Option
@@ -16,7 +14,6 @@ from fsipetsc.blocks.conditions import Centre, Condition, Free, Slip
 from fsipetsc.blocks.maps import ball, rectangle
 from fsipetsc.blocks.problem import FaceName
 from fsipetsc.cases.common import Opt, at_rest, cells_of, constant, elastic_of, gas_of, materials
-from fsipetsc.checks import Array, Fields
 
 SUMMARY = "a charge in an elastic shell around a centre, or a tube around an axis"
 
@@ -43,12 +40,12 @@ def build(opt: Opt) -> BlockProblem:
     pressure = 0.0 if opt["shell_gas"] == "none" else 1.0
     solid = elastic_of(opt, pressure, law=opt["solid_law"])
 
-    def block(name: str, material: Any, low: float, high: float, initial: Any) -> Block:
+    def block(name, material, low, high, initial):
         n = cells_of(opt, high - low)
         shape = ball(high, n) if low == 0.0 else rectangle(low, high)
         return Block(name, material, shape, (n,), initial)
 
-    def charge(r: Array) -> Fields:
+    def charge(r):
         """The density is the same everywhere; the edge of the charge is a fifth of it wide."""
         hot = 0.5 * (1.0 - np.tanh((r - core - WIDTH) / (0.1 * WIDTH)))
         return 1.0 + 0.0 * r, 0.0 * r, 1.0 + opt["shell_charge"] * hot
