@@ -11,7 +11,7 @@ from itertools import product
 from math import pi
 from typing import Any, NamedTuple
 
-from fsipetsc.analysis.panel_modes import CRITICAL, Flow, crossing, fit_modes, motion_of
+from fsipetsc.analysis.panel_modes import crossing, fit_modes, motion_of, unit_of
 from fsipetsc.analysis.tables import begin, printer, save_csv, shared, text_table
 from fsipetsc.cases import load_case
 from fsipetsc.errors import ComputationError
@@ -19,6 +19,9 @@ from fsipetsc.options import Option, groups
 from fsipetsc.output.reader import open_run
 from fsipetsc.process.together import Comm, wait_asleep
 
+#: lambda at which a thin panel flutters without damping, its frequency there over sqrt(D/m)
+CRITICAL = {"clamped": 636.57, "hinged": 343.36}
+FREQUENCY = {"clamped": 52.0, "hinged": 32.0}
 #: push of the panel, small enough that the motion is linear, where the user gives none
 SMALL = 1e-5
 #: periods that are looked at, samples in one, and chords that sound runs against the flow before
@@ -83,8 +86,8 @@ def one_run(
 
     from fsipetsc.stepping.run import run_case
 
-    flow, later = Flow(mach, opt["panel_mass"], opt["panel_ends"]), CHORDS / (mach - 1.0)
-    period = flow.period(dynamic)
+    frequency = FREQUENCY[opt["panel_ends"]] * unit_of(mach, opt["panel_mass"], dynamic)
+    later, period = CHORDS / (mach - 1.0), 2.0 * pi / frequency
     own = {**opt, "panel_mach": mach, "panel_lambda": dynamic, "fsi_quiet": True}
     own |= {"ts_max_time": end or later + PERIODS * period}
     own |= {"fsi_output_dt": period / SAMPLES, "fsi_output_times": None}
@@ -112,8 +115,9 @@ def onsets(runs: Sequence[FlutterRun], mass: float, ends: str) -> str:
     rows, thin = [], CRITICAL[ends]
     for mach in dict.fromkeys(run.mach for run in runs):
         own = [run for run in runs if run.mach == mach]
-        flow, dynamic = Flow(mach, mass), [run.dynamic for run in own]
-        found, s = crossing(dynamic, list(map(flow.unit, dynamic)), [run.pair for run in own])
-        f = s.imag * flow.unit(found) / (2.0 * pi)
+        dynamic = [run.dynamic for run in own]
+        units = [unit_of(mach, mass, at) for at in dynamic]
+        found, s = crossing(dynamic, units, [run.pair for run in own])
+        f = s.imag * unit_of(mach, mass, found) / (2.0 * pi)
         rows.append([f"{mach:g}", f"{found:.1f}", f"{f:.4f}", f"{found / thin:.3f}"])
     return text_table(["M", "lambda", "f", f"of {thin}"], rows)

@@ -13,7 +13,6 @@ so that modes of nearly one frequency are told apart by their shapes, in less th
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
@@ -22,9 +21,6 @@ from fsipetsc.analysis.spectra import Complex, Real
 from fsipetsc.errors import ComputationError
 from fsipetsc.output.reader import Run
 
-#: lambda at which a thin panel flutters without damping, its frequency there over sqrt(D/m)
-CRITICAL = {"clamped": 636.57, "hinged": 343.36}
-FREQUENCY = {"clamped": 52.0, "hinged": 32.0}
 #: singular values and amplitudes below these parts of the largest one are noise
 NOISE, FAINT = 1e-5, 1e-3
 #: what grows or decays by more than exp of this within the time is noise, too
@@ -33,22 +29,9 @@ STEEPEST = 12.0
 RANK = 16
 
 
-@dataclass(frozen=True)
-class Flow:
-    """A panel in a flow: Mach number, mass over density and length, how its ends are held."""
-
-    mach: float
-    mass: float
-    ends: str = "clamped"
-
-    def unit(self, dynamic: float) -> float:
-        """sqrt(D / mass), unit of frequencies, at lambda = dynamic."""
-        beta = np.sqrt(self.mach**2 - 1.0)
-        return float(np.sqrt(self.mach**2 / (dynamic * beta) / self.mass))
-
-    def period(self, dynamic: float) -> float:
-        """Of flutter at lambda = dynamic, about."""
-        return 2.0 * np.pi / (FREQUENCY[self.ends] * self.unit(dynamic))
+def unit_of(mach: float, mass: float, dynamic: float) -> float:
+    """sqrt(D / mass), unit of frequencies, at lambda = dynamic; mass: over density and length."""
+    return float(np.sqrt(mach**2 / (dynamic * np.sqrt(mach**2 - 1.0)) / mass))
 
 
 def motion_of(run: Run, begin: float) -> tuple[Real, Real, Real]:
