@@ -40,10 +40,10 @@ def test_the_crossing_from_a_few_dynamic_pressures():
     roots = [np.sqrt(a**2 - (f * at) ** 2 + 0j) * np.array([1, -1]) for at in dynamic]
     pairs = [u * (np.sqrt(0.25 * d**2 - m - r) - 0.5 * d) for u, r in zip(units, roots)]
     pairs = [np.where(pair.imag < 0, -d * u - pair, pair) for u, pair in zip(units, pairs)]
-    found, s = crossing(dynamic, units, pairs)
+    found, s = crossing(2.0, 10.0, dynamic, pairs)
     assert found == pytest.approx(np.sqrt(a**2 + d**2 * m) / f, rel=1e-6)
-    assert s == pytest.approx(1j * np.sqrt(m), rel=1e-6)
-    assert np.isnan(crossing(dynamic[:2], units[:2], pairs[:2])[0])
+    assert s == pytest.approx(1j * np.sqrt(m) * unit_of(2.0, 10.0, found), rel=1e-6)
+    assert np.isnan(crossing(2.0, 10.0, dynamic[:2], pairs[:2])[0])
 
 
 @pytest.mark.mpi

@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from itertools import product
 from math import pi
-from typing import Any, NamedTuple
+from typing import Any
 
 from fsipetsc.analysis.panel_modes import crossing, fit_modes, motion_of, unit_of
 from fsipetsc.analysis.tables import begin, printer, save_csv, shared, text_table
@@ -37,14 +37,9 @@ OPTIONS = (
 )
 
 
-class FlutterRun(NamedTuple):
-    """A run: Mach number, lambda, s of the two modes that meet [unit of velocity over the panel's
-    length], misfit of the modes."""
-
-    mach: float
-    dynamic: float
-    pair: tuple[complex, complex]
-    misfit: float
+#: a run: Mach number, lambda, s of the two modes that meet [unit of velocity over the panel's
+#: length], misfit of the modes
+FlutterRun = tuple[float, float, tuple[complex, complex], float]
 
 
 def flutter(arguments: list[str], comm: Comm) -> None:
@@ -99,25 +94,24 @@ def one_run(
                 s, misfit = fit_modes(*motion_of(run, later))
         except ComputationError as error:
             raise ComputationError(f"M = {mach:g}, lambda = {dynamic:g}: {error}") from None
-    return FlutterRun(mach, dynamic, (complex(s[0]), complex(s[1])), misfit)
+    return mach, dynamic, (complex(s[0]), complex(s[1])), misfit
 
 
 def _row(run: FlutterRun) -> list[object]:
     """Under HEAD."""
-    fastest = max(run.pair, key=lambda s: s.real)
-    numbers = [f"{x:.6g}" for s in (fastest, *run.pair) for x in (s.real, s.imag)]
-    return [f"{run.mach:g}", f"{run.dynamic:g}", *numbers, f"{run.misfit:.1e}"]
+    mach, dynamic, pair, misfit = run
+    fastest = max(pair, key=lambda s: s.real)
+    numbers = [f"{x:.6g}" for s in (fastest, *pair) for x in (s.real, s.imag)]
+    return [f"{mach:g}", f"{dynamic:g}", *numbers, f"{misfit:.1e}"]
 
 
 def onsets(runs: Sequence[FlutterRun], mass: float, ends: str) -> str:
     """A table of lambda and f of each Mach number; NaN where the runs do not show it. Beside it
     lambda over that of a thin panel."""
     rows, thin = [], CRITICAL[ends]
-    for mach in dict.fromkeys(run.mach for run in runs):
-        own = [run for run in runs if run.mach == mach]
-        dynamic = [run.dynamic for run in own]
-        units = [unit_of(mach, mass, at) for at in dynamic]
-        found, s = crossing(dynamic, units, [run.pair for run in own])
-        f = s.imag * unit_of(mach, mass, found) / (2.0 * pi)
+    for mach in dict.fromkeys(mach for mach, *_ in runs):
+        _, dynamic, pairs, _ = zip(*(run for run in runs if run[0] == mach))
+        found, s = crossing(mach, mass, dynamic, pairs)
+        f = s.imag / (2.0 * pi)
         rows.append([f"{mach:g}", f"{found:.1f}", f"{f:.4f}", f"{found / thin:.3f}"])
     return text_table(["M", "lambda", "f", f"of {thin}"], rows)

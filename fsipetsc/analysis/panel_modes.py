@@ -74,18 +74,18 @@ def fit_modes(t: Real, w: Real, v: Real) -> tuple[Complex, float]:
 
 
 def crossing(
-    dynamic: Sequence[float], units: Sequence[float], pairs: Sequence[Sequence[complex]]
+    mach: float, mass: float, dynamic: Sequence[float], pairs: Sequence[Sequence[complex]]
 ) -> tuple[float, complex]:
-    """(lambda, s over the unit) where the growth of the faster of two modes becomes positive.
+    """(lambda, s) where the growth of the faster of two modes becomes positive, from their s at
+    some lambda; NaN if it does not change its sign between these.
 
-    From their s at some lambda, and the units sqrt(D/m) of frequency there; NaN if the growth does
-    not change its sign between these. The growth has a kink where the frequencies meet, but the
-    coefficients of (s - s1)(s - s1*)(s - s2)(s - s2*) are smooth: parabolas are laid through them.
-    These are over lambda^2, as the last coefficient is linear in it where pressure is steady. From
-    two lambdas that are 17 % apart the onset is 0.1 to 0.2 % too low.
+    The growth has a kink where the frequencies meet, but over ``unit_of`` the coefficients of
+    (s - s1)(s - s1*)(s - s2)(s - s2*) are smooth: parabolas are laid through them. These are over
+    lambda^2, as the last coefficient is linear in it where pressure is steady. From two lambdas
+    that are 17 % apart the onset is 0.1 to 0.2 % too low.
     """
     x = np.asarray(dynamic, float) ** 2
-    scaled = [np.asarray(pair) / unit for pair, unit in zip(pairs, units, strict=True)]
+    scaled = [np.asarray(s) / unit_of(mach, mass, at) for s, at in zip(pairs, dynamic, strict=True)]
     found = np.array([np.poly(np.concatenate([pair, pair.conj()])).real for pair in scaled])
     centre = 0.5 * (x.min() + x.max())
     fits = np.polynomial.polynomial.polyfit(x - centre, found, min(len(x) - 1, 2))
@@ -100,4 +100,4 @@ def crossing(
     if first == 0:
         return float("nan"), complex("nan")
     at = float(brentq(lambda at: fastest(at).real, fine[first - 1], fine[first]))
-    return at, fastest(at)
+    return at, unit_of(mach, mass, at) * fastest(at)
