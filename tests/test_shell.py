@@ -15,7 +15,7 @@ from mpi4py import MPI
 from fsipetsc.analysis.modes import media_of
 from fsipetsc.analysis.ring_theory import Medium, mode_near
 from fsipetsc.analysis.spectra import step_limit
-from fsipetsc.analysis.wave_modes import Bench, radial_modes
+from fsipetsc.analysis.wave_modes import linear_modes, radial_modes
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Centre, Free, Slip
@@ -83,7 +83,7 @@ def modes_of_a_ball(order, cells):
     faces = {("ball", 0, 0): Centre(), ("ball", 0, 1): Free()}
     problem = BlockProblem((body,), faces, symmetry=2)
     with BlockState(MPI.COMM_SELF, problem, order, BlockForm()) as state:
-        longest = step_limit(Bench(state, 1, 0).modes()[0])
+        longest = step_limit(linear_modes(state, 1, 0)[0])
         state.finish()
         longest *= state.results[RATE]
     medium = Medium(0.0, 1.0, 2.0, 1.5, 1.0, kappa=2)

@@ -14,7 +14,6 @@ where mu = 0 the gas slips, and only what is normal is one. The pressure at rest
 solid is free of strain under it.
 """
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -73,77 +72,74 @@ class Mode(NamedTuple):
     solid: list[Chebyshev]
 
 
-@dataclass(frozen=True)
-class Layers:
-    """What has the modes: a gas of density rho and temperature T [SI], height high, over a solid of
-    this depth."""
+def slowest_wave(gas: Fluid, solid: ElasticSolid, k: float, height: float, depth: float) -> Mode:
+    """The slowest mode that swings more than it decays, its interface displaced by 1, where that is
+    largest; gas of the density and temperature 1, lengths and 1/k in m. InputError where the
+    collocation resolves none.
+    """
+    waves, finer = (_waves(gas, solid, k, height, depth, n) for n in (POINTS, POINTS * 4 // 3))
+    for mode in waves:
+        if min(abs(mode.s - other.s) for other in finer) < RESOLVED * abs(mode.s):
+            return mode
+    raise InputError("no normal mode of the layers is resolved")
 
-    gas: Fluid
-    solid: ElasticSolid
-    height: float
-    depth: float
-    rho: float = 1.0
-    T: float = 1.0
 
-    def mode(self, k: float) -> Mode:
-        """The slowest mode that swings more than it decays, its interface displaced by 1, where
-        that is largest. InputError where the collocation resolves none."""
-        finer = np.array([mode.s for mode in self._modes(k, POINTS * 4 // 3)])
-        for mode in self._modes(k, POINTS):
-            if np.min(np.abs(mode.s - finer)) < RESOLVED * abs(mode.s):
-                return mode
-        raise InputError("no normal mode of the layers is resolved")
+def _waves(
+    gas: Fluid, solid: ElasticSolid, k: float, height: float, depth: float, n: int
+) -> list[Mode]:
+    """All that swing, the slowest first."""
+    (y, D), (y_s, E) = chebyshev(n, 0.0, height), chebyshev(n, -depth, 0.0)
+    values, vectors = eigenmodes(*_matrices(gas, solid, k, D, E))
+    c = gas.sound_speed(1.0)
+    found = []
+    for i in np.argsort(values.imag):
+        s, parts = complex(values[i]), vectors[i]
+        swings = s.imag > max(abs(s.real), 1e-6 * k * c)
+        if np.isfinite(s) and abs(s) < LARGE * k * c and swings:
+            ends = parts[4:6, 0]
+            parts = parts / ends[np.argmax(np.abs(ends))]
+            found.append(Mode(s, polynomials(y, parts[:4]), polynomials(y_s, parts[4:])))
+    return found
 
-    def _modes(self, k: float, n: int) -> list[Mode]:
-        (y, D), (y_s, E) = chebyshev(n, 0.0, self.height), chebyshev(n, -self.depth, 0.0)
-        values, vectors = eigenmodes(*self._matrices(k, D, E))
-        c = np.sqrt(self.gas.gamma * self.gas.R * self.T)
-        found = []
-        for i in np.argsort(values.imag):
-            s, parts = complex(values[i]), vectors[i]
-            swings = s.imag > max(abs(s.real), 1e-6 * k * c)
-            if np.isfinite(s) and abs(s) < LARGE * k * c and swings:
-                ends = parts[4:6, 0]
-                parts = parts / ends[np.argmax(np.abs(ends))]
-                found.append(Mode(s, polynomials(y, parts[:4]), polynomials(y_s, parts[4:])))
-        return found
 
-    def _matrices(self, k: float, D: Array, E: Array) -> tuple[Array, Array, Conditions]:
-        """Of ``eigenmodes``; z are the four unknowns of the gas and the four of the solid, with the
-        derivatives D and E, each at n points from above."""
-        gas, rho, T, n = self.gas, self.rho, self.T, len(D)
-        A, B = np.zeros((8, n, 8, n), complex), np.zeros((8, n, 8, n))
-        one, ik, D2, E2 = np.eye(n), 1j * k, D @ D, E @ E
-        mu, kappa, p = gas.mu, gas.kappa, rho * gas.R * T
-        pressure = {0: gas.R * T, 3: gas.R * rho}
-        for c, weight in ((0, 1.0), (1, rho), (2, rho), (3, rho * gas.R / (gas.gamma - 1.0))):
-            B[c, :, c] = weight * one
-        A[0, :, 1], A[0, :, 2] = -rho * ik * one, -rho * D
-        A[3, :, 1], A[3, :, 2], A[3, :, 3] = -p * ik * one, -p * D, kappa * (D2 - k * k * one)
-        for c, part in pressure.items():
-            A[1, :, c], A[2, :, c] = -part * ik * one, -part * D
-        A[1, :, 1], A[1, :, 2] = mu * (D2 - 4 / 3 * k * k * one), mu / 3 * ik * D
-        A[2, :, 1], A[2, :, 2] = mu / 3 * ik * D, mu * (4 / 3 * D2 - k * k * one)
-        m, lam, K = self.solid.mu_e, self.solid.lambda_e, self.solid.K
-        for c in (4, 5):
-            A[c, :, c + 2], B[c, :, c], B[c + 2, :, c + 2] = one, one, self.solid.m0 * one
-        A[6, :, 4], A[6, :, 5] = m * E2 - K * k * k * one, (lam + m) * ik * E
-        A[7, :, 4], A[7, :, 5] = (lam + m) * ik * E, K * E2 - m * k * k * one
+def _matrices(
+    gas: Fluid, solid: ElasticSolid, k: float, D: Array, E: Array
+) -> tuple[Array, Array, Conditions]:
+    """Of ``eigenmodes``; z are the four unknowns of the gas and the four of the solid, with the
+    derivatives D and E, each at n points from above."""
+    n, rho, T = len(D), 1.0, 1.0
+    A, B = np.zeros((8, n, 8, n), complex), np.zeros((8, n, 8, n))
+    one, ik, D2, E2 = np.eye(n), 1j * k, D @ D, E @ E
+    mu, kappa, p = gas.mu, gas.kappa, rho * gas.R * T
+    pressure = {0: gas.R * T, 3: gas.R * rho}
+    for c, weight in ((0, 1.0), (1, rho), (2, rho), (3, rho * gas.R / (gas.gamma - 1.0))):
+        B[c, :, c] = weight * one
+    A[0, :, 1], A[0, :, 2] = -rho * ik * one, -rho * D
+    A[3, :, 1], A[3, :, 2], A[3, :, 3] = -p * ik * one, -p * D, kappa * (D2 - k * k * one)
+    for c, part in pressure.items():
+        A[1, :, c], A[2, :, c] = -part * ik * one, -part * D
+    A[1, :, 1], A[1, :, 2] = mu * (D2 - 4 / 3 * k * k * one), mu / 3 * ik * D
+    A[2, :, 1], A[2, :, 2] = mu / 3 * ik * D, mu * (4 / 3 * D2 - k * k * one)
+    m, lam, K = solid.mu_e, solid.lambda_e, solid.K
+    for c in (4, 5):
+        A[c, :, c + 2], B[c, :, c], B[c + 2, :, c + 2] = one, one, solid.m0 * one
+    A[6, :, 4], A[6, :, 5] = m * E2 - K * k * k * one, (lam + m) * ik * E
+    A[7, :, 4], A[7, :, 5] = (lam + m) * ik * E, K * E2 - m * k * k * one
 
-        first, last = one[0], one[-1]
-        normal = [(c, part * last) for c, part in pressure.items()]
-        normal += [(2, -4 / 3 * mu * D[-1]), (1, 2 / 3 * mu * ik * last)]
-        shear = [(1, -mu * D[-1]), (2, -mu * ik * last)]
-        conditions: Conditions = {
-            (2, 0): [(2, first)],
-            (2, -1): [(2, last), (7, -first)],
-            (6, -1): [(6, last)],
-            (7, -1): [(7, last)],
-            (7, 0): [(5, K * E[0]), (4, lam * ik * first), *normal],
-            (6, 0): [(4, m * E[0]), (5, m * ik * first), *shear],
-        }
-        if mu > 0:
-            conditions |= {(1, 0): [(1, first)], (1, -1): [(1, last), (6, -first)]}
-        if kappa > 0:
-            conditions |= {(3, 0): [(3, D[0])], (3, -1): [(3, D[-1])]}
-        return A, B, conditions
+    first, last = one[0], one[-1]
+    normal = [(c, part * last) for c, part in pressure.items()]
+    normal += [(2, -4 / 3 * mu * D[-1]), (1, 2 / 3 * mu * ik * last)]
+    shear = [(1, -mu * D[-1]), (2, -mu * ik * last)]
+    conditions: Conditions = {
+        (2, 0): [(2, first)],
+        (2, -1): [(2, last), (7, -first)],
+        (6, -1): [(6, last)],
+        (7, -1): [(7, last)],
+        (7, 0): [(5, K * E[0]), (4, lam * ik * first), *normal],
+        (6, 0): [(4, m * E[0]), (5, m * ik * first), *shear],
+    }
+    if mu > 0:
+        conditions |= {(1, 0): [(1, first)], (1, -1): [(1, last), (6, -first)]}
+    if kappa > 0:
+        conditions |= {(3, 0): [(3, D[0])], (3, -1): [(3, D[-1])]}
+    return A, B, conditions
