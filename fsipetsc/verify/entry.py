@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 Array = np.ndarray
-#: solve(case, **options) runs a case, given by its name or as a problem, and returns its opened
-#: result; collective
+#: solve(case, order, h, end=None, **options) runs a case, given by its name or as a problem, to its
+#: end or to another time, and returns its opened result; collective
 Solve = Callable[..., Any]
 
 
@@ -128,6 +128,11 @@ def reference(name: str) -> dict[str, Array]:
     lines = [line for line in text.splitlines() if not line.startswith("#")]
     table = list(csv.reader(lines))
     return {head: np.array([float(v) for v in column]) for head, *column in zip(*table)}
+
+
+def largest(errors: Any) -> float:
+    """The norm of the maximum."""
+    return float(np.abs(errors).max())
 
 
 def smooth(x: Array, y: Array) -> Callable[[Array], Array]:

@@ -8,7 +8,7 @@ from fsipetsc.blocks.conditions import NoSlip
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.verify.entry import Array, Measured, Solve, expect
+from fsipetsc.verify.entry import Array, Measured, Solve, expect, largest
 
 PERIOD = 0.5
 NAMES = ("mass", "momentum", "energy", "entropy")
@@ -52,7 +52,7 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     """Changes of all dimensions."""
     errors: dict[str, float] = {}
     for d in (1, 2, 3):
-        with solve(box(d, h, order), fsi_order=order, ts_max_time=1.0) as run:
+        with solve(box(d, h, order), order, h, ts_max_time=1.0) as run:
             series = {name: np.asarray(run.series[name]) for name in run.series}
         came = {name: np.cumsum(v, axis=0) for name, v in series.items()}
 
@@ -65,7 +65,7 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
         momenta = [change(f"momentum_{x}", f"impulse_{x}") for x in "xyz"[:d]]
         changes += [np.array(momenta) / size, change("energy", "energy_in") / size]
         changes.append(np.maximum(-grown, 0.0) / grown.sum())
-        errors |= {f"{what}, {d}-D": float(np.abs(v).max()) for what, v in zip(NAMES, changes)}
+        errors |= {f"{what}, {d}-D": largest(v) for what, v in zip(NAMES, changes)}
     return Measured(errors)
 
 
