@@ -18,8 +18,6 @@ and through a fan E_F = sigma, and u + int c dF is what it was before.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -105,9 +103,11 @@ class GasWave(NamedTuple):
         s = (behind.rho * behind.u - before.rho * before.u) / (behind.rho - before.rho)
         return s, s
 
-    def at(self, p: float, speed: Array) -> GasState:
-        """The states at x = speed t."""
-        g, before, behind = self.gas.gamma, self.before, self.behind(p)
+    def at(self, p: float, x: Array, t: float) -> GasState:
+        """The states at a distance x [m] from where the wave was at t = 0."""
+        if t <= 0:
+            return GasState(*(value + 0.0 * x for value in self.before))
+        g, speed, before, behind = self.gas.gamma, x / t, self.before, self.behind(p)
         front, back = self.speeds(p)
         c0 = sound(self.gas, before)
         c = np.clip((2 * c0 + (g - 1) * (before.u - speed)) / (g + 1), 0.0, None)
@@ -155,18 +155,19 @@ class SolidWave(NamedTuple):
             return float(self._shock(F)), float(self._shock(F))
         return tuple(float(np.sqrt(self.solid.K / (self.solid.m0 * f))) for f in (F0, F))
 
-    def at(self, p: float, speed: Array) -> SolidState:
-        """The states at X = speed t."""
-        front, back = self.speeds(p)
+    def at(self, p: float, X: Array, t: float) -> SolidState:
+        """The states at material points that far [m] from the wave at t = 0."""
+        if t <= 0:
+            return SolidState(*(value + 0.0 * X for value in self.before))
+        speed, (front, back) = X / t, self.speeds(p)
         fan = self.solid.K / (self.solid.m0 * np.maximum(speed, back) ** 2)
         which = [speed > front, speed > back]
         return self._state(np.select(which, [self.before.F, fan], self.strain(p)))
 
 
 def pressure_between(left: Callable[[float], Any], right: Callable[[float], Any]) -> float:
-    """p [Pa] at which the velocity of the left side, which falls with p, is that of the right one.
-
-    To round-off. InputError where the two part.
+    """p [Pa] at which the velocity of the left side, which falls with p, is that of the right one,
+    to round-off. InputError where the two part.
     """
     from scipy.optimize import brentq
 
@@ -183,35 +184,3 @@ def pressure_between(left: Callable[[float], Any], right: Callable[[float], Any]
         if low < 1e-12 * high:
             raise InputError("gas and solid part: expected velocities or pressures nearer by")
     return brentq(apart, low, high, xtol=1e-300, rtol=1e-15) if low < high else low
-
-
-@dataclass(frozen=True)
-class Riemann:
-    """Gas | solid, from t = 0 on. InputError where nothing would be left at the interface."""
-
-    gas: GasWave
-    solid: SolidWave
-
-    @cached_property
-    def p(self) -> float:
-        """Pressure [Pa] at the interface."""
-        return pressure_between(self.gas.velocity, self.solid.velocity)
-
-    @property
-    def u(self) -> float:
-        """Velocity [m/s] of the interface."""
-        return float(self.solid.velocity(self.p))
-
-    def in_gas(self, x: Array, t: float) -> GasState:
-        """The gas at a distance x [m] from where the interface was at t = 0."""
-        if t <= 0:
-            return GasState(*(np.full(np.shape(x), value) for value in self.gas.before))
-        return self.gas.at(self.p, np.asarray(x) / t)
-
-    def in_solid(self, X: Array, t: float) -> tuple[SolidState, Array]:
-        """(the solid at the material points X [m] behind the interface; where they are [m])."""
-        if t <= 0:
-            state = SolidState(*(np.full(np.shape(X), value) for value in self.solid.before))
-        else:
-            state = self.solid.at(self.p, np.asarray(X) / t)
-        return state, state.u * t + state.F * X  # x/t = u + F X/t, as all depends on X/t

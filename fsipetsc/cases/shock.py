@@ -18,8 +18,9 @@ from functools import cached_property
 import numpy as np
 
 from fsipetsc import Fluid, FluidLayer, Option, Problem, Solid, SolidLayer, Wall, clamped, free
+from fsipetsc.cases import riemann
 from fsipetsc.cases.common import Opt, gas_of, materials, solid_of
-from fsipetsc.cases.riemann import GasState, GasWave, Riemann, SolidState, SolidWave, behind_shock
+from fsipetsc.cases.riemann import GasState, GasWave, SolidState, SolidWave, behind_shock
 from fsipetsc.checks import Array, Fields
 from fsipetsc.options import above_one
 
@@ -52,7 +53,7 @@ class Solution:
     """Exact solution of gas behind a piston and a rod at rest.
 
     ahead: the gas before the rod; mach: of a shock in it that has not hit the rod yet, None if
-    there is none. InputError as of Riemann.
+    there is none. InputError where gas and rod part.
     """
 
     gas: Fluid
@@ -73,16 +74,18 @@ class Solution:
         return (X[1] - X_SHOCK) / self.shock[1]
 
     @cached_property
-    def riemann(self) -> Riemann:
-        """What begins then."""
+    def waves(self) -> tuple[GasWave, SolidWave, float]:
+        """What begins then: a wave into either side, and the pressure [Pa] at the interface."""
         at_rest = SolidState(0.0, -LOW.p, T_ROD, 1.0)
-        return Riemann(GasWave(self.gas, self.shock[0]), SolidWave(self.solid, at_rest))
+        gas, solid = GasWave(self.gas, self.shock[0]), SolidWave(self.solid, at_rest)
+        return gas, solid, riemann.pressure_between(gas.velocity, solid.velocity)
 
     @property
     def valid(self) -> float:
         """When a wave comes to the end of the rod or to the piston, and the solution ends."""
-        riemann, piston = self.riemann, self.shock[0].u
-        back, on = (wave.speeds(riemann.p)[0] for wave in (riemann.gas, riemann.solid))
+        *waves, p = self.waves
+        back, on = (wave.speeds(p)[0] for wave in waves)
+        piston = self.shock[0].u
         gap = X[1] - X[0] - piston * self.hit
         return self.hit + min((X[2] - X[1]) / on, gap / (piston - back))
 
@@ -100,25 +103,29 @@ class Solution:
 
     def in_gas(self, X_g: Array, t: float) -> Fields:
         """(rho, u, T) at the points of the grid, which goes from the piston to the rod."""
-        behind, speed = self.shock
+        (behind, speed), (wave, _, p) = self.shock, self.waves
         piston = X[0] + behind.u * t
-        interface = X[1] + self.riemann.u * max(t - self.hit, 0.0)
+        interface = X[1] + wave.velocity(p) * max(t - self.hit, 0.0)
         x = piston + (X_g - X[0]) / (X[1] - X[0]) * (interface - piston)
         if t < self.hit:
             both = zip(behind, self.ahead, strict=True)
             state = GasState(*(np.where(x < X_SHOCK + speed * t, a, b) for a, b in both))
         else:
-            state = self.riemann.in_gas(x - X[1], t - self.hit)
+            state = wave.at(p, x - X[1], t - self.hit)
         return [state.rho, state.u, state.p / (self.gas.R * state.rho)]
 
     def in_solid(self, X_s: Array, t: float) -> Fields:
         """(u, sigma, T, x) at the material points."""
-        state, place = self.riemann.in_solid(X_s - X[1], t - self.hit)
-        return [state.u, state.sigma, state.T, X[1] + place]
+        _, wave, p = self.waves
+        state = wave.at(p, X_s - X[1], t - self.hit)
+        # x/t = u + F X/t, as all depends on X/t
+        place = X[1] + state.u * (t - self.hit) + state.F * (X_s - X[1])
+        return [state.u, state.sigma, state.T, place]
 
     def notes(self) -> tuple[str, ...]:
         """What a result says of it. InputError where there is none."""
-        p, u, F = self.riemann.p, self.riemann.u, self.riemann.solid.strain(self.riemann.p)
+        _, wave, p = self.waves
+        u, F = wave.velocity(p), wave.strain(p)
         return (
             f"interface: p = {p:.10g}, u = {u:.10g}, x_X = {F:.10g} from t = {self.hit:.6g} on",
             "the exact solution is that without viscosity and conduction, and holds until "

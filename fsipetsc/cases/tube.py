@@ -39,17 +39,14 @@ def sod(gas: Fluid) -> Callable[[Array, float], tuple[Array, ...]]:
 
     What goes to the right is what goes to the left, seen in a mirror.
     """
-    left, right = GasWave(gas, HIGH), GasWave(gas, GasState(LOW.rho, -LOW.u, LOW.p))
+    left, right = GasWave(gas, HIGH), GasWave(gas, LOW)
     p = pressure_between(left.velocity, lambda p: -right.velocity(p))
-    interface = float(left.velocity(p))
+    interface = left.velocity(p)
 
     def at(x, t):
-        if t <= 0.0:
-            rho, u, p_at = (np.where(x < 0.0, a, b) for a, b in zip(HIGH, LOW, strict=True))
-        else:
-            here, there = left.at(p, x / t), right.at(p, -x / t)
-            both = zip(here, (there.rho, -there.u, there.p), strict=True)
-            rho, u, p_at = (np.where(x / t < interface, a, b) for a, b in both)
+        here, there = left.at(p, x, t), right.at(p, -x, t)
+        both = zip(here, (there.rho, -there.u, there.p), strict=True)
+        rho, u, p_at = (np.where(x < interface * t, a, b) for a, b in both)
         return rho, u, p_at / (rho * gas.R)
 
     return at
