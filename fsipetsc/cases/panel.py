@@ -36,7 +36,6 @@ OPTIONS = (
     Option("panel_thickness", float, 0.04, "m", "its thickness; it is 1 m long", check="positive"),
     Option("panel_push", float, 5e-3, "", "velocity of the panel at first", check="nonnegative"),
     Option("panel_height", float, 0.5, "m", "height of the gas", check="positive"),
-    Option("panel_rows", int, None, "", "cells across the gas", check="positive"),
     *materials(fluid_mu=0.0),
     Option("panel_layer", float, 0.2, "m", "boundary layer's depth, if viscous", check="positive"),
 )
@@ -55,7 +54,7 @@ def build(opt: Opt) -> BlockProblem:
     M, h, mu = opt["panel_mach"], opt["panel_thickness"], opt["fluid_mu"]
     height, beta = opt["panel_height"], float(np.sqrt(M * M - 1.0))
     # waves that a motion of the panel makes are beta times shorter across the flow than along it
-    rows = opt["panel_rows"] or int(np.ceil(height * max(beta, 1.0) / opt["fsi_h"] - 1e-9))
+    rows = int(np.ceil(height * max(beta, 1.0) / opt["fsi_h"] - 1e-9))
     p, rho = 1.0 / GAMMA, 1.0
     gas = Fluid(mu, mu * GAMMA / (GAMMA - 1.0) * p / PRANDTL, GAMMA, p)
     q = 0.5 * rho * M * M
