@@ -39,28 +39,31 @@ def slowest(gas: Fluid, solid: Solid) -> Mode:
     largest T 1. InputError where there is none.
     """
     (x, D), (x_s, E) = chebyshev(POINTS, *X[1:]), chebyshev(POINTS, *X[:2])
-    mu, heat, one = 4 / 3 * gas.mu, solid.alpha * solid.m0, np.eye(POINTS)
-    A, B = np.zeros((2, 6, POINTS, 6, POINTS))
-    for c, weight in enumerate((1.0, RHO0, RHO0 * gas.cv, solid.m0, 1.0 / solid.K, heat)):
-        B[c, :, c] = weight * one
-    A[0, :, 1], A[3, :, 4], A[4, :, 3] = -RHO0 * D, E, E
-    A[1, :, 0], A[1, :, 1], A[1, :, 2] = -R * T0 * D, mu * D @ D, -R * RHO0 * D
-    A[2, :, 1], A[2, :, 2] = -P0 * D, gas.kappa * D @ D
-    A[5, :, 3], A[5, :, 5] = -P0 * E, solid.kappa_e * E @ E
+    heat = solid.alpha * solid.m0
+    rho, u, T, v, sigma, T_s = np.eye(6 * POINTS).reshape(6, POINTS, 6 * POINTS)
+    force = R * (T0 * rho + RHO0 * T) - 4 / 3 * gas.mu * D @ u
+    flux, flux_s = gas.kappa * D @ T, solid.kappa_e * E @ T_s
+    gains = [
+        -RHO0 * D @ u,
+        -D @ force,
+        D @ flux - P0 * D @ u,
+        E @ sigma,
+        E @ v,
+        E @ flux_s - P0 * E @ v,
+    ]
     # points go from right to left
-    first, last = one[0], one[-1]
-    traction = [(0, R * T0 * last), (2, R * RHO0 * last), (1, -mu * D[-1]), (4, first)]
     conditions = {
-        (1, 0): [(1, first)],
-        (2, 0): [(2, first)],
-        (1, -1): [(1, last), (3, -first)],
-        (2, -1): [(2, last), (5, -first)],
-        (3, 0): traction,
-        (5, 0): [(2, gas.kappa * D[-1]), (5, -solid.kappa_e * E[0])],
-        (3, -1): [(3, last)],
-        (5, -1): [(5, last)],
+        (1, 0): u[0],
+        (2, 0): T[0],
+        (1, -1): u[-1] - v[0],
+        (2, -1): T[-1] - T_s[0],
+        (3, 0): force[-1] + sigma[0],
+        (5, 0): flux[-1] - flux_s[0],
+        (3, -1): v[-1],
+        (5, -1): T_s[-1],
     }
-    values, vectors = eigenmodes(A, B, conditions)
+    weights = np.array([1.0, RHO0, RHO0 * gas.cv, solid.m0, 1.0 / solid.K, heat])
+    values, vectors = eigenmodes(np.array(gains), weights, conditions)
     # what is slower than either layer alone is the state at rest under another pressure
     least = min(gas.kappa / (RHO0 * GAMMA * gas.cv), solid.kappa_e / heat)
     thermal = np.flatnonzero((values.imag == 0.0) & (values.real < -least))

@@ -29,8 +29,8 @@ POINTS = 36
 #: eigenvalues larger than this times k c are those of the collocation itself; modes change less
 #: than this with more points
 LARGE, RESOLVED = 200.0, 1e-7
-#: (field, point) of a row -> field and its weights, the sum of which is 0
-Conditions = dict[tuple[int, int], list[tuple[int, Array]]]
+#: (field, point) of a row -> weights of all unknowns, whose sum is to be 0
+Conditions = dict[tuple[int, int], Array]
 
 
 def chebyshev(n: int, low: float, high: float) -> tuple[Array, Array]:
@@ -45,17 +45,15 @@ def chebyshev(n: int, low: float, high: float) -> tuple[Array, Array]:
     return low + (x + 1) / 2 * (high - low), D * 2 / (high - low)
 
 
-def eigenmodes(A: Array, B: Array, conditions: Conditions) -> tuple[Array, Array]:
-    """(s, modes (…, fields, n)) of A z = s B z; both matrices are (fields, n, fields, n), and some
-    of their rows give way to conditions.
+def eigenmodes(A: Array, weights: Array, conditions: Conditions) -> tuple[Array, Array]:
+    """(s, modes (…, fields, n)) of A z = s weights z, A of shape (fields, n, fields n); some of its
+    rows give way to conditions.
     """
-    for row, terms in conditions.items():
-        A[row] = B[row] = 0.0
-        for field, weights in terms:
-            A[row][field] += weights
-    size = A.shape[0] * A.shape[1]
-    values, vectors = eig(A.reshape(size, size), B.reshape(size, size))
-    return values, vectors.T.reshape(size, *A.shape[:2])
+    B = weights[:, None, None] * np.eye(A.shape[2]).reshape(A.shape)
+    for row, condition in conditions.items():
+        A[row], B[row] = condition, 0.0
+    values, vectors = eig(A.reshape(-1, A.shape[2]), B.reshape(-1, A.shape[2]))
+    return values, vectors.T.reshape(-1, *A.shape[:2])
 
 
 def polynomials(x: Array, values: Array) -> list[Chebyshev]:
@@ -89,7 +87,7 @@ def _waves(
 ) -> list[Mode]:
     """All that swing, the slowest first."""
     (y, D), (y_s, E) = chebyshev(n, 0.0, height), chebyshev(n, -depth, 0.0)
-    values, vectors = eigenmodes(*_matrices(gas, solid, k, D, E))
+    values, vectors = eigenmodes(*_equations(gas, solid, k, D, E))
     c = gas.sound_speed(1.0)
     found = []
     for i in np.argsort(values.imag):
@@ -102,44 +100,39 @@ def _waves(
     return found
 
 
-def _matrices(
+def _equations(
     gas: Fluid, solid: ElasticSolid, k: float, D: Array, E: Array
 ) -> tuple[Array, Array, Conditions]:
-    """Of ``eigenmodes``; z are the four unknowns of the gas and the four of the solid, with the
+    """Of ``eigenmodes``, the four unknowns of the gas and the four of the solid, with the
     derivatives D and E, each at n points from above."""
-    n, rho, T = len(D), 1.0, 1.0
-    A, B = np.zeros((8, n, 8, n), complex), np.zeros((8, n, 8, n))
-    one, ik, D2, E2 = np.eye(n), 1j * k, D @ D, E @ E
-    mu, kappa, p = gas.mu, gas.kappa, rho * gas.R * T
-    pressure = {0: gas.R * T, 3: gas.R * rho}
-    for c, weight in ((0, 1.0), (1, rho), (2, rho), (3, rho * gas.R / (gas.gamma - 1.0))):
-        B[c, :, c] = weight * one
-    A[0, :, 1], A[0, :, 2] = -rho * ik * one, -rho * D
-    A[3, :, 1], A[3, :, 2], A[3, :, 3] = -p * ik * one, -p * D, kappa * (D2 - k * k * one)
-    for c, part in pressure.items():
-        A[1, :, c], A[2, :, c] = -part * ik * one, -part * D
-    A[1, :, 1], A[1, :, 2] = mu * (D2 - 4 / 3 * k * k * one), mu / 3 * ik * D
-    A[2, :, 1], A[2, :, 2] = mu / 3 * ik * D, mu * (4 / 3 * D2 - k * k * one)
-    m, lam, K = solid.mu_e, solid.lambda_e, solid.K
-    for c in (4, 5):
-        A[c, :, c + 2], B[c, :, c], B[c + 2, :, c + 2] = one, one, solid.m0 * one
-    A[6, :, 4], A[6, :, 5] = m * E2 - K * k * k * one, (lam + m) * ik * E
-    A[7, :, 4], A[7, :, 5] = (lam + m) * ik * E, K * E2 - m * k * k * one
-
-    first, last = one[0], one[-1]
-    normal = [(c, part * last) for c, part in pressure.items()]
-    normal += [(2, -4 / 3 * mu * D[-1]), (1, 2 / 3 * mu * ik * last)]
-    shear = [(1, -mu * D[-1]), (2, -mu * ik * last)]
-    conditions: Conditions = {
-        (2, 0): [(2, first)],
-        (2, -1): [(2, last), (7, -first)],
-        (6, -1): [(6, last)],
-        (7, -1): [(7, last)],
-        (7, 0): [(5, K * E[0]), (4, lam * ik * first), *normal],
-        (6, 0): [(4, m * E[0]), (5, m * ik * first), *shear],
+    n, ik = len(D), 1j * k
+    rho, u, v, T, x, y, U, V = np.eye(8 * n).reshape(8, n, 8 * n)
+    p, div = gas.R * (rho + T), ik * u + D @ v
+    t_xx, t_yy = (gas.mu * (2.0 * a - 2.0 / 3.0 * div) for a in (ik * u, D @ v))
+    t_xy = gas.mu * (ik * v + D @ u)
+    s_xx, s_yy = (solid.lambda_e * (ik * x + E @ y) + 2.0 * solid.mu_e * a for a in (ik * x, E @ y))
+    s_xy = solid.mu_e * (ik * y + E @ x)
+    gains = [
+        -div,
+        ik * (t_xx - p) + D @ t_xy,
+        ik * t_xy + D @ (t_yy - p),
+        gas.kappa * (D @ D @ T - k * k * T) - gas.R * div,
+        U,
+        V,
+        ik * s_xx + E @ s_xy,
+        ik * s_xy + E @ s_yy,
+    ]
+    conditions = {
+        (2, 0): v[0],
+        (2, -1): v[-1] - V[0],
+        (6, -1): U[-1],
+        (7, -1): V[-1],
+        (6, 0): s_xy[0] - t_xy[-1],
+        (7, 0): s_yy[0] - (t_yy - p)[-1],
     }
-    if mu > 0:
-        conditions |= {(1, 0): [(1, first)], (1, -1): [(1, last), (6, -first)]}
-    if kappa > 0:
-        conditions |= {(3, 0): [(3, D[0])], (3, -1): [(3, D[-1])]}
-    return A, B, conditions
+    if gas.mu > 0:
+        conditions |= {(1, 0): u[0], (1, -1): u[-1] - U[0]}
+    if gas.kappa > 0:
+        conditions |= {(3, 0): (D @ T)[0], (3, -1): (D @ T)[-1]}
+    weights = np.array([1.0, 1.0, 1.0, gas.cv, 1.0, 1.0, solid.m0, solid.m0])
+    return np.array(gains), weights, conditions
