@@ -9,7 +9,7 @@ import numpy as np
 
 from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.conditions import Condition, Outflow, Slip
-from fsipetsc.blocks.maps import Map, Mapped
+from fsipetsc.blocks.maps import Map
 from fsipetsc.cases.common import SHOCKS, Opt, at_rest, beside_gas, elastic_of, gas_of
 from fsipetsc.cases.disk import between, centre, quarter
 from fsipetsc.cases.riemann import GasState, shock_in_plane
@@ -40,7 +40,7 @@ def in_gas(q: int) -> Map:
         ends = zip(CORNERS[q], CORNERS[(q + 1) % 4])
         return between(xi[0], circle, tuple((1 - xi[1]) * a + xi[1] * b for a, b in ends))
 
-    return Mapped(places, 2)
+    return places
 
 
 def build(opt: Opt) -> BlockProblem:
@@ -54,13 +54,12 @@ def build(opt: Opt) -> BlockProblem:
     around, within, outside = (max(round(length / opt["fsi_h"]), least) for length in lengths)
     sides = Outflow(AHEAD.p), Slip(name="ceiling"), inflow, Slip(name="floor")
     elastic, rest = opt["cylinder_wall"] == "elastic", at_rest()
-    middle = Mapped(centre(CORE), 2)
-    blocks = [Block("core", solid, middle, (around, around), rest)] if elastic else []
+    blocks = [Block("core", solid, centre(CORE), (around, around), rest)] if elastic else []
     faces: dict[tuple[str, int, int], Condition] = {}
     for q, side in enumerate(sides):
         name = f"gas {q + 1}"
         if elastic:
-            map = Mapped(quarter(q, RADIUS, CORE), 2)
+            map = quarter(q, RADIUS, CORE)
             blocks.append(Block(f"solid {q + 1}", solid, map, (within, around), rest))
         else:
             faces[name, 0, 0] = Slip(name="cylinder")

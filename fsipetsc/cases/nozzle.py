@@ -9,7 +9,7 @@ import numpy as np
 
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Centre, Clamped, Condition, Outflow, Slip
-from fsipetsc.blocks.maps import Mapped, off_axis
+from fsipetsc.blocks.maps import Map, off_axis
 from fsipetsc.blocks.problem import BlockProblem, FaceName
 from fsipetsc.cases.common import SHOCKS, Opt, at_rest, beside_gas, constant, elastic_of, gas_of
 from fsipetsc.cases.riemann import GasState, shock_in_plane
@@ -37,7 +37,7 @@ def radius(z: Array) -> Array:
     return WIDE - (WIDE - THROAT) * np.sin(np.pi * z / LENGTH) ** 4
 
 
-def between(low: float, high: float) -> Mapped:
+def between(low: float, high: float) -> Map:
     """From so far beyond the inner side of the wall to so far; high = 0: to the vessel."""
 
     def places(xi):
@@ -45,7 +45,7 @@ def between(low: float, high: float) -> Mapped:
         inner, outer = radius(z) + low, radius(z) + high if high else VESSEL
         return z, (1.0 - xi[1]) * inner + xi[1] * outer
 
-    return Mapped(places, 2)
+    return places
 
 
 def build(opt: Opt) -> BlockProblem:
@@ -58,7 +58,7 @@ def build(opt: Opt) -> BlockProblem:
     widths = LENGTH, WIDE, THICKNESS, VESSEL - WIDE - THICKNESS
     along, inside, across, around = (max(round(w / opt["fsi_h"]), least) for w in widths)
     still = constant(AHEAD.rho, 0.0, 0.0, 1.0)
-    core = off_axis(Mapped(lambda xi: (LENGTH * xi[0], xi[1] * radius(LENGTH * xi[0])), 2), inside)
+    core = off_axis(lambda xi: (LENGTH * xi[0], xi[1] * radius(LENGTH * xi[0])), inside)
     blocks = (
         Block("inside", gas, core, (along, inside), flow),
         Block("wall", wall, between(0.0, THICKNESS), (along, across), at_rest()),
