@@ -135,6 +135,12 @@ def largest(errors: Any) -> float:
     return float(np.abs(errors).max())
 
 
+def joined(frames: Iterable[Mapping[str, Array]]) -> dict[str, Array]:
+    """The fields of several blocks as one array each."""
+    parts = list(frames)
+    return {name: np.concatenate([part[name].ravel() for part in parts]) for name in parts[0]}
+
+
 def smooth(x: Array, y: Array) -> Callable[[Array], Array]:
     """A reference between its points: the spline of fifth degree."""
     from scipy.interpolate import make_interp_spline

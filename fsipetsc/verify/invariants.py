@@ -6,6 +6,7 @@ import numpy as np
 
 from fsipetsc.blocks.conditions import NoSlip
 from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.cases.common import at_rest, constant
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.verify.entry import Array, Measured, Solve, expect, largest
@@ -21,25 +22,18 @@ def box(d: int, h: float, order: int) -> Any:
         swirl = 0.1 * np.sin(4.0 * np.pi * X[0]) * np.sin(np.pi * X[-1]) ** 2
         return [2.2 / 5.0, swirl if d > 1 else 0.0, *[0.0] * (d - 1), 5.0]
 
-    def upper(*X: Array) -> list[Any]:
-        return [2.0 / (0.5 * 4.0), *[0.0] * d, 4.0]
-
-    def between(*X: Array) -> list[Any]:
-        return [*[0.0] * d, 4.5, *X]
-
     def shaken(along: float) -> NoSlip:
         sizes = [along, 0.0, 0.1] if d == 3 else [along, 0.1][2 - d :]
-
-        def place(*X: Any) -> list[Array]:
-            return [x + size * np.sin(3.0 * X[-1]) ** 2 for x, size in zip(X, sizes)]
-
-        return NoSlip(x=place)
+        return NoSlip(
+            x=lambda *at: [x + size * np.sin(3.0 * at[-1]) ** 2 for x, size in zip(at, sizes)]
+        )
 
     gases = Fluid(0.01, 0.03, 1.4, 1.0), Fluid(0.01, 0.03, 5.0 / 3.0, 0.5)
+    upper = constant(2.0 / (0.5 * 4.0), *[0.0] * d, 4.0)
     solid = ElasticSolid(5.0, 10.0, 0.02, 2.0, 1.0, p_ref=2.0)
     return layers(
         Layer("lower", gases[0], (0.0, 1.0), lower),
-        Layer("solid", solid, (1.0, 2.0), between),
+        Layer("solid", solid, (1.0, 2.0), at_rest(4.5)),
         Layer("upper", gases[1], (2.0, 3.0), upper),
         along=((0.0, PERIOD),) * (d - 1),
         lower=shaken(0.0),
