@@ -8,7 +8,7 @@ to the four sides of the channel, four of the solid from a square centre block t
 import numpy as np
 
 from fsipetsc import Block, BlockProblem, Option
-from fsipetsc.blocks.conditions import Condition, Outflow, Slip
+from fsipetsc.blocks.conditions import Outflow, Slip
 from fsipetsc.blocks.maps import Map
 from fsipetsc.cases.common import SHOCKS, Opt, at_rest, beside_gas, elastic_of, gas_of
 from fsipetsc.cases.disk import between, centre, quarter
@@ -55,7 +55,7 @@ def build(opt: Opt) -> BlockProblem:
     sides = Outflow(AHEAD.p), Slip(name="ceiling"), inflow, Slip(name="floor")
     elastic, rest = opt["cylinder_wall"] == "elastic", at_rest()
     blocks = [Block("core", solid, centre(CORE), (around, around), rest)] if elastic else []
-    faces: dict[tuple[str, int, int], Condition] = {}
+    faces = {}
     for q, side in enumerate(sides):
         name = f"gas {q + 1}"
         if elastic:

@@ -9,9 +9,8 @@ of stress under the pressure of the gas. Its small motions are known exactly: se
 import numpy as np
 
 from fsipetsc import Block, BlockProblem, Option
-from fsipetsc.blocks.conditions import Condition, Free, NoSlip, Slip
+from fsipetsc.blocks.conditions import Free, NoSlip, Slip
 from fsipetsc.blocks.maps import annulus
-from fsipetsc.blocks.problem import FaceName
 from fsipetsc.cases.common import Opt, at_rest, cells_of, constant, elastic_of, gas_of, materials
 
 SUMMARY = "an elastic ring with gas inside and outside, and a pressure pulse"
@@ -49,7 +48,7 @@ def build(opt: Opt) -> BlockProblem:
         return rho, 0.0 * X, 0.0 * X, p / rho
 
     blocks = (block("ring", solid, INNER, OUTER, at_rest()),)
-    faces: dict[FaceName, Condition] = {("ring", 0, 0): Free(), ("ring", 0, 1): Free()}
+    faces = {("ring", 0, 0): Free(), ("ring", 0, 1): Free()}
     if opt["ring_gas"]:
         still = constant(1.0, 0.0, 0.0, 1.0)
         inside = block("inside", gas, CORE, INNER, pulse)

@@ -10,9 +10,8 @@ command `modes`.
 import numpy as np
 
 from fsipetsc import Block, BlockProblem, Option
-from fsipetsc.blocks.conditions import Centre, Condition, Free, Slip
+from fsipetsc.blocks.conditions import Centre, Free, Slip
 from fsipetsc.blocks.maps import ball, rectangle
-from fsipetsc.blocks.problem import FaceName
 from fsipetsc.cases.common import Opt, at_rest, cells_of, constant, elastic_of, gas_of, materials
 
 SUMMARY = "a charge in an elastic shell around a centre, or a tube around an axis"
@@ -51,7 +50,7 @@ def build(opt: Opt) -> BlockProblem:
         return 1.0 + 0.0 * r, 0.0 * r, 1.0 + opt["shell_charge"] * hot
 
     blocks = (block("shell", solid, INNER, OUTER, at_rest()),)
-    faces: dict[FaceName, Condition] = {("shell", 0, 0): Free(), ("shell", 0, 1): Free()}
+    faces = {("shell", 0, 0): Free(), ("shell", 0, 1): Free()}
     if opt["shell_gas"] != "none":
         inside = block("inside", gas, core, INNER, charge)
         blocks = (inside, *blocks, block("around", gas, OUTER, VESSEL, constant(1.0, 0.0, 1.0)))
