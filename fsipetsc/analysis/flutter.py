@@ -27,8 +27,7 @@ SMALL = 1e-5
 #: periods that are looked at, samples in one, and chords that sound runs against the flow before
 PERIODS, SAMPLES, CHORDS = 1.25, 64, 2.0
 #: columns of the table: the faster mode, and both by frequency
-HEAD = ("mach", "lambda", "growth", "frequency", "growth_1", "frequency_1")
-HEAD += ("growth_2", "frequency_2", "misfit")
+HEAD = "mach lambda growth frequency growth_1 frequency_1 growth_2 frequency_2 misfit".split()
 MACHS, LAMBDAS = (1.5, 2.0, 2.5, 3.0, 4.0), (500.0, 600.0, 700.0, 800.0)
 _ABOVE = {"check": lambda values: None if min(values) > 1 else "Mach numbers above 1"}
 OPTIONS = (

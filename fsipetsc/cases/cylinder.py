@@ -10,10 +10,9 @@ import numpy as np
 from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.conditions import Outflow, Slip
 from fsipetsc.blocks.maps import Map
-from fsipetsc.cases.common import SHOCKS, Opt, at_rest, beside_gas, elastic_of, gas_of
+from fsipetsc.cases.common import SHOCKS, Opt, at_rest, beside_gas, cells_of, elastic_of, gas_of
 from fsipetsc.cases.disk import between, centre, quarter
 from fsipetsc.cases.riemann import GasState, shock_in_plane
-from fsipetsc.operators.sbp import operator
 from fsipetsc.options import above_one
 
 SUMMARY = "a shock runs over an elastic or a rigid cylinder, in two dimensions"
@@ -49,9 +48,8 @@ def build(opt: Opt) -> BlockProblem:
     of_solid = {**opt, "solid_density": opt["solid_density"] * AHEAD.rho}
     solid = elastic_of(of_solid, AHEAD.p, law="neo-hookean")
     flow, inflow, _ = shock_in_plane(gas, AHEAD, opt["cylinder_mach"], START)
-    least = operator(opt["fsi_order"]).min_points - 1
     lengths = np.pi / 2 * RADIUS, RADIUS - CORE, 1.25
-    around, within, outside = (max(round(length / opt["fsi_h"]), least) for length in lengths)
+    around, within, outside = (cells_of(opt, length) for length in lengths)
     sides = Outflow(AHEAD.p), Slip(name="ceiling"), inflow, Slip(name="floor")
     elastic, rest = opt["cylinder_wall"] == "elastic", at_rest()
     blocks = [Block("core", solid, centre(CORE), (around, around), rest)] if elastic else []

@@ -29,8 +29,7 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
     "Run": tuple(option for option in RUN if option.name == "fsi_quiet"),
 }
 HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "verdict")
-COLUMNS = ("case", "quantity", "order", "h", "ranks", "value", "reference", "source")
-COLUMNS += ("error", "rate", "verdict")
+COLUMNS = "case quantity order h ranks value reference source error rate verdict".split()
 
 
 def verify(arguments: list[str], comm: Comm) -> None:
