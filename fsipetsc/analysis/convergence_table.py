@@ -44,7 +44,7 @@ class Study:
     hs: grid spacings [m], coarse to fine. t: time of comparison [s]. exact: errors are from the
     exact solution, and groups are kinds of layers; else grid j is compared with the next finer one,
     groups are layers and "series", and errors relative. units: as in fsipetsc.problem.Problem.
-    failures: (order, h) -> message. errors: group -> name -> (orders, grids). cost: name -> the
+    failures: (order, h) -> message. errors: (group, name) -> (orders, grids). cost: name -> the
     same, of the names in COST; the wall time [s] is that of the time loop.
     """
 
@@ -57,7 +57,7 @@ class Study:
     units: str = "SI"
     exact: bool = True
     failures: dict[tuple[int, float], str] = field(default_factory=dict)
-    errors: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
+    errors: dict[tuple[str, str], np.ndarray] = field(default_factory=dict)
     cost: dict[str, np.ndarray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -70,7 +70,7 @@ class Study:
         """Keep the errors of the run with order i and grid j."""
         for group, values in errors.items():
             for name, value in values.items():
-                self.errors.setdefault(group, {}).setdefault(name, self._empty())[i, j] = value
+                self.errors.setdefault((group, name), self._empty())[i, j] = value
 
     def rates(self, group: str, name: str = "combined") -> np.ndarray:
         """Observed orders, (orders, grids); NaN for the first grid, and the last of compared grids.
@@ -78,7 +78,7 @@ class Study:
         Of errors e_j ~ h_j^p p is log(e_j-1 / e_j) / log(h_j-1 / h_j), of differences it solves
         e_j-1 / e_j = (h_j-1^p - h_j^p) / (h_j^p - h_j+1^p).
         """
-        e, h = self.errors[group][name], np.array(self.hs)
+        e, h = self.errors[group, name], np.array(self.hs)
         rates = np.full(e.shape, np.nan)
         with np.errstate(divide="ignore", invalid="ignore"):
             ratios = np.log(e[:, :-1] / e[:, 1:])
@@ -94,10 +94,6 @@ class Study:
     def time(self) -> str:
         """The time of comparison, as text."""
         return f"t = {self.t:g}" + " s" * (self.units == "SI")
-
-    def columns(self) -> Iterator[tuple[str, str]]:
-        """(group, name) of every error."""
-        return ((group, name) for group, names in self.errors.items() for name in names)
 
     def row(self, i: int, j: int) -> str:
         """The cost of a run as it has been made."""
@@ -115,10 +111,9 @@ class Study:
             names = [f"{a}-{b}" for a, b in zip(names, names[1:])]
         head = [operator(self.orders[i]).name, "h =", *names, *["order"] * (len(names) - 1)]
         rows = []
-        for group, name in self.columns():
-            errors = self.errors[group][name][i, : len(names)]
+        for (group, name), errors in self.errors.items():
             rates = self.rates(group, name)[i, 1 : len(names)]
-            numbers = [*texts(errors, ".1e"), *texts(rates, ".2f")]
+            numbers = [*texts(errors[i, : len(names)], ".1e"), *texts(rates, ".2f")]
             rows.append([group, "all" if name == "combined" else name, *numbers])
         return text_table(head, rows)
 
@@ -127,8 +122,8 @@ class Study:
         what = "errors" if self.exact else "relative differences from the next grid"
         about = f"{self.case}, {what} in {self.norm} at {self.time}, {counted(self.ranks, 'rank')}"
         columns = dict(self.cost)
-        columns |= {f"{group}/{name}": self.errors[group][name] for group, name in self.columns()}
-        columns |= {f"order {g}/{name}": self.rates(g, name) for g, name in self.columns()}
+        columns |= {f"{group}/{name}": errors for (group, name), errors in self.errors.items()}
+        columns |= {f"order {group}/{name}": self.rates(group, name) for group, name in self.errors}
         rows = []
         for i, order in enumerate(self.orders):
             for j, h in enumerate(self.hs):
@@ -224,10 +219,10 @@ def unresolved(study: Study, i: int) -> list[str]:
     """A line for each layer whose grids differ by much, or come together slowly."""
     lines, op = [], operator(study.orders[i])
     expected = study.orders[i] // 2 + 1  # closures have half the order
-    for group in sorted(study.errors.keys() - {"series"}):
-        errors, rate = study.errors[group], study.rates(group)[i, -2]
-        fields = {name: np.nan_to_num(e[i, -2]) for name, e in errors.items() if name != "combined"}
-        worst, last = max(fields, key=lambda name: fields[name]), errors["combined"][i, -2]
+    for group in sorted({group for group, _ in study.errors} - {"series"}):
+        fields = {name: e[i, -2] for (of, name), e in study.errors.items() if of == group}
+        last, rate = fields.pop("combined"), study.rates(group)[i, -2]
+        worst = max(fields, key=lambda name: np.nan_to_num(fields[name]))
         if last > COARSE:
             part = f"{100 * fields[worst]:.0f} %"
             why = f"in {worst} the two finest grids differ by {part} of its range"
