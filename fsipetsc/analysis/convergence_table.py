@@ -151,31 +151,27 @@ def differences(runs: Sequence[Run], norm: str) -> Iterator[dict[str, dict[str, 
     values, power = _common_values(runs), {"L1": 1, "L2": 2}[norm]
     kinds = {layer.name: layer.kind for layer in runs[0].layers}
 
-    def sort(group: str, name: str) -> tuple[str, str]:
-        """Kind of layer and unit; what has no known unit has one of its own."""
-        return kinds.get(group, group), unit_of(name) or name
-
+    # of which kind of layer and unit; what has no known unit has one of its own
+    sort = {key: (kinds.get(key[0], key[0]), unit_of(key[1]) or key[1]) for key in values}
     ranges: dict[tuple[str, str], float] = {}
-    for group, names in values.items():
-        for name, found in names.items():
-            of = sort(group, name)
-            ranges[of] = max(ranges.get(of, 0.0), _range(found[-1]))
+    for key, found in values.items():
+        ranges[sort[key]] = max(ranges.get(sort[key], 0.0), _range(found[-1]))
     for j in range(len(runs) - 1):
         errors: dict[str, dict[str, float]] = {}
-        for group, names in values.items():
-            own = errors[group] = {}
-            for name, found in names.items():
-                gap = np.abs(found[j + 1] - found[j]) / (ranges[sort(group, name)] or 1.0)
-                gap = gap[np.isfinite(gap)]
-                own[name] = float(np.mean(gap**power) ** (1 / power)) if gap.size else np.nan
+        for (group, name), found in values.items():
+            gap = np.abs(found[j + 1] - found[j]) / (ranges[sort[group, name]] or 1.0)
+            gap = gap[np.isfinite(gap)]
+            mean = float(np.mean(gap**power) ** (1 / power)) if gap.size else np.nan
+            errors.setdefault(group, {})[name] = mean
+        for own in errors.values():
             every = np.array(list(own.values()))
             own["combined"] = float(np.nanmean(every**power) ** (1 / power))
         yield errors
 
 
-def _common_values(runs: Sequence[Run]) -> dict[str, dict[str, list[np.ndarray]]]:
-    """Group -> name -> values of each run at what all have in common. InputError."""
-    found: dict[str, dict[str, list[np.ndarray]]] = {}
+def _common_values(runs: Sequence[Run]) -> dict[tuple[str, str], list[np.ndarray]]:
+    """(group, name) -> values of each run at what all have in common. InputError."""
+    found: dict[tuple[str, str], list[np.ndarray]] = {}
     for k, layer in enumerate(runs[0].layers):
         layers = [run.layers[k] for run in runs]
         pairs = [common_nodes(layer, other, []) for other in layers]
@@ -185,16 +181,17 @@ def _common_values(runs: Sequence[Run]) -> dict[str, dict[str, list[np.ndarray]]
                 "-fsi_hs takes grids with common nodes, as in -fsi_hs 0.1,0.05,0.025"
             )
         axes = [_in_all(axis) for axis in zip(*(zip(*pair) for pair in pairs if pair is not None))]
-        own = found[layer.name] = {}
         for name in layer.fields:
             ends = [other.frame(-1)[name] for other in layers]
-            own[name] = [end[np.ix_(*(axis[j] for axis in axes))] for j, end in enumerate(ends)]
+            found[layer.name, name] = [
+                end[np.ix_(*(axis[j] for axis in axes))] for j, end in enumerate(ends)
+            ]
     times = runs[0].time[1:]
     for name in runs[0].series:
         if name not in NO_SOLUTION and not name.startswith("residual_"):
             values = [summed(r, name)[np.isin(r.series["t"], times)] for r in runs]
             if len({v.shape for v in values}) == 1 and values[0].size:
-                found.setdefault("series", {})[name] = values
+                found["series", name] = values
     return found
 
 
