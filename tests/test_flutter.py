@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers import message, program, solve
 
-from fsipetsc.analysis.panel_modes import Flow, crossing, fit_modes
+from fsipetsc.analysis.panel_modes import crossing, fit_modes, unit_of
 from fsipetsc.errors import ComputationError
 from fsipetsc.verify.entry import reference
 
@@ -34,16 +34,16 @@ def test_two_modes_of_nearly_one_frequency_are_told_apart():
 def test_the_crossing_from_a_few_dynamic_pressures():
     """Two frequencies that meet, s^2 + d s + m +- sqrt(a^2 - (f lambda)^2) = 0: their growth has a
     kink there, and is positive from (f lambda)^2 = a^2 + d^2 m on."""
-    m, a, f, d, flow = 2152.0, 1651.0, 2.6, 2.0, Flow(2.0, 10.0)
+    m, a, f, d = 2152.0, 1651.0, 2.6, 2.0
     dynamic = (500.0, 600.0, 700.0, 800.0)
-    units = [flow.unit(at) for at in dynamic]
+    units = [unit_of(2.0, 10.0, at) for at in dynamic]
     roots = [np.sqrt(a**2 - (f * at) ** 2 + 0j) * np.array([1, -1]) for at in dynamic]
     pairs = [u * (np.sqrt(0.25 * d**2 - m - r) - 0.5 * d) for u, r in zip(units, roots)]
     pairs = [np.where(pair.imag < 0, -d * u - pair, pair) for u, pair in zip(units, pairs)]
-    found, s = crossing(dynamic, units, pairs)
+    found, s = crossing(2.0, 10.0, dynamic, pairs)
     assert found == pytest.approx(np.sqrt(a**2 + d**2 * m) / f, rel=1e-6)
-    assert s == pytest.approx(1j * np.sqrt(m), rel=1e-6)
-    assert np.isnan(crossing(dynamic[:2], units[:2], pairs[:2])[0])
+    assert s == pytest.approx(1j * np.sqrt(m) * unit_of(2.0, 10.0, found), rel=1e-6)
+    assert np.isnan(crossing(2.0, 10.0, dynamic[:2], pairs[:2])[0])
 
 
 @pytest.mark.mpi

@@ -13,7 +13,7 @@ pytest.importorskip("petsc4py")
 from mpi4py import MPI
 
 from fsipetsc.analysis.ring_theory import Medium, mode_near
-from fsipetsc.analysis.wave_modes import Bench, radial_modes
+from fsipetsc.analysis.wave_modes import linear_modes, radial_modes
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.cases import ring
 
@@ -111,7 +111,7 @@ def test_nothing_grows_beside_light_and_heavy_rings(density, viscosity):
     words = {"fsi_order": 4, "fsi_h": 0.1, "ring_around": 24, "fluid_mu": viscosity}
     problem = at_rest(solid_density=density, **words)
     with BlockState(MPI.COMM_SELF, problem, 4, BlockForm()) as state:
-        values = Bench(state, 1, 2).modes()[0]
+        values = linear_modes(state, 1, 2)[0]
     assert values.real.max() < 1e-11 * np.abs(values).max()
 
 

@@ -44,7 +44,7 @@ class Study:
     hs: grid spacings [m], coarse to fine. t: time of comparison [s]. exact: errors are from the
     exact solution, and groups are kinds of layers; else grid j is compared with the next finer one,
     groups are layers and "series", and errors relative. units: as in fsipetsc.problem.Problem.
-    failures: (order, h) -> message. errors: group -> name -> (orders, grids). cost: name -> the
+    failures: (order, h) -> message. errors: (group, name) -> (orders, grids). cost: name -> the
     same, of the names in COST; the wall time [s] is that of the time loop.
     """
 
@@ -57,7 +57,7 @@ class Study:
     units: str = "SI"
     exact: bool = True
     failures: dict[tuple[int, float], str] = field(default_factory=dict)
-    errors: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
+    errors: dict[tuple[str, str], np.ndarray] = field(default_factory=dict)
     cost: dict[str, np.ndarray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -70,7 +70,7 @@ class Study:
         """Keep the errors of the run with order i and grid j."""
         for group, values in errors.items():
             for name, value in values.items():
-                self.errors.setdefault(group, {}).setdefault(name, self._empty())[i, j] = value
+                self.errors.setdefault((group, name), self._empty())[i, j] = value
 
     def rates(self, group: str, name: str = "combined") -> np.ndarray:
         """Observed orders, (orders, grids); NaN for the first grid, and the last of compared grids.
@@ -78,7 +78,7 @@ class Study:
         Of errors e_j ~ h_j^p p is log(e_j-1 / e_j) / log(h_j-1 / h_j), of differences it solves
         e_j-1 / e_j = (h_j-1^p - h_j^p) / (h_j^p - h_j+1^p).
         """
-        e, h = self.errors[group][name], np.array(self.hs)
+        e, h = self.errors[group, name], np.array(self.hs)
         rates = np.full(e.shape, np.nan)
         with np.errstate(divide="ignore", invalid="ignore"):
             ratios = np.log(e[:, :-1] / e[:, 1:])
@@ -94,10 +94,6 @@ class Study:
     def time(self) -> str:
         """The time of comparison, as text."""
         return f"t = {self.t:g}" + " s" * (self.units == "SI")
-
-    def columns(self) -> Iterator[tuple[str, str]]:
-        """(group, name) of every error."""
-        return ((group, name) for group, names in self.errors.items() for name in names)
 
     def row(self, i: int, j: int) -> str:
         """The cost of a run as it has been made."""
@@ -115,10 +111,9 @@ class Study:
             names = [f"{a}-{b}" for a, b in zip(names, names[1:])]
         head = [operator(self.orders[i]).name, "h =", *names, *["order"] * (len(names) - 1)]
         rows = []
-        for group, name in self.columns():
-            errors = self.errors[group][name][i, : len(names)]
+        for (group, name), errors in self.errors.items():
             rates = self.rates(group, name)[i, 1 : len(names)]
-            numbers = [*texts(errors, ".1e"), *texts(rates, ".2f")]
+            numbers = [*texts(errors[i, : len(names)], ".1e"), *texts(rates, ".2f")]
             rows.append([group, "all" if name == "combined" else name, *numbers])
         return text_table(head, rows)
 
@@ -127,8 +122,8 @@ class Study:
         what = "errors" if self.exact else "relative differences from the next grid"
         about = f"{self.case}, {what} in {self.norm} at {self.time}, {counted(self.ranks, 'rank')}"
         columns = dict(self.cost)
-        columns |= {f"{group}/{name}": self.errors[group][name] for group, name in self.columns()}
-        columns |= {f"order {g}/{name}": self.rates(g, name) for g, name in self.columns()}
+        columns |= {f"{group}/{name}": errors for (group, name), errors in self.errors.items()}
+        columns |= {f"order {group}/{name}": self.rates(group, name) for group, name in self.errors}
         rows = []
         for i, order in enumerate(self.orders):
             for j, h in enumerate(self.hs):
@@ -156,31 +151,27 @@ def differences(runs: Sequence[Run], norm: str) -> Iterator[dict[str, dict[str, 
     values, power = _common_values(runs), {"L1": 1, "L2": 2}[norm]
     kinds = {layer.name: layer.kind for layer in runs[0].layers}
 
-    def sort(group: str, name: str) -> tuple[str, str]:
-        """Kind of layer and unit; what has no known unit has one of its own."""
-        return kinds.get(group, group), unit_of(name) or name
-
+    # of which kind of layer and unit; what has no known unit has one of its own
+    sort = {key: (kinds.get(key[0], key[0]), unit_of(key[1]) or key[1]) for key in values}
     ranges: dict[tuple[str, str], float] = {}
-    for group, names in values.items():
-        for name, found in names.items():
-            of = sort(group, name)
-            ranges[of] = max(ranges.get(of, 0.0), _range(found[-1]))
+    for key, found in values.items():
+        ranges[sort[key]] = max(ranges.get(sort[key], 0.0), _range(found[-1]))
     for j in range(len(runs) - 1):
         errors: dict[str, dict[str, float]] = {}
-        for group, names in values.items():
-            own = errors[group] = {}
-            for name, found in names.items():
-                gap = np.abs(found[j + 1] - found[j]) / (ranges[sort(group, name)] or 1.0)
-                gap = gap[np.isfinite(gap)]
-                own[name] = float(np.mean(gap**power) ** (1 / power)) if gap.size else np.nan
+        for (group, name), found in values.items():
+            gap = np.abs(found[j + 1] - found[j]) / (ranges[sort[group, name]] or 1.0)
+            gap = gap[np.isfinite(gap)]
+            mean = float(np.mean(gap**power) ** (1 / power)) if gap.size else np.nan
+            errors.setdefault(group, {})[name] = mean
+        for own in errors.values():
             every = np.array(list(own.values()))
             own["combined"] = float(np.nanmean(every**power) ** (1 / power))
         yield errors
 
 
-def _common_values(runs: Sequence[Run]) -> dict[str, dict[str, list[np.ndarray]]]:
-    """Group -> name -> values of each run at what all have in common. InputError."""
-    found: dict[str, dict[str, list[np.ndarray]]] = {}
+def _common_values(runs: Sequence[Run]) -> dict[tuple[str, str], list[np.ndarray]]:
+    """(group, name) -> values of each run at what all have in common. InputError."""
+    found: dict[tuple[str, str], list[np.ndarray]] = {}
     for k, layer in enumerate(runs[0].layers):
         layers = [run.layers[k] for run in runs]
         pairs = [common_nodes(layer, other, []) for other in layers]
@@ -190,16 +181,17 @@ def _common_values(runs: Sequence[Run]) -> dict[str, dict[str, list[np.ndarray]]
                 "-fsi_hs takes grids with common nodes, as in -fsi_hs 0.1,0.05,0.025"
             )
         axes = [_in_all(axis) for axis in zip(*(zip(*pair) for pair in pairs if pair is not None))]
-        own = found[layer.name] = {}
         for name in layer.fields:
             ends = [other.frame(-1)[name] for other in layers]
-            own[name] = [end[np.ix_(*(axis[j] for axis in axes))] for j, end in enumerate(ends)]
+            found[layer.name, name] = [
+                end[np.ix_(*(axis[j] for axis in axes))] for j, end in enumerate(ends)
+            ]
     times = runs[0].time[1:]
     for name in runs[0].series:
         if name not in NO_SOLUTION and not name.startswith("residual_"):
             values = [summed(r, name)[np.isin(r.series["t"], times)] for r in runs]
             if len({v.shape for v in values}) == 1 and values[0].size:
-                found.setdefault("series", {})[name] = values
+                found["series", name] = values
     return found
 
 
@@ -224,10 +216,10 @@ def unresolved(study: Study, i: int) -> list[str]:
     """A line for each layer whose grids differ by much, or come together slowly."""
     lines, op = [], operator(study.orders[i])
     expected = study.orders[i] // 2 + 1  # closures have half the order
-    for group in sorted(study.errors.keys() - {"series"}):
-        errors, rate = study.errors[group], study.rates(group)[i, -2]
-        fields = {name: np.nan_to_num(e[i, -2]) for name, e in errors.items() if name != "combined"}
-        worst, last = max(fields, key=lambda name: fields[name]), errors["combined"][i, -2]
+    for group in sorted({group for group, _ in study.errors} - {"series"}):
+        fields = {name: e[i, -2] for (of, name), e in study.errors.items() if of == group}
+        last, rate = fields.pop("combined"), study.rates(group)[i, -2]
+        worst = max(fields, key=lambda name: np.nan_to_num(fields[name]))
         if last > COARSE:
             part = f"{100 * fields[worst]:.0f} %"
             why = f"in {worst} the two finest grids differ by {part} of its range"

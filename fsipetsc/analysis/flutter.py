@@ -9,9 +9,9 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from itertools import product
 from math import pi
-from typing import Any, NamedTuple
+from typing import Any
 
-from fsipetsc.analysis.panel_modes import CRITICAL, Flow, crossing, fit_modes, motion_of
+from fsipetsc.analysis.panel_modes import crossing, fit_modes, motion_of, unit_of
 from fsipetsc.analysis.tables import begin, printer, save_csv, shared, text_table
 from fsipetsc.cases import load_case
 from fsipetsc.errors import ComputationError
@@ -19,13 +19,15 @@ from fsipetsc.options import Option, groups
 from fsipetsc.output.reader import open_run
 from fsipetsc.process.together import Comm, wait_asleep
 
+#: lambda at which a thin panel flutters without damping, its frequency there over sqrt(D/m)
+CRITICAL = {"clamped": 636.57, "hinged": 343.36}
+FREQUENCY = {"clamped": 52.0, "hinged": 32.0}
 #: push of the panel, small enough that the motion is linear, where the user gives none
 SMALL = 1e-5
 #: periods that are looked at, samples in one, and chords that sound runs against the flow before
 PERIODS, SAMPLES, CHORDS = 1.25, 64, 2.0
 #: columns of the table: the faster mode, and both by frequency
-HEAD = ("mach", "lambda", "growth", "frequency", "growth_1", "frequency_1")
-HEAD += ("growth_2", "frequency_2", "misfit")
+HEAD = "mach lambda growth frequency growth_1 frequency_1 growth_2 frequency_2 misfit".split()
 MACHS, LAMBDAS = (1.5, 2.0, 2.5, 3.0, 4.0), (500.0, 600.0, 700.0, 800.0)
 _ABOVE = {"check": lambda values: None if min(values) > 1 else "Mach numbers above 1"}
 OPTIONS = (
@@ -34,14 +36,9 @@ OPTIONS = (
 )
 
 
-class FlutterRun(NamedTuple):
-    """A run: Mach number, lambda, s of the two modes that meet [unit of velocity over the panel's
-    length], misfit of the modes."""
-
-    mach: float
-    dynamic: float
-    pair: tuple[complex, complex]
-    misfit: float
+#: a run: Mach number, lambda, s of the two modes that meet [unit of velocity over the panel's
+#: length], misfit of the modes
+FlutterRun = tuple[float, float, tuple[complex, complex], float]
 
 
 def flutter(arguments: list[str], comm: Comm) -> None:
@@ -83,8 +80,8 @@ def one_run(
 
     from fsipetsc.stepping.run import run_case
 
-    flow, later = Flow(mach, opt["panel_mass"], opt["panel_ends"]), CHORDS / (mach - 1.0)
-    period = flow.period(dynamic)
+    frequency = FREQUENCY[opt["panel_ends"]] * unit_of(mach, opt["panel_mass"], dynamic)
+    later, period = CHORDS / (mach - 1.0), 2.0 * pi / frequency
     own = {**opt, "panel_mach": mach, "panel_lambda": dynamic, "fsi_quiet": True}
     own |= {"ts_max_time": end or later + PERIODS * period}
     own |= {"fsi_output_dt": period / SAMPLES, "fsi_output_times": None}
@@ -96,24 +93,24 @@ def one_run(
                 s, misfit = fit_modes(*motion_of(run, later))
         except ComputationError as error:
             raise ComputationError(f"M = {mach:g}, lambda = {dynamic:g}: {error}") from None
-    return FlutterRun(mach, dynamic, (complex(s[0]), complex(s[1])), misfit)
+    return mach, dynamic, (complex(s[0]), complex(s[1])), misfit
 
 
 def _row(run: FlutterRun) -> list[object]:
     """Under HEAD."""
-    fastest = max(run.pair, key=lambda s: s.real)
-    numbers = [f"{x:.6g}" for s in (fastest, *run.pair) for x in (s.real, s.imag)]
-    return [f"{run.mach:g}", f"{run.dynamic:g}", *numbers, f"{run.misfit:.1e}"]
+    mach, dynamic, pair, misfit = run
+    fastest = max(pair, key=lambda s: s.real)
+    numbers = [f"{x:.6g}" for s in (fastest, *pair) for x in (s.real, s.imag)]
+    return [f"{mach:g}", f"{dynamic:g}", *numbers, f"{misfit:.1e}"]
 
 
 def onsets(runs: Sequence[FlutterRun], mass: float, ends: str) -> str:
     """A table of lambda and f of each Mach number; NaN where the runs do not show it. Beside it
     lambda over that of a thin panel."""
     rows, thin = [], CRITICAL[ends]
-    for mach in dict.fromkeys(run.mach for run in runs):
-        own = [run for run in runs if run.mach == mach]
-        flow, dynamic = Flow(mach, mass), [run.dynamic for run in own]
-        found, s = crossing(dynamic, list(map(flow.unit, dynamic)), [run.pair for run in own])
-        f = s.imag * flow.unit(found) / (2.0 * pi)
+    for mach in dict.fromkeys(mach for mach, *_ in runs):
+        _, dynamic, pairs, _ = zip(*(run for run in runs if run[0] == mach))
+        found, s = crossing(mach, mass, dynamic, pairs)
+        f = s.imag / (2.0 * pi)
         rows.append([f"{mach:g}", f"{found:.1f}", f"{f:.4f}", f"{found / thin:.3f}"])
     return text_table(["M", "lambda", "f", f"of {thin}"], rows)

@@ -7,10 +7,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from fsipetsc.analysis.ring_theory import Medium, mode_near
 from fsipetsc.analysis.tables import begin, save_csv, text_table
+from fsipetsc.blocks.conditions import Centre
+from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases import load_case
-from fsipetsc.cases.common import gas_of
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option, groups
 from fsipetsc.process.together import Comm, together
@@ -54,7 +57,7 @@ def _told(case: Any, problem: Any, opt: Mapping[str, Any], path: Path) -> None:
     from fsipetsc.analysis.wave_modes import radial_modes
     from fsipetsc.stepping.solve import block_form
 
-    n, media = opt.get("ring_angular", 0), media_of(case, opt)
+    n, media = opt.get("ring_angular", 0), media_of(problem)
     rows, lines = [], []
     found = radial_modes(problem, opt["fsi_order"], n, block_form(opt))[: opt["modes_count"]]
     for i, omega in enumerate(map(complex, found), 1):
@@ -71,15 +74,22 @@ def _told(case: Any, problem: Any, opt: Mapping[str, Any], path: Path) -> None:
         print(f"saved {path}", flush=True)
 
 
-def media_of(case: Any, opt: Mapping[str, Any]) -> tuple[Medium, ...]:
-    """What the equations know of the case ring or shell, from inside; nothing where its gas
+def media_of(problem: BlockProblem) -> tuple[Medium, ...]:
+    """What the equations know of the case ring or shell at rest, from inside; nothing where its gas
     conducts heat.
     """
-    gas, solid, kappa = gas_of(opt), case.solid_of(opt), opt.get("shell_kappa", 0)
-    core, inner, outer, vessel = case.radii_of(opt)
-    body = Medium(inner, outer, solid.m0, solid.lambda_e, solid.mu_e, kappa=kappa)
-    if opt.get("ring_gas") is False or opt.get("shell_gas") == "none":
-        return (body,)
-    of_gas = 1.0, gas.gamma, 0.0, gas.mu, kappa
-    air = Medium(core, inner, *of_gas), Medium(outer, vessel, *of_gas)
-    return () if gas.kappa > 0.0 else (air[0], body, air[1])
+    media = []
+    for block in problem.layers:
+        at, material = np.zeros((2, block.dimension)), block.material
+        at[1, 0] = 1.0
+        inner, outer = np.linalg.norm([block.map(tuple(xi)) for xi in at], axis=1)
+        if isinstance(problem.faces.get((block.name, 0, 0)), Centre):
+            inner = 0.0  # its first node is half a spacing away
+        if block.kind == "solid":
+            laws = material.m0, material.lambda_e, material.mu_e, 0.0
+        elif material.kappa > 0.0:
+            return ()
+        else:
+            laws = 1.0, material.gamma, 0.0, material.mu  # of density and pressure 1
+        media.append(Medium(float(inner), float(outer), *laws, kappa=problem.symmetry))
+    return tuple(media)

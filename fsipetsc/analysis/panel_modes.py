@@ -13,7 +13,6 @@ so that modes of nearly one frequency are told apart by their shapes, in less th
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
@@ -22,9 +21,6 @@ from fsipetsc.analysis.spectra import Complex, Real
 from fsipetsc.errors import ComputationError
 from fsipetsc.output.reader import Run
 
-#: lambda at which a thin panel flutters without damping, its frequency there over sqrt(D/m)
-CRITICAL = {"clamped": 636.57, "hinged": 343.36}
-FREQUENCY = {"clamped": 52.0, "hinged": 32.0}
 #: singular values and amplitudes below these parts of the largest one are noise
 NOISE, FAINT = 1e-5, 1e-3
 #: what grows or decays by more than exp of this within the time is noise, too
@@ -33,22 +29,9 @@ STEEPEST = 12.0
 RANK = 16
 
 
-@dataclass(frozen=True)
-class Flow:
-    """A panel in a flow: Mach number, mass over density and length, how its ends are held."""
-
-    mach: float
-    mass: float
-    ends: str = "clamped"
-
-    def unit(self, dynamic: float) -> float:
-        """sqrt(D / mass), unit of frequencies, at lambda = dynamic."""
-        beta = np.sqrt(self.mach**2 - 1.0)
-        return float(np.sqrt(self.mach**2 / (dynamic * beta) / self.mass))
-
-    def period(self, dynamic: float) -> float:
-        """Of flutter at lambda = dynamic, about."""
-        return 2.0 * np.pi / (FREQUENCY[self.ends] * self.unit(dynamic))
+def unit_of(mach: float, mass: float, dynamic: float) -> float:
+    """sqrt(D / mass), unit of frequencies, at lambda = dynamic; mass: over density and length."""
+    return float(np.sqrt(mach**2 / (dynamic * np.sqrt(mach**2 - 1.0)) / mass))
 
 
 def motion_of(run: Run, begin: float) -> tuple[Real, Real, Real]:
@@ -91,18 +74,18 @@ def fit_modes(t: Real, w: Real, v: Real) -> tuple[Complex, float]:
 
 
 def crossing(
-    dynamic: Sequence[float], units: Sequence[float], pairs: Sequence[Sequence[complex]]
+    mach: float, mass: float, dynamic: Sequence[float], pairs: Sequence[Sequence[complex]]
 ) -> tuple[float, complex]:
-    """(lambda, s over the unit) where the growth of the faster of two modes becomes positive.
+    """(lambda, s) where the growth of the faster of two modes becomes positive, from their s at
+    some lambda; NaN if it does not change its sign between these.
 
-    From their s at some lambda, and the units sqrt(D/m) of frequency there; NaN if the growth does
-    not change its sign between these. The growth has a kink where the frequencies meet, but the
-    coefficients of (s - s1)(s - s1*)(s - s2)(s - s2*) are smooth: parabolas are laid through them.
-    These are over lambda^2, as the last coefficient is linear in it where pressure is steady. From
-    two lambdas that are 17 % apart the onset is 0.1 to 0.2 % too low.
+    The growth has a kink where the frequencies meet, but over ``unit_of`` the coefficients of
+    (s - s1)(s - s1*)(s - s2)(s - s2*) are smooth: parabolas are laid through them. These are over
+    lambda^2, as the last coefficient is linear in it where pressure is steady. From two lambdas
+    that are 17 % apart the onset is 0.1 to 0.2 % too low.
     """
     x = np.asarray(dynamic, float) ** 2
-    scaled = [np.asarray(pair) / unit for pair, unit in zip(pairs, units, strict=True)]
+    scaled = [np.asarray(s) / unit_of(mach, mass, at) for s, at in zip(pairs, dynamic, strict=True)]
     found = np.array([np.poly(np.concatenate([pair, pair.conj()])).real for pair in scaled])
     centre = 0.5 * (x.min() + x.max())
     fits = np.polynomial.polynomial.polyfit(x - centre, found, min(len(x) - 1, 2))
@@ -117,4 +100,4 @@ def crossing(
     if first == 0:
         return float("nan"), complex("nan")
     at = float(brentq(lambda at: fastest(at).real, fine[first - 1], fine[first]))
-    return at, fastest(at)
+    return at, unit_of(mach, mass, at) * fastest(at)

@@ -70,27 +70,23 @@ class Medium:
 def conditions(media: Sequence[Medium], n: int, omega: complex) -> Complex:
     """The square matrix, of all conditions on all potentials, that is singular for a mode."""
     width = [4 if medium.sticks else 2 for medium in media]
-    begin = np.concatenate([[0], np.cumsum(width)])
-    rows = []
+    potentials = np.split(np.eye(sum(width)), np.cumsum(width)[:-1])
+    rows: list[Complex] = []
 
-    def add(which: Sequence[int], at: dict[int, Complex]) -> None:
-        for i in which:
-            row = np.zeros(begin[-1], complex)
-            for k, fields in at.items():
-                row[begin[k] : begin[k + 1]] = fields[i]
-            rows.append(row)
+    def at(k: int, r: float) -> Complex:
+        return media[k].fields(n, omega, r) @ potentials[k]
 
-    for k, r in ((0, media[0].inner), (len(media) - 1, media[-1].outer)):
+    last = len(media) - 1
+    for k, r in ((0, media[0].inner), (last, media[last].outer)):
         fixed, free = ((0, 1), (2, 3)) if media[k].sticks else ((0,), (2,))
-        add(free if media[k].shear else fixed, {k: media[k].fields(n, omega, r)})
+        rows += list(at(k, r)[list(free if media[k].shear else fixed)])
     for k, (one, other) in enumerate(zip(media, media[1:])):
-        both = {k: one.fields(n, omega, one.outer), k + 1: -other.fields(n, omega, other.inner)}
+        a, b = at(k, one.outer), at(k + 1, other.inner)
         if one.sticks and other.sticks:
-            add(range(4), both)
+            rows += list(a - b)
         else:
-            add((0, 2), both)
-            for i, medium in ((k, one), (k + 1, other)):
-                add((3,) if medium.sticks else (), {i: both[i]})
+            rows += [a[0] - b[0], a[2] - b[2]]
+            rows += [of[3] for of, medium in ((a, one), (b, other)) if medium.sticks]
     return np.array(rows)
 
 

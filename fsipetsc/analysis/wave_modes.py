@@ -46,7 +46,7 @@ def linearise(
     wave = {"along": ((0.0, 2.0 * np.pi / k),), "cells": (columns,)}
     problem = layers(*members, **wave, lower=ends[0], upper=ends[1])
     with BlockState(MPI.COMM_SELF, problem, order, FORM) as state:
-        return Bench(state, 0, 1).modes()[0]
+        return linear_modes(state, 0, 1)[0]
 
 
 def radial_modes(problem: BlockProblem, order: int, n: int = 0, form: BlockForm = FORM) -> Complex:
@@ -61,15 +61,84 @@ def radial_modes(problem: BlockProblem, order: int, n: int = 0, form: BlockForm 
         if n and not 0 <= 2 * n < columns:
             known = f"-ring_around {columns} knows angular numbers from 0 to {(columns - 1) // 2}"
             raise InputError(f"-ring_angular {n}: {known}")
-        bench = Bench(state, 1, n)
-        values, vectors = bench.modes()
-    blocks = np.split(vectors, np.cumsum([rows * dof for rows, dof in bench.shapes])[:-1])
-    parts = [part.reshape(*shape, -1) for part, shape in zip(blocks, bench.shapes, strict=True)]
-    steps = [np.diff(part, axis=0) for part in parts]
-    squares = [sum((np.abs(a) ** 2).sum(axis=(0, 1)) for a in of) for of in (steps, parts)]
+        values, blocks = linear_modes(state, 1, n)
+    steps = [np.diff(block, axis=0) for block in blocks]
+    squares = [sum((np.abs(a) ** 2).sum(axis=(0, 1)) for a in of) for of in (steps, blocks)]
     smooth = squares[0] < ROUGH * squares[1]
     omega = 1j * values[smooth & (values.imag < -SWINGING * np.abs(values).max())]
     return omega[np.argsort(omega.real)]
+
+
+def linear_modes(state: BlockState, axis: int, n: int) -> tuple[Complex, list[Complex]]:
+    """Eigenvalues [1/s] of what is proportional to exp(-i n phi), and of each block the amplitudes
+    of its unknowns over their scales, (rows, unknowns, eigenvalues). InputError where the state is
+    not at rest.
+
+    axis: of the blocks, along which all columns are alike: 0 for flat layers, 1 for rings.
+    """
+    d, layout = state.problem.dimension, state.layout
+    state.compile(lambda text: None)
+    state.set_initial()
+    start = state.y.array.copy()
+    f = np.empty_like(start)
+    columns = layout.shapes[0][axis] if d > 1 else 1
+    phi = 2.0 * np.pi * np.arange(columns) / columns
+    part, cos, sin = np.exp(-1j * n * phi), np.cos(axis * phi), np.sin(axis * phi)
+
+    def block(k: int, array: Real) -> Real:
+        """(rows, columns, unknowns) of block k in a vector."""
+        nodes = layout.owned(k, array).reshape(*layout.shapes[k][::-1], layout.dofs[k])
+        if d == 1:
+            return nodes[:, None]
+        return nodes if axis == 0 else nodes.swapaxes(0, 1)
+
+    def whole(array: Real) -> Real:
+        """(columns, N) of a vector; of a ring vectors along radius and angle."""
+        found = []
+        for k, layer in enumerate(state.problem.layers):
+            turned = block(k, array).copy()
+            for first in ((0, 2) if layer.kind == "solid" else (2,)) if d > 1 else ():
+                a, b = turned[..., first].copy(), turned[..., first + 1].copy()
+                turned[..., first], turned[..., first + 1] = cos * a + sin * b, cos * b - sin * a
+            found.append(turned.swapaxes(0, 1).reshape(columns, -1))
+        return np.concatenate(found, axis=1)
+
+    def evaluate(y: Real) -> Real:
+        """Rates and projected unknowns, (2, columns, N)."""
+        state.right_hand_side(y, f)
+        state.project(y)
+        if state.fault is not None:
+            raise state.fault
+        return np.stack([whole(f), whole(y)])
+
+    of_blocks = [scales_of(state, k, block(k, start)[:, 0]) for k in range(len(layout.shapes))]
+    scales = np.concatenate([sizes.ravel() for sizes, _, _ in of_blocks])
+    shapes = [sizes.shape for sizes, _, _ in of_blocks]
+    # velocities are disturbed by the same on both sides of interfaces
+    slowest = min((sizes[:, i] / mass).min() for sizes, i, mass in of_blocks)
+    for sizes, i, mass in of_blocks:
+        sizes[:, i : i + d] = (slowest * mass)[:, None]
+    nudges = NUDGE * np.concatenate([sizes.ravel() for sizes, _, _ in of_blocks])
+    found = np.zeros((2, len(scales), len(scales)), complex)
+    unknowns = ((k, *at) for k, shape in enumerate(shapes) for at in np.ndindex(*shape))
+    for i, (k, j, c) in enumerate(unknowns):
+        for multiple, weight in enumerate(CENTRAL, 1):
+            for sign in (1, -1):
+                y = start.copy()
+                block(k, y)[j, 0, c] += sign * multiple * nudges[i]
+                found[:, :, i] += sign * weight / nudges[i] * (part @ evaluate(y))
+    rates, projection = (
+        found[0] * scales / scales[:, None],
+        found[1].real * scales / scales[:, None],
+    )
+    rest, values = evaluate(start) / scales
+    moving = np.abs(rest @ projection.T).max() > AT_REST * np.abs(rates).max()
+    if moving or np.ptp(values, axis=0).max() > AT_REST:
+        raise InputError("the blocks are not at rest at first, or not the same in all columns")
+    basis = orth(projection, rcond=1e-9)
+    values, vectors = np.linalg.eig(basis.T @ (projection @ rates) @ basis)
+    parts = np.split(basis @ vectors, np.cumsum([rows * dofs for rows, dofs in shapes])[:-1])
+    return values, [part.reshape(*shape, -1) for part, shape in zip(parts, shapes, strict=True)]
 
 
 def scales_of(state: BlockState, k: int, q: Real) -> tuple[Real, int, Real]:
@@ -85,93 +154,3 @@ def scales_of(state: BlockState, k: int, q: Real) -> tuple[Real, int, Real]:
     c = np.sqrt(block.material.K / block.material.m0)
     sizes = [*[state.h * one] * d, *[c * one] * d, np.abs(q[:, 2 * d]) + c**2]
     return np.stack(sizes, axis=1), d, one
-
-
-class Bench:
-    """A state on which one unknown of column 0 after the other is disturbed.
-
-    axis: of the blocks, along which all columns are alike: 0 for flat layers, 1 for rings.
-    shapes: (rows, unknowns) of each block.
-    """
-
-    def __init__(self, state: BlockState, axis: int, n: int) -> None:
-        self._state, self._axis, self._d = state, axis, state.problem.dimension
-        state.compile(lambda text: None)
-        state.set_initial()
-        self._y = state.y.array.copy()
-        self._f = np.empty_like(self._y)
-        columns = state.layout.shapes[0][axis] if self._d > 1 else 1
-        phi = 2.0 * np.pi * np.arange(columns) / columns
-        self._part = np.exp(-1j * n * phi)
-        #: of the frame of each column
-        turning = axis == 1 and self._d > 1
-        self._cos, self._sin = (np.cos(phi), np.sin(phi)) if turning else (1.0, 0.0)
-        blocks = range(len(state.layout.shapes))
-        found = [scales_of(state, k, self._block(k, self._y)[:, 0]) for k in blocks]
-        self.shapes = [scales.shape for scales, _, _ in found]
-        self._scales = np.concatenate([scales.ravel() for scales, _, _ in found])
-        # velocities are disturbed by the same on both sides of interfaces
-        slowest = min((scales[:, i] / mass).min() for scales, i, mass in found)
-        for scales, i, mass in found:
-            scales[:, i : i + self._d] = (slowest * mass)[:, None]
-        self._nudges = np.concatenate([scales.ravel() for scales, _, _ in found])
-
-    def modes(self) -> tuple[Complex, Complex]:
-        """Eigenvalues [1/s], and (N, n) of the amplitudes of the N unknowns of a column of all
-        blocks, over their scales. InputError where the state is not at rest."""
-        size = len(self._scales)
-        rates, projection = np.zeros((2, size, size), complex)
-        shapes = enumerate(self.shapes)
-        unknowns = [(k, *of_block) for k, shape in shapes for of_block in np.ndindex(*shape)]
-        for i, unknown in enumerate(unknowns):
-            step = NUDGE * self._nudges[i]
-            for multiple, weight in enumerate(CENTRAL, 1):
-                for sign in (1, -1):
-                    f, y = self._disturbed(*unknown, sign * multiple * step)
-                    rates[:, i] += sign * weight / step * f
-                    projection[:, i] += sign * weight / step * y
-        relative = self._scales / self._scales[:, None]
-        rates, projection = rates * relative, projection.real * relative
-        self._evaluate(self._y)
-        rest, values = (self._whole(array) / self._scales for array in (self._f, self._y))
-        moving = np.abs(rest @ projection.T).max() > AT_REST * np.abs(rates).max()
-        if moving or np.ptp(values, axis=0).max() > AT_REST:
-            raise InputError("the blocks are not at rest at first, or not the same in all columns")
-        basis = orth(projection, rcond=1e-9)
-        values, vectors = np.linalg.eig(basis.T @ (projection @ rates) @ basis)
-        return values, basis @ vectors
-
-    def _evaluate(self, y: Real) -> None:
-        """Rates, and y projected in its place."""
-        self._state.right_hand_side(y, self._f)
-        self._state.project(y)
-        if self._state.fault is not None:
-            raise self._state.fault
-
-    def _block(self, k: int, array: Real) -> Real:
-        """(rows, columns, unknowns) of block k in a vector."""
-        layout = self._state.layout
-        nodes = layout.owned(k, array).reshape(*layout.shapes[k][::-1], layout.dofs[k])
-        if self._d == 1:
-            return nodes[:, None]
-        return nodes if self._axis == 0 else nodes.swapaxes(0, 1)
-
-    def _disturbed(self, k: int, j: int, c: int, size: float) -> tuple[Complex, Complex]:
-        """(rates, projected unknowns), (N,), where unknown c of row j of block k is disturbed."""
-        y = self._y.copy()
-        self._block(k, y)[j, 0, c] += size
-        self._evaluate(y)
-        return self._part @ self._whole(self._f), self._part @ self._whole(y)
-
-    def _whole(self, array: Real) -> Real:
-        """(columns, N) of a vector; of a ring vectors along radius and angle."""
-        found = []
-        for k, layer in enumerate(self._state.problem.layers):
-            nodes = self._block(k, array)
-            turned = nodes.copy()
-            for first in ((0, 2) if layer.kind == "solid" else (2,)) if self._d > 1 else ():
-                a, b = nodes[..., first], nodes[..., first + 1]
-                turned[..., first] = self._cos * a + self._sin * b
-                turned[..., first + 1] = self._cos * b - self._sin * a
-            found.append(turned.swapaxes(0, 1).reshape(turned.shape[1], -1))
-        return np.concatenate(found, axis=1)

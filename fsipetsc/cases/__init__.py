@@ -54,7 +54,9 @@ def load_case(name_or_path: str, also: Sequence[str] = ()) -> ModuleType:
     and reason if a user's file is at fault.
     """
     if name_or_path in BUILT_IN:
-        return importlib.import_module(f"fsipetsc.cases.{name_or_path}")
+        case = importlib.import_module(f"fsipetsc.cases.{name_or_path}")
+        case.NAME = name_or_path
+        return case
     if name_or_path.endswith(".py") or os.sep in name_or_path:
         return _load_file(Path(name_or_path))
     if name_or_path.endswith(".h5") and os.path.isfile(name_or_path):

@@ -11,9 +11,7 @@ from fsipetsc import BlockProblem, Option
 from fsipetsc.blocks.conditions import Free, NoSlip, Roller, Slip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases.common import Opt, at_rest, elastic_of, gas_of, materials, stack
-from fsipetsc.checks import Array, Fields
 
-NAME = "blast"
 SUMMARY = "a pressure pulse under an elastic plate, in two dimensions"
 
 OPTIONS = (
@@ -33,7 +31,7 @@ def build(opt: Opt) -> BlockProblem:
     plate = elastic_of(opt, kappa_e=0.01, law=opt["solid_law"], heat="coupled")
     disc = opt["blast_kind"] == "shock"
 
-    def pulse(X: Array, Y: Array) -> Fields:
+    def pulse(X, Y):
         """Of the same entropy everywhere; a disc is twice as hot as what is around it."""
         squared = ((X - 0.5) ** 2 + (Y - 0.5) ** 2) / WIDTH**2
         if disc:

@@ -10,9 +10,8 @@ import numpy as np
 
 from fsipetsc import FluidLayer, Problem, SolidLayer, Wall
 from fsipetsc.cases.common import Opt, constant, gas_of, materials, solid_of
-from fsipetsc.checks import Array, Fields
+from fsipetsc.checks import Array
 
-NAME = "box"
 SUMMARY = "gas | solid | gas in a closed box, which conserves mass and energy"
 
 OPTIONS = (
@@ -35,7 +34,7 @@ def build(opt: Opt) -> Problem:
     gas, solid = gas_of(opt), solid_of(opt)
     left, right = (constant(p / (gas.R * t), 0.0, t) for p, t in zip(P, T))
 
-    def between(X_s: Array) -> Fields:
+    def between(X_s):
         done = smooth_step(X_s - X[1])
         p, t = P[0] + (P[1] - P[0]) * done, T[0] + (T[1] - T[0]) * done
         return [np.zeros_like(X_s), solid.pressure(t, 1.0) - p, t, X_s]

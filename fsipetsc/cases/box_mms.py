@@ -6,17 +6,12 @@ periodic along the other axes; with -box_periodic false all unknowns are given a
 the equations lack is their forcing; what traction and heat flux lack at the interface is supplied.
 """
 
-from typing import Any
-
-from fsipetsc import BlockProblem, Fluid, Option
+from fsipetsc import BlockProblem, Option
 from fsipetsc.blocks.conditions import Given, NoSlip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases.common import Opt, materials, stack
 from fsipetsc.cases.manufactured import Solution
-from fsipetsc.checks import Array
-from fsipetsc.materials.solid import ElasticSolid
 
-NAME = "box_mms"
 SUMMARY = "gas | solid in one, two or three dimensions, a manufactured solution"
 
 OPTIONS = (
@@ -31,15 +26,12 @@ DEFAULTS = {"fsi_h": 1 / 16, "fsi_order": 4, "ts_max_time": 0.25, "fsi_output_dt
 def build(opt: Opt) -> BlockProblem:
     """The gas between eta = 0 and 1, the solid between 1 and 2."""
     d = opt["box_dimension"]
-    exact = Solution(d, opt["fluid_mu"], opt["fluid_kappa"], opt["solid_kappa"], opt["solid_law"])
-    gas = Fluid(exact.mu, exact.kappa, exact.gamma, exact.R)
-    numbers = exact.mu_e, exact.lambda_e, exact.kappa_e, exact.m0, exact.alpha
-    solid = ElasticSolid(*numbers, law=exact.law)
+    exact = Solution(d, opt)
 
-    def wall_temperature(*where: Any) -> Array:
+    def wall_temperature(*where):
         return exact.temperature.at(where).value[0]
 
-    def layer(name: str, material: Any, low: float, of: Any, forcing: Any) -> Layer:
+    def layer(name, material, low, of, forcing):
         sides = None if opt["box_periodic"] or d == 1 else Given(of)
         start = lambda *X: of(*X, 0.0)  # noqa: E731
         more = {"sides": sides, "forcing": forcing, "exact": of}
@@ -47,8 +39,8 @@ def build(opt: Opt) -> BlockProblem:
 
     return stack(
         opt,
-        layer("gas", gas, 0.0, exact.exact_gas, exact.force_gas),
-        layer("solid", solid, 1.0, exact.exact_solid, exact.force_solid),
+        layer("gas", exact.fluid, 0.0, exact.exact_gas, exact.force_gas),
+        layer("solid", exact.body, 1.0, exact.exact_solid, exact.force_solid),
         lower=NoSlip(T=wall_temperature),
         upper=Given(exact.exact_solid),
         along=((0.0, 1.0),) * (d - 1),

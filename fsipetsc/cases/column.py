@@ -8,9 +8,7 @@ import numpy as np
 
 from fsipetsc import FluidLayer, Option, Problem, SolidLayer, clamped
 from fsipetsc.cases.common import Opt, constant, gas_of, line_at_rest, materials, solid_of
-from fsipetsc.checks import Array, Fields
 
-NAME = "column"
 SUMMARY = "solid | gas | solid | gas | solid: a pulse runs through five layers"
 
 OPTIONS = (
@@ -25,7 +23,7 @@ def build(opt: Opt) -> Problem:
     """All at rest under p0 = 1 but for the pulse; the plate in the middle is thin."""
     gas, solid = gas_of(opt), solid_of(opt)
 
-    def pulse(X: Array) -> Fields:
+    def pulse(X):
         p = 1 + opt["column_pulse"] * np.exp(-(((X - 1.5) / 0.12) ** 2))
         rho = p ** (1 / gas.gamma)
         return [rho, 0 * X, rho ** (gas.gamma - 1)]

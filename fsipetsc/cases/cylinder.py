@@ -8,15 +8,13 @@ to the four sides of the channel, four of the solid from a square centre block t
 import numpy as np
 
 from fsipetsc import Block, BlockProblem, Option
-from fsipetsc.blocks.conditions import Condition, Outflow, Slip
-from fsipetsc.blocks.maps import Map, Places
-from fsipetsc.cases.common import SHOCKS, Opt, at_rest, beside_gas, elastic_of, gas_of
+from fsipetsc.blocks.conditions import Outflow, Slip
+from fsipetsc.blocks.maps import Map
+from fsipetsc.cases.common import SHOCKS, Opt, at_rest, beside_gas, cells_of, elastic_of, gas_of
 from fsipetsc.cases.disk import between, centre, quarter
 from fsipetsc.cases.riemann import GasState, shock_in_plane
-from fsipetsc.operators.sbp import operator
 from fsipetsc.options import above_one
 
-NAME = "cylinder"
 SUMMARY = "a shock runs over an elastic or a rigid cylinder, in two dimensions"
 
 OPTIONS = (
@@ -35,7 +33,7 @@ CORNERS = np.array([(2.5, -1.5), (2.5, 1.5), (-1.5, 1.5), (-1.5, -1.5)])
 def in_gas(q: int) -> Map:
     """From the circle to a side of the channel; quarter 0 is on the right, 1 above."""
 
-    def places(xi: Places) -> Places:
+    def places(xi):
         angle = np.pi / 4 * (2.0 * xi[1] - 1.0 + 2.0 * q)
         circle = RADIUS * np.cos(angle), RADIUS * np.sin(angle)
         ends = zip(CORNERS[q], CORNERS[(q + 1) % 4])
@@ -50,14 +48,13 @@ def build(opt: Opt) -> BlockProblem:
     of_solid = {**opt, "solid_density": opt["solid_density"] * AHEAD.rho}
     solid = elastic_of(of_solid, AHEAD.p, law="neo-hookean")
     flow, inflow, _ = shock_in_plane(gas, AHEAD, opt["cylinder_mach"], START)
-    least = operator(opt["fsi_order"]).min_points - 1
     lengths = np.pi / 2 * RADIUS, RADIUS - CORE, 1.25
-    around, within, outside = (max(round(length / opt["fsi_h"]), least) for length in lengths)
+    around, within, outside = (cells_of(opt, length) for length in lengths)
     sides = Outflow(AHEAD.p), Slip(name="ceiling"), inflow, Slip(name="floor")
     elastic, rest = opt["cylinder_wall"] == "elastic", at_rest()
     middle = centre(CORE)
     blocks = [Block("core", solid, middle, (around, around), rest)] if elastic else []
-    faces: dict[tuple[str, int, int], Condition] = {}
+    faces = {}
     for q, side in enumerate(sides):
         name = f"gas {q + 1}"
         if elastic:

@@ -14,9 +14,8 @@ from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.conditions import NoSlip, Slip
 from fsipetsc.blocks.maps import Map, Places, annulus
 from fsipetsc.cases.common import Opt, cells_of, constant, elastic_of, gas_of, materials
-from fsipetsc.checks import Array, Fields
+from fsipetsc.checks import Array
 
-NAME = "disk"
 SUMMARY = "an elastic disk of five blocks that spins in gas"
 
 OPTIONS = (
@@ -33,7 +32,7 @@ RADIUS, VESSEL, HALF = 1.0, 2.2, 0.45
 def centre(half: float) -> Map:
     """The block in the middle of a disk: a square, whose sides, twice ``half``, bulge."""
 
-    def places(xi: Places) -> Places:
+    def places(xi):
         s, t = (2.0 * x - 1.0 for x in xi)
         wider = [1.0 + 0.25 * (1.0 - across**2 / 2.0) for across in (t, s)]
         return half * s * wider[0], half * t * wider[1]
@@ -46,7 +45,7 @@ def quarter(q: int, radius: float, half: float) -> Map:
     …"""
     c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[q]
 
-    def places(xi: Places) -> Places:
+    def places(xi):
         inner, angle = centre(half)((1.0 + 0.0 * xi[0], xi[1])), np.pi / 4.0 * (2.0 * xi[1] - 1.0)
         x, y = between(xi[0], inner, (radius * np.cos(angle), radius * np.sin(angle)))
         return c * x - s * y, s * x + c * y
@@ -63,7 +62,7 @@ def build(opt: Opt) -> BlockProblem:
     """The disk and the gas around it."""
     gas, solid = gas_of(opt), elastic_of(opt, law="svk")
 
-    def spinning(X: Array, Y: Array) -> Fields:
+    def spinning(X, Y):
         # 1 - R^2 is round-off at the edge, and below 0 there
         spin = opt["disk_spin"] * np.abs(1.0 - X * X - Y * Y) ** opt["disk_power"]
         return -spin * Y, spin * X, 1.0 + 0.0 * X, X, Y

@@ -14,7 +14,7 @@ from itertools import product
 import numpy as np
 
 from fsipetsc import Block, BlockProblem, Fluid, InputError, Option
-from fsipetsc.blocks.conditions import Clamped, Condition, Slip
+from fsipetsc.blocks.conditions import Clamped, Slip
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.cases.common import Opt, at_rest
 from fsipetsc.cases.riemann import GasState, shock_in_plane
@@ -22,7 +22,6 @@ from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import above_one
 
-NAME = "fin"
 SUMMARY = "a shock hits a clamped panel in a shock tube and bends it, in two dimensions"
 
 OPTIONS = (
@@ -65,7 +64,7 @@ def build(opt: Opt) -> BlockProblem:
         map = rectangle((x[i], y[j]), (x[i + 1], y[j + 1]))
         material, start = (steel, rest) if panel else (air, flow)
         blocks.append(Block(name, material, map, (columns[i], rows[j]), start))
-        floor: Condition = Clamped() if panel else Slip(name="floor")
+        floor = Clamped() if panel else Slip(name="floor")
         faces[name, 1, j] = Slip(name="ceiling") if j else floor
         if i != 1:
             faces[name, 0, i // 2] = Slip(name="end") if i else inflow

@@ -22,12 +22,13 @@ round-off for s = 1e-30. Places are (*X, t), d arrays of one shape and a time.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.cases.common import Opt, gas_of
 from fsipetsc.checks import Array
+from fsipetsc.materials.solid import ElasticSolid
 
 Where = Sequence[Any]
 
@@ -122,13 +123,13 @@ def unit(F: Array) -> Array:
     return np.broadcast_to(np.eye(len(F)).reshape(F.shape[:2] + (1,) * (F.ndim - 2)), F.shape)
 
 
-def stress(law: str, mu: float, lam: float, F: Array) -> Array:
-    """First Piola-Kirchhoff stress P (d, d, …) for F (d, d, …), Lamé's constants mu and lam.
+def stress(solid: ElasticSolid, F: Array) -> Array:
+    """First Piola-Kirchhoff stress P (d, d, …) for F (d, d, …), by the name of the law.
 
     log: mu F + ((2 mu + lam) ln J - mu J) cof F; neo-hookean: mu F + (lam ln J - mu)/J cof F; svk:
     F S, S = lam tr(E) + 2 mu E, E = (F^T F - 1)/2; linear: lam tr(e) + 2 mu e, e = (F + F^T)/2 - 1.
     """
-    one, J = unit(F), determinant(F)
+    law, mu, lam, one, J = solid.law, solid.mu_e, solid.lambda_e, unit(F), determinant(F)
     if law == "log":
         return mu * F + ((2.0 * mu + lam) * np.log(J) - mu * J) * cofactor(F)
     if law == "neo-hookean":
@@ -137,10 +138,8 @@ def stress(law: str, mu: float, lam: float, F: Array) -> Array:
         E = 0.5 * (np.einsum("ki...,kj...->ij...", F, F) - one)
         S = lam * np.einsum("kk...->...", E) * one + 2.0 * mu * E
         return np.einsum("ik...,kj...->ij...", F, S)
-    if law == "linear":
-        e = 0.5 * (F + np.swapaxes(F, 0, 1)) - one
-        return lam * np.einsum("kk...->...", e) * one + 2.0 * mu * e
-    raise ValueError(f"no solid law '{law}'")
+    e = 0.5 * (F + np.swapaxes(F, 0, 1)) - one
+    return lam * np.einsum("kk...->...", e) * one + 2.0 * mu * e
 
 
 class State(NamedTuple):
@@ -153,35 +152,22 @@ class State(NamedTuple):
     source: Array
 
 
-@dataclass(frozen=True)
 class Solution:
-    """The exact solution in d dimensions.
-
-    Gas: viscosity mu, conductivity kappa, ratio of specific heats gamma, gas constant R. Solid:
-    name of its law, Lamé's constants mu_e and lambda_e, conductivity kappa_e, density m0, specific
-    heat alpha. All without units.
+    """The exact solution in d dimensions, of a gas and a solid without units: viscosity, both
+    conductivities and the law of the solid are options.
     """
 
-    d: int
-    mu: float
-    kappa: float
-    kappa_e: float
-    law: str
-    gamma: float = 1.4
-    R: float = 1.0
-    mu_e: float = 1.0
-    lambda_e: float = 2.0
-    m0: float = 2.0
-    alpha: float = 1.5
+    def __init__(self, d: int, opt: Opt) -> None:
+        self.fluid = gas_of(opt)
+        self.body = ElasticSolid(1.0, 2.0, opt["solid_kappa"], 2.0, 1.5, law=opt["solid_law"])
 
-    def __post_init__(self) -> None:
         def rippled(height: float, *phases: Array) -> list[Any]:
             """height cos(phase) cos(phase) ... (1 + .2 r sin 2 pi q)."""
-            ripple = [(0.2 * height, *phases, Q - QUARTER)] if self.d == 3 else []
+            ripple = [(0.2 * height, *phases, Q - QUARTER)] if d == 3 else []
             return [(height, *phases), *ripple]
 
         def vector(*parts: list[Any]) -> list[Any]:
-            return [(0.0, parts[axis]) for axis in AXES[self.d]]
+            return [(0.0, parts[axis]) for axis in AXES[d]]
 
         D = vector(
             rippled(0.06, P + TIME - QUARTER, ETA + 2 * TIME),
@@ -195,15 +181,9 @@ class Solution:
         )
         T = 1.0, rippled(0.15, P + TIME - QUARTER, 2 * ETA - TIME)
         rho = 1.0, rippled(0.2, P - TIME, 2 * ETA + TIME - QUARTER)
-        object.__setattr__(self, "displacement", Waves(*D))
-        object.__setattr__(self, "temperature", Waves(T))
+        self.displacement, self.temperature = Waves(*D), Waves(T)
         #: (rho, (u - w) / (eta (1 - eta)), T)
-        object.__setattr__(self, "of_gas", Waves(rho, *drift, T))
-
-    @property
-    def cv(self) -> float:
-        """Specific heat of the gas."""
-        return self.R / (self.gamma - 1.0)
+        self.of_gas = Waves(rho, *drift, T)
 
     # -- the gas
 
@@ -235,10 +215,10 @@ class Solution:
         grad_u = np.einsum("ik...,jk...->ij...", u_X, a) / J
         grad_T = np.einsum("k...,jk...->j...", T_X, a) / J
         one, div = unit(grad_u), np.einsum("kk...->...", grad_u)
-        tau = self.mu * (grad_u + np.swapaxes(grad_u, 0, 1) - 2.0 / 3.0 * div * one)
-        e = rho * (self.cv * T + 0.5 * np.einsum("k...,k...->...", u, u))
-        force = rho * self.R * T * one - tau
-        heat = np.einsum("ij...,j...->i...", force, u) - self.kappa * grad_T
+        tau = self.fluid.mu * (grad_u + np.swapaxes(grad_u, 0, 1) - 2.0 / 3.0 * div * one)
+        e = rho * (self.fluid.cv * T + 0.5 * np.einsum("k...,k...->...", u, u))
+        force = rho * self.fluid.R * T * one - tau
+        heat = np.einsum("ij...,j...->i...", force, u) - self.fluid.kappa * grad_T
         U = np.stack([np.ones_like(rho), rho, *(rho * u), e])
         # -w is the flux of J, a volume that the grid sweeps over
         others = np.concatenate([-w[None], np.zeros_like(w)[None], force, heat[None]])
@@ -259,13 +239,13 @@ class Solution:
 
     def solid(self, where: Where) -> State:
         """m0 (v, alpha T), fluxes -(P, kappa_e J F^-1 F^-T grad T), and the work P : v_X."""
-        m, T = self.displacement.at(where), self.temperature.at(where)
+        m, T, body = self.displacement.at(where), self.temperature.at(where), self.body
         F = m.gradient + unit(m.gradient)
-        P, c = stress(self.law, self.mu_e, self.lambda_e, F), cofactor(F)
-        scaled = self.kappa_e / determinant(F) * np.einsum("ij...,j...->i...", c, T.gradient[0])
+        P, c = stress(body, F), cofactor(F)
+        scaled = body.kappa_e / determinant(F) * np.einsum("ij...,j...->i...", c, T.gradient[0])
         heat = np.einsum("ik...,i...->k...", c, scaled)
         work = np.einsum("ik...,ik...->...", P, m.gradient_rate)
-        U = self.m0 * np.stack([*m.rate, self.alpha * T.value[0]])
+        U = body.m0 * np.stack([*m.rate, body.alpha * T.value[0]])
         flux = -np.concatenate([P, heat[None]])
         source = np.concatenate([np.zeros_like(m.rate), work[None]])
         return State(U, np.swapaxes(flux, 0, 1), source)
@@ -277,8 +257,8 @@ class Solution:
 
     def force_solid(self, *where: Any) -> list[Array]:
         """What drives (v_1 … v_d, T, x_1 … x_d) at (*X, t)."""
-        rates = lack(self.solid, where) / self.m0
-        return [*rates[:-1], rates[-1] / self.alpha, *np.zeros_like(rates[:-1])]
+        rates = lack(self.solid, where) / self.body.m0
+        return [*rates[:-1], rates[-1] / self.body.alpha, *np.zeros_like(rates[:-1])]
 
     # -- both
 

@@ -16,7 +16,6 @@ from fsipetsc import Dirichlet, FluidLayer, InputError, Problem, SolidLayer
 from fsipetsc.cases.common import PAPER, Opt, gas_of, materials, solid_of
 from fsipetsc.checks import Array, Fields
 
-NAME = "mms"
 SUMMARY = "manufactured solution: errors against the exact solution (Sec. 5.1)"
 
 OPTIONS = (
@@ -95,7 +94,7 @@ def build(opt: Opt) -> Problem:
         raise InputError(f"-fsi_coupling conservative: {problem}: {wanted}")
     gas, solid = gas_of(opt), solid_of(opt)
 
-    def jumps(k: int, t: float) -> tuple[float, float, float, float]:
+    def jumps(k, t):
         """Left over in u_s = u_f, the stress, T_s = T_f and the heat-flux condition."""
         X_I = (1.0, 2.0)[k]
         rho, uf, Tf = exact_fluid(X_I, t)
@@ -106,10 +105,10 @@ def build(opt: Opt) -> Problem:
         flux = solid.kappa_e / (1 + 0.5 * t * t * g1) * cos(t) * Ts1 - gas.kappa * sin(3 * t) * Tf1
         return us - uf, stress, Ts - Tf, flux
 
-    def end(x: float, X_I: float) -> Dirichlet:
+    def end(x, X_I):
         return Dirichlet(x, lambda t: exact_fluid(X_I + x - exact_solid(X_I, t)[3], t))
 
-    def fluid(name: str, X: tuple[float, float], X_I: float) -> FluidLayer:
+    def fluid(name, X, X_I):
         forcing = lambda X, t: fluid_forcing(gas, X, X_I, t)  # noqa: E731
         start = lambda X: exact_fluid(X, 0.0)  # noqa: E731
         return FluidLayer(name, gas, X, start, forcing=forcing, exact=exact_fluid)

@@ -14,9 +14,10 @@ where mu = 0 the gas slips, and only what is normal is one. The pressure at rest
 solid is free of strain under it.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial import Chebyshev
 from scipy.linalg import eig
 
 from fsipetsc import Fluid, InputError
@@ -28,7 +29,8 @@ POINTS = 36
 #: eigenvalues larger than this times k c are those of the collocation itself; modes change less
 #: than this with more points
 LARGE, RESOLVED = 200.0, 1e-7
-GAS, SOLID = ("rho", "u", "v", "T"), ("x", "y", "U", "V")
+#: (field, point) of a row -> weights of all unknowns, whose sum is to be 0
+Conditions = dict[tuple[int, int], Array]
 
 
 def chebyshev(n: int, low: float, high: float) -> tuple[Array, Array]:
@@ -43,104 +45,94 @@ def chebyshev(n: int, low: float, high: float) -> tuple[Array, Array]:
     return low + (x + 1) / 2 * (high - low), D * 2 / (high - low)
 
 
-def interpolated(values: Array, low: float, high: float, y: Array) -> Array:
-    """The polynomial through values at the points of ``chebyshev``, at y (barycentric formula)."""
-    n = len(values)
-    points = chebyshev(n, low, high)[0]
-    weights = (-1.0) ** np.arange(n)
-    weights[[0, -1]] /= 2
-    gaps = np.asarray(y)[..., None] - points
-    exact = gaps == 0
-    terms = weights / np.where(exact, 1.0, gaps)
-    terms = np.where(exact.any(axis=-1, keepdims=True), exact.astype(float), terms)
-    return (terms * values).sum(axis=-1) / terms.sum(axis=-1)
+def eigenmodes(A: Array, weights: Array, conditions: Conditions) -> tuple[Array, Array]:
+    """(s, modes (…, fields, n)) of A z = s weights z, A of shape (fields, n, fields n); some of its
+    rows give way to conditions.
+    """
+    B = weights[:, None, None] * np.eye(A.shape[2]).reshape(A.shape)
+    for row, condition in conditions.items():
+        A[row], B[row] = condition, 0.0
+    values, vectors = eig(A.reshape(-1, A.shape[2]), B.reshape(-1, A.shape[2]))
+    return values, vectors.T.reshape(-1, *A.shape[:2])
 
 
-@dataclass(frozen=True)
-class Mode:
-    """s [1/s], and across the layers the amplitudes of (rho, u, v, T) and of (x, y, U, V)."""
+def polynomials(x: Array, values: Array) -> list[Chebyshev]:
+    """Those through the values (fields, n) at the points of ``chebyshev``."""
+    return [Chebyshev.fit(x, row, len(x) - 1, (x[-1], x[0])) for row in values]
+
+
+class Mode(NamedTuple):
+    """s [1/s], and across the layers the amplitudes of the unknowns of gas and solid: (rho, u, v,
+    T) and (x, y, U, V)."""
 
     s: complex
-    gas: Array
-    solid: Array
+    gas: list[Chebyshev]
+    solid: list[Chebyshev]
 
 
-@dataclass(frozen=True)
-class Layers:
-    """What has the modes: a gas of density rho and temperature T [SI], height high, over a solid of
-    this depth."""
+def slowest_wave(gas: Fluid, solid: ElasticSolid, k: float, height: float, depth: float) -> Mode:
+    """The slowest mode that swings more than it decays, its interface displaced by 1, where that is
+    largest; gas of the density and temperature 1, lengths and 1/k in m. InputError where the
+    collocation resolves none.
+    """
+    waves, finer = (_waves(gas, solid, k, height, depth, n) for n in (POINTS, POINTS * 4 // 3))
+    for mode in waves:
+        if min(abs(mode.s - other.s) for other in finer) < RESOLVED * abs(mode.s):
+            return mode
+    raise InputError("no normal mode of the layers is resolved")
 
-    gas: Fluid
-    solid: ElasticSolid
-    height: float
-    depth: float
-    rho: float = 1.0
-    T: float = 1.0
 
-    def mode(self, k: float) -> Mode:
-        """The slowest mode that swings more than it decays, its interface displaced by 1, where
-        that is largest. InputError where the collocation resolves none."""
-        finer = np.array([mode.s for mode in self._modes(k, POINTS * 4 // 3)])
-        for mode in self._modes(k, POINTS):
-            if np.min(np.abs(mode.s - finer)) < RESOLVED * abs(mode.s):
-                return mode
-        raise InputError("no normal mode of the layers is resolved")
+def _waves(
+    gas: Fluid, solid: ElasticSolid, k: float, height: float, depth: float, n: int
+) -> list[Mode]:
+    """All that swing, the slowest first."""
+    (y, D), (y_s, E) = chebyshev(n, 0.0, height), chebyshev(n, -depth, 0.0)
+    values, vectors = eigenmodes(*_equations(gas, solid, k, D, E))
+    c = gas.sound_speed(1.0)
+    found = []
+    for i in np.argsort(values.imag):
+        s, parts = complex(values[i]), vectors[i]
+        swings = s.imag > max(abs(s.real), 1e-6 * k * c)
+        if np.isfinite(s) and abs(s) < LARGE * k * c and swings:
+            ends = parts[4:6, 0]
+            parts = parts / ends[np.argmax(np.abs(ends))]
+            found.append(Mode(s, polynomials(y, parts[:4]), polynomials(y_s, parts[4:])))
+    return found
 
-    def _modes(self, k: float, n: int) -> list[Mode]:
-        values, vectors = eig(*self._matrices(k, n))
-        c = np.sqrt(self.gas.gamma * self.gas.R * self.T)
-        found = []
-        for i in np.argsort(values.imag):
-            s, parts = complex(values[i]), vectors[:, i].reshape(8, n)
-            swings = s.imag > max(abs(s.real), 1e-6 * k * c)
-            if np.isfinite(s) and abs(s) < LARGE * k * c and swings:
-                ends = parts[4:6, 0]
-                parts = parts / ends[np.argmax(np.abs(ends))]
-                found.append(Mode(s, parts[:4], parts[4:]))
-        return found
 
-    def _matrices(self, k: float, n: int) -> tuple[Array, Array]:
-        """A z = s B z, z the four unknowns of the gas and the four of the solid, each at n points
-        from above."""
-        (_, D), (_, E) = chebyshev(n, 0.0, self.height), chebyshev(n, -self.depth, 0.0)
-        gas, rho, T = self.gas, self.rho, self.T
-        A, B = np.zeros((8, n, 8, n), complex), np.zeros((8, n, 8, n))
-        one, ik, D2, E2 = np.eye(n), 1j * k, D @ D, E @ E
-        mu, kappa, p = gas.mu, gas.kappa, rho * gas.R * T
-        pressure = {0: gas.R * T, 3: gas.R * rho}
-        for c, weight in ((0, 1.0), (1, rho), (2, rho), (3, rho * gas.R / (gas.gamma - 1.0))):
-            B[c, :, c] = weight * one
-        A[0, :, 1], A[0, :, 2] = -rho * ik * one, -rho * D
-        A[3, :, 1], A[3, :, 2], A[3, :, 3] = -p * ik * one, -p * D, kappa * (D2 - k * k * one)
-        for c, part in pressure.items():
-            A[1, :, c], A[2, :, c] = -part * ik * one, -part * D
-        A[1, :, 1], A[1, :, 2] = mu * (D2 - 4 / 3 * k * k * one), mu / 3 * ik * D
-        A[2, :, 1], A[2, :, 2] = mu / 3 * ik * D, mu * (4 / 3 * D2 - k * k * one)
-        m, lam, K = self.solid.mu_e, self.solid.lambda_e, self.solid.K
-        for c in (4, 5):
-            A[c, :, c + 2], B[c, :, c], B[c + 2, :, c + 2] = one, one, self.solid.m0 * one
-        A[6, :, 4], A[6, :, 5] = m * E2 - K * k * k * one, (lam + m) * ik * E
-        A[7, :, 4], A[7, :, 5] = (lam + m) * ik * E, K * E2 - m * k * k * one
-
-        def condition(c: int, i: int, *terms: tuple[int, Array]) -> None:
-            A[c, i], B[c, i] = 0.0, 0.0
-            for which, row in terms:
-                A[c, i, which] += row
-
-        first, last = one[0], one[-1]
-        condition(2, 0, (2, first))
-        condition(2, -1, (2, last), (7, -first))
-        condition(6, -1, (6, last))
-        condition(7, -1, (7, last))
-        normal = [(c, part * last) for c, part in pressure.items()]
-        normal += [(2, -4 / 3 * mu * D[-1]), (1, 2 / 3 * mu * ik * last)]
-        condition(7, 0, (5, K * E[0]), (4, lam * ik * first), *normal)
-        shear = [(1, -mu * D[-1]), (2, -mu * ik * last)]
-        condition(6, 0, (4, m * E[0]), (5, m * ik * first), *shear)
-        if mu > 0:
-            condition(1, 0, (1, first))
-            condition(1, -1, (1, last), (6, -first))
-        if kappa > 0:
-            condition(3, 0, (3, D[0]))
-            condition(3, -1, (3, D[-1]))
-        return A.reshape(8 * n, 8 * n), B.reshape(8 * n, 8 * n)
+def _equations(
+    gas: Fluid, solid: ElasticSolid, k: float, D: Array, E: Array
+) -> tuple[Array, Array, Conditions]:
+    """Of ``eigenmodes``, the four unknowns of the gas and the four of the solid, with the
+    derivatives D and E, each at n points from above."""
+    n, ik = len(D), 1j * k
+    rho, u, v, T, x, y, U, V = np.eye(8 * n).reshape(8, n, 8 * n)
+    p, div = gas.R * (rho + T), ik * u + D @ v
+    t_xx, t_yy = (gas.mu * (2.0 * a - 2.0 / 3.0 * div) for a in (ik * u, D @ v))
+    t_xy = gas.mu * (ik * v + D @ u)
+    s_xx, s_yy = (solid.lambda_e * (ik * x + E @ y) + 2.0 * solid.mu_e * a for a in (ik * x, E @ y))
+    s_xy = solid.mu_e * (ik * y + E @ x)
+    gains = [
+        -div,
+        ik * (t_xx - p) + D @ t_xy,
+        ik * t_xy + D @ (t_yy - p),
+        gas.kappa * (D @ D @ T - k * k * T) - gas.R * div,
+        U,
+        V,
+        ik * s_xx + E @ s_xy,
+        ik * s_xy + E @ s_yy,
+    ]
+    conditions = {
+        (2, 0): v[0],
+        (2, -1): v[-1] - V[0],
+        (6, -1): U[-1],
+        (7, -1): V[-1],
+        (6, 0): s_xy[0] - t_xy[-1],
+        (7, 0): s_yy[0] - (t_yy - p)[-1],
+    }
+    if gas.mu > 0:
+        conditions |= {(1, 0): u[0], (1, -1): u[-1] - U[0]}
+    if gas.kappa > 0:
+        conditions |= {(3, 0): (D @ T)[0], (3, -1): (D @ T)[-1]}
+    weights = np.array([1.0, 1.0, 1.0, gas.cv, 1.0, 1.0, solid.m0, solid.m0])
+    return np.array(gains), weights, conditions

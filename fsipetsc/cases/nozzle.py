@@ -8,16 +8,15 @@ the shock has density 1.4 and pressure 1, so the unit of velocity is its speed o
 import numpy as np
 
 from fsipetsc.blocks.block import Block
-from fsipetsc.blocks.conditions import Centre, Clamped, Condition, Outflow, Slip
-from fsipetsc.blocks.maps import Map, Places, off_axis
-from fsipetsc.blocks.problem import BlockProblem, FaceName
+from fsipetsc.blocks.conditions import Centre, Clamped, Outflow, Slip
+from fsipetsc.blocks.maps import Map, off_axis
+from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases.common import SHOCKS, Opt, at_rest, beside_gas, constant, elastic_of, gas_of
 from fsipetsc.cases.riemann import GasState, shock_in_plane
 from fsipetsc.checks import Array
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import Option, above_one
 
-NAME = "nozzle"
 SUMMARY = "a shock runs through an elastic nozzle, around an axis"
 
 OPTIONS = (
@@ -41,7 +40,7 @@ def radius(z: Array) -> Array:
 def between(low: float, high: float) -> Map:
     """From so far beyond the inner side of the wall to so far; high = 0: to the vessel."""
 
-    def places(xi: Places) -> Places:
+    def places(xi):
         z = LENGTH * xi[0]
         inner, outer = radius(z) + low, radius(z) + high if high else VESSEL
         return z, (1.0 - xi[1]) * inner + xi[1] * outer
@@ -65,7 +64,7 @@ def build(opt: Opt) -> BlockProblem:
         Block("wall", wall, between(0.0, THICKNESS), (along, across), at_rest()),
         Block("around", gas, between(THICKNESS, 0.0), (along, around), still),
     )
-    faces: dict[FaceName, Condition] = {("inside", 1, 0): Centre(), ("around", 1, 1): Slip()}
+    faces = {("inside", 1, 0): Centre(), ("around", 1, 1): Slip()}
     faces |= {("inside", 0, 0): inflow, ("inside", 0, 1): Outflow(AHEAD.p)}
     for side in (0, 1):
         faces |= {("wall", 0, side): Clamped(), ("around", 0, side): Slip()}

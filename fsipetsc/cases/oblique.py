@@ -13,17 +13,15 @@ shock hits what it bends. Velocities are over the speed of sound of the gas that
 densities over its density.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from fsipetsc import BlockProblem, Fluid, InputError, Option
 from fsipetsc.blocks.conditions import Clamped, Open, Outflow, Roller, Slip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases.common import SHOCKS, Opt, at_rest, beside_gas, constant, elastic_of, stack
+from fsipetsc.cases.riemann import GasState, behind_shock, sound
 from fsipetsc.options import above_one
 
-NAME = "oblique"
 SUMMARY = "an oblique shock reflected from a rigid wall or an elastic layer, in two dimensions"
 
 OPTIONS = (
@@ -38,24 +36,11 @@ DEFAULTS = {"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 4.0, "fsi_output_dt"
 GAMMA, LENGTH, THICKNESS, CELLS = 1.4, 3.0, 0.25, 18
 
 
-class State(NamedTuple):
-    """Density, pressure, Mach number."""
-
-    rho: float
-    p: float
-    M: float
-
-    @property
-    def speed(self) -> float:
-        """Velocity, whatever its direction."""
-        return self.M * np.sqrt(GAMMA * self.p / self.rho)
-
-
 def shock_angle(M: float, theta: float) -> float:
     """beta [rad] of the weak shock that turns a flow by theta [rad]. InputError if none does."""
     from scipy.optimize import brentq
 
-    def turned(beta: float) -> float:
+    def turned(beta):
         normal = (M * np.sin(beta)) ** 2
         below = M * M * (GAMMA + np.cos(2.0 * beta)) + 2.0
         return np.arctan(2.0 / np.tan(beta) * (normal - 1.0) / below)
@@ -70,42 +55,42 @@ def shock_angle(M: float, theta: float) -> float:
     return brentq(lambda beta: turned(beta) - theta, angles[0], most, xtol=1e-15, rtol=1e-14)
 
 
-def behind(state: State, theta: float) -> tuple[State, float]:
-    """(What is behind the weak shock that turns a flow by theta, its angle beta to it) [rad]."""
-    beta = shock_angle(state.M, theta)
-    normal = (state.M * np.sin(beta)) ** 2
-    rho = state.rho * (GAMMA + 1.0) * normal / ((GAMMA - 1.0) * normal + 2.0)
-    p = state.p * (1.0 + 2.0 * GAMMA / (GAMMA + 1.0) * (normal - 1.0))
-    half = 0.5 * (GAMMA - 1.0)
-    M = np.sqrt((1.0 + half * normal) / (GAMMA * normal - half)) / np.sin(beta - theta)
-    return State(rho, p, float(M)), beta
+def turned_by(gas: Fluid, state: GasState, theta: float) -> tuple[GasState, float]:
+    """(The gas behind the weak shock that turns a flow of velocity u, whatever its direction, by
+    theta, the angle beta of the shock to the flow) [rad]."""
+    M = state.u / sound(gas, state)
+    beta = shock_angle(M, theta)
+    normal, s = behind_shock(gas, state._replace(u=0.0), M * np.sin(beta))
+    # what is along the shock stays
+    return normal._replace(u=np.hypot(state.u * np.cos(beta), s - normal.u)), beta
 
 
 def build(opt: Opt) -> BlockProblem:
     """The gas between Y = 0 and 1, the layer below it, free of stress under the gas's pressure."""
-    theta, R = np.radians(opt["oblique_angle"]), 1.0 / GAMMA
-    first = State(1.0, 1.0 / GAMMA, opt["oblique_mach"])
-    second, beta = behind(first, theta)
-    third, back = behind(second, theta)
-    gas, flow = Fluid(0.0, 0.0, GAMMA, R), constant(1.0, first.M, 0.0, 1.0)
-    u, v = second.speed * np.cos(theta), -second.speed * np.sin(theta)
-    sides = {(0, 0): Open(first.rho, (first.M, 0.0), 1.0), (0, 1): Outflow()}
+    theta, gas = np.radians(opt["oblique_angle"]), Fluid(0.0, 0.0, GAMMA, 1.0 / GAMMA)
+    first = GasState(1.0, opt["oblique_mach"], 1.0 / GAMMA)
+    second, beta = turned_by(gas, first, theta)
+    third, back = turned_by(gas, second, theta)
+    flow = constant(1.0, first.u, 0.0, 1.0)
+    u, v = second.u * np.cos(theta), -second.u * np.sin(theta)
+    sides = {(0, 0): Open(first.rho, (first.u, 0.0), 1.0), (0, 1): Outflow()}
     members, lower = [Layer("gas", gas, (0.0, 1.0), flow, sides=sides)], Slip()
     if opt["oblique_wall"] == "elastic":
         solid, across = elastic_of(opt, first.p), (-THICKNESS, 0.0)
         layer = Layer("layer", solid, across, at_rest(), cells=CELLS, sides=Roller())
         members, lower = [layer, *members], Clamped()
-    p_2, p_3 = second.p / first.p, third.p / first.p
+    between, both = (
+        f"p/p_1 = {q.p / first.p:.8g}, M = {q.u / sound(gas, q):.6g}" for q in (second, third)
+    )
     return stack(
         opt,
         *members,
         along=((0.0, LENGTH),),
         lower=lower,
-        upper=Open(second.rho, (u, v), second.p / (R * second.rho)),
+        upper=Open(second.rho, (u, v), second.p / (gas.R * second.rho)),
         notes=(
             f"the shock comes in at {np.degrees(beta):.6g} degrees and leaves a rigid wall at "
             f"x = {1.0 / np.tan(beta):.6g} at {np.degrees(back - theta):.6g} degrees",
-            f"p/p_1 = {p_2:.8g}, M = {second.M:.6g} between, "
-            f"p/p_1 = {p_3:.8g}, M = {third.M:.6g} behind both",
+            f"{between} between, {both} behind both",
         ),
     )

@@ -22,12 +22,10 @@ from fsipetsc import BlockProblem, Fluid, InputError, Option
 from fsipetsc.blocks.conditions import Clamped, Free, Given, Hinge, NoSlip, Open, Outflow, Slip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases.common import Opt, materials, stack
-from fsipetsc.checks import Array, Fields
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import above_one
 
-NAME = "panel"
 SUMMARY = "supersonic flow over an elastic panel set into a wall, which flutters"
 
 OPTIONS = (
@@ -38,7 +36,6 @@ OPTIONS = (
     Option("panel_thickness", float, 0.04, "m", "its thickness; it is 1 m long", check="positive"),
     Option("panel_push", float, 5e-3, "", "velocity of the panel at first", check="nonnegative"),
     Option("panel_height", float, 0.5, "m", "height of the gas", check="positive"),
-    Option("panel_rows", int, None, "", "cells across the gas", check="positive"),
     *materials(fluid_mu=0.0),
     Option("panel_layer", float, 0.2, "m", "boundary layer's depth, if viscous", check="positive"),
 )
@@ -57,7 +54,7 @@ def build(opt: Opt) -> BlockProblem:
     M, h, mu = opt["panel_mach"], opt["panel_thickness"], opt["fluid_mu"]
     height, beta = opt["panel_height"], float(np.sqrt(M * M - 1.0))
     # waves that a motion of the panel makes are beta times shorter across the flow than along it
-    rows = opt["panel_rows"] or int(np.ceil(height * max(beta, 1.0) / opt["fsi_h"] - 1e-9))
+    rows = int(np.ceil(height * max(beta, 1.0) / opt["fsi_h"] - 1e-9))
     p, rho = 1.0 / GAMMA, 1.0
     gas = Fluid(mu, mu * GAMMA / (GAMMA - 1.0) * p / PRANDTL, GAMMA, p)
     q = 0.5 * rho * M * M
@@ -68,13 +65,13 @@ def build(opt: Opt) -> BlockProblem:
     across = max(CELLS, operator(opt["fsi_order"]).min_points // 2 * 2)  # even: hinges
     panel = ElasticSolid(mu_e, 2.0 * mu_e, 0.0, density, 1.0, p_ref=p, heat="elastic")
 
-    def flow(X: Array, Y: Array, t: float = 0.0) -> Fields:
+    def flow(X, Y, t=0.0):
         """With viscosity a boundary layer, hot at the wall as Crocco and Busemann have it."""
         along = M * np.tanh(2.0 * Y / opt["panel_layer"]) if mu > 0 else M + 0.0 * X
         T = 1.0 + 0.5 * (GAMMA - 1.0) * PRANDTL**0.5 * (M * M - along * along)
         return [1.0 / T, along, 0.0 * X, T]
 
-    def push(X: Array, Y: Array) -> Fields:
+    def push(X, Y):
         shape = np.sin(np.pi * X) ** 2 * (1.0 + np.cos(np.pi * X))
         return [0.0 * X, opt["panel_push"] * shape, np.ones_like(X), X, Y]
 

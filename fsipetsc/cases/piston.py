@@ -10,7 +10,6 @@ from math import cos, pi, sin
 from fsipetsc import FluidLayer, Option, Problem, SolidLayer, Wall
 from fsipetsc.cases.common import Opt, constant, gas_of, line_at_rest, materials, solid_of
 
-NAME = "piston"
 SUMMARY = "a wall that moves drives gas against an elastic layer: gas | solid | gas"
 
 OPTIONS = (
@@ -28,13 +27,13 @@ def build(opt: Opt) -> Problem:
     gas, solid, time = gas_of(opt, R=287.0), solid_of(opt), opt["piston_time"]
     still = constant(P0 / (gas.R * T0), 0.0, T0)
 
-    def phase(t: float) -> float:
+    def phase(t):
         return 0.5 * pi * min(max(t, 0.0), time) / time
 
-    def place(t: float) -> float:
+    def place(t):
         return STROKE * sin(phase(t)) ** 2
 
-    def velocity(t: float) -> float:
+    def velocity(t):
         return STROKE * pi / time * sin(phase(t)) * cos(phase(t))
 
     layers = (

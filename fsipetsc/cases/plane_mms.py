@@ -4,7 +4,6 @@ from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases import box_mms
 from fsipetsc.cases.common import Opt, materials
 
-NAME = "plane_mms"
 SUMMARY = "gas | solid in two dimensions, a manufactured solution whose errors can be measured"
 
 OPTIONS = (

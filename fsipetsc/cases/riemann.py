@@ -18,8 +18,6 @@ and through a fan E_F = sigma, and u + int c dF is what it was before.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,9 +25,6 @@ import numpy as np
 from fsipetsc import Fluid, InputError, Solid
 from fsipetsc.blocks.conditions import Open
 from fsipetsc.checks import Array, Fields
-
-#: part of the jump that is left where a shock's structure is cut off
-_TAIL = 1e-6
 
 
 class GasState(NamedTuple):
@@ -78,48 +73,6 @@ def shock_in_plane(
     return flow, Open(behind.rho, (behind.u, 0.0), hot), note
 
 
-def shock_structure(
-    gas: Fluid, ahead: GasState, mach: float, width: float, w: float = 0.0
-) -> Callable[[Array], GasState]:
-    """x [m] -> the gas in and around a shock that goes to the right, spread by dissipation.
-
-    Its wave is width/2 (|u - w| + c) U_x = f(U) - s U - (f(U) - s U ahead), U = (rho, rho u, e):
-    what the scheme of Lax and Friedrichs makes of it on a grid of spacing ``width`` [m] and
-    velocity w [m/s]. It has the mass of a jump at x = 0. What begins with a jump instead sends
-    waves after the shock until the shock has this structure.
-    """
-    from scipy.integrate import solve_ivp
-
-    behind, s = behind_shock(gas, ahead, mach)
-    low, high = (
-        np.array([q.rho, q.rho * q.u, q.p / (gas.gamma - 1) + 0.5 * q.rho * q.u**2])
-        for q in (ahead, behind)
-    )
-
-    def state(U: Any) -> GasState:
-        u = U[1] / U[0]
-        return GasState(U[0], u, (gas.gamma - 1) * (U[2] - 0.5 * U[1] * u))
-
-    def flux(U: Array) -> Array:
-        rho, u, p = state(U)
-        return np.array([rho * u, rho * u * u + p, u * (U[2] + p)]) - s * U
-
-    def slope(_: float, y: Array) -> Array:
-        q = state(y[:3])
-        return np.append(flux(y[:3]) - flux(high), 0.5 * width * (abs(q.u - w) + sound(gas, q)))
-
-    c = sound(gas, behind)
-    fast = np.array([1.0, behind.u + c, (high[2] + behind.p) / behind.rho + behind.u * c])
-    start = np.append(high - _TAIL * behind.rho * fast, 0.0)
-    length = -np.log(_TAIL) * (1 / (behind.u + c - s) + 1 / (s - ahead.u - sound(gas, ahead)))
-    accurate = {"rtol": 1e-9, "atol": 1e-12, "max_step": length / 400}
-    *U, x = solve_ivp(slope, (0.0, length), start, **accurate).y
-    excess = np.sum(np.diff(x) * (0.5 * (U[0][1:] + U[0][:-1]) - low[0]))
-    x = x - excess / (high[0] - low[0])
-    ends = list(zip(U, high, low, strict=True))
-    return lambda at: state([np.interp(at, x, row, left=a, right=b) for row, a, b in ends])
-
-
 class GasWave(NamedTuple):
     """What goes into a gas to the left, where it gets some pressure p [Pa] behind."""
 
@@ -150,9 +103,11 @@ class GasWave(NamedTuple):
         s = (behind.rho * behind.u - before.rho * before.u) / (behind.rho - before.rho)
         return s, s
 
-    def at(self, p: float, speed: Array) -> GasState:
-        """The states at x = speed t."""
-        g, before, behind = self.gas.gamma, self.before, self.behind(p)
+    def at(self, p: float, x: Array, t: float) -> GasState:
+        """The states at a distance x [m] from where the wave was at t = 0."""
+        if t <= 0:
+            return GasState(*(value + 0.0 * x for value in self.before))
+        g, speed, before, behind = self.gas.gamma, x / t, self.before, self.behind(p)
         front, back = self.speeds(p)
         c0 = sound(self.gas, before)
         c = np.clip((2 * c0 + (g - 1) * (before.u - speed)) / (g + 1), 0.0, None)
@@ -200,18 +155,19 @@ class SolidWave(NamedTuple):
             return float(self._shock(F)), float(self._shock(F))
         return tuple(float(np.sqrt(self.solid.K / (self.solid.m0 * f))) for f in (F0, F))
 
-    def at(self, p: float, speed: Array) -> SolidState:
-        """The states at X = speed t."""
-        front, back = self.speeds(p)
+    def at(self, p: float, X: Array, t: float) -> SolidState:
+        """The states at material points that far [m] from the wave at t = 0."""
+        if t <= 0:
+            return SolidState(*(value + 0.0 * X for value in self.before))
+        speed, (front, back) = X / t, self.speeds(p)
         fan = self.solid.K / (self.solid.m0 * np.maximum(speed, back) ** 2)
         which = [speed > front, speed > back]
         return self._state(np.select(which, [self.before.F, fan], self.strain(p)))
 
 
 def pressure_between(left: Callable[[float], Any], right: Callable[[float], Any]) -> float:
-    """p [Pa] at which the velocity of the left side, which falls with p, is that of the right one.
-
-    To round-off. InputError where the two part.
+    """p [Pa] at which the velocity of the left side, which falls with p, is that of the right one,
+    to round-off. InputError where the two part.
     """
     from scipy.optimize import brentq
 
@@ -228,46 +184,3 @@ def pressure_between(left: Callable[[float], Any], right: Callable[[float], Any]
         if low < 1e-12 * high:
             raise InputError("gas and solid part: expected velocities or pressures nearer by")
     return brentq(apart, low, high, xtol=1e-300, rtol=1e-15) if low < high else low
-
-
-@dataclass(frozen=True)
-class Riemann:
-    """Gas | solid, from t = 0 on. InputError where nothing would be left at the interface."""
-
-    gas: Fluid
-    solid: Solid
-    left: GasState
-    right: SolidState
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "gas_wave", GasWave(self.gas, self.left))
-        object.__setattr__(self, "solid_wave", SolidWave(self.solid, self.right))
-
-    @cached_property
-    def p(self) -> float:
-        """Pressure [Pa] at the interface."""
-        return pressure_between(self.gas_wave.velocity, self.solid_wave.velocity)
-
-    @property
-    def u(self) -> float:
-        """Velocity [m/s] of the interface."""
-        return float(self.solid_wave.velocity(self.p))
-
-    @property
-    def F(self) -> float:
-        """x_X of the solid at the interface."""
-        return float(self.solid_wave.strain(self.p))
-
-    def in_gas(self, x: Array, t: float) -> GasState:
-        """The gas at a distance x [m] from where the interface was at t = 0."""
-        if t <= 0:
-            return GasState(*(np.full(np.shape(x), value) for value in self.left))
-        return self.gas_wave.at(self.p, np.asarray(x) / t)
-
-    def in_solid(self, X: Array, t: float) -> tuple[SolidState, Array]:
-        """(the solid at the material points X [m] behind the interface; where they are [m])."""
-        if t <= 0:
-            state = SolidState(*(np.full(np.shape(X), value) for value in self.right))
-        else:
-            state = self.solid_wave.at(self.p, np.asarray(X) / t)
-        return state, state.u * t + state.F * X  # x/t = u + F X/t, as all depends on X/t

@@ -6,19 +6,13 @@ of stress under the pressure of the gas. Its small motions are known exactly: se
 `modes`.
 """
 
-from typing import Any
-
 import numpy as np
 
 from fsipetsc import Block, BlockProblem, Option
-from fsipetsc.blocks.conditions import Condition, Free, NoSlip, Slip
+from fsipetsc.blocks.conditions import Free, NoSlip, Slip
 from fsipetsc.blocks.maps import annulus
-from fsipetsc.blocks.problem import FaceName
 from fsipetsc.cases.common import Opt, at_rest, cells_of, constant, elastic_of, gas_of, materials
-from fsipetsc.checks import Array, Fields
-from fsipetsc.materials.solid import ElasticSolid
 
-NAME = "ring"
 SUMMARY = "an elastic ring with gas inside and outside, and a pressure pulse"
 
 OPTIONS = (
@@ -36,34 +30,25 @@ CORE, INNER, OUTER, VESSEL = 0.4, 1.0, 1.3, 2.0
 MIDDLE, WIDTH = 0.7, 0.2
 
 
-def solid_of(opt: Opt) -> ElasticSolid:
-    """That of the ring."""
-    return elastic_of(opt, 1.0 if opt["ring_gas"] else 0.0, law=opt["solid_law"])
-
-
-def radii_of(opt: Opt) -> tuple[float, ...]:
-    """Of the core, of the ring, of the vessel."""
-    return CORE, INNER, OUTER, VESSEL
-
-
 def build(opt: Opt) -> BlockProblem:
     """Blocks whose axes run outwards and around."""
     around = opt["ring_around"] or max(24, 8 * round(2.0 * np.pi * INNER / (32.0 * opt["fsi_h"])))
     gas = gas_of(opt)
+    solid = elastic_of(opt, 1.0 if opt["ring_gas"] else 0.0, law=opt["solid_law"])
 
-    def block(name: str, material: Any, inner: float, outer: float, initial: Any) -> Block:
+    def block(name, material, inner, outer, initial):
         shape = annulus(inner, outer), (cells_of(opt, outer - inner), around)
         return Block(name, material, *shape, initial, periodic=(False, True))
 
-    def pulse(X: Array, Y: Array) -> Fields:
+    def pulse(X, Y):
         """The entropy is the same everywhere."""
         squared = ((X - MIDDLE) ** 2 + Y**2) / WIDTH**2
         p = 1.0 + opt["ring_pulse"] * np.exp(-squared)
         rho = p ** (1.0 / gas.gamma)
         return rho, 0.0 * X, 0.0 * X, p / rho
 
-    blocks = (block("ring", solid_of(opt), INNER, OUTER, at_rest()),)
-    faces: dict[FaceName, Condition] = {("ring", 0, 0): Free(), ("ring", 0, 1): Free()}
+    blocks = (block("ring", solid, INNER, OUTER, at_rest()),)
+    faces = {("ring", 0, 0): Free(), ("ring", 0, 1): Free()}
     if opt["ring_gas"]:
         still = constant(1.0, 0.0, 0.0, 1.0)
         inside = block("inside", gas, CORE, INNER, pulse)

@@ -8,7 +8,6 @@ at t = 0.90-0.91), and the rod starts under the stress -p0, so that only gravity
 from fsipetsc import FluidLayer, Open, Option, Problem, SolidLayer, Wall
 from fsipetsc.cases.common import PAPER, Opt, constant, gas_of, line_at_rest, materials, solid_of
 
-NAME = "rod"
 SUMMARY = "an elastic rod falls into a compressible gas and bounces (Sec. 5.2)"
 
 OPTIONS = (

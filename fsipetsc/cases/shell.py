@@ -7,19 +7,13 @@ of stress under the pressure of the gas at rest. Its small motions are known exa
 command `modes`.
 """
 
-from typing import Any
-
 import numpy as np
 
 from fsipetsc import Block, BlockProblem, Option
-from fsipetsc.blocks.conditions import Centre, Condition, Free, Slip
+from fsipetsc.blocks.conditions import Centre, Free, Slip
 from fsipetsc.blocks.maps import ball, rectangle
-from fsipetsc.blocks.problem import FaceName
 from fsipetsc.cases.common import Opt, at_rest, cells_of, constant, elastic_of, gas_of, materials
-from fsipetsc.checks import Array, Fields
-from fsipetsc.materials.solid import ElasticSolid
 
-NAME = "shell"
 SUMMARY = "a charge in an elastic shell around a centre, or a tube around an axis"
 
 OPTIONS = (
@@ -39,32 +33,24 @@ DEFAULTS = {
 CORE, INNER, OUTER, VESSEL, WIDTH = 0.4, 1.0, 1.3, 2.0, 0.2
 
 
-def solid_of(opt: Opt) -> ElasticSolid:
-    """That of the shell."""
-    return elastic_of(opt, 0.0 if opt["shell_gas"] == "none" else 1.0, law=opt["solid_law"])
-
-
-def radii_of(opt: Opt) -> tuple[float, ...]:
-    """Of the core (0 where there is none), of the shell, of the vessel."""
-    return CORE if opt["shell_gas"] == "around" else 0.0, INNER, OUTER, VESSEL
-
-
 def build(opt: Opt) -> BlockProblem:
     """Blocks along the radius."""
-    core, gas = radii_of(opt)[0], gas_of(opt)
+    gas, core = gas_of(opt), CORE if opt["shell_gas"] == "around" else 0.0
+    pressure = 0.0 if opt["shell_gas"] == "none" else 1.0
+    solid = elastic_of(opt, pressure, law=opt["solid_law"])
 
-    def block(name: str, material: Any, low: float, high: float, initial: Any) -> Block:
+    def block(name, material, low, high, initial):
         n = cells_of(opt, high - low)
         shape = ball(high, n) if low == 0.0 else rectangle(low, high)
         return Block(name, material, shape, (n,), initial)
 
-    def charge(r: Array) -> Fields:
+    def charge(r):
         """The density is the same everywhere; the edge of the charge is a fifth of it wide."""
         hot = 0.5 * (1.0 - np.tanh((r - core - WIDTH) / (0.1 * WIDTH)))
         return 1.0 + 0.0 * r, 0.0 * r, 1.0 + opt["shell_charge"] * hot
 
-    blocks = (block("shell", solid_of(opt), INNER, OUTER, at_rest()),)
-    faces: dict[FaceName, Condition] = {("shell", 0, 0): Free(), ("shell", 0, 1): Free()}
+    blocks = (block("shell", solid, INNER, OUTER, at_rest()),)
+    faces = {("shell", 0, 0): Free(), ("shell", 0, 1): Free()}
     if opt["shell_gas"] != "none":
         inside = block("inside", gas, core, INNER, charge)
         blocks = (inside, *blocks, block("around", gas, OUTER, VESSEL, constant(1.0, 0.0, 1.0)))

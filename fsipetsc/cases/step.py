@@ -16,7 +16,6 @@ from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases.common import SHOCKS, Opt, constant, gas_of, stack
 from fsipetsc.options import Option, above_one
 
-NAME = "step"
 SUMMARY = "supersonic flow over a step in a wind tunnel, in two dimensions"
 
 OPTIONS = (

@@ -15,7 +15,6 @@ from fsipetsc.cases.common import SHOCKS, Opt, stack
 from fsipetsc.checks import Array, Fields
 from fsipetsc.materials.solid import ElasticSolid
 
-NAME = "superseismic"
 SUMMARY = "a shock along an elastic half space, faster than its waves, in two dimensions"
 OPTIONS = ()
 DEFAULTS = {

@@ -12,9 +12,7 @@ from fsipetsc import BlockProblem, Fluid, Option
 from fsipetsc.blocks.conditions import NoSlip, Slip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases.common import SHOCKS, Opt, stack
-from fsipetsc.checks import Array, Fields
 
-NAME = "viscous_tube"
 SUMMARY = "a shock and the boundary layer it has left in a closed box, in two dimensions"
 OPTIONS = (Option("tube_reynolds", float, 200.0, "", "Reynolds number", check="positive"),)
 DEFAULTS = {"fsi_h": 1 / 100, "fsi_order": 4, "ts_max_time": 1.0, "fsi_output_dt": 0.1, **SHOCKS}
@@ -26,7 +24,7 @@ def build(opt: Opt) -> BlockProblem:
     R, mu = 1.0 / GAMMA, 1.0 / opt["tube_reynolds"]
     gas = Fluid(mu, GAMMA / (GAMMA - 1.0) * R * mu / PRANDTL, GAMMA, R)
 
-    def start(X: Array, Y: Array) -> Fields:
+    def start(X, Y):
         """Half of the jump at the node in the middle, if there is one."""
         step = 0.5 * (1.0 + np.sign(np.round(X - 0.5, 9)))
         return RHO * (RATIO * (1.0 - step) + step), 0.0 * X, 0.0 * X, 1.0 + 0.0 * X

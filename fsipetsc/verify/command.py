@@ -29,8 +29,7 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
     "Run": tuple(option for option in RUN if option.name == "fsi_quiet"),
 }
 HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "verdict")
-COLUMNS = ("case", "quantity", "order", "h", "ranks", "value", "reference", "source")
-COLUMNS += ("error", "rate", "verdict")
+COLUMNS = "case quantity order h ranks value reference source error rate verdict".split()
 
 
 def verify(arguments: list[str], comm: Comm) -> None:
@@ -87,20 +86,21 @@ def run_entry(
 
 
 def _solver(comm: Comm, folder: Path) -> Solve:
-    """See fsipetsc.verify.entry.Solve. -fsi_h is the spacing of layers, not of blocks."""
+    """See fsipetsc.verify.entry.Solve."""
     from fsipetsc.stepping.run import run_case
 
-    numbers, about = count(), {"NAME": "problem", "SUMMARY": "", "OPTIONS": ()}
+    numbers = count()
+    about = {"NAME": "problem", "SUMMARY": "", "OPTIONS": (), "DEFAULTS": {"fsi_h": 1.0}}
 
-    def solve(what: Any, **options: Any) -> Any:
-        if isinstance(what, str):
-            case = load_case(what)
-        else:
-            case = SimpleNamespace(**about, DEFAULTS={"fsi_h": 1.0}, build=lambda opt: what)
-        path = str(folder / f"{next(numbers)}.h5")
-        opt = {**defaults(case), **options, "fsi_quiet": True, "fsi_output": path}
+    def solve(what: Any, order: int, h: float, end: float | None = None, **options: Any) -> Any:
+        given = SimpleNamespace(**about, build=lambda opt: what)
+        case, path = load_case(what) if isinstance(what, str) else given, f"{next(numbers)}.h5"
+        opt = {**defaults(case), "fsi_order": order, "fsi_h": h, "fsi_quiet": True}
+        if end is not None:
+            opt |= {"ts_max_time": end, "fsi_output_dt": end}
+        opt |= {**options, "fsi_output": str(folder / path)}
         on_as_many(comm, lambda ranks: run_case(case, opt, ranks))
-        return open_run(path)
+        return open_run(opt["fsi_output"])
 
     return solve
 

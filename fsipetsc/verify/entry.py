@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 Array = np.ndarray
-#: solve(case, **options) runs a case, given by its name or as a problem, and returns its opened
-#: result; collective
+#: solve(case, order, h, end=None, **options) runs a case, given by its name or as a problem, to its
+#: end or to another time, and returns its opened result; collective
 Solve = Callable[..., Any]
 
 
@@ -128,6 +128,17 @@ def reference(name: str) -> dict[str, Array]:
     lines = [line for line in text.splitlines() if not line.startswith("#")]
     table = list(csv.reader(lines))
     return {head: np.array([float(v) for v in column]) for head, *column in zip(*table)}
+
+
+def largest(errors: Any) -> float:
+    """The norm of the maximum."""
+    return float(np.abs(errors).max())
+
+
+def joined(frames: Iterable[Mapping[str, Array]]) -> dict[str, Array]:
+    """The fields of several blocks as one array each."""
+    parts = list(frames)
+    return {name: np.concatenate([part[name].ravel() for part in parts]) for name in parts[0]}
 
 
 def smooth(x: Array, y: Array) -> Callable[[Array], Array]:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fsipetsc import Problem, Solid, SolidLayer, clamped, free
-from fsipetsc.verify.entry import Array, Bound, Measured, Solve, expect, reference, smooth
+from fsipetsc.verify.entry import Array, Bound, Measured, Solve, expect, largest, reference, smooth
 
 
 def slab(solve: Solve, order: int, h: float, table: dict[str, Array]) -> float:
@@ -12,20 +12,20 @@ def slab(solve: Solve, order: int, h: float, table: dict[str, Array]) -> float:
     solid = SolidLayer("slab", Solid(1.0, 0.1, 1.0, 1.0), (0.0, 1.0), lambda X: (0, 0, T(X), X))
     ends = clamped(T=1.0), free(heat_flux=lambda t: 0.1 * np.cos(2.0 * np.pi * t))
     problem = Problem((solid,), *ends, units="none")
-    with solve(problem, fsi_order=order, fsi_h=h, ts_max_time=1.0, fsi_output_dt=1.0) as run:
+    with solve(problem, order, h, 1.0) as run:
         frame = run.layers[0].frame(-1)
-    return float(np.abs(frame["T"] - T(frame["x"])).max())
+    return largest(frame["T"] - T(frame["x"]))
 
 
 def mode(solve: Solve, order: int, h: float, table: dict[str, Array]) -> float:
     """Largest error over the size."""
-    with solve("heat", fsi_order=order, fsi_h=h) as run:
+    with solve("heat", order, h) as run:
         solid, gas = (layer.frame(-1) for layer in run.layers)
     left, errors = np.exp(table["mode s"][0]), []
     for frame, name, x in ((solid, "mode solid", solid["x"] + 1.0), (gas, "mode gas", gas["x"])):
         exact = smooth(table["x"], table[name])(np.clip(x, 0.0, 1.0))
-        errors.append(np.abs((frame["T"] - 1.0) / 1e-7 - left * exact).max())
-    return float(max(errors))
+        errors.append(largest((frame["T"] - 1.0) / 1e-7 - left * exact))
+    return max(errors)
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:

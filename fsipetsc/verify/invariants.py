@@ -6,9 +6,10 @@ import numpy as np
 
 from fsipetsc.blocks.conditions import NoSlip
 from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.cases.common import at_rest, constant
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.verify.entry import Array, Measured, Solve, expect
+from fsipetsc.verify.entry import Array, Measured, Solve, expect, largest
 
 PERIOD = 0.5
 NAMES = ("mass", "momentum", "energy", "entropy")
@@ -21,25 +22,18 @@ def box(d: int, h: float, order: int) -> Any:
         swirl = 0.1 * np.sin(4.0 * np.pi * X[0]) * np.sin(np.pi * X[-1]) ** 2
         return [2.2 / 5.0, swirl if d > 1 else 0.0, *[0.0] * (d - 1), 5.0]
 
-    def upper(*X: Array) -> list[Any]:
-        return [2.0 / (0.5 * 4.0), *[0.0] * d, 4.0]
-
-    def between(*X: Array) -> list[Any]:
-        return [*[0.0] * d, 4.5, *X]
-
     def shaken(along: float) -> NoSlip:
         sizes = [along, 0.0, 0.1] if d == 3 else [along, 0.1][2 - d :]
-
-        def place(*X: Any) -> list[Array]:
-            return [x + size * np.sin(3.0 * X[-1]) ** 2 for x, size in zip(X, sizes)]
-
-        return NoSlip(x=place)
+        return NoSlip(
+            x=lambda *at: [x + size * np.sin(3.0 * at[-1]) ** 2 for x, size in zip(at, sizes)]
+        )
 
     gases = Fluid(0.01, 0.03, 1.4, 1.0), Fluid(0.01, 0.03, 5.0 / 3.0, 0.5)
+    upper = constant(2.0 / (0.5 * 4.0), *[0.0] * d, 4.0)
     solid = ElasticSolid(5.0, 10.0, 0.02, 2.0, 1.0, p_ref=2.0)
     return layers(
         Layer("lower", gases[0], (0.0, 1.0), lower),
-        Layer("solid", solid, (1.0, 2.0), between),
+        Layer("solid", solid, (1.0, 2.0), at_rest(4.5)),
         Layer("upper", gases[1], (2.0, 3.0), upper),
         along=((0.0, PERIOD),) * (d - 1),
         lower=shaken(0.0),
@@ -52,7 +46,7 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     """Changes of all dimensions."""
     errors: dict[str, float] = {}
     for d in (1, 2, 3):
-        with solve(box(d, h, order), fsi_order=order, ts_max_time=1.0) as run:
+        with solve(box(d, h, order), order, h, ts_max_time=1.0) as run:
             series = {name: np.asarray(run.series[name]) for name in run.series}
         came = {name: np.cumsum(v, axis=0) for name, v in series.items()}
 
@@ -65,7 +59,7 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
         momenta = [change(f"momentum_{x}", f"impulse_{x}") for x in "xyz"[:d]]
         changes += [np.array(momenta) / size, change("energy", "energy_in") / size]
         changes.append(np.maximum(-grown, 0.0) / grown.sum())
-        errors |= {f"{what}, {d}-D": float(np.abs(v).max()) for what, v in zip(NAMES, changes)}
+        errors |= {f"{what}, {d}-D": largest(v) for what, v in zip(NAMES, changes)}
     return Measured(errors)
 
 

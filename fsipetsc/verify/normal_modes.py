@@ -9,6 +9,7 @@ from fsipetsc.analysis.wave_modes import linearise, radial_modes
 from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases import load_case
+from fsipetsc.cases.common import at_rest, constant
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.stiffened_gas import stiffened_gas
@@ -26,7 +27,7 @@ SHELLS = {1: "cylinder", 2: "sphere"}
 K = 2.0 * np.pi
 
 
-def at_rest(name: str, order: int, h: float, n: int = 0, **given: Any) -> Array:
+def modes_of(name: str, order: int, h: float, n: int = 0, **given: Any) -> Array:
     """s of the slowest modes of a case [1/s], of angular number n."""
     case = load_case(name)
     opt = {**defaults(case), "fsi_order": order, "fsi_h": h, **given}
@@ -47,14 +48,10 @@ def over_solid(
     """s [1/s] of all modes of a fluid, 1 m high, over a solid; state: density and temperature. The
     fluid may be a solid, too.
     """
-    rho, T = state
-    least = {2: 2, 4: 8, 6: 12}[order]
-    below = Layer(
-        *("solid", solid, (-depth, 0.0), lambda X, Y: (0.0, 0.0, T, X, Y)),
-        cells=max(round(depth / h), least),
-    )
+    (rho, T), cells = state, max(round(depth / h), {2: 2, 4: 8, 6: 12}[order])
+    below = Layer("solid", solid, (-depth, 0.0), at_rest(T), cells=cells)
     two = isinstance(fluid, ElasticSolid)
-    start = below.initial if two else lambda X, Y: (rho, 0.0, 0.0, T)
+    start = below.initial if two else constant(rho, 0.0, 0.0, T)
     above = Layer("fluid", fluid, (0.0, 1.0), start, cells=round(1.0 / h))
     lid = Clamped() if two else NoSlip() if fluid.mu > 0.0 else Slip()
     return linearise((below, above), (Clamped(), lid), order, round(1.0 / h), K)
@@ -70,11 +67,11 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
         near = (Compared(complex(found[np.abs(found - s).argmin()]), s) for s in known)
         return max(near, key=lambda one: one.error)
 
-    found = at_rest("ring", order, h, 2, ring_pulse=0.0, ring_around=round(1.5 / h))
+    found = modes_of("ring", order, h, 2, ring_pulse=0.0, ring_around=round(1.5 / h))
     errors = {"ring": misfit("ring", found, 3)}
     for kappa, name in SHELLS.items():
         fine = h / (5.0 if order < 6 else 2.5)  # errors of 6/3 are round-off else
-        found = at_rest("shell", order, fine, shell_kappa=kappa, shell_charge=0.0)
+        found = modes_of("shell", order, fine, shell_kappa=kappa, shell_charge=0.0)
         errors[name] = misfit(name, found, 3)
     gas = Fluid(0.01, 0.035 / 0.72, 1.4, 1.0)
     layer = ElasticSolid(1.0, 1.0, 0.0, 1.0, 1.0, p_ref=1.0, heat="elastic")

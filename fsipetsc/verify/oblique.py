@@ -7,9 +7,9 @@ from fsipetsc.verify.entry import Compared, Curve, Measured, Solve, expect, refe
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
     """Errors of the pressure."""
-    table, given = reference("oblique"), {"oblique_wall": "rigid", "fsi_output_dt": 4.0}
-    with solve("oblique", fsi_order=order, fsi_h=h, ts_max_time=4.0, **given) as run:
-        frame = {name: np.asarray(run.layers[0].frame(-1)[name]) for name in ("x", "y", "p")}
+    table = reference("oblique")
+    with solve("oblique", order, h, 4.0, oblique_wall="rigid") as run:
+        frame = run.layers[0].frame(-1)
     x, y, p = frame["x"], frame["y"], frame["p"]
     falls, rises = np.tan(table["angle"][1:])
     behind = y < (x - 1.0 / falls) * rises

@@ -16,7 +16,7 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     table, errors = reference("riemann_problems"), {}
     for k, (name, (end, options)) in enumerate(PROBLEMS.items()):
         hit, p, u = (float(table[column][k]) for column in ("hit", "p", "u"))
-        with solve("shock", fsi_order=order, fsi_h=h, ts_max_time=end, **options) as run:
+        with solve("shock", order, h, ts_max_time=end, **options) as run:
             t, x = run.series["t"], run.series["x_interface"][:, 0]
             pressure = -run.series["sigma_interface"][:, 0]
         late = t > t[-1] - 0.2 * (t[-1] - hit)

@@ -7,7 +7,7 @@ HIT = 0.06e-3  # s, when the shock reaches the panel
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
     """Of the largest displacement [mm] and its time after the hit [ms]."""
-    with solve("fin", fsi_order=order, fsi_h=h, ts_max_time=1.5e-3) as run:
+    with solve("fin", order, h, ts_max_time=1.5e-3) as run:
         t, x = run.series["t"], run.series["x_point"][:, 0]
     moved, late = 1e3 * (x - x[0]), 1e3 * (t - HIT)
     table = reference("shock_on_panel")

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fsipetsc.verify.entry import Array, Curve, Measured, Solve, expect, reference, smooth
+from fsipetsc.verify.entry import Curve, Measured, Solve, expect, joined, largest, reference, smooth
 
 DENSITIES = (0.5, 2.0, 20.0)
 
@@ -11,26 +11,22 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     """Largest errors of the three disks."""
     table, errors = reference("spinning_disk"), {}
     for density in DENSITIES:
-        given = {"disk_spin": 2.0, "disk_power": 4, "ts_max_time": 0.5, "fsi_output_dt": 0.5}
-        with solve("disk", fsi_order=order, fsi_h=h, solid_density=density, **given) as run:
-            fields = [(one.frame(0), one.frame(-1)) for one in run.layers if one.kind == "solid"]
+        given = {"disk_spin": 2.0, "disk_power": 4, "solid_density": density}
+        with solve("disk", order, h, 0.5, **given) as run:
+            solids = [layer for layer in run.layers if layer.kind == "solid"]
+            first, last = (joined(layer.frame(k) for layer in solids) for k in (0, -1))
 
-        def exact(name: str, R: Array, density: float = density) -> Array:
+        def exact(name, R, density=density):
             return smooth(table["R"], table[f"{name} {density:g}"])(R)
 
-        place, speed, found = 0.0, 0.0, []
-        for first, last in fields:
-            X, v = first["x"] + 1j * first["y"], last["u"] + 1j * last["v"]
-            z = X * (exact("real", abs(X)) + 1j * exact("imag", abs(X)))
-            v_exact = X * (exact("v_real", abs(X)) + 1j * exact("v_imag", abs(X)))
-            place = max(place, float(np.abs(last["x"] + 1j * last["y"] - z).max()))
-            speed = max(speed, float(np.abs(v - v_exact).max()))
-            found.append(np.abs([X.ravel(), v.ravel()]))
-        errors[f"place, density {density:g}"] = place
-        errors[f"velocity, density {density:g}"] = speed
+        X, v = first["x"] + 1j * first["y"], last["u"] + 1j * last["v"]
+        z = X * (exact("real", abs(X)) + 1j * exact("imag", abs(X)))
+        v_exact = X * (exact("v_real", abs(X)) + 1j * exact("v_imag", abs(X)))
+        errors[f"place, density {density:g}"] = largest(last["x"] + 1j * last["y"] - z)
+        errors[f"velocity, density {density:g}"] = largest(v - v_exact)
     R, labels = table["R"], ("R", f"speed in the disk of density {density:g}")
     exact_speed = R * np.hypot(exact("v_real", R), exact("v_imag", R))
-    return Measured(errors, Curve(labels, *np.concatenate(found, axis=1), R, exact_speed))
+    return Measured(errors, Curve(labels, abs(X), abs(v), R, exact_speed))
 
 
 SOURCE = "verify/disk.py (reduced to the radius; spectral Galerkin method)"

@@ -11,6 +11,7 @@ PLATEAUS = (
     ("half space", "v", "solid v", 0.0, 0.25, -0.06, 0.01),
     ("half space", "v", "solid v behind P", -0.02, 0.06, -0.25, -0.18),
 )
+KINDS = {"gas": "fluid", "solid": "solid"}
 #: spacings of all orders
 COARSE = 1 / 20, 1 / 40
 #: largest errors of plateaus by h; of the temperature they are smaller
@@ -21,11 +22,8 @@ WARMTH = {1 / 40: 0.015, 1 / 80: 0.008}
 def measure(solve: Solve, order: int, h: float) -> Measured:
     """Norms, and means over plateaus."""
     table = reference("superseismic")
-    with solve("superseismic", fsi_order=order, fsi_h=h) as run:
-        errors = {
-            "gas": run.errors["fluid"]["combined"],
-            "solid": run.errors["solid"]["combined"],
-        }
+    with solve("superseismic", order, h) as run:
+        errors = {name: run.errors[kind]["combined"] for name, kind in KINDS.items()}
         for name, unknown, column, low, high, below, above in PLATEAUS:
             layer = next(layer for layer in run.layers if layer.name == name)
             X, Y = np.meshgrid(layer.X, layer.Y)

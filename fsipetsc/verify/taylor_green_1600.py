@@ -12,9 +12,9 @@ SPANS = {"energy lost, 0 < t < 5": slice(10), "energy lost, 4.5 < t < 5.5": slic
 def measure(solve: Solve, order: int, h: float) -> Measured:
     """What viscosity has taken of the kinetic energy, and how fast."""
     n, table = round(PERIOD / h), reference("taylor_green_1600")
-    given = {"fsi_convection": "entropy", "fsi_dissipation": -1.0, "fsi_order": order}
+    given = {"fsi_convection": "entropy", "fsi_dissipation": -1.0, "fsi_output_dt": 0.5}
     E = []
-    with solve(cube(n, 100 / 1.4, 1 / 1600), ts_max_time=5.5, fsi_output_dt=0.5, **given) as run:
+    with solve(cube(n, 100 / 1.4, 1 / 1600), order, h, 5.5, **given) as run:
         for k in range(run.nframes):
             frame = run.layers[0].frame(k)
             E.append(0.5 * (frame["rho"] * sum(frame[v] ** 2 for v in "uvw")).mean())

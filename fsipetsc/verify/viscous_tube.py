@@ -47,13 +47,14 @@ def main_vortex(x: Array, y: Array, flow: Array) -> tuple[float, float]:
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
     """Distances of triple point and main vortex, and the density at the wall."""
-    given = {"ts_max_time": 1.0, "fsi_output_dt": 1.0, "fsi_shock": 0.0, "fsi_dissipation": 1.0}
-    with solve("viscous_tube", fsi_order=order, fsi_h=h, **given) as run:
+    with solve("viscous_tube", order, h, 1.0, fsi_shock=0.0, fsi_dissipation=1.0) as run:
         last = run.layers[0].frame(-1)
-    rho, u, p = (np.asarray(last[name]) for name in ("rho", "u", "p"))
-    x, y = np.asarray(last["x"])[0], np.asarray(last["y"])[:, 0]
+    rho, p, x, y = last["rho"], last["p"], last["x"][0], last["y"][:, 0]
     table, errors = reference("viscous_tube"), {}
-    places = {"triple point": triple_point(x, y, p), "main vortex": main_vortex(x, y, rho * u)}
+    places = {
+        "triple point": triple_point(x, y, p),
+        "main vortex": main_vortex(x, y, rho * last["u"]),
+    }
     for name, place in places.items():
         for axis, value in zip("xy", place):
             exact = float(table[f"{name} {axis}"][0])

@@ -29,10 +29,11 @@ def convergence_figure(study: Study, path: Path) -> list[Path]:
     if not study.errors:
         return []
     with matplotlib.rc_context(STYLE):
-        count = len(study.errors) + 1
+        kinds = list(dict.fromkeys(kind for kind, _ in study.errors))
+        count = len(kinds) + 1
         figure = Figure(figsize=(3.4 * count, 3.8))
         grid = figure.subplots(1, count, sharey=True, squeeze=False)[0]
-        for axes, kind in zip(grid, study.errors):
+        for axes, kind in zip(grid, kinds):
             _over_spacing(axes, study, kind)
         _over_time(grid[-1], study)
         what = "error" if study.exact else "relative difference\nfrom the next grid"
@@ -46,7 +47,7 @@ def _over_spacing(axes: Axes, study: Study, kind: str) -> None:
     rates = study.rates(kind)[:, -1 if study.exact else -2]
     for i, order in enumerate(study.orders):
         rate = f"  ({rates[i]:.1f})" if np.isfinite(rates[i]) else ""
-        _curve(axes, np.array(study.hs), study.errors[kind]["combined"][i], order, rate)
+        _curve(axes, np.array(study.hs), study.errors[kind, "combined"][i], order, rate)
     axes.set_title(kind, loc="left")
     axes.set_xlabel("grid spacing h" + "  [m]" * (study.units == "SI"))
     axes.set_xticks(study.hs, [f"{h:.4g}" for h in study.hs], fontsize=8)
@@ -56,7 +57,7 @@ def _over_spacing(axes: Axes, study: Study, kind: str) -> None:
 
 def _over_time(axes: Axes, study: Study) -> None:
     """The largest error of all kinds."""
-    largest = np.fmax.reduce([errors["combined"] for errors in study.errors.values()])
+    largest = np.fmax.reduce([e for (_, name), e in study.errors.items() if name == "combined"])
     for i, order in enumerate(study.orders):
         _curve(axes, study.cost["wall_time"][i], largest[i], order)
     axes.set_title("the largest of these", loc="left")
