@@ -64,18 +64,16 @@ def _head(body: bytes) -> bytes:
 
 def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Array]]:
     """Header and arrays of a checkpoint. FileError."""
-    name = os.fspath(path)
-    if not os.path.lexists(path):
-        raise FileError(f"{name}: there is no such file")
     try:
-        return unpack(Path(path).read_bytes() if is_one(Path(path)) else b"", name)
+        content = Path(path).read_bytes() if is_one(Path(path)) else b""
     except OSError as error:
-        raise FileError(f"{name}: cannot be read: {error.strerror or error}") from None
+        raise FileError(f"{path}: cannot be read: {error.strerror or error}") from None
+    return unpack(content, str(path))
 
 
 def is_one(path: Path) -> bool:
     """Whether a file begins as a checkpoint does, whole or damaged. OSError."""
-    if not path.is_file():  # a pipe would wait for a writer
+    if path.exists() and not path.is_file():  # a pipe would wait for a writer
         return False
     with path.open("rb") as file:
         return file.read(len(_MAGIC)) == _MAGIC
@@ -85,14 +83,12 @@ def check_place(path: str | os.PathLike[str]) -> None:
     """FileError without a folder that can be written to, or where something else has the name."""
     check_folder(path)
     target = Path(os.path.realpath(path))
-    if target.exists() and not target.is_file():
-        raise FileError(f"{path}: exists and is not a regular file")
     try:
-        other = target.exists() and target.stat().st_size and not is_one(target)
+        empty = target.is_file() and not target.stat().st_size
+        if target.exists() and not empty and not is_one(target):
+            raise FileError(f"{path}: exists and is not a checkpoint of fsipetsc")
     except OSError as error:
         raise FileError(f"{path}: cannot be read: {error.strerror}") from None
-    if other:
-        raise FileError(f"{path}: exists and is not a checkpoint of fsipetsc")
 
 
 def write(path: str | os.PathLike[str], content: bytes) -> None:

@@ -10,6 +10,7 @@ import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from itertools import count, takewhile
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -46,8 +47,7 @@ def file_of(folder: Path, number: int, ending: str = ".h5") -> Path:
 
 def pieces(folder: Path) -> list[Path]:
     """The finished pieces in their order, up to the first that is missing."""
-    found = sorted(path for path in folder.glob("*.h5") if path.stem.isdecimal())
-    return [path for k, path in enumerate(found) if int(path.stem) == k + 1]
+    return [*takewhile(Path.exists, (file_of(folder, k) for k in count(1)))]
 
 
 def clear(folder: Path) -> None:
@@ -56,12 +56,8 @@ def clear(folder: Path) -> None:
         path.unlink(missing_ok=True)
 
 
-def write_header(folder: Path, about: Mapping[str, Any]) -> None:
-    """Write header.json. OSError."""
-    layout.put(folder / "header.json", _text(about))
-
-
-def _text(about: Mapping[str, Any]) -> bytes:
+def text_of(about: Mapping[str, Any]) -> bytes:
+    """What header.json has."""
     return json.dumps({"format": layout.FORMAT, "version": layout.VERSION, **about}).encode()
 
 
@@ -75,10 +71,8 @@ def read_about(path: Path, name: str = "") -> dict[str, Any]:
     about = json.loads(text)
     if not isinstance(about, dict) or about.get("format") != layout.FORMAT:
         raise FileError(f"{name or path}: is not a result of fsipetsc")
-    version = about["version"]
-    if version != layout.VERSION:
-        which = "a newer" if version > layout.VERSION else "an older"
-        said = f"was written by {which} fsipetsc (file format {version}, not {layout.VERSION})"
+    if about["version"] != layout.VERSION:
+        said = f"has the file format {about['version']}, and this fsipetsc reads {layout.VERSION}"
         raise FileError(f"{name or path}: {said}")
     for part in ("header", "summary", "errors"):
         if not isinstance(about.setdefault(part, {}), dict):
@@ -119,7 +113,8 @@ class Contents:
         self._columns = [columns(layer) for layer in layers]
         self._shapes = [tuple(layer["shape"]) for layer in layers]
         self._counts: list[tuple[Path, int, int]] = []  # of frames and steps in each file
-        self._open: tuple[Path, h5py.File] | None = None
+        self._marks: dict[Path, tuple[int, ...]] = {}  # by which a file is known again
+        self._open: h5py.File | None = None
         try:
             for path in files:
                 self._add(path)
@@ -144,7 +139,10 @@ class Contents:
         """How many steps a file has, all of whose series have the same length."""
         if "series" not in file:
             return 0
-        shapes = {name: _numbers(file, f"series/{name}").shape for name in _series(file)}
+        # a list: HDF5, asked for the names, crashes where a byte of a larger group has changed
+        group = file["series"]
+        listed = [name.decode() for name in group.attrs.get(_NAMES, ())] or [*group]
+        shapes = {name: _numbers(file, f"series/{name}").shape for name in listed}
         names = {name: shape[1:] for name, shape in shapes.items()}
         steps = {shape[0] for shape in shapes.values()}
         if "t" not in names or len(steps) != 1 or names != (self.names or names):
@@ -171,8 +169,8 @@ class Contents:
 
     def series(self, name: str) -> Array:
         """(rows, …) what is known of each step by a name."""
-        some = [(path, rows) for path, _, rows in self._counts if rows]
-        found = [self._opened(path)[f"series/{name}"][:rows] for path, rows in some]
+        some = [path for path, _, rows in self._counts if rows]
+        found = [self._opened(path)[f"series/{name}"][...] for path in some]
         return np.concatenate([np.empty((0, *self.names[name])), *found])
 
     def frames(self, k: int, names: Sequence[str], first: int, end: int) -> list[Array]:
@@ -198,39 +196,23 @@ class Contents:
 
     def _opened(self, path: Path) -> h5py.File:
         """A file, which stays open until another one is asked for: they may be too many.
-        FileNotFoundError where a restart has given its name to another one.
+        FileNotFoundError where another one has its name now.
         """
-        if self._open is None or self._open[0] != path:
+        if self._open is None or self._open.filename != str(path):
             self.close()
-            self._open = path, open_h5(path)
-            self._check_again(path, self._open[1])
-        return self._open[1]
-
-    def _check_again(self, path: Path, file: h5py.File) -> None:
-        """A file that was counted begins where it did, and has what it had."""
-        frames, rows = 0, 0
-        for counted, more_frames, more_rows in self._counts:
-            if counted == path:
-                begins = [*file.attrs.get("first", (0, 0))] == [frames, rows]
-                has = len(file["time"]) >= more_frames and self._count_steps(file) >= more_rows
-                if not (begins and has):
-                    raise FileNotFoundError(path)
-            frames, rows = frames + more_frames, rows + more_rows
+            file, now = open_h5(path), os.stat(path)
+            mark = now.st_ino, now.st_size, now.st_mtime_ns
+            if self._marks.setdefault(path, mark) != mark:
+                file.close()
+                raise FileNotFoundError(path)
+            self._open = file
+        return self._open
 
     def close(self) -> None:
         """Close the file that is open, if any."""
         if self._open is not None:
-            self._open[1].close()
+            self._open.close()
         self._open = None
-
-
-def _series(file: h5py.File) -> list[str]:
-    """Names of the series, in their order. Without a list of them HDF5 looks at the group, and
-    crashes where a byte of a group of more than eight names has changed.
-    """
-    group = file["series"]
-    names = group.attrs.get(_NAMES)
-    return [*group] if names is None else [name.decode() for name in names]
 
 
 def _numbers(file: h5py.File, name: str, ndim: int | None = None) -> h5py.Dataset:
@@ -293,8 +275,12 @@ def join(
             if kept is not None:
                 _check_kept(content, kept, name)
         frames, rows = (content.nframes, content.rows) if kept is None else kept[:2]
-        shapes = dict(_shapes(content, layers, frames, rows))
-        lay_out(target, {"about": np.bytes_(_text(about)), "time": content.time[:frames]}, shapes)
+        numbers = {"about": np.bytes_(text_of(about)), "time": content.time[:frames]}
+        shapes = {f"series/{name}": (rows, *rest) for name, rest in content.names.items() if rows}
+        for k, layer in enumerate(layers if frames else ()):
+            numbers[f"layer{k}/X"] = content.X[k]
+            shapes |= {f"layer{k}/{name}": (frames, *layer["shape"]) for name in columns(layer)}
+        lay_out(target, numbers, shapes)
         with open_h5(target, "r+") as file:
             _fill(file, content, layers, frames, rows)
         content.close()
@@ -319,27 +305,14 @@ def _check_kept(content: Contents, kept: Kept, name: Path) -> None:
     raise FileError(f"{name} is not what the checkpoint goes on from: {found}")
 
 
-def _shapes(
-    content: Contents, layers: Layers, frames: int, rows: int
-) -> Iterator[tuple[str, tuple[int, ...]]]:
-    """Name and shape of the datasets of a whole result."""
-    for name, rest in content.names.items() if rows else ():
-        yield f"series/{name}", (rows, *rest)
-    for k, layer in enumerate(layers if frames else ()):
-        yield f"layer{k}/X", content.X[k].shape
-        for name in columns(layer):
-            yield f"layer{k}/{name}", (frames, *layer["shape"])
-
-
 def _fill(file: h5py.File, content: Contents, layers: Layers, frames: int, rows: int) -> None:
-    """Put the numbers into the datasets of a whole result."""
+    """Put series and frames into the datasets of a whole result."""
     for name in content.names if rows else ():
         file[f"series/{name}"][...] = content.series(name)[:rows]
     for k, layer in enumerate(layers if frames else ()):
-        group, names, X = file[f"layer{k}"], columns(layer), content.X[k]
-        group["X"][...] = X
-        step = max(1, _AT_ONCE // (8 * len(X) * len(names)))
+        group, names = file[f"layer{k}"], columns(layer)
+        step = max(1, _AT_ONCE // (8 * len(content.X[k]) * len(names)))
         for first in range(0, frames, step):
             end = min(first + step, frames)
             for name, values in zip(names, content.frames(k, names, first, end)):
-                group[name][first:end] = values.reshape(-1, *group[name].shape[1:])
+                group[name][first:end] = values.reshape(-1, *layer["shape"])

@@ -66,7 +66,7 @@ def written(unit: str) -> str:
 
 
 class Part(NamedTuple):
-    """A quantity of a gas or a solid: label, fields that it needs, values from these and X."""
+    """A quantity of gases or of solids: label, fields that it needs, values from these and X."""
 
     label: str
     needs: tuple[str, ...]
@@ -74,30 +74,26 @@ class Part(NamedTuple):
 
 
 class Quantity(NamedTuple):
-    """A name, a unit, and what it is in gases and in solids, if anything."""
+    """A name, a unit, and kind of layer -> what it is there."""
 
     name: str
     unit: str
-    fluid: Part | None
-    solid: Part | None
-
-    def of(self, kind: str) -> Part | None:
-        return self.fluid if kind == "fluid" else self.solid
+    parts: dict[str, Part]
 
     @property
     def title(self) -> str:
         """What is shown of gases, then of solids if that is something else."""
-        return "; ".join(dict.fromkeys(part.label for part in (self.fluid, self.solid) if part))
+        return "; ".join(dict.fromkeys(part.label for part in self.parts.values()))
 
 
-def _field(label: str, name: str) -> Part:
-    return Part(label, (name,), lambda fields: fields[name])
-
-
-def _quantity(name: str, fluid: str = "", solid: str = "") -> Quantity:
-    """A field of gases, of solids, or of both, by their labels."""
-    parts = (_field(label, name) if label else None for label in (fluid, solid))
-    return Quantity(name, written(unit_of(name)), *parts)
+def _quantity(name: str, fluid: str | Part = "", solid: str | Part = "") -> Quantity:
+    """A field of gases, of solids, or of both, by their labels; or what is computed from fields."""
+    parts = {
+        kind: part if isinstance(part, Part) else Part(part, (name,), lambda fields: fields[name])
+        for kind, part in (("fluid", fluid), ("solid", solid))
+        if part
+    }
+    return Quantity(name, written(unit_of(name)), parts)
 
 
 def _strain(fields: Mapping[str, Array]) -> Array:
@@ -105,20 +101,20 @@ def _strain(fields: Mapping[str, Array]) -> Array:
     return np.gradient(fields["x"], fields["X"], axis=-1, edge_order=2) - 1.0
 
 
-_P = _quantity("p", "pressure p")
 _LOAD = Part("p − σ in solids", ("p", "sigma"), lambda fields: fields["p"] - fields["sigma"])
+_STRESS = Part("stress σ_xx in solids", ("s_xx",), lambda fields: fields["s_xx"])
 _RHO, _T = _quantity("rho", "density ρ"), _quantity("T", *["temperature T"] * 2)
 ON_A_LINE = (
     _quantity("u", *["velocity u"] * 2),
     _T,
-    _P._replace(solid=_LOAD),
+    _quantity("p", "pressure p", _LOAD),
     _RHO,
     _quantity("sigma", solid="stress σ"),
     _quantity("sigma_theta", solid="hoop stress σ_θ"),
-    Quantity("strain", "", None, Part("strain ∂x/∂X − 1", ("x",), _strain)),
+    _quantity("strain", solid=Part("strain ∂x/∂X − 1", ("x",), _strain)),
 )
 IN_SPACE = (
-    _P._replace(solid=_field("stress σ_xx in solids", "s_xx")),
+    _quantity("p", "pressure p", _STRESS),
     _RHO,
     *(_quantity(name, *[f"velocity {name}"] * 2) for name in "uvw"),
     _T,
@@ -151,13 +147,9 @@ def there(run: Run) -> list[Quantity]:
     """What can be drawn of this run."""
     stored = {layer.kind: {*layer.fields} for layer in run.layers}
     found = []
-    for quantity in ON_A_LINE if run.dimension == 1 else IN_SPACE:
-        parts = {}
-        for kind in ("fluid", "solid"):
-            part = quantity.of(kind)
-            parts[kind] = part if part and {*part.needs} <= stored.get(kind, set()) else None
-        if any(parts.values()):
-            found.append(quantity._replace(**parts))
+    for name, unit, of in ON_A_LINE if run.dimension == 1 else IN_SPACE:
+        parts = {k: part for k, part in of.items() if {*part.needs} <= stored.get(k, set())}
+        found += [Quantity(name, unit, parts)] * bool(parts)
     return found
 
 

@@ -19,7 +19,7 @@ from petsc4py import PETSc
 
 from fsipetsc.errors import FileError, FsiError, petsc_words
 from fsipetsc.output import pieces, xdmf
-from fsipetsc.output.file_layout import check_folder, columns, folder_of
+from fsipetsc.output.file_layout import check_folder, columns, folder_of, put
 from fsipetsc.output.lock import Lock, set_aside
 from fsipetsc.output.pieces import Kept
 from fsipetsc.process.together import agree
@@ -79,8 +79,9 @@ class RunWriter:
         self.moved: list[tuple[Path, Path]] = []
         self.nframes = self.rows = 0  # frames given, and, on rank 0, rows of the series written
         self._number = 1  # of the next piece
-        begun = self._on_root(lambda: self._begin(os.fspath(path), after, checkpoint))
-        self.nframes, self.rows, self._number = begun
+        self.nframes, self.rows, self._number = self._on_root(
+            lambda: self._begin(os.fspath(path), after, checkpoint)
+        )
 
     # ------------------------------------------------------------------ what the solver calls
 
@@ -215,11 +216,14 @@ class RunWriter:
                 self._lock.release()
                 self._lock = Lock(self.folder, str(self.path))
         pieces.clear(self.folder)
-        pieces.write_header(self.folder, self._about)
+        self._write_header()
         if not goes_on:
             return 0, 0, 1
         os.replace(self.path, pieces.file_of(self.folder, 1))
         return after.frames, after.rows, 2
+
+    def _write_header(self) -> None:
+        put(self.folder / "header.json", pieces.text_of(self._about))
 
     def _join(self, files: Sequence[Path], kept: Kept | None = None) -> None:
         """Make one file of some, or of what is kept of them, and give it the name."""
@@ -288,19 +292,14 @@ class RunWriter:
 
     def _conclude(self, join: bool) -> None:
         """Write the header with the summary, and make one file of the pieces."""
-        pieces.write_header(self.folder, self._about)
-        if not join:
-            return
-        self._join(pieces.pieces(self.folder))
-        pieces.clear(self.folder)
-        if self._about["header"].get("dimension", 1) > 1:
+        self._write_header()
+        if join:
+            self._join(pieces.pieces(self.folder))
+            pieces.clear(self.folder)
+        if join and self._about["header"].get("dimension", 1) > 1:
             xdmf.write(self.path)
 
 
 def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
     """The data as JSON can say it."""
-
-    def plain(value: Any) -> Any:
-        return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else str(value)
-
-    return json.loads(json.dumps(data, default=plain))
+    return json.loads(json.dumps(data, default=lambda v: getattr(v, "tolist", v.__str__)()))

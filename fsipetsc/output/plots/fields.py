@@ -38,7 +38,7 @@ class View:
 
     def __init__(self, run: Run, quantity: Quantity, frames: Sequence[int]) -> None:
         self.run, self.quantity, self.frames = run, quantity, list(frames)
-        self.layers = [layer for layer in run.layers if quantity.of(layer.kind)]
+        self.layers = [layer for layer in run.layers if layer.kind in quantity.parts]
         self.values = [[self._values(layer, k) for k in self.frames] for layer in self.layers]
         self.scales = self._scales()
         positions = [self.positions(layer, k) for layer in self.layers for k in self.frames]
@@ -60,7 +60,7 @@ class View:
     def _values(self, layer: Layer, frame: int) -> Array:
         """Of a frame: (n,), or (m, n) of a map."""
         fields = {"X": layer.X, **layer.frame(frame)}
-        return in_plane(self.quantity.of(layer.kind).values(fields))
+        return in_plane(self.quantity.parts[layer.kind].values(fields))
 
     def positions(self, layer: Layer, frame: int) -> list[Array]:
         """Horizontal ones, and vertical ones of maps."""
@@ -82,8 +82,8 @@ class View:
 
     def bar_label(self, kind: str) -> str:
         """What a colour bar shows."""
-        label, both = self.quantity.of(kind).label, (self.quantity.fluid, self.quantity.solid)
-        if len(self.scales) > 1 and both[0].label == both[1].label:
+        label = self.quantity.parts[kind].label
+        if len(self.scales) > 1 and label == self.quantity.title:
             label = f"{'gas' if kind == 'fluid' else 'solid'}: {label}"
         return labelled(self.run, label, self.quantity.unit)
 

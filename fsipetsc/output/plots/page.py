@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from fsipetsc.errors import InputError
-from fsipetsc.options.option import as_kind
+from fsipetsc.options import Option
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.plots import fields, series, style
 from fsipetsc.output.plots.style import Figure, FigureBase
@@ -37,7 +37,7 @@ def plot(path: str, given: Mapping[str, str]) -> list[Path]:
     """
     times: tuple[float, ...] = ()
     if "-times" in given:
-        times = as_kind("floats", given["-times"], f"bad value {given['-times']!r} for -times")
+        times = Option("times", "floats", None, "s", "").parse(given["-times"])
     names = tuple(map(str.strip, given["-fields"].split(","))) if "-fields" in given else ()
     where, every, film = Path(given.get("-o", os.curdir)), "-all" in given, "-animate" in given
     if every and film:
