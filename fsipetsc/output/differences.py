@@ -82,6 +82,11 @@ def difference(name: str, a: Array, b: Array, times: Array) -> Difference:
     return Difference(name, float(gap[where]), float(ulp[~np.isnan(ulp)].max()), scale, place)
 
 
+def diff(first: str, second: str) -> str:
+    """What the command prints. FileError."""
+    return table(compare(first, second))
+
+
 def table(comparison: Comparison) -> str:
     """As the command `diff` prints it."""
     different = [found for found in comparison.differences if found.largest > 0.0]

@@ -6,11 +6,11 @@ there is NAME.h5 it is the result, and what the folder of the same run still has
 """
 
 import json
+import itertools
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from itertools import count, takewhile
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -47,7 +47,7 @@ def file_of(folder: Path, number: int, ending: str = ".h5") -> Path:
 
 def pieces(folder: Path) -> list[Path]:
     """The finished pieces in their order, up to the first that is missing."""
-    return [*takewhile(Path.exists, (file_of(folder, k) for k in count(1)))]
+    return [*itertools.takewhile(Path.exists, (file_of(folder, k) for k in itertools.count(1)))]
 
 
 def clear(folder: Path) -> None:

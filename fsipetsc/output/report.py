@@ -5,7 +5,7 @@ import html
 import io
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import starmap
 from pathlib import Path
 from string import Template
@@ -24,14 +24,14 @@ DPI, FILM_DPI = 110, 80
 _FIRST = "summary", "errors"  # endings of the titles of tables that come first
 
 
-def report(path: str | os.PathLike[str], outdir: str | os.PathLike[str] = ".") -> Path:
-    """Write NAME.html in `outdir`; its path.
+def report(path: str, given: Mapping[str, str]) -> Path:
+    """Write NAME.html, in the folder of -o if it is given; its path.
 
     Raises FileError if the result cannot be read or the page cannot be written.
     """
     from matplotlib import rc_context
 
-    target = Path(outdir) / f"{Path(path).stem}.html"
+    target = Path(given.get("-o", os.curdir)) / f"{Path(path).stem}.html"
     style = {**STYLE, "savefig.dpi": DPI}
     with open_run(path) as run, rc_context(style), np.errstate(all="ignore"):
         text = _page(run)
@@ -47,7 +47,7 @@ def _page(run: Run) -> str:
     frames, moving = some(run, FILM) if run.nframes > 1 else range(0), Figure()
     film = [_png(moving, FILM_DPI) for _ in (drawn(moving, run, frames) if frames else ())]
     shown = []
-    for name, draw in pictures(run):
+    for name, draw in pictures(run).items():
         figure = Figure()
         draw(figure)
         shown.append(f'<figure id="{name}"><img alt="{name}" src="{_png(figure, DPI)}"></figure>')

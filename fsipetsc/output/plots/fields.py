@@ -21,8 +21,8 @@ ABOVE = 0.4  # inches, of what stands above and below a panel
 BAR = 0.72  # inches, of a colour bar with its label
 MARGIN = 0.02  # of the extent, around it
 THIN = 0.2  # height over width; what is thinner is drawn higher than it is
-#: least ratio of width to height -> panels beside each other, and in all
-_SHAPES = ((1.25, 2, 4), (0.6, 3, 3), (0.0, 5, 5))
+FRAMES = 4  # that are drawn where no times are given
+WIDE = 1.25  # width over height; of what is wider, two panels stand beside each other, else four
 
 
 class View:
@@ -110,22 +110,15 @@ def in_plane(values: Array) -> Array:
     return values[:, values.shape[1] // 2] if values.ndim == 3 else values
 
 
-def frames_of(run: Run, quantity: Quantity, times: Sequence[float] = ()) -> list[int]:
-    """The frames nearest to these times, or as many as have room, evenly."""
-    _, count = _shape(View(run, quantity, [run.nframes - 1]).ratio)
-    chosen = times or np.linspace(run.time[0], run.time[-1], count)
-    return sorted({run.at(t) for t in chosen})
+def frames_of(run: Run, times: Sequence[float] = ()) -> list[int]:
+    """The frames nearest to these times, or some, evenly."""
+    return sorted({run.at(t) for t in times or np.linspace(run.time[0], run.time[-1], FRAMES)})
 
 
-def _shape(ratio: float) -> tuple[int, int]:
-    """How many panels of this ratio stand beside each other, and how many are drawn."""
-    return next((columns, count) for least, columns, count in _SHAPES if ratio >= least)
-
-
-def sizes(view: View) -> tuple[int, float, float]:
-    """Columns, width of a panel and height of all of them with their bars [inches]."""
-    columns = min(_shape(view.ratio)[0], len(view.frames))
-    rows = -(-len(view.frames) // columns)
+def sizes(view: View, count: int) -> tuple[int, float, float]:
+    """Columns, width of a panel and height of so many with their bars [inches]."""
+    columns = min(2 if view.ratio >= WIDE else 4, count)
+    rows = -(-count // columns)
     ratio = min(view.ratio, 1 / THIN)
     width = min(WIDTH / columns - 0.4, HIGHEST * ratio)
     bars = BAR * len(view.scales) * (view.run.dimension > 1)
@@ -134,7 +127,7 @@ def sizes(view: View) -> tuple[int, float, float]:
 
 def draw(figure: FigureBase, view: View) -> None:
     """A panel for each frame, colour bars or a legend above."""
-    columns = sizes(view)[0]
+    columns = sizes(view, len(view.frames))[0]
     rows = -(-len(view.frames) // columns)
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     for axes, frame in zip(grid.flat, view.frames):

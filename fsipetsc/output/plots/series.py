@@ -2,7 +2,6 @@
 dimensions the deflection of interfaces, too.
 """
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +15,7 @@ from fsipetsc.scheme.conservation_check import drifts
 Array = np.ndarray
 
 INTERFACE_POINTS = (0.25, 0.5, 0.75)  # of an interface, whose deflection is drawn as a curve
+DEPARTURE = "relative departure"
 #: a logarithmic axis spans so much at most
 SPAN = 1e8
 
@@ -30,19 +30,44 @@ class Panel(NamedTuple):
     logarithmic: bool = False
 
 
-def interface_panels(run: Run) -> Iterator[Panel]:
-    """How interfaces move, in two dimensions first the one that moves most; what holds there."""
+def panels(run: Run) -> dict[str, list[Panel]]:
+    """What there is to draw of interfaces, of ledgers, and of the steps.
+
+    Of interfaces how they move, in two dimensions first the one that moves most, then what holds
+    there. Of ledgers by how much has departed what must be kept, then the ledgers. Of steps the
+    largest of some each, for those before a saved time share what is left.
+    """
+    found: dict[str, list[Panel]] = {"interfaces": [], "ledgers": [], "steps": []}
+    interfaces, ledgers, steps = found.values()
     if run.dimension == 2 and run.nframes > 1:
         lines = [run.interface(k) for k in range(len(run.interfaces))]
         lines.sort(key=lambda line: np.nanmax(np.abs(line.displacement)), reverse=True)
-        yield from (_deflection(run, line) for line in lines)
+        interfaces += [_deflection(run, line) for line in lines]
     t = run.series.get("t", np.empty(0))
+    if len(t) < 2:
+        return found
+
+    def panel(name: str, label: str, values: Array, names: list[str]) -> Panel:
+        curves = dict(zip(names, values.reshape(len(t), -1).T))
+        return Panel(label, written(unit_of(name, run)), t, curves, name.startswith("residual"))
+
     for name, label in AT_INTERFACES.items():
-        if name in run.series and len(t) > 1:
+        if name in run.series:
             values = run.series[name]
             values = values - values[0] if name == "x_interface" else values
-            curves = dict(zip(run.interfaces, values.reshape(len(values), -1).T))
-            yield Panel(label, written(unit_of(name)), t, curves, name.startswith("residual"))
+            interfaces.append(panel(name, label, values, [*run.interfaces]))
+    if departed := departures(run):
+        ledgers.append(Panel(DEPARTURE, "", t, departed, logarithmic=True))
+    for name, label in LEDGERS.items():
+        if name in run.series:
+            values, start = run.series[name], np.zeros(1)
+            if label.startswith("change"):
+                start = np.asarray(run.summary.get(f"initial_{name}", values[0]))
+            blocks = [x.name for x in run.layers if name != "mass" or x.kind == "fluid"]
+            ledgers.append(panel(name, label, values - start, blocks))
+    at, dt = envelope(t, run.series["dt"], len(t) // 4)
+    steps.append(Panel("time step", "s", at, {"dt": dt}))
+    return found
 
 
 def _deflection(run: Run, line: InterfaceLine) -> Panel:
@@ -52,38 +77,11 @@ def _deflection(run: Run, line: InterfaceLine) -> Panel:
     return Panel(f"deflection,\n{line.name}", "m", run.time, curves)
 
 
-def ledger_panels(run: Run) -> Iterator[Panel]:
-    """Mass, energy, momentum, entropy, J, and by how much what must be kept has departed."""
-    t = run.series.get("t", np.empty(0))
-    if len(t) < 2:
-        return
-    if departed := departures(run):
-        yield Panel("relative departure", "", t, departed, logarithmic=True)
-    for name, label in LEDGERS.items():
-        if name in run.series:
-            values, start = run.series[name], np.zeros(1)
-            if label.startswith("change"):
-                start = np.asarray(run.summary.get(f"initial_{name}", values[0]))
-            blocks = [x.name for x in run.layers if name != "mass" or x.kind == "fluid"]
-            curves = dict(zip(blocks, (values - start).reshape(len(values), -1).T))
-            yield Panel(label, written(unit_of(name, run)), t, curves)
-
-
 def departures(run: Run) -> dict[str, Array]:
     """Name of what must not change in this run -> its relative departure, (nsteps,)."""
     laws, prefix = run.header.get("laws"), "initial_"
     initial = {k.removeprefix(prefix): v for k, v in run.summary.items() if k.startswith(prefix)}
     return drifts(laws, initial, run.series) if laws and initial else {}
-
-
-def step_panels(run: Run) -> Iterator[Panel]:
-    """The length of the steps: the largest of some each, for those before a saved time share what
-    is left.
-    """
-    t = run.series.get("t", np.empty(0))
-    if len(t) > 1:
-        at, dt = envelope(t, run.series["dt"], len(t) // 4)
-        yield Panel("time step", "s", at, {"dt": dt})
 
 
 def draw_panels(figure: FigureBase, run: Run, panels: list[Panel], columns: int = 3) -> None:
