@@ -5,8 +5,8 @@ in the making. At the end of the run the pieces are joined into NAME.h5 and the 
 there is NAME.h5 it is the result, and what the folder of the same run still has is a leftover.
 """
 
-import json
 import itertools
+import json
 import math
 import os
 from collections.abc import Mapping, Sequence
@@ -101,54 +101,40 @@ class Contents:
     layers         as in the header
     time           (nframes,)
     nframes, rows  numbers of frames and of steps
-    names          series -> shape of what is known of a step
+    series         name -> (rows, …), what is known of each step
     X              of each layer its grid; empty where there are no frames
     """
 
     def __init__(self, files: Sequence[Path], layers: Layers) -> None:
-        self.names: dict[str, tuple[int, ...]] = {}
         self.nframes = self.rows = 0
         self.time: Array = np.empty(0)
         self.X = [np.empty(0) for _ in layers]
         self._columns = [columns(layer) for layer in layers]
         self._shapes = [tuple(layer["shape"]) for layer in layers]
-        self._counts: list[tuple[Path, int, int]] = []  # of frames and steps in each file
+        self._counts: list[tuple[Path, int]] = []  # of frames in each file
         self._marks: dict[Path, tuple[int, ...]] = {}  # by which a file is known again
         self._open: h5py.File | None = None
         try:
-            for path in files:
-                self._add(path)
+            found = [*filter(None, map(self._add, files))]
         finally:
             self.close()
+        names = found[0] if found else ()
+        self.series = {name: np.concatenate([part[name] for part in found]) for name in names}
         if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) < 0):
             raise Damaged("the times of its frames are not ascending numbers")
 
-    def _add(self, path: Path) -> None:
-        """See what a file holds."""
+    def _add(self, path: Path) -> dict[str, Array]:
+        """See what a file holds; its series."""
         file = self._opened(path)
         if [*file.attrs.get("first", (0, 0))] != [self.nframes, self.rows]:
             raise Damaged(f"what comes before {path.name} is missing")
-        time, rows = _numbers(file, "time", 1)[...], self._count_steps(file)
+        time, series = _numbers(file, "time", 1)[...], _series(file)
         for k in range(len(self.X)) if len(time) else ():
             self._check_layer(file, k, len(time))
-        self._counts.append((path, len(time), rows))
+        self._counts.append((path, len(time)))
         self.time = np.concatenate([self.time, time])
-        self.nframes, self.rows = len(self.time), self.rows + rows
-
-    def _count_steps(self, file: h5py.File) -> int:
-        """How many steps a file has, all of whose series have the same length."""
-        if "series" not in file:
-            return 0
-        # a list: HDF5, asked for the names, crashes where a byte of a larger group has changed
-        group = file["series"]
-        listed = [name.decode() for name in group.attrs.get(_NAMES, ())] or [*group]
-        shapes = {name: _numbers(file, f"series/{name}").shape for name in listed}
-        names = {name: shape[1:] for name, shape in shapes.items()}
-        steps = {shape[0] for shape in shapes.values()}
-        if "t" not in names or len(steps) != 1 or names != (self.names or names):
-            raise Damaged("its series do not fit together")
-        self.names = names
-        return steps.pop()
+        self.nframes, self.rows = len(self.time), self.rows + len(series.get("t", ()))
+        return series
 
     def _check_layer(self, file: h5py.File, k: int, count: int) -> None:
         """Layer k has its grid, and as many frames as it should, of this size."""
@@ -167,16 +153,10 @@ class Contents:
             if (found := _numbers(file, f"{group}/{name}").shape) != expected:
                 raise Damaged(f"{group}/{name} has the shape {found}")
 
-    def series(self, name: str) -> Array:
-        """(rows, …) what is known of each step by a name."""
-        some = [path for path, _, rows in self._counts if rows]
-        found = [self._opened(path)[f"series/{name}"][...] for path in some]
-        return np.concatenate([np.empty((0, *self.names[name])), *found])
-
     def frames(self, k: int, names: Sequence[str], first: int, end: int) -> list[Array]:
         """(end - first, n) of each of these columns of layer k."""
         found: list[list[Array]] = [[] for _ in names]
-        for path, count, _ in self._counts:
+        for path, count in self._counts:
             a, b = max(first, 0), min(end, count)  # of this file
             first, end = first - count, end - count
             if a < b:
@@ -213,6 +193,18 @@ class Contents:
         if self._open is not None:
             self._open.close()
         self._open = None
+
+
+def _series(file: h5py.File) -> dict[str, Array]:
+    """Name -> (steps, …), in their order."""
+    if "series" not in file:
+        return {}
+    # a list: HDF5, asked for the names, crashes where a byte of a larger group has changed
+    names = [name.decode() for name in file["series"].attrs.get(_NAMES, ())] or [*file["series"]]
+    found = {name: _numbers(file, f"series/{name}")[...] for name in names}
+    if "t" not in found or len({len(values) for values in found.values()}) != 1:
+        raise Damaged("its series do not fit together")
+    return found
 
 
 def _numbers(file: h5py.File, name: str, ndim: int | None = None) -> h5py.Dataset:
@@ -276,7 +268,8 @@ def join(
                 _check_kept(content, kept, name)
         frames, rows = (content.nframes, content.rows) if kept is None else kept[:2]
         numbers = {"about": np.bytes_(text_of(about)), "time": content.time[:frames]}
-        shapes = {f"series/{name}": (rows, *rest) for name, rest in content.names.items() if rows}
+        series = content.series if rows else {}
+        shapes = {f"series/{name}": (rows, *values.shape[1:]) for name, values in series.items()}
         for k, layer in enumerate(layers if frames else ()):
             numbers[f"layer{k}/X"] = content.X[k]
             shapes |= {f"layer{k}/{name}": (frames, *layer["shape"]) for name in columns(layer)}
@@ -298,7 +291,7 @@ def _check_kept(content: Contents, kept: Kept, name: Path) -> None:
         has = f"{content.nframes} frames and {content.rows} steps"
         found = f"{has}, not {kept.frames} and {kept.rows}"
     else:
-        t = content.series("t")[kept.rows - 1] if kept.rows else kept.t
+        t = content.series["t"][kept.rows - 1] if kept.rows else kept.t
         if t == kept.t:
             return
         found = f"its step {kept.rows} ends at t = {t:.17g}, not {kept.t:.17g}"
@@ -307,8 +300,8 @@ def _check_kept(content: Contents, kept: Kept, name: Path) -> None:
 
 def _fill(file: h5py.File, content: Contents, layers: Layers, frames: int, rows: int) -> None:
     """Put series and frames into the datasets of a whole result."""
-    for name in content.names if rows else ():
-        file[f"series/{name}"][...] = content.series(name)[:rows]
+    for name, values in content.series.items() if rows else ():
+        file[f"series/{name}"][...] = values[:rows]
     for k, layer in enumerate(layers if frames else ()):
         group, names = file[f"layer{k}"], columns(layer)
         step = max(1, _AT_ONCE // (8 * len(content.X[k]) * len(names)))

@@ -11,7 +11,7 @@ Example::
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class Run:
-    """A result. Arrays are read from the file when they are asked for, and then kept.
+    """A result. Fields are read from the file when they are asked for, and then kept.
 
     case, options       name of the case; dict of every option in force
     header              what was known at the start: versions, ranks, created, …
@@ -95,19 +95,7 @@ class Run:
         self.nframes = len(self.time)
         self.layers = tuple(Layer(self, k, entry) for k, entry in enumerate(layers))
         self.blocks: dict[str, Layer] = {layer.name: layer for layer in self.layers}
-        self.series: Mapping[str, Array] = Arrays(self, "series", contents.names, contents.series)
-
-    def read(self, what: str, action: Callable[[], Any]) -> Any:
-        """What an action reads; `what` is it, in messages. FileError."""
-        if self._closed:
-            raise FileError(f"{self.path}: {what} cannot be read: the result was closed before")
-        try:
-            with damage(self.path, what):
-                return action()
-        except FileNotFoundError:
-            raise FileError(
-                f"{self.path}: has changed since it was opened; open it again"
-            ) from None
+        self.series: dict[str, Array] = contents.series
 
     def _need_frames(self) -> None:
         """FileError if no frame is saved, as in the result of a run that was killed at its start.
@@ -159,36 +147,7 @@ class Run:
         return f"<Run {self.case!r}: {counted(self.nframes, 'frame')}{span}; {kinds}{state}>"
 
 
-class Arrays(Mapping[str, Array]):
-    """Named arrays of a run that are read when first asked for."""
-
-    def __init__(
-        self, run: Run, what: str, names: Iterable[str], read: Callable[[str], Array]
-    ) -> None:
-        self._run, self._what, self._read = run, what, read
-        self._kept: dict[str, Array | None] = dict.fromkeys(names)
-
-    def __getitem__(self, name: str) -> Array:
-        if name not in self._kept:
-            raise KeyError(_unknown(self._what, name, self._kept))
-        values = self._kept[name]
-        if values is None:
-            values = self._kept[name] = self._run.read(name, lambda: self._read(name))
-        return values
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._kept)
-
-    def __len__(self) -> int:
-        return len(self._kept)
-
-    __eq__, __hash__ = object.__eq__, object.__hash__  # Mapping's would compare all values
-
-    def __repr__(self) -> str:
-        return f"<{self._what}: {', '.join(self._kept)}>"
-
-
-class Layer(Arrays):
+class Layer(Mapping[str, Array]):
     """A layer or block of a run in d dimensions; `layer[name]` is (nframes, n_{d-1}, …, n_0), NaN
     outside the active part.
 
@@ -207,8 +166,8 @@ class Layer(Arrays):
         self.name: str = entry["name"]
         self.kind: str = entry["kind"]
         self.fields = columns(entry)
-        super().__init__(run, f"field in {self.name!r}", self.fields, self._read_field)
-        self._number, X, d = number, run._contents.X[number], len(entry["shape"])
+        self._run, self._number, self._kept = run, number, dict[str, Array]()
+        X, d = run._contents.X[number], len(entry["shape"])
         self.shape: tuple[int, ...] = tuple(entry["shape"]) if len(X) else (0,) * d  # no frames
         self.places: Array = X.reshape(*self.shape, d)
         self.periodic: tuple[bool, ...] = tuple(entry.get("periodic", [False] * d)[::-1])
@@ -245,13 +204,36 @@ class Layer(Arrays):
         """
         self._run._need_frames()
         first = range(self._run.nframes)[number]
-        read, k = self._run._contents.frames, self._number
-        rows = self._run.read(f"frame {first}", lambda: read(k, self.fields, first, first + 1))
-        return {name: row.reshape(self.shape) for name, row in zip(self.fields, rows)}
+        rows = self._read(f"frame {first}", self.fields, first, first + 1)
+        return {name: row[0] for name, row in zip(self.fields, rows)}
 
-    def _read_field(self, name: str) -> Array:
-        (values,) = self._run._contents.frames(self._number, [name], 0, self._run.nframes)
-        return values.reshape(self._run.nframes, *self.shape)
+    def __getitem__(self, name: str) -> Array:
+        if name not in self.fields:
+            raise KeyError(_unknown(f"field in {self.name!r}", name, self.fields))
+        if name not in self._kept:
+            (self._kept[name],) = self._read(name, [name], 0, self._run.nframes)
+        return self._kept[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.fields)
+
+    def __len__(self) -> int:
+        return len(self.fields)
+
+    __eq__, __hash__ = object.__eq__, object.__hash__  # Mapping's would compare all values
+
+    def _read(self, what: str, names: Sequence[str], first: int, end: int) -> list[Array]:
+        """These fields in some frames; `what` they are, in messages. FileError."""
+        run = self._run
+        if run._closed:
+            raise FileError(f"{run.path}: {what} cannot be read: the result was closed before")
+        try:
+            with damage(run.path, what):
+                rows = run._contents.frames(self._number, names, first, end)
+        except FileNotFoundError:
+            said = "has changed since it was opened; open it again"
+            raise FileError(f"{run.path}: {said}") from None
+        return [row.reshape(end - first, *self.shape) for row in rows]
 
     def __repr__(self) -> str:
         return f"<{self.kind} {self.name!r}: {self.size}; {', '.join(self.fields)}>"

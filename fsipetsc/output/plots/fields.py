@@ -21,8 +21,7 @@ ABOVE = 0.4  # inches, of what stands above and below a panel
 BAR = 0.72  # inches, of a colour bar with its label
 MARGIN = 0.02  # of the extent, around it
 THIN = 0.2  # height over width; what is thinner is drawn higher than it is
-FRAMES = 4  # that are drawn where no times are given
-WIDE = 1.25  # width over height; of what is wider, two panels stand beside each other, else four
+WIDE = 1.25  # width over height; of what is wider, two panels stand beside each other, else three
 
 
 class View:
@@ -110,14 +109,15 @@ def in_plane(values: Array) -> Array:
     return values[:, values.shape[1] // 2] if values.ndim == 3 else values
 
 
-def frames_of(run: Run, times: Sequence[float] = ()) -> list[int]:
-    """The frames nearest to these times, or some, evenly."""
-    return sorted({run.at(t) for t in times or np.linspace(run.time[0], run.time[-1], FRAMES)})
+def frames_of(run: Run, quantity: Quantity, times: Sequence[float] = ()) -> list[int]:
+    """The frames nearest to these times; if there are none, three or four of all, evenly."""
+    count = 4 if View(run, quantity, [run.nframes - 1]).ratio >= WIDE else 3
+    return sorted({run.at(t) for t in times or np.linspace(run.time[0], run.time[-1], count)})
 
 
 def sizes(view: View, count: int) -> tuple[int, float, float]:
     """Columns, width of a panel and height of so many with their bars [inches]."""
-    columns = min(2 if view.ratio >= WIDE else 4, count)
+    columns = min(2 if view.ratio >= WIDE else 3, count)
     rows = -(-count // columns)
     ratio = min(view.ratio, 1 / THIN)
     width = min(WIDTH / columns - 0.4, HIGHEST * ratio)

@@ -107,7 +107,7 @@ def _draw(figure: Figure, run: Run, title: str, drawings: Sequence[Drawing]) -> 
 
 def _at_times(run: Run, quantity: Quantity, times: Sequence[float]) -> Drawing:
     """Profiles or maps."""
-    view = fields.View(run, quantity, fields.frames_of(run, times))
+    view = fields.View(run, quantity, fields.frames_of(run, quantity, times))
     return fields.sizes(view, len(view.frames))[2], partial(fields.draw, view=view)
 
 
