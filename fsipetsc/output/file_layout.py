@@ -125,11 +125,6 @@ def beside(path: str | os.PathLike[str], ending: str) -> Path:
     return path.with_name(f"{path.name.removesuffix('.h5')}{ending}")
 
 
-def folder_of(path: str | os.PathLike[str]) -> Path:
-    """NAME.parts for NAME.h5."""
-    return beside(path, ".parts")
-
-
 def check_folder(path: str | os.PathLike[str]) -> None:
     """FileError, which names the file that is to be written, unless its directory takes files."""
     folder = os.path.dirname(os.path.realpath(path))

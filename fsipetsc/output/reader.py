@@ -21,7 +21,7 @@ import numpy as np
 from fsipetsc.checks import Array, counted
 from fsipetsc.errors import FileError
 from fsipetsc.output.checkpoint_file import is_one
-from fsipetsc.output.file_layout import Damaged, columns, damage, folder_of
+from fsipetsc.output.file_layout import Damaged, beside, columns, damage
 from fsipetsc.output.pieces import Contents, pieces, read_about
 
 if TYPE_CHECKING:
@@ -58,19 +58,19 @@ class Run:
         if name.endswith(".parts") and os.path.isdir(name):  # of a run that goes on or was killed
             name = f"{name.removesuffix('.parts')}.h5"
         self.path, self._closed = os.path.abspath(name), False
-        path, folder = Path(self.path), folder_of(self.path)
-        for again in (False, True):  # the pieces may become one file while they are read
+        path, folder = Path(self.path), beside(self.path, ".parts")
+        for again in (True, False):  # the pieces may become one file while they are read
             whole = _is_whole(path, folder, name)
             try:
                 with damage(name):
                     about = read_about(path if whole else folder, name)
                     self._take(about, [path] if whole else pieces(folder))
             except FileNotFoundError:
-                if again:
+                if not again:
                     raise FileError(f"{name}: there is no such file") from None
-                continue
-            if whole or not path.exists():
-                return
+            else:
+                if whole or not path.exists():
+                    return
 
     def _take(self, about: Mapping[str, Any], files: Sequence[Path]) -> None:
         """What is known of the run, and its files."""
@@ -88,14 +88,11 @@ class Run:
         self.complete = bool(about["summary"]) and self.summary.get("status", "done") == "done"
         self.errors: dict[str, dict[str, float]] = about["errors"]
         self.dimension = int(self.header.get("dimension", 1))
-        layers = self.header["layers"]
-        self._contents = contents = Contents(files, layers)
-        contents.close()
-        self.time: Array = contents.time
+        self._contents = Contents(files, layers := self.header["layers"])
+        self.time, self.series = self._contents.time, self._contents.series
         self.nframes = len(self.time)
         self.layers = tuple(Layer(self, k, entry) for k, entry in enumerate(layers))
         self.blocks: dict[str, Layer] = {layer.name: layer for layer in self.layers}
-        self.series: dict[str, Array] = contents.series
 
     def _need_frames(self) -> None:
         """FileError if no frame is saved, as in the result of a run that was killed at its start.
@@ -292,18 +289,20 @@ def open_run(path: str | os.PathLike[str]) -> Run:
 
 def _is_whole(path: Path, folder: Path, name: str) -> bool:
     """Whether there is NAME.h5, or else NAME.parts. FileError if neither is, or it is no result."""
+    what = ""
     try:
         if not path.exists() and (folder / "header.json").exists():
             return False
         if not path.is_file():  # a pipe would wait for somebody who writes
             what = "is no regular file" if path.exists() else "there is no such file"
-            raise FileError(f"{name}: {what}")
-        if is_one(path):
-            raise FileError(f"{name}: is a checkpoint of fsipetsc, not a result")
+        elif is_one(path):
+            what = "is a checkpoint of fsipetsc, not a result"
+        elif not h5py.is_hdf5(path):
+            what = "is not an HDF5 file"
     except OSError as error:
-        raise FileError(f"{name}: may not be read: {error.strerror}") from error
-    if not h5py.is_hdf5(path):
-        raise FileError(f"{name}: is not an HDF5 file")
+        what = f"may not be read: {error.strerror}"
+    if what:
+        raise FileError(f"{name}: {what}")
     return True
 
 

@@ -37,7 +37,7 @@ class View:
 
     def __init__(self, run: Run, quantity: Quantity, frames: Sequence[int]) -> None:
         self.run, self.quantity, self.frames = run, quantity, list(frames)
-        self.layers = [layer for layer in run.layers if layer.kind in quantity.parts]
+        self.layers = [layer for layer in run.layers if layer.kind in quantity.labels]
         self.values = [[self._values(layer, k) for k in self.frames] for layer in self.layers]
         self.scales = self._scales()
         positions = [self.positions(layer, k) for layer in self.layers for k in self.frames]
@@ -59,7 +59,7 @@ class View:
     def _values(self, layer: Layer, frame: int) -> Array:
         """Of a frame: (n,), or (m, n) of a map."""
         fields = {"X": layer.X, **layer.frame(frame)}
-        return in_plane(self.quantity.parts[layer.kind].values(fields))
+        return in_plane(self.quantity.values(layer.kind, fields))
 
     def positions(self, layer: Layer, frame: int) -> list[Array]:
         """Horizontal ones, and vertical ones of maps."""
@@ -78,13 +78,6 @@ class View:
             start = [np.ravel(self._values(self.layers[k], 0)) for k in some]
             scales[kind] = style.colours(kind, np.concatenate(later), np.concatenate(start), beside)
         return scales
-
-    def bar_label(self, kind: str) -> str:
-        """What a colour bar shows."""
-        label = self.quantity.parts[kind].label
-        if len(self.scales) > 1 and label == self.quantity.title:
-            label = f"{'gas' if kind == 'fluid' else 'solid'}: {label}"
-        return labelled(self.run, label, self.quantity.unit)
 
     def draw(self, axes: Axes, frame: int) -> dict[str, Any]:
         """Draw one frame; kind of layer -> what there is to make a colour bar of."""
@@ -127,14 +120,11 @@ def sizes(view: View, count: int) -> tuple[int, float, float]:
 
 def draw(figure: FigureBase, view: View) -> None:
     """A panel for each frame, colour bars or a legend above."""
-    columns = sizes(view, len(view.frames))[0]
-    rows = -(-len(view.frames) // columns)
-    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    count = len(view.frames)
+    grid = style.panels(figure, count, sizes(view, count)[0], sharex=True, sharey=True)
     for axes, frame in zip(grid.flat, view.frames):
         pictures = view.draw(axes, frame)
         axes.set_title(style.moment(view.run, frame), loc="left")
-    for axes in grid.flat[len(view.frames) :]:
-        axes.set_visible(False)
     for axes in grid[-1]:
         axes.set_xlabel(view.labels[0])
     for axes in grid[:, 0]:
@@ -151,7 +141,10 @@ def draw_bars(figure: FigureBase, view: View, pictures: Mapping[str, Any], axes:
     size = {"aspect": 50, "shrink": 0.7} if wide else {"aspect": 25}
     for kind, picture in pictures.items():
         bar = figure.colorbar(picture, ax=axes, location="top", pad=0.02, **size)
-        bar.set_label(view.bar_label(kind), loc="left")
+        label, title = view.quantity.labels[kind], view.quantity.title
+        if len(pictures) > 1 and label == title:  # of both kinds
+            label = f"{'gas' if kind == 'fluid' else 'solid'}: {label}"
+        bar.set_label(labelled(view.run, label, view.quantity.unit), loc="left")
         bar.outline.set_visible(False)
         bar.ax.locator_params(nbins=6 if wide else 4)
 

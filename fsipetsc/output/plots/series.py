@@ -86,12 +86,8 @@ def departures(run: Run) -> dict[str, Array]:
 
 def draw_panels(figure: FigureBase, run: Run, panels: list[Panel], columns: int = 3) -> None:
     """All of them on a figure."""
-    rows = -(-len(panels) // columns)
-    grid = figure.subplots(rows, min(columns, len(panels)), squeeze=False)
-    for axes, panel in zip(grid.flat, panels):
+    for axes, panel in zip(style.panels(figure, len(panels), columns).flat, panels):
         draw_panel(axes, run, panel)
-    for axes in grid.flat[len(panels) :]:
-        axes.set_visible(False)
 
 
 def draw_panel(axes: Axes, run: Run, panel: Panel) -> None:

@@ -123,6 +123,15 @@ def time_axis(axes: Axes, run: Run, which: str = "x") -> None:
     axes.set(**{f"{which}lim": (times.min(), max(times.max(), *run.series.get("t", [0])[-1:]))})
 
 
+def panels(figure: FigureBase, count: int, columns: int, **more: Any) -> Array:
+    """Axes in rows of so many, those that are too many invisible."""
+    columns = min(columns, count)
+    grid = figure.subplots(-(-count // columns), columns, squeeze=False, **more)
+    for axes in grid.flat[count:]:
+        axes.set_visible(False)
+    return grid
+
+
 def label_y(axes: Axes, text: str) -> None:
     """The label of a vertical axis; its power of ten stays off legends and titles."""
     axes.set_ylabel(text)
