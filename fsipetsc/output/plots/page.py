@@ -89,7 +89,7 @@ def page(figure: Figure, run: Run, names: Sequence[str] = (), times: Sequence[fl
         drawings += [_at_times(run, quantity, times) for quantity in quantities]
     interfaces, ledgers, steps = series.panels(run).values()
     told = [panel for panel in ledgers if panel.label in ("change of energy", series.DEPARTURE)]
-    if panels := [*interfaces[:1], *told[::-1], *steps]:
+    if panels := [*interfaces[:1], *reversed(told), *steps]:
         drawings.append(_curves(run, panels, columns=len(panels)))
     end = style.moment(run, -1) if run.nframes else "no frame"
     _draw(figure, run, f"{end}, {len(run.series.get('t', ())):,} steps", drawings)
@@ -118,7 +118,7 @@ def _over_time(run: Run, quantities: Sequence[Quantity]) -> Drawing:
 
 def _curves(run: Run, panels: list[series.Panel], columns: int = 3) -> Drawing:
     """Panels of curves over time."""
-    draw = partial(series.draw_panels, run=run, panels=panels, columns=columns)
+    draw = partial(series.draw, run=run, panels=panels, columns=columns)
     return PANELS * -(-len(panels) // columns), draw
 
 

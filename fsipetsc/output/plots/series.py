@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fsipetsc.output.plots import style
-from fsipetsc.output.plots.style import Axes, FigureBase
+from fsipetsc.output.plots.style import FigureBase
 from fsipetsc.output.quantities import AT_INTERFACES, LEDGERS, unit_of, written
-from fsipetsc.output.reader import InterfaceLine, Run
+from fsipetsc.output.reader import Run
 from fsipetsc.scheme.conservation_check import drifts
 
 Array = np.ndarray
@@ -41,8 +41,10 @@ def panels(run: Run) -> dict[str, list[Panel]]:
     interfaces, ledgers, steps = found.values()
     if run.dimension == 2 and run.nframes > 1:
         lines = [run.interface(k) for k in range(len(run.interfaces))]
-        lines.sort(key=lambda line: np.nanmax(np.abs(line.displacement)), reverse=True)
-        interfaces += [_deflection(run, line) for line in lines]
+        for line in sorted(lines, key=lambda line: -np.nanmax(np.abs(line.displacement))):
+            points = [round(part * (len(line.X) - 1)) for part in INTERFACE_POINTS]
+            curves = {f"X = {line.X[point]:.3g}": line.displacement[:, point] for point in points}
+            interfaces.append(Panel(f"deflection,\n{line.name}", "m", run.time, curves))
     t = run.series.get("t", np.empty(0))
     if len(t) < 2:
         return found
@@ -70,13 +72,6 @@ def panels(run: Run) -> dict[str, list[Panel]]:
     return found
 
 
-def _deflection(run: Run, line: InterfaceLine) -> Panel:
-    """Of some points of an interface in two dimensions."""
-    points = [round(part * (len(line.X) - 1)) for part in INTERFACE_POINTS]
-    curves = {f"X = {line.X[point]:.3g}": line.displacement[:, point] for point in points}
-    return Panel(f"deflection,\n{line.name}", "m", run.time, curves)
-
-
 def departures(run: Run) -> dict[str, Array]:
     """Name of what must not change in this run -> its relative departure, (nsteps,)."""
     laws, prefix = run.header.get("laws"), "initial_"
@@ -84,31 +79,26 @@ def departures(run: Run) -> dict[str, Array]:
     return drifts(laws, initial, run.series) if laws and initial else {}
 
 
-def draw_panels(figure: FigureBase, run: Run, panels: list[Panel], columns: int = 3) -> None:
-    """All of them on a figure."""
+def draw(figure: FigureBase, run: Run, panels: list[Panel], columns: int) -> None:
+    """Panels on a figure, so many beside each other."""
     for axes, panel in zip(style.panels(figure, len(panels), columns).flat, panels):
-        draw_panel(axes, run, panel)
-
-
-def draw_panel(axes: Axes, run: Run, panel: Panel) -> None:
-    """One of them."""
-    some = slice(None, None, max(1, len(panel.t) // style.MAX_POINTS))
-    axes.set_prop_cycle(**style.CURVES)
-    for name, values in panel.curves.items():
-        t, shown = panel.t[some], values[some]
+        some = slice(None, None, max(1, len(panel.t) // style.MAX_POINTS))
+        axes.set_prop_cycle(**style.CURVES)
+        for name, values in panel.curves.items():
+            t, shown = panel.t[some], values[some]
+            if panel.logarithmic:
+                t, shown = envelope(panel.t, np.abs(values))
+                shown = np.where(shown > 0, shown, np.nan)
+            axes.plot(t, shown, label=name)
         if panel.logarithmic:
-            t, shown = envelope(panel.t, np.abs(values))
-            shown = np.where(shown > 0, shown, np.nan)
-        axes.plot(t, shown, label=name)
-    if panel.logarithmic:
-        axes.set_yscale("log")
-        axes.set_ylim(bottom=max(axes.get_ylim()[0], axes.get_ylim()[1] / SPAN))
-    if panel.label == "time step":
-        axes.set_ylim(bottom=0.0)
-    style.label_y(axes, style.labelled(run, panel.label, panel.unit))
-    if len(panel.curves) > 1 or panel.logarithmic:
-        style.legend_above(axes)  # else its one name says nothing
-    style.time_axis(axes, run)
+            axes.set_yscale("log")
+            axes.set_ylim(bottom=max(axes.get_ylim()[0], axes.get_ylim()[1] / SPAN))
+        if panel.label == "time step":
+            axes.set_ylim(bottom=0.0)
+        style.label_y(axes, style.labelled(run, panel.label, panel.unit))
+        if len(panel.curves) > 1 or panel.logarithmic:
+            style.legend_above(axes)  # else its one name says nothing
+        style.time_axis(axes, run)
 
 
 def envelope(t: Array, values: Array, parts: int = 300) -> tuple[Array, Array]:
