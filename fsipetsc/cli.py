@@ -13,7 +13,7 @@ from fsipetsc.options import groups, is_option
 from fsipetsc.process.failure import end_together
 from fsipetsc.process.launch import launcher_rank, left_as_found, start_mpi, start_petsc
 from fsipetsc.process.streams import abandon, complete_streams
-from fsipetsc.process.together import Comm, together
+from fsipetsc.process.together import together
 from fsipetsc.usage import PROGRAM, options_help, overview
 
 
@@ -100,7 +100,14 @@ def _main(arguments: list[str]) -> int:
         else:
             world = start_mpi()
             notes = world.Dup()
-            _do_together(first, arguments[1:], world)
+            if first in COMMANDS:
+                COMMANDS[first].find(first)(arguments[1:], world)
+            else:
+                case = together(world, lambda: load_case(first, tuple(COMMANDS)))
+                given = start_petsc(arguments[1:], world)
+                from fsipetsc.stepping.run import run_given
+
+                run_given(case, given, world)
         print(end="", flush=True)  # while an error can still be answered
     except BrokenPipeError:  # the reader, a pager or head, has seen enough
         abandon(1)
@@ -130,18 +137,6 @@ def _answer(first: str, rest: list[str]) -> None:
         sections = command.find("SECTIONS") or command.find("sections")(rest)
         about = f"{first}: {command.summary}", f"{first} {command.arguments}"
         print(options_help(*about, sections, in_loop=False))
-
-
-def _do_together(name: str, arguments: list[str], world: Comm) -> None:
-    """A run, or a command that all ranks do together. Collective."""
-    if name in COMMANDS:
-        COMMANDS[name].find(name)(arguments, world)
-        return
-    case = together(world, lambda: load_case(name, tuple(COMMANDS)))
-    given = start_petsc(arguments, world)
-    from fsipetsc.stepping.run import run_given
-
-    run_given(case, given, world)
 
 
 def _given(command: str, arguments: list[str]) -> list[Any]:

@@ -99,7 +99,7 @@ def test_a_file_that_cannot_be_gone_on_from_ends_all(ranks, stopped, tmp_path):
     (tmp_path / NEWEST).write_bytes(good)
     shutil.copy(stopped / "rod.h5", tmp_path / "result.h5")
     before = contents(tmp_path)
-    said = {"none.h5": "no such file", "result.h5": "is not a checkpoint"}
+    said = {"none.h5": "No such file", "result.h5": "is not a checkpoint"}
     said["auto"] = f"{NEWEST}: the checkpoint is damaged"
     for name, words in said.items():
         done = solve("rod", "-fsi_restart", name, cwd=tmp_path, ranks=ranks)

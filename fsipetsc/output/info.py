@@ -45,7 +45,12 @@ def info_sections(run: Run) -> dict[str, Rows]:
 
 
 def _overview(run: Run) -> Rows:
-    dt = run.series.get("dt", np.empty(0))
+    dt, x = run.series.get("dt", np.empty(0)), run.series.get("x_interface", ())
+    places = ", ".join(run.interfaces) or "none"
+    if len(x):  # in one dimension
+        named = zip(run.interfaces, x[-1])
+        places = ", ".join(f"{name} at x = {value:.6g}" for name, value in named)
+        places += f" at t = {run.series['t'][-1]:g}"
     state = run.summary.get("status", "unfinished: still running, or killed")
     rows = [
         ("case", run.case),
@@ -55,7 +60,7 @@ def _overview(run: Run) -> Rows:
         ("frames", f"{run.nframes}{_range(', t =', run.time, _second(run))}"),
         ("time steps", f"{len(dt)}{_range(', dt =', dt, _second(run))}"),
         ("series", ", ".join(run.series) or "none"),
-        ("interfaces", _positions(run)),
+        ("interfaces", places),
         *(("point", f"{name} at {', '.join(f'{x:.6g}' for x in X)}") for name, X in run.points),
         *(("note", note) for note in run.header.get("notes", ())),
     ]
@@ -78,15 +83,6 @@ def _through(run: Run) -> Rows:
     unit = f" {unit_of('energy_face', run)}" * is_si(run)
     found = zip(run.faces, *sums)
     return [(name, f"{e:.6g}{unit}, of it heat {q:.6g}{unit}") for name, e, q in found if e]
-
-
-def _positions(run: Run) -> str:
-    """The interfaces, and in one dimension where they are after the last step."""
-    x = run.series.get("x_interface", ())
-    if not len(x):
-        return ", ".join(run.interfaces) or "none"
-    places = (f"{name} at x = {value:.6g}" for name, value in zip(run.interfaces, x[-1]))
-    return f"{', '.join(places)} at t = {run.series['t'][-1]:g}"
 
 
 def _range(label: str, values: Any, unit: str = "") -> str:

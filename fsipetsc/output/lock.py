@@ -60,10 +60,8 @@ def set_aside(file: Path) -> Path:
     """Give NAME.h5 or NAME.parts the first number that no result has, as NAME.1.h5 or NAME.1.parts,
     which returns.
 
-    OSError, and FileError for what is neither a regular file nor a folder of pieces.
+    OSError.
     """
-    if not (file.is_file() or (file.is_dir() and file.suffix == ".parts")):
-        raise FileError(f"{file}: exists and is not a regular file")
     ending = file.suffix if file.suffix in (".h5", ".parts") else ""
     stem = file.name.removesuffix(ending)
     for k in itertools.count(1):

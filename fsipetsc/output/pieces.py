@@ -113,11 +113,7 @@ class Contents:
         self._shapes = [tuple(layer["shape"]) for layer in layers]
         self._counts: list[tuple[Path, int]] = []  # of frames in each file
         self._marks: dict[Path, tuple[int, ...]] = {}  # by which a file is known again
-        self._open: h5py.File | None = None
-        try:
-            found = [*filter(None, map(self._add, files))]
-        finally:
-            self.close()
+        found = [*filter(None, map(self._add, files))]
         names = found[0] if found else ()
         self.series = {name: np.concatenate([part[name] for part in found]) for name in names}
         if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) < 0):
@@ -125,12 +121,12 @@ class Contents:
 
     def _add(self, path: Path) -> dict[str, Array]:
         """See what a file holds; its series."""
-        file = self._opened(path)
-        if [*file.attrs.get("first", (0, 0))] != [self.nframes, self.rows]:
-            raise Damaged(f"what comes before {path.name} is missing")
-        time, series = _numbers(file, "time", 1)[...], _series(file)
-        for k in range(len(self.X)) if len(time) else ():
-            self._check_layer(file, k, len(time))
+        with self._opened(path) as file:
+            if [*file.attrs.get("first", (0, 0))] != [self.nframes, self.rows]:
+                raise Damaged(f"what comes before {path.name} is missing")
+            time, series = _numbers(file, "time", 1)[...], _series(file)
+            for k in range(len(self.X)) if len(time) else ():
+                self._check_layer(file, k, len(time))
         self._counts.append((path, len(time)))
         self.time = np.concatenate([self.time, time])
         self.nframes, self.rows = len(self.time), self.rows + len(series.get("t", ()))
@@ -160,7 +156,8 @@ class Contents:
             a, b = max(first, 0), min(end, count)  # of this file
             first, end = first - count, end - count
             if a < b:
-                rows = self._rows(self._opened(path)[f"layer{k}"], k, names, a, b)
+                with self._opened(path) as file:
+                    rows = self._rows(file[f"layer{k}"], k, names, a, b)
                 for parts, values in zip(found, rows):
                     parts.append(values)
         none = np.empty((0, len(self.X[k])))
@@ -175,24 +172,13 @@ class Contents:
         return [table[..., self._columns[k].index(name)].T for name in names]
 
     def _opened(self, path: Path) -> h5py.File:
-        """A file, which stays open until another one is asked for: they may be too many.
-        FileNotFoundError where another one has its name now.
-        """
-        if self._open is None or self._open.filename != str(path):
-            self.close()
-            file, now = open_h5(path), os.stat(path)
-            mark = now.st_ino, now.st_size, now.st_mtime_ns
-            if self._marks.setdefault(path, mark) != mark:
-                file.close()
-                raise FileNotFoundError(path)
-            self._open = file
-        return self._open
-
-    def close(self) -> None:
-        """Close the file that is open, if any."""
-        if self._open is not None:
-            self._open.close()
-        self._open = None
+        """A file, opened. FileNotFoundError where another one has its name now."""
+        file, now = open_h5(path), os.stat(path)
+        mark = now.st_ino, now.st_size, now.st_mtime_ns
+        if self._marks.setdefault(path, mark) != mark:
+            file.close()
+            raise FileNotFoundError(path)
+        return file
 
 
 def _series(file: h5py.File) -> dict[str, Array]:
@@ -276,7 +262,6 @@ def join(
         lay_out(target, numbers, shapes)
         with open_h5(target, "r+") as file:
             _fill(file, content, layers, frames, rows)
-        content.close()
         with open(target, "rb") as done:
             os.fsync(done.fileno())
     except BaseException:

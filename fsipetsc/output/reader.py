@@ -50,14 +50,14 @@ class Run:
     series              name -> (nsteps,) or (nsteps, m), one row per time step: "t", "dt",
                         "x_interface", …
 
-    Use it as a context manager or call `close`; what was read before stays usable.
+    No file stays open. As a context manager it does nothing.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         name = os.fspath(path)
         if name.endswith(".parts") and os.path.isdir(name):  # of a run that goes on or was killed
             name = f"{name.removesuffix('.parts')}.h5"
-        self.path, self._closed = os.path.abspath(name), False
+        self.path = os.path.abspath(name)
         path, folder = Path(self.path), beside(self.path, ".parts")
         for again in (True, False):  # the pieces may become one file while they are read
             whole = _is_whole(path, folder, name)
@@ -127,9 +127,7 @@ class Run:
         return to_xarray(self)
 
     def close(self) -> None:
-        """Close its file. What was not read yet cannot be read any more."""
-        self._contents.close()
-        self._closed = True
+        """Do nothing: its files are open only while something is read."""
 
     def __enter__(self) -> Run:
         return self
@@ -222,8 +220,6 @@ class Layer(Mapping[str, Array]):
     def _read(self, what: str, names: Sequence[str], first: int, end: int) -> list[Array]:
         """These fields in some frames; `what` they are, in messages. FileError."""
         run = self._run
-        if run._closed:
-            raise FileError(f"{run.path}: {what} cannot be read: the result was closed before")
         try:
             with damage(run.path, what):
                 rows = run._contents.frames(self._number, names, first, end)

@@ -48,17 +48,14 @@ def plot(path: str, given: Mapping[str, str]) -> str:
     stem, written = Path(path).stem, []
     with open_run(path) as run, rc_context(style.STYLE), np.errstate(all="ignore"):
         if film:
-            written.append(animate(run, where if is_file else where / f"{stem}.gif", names))
-        elif every:
-            for name, draw in pictures(run, times).items():
-                figure = Figure()
-                draw(figure)
-                written.append(style.save(figure, where / f"{stem}-{name}.png"))
-        else:
+            return str(animate(run, where if is_file else where / f"{stem}.gif", names))
+        whole = {"": partial(page, run=run, names=names, times=times)}
+        for name, draw in (pictures(run, times) if every else whole).items():
             figure = Figure()
-            page(figure, run, names, times)
-            written.append(style.save(figure, where if is_file else where / f"{stem}.png"))
-    return "\n".join(map(str, written))
+            draw(figure)
+            target = where / (f"{stem}-{name}.png" if name else f"{stem}.png")
+            written.append(str(style.save(figure, where if is_file else target)))
+    return "\n".join(written)
 
 
 def pictures(run: Run, times: Sequence[float] = ()) -> dict[str, Callable[[Figure], None]]:
