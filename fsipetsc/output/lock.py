@@ -58,9 +58,7 @@ class Lock:
 
 def set_aside(file: Path) -> Path:
     """Give NAME.h5 or NAME.parts the first number that no result has, as NAME.1.h5 or NAME.1.parts,
-    which returns.
-
-    OSError.
+    which it returns. OSError.
     """
     ending = file.suffix if file.suffix in (".h5", ".parts") else ""
     stem = file.name.removesuffix(ending)

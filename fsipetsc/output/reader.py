@@ -267,15 +267,9 @@ class InterfaceLine:
 
 def _short(places: list[Array]) -> list[Array]:
     """Coordinates as arrays along their own axes, if each depends on its own axis alone."""
-    d = len(places)
-    lines: list[Array] = []
-    for axis, values in enumerate(places):
-        own = d - 1 - axis  # the axis of the array
-        line = values[tuple(slice(None) if k == own else slice(1) for k in range(d))]
-        if not np.allclose(values, line, rtol=0.0, atol=1e-12 * np.ptp(values)):
-            return places
-        lines.append(line.reshape(-1))
-    return lines
+    rows = [np.moveaxis(X, -1 - k, -1).reshape(-1, X.shape[-1 - k]) for k, X in enumerate(places)]
+    straight = all(np.ptp(row, axis=0).max() <= 1e-12 * np.ptp(row) for row in rows)
+    return [row[0] for row in rows] if straight else places
 
 
 def open_run(path: str | os.PathLike[str]) -> Run:
