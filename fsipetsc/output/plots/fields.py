@@ -82,7 +82,8 @@ class View:
     def draw(self, axes: Axes, frame: int) -> dict[str, Any]:
         """Draw one frame; kind of layer -> what there is to make a colour bar of."""
         pictures = {}
-        axes.set(xlim=self.limits[0], ylim=self.limits[1])
+        axes.set(xlim=self.limits[0], ylim=self.limits[1], xlabel=self.labels[0])
+        style.label_y(axes, self.labels[1])
         for layer, kept in zip(self.layers, self.values):
             values, places = kept[self.frames.index(frame)], self.positions(layer, frame)
             if self.run.dimension == 1:
@@ -125,10 +126,7 @@ def draw(figure: FigureBase, view: View) -> None:
     for axes, frame in zip(grid.flat, view.frames):
         pictures = view.draw(axes, frame)
         axes.set_title(style.moment(view.run, frame), loc="left")
-    for axes in grid[-1]:
-        axes.set_xlabel(view.labels[0])
-    for axes in grid[:, 0]:
-        style.label_y(axes, view.labels[1])
+        axes.label_outer()
     grid[0, 0].locator_params(axis="x", nbins=4)
     if not pictures and len(view.scales) > 1:
         style.legend_above(grid[0, -1], side="right")

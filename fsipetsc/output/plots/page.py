@@ -163,7 +163,6 @@ def drawn(
             for artist in [*axes.lines, *axes.collections]:
                 artist.remove()
             pictures = view.draw(axes, frame)
-            axes.set(xlabel=view.labels[0], ylabel=view.labels[1])
             if frame == frames[0]:
                 fields.draw_bars(figure, view, pictures, axes)
         if frame == frames[0]:
