@@ -5,6 +5,7 @@ In three dimensions the maps are those of the plane in the middle of the blocks'
 """
 
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,6 @@ class View:
     """A quantity of a run at some frames, and what all of its panels have in common.
 
     layers   those that have the quantity
-    values   of each of these, at these frames
     scales   kind of layer -> colours of its maps, for frames after the first one
     limits   (left, right), (lower, upper) of a panel
     labels   of its two axes
@@ -38,14 +38,13 @@ class View:
     def __init__(self, run: Run, quantity: Quantity, frames: Sequence[int]) -> None:
         self.run, self.quantity, self.frames = run, quantity, list(frames)
         self.layers = [layer for layer in run.layers if layer.kind in quantity.labels]
-        self.values = [[self._values(layer, k) for k in self.frames] for layer in self.layers]
-        self.scales = self._scales()
-        positions = [self.positions(layer, k) for layer in self.layers for k in self.frames]
-        ranges = np.array([extremes(*along) for along in zip(*positions)])
+        known = [[self.at(layer, k) for k in self.frames] for layer in self.layers]
+        self.scales = self._scales([[values for *_, values in of] for of in known])
+        ranges = np.array([extremes(*along) for along in zip(*chain(*known))])[:2]
         last = "r" if run.header.get("symmetry") else "xyz"[run.dimension - 1]
         last = labelled(run, last, "m")
         if run.dimension == 1:
-            low, high = extremes(*(v for values in self.values for v in values))
+            low, high = ranges[1]
             margin = 2 * MARGIN * (high - low) or 0.1 * abs(low) or 1.0
             self.limits = [ranges[0], np.array([low - margin, high + margin])]
             label = labelled(run, quantity.title, quantity.unit)
@@ -56,17 +55,16 @@ class View:
         self.labels = labelled(run, "x", "m"), last
         self.ratio = float(np.ptp(self.limits[0]) / np.ptp(self.limits[1]))
 
-    def _values(self, layer: Layer, frame: int) -> Array:
-        """Of a frame: (n,), or (m, n) of a map."""
+    def at(self, layer: Layer, frame: int) -> list[Array]:
+        """Places of a frame, horizontal ones and of maps vertical ones, and values. Of three
+        dimensions what lies in the middle of the second axis.
+        """
         fields = {"X": layer.X, **layer.frame(frame)}
-        return in_plane(self.quantity.values(layer.kind, fields))
+        found = [fields[x] for x in ("x", "xy", "xz")[self.run.dimension - 1]]
+        found.append(self.quantity.values(layer.kind, fields))
+        return [v[:, v.shape[1] // 2] if v.ndim == 3 else v for v in found]
 
-    def positions(self, layer: Layer, frame: int) -> list[Array]:
-        """Horizontal ones, and vertical ones of maps."""
-        fields = layer.frame(frame)
-        return [in_plane(fields[x]) for x in ("x", "xy", "xz")[self.run.dimension - 1]]
-
-    def _scales(self) -> dict[str, dict[str, Any]]:
+    def _scales(self, values: list[list[Array]]) -> dict[str, dict[str, Any]]:
         """A kind of layer has colours of its own: what comes through to a solid may be little."""
         unit, last = self.quantity.unit, [layer.frame(-1) for layer in self.run.layers]
         same = [v for frame in last for k, v in frame.items() if written(unit_of(k)) == unit]
@@ -74,8 +72,8 @@ class View:
         scales = {}
         for kind in dict.fromkeys(layer.kind for layer in self.layers):
             some = [k for k, layer in enumerate(self.layers) if layer.kind == kind]
-            later = [np.ravel(v) for k in some for v in self.values[k][1:] or self.values[k]]
-            start = [np.ravel(self._values(self.layers[k], 0)) for k in some]
+            later = [np.ravel(v) for k in some for v in values[k][1:] or values[k]]
+            start = [np.ravel(self.at(self.layers[k], 0)[-1]) for k in some]
             scales[kind] = style.colours(kind, np.concatenate(later), np.concatenate(start), beside)
         return scales
 
@@ -84,23 +82,18 @@ class View:
         pictures = {}
         axes.set(xlim=self.limits[0], ylim=self.limits[1], xlabel=self.labels[0])
         style.label_y(axes, self.labels[1])
-        for layer, kept in zip(self.layers, self.values):
-            values, places = kept[self.frames.index(frame)], self.positions(layer, frame)
+        for layer in self.layers:
+            found = self.at(layer, frame)
             if self.run.dimension == 1:
-                axes.plot(*places, values, color=style.COLORS[layer.kind], label=layer.kind)
+                axes.plot(*found, color=style.COLORS[layer.kind], label=layer.kind)
                 continue
             for axis in layer.rings if self.run.dimension == 2 else ():  # it ends where it begins
-                *places, values = (np.append(v, v.take([0], axis), axis) for v in (*places, values))
-            pictures[layer.kind] = shaded(axes, *places, values, self.scales[layer.kind])
+                found = [np.append(v, v.take([0], axis), axis) for v in found]
+            pictures[layer.kind] = shaded(axes, *found, self.scales[layer.kind])
             if layer.kind == "solid":
-                outline(axes, *places)
+                outline(axes, *found[:2])
             axes.set_aspect("equal" if self.ratio <= 1 / THIN else "auto")
         return pictures
-
-
-def in_plane(values: Array) -> Array:
-    """Of three dimensions what lies in the middle of the second axis."""
-    return values[:, values.shape[1] // 2] if values.ndim == 3 else values
 
 
 def frames_of(run: Run, quantity: Quantity, times: Sequence[float] = ()) -> list[int]:
@@ -154,8 +147,9 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
     some = slice(None, None, max(1, len(x_interface) // style.MAX_POINTS))
     for axes, quantity in zip(grid, quantities):
         view, pictures = View(run, quantity, range(run.nframes)), {}
-        for layer, kept in zip(view.layers, view.values):
-            x, values = without_gaps(layer, np.array(kept))
+        for layer in view.layers:
+            values = np.array([view.at(layer, frame)[-1] for frame in view.frames])
+            x, values = without_gaps(layer, values)
             x, values, t = between(x, values, np.broadcast_to(run.time[:, None], x.shape))
             pictures[layer.kind] = shaded(axes, x, t, values, view.scales[layer.kind])
         for x in x_interface[some].T:
@@ -190,7 +184,7 @@ def without_gaps(layer: Layer, values: Array) -> tuple[Array, Array]:
     return x, values
 
 
-def outline(axes: Axes, x: Array, y: Array, inside: int = 8) -> None:
+def outline(axes: Axes, x: Array, y: Array) -> None:
     """The edges of a solid, and some lines of its grid across it, which show how it is deformed."""
     edges = [(x[0], y[0]), (x[-1], y[-1]), (x[:, 0], y[:, 0]), (x[:, -1], y[:, -1])]
     closed = [np.array_equal(edges[k], edges[k + 1]) for k in (0, 2)]
@@ -198,7 +192,7 @@ def outline(axes: Axes, x: Array, y: Array, inside: int = 8) -> None:
         if not skip:
             axes.plot(*edge, color="black", linewidth=0.8)
     longer = int(np.argmax(x.shape))
-    step = max(1, (x.shape[longer] - 1) // inside)
+    step = max(1, (x.shape[longer] - 1) // 8)
     for line in range(step, x.shape[longer] - 1, step):
         across = x.take(line, longer), y.take(line, longer)
         axes.plot(*across, color="black", linewidth=0.3, alpha=0.5)
