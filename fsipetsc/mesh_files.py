@@ -74,7 +74,7 @@ def read_cgns(path: str | Path) -> Grid:
 
 def _add(grid: Grid, zone: h5py.Group, metres: float) -> None:
     """Add a zone and its patches."""
-    name = _name(zone)
+    name = zone.name.rsplit("/", 1)[-1]
     if _text(zone["ZoneType"]) != "Structured":
         raise InputError(f"zone '{name}' is {_text(zone['ZoneType'])}: expected Structured")
     places = _places(name, zone["GridCoordinates"]) * metres
@@ -85,7 +85,7 @@ def _add(grid: Grid, zone: h5py.Group, metres: float) -> None:
     grid.zones[name] = nodes(np.flip(places, axis=d - 1) if turned else places)
     conditions = (bc for group in _labelled(zone, "ZoneBC_t") for bc in _labelled(group, "BC_t"))
     for bc in conditions:
-        patch = _text(bc["FamilyName"]) if "FamilyName" in bc else _name(bc)
+        patch = _text(bc["FamilyName"]) if "FamilyName" in bc else bc.name.rsplit("/", 1)[-1]
         axis, side = _face(f"zone '{name}', patch '{patch}'", bc, places.shape[-2::-1])
         face = name, axis, 1 - side if turned and axis == 0 else side
         grid.patches[patch] = (*grid.patches.get(patch, ()), face)
@@ -133,10 +133,6 @@ def _labelled(group: h5py.Group, label: str) -> list[h5py.Group]:
     """Children with a label."""
     children = [child for child in group.values() if isinstance(child, h5py.Group)]
     return [child for child in children if child.attrs.get("label", b"").decode() == label]
-
-
-def _name(group: h5py.Group) -> str:
-    return group.name.rsplit("/", 1)[-1]
 
 
 def _data(group: h5py.Group) -> Array:

@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 
 from fsipetsc.errors import FileError
-from fsipetsc.output.file_layout import check_folder, in_memory, put
+from fsipetsc.output.file_layout import check_folder, damage, in_memory, put
 
 Array = np.ndarray[Any, Any]
 _MAGIC = b"fsipetsc checkpoint "
@@ -49,12 +49,9 @@ def unpack(content: bytes, name: str) -> tuple[dict[str, Any], dict[str, Array]]
     head, body = content[:_HEAD], content[_HEAD:]
     if head != _head(body):
         raise FileError(f"{name}: the checkpoint is damaged, or of another version of fsipetsc")
-    try:
-        with h5py.File(io.BytesIO(body), "r") as file:
-            arrays = {key: dataset[...] for key, dataset in file.get("arrays", {}).items()}
-            return json.loads(file["header"].asstr()[()]), arrays
-    except (AttributeError, KeyError, OSError, TypeError, ValueError):
-        raise FileError(f"{name}: the checkpoint has no header") from None
+    with damage(name), h5py.File(io.BytesIO(body), "r") as file:
+        arrays = {key: dataset[...] for key, dataset in file.get("arrays", {}).items()}
+        return json.loads(file["header"].asstr()[()]), arrays
 
 
 def _head(body: bytes) -> bytes:

@@ -38,10 +38,6 @@ FORMAT, VERSION = "fsipetsc result", 4
 LIBVER = ("v110", "v110")
 
 
-class Damaged(Exception):
-    """A part of a result is not what it should be; says which part, and why."""
-
-
 @contextmanager
 def damage(path: str, what: str = "") -> Iterator[None]:
     """Any error while a file is read, whatever it contains, becomes a FileError of one line.
@@ -54,7 +50,7 @@ def damage(path: str, what: str = "") -> Iterator[None]:
         raise
     except Exception as error:
         reason = " ".join(str(error).split())
-        if not isinstance(error, (Damaged, OSError, ValueError)):
+        if not isinstance(error, (OSError, ValueError)):
             reason = f"{type(error).__name__}: {reason}"
         of = f"{what} cannot be read: " if what else ""
         raise FileError(f"{path}: {of}the file is damaged: {reason}") from error

@@ -19,7 +19,7 @@ import numpy as np
 
 from fsipetsc.errors import FileError
 from fsipetsc.output import file_layout as layout
-from fsipetsc.output.file_layout import Damaged, columns, damage, open_h5
+from fsipetsc.output.file_layout import columns, damage, open_h5
 
 Array = np.ndarray[Any, Any]
 Layers = Sequence[Mapping[str, Any]]  # as in the header
@@ -76,7 +76,7 @@ def read_about(path: Path, name: str = "") -> dict[str, Any]:
         raise FileError(f"{name or path}: {said}")
     for part in ("header", "summary", "errors"):
         if not isinstance(about.setdefault(part, {}), dict):
-            raise Damaged(f"its {part} is no table of names and values")
+            raise ValueError(f"its {part} is no table of names and values")
     return about
 
 
@@ -95,8 +95,8 @@ def run_of(path: Path) -> str | None:
 
 
 class Contents:
-    """All frames and steps of some files, one after the other. What is read is checked. Damaged,
-    OSError.
+    """All frames and steps of some files, one after the other. What is read is checked:
+    ValueError, which says what is not as it should be; OSError.
 
     layers         as in the header
     time           (nframes,)
@@ -117,13 +117,13 @@ class Contents:
         names = found[0] if found else ()
         self.series = {name: np.concatenate([part[name] for part in found]) for name in names}
         if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) < 0):
-            raise Damaged("the times of its frames are not ascending numbers")
+            raise ValueError("the times of its frames are not ascending numbers")
 
     def _add(self, path: Path) -> dict[str, Array]:
         """See what a file holds; its series."""
         with self._opened(path) as file:
             if [*file.attrs.get("first", (0, 0))] != [self.nframes, self.rows]:
-                raise Damaged(f"what comes before {path.name} is missing")
+                raise ValueError(f"what comes before {path.name} is missing")
             time, series = _numbers(file, "time", 1)[...], _series(file)
             for k in range(len(self.X)) if len(time) else ():
                 self._check_layer(file, k, len(time))
@@ -140,14 +140,14 @@ class Contents:
             fits = X.shape in ((math.prod(shape), len(shape)), shape)
             rises = len(shape) > 1 or np.all(np.diff(X.ravel()) > 0)
             if not len(X) or not np.isfinite(X).all() or not fits or not rises:
-                raise Damaged(f"the grid in {group} is not ascending numbers")
+                raise ValueError(f"the grid in {group} is not ascending numbers")
             self.X[k] = X
         wanted = dict.fromkeys(names, (count, *shape))
         if "frames" in file[group]:
             wanted = {"frames": (len(self.X[k]), count * len(names))}
         for name, expected in wanted.items():
             if (found := _numbers(file, f"{group}/{name}").shape) != expected:
-                raise Damaged(f"{group}/{name} has the shape {found}")
+                raise ValueError(f"{group}/{name} has the shape {found}")
 
     def frames(self, k: int, names: Sequence[str], first: int, end: int) -> list[Array]:
         """(end - first, n) of each of these columns of layer k."""
@@ -189,7 +189,7 @@ def _series(file: h5py.File) -> dict[str, Array]:
     names = [name.decode() for name in file["series"].attrs.get(_NAMES, ())] or [*file["series"]]
     found = {name: _numbers(file, f"series/{name}")[...] for name in names}
     if "t" not in found or len({len(values) for values in found.values()}) != 1:
-        raise Damaged("its series do not fit together")
+        raise ValueError("its series do not fit together")
     return found
 
 
@@ -197,12 +197,12 @@ def _numbers(file: h5py.File, name: str, ndim: int | None = None) -> h5py.Datase
     """A dataset of numbers, no larger than the file can hold."""
     found = file[name]
     if not isinstance(found, h5py.Dataset) or found.dtype.kind not in "iuf" or not found.ndim:
-        raise Damaged(f"{name} is no array of numbers")
+        raise ValueError(f"{name} is no array of numbers")
     size = found.size * found.dtype.itemsize
     if size > _MOST_COMPRESSED * max(1024, os.path.getsize(file.filename)):
-        raise Damaged(f"{name} claims to have {size:.3g} bytes")
+        raise ValueError(f"{name} claims to have {size:.3g} bytes")
     if found.ndim != (ndim or found.ndim):
-        raise Damaged(f"{name} has {found.ndim} dimensions")
+        raise ValueError(f"{name} has {found.ndim} dimensions")
     return found
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from fsipetsc.checks import Array, counted
 from fsipetsc.errors import FileError
 from fsipetsc.output.checkpoint_file import is_one
-from fsipetsc.output.file_layout import Damaged, beside, columns, damage
+from fsipetsc.output.file_layout import beside, columns, damage
 from fsipetsc.output.pieces import Contents, pieces, read_about
 
 if TYPE_CHECKING:
@@ -297,14 +297,14 @@ def _is_whole(path: Path, folder: Path, name: str) -> bool:
 
 
 def _check_header(header: Mapping[str, Any]) -> None:
-    """Raise Damaged if what the reader and its users rely on is not there, or something else."""
+    """ValueError if what the reader and its users rely on is not there, or something else."""
     layers = [(layer["name"], layer["kind"], layer["fields"]) for layer in header["layers"]]
     texts = [header["case"], header.get("created", ""), *(name for name, _, _ in layers)]
     lists = [header.get("notes", []), header.get("interfaces", []), *(f for _, _, f in layers)]
     good = all(isinstance(names, list) for names in lists) and isinstance(header["options"], dict)
     good = good and {kind for _, kind, _ in layers} <= {"fluid", "solid"}
     if not good or not all(isinstance(text, str) for text in sum(lists, texts)):
-        raise Damaged("its header does not tell case, options and layers")
+        raise ValueError("its header does not tell case, options and layers")
 
 
 def _unknown(what: str, name: object, valid: Iterable[str]) -> str:

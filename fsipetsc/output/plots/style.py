@@ -83,16 +83,10 @@ def set_title(figure: Figure, title: str) -> Text:
 
 def of_run(run: Run, what: str) -> str:
     """What is shown, then case, order, grid spacing, ranks, and whether the run has ended."""
-    facts = []
-    if "fsi_order" in run.options:
-        facts.append(f"order {operator(run.options['fsi_order']).name}")
-    if "fsi_h" in run.options:
-        facts.append(f"h = {run.options['fsi_h']:g}{' m' * is_si(run)}")
-    if "ranks" in run.summary:
-        facts.append(counted(run.summary["ranks"], "rank"))
-    if not run.complete:
-        facts.append("unfinished")
-    return f"{run.case}, {what}" + (f"  ({', '.join(facts)})" if facts else "")
+    order = operator(run.options["fsi_order"]).name
+    h = f"{run.options['fsi_h']:g}{' m' * is_si(run)}"
+    ranks = counted(run.summary["ranks"], "rank") + ", unfinished" * (not run.complete)
+    return f"{run.case}, {what}  (order {order}, h = {h}, {ranks})"
 
 
 def labelled(run: Run, label: str, unit: str) -> str:
