@@ -62,13 +62,12 @@ def read_cgns(path: str | Path) -> Grid:
             for base in _labelled(file, "CGNSBase_t"):
                 for zone in _labelled(base, "Zone_t"):
                     _add(grid, zone, _metres(base))
-    except (OSError, KeyError) as error:
-        wanted = "expected CGNS in HDF5 (adf2hdf converts the older form)"
-        raise InputError(f"{path}: {error}: {wanted}") from None
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
-    if not grid.zones:
-        raise InputError(f"{path} has no zones: expected CGNS with structured zones")
+        if not grid.zones:
+            raise InputError("no zones: expected CGNS with structured zones")
+    except (OSError, KeyError, InputError) as error:
+        wanted = ": expected CGNS in HDF5 (adf2hdf converts the older form)"
+        known = isinstance(error, InputError)
+        raise InputError(f"{path}: {error}{'' if known else wanted}") from None
     return grid
 
 
