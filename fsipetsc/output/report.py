@@ -15,7 +15,7 @@ import numpy as np
 
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.info import info_sections
-from fsipetsc.output.plots.page import drawn, pictures, some
+from fsipetsc.output.plots.page import drawn, pictures
 from fsipetsc.output.plots.style import STYLE, moment
 from fsipetsc.output.reader import open_run
 
@@ -36,7 +36,8 @@ def report(path: str, given: Mapping[str, str]) -> Path:
     template = Template(Path(__file__).with_name("report.html").read_text(encoding="utf-8"))
     style = {**STYLE, "savefig.dpi": DPI}
     with open_run(path) as run, rc_context(style), np.errstate(all="ignore"):
-        frames, moving = some(run, FILM) if run.nframes > 1 else range(0), Figure()
+        step, moving = -(-run.nframes // FILM) or 1, Figure()
+        frames = range(0, run.nframes, step) if run.nframes > 1 else ()
         film = [_png(moving, FILM_DPI) for _ in (drawn(moving, run, frames) if frames else ())]
         shown = []
         for name, draw in pictures(run).items():

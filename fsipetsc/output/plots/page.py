@@ -134,17 +134,12 @@ def animate(run: Run, target: Path, names: Sequence[str] = ()) -> Path:
     if run.nframes < 2:
         raise InputError(f"-animate: there are {run.nframes} frames: expected two or more")
     chosen(run, names)  # an error comes before the film
-    frames, figure = some(run, MOST_FRAMES), Figure(dpi=FILM_DPI)
-    writer = PillowWriter(fps=max(1.0, len(frames) / FILM_SECONDS))
+    step, figure = -(-run.nframes // MOST_FRAMES), Figure(dpi=FILM_DPI)
+    writer = PillowWriter(fps=max(1.0, run.nframes / step / FILM_SECONDS))
     with writing(target, "the film"), writer.saving(figure, target, FILM_DPI):
-        for _ in drawn(figure, run, frames, names):
+        for _ in drawn(figure, run, range(0, run.nframes, step), names):
             writer.grab_frame()
     return target
-
-
-def some(run: Run, most: int) -> range:
-    """At most so many frames, evenly, from the first on."""
-    return range(0, run.nframes, -(-run.nframes // most))
 
 
 def drawn(

@@ -113,8 +113,8 @@ def time_axis(axes: Axes, run: Run, which: str = "x") -> None:
     axes.locator_params(axis=which, nbins=4 if which == "x" else 8)
     if is_si(run):
         axis.set_major_formatter(EngFormatter("s", useMathText=False))
-    times = np.concatenate([run.time[:1], run.series.get("t", run.time)[:1], run.time[-1:]])
-    axes.set(**{f"{which}lim": (times.min(), max(times.max(), *run.series.get("t", [0])[-1:]))})
+    times = np.concatenate([run.time, run.series.get("t", [])])
+    axes.set(**{f"{which}lim": (times.min(), times.max())})
 
 
 def panels(figure: FigureBase, count: int, columns: int, **more: Any) -> Array:
