@@ -52,10 +52,18 @@ def _solve(case: Any, comm: Comm, options: Mapping[str, Any]) -> str:
     """Make the run; returns the path of its result."""
     from fsipetsc.stepping.run import run_given
 
+    def words() -> Iterable[str]:
+        """The options as they would stand on the command line. InputError for an unknown name."""
+        known = table(loaded)
+        for name, value in {"quiet": True, **options}.items():
+            names = name, f"fsi_{name}", f"ts_{name}"  # the beginning may be left out
+            full = [found for found in names if found.lower() in known]
+            if value is not None:
+                yield from (f"-{full[0] if full else name}", _text(value))
+
     loaded = together(comm, lambda: _case(case))
-    words = together(comm, lambda: list(_words(loaded, {"quiet": True, **options})))
-    in_force = run_given(loaded, start_petsc(words, comm), comm)
-    return os.path.abspath(str(in_force["fsi_output"]))
+    given = start_petsc(together(comm, lambda: list(words())), comm)
+    return os.path.abspath(str(run_given(loaded, given, comm)["fsi_output"]))
 
 
 def _case(case: Any) -> Any:
@@ -72,17 +80,6 @@ def _case(case: Any) -> Any:
         raise InputError(f"run: a case is {known}, not {type(case).__name__}")
     given = {name: getattr(case, name, default) for name, default in missing.items()}
     return SimpleNamespace(**given, build=case.build)
-
-
-def _words(case: Any, options: Mapping[str, Any]) -> Iterable[str]:
-    """The options as they would stand on the command line. InputError for an unknown name."""
-    known = table(case)
-    for name, value in options.items():
-        names = name, f"fsi_{name}", f"ts_{name}"  # the beginning may be left out
-        full = [found for found in names if found.lower() in known]
-        if value is not None:
-            yield f"-{full[0] if full else name}"
-            yield _text(value)
 
 
 def _text(value: Any) -> str:

@@ -12,9 +12,8 @@ connections is not needed.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import h5py
 import numpy as np
@@ -33,8 +32,7 @@ METRES |= {"Null": 1.0, "UserDefined": 1.0}
 FLAT = 1e-9
 
 
-@dataclass(frozen=True)
-class Grid:
+class Grid(NamedTuple):
     """What a file holds. zones: name -> its nodes [m], a map for Block. patches: name of a boundary
     -> its faces, as BlockProblem names them.
     """
@@ -58,39 +56,38 @@ def read_cgns(path: str | Path) -> Grid:
     lose the coordinate that is constant. A left-handed zone gets its axis 0 reversed. InputError
     for a file that is none of this kind, naming the zone.
     """
+    grid = Grid({}, {})
     try:
         with h5py.File(path, "r") as file:
-            bases = _labelled(file, "CGNSBase_t")
-            found = [_zone(z, _metres(base)) for base in bases for z in _labelled(base, "Zone_t")]
-    except (OSError, KeyError) as error:
-        wanted = "expected CGNS in HDF5 (adf2hdf converts the older form)"
-        raise InputError(f"{path}: {error}: {wanted}") from None
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
-    if not found:
-        raise InputError(f"{path} has no zones: expected CGNS with structured zones")
-    patches: dict[str, tuple[FaceName, ...]] = {}
-    for name, _, faces in found:
-        for patch, axis, side in faces:
-            patches[patch] = (*patches.get(patch, ()), (name, axis, side))
-    return Grid({name: places for name, places, _ in found}, patches)
+            for base in _labelled(file, "CGNSBase_t"):
+                for zone in _labelled(base, "Zone_t"):
+                    _add(grid, zone, _metres(base))
+        if not grid.zones:
+            raise InputError("no zones: expected CGNS with structured zones")
+    except (OSError, KeyError, InputError) as error:
+        wanted = ": expected CGNS in HDF5 (adf2hdf converts the older form)"
+        known = isinstance(error, InputError)
+        raise InputError(f"{path}: {error}{'' if known else wanted}") from None
+    return grid
 
 
-def _zone(zone: h5py.Group, metres: float) -> tuple[str, Nodes, list[FaceName]]:
-    """Name, nodes, and (patch, axis, side) of the patches of a zone."""
-    name = _name(zone)
+def _add(grid: Grid, zone: h5py.Group, metres: float) -> None:
+    """Add a zone and its patches."""
+    name = zone.name.rsplit("/", 1)[-1]
     if _text(zone["ZoneType"]) != "Structured":
         raise InputError(f"zone '{name}' is {_text(zone['ZoneType'])}: expected Structured")
     places = _places(name, zone["GridCoordinates"]) * metres
     d = places.shape[-1]
-    conditions = (bc for group in _labelled(zone, "ZoneBC_t") for bc in _labelled(group, "BC_t"))
-    faces = [_face_of(name, bc, places.shape[-2::-1]) for bc in conditions]
     corner = places[(slice(0, 2),) * d]  # two nodes along each axis
     edges = [corner[(0,) * (d - 1 - k) + (1,) + (0,) * k] - corner[(0,) * d] for k in range(d)]
-    if determinant(np.array(edges)) < 0.0:
-        places = np.flip(places, axis=d - 1)
-        faces = [(p, axis, 1 - side if axis == 0 else side) for p, axis, side in faces]
-    return name, nodes(places), faces
+    turned = determinant(np.array(edges)) < 0.0
+    grid.zones[name] = nodes(np.flip(places, axis=d - 1) if turned else places)
+    conditions = (bc for group in _labelled(zone, "ZoneBC_t") for bc in _labelled(group, "BC_t"))
+    for bc in conditions:
+        patch = _text(bc["FamilyName"]) if "FamilyName" in bc else bc.name.rsplit("/", 1)[-1]
+        axis, side = _face(f"zone '{name}', patch '{patch}'", bc, places.shape[-2::-1])
+        face = name, axis, 1 - side if turned and axis == 0 else side
+        grid.patches[patch] = (*grid.patches.get(patch, ()), face)
 
 
 def _places(name: str, grid: h5py.Group) -> Array:
@@ -107,19 +104,18 @@ def _places(name: str, grid: h5py.Group) -> Array:
     return np.stack(axes, axis=-1)
 
 
-def _face_of(name: str, bc: h5py.Group, shape: tuple[int, ...]) -> FaceName:
-    """(patch, axis, side) of a boundary condition, of a zone with so many nodes along its axes."""
-    patch = _text(bc["FamilyName"]) if "FamilyName" in bc else _name(bc)
+def _face(what: str, bc: h5py.Group, shape: tuple[int, ...]) -> tuple[int, int]:
+    """(axis, side) of a boundary condition, of a zone with so many nodes along its axes."""
     if "PointRange" not in bc:
-        raise InputError(f"zone '{name}', patch '{patch}': expected a PointRange")
+        raise InputError(f"{what}: expected a PointRange")
     begin, end = (_data(bc["PointRange"]).reshape(2, len(shape)) - 1).tolist()
     thin = [k for k in range(len(shape)) if begin[k] == end[k]]
     whole = all({begin[k], end[k]} == {0, n - 1} for k, n in enumerate(shape) if k not in thin)
     if len(thin) != 1 or not whole or begin[thin[0]] not in (0, shape[thin[0]] - 1):
         nodes_of = f"nodes {[b + 1 for b in begin]} to {[e + 1 for e in end]}"
         wanted = "expected a whole face: split the zone where the patch ends"
-        raise InputError(f"zone '{name}', patch '{patch}' has {nodes_of}: {wanted}")
-    return patch, thin[0], int(begin[thin[0]] > 0)
+        raise InputError(f"{what} has {nodes_of}: {wanted}")
+    return thin[0], int(begin[thin[0]] > 0)
 
 
 def _metres(base: h5py.Group) -> float:
@@ -136,10 +132,6 @@ def _labelled(group: h5py.Group, label: str) -> list[h5py.Group]:
     """Children with a label."""
     children = [child for child in group.values() if isinstance(child, h5py.Group)]
     return [child for child in children if child.attrs.get("label", b"").decode() == label]
-
-
-def _name(group: h5py.Group) -> str:
-    return group.name.rsplit("/", 1)[-1]
 
 
 def _data(group: h5py.Group) -> Array:

@@ -63,22 +63,17 @@ def _laid_out(title: str, sections: Mapping[str, Mapping[str, str]], most: int) 
 
 
 def _row(option: Option) -> tuple[str, str]:
-    """(name, type and default; meaning)."""
-    kind = "text" if option.kind == "str" else str(option.kind)
+    """(name, type, default and unit; meaning)."""
+    kind = "text" if option.kind == "str" else option.kind
     choices = f": {', '.join(map(str, option.choices))}" if option.choices else ""
-    return f"-{option.name} {kind} {_default(option)}", option.help + choices
-
-
-def _default(option: Option) -> str:
-    """The default with its unit, as text."""
-    value = option.default
+    value, unit = option.default, option.unit
     if value is REQUIRED or value is None:
-        unit = f" [{option.unit}]" if option.unit else ""
-        return f"{'none' if value is None else 'required'}{unit}"
-    if isinstance(value, bool):
-        return str(value).lower()
-    if value == INT_MAX:
-        return "no limit"
-    items = value if isinstance(value, tuple) else (value,)
-    text = ",".join(f"{item:.10g}" if isinstance(item, float) else str(item) for item in items)
-    return f"{text} {option.unit}".rstrip()
+        text, unit = "none" if value is None else "required", f"[{unit}]" if unit else ""
+    elif isinstance(value, bool):
+        text = str(value).lower()
+    elif value == INT_MAX:
+        text = "no limit"
+    else:
+        items = value if isinstance(value, tuple) else (value,)
+        text = ",".join(f"{item:.10g}" if isinstance(item, float) else str(item) for item in items)
+    return f"-{option.name} {kind} {text} {unit}".rstrip(), option.help + choices

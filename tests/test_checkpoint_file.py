@@ -99,7 +99,7 @@ def test_a_file_that_cannot_be_gone_on_from_ends_all(ranks, stopped, tmp_path):
     (tmp_path / NEWEST).write_bytes(good)
     shutil.copy(stopped / "rod.h5", tmp_path / "result.h5")
     before = contents(tmp_path)
-    said = {"none.h5": "no such file", "result.h5": "is not a checkpoint"}
+    said = {"none.h5": "No such file", "result.h5": "is not a checkpoint"}
     said["auto"] = f"{NEWEST}: the checkpoint is damaged"
     for name, words in said.items():
         done = solve("rod", "-fsi_restart", name, cwd=tmp_path, ranks=ranks)
@@ -115,7 +115,7 @@ def test_a_body_without_a_header_is_refused():
             file[name] = value
         bodies.append(image.getvalue())
     for body in bodies:
-        with pytest.raises(FileError, match=r"^a\.h5: the checkpoint has no header$"):
+        with pytest.raises(FileError, match=r"^a\.h5: the file is damaged: "):
             unpack(checkpoint_file._head(body) + body, "a.h5")
 
 

@@ -70,7 +70,7 @@ def known(whole: bytes, tmp_path: Path) -> tuple[h5py.File, dict]:
 def test_what_was_cut_off_is_of_another_version_or_no_file(whole, known, changed, tmp_path):
     (tmp_path / "cut.h5").write_bytes(whole[:20_000])
     assert not readable(tmp_path / "cut.h5", "damaged")
-    assert not readable(changed("about", json.dumps({**known[1], "version": 99})), "newer")
+    assert not readable(changed("about", json.dumps({**known[1], "version": 99})), "file format 99")
     with h5py.File(path := changed("time"), "r+") as file:
         file.create_dataset("time", (10**12,), "f8", chunks=(1024,))
     assert not readable(path, "claims to have"), "more than memory has"

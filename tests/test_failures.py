@@ -36,7 +36,7 @@ BAD_INPUT = {
     "rod -fsi_output no/such/dir/x.h5": (4, ["no/such/dir: No such file or directory"]),
     "rod -fsi_output /proc/x.h5": (4, ["no file can be written in the directory /proc"]),
     "rod -fsi_checkpoint /proc/x.h5": (4, ["no file can be written in the directory /proc"]),
-    "rod -fsi_restart no/where.h5": (4, ["no/where.h5", "there is no such file"]),
+    "rod -fsi_restart no/where.h5": (4, ["no/where.h5: cannot be read: No such file"]),
 }
 
 

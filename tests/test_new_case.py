@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import re
+from pathlib import Path
 
 import pytest
 from helpers import assert_same_fields, computed, message, solve
 
-from fsipetsc.cases import template_text
+from fsipetsc import cases
 
 pytest.importorskip("petsc4py")
 
@@ -19,7 +20,8 @@ def written(folder, name, *words, ranks=1):
     assert (made.returncode, made.stderr, made.stdout.count("wrote")) == (0, "", 1)
     assert f"python -m fsipetsc {name}" in made.stdout
     text, stem = (folder / name).read_text(), name.removesuffix(".py")
-    template = template_text(bool(words)).replace("FILE.py", name).replace("NAME.", f"{stem}.")
+    source = Path(cases.__file__).with_name("block_template.py" if words else "template.py")
+    template = source.read_text().replace("FILE.py", name).replace("NAME.", f"{stem}.")
     assert text == template and f"{stem}.h5" in text
     return text
 

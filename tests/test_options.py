@@ -96,14 +96,12 @@ def test_every_type_is_converted_and_long_lists_and_blanks_arrive_whole(read, na
         ("-xyzzy -ts_max_tme 4", ["-xyzzy", "-help", "-ts_max_tme (did you mean -ts_max_time?)"]),
         ("-options_file three.opts", ["three.opts line 2"]),
         ("-options_file brace.yaml", ["YAML"]),
-        ("-options_file self.opts", ["self.opts: an options file cannot name another one"]),
     ],
 )
 def test_bad_input_is_refused_and_named(read, text, words, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "three.opts").write_text("-a 1\n-b 2 3\n")
     (tmp_path / "brace.yaml").write_text("a: {\n")
-    (tmp_path / "self.opts").write_text("-a 1\n-b 2 -options_file self.opts\n")
     with pytest.raises(InputError) as caught:
         read(text)
     for word in words:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -130,6 +131,17 @@ def test_a_reader_that_comes_while_pieces_are_cleared_sees_all(
 
     monkeypatch.setattr(reader, "pieces", cleared)
     assert beginning(left, whole) == (13, len(whole.series["t"]))
+
+
+def test_a_file_that_another_one_has_replaced_is_not_read(
+    tmp_path: Path, whole: fsipetsc.Run
+) -> None:
+    path = shutil.copy(whole.path, tmp_path / "run.h5")
+    result = fsipetsc.open_run(path)
+    os.replace(made(tmp_path / "other.h5", 3).path, path)
+    for _ in range(2):
+        with pytest.raises(FileError, match="has changed since it was opened; open it again"):
+            result.layers[0]["T"]
 
 
 def test_a_result_without_frames_says_so(left: Path) -> None:

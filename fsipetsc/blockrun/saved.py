@@ -49,7 +49,7 @@ def grids(state: BlockState) -> list[dict[str, Any]]:
         numbers = state.orders[k].numbers if k in state.orders else np.empty(0, np.int64)
         none = np.empty((0, state.problem.dimension))
         X = state.problem.places(k, numbers) if numbers.size else none
-        found.append({"local": numbers.size, "n": int(np.prod(shape)), "X": X})
+        found.append({"n": int(np.prod(shape)), "X": X})
     return found
 
 

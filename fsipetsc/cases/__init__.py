@@ -38,15 +38,6 @@ def summaries() -> dict[str, str]:
     return {name: re.search(r'^SUMMARY = "(.*)"', texts[name], re.M)[1] for name in BUILT_IN}
 
 
-def template_text(blocks: bool = False) -> str:
-    """The text of a case file to start from, of layers in one dimension or of blocks in two.
-
-    In it FILE.py and NAME stand for its own name.
-    """
-    name = "block_template.py" if blocks else "template.py"
-    return Path(__file__).with_name(name).read_text(encoding="utf-8")
-
-
 def load_case(name_or_path: str, also: Sequence[str] = ()) -> ModuleType:
     """The module of a built-in case, or of the case file at a path.
 

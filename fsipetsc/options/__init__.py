@@ -11,7 +11,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from itertools import pairwise, permutations
-from pathlib import Path
 from typing import Any
 
 from fsipetsc.errors import FileError, InputError, petsc_words
@@ -100,9 +99,8 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
     the name that the tables have.
 
     PETSc, which runs, reads PETSC_OPTIONS, then the words of the command line, and the files that
-    either names. Its database is empty afterwards. Not collective. InputError, FileError for what
-    PETSc does not take, InputError for a word that is no option's value, and for an options file
-    that names another one.
+    either names. Its database is empty afterwards. Not collective. InputError for what PETSc does
+    not take and for a word that is no option's value, FileError for a file that cannot be read.
     """
     from petsc4py import PETSc
 
@@ -110,33 +108,19 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
         if not is_option(word) and not is_option(before):
             what = f"unexpected argument {word[:80]!r}"
             raise InputError(f"{what}: a value comes right after its option")
-    environment = os.environ.get("PETSC_OPTIONS", "").split()
-    for option, name in pairwise([*environment, *words]):
-        if option.lstrip("-").lower() in ("options_file", "options_file_yaml"):
-            _check_file(Path(name.removesuffix(":yaml")))  # PETSc's word for YAML
     put({})
     try:
         quoted = (word if is_option(word) else f'"{word}"' for word in words)
-        PETSc.Options().insertString(" ".join([*environment, *quoted]))
+        text = " ".join([*os.environ.get("PETSC_OPTIONS", "").split(), *quoted])
+        PETSc.Options().insertString(text)
         given = {name.lower(): text for name, text in present().items()}
     except PETSc.Error as error:
         said = petsc_words(error).split(": ", 1)[-1].split("; ")[-1]
-        raise InputError(f"options: {said}") from None
+        kind = FileError if said.startswith("Unable to open") else InputError
+        raise kind(f"options: {said}") from None
     finally:
         put({})
     return {tables.ALIASES.get(name, name): text for name, text in given.items() if name != "help"}
-
-
-def _check_file(file: Path) -> None:
-    """FileError for an options file that cannot be read, InputError for one that names another:
-    PETSc crashes where one names itself.
-    """
-    try:
-        text = "" if file.is_fifo() else file.read_text(errors="replace")
-    except OSError as error:
-        raise FileError(f"-options_file {file}: {error.strerror}") from None
-    if re.search(r"^[^#\n]*\boptions_file", text, re.MULTILINE | re.IGNORECASE):
-        raise InputError(f"-options_file {file}: an options file cannot name another one")
 
 
 def present() -> dict[str, str]:

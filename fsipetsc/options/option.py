@@ -75,7 +75,10 @@ class Option:
         """A text or a Python value as this option's type; InputError, which begins with ``said``,
         if it is not allowed.
         """
-        found = as_kind(str(self.kind), value, said, self.expected())
+        try:
+            found = _as_kind(str(self.kind), value)
+        except (ValueError, TypeError, OverflowError):
+            raise InputError(f"{said}: expected {self.expected()}") from None
         if objection := self._objection(found):
             raise InputError(f"{said}: expected {objection}")
         return found
@@ -99,14 +102,6 @@ class Option:
         least = min(value, default=1) if isinstance(value, tuple) else value
         fine = self.check is None or least > 0 or (self.check == "nonnegative" and least == 0)
         return None if fine else self.expected()
-
-
-def as_kind(kind: str, value: Any, said: str, expected: str = "") -> Any:
-    """A text or a Python value as one of a kind; InputError, which begins with ``said``."""
-    try:
-        return _as_kind(kind, value)
-    except (ValueError, TypeError, OverflowError):
-        raise InputError(f"{said}: expected {expected or _NOUNS[kind]}") from None
 
 
 def _as_kind(kind: str, value: Any) -> Any:

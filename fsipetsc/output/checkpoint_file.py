@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 
 from fsipetsc.errors import FileError
-from fsipetsc.output.file_layout import check_folder, in_memory, put
+from fsipetsc.output.file_layout import check_folder, damage, in_memory, put
 
 Array = np.ndarray[Any, Any]
 _MAGIC = b"fsipetsc checkpoint "
@@ -49,12 +49,9 @@ def unpack(content: bytes, name: str) -> tuple[dict[str, Any], dict[str, Array]]
     head, body = content[:_HEAD], content[_HEAD:]
     if head != _head(body):
         raise FileError(f"{name}: the checkpoint is damaged, or of another version of fsipetsc")
-    try:
-        with h5py.File(io.BytesIO(body), "r") as file:
-            arrays = {key: dataset[...] for key, dataset in file.get("arrays", {}).items()}
-            return json.loads(file["header"].asstr()[()]), arrays
-    except (AttributeError, KeyError, OSError, TypeError, ValueError):
-        raise FileError(f"{name}: the checkpoint has no header") from None
+    with damage(name), h5py.File(io.BytesIO(body), "r") as file:
+        arrays = {key: dataset[...] for key, dataset in file.get("arrays", {}).items()}
+        return json.loads(file["header"].asstr()[()]), arrays
 
 
 def _head(body: bytes) -> bytes:
@@ -64,18 +61,16 @@ def _head(body: bytes) -> bytes:
 
 def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Array]]:
     """Header and arrays of a checkpoint. FileError."""
-    name = os.fspath(path)
-    if not os.path.lexists(path):
-        raise FileError(f"{name}: there is no such file")
     try:
-        return unpack(Path(path).read_bytes() if is_one(Path(path)) else b"", name)
+        content = Path(path).read_bytes() if is_one(Path(path)) else b""
     except OSError as error:
-        raise FileError(f"{name}: cannot be read: {error.strerror or error}") from None
+        raise FileError(f"{path}: cannot be read: {error.strerror or error}") from None
+    return unpack(content, str(path))
 
 
 def is_one(path: Path) -> bool:
     """Whether a file begins as a checkpoint does, whole or damaged. OSError."""
-    if not path.is_file():  # a pipe would wait for a writer
+    if path.exists() and not path.is_file():  # a pipe would wait for a writer
         return False
     with path.open("rb") as file:
         return file.read(len(_MAGIC)) == _MAGIC
@@ -85,14 +80,12 @@ def check_place(path: str | os.PathLike[str]) -> None:
     """FileError without a folder that can be written to, or where something else has the name."""
     check_folder(path)
     target = Path(os.path.realpath(path))
-    if target.exists() and not target.is_file():
-        raise FileError(f"{path}: exists and is not a regular file")
     try:
-        other = target.exists() and target.stat().st_size and not is_one(target)
+        empty = target.is_file() and not target.stat().st_size
+        if target.exists() and not empty and not is_one(target):
+            raise FileError(f"{path}: exists and is not a checkpoint of fsipetsc")
     except OSError as error:
         raise FileError(f"{path}: cannot be read: {error.strerror}") from None
-    if other:
-        raise FileError(f"{path}: exists and is not a checkpoint of fsipetsc")
 
 
 def write(path: str | os.PathLike[str], content: bytes) -> None:

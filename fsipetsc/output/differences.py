@@ -57,11 +57,13 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Co
     """
     with open_run(first) as a, open_run(second) as b:
         notes: list[str] = []
+        found: list[Difference] = []
         frames = _common(a.time, b.time, "frames", notes)
-        found = list(_of_layers(a, b, frames, notes))
+        if len(frames[0]):
+            found += _of_layers(a, b, frames, notes)
         if "t" in a.series and "t" in b.series:
             steps = _common(a.series["t"], b.series["t"], "steps", notes)
-            found += _of_series(a, b, steps, notes)
+            found += _of_series(a, b, steps, notes) if len(steps[0]) else ()
         names = sorted({*a.options, *b.options} - {"fsi_output"})
         pairs = {name: (a.options.get(name), b.options.get(name)) for name in names}
         changed = {name: (one, two) for name, (one, two) in pairs.items() if one != two}
@@ -80,6 +82,11 @@ def difference(name: str, a: Array, b: Array, times: Array) -> Difference:
     point = f", point {', '.join(map(str, where[1:]))}" if len(where) > 1 else ""
     place = f"t = {times[where[0]]:.6g}{point}"
     return Difference(name, float(gap[where]), float(ulp[~np.isnan(ulp)].max()), scale, place)
+
+
+def diff(first: str, second: str) -> str:
+    """What the command prints. FileError."""
+    return table(compare(first, second))
 
 
 def table(comparison: Comparison) -> str:
@@ -114,17 +121,13 @@ def _both(a: Iterable[str], b: Iterable[str], what: str, notes: list[str]) -> li
     """The names that are in both; the others are noted."""
     if alone := sorted({*a} ^ {*b}):
         notes.append(f"{what} in one of them only: {', '.join(alone)}")
-    others = set(b)
-    return [name for name in a if name in others]
+    return [name for name in a if name not in alone]
 
 
 def _of_layers(a: Run, b: Run, common: _Common, notes: list[str]) -> Iterator[Difference]:
     times, in_a, in_b = common
-    if not len(times):
-        return
-    first, second = ({layer.name: layer for layer in run.layers} for run in (a, b))
-    for name in _both(first, second, "layer", notes):
-        layer, other = first[name], second[name]
+    for name in _both(a.blocks, b.blocks, "layer", notes):
+        layer, other = a.blocks[name], b.blocks[name]
         nodes = common_nodes(layer, other, notes)
         if nodes is None:
             continue
@@ -143,8 +146,6 @@ def _of_layers(a: Run, b: Run, common: _Common, notes: list[str]) -> Iterator[Di
 
 def _of_series(a: Run, b: Run, common: _Common, notes: list[str]) -> Iterator[Difference]:
     times, in_a, in_b = common
-    if not len(times):
-        return
     others = not len(times) == len(a.series["t"]) == len(b.series["t"])
     for name in _both(a.series, b.series, "series", notes):
         one, two = (summed(run, name) if others else run.series[name] for run in (a, b))

@@ -38,10 +38,6 @@ FORMAT, VERSION = "fsipetsc result", 4
 LIBVER = ("v110", "v110")
 
 
-class Damaged(Exception):
-    """A part of a result is not what it should be; says which part, and why."""
-
-
 @contextmanager
 def damage(path: str, what: str = "") -> Iterator[None]:
     """Any error while a file is read, whatever it contains, becomes a FileError of one line.
@@ -54,7 +50,7 @@ def damage(path: str, what: str = "") -> Iterator[None]:
         raise
     except Exception as error:
         reason = " ".join(str(error).split())
-        if not isinstance(error, (Damaged, OSError, ValueError)):
+        if not isinstance(error, (OSError, ValueError)):
             reason = f"{type(error).__name__}: {reason}"
         of = f"{what} cannot be read: " if what else ""
         raise FileError(f"{path}: {of}the file is damaged: {reason}") from error
@@ -123,11 +119,6 @@ def beside(path: str | os.PathLike[str], ending: str) -> Path:
     """NAME with another ending for NAME.h5; a name without .h5 is NAME as it is."""
     path = Path(path)
     return path.with_name(f"{path.name.removesuffix('.h5')}{ending}")
-
-
-def folder_of(path: str | os.PathLike[str]) -> Path:
-    """NAME.parts for NAME.h5."""
-    return beside(path, ".parts")
 
 
 def check_folder(path: str | os.PathLike[str]) -> None:

@@ -1,7 +1,7 @@
 """What a result holds, as text."""
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -19,10 +19,9 @@ def info(path: str | os.PathLike[str]) -> str:
     """Case, times, layers, series, options, summary and errors of a result. FileError."""
     with open_run(path) as run:
         (_, first), *parts = info_sections(run).items()
-    tables = [table([("file", os.fspath(path)), *first])]
-    for title, rows in parts:
-        tables.append(table([(title, ""), *((f"  {name}", text) for name, text in rows)]))
-    return "\n\n".join(tables)
+    tables = [[("file", os.fspath(path)), *first]]
+    tables += ([(title, ""), *((f"  {k}", text) for k, text in rows)] for title, rows in parts)
+    return "\n\n".join(map(table, tables))
 
 
 def table(rows: Rows) -> str:
@@ -46,7 +45,12 @@ def info_sections(run: Run) -> dict[str, Rows]:
 
 
 def _overview(run: Run) -> Rows:
-    dt = run.series.get("dt", np.empty(0))
+    dt, x = run.series.get("dt", np.empty(0)), run.series.get("x_interface", ())
+    places = ", ".join(run.interfaces) or "none"
+    if len(x):  # in one dimension
+        named = zip(run.interfaces, x[-1])
+        places = ", ".join(f"{name} at x = {value:.6g}" for name, value in named)
+        places += f" at t = {run.series['t'][-1]:g}"
     state = run.summary.get("status", "unfinished: still running, or killed")
     rows = [
         ("case", run.case),
@@ -56,7 +60,7 @@ def _overview(run: Run) -> Rows:
         ("frames", f"{run.nframes}{_range(', t =', run.time, _second(run))}"),
         ("time steps", f"{len(dt)}{_range(', dt =', dt, _second(run))}"),
         ("series", ", ".join(run.series) or "none"),
-        ("interfaces", _positions(run)),
+        ("interfaces", places),
         *(("point", f"{name} at {', '.join(f'{x:.6g}' for x in X)}") for name, X in run.points),
         *(("note", note) for note in run.header.get("notes", ())),
     ]
@@ -73,21 +77,12 @@ def _of_layer(run: Run, layer: Layer) -> str:
 
 def _through(run: Run) -> Rows:
     """Of each face through which energy came in, how much, and how much of it was heat."""
-    if not run.faces or "energy_face" not in run.series:
+    if "energy_face" not in run.series:
         return []
     sums = (run.series[name].sum(axis=0) for name in ("energy_face", "heat_face"))
-    found = zip(run.faces, *sums, strict=True)
     unit = f" {unit_of('energy_face', run)}" * is_si(run)
+    found = zip(run.faces, *sums)
     return [(name, f"{e:.6g}{unit}, of it heat {q:.6g}{unit}") for name, e, q in found if e]
-
-
-def _positions(run: Run) -> str:
-    """The interfaces, and in one dimension where they are after the last step."""
-    x = run.series.get("x_interface", ())
-    if not len(x):
-        return ", ".join(run.interfaces) or "none"
-    places = (f"{name} at x = {value:.6g}" for name, value in zip(run.interfaces, x[-1]))
-    return f"{', '.join(places)} at t = {run.series['t'][-1]:g}"
 
 
 def _range(label: str, values: Any, unit: str = "") -> str:
@@ -102,12 +97,15 @@ def _second(run: Run) -> str:
 
 def summary_rows(summary: Mapping[str, Any], unit: str) -> Rows:
     """Results of a run in the order of LABELS. unit: what comes after a time."""
+    written = {
+        "t": lambda t: _text(t) + unit,
+        "departures": lambda of: ", ".join(f"{name} to {size:.1e}" for name, size in of.items()),
+        "J_error": "{:.3g}".format,
+        "lost_energy": "{:.3g}".format,
+        "wall_time": duration,
+    }
     known = {name: value for name, value in summary.items() if value not in ("", None, {}, [])}
-    return [
-        (label, written(known[name]) + unit * (name == "t"))
-        for name, (label, written) in LABELS.items()
-        if name in known
-    ]
+    return [(LABELS[k], written.get(k, _text)(known[k])) for k in LABELS if k in known]
 
 
 def error_rows(errors: Mapping[str, Any]) -> Rows:
@@ -127,28 +125,21 @@ def _text(value: Any) -> str:
     return "none" if value is None else words.get(value, str(value))
 
 
-def _three_digits(value: float) -> str:
-    return f"{value:.3g}"
-
-
-#: entry of a summary -> label, how its value is written; the most important first
-LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
-    "status": ("ended", str),
-    "message": ("message", str),
-    "t": ("time reached", _text),
-    "departures": (
-        "conserved",
-        lambda found: ", ".join(f"{name} to {size:.1e}" for name, size in found.items()),
-    ),
-    "J_error": ("departure of J", _three_digits),
-    "lost_energy": ("lost energy of solids", _three_digits),
-    "steps": ("time steps", str),
-    "rejected_steps": ("rejected steps", str),
-    "bound": ("step bounded by", str),
-    "wall_time": ("wall time of the steps", duration),
-    "ranks": ("ranks", str),
-    "points": ("points", str),
-    "interfaces": ("interfaces", _text),
-    "rhs_evaluations": ("right-hand sides", str),
-    "versions": ("versions", _text),
+#: entry of a summary -> label; the most important first
+LABELS = {
+    "status": "ended",
+    "message": "message",
+    "t": "time reached",
+    "departures": "conserved",
+    "J_error": "departure of J",
+    "lost_energy": "lost energy of solids",
+    "steps": "time steps",
+    "rejected_steps": "rejected steps",
+    "bound": "step bounded by",
+    "wall_time": "wall time of the steps",
+    "ranks": "ranks",
+    "points": "points",
+    "interfaces": "interfaces",
+    "rhs_evaluations": "right-hand sides",
+    "versions": "versions",
 }

@@ -21,40 +21,36 @@ class Lock:
 
     def __init__(self, folder: Path, what: str) -> None:
         self.path, self._descriptor = folder / "lock", -1
-        while self._descriptor < 0:
+        while not self._is_there():  # else the run that had it has just removed the folder
+            self.release()
             folder.mkdir(exist_ok=True)
-            with suppress(FileNotFoundError):  # the run that had it has just removed the folder
+            with suppress(FileNotFoundError):
+                self._descriptor = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o666)
                 self._take(what)
 
     def _take(self, what: str) -> None:
-        self._descriptor = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o666)
         try:
             fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            self.release()
-            raise FileError(
-                f"{what}: another run is writing it; "
-                "give this one a name of its own with -fsi_output"
-            ) from None
+            said = "another run is writing it; give this one a name of its own with -fsi_output"
+            raise FileError(f"{what}: {said}") from None
         except OSError:  # no locks here
-            return
-        if not self._is_there():  # it was renamed or removed meanwhile
-            self.release()
+            pass
 
     def _is_there(self) -> bool:
+        """Whether it is taken, and the file still has its name."""
         with suppress(OSError):
             return os.path.samestat(os.fstat(self._descriptor), os.stat(self.path))
         return False
 
     def release(self, remove: bool = False) -> None:
         """Let other runs have the name. remove: the folder, if nothing else is in it."""
-        if self._descriptor < 0:
-            return
         if remove and self._is_there():
             with suppress(OSError):
                 self.path.unlink()
                 self.path.parent.rmdir()
-        os.close(self._descriptor)
+        if self._descriptor >= 0:
+            os.close(self._descriptor)
         self._descriptor = -1
 
     __del__ = release  # whatever becomes of the run
@@ -62,16 +58,12 @@ class Lock:
 
 def set_aside(file: Path) -> Path:
     """Give NAME.h5 or NAME.parts the first number that no result has, as NAME.1.h5 or NAME.1.parts,
-    which returns.
-
-    OSError, and FileError for what is neither a regular file nor a folder of pieces.
+    which it returns. OSError.
     """
-    if not (file.is_file() or (file.is_dir() and file.suffix == ".parts")):
-        raise FileError(f"{file}: exists and is not a regular file")
     ending = file.suffix if file.suffix in (".h5", ".parts") else ""
     stem = file.name.removesuffix(ending)
     for k in itertools.count(1):
         names = [file.with_name(f"{stem}.{k}{last}") for last in ("", ".h5", ".parts")]
         if not any(map(os.path.lexists, names)):
-            return file.rename(file.with_name(f"{stem}.{k}{ending}"))
-    raise AssertionError
+            break
+    return file.rename(file.with_name(f"{stem}.{k}{ending}"))

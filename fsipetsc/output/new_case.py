@@ -1,33 +1,35 @@
 """A case file to start from: a copy of a template of fsipetsc/cases under a name of the user's."""
 
 import re
+import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
+from fsipetsc import cases
 from fsipetsc.blame import NEEDED
-from fsipetsc.cases import BUILT_IN, template_text
 from fsipetsc.errors import FileError, InputError
+from fsipetsc.usage import PROGRAM
 
 
-def new_case(name: str, commands: Sequence[str], blocks: bool = False) -> Path:
-    """Write the template of layers, or of blocks, as the file `name`; its path.
+def new(name: str, given: Mapping[str, str]) -> str:
+    """Write the template of layers, or of blocks, as the file `name`; how it is run.
 
-    commands: names of the program's commands. InputError for a name that could not be run, or would
-    hide something else; FileError where there is a file, which is left; OSError where none can be
-    written.
+    InputError for a name that could not be run, or would hide something else; FileError where there
+    is a file, which is left; OSError where none can be written.
     """
     path, stem = Path(name), Path(name).stem
     if path.suffix != ".py":
         expected = "expected one that ends in .py, such as my_case.py"
         raise InputError(f"new: '{name}' is no name of a case file: {expected}")
-    taken = "a built-in case" if stem in BUILT_IN else "a command" if stem in commands else ""
-    if not taken and stem in (*sys.stdlib_module_names, "fsipetsc", *NEEDED):
+    taken = "a built-in case" if stem in cases.BUILT_IN else ""
+    if stem in (*sys.stdlib_module_names, "fsipetsc", *NEEDED):
         taken = "a Python module, which this file would hide"
     if taken:
         expected = f"expected another name, such as my_{stem}.py"
         raise InputError(f"new: '{stem}' is the name of {taken}: {expected}")
-    text = template_text(blocks)
+    template = "block_template.py" if "-blocks" in given else "template.py"
+    text = Path(cases.__file__).with_name(template).read_text(encoding="utf-8")
     if re.fullmatch(r"[\w./-]+", name):  # as it may stand in the examples
         text = text.replace("FILE.py", name).replace("NAME.", f"{stem}.")
     try:
@@ -36,4 +38,4 @@ def new_case(name: str, commands: Sequence[str], blocks: bool = False) -> Path:
     except FileExistsError:
         said = f"{name}: exists already and is not overwritten; give another name"
         raise FileError(said) from None
-    return path
+    return f"wrote {path}; it runs as it is:  {PROGRAM} {shlex.quote(str(path))}"

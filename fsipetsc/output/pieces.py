@@ -5,10 +5,11 @@ in the making. At the end of the run the pieces are joined into NAME.h5 and the 
 there is NAME.h5 it is the result, and what the folder of the same run still has is a leftover.
 """
 
+import itertools
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,7 +19,7 @@ import numpy as np
 
 from fsipetsc.errors import FileError
 from fsipetsc.output import file_layout as layout
-from fsipetsc.output.file_layout import Damaged, columns, damage, open_h5
+from fsipetsc.output.file_layout import columns, damage, open_h5
 
 Array = np.ndarray[Any, Any]
 Layers = Sequence[Mapping[str, Any]]  # as in the header
@@ -46,8 +47,7 @@ def file_of(folder: Path, number: int, ending: str = ".h5") -> Path:
 
 def pieces(folder: Path) -> list[Path]:
     """The finished pieces in their order, up to the first that is missing."""
-    found = sorted(path for path in folder.glob("*.h5") if path.stem.isdecimal())
-    return [path for k, path in enumerate(found) if int(path.stem) == k + 1]
+    return [*itertools.takewhile(Path.exists, (file_of(folder, k) for k in itertools.count(1)))]
 
 
 def clear(folder: Path) -> None:
@@ -56,12 +56,8 @@ def clear(folder: Path) -> None:
         path.unlink(missing_ok=True)
 
 
-def write_header(folder: Path, about: Mapping[str, Any]) -> None:
-    """Write header.json. OSError."""
-    layout.put(folder / "header.json", _text(about))
-
-
-def _text(about: Mapping[str, Any]) -> bytes:
+def text_of(about: Mapping[str, Any]) -> bytes:
+    """What header.json has."""
     return json.dumps({"format": layout.FORMAT, "version": layout.VERSION, **about}).encode()
 
 
@@ -75,14 +71,12 @@ def read_about(path: Path, name: str = "") -> dict[str, Any]:
     about = json.loads(text)
     if not isinstance(about, dict) or about.get("format") != layout.FORMAT:
         raise FileError(f"{name or path}: is not a result of fsipetsc")
-    version = about["version"]
-    if version != layout.VERSION:
-        which = "a newer" if version > layout.VERSION else "an older"
-        said = f"was written by {which} fsipetsc (file format {version}, not {layout.VERSION})"
+    if about["version"] != layout.VERSION:
+        said = f"has the file format {about['version']}, and this fsipetsc reads {layout.VERSION}"
         raise FileError(f"{name or path}: {said}")
     for part in ("header", "summary", "errors"):
         if not isinstance(about.setdefault(part, {}), dict):
-            raise Damaged(f"its {part} is no table of names and values")
+            raise ValueError(f"its {part} is no table of names and values")
     return about
 
 
@@ -101,56 +95,42 @@ def run_of(path: Path) -> str | None:
 
 
 class Contents:
-    """All frames and steps of some files, one after the other. What is read is checked. Damaged,
-    OSError.
+    """All frames and steps of some files, one after the other. What is read is checked:
+    ValueError, which says what is not as it should be; OSError.
 
     layers         as in the header
     time           (nframes,)
     nframes, rows  numbers of frames and of steps
-    names          series -> shape of what is known of a step
+    series         name -> (rows, …), what is known of each step
     X              of each layer its grid; empty where there are no frames
     """
 
     def __init__(self, files: Sequence[Path], layers: Layers) -> None:
-        self.names: dict[str, tuple[int, ...]] = {}
         self.nframes = self.rows = 0
         self.time: Array = np.empty(0)
         self.X = [np.empty(0) for _ in layers]
         self._columns = [columns(layer) for layer in layers]
         self._shapes = [tuple(layer["shape"]) for layer in layers]
-        self._counts: list[tuple[Path, int, int]] = []  # of frames and steps in each file
-        self._open: tuple[Path, h5py.File] | None = None
-        try:
-            for path in files:
-                self._add(path)
-        finally:
-            self.close()
+        self._counts: list[tuple[Path, int]] = []  # of frames in each file
+        self._marks: dict[Path, tuple[int, ...]] = {}  # by which a file is known again
+        found = [*filter(None, map(self._add, files))]
+        names = found[0] if found else ()
+        self.series = {name: np.concatenate([part[name] for part in found]) for name in names}
         if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) < 0):
-            raise Damaged("the times of its frames are not ascending numbers")
+            raise ValueError("the times of its frames are not ascending numbers")
 
-    def _add(self, path: Path) -> None:
-        """See what a file holds."""
-        file = self._opened(path)
-        if [*file.attrs.get("first", (0, 0))] != [self.nframes, self.rows]:
-            raise Damaged(f"what comes before {path.name} is missing")
-        time, rows = _numbers(file, "time", 1)[...], self._count_steps(file)
-        for k in range(len(self.X)) if len(time) else ():
-            self._check_layer(file, k, len(time))
-        self._counts.append((path, len(time), rows))
+    def _add(self, path: Path) -> dict[str, Array]:
+        """See what a file holds; its series."""
+        with self._opened(path) as file:
+            if [*file.attrs.get("first", (0, 0))] != [self.nframes, self.rows]:
+                raise ValueError(f"what comes before {path.name} is missing")
+            time, series = _numbers(file, "time", 1)[...], _series(file)
+            for k in range(len(self.X)) if len(time) else ():
+                self._check_layer(file, k, len(time))
+        self._counts.append((path, len(time)))
         self.time = np.concatenate([self.time, time])
-        self.nframes, self.rows = len(self.time), self.rows + rows
-
-    def _count_steps(self, file: h5py.File) -> int:
-        """How many steps a file has, all of whose series have the same length."""
-        if "series" not in file:
-            return 0
-        shapes = {name: _numbers(file, f"series/{name}").shape for name in _series(file)}
-        names = {name: shape[1:] for name, shape in shapes.items()}
-        steps = {shape[0] for shape in shapes.values()}
-        if "t" not in names or len(steps) != 1 or names != (self.names or names):
-            raise Damaged("its series do not fit together")
-        self.names = names
-        return steps.pop()
+        self.nframes, self.rows = len(self.time), self.rows + len(series.get("t", ()))
+        return series
 
     def _check_layer(self, file: h5py.File, k: int, count: int) -> None:
         """Layer k has its grid, and as many frames as it should, of this size."""
@@ -160,29 +140,24 @@ class Contents:
             fits = X.shape in ((math.prod(shape), len(shape)), shape)
             rises = len(shape) > 1 or np.all(np.diff(X.ravel()) > 0)
             if not len(X) or not np.isfinite(X).all() or not fits or not rises:
-                raise Damaged(f"the grid in {group} is not ascending numbers")
+                raise ValueError(f"the grid in {group} is not ascending numbers")
             self.X[k] = X
         wanted = dict.fromkeys(names, (count, *shape))
         if "frames" in file[group]:
             wanted = {"frames": (len(self.X[k]), count * len(names))}
         for name, expected in wanted.items():
             if (found := _numbers(file, f"{group}/{name}").shape) != expected:
-                raise Damaged(f"{group}/{name} has the shape {found}")
-
-    def series(self, name: str) -> Array:
-        """(rows, …) what is known of each step by a name."""
-        some = [(path, rows) for path, _, rows in self._counts if rows]
-        found = [self._opened(path)[f"series/{name}"][:rows] for path, rows in some]
-        return np.concatenate([np.empty((0, *self.names[name])), *found])
+                raise ValueError(f"{group}/{name} has the shape {found}")
 
     def frames(self, k: int, names: Sequence[str], first: int, end: int) -> list[Array]:
         """(end - first, n) of each of these columns of layer k."""
         found: list[list[Array]] = [[] for _ in names]
-        for path, count, _ in self._counts:
+        for path, count in self._counts:
             a, b = max(first, 0), min(end, count)  # of this file
             first, end = first - count, end - count
             if a < b:
-                rows = self._rows(self._opened(path)[f"layer{k}"], k, names, a, b)
+                with self._opened(path) as file:
+                    rows = self._rows(file[f"layer{k}"], k, names, a, b)
                 for parts, values in zip(found, rows):
                     parts.append(values)
         none = np.empty((0, len(self.X[k])))
@@ -197,52 +172,37 @@ class Contents:
         return [table[..., self._columns[k].index(name)].T for name in names]
 
     def _opened(self, path: Path) -> h5py.File:
-        """A file, which stays open until another one is asked for: they may be too many.
-        FileNotFoundError where a restart has given its name to another one.
-        """
-        if self._open is None or self._open[0] != path:
-            self.close()
-            self._open = path, open_h5(path)
-            self._check_again(path, self._open[1])
-        return self._open[1]
-
-    def _check_again(self, path: Path, file: h5py.File) -> None:
-        """A file that was counted begins where it did, and has what it had."""
-        frames, rows = 0, 0
-        for counted, more_frames, more_rows in self._counts:
-            if counted == path:
-                begins = [*file.attrs.get("first", (0, 0))] == [frames, rows]
-                has = len(file["time"]) >= more_frames and self._count_steps(file) >= more_rows
-                if not (begins and has):
-                    raise FileNotFoundError(path)
-            frames, rows = frames + more_frames, rows + more_rows
-
-    def close(self) -> None:
-        """Close the file that is open, if any."""
-        if self._open is not None:
-            self._open[1].close()
-        self._open = None
+        """A file, opened. FileNotFoundError where another one has its name now."""
+        file, now = open_h5(path), os.stat(path)
+        mark = now.st_ino, now.st_size, now.st_mtime_ns
+        if self._marks.setdefault(path, mark) != mark:
+            file.close()
+            raise FileNotFoundError(path)
+        return file
 
 
-def _series(file: h5py.File) -> list[str]:
-    """Names of the series, in their order. Without a list of them HDF5 looks at the group, and
-    crashes where a byte of a group of more than eight names has changed.
-    """
-    group = file["series"]
-    names = group.attrs.get(_NAMES)
-    return [*group] if names is None else [name.decode() for name in names]
+def _series(file: h5py.File) -> dict[str, Array]:
+    """Name -> (steps, …), in their order."""
+    if "series" not in file:
+        return {}
+    # a list: HDF5, asked for the names, crashes where a byte of a larger group has changed
+    names = [name.decode() for name in file["series"].attrs.get(_NAMES, ())] or [*file["series"]]
+    found = {name: _numbers(file, f"series/{name}")[...] for name in names}
+    if "t" not in found or len({len(values) for values in found.values()}) != 1:
+        raise ValueError("its series do not fit together")
+    return found
 
 
 def _numbers(file: h5py.File, name: str, ndim: int | None = None) -> h5py.Dataset:
     """A dataset of numbers, no larger than the file can hold."""
     found = file[name]
     if not isinstance(found, h5py.Dataset) or found.dtype.kind not in "iuf" or not found.ndim:
-        raise Damaged(f"{name} is no array of numbers")
+        raise ValueError(f"{name} is no array of numbers")
     size = found.size * found.dtype.itemsize
     if size > _MOST_COMPRESSED * max(1024, os.path.getsize(file.filename)):
-        raise Damaged(f"{name} claims to have {size:.3g} bytes")
+        raise ValueError(f"{name} claims to have {size:.3g} bytes")
     if found.ndim != (ndim or found.ndim):
-        raise Damaged(f"{name} has {found.ndim} dimensions")
+        raise ValueError(f"{name} has {found.ndim} dimensions")
     return found
 
 
@@ -293,11 +253,15 @@ def join(
             if kept is not None:
                 _check_kept(content, kept, name)
         frames, rows = (content.nframes, content.rows) if kept is None else kept[:2]
-        shapes = dict(_shapes(content, layers, frames, rows))
-        lay_out(target, {"about": np.bytes_(_text(about)), "time": content.time[:frames]}, shapes)
+        numbers = {"about": np.bytes_(text_of(about)), "time": content.time[:frames]}
+        series = content.series if rows else {}
+        shapes = {f"series/{name}": (rows, *values.shape[1:]) for name, values in series.items()}
+        for k, layer in enumerate(layers if frames else ()):
+            numbers[f"layer{k}/X"] = content.X[k]
+            shapes |= {f"layer{k}/{name}": (frames, *layer["shape"]) for name in columns(layer)}
+        lay_out(target, numbers, shapes)
         with open_h5(target, "r+") as file:
             _fill(file, content, layers, frames, rows)
-        content.close()
         with open(target, "rb") as done:
             os.fsync(done.fileno())
     except BaseException:
@@ -312,34 +276,21 @@ def _check_kept(content: Contents, kept: Kept, name: Path) -> None:
         has = f"{content.nframes} frames and {content.rows} steps"
         found = f"{has}, not {kept.frames} and {kept.rows}"
     else:
-        t = content.series("t")[kept.rows - 1] if kept.rows else kept.t
+        t = content.series["t"][kept.rows - 1] if kept.rows else kept.t
         if t == kept.t:
             return
         found = f"its step {kept.rows} ends at t = {t:.17g}, not {kept.t:.17g}"
     raise FileError(f"{name} is not what the checkpoint goes on from: {found}")
 
 
-def _shapes(
-    content: Contents, layers: Layers, frames: int, rows: int
-) -> Iterator[tuple[str, tuple[int, ...]]]:
-    """Name and shape of the datasets of a whole result."""
-    for name, rest in content.names.items() if rows else ():
-        yield f"series/{name}", (rows, *rest)
-    for k, layer in enumerate(layers if frames else ()):
-        yield f"layer{k}/X", content.X[k].shape
-        for name in columns(layer):
-            yield f"layer{k}/{name}", (frames, *layer["shape"])
-
-
 def _fill(file: h5py.File, content: Contents, layers: Layers, frames: int, rows: int) -> None:
-    """Put the numbers into the datasets of a whole result."""
-    for name in content.names if rows else ():
-        file[f"series/{name}"][...] = content.series(name)[:rows]
+    """Put series and frames into the datasets of a whole result."""
+    for name, values in content.series.items() if rows else ():
+        file[f"series/{name}"][...] = values[:rows]
     for k, layer in enumerate(layers if frames else ()):
-        group, names, X = file[f"layer{k}"], columns(layer), content.X[k]
-        group["X"][...] = X
-        step = max(1, _AT_ONCE // (8 * len(X) * len(names)))
+        group, names = file[f"layer{k}"], columns(layer)
+        step = max(1, _AT_ONCE // (8 * len(content.X[k]) * len(names)))
         for first in range(0, frames, step):
             end = min(first + step, frames)
             for name, values in zip(names, content.frames(k, names, first, end)):
-                group[name][first:end] = values.reshape(-1, *group[name].shape[1:])
+                group[name][first:end] = values.reshape(-1, *layer["shape"])

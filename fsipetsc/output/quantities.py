@@ -1,6 +1,6 @@
 """What is stored and recorded: its units and labels; what can be drawn, and how it follows."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -65,65 +65,45 @@ def written(unit: str) -> str:
     return "" if unit == "1" else unit.translate(str.maketrans("-123", "⁻¹²³"))
 
 
-class Part(NamedTuple):
-    """A quantity of a gas or a solid: label, fields that it needs, values from these and X."""
-
-    label: str
-    needs: tuple[str, ...]
-    values: Callable[[Mapping[str, Array]], Array]
+#: what can be drawn -> label
+_LABELS = {
+    **{name: f"velocity {name}" for name in "uvw"},
+    "T": "temperature T",
+    "p": "pressure p",
+    "rho": "density ρ",
+    "sigma": "stress σ",
+    "sigma_theta": "hoop stress σ_θ",
+    "strain": "strain ∂x/∂X − 1",
+    **{f"s_{xy}": f"stress σ_{xy}" for xy in ("xx", "yy", "zz", "xy", "yz", "xz")},
+}
 
 
 class Quantity(NamedTuple):
-    """A name, a unit, and what it is in gases and in solids, if anything."""
+    """What can be drawn: a name, and kind of layer -> label."""
 
     name: str
-    unit: str
-    fluid: Part | None
-    solid: Part | None
+    labels: dict[str, str]
 
-    def of(self, kind: str) -> Part | None:
-        return self.fluid if kind == "fluid" else self.solid
+    @property
+    def unit(self) -> str:
+        return written(unit_of(self.name))
 
     @property
     def title(self) -> str:
         """What is shown of gases, then of solids if that is something else."""
-        return "; ".join(dict.fromkeys(part.label for part in (self.fluid, self.solid) if part))
+        return "; ".join(dict.fromkeys(self.labels.values()))
+
+    def values(self, kind: str, fields: Mapping[str, Array]) -> Array:
+        """From the fields of a layer of this kind and X; beside the pressure of gases stands what
+        a solid pushes with.
+        """
+        if self.name == "p" and kind == "solid":
+            return fields["p"] - fields["sigma"] if "sigma" in fields else fields["s_xx"]
+        if self.name == "strain":  # by differences of second order
+            return np.gradient(fields["x"], fields["X"], axis=-1, edge_order=2) - 1.0
+        return fields[self.name]
 
 
-def _field(label: str, name: str) -> Part:
-    return Part(label, (name,), lambda fields: fields[name])
-
-
-def _quantity(name: str, fluid: str = "", solid: str = "") -> Quantity:
-    """A field of gases, of solids, or of both, by their labels."""
-    parts = (_field(label, name) if label else None for label in (fluid, solid))
-    return Quantity(name, written(unit_of(name)), *parts)
-
-
-def _strain(fields: Mapping[str, Array]) -> Array:
-    """x_X − 1, by differences of second order."""
-    return np.gradient(fields["x"], fields["X"], axis=-1, edge_order=2) - 1.0
-
-
-_P = _quantity("p", "pressure p")
-_LOAD = Part("p − σ in solids", ("p", "sigma"), lambda fields: fields["p"] - fields["sigma"])
-_RHO, _T = _quantity("rho", "density ρ"), _quantity("T", *["temperature T"] * 2)
-ON_A_LINE = (
-    _quantity("u", *["velocity u"] * 2),
-    _T,
-    _P._replace(solid=_LOAD),
-    _RHO,
-    _quantity("sigma", solid="stress σ"),
-    _quantity("sigma_theta", solid="hoop stress σ_θ"),
-    Quantity("strain", "", None, Part("strain ∂x/∂X − 1", ("x",), _strain)),
-)
-IN_SPACE = (
-    _P._replace(solid=_field("stress σ_xx in solids", "s_xx")),
-    _RHO,
-    *(_quantity(name, *[f"velocity {name}"] * 2) for name in "uvw"),
-    _T,
-    *(_quantity(f"s_{xy}", solid=f"stress σ_{xy}") for xy in ("xx", "yy", "zz", "xy", "yz", "xz")),
-)
 #: series of interfaces -> label; residuals: by how much a condition is missed
 AT_INTERFACES = {
     "x_interface": "displacement of the interface",
@@ -151,13 +131,13 @@ def there(run: Run) -> list[Quantity]:
     """What can be drawn of this run."""
     stored = {layer.kind: {*layer.fields} for layer in run.layers}
     found = []
-    for quantity in ON_A_LINE if run.dimension == 1 else IN_SPACE:
-        parts = {}
-        for kind in ("fluid", "solid"):
-            part = quantity.of(kind)
-            parts[kind] = part if part and {*part.needs} <= stored.get(kind, set()) else None
-        if any(parts.values()):
-            found.append(quantity._replace(**parts))
+    for name, label in _LABELS.items():
+        labels = {kind: label for kind in ("fluid", "solid") if name in stored.get(kind, ())}
+        if "solid" in stored and name == "p":
+            labels["solid"] = f"{'p − σ' if run.dimension == 1 else 'stress σ_xx'} in solids"
+        if "solid" in stored and name == "strain" and run.dimension == 1:
+            labels["solid"] = label
+        found += [Quantity(name, labels)] * bool(labels)
     return found
 
 

@@ -11,7 +11,7 @@ Example::
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +21,7 @@ import numpy as np
 from fsipetsc.checks import Array, counted
 from fsipetsc.errors import FileError
 from fsipetsc.output.checkpoint_file import is_one
-from fsipetsc.output.file_layout import Damaged, columns, damage, folder_of
+from fsipetsc.output.file_layout import beside, columns, damage
 from fsipetsc.output.pieces import Contents, pieces, read_about
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class Run:
-    """A result. Arrays are read from the file when they are asked for, and then kept.
+    """A result. Fields are read from the file when they are asked for, and then kept.
 
     case, options       name of the case; dict of every option in force
     header              what was known at the start: versions, ranks, created, …
@@ -50,27 +50,27 @@ class Run:
     series              name -> (nsteps,) or (nsteps, m), one row per time step: "t", "dt",
                         "x_interface", …
 
-    Use it as a context manager or call `close`; what was read before stays usable.
+    No file stays open. As a context manager it does nothing.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         name = os.fspath(path)
         if name.endswith(".parts") and os.path.isdir(name):  # of a run that goes on or was killed
             name = f"{name.removesuffix('.parts')}.h5"
-        self.path, self._closed = os.path.abspath(name), False
-        path, folder = Path(self.path), folder_of(self.path)
-        for again in (False, True):  # the pieces may become one file while they are read
+        self.path = os.path.abspath(name)
+        path, folder = Path(self.path), beside(self.path, ".parts")
+        for again in (True, False):  # the pieces may become one file while they are read
             whole = _is_whole(path, folder, name)
             try:
                 with damage(name):
                     about = read_about(path if whole else folder, name)
                     self._take(about, [path] if whole else pieces(folder))
             except FileNotFoundError:
-                if again:
+                if not again:
                     raise FileError(f"{name}: there is no such file") from None
-                continue
-            if whole or not path.exists():
-                return
+            else:
+                if whole or not path.exists():
+                    return
 
     def _take(self, about: Mapping[str, Any], files: Sequence[Path]) -> None:
         """What is known of the run, and its files."""
@@ -88,26 +88,11 @@ class Run:
         self.complete = bool(about["summary"]) and self.summary.get("status", "done") == "done"
         self.errors: dict[str, dict[str, float]] = about["errors"]
         self.dimension = int(self.header.get("dimension", 1))
-        layers = self.header["layers"]
-        self._contents = contents = Contents(files, layers)
-        contents.close()
-        self.time: Array = contents.time
+        self._contents = Contents(files, layers := self.header["layers"])
+        self.time, self.series = self._contents.time, self._contents.series
         self.nframes = len(self.time)
         self.layers = tuple(Layer(self, k, entry) for k, entry in enumerate(layers))
         self.blocks: dict[str, Layer] = {layer.name: layer for layer in self.layers}
-        self.series: Mapping[str, Array] = Arrays(self, "series", contents.names, contents.series)
-
-    def read(self, what: str, action: Callable[[], Any]) -> Any:
-        """What an action reads; `what` is it, in messages. FileError."""
-        if self._closed:
-            raise FileError(f"{self.path}: {what} cannot be read: the result was closed before")
-        try:
-            with damage(self.path, what):
-                return action()
-        except FileNotFoundError:
-            raise FileError(
-                f"{self.path}: has changed since it was opened; open it again"
-            ) from None
 
     def _need_frames(self) -> None:
         """FileError if no frame is saved, as in the result of a run that was killed at its start.
@@ -142,9 +127,7 @@ class Run:
         return to_xarray(self)
 
     def close(self) -> None:
-        """Close its file. What was not read yet cannot be read any more."""
-        self._contents.close()
-        self._closed = True
+        """Do nothing: its files are open only while something is read."""
 
     def __enter__(self) -> Run:
         return self
@@ -159,36 +142,7 @@ class Run:
         return f"<Run {self.case!r}: {counted(self.nframes, 'frame')}{span}; {kinds}{state}>"
 
 
-class Arrays(Mapping[str, Array]):
-    """Named arrays of a run that are read when first asked for."""
-
-    def __init__(
-        self, run: Run, what: str, names: Iterable[str], read: Callable[[str], Array]
-    ) -> None:
-        self._run, self._what, self._read = run, what, read
-        self._kept: dict[str, Array | None] = dict.fromkeys(names)
-
-    def __getitem__(self, name: str) -> Array:
-        if name not in self._kept:
-            raise KeyError(_unknown(self._what, name, self._kept))
-        values = self._kept[name]
-        if values is None:
-            values = self._kept[name] = self._run.read(name, lambda: self._read(name))
-        return values
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._kept)
-
-    def __len__(self) -> int:
-        return len(self._kept)
-
-    __eq__, __hash__ = object.__eq__, object.__hash__  # Mapping's would compare all values
-
-    def __repr__(self) -> str:
-        return f"<{self._what}: {', '.join(self._kept)}>"
-
-
-class Layer(Arrays):
+class Layer(Mapping[str, Array]):
     """A layer or block of a run in d dimensions; `layer[name]` is (nframes, n_{d-1}, …, n_0), NaN
     outside the active part.
 
@@ -207,8 +161,8 @@ class Layer(Arrays):
         self.name: str = entry["name"]
         self.kind: str = entry["kind"]
         self.fields = columns(entry)
-        super().__init__(run, f"field in {self.name!r}", self.fields, self._read_field)
-        self._number, X, d = number, run._contents.X[number], len(entry["shape"])
+        self._run, self._number, self._kept = run, number, dict[str, Array]()
+        X, d = run._contents.X[number], len(entry["shape"])
         self.shape: tuple[int, ...] = tuple(entry["shape"]) if len(X) else (0,) * d  # no frames
         self.places: Array = X.reshape(*self.shape, d)
         self.periodic: tuple[bool, ...] = tuple(entry.get("periodic", [False] * d)[::-1])
@@ -245,13 +199,34 @@ class Layer(Arrays):
         """
         self._run._need_frames()
         first = range(self._run.nframes)[number]
-        read, k = self._run._contents.frames, self._number
-        rows = self._run.read(f"frame {first}", lambda: read(k, self.fields, first, first + 1))
-        return {name: row.reshape(self.shape) for name, row in zip(self.fields, rows)}
+        rows = self._read(f"frame {first}", self.fields, first, first + 1)
+        return {name: row[0] for name, row in zip(self.fields, rows)}
 
-    def _read_field(self, name: str) -> Array:
-        (values,) = self._run._contents.frames(self._number, [name], 0, self._run.nframes)
-        return values.reshape(self._run.nframes, *self.shape)
+    def __getitem__(self, name: str) -> Array:
+        if name not in self.fields:
+            raise KeyError(_unknown(f"field in {self.name!r}", name, self.fields))
+        if name not in self._kept:
+            (self._kept[name],) = self._read(name, [name], 0, self._run.nframes)
+        return self._kept[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.fields)
+
+    def __len__(self) -> int:
+        return len(self.fields)
+
+    __eq__, __hash__ = object.__eq__, object.__hash__  # Mapping's would compare all values
+
+    def _read(self, what: str, names: Sequence[str], first: int, end: int) -> list[Array]:
+        """These fields in some frames; `what` they are, in messages. FileError."""
+        run = self._run
+        try:
+            with damage(run.path, what):
+                rows = run._contents.frames(self._number, names, first, end)
+        except FileNotFoundError:
+            said = "has changed since it was opened; open it again"
+            raise FileError(f"{run.path}: {said}") from None
+        return [row.reshape(end - first, *self.shape) for row in rows]
 
     def __repr__(self) -> str:
         return f"<{self.kind} {self.name!r}: {self.size}; {', '.join(self.fields)}>"
@@ -292,15 +267,9 @@ class InterfaceLine:
 
 def _short(places: list[Array]) -> list[Array]:
     """Coordinates as arrays along their own axes, if each depends on its own axis alone."""
-    d = len(places)
-    lines: list[Array] = []
-    for axis, values in enumerate(places):
-        own = d - 1 - axis  # the axis of the array
-        line = values[tuple(slice(None) if k == own else slice(1) for k in range(d))]
-        if not np.allclose(values, line, rtol=0.0, atol=1e-12 * np.ptp(values)):
-            return places
-        lines.append(line.reshape(-1))
-    return lines
+    rows = [np.moveaxis(X, -1 - k, -1).reshape(-1, X.shape[-1 - k]) for k, X in enumerate(places)]
+    straight = all(np.ptp(row, axis=0).max() <= 1e-12 * np.ptp(row) for row in rows)
+    return [row[0] for row in rows] if straight else places
 
 
 def open_run(path: str | os.PathLike[str]) -> Run:
@@ -310,30 +279,32 @@ def open_run(path: str | os.PathLike[str]) -> Run:
 
 def _is_whole(path: Path, folder: Path, name: str) -> bool:
     """Whether there is NAME.h5, or else NAME.parts. FileError if neither is, or it is no result."""
+    what = ""
     try:
         if not path.exists() and (folder / "header.json").exists():
             return False
         if not path.is_file():  # a pipe would wait for somebody who writes
             what = "is no regular file" if path.exists() else "there is no such file"
-            raise FileError(f"{name}: {what}")
-        if is_one(path):
-            raise FileError(f"{name}: is a checkpoint of fsipetsc, not a result")
+        elif is_one(path):
+            what = "is a checkpoint of fsipetsc, not a result"
+        elif not h5py.is_hdf5(path):
+            what = "is not an HDF5 file"
     except OSError as error:
-        raise FileError(f"{name}: may not be read: {error.strerror}") from error
-    if not h5py.is_hdf5(path):
-        raise FileError(f"{name}: is not an HDF5 file")
+        what = f"may not be read: {error.strerror}"
+    if what:
+        raise FileError(f"{name}: {what}")
     return True
 
 
 def _check_header(header: Mapping[str, Any]) -> None:
-    """Raise Damaged if what the reader and its users rely on is not there, or something else."""
+    """ValueError if what the reader and its users rely on is not there, or something else."""
     layers = [(layer["name"], layer["kind"], layer["fields"]) for layer in header["layers"]]
     texts = [header["case"], header.get("created", ""), *(name for name, _, _ in layers)]
     lists = [header.get("notes", []), header.get("interfaces", []), *(f for _, _, f in layers)]
     good = all(isinstance(names, list) for names in lists) and isinstance(header["options"], dict)
     good = good and {kind for _, kind, _ in layers} <= {"fluid", "solid"}
     if not good or not all(isinstance(text, str) for text in sum(lists, texts)):
-        raise Damaged("its header does not tell case, options and layers")
+        raise ValueError("its header does not tell case, options and layers")
 
 
 def _unknown(what: str, name: object, valid: Iterable[str]) -> str:

@@ -5,7 +5,7 @@ import html
 import io
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import starmap
 from pathlib import Path
 from string import Template
@@ -15,53 +15,49 @@ import numpy as np
 
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.info import info_sections
-from fsipetsc.output.plots.page import drawn, pictures, some
+from fsipetsc.output.plots.page import drawn, pictures
 from fsipetsc.output.plots.style import STYLE, moment
-from fsipetsc.output.reader import Run, open_run
+from fsipetsc.output.reader import open_run
 
 FILM = 60  # frames under the slider; of more, some are left out
 DPI, FILM_DPI = 110, 80
 _FIRST = "summary", "errors"  # endings of the titles of tables that come first
 
 
-def report(path: str | os.PathLike[str], outdir: str | os.PathLike[str] = ".") -> Path:
-    """Write NAME.html in `outdir`; its path.
+def report(path: str, given: Mapping[str, str]) -> Path:
+    """Write NAME.html, in the folder of -o if it is given; its path.
 
     Raises FileError if the result cannot be read or the page cannot be written.
     """
     from matplotlib import rc_context
+    from matplotlib.figure import Figure
 
-    target = Path(outdir) / f"{Path(path).stem}.html"
+    target = Path(given.get("-o", os.curdir)) / f"{Path(path).stem}.html"
+    template = Template(Path(__file__).with_name("report.html").read_text(encoding="utf-8"))
     style = {**STYLE, "savefig.dpi": DPI}
     with open_run(path) as run, rc_context(style), np.errstate(all="ignore"):
-        text = _page(run)
+        step, moving = -(-run.nframes // FILM) or 1, Figure()
+        frames = range(0, run.nframes, step) if run.nframes > 1 else ()
+        film = [_png(moving, FILM_DPI) for _ in (drawn(moving, run, frames) if frames else ())]
+        shown = []
+        for name, draw in pictures(run).items():
+            draw(figure := Figure())
+            image = f'<img alt="{name}" src="{_png(figure, DPI)}">'
+            shown.append(f'<figure id="{name}">{image}</figure>')
+        # what the run came to, then the rest of what `info` says
+        tables = sorted(info_sections(run).items(), key=lambda of: not of[0].endswith(_FIRST))
+        state = "complete" if run.complete else str(run.summary.get("status", "unfinished"))
+        text = template.substitute(
+            title=html.escape(f"{run.case}: {Path(run.path).name}"),
+            state=html.escape(state),
+            film=json.dumps(film),
+            times=json.dumps([moment(run, frame) for frame in frames]),
+            tables="\n".join(starmap(_table, tables)),
+            pictures="\n".join(shown),
+        )
     with writing(target, "the report"):
         target.write_text(text, encoding="utf-8")
     return target
-
-
-def _page(run: Run) -> str:
-    from matplotlib.figure import Figure
-
-    template = Template(Path(__file__).with_name("report.html").read_text(encoding="utf-8"))
-    frames, moving = some(run, FILM) if run.nframes > 1 else range(0), Figure()
-    film = [_png(moving, FILM_DPI) for _ in (drawn(moving, run, frames) if frames else ())]
-    shown = []
-    for name, draw in pictures(run):
-        figure = Figure()
-        draw(figure)
-        shown.append(f'<figure id="{name}"><img alt="{name}" src="{_png(figure, DPI)}"></figure>')
-    # what the run came to, then the rest of what `info` says
-    tables = sorted(info_sections(run).items(), key=lambda of: not of[0].endswith(_FIRST))
-    state = "complete" if run.complete else str(run.summary.get("status", "unfinished"))
-    return template.substitute(
-        title=html.escape(f"{run.case}: {Path(run.path).name}"),
-        state=html.escape(state),
-        film=json.dumps(film),
-        times=json.dumps([moment(run, frame) for frame in frames]),
-        tables="\n".join(starmap(_table, tables)),
-        pictures="\n".join(shown),
-    )
 
 
 def _png(figure: Any, dpi: int) -> str:

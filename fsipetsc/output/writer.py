@@ -10,6 +10,7 @@ import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -19,7 +20,7 @@ from petsc4py import PETSc
 
 from fsipetsc.errors import FileError, FsiError, petsc_words
 from fsipetsc.output import pieces, xdmf
-from fsipetsc.output.file_layout import check_folder, columns, folder_of
+from fsipetsc.output.file_layout import beside, check_folder, columns, put
 from fsipetsc.output.lock import Lock, set_aside
 from fsipetsc.output.pieces import Kept
 from fsipetsc.process.together import agree
@@ -37,10 +38,9 @@ class RunWriter:
     path            of the file in the end; FileError while another run is writing it
     header          JSON-able: case, options, versions, ranks, interfaces (names), layers (name,
                     kind, fields of each; of blocks shape); units = "none" without dimensions
-    grids           of each layer `local`, the number of points this rank owns (0 where it owns
-                    none), `n`, that of all ranks, and `X`, (local,) the Lagrangian coordinates in
-                    ascending order, of blocks (local, d) the places of the nodes; ranks own points
-                    in the order of the ranks
+    grids           of each layer `n`, the number of points of all ranks, and `X`, (local,) the
+                    Lagrangian coordinates of those that this rank owns in ascending order, of
+                    blocks (local, d) the places of the nodes; ranks own points in their order
     after           what is kept of a result of this name and this run (header["run"]): the writer
                     goes on after it. Where there is none a new one begins
     checkpoint      of another run, if there is one: it gets a new name, as an earlier result does
@@ -75,12 +75,13 @@ class RunWriter:
         self._lock: Lock | None = None  # on rank 0
         self._about: dict[str, Any] = {"header": _plain(header)}
         self.path = Path(os.path.realpath(path))
-        self.folder = folder_of(self.path)
+        self.folder = beside(self.path, ".parts")
         self.moved: list[tuple[Path, Path]] = []
         self.nframes = self.rows = 0  # frames given, and, on rank 0, rows of the series written
         self._number = 1  # of the next piece
-        begun = self._on_root(lambda: self._begin(os.fspath(path), after, checkpoint))
-        self.nframes, self.rows, self._number = begun
+        self.nframes, self.rows, self._number = self._on_root(
+            lambda: self._begin(os.fspath(path), after, checkpoint)
+        )
 
     # ------------------------------------------------------------------ what the solver calls
 
@@ -90,12 +91,8 @@ class RunWriter:
         fields: number of a layer -> (local, columns) of the points of this rank, with the columns
         of `file_layout`, NaN outside the active part; layers without points may be left out.
         """
-        frame = []
-        for k, (layer, width) in enumerate(zip(self._grids, self._widths)):
-            frame.append(np.empty((int(layer["local"]), width)))
-            if k in fields:
-                frame[k][:] = fields[k]
-        self._frames.append(frame)
+        none = [np.empty((0, width)) for width in self._widths]
+        self._frames.append([np.array(fields.get(k, none[k]), float) for k in range(len(none))])
         self._times.append(t)
         self.nframes += 1
         if len(self._frames) >= self._capacity or self._late():
@@ -121,7 +118,7 @@ class RunWriter:
             self._together(lambda: open(self._draft, "r+b").close())
             self._together(lambda: viewer.create(str(self._draft), mode="a", comm=self._comm))
             for name, _, local in parts:
-                self._together(lambda: self._view(viewer, name, local))  # noqa: B023
+                self._together(partial(self._view, viewer, name, local))
             self._together(viewer.destroy)
             self._grids_written = True
         self._number = self._on_root(self._publish)
@@ -179,8 +176,8 @@ class RunWriter:
     def _explain(self, error: Exception) -> str:
         if isinstance(error, FileError):
             return str(error)
-        words = getattr(error, "strerror", None) or " ".join(str(error).split())
-        reason = petsc_words(error) if hasattr(error, "ierr") else words or type(error).__name__
+        words = petsc_words(error) if hasattr(error, "ierr") else getattr(error, "strerror", None)
+        reason = words or " ".join(str(error).split()) or type(error).__name__
         said = f"{self.path}: cannot write: {reason}"
         return f"{said}; what was written before is in {self.folder}" if self._number > 1 else said
 
@@ -215,11 +212,14 @@ class RunWriter:
                 self._lock.release()
                 self._lock = Lock(self.folder, str(self.path))
         pieces.clear(self.folder)
-        pieces.write_header(self.folder, self._about)
+        self._write_header()
         if not goes_on:
             return 0, 0, 1
         os.replace(self.path, pieces.file_of(self.folder, 1))
         return after.frames, after.rows, 2
+
+    def _write_header(self) -> None:
+        put(self.folder / "header.json", pieces.text_of(self._about))
 
     def _join(self, files: Sequence[Path], kept: Kept | None = None) -> None:
         """Make one file of some, or of what is kept of them, and give it the name."""
@@ -241,23 +241,21 @@ class RunWriter:
     def _datasets(self) -> Iterator[tuple[str, tuple[int, ...], Array]]:
         """What the frames that are held need: name, shape, and this rank's part."""
         for k, layer in enumerate(self._grids if self._frames else ()):
-            local, n = int(layer["local"]), int(layer["n"])
+            n, X = int(layer["n"]), np.asarray(layer["X"], float)
             if not self._grids_written:
-                X = np.asarray(layer["X"], float)
                 X = X[:, 0] if X.shape[1:] == (1,) else X
                 yield f"layer{k}/X", (n, *X.shape[1:]), X
-            parts = [frame[k] for frame in self._frames]
-            width = len(parts) * self._widths[k]
-            yield f"layer{k}/frames", (n, width), np.stack(parts, axis=1).reshape(local, width)
+            local = np.concatenate([frame[k] for frame in self._frames], axis=1)
+            yield f"layer{k}/frames", (n, local.shape[1]), local
 
     def _new_piece(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
         """Begin the next piece, if there is something new."""
         if shapes or self._new_rows:
-            rows = np.concatenate(self._new_rows) if self._new_rows else None
-            first = self.nframes - len(self._times), self.rows
             numbers = {"time": np.array(self._times, float)}
-            for name in () if rows is None else rows.dtype.names:
-                numbers[f"series/{name}"] = rows[name]
+            if self._new_rows:
+                rows = np.concatenate(self._new_rows)
+                numbers |= {f"series/{name}": rows[name] for name in rows.dtype.names}
+            first = self.nframes - len(self._times), self.rows
             pieces.lay_out(self._draft, numbers, shapes, first)
 
     def _view(self, viewer: PETSc.Viewer, name: str, local: Array) -> None:
@@ -288,19 +286,14 @@ class RunWriter:
 
     def _conclude(self, join: bool) -> None:
         """Write the header with the summary, and make one file of the pieces."""
-        pieces.write_header(self.folder, self._about)
-        if not join:
-            return
-        self._join(pieces.pieces(self.folder))
-        pieces.clear(self.folder)
-        if self._about["header"].get("dimension", 1) > 1:
+        self._write_header()
+        if join:
+            self._join(pieces.pieces(self.folder))
+            pieces.clear(self.folder)
+        if join and self._about["header"].get("dimension", 1) > 1:
             xdmf.write(self.path)
 
 
 def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
     """The data as JSON can say it."""
-
-    def plain(value: Any) -> Any:
-        return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else str(value)
-
-    return json.loads(json.dumps(data, default=plain))
+    return json.loads(json.dumps(data, default=lambda v: getattr(v, "tolist", v.__str__)()))

@@ -5,6 +5,7 @@ In three dimensions the maps are those of the plane in the middle of the blocks'
 """
 
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -21,15 +22,13 @@ ABOVE = 0.4  # inches, of what stands above and below a panel
 BAR = 0.72  # inches, of a colour bar with its label
 MARGIN = 0.02  # of the extent, around it
 THIN = 0.2  # height over width; what is thinner is drawn higher than it is
-#: least ratio of width to height -> panels beside each other, and in all
-_SHAPES = ((1.25, 2, 4), (0.6, 3, 3), (0.0, 5, 5))
+WIDE = 1.25  # width over height; of what is wider, two panels stand beside each other, else three
 
 
 class View:
     """A quantity of a run at some frames, and what all of its panels have in common.
 
     layers   those that have the quantity
-    values   of each of these, at these frames
     scales   kind of layer -> colours of its maps, for frames after the first one
     limits   (left, right), (lower, upper) of a panel
     labels   of its two axes
@@ -38,15 +37,14 @@ class View:
 
     def __init__(self, run: Run, quantity: Quantity, frames: Sequence[int]) -> None:
         self.run, self.quantity, self.frames = run, quantity, list(frames)
-        self.layers = [layer for layer in run.layers if quantity.of(layer.kind)]
-        self.values = [[self._values(layer, k) for k in self.frames] for layer in self.layers]
-        self.scales = self._scales()
-        positions = [self.positions(layer, k) for layer in self.layers for k in self.frames]
-        ranges = np.array([extremes(*along) for along in zip(*positions)])
+        self.layers = [layer for layer in run.layers if layer.kind in quantity.labels]
+        known = [[self.at(layer, k) for k in self.frames] for layer in self.layers]
+        self.scales = self._scales([[values for *_, values in of] for of in known])
+        ranges = np.array([extremes(*along) for along in zip(*chain(*known))])[:2]
         last = "r" if run.header.get("symmetry") else "xyz"[run.dimension - 1]
         last = labelled(run, last, "m")
         if run.dimension == 1:
-            low, high = extremes(*(v for values in self.values for v in values))
+            low, high = ranges[1]
             margin = 2 * MARGIN * (high - low) or 0.1 * abs(low) or 1.0
             self.limits = [ranges[0], np.array([low - margin, high + margin])]
             label = labelled(run, quantity.title, quantity.unit)
@@ -57,17 +55,16 @@ class View:
         self.labels = labelled(run, "x", "m"), last
         self.ratio = float(np.ptp(self.limits[0]) / np.ptp(self.limits[1]))
 
-    def _values(self, layer: Layer, frame: int) -> Array:
-        """Of a frame: (n,), or (m, n) of a map."""
+    def at(self, layer: Layer, frame: int) -> list[Array]:
+        """Places of a frame, horizontal ones and of maps vertical ones, and values. Of three
+        dimensions what lies in the middle of the second axis.
+        """
         fields = {"X": layer.X, **layer.frame(frame)}
-        return in_plane(self.quantity.of(layer.kind).values(fields))
+        found = [fields[x] for x in ("x", "xy", "xz")[self.run.dimension - 1]]
+        found.append(self.quantity.values(layer.kind, fields))
+        return [v[:, v.shape[1] // 2] if v.ndim == 3 else v for v in found]
 
-    def positions(self, layer: Layer, frame: int) -> list[Array]:
-        """Horizontal ones, and vertical ones of maps."""
-        fields = layer.frame(frame)
-        return [in_plane(fields[x]) for x in ("x", "xy", "xz")[self.run.dimension - 1]]
-
-    def _scales(self) -> dict[str, dict[str, Any]]:
+    def _scales(self, values: list[list[Array]]) -> dict[str, dict[str, Any]]:
         """A kind of layer has colours of its own: what comes through to a solid may be little."""
         unit, last = self.quantity.unit, [layer.frame(-1) for layer in self.run.layers]
         same = [v for frame in last for k, v in frame.items() if written(unit_of(k)) == unit]
@@ -75,57 +72,40 @@ class View:
         scales = {}
         for kind in dict.fromkeys(layer.kind for layer in self.layers):
             some = [k for k, layer in enumerate(self.layers) if layer.kind == kind]
-            later = [np.ravel(v) for k in some for v in self.values[k][1:] or self.values[k]]
-            start = [np.ravel(self._values(self.layers[k], 0)) for k in some]
+            later = [np.ravel(v) for k in some for v in values[k][1:] or values[k]]
+            start = [np.ravel(self.at(self.layers[k], 0)[-1]) for k in some]
             scales[kind] = style.colours(kind, np.concatenate(later), np.concatenate(start), beside)
         return scales
-
-    def bar_label(self, kind: str) -> str:
-        """What a colour bar shows."""
-        label, both = self.quantity.of(kind).label, (self.quantity.fluid, self.quantity.solid)
-        if len(self.scales) > 1 and both[0].label == both[1].label:
-            label = f"{'gas' if kind == 'fluid' else 'solid'}: {label}"
-        return labelled(self.run, label, self.quantity.unit)
 
     def draw(self, axes: Axes, frame: int) -> dict[str, Any]:
         """Draw one frame; kind of layer -> what there is to make a colour bar of."""
         pictures = {}
-        axes.set(xlim=self.limits[0], ylim=self.limits[1])
-        for layer, kept in zip(self.layers, self.values):
-            values, places = kept[self.frames.index(frame)], self.positions(layer, frame)
+        axes.set(xlim=self.limits[0], ylim=self.limits[1], xlabel=self.labels[0])
+        style.label_y(axes, self.labels[1])
+        for layer in self.layers:
+            found = self.at(layer, frame)
             if self.run.dimension == 1:
-                axes.plot(*places, values, color=style.COLORS[layer.kind], label=layer.kind)
+                axes.plot(*found, color=style.COLORS[layer.kind], label=layer.kind)
                 continue
             for axis in layer.rings if self.run.dimension == 2 else ():  # it ends where it begins
-                *places, values = (np.append(v, v.take([0], axis), axis) for v in (*places, values))
-            pictures[layer.kind] = shaded(axes, *places, values, self.scales[layer.kind])
+                found = [np.append(v, v.take([0], axis), axis) for v in found]
+            pictures[layer.kind] = shaded(axes, *found, self.scales[layer.kind])
             if layer.kind == "solid":
-                outline(axes, *places)
+                outline(axes, *found[:2])
             axes.set_aspect("equal" if self.ratio <= 1 / THIN else "auto")
         return pictures
 
 
-def in_plane(values: Array) -> Array:
-    """Of three dimensions what lies in the middle of the second axis."""
-    return values[:, values.shape[1] // 2] if values.ndim == 3 else values
-
-
 def frames_of(run: Run, quantity: Quantity, times: Sequence[float] = ()) -> list[int]:
-    """The frames nearest to these times, or as many as have room, evenly."""
-    _, count = _shape(View(run, quantity, [run.nframes - 1]).ratio)
-    chosen = times or np.linspace(run.time[0], run.time[-1], count)
-    return sorted({run.at(t) for t in chosen})
+    """The frames nearest to these times; if there are none, three or four of all, evenly."""
+    count = 4 if View(run, quantity, [run.nframes - 1]).ratio >= WIDE else 3
+    return sorted({run.at(t) for t in times or np.linspace(run.time[0], run.time[-1], count)})
 
 
-def _shape(ratio: float) -> tuple[int, int]:
-    """How many panels of this ratio stand beside each other, and how many are drawn."""
-    return next((columns, count) for least, columns, count in _SHAPES if ratio >= least)
-
-
-def sizes(view: View) -> tuple[int, float, float]:
-    """Columns, width of a panel and height of all of them with their bars [inches]."""
-    columns = min(_shape(view.ratio)[0], len(view.frames))
-    rows = -(-len(view.frames) // columns)
+def sizes(view: View, count: int) -> tuple[int, float, float]:
+    """Columns, width of a panel and height of so many with their bars [inches]."""
+    columns = min(2 if view.ratio >= WIDE else 3, count)
+    rows = -(-count // columns)
     ratio = min(view.ratio, 1 / THIN)
     width = min(WIDTH / columns - 0.4, HIGHEST * ratio)
     bars = BAR * len(view.scales) * (view.run.dimension > 1)
@@ -134,18 +114,12 @@ def sizes(view: View) -> tuple[int, float, float]:
 
 def draw(figure: FigureBase, view: View) -> None:
     """A panel for each frame, colour bars or a legend above."""
-    columns = sizes(view)[0]
-    rows = -(-len(view.frames) // columns)
-    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    count = len(view.frames)
+    grid = style.panels(figure, count, sizes(view, count)[0], sharex=True, sharey=True)
     for axes, frame in zip(grid.flat, view.frames):
         pictures = view.draw(axes, frame)
         axes.set_title(style.moment(view.run, frame), loc="left")
-    for axes in grid.flat[len(view.frames) :]:
-        axes.set_visible(False)
-    for axes in grid[-1]:
-        axes.set_xlabel(view.labels[0])
-    for axes in grid[:, 0]:
-        style.label_y(axes, view.labels[1])
+        axes.label_outer()
     grid[0, 0].locator_params(axis="x", nbins=4)
     if not pictures and len(view.scales) > 1:
         style.legend_above(grid[0, -1], side="right")
@@ -158,7 +132,10 @@ def draw_bars(figure: FigureBase, view: View, pictures: Mapping[str, Any], axes:
     size = {"aspect": 50, "shrink": 0.7} if wide else {"aspect": 25}
     for kind, picture in pictures.items():
         bar = figure.colorbar(picture, ax=axes, location="top", pad=0.02, **size)
-        bar.set_label(view.bar_label(kind), loc="left")
+        label, title = view.quantity.labels[kind], view.quantity.title
+        if len(pictures) > 1 and label == title:  # of both kinds
+            label = f"{'gas' if kind == 'fluid' else 'solid'}: {label}"
+        bar.set_label(labelled(view.run, label, view.quantity.unit), loc="left")
         bar.outline.set_visible(False)
         bar.ax.locator_params(nbins=6 if wide else 4)
 
@@ -170,8 +147,9 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
     some = slice(None, None, max(1, len(x_interface) // style.MAX_POINTS))
     for axes, quantity in zip(grid, quantities):
         view, pictures = View(run, quantity, range(run.nframes)), {}
-        for layer, kept in zip(view.layers, view.values):
-            x, values = without_gaps(layer, np.array(kept))
+        for layer in view.layers:
+            values = np.array([view.at(layer, frame)[-1] for frame in view.frames])
+            x, values = without_gaps(layer, values)
             x, values, t = between(x, values, np.broadcast_to(run.time[:, None], x.shape))
             pictures[layer.kind] = shaded(axes, x, t, values, view.scales[layer.kind])
         for x in x_interface[some].T:
@@ -206,7 +184,7 @@ def without_gaps(layer: Layer, values: Array) -> tuple[Array, Array]:
     return x, values
 
 
-def outline(axes: Axes, x: Array, y: Array, inside: int = 8) -> None:
+def outline(axes: Axes, x: Array, y: Array) -> None:
     """The edges of a solid, and some lines of its grid across it, which show how it is deformed."""
     edges = [(x[0], y[0]), (x[-1], y[-1]), (x[:, 0], y[:, 0]), (x[:, -1], y[:, -1])]
     closed = [np.array_equal(edges[k], edges[k + 1]) for k in (0, 2)]
@@ -214,7 +192,7 @@ def outline(axes: Axes, x: Array, y: Array, inside: int = 8) -> None:
         if not skip:
             axes.plot(*edge, color="black", linewidth=0.8)
     longer = int(np.argmax(x.shape))
-    step = max(1, (x.shape[longer] - 1) // inside)
+    step = max(1, (x.shape[longer] - 1) // 8)
     for line in range(step, x.shape[longer] - 1, step):
         across = x.take(line, longer), y.take(line, longer)
         axes.plot(*across, color="black", linewidth=0.3, alpha=0.5)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from fsipetsc.errors import InputError
-from fsipetsc.options.option import as_kind
+from fsipetsc.options import Option
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.plots import fields, series, style
 from fsipetsc.output.plots.style import Figure, FigureBase
@@ -22,67 +22,56 @@ PANELS, MAPS = 2.8, 4.4  # inches, heights of a row of curves, of maps over x an
 #: of a film [dots per inch], frames at most (of more, some are left out), length [s]
 FILM_DPI, MOST_FRAMES, FILM_SECONDS = 100, 200, 10.0
 LEAST_FRAMES = 5  # of fewer, profiles say more than maps over x and t
-PICTURES = (".png", ".pdf", ".svg")
-KNOWN = (*PICTURES, ".gif", ".jpg", ".jpeg", ".eps", ".tif", ".tiff", ".webp", ".mp4")
+PICTURES = (".png", ".pdf", ".svg", ".jpg")
 
 #: height [inches], what is drawn on a figure of this height
 Drawing = tuple[float, Callable[[FigureBase], None]]
 
 
-def plot(path: str, given: Mapping[str, str]) -> list[Path]:
-    """Do what the options ask for (fsipetsc.cli); the files that have been written.
+def plot(path: str, given: Mapping[str, str]) -> str:
+    """Do what the options ask for (fsipetsc.cli); the files that have been written, a line each.
 
     Raises FileError if the result cannot be read or a file cannot be written, InputError for
     options that cannot be followed.
     """
-    times: tuple[float, ...] = ()
+    times = ()
     if "-times" in given:
-        times = as_kind("floats", given["-times"], f"bad value {given['-times']!r} for -times")
+        times = Option("times", "floats", None, "s", "").parse(given["-times"])
     names = tuple(map(str.strip, given["-fields"].split(","))) if "-fields" in given else ()
     where, every, film = Path(given.get("-o", os.curdir)), "-all" in given, "-animate" in given
-    if every and film:
-        raise InputError("plot: -all and -animate are two things; give one of them")
-    suffixes = (".gif",) if film else () if every else PICTURES
-    is_file = where.suffix in suffixes
-    if where.suffix.lower() in KNOWN and not is_file and not where.is_dir():
-        named = f", or a name that ends with {', '.join(suffixes)}" if suffixes else ""
-        raise InputError(f"plot: -o {where}: expected a directory{named}")
+    is_file = where.suffix == ".gif" if film else where.suffix in PICTURES
+    if every and (film or is_file):
+        raise InputError("plot: -all writes several pictures: expected a directory, no -animate")
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
     stem, written = Path(path).stem, []
     with open_run(path) as run, rc_context(style.STYLE), np.errstate(all="ignore"):
         if film:
-            return [animate(run, where if is_file else where / f"{stem}.gif", names)]
-        if not every:
-            figure = Figure()
-            page(figure, run, names, times)
-            return [style.save(figure, where if is_file else where / f"{stem}.png")]
-        for name, draw in pictures(run, times):
+            return str(animate(run, where if is_file else where / f"{stem}.gif", names))
+        whole = {"": partial(page, run=run, names=names, times=times)}
+        for name, draw in (pictures(run, times) if every else whole).items():
             figure = Figure()
             draw(figure)
-            written.append(style.save(figure, where / f"{stem}-{name}.png"))
-    return written
+            target = where / (f"{stem}-{name}.png" if name else f"{stem}.png")
+            written.append(str(style.save(figure, where if is_file else target)))
+    return "\n".join(written)
 
 
-def pictures(
-    run: Run, times: Sequence[float] = ()
-) -> Iterator[tuple[str, Callable[[Figure], None]]]:
-    """Name and drawing function of each picture that this run has the data for."""
-    found: list[tuple[str, str, Drawing]] = []
+def pictures(run: Run, times: Sequence[float] = ()) -> dict[str, Callable[[Figure], None]]:
+    """Name -> drawing function of each picture that this run has the data for."""
+    found: dict[str, tuple[str, Drawing]] = {}
     if run.nframes:
-        found += [(q.name, q.title, _at_times(run, q, times)) for q in there(run)]
+        found = {q.name: (q.title, _at_times(run, q, times)) for q in there(run)}
     if run.dimension == 1 and run.nframes >= LEAST_FRAMES:
-        found.append(("xt", "space and time", _over_time(run, chosen(run, ()))))
-    for name, find in (
-        ("interfaces", series.interface_panels),
-        ("ledgers", series.ledger_panels),
-        ("steps", series.step_panels),
-    ):
-        if panels := list(find(run)):
-            found.append((name, name, _curves(run, panels)))
-    for name, title, drawing in found:
-        yield name, partial(_draw, run=run, title=title, drawings=[drawing])
+        found["xt"] = "space and time", _over_time(run, chosen(run, ()))
+    for name, panels in series.panels(run).items():
+        if panels:
+            found[name] = name, _curves(run, panels)
+    return {
+        name: partial(_draw, run=run, title=title, drawings=[drawing])
+        for name, (title, drawing) in found.items()
+    }
 
 
 def page(figure: Figure, run: Run, names: Sequence[str] = (), times: Sequence[float] = ()) -> None:
@@ -95,14 +84,12 @@ def page(figure: Figure, run: Run, names: Sequence[str] = (), times: Sequence[fl
         drawings.append(_over_time(run, quantities))
     elif run.nframes:
         drawings += [_at_times(run, quantity, times) for quantity in quantities]
-    ledgers = {panel.label: panel for panel in series.ledger_panels(run)}
-    told = [ledgers.get(name) for name in ("change of energy", "relative departure")]
-    panels = [*list(series.interface_panels(run))[:1], *filter(None, told)]
-    if panels := [*panels, *series.step_panels(run)]:
+    interfaces, ledgers, steps = series.panels(run).values()
+    told = [panel for panel in ledgers if panel.label in ("change of energy", series.DEPARTURE)]
+    if panels := [*interfaces[:1], *reversed(told), *steps]:
         drawings.append(_curves(run, panels, columns=len(panels)))
-    steps = f"{len(run.series.get('t', ())):,} steps"
     end = style.moment(run, -1) if run.nframes else "no frame"
-    _draw(figure, run, f"{end}, {steps}", drawings)
+    _draw(figure, run, f"{end}, {len(run.series.get('t', ())):,} steps", drawings)
 
 
 def _draw(figure: Figure, run: Run, title: str, drawings: Sequence[Drawing]) -> None:
@@ -118,7 +105,7 @@ def _draw(figure: Figure, run: Run, title: str, drawings: Sequence[Drawing]) -> 
 def _at_times(run: Run, quantity: Quantity, times: Sequence[float]) -> Drawing:
     """Profiles or maps."""
     view = fields.View(run, quantity, fields.frames_of(run, quantity, times))
-    return fields.sizes(view)[2], partial(fields.draw, view=view)
+    return fields.sizes(view, len(view.frames))[2], partial(fields.draw, view=view)
 
 
 def _over_time(run: Run, quantities: Sequence[Quantity]) -> Drawing:
@@ -128,7 +115,7 @@ def _over_time(run: Run, quantities: Sequence[Quantity]) -> Drawing:
 
 def _curves(run: Run, panels: list[series.Panel], columns: int = 3) -> Drawing:
     """Panels of curves over time."""
-    draw = partial(series.draw_panels, run=run, panels=panels, columns=columns)
+    draw = partial(series.draw, run=run, panels=panels, columns=columns)
     return PANELS * -(-len(panels) // columns), draw
 
 
@@ -147,17 +134,12 @@ def animate(run: Run, target: Path, names: Sequence[str] = ()) -> Path:
     if run.nframes < 2:
         raise InputError(f"-animate: there are {run.nframes} frames: expected two or more")
     chosen(run, names)  # an error comes before the film
-    frames, figure = some(run, MOST_FRAMES), Figure(dpi=FILM_DPI)
-    writer = PillowWriter(fps=max(1.0, len(frames) / FILM_SECONDS))
+    step, figure = -(-run.nframes // MOST_FRAMES), Figure(dpi=FILM_DPI)
+    writer = PillowWriter(fps=max(1.0, run.nframes / step / FILM_SECONDS))
     with writing(target, "the film"), writer.saving(figure, target, FILM_DPI):
-        for _ in drawn(figure, run, frames, names):
+        for _ in drawn(figure, run, range(0, run.nframes, step), names):
             writer.grab_frame()
     return target
-
-
-def some(run: Run, most: int) -> range:
-    """At most so many frames, evenly, from the first on."""
-    return range(0, run.nframes, -(-run.nframes // most))
 
 
 def drawn(
@@ -165,7 +147,7 @@ def drawn(
 ) -> Iterator[int]:
     """Each frame, once it is on the figure; scales and colours are the same in all. InputError."""
     views = [fields.View(run, quantity, frames) for quantity in chosen(run, names)]
-    _, width, height = fields.sizes(fields.View(run, views[0].quantity, frames[:1]))
+    _, width, height = fields.sizes(views[0], 1)
     size = (10.8, 3.4) if run.dimension == 1 else (len(views) * (width + 1.2), height + 0.9)
     figure.set_size_inches(*size)
     grid = figure.subplots(1, len(views), squeeze=False)[0]
@@ -176,7 +158,6 @@ def drawn(
             for artist in [*axes.lines, *axes.collections]:
                 artist.remove()
             pictures = view.draw(axes, frame)
-            axes.set(xlabel=view.labels[0], ylabel=view.labels[1])
             if frame == frames[0]:
                 fields.draw_bars(figure, view, pictures, axes)
         if frame == frames[0]:

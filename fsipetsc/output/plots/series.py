@@ -2,20 +2,20 @@
 dimensions the deflection of interfaces, too.
 """
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from fsipetsc.output.plots import style
-from fsipetsc.output.plots.style import Axes, FigureBase
+from fsipetsc.output.plots.style import FigureBase
 from fsipetsc.output.quantities import AT_INTERFACES, LEDGERS, unit_of, written
-from fsipetsc.output.reader import InterfaceLine, Run
+from fsipetsc.output.reader import Run
 from fsipetsc.scheme.conservation_check import Drifts
 
 Array = np.ndarray
 
 INTERFACE_POINTS = (0.25, 0.5, 0.75)  # of an interface, whose deflection is drawn as a curve
+DEPARTURE = "relative departure"
 #: a logarithmic axis spans so much at most
 SPAN = 1e8
 
@@ -30,43 +30,46 @@ class Panel(NamedTuple):
     logarithmic: bool = False
 
 
-def interface_panels(run: Run) -> Iterator[Panel]:
-    """How interfaces move, in two dimensions first the one that moves most; what holds there."""
+def panels(run: Run) -> dict[str, list[Panel]]:
+    """What there is to draw of interfaces, of ledgers, and of the steps.
+
+    Of interfaces how they move, in two dimensions first the one that moves most, then what holds
+    there. Of ledgers by how much has departed what must be kept, then the ledgers. Of steps the
+    largest of some each, for those before a saved time share what is left.
+    """
+    found: dict[str, list[Panel]] = {"interfaces": [], "ledgers": [], "steps": []}
+    interfaces, ledgers, steps = found.values()
     if run.dimension == 2 and run.nframes > 1:
         lines = [run.interface(k) for k in range(len(run.interfaces))]
-        lines.sort(key=lambda line: np.nanmax(np.abs(line.displacement)), reverse=True)
-        yield from (_deflection(run, line) for line in lines)
-    t = run.series.get("t", np.empty(0))
-    for name, label in AT_INTERFACES.items():
-        if name in run.series and len(t) > 1:
-            values = run.series[name]
-            values = values - values[0] if name == "x_interface" else values
-            curves = dict(zip(run.interfaces, values.reshape(len(values), -1).T))
-            yield Panel(label, written(unit_of(name)), t, curves, name.startswith("residual"))
-
-
-def _deflection(run: Run, line: InterfaceLine) -> Panel:
-    """Of some points of an interface in two dimensions."""
-    points = [round(part * (len(line.X) - 1)) for part in INTERFACE_POINTS]
-    curves = {f"X = {line.X[point]:.3g}": line.displacement[:, point] for point in points}
-    return Panel(f"deflection,\n{line.name}", "m", run.time, curves)
-
-
-def ledger_panels(run: Run) -> Iterator[Panel]:
-    """Mass, energy, momentum, entropy, J, and by how much what must be kept has departed."""
+        for line in sorted(lines, key=lambda line: -np.nanmax(np.abs(line.displacement))):
+            points = [round(part * (len(line.X) - 1)) for part in INTERFACE_POINTS]
+            curves = {f"X = {line.X[point]:.3g}": line.displacement[:, point] for point in points}
+            interfaces.append(Panel(f"deflection,\n{line.name}", "m", run.time, curves))
     t = run.series.get("t", np.empty(0))
     if len(t) < 2:
-        return
+        return found
+
+    def panel(name: str, label: str, values: Array, names: list[str]) -> Panel:
+        curves = dict(zip(names, values.reshape(len(t), -1).T))
+        return Panel(label, written(unit_of(name, run)), t, curves, name.startswith("residual"))
+
+    for name, label in AT_INTERFACES.items():
+        if name in run.series:
+            values = run.series[name]
+            values = values - values[0] if name == "x_interface" else values
+            interfaces.append(panel(name, label, values, [*run.interfaces]))
     if departed := departures(run):
-        yield Panel("relative departure", "", t, departed, logarithmic=True)
+        ledgers.append(Panel(DEPARTURE, "", t, departed, logarithmic=True))
     for name, label in LEDGERS.items():
         if name in run.series:
             values, start = run.series[name], np.zeros(1)
             if label.startswith("change"):
                 start = np.asarray(run.summary.get(f"initial_{name}", values[0]))
             blocks = [x.name for x in run.layers if name != "mass" or x.kind == "fluid"]
-            curves = dict(zip(blocks, (values - start).reshape(len(values), -1).T))
-            yield Panel(label, written(unit_of(name, run)), t, curves)
+            ledgers.append(panel(name, label, values - start, blocks))
+    at, dt = envelope(t, run.series["dt"], len(t) // 4)
+    steps.append(Panel("time step", "s", at, {"dt": dt}))
+    return found
 
 
 def departures(run: Run) -> dict[str, Array]:
@@ -76,45 +79,26 @@ def departures(run: Run) -> dict[str, Array]:
     return Drifts(laws, initial).go_on(run.series) if laws and initial else {}
 
 
-def step_panels(run: Run) -> Iterator[Panel]:
-    """The length of the steps: the largest of some each, for those before a saved time share what
-    is left.
-    """
-    t = run.series.get("t", np.empty(0))
-    if len(t) > 1:
-        at, dt = envelope(t, run.series["dt"], len(t) // 4)
-        yield Panel("time step", "s", at, {"dt": dt})
-
-
-def draw_panels(figure: FigureBase, run: Run, panels: list[Panel], columns: int = 3) -> None:
-    """All of them on a figure."""
-    rows = -(-len(panels) // columns)
-    grid = figure.subplots(rows, min(columns, len(panels)), squeeze=False)
-    for axes, panel in zip(grid.flat, panels):
-        draw_panel(axes, run, panel)
-    for axes in grid.flat[len(panels) :]:
-        axes.set_visible(False)
-
-
-def draw_panel(axes: Axes, run: Run, panel: Panel) -> None:
-    """One of them."""
-    some = slice(None, None, max(1, len(panel.t) // style.MAX_POINTS))
-    axes.set_prop_cycle(**style.CURVES)
-    for name, values in panel.curves.items():
-        t, shown = panel.t[some], values[some]
+def draw(figure: FigureBase, run: Run, panels: list[Panel], columns: int) -> None:
+    """Panels on a figure, so many beside each other."""
+    for axes, panel in zip(style.panels(figure, len(panels), columns).flat, panels):
+        some = slice(None, None, max(1, len(panel.t) // style.MAX_POINTS))
+        axes.set_prop_cycle(**style.CURVES)
+        for name, values in panel.curves.items():
+            t, shown = panel.t[some], values[some]
+            if panel.logarithmic:
+                t, shown = envelope(panel.t, np.abs(values))
+                shown = np.where(shown > 0, shown, np.nan)
+            axes.plot(t, shown, label=name)
         if panel.logarithmic:
-            t, shown = envelope(panel.t, np.abs(values))
-            shown = np.where(shown > 0, shown, np.nan)
-        axes.plot(t, shown, label=name)
-    if panel.logarithmic:
-        axes.set_yscale("log")
-        axes.set_ylim(bottom=max(axes.get_ylim()[0], axes.get_ylim()[1] / SPAN))
-    if panel.label == "time step":
-        axes.set_ylim(bottom=0.0)
-    style.label_y(axes, style.labelled(run, panel.label, panel.unit))
-    if len(panel.curves) > 1 or panel.logarithmic:
-        style.legend_above(axes)  # else its one name says nothing
-    style.time_axis(axes, run)
+            axes.set_yscale("log")
+            axes.set_ylim(bottom=max(axes.get_ylim()[0], axes.get_ylim()[1] / SPAN))
+        if panel.label == "time step":
+            axes.set_ylim(bottom=0.0)
+        style.label_y(axes, style.labelled(run, panel.label, panel.unit))
+        if len(panel.curves) > 1 or panel.logarithmic:
+            style.legend_above(axes)  # else its one name says nothing
+        style.time_axis(axes, run)
 
 
 def envelope(t: Array, values: Array, parts: int = 300) -> tuple[Array, Array]:

@@ -83,16 +83,10 @@ def set_title(figure: Figure, title: str) -> Text:
 
 def of_run(run: Run, what: str) -> str:
     """What is shown, then case, order, grid spacing, ranks, and whether the run has ended."""
-    facts = []
-    if "fsi_order" in run.options:
-        facts.append(f"order {operator(run.options['fsi_order']).name}")
-    if "fsi_h" in run.options:
-        facts.append(f"h = {run.options['fsi_h']:g}{' m' * is_si(run)}")
-    if "ranks" in run.summary:
-        facts.append(counted(run.summary["ranks"], "rank"))
-    if not run.complete:
-        facts.append("unfinished")
-    return f"{run.case}, {what}" + (f"  ({', '.join(facts)})" if facts else "")
+    order = operator(run.options["fsi_order"]).name
+    h = f"{run.options['fsi_h']:g}{' m' * is_si(run)}"
+    ranks = counted(run.summary["ranks"], "rank") + ", unfinished" * (not run.complete)
+    return f"{run.case}, {what}  (order {order}, h = {h}, {ranks})"
 
 
 def labelled(run: Run, label: str, unit: str) -> str:
@@ -119,8 +113,17 @@ def time_axis(axes: Axes, run: Run, which: str = "x") -> None:
     axes.locator_params(axis=which, nbins=4 if which == "x" else 8)
     if is_si(run):
         axis.set_major_formatter(EngFormatter("s", useMathText=False))
-    times = np.concatenate([run.time[:1], run.series.get("t", run.time)[:1], run.time[-1:]])
-    axes.set(**{f"{which}lim": (times.min(), max(times.max(), *run.series.get("t", [0])[-1:]))})
+    times = np.concatenate([run.time, run.series.get("t", [])])
+    axes.set(**{f"{which}lim": (times.min(), times.max())})
+
+
+def panels(figure: FigureBase, count: int, columns: int, **more: Any) -> Array:
+    """Axes in rows of so many, those that are too many invisible."""
+    columns = min(columns, count)
+    grid = figure.subplots(-(-count // columns), columns, squeeze=False, **more)
+    for axes in grid.flat[count:]:
+        axes.set_visible(False)
+    return grid
 
 
 def label_y(axes: Axes, text: str) -> None:
