@@ -11,7 +11,6 @@ from fsipetsc.boundaries import INTERFACE_END, Wall, degree_of, heat_of, needs_s
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import SBPOperator, row_length
 from fsipetsc.paper.ends import nodes_needed
-from fsipetsc.paper.sums import SEEN, SHARES
 from fsipetsc.parallel.block_shares import share_line
 from fsipetsc.problem import Problem
 
@@ -29,7 +28,6 @@ _I, _F = np.int64, np.float64
 RECORD = np.dtype(
     [
         ("number", _I),  # of the layer, from the left
-        ("fluid", _I),  # 1 of a gas
         ("present", _I),  # 1: this rank owns points of the layer
         ("n", _I),  # points, some of them held in reserve,
         ("lo", _I),  # the first and the last active one: in a gas interface point and ghost point
@@ -52,9 +50,7 @@ RECORD = np.dtype(
         ("end_data", _F, (2, 4)),
         ("end_thermal", _I, (2,)),  # INSULATED, GIVEN_T or GIVEN_FLUX, at the end of a solid,
         ("end_heat", _F, (2,)),  # and the temperature or heat flux that is given
-        ("seen", _F, (SEEN,)),  # after a step, see fsipetsc.paper.sums
-        ("shares", _F, (SHARES,)),
-        ("rates", _F, (2,)),  # of convection and diffusion [1/s]
+        ("rates", _F, (2,)),  # after a step, see fsipetsc.paper.sums
     ],
     align=True,
 )
@@ -95,7 +91,7 @@ def make_records(problem: Problem, op: SBPOperator, h: float, halo: int) -> Arra
                 f"layer '{layer.name}' of length {layer.X[1] - layer.X[0]:g} would have "
                 f"{width:.3g} cells with -fsi_h {h:g}; {MOST_CELLS} are too many"
             )
-        record["number"], record["fluid"], record["h"], record["halo"] = k, fluid, h, halo
+        record["number"], record["h"], record["halo"] = k, h, halo
         record["end_kind"] = INTERFACE_END
         for side, end in ((0, problem.left), (1, problem.right)):
             if k == (0, len(records) - 1)[side]:
@@ -131,7 +127,7 @@ def share_out(
     """(rank, begin, end) of the pieces of each layer; notes in the records what this rank owns."""
     halo = int(records[0]["halo"])
     stored = [
-        (layer.kind, int(r["n"]), int(r["hi"] - r["lo"]) + 1, bool(k == 0 and r["fluid"]))
+        (layer.kind, int(r["n"]), int(r["hi"] - r["lo"]) + 1, k == 0 and layer.kind == "fluid")
         for k, (layer, r) in enumerate(zip(problem.layers, records, strict=True))
     ]
     shares = share_line(stored, comm.size, mode, max(halo, op.rows + 1))
