@@ -38,12 +38,6 @@ ETA_NARROW = ETA.copy()
 ETA_NARROW[2, 0] = 0.2289158450015872, -0.4914033185443774, 0.1207498614024324, 0.0225285974796345
 
 
-def nodes_needed(degree: int) -> int:
-    """Points inside the ghost point that a boundary needs: its formula's, and those that fill a
-    new point."""
-    return max(degree, NEW_DIRICHLET + 1)
-
-
 @njit(**INNER)
 def distance(layer, side):
     """From the interface to the embedded boundary, in cells, from where the frame is: not by

@@ -7,10 +7,10 @@ layers, each interlaced (gas rho, rho u, e; solid u, sigma, T, x).
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.boundaries import INTERFACE_END, Wall, degree_of, heat_of, needs_stretching
+from fsipetsc.boundaries import INTERFACE_END, degree_of, heat_of, needs_stretching
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import SBPOperator, row_length
-from fsipetsc.paper.ends import nodes_needed
+from fsipetsc.paper.ends import NEW_DIRICHLET
 from fsipetsc.parallel.block_shares import share_line
 from fsipetsc.problem import Problem
 
@@ -59,17 +59,15 @@ RECORD = np.dtype(
 def check_form(problem: Problem) -> None:
     """InputError for a problem that is not of the paper's form: a solid, with a gas on one side of
     it or on both, whose outer end insulates and stays where it is."""
-    fluids = [k for k, layer in enumerate(problem.layers) if layer.kind == "fluid"]
-    reason = ""
+    layers, reason = problem.layers, ""
     if not problem.interfaces:
         reason = "there is no interface"
-    elif len(fluids) == len(problem.layers) - 2 or len(problem.layers) > 3:
+    elif len(layers) > 3 or sum(layer.kind == "solid" for layer in layers) > 1:
         reason = "a gas lies between two solids"
-    for k in fluids:
-        end = problem.left if k == 0 else problem.right
-        if not reason and isinstance(end, Wall) and needs_stretching(end):
+    for k, end in ((0, problem.left), (-1, problem.right)):
+        if not reason and needs_stretching(end):
             doing = "moves" if end.moves else "gives or takes heat"
-            reason = f"the wall of layer '{problem.layers[k].name}' {doing}"
+            reason = f"the wall of layer '{layers[k].name}' {doing}"
     if reason:
         raise InputError(
             f"{reason}: the paper's couplings are of a solid between gases in rigid frames: take "
@@ -103,8 +101,10 @@ def make_records(problem: Problem, op: SBPOperator, h: float, halo: int) -> Arra
             # the ghost point is the first one at or beyond the boundary
             cells, degree = int(np.ceil(width - 1e-9)), record["end_degree"].max()
             room = max(SPARE + max(1, cells // 8), cells // 3)
-            # the treatment of the interface must not change the points of a boundary's formulas
-            least = max(op.min_points, nodes_needed(degree) + 2, degree + 1 + row_length(op))
+            # the treatment of the interface must not change the points of a boundary's formulas; a
+            # new point takes one more than the degree of its extrapolation
+            nodes = max(degree, NEW_DIRICHLET + 1)
+            least = max(op.min_points, nodes + 2, degree + 1 + row_length(op))
         else:
             cells, room, least = layer.cells(h), 0, max(4, op.min_points)
         first = room if k == 0 else 0  # spare points are on the outer side

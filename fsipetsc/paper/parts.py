@@ -16,6 +16,7 @@ from fsipetsc import given
 from fsipetsc.operators.boxed import Box
 from fsipetsc.paper import rates, steps
 from fsipetsc.paper.coupling import Face
+from fsipetsc.paper.laws import law_of
 from fsipetsc.paper.layout import DOF
 from fsipetsc.stepping.verdicts import Seen
 
@@ -35,14 +36,14 @@ class Layer:
         self,
         comm: MPI.Comm,
         layer: Any,
-        law: Any,
         records: Array,
         share: Sequence[tuple[int, int, int]],
         op: Array,
         memory: Sequence[Array],
         at: int,
     ) -> None:
-        self.layer, self.law, self.op, self.records = layer, law, op, records
+        self.layer, self.op, self.records = layer, op, records
+        self.law = law = law_of(layer.material)
         self.record = record = records[0]
         self.number, self.is_gas = int(record["number"]), layer.kind == "fluid"
         self.present = bool(record["present"])

@@ -25,7 +25,7 @@ from numba import njit
 from fsipetsc.boundaries import DIRICHLET, INTERFACE_END, OPEN
 from fsipetsc.paper.ends import gradient_values
 from fsipetsc.paper.narrow import MARGIN, narrow_gas, narrow_solid
-from fsipetsc.paper.stencils import INNER, LEFT, RIGHT, U, derivative
+from fsipetsc.paper.stencils import INNER, U, derivative
 
 #: rows of scratch, and by how much they are longer than there are points
 ROWS, MORE = 16, 2 * MARGIN
@@ -33,8 +33,8 @@ ROWS, MORE = 16, 2 * MARGIN
 
 @njit(**INNER)
 def outer_side(layer):
-    """Where the embedded boundary of a gas stands, LEFT or RIGHT."""
-    return RIGHT if layer.end_kind[0] == INTERFACE_END else LEFT
+    """Where the embedded boundary of a gas stands: 0 left, 1 right."""
+    return 1 if layer.end_kind[0] == INTERFACE_END else 0
 
 
 @njit(**INNER)

@@ -28,7 +28,6 @@ from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import steps
 from fsipetsc.paper.coupling import KINDS
-from fsipetsc.paper.laws import law_of
 from fsipetsc.paper.layout import DOF, check_form, make_records, share_out
 from fsipetsc.paper.parts import Interface, Layer
 from fsipetsc.paper.stencils import packed
@@ -74,7 +73,6 @@ class PaperState(State):
         order, self.h = opt["fsi_order"], opt["fsi_h"]
         self.comm, self.problem, self.op, self._opt = comm, problem, OPERATORS[order], opt
         self.evaluations = 0
-        laws = [law_of(layer.material) for layer in problem.layers]
         self.records = make_records(problem, self.op, self.h, max(2 * self.op.reach, 6))
         self.shares = share_out(comm, problem, self.op, self.records, opt["fsi_partition"])
         dof = [DOF[layer.kind] for layer in problem.layers]
@@ -88,7 +86,7 @@ class PaperState(State):
         self._steps = Box(steps.Steps(self.records, *of_batch, latest[noted:]))
         op = packed(order, opt["fsi_viscous"] == "narrow")
         self.layers = [
-            Layer(comm, layer, laws[k], self.records[k:][:1], share, op, memory, int(begins[k]))
+            Layer(comm, layer, self.records[k:][:1], share, op, memory, int(begins[k]))
             for k, (layer, share) in enumerate(zip(problem.layers, self.shares, strict=True))
         ]
         self.here = [layer for layer in self.layers if layer.present]
@@ -209,9 +207,8 @@ class PaperState(State):
         """Errors at time t [s]: kind of layer -> name -> (h sum |difference|^p)^(1/p), and
         "combined" over the unknowns.
 
-        norm: "L1" or "L2", p = 1 or 2. Over the active points without ghosts, all layers of a kind
-        together. None without an exact solution. Collective; InputError if the exact solution
-        cannot be had.
+        norm: "L1" or "L2", p = 1 or 2. Active points without ghosts of all layers of a kind. None
+        without an exact solution. Collective; InputError if the exact solution cannot be had.
         """
         if any(layer.exact is None for layer in self.problem.layers):
             return None

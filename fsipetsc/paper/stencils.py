@@ -24,9 +24,7 @@ INNER = {**LOOP, "cache": False, "no_cpython_wrapper": True, "no_cfunc_wrapper":
 #: index arithmetic is of signed numbers; an index made unsigned spares the question whether it
 #: counts from the end
 U = np.uint64
-#: numbers that are no literals: of a function that is given a literal numba compiles a version for
-#: just this one
-LEFT, RIGHT = np.int64(0), np.int64(1)
+#: no literals: of a function that is given a literal numba compiles a version for just this one
 OLD, NEW = np.bool_(False), np.bool_(True)
 
 _I, _F = np.int64, np.float64

@@ -75,15 +75,6 @@ def close(of):
     ends.close_solid(of.ops[0], of.law, of.layers[0], of.owned)
 
 
-@njit(**CALL)
-def fill(of):
-    """Fill the ghost point of a gas, where this rank has it."""
-    if of is None:
-        return
-    layer = of.layers[0]
-    ends.fill_ghost(of.ops[0], of.law, layer, of.local, outer_side(layer), OLD)
-
-
 # stages
 
 
@@ -111,9 +102,10 @@ def gas_stage(of, number, dt):
     is the completed solution, is filled."""
     if of is None:
         return
+    op, law, layer, q = of.ops[0], of.law, of.layers[0], of.local
     if number != 0:
-        fill(of)
-    rates.gas_rates(of.ops[0], of.law, of.layers[0], of.local, of.forcing, of.scratch, of.k)
+        ends.fill_ghost(op, law, layer, q, outer_side(layer), OLD)
+    rates.gas_rates(op, law, layer, q, of.forcing, of.scratch, of.k)
     advance(of, number, dt)
 
 
@@ -150,8 +142,8 @@ def complete_gas(of, steps):
     if of is None:
         return
     op, layer, q, results = of.ops[0], of.layers[0], of.local, steps.results
-    fill(of)
     side = outer_side(layer)
+    ends.fill_ghost(op, of.law, layer, q, side, OLD)
     if not ends.move_boundary(op, of.law, layer, q, side):
         results[EXHAUSTED] = 1.0 + layer.number
     if ends.distance(layer, side) <= layer.least - 2 + 1e-9:
