@@ -91,26 +91,21 @@ def solve(*args: object, cwd: Place = None, ranks: int = 1) -> Done:
     return Done(words, *answer)
 
 
-def compute(n: int, directory: Path, runs: Mapping[str, tuple[str, str]]) -> dict[str, Path]:
-    """Run cases on n ranks: name -> (case, options) gives name -> result file in `directory`.
-
-    What ends with an error has no result in the returned dict; its message is in
-    directory/NAME.txt.
+def compute(
+    n: int, directory: Path, runs: Mapping[str, tuple[str, str]]
+) -> dict[str, fsipetsc.output.reader.Run]:
+    """Run cases on n ranks: name -> (case, options) gives name -> opened result, NAME.h5 in
+    `directory`. AssertionError where one ends with an error.
     """
     directory.mkdir(parents=True, exist_ok=True)
     lines = [
         [case, *text.split(), "-fsi_quiet", "-fsi_output", f"{name}.h5"]
         for name, (case, text) in runs.items()
     ]
-    done = {}
     answers = KEPT.do(n, directory, environment(), lines)
     for name, (status, _, err) in zip(runs, answers, strict=True):
-        if status:
-            (directory / f"{name}.txt").write_text(err)
-        else:
-            assert err == "", err
-            done[name] = directory / f"{name}.h5"
-    return done
+        assert (status, err) == (0, ""), f"{name}: {err}"
+    return {name: fsipetsc.open_run(directory / f"{name}.h5") for name in runs}
 
 
 def computed(folder: Path, name: str, *words: object, ranks: int = 1) -> fsipetsc.output.reader.Run:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from block_ledgers import scheme_of
 from mpi4py import MPI
 from oracle_formulas import rate_of, spread
 
-from fsipetsc.blockrun.block_state import BlockForm
-from fsipetsc.blockrun.columns import gained
+from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blocks import conditions
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.maps import nodes
@@ -17,7 +15,6 @@ from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.solid_pressure import gruneisen
 from fsipetsc.materials.stiffened_gas import stiffened_gas
-from fsipetsc.parallel.block_layout import BlockLayout
 
 
 def by_components(value):
@@ -75,17 +72,14 @@ class Engine:
         }
         self.shapes = [b.X.shape[1:] for b in p.blocks]
         self.problem = BlockProblem(tuple(map(block_of, p.blocks)), faces, **options)
-        auxiliary = gained(self.problem).itemsize // 8
-        more = p.order, p.shock > 0.0
-        self.layout = BlockLayout(MPI.COMM_SELF, self.problem, *more, auxiliary=auxiliary)
         # dissipation 0: on where blocks are joined
         form = BlockForm(p.form, p.dissipation / 0.3 or -1.0, p.shock)
-        self.scheme = scheme_of(self.layout, self.problem, p.order, form)
-        self.y, self.f = self.layout.vector(), self.layout.vector()
+        self.state = BlockState(MPI.COMM_SELF, self.problem, p.order, form, apart=True)
+        self.y, self.f = self.state.y, self.state.layout.vector()
 
     def _get(self, vector):
         found = {}
-        for part in self.layout.parts:
+        for part in self.state.layout.parts:
             whole = np.empty_like(vector.owned(part.k).T)
             whole[:, part.numbers] = vector.owned(part.k).T
             name, shape = self.problem.blocks[part.k].name, self.shapes[part.k]
@@ -94,14 +88,14 @@ class Engine:
 
     def complete(self, q, t=0.0):
         """As the oracle's."""
-        for part in self.layout.parts:
+        for part in self.state.layout.parts:
             value = q[self.problem.blocks[part.k].name]
             self.y.owned(part.k)[:] = value.reshape(len(value), -1, order="F").T[part.numbers]
-        self.scheme.complete(t, self.y)
+        self.state.scheme.complete(t, self.y)
         return self._get(self.y)
 
     def rates(self, q, t=0.0):
         """As the oracle's; q is completed, which the engine must see, too."""
         self.complete(q, t)
-        self.scheme.rates(t, self.y, self.f.array)
+        self.state.scheme.rates(t, self.y, self.f.array)
         return self._get(self.f)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 from collections.abc import Callable
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -36,8 +37,8 @@ class Gas(NamedTuple):
 
 
 class Solid(NamedTuple):
-    """law: "log" or "neo-hookean"; heat: "coupled" or "elastic". gruneisen: G of a pressure
-    G m0 alpha T / J.
+    """law: "log", "neo-hookean", "svk" or "linear"; heat: "coupled" or "elastic". gruneisen: G of a
+    pressure G m0 alpha T / J.
     """
 
     law: str = "log"
@@ -224,11 +225,25 @@ def det(F):
 
 def elastic_energy(m, F, p_ref):
     """W of a solid's law; F: (3, 3, ...)."""
-    J, mu, lam = det(F), m.mu_e, m.lambda_e
+    J, mu, lam, square = det(F), m.mu_e, m.lambda_e, np.einsum("ki...,kj...->ij...", F, F)
     if m.law == "log":
         K = 2.0 * mu + lam
-        U = K * (J * np.log(J) - J + 1.0) - mu * (0.5 * (J**2 - 1.0) - np.log(J))
+        W = K * (J * np.log(J) - J + 1.0) - mu * (0.5 * (J**2 - 1.0) - np.log(J))
     else:
-        U = 0.5 * lam * np.log(J) ** 2
-    square = (F * F).sum(axis=(0, 1))
-    return 0.5 * mu * (square - 3.0 - 2.0 * np.log(J)) + U - p_ref * (J - 1.0)
+        W = 0.5 * lam * np.log(J) ** 2
+    W = W + 0.5 * mu * (np.trace(square) - 3.0 - 2.0 * np.log(J))
+    if m.law in ("svk", "linear"):
+        one = three(0.0 * F[:0, :0])
+        E = 0.5 * (square - one) if m.law == "svk" else 0.5 * (F + np.swapaxes(F, 0, 1)) - one
+        W = 0.5 * lam * np.trace(E) ** 2 + mu * (E * E).sum(axis=(0, 1))
+    return W - p_ref * (J - 1.0)
+
+
+def stress_of(energy, F):
+    """P = dW/dF of W = energy(F)."""
+    P = np.zeros_like(F)
+    for at in product(range(3), repeat=2):
+        stepped = F.astype(complex)
+        stepped[at] += 1j * TINY
+        P[at] = np.imag(energy(stepped)) / TINY
+    return P

@@ -17,6 +17,7 @@ a centre: none of its nodes is there, and the weight is |r|^kappa.
 from __future__ import annotations
 
 from collections import namedtuple
+from functools import partial
 from itertools import product
 from math import comb
 
@@ -37,6 +38,7 @@ from oracle_formulas import (
     pair_flux,
     rate_of,
     spread,
+    stress_of,
     three,
 )
 
@@ -315,15 +317,6 @@ class Volume:
             W = W + (S * (F - one)[:d, :d]).sum(axis=(0, 1))
         return W
 
-    def stress(self, k, F):
-        """P = dW/dF."""
-        P = np.zeros_like(F)
-        for at in product(range(3), repeat=2):
-            stepped = F.astype(complex)
-            stepped[at] += 1j * TINY
-            P[at] = np.imag(self.elastic(k, stepped)) / TINY
-        return P
-
     def stored(self, k, q):
         """W / m0, where it is part of the energy."""
         b = self.blocks[k]
@@ -338,7 +331,7 @@ class Volume:
         T = (q[-1] - 0.5 * dot(v, v) - self.stored(k, q)) / m.alpha
         F = self.deformation(k, grid.x)
         J, cof = det(F), cofactor(F)
-        P = self.stress(k, F) - m.gruneisen * m.m0 * m.alpha * T / J * cof
+        P = stress_of(partial(self.elastic, k), F) - m.gruneisen * m.m0 * m.alpha * T / J * cof
         gradient = sum(A[j] * self.derivative(k, T, j) for j in range(d)) / J0
         cof = cof[:d, :d]
         conducted = m.kappa / J * np.einsum("ki...,kj...,j...->i...", cof, cof, gradient)

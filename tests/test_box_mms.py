@@ -10,8 +10,6 @@ import numpy as np
 import pytest
 from helpers import assert_same_fields, compute
 
-import fsipetsc
-
 pytest.importorskip("petsc4py")
 
 #: dimension -> law of the solid, whether its sides are periodic or given, grids, end, least order:
@@ -30,8 +28,8 @@ def test_orders(d, tmp_path):
     law, periodic, spacings, end, least = STUDIES[d]
     words = f"-box_dimension {d} -solid_law {law} -box_periodic {periodic} -ts_max_time {end}"
     runs = {f"{h}": ("box_mms", f"{words} -fsi_h {h} -fsi_output_dt 1") for h in spacings}
-    files = compute(1, tmp_path, runs)
-    coarse, fine = (fsipetsc.open_run(files[f"{h}"]).errors for h in spacings)
+    results = compute(1, tmp_path, runs)
+    coarse, fine = (results[f"{h}"].errors for h in spacings)
     for kind in ("fluid", "solid"):
         gained = np.log(coarse[kind]["combined"] / fine[kind]["combined"])
         order = gained / np.log(spacings[0] / spacings[1])
@@ -46,8 +44,8 @@ def test_orders_on_joined_blocks(shape, gas, solid, tmp_path):
     errors of the gas are largest along the rays to the corners of the box.
     """
     runs = {f"{n}": ("body_mms", f"-body_shape {shape} -fsi_h {1 / n}") for n in (8, 16)}
-    files = compute(1, tmp_path, runs)
-    coarse, fine = (fsipetsc.open_run(files[n]).errors for n in runs)
+    results = compute(1, tmp_path, runs)
+    coarse, fine = (results[n].errors for n in runs)
     for kind, least in (("fluid", gas), ("solid", solid)):
         assert np.log2(coarse[kind]["combined"] / fine[kind]["combined"]) > least, kind
         assert fine[kind]["combined"] < 4e-3
@@ -56,11 +54,8 @@ def test_orders_on_joined_blocks(shape, gas, solid, tmp_path):
 @pytest.mark.mpi
 def test_three_dimensions_have_the_same_bits_on_any_number_of_ranks(tmp_path):
     words = "-box_dimension 3 -fsi_h 0.0625 -ts_max_time 0.01 -fsi_output_dt 0.005"
-    results = []
-    for n in (1, 2, 4):
-        (tmp_path / f"{n}").mkdir()
-        files = compute(n, tmp_path / f"{n}", {"box": ("box_mms", words)})
-        results.append(fsipetsc.open_run(files["box"]))
-    for result in results[1:]:
-        assert result.summary["steps"] == results[0].summary["steps"] > 1
-        assert_same_fields(results[0], result)
+    runs = {"box": ("box_mms", words)}
+    one, *others = (compute(n, tmp_path / f"{n}", runs)["box"] for n in (1, 2, 4))
+    for other in others:
+        assert other.summary["steps"] == one.summary["steps"] > 1
+        assert_same_fields(one, other)

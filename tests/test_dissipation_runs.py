@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 from helpers import compute
 
-import fsipetsc
-
 pytest.importorskip("petsc4py")
 pytestmark = pytest.mark.mpi
 
@@ -24,7 +22,7 @@ def test_orders(order, tmp_path):
     """Where the strength at shocks is as good as none, what is left is the other term."""
     words = f"-box_dimension 1 -fsi_dissipation 1 -fsi_shock 1e-300 -fsi_order {order}"
     runs = {f"{h}": ("box_mms", f"{words} -fsi_h {h}") for h in SPACINGS}
-    files = compute(1, tmp_path, runs)
-    coarse, fine = (fsipetsc.open_run(files[f"{h}"]).errors for h in SPACINGS)
+    results = compute(1, tmp_path, runs)
+    coarse, fine = (results[f"{h}"].errors for h in SPACINGS)
     for kind, least in zip(("fluid", "solid"), LEAST[order], strict=True):
         assert np.log2(coarse[kind]["combined"] / fine[kind]["combined"]) > least

@@ -187,17 +187,13 @@ def test_an_error_of_a_function_ends_all_with_its_place(name, ranks, tmp_path):
 LINE = "-m fsipetsc rod -fsi_h 0.05 -ts_max_time 0.05 -fsi_output_dt 1e-4 -fsi_quiet"
 
 
-@pytest.mark.parametrize("size", [1, 2000])
-def test_a_result_that_grows_too_large(size, tmp_path):
-    """The system refuses files beyond so many kB, compiled code among them: it is there before."""
+def test_a_disk_that_is_full_from_the_start(tmp_path):
+    """The system refuses files beyond 1 kB, compiled code among them: it is there before. One that
+    becomes full: tests/test_output.py."""
     first = solve("rod", "-fsi_h", 0.05, "-ts_max_steps", 1, "-fsi_output", "a.h5", cwd=tmp_path)
     assert first.returncode == 0
-    line = f"ulimit -f {size}; exec {sys.executable} -B {LINE}"
-    done = launch(["bash", "-c", line], tmp_path)
+    done = launch(["bash", "-c", f"ulimit -f 1; exec {sys.executable} -B {LINE}"], tmp_path)
     message(done, 4, "rod.h5: cannot write: ", "File too large")
-    if size > 1:
-        with fsipetsc.open_run(tmp_path / "rod.h5") as result:
-            assert result.nframes > 0
 
 
 def test_an_end_by_the_number_of_steps_and_steps_far_beyond_their_bound_are_said(tmp_path):

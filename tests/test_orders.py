@@ -8,8 +8,6 @@ import pytest
 from conftest import ORDERS
 from helpers import REPOSITORY, compute
 
-import fsipetsc
-
 pytest.importorskip("petsc4py")
 
 #: problem of orders_reached.py -> kind of layer, unknown, orders of 2/1, 4/2, 6/3, 8/4
@@ -34,8 +32,8 @@ def errors(tmp_path_factory):
             words = f"-orders_problem {problem} -fsi_order {order} "
             words += f"-fsi_h {h / 2} -ts_max_time 0.16" if "shock" in problem else f"-fsi_h {h}"
             runs[f"{problem}_{order}_{k}"] = case, words
-    files = compute(1, tmp_path_factory.mktemp("orders"), runs)
-    return lambda name: [fsipetsc.open_run(files[f"{name}_{k}"]).errors for k in range(2)]
+    results = compute(1, tmp_path_factory.mktemp("orders"), runs)
+    return lambda name: [results[f"{name}_{k}"].errors for k in range(2)]
 
 
 @pytest.mark.parametrize("problem", MEASURED)

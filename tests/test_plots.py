@@ -11,8 +11,6 @@ import numpy as np
 import pytest
 from helpers import compute
 
-import fsipetsc
-
 matplotlib = pytest.importorskip("matplotlib")
 pytest.importorskip("petsc4py")
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -44,8 +42,7 @@ def test_colours_are_white_at_rest_and_end_where_values_do():
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     """Name -> opened result."""
-    files = compute(1, tmp_path_factory.mktemp("drawn"), RUNS)
-    return {name: fsipetsc.open_run(path) for name, path in files.items()}
+    return compute(1, tmp_path_factory.mktemp("drawn"), RUNS)
 
 
 def figure_of(run, name):

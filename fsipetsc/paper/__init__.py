@@ -6,7 +6,7 @@ frames that move with their interfaces, (4.20), over embedded boundaries with gh
 and go. Where the paper has misprints the formulas are the corrected ones. From the bottom up:
 
     laws        the materials of a case as NamedTuples for compiled loops
-    stencils    the SBP first derivative on the points of a rank, formulas at embedded boundaries
+    stencils    the SBP first derivative on the points of a rank
     narrow      narrow second derivatives
     rates       dy/dt of a layer, (4.19) and (4.20)
     coupling    what holds at an interface: projection, projection in energy, traditional
@@ -14,7 +14,6 @@ and go. Where the paper has misprints the formulas are the corrected ones. From 
     sums        what is monitored after a step: bounds on the step, integrals
     steps       what is done in a stage and after a step; on one rank many steps in one call
     layout      what all ranks know of a layer, and which points each owns
-    parts       what a rank has of layers and interfaces, and what it exchanges of them
-    fields      what is saved, errors, what is wrong with a state
+    parts       what a rank has of layers and interfaces, what it exchanges and saves of them
     state       what the time integration drives: the right-hand side from top to bottom
 """

@@ -7,24 +7,15 @@ outgoing characteristics keep their values, with Z = rho c. (A ghost point with 
 density, or with all variables prescribed, makes the scheme unstable.) docs/open-end.md says why
 each formula is as it is, with measurements.
 
-``nodes`` (5, NODES) holds (rho, u, T) at the ghost point (column 0) and inside of it, and two rows
-of weights; n is the outward normal, -1 left, 1 right.
+``nodes`` (3, NODES) holds (rho, u, T) at the ghost point (column 0) and inside of it; n is the
+outward normal, -1 left, 1 right.
 """
 
 import numpy as np
 from numba import njit
 
 from fsipetsc.boundaries import CLAMPED, FREE, GIVEN_FLUX, GIVEN_T, INTERFACE_END, OPEN, WALL
-from fsipetsc.paper.stencils import (
-    INNER,
-    LEFT,
-    NEW,
-    OLD,
-    dirichlet_ghost,
-    extrapolated,
-    lagrange,
-    neumann_ghost,
-)
+from fsipetsc.paper.stencils import INNER, NEW, OLD
 
 #: nodes that a formula may use, ghost point included
 NODES = 8
@@ -45,12 +36,6 @@ ETA[3, :, :3] = (1.267, -2.9, 1.178), (-0.888, 1.872, -0.677), (0.193, -0.389, 0
 #: with narrow second derivatives
 ETA_NARROW = ETA.copy()
 ETA_NARROW[2, 0] = 0.2289158450015872, -0.4914033185443774, 0.1207498614024324, 0.0225285974796345
-
-
-def nodes_needed(degree: int) -> int:
-    """Points inside the ghost point that a boundary needs: its formula's, and those that fill a
-    new point."""
-    return max(degree, NEW_DIRICHLET + 1)
 
 
 @njit(**INNER)
@@ -74,13 +59,14 @@ def depth_of(layer):
 
 
 @njit(**INNER)
-def fetch(gas, layer, q, ghost, side, nodes, begin):
-    """nodes from column ``begin`` on, of a gas whose ghost point is q[ghost]."""
-    step = 1 - 2 * side
-    for k in range(begin, depth_of(layer) + 1):
+def fetch(gas, layer, q, ghost, side):
+    """The nodes of a gas whose ghost point is q[ghost]."""
+    step, nodes = 1 - 2 * side, np.zeros((3, NODES))
+    for k in range(depth_of(layer) + 1):
         i = ghost + step * k
         nodes[0, k] = q[i, 0]
         nodes[1, k], nodes[2, k] = gas.velocity_and_temperature(q[i, 0], q[i, 1], q[i, 2])
+    return nodes
 
 
 @njit(**INNER)
@@ -94,23 +80,18 @@ def fill_ghost(op, gas, layer, q, side, new):
     last = ghost + (1 - 2 * side) * depth_of(layer)
     if not (0 <= ghost < len(q) and 0 <= last < len(q)):
         return
-    n, kind = 2.0 * side - 1.0, layer.end_kind[side]
-    nodes = np.zeros((5, NODES))
-    weights, slopes = nodes[3], nodes[4]
-    fetch(gas, layer, q, ghost, side, nodes, int(new))
+    kind, nodes = layer.end_kind[side], fetch(gas, layer, q, ghost, side)
     if new:
         degree = NEW_WALL if kind == WALL else (NEW_OPEN if kind == OPEN else NEW_DIRICHLET)
-        for c in range(3):
-            nodes[c, 0] = extrapolated(nodes[c], np.int64(degree))
-    delta = beyond_boundary(layer, side)
-    lagrange(delta, layer.end_degree[side], weights, slopes)
+        for c in range(3):  # without data the highest difference is left, which vanishes
+            nodes[c, 0] = dirichlet_ghost(0.0, nodes[c], np.zeros(NODES), degree + 1, 1.0)
+    n = 2.0 * side - 1.0
     if kind == WALL:
-        wall(op, gas, layer, side, n, delta, nodes, weights, slopes)
+        rho, u, T = wall(op, gas, layer, side, n, nodes)
     elif kind == OPEN:
-        open_end(gas, layer, side, n, nodes)
+        rho, u, T = open_end(gas, layer, side, n, nodes)
     else:
-        given_data(gas, layer, side, n, nodes, weights)
-    rho, u, T = nodes[0, 0], nodes[1, 0], nodes[2, 0]
+        rho, u, T = given_data(gas, layer, side, n, nodes)
     q[ghost, 0], q[ghost, 1], q[ghost, 2] = rho, rho * u, gas.total_energy(rho, u, T)
 
 
@@ -118,61 +99,99 @@ def fill_ghost(op, gas, layer, q, side, new):
 def gradient_values(gas, layer, q, ghost, side):
     """(u, T) for the gradients in viscous stress and conduction at the ghost point q[ghost], which
     is filled."""
-    n = 2.0 * side - 1.0
-    nodes = np.zeros((5, NODES))
-    weights, slopes = nodes[3], nodes[4]
-    fetch(gas, layer, q, ghost, side, nodes, LEFT)
+    nodes = fetch(gas, layer, q, ghost, side)
     if layer.end_kind[side] == OPEN:
-        return open_gradients(gas, layer, side, n, nodes)
+        return open_gradients(gas, layer, side, 2.0 * side - 1.0, nodes)
     degree, data = layer.end_degree[side], layer.end_data[side]
-    lagrange(beyond_boundary(layer, side), degree, weights, slopes)
+    weights, _ = lagrange(beyond_boundary(layer, side), degree)
     # less, and the viscous stress of the ghost point takes more than the time step gives
     least = LEAST if degree < 4 else 0.3
     u = dirichlet_ghost(data[1], nodes[1], weights, degree, least)
     return u, dirichlet_ghost(data[2], nodes[2], weights, degree, least)
 
 
+# formulas
+
+
+@njit(**INNER)
+def lagrange(delta, degree):
+    """Lagrange weights and their derivatives at delta for the nodes 0, 1, ..., degree.
+
+    Node 0 is the ghost point and the boundary lies delta cells inside of it; (4.26) is degree 2,
+    with the sign of its third weight corrected so that the weights sum to one.
+    """
+    weights, slopes = np.zeros(NODES), np.zeros(NODES)
+    for k in range(degree + 1):
+        value, denominator, slope = 1.0, 1.0, 0.0
+        for m in range(degree + 1):
+            if m != k:
+                slope = slope * (delta - m) + value
+                value *= delta - m
+                denominator *= k - m
+        weights[k], slopes[k] = value / denominator, slope / denominator
+    return weights, slopes
+
+
+@njit(**INNER)
+def dirichlet_ghost(g, v, weights, degree, least):
+    """Value of the ghost point (node 0) so that the interpolant takes the value g at the boundary.
+
+    v[1..degree] are the nodes inside. The q-th difference is added with eta = max(0, least - L_0):
+    the formula of Kreiss & Petersson (2006) as in (4.26), but with an eta that vanishes where L_0
+    is large enough, because a constant one spoils the accuracy when the boundary is close to the
+    ghost point.
+    """
+    eta = max(0.0, least - weights[0])
+    s, binomial = g, 1.0
+    for k in range(1, degree + 1):
+        binomial *= -(degree + 1.0 - k) / k
+        s -= (weights[k] + eta * binomial) * v[k]
+    return s / (weights[0] + eta)
+
+
+@njit(**INNER)
+def insulated_ghost(op, T, delta):
+    """T of the ghost point so that no heat flows through a wall at delta.
+
+    The interpolant of degree s has zero slope there (Kreiss et al. 2004); differences of the orders
+    s + 1 ... are added, with eta fitted to the error that D makes at its closure.
+    """
+    s = op.p
+    last = s + 3 if s == 4 else s + 1
+    _, slopes = lagrange(delta, s)
+    for q in range(s + 1, last + 1):
+        eta, binomial = 0.0, 1.0
+        for power in range(3, -1, -1):
+            eta = eta * delta + (ETA_NARROW if op.narrow else ETA)[s - 1, q - s - 1, power]
+        for k in range(q + 1):
+            slopes[k] += eta * binomial
+            binomial *= -(q - k) / (k + 1.0)
+    sum_inside = 0.0
+    for k in range(1, last + 1):
+        sum_inside += slopes[k] * T[k]
+    return -sum_inside / slopes[0]
+
+
 # wall
 
 
 @njit(**INNER)
-def insulated_slopes(delta, s, narrow, slopes):
-    """Turn slopes of degree s at delta into the weights of the formula for T; returns how many
-    nodes inside it has.
-
-    Differences of the orders s + 1 ... are added, with eta fitted to the error that D makes at its
-    closure.
-    """
-    last = s + 3 if s == 4 else s + 1
-    for k in range(s + 1, last + 1):
-        slopes[k] = 0.0
-    for q in range(s + 1, last + 1):
-        eta, binomial = 0.0, 1.0
-        for power in range(3, -1, -1):
-            eta = eta * delta + (ETA_NARROW if narrow else ETA)[s - 1, q - s - 1, power]
-        for k in range(q + 1):
-            slopes[k] += eta * binomial
-            binomial *= -(q - k) / (k + 1.0)
-    return last
-
-
-@njit(**INNER)
-def wall(op, gas, layer, side, n, delta, nodes, weights, slopes):
+def wall(op, gas, layer, side, n, nodes):
     """Adiabatic no-slip wall: u = 0, T_X = 0, and p + n Z u keeps its value."""
     rho, u, T = nodes[0, 0], nodes[1, 0], nodes[2, 0]
-    Z = rho * np.sqrt(gas.law.sound_speed_squared(rho, T))
-    u_G = dirichlet_ghost(0.0, nodes[1], weights, layer.end_degree[side], LEAST)
+    Z, delta = rho * np.sqrt(gas.law.sound_speed_squared(rho, T)), beyond_boundary(layer, side)
+    degree = layer.end_degree[side]
+    u_G = dirichlet_ghost(0.0, nodes[1], lagrange(delta, degree)[0], degree, LEAST)
     p_G = gas.law.pressure(rho, T) - n * Z * (u_G - u)
-    lagrange(delta, op.p, weights, slopes)
-    T_G = neumann_ghost(nodes[2], slopes, insulated_slopes(delta, op.p, op.narrow, slopes))
-    nodes[0, 0], nodes[1, 0], nodes[2, 0] = gas.law.density(p_G, T_G), u_G, T_G
+    T_G = insulated_ghost(op, nodes[2], delta)
+    return gas.law.density(p_G, T_G), u_G, T_G
 
 
 # given data
 
 
 @njit(**INNER)
-def given_data(gas, layer, side, n, nodes, weights):
+def given_data(gas, layer, side, n, nodes):
     """Exact (rho, u, T): as many of them as come in along characteristics.
 
     Inflow faster than sound: all three; inflow: p - n Z u and the entropy rho - p/c^2; outflow: p -
@@ -180,6 +199,7 @@ def given_data(gas, layer, side, n, nodes, weights):
     the gradients.
     """
     degree, data = layer.end_degree[side], layer.end_data[side]
+    weights, _ = lagrange(beyond_boundary(layer, side), degree)
     rho, u, T = nodes[0, 0], nodes[1, 0], nodes[2, 0]
     rho_D = dirichlet_ghost(data[0], nodes[0], weights, degree, LEAST)
     u_D = dirichlet_ghost(data[1], nodes[1], weights, degree, LEAST)
@@ -187,18 +207,16 @@ def given_data(gas, layer, side, n, nodes, weights):
     c2 = gas.law.sound_speed_squared(nodes[0, 1], nodes[2, 1])
     c = np.sqrt(c2)
     if n * data[1] <= -np.sqrt(gas.law.sound_speed_squared(data[0], data[2])):
-        nodes[0, 0], nodes[1, 0], nodes[2, 0] = rho_D, u_D, T_D
-        return
+        return rho_D, u_D, T_D
     if n * data[1] >= 0.0 and n * nodes[1, 1] >= c:
-        return
+        return rho, u, T
     Z = nodes[0, 1] * c
     p, p_D = gas.law.pressure(rho, T), gas.law.pressure(rho_D, T_D)
     w_o, w_i = p + n * Z * u, p_D - n * Z * u_D
     entropy = rho - p / c2 if n * data[1] >= 0.0 else rho_D - p_D / c2
     p = 0.5 * (w_i + w_o)
     rho = entropy + p / c2
-    nodes[0, 0], nodes[1, 0] = rho, n * (w_o - w_i) / (2.0 * Z)
-    nodes[2, 0] = gas.law.temperature_of(rho, p)
+    return rho, n * (w_o - w_i) / (2.0 * Z), gas.law.temperature_of(rho, p)
 
 
 # open end
@@ -238,10 +256,9 @@ def open_end(gas, layer, side, n, nodes):
     rho1, T1, v1 = nodes[0, 1], nodes[2, 1], n * (nodes[1, 1] - u0)
     c2 = gas.law.sound_speed_squared(rho1, T1)
     if n * nodes[1, 1] >= np.sqrt(c2):
-        return
+        return rho, u, T
     if n * u0 <= -c0:
-        nodes[0, 0], nodes[1, 0], nodes[2, 0] = rho0, u0, T0
-        return
+        return rho0, u0, T0
     p, p1 = gas.law.pressure(rho, T), gas.law.pressure(rho1, T1)
     Z, scale, m = rho1 * np.sqrt(c2), rho0 * c0 * c0 / gas.gamma, 0.5 - 0.5 / gas.gamma
     # Z v (1 + by_v) = simple wave + by_p (p - p0) + known
@@ -261,8 +278,7 @@ def open_end(gas, layer, side, n, nodes):
     sound = scale * y
     u = u0 + n * (w_o - sound) / Z
     rho = rho + (p0 + sound - p) / c2 if n * u >= 0.0 else rho0 * (1.0 + y) ** (1.0 / gas.gamma)
-    nodes[0, 0], nodes[1, 0] = rho, u
-    nodes[2, 0] = gas.law.temperature_of(rho, p0 + sound)
+    return rho, u, gas.law.temperature_of(rho, p0 + sound)
 
 
 @njit(**INNER)

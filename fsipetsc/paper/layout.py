@@ -10,8 +10,7 @@ from mpi4py import MPI
 from fsipetsc.boundaries import INSULATED, INTERFACE_END, Wall, degree_of, heat_of
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import SBPOperator, row_length
-from fsipetsc.paper.ends import nodes_needed
-from fsipetsc.paper.sums import SEEN, SHARES
+from fsipetsc.paper.ends import NEW_DIRICHLET
 from fsipetsc.parallel.block_shares import share_line
 from fsipetsc.problem import Problem
 
@@ -29,7 +28,6 @@ _I, _F = np.int64, np.float64
 RECORD = np.dtype(
     [
         ("number", _I),  # of the layer, from the left
-        ("fluid", _I),  # 1 of a gas
         ("present", _I),  # 1: this rank owns points of the layer
         ("n", _I),  # points, some of them held in reserve,
         ("lo", _I),  # the first and the last active one: in a gas interface point and ghost point
@@ -52,9 +50,7 @@ RECORD = np.dtype(
         ("end_data", _F, (2, 4)),
         ("end_thermal", _I, (2,)),  # INSULATED, GIVEN_T or GIVEN_FLUX, at the end of a solid,
         ("end_heat", _F, (2,)),  # and the temperature or heat flux that is given
-        ("seen", _F, (SEEN,)),  # after a step, see fsipetsc.paper.sums
-        ("shares", _F, (SHARES,)),
-        ("rates", _F, (2,)),  # of convection and diffusion [1/s]
+        ("rates", _F, (2,)),  # after a step, see fsipetsc.paper.sums
     ],
     align=True,
 )
@@ -63,17 +59,15 @@ RECORD = np.dtype(
 def check_form(problem: Problem) -> None:
     """InputError for a problem that is not of the paper's form: a solid, with a gas on one side of
     it or on both, whose outer end insulates and stays where it is."""
-    fluids = [k for k, layer in enumerate(problem.layers) if layer.kind == "fluid"]
-    reason = ""
+    layers, reason = problem.layers, ""
     if not problem.interfaces:
         reason = "there is no interface"
-    elif len(fluids) == len(problem.layers) - 2 or len(problem.layers) > 3:
+    elif len(layers) > 3 or sum(layer.kind == "solid" for layer in layers) > 1:
         reason = "a gas lies between two solids"
-    for k in fluids:
-        end = problem.left if k == 0 else problem.right
+    for k, end in ((0, problem.left), (-1, problem.right)):
         if not reason and isinstance(end, Wall) and (end.moves or heat_of(end)[0] != INSULATED):
             doing = "moves" if end.moves else "gives or takes heat"
-            reason = f"the wall of layer '{problem.layers[k].name}' {doing}"
+            reason = f"the wall of layer '{layers[k].name}' {doing}"
     if reason:
         raise InputError(
             f"{reason}: the paper's couplings are of a solid between gases in rigid frames: take "
@@ -95,7 +89,7 @@ def make_records(problem: Problem, op: SBPOperator, h: float, halo: int) -> Arra
                 f"layer '{layer.name}' of length {layer.X[1] - layer.X[0]:g} would have "
                 f"{width:.3g} cells with -fsi_h {h:g}; {MOST_CELLS} are too many"
             )
-        record["number"], record["fluid"], record["h"], record["halo"] = k, fluid, h, halo
+        record["number"], record["h"], record["halo"] = k, h, halo
         record["end_kind"] = INTERFACE_END
         for side, end in ((0, problem.left), (1, problem.right)):
             if k == (0, len(records) - 1)[side]:
@@ -107,8 +101,10 @@ def make_records(problem: Problem, op: SBPOperator, h: float, halo: int) -> Arra
             # the ghost point is the first one at or beyond the boundary
             cells, degree = int(np.ceil(width - 1e-9)), record["end_degree"].max()
             room = max(SPARE + max(1, cells // 8), cells // 3)
-            # the treatment of the interface must not change the points of a boundary's formulas
-            least = max(op.min_points, nodes_needed(degree) + 2, degree + 1 + row_length(op))
+            # the treatment of the interface must not change the points of a boundary's formulas; a
+            # new point takes one more than the degree of its extrapolation
+            nodes = max(degree, NEW_DIRICHLET + 1)
+            least = max(op.min_points, nodes + 2, degree + 1 + row_length(op))
         else:
             cells, room, least = layer.cells(h), 0, max(4, op.min_points)
         first = room if k == 0 else 0  # spare points are on the outer side
@@ -131,7 +127,7 @@ def share_out(
     """(rank, begin, end) of the pieces of each layer; notes in the records what this rank owns."""
     halo = int(records[0]["halo"])
     stored = [
-        (layer.kind, int(r["n"]), int(r["hi"] - r["lo"]) + 1, bool(k == 0 and r["fluid"]))
+        (layer.kind, int(r["n"]), int(r["hi"] - r["lo"]) + 1, k == 0 and layer.kind == "fluid")
         for k, (layer, r) in enumerate(zip(problem.layers, records, strict=True))
     ]
     shares = share_line(stored, comm.size, mode, max(halo, op.rows + 1))

@@ -25,35 +25,29 @@ MARGIN = 8
 
 
 @njit(**INNER)
-def add_level(weights, means, q, b, y, g, first, last):
-    """g += mean_q(b) Delta_q y of the differences that begin at first .. last-1."""
-    skipped = (q + 1 - len(means)) // 2
-    for i in range(first, last):
-        mean, difference = 0.0, 0.0
-        for k in range(len(means)):
-            mean += means[U(k)] * b[U(i + skipped + k)]
-        for k in range(q + 1):
-            difference += weights[U(k)] * y[U(i + k)]
-        g[U(i + MARGIN)] += mean * difference
-
-
-@njit(**INNER)
-def subtract(op, b, y, g, out, a, c, A, B):
-    """out -= R(b) y at the points a .. c-1; g: scratch, longer by 2 MARGIN."""
+def add_remainder(op, scale, b, y, g, out, c, shift, begin, end, A, B):
+    """out[i - shift, c] += scale H^-1 R(b) y at the points i = begin .. end-1; g: scratch, longer
+    by 2 MARGIN."""
     T = op.ends
     for level in range(op.p):
         q = op.p + 1 + level
         count = 2 * op.p - q + 1
-        weights, means = op.differences[q - 1], op.means[level, :count]
-        for i in range(a - q, c):
-            g[i + MARGIN] = 0.0
-        add_level(weights, means, q, b, y, g, max(A + T, a - q), min(c, B + 1 - T - q))
-        if level == 0 and T > 0:
+        skipped = (q + 1 - count) // 2
+        weights, means = op.differences[q - 1], op.means[level]
+        for i in range(begin - q, end):
+            mean, difference = 0.0, 0.0
+            if A + T <= i < B + 1 - T - q:
+                for k in range(count):
+                    mean += means[U(k)] * b[U(i + skipped + k)]
+                for k in range(q + 1):
+                    difference += weights[U(k)] * y[U(i + k)]
+            g[U(i + MARGIN)] = mean * difference
+        if level == 0:
             for side in range(2):
                 edge, step, inside = (A, 1, A + T) if side == 0 else (B - q, -1, B - T)
                 for t in range(T):
                     at = edge + step * t
-                    if a - q <= at < c:
+                    if begin - q <= at < end:
                         total = 0.0
                         for k in range(T):
                             difference = 0.0
@@ -61,47 +55,32 @@ def subtract(op, b, y, g, out, a, c, A, B):
                                 difference += weights[j] * y[edge + step * k + j]
                             total += op.end[t, k] * difference
                         g[at + MARGIN] += b[inside] * total
-        for i in range(a, c):
+        for i in range(begin, end):
             total = 0.0
             for k in range(q + 1):
                 total += weights[U(k)] * g[U(i - k + MARGIN)]
-            out[U(i)] -= total
+            out[U(i - shift), c] += scale / weight(op, min(i - A, B - i)) * total
 
 
 @njit(**INNER)
-def divide(op, out, h, a, c, A, B):
-    """out = H^-1 out / h^2."""
-    for i in range(a, c):
-        out[U(i)] *= 1.0 / (h * h)
-    for r in range(op.rows):
-        for i in (A + r, B - r):
-            if a <= i < c:
-                out[i] /= weight(op, r)
-
-
-@njit(**INNER)
-def narrow_gas(op, gas, h, u, T, b, u_b, kappa, g, momentum, energy, a, c, A, B):
-    """What is added to the rates of momentum and energy at the points a .. c-1; u, T as the
-    gradients see them."""
-    for i in range(max(A, a - 2 * op.p), min(B + 1, c + 2 * op.p)):
+def narrow_gas(op, gas, layer, u, T, b, kappa, g, out, begin, end, A, B):
+    """Add to the rates of a gas at the points begin .. end-1; u, T as the gradients see them."""
+    scale, shift = -1.0 / (layer.h * layer.h), layer.halo_lo
+    first, last = max(A, begin - 2 * op.p), min(B + 1, end + 2 * op.p)
+    for i in range(first, last):
         b[i], kappa[i] = gas.viscosity(T[i]), gas.conductivity(T[i])
-        u_b[i] = u[i] * b[i]
-    for i in range(a, c):
-        momentum[i] = energy[i] = 0.0
-    subtract(op, b, u, g, momentum, a, c, A, B)
-    subtract(op, u_b, u, g, energy, a, c, A, B)
-    subtract(op, kappa, T, g, energy, a, c, A, B)
-    divide(op, momentum, h, a, c, A, B)
-    divide(op, energy, h, a, c, A, B)
+    add_remainder(op, scale, b, u, g, out, 1, shift, begin, end, A, B)
+    for i in range(first, last):
+        b[i] *= u[i]
+    add_remainder(op, scale, b, u, g, out, 2, shift, begin, end, A, B)
+    add_remainder(op, scale, kappa, T, g, out, 2, shift, begin, end, A, B)
 
 
 @njit(**INNER)
-def narrow_solid(op, solid, h, T, stretch, b, g, heat, a, c, A, B):
-    """What is added to (kappa_e / x_X T_X)_X at the points a .. c-1."""
+def narrow_solid(op, solid, layer, T, stretch, b, g, out, begin, end, A, B):
+    """Add to the rates of a solid at the points begin .. end-1."""
+    scale = -1.0 / (layer.h * layer.h * solid.alpha * solid.m0)
     reach = min(op.reach, 2 * op.p)
-    for i in range(max(A, a - reach), min(B + 1, c + reach)):
+    for i in range(max(A, begin - reach), min(B + 1, end + reach)):
         b[i] = solid.kappa_e * stretch[i]
-    for i in range(a, c):
-        heat[i] = 0.0
-    subtract(op, b, T, g, heat, a, c, A, B)
-    divide(op, heat, h, a, c, A, B)
+    add_remainder(op, scale, b, T, g, out, 2, layer.halo_lo, begin, end, A, B)

@@ -16,7 +16,9 @@ from fsipetsc import given
 from fsipetsc.operators.boxed import Box
 from fsipetsc.paper import rates, steps
 from fsipetsc.paper.coupling import Face
+from fsipetsc.paper.laws import law_of
 from fsipetsc.paper.layout import DOF
+from fsipetsc.stepping.verdicts import Seen
 
 Array = np.ndarray
 
@@ -34,14 +36,14 @@ class Layer:
         self,
         comm: MPI.Comm,
         layer: Any,
-        law: Any,
         records: Array,
         share: Sequence[tuple[int, int, int]],
         op: Array,
         memory: Sequence[Array],
         at: int,
     ) -> None:
-        self.layer, self.law, self.op, self.records = layer, law, op, records
+        self.layer, self.op, self.records = layer, op, records
+        self.law = law = law_of(layer.material)
         self.record = record = records[0]
         self.number, self.is_gas = int(record["number"]), layer.kind == "fluid"
         self.present = bool(record["present"])
@@ -52,7 +54,7 @@ class Layer:
         self._place = slice(at, at + dof * count)  # in this rank's part of a solution
         self.local = np.zeros((before + count + after, dof))
         self.owned = self.local[before : before + count]
-        self.forcing = np.zeros((count if layer.forcing is not None else 0, dof))
+        self.forcing = np.zeros((count, dof))
         scratch = np.zeros((rates.ROWS, len(self.local) + rates.MORE))
         points = self.local, self.owned, *map(self.of, memory), self.forcing, scratch
         self.box = Box(steps.Part(op, law, records, *points))
@@ -90,6 +92,12 @@ class Layer:
         own, begin, end = (int(self.record[name]) for name in ("own_lo", "lo", "hi"))
         return slice(max(begin - own, 0), max(end + 1 - own, 0))
 
+    def rows_from(self, side: int) -> Array:
+        """Numbers, among the points that this rank owns, of those that D reaches from an end."""
+        inward = np.arange(int(self.op[0]["n"]))
+        rows = self.record["hi"] - inward if side else self.record["lo"] + inward
+        return rows - self.record["own_lo"]
+
     def set_initial(self, y: Array) -> dict[tuple[int, int], float]:
         """Fill y, (owned points, unknowns), with initial data; InputError, here alone perhaps.
 
@@ -109,6 +117,54 @@ class Layer:
         ends = {(self.number, 0): fields[3][0]} if first else {}
         return {**ends, **({(self.number, 1): fields[3][-1]} if last else {})}
 
+    # what is said of them
+
+    @np.errstate(all="ignore")
+    def saved(self) -> Array:
+        """(owned points, 5): of a gas rho, u, T, p, x, NaN where inactive; of a solid u, sigma, T,
+        x, p."""
+        out = np.full((len(self.owned), 5), np.nan)
+        if self.is_gas:
+            rho, m, e = self.owned[self.active].T
+            u, T = self.law.velocity_and_temperature(rho, m, e)
+            x = self.X[self.active] - self.record["anchor"] + self.record["x_interface"]
+            out[self.active] = np.stack([rho, u, T, self.law.law.pressure(rho, T), x], axis=-1)
+            return out
+        x_X = np.empty(len(self.local))
+        steps.stretch(self.box, x_X)
+        x_X = x_X[self.record["halo_lo"] :][: len(out)] / self.record["h"]
+        out[:, :4], out[:, 4] = self.owned, self.law.pressure(self.owned[:, 2], x_X)
+        return out
+
+    def powers(self, t: float, power: int) -> Array:
+        """(unknowns,): h sum |error|^power at t [s] over active points without ghosts; InputError,
+        here alone perhaps."""
+        exact = np.array(given.fields(self.layer, "exact", self.X, t, self.active))
+        ghosts = self.is_gas * (self.record["end_kind"] >= 0)
+        first, last = self.record["lo"] + ghosts[0], self.record["hi"] - ghosts[1]
+        counted = (self.numbers >= first) & (self.numbers <= last)
+        apart = self.saved()[counted, : len(exact)].T - exact[:, counted]
+        return self.record["h"] * np.sum(np.abs(apart) ** power, axis=1)
+
+    def seen(self, m: str) -> Seen:
+        """Values at active points, and which of them must be positive; m: the unit of lengths."""
+        X, numbers = self.X[self.active], self.numbers[self.active]
+        if self.is_gas:
+            rho, u, T, _, x = self.saved()[self.active].T
+            values = {"rho": rho, "u": u, "T": T}
+        else:
+            (u, sigma, T, x), h = self.owned.T, self.record["h"]
+            after = np.append(self.local[self.record["halo_lo"] + 1 :, 3], x[-1:] + h)[: len(x)]
+            values = {"x": x, "x_X": (after - x) / h, "u": u, "sigma": sigma, "T": T}
+
+        def place(i: int) -> str:
+            return f"x = {x[i]:.6g}{m} (X = {X[i]:.6g}{m})"
+
+        positive = frozenset({"rho", "T", "x_X"} & values.keys())
+        return Seen(self.number, numbers, values, positive, place)
+
+    # stages
+
     def exchange(self) -> None:
         """After interfaces are coupled: the outer ends of a solid; all ranks of a gas hear of its
         frame, (4.20), (4.25) and PETSc fills the halos."""
@@ -124,10 +180,6 @@ class Layer:
         """PETSc's ghost exchange."""
         self._dm.localToLocal(self._vec, self._vec)
 
-    def rates(self) -> None:
-        """Rates, of any stage."""
-        self.stage(steps.RATES_ALONE, 0.0)
-
     def destroy(self) -> None:
         """Destroy its vector, its DMDA and the communicator of that."""
         self._vec.destroy()
@@ -138,50 +190,40 @@ class Layer:
 
 class Interface:
     """Interface number k. jump: prescribed jumps; side: 1 if the gas lies right of the solid, else
-    0; here: whether this rank owns gas and solid beside it; notes: see fsipetsc.paper.steps."""
+    0; here: whether this rank owns gas and solid beside it; notes: (steps.NOTES, interfaces)."""
 
     def __init__(
         self, comm: MPI.Comm, k: int, kind: int, gas: Layer, solid: Layer, notes: Array
     ) -> None:
-        self.side = int(gas.number > solid.number)
-        self.jump, rows, self.notes = np.zeros(4), (np.zeros((8, 3)), np.zeros((8, 4))), notes
-        face = Face(kind, gas.law, solid.law, 2.0 * self.side - 1.0, float(solid.record["h"]))
-        points = gas.owned, solid.owned, self.jump, *rows, notes
-        self.box = Box(steps.Sides(solid.op, face, gas.records, solid.records, *points))
+        self.side = side = int(gas.number > solid.number)
+        self.jump, self._noted, self._tag, self._comm = np.zeros(4), notes[:, k], k, comm
+        face = Face(kind, gas.law, solid.law, 2.0 * side - 1.0, float(solid.record["h"]))
+        self._points = points = gas.owned, solid.owned
+        self._at = at = gas.rows_from(1 - side), solid.rows_from(side)
+        self._rows = rows = tuple(np.zeros((len(at[0]), q.shape[1])) for q in points)
+        memory = gas.records, *points, *at, *rows, self.jump, notes, k
+        self.box = Box(steps.Sides(solid.op, face, *memory))
         # the rank with the last point of a layer has all of the rows, see parallel.block_shares
-        owners = gas.ranks[1 - self.side], solid.ranks[self.side]
-        self.here = [owner == comm.rank for owner in owners]
-        self._messages: list[MPI.Prequest] = []  # where the two sides have different owners
-        if any(self.here) and not all(self.here):
-            mine = self._mine = steps.GAS if self.here[0] else steps.SOLID
-            self._messages = [
-                comm.Send_init(rows[mine], owners[1 - mine], k),
-                comm.Recv_init(rows[1 - mine], owners[1 - mine], k),
-            ]
-
-    def begin(self) -> None:
-        """Send the rows of this rank's side to the owner of the other one."""
-        if self._messages:
-            steps.move_side(self.box, self._mine, False)
-            MPI.Prequest.Startall(self._messages)
+        self._owners = gas.ranks[1 - side], solid.ranks[side]
+        self.here = [owner == comm.rank for owner in self._owners]
 
     def couple(self) -> None:
-        """Couple the two sides in the stage: each owner solves the same small system."""
+        """Couple the two sides in the stage. If they have different owners, these swap rows, and
+        each solves the same small system."""
         if all(self.here):
             steps.couple_here(self.box)
-        elif self._messages:
-            MPI.Prequest.Waitall(self._messages)
+        elif any(self.here):
+            mine, other = (0, 1) if self.here[0] else (1, 0)
+            points, at, rows = self._points[mine], self._at[mine], self._rows
+            rows[mine][:] = points[at]
+            owner = self._owners[other]
+            self._comm.Sendrecv(rows[mine], owner, self._tag, rows[other], owner, self._tag)
             steps.couple(self.box)
-            steps.move_side(self.box, self._mine, True)
+            points[at] = rows[mine]
 
     def note(self) -> None:
         """Let the owner of the solid note the interface."""
         if self.here[1]:
             steps.note(self.box)
         else:
-            self.notes[:] = -np.inf
-
-    def destroy(self) -> None:
-        """Free its messages."""
-        for message in self._messages:
-            message.Free()
+            self._noted[:] = -np.inf

@@ -25,16 +25,16 @@ from numba import njit
 from fsipetsc.boundaries import DIRICHLET, INTERFACE_END, OPEN
 from fsipetsc.paper.ends import gradient_values
 from fsipetsc.paper.narrow import MARGIN, narrow_gas, narrow_solid
-from fsipetsc.paper.stencils import INNER, LEFT, RIGHT, U, derivative
+from fsipetsc.paper.stencils import INNER, U, derivative
 
 #: rows of scratch, and by how much they are longer than there are points
-ROWS, MORE = 19, 2 * MARGIN
+ROWS, MORE = 16, 2 * MARGIN
 
 
 @njit(**INNER)
 def outer_side(layer):
-    """Where the embedded boundary of a gas stands, LEFT or RIGHT."""
-    return RIGHT if layer.end_kind[0] == INTERFACE_END else LEFT
+    """Where the embedded boundary of a gas stands: 0 left, 1 right."""
+    return 1 if layer.end_kind[0] == INTERFACE_END else 0
 
 
 @njit(**INNER)
@@ -53,12 +53,11 @@ def widened(a, b, A, B, reach):
 
 
 @njit(**INNER)
-def start_with(forcing, out, first, end):
-    """out = forcing in the rows first .. end-1, if there is any; 0 elsewhere."""
-    forced = len(forcing) > 0
+def start_with(forcing, out):
+    """out = forcing."""
     for i in range(out.shape[0]):
         for c in range(out.shape[1]):
-            out[U(i), U(c)] = forcing[U(i), U(c)] if forced and first <= i < end else 0.0
+            out[U(i), U(c)] = forcing[U(i), U(c)]
 
 
 # gas
@@ -115,11 +114,10 @@ def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
 
 @njit(**INNER)
 def gas_rates(op, gas, layer, q, forcing, w, out):
-    """(4.20). q: (points with halos, 3); forcing: (owned, 3), or (0, 3) for none; w: scratch; out:
-    (owned, 3)."""
+    """(4.20). q: (points with halos, 3); forcing, out: (owned, 3); w: scratch."""
     a, b, A, B = own_range(layer)
     (f0, f1), (v0, v1) = widened(a, b, A, B, op.reach), widened(a, b, A, B, 2 * op.reach)
-    start_with(forcing, out, a - layer.halo_lo, b - layer.halo_lo)
+    start_with(forcing, out)
     if a >= b:
         return
     rho, m, e, u, T, u_X, T_X = w[0], w[1], w[2], w[3], w[4], w[5], w[6]
@@ -136,7 +134,7 @@ def gas_rates(op, gas, layer, q, forcing, w, out):
     derivative(op, u, u_X, f0, f1, A, B, per_h)
     derivative(op, T, T_X, f0, f1, A, B, per_h)
     if op.narrow:
-        narrow_gas(op, gas, layer.h, u, T, w[13], w[14], w[15], w[16], w[17], w[18], a, b, A, B)
+        narrow_gas(op, gas, layer, u, T, w[13], w[14], w[15], out, a, b, A, B)
     if apart:
         u[ghost], T[ghost] = own_u, own_T
     gas_fluxes(gas, layer.s, rho, m, e, u, T, u_X, T_X, f, g, h, f0, f1)
@@ -147,12 +145,7 @@ def gas_rates(op, gas, layer, q, forcing, w, out):
     if gas.kappa == 0.0 and a <= end < b:
         rates = -f_X[end], -g_X[end], -h_X[end]
         h_X[end] -= entropy_keeping(gas, rho[end], m[end], e[end], *rates, u_X[end])
-    shift = layer.halo_lo
-    put_gas(gas.force, rho, m, f_X, g_X, h_X, out, a, b, shift)
-    if op.narrow:
-        for i in range(a, b):
-            out[i - shift, 1] += w[17, i]
-            out[i - shift, 2] += w[18, i]
+    put_gas(gas.force, rho, m, f_X, g_X, h_X, out, a, b, layer.halo_lo)
 
 
 # solid
@@ -187,11 +180,10 @@ def put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, a, b, shift)
 
 @njit(**INNER)
 def elastic_rates(op, solid, layer, q, forcing, w, out):
-    """(4.19). q: (points with halos, 4); forcing: (owned, 4), or (0, 4) for none; w: scratch; out:
-    (owned, 4)."""
+    """(4.19). q: (points with halos, 4); forcing, out: (owned, 4); w: scratch."""
     a, b, A, B = own_range(layer)
     (f0, f1), (v0, v1) = widened(a, b, A, B, op.reach), widened(a, b, A, B, 2 * op.reach)
-    start_with(forcing, out, a - layer.halo_lo, b - layer.halo_lo)
+    start_with(forcing, out)
     if a >= b:
         return
     u, sigma, T, x, x_X, T_X = w[0], w[1], w[2], w[3], w[4], w[5]
@@ -205,7 +197,5 @@ def elastic_rates(op, solid, layer, q, forcing, w, out):
     derivative(op, net, net_X, a, b, A, B, per_h)
     derivative(op, conducted, conducted_X, a, b, A, B, per_h)
     if op.narrow:
-        narrow_solid(op, solid, layer.h, T, stretch, w[12], w[13], w[14], a, b, A, B)
-        for i in range(a, b):
-            conducted_X[i] += w[14, i]
+        narrow_solid(op, solid, layer, T, stretch, w[12], w[13], out, a, b, A, B)
     put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, a, b, layer.halo_lo)

@@ -26,24 +26,23 @@ from fsipetsc.errors import InputError
 from fsipetsc.operators.boxed import Box
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.paper import fields, steps
+from fsipetsc.paper import steps
 from fsipetsc.paper.coupling import KINDS
-from fsipetsc.paper.laws import law_of
 from fsipetsc.paper.layout import DOF, check_form, make_records, share_out
 from fsipetsc.paper.parts import Interface, Layer
 from fsipetsc.paper.stencils import packed
-from fsipetsc.paper.sums import SEEN
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.batch import DT, MADE
-from fsipetsc.scheme.plan import CAPACITY, FLAGS, LIMITS, RATE, step_record
+from fsipetsc.scheme.plan import CAPACITY, FLAGS, LIMITS, step_record
 from fsipetsc.stepping.snapshot import as_numbers, whole
 from fsipetsc.stepping.state import State
+from fsipetsc.stepping.verdicts import Seen
 
 Array = np.ndarray
 #: times of the stages, in steps
 FRACTIONS = 0.0, 0.5, 0.5, 1.0
-#: of the record of a layer: what all ranks learn after a step, beside what was seen
+#: of the record of a layer: what all ranks learn after a step, beside its rates
 FRAME = "lo", "hi", "s", "x_interface"
 #: what the paper's method has of options that choose between methods
 _WITHOUT = {
@@ -74,23 +73,26 @@ class PaperState(State):
         order, self.h = opt["fsi_order"], opt["fsi_h"]
         self.comm, self.problem, self.op, self._opt = comm, problem, OPERATORS[order], opt
         self.evaluations = 0
-        laws = [law_of(layer.material) for layer in problem.layers]
         self.records = make_records(problem, self.op, self.h, max(2 * self.op.reach, 6))
         self.shares = share_out(comm, problem, self.op, self.records, opt["fsi_partition"])
-        self._dof = [DOF[layer.kind] for layer in problem.layers]
-        begins = np.cumsum([0, *(self._dof * (self.records["own_hi"] - self.records["own_lo"]))])
+        dof = [DOF[layer.kind] for layer in problem.layers]
+        begins = np.cumsum([0, *(dof * (self.records["own_hi"] - self.records["own_lo"]))])
         memory = self._y, _, self.k = np.zeros((3, int(begins[-1])))
         self.solution = PETSc.Vec().createWithArray(self._y, comm=comm)
-        self._make_memory()
+        self.results, noted = np.zeros(FLAGS + LIMITS), len(problem.interfaces) * steps.NOTES
+        record = step_record(len(problem.interfaces), dof.count(DOF["fluid"]))
+        journal, latest = self._lay_journal(record, CAPACITY)
+        self._notes, of_batch = latest[:noted], (self.results, self.batch, journal, latest)
+        self._steps = Box(steps.Steps(self.records, *of_batch, latest[noted:]))
         op = packed(order, opt["fsi_viscous"] == "narrow")
         self.layers = [
-            Layer(comm, layer, laws[k], self.records[k:][:1], share, op, memory, int(begins[k]))
+            Layer(comm, layer, self.records[k:][:1], share, op, memory, int(begins[k]))
             for k, (layer, share) in enumerate(zip(problem.layers, self.shares, strict=True))
         ]
         self.here = [layer for layer in self.layers if layer.present]
-        kind = KINDS[opt["fsi_coupling"]]
+        kind, notes = KINDS[opt["fsi_coupling"]], self._notes.reshape(steps.NOTES, -1)
         self.interfaces = [
-            Interface(comm, k, kind, *(self.layers[n] for n in pair), self._notes[k])
+            Interface(comm, k, kind, *(self.layers[n] for n in pair), notes)
             for k, pair in enumerate(problem.interfaces)
         ]
         solid = next(layer.number for layer in self.layers if not layer.is_gas)
@@ -98,19 +100,6 @@ class PaperState(State):
         self._chain = beside.get(-1), beside[0], beside.get(1)
         boxes = {interface.side: interface.box for interface in self.interfaces}
         self._faces = boxes.get(0), boxes.get(1)
-
-    def _make_memory(self) -> None:
-        """What is noted of a step, and what all ranks learn after one, side by side."""
-        layers, interfaces = self.problem.layers, len(self.problem.interfaces)
-        gases = sum(layer.kind == "fluid" for layer in layers)
-        told, notes = len(layers) * (SEEN + len(FRAME)), interfaces * steps.NOTES
-        self._shared = np.zeros(told + notes + FLAGS + LIMITS)
-        self._told = self._shared[:told].reshape(len(layers), -1)
-        self._notes = self._shared[told:][:notes].reshape(interfaces, -1)
-        self.results = self._shared[told + notes :]
-        journal, latest = self._lay_journal(step_record(interfaces, gases), CAPACITY)
-        memory = self.results, self.batch, journal, latest
-        self._steps = Box(steps.Steps(self.records, self._notes, *memory))
 
     def compile(self, announce: Callable[[str], None]) -> None:
         """Compile the kernels: rank 0 first, with a state of its own; the others find them on the
@@ -149,9 +138,10 @@ class PaperState(State):
             for k, interface in enumerate(self.interfaces):
                 interface.jump[:] = given.jumps(problem, k, t)
         for part in self.here:
-            if len(part.forcing):
+            if part.layer.forcing is not None:
                 values = given.fields(part.layer, "forcing", part.X, t, part.active)
-                part.forcing[:] = np.stack(values, axis=-1)
+                part.forcing[:] = 0.0
+                part.forcing[part.active] = np.stack(values, axis=-1)[part.active]
 
     def check_data(self) -> None:
         """Fill the solution, not projected, with initial data, and ask for all else at t = 0.
@@ -211,9 +201,27 @@ class PaperState(State):
 
     def save(self) -> dict[int, Array]:
         """What is saved of this rank's points, (local, 5) by layer."""
-        return {layer.number: fields.saved(layer) for layer in self.here}
+        return {layer.number: layer.saved() for layer in self.here}
 
-    errors, seen = fields.errors, fields.seen
+    def errors(self, t: float, norm: str = "L2") -> dict[str, dict[str, float]] | None:
+        """Errors at time t [s]: kind of layer -> name -> (h sum |difference|^p)^(1/p), and
+        "combined" over the unknowns.
+
+        norm: "L1" or "L2", p = 1 or 2. Active points without ghosts of all layers of a kind. None
+        without an exact solution. Collective; InputError if the exact solution cannot be had.
+        """
+        if any(layer.exact is None for layer in self.problem.layers):
+            return None
+        power, names = {"L1": 1, "L2": 2}[norm], {k: given.UNKNOWNS[k, "exact"] for k in DOF}
+        sums = {kind: np.zeros(len(names[kind])) for kind in names}
+        found = together(self.comm, lambda: [part.powers(t, power) for part in self.here])
+        for part, own in zip(self.here, found, strict=True):
+            sums[part.layer.kind] += own
+        return self._norms(sums, names, power)
+
+    def seen(self) -> list[Seen]:
+        """Values at this rank's active points, and which of them must be positive."""
+        return [part.seen(self.problem.unit("m")) for part in self.here]
 
     # steps
 
@@ -225,8 +233,6 @@ class PaperState(State):
     def _fulfil(self) -> None:
         """Let the stage fulfil all conditions but for ghost points, which are filled later."""
         for interface in self.interfaces:
-            interface.begin()
-        for interface in self.interfaces:
             interface.couple()
         for layer in self.here:
             layer.exchange()
@@ -237,33 +243,33 @@ class PaperState(State):
         self._load(y)
         self._fulfil()
         for layer in self.here:
-            layer.rates()
+            layer.stage(steps.RATES_ALONE, 0.0)
         f[:] = self.k
 
     def _complete(self) -> None:
         """Project the stage, which is the new solution, let boundaries move, and monitor it."""
         self._fulfil()
-        self.results[:RATE] = 0.0
+        steps.forget(self._steps)
         for layer in self.here:
             layer.complete(self._steps)
         for interface in self.interfaces:
             interface.note()
         if self.comm.size > 1:
             self._tell()
-        steps.finish(*self._chain, self._steps)
+        steps.finish(self._steps)
 
     def _tell(self) -> None:
-        """Let all ranks learn what each has seen: the largest number counts."""
-        told, records = self._told, self.records
-        told[:, :SEEN] = records["seen"]
-        for c, name in enumerate(FRAME, SEEN):
-            told[:, c] = records[name]
+        """Let all ranks learn what each has found: the largest number counts."""
+        records, notes, results = self.records, self._notes, self.results
+        told = np.column_stack([records["rates"], *(records[name] for name in FRAME)])
         told[records["present"] == 0] = -np.inf
+        shared = np.concatenate([told.ravel(), notes, results])
         # the largest of numbers and what is none would depend on their order
-        self._shared[np.isnan(self._shared)] = np.inf
-        self.comm.Allreduce(MPI.IN_PLACE, self._shared, MPI.MAX)
-        records["seen"] = told[:, :SEEN]
-        for c, name in enumerate(FRAME, SEEN):
+        shared[np.isnan(shared)] = np.inf
+        self.comm.Allreduce(MPI.IN_PLACE, shared, MPI.MAX)
+        told.flat, notes[:], results[:] = np.split(shared, np.cumsum([told.size, notes.size]))
+        records["rates"] = told[:, :2]
+        for c, name in enumerate(FRAME, 2):
             records[name] = told[:, c]
 
     def finish(self) -> None:
@@ -282,22 +288,20 @@ class PaperState(State):
             steps.batch(*self._chain, self._faces, self._steps, dt)
             self.evaluations += steps.STAGES * max(1, int(self.batch[MADE]))
             return
-        self._step(t, dt, steady)
-        while self.plan_next():
-            self._step(t, self.batch[DT], steady)
-
-    def _step(self, t: float, dt: float, steady: bool) -> None:
-        self.evaluations += steps.STAGES
-        for number, fraction in enumerate(FRACTIONS):
+        more = True
+        while more:
+            self.evaluations += steps.STAGES
+            for number, fraction in enumerate(FRACTIONS):
+                if not steady:
+                    self.set_data(t + fraction * dt)
+                if number > 0:  # it begins with the completed solution
+                    self._fulfil()
+                for layer in self.here:
+                    layer.stage(number, dt)
             if not steady:
-                self.set_data(t + fraction * dt)
-            if number > 0:  # it begins with the completed solution
-                self._fulfil()
-            for layer in self.here:
-                layer.stage(number, dt)
-        if not steady:
-            self.set_data(t + dt)
-        self._complete()
+                self.set_data(t + dt)
+            self._complete()
+            more, dt = self.plan_next(), self.batch[DT]
 
     # checkpoints
 
@@ -328,7 +332,7 @@ class PaperState(State):
             layer.fill_halos()
 
     def destroy(self) -> None:
-        """Free messages, vectors, DMDAs and communicators, in this order."""
-        for part in (*self.interfaces, *self.layers):
-            part.destroy()
+        """Free vectors, DMDAs and communicators."""
+        for layer in self.layers:
+            layer.destroy()
         self.solution.destroy()

@@ -1,4 +1,4 @@
-"""The SBP first derivative on rows of values, and the formulas of an embedded boundary.
+"""The SBP first derivative on rows of values.
 
 Rows hold the points of a rank with their halos. The closures stand at the first and the last active
 point, A and B. The same formula is evaluated in the same order for a point whoever owns it, so
@@ -24,9 +24,7 @@ INNER = {**LOOP, "cache": False, "no_cpython_wrapper": True, "no_cfunc_wrapper":
 #: index arithmetic is of signed numbers; an index made unsigned spares the question whether it
 #: counts from the end
 U = np.uint64
-#: numbers that are no literals: of a function that is given a literal numba compiles a version for
-#: just this one
-LEFT, RIGHT = np.int64(0), np.int64(1)
+#: no literals: of a function that is given a literal numba compiles a version for just this one
 OLD, NEW = np.bool_(False), np.bool_(True)
 
 _I, _F = np.int64, np.float64
@@ -58,15 +56,12 @@ def packed(order: int, narrow: bool = False) -> Array:
     floats = np.vectorize(float, otypes=[float])
     record["interior"][: op.p], record["norm"][:rows] = floats(op.interior), floats(op.norm)
     record["closure"][:rows, :columns] = floats(op.closure)
-    if narrow:
-        for q in range(1, 9):
-            record["differences"][q - 1, : q + 1] = difference(q)
-        for k, level in enumerate(levels(op.interior)):
-            record["means"][k, : len(level.weights)] = floats(level.weights)
-        end = end_term(op.interior)
-        if end.size:
-            record["ends"] = len(end)
-            record["end"][: len(end), : len(end)] = floats(end)
+    for q in range(1, 9):
+        record["differences"][q - 1, : q + 1] = difference(q)
+    for k, level in enumerate(levels(op.interior)):
+        record["means"][k, : len(level.weights)] = floats(level.weights)
+    end = end_term(op.interior)
+    record["ends"], record["end"][: len(end), : len(end)] = len(end), floats(end)
     return records
 
 
@@ -98,58 +93,3 @@ def derivative(op, f, out, a, b, A, B, scale):
 def weight(op, r):
     """Norm weight of the point number r from an end."""
     return op.norm[r] if r < op.rows else 1.0
-
-
-@njit(**INNER)
-def lagrange(delta, degree, weights, slopes):
-    """Lagrange weights and their derivatives at delta for the nodes 0, 1, ..., degree.
-
-    Node 0 is the ghost point and the boundary lies delta cells inside of it; (4.26) is degree 2,
-    with the sign of its third weight corrected so that the weights sum to one.
-    """
-    for k in range(degree + 1):
-        value, denominator, slope = 1.0, 1.0, 0.0
-        for m in range(degree + 1):
-            if m != k:
-                slope = slope * (delta - m) + value
-                value *= delta - m
-                denominator *= k - m
-        weights[k] = value / denominator
-        slopes[k] = slope / denominator
-
-
-@njit(**INNER)
-def dirichlet_ghost(g, v, weights, degree, least):
-    """Value of the ghost point (node 0) so that the interpolant takes the value g at the boundary.
-
-    v[1..degree] are the nodes inside. The q-th difference is added with eta = max(0, least - L_0):
-    the formula of Kreiss & Petersson (2006) as in (4.26), but with an eta that vanishes where L_0
-    is large enough, because a constant one spoils the accuracy when the boundary is close to the
-    ghost point.
-    """
-    eta = max(0.0, least - weights[0])
-    s, binomial = g, 1.0
-    for k in range(1, degree + 1):
-        binomial *= -(degree + 1.0 - k) / k
-        s -= (weights[k] + eta * binomial) * v[k]
-    return s / (weights[0] + eta)
-
-
-@njit(**INNER)
-def neumann_ghost(v, slopes, degree):
-    """Value of the ghost point so that the interpolant has zero slope at the boundary (Kreiss et
-    al. 2004)."""
-    s = 0.0
-    for k in range(1, degree + 1):
-        s -= slopes[k] * v[k]
-    return s / slopes[0]
-
-
-@njit(**INNER)
-def extrapolated(v, degree):
-    """Value at node 0 of the polynomial through the nodes 1 .. degree + 1."""
-    s, binomial = 0.0, 1.0
-    for k in range(1, degree + 2):
-        binomial *= -(degree + 2.0 - k) / k
-        s -= binomial * v[k]
-    return s

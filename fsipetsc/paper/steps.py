@@ -22,45 +22,31 @@ from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, SAID_STOP, STOP, TOO_SHOR
 STAGES, RATES_ALONE = 4, -1
 #: numbers of an interface that are noted
 NOTES = 8
-#: sides of an interface
-GAS, SOLID = 0, 1
-
 
 #: a rank's part of a layer. ops, layers: records, (1,); law: Gas or Elastic; local: the points of
-#: the stage with halos, of which ``owned`` is a view; y, total, k: the completed solution, the sum
-#: of the stages and rates, (owned, unknowns); forcing: the same or (0, unknowns)
+#: the stage with halos, of which ``owned`` is a view; y, total, k, forcing: the completed solution,
+#: the sum of the stages, rates and what is added to these, (owned, unknowns)
 Part = namedtuple("Part", "ops law layers local owned y total k forcing scratch")
-#: an interface: records and owned points of both sides; prescribed jumps; rows f, s of gas and
-#: solid; what is noted of it
-Sides = namedtuple("Sides", "ops face gases solids q_gas q_solid jump f s notes")
-#: of all layers: records; notes, (interfaces, NOTES); results, batch, journal and latest: see
-#: fsipetsc.scheme.plan
-Steps = namedtuple("Steps", "records notes results batch journal latest")
+#: an interface: record of the gas; owned points of both sides, and which of them are the rows f, s;
+#: prescribed jumps; what is noted of all, (NOTES, interfaces), and its own number
+Sides = namedtuple("Sides", "ops face gases q_gas q_solid at_gas at_solid f s jump notes number")
+#: of all layers: records; results, batch, journal and latest: see fsipetsc.scheme.plan; sums: the
+#: end of latest, from the masses of gases on
+Steps = namedtuple("Steps", "records results batch journal latest sums")
 
 
 # conditions
 
 
 @njit(**INNER)
-def side_of(of, side):
-    """(owned points, number of the one at the interface, step into the layer, rows) of a side."""
-    gas, solid, right = of.gases[0], of.solids[0], of.face.n > 0.0
-    if side == GAS:
-        return of.q_gas, (gas.lo if right else gas.hi) - gas.own_lo, 1 if right else -1, of.f
-    return of.q_solid, (solid.hi if right else solid.lo) - solid.own_lo, -1 if right else 1, of.s
-
-
-@njit(**CALL)
-def move_side(of, side, back):
-    """Take the rows of one side of an interface, which this rank owns, as far as D reaches; or put
-    them back."""
-    q, end, step, rows = side_of(of, side)
-    for j in range(of.ops[0].n):
+def move(q, at, rows, back):
+    """Take rows from the points of one side of an interface, or put them back."""
+    for j in range(len(at)):
         for c in range(rows.shape[1]):
             if back:
-                q[end + step * j, c] = rows[j, c]
+                q[at[j], c] = rows[j, c]
             else:
-                rows[j, c] = q[end + step * j, c]
+                rows[j, c] = q[at[j], c]
 
 
 @njit(**CALL)
@@ -76,26 +62,17 @@ def couple_here(of):
     """Couple both sides, which this rank owns."""
     if of is None:
         return
-    for side in (GAS, SOLID):
-        move_side(of, side, False)
+    move(of.q_gas, of.at_gas, of.f, False)
+    move(of.q_solid, of.at_solid, of.s, False)
     couple(of)
-    for side in (GAS, SOLID):
-        move_side(of, side, True)
+    move(of.q_gas, of.at_gas, of.f, True)
+    move(of.q_solid, of.at_solid, of.s, True)
 
 
 @njit(**CALL)
 def close(of):
     """Apply the conditions at the outer ends of a solid."""
     ends.close_solid(of.ops[0], of.law, of.layers[0], of.owned)
-
-
-@njit(**CALL)
-def fill(of):
-    """Fill the ghost point of a gas, where this rank has it."""
-    if of is None:
-        return
-    layer = of.layers[0]
-    ends.fill_ghost(of.ops[0], of.law, layer, of.local, outer_side(layer), OLD)
 
 
 # stages
@@ -125,9 +102,10 @@ def gas_stage(of, number, dt):
     is the completed solution, is filled."""
     if of is None:
         return
+    op, law, layer, q = of.ops[0], of.law, of.layers[0], of.local
     if number != 0:
-        fill(of)
-    rates.gas_rates(of.ops[0], of.law, of.layers[0], of.local, of.forcing, of.scratch, of.k)
+        ends.fill_ghost(op, law, layer, q, outer_side(layer), OLD)
+    rates.gas_rates(op, law, layer, q, of.forcing, of.scratch, of.k)
     advance(of, number, dt)
 
 
@@ -139,6 +117,15 @@ def solid_stage(of, number, dt):
 
 
 # after a step
+
+
+@njit(**CALL)
+def forget(steps):
+    """Forget flags, limits and integrals of the step before."""
+    for flag in range(STOP):
+        steps.results[flag] = 0.0
+    for k in range(len(steps.sums)):
+        steps.sums[k] = 0.0
 
 
 @njit(**INNER)
@@ -155,20 +142,22 @@ def complete_gas(of, steps):
     if of is None:
         return
     op, layer, q, results = of.ops[0], of.layers[0], of.local, steps.results
-    fill(of)
     side = outer_side(layer)
+    ends.fill_ghost(op, of.law, layer, q, side, OLD)
     if not ends.move_boundary(op, of.law, layer, q, side):
         results[EXHAUSTED] = 1.0 + layer.number
     if ends.distance(layer, side) <= layer.least - 2 + 1e-9:
         results[TOO_SHORT] = 1.0 + layer.number
-    sums.monitor_gas(op, of.law, layer, q)
+    if not sums.monitor_gas(op, of.law, layer, q, steps.sums):
+        results[BAD] = 1.0
     keep(of)
 
 
 @njit(**CALL)
 def complete_solid(of, steps):
     """Monitor the points."""
-    sums.monitor_solid(of.ops[0], of.law, of.layers[0], of.local)
+    if not sums.monitor_solid(of.ops[0], of.law, of.layers[0], of.local, steps.sums):
+        steps.results[BAD] = 1.0
     keep(of)
 
 
@@ -187,45 +176,26 @@ def note(of):
     """x, u, sigma, T and the residuals of the four conditions of an interface."""
     if of is None:
         return
-    s, notes = of.s, of.notes
-    notes[0], notes[1], notes[2], notes[3] = s[0, 3], s[0, 0], s[0, 1], s[0, 2]
-    coupling.residuals(of.ops[0], of.face, of.jump, of.f, s, notes[4:])
+    s, notes, k = of.s, of.notes, of.number
+    notes[0, k], notes[1, k], notes[2, k], notes[3, k] = s[0, 3], s[0, 0], s[0, 1], s[0, 2]
+    found = coupling.residuals(of.ops[0], of.face, of.jump, of.f, s)
+    notes[4, k], notes[5, k], notes[6, k], notes[7, k] = found
 
 
 @njit(**CALL)
-def finish(left, solid, right, steps):
-    """The bound on the next step, from what all ranks have seen, and the record of this one.
+def finish(steps):
+    """The bound on the next step, from the rates of all ranks.
 
     1/dt at Courant number 1 is the 4-norm of the largest rates of convection and diffusion: the
     smaller of the two steps alone is too long.
     """
-    results, records, latest = steps.results, steps.records, steps.latest
-    good = sums.bound_of_solid(solid.ops[0], solid.law, solid.layers[0])
-    if left is not None:
-        good = sums.bound_of_gas(left.ops[0], left.law, left.layers[0]) and good
-    if right is not None:
-        good = sums.bound_of_gas(right.ops[0], right.law, right.layers[0]) and good
+    results, records = steps.results, steps.records
     convection, diffusion = 0.0, 0.0
     for k in range(len(records)):
         convection = max(convection, records[k].rates[0])
         diffusion = max(diffusion, records[k].rates[1])
     results[RATE] = np.sqrt(np.sqrt(convection**4 + diffusion**4))
-    results[BAD] = 0.0 if good else 1.0
     results[STOP] = results[SAID_STOP]
-    at = 0
-    for c in range(NOTES):
-        for face in range(len(steps.notes)):
-            latest[at] = steps.notes[face, c]
-            at += 1
-    for k in range(len(records)):
-        if records[k].fluid:
-            latest[at] = records[k].shares[0]
-            at += 1
-    for c in range(1, sums.SHARES):
-        latest[at] = 0.0
-        for k in range(len(records)):
-            latest[at] += records[k].shares[c]
-        at += 1
 
 
 @njit(**CALL)
@@ -244,13 +214,12 @@ def batch(left, solid, right, faces, steps, dt):
         couple_here(faces[0])
         couple_here(faces[1])
         close(solid)
-        for flag in range(RATE):
-            steps.results[flag] = 0.0
+        forget(steps)
         complete_gas(left, steps)
         complete_solid(solid, steps)
         complete_gas(right, steps)
         note(faces[0])
         note(faces[1])
-        finish(left, solid, right, steps)
+        finish(steps)
         more = plan_next(steps.batch, steps.results, steps.journal, steps.latest)
         dt = steps.batch[DT]
