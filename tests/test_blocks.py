@@ -23,6 +23,9 @@ def test_maps_take_corners_where_they_belong():
     assert x.tolist() == [0, 2, 0, 3] and y.tolist() == [0, 0, 1, 4]
     x, y = maps.annulus(1.0, 2.0, (0.0, np.pi / 2), (5.0, 6.0))(ends)
     assert np.allclose(x, [6, 7, 5, 5]) and np.allclose(y, [6, 6, 7, 8])
+    grid = maps.stretched(maps.rectangle((0, 0), (2, 1)), lambda s: s**2, lambda s: s)
+    half = np.array([0.0, 0.5, 1.0])
+    assert np.allclose(grid((half, half)), [[0.0, 0.5, 2.0], half])
 
 
 @pytest.mark.parametrize("d", (2, 3))

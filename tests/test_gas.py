@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numba import njit
 
 from fsipetsc.equations.gas import Gas
+from fsipetsc.equations.logarithm import log
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.power_law import PowerLaw
 from fsipetsc.materials.stiffened_gas import stiffened_gas
+from fsipetsc.operators.loops import CALL
 
 LAWS = PerfectGas(1.4, 2.0), stiffened_gas(2.2, 1.5, 3.0)
 STEP = 1e-6
@@ -113,3 +116,11 @@ def test_viscous_flux_of_a_linear_field(d):
     np.testing.assert_allclose(tau, exact, rtol=1e-13, atol=1e-14)
     heat = gas.conduction(w, tuple(h / T**2))
     np.testing.assert_allclose(heat, 0.7 * (T / 1.3) ** 0.9 * h, rtol=1e-13)
+
+
+def test_the_compiled_logarithm_is_that_of_numpy():
+    """Either may be off by one unit in the last place."""
+    compiled = njit(**{**CALL, "cache": False})(lambda x: log(x))
+    x = np.concatenate([np.linspace(0.5, 2.0, 4001), 10.0 ** np.linspace(-300.0, 300.0, 4001)])
+    error = np.abs([compiled(value) for value in x] - np.log(x))
+    assert np.all(error <= 2.0 * np.spacing(np.abs(np.log(x))))

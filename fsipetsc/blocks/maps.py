@@ -152,6 +152,11 @@ def transfinite(*faces: tuple[Callable[..., Any], Callable[..., Any]]) -> Map:
     return places
 
 
+def stretched(map: Map, *functions: Callable[[Array], Array]) -> Map:
+    """X(s_0(xi_0), …): a function of [0, 1] onto itself for each axis."""
+    return lambda xi: map(tuple(s(x) for s, x in zip(functions, xi, strict=True)))
+
+
 def place_text(X: Any) -> str:
     """ "X = 1", "(X, Y) = (1, 2)": a place in a message."""
     numbers = [f"{x:.6g}" for x in np.ravel(X)]
