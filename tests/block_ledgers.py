@@ -16,12 +16,11 @@ def scheme_of(layout, problem, order, form):
     """The scheme of a layout alone, with buffers that nobody reads."""
     blocks, record = len(problem.blocks), step_record(problem)
     own = np.dtype([(name, record[name]) for name in record.names[2:]])
-    scheme = Scheme(layout, problem, order, form, lambda: 1e-4, slices(own), [], False)
     columns = own.itemsize // 8
     buffers = np.zeros(1 + MONITORED * blocks), np.zeros((blocks, 2)), np.zeros(FLAGS + LIMITS)
     buffers += np.zeros(columns), np.zeros((4, 0)), 1.0, np.zeros(BATCH), np.zeros((1, columns + 2))
-    scheme.attach(np.zeros(layout.local_size), np.zeros(layout.local_size), *buffers)
-    return scheme
+    about = order, form, lambda: 1e-4, slices(own), [], False, *np.zeros((2, layout.local_size))
+    return Scheme(layout, problem, *about, *buffers)
 
 
 class Steps(BlockState):

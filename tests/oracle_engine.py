@@ -17,7 +17,7 @@ from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.solid_pressure import gruneisen
 from fsipetsc.materials.stiffened_gas import stiffened_gas
-from fsipetsc.parallel.block_layout import BlockLayout
+from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
 
 
 def by_components(value):
@@ -81,11 +81,11 @@ class Engine:
         # dissipation 0: on where blocks are joined
         form = BlockForm(p.form, p.dissipation / 0.3 or -1.0, p.shock)
         self.scheme = scheme_of(self.layout, self.problem, p.order, form)
-        self.y, self.f = self.layout.vector(), self.layout.vector()
+        self.y, self.f = BlockVector(self.layout), BlockVector(self.layout)
 
     def _get(self, vector):
         found = {}
-        for part in self.layout.parts:
+        for part in self.layout.parts.values():
             whole = np.empty_like(vector.owned(part.k).T)
             whole[:, part.numbers] = vector.owned(part.k).T
             name, shape = self.problem.blocks[part.k].name, self.shapes[part.k]
@@ -94,7 +94,7 @@ class Engine:
 
     def complete(self, q, t=0.0):
         """As the oracle's."""
-        for part in self.layout.parts:
+        for part in self.layout.parts.values():
             value = q[self.problem.blocks[part.k].name]
             self.y.owned(part.k)[:] = value.reshape(len(value), -1, order="F").T[part.numbers]
         self.scheme.complete(t, self.y)

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of, weights_of
+from fsipetsc.blockrun.face_terms import FaceTerms
 from fsipetsc.blocks.values import block_values
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
@@ -22,10 +22,9 @@ class BlockPart:
         self.part, self._problem = part, layout.problem
         self.block = self._problem.blocks[part.k]
         self._d = d = self.block.dimension
-        self._ranges = ranges_of(part, self.block.shape)
-        self.X = self._problem.positions(part.k, self._ranges)
+        self.X = self._problem.positions(part.k, part.ghosted)
         self.owned = part.ghosted_rows(np.arange(part.numbers.size))
-        self.weights = weights_of(part, self.owned)
+        self.weights = part.weights(self.owned)
         self.faces = FaceTerms(self._problem, part, order, self.X)
         rows = d + 2 if self.block.kind == "fluid" else 2 * d + 1
         forced = self.block.forcing is not None

@@ -2,7 +2,6 @@
 fsipetsc.scheme.faces.
 """
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -105,8 +104,7 @@ class TurnedFace:
     """
 
     def __init__(self, problem: Any, part: Part, order: int, axis: int, side: int) -> None:
-        shape = problem.blocks[part.k].shape
-        ghosted = ranges_of(part, shape)
+        shape, ghosted = problem.blocks[part.k].shape, part.ghosted
         sizes = zip(ghosted, part.patch.first, part.patch.own, strict=True)
         where = [(begin + first, begin + first + own) for (begin, _), first, own in sizes]
         where[axis] = (shape[axis] - 1, shape[axis]) if side else (0, 1)
@@ -116,9 +114,8 @@ class TurnedFace:
             np.clip(np.arange(*ends) - begin, 0, end - begin - 1)
             for ends, (begin, end) in zip(wide.wide, ghosted, strict=True)
         ]
-        nx, ny, _ = part.patch.ghosted
-        x, y, z = np.meshgrid(*index, indexing="ij")
-        self._at = (x + nx * (y + ny * z)).ravel(order="F")
+        places = np.meshgrid(*index, indexing="ij")
+        self._at = np.ravel_multi_index(places, part.patch.ghosted, order="F").ravel(order="F")
         n = self._at.size
         self._a, self._slopes, self._scratch = (np.empty((3, 3, n)) for _ in range(3))
 
@@ -143,17 +140,6 @@ def _unheld(condition: Any) -> bool:
     return isinstance(condition, (Meeting, Free, Absorbing))
 
 
-def ranges_of(part: Part, shape: Sequence[int]) -> list[tuple[int, int]]:
-    """First node and first beyond of the ghosted array along each axis of a block of this shape;
-    they go on beyond the ends of periodic axes.
-    """
-    begins = np.unravel_index(int(part.numbers[0]), shape, order="F")
-    return [
-        (int(begin) - first, int(begin) - first + size)
-        for begin, first, size in zip(begins, part.patch.first, part.patch.ghosted, strict=False)
-    ]
-
-
 def _nodes_of(part: Part, nodes: Array, axis: int, side: int, column: int) -> tuple[Array, ...]:
     """This rank's nodes of those of a face: numbers in the ghosted array and among the owned ones,
     axis, sign, 1 / weight of the axis, product of the other weights, column.
@@ -164,18 +150,8 @@ def _nodes_of(part: Part, nodes: Array, axis: int, side: int, column: int) -> tu
     last = part.patch.first[axis] + (part.patch.own[axis] - 1 if side else 0)
     weight, ones = float(part.bands[axis].weight[last]), np.ones(own.size)
     signs = ones if side else -ones
-    across, columns = weights_of(part, at) / weight, np.full(own.size, column)
+    across, columns = part.weights(at) / weight, np.full(own.size, column)
     return at, own, np.full(own.size, axis), signs, ones / weight, across, columns
-
-
-def weights_of(part: Part, ghosted: Array) -> Array:
-    """(n,) H of nodes of the ghosted array: the product of the weights of the axes."""
-    nx, ny, _ = part.patch.ghosted
-    places = ghosted % nx, ghosted // nx % ny, ghosted // (nx * ny)
-    product = np.ones(ghosted.size)
-    for band, place in zip(part.bands, places, strict=True):
-        product *= band.weight[place]
-    return product
 
 
 def _acts(condition: Any) -> bool:

@@ -52,7 +52,7 @@ class GasPart(BlockPart):
             ],
             np.int64,
         )
-        self.grid = GridMotion(self._problem, k, self._order, self._ranges, nodes)
+        self.grid = GridMotion(self._problem, k, self._order, self.part.ghosted, nodes)
         self.metrics, self.moves = self.grid.metrics, nodes.size > 0
         self.gather = FaceGather(self._layout, k, nodes, 2 * self._d)
         own, particle = system.nodes[k]
@@ -113,6 +113,10 @@ class GasPart(BlockPart):
         momentum = q[rows, 1, None] * u
         change = (momentum**2 - q[rows, 2 : 2 + d] ** 2).sum(axis=1) / q[rows, 1]
         q[rows, 2 : 2 + d], q[rows, 2 + d] = momentum, q[rows, 2 + d] + 0.5 * change
+
+    def pushes(self, q: Array, rows: Array, axis: int, side: int) -> Array:
+        """(n,) pressure on a face at owned nodes."""
+        return self.equations.primitive(tuple(q[self.owned[rows]].T))[1]
 
     def fields(self, q: Array, rows: slice = slice(None)) -> Array:
         """(…, 2d + 4) what is saved of these rows of the owned nodes: rho, u, T, p, J over that of

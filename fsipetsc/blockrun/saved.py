@@ -5,14 +5,12 @@ nodes, errors against exact solutions.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fsipetsc.blockrun.columns import PLACES, VELOCITIES, fields_of
 from fsipetsc.blocks.values import block_values, checked, names_of
-from fsipetsc.parallel.block_layout import Part
 from fsipetsc.process.together import together
 from fsipetsc.stepping.verdicts import Seen
 
@@ -54,30 +52,18 @@ def grids(state: BlockState) -> list[dict[str, Any]]:
 
 
 def seen(state: BlockState) -> Iterator[Seen]:
-    """Values at this rank's nodes, block by block, and which of them must be positive."""
-    return map(partial(_seen, state), state.layout.parts)
-
-
-def _seen(state: BlockState, part: Part) -> Seen:
+    """Values at this rank's nodes, block by block."""
     problem, d = state.problem, state.problem.dimension
-    kind, m = problem.layers[part.k].kind, problem.unit("m")
-    names = fields_of(kind, d, problem.symmetry)
-    columns = dict(zip(names, state.fields(part.k).T, strict=True))
-    names = "J", "rho", *VELOCITIES[:d], "T"
-    if kind == "solid":  # a temperature of a law of J < 0 is no number: J says more
-        of_block = state.scheme.parts[part.k]
-        columns["J"] = of_block.volume_ratio(state.y.ghosted(part.k))
-        names = "J", *PLACES[:d], *VELOCITIES[:d], "T"
-    X = problem.places(part.k, part.numbers)
-
-    def place(i: int) -> str:
-        now = ", ".join(f"{name} = {columns[name][i]:.6g}{m}" for name in PLACES[:d])
-        then = ", ".join(f"{c} = {x:.6g}{m}" for c, x in zip(PLACES.upper(), X[i]))
-        return f"{now} ({then})"
-
-    values = {name: columns[name] for name in names}
-    positive = frozenset(("J", "rho", "T"))
-    return Seen(part.k, np.asarray(part.numbers), values, positive, place)
+    for k, part in state.scheme.parts.items():
+        names = fields_of(part.block.kind, d, problem.symmetry)
+        columns = dict(zip(names, state.fields(k).T, strict=True))
+        names = "J", "rho", *VELOCITIES[:d], "T"
+        if part.block.kind == "solid":  # T of a law of J < 0 is no number: J says more
+            columns["J"] = part.volume_ratio()
+            names = "J", *PLACES[:d], *VELOCITIES[:d], "T"
+        values, numbers = {name: columns[name] for name in names}, part.part.numbers
+        x = np.stack([columns[name] for name in PLACES[:d]], axis=1)
+        yield Seen(k, numbers, values, x, problem.places(k, numbers))
 
 
 def errors_of(state: BlockState, t: float, norm: str) -> dict[str, dict[str, float]] | None:

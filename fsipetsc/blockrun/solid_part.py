@@ -37,7 +37,7 @@ class SolidPart(BlockPart):
         super().__init__(layout, part, order)
         d, kappa, material = self._d, self._problem.symmetry, self.block.material
         self.equations = material.radial_equations(kappa, d) if kappa else material.equations(d)
-        self.metrics = solid_metrics(self._problem, part.k, order, self._ranges)
+        self.metrics = solid_metrics(self._problem, part.k, order, part.ghosted)
         self.inertia = self.metrics[d * d] * self.equations.m0
         self._masses = self.weights * self.inertia[self.owned]
         self._per_h = np.array(self.block.cells, float)
@@ -45,7 +45,7 @@ class SolidPart(BlockPart):
         strain = self.equations.unstrained((0.0,) * d)
         self._F = np.zeros((len(strain), part.numbers.size))
         self.prestress = prestress_of(self.block, self.X)
-        first, nodes, rows = self._ranges[0][0], self.block.shape[0], OPERATORS[order].rows
+        first, nodes, rows = part.ghosted[0][0], self.block.shape[0], OPERATORS[order].rows
         inside = rows - first, nodes - rows - first  # of the ghosted nodes along axis 0
         if self.block.periodic[0]:
             inside = 0, part.patch.ghosted[0]
@@ -92,7 +92,8 @@ class SolidPart(BlockPart):
         places = block_values(self.block, "initial", X, 0.0)[self._d + 1 :]
         for c in range(self._d):
             q[:, c] = (places[c] - X[c]) * np.where(X[c] == self.X[c], 1.0, -1.0)
-        return tuple(self._deformation(q))
+        self.monitor(q)
+        return tuple(self._F)
 
     def _stored_by_prestress(self, F: Any, at: Array) -> Any:
         """Energy per mass [J/kg] of ghosted nodes with heat 'elastic': S : (F - 1)/m0."""
@@ -104,18 +105,14 @@ class SolidPart(BlockPart):
         """(d d, …) of ghosted nodes, 0 if there is none."""
         return self.prestress[:, at] if self.prestress.size else np.zeros((self._d**2, 1))
 
-    def _deformation(self, q: Array) -> Array:
-        """F (d d, M) of the owned nodes, with hoops (2, M)."""
-        self.monitor(q)
-        return self._F
-
-    def volume_ratio(self, q: Array) -> Array:
-        """(M,) det F of the owned nodes."""
-        ratio: Array = self.equations.volume(tuple(self._deformation(q)))
+    def volume_ratio(self) -> Array:
+        """(M,) det F of the owned nodes, by the last F."""
+        ratio: Array = self.equations.volume(tuple(self._F))
         return ratio
 
     def monitor(self, q: Array) -> tuple[Array, Array]:
-        """What bounds a step, and the sums of the owned nodes; q: (N, 2d + 1).
+        """What bounds a step, and the sums of the owned nodes, whose F (d d, M), with hoops (2, M),
+        stays; q: (N, 2d + 1).
 
         See fsipetsc.scheme.solid_monitor.
         """
@@ -159,33 +156,47 @@ class SolidPart(BlockPart):
             rows_of_stored=stored[0],
         )
 
-    def normal(self, row: int, axis: int, side: int) -> Array:
-        """(d,) unit normal out of the solid of a face as it is, at an owned node, by the last F."""
+    def normals(self, rows: Any, axis: int, side: int) -> Array:
+        """(n, d) unit normals out of the solid of a face as it is at owned nodes, by the last F."""
         d = self._d
-        if d == 1:
-            return np.array([2.0 * side - 1.0])
-        A = tuple(self.metrics[axis * d : (axis + 1) * d, self.owned[row]] * (2 * side - 1))
-        n = np.array(apply(cofactor(tuple(self._F[:, row])), A))
-        return n / np.linalg.norm(n)
+        A = tuple(self.metrics[axis * d : (axis + 1) * d, self.owned[rows]] * (2 * side - 1))
+        n = np.array(apply(cofactor(tuple(self._F[: d * d, rows])), A))
+        return (n / np.linalg.norm(n, axis=0)).T
+
+    def _strained(self, q: Array, rows: Any) -> tuple[Any, Any, Array, Array, Array]:
+        """(v, F, T, J, Cauchy stress P F^T / J (d, d, n)) of owned nodes, by the last F."""
+        d, nodes, solid = self._d, self.owned[rows], self.equations
+        F, own = tuple(self._F[:, rows]), q[nodes]
+        v = tuple(own[:, d : 2 * d].T)
+        T = solid.temperature(v, own[:, 2 * d] - self._stored_by_prestress(F, nodes), F)
+        J, P = solid.volume(F), solid.stress_at(F, T) + self._prestress_at(nodes)
+        stress = np.array(
+            [
+                [sum(P[i * d + m] * F[j * d + m] for m in range(d)) for j in range(d)]
+                for i in range(d)
+            ]
+        )
+        return v, F, T, J, stress / J - self.faces.p_ref * np.eye(d)[..., None]
+
+    def stresses(self, q: Array, rows: Any) -> Array:
+        """(n, d, d) Cauchy stress of owned nodes, by the last F."""
+        return np.moveaxis(self._strained(q, rows)[-1], -1, 0)
+
+    def pushes(self, q: Array, rows: Any, axis: int, side: int) -> Array:
+        """(n,) minus the normal stress on a face at owned nodes."""
+        n = self.normals(rows, axis, side)
+        return -np.einsum("ni,nij,nj->n", n, self.stresses(q, rows), n)
 
     def fields(self, q: Array, rows: slice = slice(None)) -> Array:
-        """(…, …) what is saved of these rows of the owned nodes: v, T, Cauchy stress P F^T / J, x;
-        in one dimension its part sigma, and p after x; then sigma_theta of hoops.
+        """(…, …) what is saved of these rows of the owned nodes: v, T, Cauchy stress, x; in one
+        dimension its part sigma, and p after x; then sigma_theta of hoops.
         """
-        d, nodes = self._d, self.owned[rows]
-        F, own = tuple(self._deformation(q)[:, rows]), q[nodes]
-        v = tuple(own[:, d : 2 * d].T)
-        e = own[:, 2 * d] - self._stored_by_prestress(F, nodes)
-        T = self.equations.temperature(v, e, F)
-        P, J = self.equations.stress_at(F, T), self.equations.volume(F)
-        P = P + self._prestress_at(nodes)
-        pairs = [(i, j) for i in range(d) for j in range(i, d)]
-        stresses = [sum(P[i * d + m] * F[j * d + m] for m in range(d)) / J for i, j in pairs]
-        p_ref = self.faces.p_ref
-        stresses = [s - p_ref * (i == j) for s, (i, j) in zip(stresses, pairs, strict=True)]
-        x = self.X[:, nodes] + own[:, :d].T
-        p, around = self.equations.pressure_at(J, T) + 0.0 * T, self._problem.symmetry > 0
-        hoops = [self.equations.hoop_stress(F, T) + p * (d == 1)] if around else []
+        self.monitor(q)
+        d, nodes, solid = self._d, self.owned[rows], self.equations
+        v, F, T, J, stress = self._strained(q, rows)
+        x = self.X[:, nodes] + q[nodes, :d].T
+        p, around = solid.pressure_at(J, T) + 0.0 * T, self._problem.symmetry > 0
+        hoops = [solid.hoop_stress(F, T) + p * (d == 1)] if around else []
         if d > 1:
-            return np.stack([*v, T, *stresses, *x, *hoops], axis=-1)
-        return np.stack([*v, T, stresses[0] + p, *x, p, *hoops], axis=-1)
+            return np.stack([*v, T, *stress[np.triu_indices(d)], *x, *hoops], axis=-1)
+        return np.stack([*v, T, stress[0, 0] + p, *x, p, *hoops], axis=-1)

@@ -74,7 +74,7 @@ def errors(state: PaperState, t: float, norm: str = "L2") -> dict[str, dict[str,
 
 
 def seen(state: PaperState) -> Iterable[Seen]:
-    """Values at this rank's active points, and which of them must be positive."""
+    """Values at this rank's active points."""
     for part in state.here:
         record, active = part.record, part.active
         own = np.arange(record["own_lo"], record["own_hi"])[active]
@@ -87,8 +87,4 @@ def seen(state: PaperState) -> Iterable[Seen]:
             after = np.minimum(own + 1, record["n"] - 1) - record["own_lo"] + record["halo_lo"]
             x_X = np.where(own < record["n"] - 1, (part.local[after, 3] - x) / state.h, 1.0)
             values = {"x": x, "x_X": x_X, "u": u, "sigma": sigma, "T": T}
-
-        def place(i: int, x: Array = x, X: Array = X, m: str = state.problem.unit("m")) -> str:
-            return f"x = {x[i]:.6g}{m} (X = {X[i]:.6g}{m})"
-
-        yield Seen(part.number, own, values, frozenset({"rho", "T", "x_X"} & values.keys()), place)
+        yield Seen(part.number, own, values, x[:, None], X[:, None])

@@ -36,9 +36,8 @@ from fsipetsc.paper.sums import SEEN
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.batch import DT, MADE
-from fsipetsc.scheme.plan import CAPACITY, FLAGS, LIMITS, RATE, step_record
-from fsipetsc.stepping.snapshot import as_numbers, whole
-from fsipetsc.stepping.state import State
+from fsipetsc.scheme.plan import CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, step_record
+from fsipetsc.stepping.state import FAULT, State, as_numbers, whole
 
 Array = np.ndarray
 #: times of the stages, in steps
@@ -62,6 +61,8 @@ class PaperState(State):
     a part of. opt: options in force. InputError where grid, order and number of ranks do not fit,
     or the problem is not of the paper's form.
     """
+
+    fault: InputError | None = None
 
     def __init__(self, comm: MPI.Comm, problem: Problem, opt: Mapping[str, Any]) -> None:
         for name, without in _WITHOUT.items():
@@ -137,7 +138,11 @@ class PaperState(State):
         If a function of the user's fails, here alone perhaps, the data stay as they are, the step
         goes on, and all ranks learn of it when it is complete: see ``fault``.
         """
-        self._guarded(lambda: self._set_data(t))
+        try:
+            self._set_data(t)
+        except InputError as error:
+            self.fault = self.fault or error
+            self.results[SAID_STOP] = FAULT
 
     def _set_data(self, t: float) -> None:
         problem, records = self.problem, self.records

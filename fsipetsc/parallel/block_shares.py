@@ -206,14 +206,12 @@ def _physics(extents: Sequence[Extent], size: int) -> list[Share] | None:
 
 def _whole(extents: Sequence[Extent], size: int) -> list[int]:
     """A rank for each block, of fewer ranks than blocks: gas on the lower ones."""
-    kinds = {kind: [k for k, e in enumerate(extents) if e.kind == kind] for kind in COST}
-    kinds = {kind: blocks for kind, blocks in kinds.items() if blocks}
-    work = [sum(extents[k].work for k in blocks) for blocks in kinds.values()]
-    counts = [size]
-    if len(kinds) == 2:
-        counts = _apportion(work, [len(blocks) for blocks in kinds.values()], size)
+    of_kinds = [[k for k, e in enumerate(extents) if e.kind == kind] for kind in COST]
+    of_kinds = [blocks for blocks in of_kinds if blocks]
+    work = [sum(extents[k].work for k in blocks) for blocks in of_kinds]
+    counts = _apportion(work, list(map(len, of_kinds)), size)
     ranks, first = [0] * len(extents), 0
-    for blocks, count in zip(kinds.values(), counts, strict=True):
+    for blocks, count in zip(of_kinds, counts, strict=True):
         loads = [0.0] * count
         for k in sorted(blocks, key=lambda k: (-extents[k].work, k)):  # the largest first
             least = loads.index(min(loads))

@@ -26,7 +26,7 @@ from fsipetsc.stepping.state import FAULT, State
 FUSED = "fused"
 #: flags and limits of all ranks end here
 LAST = STOP + 1
-#: with -fsi_check: after so many steps their records are taken, and conservation is checked
+#: with -fsi_check: after so many steps at most their records are taken, and conservation is checked
 CHECKED = 256
 #: points (of all ranks, spare ones too) times steps in one call, so that a signal need not wait
 MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}
@@ -46,9 +46,9 @@ class Integrator:
     """Integrates a state in time; all methods are collective.
 
     opt: options in force. saved: times [s] at which ``on_frame(t)`` is called. Other hooks:
-    ``on_series()`` when the records of steps must be taken (``take_series``), with -fsi_check every
-    CHECKED steps; ``on_step(steps, t, dt)`` after every batch of steps; ``on_checkpoint()`` when a
-    checkpoint is due (stepping.pauses).
+    ``on_series()`` when the records of steps must be taken (``take_series``); ``on_step(steps,
+    t, dt)`` after every batch of steps; ``on_checkpoint()`` when a checkpoint is due
+    (stepping.pauses).
     """
 
     def __init__(
@@ -64,8 +64,8 @@ class Integrator:
         self.state, self.opt = state, opt
         self._on_frame, self._on_series = on_frame, on_series or self.take_series
         self._on_step, self._on_checkpoint = on_step, on_checkpoint
-        self._recorded = 0  # steps in the journal
-        self._next_check = CHECKED if opt["fsi_check"] else np.inf
+        self._recorded = 0  # steps in the journal, of which so many may be there
+        self._room = CHECKED if opt["fsi_check"] else len(state.journal)
         self.pauses = Pauses(opt, state.comm.rank == 0)
         self._targets = sorted(saved, reverse=True)  # times that are still to be hit
         self._steady = state.problem.steady_data
@@ -108,7 +108,7 @@ class Integrator:
             state.set_data(self.t)  # with differences in time of the length that a step has
         state.finish()
         flags = state.results[:LAST].tolist()
-        verdicts.check(state, self.t, self.steps, flags, self.opt, self.beyond)
+        verdicts.check(state, self.t, self.steps, flags, self.beyond)
         without = *OF_STEPS, *point_names(3)
         names = [name for name in shares(state.latest.dtype) if name not in without]
         sums = {name: state.comm.allreduce(state.latest[name]) for name in names}
@@ -231,12 +231,9 @@ class Integrator:
         made = self._note_steps(ts)
         flags = self.state.results[:LAST].tolist()
         self._recorded += made - 1  # the last one only if it is sound
-        verdicts.check(self.state, self.t, self.steps, flags, self.opt, self.beyond)
+        verdicts.check(self.state, self.t, self.steps, flags, self.beyond)
         self._recorded += 1
-        if self.steps >= self._next_check:
-            self._next_check = self.steps + CHECKED
-            self._on_series()
-        elif self._recorded == len(self.state.journal):
+        if self._recorded == self._room:
             self._on_series()
         if self._pass(self.t):
             self._on_frame(self.t)
@@ -274,8 +271,8 @@ class Integrator:
         step, after = next_step(self.t, target, bound)
         state.results[SAID_STOP] = self.pauses.word() if state.fault is None else FAULT
         ts.setTimeStep(step)
-        room = len(state.journal) - self._recorded
-        most = min(self.batch_limit, opt["ts_max_steps"] - self.steps, room)
+        left = opt["ts_max_steps"] - self.steps, self._room - self._recorded
+        most = min(self.batch_limit, *left)
         times = self.t, step, after, target, courant, fixed
         allowed = self.pauses.allowed(self.steps, most)
         state.batch[:] = *times, allowed, 0, 0.0, self._recorded

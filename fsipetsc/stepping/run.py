@@ -243,7 +243,7 @@ class _Run:
     def _resume(self, header: Mapping[str, Any]) -> None:
         """Go on from a checkpoint."""
         self.integrator.resume(header["memory"], self.past.arrays)
-        self.ledgers.recall(header["ledgers"], self.integrator.initial)
+        self.ledgers.begin(self.integrator.initial, header["ledgers"])
         self.saved_at = header["saved_at"]
         if not self.writer.nframes:  # a file of its own
             self._frame(self.integrator.t)
