@@ -64,9 +64,6 @@ class BlockState(State):
     fit.
     """
 
-    #: nodes held in reserve: no grid grows
-    reserve = 0
-
     def __init__(
         self,
         comm: MPI.Comm,

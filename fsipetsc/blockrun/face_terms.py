@@ -35,39 +35,38 @@ class FaceTerms:
         self._d, self._gas, self.p_ref = d, block.kind == "fluid", _left_out(problem, k)
         self._turned: list[tuple[slice, TurnedFace]] = []
         self._faces: list[tuple[Any, Array, slice]] = []
-        listed, count = [_nodes_of(part, np.empty(0, np.int64), 0, 0, 0)], 0
-        through = problem.column_of_face
-        lengths = []
+        acting = []
         for (axis, side), condition in problem.faces_of(k).items():
             met = isinstance(condition, Meeting)
             interface = met and problem.is_interface(k, axis, side)
             supplied = interface and not self._gas and self._jumps is not None
             beyond = _left_out(problem, condition.block) if met else 0.0
             loaded = _unheld(condition) and self.p_ref not in (0.0, beyond)
-            if not (supplied or loaded or _acts(condition)):
-                continue
-            column = through.get((k, axis, side), len(through))
-            listed.append(_nodes_of(part, problem.face_nodes(k, axis, side), axis, side, column))
-            own = listed[-1][1]
-            where, count = slice(count, count + own.size), count + own.size
-            if own.size:
-                self._faces.append((condition, problem.places(k, part.numbers[own]), where))
-                if isinstance(condition, Open) and condition.order == 1:
-                    low, high = (block.face_positions(axis, end) for end in (0, 1))
-                    lengths.append((where, np.linalg.norm(high - low, axis=0).mean()))
-                if d == 3 and not self._gas:
-                    self._turned.append((where, TurnedFace(problem, part, order, axis, side)))
-        nodes, n = [np.concatenate(values) for values in zip(*listed, strict=True)], count
+            if supplied or loaded or _acts(condition):
+                acting.append((axis, side, condition))
+        self.record: Any = Closed()
+        if not acting:  # on all ranks of the block, for these compile the same
+            return
+        listed = [_nodes_of(problem, part, axis, side) for axis, side, _ in acting]
+        nodes = [np.concatenate(values) for values in zip(*listed, strict=True)]
+        n = nodes[0].size
         flags, numbers = np.zeros(n, np.int64), np.zeros((3, n))
-        if len(listed) == 1:  # on all ranks of the block, for these compile the same
-            self.record: Any = Closed()
-        elif self._gas:
+        if self._gas:
             self.record = GasFaces(*nodes, flags, np.zeros((n, d + 2)), *numbers)
         else:
             vectors = np.zeros((2, n, d))
             self.record = SolidFaces(*nodes, flags, vectors[0], *numbers, vectors[1], X)
-        for where, length in lengths:
-            self.record.width[where] = length
+        end = 0
+        for (axis, side, condition), (_, own, *_) in zip(acting, listed, strict=True):
+            where, end = slice(end, end + own.size), end + own.size
+            if not own.size:
+                continue
+            self._faces.append((condition, problem.places(k, part.numbers[own]), where))
+            if isinstance(condition, Open) and condition.order == 1:
+                low, high = (block.face_positions(axis, at) for at in (0, 1))
+                self.record.width[where] = np.linalg.norm(high - low, axis=0).mean()
+            if d == 3 and not self._gas:
+                self._turned.append((where, TurnedFace(problem, part, order, axis, side)))
 
     def refresh(self, t: float) -> None:
         """Fill the record with data at time t [s]. InputError."""
@@ -140,18 +139,18 @@ def _unheld(condition: Any) -> bool:
     return isinstance(condition, (Meeting, Free, Absorbing))
 
 
-def _nodes_of(part: Part, nodes: Array, axis: int, side: int, column: int) -> tuple[Array, ...]:
+def _nodes_of(problem: Any, part: Part, axis: int, side: int) -> tuple[Array, ...]:
     """This rank's nodes of those of a face: numbers in the ghosted array and among the owned ones,
-    axis, sign, 1 / weight of the axis, product of the other weights, column.
+    axis, sign, 1 / weight of the axis, product of the other weights, column of its energy.
     """
-    mine = nodes[np.isin(nodes, part.numbers, assume_unique=True)]
-    own = part.rows(mine) if mine.size else np.empty(0, np.int64)
+    nodes, through = problem.face_nodes(part.k, axis, side), problem.column_of_face
+    own = part.rows(nodes[np.isin(nodes, part.numbers, assume_unique=True)])
     at = part.ghosted_rows(own)
     last = part.patch.first[axis] + (part.patch.own[axis] - 1 if side else 0)
     weight, ones = float(part.bands[axis].weight[last]), np.ones(own.size)
-    signs = ones if side else -ones
-    across, columns = part.weights(at) / weight, np.full(own.size, column)
-    return at, own, np.full(own.size, axis), signs, ones / weight, across, columns
+    column = np.full(own.size, through.get((part.k, axis, side), len(through)))
+    signs, across = ones if side else -ones, part.weights(at) / weight
+    return at, own, np.full(own.size, axis), signs, ones / weight, across, column
 
 
 def _acts(condition: Any) -> bool:

@@ -196,11 +196,6 @@ class PaperState(State):
         """Active points of all layers."""
         return sum(int(r["hi"] - r["lo"]) + 1 for r in self.records)
 
-    @property
-    def reserve(self) -> int:
-        """Points held in reserve."""
-        return sum(int(r["n"]) for r in self.records) - self.points
-
     def header(self) -> dict[str, Any]:
         """What a result file says of layers, and of points that are recorded: none."""
         layers = zip(self.problem.layers, self.records["n"].tolist(), strict=True)

@@ -28,7 +28,7 @@ FUSED = "fused"
 LAST = STOP + 1
 #: with -fsi_check: after so many steps at most their records are taken, and conservation is checked
 CHECKED = 256
-#: points (of all ranks, spare ones too) times steps in one call, so that a signal need not wait
+#: points of all ranks times steps in one call, so that a signal need not wait
 MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}
 #: most steps in a batch; between batches signals are answered and progress is shown
 MOST_STEPS = 64
@@ -75,7 +75,7 @@ class Integrator:
         self._fused = opt["ts_type"] == FUSED
         self.batch_limit = 1  # most steps in one call
         if self._fused and self._steady:
-            most = MOST_POINTS[state.problem.dimension] // (state.points + state.reserve)
+            most = MOST_POINTS[state.problem.dimension] // state.points
             watched = PETSc.Options().hasName("ts_monitor")
             self.batch_limit = max(1, min(1 if watched else MOST_STEPS, most))
         self._error: BaseException | None = None

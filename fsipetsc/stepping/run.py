@@ -14,9 +14,9 @@ from petsc4py import PETSc
 from fsipetsc.errors import ComputationError, FileError, FsiError, InputError, Interrupted
 from fsipetsc.options import read_options
 from fsipetsc.output.checkpoint_file import CheckpointError
+from fsipetsc.output.pieces import Kept
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.process.streams import say
-from fsipetsc.process.together import together
 from fsipetsc.stepping import restart
 from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.ledgers import Ledgers
@@ -84,7 +84,7 @@ class _Run:
         self.problem, self.state, self.past = state.problem, state, past
         self.unit = self.problem.unit("s")
         self.checkpoint = restart.checkpoint_name(opt["fsi_checkpoint"], opt["fsi_output"])
-        restart.check_file(comm, self.checkpoint, opt)
+        other = restart.check_place(comm, self.checkpoint, opt, past)
         self.report = Reporter(comm, case.NAME, opt, state)
         self.checks = opt["fsi_check"] is not None
         self.ledgers = Ledgers(self.problem.invariants, opt["fsi_check"], self.unit)
@@ -102,15 +102,12 @@ class _Run:
         # a number of its own, by which result and checkpoints are recognised, and when it began
         created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
         new = {"run": uuid.uuid4().hex, "created": created}
-        self.mark = new if past is None else past.header["run"]
-        root = comm.rank == 0
-        other = together(
-            comm, lambda: restart.other_checkpoint(self.checkpoint, past) if root else None
-        )
-        after = None if past is None else past.kept
-        self.writer = RunWriter(
-            comm, opt["fsi_output"], self._header(), state.grids(), after, other
-        )
+        self.mark, after = new, None
+        if past is not None:
+            self.mark = past.header["run"]
+            after = Kept(*past.header["result"], past.header["memory"]["t"])
+        about = self._header(), state.grids(), after, other
+        self.writer = RunWriter(comm, opt["fsi_output"], *about)
         self.writer.take_series = self._take
 
     def _header(self) -> dict[str, Any]:
