@@ -19,7 +19,7 @@ from fsipetsc.scheme.batch import LONGEST, MADE, NEXT, TIME
 from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP, shares
 from fsipetsc.scheme.time_step import longest_step, next_step
 from fsipetsc.stepping import verdicts
-from fsipetsc.stepping.pauses import Pauses
+from fsipetsc.stepping.signals import CHECKPOINT
 from fsipetsc.stepping.state import FAULT, State
 
 #: the value of -ts_type that stands for the project's own method
@@ -47,8 +47,8 @@ class Integrator:
 
     opt: options in force. saved: times [s] at which ``on_frame(t)`` is called. Other hooks:
     ``on_series()`` when the records of steps must be taken (``take_series``); ``on_step(steps,
-    t, dt)`` after every batch of steps; ``on_checkpoint()`` when a checkpoint is due
-    (stepping.pauses).
+    t, dt)`` after every batch of steps; ``on_checkpoint()`` when a checkpoint is due: after so many
+    steps, by the clock of rank 0, after a signal, and, for those who want any, at the end.
     """
 
     def __init__(
@@ -66,7 +66,9 @@ class Integrator:
         self._on_step, self._on_checkpoint = on_step, on_checkpoint
         self._recorded = 0  # steps in the journal, of which so many may be there
         self._room = CHECKED if opt["fsi_check"] else len(state.journal)
-        self.pauses = Pauses(opt, state.comm.rank == 0)
+        self._signal = 0  # the last one that came to this rank
+        self._every, self._wall = opt["fsi_checkpoint_steps"], opt["fsi_checkpoint_wall"]
+        self._last_checkpoint = time.monotonic()
         self._targets = sorted(saved, reverse=True)  # times that are still to be hit
         self._steady = state.problem.steady_data
         self.steps, self.t = 0, 0.0
@@ -238,8 +240,10 @@ class Integrator:
         if self._pass(self.t):
             self._on_frame(self.t)
         self.stop_signal = int(flags[STOP])
-        if self.pauses.due(self.steps, flags[STOP], self._ended):
+        regular = self._every and self.steps % self._every == 0
+        if flags[STOP] or regular or (self._ended and (self._every or self._wall)):
             self._on_checkpoint()
+            self._last_checkpoint = time.monotonic()
         if self._ended:
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_TIME)
             ts.setMaxTime(self.opt["ts_max_time"])  # -ts_view shows them
@@ -269,10 +273,21 @@ class Integrator:
         courant, fixed = opt["fsi_cfl"], opt["ts_dt"] or 0.0
         bound = longest_step(courant, fixed, float(state.results[RATE]))
         step, after = next_step(self.t, target, bound)
-        state.results[SAID_STOP] = self.pauses.word() if state.fault is None else FAULT
+        state.results[SAID_STOP] = self._word()
         ts.setTimeStep(step)
-        left = opt["ts_max_steps"] - self.steps, self._room - self._recorded
-        most = min(self.batch_limit, *left)
+        left = [opt["ts_max_steps"] - self.steps, self._room - self._recorded]
+        if self._every:
+            left.append(self._every - self.steps % self._every)
         times = self.t, step, after, target, courant, fixed
-        allowed = self.pauses.allowed(self.steps, most)
-        state.batch[:] = *times, allowed, 0, 0.0, self._recorded
+        state.batch[:] = *times, min(self.batch_limit, *left), 0, 0.0, self._recorded
+
+    def heed(self, number: int) -> None:
+        """End the run in order, by a signal that came to this rank."""
+        self._signal = number
+
+    def _word(self) -> float:
+        """What this rank has to say after the next batch of steps."""
+        if self.state.fault is not None:
+            return FAULT
+        due = self._wall and time.monotonic() >= self._last_checkpoint + self._wall
+        return self._signal or CHECKPOINT * bool(due and self.state.comm.rank == 0)

@@ -21,9 +21,9 @@ from fsipetsc.stepping import restart
 from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.ledgers import Ledgers
 from fsipetsc.stepping.output_times import saved_times
-from fsipetsc.stepping.pauses import signals_noted
 from fsipetsc.stepping.report import Reporter, bound_of_step
 from fsipetsc.stepping.restart import Past
+from fsipetsc.stepping.signals import signals_noted
 from fsipetsc.stepping.solve import build_problem, make_state
 from fsipetsc.stepping.state import State
 from fsipetsc.stepping.verdicts import cold_layers
@@ -65,7 +65,7 @@ def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | No
                 restart.check_problem(past, state)
             state.check_data()  # before there is a file
             run = _Run(case, options, comm, state, past)
-        with closing(run.writer), signals_noted(run.integrator.pauses):
+        with closing(run.writer), signals_noted(run.integrator.heed):
             run.go()
 
 
@@ -175,7 +175,6 @@ class _Run:
                 "result": [self.writer.nframes, self.writer.rows],
             }
             restart.write_checkpoint(self.state, self.checkpoint, self.case.NAME, self.opt, more)
-        self.integrator.pauses.written()
 
     # the course of the run
 
