@@ -6,21 +6,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
-from fsipetsc.blockrun.columns import gained, slices, step_record
-from fsipetsc.blockrun.scheme import Scheme
-from fsipetsc.scheme.block_monitor import MONITORED
-from fsipetsc.scheme.plan import BATCH, FLAGS, LIMITS
-
-
-def scheme_of(layout, problem, order, form):
-    """The scheme of a layout alone, with buffers that nobody reads."""
-    blocks, record = len(problem.blocks), step_record(problem)
-    own = np.dtype([(name, record[name]) for name in record.names[2:]])
-    columns = own.itemsize // 8
-    buffers = np.zeros(1 + MONITORED * blocks), np.zeros((blocks, 2)), np.zeros(FLAGS + LIMITS)
-    buffers += np.zeros(columns), np.zeros((4, 0)), 1.0, np.zeros(BATCH), np.zeros((1, columns + 2))
-    about = order, form, lambda: 1e-4, slices(own), [], False, *np.zeros((2, layout.local_size))
-    return Scheme(layout, problem, *about, *buffers)
+from fsipetsc.blockrun.columns import gained, slices
 
 
 class Steps(BlockState):
@@ -40,7 +26,7 @@ class Steps(BlockState):
         for _ in range(steps):
             super().step(self.t, dt, False)
             self.t += dt
-            self.came += self._latest[-self.came.size :]
+            self.came += self.latest_numbers[-self.came.size :]
 
     def integrals(self):
         """Mass of all gas, momentum, energy after the last step."""

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from block_ledgers import scheme_of
 from mpi4py import MPI
 from oracle_formulas import rate_of, spread
 
-from fsipetsc.blockrun.block_state import BlockForm
-from fsipetsc.blockrun.columns import gained
+from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blocks import conditions
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.maps import nodes
@@ -17,7 +15,7 @@ from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.solid_pressure import gruneisen
 from fsipetsc.materials.stiffened_gas import stiffened_gas
-from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
+from fsipetsc.parallel.block_layout import BlockVector
 
 
 def by_components(value):
@@ -63,6 +61,11 @@ def block_of(b):
     )
 
 
+class Apart(BlockState):
+    def instant(self):
+        return 1e-4
+
+
 class Engine:
     """The right-hand side of the engine for an oracle's problem, in arrays like the oracle's."""
 
@@ -75,13 +78,11 @@ class Engine:
         }
         self.shapes = [b.X.shape[1:] for b in p.blocks]
         self.problem = BlockProblem(tuple(map(block_of, p.blocks)), faces, **options)
-        auxiliary = gained(self.problem).itemsize // 8
-        more = p.order, p.shock > 0.0
-        self.layout = BlockLayout(MPI.COMM_SELF, self.problem, *more, auxiliary=auxiliary)
         # dissipation 0: on where blocks are joined
         form = BlockForm(p.form, p.dissipation / 0.3 or -1.0, p.shock)
-        self.scheme = scheme_of(self.layout, self.problem, p.order, form)
-        self.y, self.f = BlockVector(self.layout), BlockVector(self.layout)
+        state = Apart(MPI.COMM_SELF, self.problem, p.order, form, apart=True)
+        self.layout, self.scheme, self.y = state.layout, state.scheme, state.y
+        self.f = BlockVector(self.layout)
 
     def _get(self, vector):
         found = {}

@@ -36,8 +36,8 @@ class BlockPart:
         if self.block.forcing is not None:
             self._forcing[:] = block_values(self.block, "forcing", self.X[:, self.owned], t)
 
-    def _common(self, at_particles: Any, columns: Array, alone: bool) -> dict[str, Any]:
-        """Fields of the records of both kinds for compiled code."""
+    def _common(self, at_particles: Any, alone: bool) -> dict[str, Any]:
+        """Fields of the records of both kinds for compiled code, as `calls` has them."""
         part, d = self.part, self._d
         return {
             "like": (0.0,) * d,
@@ -56,5 +56,4 @@ class BlockPart:
             "at_particles": at_particles,
             "forcing": self._forcing,
             "seen": np.zeros(MONITORED),
-            "columns": columns,
         }

@@ -13,7 +13,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.blockrun.columns import OF_INTERFACES, fields_of, gained, lossy, slices, step_record
+from fsipetsc.blockrun.columns import fields_of, gained, lossy, step_record
 from fsipetsc.blockrun.notes import first_notes, last_notes
 from fsipetsc.blockrun.recorded_nodes import Recorded, here_of, note_nodes
 from fsipetsc.blockrun.saved import errors_of, grids, header, seen
@@ -31,10 +31,6 @@ from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES
 from fsipetsc.stepping.state import FAULT, State, as_numbers, whole
 
-#: by order: how much shorter steps are with dissipation of strength 1 at shocks. That alone is a
-#: number of -1.6 at Courant number 0.8, of 2.785 that the classical method bears; next to the ends
-#: of 8/4 more
-PACE_AT_SHOCKS = {2: 1.0, 4: 1.0, 6: 1.0, 8: 4.0 / 3.0}
 #: of how many parts a step is made, one after the other, until its state is physical
 PARTS = 1, 2, 4, 8, 16
 #: records of steps that are kept before they are written
@@ -54,10 +50,11 @@ class BlockForm(NamedTuple):
 class BlockState(State):
     """Solution and everything that belongs to it; all methods are collective on ``comm``.
 
-    y: this rank's part of the solution, with a vector for each block; ``solution`` is the same
-    memory as a world vector. results: flags and limits as in fsipetsc.scheme.plan. journal, latest:
-    records of steps; integrals in them are this rank's shares. rates: (blocks, 2), largest ones of
-    convection and diffusion [1/s]. h: size of the smallest cells [m].
+    y: this rank's part of the solution, with a vector for each block, and stage, that of a stage;
+    ``solution`` is the memory of y as a world vector. results: flags and limits as in
+    fsipetsc.scheme.plan. journal, latest: records of steps, with this rank's shares of integrals;
+    rows, latest_numbers: the same as numbers. rates: (blocks, 2), largest ones of convection and
+    diffusion [1/s]; extremes: what the monitor finds. h: size of the smallest cells [m].
     recorded: nodes to be recorded at each step. orders: block -> what brings its nodes into the
     order in which they are saved. announce: called with a message when several ranks wait for
     kernels. apart: one rank calls what several do. InputError where blocks, order and ranks do not
@@ -81,28 +78,20 @@ class BlockState(State):
         blocks, d = problem.layers, problem.dimension
         self.lossy, auxiliary = lossy(problem), gained(problem).itemsize // 8
         self.layout = BlockLayout(comm, problem, order, self.shocks, partition, auxiliary)
-        self.y, self._stage = BlockVector(self.layout), BlockVector(self.layout)
+        self.y, self.stage = BlockVector(self.layout), BlockVector(self.layout)
         size = (self.layout.local_size, None)
         self.solution = PETSc.Vec().createWithArray(self.y.array, size=size, comm=comm)
         self.recorded = tuple(recorded)
         self._recorded_here = here_of(self)
         record = step_record(problem, len(problem.interfaces), len(self.recorded))
         self.results = np.zeros(FLAGS + LIMITS)
-        journal, self._latest = self._lay_journal(record, KEPT)
-        self._extremes = np.zeros(1 + MONITORED * len(blocks))
+        self.rows, self.latest_numbers = self._lay_journal(record, KEPT)
+        self.extremes = np.zeros(1 + MONITORED * len(blocks))
         self.rates = np.zeros((len(blocks), 2))
         self._before, self.retries = np.empty_like(self.y.array), 0
         if comm.size > 1 and self.points <= MOST_ALONE:
             self._compile_first(order, form, announce)
-        columns, alone = slices(self.latest.dtype), comm.size == 1 and not apart
-        first = columns.get(OF_INTERFACES[0], slice(0, 0))
-        ends = slice(first.start, first.start + len(OF_INTERFACES) * (first.stop - first.start))
-        at_ends = self._latest[ends].reshape(len(OF_INTERFACES), -1)
-        pace = max(1.0, form.shock * PACE_AT_SHOCKS[order])
-        found = self._extremes, self.rates, self.results, self._latest, at_ends, pace
-        buffers = self.y.array, self._stage.array, *found, self.batch, journal
-        about = order, form, self._instant, columns, list(self._interface_ends()), alone
-        self.scheme = Scheme(self.layout, problem, *about, *buffers)
+        self.scheme = Scheme(self, order, form, comm.size == 1 and not apart)
         self.evaluations, self._t = 0, 0.0
         parts = self.layout.parts.items()
         widths = [len(fields_of(b.kind, d, problem.symmetry)) for b in blocks]
@@ -113,7 +102,7 @@ class BlockState(State):
         """The first error of a function of the case's, on this rank."""
         return self.scheme.fault
 
-    def _interface_ends(self) -> Iterator[tuple[int, int, int, float]]:
+    def interface_ends(self) -> Iterator[tuple[int, int, int, float]]:
         """Of interfaces in one dimension with the solid's end here: number, block, row, X."""
         interfaces = self.problem.interfaces if self.problem.dimension == 1 else ()
         for number, (_, k) in enumerate(interfaces):
@@ -131,7 +120,7 @@ class BlockState(State):
     def places(self) -> list[float]:
         """Positions x [m] of the interfaces, in one dimension. Collective."""
         found = np.zeros(len(self.problem.interfaces) * (self.problem.dimension == 1))
-        for number, k, row, X in self._interface_ends():
+        for number, k, row, X in self.interface_ends():
             found[number] = X + self.y.owned(k)[row, 0]
         self.comm.Allreduce(MPI.IN_PLACE, found)
         return found.tolist()
@@ -147,7 +136,7 @@ class BlockState(State):
         with announced(announce):
             self.scheme.initial(0.0, self.y)
             self.scheme.stretch(0.0, self.y)
-            self.scheme.step(0.0, 0.0, self.y, self._stage)
+            self.scheme.step(0.0, 0.0, self.y, self.stage)
             self._monitor()
             self.plan_next()  # only compiles it: no step is allowed yet
             self.save()
@@ -187,16 +176,16 @@ class BlockState(State):
         self.evaluations += 1
         f[f.size - self.layout.auxiliary :] = 0.0
         self._load_stage(y)
-        self.scheme.rates(self._t, self._stage, f)
+        self.scheme.rates(self._t, self.stage, f)
 
     def _load_stage(self, y: np.ndarray) -> None:
-        self._stage.array[:] = y
-        self.scheme.complete(self._t, self._stage)
+        self.stage.array[:] = y
+        self.scheme.complete(self._t, self.stage)
 
     def project(self, y: np.ndarray) -> None:
         """Let this rank's part y obey all conditions, in place."""
         self._load_stage(y)
-        y[:] = self._stage.array
+        y[:] = self.stage.array
 
     def step(self, t: float, dt: float, steady: bool) -> None:
         """A step dt [s] of the fused method from the completed solution at t [s].
@@ -234,7 +223,7 @@ class BlockState(State):
             for part in range(parts):
                 self.evaluations += STAGES
                 begin = t + dt * part / parts
-                self.scheme.step(begin, dt / parts, self.y, self._stage)
+                self.scheme.step(begin, dt / parts, self.y, self.stage)
             self._t = t + dt
             self._monitor()
             if self.results[BAD] == 0.0 or parts == PARTS[-1]:
@@ -253,14 +242,14 @@ class BlockState(State):
         """What is known of the completed solution: bounds of all ranks, shares of the integrals."""
         self.y.fill_halos()
         self.scheme.monitor(self.y)
-        self._extremes[0] = self.results[SAID_STOP] if self.fault is None else FAULT
+        self.extremes[0] = self.results[SAID_STOP] if self.fault is None else FAULT
         if self.comm.size > 1:
-            self.comm.Allreduce(MPI.IN_PLACE, self._extremes, MPI.MAX)
-        note_extremes(self._extremes, self.rates, self.results, self._latest)
+            self.comm.Allreduce(MPI.IN_PLACE, self.extremes, MPI.MAX)
+        note_extremes(self.extremes, self.rates, self.results, self.latest_numbers)
         note_nodes(self, self._recorded_here)
-        note_gained(self._latest, self.y.auxiliary)
+        note_gained(self.latest_numbers, self.y.auxiliary)
 
-    def _instant(self) -> float:
+    def instant(self) -> float:
         """A time [s] in which little happens, for differences in time."""
         rate = float(self.results[RATE])
         return 0.25 / rate if 0.0 < rate < np.inf else 1e-3 * self.h
@@ -315,6 +304,6 @@ class BlockState(State):
         self.scheme.particles.destroy()
         for order in self.orders.values():
             order.destroy()
-        for vector in (self.y, self._stage, self.solution):
+        for vector in (self.y, self.stage, self.solution):
             vector.destroy()
         self.layout.destroy()

@@ -1,24 +1,26 @@
 """A rank's part of a gas block: its record for compiled code, its moving grid, what is saved."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.block_part import BlockPart
+from fsipetsc.blockrun.columns import spins
 from fsipetsc.blockrun.particle_system import ParticleSystem
 from fsipetsc.blocks.grid import GridMotion
 from fsipetsc.blocks.particles import Particle
 from fsipetsc.blocks.values import block_values
+from fsipetsc.operators.boxed import Box
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
-from fsipetsc.scheme import gas_record
 from fsipetsc.scheme.block_monitor import room_of, sums_of
 from fsipetsc.scheme.gas_dissipation import room
 from fsipetsc.scheme.gas_memory import scratch
-from fsipetsc.scheme.gas_record import Damping, GasRecord, Undamped
+from fsipetsc.scheme.gas_record import FUNCTIONS, Damping, GasRecord, Undamped
 from fsipetsc.scheme.gas_rows import DivergenceForm, EntropyForm, Inviscid, Viscous
+from fsipetsc.scheme.part import PartCalls
 from fsipetsc.scheme.radial import Radial, Straight
 
 Array = NDArray[Any]
@@ -28,8 +30,6 @@ class GasPart(BlockPart):
     """One part of a gas block. metrics: (d d + d + 1, N), a^k, velocity of the grid, J_t; around an
     axis A before J_t.
     """
-
-    functions = gas_record.FUNCTIONS
 
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
         super().__init__(layout, part, order)
@@ -61,10 +61,15 @@ class GasPart(BlockPart):
         #: J of the reference map, over which that of the solution is saved and monitored
         self.reference = self.grid.jacobian()[self.owned].copy()
 
-    def record(self, column: int, columns: Array, at_particles: Any, alone: bool) -> GasRecord:
-        """For compiled code. column: of its mass in what comes in; columns: of its sums in the
-        record of a step. at_particles: its faces at constraints. alone: a rank has all blocks.
+    def calls(
+        self, at_particles: Any, begins: Mapping[str, int], particles: Any, alone: bool, ends: Any
+    ) -> PartCalls:
+        """What compiled code takes and calls. at_particles: faces of the block at constraints.
+        begins: where series begin in the record of a step. alone: a rank has all blocks.
         """
+        number = [block.kind for block in self._problem.blocks[: self.part.k]].count("fluid")
+        names = *(f"momentum_{x}" for x in "xyz"[: self._d]), "energy", "entropy", *spins(self._d)
+        sums = begins["mass"] + number, *(begins[name] for name in names)
         part, d, known = self.part, self._d, self.gather.local
         bands, form, material = part.bands, self._form, self.block.material
         like, viscous = (0.0,) * d, Viscous() if material.mu or material.kappa else Inviscid()
@@ -76,14 +81,15 @@ class GasPart(BlockPart):
             damping = Damping(sigma, shock, found, room(d, found))
         self.work = scratch(like, convection, viscous, bands, part.patch)
         around = Radial(self.grid.record, np.zeros(((d + 1) ** 2, self.X.shape[1])))
-        return GasRecord(
-            **self._common(at_particles, columns, alone),
+        record = GasRecord(
+            **self._common(at_particles, alone),
+            columns=np.array(sums),
             laws=self.equations,
             form=convection,
             viscous=viscous,
             dissipation=damping,
             axis=around if self._problem.symmetry else Straight(),
-            column=column,
+            column=number,
             places=self.X.copy(),
             work=self.work,
             room=room_of(d),
@@ -95,6 +101,7 @@ class GasPart(BlockPart):
             reference=self.reference,
             sums=np.zeros(sums_of(d)),
         )
+        return PartCalls(Box(record), *FUNCTIONS)
 
     def initial(self, t: float, q: Array) -> None:
         """Fill q (M, d + 3) with the case's data, with J = 1."""

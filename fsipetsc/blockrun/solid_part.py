@@ -1,16 +1,17 @@
 """A rank's part of a solid block: metrics, rates, what is saved of it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.block_part import BlockPart
-from fsipetsc.blockrun.columns import loses
+from fsipetsc.blockrun.columns import loses, spins
 from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.blocks.values import block_values, prestress_of
 from fsipetsc.equations.tensors import add_unit, apply, cofactor
+from fsipetsc.operators.boxed import Box
 from fsipetsc.operators.loops import dot
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.operators.sbp import OPERATORS
@@ -18,9 +19,10 @@ from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.gas_record import Undamped
+from fsipetsc.scheme.part import PartCalls
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, SMALL, Damping, room
 from fsipetsc.scheme.solid_monitor import solid_monitor
-from fsipetsc.scheme.solid_record import SolidDamping, SolidRecord
+from fsipetsc.scheme.solid_record import SolidDamping, SolidRecord, functions
 from fsipetsc.scheme.solid_work import solid_work, sums_of
 
 Array = NDArray[Any]
@@ -122,26 +124,21 @@ class SolidPart(BlockPart):
         solid_monitor(self.equations, (0.0,) * self._d, q, *of_block, *memory)
         return seen, sums
 
-    def record(
-        self,
-        columns: Array,
-        at_particles: Any,
-        alone: bool,
-        interfaces: list[tuple[int, int, float]],
-        stored: tuple[Array, Array],
-    ) -> SolidRecord:
-        """For compiled code; as that of a gas. interfaces: number, owned row and X of those with an
-        end of this part in one dimension. stored: rows and numbers of nodes of members that tell
-        what they store.
-        """
+    def calls(
+        self, at_particles: Any, begins: Mapping[str, int], particles: Any, alone: bool, ends: Any
+    ) -> PartCalls:
+        """As of a gas. ends: number, block, owned row and X of interfaces in one dimension."""
         part, d, damping = self.part, self._d, Undamped()
         for of_term, found, memory in self._dissipation[::-1]:
             damping = SolidDamping(of_term, found, memory, damping)
-        ends = np.zeros((len(interfaces), 4))
-        for end, (number, row, X) in zip(ends, interfaces, strict=True):
-            end[:] = number, row, X, self._prestress_at(self.owned[[row]])[0, 0]
-        return SolidRecord(
-            **self._common(at_particles, columns, alone),
+        own = [(number, row, X) for number, k, row, X in ends if k == part.k]
+        found = [(*end, self._prestress_at(self.owned[[end[1]]])[0, 0]) for end in own]
+        rows, nodes = particles.telling[part.k]
+        momenta = [f"momentum_{x}" for x in "xyz"[:d]]
+        names = *momenta, "energy", *spins(d), "solid_energy", "lost_energy"
+        record = SolidRecord(
+            **self._common(at_particles, alone),
+            columns=np.array([begins[name] for name in names if name in begins]),
             laws=self.equations,
             dissipation=damping,
             loses=self._loses,
@@ -151,10 +148,12 @@ class SolidPart(BlockPart):
             masses=self._masses,
             F=self._F,
             sums=np.zeros(sums_of(d) + 1),
-            interfaces=ends,
-            stored_at=part.ghosted_rows(part.rows(stored[1])),
-            rows_of_stored=stored[0],
+            interfaces=np.array(found, float).reshape(-1, 4),
+            stored_at=part.ghosted_rows(part.rows(nodes)),
+            rows_of_stored=rows,
         )
+        stores = particles.stores and not self.equations.coupled
+        return PartCalls(Box(record), *functions(stores, d == 1))
 
     def normals(self, rows: Any, axis: int, side: int) -> Array:
         """(n, d) unit normals out of the solid of a face as it is at owned nodes, by the last F."""

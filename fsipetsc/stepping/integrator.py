@@ -3,8 +3,9 @@
 The hook completes the new solution, records the step, and says how long the next one is.
 """
 
+import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.blockrun.columns import point_names
-from fsipetsc.errors import clear_frames
+from fsipetsc.errors import InputError, clear_frames
 from fsipetsc.output.quantities import GAINS
 from fsipetsc.process.together import agree
 from fsipetsc.scheme.batch import LONGEST, MADE, NEXT, TIME
@@ -36,10 +37,29 @@ MOST_STEPS = 64
 KEPT = "steps", "t", "wall_time", "initial", "beyond"
 #: what is noted of a step alone, not of a state; of interfaces so in one dimension on blocks
 OF_STEPS = (*GAINS, "x_interface", "u_interface")
+#: most profiles of a run
+MOST = 10_000_000
 
 
-def _nothing(*arguments: object) -> None:
-    """A hook that nobody asks for."""
+def saved_times(
+    t_end: float, interval: float | None, times: Sequence[float] | None, unit: str = " s"
+) -> list[float]:
+    """Times [s] in [0, t_end] at which profiles are saved: every ``interval``, at ``times``, at the
+    end.
+
+    InputError for times beyond the end and for more than MOST; unit: what comes after a time.
+    """
+    saved = set(times or ())
+    if max(saved, default=0.0) > t_end:
+        end = f"the run ends at -ts_max_time {t_end:g}{unit}"
+        raise InputError(f"-fsi_output_times: {max(saved):g}{unit} would not be reached, {end}")
+    if interval is not None:
+        if t_end / interval > MOST:
+            what = f"-fsi_output_dt {interval:g} would save more than {MOST} profiles"
+            raise InputError(f"{what} to t = {t_end:g}{unit}")
+        count = math.floor(t_end / interval * (1 + 1e-12))
+        saved.update(min(k * interval, t_end) for k in range(count + 1))
+    return sorted({*saved, t_end})
 
 
 class Integrator:
@@ -56,10 +76,10 @@ class Integrator:
         state: State,
         opt: Mapping[str, Any],
         saved: list[float],
-        on_frame: Callable[[float], object] = _nothing,
+        on_frame: Callable[[float], object] = lambda t: None,
         on_series: Callable[[], object] | None = None,
-        on_step: Callable[[int, float, float], object] = _nothing,
-        on_checkpoint: Callable[[], object] = _nothing,
+        on_step: Callable[[int, float, float], object] = lambda steps, t, dt: None,
+        on_checkpoint: Callable[[], object] = lambda: None,
     ) -> None:
         self.state, self.opt = state, opt
         self._on_frame, self._on_series = on_frame, on_series or self.take_series

@@ -18,9 +18,8 @@ from fsipetsc.output.pieces import Kept
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.process.streams import say
 from fsipetsc.stepping import restart
-from fsipetsc.stepping.integrator import Integrator
+from fsipetsc.stepping.integrator import Integrator, saved_times
 from fsipetsc.stepping.ledgers import Ledgers
-from fsipetsc.stepping.output_times import saved_times
 from fsipetsc.stepping.report import Reporter, bound_of_step
 from fsipetsc.stepping.restart import Past
 from fsipetsc.stepping.signals import signals_noted
