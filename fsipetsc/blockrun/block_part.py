@@ -18,9 +18,9 @@ class BlockPart:
 
     metrics: Array
 
-    def __init__(self, layout: BlockLayout, part: Part, order: int) -> None:
-        self.part, self._problem = part, layout.problem
-        self.block = self._problem.blocks[part.k]
+    def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
+        self.part, self._layout, self._problem = part, layout, layout.problem
+        self.block, self._order, self._form = self._problem.blocks[part.k], order, form
         self._d = d = self.block.dimension
         self.X = self._problem.positions(part.k, part.ghosted)
         self.owned = part.ghosted_rows(np.arange(part.numbers.size))

@@ -32,8 +32,7 @@ class GasPart(BlockPart):
     """
 
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
-        super().__init__(layout, part, order)
-        self._layout, self._order, self._form = layout, order, form
+        super().__init__(layout, part, order, form)
         self.equations = self.block.material.equations(self._d, self._problem.symmetry)
 
     def follow(self, particles: Sequence[Particle], system: ParticleSystem) -> None:

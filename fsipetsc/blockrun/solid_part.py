@@ -1,6 +1,6 @@
 """A rank's part of a solid block: metrics, rates, what is saved of it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -36,7 +36,7 @@ class SolidPart(BlockPart):
     """
 
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
-        super().__init__(layout, part, order)
+        super().__init__(layout, part, order, form)
         d, kappa, material = self._d, self._problem.symmetry, self.block.material
         self.equations = material.radial_equations(kappa, d) if kappa else material.equations(d)
         self.metrics = solid_metrics(self._problem, part.k, order, part.ghosted)
@@ -52,7 +52,6 @@ class SolidPart(BlockPart):
         if self.block.periodic[0]:
             inside = 0, part.patch.ghosted[0]
         self._work = solid_work(self.equations, part.bands, inside, part.patch)
-        self._dissipation = list(self._make_dissipation(order, form))
 
     @property
     def reference(self) -> Array:
@@ -60,17 +59,19 @@ class SolidPart(BlockPart):
         J: Array = self.metrics[self._d**2, self.owned]
         return J
 
-    def _make_dissipation(self, order: int, form: Any) -> Iterator[tuple[Any, ...]]:
-        """What solid_dissipation wants of each term: that of all nodes, and that of shocks."""
-        d, solid, bands, cells = self._d, self.equations, self.part.bands, self.block.cells
+    def _dissipation(self) -> Any:
+        """For compiled code: the term of all nodes, and after it that of shocks."""
+        d, solid, order, form = self._d, self.equations, self._order, self._form
         K = solid.law.wave_modulus(solid.tensor(solid.unstrained((0.0,) * d)))
         of_solid = np.sqrt(K * solid.m0), solid.m0, SMALL * np.sqrt(K / solid.m0)
         sigma = sigma_of(form.dissipation, self._problem.joined) / 4.0 ** (order // 2)
-        terms = (order, sigma, -sigma * (form.shock > 0.0)), (2, 0.0, AT_SHOCKS * form.shock)
+        terms = (2, 0.0, AT_SHOCKS * form.shock), (order, sigma, -sigma * (form.shock > 0.0))
+        made: Any = Undamped()
         for order_of_term, a, b in terms:
             if a > 0.0 or b > 0.0:
-                found = differences(d, order_of_term, bands, cells)
-                yield Damping(a, b, *of_solid), found, room(d, found)
+                found = differences(d, order_of_term, self.part.bands, self.block.cells)
+                made = SolidDamping(Damping(a, b, *of_solid), found, room(d, found), made)
+        return made
 
     def initial(self, t: float, q: Array) -> None:
         """Fill q (M, 2d + 1) with the case's data."""
@@ -128,9 +129,7 @@ class SolidPart(BlockPart):
         self, at_particles: Any, begins: Mapping[str, int], particles: Any, alone: bool, ends: Any
     ) -> PartCalls:
         """As of a gas. ends: number, block, owned row and X of interfaces in one dimension."""
-        part, d, damping = self.part, self._d, Undamped()
-        for of_term, found, memory in self._dissipation[::-1]:
-            damping = SolidDamping(of_term, found, memory, damping)
+        part, d = self.part, self._d
         own = [(number, row, X) for number, k, row, X in ends if k == part.k]
         found = [(*end, self._prestress_at(self.owned[[end[1]]])[0, 0]) for end in own]
         rows, nodes = particles.telling[part.k]
@@ -140,7 +139,7 @@ class SolidPart(BlockPart):
             **self._common(at_particles, alone),
             columns=np.array([begins[name] for name in names if name in begins]),
             laws=self.equations,
-            dissipation=damping,
+            dissipation=self._dissipation(),
             loses=self._loses,
             inertia=self.inertia,
             prestress=self.prestress,

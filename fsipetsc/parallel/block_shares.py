@@ -129,14 +129,19 @@ def share_out(extents: Sequence[Extent], size: int, mode: str = "auto") -> list[
     if size == 1:
         return [Share((0,), _uncut(extent)) for extent in extents]
     apart, chained = _physics(extents, size), _balanced(extents, size)
-    if mode == "balanced":
-        if chained is None:
-            raise RanksError(_too_many(size, _most_balanced(extents, size), extents))
-        return chained
-    if apart is None:
-        raise RanksError(_too_many(size, sum(e.cap for e in extents), extents))
-    if mode == "physics" or chained is None:
-        return apart
+    chosen = chained if mode == "balanced" else apart
+    if chosen is None:
+        most = sum(extent.cap for extent in extents)
+        if mode == "balanced":
+            tried = range(min(size - 1, sum(e.most(e.longest) for e in extents)), 1, -1)
+            most = next((n for n in tried if _balanced(extents, n)), 1)
+        raise RanksError(
+            f"{size} ranks are more than these blocks can feed: with at least "
+            f"{min(extent.end for extent in extents)} nodes along each cut axis on a rank, {most} "
+            "is the largest number that works"
+        )
+    if mode != "auto" or chained is None:
+        return chosen
     gain = slowest(extents, apart, size) / slowest(extents, chained, size)
     return chained if gain > WORTH_IT else apart
 
@@ -176,14 +181,6 @@ def slowest(extents: Sequence[Extent], shares: Sequence[Share], size: int) -> fl
                 neighbours += sides
             work[rank] += COST[extent.kind] * nodes + MESSAGE * neighbours
     return float(work.max())
-
-
-def _too_many(size: int, most: int, extents: Sequence[Extent]) -> str:
-    least = min(extent.end for extent in extents)
-    return (
-        f"{size} ranks are more than these blocks can feed: with at least {least} nodes along each "
-        f"cut axis on a rank, {most} is the largest number that works"
-    )
 
 
 # each rank one block, or a part of one
@@ -262,12 +259,6 @@ def _factors(count: int, axes: int) -> list[tuple[int, ...]]:
 
 
 # equal work for all
-
-
-def _most_balanced(extents: Sequence[Extent], size: int) -> int:
-    caps = sum(extent.most(extent.longest) for extent in extents)
-    tried = range(min(size - 1, caps), 1, -1)
-    return next((n for n in tried if _balanced(extents, n)), 1)
 
 
 def _balanced(extents: Sequence[Extent], size: int) -> list[Share] | None:

@@ -72,12 +72,7 @@ class _Run:
     """One run: integrator, writer, checkpoints, ledgers, report."""
 
     def __init__(
-        self,
-        case: Any,
-        opt: Mapping[str, Any],
-        comm: MPI.Comm,
-        state: State,
-        past: Past | None,
+        self, case: Any, opt: Mapping[str, Any], comm: MPI.Comm, state: State, past: Past | None
     ) -> None:
         self.case, self.opt, self.comm = case, opt, comm
         self.problem, self.state, self.past = state.problem, state, past
@@ -229,19 +224,16 @@ class _Run:
                     report.line(line)
                 self.ledgers.begin(integrator.initial)
             else:
-                self._resume(self.past.header)
+                header = self.past.header
+                integrator.resume(header["memory"], self.past.arrays)
+                self.ledgers.begin(integrator.initial, header["ledgers"])
+                self.saved_at = header["saved_at"]
+                if not self.writer.nframes:  # a file of its own
+                    self._frame(integrator.t)
         report.start(integrator.t, integrator.steps)
         if integrator.beyond:
             note = "explicit methods are unstable far beyond it"
             report.line(f"note: {integrator.beyond}; {note}")
-
-    def _resume(self, header: Mapping[str, Any]) -> None:
-        """Go on from a checkpoint."""
-        self.integrator.resume(header["memory"], self.past.arrays)
-        self.ledgers.begin(self.integrator.initial, header["ledgers"])
-        self.saved_at = header["saved_at"]
-        if not self.writer.nframes:  # a file of its own
-            self._frame(self.integrator.t)
 
     def _rescue(self, error: BaseException) -> None:
         """Write what was computed before an error that all ranks have met at the same place.
@@ -256,7 +248,10 @@ class _Run:
     def _summary(self, failure: BaseException | None) -> dict[str, Any]:
         integrator, state = self.integrator, self.state
         status = "failed" if failure else "stopped" if integrator.stop_signal else "done"
-        message = (str(failure) or type(failure).__name__) if failure else self._early_end()
+        message = (str(failure) or type(failure).__name__) if failure else ""
+        if status == "done" and not integrator.complete:
+            end = f"-ts_max_time {self.opt['ts_max_time']:g}{self.unit}"
+            message = f"ended by -ts_max_steps at t = {integrator.t:g}{self.unit}, before {end}"
         return {
             "status": status,
             "message": message,
@@ -273,11 +268,3 @@ class _Run:
             **({"lost_energy": self.ledgers.lost} if getattr(state, "lossy", False) else {}),
             **{f"initial_{name}": value for name, value in integrator.initial.items()},
         }
-
-    def _early_end(self) -> str:
-        """What a run says that its steps have ended before its time, else ""."""
-        integrator = self.integrator
-        if integrator.complete or integrator.stop_signal:
-            return ""
-        end = f"-ts_max_time {self.opt['ts_max_time']:g}{self.unit}"
-        return f"ended by -ts_max_steps at t = {integrator.t:g}{self.unit}, before {end}"

@@ -87,14 +87,14 @@ def check(state: State, t: float, step: int, flags: Sequence[float], beyond: str
     k = int(flags[EXHAUSTED] or flags[TOO_SHORT]) - 1
     record, m = state.records[k], state.problem.unit("m")
     side = 0 if record["end_kind"][0] >= 0 else 1
-    name = f"fluid layer '{state.problem.layers[k].name}'"
-    interface, boundary = record["x_interface"], record["end_x"][side]
-    where = f"at t = {t:.6g}{state.problem.unit('s')}, step {step}, with its interface at "
-    where += f"x = {interface:.6g}{m} and its boundary at x = {boundary:.6g}{m}"
-    if flags[EXHAUSTED]:
-        raise ComputationError(f"the points of {name} are used up {where}")
-    least = f"the {state.op.name} operator needs {int(record['least'])} points"
-    raise ComputationError(f"{name} has become too short {where}: {least}")
+    what = f"fluid layer '{state.problem.layers[k].name}' has used up its points"
+    if not flags[EXHAUSTED]:
+        needs = f"the {state.op.name} operator needs {int(record['least'])} points"
+        what = f"fluid layer '{state.problem.layers[k].name}' has become too short ({needs})"
+    raise ComputationError(
+        f"{what} at t = {t:.6g}{state.problem.unit('s')}, step {step}, with its interface at "
+        f"x = {record['x_interface']:.6g}{m} and its boundary at x = {record['end_x'][side]:.6g}{m}"
+    )
 
 
 def beyond_bound(state: State, opt: Mapping[str, Any]) -> str:
