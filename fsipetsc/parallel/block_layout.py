@@ -111,13 +111,11 @@ class BlockLayout:
         auxiliary: int = 0,
     ) -> None:
         self.comm, self.problem, self.order = comm, problem, order
-        self._halos = halos_of(problem, order, shocks)
-        blocks = problem.blocks
+        d, blocks = problem.dimension, problem.blocks
         self.shapes = [tuple(int(n) for n in block.shape) for block in blocks]
-        d = problem.dimension
         self.dofs = [d + 3 if block.kind == "fluid" else 2 * d + 1 for block in blocks]
-        of_blocks = zip(blocks, self._halos, self.dofs, strict=True)
-        extents = [extent_of(block, order, halo, dof) for block, (halo, _), dof in of_blocks]
+        self._halos = [halo_of(problem, k, order, shocks) for k in range(len(blocks))]
+        extents = [self._extent(k) for k in range(len(blocks))]
         self.shares = share_out(extents, comm.size, partition)
         shared = zip(self.dofs, self.shares, strict=True)
         self._sizes = [dof * share.size(comm.rank) for dof, share in shared]
@@ -125,6 +123,26 @@ class BlockLayout:
         self.local_size = sum(self._sizes) + auxiliary
         found = {k: self._place(k) for k in range(len(blocks))}
         self.parts = {k: part for k, part in found.items() if part is not None}
+
+    def _extent(self, k: int) -> Extent:
+        """A block as its partition sees it. InputError where it has too few nodes, or more numbers
+        than PETSc can count.
+        """
+        block, shape, op = self.problem.blocks[k], self.shapes[k], OPERATORS[self.order]
+        halo, _ = self._halos[k]
+        for axis, (n, closed) in enumerate(zip(shape, block.periodic, strict=True)):
+            least = max(2 * op.p + 1, halo) if closed else op.min_points
+            if n < least:
+                kind = "periodic " if closed else ""
+                raise InputError(
+                    f"block '{block.name}' has {n} nodes along its {kind}axis {axis}: the "
+                    f"{op.name} operator needs at least {least}"
+                )
+        if prod(shape) * self.dofs[k] > np.iinfo(PETSc.IntType).max:
+            nodes = " by ".join(map(str, shape))
+            raise InputError(f"block '{block.name}' has {nodes} nodes: PETSc cannot count them")
+        end, inner = max(op.rows + op.p, halo), max(2 * op.p, halo)
+        return Extent(block.kind, shape, block.periodic, end, inner, halo)
 
     def _place(self, k: int) -> Part | None:
         """Make the DMDA of block k on its ranks. Collective."""
@@ -306,46 +324,22 @@ class NaturalOrder:
             thing.destroy()
 
 
-def halos_of(problem: Any, order: int, shocks: bool = False) -> list[tuple[int, bool]]:
-    """(width of the halo, whether its corners are needed) of each block.
+def halo_of(problem: Any, k: int, order: int, shocks: bool) -> tuple[int, bool]:
+    """Width of the halo of block k, and whether its corners are needed.
 
     Where derivatives act twice, in solids and in gases with viscosity or conduction, a node needs
     2 p others to each side, and corners; 3 p where a solid's temperature follows from its strain
     and is conducted; else p, one more at shocks, and at least 2. Around an axis
     p is the number of images that nodes see, if that is more.
     """
-    found = []
-    for k, block in enumerate(problem.blocks):
-        material, p = block.material, order // 2
-        if problem.symmetry == 1 and problem.centred(k):
-            p = max([p, *(-i for i, _ in AXIS.get(order, ()))])
-        if block.kind == "solid":
-            thrice = material.heat == "elastic" and material.kappa_e > 0.0
-            found.append((3 * p if thrice else 2 * p, True))
-        else:
-            twice = material.mu > 0.0 or material.kappa > 0.0
-            found.append((2 * p, True) if twice else (max(p + shocks, 2), False))
-    return found
-
-
-def extent_of(block: Any, order: int, halo: int, dof: int) -> Extent:
-    """A block as its partition sees it. InputError where it has too few nodes, or more numbers than
-    PETSc can count.
-    """
-    op, shape = OPERATORS[order], tuple(int(n) for n in block.shape)
-    for axis, (n, closed) in enumerate(zip(shape, block.periodic, strict=True)):
-        least = max(2 * op.p + 1, halo) if closed else op.min_points
-        if n < least:
-            kind = "periodic " if closed else ""
-            raise InputError(
-                f"block '{block.name}' has {n} nodes along its {kind}axis {axis}: the {op.name} "
-                f"operator needs at least {least}"
-            )
-    if prod(shape) * dof > np.iinfo(PETSc.IntType).max:
-        nodes = " by ".join(map(str, shape))
-        raise InputError(f"block '{block.name}' has {nodes} nodes: PETSc cannot count them")
-    end, inner = max(op.rows + op.p, halo), max(2 * op.p, halo)
-    return Extent(block.kind, shape, block.periodic, end, inner, halo)
+    block, material, p = problem.blocks[k], problem.blocks[k].material, order // 2
+    if problem.symmetry == 1 and problem.centred(k):
+        p = max([p, *(-i for i, _ in AXIS.get(order, ()))])
+    if block.kind == "solid":
+        return (3 * p if material.heat == "elastic" and material.kappa_e > 0.0 else 2 * p), True
+    if material.mu > 0.0 or material.kappa > 0.0:
+        return 2 * p, True
+    return max(p + shocks, 2), False
 
 
 def _ranges(corners: tuple[tuple[int, ...], tuple[int, ...]]) -> tuple[tuple[int, int], ...]:
