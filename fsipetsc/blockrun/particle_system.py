@@ -19,19 +19,9 @@ from fsipetsc.operators.boxed import Box, with_calls
 from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.parallel.particle_exchange import ParticleExchange
 from fsipetsc.scheme import normals as of_faces
+from fsipetsc.scheme import particle_records as records
 from fsipetsc.scheme import particles as kernels
 from fsipetsc.scheme.particle_heat import weigh_heat
-from fsipetsc.scheme.particle_records import (
-    AT_WALL,
-    FLAGS,
-    GAS,
-    MINE,
-    SOLID,
-    ParticleCalls,
-    Particles,
-    State,
-    Table,
-)
 
 Array = NDArray[Any]
 
@@ -85,13 +75,13 @@ class ParticleSystem:
         self.table = self._table(number, owners, most, inertia)
         n = here.size
         sums = *np.zeros((3, n)), np.zeros((n, d + 2)), *np.zeros((2, n, d)), *np.zeros((4, n))
-        self.state = State(*sums, U_t=np.zeros((n, d + 2)), acceleration=np.zeros((n, d)))
+        self.state = records.State(*sums, U_t=np.zeros((n, d + 2)), acceleration=np.zeros((n, d)))
         weigh_heat(self.table, self.stored.table, self.state)
         self.prescribed = Prescribed(layout.problem, self._particles, law, instant)
         moves = np.zeros(n, np.int64)
         moves[self.prescribed.moving] = 1
         self.box = Box(
-            Particles(
+            records.Particles(
                 like=(0.0,) * d,
                 table=self.table,
                 law=law,
@@ -121,12 +111,14 @@ class ParticleSystem:
         """Their nodes."""
         return self._members[self._mine[rows], 1]
 
-    def _table(self, number: Array, owners: Array, most: int, inertia: dict[int, Array]) -> Table:
+    def _table(
+        self, number: Array, owners: Array, most: int, inertia: dict[int, Array]
+    ) -> records.Table:
         """What the compiled code takes. most: constraints of a particle."""
         layout, row, size = self._layout, self.sums.row, len(number)
         count, blocks, of = len(self._particles), layout.problem.blocks, self._members[:, 0]
         kind, alpha = np.empty(size, np.int64), np.zeros(size)
-        kind[row] = [SOLID if blocks[k].kind == "solid" else GAS for k in of]
+        kind[row] = [records.SOLID if blocks[k].kind == "solid" else records.GAS for k in of]
         alpha[row] = [getattr(blocks[k].material, "alpha", 0.0) for k in of]
         at, booked = np.empty(self._mine.size, np.int64), np.zeros(self._mine.size)
         weight = self.sums.table[:, 0]  # H of gas members, M_s of solid ones
@@ -145,11 +137,11 @@ class ParticleSystem:
         of_gas = [[k for k, _ in p.members if k in gases][:1] for p in self._particles]
         through = layout.problem.column_of_face
         faces = [[through.get(face, len(through)) for face in _faces(p)] for p in self._particles]
-        flags = np.zeros((count, FLAGS), np.int64)
-        flags[:, MINE] = owners[begin[:-1]] == layout.comm.rank
+        flags = np.zeros((count, records.FLAGS), np.int64)
+        flags[:, records.MINE] = owners[begin[:-1]] == layout.comm.rank
         for p, particle in enumerate(self._particles):
             flags[p, 1:] = _flags(particle)
-        return Table(
+        return records.Table(
             begin=begin,
             row=row,
             kind=kind,
@@ -196,12 +188,12 @@ class ParticleSystem:
             (kernels.begin_rates, (y,)),
             (kernels.end_rates, (y, y, gain)),
         )
-        return with_calls(ParticleCalls, self.box, calls)
+        return with_calls(records.ParticleCalls, self.box, calls)
 
     def at_walls(self, k: int) -> tuple[Array, Array]:
         """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""
         nodes, particle = self.nodes[k]
-        at_wall = self.table.flags[particle, AT_WALL] == 1
+        at_wall = self.table.flags[particle, records.AT_WALL] == 1
         return nodes[at_wall], self.prescribed.data.wall[particle[at_wall]]
 
     def walls_away(self, k: int) -> float:
