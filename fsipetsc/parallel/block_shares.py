@@ -229,10 +229,9 @@ def _apportion(work: Sequence[float], caps: Sequence[int], size: int) -> list[in
 
 def _cut(extent: Extent, ranks: range) -> Share:
     """A block on these ranks, or on some of them if it cannot be cut into so many parts."""
-    count = next(n for n in range(len(ranks), 0, -1) if _grid(extent, n))
-    grid = _grid(extent, count)
+    grid = next(g for n in range(len(ranks), 0, -1) if (g := _grid(extent, n)))
     cuts = tuple(extent.even(axis, parts) for axis, parts in enumerate(grid))
-    return Share(tuple(ranks[:count]), cuts)
+    return Share(tuple(ranks[: prod(grid)]), cuts)
 
 
 def _grid(extent: Extent, count: int) -> tuple[int, ...] | None:
@@ -244,7 +243,7 @@ def _grid(extent: Extent, count: int) -> tuple[int, ...] | None:
     ]
 
     def nodes_along_cuts(grid: tuple[int, ...]) -> tuple[float, tuple[int, ...]]:
-        lengths = [extent.size / extent.shape[axis] for axis in range(len(grid))]
+        lengths = [extent.size // n for n in extent.shape]
         return sum((parts - 1) * length for parts, length in zip(grid, lengths, strict=True)), grid
 
     return min(fits, key=nodes_along_cuts, default=None)
