@@ -26,7 +26,7 @@ class Steps(BlockState):
         for _ in range(steps):
             super().step(self.t, dt, False)
             self.t += dt
-            self.came += self._latest[-self.came.size :]
+            self.came += self.latest_numbers[-self.came.size :]
 
     def integrals(self):
         """Mass of all gas, momentum, energy after the last step."""

@@ -8,6 +8,7 @@ ranks or on one.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,13 @@ OPTIONS = (
     Option("mad_field", "str", "none", "", "which unknown of the forcing, or place"),
     Option("mad_rate", "float", 0.0, "", "what is added to its rate there"),
     Option("mad_time", "float", 0.01, "s", "from when on"),
-    Option("mad_function", "str", "none", "", "which one fails: initial, forcing, edge, T, jumps"),
+    Option(
+        "mad_function",
+        "str",
+        "none",
+        "",
+        "which one fails: initial, forcing, edge, T, jumps, prestress",
+    ),
     Option("mad_rank", "int", -1, "", "where; -1: on all ranks"),
 )
 DEFAULTS = {"fsi_h": 1 / 16, "fsi_order": 2, "ts_max_time": 0.1, "ts_dt": 1e-3, "fsi_output_dt": 1}
@@ -45,7 +52,7 @@ def build(opt: Mapping[str, Any]) -> BlockProblem:
         here = function == what and opt["mad_rank"] in (-1, MPI.COMM_WORLD.rank)
 
         def called(*arguments: Any) -> Any:
-            if here and (what == "initial" or arguments[-1] > begin):
+            if here and (what in ("initial", "prestress") or arguments[-1] > begin):
                 raise ValueError("nothing is known")
             return usual(*arguments)
 
@@ -85,4 +92,9 @@ def build(opt: Mapping[str, Any]) -> BlockProblem:
     jumps = failing("jumps", lambda *X: [0 * X[0]] * 3) if function == "jumps" else None
     more = {"lower": lower, "upper": upper, "jumps": jumps, "units": "none"}
     stack = [layer(k, kind) for k, kind in enumerate(kinds)]
-    return layers(*stack, along=((0.0, 1.0),), h=opt["fsi_h"], order=opt["fsi_order"], **more)
+    made = layers(*stack, along=((0.0, 1.0),), h=opt["fsi_h"], order=opt["fsi_order"], **more)
+    if function == "prestress":
+        stress = failing("prestress", lambda X, Y: [0 * X] * 4)
+        blocks = (replace(b, prestress=stress) if b.kind == "solid" else b for b in made.blocks)
+        return replace(made, blocks=tuple(blocks))
+    return made

@@ -15,6 +15,7 @@ from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.solid_pressure import gruneisen
 from fsipetsc.materials.stiffened_gas import stiffened_gas
+from fsipetsc.parallel.block_layout import BlockVector
 
 
 def by_components(value):
@@ -60,6 +61,11 @@ def block_of(b):
     )
 
 
+class Apart(BlockState):
+    def instant(self):
+        return 1e-4
+
+
 class Engine:
     """The right-hand side of the engine for an oracle's problem, in arrays like the oracle's."""
 
@@ -74,12 +80,12 @@ class Engine:
         self.problem = BlockProblem(tuple(map(block_of, p.blocks)), faces, **options)
         # dissipation 0: on where blocks are joined
         form = BlockForm(p.form, p.dissipation / 0.3 or -1.0, p.shock)
-        self.state = BlockState(MPI.COMM_SELF, self.problem, p.order, form, apart=True)
-        self.y, self.f = self.state.y, self.state.layout.vector()
+        self.state = Apart(MPI.COMM_SELF, self.problem, p.order, form, apart=True)
+        self.y, self.f = self.state.y, BlockVector(self.state.layout)
 
     def _get(self, vector):
         found = {}
-        for part in self.state.layout.parts:
+        for part in self.state.layout.parts.values():
             whole = np.empty_like(vector.owned(part.k).T)
             whole[:, part.numbers] = vector.owned(part.k).T
             name, shape = self.problem.blocks[part.k].name, self.shapes[part.k]
@@ -88,7 +94,7 @@ class Engine:
 
     def complete(self, q, t=0.0):
         """As the oracle's."""
-        for part in self.state.layout.parts:
+        for part in self.state.layout.parts.values():
             value = q[self.problem.blocks[part.k].name]
             self.y.owned(part.k)[:] = value.reshape(len(value), -1, order="F").T[part.numbers]
         self.state.scheme.complete(t, self.y)

@@ -190,7 +190,7 @@ def test_what_completion_takes(faces, mu, heat):
         run._monitor()
         before = run.integrals()
         run.finish()
-        run.came += run._latest[-run.came.size :]
+        run.came += run.latest_numbers[-run.came.size :]
         change, came = run.integrals() - before, run.gained()
         assert np.abs(change - came).max() < 1e-14 * before[-1], change - came
         assert np.abs(came[1:3]).min() > 1e-5 and (not panel or np.abs(came).min() > 1e-5)

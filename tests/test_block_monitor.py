@@ -14,7 +14,6 @@ from block_ledgers import Steps
 from ledger_problems import N, closed, gas, problem_of, solid
 
 from fsipetsc.blockrun.block_state import BlockForm
-from fsipetsc.blockrun.face_terms import weights_of
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.batch import LONGEST, MADE, TIME, plan_next
 from fsipetsc.scheme.plan import (
@@ -29,7 +28,7 @@ from fsipetsc.scheme.plan import (
     TOO_SHORT,
 )
 from fsipetsc.stepping.ledgers import Ledgers
-from fsipetsc.stepping.report import about_losses, about_volumes
+from fsipetsc.stepping.report import remarks
 
 
 def warped(mu):
@@ -84,7 +83,7 @@ def spin_of(run):
     total = 0.0
     for k, part in run.scheme.parts.items():
         q, d = run.y.owned(k), run.problem.dimension
-        H = weights_of(part.part, part.owned)
+        H = part.part.weights(part.owned)
         if run.problem.blocks[k].kind == "fluid":
             x, momentum = part.grid.positions()[:, part.owned], H * q[:, 2 : 2 + d].T
         else:
@@ -139,13 +138,13 @@ def test_what_a_summary_tells_of_losses_and_volumes():
     ledgers, again = Ledgers({"masses": [], "energy": False}), Ledgers({})
     ledgers.begin({"mass": []})
     ledgers.add(steps[:2])
-    again.recall(ledgers.memory(), {})
+    again.begin({}, ledgers.memory())
     again.add(steps[2:])
     assert again.lost == pytest.approx(0.003) and again.J_error == 0.03
-    assert "lost 0.3 %" in about_losses({"lost_energy": again.lost})[0]
-    assert about_losses({"lost_energy": 0.0009}) == [] and about_losses({}) == []
-    assert "J has departed by 3 %" in about_volumes(again.J_error)[0]
-    assert about_volumes(0.0099) == [] and len(about_volumes(np.nan)) == 1
+    departed, lost = remarks({"J_error": again.J_error, "lost_energy": again.lost})
+    assert "J has departed by 3 %" in departed and "lost 0.3 %" in lost
+    assert remarks({"J_error": 0.0099, "lost_energy": 0.0009}) == []
+    assert remarks({"J_error": 0.0}) == [] and len(remarks({"J_error": np.nan})) == 1
 
 
 @pytest.mark.parametrize("viscosity", [0.0, 0.02])

@@ -109,7 +109,7 @@ def test_the_first_step_at_fault_is_named():
     steps, ledgers, loose, again = recorded(100), begun(1e-3), begun(0.1), begun(1e-3)
     ledgers.add(steps[:60])
     assert ledgers.fault is None
-    again.recall(ledgers.memory(), INITIAL)
+    again.begin(INITIAL, ledgers.memory())
     steps["mass"][80:, 1], steps["energy"][90], steps["momentum_x"][95] = 1.01, np.nan, -np.inf
     for one in (ledgers, again):
         one.add(steps[60:])

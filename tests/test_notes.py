@@ -33,6 +33,8 @@ def build(opt):
     below, layer, above = problem.layers
     if opt["changed"] == "wall":
         return replace(problem, left=Wall(lambda t: 0.1 + 0.0 * t, velocity=lambda t: 0.0 * t))
+    if opt["changed"] == "heated":
+        return replace(problem, left=replace(problem.left, T=1.05 * T))
     if opt["changed"] == "hot":
         return replace(problem, right=Wall(2.2, T=1.05 * T))
     if opt["changed"] == "jump":
@@ -45,6 +47,7 @@ def build(opt):
 WALL = "a wall of 'driven' is 0.1 m from the end of its block at t = 0: the grid of the gas is "
 SIGN = " has a pressure of 1e+05 Pa where it meets 'layer', which pushes with -1e+05 Pa "
 HOT = "at the end the temperature in 'behind' changes by ", "at X = 2.2 m: the layer there"
+HEATED = "at the end the temperature in 'driven' changes by ", "at X = 0 m: the layer there"
 JUMP = "at the end the pressure in 'driven' changes by ", "from one node to the next, at X = 0."
 ALONG = "at the end the velocity along a wall in 'gas' changes by ", "the layer there is not"
 
@@ -56,6 +59,7 @@ ALONG = "at the end the velocity along a wall in 'gas' changes by ", "the layer 
         ("wall", [[WALL]]),
         ("sign", [["at t = 0 'driven'", SIGN], ["at t = 0 'behind'", SIGN]]),
         ("hot", [HOT]),
+        ("heated", [HEATED]),
         ("jump", [JUMP]),
         ("along", [ALONG]),
     ],

@@ -21,7 +21,7 @@ from fsipetsc.blocks.values import prestress_of
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.parallel.block_layout import BlockLayout
+from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
 from fsipetsc.scheme.block_monitor import monitor_end
 
 BOX = rectangle((0.0, 0.0), (1.0, 2.0))
@@ -46,7 +46,7 @@ def problem_of(block):
 def part_of(block):
     """The part of one rank, and its initial state."""
     layout = BlockLayout(MPI.COMM_SELF, problem_of(block), 4)
-    part, q = SolidPart(layout, layout.parts[0], 4, BlockForm()), layout.vector().owned(0)
+    part, q = SolidPart(layout, layout.parts[0], 4, BlockForm()), BlockVector(layout).owned(0)
     part.initial(0.0, q)
     return part, q
 

@@ -8,7 +8,7 @@ from conftest import FUSED, METHODS, STEPS, fixed
 
 pytest.importorskip("petsc4py")
 
-from fsipetsc.stepping.output_times import saved_times
+from fsipetsc.stepping.integrator import saved_times
 
 
 def test_saved_times():

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of, weights_of
+from fsipetsc.blockrun.face_terms import FaceTerms
 from fsipetsc.blocks.values import block_values
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
@@ -18,14 +18,13 @@ class BlockPart:
 
     metrics: Array
 
-    def __init__(self, layout: BlockLayout, part: Part, order: int) -> None:
-        self.part, self._problem = part, layout.problem
-        self.block = self._problem.blocks[part.k]
+    def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
+        self.part, self._layout, self._problem = part, layout, layout.problem
+        self.block, self._order, self._form = self._problem.blocks[part.k], order, form
         self._d = d = self.block.dimension
-        self._ranges = ranges_of(part, self.block.shape)
-        self.X = self._problem.positions(part.k, self._ranges)
+        self.X = self._problem.positions(part.k, part.ghosted)
         self.owned = part.ghosted_rows(np.arange(part.numbers.size))
-        self.weights = weights_of(part, self.owned)
+        self.weights = part.weights(self.owned)
         self.faces = FaceTerms(self._problem, part, order, self.X)
         rows = d + 2 if self.block.kind == "fluid" else 2 * d + 1
         forced = self.block.forcing is not None
@@ -37,8 +36,8 @@ class BlockPart:
         if self.block.forcing is not None:
             self._forcing[:] = block_values(self.block, "forcing", self.X[:, self.owned], t)
 
-    def _common(self, at_particles: Any, columns: Array, alone: bool) -> dict[str, Any]:
-        """Fields of the records of both kinds for compiled code."""
+    def _common(self, at_particles: Any, alone: bool) -> dict[str, Any]:
+        """Fields of the records of both kinds for compiled code, as `calls` has them."""
         part, d = self.part, self._d
         return {
             "like": (0.0,) * d,
@@ -57,5 +56,4 @@ class BlockPart:
             "at_particles": at_particles,
             "forcing": self._forcing,
             "seen": np.zeros(MONITORED),
-            "columns": columns,
         }

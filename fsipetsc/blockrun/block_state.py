@@ -7,35 +7,29 @@ fsipetsc.blockrun.scheme.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.blockrun.columns import OF_INTERFACES, fields_of, gained, lossy, slices, step_record
+from fsipetsc.blockrun.columns import fields_of, gained, lossy, step_record
 from fsipetsc.blockrun.notes import first_notes, last_notes
-from fsipetsc.blockrun.recorded_nodes import Recorded, Recorder
+from fsipetsc.blockrun.recorded_nodes import Recorded, here_of, note_nodes
 from fsipetsc.blockrun.saved import errors_of, grids, header, seen
 from fsipetsc.blockrun.scheme import Scheme
 from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.errors import FsiError
+from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.parallel.block_layout import BlockLayout, NaturalOrder
+from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.batch import DT, MADE
 from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.steps import STAGES, note_extremes, note_gained
-from fsipetsc.stepping.snapshot import as_numbers, whole
-from fsipetsc.stepping.state import State
+from fsipetsc.stepping.state import FAULT, State, as_numbers, whole
 
-#: by order: how much shorter steps are with dissipation of strength 1 at shocks. That alone is a
-#: number of -1.6 at Courant number 0.8, of 2.785 that the classical method bears; next to the ends
-#: of 8/4 more
-PACE_AT_SHOCKS = {2: 1.0, 4: 1.0, 6: 1.0, 8: 4.0 / 3.0}
 #: of how many parts a step is made, one after the other, until its state is physical
 PARTS = 1, 2, 4, 8, 16
 #: records of steps that are kept before they are written
@@ -55,18 +49,16 @@ class BlockForm(NamedTuple):
 class BlockState(State):
     """Solution and everything that belongs to it; all methods are collective on ``comm``.
 
-    y: this rank's part of the solution, with a vector for each block; ``solution`` is the same
-    memory as a world vector. results: flags and limits as in fsipetsc.scheme.plan. journal, latest:
-    records of steps; integrals in them are this rank's shares. rates: (blocks, 2), largest ones of
-    convection and diffusion [1/s]. h: size of the smallest cells [m].
+    y: this rank's part of the solution, with a vector for each block, and stage, that of a stage;
+    ``solution`` is the memory of y as a world vector. results: flags and limits as in
+    fsipetsc.scheme.plan. journal, latest: records of steps, with this rank's shares of integrals;
+    rows, latest_numbers: the same as numbers. rates: (blocks, 2), largest ones of convection and
+    diffusion [1/s]; extremes: what the monitor finds. h: size of the smallest cells [m].
     recorded: nodes to be recorded at each step. orders: block -> what brings its nodes into the
     order in which they are saved. announce: called with a message when several ranks wait for
     kernels. apart: one rank calls what several do. InputError where blocks, order and ranks do not
     fit.
     """
-
-    #: nodes held in reserve: no grid grows
-    reserve = 0
 
     def __init__(
         self,
@@ -81,52 +73,39 @@ class BlockState(State):
     ) -> None:
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
         self.h = float(problem.spacing)
-        self._order, self._form = order, form
         self.shocks = form.shock > 0.0
-        self._pace = max(1.0, form.shock * PACE_AT_SHOCKS[order])
         blocks, d = problem.layers, problem.dimension
         self.lossy, auxiliary = lossy(problem), gained(problem).itemsize // 8
         self.layout = BlockLayout(comm, problem, order, self.shocks, partition, auxiliary)
-        self.y = self.layout.vector()
-        self._stage = self.layout.vector()
+        self.y, self.stage = BlockVector(self.layout), BlockVector(self.layout)
         size = (self.layout.local_size, None)
         self.solution = PETSc.Vec().createWithArray(self.y.array, size=size, comm=comm)
-        self.recorded, interfaces = tuple(recorded), len(problem.interfaces)
-        self._recorder = Recorder(self, self.recorded)
-        record = step_record(problem, interfaces, len(self.recorded))
+        self.recorded = tuple(recorded)
+        self._recorded_here = here_of(self)
+        record = step_record(problem, len(problem.interfaces), len(self.recorded))
         self.results = np.zeros(FLAGS + LIMITS)
-        self._rows, self._latest = self._lay_journal(record, KEPT)
-        self._extremes = np.zeros(1 + MONITORED * len(blocks))
-        self.rates, self._columns = np.zeros((len(blocks), 2)), slices(self.latest.dtype)
+        self.rows, self.latest_numbers = self._lay_journal(record, KEPT)
+        self.extremes = np.zeros(1 + MONITORED * len(blocks))
+        self.rates = np.zeros((len(blocks), 2))
         self._before, self.retries = np.empty_like(self.y.array), 0
         if comm.size > 1 and self.points <= MOST_ALONE:
-            self._compile_first(announce)
-        self._make_scheme(comm.size == 1 and not apart)
+            self._compile_first(order, form, announce)
+        self.scheme = Scheme(self, order, form, comm.size == 1 and not apart)
         self.evaluations, self._t = 0, 0.0
+        parts = self.layout.parts.items()
         widths = [len(fields_of(b.kind, d, problem.symmetry)) for b in blocks]
-        parts = self.layout.parts
-        self.orders = {part.k: NaturalOrder(part, widths[part.k]) for part in parts}
+        self.orders = {k: NaturalOrder(part, widths[k]) for k, part in parts}
 
-    def _make_scheme(self, alone: bool) -> None:
-        """Make the scheme, and attach the buffers that monitor and steps in one call fill."""
+    @property
+    def fault(self) -> InputError | None:
+        """The first error of a function of the case's, on this rank."""
+        return self.scheme.fault
 
-        def made() -> Scheme:
-            form = self._order, self._form, self._instant
-            ends = list(self._interface_ends())
-            return Scheme(self.layout, self.problem, *form, self._columns, ends, alone)
-
-        self.scheme = together(self.comm, made)
-        latest, first = self._latest, self._columns.get(OF_INTERFACES[0], slice(0, 0))
-        size = len(OF_INTERFACES) * (first.stop - first.start)
-        at_ends = latest[first.start : first.start + size].reshape(len(OF_INTERFACES), -1)
-        buffers = self._extremes, self.rates, self.results, latest, at_ends, self._pace
-        self.scheme.attach(self.y.array, self._stage.array, *buffers, self.batch, self._rows)
-
-    def _interface_ends(self) -> Iterator[tuple[int, int, int, float]]:
+    def interface_ends(self) -> Iterator[tuple[int, int, int, float]]:
         """Of interfaces in one dimension with the solid's end here: number, block, row, X."""
         interfaces = self.problem.interfaces if self.problem.dimension == 1 else ()
         for number, (_, k) in enumerate(interfaces):
-            part, nodes = self.layout.part(k), self.problem.interface_nodes(number)
+            part, nodes = self.layout.parts.get(k), self.problem.interface_nodes(number)
             if part is not None and nodes[0] in part.numbers:
                 X = float(self.problem.places(k, nodes)[0, 0])
                 yield number, k, int(part.rows(nodes[:1])[0]), X
@@ -140,7 +119,7 @@ class BlockState(State):
     def places(self) -> list[float]:
         """Positions x [m] of the interfaces, in one dimension. Collective."""
         found = np.zeros(len(self.problem.interfaces) * (self.problem.dimension == 1))
-        for number, k, row, X in self._interface_ends():
+        for number, k, row, X in self.interface_ends():
             found[number] = X + self.y.owned(k)[row, 0]
         self.comm.Allreduce(MPI.IN_PLACE, found)
         return found.tolist()
@@ -156,22 +135,21 @@ class BlockState(State):
         with announced(announce):
             self.scheme.initial(0.0, self.y)
             self.scheme.stretch(0.0, self.y)
-            self.scheme.step(0.0, 0.0, self.y, self._stage)
+            self.scheme.step(0.0, 0.0, self.y, self.stage)
             self._monitor()
             self.plan_next()  # only compiles it: no step is allowed yet
             self.save()
             # as on several ranks, whose states begin without these calls
             self.results[:], self.rates[:] = 0.0, 0.0
 
-    def _compile_first(self, announce: Callable[[str], None]) -> None:
+    def _compile_first(self, order: int, form: BlockForm, announce: Callable[[str], None]) -> None:
         """Rank 0 makes a state of the whole problem, alone, before any rank makes its own scheme:
         so the others find the kernels on the disk. On very large problems each rank compiles when
         it comes to it. What is wrong with the case's data all find out later, together.
         """
         if self.comm.rank == 0:
             with announced(announce), suppress(FsiError):
-                of_all = self.problem, self._order, self._form
-                with BlockState(MPI.COMM_SELF, *of_all, apart=True) as state:
+                with BlockState(MPI.COMM_SELF, self.problem, order, form, apart=True) as state:
                     state.compile(lambda text: None)
         wait_asleep(self.comm)
 
@@ -183,7 +161,7 @@ class BlockState(State):
         """Initial data of all blocks and J of the grids. InputError."""
         self.check_data()
         self.y.auxiliary[:] = 0.0
-        self._guarded(lambda: self.scheme.stretch(0.0, self.y))
+        self.scheme.stretch(0.0, self.y)
         agree(self.comm, self.fault)
 
     def set_data(self, t: float) -> None:
@@ -197,16 +175,16 @@ class BlockState(State):
         self.evaluations += 1
         f[f.size - self.layout.auxiliary :] = 0.0
         self._load_stage(y)
-        self._guarded(lambda: self.scheme.rates(self._t, self._stage, f))
+        self.scheme.rates(self._t, self.stage, f)
 
     def _load_stage(self, y: np.ndarray) -> None:
-        self._stage.array[:] = y
-        self._guarded(lambda: self.scheme.complete(self._t, self._stage))
+        self.stage.array[:] = y
+        self.scheme.complete(self._t, self.stage)
 
     def project(self, y: np.ndarray) -> None:
         """Let this rank's part y obey all conditions, in place."""
         self._load_stage(y)
-        y[:] = self._stage.array
+        y[:] = self.stage.array
 
     def step(self, t: float, dt: float, steady: bool) -> None:
         """A step dt [s] of the fused method from the completed solution at t [s].
@@ -233,7 +211,7 @@ class BlockState(State):
         made = self.batch[MADE]
         found = self.scheme.steps(t, dt)
         self._t = found[1]
-        self._fill_halos()
+        self.y.fill_halos()
         self.evaluations += STAGES * max(int(self.batch[MADE] - made), int(found[0]))
         return found
 
@@ -244,7 +222,7 @@ class BlockState(State):
             for part in range(parts):
                 self.evaluations += STAGES
                 begin = t + dt * part / parts
-                self._guarded(partial(self.scheme.step, begin, dt / parts, self.y, self._stage))
+                self.scheme.step(begin, dt / parts, self.y, self.stage)
             self._t = t + dt
             self._monitor()
             if self.results[BAD] == 0.0 or parts == PARTS[-1]:
@@ -255,27 +233,22 @@ class BlockState(State):
 
     def finish(self) -> None:
         """Complete a step that PETSc has made."""
-        self._guarded(lambda: self.scheme.complete(self._t, self.y))
+        self.scheme.complete(self._t, self.y)
         self.solution.stateIncrease()
         self._monitor()
 
     def _monitor(self) -> None:
         """What is known of the completed solution: bounds of all ranks, shares of the integrals."""
-        self._fill_halos()
-        self._keep_fault(self.scheme.fault)
+        self.y.fill_halos()
         self.scheme.monitor(self.y)
-        self._extremes[0] = self.results[SAID_STOP]
+        self.extremes[0] = self.results[SAID_STOP] if self.fault is None else FAULT
         if self.comm.size > 1:
-            self.comm.Allreduce(MPI.IN_PLACE, self._extremes, MPI.MAX)
-        note_extremes(self._extremes, self.rates, self.results, self._latest)
-        self._recorder.write(self.latest)
-        note_gained(self._latest, self.y.auxiliary)
+            self.comm.Allreduce(MPI.IN_PLACE, self.extremes, MPI.MAX)
+        note_extremes(self.extremes, self.rates, self.results, self.latest_numbers)
+        note_nodes(self, self._recorded_here)
+        note_gained(self.latest_numbers, self.y.auxiliary)
 
-    def _fill_halos(self) -> None:
-        self.y.begin()
-        self.y.end()
-
-    def _instant(self) -> float:
+    def instant(self) -> float:
         """A time [s] in which little happens, for differences in time."""
         rate = float(self.results[RATE])
         return 0.25 / rate if 0.0 < rate < np.inf else 1e-3 * self.h
@@ -288,7 +261,7 @@ class BlockState(State):
         """
         arrays = {}
         for k, shape in enumerate(self.layout.shapes):
-            part = self.layout.part(k)
+            part = self.layout.parts.get(k)
             numbers = np.empty(0, np.int64) if part is None else part.numbers
             found = whole(self.comm, int(np.prod(shape)), numbers, self.y.owned(k))
             if found is not None:
@@ -304,12 +277,11 @@ class BlockState(State):
         """Be at time t [s] what arrays tell of, which all ranks know. InputError."""
         self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
         self._t = t
-        for part in self.layout.parts:
-            of_block = arrays[f"layer{part.k}"].reshape(-1, part.dof)
-            self.y.owned(part.k)[:] = of_block[part.numbers]
+        for k, part in self.layout.parts.items():
+            self.y.owned(k)[:] = arrays[f"layer{k}"].reshape(-1, part.dof)[part.numbers]
         self.y.auxiliary[:] = arrays["behind"] if self.comm.rank == 0 else 0.0
         self._load_stage(self.y.array)  # what the scheme derives of it; it stays as it is
-        self._fill_halos()
+        self.y.fill_halos()
         agree(self.comm, self.fault)
 
     # what is saved and said
@@ -328,9 +300,9 @@ class BlockState(State):
 
     def destroy(self) -> None:
         """Free messages, vectors, DMDAs and communicators, in this order."""
-        self.scheme.destroy()
+        self.scheme.particles.destroy()
         for order in self.orders.values():
             order.destroy()
-        for vector in (self.y, self._stage, self.solution):
+        for vector in (self.y, self.stage, self.solution):
             vector.destroy()
         self.layout.destroy()

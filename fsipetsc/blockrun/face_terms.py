@@ -2,7 +2,6 @@
 fsipetsc.scheme.faces.
 """
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -37,39 +36,38 @@ class FaceTerms:
         self._d, self._gas, self.p_ref = d, block.kind == "fluid", _left_out(problem, k)
         self._turned: list[tuple[slice, TurnedFace]] = []
         self._faces: list[tuple[Any, Array, slice]] = []
-        listed, count = [_nodes_of(part, np.empty(0, np.int64), 0, 0, 0)], 0
-        through = problem.column_of_face
-        lengths = []
+        acting = []
         for (axis, side), condition in problem.faces_of(k).items():
             met = isinstance(condition, Meeting)
             interface = met and problem.is_interface(k, axis, side)
             supplied = interface and not self._gas and self._jumps is not None
             beyond = _left_out(problem, condition.block) if met else 0.0
             loaded = _unheld(condition) and self.p_ref not in (0.0, beyond)
-            if not (supplied or loaded or _acts(condition)):
-                continue
-            column = through.get((k, axis, side), len(through))
-            listed.append(_nodes_of(part, problem.face_nodes(k, axis, side), axis, side, column))
-            own = listed[-1][1]
-            where, count = slice(count, count + own.size), count + own.size
-            if own.size:
-                self._faces.append((condition, problem.places(k, part.numbers[own]), where))
-                if isinstance(condition, Open) and condition.order == 1:
-                    low, high = (block.face_positions(axis, end) for end in (0, 1))
-                    lengths.append((where, np.linalg.norm(high - low, axis=0).mean()))
-                if d == 3 and not self._gas:
-                    self._turned.append((where, TurnedFace(problem, part, order, axis, side)))
-        nodes, n = [np.concatenate(values) for values in zip(*listed, strict=True)], count
+            if supplied or loaded or _acts(condition):
+                acting.append((axis, side, condition))
+        self.record: Any = Nothing()
+        if not acting:  # on all ranks of the block, for these compile the same
+            return
+        listed = [_nodes_of(problem, part, axis, side) for axis, side, _ in acting]
+        nodes = [np.concatenate(values) for values in zip(*listed, strict=True)]
+        n = nodes[0].size
         flags, numbers = np.zeros(n, np.int64), np.zeros((3, n))
-        if len(listed) == 1:  # on all ranks of the block, for these compile the same
-            self.record: Any = Nothing()
-        elif self._gas:
+        if self._gas:
             self.record = GasFaces(*nodes, flags, np.zeros((n, d + 2)), *numbers)
         else:
             vectors = np.zeros((2, n, d))
             self.record = SolidFaces(*nodes, flags, vectors[0], *numbers, vectors[1], X)
-        for where, length in lengths:
-            self.record.width[where] = length
+        end = 0
+        for (axis, side, condition), (_, own, *_) in zip(acting, listed, strict=True):
+            where, end = slice(end, end + own.size), end + own.size
+            if not own.size:
+                continue
+            self._faces.append((condition, problem.places(k, part.numbers[own]), where))
+            if isinstance(condition, Open) and condition.order == 1:
+                low, high = (block.face_positions(axis, at) for at in (0, 1))
+                self.record.width[where] = np.linalg.norm(high - low, axis=0).mean()
+            if d == 3 and not self._gas:
+                self._turned.append((where, TurnedFace(problem, part, order, axis, side)))
 
     def refresh(self, t: float) -> None:
         """Fill the record with data at time t [s]. InputError."""
@@ -106,8 +104,7 @@ class TurnedFace:
     """
 
     def __init__(self, problem: Any, part: Part, order: int, axis: int, side: int) -> None:
-        shape = problem.blocks[part.k].shape
-        ghosted = ranges_of(part, shape)
+        shape, ghosted = problem.blocks[part.k].shape, part.ghosted
         sizes = zip(ghosted, part.patch.first, part.patch.own, strict=True)
         where = [(begin + first, begin + first + own) for (begin, _), first, own in sizes]
         where[axis] = (shape[axis] - 1, shape[axis]) if side else (0, 1)
@@ -117,9 +114,8 @@ class TurnedFace:
             np.clip(np.arange(*ends) - begin, 0, end - begin - 1)
             for ends, (begin, end) in zip(wide.wide, ghosted, strict=True)
         ]
-        nx, ny, _ = part.patch.ghosted
-        x, y, z = np.meshgrid(*index, indexing="ij")
-        self._at = (x + nx * (y + ny * z)).ravel(order="F")
+        places = np.meshgrid(*index, indexing="ij")
+        self._at = np.ravel_multi_index(places, part.patch.ghosted, order="F").ravel(order="F")
         n = self._at.size
         self._a, self._slopes, self._scratch = (np.empty((3, 3, n)) for _ in range(3))
 
@@ -144,39 +140,18 @@ def _unheld(condition: Any) -> bool:
     return isinstance(condition, (Meeting, Free, Absorbing))
 
 
-def ranges_of(part: Part, shape: Sequence[int]) -> list[tuple[int, int]]:
-    """First node and first beyond of the ghosted array along each axis of a block of this shape;
-    they go on beyond the ends of periodic axes.
-    """
-    begins = np.unravel_index(int(part.numbers[0]), shape, order="F")
-    return [
-        (int(begin) - first, int(begin) - first + size)
-        for begin, first, size in zip(begins, part.patch.first, part.patch.ghosted, strict=False)
-    ]
-
-
-def _nodes_of(part: Part, nodes: Array, axis: int, side: int, column: int) -> tuple[Array, ...]:
+def _nodes_of(problem: Any, part: Part, axis: int, side: int) -> tuple[Array, ...]:
     """This rank's nodes of those of a face: numbers in the ghosted array and among the owned ones,
-    axis, sign, 1 / weight of the axis, product of the other weights, column.
+    axis, sign, 1 / weight of the axis, product of the other weights, column of its energy.
     """
-    mine = nodes[np.isin(nodes, part.numbers, assume_unique=True)]
-    own = part.rows(mine) if mine.size else np.empty(0, np.int64)
+    nodes, through = problem.face_nodes(part.k, axis, side), problem.column_of_face
+    own = part.rows(nodes[np.isin(nodes, part.numbers, assume_unique=True)])
     at = part.ghosted_rows(own)
     last = part.patch.first[axis] + (part.patch.own[axis] - 1 if side else 0)
     weight, ones = float(part.bands[axis].weight[last]), np.ones(own.size)
-    signs = ones if side else -ones
-    across, columns = weights_of(part, at) / weight, np.full(own.size, column)
-    return at, own, np.full(own.size, axis), signs, ones / weight, across, columns
-
-
-def weights_of(part: Part, ghosted: Array) -> Array:
-    """(n,) H of nodes of the ghosted array: the product of the weights of the axes."""
-    nx, ny, _ = part.patch.ghosted
-    places = ghosted % nx, ghosted // nx % ny, ghosted // (nx * ny)
-    product = np.ones(ghosted.size)
-    for band, place in zip(part.bands, places, strict=True):
-        product *= band.weight[place]
-    return product
+    column = np.full(own.size, through.get((part.k, axis, side), len(through)))
+    signs, across = ones if side else -ones, part.weights(at) / weight
+    return at, own, np.full(own.size, axis), signs, ones / weight, across, column
 
 
 def _acts(condition: Any) -> bool:

@@ -98,18 +98,19 @@ def _gas(layer: FluidLayer, grid: tuple[float, float], cells: int) -> Block:
 
 
 def _solid(layer: SolidLayer, h: float) -> Block:
-    stress = _Prestress(layer)
-    uniform, exact = stress.uniform(), layer.exact
+    stress, exact = _prestress(layer), layer.exact
+    (found,) = stress(np.linspace(*layer.X, 101))
+    uniform = np.ptp(found) == 0.0
     return Block(
         layer.name,
-        _elastic(layer.material, 0.0 if uniform is None else -uniform),
+        _elastic(layer.material, -float(found[0]) if uniform else 0.0),
         rectangle(*layer.X),
         (layer.cells(h),),
         _without_stress(layer.initial),
         forcing=layer.forcing and _forces_alone(layer),
         exact=exact and _without_stress(exact),
         exact_stress=exact and (lambda X, t: (exact(X, t)[1],)),
-        prestress=stress if uniform is None else None,
+        prestress=None if uniform else stress,
     )
 
 
@@ -150,39 +151,25 @@ def _elastic(material: Solid, p_ref: float) -> ElasticSolid:
     return ElasticSolid(0.0, material.K, *numbers, force=material.force, pressing=pressure)
 
 
-class _Prestress:
-    """What the initial stress of a solid is beside K ln x_X [Pa]: a function of X."""
+def _prestress(layer: SolidLayer) -> Function:
+    """What the initial stress of a solid is beside K ln x_X [Pa]: a function of X.
 
-    #: points through which x goes, in steps of a thousandth of the layer, and the polynomials there
-    steps = np.arange(-3, 4)
-    powers = np.linalg.inv(np.vander(steps.astype(float), increasing=True))
+    x_X is that of polynomials of sixth degree through x, in steps of a thousandth of the layer.
+    """
+    (low, high), initial, K = layer.X, layer.initial, layer.material.K
+    step, points = 1e-3 * (high - low), np.arange(-3.0, 4.0)
+    powers = np.linalg.inv(np.vander(points, increasing=True))
 
-    def __init__(self, layer: SolidLayer) -> None:
-        self._X, self._K, self._step = layer.X, layer.material.K, 1e-3 * (layer.X[1] - layer.X[0])
-        self._initial = layer.initial
+    def found(X: Array) -> tuple[Array]:
+        middle = np.clip(X, low + 3 * step, high - 3 * step)
+        around, z = [middle + j * step for j in points], (X - middle) / step
+        moved = [initial(place)[3] - place for place in around]
+        # sums of their own: those of a library's product of matrices depend on how many X there are
+        c = [sum(map(np.multiply, row, moved)) for row in powers]
+        stretch = 1.0 + sum(k * c[k] * z ** (k - 1) for k in range(1, len(c))) / step
+        return (initial(X)[1] - K * np.log(stretch),)
 
-    def __call__(self, X: Array) -> tuple[Array]:
-        return (self._initial(X)[1] - self._K * np.log(self._stretch(X)),)
-
-    def _stretch(self, X: Array) -> Array:
-        """x_X, of the displacement by polynomials of sixth degree, within the layer."""
-        reach = 3 * self._step
-        middle = np.clip(X, self._X[0] + reach, self._X[1] - reach)
-        around = [middle + j * self._step for j in self.steps]
-        moved = np.array([self._initial(place)[3] - place for place in around])
-        z, c = (X - middle) / self._step, np.tensordot(self.powers, moved, 1)
-        return 1.0 + sum(k * c[k] * z ** (k - 1) for k in range(1, len(c))) / self._step
-
-    def uniform(self) -> float | None:
-        """Its value if it is everywhere the same but for round-off of the derivatives."""
-        X = np.linspace(*self._X, 101)
-        _, sigma, _, x = self._initial(X)
-        (found,) = self(X)
-        noise = 3e-15 * self._K * (np.abs(x).max() if np.any(x != X) else 0.0) / self._step
-        strained = self._K * np.ptp(np.log(self._stretch(X)))
-        if np.ptp(found) > noise + 1e-6 * (np.ptp(sigma) + strained):
-            return None
-        return float(found[0] if np.ptp(found) == 0.0 else np.median(found))
+    return found
 
 
 # ends and interfaces

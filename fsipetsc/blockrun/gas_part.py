@@ -1,24 +1,26 @@
 """A rank's part of a gas block: its record for compiled code, its moving grid, what is saved."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.block_part import BlockPart
+from fsipetsc.blockrun.columns import spins
 from fsipetsc.blockrun.particle_system import ParticleSystem
 from fsipetsc.blocks.grid import GridMotion
 from fsipetsc.blocks.particles import Particle
 from fsipetsc.blocks.values import block_values
+from fsipetsc.operators.boxed import Box
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.scheme.block_monitor import room_of, sums_of
 from fsipetsc.scheme.gas_dissipation import gas_damping
 from fsipetsc.scheme.gas_memory import scratch
-from fsipetsc.scheme.gas_record import GasRecord
+from fsipetsc.scheme.gas_record import FUNCTIONS, GasRecord
 from fsipetsc.scheme.gas_rows import DivergenceForm, EntropyForm, Inviscid, Viscous
-from fsipetsc.scheme.part import Nothing
+from fsipetsc.scheme.part import Nothing, PartCalls
 from fsipetsc.scheme.radial import Radial, Straight
 
 Array = NDArray[Any]
@@ -30,8 +32,7 @@ class GasPart(BlockPart):
     """
 
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
-        super().__init__(layout, part, order)
-        self._layout, self._order, self._form = layout, order, form
+        super().__init__(layout, part, order, form)
         self.equations = self.block.material.equations(self._d, self._problem.symmetry)
 
     def follow(self, particles: Sequence[Particle], system: ParticleSystem) -> None:
@@ -50,7 +51,7 @@ class GasPart(BlockPart):
             ],
             np.int64,
         )
-        self.grid = GridMotion(self._problem, k, self._order, self._ranges, nodes)
+        self.grid = GridMotion(self._problem, k, self._order, self.part.ghosted, nodes)
         self.metrics, self.moves = self.grid.metrics, nodes.size > 0
         self.gather = FaceGather(self._layout, k, nodes, 2 * self._d)
         own, particle = system.nodes[k]
@@ -59,10 +60,15 @@ class GasPart(BlockPart):
         #: J of the reference map, over which that of the solution is saved and monitored
         self.reference = self.grid.jacobian()[self.owned].copy()
 
-    def record(self, column: int, columns: Array, at_particles: Any, alone: bool) -> GasRecord:
-        """For compiled code. column: of its mass in what comes in; columns: of its sums in the
-        record of a step. at_particles: its faces at constraints. alone: a rank has all blocks.
+    def calls(
+        self, at_particles: Any, begins: Mapping[str, int], particles: Any, alone: bool, ends: Any
+    ) -> PartCalls:
+        """What compiled code takes and calls. at_particles: faces of the block at constraints.
+        begins: where series begin in the record of a step. alone: a rank has all blocks.
         """
+        number = [block.kind for block in self._problem.blocks[: self.part.k]].count("fluid")
+        names = *(f"momentum_{x}" for x in "xyz"[: self._d]), "energy", "entropy", *spins(self._d)
+        sums = begins["mass"] + number, *(begins[name] for name in names)
         part, d, known = self.part, self._d, self.gather.local
         bands, form, material = part.bands, self._form, self.block.material
         like, viscous = (0.0,) * d, Viscous() if material.mu or material.kappa else Inviscid()
@@ -74,14 +80,15 @@ class GasPart(BlockPart):
             damping = gas_damping(d, found, sigma, shock)
         self.work = scratch(like, viscous, bands, part.patch)
         around = Radial(self.grid.record, np.zeros(((d + 1) ** 2, self.X.shape[1])))
-        return GasRecord(
-            **self._common(at_particles, columns, alone),
+        record = GasRecord(
+            **self._common(at_particles, alone),
+            columns=np.array(sums),
             laws=self.equations,
             form=convection,
             viscous=viscous,
             dissipation=damping,
             axis=around if self._problem.symmetry else Straight(),
-            column=column,
+            column=number,
             places=self.X.copy(),
             work=self.work,
             room=room_of(d),
@@ -93,6 +100,7 @@ class GasPart(BlockPart):
             reference=self.reference,
             sums=np.zeros(sums_of(d)),
         )
+        return PartCalls(Box(record), *FUNCTIONS)
 
     def initial(self, t: float, q: Array) -> None:
         """Fill q (M, d + 3) with the case's data, with J = 1."""
@@ -111,6 +119,10 @@ class GasPart(BlockPart):
         momentum = q[rows, 1, None] * u
         change = (momentum**2 - q[rows, 2 : 2 + d] ** 2).sum(axis=1) / q[rows, 1]
         q[rows, 2 : 2 + d], q[rows, 2 + d] = momentum, q[rows, 2 + d] + 0.5 * change
+
+    def pushes(self, q: Array, rows: Array, axis: int, side: int) -> Array:
+        """(n,) pressure on a face at owned nodes."""
+        return self.equations.primitive(tuple(q[self.owned[rows]].T))[1]
 
     def fields(self, q: Array, rows: slice = slice(None)) -> Array:
         """(…, 2d + 4) what is saved of these rows of the owned nodes: rho, u, T, p, J over that of

@@ -5,15 +5,13 @@ resolve at the end.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.blockrun.columns import fields_of
-from fsipetsc.blockrun.recorded_nodes import stresses_of
 from fsipetsc.blocks.conditions import NoSlip
-from fsipetsc.blocks.problem import BlockProblem, Meeting
+from fsipetsc.blocks.problem import BlockProblem
 
 if TYPE_CHECKING:
     from fsipetsc.blockrun.block_state import BlockState
@@ -24,13 +22,11 @@ Array = np.ndarray
 JUMP = 0.01
 #: cells by which a wall may stand away from the end of its block
 AWAY = 0.1
-#: kinds of what the grid may not resolve
-_SHOCK, _HEAT, _SHEAR = range(3)
 #: parts of the larger pressure, and of ranges in a block, by which neighbouring nodes may differ
 MOST = np.array([0.2, 0.5, 0.5])
 #: ranges below this part of the temperature, or of sqrt(p/rho), do not count
 LEAST = 0.01
-#: what changes, over what, what to do
+#: of what the grid may not resolve: what changes, over what, what to do
 _THIN = "the layer there is not resolved"
 _BESIDE = "of its range from a wall to the node beside it"
 _WORDS = (
@@ -48,30 +44,35 @@ def first_notes(state: BlockState) -> list[str]:
     """
     problem, blocks = state.problem, state.problem.layers
     away, m, Pa = np.zeros(len(blocks)), problem.unit("m"), problem.unit("Pa")
-    for k, distance in state.scheme.particles.walls_away().items():
-        away[k] = distance
+    pushes = np.zeros((len(problem.interfaces), 2, 2))  # of gas and solid: the sum, number of nodes
+    for k, part in state.scheme.parts.items():
+        if part.block.kind == "fluid":
+            away[k] = state.scheme.particles.walls_away(k)
+        for face, met in problem.faces_of(k).items():
+            if problem.is_interface(k, *face):
+                pair = (met.block, k) if part.block.kind == "solid" else (k, met.block)
+                nodes = problem.face_nodes(k, *face)
+                rows = part.part.rows(nodes[np.isin(nodes, part.part.numbers)])
+                found = part.pushes(state.y.ghosted(k), rows, *face)
+                pushes[problem.interfaces.index(pair), pair.index(k)] += found.sum(), found.size
     state.comm.Allreduce(MPI.IN_PLACE, away, MPI.MAX)
-    found = [
+    state.comm.Allreduce(MPI.IN_PLACE, pushes)
+    notes = [
         f"note: a wall of '{block.name}' is {distance:.3g}{m} from the end of its block at "
         f"t = 0: the grid of the gas is stretched to it"
         for block, distance in zip(blocks, away.tolist(), strict=True)
         if distance > AWAY * state.h
     ]
-    found += weak_hinges(problem, state.op.order)
-    sums = np.zeros((len(problem.interfaces), 4))
-    for row, (gas, solid) in zip(sums, problem.interfaces, strict=True):
-        row[:2] = _sum_of_pressures(state, gas, solid)
-        row[2:] = _sum_of_pressures(state, solid, gas)
-    state.comm.Allreduce(MPI.IN_PLACE, sums)
-    for (gas, solid), (p, n, push, count) in zip(problem.interfaces, sums, strict=True):
-        p, push = p / n, push / count
+    notes += weak_hinges(problem, state.op.order)
+    means = (pushes[..., 0] / pushes[..., 1]).tolist()
+    for (gas, solid), (p, push) in zip(problem.interfaces, means, strict=True):
         if abs(p - push) > JUMP * max(abs(p), abs(push)):
-            found.append(
+            notes.append(
                 f"note: at t = 0 '{blocks[gas].name}' has a pressure of {p:.4g}{Pa} where it meets "
                 f"'{blocks[solid].name}', which pushes with {push:.4g}{Pa} (means of the "
                 "interface): waves start there"
             )
-    return found
+    return notes
 
 
 def weak_hinges(problem: BlockProblem, order: int) -> list[str]:
@@ -82,26 +83,6 @@ def weak_hinges(problem: BlockProblem, order: int) -> list[str]:
     return [words] if problem.hinges and order == 8 else []
 
 
-def _sum_of_pressures(state: BlockState, k: int, other: int) -> tuple[float, int]:
-    """Of this rank's nodes of block k on its interface with another block: the sum of what they
-    push with, the pressure of a gas, minus the normal stress of a solid; how many they are.
-    """
-    d, total, count, part = state.problem.dimension, 0.0, 0, state.scheme.parts.get(k)
-    for face, met in sorted(state.problem.faces_of(k).items() if part else ()):
-        if not (isinstance(met, Meeting) and met.block == other):
-            continue
-        nodes = state.problem.face_nodes(k, *face)
-        rows = part.part.rows(nodes[np.isin(nodes, part.part.numbers)])
-        saved, count = part.fields(state.y.ghosted(k), rows), count + rows.size
-        if part.block.kind == "fluid":
-            total += float(saved[:, fields_of("fluid", d).index("p")].sum())
-            continue
-        for row, stress in zip(rows, stresses_of(saved, d), strict=True):
-            n = part.normal(row, *face)
-            total -= float(n @ stress @ n)
-    return total, count
-
-
 def last_notes(state: BlockState) -> list[str]:
     """Where a wave is as steep as the grid, or a layer at a wall as thin as a cell, in a gas.
 
@@ -109,21 +90,27 @@ def last_notes(state: BlockState) -> list[str]:
     """
     problem, d = state.problem, state.problem.dimension
     blocks = problem.layers
-    gases = []
+    changes = np.zeros((len(blocks), 3, 1 + d))  # the largest of each of _WORDS, and where it is
+    ranges = np.full((len(blocks), d + 2, 2), -np.inf)  # largest T, velocities, p/rho; minus least
     for k, part in state.scheme.parts.items():
-        if part.block.kind == "fluid":
-            with np.errstate(all="ignore"):  # corners of halos hold nothing, and are not used
-                gases.append((k, part, part.equations.primitive(tuple(state.y.ghosted(k).T))))
-    scales = _scales(state, gases)
-    changes = np.zeros((len(blocks), 3, 1 + d))  # the largest of each kind, and where it is
-    for k, part, w in gases:
-        found = [(_SHOCK, _steepest(part, w[1]), part.owned)] if not state.shocks else []
-        for kind, change, at in [*found, *_at_walls(problem, part, w)]:
-            if change.size:
-                most = int(change.argmax())
-                value = change[most] / scales[k, kind]
-                changes[k, kind] = value, *part.X[:, at[most]]
+        if part.block.kind == "solid":
+            continue
+        with np.errstate(all="ignore"):  # corners of halos hold nothing, and are not used
+            w = part.equations.primitive(tuple(state.y.ghosted(k).T))
+            u = np.array(part.equations.velocity(w))
+            values = np.array([w[2], *u, w[1] / w[0]])[:, part.owned]
+        ranges[k] = np.stack([values.max(axis=1), -values.min(axis=1)], axis=1)
+        found = [] if state.shocks else [(0, _steepest(part, w[1]), part.owned)]
+        for kind, change, at in [*found, *_at_walls(problem, part, w[2], u)]:
+            if change.size and change.max() > changes[k, kind, 0]:
+                changes[k, kind] = change.max(), *part.X[:, at[change.argmax()]]
+    state.comm.Allreduce(MPI.IN_PLACE, ranges, MPI.MAX)
     of_ranks = np.array(state.comm.allgather(changes))
+    width, largest = ranges.sum(axis=2), ranges[..., 0]
+    scales, T, u = np.ones((len(blocks), 3)), width[:, 0], width[:, 1:-1].max(axis=1)
+    scales[:, 1] = np.where(T > LEAST * largest[:, 0], T, np.inf)
+    scales[:, 2] = np.where(u > LEAST * np.sqrt(np.abs(largest[:, -1])), u, np.inf)
+    of_ranks[..., 0] /= scales
     notes = []
     for k, kind in np.argwhere(of_ranks[..., 0].max(axis=0) > MOST):
         value, *X = of_ranks[of_ranks[:, k, kind, 0].argmax(), k, kind].tolist()
@@ -136,52 +123,35 @@ def last_notes(state: BlockState) -> list[str]:
     return notes
 
 
-def _scales(state: BlockState, gases: list[tuple[int, GasPart, Any]]) -> Array:
-    """(blocks, kinds) what changes are divided by: 1 and the ranges of T and of velocities in a
-    block, infinite where these are small. Collective.
-    """
-    d, count = state.problem.dimension, len(state.problem.layers)
-    most = np.full((count, d + 2, 2), -np.inf)  # of T, velocities, p/rho: largest, minus least
-    for k, part, w in gases:
-        values = np.array([w[2], *part.equations.velocity(w), w[1] / w[0]])[:, part.owned]
-        most[k] = np.stack([values.max(axis=1), -values.min(axis=1)], axis=1)
-    state.comm.Allreduce(MPI.IN_PLACE, most, MPI.MAX)
-    scales, width = np.ones((count, 3)), most.sum(axis=2)
-    of_u = width[:, 1:-1].max(axis=1)
-    scales[:, _HEAT] = np.where(width[:, 0] > LEAST * most[:, 0, 0], width[:, 0], np.inf)
-    scales[:, _SHEAR] = np.where(of_u > LEAST * np.sqrt(np.abs(most[:, -1, 0])), of_u, np.inf)
-    return scales
+def _strides(part: GasPart) -> list[int]:
+    """How far neighbours along each axis are apart in the ghosted array."""
+    return np.cumprod([1, *part.part.patch.ghosted])[: part.block.dimension].tolist()
 
 
 def _steepest(part: GasPart, p: Array) -> Array:
     """|p1 - p0|/max(p0, p1) from each owned node to the next, the largest of all axes."""
-    own, ghosted, first = part.part.patch
-    change, p = np.zeros(own[::-1]), p.reshape(ghosted[::-1])
-    for axis in range(part.block.dimension):
-        reach = [slice(f, f + n) for f, n in zip(first, own)]
-        reach[axis] = slice(first[axis], first[axis] + own[axis] + 1)
-        values = np.moveaxis(p[tuple(reach[::-1])], 2 - axis, 0)
-        ratio = np.abs(np.diff(values, axis=0)) / np.maximum(values[1:], values[:-1])
-        of_axis = np.moveaxis(change, 2 - axis, 0)[: len(ratio)]
-        np.maximum(of_axis, ratio, out=of_axis)
-    return change.ravel()
+    at, change = part.owned, np.zeros(part.owned.size)
+    for stride, size in zip(_strides(part), part.part.patch.ghosted):
+        beside = np.where(at // stride % size < size - 1, at + stride, at)
+        change = np.maximum(change, np.abs(p[beside] - p[at]) / np.maximum(p[beside], p[at]))
+    return change
 
 
-def _at_walls(problem: Any, part: GasPart, w: Any) -> Iterator[tuple[int, Array, Array]]:
+def _at_walls(
+    problem: BlockProblem, part: GasPart, T: Array, u: Array
+) -> Iterator[tuple[int, Array, Array]]:
     """(kind, change from nodes of walls to those beside them, these nodes in the ghosted array)."""
     k, d, material = part.part.k, part.block.dimension, part.block.material
-    strides = 1, part.part.patch.ghosted[0], part.part.patch.ghosted[0] * part.part.patch.ghosted[1]
     for (axis, side), met in problem.faces_of(k).items():
         if not (isinstance(met, NoSlip) or problem.is_interface(k, axis, side)):
             continue
         nodes = problem.face_nodes(k, axis, side)
-        nodes = np.sort(nodes[np.isin(nodes, part.part.numbers)])
-        at = part.owned[part.part.rows(nodes)]
-        beside = at + strides[axis] * (1 - 2 * side)
+        at = part.owned[part.part.rows(np.sort(nodes[np.isin(nodes, part.part.numbers)]))]
+        beside = at + _strides(part)[axis] * (1 - 2 * side)
         if material.kappa:
-            yield _HEAT, np.abs(w[2][beside] - w[2][at]), at
+            yield 1, np.abs(T[beside] - T[at]), at
         if material.mu:
-            u, a = np.array(part.equations.velocity(w)), part.metrics[axis * d : axis * d + d, at]
+            a = part.metrics[axis * d : axis * d + d, at]
             change, normal = u[:, beside] - u[:, at], a / np.linalg.norm(a, axis=0)
             along = change - normal * (normal * change).sum(axis=0)
-            yield _SHEAR, np.linalg.norm(along, axis=0), at
+            yield 2, np.linalg.norm(along, axis=0), at

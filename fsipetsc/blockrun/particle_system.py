@@ -9,11 +9,9 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.columns import loses
-from fsipetsc.blockrun.face_terms import weights_of
 from fsipetsc.blockrun.prescribed import Prescribed
 from fsipetsc.blocks.conditions import moves
 from fsipetsc.blocks.particles import ROLLS, Particle
@@ -21,17 +19,9 @@ from fsipetsc.operators.boxed import Box, with_calls
 from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.parallel.particle_exchange import ParticleExchange
 from fsipetsc.scheme import normals as of_faces
+from fsipetsc.scheme import particle_records as records
 from fsipetsc.scheme import particles as kernels
 from fsipetsc.scheme.particle_heat import weigh_heat
-from fsipetsc.scheme.particle_records import (
-    FACTS,
-    GAS,
-    SOLID,
-    ParticleCalls,
-    Particles,
-    State,
-    Table,
-)
 
 Array = NDArray[Any]
 
@@ -42,9 +32,11 @@ class ParticleSystem:
     law: of the gas, any law where there is no gas. inertia: block -> (ghosted nodes,), J0 m0 of
     solids. instant: says a time [s] in which little happens, for differences in time of what moves.
 
-    nodes: block -> (numbers of this rank's nodes that are members, their particles here). stores:
-    whether elastic energies of members matter to temperatures anywhere; then members: block ->
-    (rows of the table, numbers of nodes) of those here whose energy is wanted.
+    box: all that compiled code takes. sums, areas, stored: exchanges of what members add up, of
+    their area vectors, of their elastic energies. slips: whether there are constraints anywhere;
+    stores: whether elastic energies matter to temperatures. nodes: block -> (numbers of this rank's
+    nodes that are members, their particles here). telling: block of a solid -> (rows of the table,
+    numbers of nodes) of those here whose elastic energy is wanted.
     """
 
     def __init__(
@@ -55,48 +47,54 @@ class ParticleSystem:
         inertia: dict[int, Array],
         instant: Callable[[], float],
     ) -> None:
-        self._layout, self._d = layout, layout.problem.blocks[0].dimension
+        self._layout, d = layout, layout.problem.dimension
         members, owners = _members(layout, particles)
-        rank = layout.comm.rank
-        here = np.unique(members[owners == rank, 0])
+        here = np.unique(members[owners == layout.comm.rank, 0])
         local = np.full(len(particles), -1)
         local[here] = np.arange(here.size)
         taken = local[members[:, 0]] >= 0
-        members, owners = members[taken], owners[taken]
-        self._particles = [particles[p] for p in here]
-        number = local[members[:, 0]]
-        columns = max(self._d + 3, 2 * self._d + 1)
-        self._exchange = ParticleExchange(layout.comm, number, owners, columns, tag=1)
-        self.table = self._table(number, members, owners, inertia)
-        mine, self.nodes = self._exchange.mine, {}
-        for part in layout.parts:
-            of_block = mine[members[mine, 1] == part.k]
-            order = np.argsort(members[of_block, 2])
-            self.nodes[part.k] = members[of_block, 2][order], number[of_block][order]
-        self._constraints(number, members, owners)
-        self._storing(particles, number, members, owners)
-        n, d = here.size, self._d
+        #: block and node of the members of the particles here
+        self._members, owners = members[taken, 1:], owners[taken]
+        self._particles, number = [particles[p] for p in here], local[members[taken, 0]]
+        self.stores = any(p.stores for p in particles)
+        self.slips = any(p.constraints for p in particles)
+        most = max([1, *(len(p.constraints) for p in particles)])
+        columns = max(d + 3, 2 * d + 1), 2 * most * d, 1
+        self.sums, self.areas, self.stored = [
+            ParticleExchange(layout.comm, number, owners, n, tag) for tag, n in enumerate(columns)
+        ]
+        self._mine, self.nodes, self.telling = self.sums.mine, {}, {}
+        stored = np.array([p.stores for p in self._particles], bool)
+        for k in layout.parts:
+            rows = self._rows_of(k)
+            nodes, own = self._nodes_at(rows), number[self._mine[rows]]
+            order = np.argsort(nodes)
+            self.nodes[k] = nodes[order], own[order]
+            if k in inertia:
+                self.telling[k] = rows[stored[own]], nodes[stored[own]]
+        self.table = self._table(number, owners, most, inertia)
+        n = here.size
         sums = *np.zeros((3, n)), np.zeros((n, d + 2)), *np.zeros((2, n, d)), *np.zeros((4, n))
-        self.state = State(*sums, U_t=np.zeros((n, d + 2)), acceleration=np.zeros((n, d)))
+        self.state = records.State(*sums, U_t=np.zeros((n, d + 2)), acceleration=np.zeros((n, d)))
         self.prescribed = Prescribed(layout.problem, self._particles, law, instant)
         moves = np.zeros(n, np.int64)
         moves[self.prescribed.moving] = 1
-        self.box = Box(  # all that compiled code takes
-            Particles(
+        self.box = Box(
+            records.Particles(
                 like=(0.0,) * d,
                 table=self.table,
                 law=law,
                 data=self.prescribed.data,
                 state=self.state,
-                stored=self._stored,
-                rows=self._exchange.table,
+                stored=self.stored.table,
+                rows=self.sums.table,
                 stores=int(self.stores),
                 slips=int(self.slips),
-                normals=self.normals,
-                turning=self.turning,
-                of_normals=self._normal_exchange.table,
-                of_particle=self._normal_particles,
-                row_of=self._normal_exchange.row,
+                normals=np.zeros((n, most * 2 * d)),
+                turning=np.zeros((n, most * 2 * d)),
+                of_normals=self.areas.table,
+                of_particle=number,
+                row_of=self.areas.row,
                 moves=moves,
                 place=self.prescribed.displaced,
                 auxiliary=layout.auxiliary,
@@ -104,92 +102,63 @@ class ParticleSystem:
         )
         weigh_heat(self.box)
 
+    def _rows_of(self, k: int) -> Array:
+        """Rows of the tables of this rank's members of block k."""
+        return np.flatnonzero(self._members[self._mine, 0] == k)
+
+    def _nodes_at(self, rows: Array) -> Array:
+        """Their nodes."""
+        return self._members[self._mine[rows], 1]
+
     def _table(
-        self, number: Array, members: Array, owners: Array, inertia: dict[int, Array]
-    ) -> Table:
-        """What the compiled code takes. members: (n, 3), particle, block, node."""
-        layout, row, mine = self._layout, self._exchange.row, self._exchange.mine
-        count, blocks = len(self._particles), layout.problem.blocks
-        kind, alpha = np.empty(len(members), np.int64), np.zeros(len(members))
-        kind[row] = [SOLID if blocks[k].kind == "solid" else GAS for k in members[:, 1]]
-        alpha[row] = [getattr(blocks[k].material, "alpha", 0.0) for k in members[:, 1]]
-        at, weight = np.empty(mine.size, np.int64), self._weights(members, inertia)
-        booked = np.zeros(mine.size)
-        for part in layout.parts:
-            own = members[mine, 1] == part.k
-            at[own] = part.at(members[mine[own], 2])
-            booked[own] = weight[: mine.size][own] * loses(layout.problem, part.k)
-        most = max([1, *(len(p.constraints) for p in self._particles)])
-        most = layout.comm.allreduce(most, op=MPI.MAX)  # rows of all ranks are of one length
+        self, number: Array, owners: Array, most: int, inertia: dict[int, Array]
+    ) -> records.Table:
+        """What the compiled code takes. most: constraints of a particle."""
+        layout, row, size = self._layout, self.sums.row, len(number)
+        count, blocks, of = len(self._particles), layout.problem.blocks, self._members[:, 0]
+        kind, alpha = np.empty(size, np.int64), np.zeros(size)
+        kind[row] = [records.SOLID if blocks[k].kind == "solid" else records.GAS for k in of]
+        alpha[row] = [getattr(blocks[k].material, "alpha", 0.0) for k in of]
+        at, booked = np.empty(self._mine.size, np.int64), np.zeros(self._mine.size)
+        weight = self.sums.table[:, 0]  # H of gas members, M_s of solid ones
+        for k, part in layout.parts.items():
+            rows = self._rows_of(k)
+            nodes = part.ghosted_rows(part.rows(self._nodes_at(rows)))
+            weight[rows] = part.weights(nodes) * (inertia[k][nodes] if k in inertia else 1.0)
+            at[rows] = part.at(self._nodes_at(rows))
+            booked[rows] = weight[rows] * loses(layout.problem, k)
+        self.sums.exchange()
         constraint = np.zeros((count, most), np.int64)
         for p, particle in enumerate(self._particles):
             constraint[p, : len(particle.constraints)] = [c.kind for c in particle.constraints]
         begin = np.searchsorted(number, np.arange(count + 1))
         gases = [k for k, block in enumerate(blocks) if block.kind == "fluid"]
         through = layout.problem.column_of_face
-        facts = np.zeros(count, FACTS)
+        facts = np.zeros(count, records.FACTS)
         for p, particle in enumerate(self._particles):
             mine = owners[begin[p]] == layout.comm.rank
             column = next((gases.index(k) for k, _ in particle.members if k in gases), 0)
             faces = [through.get(face, len(through)) for face in _faces(particle)]
             facts[p] = mine, *_flags(particle), *faces, len(particle.constraints), column
-        return Table(
+        return records.Table(
             begin=begin,
             row=row,
             kind=kind,
             at=at,
-            weight=weight,
+            weight=weight.copy(),
             alpha=alpha,
             inertia=booked,
             constraint=constraint,
             facts=facts,
         )
 
-    def _weights(self, members: Array, inertia: dict[int, Array]) -> Array:
-        """(rows,) H of gas members, M_s of solid ones, of all ranks."""
-        exchange = self._exchange
-        for part in self._layout.parts:
-            rows = np.flatnonzero(members[exchange.mine, 1] == part.k)
-            nodes = part.ghosted_rows(part.rows(members[exchange.mine[rows], 2]))
-            mass = inertia[part.k][nodes] if part.k in inertia else 1.0
-            exchange.table[rows, 0] = weights_of(part, nodes) * mass
-        exchange.exchange()
-        return exchange.table[:, 0].copy()
-
-    # elastic energies of members
-
-    def _storing(
-        self, particles: Sequence[Particle], number: Array, members: Array, owners: Array
-    ) -> None:
-        """Which members of this rank tell the others what they store."""
-        self.stores, self.members = any(p.stores for p in particles), {}
-        self._store_exchange = ParticleExchange(self._layout.comm, number, owners, 1, tag=4)
-        self._stored, mine = self._store_exchange.table, self._store_exchange.mine
-        wanted = np.array([p.stores for p in self._particles], bool)[number[mine]]
-        for part in self._layout.parts:
-            if self._layout.problem.blocks[part.k].kind == "solid":
-                rows = np.flatnonzero(wanted & (members[mine, 1] == part.k))
-                self.members[part.k] = rows, members[mine[rows], 2]
-
-    # normals of constraints
-
-    def _constraints(self, number: Array, members: Array, owners: Array) -> None:
-        """Lists of the faces whose area vectors make the normals, and their exchange.
+    def faces_at(self, k: int) -> of_faces.Faces:
+        """The faces of block k at members here whose area vectors make the normals of constraints.
 
         A member's row has G and S of each constraint; a face of the gas at a solid is in both.
         """
-        layout, d = self._layout, self._d
-        bound = np.array([len(p.constraints) > 0 for p in self._particles], bool)
-        chosen = bound[number]
-        self._normal_particles = number[chosen]
-        K = self.table.constraint.shape[1]
-        self.slips = layout.comm.allreduce(int(bound.any()), op=MPI.MAX) > 0
-        self.normals, self.turning = np.zeros((2, bound.size, K * 2 * d))
-        exchange = ParticleExchange(layout.comm, number[chosen], owners[chosen], 2 * K * d, tag=2)
-        self._normal_exchange = exchange
-        mine = np.flatnonzero(chosen)[exchange.mine]
-        place = {(int(k), int(n)): row for row, (_, k, n) in enumerate(members[mine].tolist())}
-        found: dict[int, list[tuple[int, int, int, float, int]]] = {p.k: [] for p in layout.parts}
+        d, found, nodes = self._layout.problem.dimension, [], self._rows_of(k)
+        row_of = dict(zip(self._nodes_at(nodes).tolist(), nodes.tolist(), strict=True))
         for particle in self._particles:
             for c, (kind, walls, solids) in enumerate(particle.constraints):
                 on_gas, on_solid = 2 * c * d, (2 * c + 1) * d
@@ -197,48 +166,10 @@ class ParticleSystem:
                 parts += [(face, on_gas, 1.0) for face in solids]
                 parts += [(face, on_solid, -1.0) for face in solids]
                 for (m, axis, side), column, sign in parts:
-                    k, node = particle.members[m]
-                    if (k, node) in place:
-                        outward = sign if side else -sign
-                        found[k].append((place[k, node], node, axis, outward, column))
-        self.at_faces = {k: of_faces.listed(layout.part(k), rows) for k, rows in found.items()}
-
-    def find_normals(self, add: Callable[[Array], None], turning: bool) -> None:
-        """``normals``, or ``turning``, how they change in time. Collective among neighbours.
-
-        add: adds area vectors of faces, or how these turn, to the rows of members.
-        """
-        if self.slips:
-            add(self._normal_exchange.table)
-            self._normal_exchange.exchange()
-            kernels.end_normals(self.box, turning)
-
-    def find_stored(self, y: Array, store: Callable[[], None]) -> None:
-        """What particles store; store: members of solids tell it. Collective among neighbours."""
-        if self.stores:
-            kernels.begin_stored(self.box, y)
-            store()
-            self._store_exchange.exchange()
-            weigh_heat(self.box)
-
-    # what the scheme calls; gain: masses, impulse and energy that come in. `share` begins it, the
-    # others add to it
-
-    def share(self, y: Array, gain: Array) -> None:
-        """Sums of the members; ``state`` has what the particles share, but for slipping and
-        temperatures.
-        """
-        kernels.weigh(self.box, y)
-        self._exchange.exchange()
-        kernels.end_sums(self.box, gain)
-
-    def constrain(self, y: Array, f: Array, gain: Array) -> None:
-        """Rates of all members under the constraints of their particles, and of what comes in, in
-        place.
-        """
-        kernels.weigh(self.box, f)
-        self._exchange.exchange()
-        kernels.end_rates(self.box, y, f, gain)
+                    block, node = particle.members[m]
+                    if block == k and node in row_of:
+                        found.append((row_of[node], node, axis, sign if side else -sign, column))
+        return of_faces.listed(self._layout.parts[k], found)
 
     def calls(self, y: Array, gain: Array) -> Any:
         """All that compiled code takes with what it calls; y, gain: examples of what these take."""
@@ -251,7 +182,7 @@ class ParticleSystem:
             (kernels.impose_conditions, (y, gain)),
             (kernels.end_rates, (y, y, gain)),
         )
-        return with_calls(ParticleCalls, self.box, calls)
+        return with_calls(records.ParticleCalls, self.box, calls)
 
     def at_walls(self, k: int) -> tuple[Array, Array]:
         """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""
@@ -259,19 +190,16 @@ class ParticleSystem:
         at_wall = self.table.facts["at_wall"][particle] == 1
         return nodes[at_wall], self.prescribed.data.wall[particle[at_wall]]
 
-    def walls_away(self) -> dict[int, float]:
-        """Block of gas -> largest displacement [m] of a wall of it that moves, of those here."""
-        found: dict[int, float] = {}
-        for p in self.prescribed.moving:
-            if self.state.solid_mass[p] == 0.0:
-                for k, _ in self._particles[p].members:
-                    distance = float(np.linalg.norm(self.prescribed.displaced[p]))
-                    found[k] = max(found.get(k, 0.0), distance)
-        return found
+    def walls_away(self, k: int) -> float:
+        """Largest displacement [m] of a wall of gas block k that moves, of those here."""
+        alone = self.prescribed.moving[self.state.solid_mass[self.prescribed.moving] == 0.0]
+        walls = np.intersect1d(self.nodes[k][1], alone)
+        displaced = np.linalg.norm(self.prescribed.displaced[walls], axis=1)
+        return float(displaced.max(initial=0.0))
 
     def destroy(self) -> None:
         """Release the messages."""
-        for exchange in (self._exchange, self._normal_exchange, self._store_exchange):
+        for exchange in (self.sums, self.areas, self.stored):
             exchange.destroy()
 
 

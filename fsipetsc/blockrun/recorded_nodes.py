@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -71,39 +71,27 @@ def _on_interfaces(problem: BlockProblem, X: float) -> list[Recorded]:
 
 
 def _nearest(problem: BlockProblem, place: Array) -> Recorded:
-    """The node next to a place; on an interface that of the solid. InputError for one outside."""
-    order = sorted(range(len(problem.layers)), key=lambda k: problem.layers[k].kind != "solid")
-    X = {k: problem.places(k, np.arange(np.prod(problem.layers[k].shape))) for k in order}
-    apart = {k: np.linalg.norm(places - place, axis=1) for k, places in X.items()}
-    least = min(float(distance.min()) for distance in apart.values())
-    near = {k: np.flatnonzero(d <= least + problem.tolerance) for k, d in apart.items()}
-    known = [(k, n) for k, nodes in near.items() for n in nodes]
-    if not any(_has_cell(problem, k, n, X[k], place) for k, n in known):
+    """The node next to a place; on an interface that of the solid. InputError for a place that is
+    further from it than its neighbours are: it is outside.
+    """
+    found = []  # of each block: distance, whether it is a gas, its number, node, X, size of cells
+    for k, block in enumerate(problem.layers):
+        X = problem.places(k, np.arange(np.prod(block.shape)))
+        apart = np.linalg.norm(X - place, axis=1)
+        node = int(apart.argmin())
+        at = np.unravel_index(node, block.shape, order="F")
+        beside = tuple(slice(max(i - 1, 0), i + 2) for i in at)
+        around = X.reshape(*block.shape, -1, order="F")[beside] - X[node]
+        size = np.linalg.norm(around, axis=-1).max()
+        found.append((float(apart[node]), block.kind == "fluid", k, node, X[node].tolist(), size))
+    least = min(found)[0]
+    near = [of_block for of_block in found if of_block[0] <= least + problem.tolerance]
+    if not any(apart <= size for apart, *_, size in near):
         text = ",".join(f"{x:g}" for x in place)
         nearest = f"the nearest node is {least:g} away"
         raise InputError(f"-fsi_probes {text}: no block is there; {nearest}")
-    k = known[0][0]
-    node = int(apart[k].argmin())
-    face = _face_of(problem, k, node)
-    return Recorded(problem.layers[k].name, k, node, tuple(X[k][node].tolist()), face)
-
-
-def _has_cell(problem: BlockProblem, k: int, node: int, X: Array, place: Array) -> bool:
-    """Whether a place is in a block, or by at most half of the cell at its nearest node out of it;
-    by one cell on a periodic axis. X: all nodes of the block.
-    """
-    block = problem.layers[k]
-    X = X.reshape(*block.shape, block.dimension, order="F")
-    at, cells, most = np.unravel_index(node, block.shape, order="F"), [], []
-    for axis, (i, n) in enumerate(zip(at, block.shape, strict=True)):
-        low, high = max(i - 1, 0), min(i + 1, n - 1)
-        ends = (X[(*at[:axis], end, *at[axis + 1 :])] for end in (low, high))
-        cells.append(np.subtract(*ends) / (low - high))
-        beyond = 1.0 if block.periodic[axis] else 0.5
-        most.append([-beyond if i == 0 else -np.inf, beyond if i == n - 1 else np.inf])
-    steps = np.linalg.lstsq(np.array(cells).T, place - X[at], rcond=None)[0]
-    low, high = np.array(most).T * (1.0 + 1e-9)
-    return bool(np.all((low <= steps) & (steps <= high)))
+    _, _, k, node, X, _ = min(near, key=lambda of_block: of_block[1:3])
+    return Recorded(problem.layers[k].name, k, node, tuple(X), _face_of(problem, k, node))
 
 
 def _face_of(problem: BlockProblem, k: int, node: int) -> tuple[int, int] | None:
@@ -113,26 +101,22 @@ def _face_of(problem: BlockProblem, k: int, node: int) -> tuple[int, int] | None
     return next((f for f in there if node in problem.face_nodes(k, *f)), None)
 
 
-class Recorder:
-    """Writes what is known of the nodes that this rank owns into the record of a step."""
+def here_of(state: BlockState) -> list[tuple[int, Recorded, int]]:
+    """(number, node, its place among those that this rank owns) of the recorded nodes here."""
+    parts, nodes = state.layout.parts, enumerate(state.recorded)
+    here = [(i, node) for i, node in nodes if node.block in parts]
+    here = [(i, node) for i, node in here if node.node in parts[node.block].numbers]
+    return [(i, node, int(parts[node.block].rows(np.array([node.node]))[0])) for i, node in here]
 
-    def __init__(self, state: BlockState, nodes: Sequence[Recorded]) -> None:
-        self._state, self._names = state, point_names(state.problem.dimension)
-        self._own: list[tuple[int, Recorded, int]] = []
-        for number, node in enumerate(nodes):
-            part = state.layout.part(node.block)
-            if part is not None and node.node in part.numbers:
-                self._own.append((number, node, int(part.rows(np.array([node.node]))[0])))
 
-    def write(self, record: Any) -> None:
-        """Of the completed state, whose halos are filled."""
-        for number, node, row in self._own:
-            for name, value in zip(self._names, self._values(node, row), strict=True):
-                record[name][number] = value
-
-    def _values(self, node: Recorded, row: int) -> list[float]:
-        """Place, velocity, temperature, pressure; traction on the solid at an interface, else 0."""
-        state, d = self._state, self._state.problem.dimension
+def note_nodes(state: BlockState, here: Sequence[tuple[int, Recorded, int]]) -> None:
+    """Write into the record of a step what is known of nodes here, of the completed state, whose
+    halos are filled: place, velocity, temperature, pressure; traction on the solid at an interface,
+    else 0.
+    """
+    d = state.problem.dimension
+    names = point_names(d)
+    for number, node, row in here:
         kind = state.problem.layers[node.block].kind
         part, q = state.scheme.parts[node.block], state.y.ghosted(node.block)
         saved = part.fields(q, slice(row, row + 1))[0]
@@ -140,19 +124,10 @@ class Recorder:
         known = dict(zip(columns, saved.tolist(), strict=True))
         traction = [0.0] * d
         if kind == "solid":
-            stress = stresses_of(saved[None], d)[0]
+            (stress,) = part.stresses(q, [row])
             known["p"] = -float(np.trace(stress)) / d
             if node.face is not None:
-                traction = (stress @ part.normal(row, *node.face)).tolist()
-        names = (name.removesuffix("_point") for name in self._names[: 2 * d + 2])
-        return [*(known[name] for name in names), *traction]
-
-
-def stresses_of(saved: Array, d: int) -> Array:
-    """(n, d, d) Cauchy stress of nodes of a solid, from what is saved of them (n, columns)."""
-    columns = fields_of("solid", d)
-    stress = np.empty((len(saved), d, d))
-    upper = saved[:, d + 1 : d + 1 + d * (d + 1) // 2]
-    for column, (i, j) in zip(upper.T, zip(*np.triu_indices(d), strict=True), strict=True):
-        stress[:, i, j] = stress[:, j, i] = column
-    return stress if d > 1 else stress - saved[:, columns.index("p"), None, None]
+                traction = (stress @ part.normals([row], *node.face)[0]).tolist()
+        fields = (known[name.removesuffix("_point")] for name in names[: 2 * d + 2])
+        for name, value in zip(names, [*fields, *traction], strict=True):
+            state.latest[name][number] = value

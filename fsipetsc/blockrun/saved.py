@@ -5,14 +5,12 @@ nodes, errors against exact solutions.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fsipetsc.blockrun.columns import PLACES, VELOCITIES, fields_of
 from fsipetsc.blocks.values import block_values, checked, names_of
-from fsipetsc.parallel.block_layout import Part
 from fsipetsc.process.together import together
 from fsipetsc.stepping.verdicts import Seen
 
@@ -54,30 +52,18 @@ def grids(state: BlockState) -> list[dict[str, Any]]:
 
 
 def seen(state: BlockState) -> Iterator[Seen]:
-    """Values at this rank's nodes, block by block, and which of them must be positive."""
-    return map(partial(_seen, state), state.layout.parts)
-
-
-def _seen(state: BlockState, part: Part) -> Seen:
+    """Values at this rank's nodes, block by block."""
     problem, d = state.problem, state.problem.dimension
-    kind, m = problem.layers[part.k].kind, problem.unit("m")
-    names = fields_of(kind, d, problem.symmetry)
-    columns = dict(zip(names, state.fields(part.k).T, strict=True))
-    names = "J", "rho", *VELOCITIES[:d], "T"
-    if kind == "solid":  # a temperature of a law of J < 0 is no number: J says more
-        of_block = state.scheme.parts[part.k]
-        columns["J"] = of_block.volume_ratio(state.y.ghosted(part.k))
-        names = "J", *PLACES[:d], *VELOCITIES[:d], "T"
-    X = problem.places(part.k, part.numbers)
-
-    def place(i: int) -> str:
-        now = ", ".join(f"{name} = {columns[name][i]:.6g}{m}" for name in PLACES[:d])
-        then = ", ".join(f"{c} = {x:.6g}{m}" for c, x in zip(PLACES.upper(), X[i]))
-        return f"{now} ({then})"
-
-    values = {name: columns[name] for name in names}
-    positive = frozenset(("J", "rho", "T"))
-    return Seen(part.k, np.asarray(part.numbers), values, positive, place)
+    for k, part in state.scheme.parts.items():
+        names = fields_of(part.block.kind, d, problem.symmetry)
+        columns = dict(zip(names, state.fields(k).T, strict=True))
+        names = "J", "rho", *VELOCITIES[:d], "T"
+        if part.block.kind == "solid":  # T of a law of J < 0 is no number: J says more
+            columns["J"] = part.volume_ratio()
+            names = "J", *PLACES[:d], *VELOCITIES[:d], "T"
+        values, numbers = {name: columns[name] for name in names}, part.part.numbers
+        x = np.stack([columns[name] for name in PLACES[:d]], axis=1)
+        yield Seen(k, numbers, values, x, problem.places(k, numbers))
 
 
 def errors_of(state: BlockState, t: float, norm: str) -> dict[str, dict[str, float]] | None:
@@ -87,14 +73,27 @@ def errors_of(state: BlockState, t: float, norm: str) -> dict[str, dict[str, flo
     taken together, stresses where all solids have an exact_stress. None without an exact solution.
     Collective; InputError if it cannot be had.
     """
-    blocks = state.problem.layers
+    problem, blocks = state.problem, state.problem.layers
     if any(block.exact is None for block in blocks):
         return None
     power = {"L1": 1, "L2": 2}[norm]
     names = {kind: _compared(blocks, kind) for kind in sorted({b.kind for b in blocks})}
     sums = {kind: np.zeros(len(names[kind])) for kind in names}
-    for kind, shares in together(state.comm, lambda: _departures(state, t, power, names)):
-        sums[kind] += shares
+
+    def add_up() -> None:
+        for k, part in state.scheme.parts.items():
+            block, of_kind, X = part.block, names[part.block.kind], part.X[:, part.owned]
+            exact = block_values(block, "exact", X, t)
+            if len(of_kind) > len(exact):
+                where = f"exact_stress of block '{block.name}' at t = {t:.6g}"
+                exact += checked(block.exact_stress, (*X, t), X, of_kind[len(exact) :], where)
+            columns = fields_of(block.kind, problem.dimension, problem.symmetry)
+            saved = dict(zip(columns, state.fields(k).T, strict=True))
+            weights = part.weights * part.reference / (X[-1] ** problem.symmetry)
+            for c, (name, value) in enumerate(zip(of_kind, exact, strict=True)):
+                sums[block.kind][c] += np.sum(weights * np.abs(saved[name] - value) ** power)
+
+    together(state.comm, add_up)
     return state._norms(sums, names, power)
 
 
@@ -105,22 +104,3 @@ def _compared(blocks: Sequence[Any], kind: str) -> tuple[str, ...]:
     if kind == "fluid" or any(b.exact_stress is None for b in blocks if b.kind == kind):
         return unknowns
     return (*unknowns, *(n for n in fields_of(kind, d) if n.startswith(("s_", "sigma"))))
-
-
-def _departures(
-    state: BlockState, t: float, power: int, names: dict[str, tuple[str, ...]]
-) -> list[tuple[str, np.ndarray]]:
-    """(kind, sums of weighted powers) of this rank's parts."""
-    found, problem = [], state.problem
-    for k, part in state.scheme.parts.items():
-        block, of_kind, X = part.block, names[part.block.kind], part.X[:, part.owned]
-        exact = block_values(block, "exact", X, t)
-        if len(of_kind) > len(exact):
-            where = f"exact_stress of block '{block.name}' at t = {t:.6g}"
-            exact += checked(block.exact_stress, (*X, t), X, of_kind[len(exact) :], where)
-        columns = fields_of(block.kind, problem.dimension, problem.symmetry)
-        saved = dict(zip(columns, state.fields(k).T, strict=True))
-        weights = part.weights * part.reference / (X[-1] ** problem.symmetry)
-        apart = (np.abs(saved[name] - value) for name, value in zip(of_kind, exact, strict=True))
-        found.append((block.kind, np.array([np.sum(weights * a**power) for a in apart])))
-    return found

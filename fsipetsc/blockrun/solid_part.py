@@ -1,23 +1,25 @@
 """A rank's part of a solid block: metrics, rates, what is saved of it."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.block_part import BlockPart
-from fsipetsc.blockrun.columns import loses
+from fsipetsc.blockrun.columns import loses, spins
 from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.blocks.values import block_values, prestress_of
 from fsipetsc.equations.tensors import add_unit, apply, cofactor
+from fsipetsc.operators.boxed import Box
 from fsipetsc.operators.loops import dot
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
-from fsipetsc.scheme.part import Nothing
+from fsipetsc.scheme.part import Nothing, PartCalls
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, solid_damping
 from fsipetsc.scheme.solid_monitor import solid_monitor
-from fsipetsc.scheme.solid_record import SolidRecord
+from fsipetsc.scheme.solid_record import FUNCTIONS, SolidRecord
 from fsipetsc.scheme.solid_work import solid_work, sums_of
 
 Array = NDArray[Any]
@@ -31,10 +33,10 @@ class SolidPart(BlockPart):
     """
 
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
-        super().__init__(layout, part, order)
+        super().__init__(layout, part, order, form)
         d, kappa, material = self._d, self._problem.symmetry, self.block.material
         self.equations = material.radial_equations(kappa, d) if kappa else material.equations(d)
-        self.metrics = solid_metrics(self._problem, part.k, order, self._ranges)
+        self.metrics = solid_metrics(self._problem, part.k, order, part.ghosted)
         self.inertia = self.metrics[d * d] * self.equations.m0
         self._masses = self.weights * self.inertia[self.owned]
         self._per_h = np.array(self.block.cells, float)
@@ -43,7 +45,6 @@ class SolidPart(BlockPart):
         self._F = np.zeros((len(strain), part.numbers.size))
         self.prestress = prestress_of(self.block, self.X)
         self._work = solid_work(self.equations, part.bands, part.patch)
-        self._dissipation = self._make_dissipation(order, form)
 
     @property
     def reference(self) -> Array:
@@ -51,11 +52,12 @@ class SolidPart(BlockPart):
         J: Array = self.metrics[self._d**2, self.owned]
         return J
 
-    def _make_dissipation(self, order: int, form: Any) -> Any:
-        """The term of all nodes, and after it that of shocks."""
-        found: Any = Nothing()
+    def _dissipation(self) -> Any:
+        """For compiled code: the term of all nodes, and after it that of shocks."""
+        order, form = self._order, self._form
         sigma = sigma_of(form.dissipation, self._problem.joined) / 4.0 ** (order // 2)
         terms = (2, 0.0, AT_SHOCKS * form.shock), (order, sigma, -sigma * (form.shock > 0.0))
+        found: Any = Nothing()
         for order_of_term, a, b in terms:
             if a > 0.0 or b > 0.0:
                 apart = differences(self._d, order_of_term, self.part.bands, self.block.cells)
@@ -84,7 +86,8 @@ class SolidPart(BlockPart):
         places = block_values(self.block, "initial", X, 0.0)[self._d + 1 :]
         for c in range(self._d):
             q[:, c] = (places[c] - X[c]) * np.where(X[c] == self.X[c], 1.0, -1.0)
-        return tuple(self._deformation(q))
+        self.monitor(q)
+        return tuple(self._F)
 
     def _stored_by_prestress(self, F: Any, at: Array) -> Any:
         """Energy per mass [J/kg] of ghosted nodes with heat 'elastic': S : (F - 1)/m0."""
@@ -96,18 +99,14 @@ class SolidPart(BlockPart):
         """(d d, …) of ghosted nodes, 0 if there is none."""
         return self.prestress[:, at] if self.prestress.size else np.zeros((self._d**2, 1))
 
-    def _deformation(self, q: Array) -> Array:
-        """F (d d, M) of the owned nodes, with hoops (2, M)."""
-        self.monitor(q)
-        return self._F
-
-    def volume_ratio(self, q: Array) -> Array:
-        """(M,) det F of the owned nodes."""
-        ratio: Array = self.equations.volume(tuple(self._deformation(q)))
+    def volume_ratio(self) -> Array:
+        """(M,) det F of the owned nodes, by the last F."""
+        ratio: Array = self.equations.volume(tuple(self._F))
         return ratio
 
     def monitor(self, q: Array) -> tuple[Array, Array]:
-        """What bounds a step, and the sums of the owned nodes; q: (N, 2d + 1).
+        """What bounds a step, and the sums of the owned nodes, whose F (d d, M), with hoops (2, M),
+        stays; q: (N, 2d + 1).
 
         See fsipetsc.scheme.solid_monitor.
         """
@@ -117,26 +116,21 @@ class SolidPart(BlockPart):
         solid_monitor(self.equations, (0.0,) * self._d, q, *of_block, *memory)
         return seen, sums
 
-    def record(
-        self,
-        columns: Array,
-        at_particles: Any,
-        alone: bool,
-        interfaces: list[tuple[int, int, float]],
-        stored: tuple[Array, Array],
-    ) -> SolidRecord:
-        """For compiled code; as that of a gas. interfaces: number, owned row and X of those with an
-        end of this part in one dimension. stored: rows and numbers of nodes of members that tell
-        what they store.
-        """
+    def calls(
+        self, at_particles: Any, begins: Mapping[str, int], particles: Any, alone: bool, ends: Any
+    ) -> PartCalls:
+        """As of a gas. ends: number, block, owned row and X of interfaces in one dimension."""
         part, d = self.part, self._d
-        ends = np.zeros((len(interfaces), 4))
-        for end, (number, row, X) in zip(ends, interfaces, strict=True):
-            end[:] = number, row, X, self._prestress_at(self.owned[[row]])[0, 0]
-        return SolidRecord(
-            **self._common(at_particles, columns, alone),
+        own = [(number, row, X) for number, k, row, X in ends if k == part.k]
+        found = [(*end, self._prestress_at(self.owned[[end[1]]])[0, 0]) for end in own]
+        rows, nodes = particles.telling[part.k]
+        momenta = [f"momentum_{x}" for x in "xyz"[:d]]
+        names = *momenta, "energy", *spins(d), "solid_energy", "lost_energy"
+        record = SolidRecord(
+            **self._common(at_particles, alone),
+            columns=np.array([begins[name] for name in names if name in begins]),
             laws=self.equations,
-            dissipation=self._dissipation,
+            dissipation=self._dissipation(),
             loses=self._loses,
             inertia=self.inertia,
             prestress=self.prestress,
@@ -144,38 +138,53 @@ class SolidPart(BlockPart):
             masses=self._masses,
             F=self._F,
             sums=np.zeros(sums_of(d) + 1),
-            interfaces=ends,
-            stored_at=part.ghosted_rows(part.rows(stored[1])),
-            rows_of_stored=stored[0],
+            interfaces=np.array(found, float).reshape(-1, 4),
+            stored_at=part.ghosted_rows(part.rows(nodes)),
+            rows_of_stored=rows,
         )
+        return PartCalls(Box(record), *FUNCTIONS)
 
-    def normal(self, row: int, axis: int, side: int) -> Array:
-        """(d,) unit normal out of the solid of a face as it is, at an owned node, by the last F."""
+    def normals(self, rows: Any, axis: int, side: int) -> Array:
+        """(n, d) unit normals out of the solid of a face as it is at owned nodes, by the last F."""
         d = self._d
-        if d == 1:
-            return np.array([2.0 * side - 1.0])
-        A = tuple(self.metrics[axis * d : (axis + 1) * d, self.owned[row]] * (2 * side - 1))
-        n = np.array(apply(cofactor(tuple(self._F[:, row])), A))
-        return n / np.linalg.norm(n)
+        A = tuple(self.metrics[axis * d : (axis + 1) * d, self.owned[rows]] * (2 * side - 1))
+        n = np.array(apply(cofactor(tuple(self._F[: d * d, rows])), A))
+        return (n / np.linalg.norm(n, axis=0)).T
+
+    def _strained(self, q: Array, rows: Any) -> tuple[Any, Any, Array, Array, Array]:
+        """(v, F, T, J, Cauchy stress P F^T / J (d, d, n)) of owned nodes, by the last F."""
+        d, nodes, solid = self._d, self.owned[rows], self.equations
+        F, own = tuple(self._F[:, rows]), q[nodes]
+        v = tuple(own[:, d : 2 * d].T)
+        T = solid.temperature(v, own[:, 2 * d] - self._stored_by_prestress(F, nodes), F)
+        J, P = solid.volume(F), solid.stress_at(F, T) + self._prestress_at(nodes)
+        stress = np.array(
+            [
+                [sum(P[i * d + m] * F[j * d + m] for m in range(d)) for j in range(d)]
+                for i in range(d)
+            ]
+        )
+        return v, F, T, J, stress / J - self.faces.p_ref * np.eye(d)[..., None]
+
+    def stresses(self, q: Array, rows: Any) -> Array:
+        """(n, d, d) Cauchy stress of owned nodes, by the last F."""
+        return np.moveaxis(self._strained(q, rows)[-1], -1, 0)
+
+    def pushes(self, q: Array, rows: Any, axis: int, side: int) -> Array:
+        """(n,) minus the normal stress on a face at owned nodes."""
+        n = self.normals(rows, axis, side)
+        return -np.einsum("ni,nij,nj->n", n, self.stresses(q, rows), n)
 
     def fields(self, q: Array, rows: slice = slice(None)) -> Array:
-        """(…, …) what is saved of these rows of the owned nodes: v, T, Cauchy stress P F^T / J, x;
-        in one dimension its part sigma, and p after x; then sigma_theta of hoops.
+        """(…, …) what is saved of these rows of the owned nodes: v, T, Cauchy stress, x; in one
+        dimension its part sigma, and p after x; then sigma_theta of hoops.
         """
-        d, nodes = self._d, self.owned[rows]
-        F, own = tuple(self._deformation(q)[:, rows]), q[nodes]
-        v = tuple(own[:, d : 2 * d].T)
-        e = own[:, 2 * d] - self._stored_by_prestress(F, nodes)
-        T = self.equations.temperature(v, e, F)
-        P, J = self.equations.stress_at(F, T), self.equations.volume(F)
-        P = P + self._prestress_at(nodes)
-        pairs = [(i, j) for i in range(d) for j in range(i, d)]
-        stresses = [sum(P[i * d + m] * F[j * d + m] for m in range(d)) / J for i, j in pairs]
-        p_ref = self.faces.p_ref
-        stresses = [s - p_ref * (i == j) for s, (i, j) in zip(stresses, pairs, strict=True)]
-        x = self.X[:, nodes] + own[:, :d].T
-        p, around = self.equations.pressure_at(J, T) + 0.0 * T, self._problem.symmetry > 0
-        hoops = [self.equations.hoop_stress(F, T) + p * (d == 1)] if around else []
+        self.monitor(q)
+        d, nodes, solid = self._d, self.owned[rows], self.equations
+        v, F, T, J, stress = self._strained(q, rows)
+        x = self.X[:, nodes] + q[nodes, :d].T
+        p, around = solid.pressure_at(J, T) + 0.0 * T, self._problem.symmetry > 0
+        hoops = [solid.hoop_stress(F, T) + p * (d == 1)] if around else []
         if d > 1:
-            return np.stack([*v, T, *stresses, *x, *hoops], axis=-1)
-        return np.stack([*v, T, stresses[0] + p, *x, p, *hoops], axis=-1)
+            return np.stack([*v, T, *stress[np.triu_indices(d)], *x, *hoops], axis=-1)
+        return np.stack([*v, T, stress[0, 0] + p, *x, p, *hoops], axis=-1)

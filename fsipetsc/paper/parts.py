@@ -146,8 +146,8 @@ class Layer:
         apart = self.saved()[counted, : len(exact)].T - exact[:, counted]
         return self.record["h"] * np.sum(np.abs(apart) ** power, axis=1)
 
-    def seen(self, m: str) -> Seen:
-        """Values at active points, and which of them must be positive; m: the unit of lengths."""
+    def seen(self) -> Seen:
+        """Values at active points."""
         X, numbers = self.X[self.active], self.numbers[self.active]
         if self.is_gas:
             rho, u, T, _, x = self.saved()[self.active].T
@@ -156,12 +156,7 @@ class Layer:
             (u, sigma, T, x), h = self.owned.T, self.record["h"]
             after = np.append(self.local[self.record["halo_lo"] + 1 :, 3], x[-1:] + h)[: len(x)]
             values = {"x": x, "x_X": (after - x) / h, "u": u, "sigma": sigma, "T": T}
-
-        def place(i: int) -> str:
-            return f"x = {x[i]:.6g}{m} (X = {X[i]:.6g}{m})"
-
-        positive = frozenset({"rho", "T", "x_X"} & values.keys())
-        return Seen(self.number, numbers, values, positive, place)
+        return Seen(self.number, numbers, values, x[:, None], X[:, None])
 
     # stages
 

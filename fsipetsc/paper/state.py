@@ -34,9 +34,8 @@ from fsipetsc.paper.stencils import packed
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.batch import DT, MADE
-from fsipetsc.scheme.plan import CAPACITY, FLAGS, LIMITS, step_record
-from fsipetsc.stepping.snapshot import as_numbers, whole
-from fsipetsc.stepping.state import State
+from fsipetsc.scheme.plan import CAPACITY, FLAGS, LIMITS, SAID_STOP, step_record
+from fsipetsc.stepping.state import FAULT, State, as_numbers, whole
 from fsipetsc.stepping.verdicts import Seen
 
 Array = np.ndarray
@@ -61,6 +60,8 @@ class PaperState(State):
     a part of. opt: options in force. InputError where grid, order and number of ranks do not fit,
     or the problem is not of the paper's form.
     """
+
+    fault: InputError | None = None
 
     def __init__(self, comm: MPI.Comm, problem: Problem, opt: Mapping[str, Any]) -> None:
         for name, without in _WITHOUT.items():
@@ -126,7 +127,11 @@ class PaperState(State):
         If a function of the user's fails, here alone perhaps, the data stay as they are, the step
         goes on, and all ranks learn of it when it is complete: see ``fault``.
         """
-        self._guarded(lambda: self._set_data(t))
+        try:
+            self._set_data(t)
+        except InputError as error:
+            self.fault = self.fault or error
+            self.results[SAID_STOP] = FAULT
 
     def _set_data(self, t: float) -> None:
         problem, records = self.problem, self.records
@@ -181,11 +186,6 @@ class PaperState(State):
         """Active points of all layers."""
         return sum(int(r["hi"] - r["lo"]) + 1 for r in self.records)
 
-    @property
-    def reserve(self) -> int:
-        """Points held in reserve."""
-        return sum(int(r["n"]) for r in self.records) - self.points
-
     def header(self) -> dict[str, Any]:
         """What a result file says of layers, and of points that are recorded: none."""
         layers = zip(self.problem.layers, self.records["n"].tolist(), strict=True)
@@ -197,7 +197,7 @@ class PaperState(State):
 
     def grids(self) -> list[dict[str, Any]]:
         """What the writer must know of the points of each layer: see RunWriter."""
-        return [{"local": p.X.size, "n": int(p.record["n"]), "X": p.X} for p in self.layers]
+        return [{"n": int(p.record["n"]), "X": p.X} for p in self.layers]
 
     def save(self) -> dict[int, Array]:
         """What is saved of this rank's points, (local, 5) by layer."""
@@ -220,8 +220,8 @@ class PaperState(State):
         return self._norms(sums, names, power)
 
     def seen(self) -> list[Seen]:
-        """Values at this rank's active points, and which of them must be positive."""
-        return [part.seen(self.problem.unit("m")) for part in self.here]
+        """Values at this rank's active points."""
+        return [part.seen() for part in self.here]
 
     # steps
 

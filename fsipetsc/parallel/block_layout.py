@@ -38,7 +38,8 @@ AXES = 3
 class Part:
     """This rank's part of block k.
 
-    patch: its sizes. bands: pair weights of the three axes, of the nodes of the ghosted array.
+    patch: its sizes. ghosted: first node and first beyond of the ghosted array along each axis,
+    which go on beyond the ends of periodic axes. bands: pair weights of the three axes there.
     dof: unknowns of a node. begin, end: of its numbers in this rank's part of the world vector.
     numbers: (M,) of the nodes that it owns.
     comm: of the ranks of the block. scatter: of PETSc, from the block's vector to the ghosted one.
@@ -48,6 +49,7 @@ class Part:
 
     k: int
     patch: Patch
+    ghosted: Spans
     bands: tuple[Band, Band, Band]
     dof: int
     begin: int
@@ -81,6 +83,12 @@ class Part:
         i, j, k = np.unravel_index(rows, own, order="F")
         return i + first[0] + ghosted[0] * (j + first[1] + ghosted[1] * (k + first[2]))
 
+    def weights(self, ghosted: Numbers) -> Array:
+        """(n,) H of nodes of the ghosted array: the product of the weights of the axes."""
+        places = np.unravel_index(ghosted, self.patch.ghosted, order="F")
+        each = [band.weight[place] for band, place in zip(self.bands, places, strict=True)]
+        return each[0] * each[1] * each[2]
+
 
 class BlockLayout:
     """Parts of all blocks on all ranks. Collective on ``comm``.
@@ -88,7 +96,7 @@ class BlockLayout:
     problem: fsipetsc.blocks.problem.BlockProblem. shocks: a sensor looks for them. partition: as
     ``share_out`` has it. auxiliary: unknowns of each rank after those of nodes.
 
-    shares: of each block, known to all ranks. parts: of this rank, in the order of the blocks.
+    shares: of each block, known to all ranks. parts: of this rank, by block, in their order.
     local_size: of this rank's part of the world vector.
     InputError where a block has too few nodes for the operator, or there are too many ranks.
     """
@@ -103,22 +111,38 @@ class BlockLayout:
         auxiliary: int = 0,
     ) -> None:
         self.comm, self.problem, self.order = comm, problem, order
-        self._halos = halos_of(problem, order, shocks)
-        blocks = problem.blocks
+        d, blocks = problem.dimension, problem.blocks
         self.shapes = [tuple(int(n) for n in block.shape) for block in blocks]
-        widths = [width for width, _ in self._halos]
-        extents = [extent_of(b, order, width) for b, width in zip(blocks, widths, strict=True)]
-        self.shares = share_out(extents, comm.size, partition)
-        d = problem.dimension
         self.dofs = [d + 3 if block.kind == "fluid" else 2 * d + 1 for block in blocks]
-        _check_size(blocks, self.dofs)
+        self._halos = [halo_of(problem, k, order, shocks) for k in range(len(blocks))]
+        extents = [self._extent(k) for k in range(len(blocks))]
+        self.shares = share_out(extents, comm.size, partition)
         shared = zip(self.dofs, self.shares, strict=True)
         self._sizes = [dof * share.size(comm.rank) for dof, share in shared]
         self.auxiliary = auxiliary
         self.local_size = sum(self._sizes) + auxiliary
-        found = [self._place(k) for k in range(len(blocks))]
-        self.parts: list[Part] = [part for part in found if part is not None]
-        self._of_block = found
+        found = {k: self._place(k) for k in range(len(blocks))}
+        self.parts = {k: part for k, part in found.items() if part is not None}
+
+    def _extent(self, k: int) -> Extent:
+        """A block as its partition sees it. InputError where it has too few nodes, or more numbers
+        than PETSc can count.
+        """
+        block, shape, op = self.problem.blocks[k], self.shapes[k], OPERATORS[self.order]
+        halo, _ = self._halos[k]
+        for axis, (n, closed) in enumerate(zip(shape, block.periodic, strict=True)):
+            least = max(2 * op.p + 1, halo) if closed else op.min_points
+            if n < least:
+                kind = "periodic " if closed else ""
+                raise InputError(
+                    f"block '{block.name}' has {n} nodes along its {kind}axis {axis}: the "
+                    f"{op.name} operator needs at least {least}"
+                )
+        if prod(shape) * self.dofs[k] > np.iinfo(PETSc.IntType).max:
+            nodes = " by ".join(map(str, shape))
+            raise InputError(f"block '{block.name}' has {nodes} nodes: PETSc cannot count them")
+        end, inner = max(op.rows + op.p, halo), max(2 * op.p, halo)
+        return Extent(block.kind, shape, block.periodic, end, inner, halo)
 
     def _place(self, k: int) -> Part | None:
         """Make the DMDA of block k on its ranks. Collective."""
@@ -162,6 +186,7 @@ class BlockLayout:
         return Part(
             k=k,
             patch=patch,
+            ghosted=ghosted[: block.dimension],
             bands=(*bands, *[NO_AXIS] * (AXES - len(bands))),
             dof=dof,
             begin=begin,
@@ -177,44 +202,34 @@ class BlockLayout:
             signs=np.where(np.isin(np.arange(dof), odd), -1.0, 1.0)[: dof * images],
         )
 
-    def part(self, k: int) -> Part | None:
-        """This rank's part of block k; None if it has none."""
-        return self._of_block[k]
-
     def owned(self, k: int, array: Array) -> Array:
         """View, (M, dof), of block k in this rank's part of a world vector; M may be 0."""
-        part = self._of_block[k]
-        if part is None:
+        if k not in self.parts:
             return np.empty((0, self.dofs[k]))
-        return array[part.begin : part.end].reshape(-1, part.dof)
-
-    def vector(self) -> BlockVector:
-        """This rank's part of a world vector, of zeros. Collective."""
-        return BlockVector(self, np.zeros(self.local_size))
+        return array[self.parts[k].begin : self.parts[k].end].reshape(-1, self.dofs[k])
 
     def destroy(self) -> None:
         """Destroy vectors and DMDAs, then their communicators. Collective."""
-        for part in self.parts:
+        for part in self.parts.values():
             part.local_vector.destroy()
             part.scatter.destroy()
             part.dm.destroy()
-        for part in self.parts:
+        for part in self.parts.values():
             part.comm.Free()
-        self.parts, self._of_block = [], []
 
 
 class BlockVector:
-    """This rank's part of a world vector, ``array``.
+    """This rank's part of a world vector, ``array``, of zeros at first. Making one is collective.
 
     A PETSc vector of each block lies in the same memory, for the halo exchange.
     """
 
-    def __init__(self, layout: BlockLayout, array: Array) -> None:
-        self.array, self._layout = array, layout
+    def __init__(self, layout: BlockLayout) -> None:
+        self.array, self._layout = np.zeros(layout.local_size), layout
         self._vectors: list[PETSc.Vec] = []
         self._exchanged: list[tuple[PETSc.Scatter, PETSc.Vec, PETSc.Vec]] = []
-        for part in layout.parts:
-            own = array[part.begin : part.end]
+        for part in layout.parts.values():
+            own = self.array[part.begin : part.end]
             vector = PETSc.Vec().createWithArray(own, bsize=part.dof, comm=part.comm)
             assert vector.getArray(readonly=True).ctypes.data == own.ctypes.data, "PETSc has copied"
             self._vectors.append(vector)
@@ -230,6 +245,11 @@ class BlockVector:
         """View of the auxiliary unknowns."""
         return self.array[self.array.size - self._layout.auxiliary :]
 
+    def fill_halos(self) -> None:
+        """Fill the ghosted arrays. Collective."""
+        self.begin()
+        self.end()
+
     def begin(self) -> None:
         """Begin to fill the ghosted arrays; what is sent must not change before ``end``."""
         for scatter, vector, local in self._exchanged:
@@ -239,20 +259,19 @@ class BlockVector:
         """End it."""
         for scatter, vector, local in self._exchanged:
             scatter.end(vector, local)
-        for part in self._layout.parts:
+        for part in self._layout.parts.values():
             if part.signs.size:
                 mirror(part.local, part.patch.first, part.patch.ghosted, part.signs)
 
     def ghosted(self, k: int) -> Array:
         """(N, dof): block k with halos, as of the last ``end``; without halos the owned part."""
-        part = self._layout.part(k)
+        part = self._layout.parts[k]
         return part.local if part.has_halo else self.owned(k)
 
     def destroy(self) -> None:
         """Destroy the vectors, before the layout."""
         for vector in self._vectors:
             vector.destroy()
-        self._vectors, self._exchanged = [], []
 
 
 class FaceGather:
@@ -263,7 +282,7 @@ class FaceGather:
     """
 
     def __init__(self, layout: BlockLayout, k: int, nodes: Numbers, columns: int) -> None:
-        self._comm = layout.part(k).comm
+        self._comm = layout.parts[k].comm
         owners = layout.shares[k].owners(nodes) if nodes.size else nodes
         self.nodes = nodes[owners == layout.comm.rank]
         self.local = np.empty((self.nodes.size, columns))
@@ -305,48 +324,22 @@ class NaturalOrder:
             thing.destroy()
 
 
-def halos_of(problem: Any, order: int, shocks: bool = False) -> list[tuple[int, bool]]:
-    """(width of the halo, whether its corners are needed) of each block.
+def halo_of(problem: Any, k: int, order: int, shocks: bool) -> tuple[int, bool]:
+    """Width of the halo of block k, and whether its corners are needed.
 
     Where derivatives act twice, in solids and in gases with viscosity or conduction, a node needs
     2 p others to each side, and corners; 3 p in solids that conduct, whose temperature may follow
     from the strain; else p, one more at shocks, and at least 2. Around an axis p is the number of
     images that nodes see, if that is more.
     """
-    found = []
-    for k, block in enumerate(problem.blocks):
-        material, p = block.material, order // 2
-        if problem.symmetry == 1 and problem.centred(k):
-            p = max([p, *(-i for i, _ in AXIS.get(order, ()))])
-        if block.kind == "solid":
-            found.append((3 * p if material.kappa_e > 0.0 else 2 * p, True))
-        else:
-            twice = material.mu > 0.0 or material.kappa > 0.0
-            found.append((2 * p, True) if twice else (max(p + shocks, 2), False))
-    return found
-
-
-def extent_of(block: Any, order: int, halo: int) -> Extent:
-    """A block as its partition sees it. InputError where it has too few nodes."""
-    op, shape = OPERATORS[order], tuple(int(n) for n in block.shape)
-    for axis, (n, closed) in enumerate(zip(shape, block.periodic, strict=True)):
-        least = max(2 * op.p + 1, halo) if closed else op.min_points
-        if n < least:
-            kind = "periodic " if closed else ""
-            raise InputError(
-                f"block '{block.name}' has {n} nodes along its {kind}axis {axis}: the {op.name} "
-                f"operator needs at least {least}"
-            )
-    end, inner = max(op.rows + op.p, halo), max(2 * op.p, halo)
-    return Extent(block.kind, shape, block.periodic, end, inner, halo)
-
-
-def _check_size(blocks: Sequence[Any], dofs: Sequence[int]) -> None:
-    """InputError where a block has more numbers than PETSc can count."""
-    for block, dof in zip(blocks, dofs, strict=True):
-        if prod(block.shape) * dof > np.iinfo(PETSc.IntType).max:
-            nodes = " by ".join(map(str, block.shape))
-            raise InputError(f"block '{block.name}' has {nodes} nodes: PETSc cannot count them")
+    block, material, p = problem.blocks[k], problem.blocks[k].material, order // 2
+    if problem.symmetry == 1 and problem.centred(k):
+        p = max([p, *(-i for i, _ in AXIS.get(order, ()))])
+    if block.kind == "solid":
+        return (3 * p if material.kappa_e > 0.0 else 2 * p), True
+    if material.mu > 0.0 or material.kappa > 0.0:
+        return 2 * p, True
+    return max(p + shocks, 2), False
 
 
 def _ranges(corners: tuple[tuple[int, ...], tuple[int, ...]]) -> tuple[tuple[int, int], ...]:

@@ -129,14 +129,19 @@ def share_out(extents: Sequence[Extent], size: int, mode: str = "auto") -> list[
     if size == 1:
         return [Share((0,), _uncut(extent)) for extent in extents]
     apart, chained = _physics(extents, size), _balanced(extents, size)
-    if mode == "balanced":
-        if chained is None:
-            raise RanksError(_too_many(size, _most_balanced(extents, size), extents))
-        return chained
-    if apart is None:
-        raise RanksError(_too_many(size, sum(e.cap for e in extents), extents))
-    if mode == "physics" or chained is None:
-        return apart
+    chosen = chained if mode == "balanced" else apart
+    if chosen is None:
+        most = sum(extent.cap for extent in extents)
+        if mode == "balanced":
+            tried = range(min(size - 1, sum(e.most(e.longest) for e in extents)), 1, -1)
+            most = next((n for n in tried if _balanced(extents, n)), 1)
+        raise RanksError(
+            f"{size} ranks are more than these blocks can feed: with at least "
+            f"{min(extent.end for extent in extents)} nodes along each cut axis on a rank, {most} "
+            "is the largest number that works"
+        )
+    if mode != "auto" or chained is None:
+        return chosen
     gain = slowest(extents, apart, size) / slowest(extents, chained, size)
     return chained if gain > WORTH_IT else apart
 
@@ -178,14 +183,6 @@ def slowest(extents: Sequence[Extent], shares: Sequence[Share], size: int) -> fl
     return float(work.max())
 
 
-def _too_many(size: int, most: int, extents: Sequence[Extent]) -> str:
-    least = min(extent.end for extent in extents)
-    return (
-        f"{size} ranks are more than these blocks can feed: with at least {least} nodes along each "
-        f"cut axis on a rank, {most} is the largest number that works"
-    )
-
-
 # each rank one block, or a part of one
 
 
@@ -206,14 +203,12 @@ def _physics(extents: Sequence[Extent], size: int) -> list[Share] | None:
 
 def _whole(extents: Sequence[Extent], size: int) -> list[int]:
     """A rank for each block, of fewer ranks than blocks: gas on the lower ones."""
-    kinds = {kind: [k for k, e in enumerate(extents) if e.kind == kind] for kind in COST}
-    kinds = {kind: blocks for kind, blocks in kinds.items() if blocks}
-    work = [sum(extents[k].work for k in blocks) for blocks in kinds.values()]
-    counts = [size]
-    if len(kinds) == 2:
-        counts = _apportion(work, [len(blocks) for blocks in kinds.values()], size)
+    of_kinds = [[k for k, e in enumerate(extents) if e.kind == kind] for kind in COST]
+    of_kinds = [blocks for blocks in of_kinds if blocks]
+    work = [sum(extents[k].work for k in blocks) for blocks in of_kinds]
+    counts = _apportion(work, list(map(len, of_kinds)), size)
     ranks, first = [0] * len(extents), 0
-    for blocks, count in zip(kinds.values(), counts, strict=True):
+    for blocks, count in zip(of_kinds, counts, strict=True):
         loads = [0.0] * count
         for k in sorted(blocks, key=lambda k: (-extents[k].work, k)):  # the largest first
             least = loads.index(min(loads))
@@ -234,10 +229,9 @@ def _apportion(work: Sequence[float], caps: Sequence[int], size: int) -> list[in
 
 def _cut(extent: Extent, ranks: range) -> Share:
     """A block on these ranks, or on some of them if it cannot be cut into so many parts."""
-    count = next(n for n in range(len(ranks), 0, -1) if _grid(extent, n))
-    grid = _grid(extent, count)
+    grid = next(g for n in range(len(ranks), 0, -1) if (g := _grid(extent, n)))
     cuts = tuple(extent.even(axis, parts) for axis, parts in enumerate(grid))
-    return Share(tuple(ranks[:count]), cuts)
+    return Share(tuple(ranks[: prod(grid)]), cuts)
 
 
 def _grid(extent: Extent, count: int) -> tuple[int, ...] | None:
@@ -249,7 +243,7 @@ def _grid(extent: Extent, count: int) -> tuple[int, ...] | None:
     ]
 
     def nodes_along_cuts(grid: tuple[int, ...]) -> tuple[float, tuple[int, ...]]:
-        lengths = [extent.size / extent.shape[axis] for axis in range(len(grid))]
+        lengths = [extent.size // n for n in extent.shape]
         return sum((parts - 1) * length for parts, length in zip(grid, lengths, strict=True)), grid
 
     return min(fits, key=nodes_along_cuts, default=None)
@@ -264,12 +258,6 @@ def _factors(count: int, axes: int) -> list[tuple[int, ...]]:
 
 
 # equal work for all
-
-
-def _most_balanced(extents: Sequence[Extent], size: int) -> int:
-    caps = sum(extent.most(extent.longest) for extent in extents)
-    tried = range(min(size - 1, caps), 1, -1)
-    return next((n for n in tried if _balanced(extents, n)), 1)
 
 
 def _balanced(extents: Sequence[Extent], size: int) -> list[Share] | None:

@@ -3,8 +3,9 @@
 The hook completes the new solution, records the step, and says how long the next one is.
 """
 
+import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,22 +13,22 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.blockrun.columns import point_names
-from fsipetsc.errors import clear_frames
+from fsipetsc.errors import InputError, clear_frames
 from fsipetsc.output.quantities import GAINS
 from fsipetsc.process.together import agree
 from fsipetsc.scheme.batch import LONGEST, MADE, NEXT, TIME, longest_step, next_step
 from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP, shares
 from fsipetsc.stepping import verdicts
-from fsipetsc.stepping.pauses import Pauses
+from fsipetsc.stepping.signals import CHECKPOINT
 from fsipetsc.stepping.state import FAULT, State
 
 #: the value of -ts_type that stands for the project's own method
 FUSED = "fused"
 #: flags and limits of all ranks end here
 LAST = STOP + 1
-#: with -fsi_check: after so many steps their records are taken, and conservation is checked
+#: with -fsi_check: after so many steps at most their records are taken, and conservation is checked
 CHECKED = 256
-#: points (of all ranks, spare ones too) times steps in one call, so that a signal need not wait
+#: points of all ranks times steps in one call, so that a signal need not wait
 MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}
 #: most steps in a batch; between batches signals are answered and progress is shown
 MOST_STEPS = 64
@@ -35,19 +36,38 @@ MOST_STEPS = 64
 KEPT = "steps", "t", "wall_time", "initial", "beyond"
 #: what is noted of a step alone, not of a state; of interfaces so in one dimension on blocks
 OF_STEPS = (*GAINS, "x_interface", "u_interface")
+#: most profiles of a run
+MOST = 10_000_000
 
 
-def _nothing(*arguments: object) -> None:
-    """A hook that nobody asks for."""
+def saved_times(
+    t_end: float, interval: float | None, times: Sequence[float] | None, unit: str = " s"
+) -> list[float]:
+    """Times [s] in [0, t_end] at which profiles are saved: every ``interval``, at ``times``, at the
+    end.
+
+    InputError for times beyond the end and for more than MOST; unit: what comes after a time.
+    """
+    saved = set(times or ())
+    if max(saved, default=0.0) > t_end:
+        end = f"the run ends at -ts_max_time {t_end:g}{unit}"
+        raise InputError(f"-fsi_output_times: {max(saved):g}{unit} would not be reached, {end}")
+    if interval is not None:
+        if t_end / interval > MOST:
+            what = f"-fsi_output_dt {interval:g} would save more than {MOST} profiles"
+            raise InputError(f"{what} to t = {t_end:g}{unit}")
+        count = math.floor(t_end / interval * (1 + 1e-12))
+        saved.update(min(k * interval, t_end) for k in range(count + 1))
+    return sorted({*saved, t_end})
 
 
 class Integrator:
     """Integrates a state in time; all methods are collective.
 
     opt: options in force. saved: times [s] at which ``on_frame(t)`` is called. Other hooks:
-    ``on_series()`` when the records of steps must be taken (``take_series``), with -fsi_check every
-    CHECKED steps; ``on_step(steps, t, dt)`` after every batch of steps; ``on_checkpoint()`` when a
-    checkpoint is due (stepping.pauses).
+    ``on_series()`` when the records of steps must be taken (``take_series``); ``on_step(steps,
+    t, dt)`` after every batch of steps; ``on_checkpoint()`` when a checkpoint is due: after so many
+    steps, by the clock of rank 0, after a signal, and, for those who want any, at the end.
     """
 
     def __init__(
@@ -55,17 +75,19 @@ class Integrator:
         state: State,
         opt: Mapping[str, Any],
         saved: list[float],
-        on_frame: Callable[[float], object] = _nothing,
+        on_frame: Callable[[float], object] = lambda t: None,
         on_series: Callable[[], object] | None = None,
-        on_step: Callable[[int, float, float], object] = _nothing,
-        on_checkpoint: Callable[[], object] = _nothing,
+        on_step: Callable[[int, float, float], object] = lambda steps, t, dt: None,
+        on_checkpoint: Callable[[], object] = lambda: None,
     ) -> None:
         self.state, self.opt = state, opt
         self._on_frame, self._on_series = on_frame, on_series or self.take_series
         self._on_step, self._on_checkpoint = on_step, on_checkpoint
-        self._recorded = 0  # steps in the journal
-        self._next_check = CHECKED if opt["fsi_check"] else np.inf
-        self.pauses = Pauses(opt, state.comm.rank == 0)
+        self._recorded = 0  # steps in the journal, of which so many may be there
+        self._room = CHECKED if opt["fsi_check"] else len(state.journal)
+        self._signal = 0  # the last one that came to this rank
+        self._every, self._wall = opt["fsi_checkpoint_steps"], opt["fsi_checkpoint_wall"]
+        self._last_checkpoint = time.monotonic()
         self._targets = sorted(saved, reverse=True)  # times that are still to be hit
         self._steady = state.problem.steady_data
         self.steps, self.t = 0, 0.0
@@ -74,7 +96,7 @@ class Integrator:
         self._fused = opt["ts_type"] == FUSED
         self.batch_limit = 1  # most steps in one call
         if self._fused and self._steady:
-            most = MOST_POINTS[state.problem.dimension] // (state.points + state.reserve)
+            most = MOST_POINTS[state.problem.dimension] // state.points
             watched = PETSc.Options().hasName("ts_monitor")
             self.batch_limit = max(1, min(1 if watched else MOST_STEPS, most))
         self._error: BaseException | None = None
@@ -107,7 +129,7 @@ class Integrator:
             state.set_data(self.t)  # with differences in time of the length that a step has
         state.finish()
         flags = state.results[:LAST].tolist()
-        verdicts.check(state, self.t, self.steps, flags, self.opt, self.beyond)
+        verdicts.check(state, self.t, self.steps, flags, self.beyond)
         without = *OF_STEPS, *point_names(3)
         names = [name for name in shares(state.latest.dtype) if name not in without]
         sums = {name: state.comm.allreduce(state.latest[name]) for name in names}
@@ -230,18 +252,17 @@ class Integrator:
         made = self._note_steps(ts)
         flags = self.state.results[:LAST].tolist()
         self._recorded += made - 1  # the last one only if it is sound
-        verdicts.check(self.state, self.t, self.steps, flags, self.opt, self.beyond)
+        verdicts.check(self.state, self.t, self.steps, flags, self.beyond)
         self._recorded += 1
-        if self.steps >= self._next_check:
-            self._next_check = self.steps + CHECKED
-            self._on_series()
-        elif self._recorded == len(self.state.journal):
+        if self._recorded == self._room:
             self._on_series()
         if self._pass(self.t):
             self._on_frame(self.t)
         self.stop_signal = int(flags[STOP])
-        if self.pauses.due(self.steps, flags[STOP], self._ended):
+        regular = self._every and self.steps % self._every == 0
+        if flags[STOP] or regular or (self._ended and (self._every or self._wall)):
             self._on_checkpoint()
+            self._last_checkpoint = time.monotonic()
         if self._ended:
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_TIME)
             ts.setMaxTime(self.opt["ts_max_time"])  # -ts_view shows them
@@ -271,10 +292,21 @@ class Integrator:
         courant, fixed = opt["fsi_cfl"], opt["ts_dt"] or 0.0
         bound = longest_step(courant, fixed, float(state.results[RATE]))
         step, after = next_step(self.t, target, bound)
-        state.results[SAID_STOP] = self.pauses.word() if state.fault is None else FAULT
+        state.results[SAID_STOP] = self._word()
         ts.setTimeStep(step)
-        room = len(state.journal) - self._recorded
-        most = min(self.batch_limit, opt["ts_max_steps"] - self.steps, room)
+        left = [opt["ts_max_steps"] - self.steps, self._room - self._recorded]
+        if self._every:
+            left.append(self._every - self.steps % self._every)
         times = self.t, step, after, target, courant, fixed
-        allowed = self.pauses.allowed(self.steps, most)
-        state.batch[:] = *times, allowed, 0, 0.0, self._recorded
+        state.batch[:] = *times, min(self.batch_limit, *left), 0, 0.0, self._recorded
+
+    def heed(self, number: int) -> None:
+        """End the run in order, by a signal that came to this rank."""
+        self._signal = number
+
+    def _word(self) -> float:
+        """What this rank has to say after the next batch of steps."""
+        if self.state.fault is not None:
+            return FAULT
+        due = self._wall and time.monotonic() >= self._last_checkpoint + self._wall
+        return self._signal or CHECKPOINT * bool(due and self.state.comm.rank == 0)

@@ -28,34 +28,37 @@ class Ledgers:
         self, invariants: Mapping[str, Any], tolerance: float | None = None, unit: str = " s"
     ) -> None:
         self._invariants, self._tolerance, self._unit = invariants, tolerance, unit
-        self._drifts: Drifts | None = None
         self.steps = 0
         self.departures: dict[str, float] = {}
         self.J_error = self.lost = 0.0
         self.energies = [0.0, 0.0]  # of that energy [J]: the lost sum, the most there was
         self.fault: str | None = None
 
-    def begin(self, initial: Mapping[str, Any]) -> None:
-        """initial: the integrals at the beginning of the run."""
-        if self._invariants and initial:
-            self._drifts = Drifts(self._invariants, initial)
+    def begin(self, initial: Mapping[str, Any], memory: Mapping[str, Any] | None = None) -> None:
+        """initial: the integrals at the beginning of the run. memory: of the steps before."""
+        memory = dict(memory or {})
+        self._drifts = Drifts(self._invariants, initial, memory.pop("drifts", None))
+        vars(self).update(memory)
+
+    def memory(self) -> dict[str, Any]:
+        """What ``begin`` takes to go on from here, as JSON has it."""
+        return {"drifts": self._drifts.memory, **{name: getattr(self, name) for name in KEPT}}
 
     def add(self, steps: np.ndarray) -> None:
         """The records of some more steps, with the sums over all ranks."""
-        names = steps.dtype.names or ()
         if not len(steps):
             return
+        names = steps.dtype.names
         if "J_error" in names:
             self.J_error = float(np.maximum(self.J_error, steps["J_error"].max()))
         if "lost_energy" in names:
             self._note_lost(steps["lost_energy"], steps["solid_energy"])
-        if self._drifts is not None:
-            found = self._drifts.go_on({name: steps[name] for name in names})
-            for name, drift in found.items():  # np.maximum: what is no number is larger than all
-                largest = np.maximum(self.departures.get(name, 0.0), np.abs(drift).max())
-                self.departures[name] = float(largest)
-            if self._tolerance is not None and self.fault is None:
-                self.fault = self._first_beyond(found, steps["t"])
+        found = self._drifts.go_on({name: steps[name] for name in names})
+        for name, drift in found.items():  # np.maximum: what is no number is larger than all
+            largest = np.maximum(self.departures.get(name, 0.0), np.abs(drift).max())
+            self.departures[name] = float(largest)
+        if self._tolerance is not None and self.fault is None:
+            self.fault = self._first_beyond(found, steps["t"])
         self.steps += len(steps)
 
     def _note_lost(self, lost: np.ndarray, energy: np.ndarray) -> None:
@@ -68,27 +71,10 @@ class Ledgers:
 
     def _first_beyond(self, found: Mapping[str, np.ndarray], t: np.ndarray) -> str | None:
         """The first step, and the law, with a departure beyond the tolerance."""
-        first = []
-        for name, drift in found.items():
-            broken = ~(np.abs(drift) <= self._tolerance)
-            if broken.any():
-                first.append((int(np.argmax(broken)), name))
+        beyond = {name: ~(np.abs(drift) <= self._tolerance) for name, drift in found.items()}
+        first = {name: int(np.argmax(broken)) for name, broken in beyond.items() if broken.any()}
         if not first:
             return None
-        step, name = min(first, key=lambda entry: entry[0])
+        name, step = min(first.items(), key=lambda entry: entry[1])
         when = f"t = {t[step]:.6g}{self._unit}, step {self.steps + step + 1}"
         return f"{name} has drifted by {found[name][step]:.3g} (relative) at {when}"
-
-    def memory(self) -> dict[str, Any] | None:
-        """What ``recall`` takes, as JSON has it."""
-        if self._drifts is None:
-            return None
-        return {"drifts": self._drifts.memory, **{name: getattr(self, name) for name in KEPT}}
-
-    def recall(self, memory: Mapping[str, Any] | None, initial: Mapping[str, Any]) -> None:
-        """Go on after the steps of which ``memory`` tells; without it nothing is known of them."""
-        if memory is None:
-            return
-        self._drifts = Drifts(self._invariants, initial, memory["drifts"])
-        for name in KEPT:
-            setattr(self, name, memory[name])

@@ -88,26 +88,24 @@ class Reporter:
         norm = self._opt["fsi_norm"]
         of_kinds = [(f"{norm} errors, {kind}", text) for kind, text in error_rows(errors or {})]
         self.line(table([*summary_rows(summary, self._s), *of_kinds]))
-        for note in [*about_volumes(summary["J_error"]), *about_losses(summary)]:
+        for note in remarks(summary):
             self.line(note)
         self.line(f"result in {place}")
         if summary["status"] == "done":
             self.line(f"next: python -m fsipetsc plot {shlex.quote(self._opt['fsi_output'])}")
 
 
-def about_volumes(J_error: float) -> list[str]:
-    """A line if J has departed far from the volume of the grid."""
-    if J_error <= MOST_J_ERROR:
-        return []
-    return [f"note: J has departed by {100 * J_error:.2g} % from the volume of the grid (J_error)"]
-
-
-def about_losses(summary: Mapping[str, Any]) -> list[str]:
-    """A line if steps have lost much of the kinetic and elastic energy of solids."""
-    lost = summary.get("lost_energy", 0.0)
-    if lost <= MOST_LOST:
-        return []
-    return [
-        f"note: the steps have lost {100 * lost:.2g} % of the kinetic and elastic energy of the "
-        "solids, which became heat (lost_energy): a smaller -fsi_cfl loses less"
-    ]
+def remarks(summary: Mapping[str, Any]) -> list[str]:
+    """A line if J has departed far from the volume of the grid; another one if steps have lost much
+    of the kinetic and elastic energy of solids.
+    """
+    found, J_error, lost = [], summary["J_error"], summary.get("lost_energy", 0.0)
+    if not J_error <= MOST_J_ERROR:
+        departed = f"note: J has departed by {100 * J_error:.2g} % from the volume of the grid"
+        found.append(f"{departed} (J_error)")
+    if lost > MOST_LOST:
+        found.append(
+            f"note: the steps have lost {100 * lost:.2g} % of the kinetic and elastic energy of "
+            "the solids, which became heat (lost_energy): a smaller -fsi_cfl loses less"
+        )
+    return found

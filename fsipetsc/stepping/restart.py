@@ -20,7 +20,6 @@ from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import OF_A_RUN, PETSC_OPTIONS, table
 from fsipetsc.output import checkpoint_file
 from fsipetsc.output.file_layout import beside
-from fsipetsc.output.pieces import Kept
 from fsipetsc.process.together import together
 from fsipetsc.stepping.state import State
 
@@ -45,11 +44,6 @@ class Past(NamedTuple):
     def options(self) -> dict[str, Any]:
         """Those that are taken over where they are not given."""
         return {k: v for k, v in self.header["options"].items() if k not in OF_A_RUN}
-
-    @property
-    def kept(self) -> Kept:
-        """What the result had at the checkpoint."""
-        return Kept(*self.header["result"], self.header["memory"]["t"])
 
 
 def versions() -> dict[str, str]:
@@ -163,31 +157,29 @@ def check_problem(past: Past, state: State) -> None:
         raise InputError(f"-fsi_restart: other quantities of steps were recorded {when}")
 
 
-def check_file(comm: MPI.Comm, path: str, opt: Mapping[str, Any]) -> None:
-    """InputError or FileError where no checkpoint can be written. Collective."""
+def check_place(
+    comm: MPI.Comm, path: str, opt: Mapping[str, Any], past: Past | None
+) -> Path | None:
+    """A checkpoint at this name that is not the one the run goes on from, if there is one; on
+    rank 0. InputError or FileError where no checkpoint can be written. Collective.
+    """
+    there, names = Path(os.path.realpath(path)), ("fsi_checkpoint_steps", "fsi_checkpoint_wall")
 
-    def check() -> None:
-        if os.path.realpath(path) == os.path.realpath(opt["fsi_output"]):
+    def check() -> Path | None:
+        if str(there) == os.path.realpath(opt["fsi_output"]):
             what = "that is where the result goes; give it another name"
             raise InputError(f"-fsi_checkpoint {path}: {what}")
-        names = "fsi_checkpoint", "fsi_checkpoint_steps", "fsi_checkpoint_wall"
-        if comm.rank == 0 and any(opt[name] for name in names):
-            checkpoint_file.check_place(path)
-
-    together(comm, check)
-
-
-def other_checkpoint(path: str, past: Past | None) -> Path | None:
-    """A checkpoint at this name that is not the one the run goes on from, if there is one.
-    FileError.
-    """
-    there = Path(os.path.realpath(path))
-    try:
-        if not there.is_file() or (past is not None and there.samefile(past.path)):
+        if comm.rank > 0:
             return None
-        return there if checkpoint_file.is_one(there) else None
-    except OSError as error:
-        raise FileError(f"{path}: cannot be read: {error.strerror}") from None
+        if any(opt[name] for name in ("fsi_checkpoint", *names)):
+            checkpoint_file.check_place(path)
+        try:
+            goes_on = past is not None and there.is_file() and there.samefile(past.path)
+            return None if goes_on or not checkpoint_file.is_one(there) else there
+        except OSError as error:
+            raise FileError(f"{path}: cannot be read: {error.strerror}") from None
+
+    return together(comm, check)
 
 
 def write_checkpoint(
@@ -198,17 +190,11 @@ def write_checkpoint(
     name: of the case; opt: options in force; more: entries of the header.
     """
     arrays = state.capture()
+    header = {"case": name, "options": dict(opt), "problem": described(state.problem)}
+    header |= {"columns": columns_of(state), **more}
 
     def write() -> None:
-        if arrays is None:
-            return
-        header = {
-            "case": name,
-            "options": dict(opt),
-            "problem": described(state.problem),
-            "columns": columns_of(state),
-            **more,
-        }
-        checkpoint_file.write(path, checkpoint_file.pack(header, arrays))
+        if arrays is not None:
+            checkpoint_file.write(path, checkpoint_file.pack(header, arrays))
 
     together(state.comm, write)

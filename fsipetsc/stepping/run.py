@@ -14,16 +14,15 @@ from petsc4py import PETSc
 from fsipetsc.errors import ComputationError, FileError, FsiError, InputError, Interrupted
 from fsipetsc.options import read_options
 from fsipetsc.output.checkpoint_file import CheckpointError
+from fsipetsc.output.pieces import Kept
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.process.streams import say
-from fsipetsc.process.together import together
 from fsipetsc.stepping import restart
-from fsipetsc.stepping.integrator import Integrator
+from fsipetsc.stepping.integrator import Integrator, saved_times
 from fsipetsc.stepping.ledgers import Ledgers
-from fsipetsc.stepping.output_times import saved_times
-from fsipetsc.stepping.pauses import signals_noted
 from fsipetsc.stepping.report import Reporter, bound_of_step
 from fsipetsc.stepping.restart import Past
+from fsipetsc.stepping.signals import signals_noted
 from fsipetsc.stepping.solve import build_problem, make_state
 from fsipetsc.stepping.state import State
 from fsipetsc.stepping.verdicts import cold_layers
@@ -65,7 +64,7 @@ def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | No
                 restart.check_problem(past, state)
             state.check_data()  # before there is a file
             run = _Run(case, options, comm, state, past)
-        with closing(run.writer), signals_noted(run.integrator.pauses):
+        with closing(run.writer), signals_noted(run.integrator.heed):
             run.go()
 
 
@@ -73,18 +72,13 @@ class _Run:
     """One run: integrator, writer, checkpoints, ledgers, report."""
 
     def __init__(
-        self,
-        case: Any,
-        opt: Mapping[str, Any],
-        comm: MPI.Comm,
-        state: State,
-        past: Past | None,
+        self, case: Any, opt: Mapping[str, Any], comm: MPI.Comm, state: State, past: Past | None
     ) -> None:
         self.case, self.opt, self.comm = case, opt, comm
         self.problem, self.state, self.past = state.problem, state, past
         self.unit = self.problem.unit("s")
         self.checkpoint = restart.checkpoint_name(opt["fsi_checkpoint"], opt["fsi_output"])
-        restart.check_file(comm, self.checkpoint, opt)
+        other = restart.check_place(comm, self.checkpoint, opt, past)
         self.report = Reporter(comm, case.NAME, opt, state)
         self.checks = opt["fsi_check"] is not None
         self.ledgers = Ledgers(self.problem.invariants, opt["fsi_check"], self.unit)
@@ -102,15 +96,12 @@ class _Run:
         # a number of its own, by which result and checkpoints are recognised, and when it began
         created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
         new = {"run": uuid.uuid4().hex, "created": created}
-        self.mark = new if past is None else past.header["run"]
-        root = comm.rank == 0
-        other = together(
-            comm, lambda: restart.other_checkpoint(self.checkpoint, past) if root else None
-        )
-        after = None if past is None else past.kept
-        self.writer = RunWriter(
-            comm, opt["fsi_output"], self._header(), state.grids(), after, other
-        )
+        self.mark, after = new, None
+        if past is not None:
+            self.mark = past.header["run"]
+            after = Kept(*past.header["result"], past.header["memory"]["t"])
+        about = self._header(), state.grids(), after, other
+        self.writer = RunWriter(comm, opt["fsi_output"], *about)
         self.writer.take_series = self._take
 
     def _header(self) -> dict[str, Any]:
@@ -178,7 +169,6 @@ class _Run:
                 "result": [self.writer.nframes, self.writer.rows],
             }
             restart.write_checkpoint(self.state, self.checkpoint, self.case.NAME, self.opt, more)
-        self.integrator.pauses.written()
 
     # the course of the run
 
@@ -234,19 +224,16 @@ class _Run:
                     report.line(line)
                 self.ledgers.begin(integrator.initial)
             else:
-                self._resume(self.past.header)
+                header = self.past.header
+                integrator.resume(header["memory"], self.past.arrays)
+                self.ledgers.begin(integrator.initial, header["ledgers"])
+                self.saved_at = header["saved_at"]
+                if not self.writer.nframes:  # a file of its own
+                    self._frame(integrator.t)
         report.start(integrator.t, integrator.steps)
         if integrator.beyond:
             note = "explicit methods are unstable far beyond it"
             report.line(f"note: {integrator.beyond}; {note}")
-
-    def _resume(self, header: Mapping[str, Any]) -> None:
-        """Go on from a checkpoint."""
-        self.integrator.resume(header["memory"], self.past.arrays)
-        self.ledgers.recall(header["ledgers"], self.integrator.initial)
-        self.saved_at = header["saved_at"]
-        if not self.writer.nframes:  # a file of its own
-            self._frame(self.integrator.t)
 
     def _rescue(self, error: BaseException) -> None:
         """Write what was computed before an error that all ranks have met at the same place.
@@ -261,7 +248,10 @@ class _Run:
     def _summary(self, failure: BaseException | None) -> dict[str, Any]:
         integrator, state = self.integrator, self.state
         status = "failed" if failure else "stopped" if integrator.stop_signal else "done"
-        message = (str(failure) or type(failure).__name__) if failure else self._early_end()
+        message = (str(failure) or type(failure).__name__) if failure else ""
+        if status == "done" and not integrator.complete:
+            end = f"-ts_max_time {self.opt['ts_max_time']:g}{self.unit}"
+            message = f"ended by -ts_max_steps at t = {integrator.t:g}{self.unit}, before {end}"
         return {
             "status": status,
             "message": message,
@@ -278,11 +268,3 @@ class _Run:
             **({"lost_energy": self.ledgers.lost} if getattr(state, "lossy", False) else {}),
             **{f"initial_{name}": value for name, value in integrator.initial.items()},
         }
-
-    def _early_end(self) -> str:
-        """What a run says that its steps have ended before its time, else ""."""
-        integrator = self.integrator
-        if integrator.complete or integrator.stop_signal:
-            return ""
-        end = f"-ts_max_time {self.opt['ts_max_time']:g}{self.unit}"
-        return f"ended by -ts_max_steps at t = {integrator.t:g}{self.unit}, before {end}"

@@ -71,25 +71,14 @@ def make_state(
     return PaperState(comm, problem, opt)
 
 
-#: what blocks have of options that choose between methods
-_OF_BLOCKS = {
-    "fsi_mapping": ("auto", "stretched"),
-    "fsi_viscous": ("wide",),
-}
-
-
 def block_form(opt: Mapping[str, Any]) -> BlockForm:
     """The form of the equations of blocks that is asked for. InputError for a method that these
     do not have.
     """
-    if opt["fsi_coupling"] != "conservative":
-        wanted = "this case is made of blocks: expected conservative"
-        raise InputError(f"-fsi_coupling {opt['fsi_coupling']}: {wanted}")
-    for name, there in _OF_BLOCKS.items():
-        if opt[name] not in there:
-            wanted = " or ".join(there)
-            raise InputError(
-                f"-{name} {opt[name]}: with -fsi_coupling conservative it is {wanted}; "
-                "-fsi_coupling projection has others, in one dimension"
-            )
+    coupling, mapping = ("conservative",), ("auto", "stretched")
+    there = {"fsi_coupling": coupling, "fsi_mapping": mapping, "fsi_viscous": ("wide",)}
+    for name, wanted in there.items():
+        if opt[name] not in wanted:
+            blocks = "this case is made of blocks, as is any with -fsi_coupling conservative"
+            raise InputError(f"-{name} {opt[name]}: {blocks}: expected {' or '.join(wanted)}")
     return BlockForm(opt["fsi_convection"], opt["fsi_dissipation"], opt["fsi_shock"])

@@ -1,15 +1,15 @@
 """What the states of both methods have in common: see BlockState and PaperState."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.errors import FsiError, InputError
+from fsipetsc.errors import FsiError
 from fsipetsc.scheme.batch import plan_next
-from fsipetsc.scheme.plan import BATCH, SAID_STOP
+from fsipetsc.scheme.plan import BATCH
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
 FAULT = 1000.0
@@ -21,13 +21,13 @@ class State:
     results: flags and limits of the last step (fsipetsc.scheme.plan). batch: fsipetsc.scheme.batch.
     journal: records of steps; latest: that of the last one, without its time; the integrals in them
     are this rank's shares. plan_next() puts the last step into the journal, and says whether
-    another one of its batch follows. fault: the first one of a user's function, on this rank.
+    another one of its batch follows. fault: the first one of a user's function, on this rank, of
+    which all learn after the step.
     """
 
     comm: MPI.Comm
     problem: Any
     results: np.ndarray
-    fault: InputError | None = None
 
     def _lay_journal(self, record: np.dtype, steps: int) -> tuple[np.ndarray, np.ndarray]:
         """Make batch, journal and latest; the last two are returned as numbers, too."""
@@ -37,18 +37,6 @@ class State:
         self.latest = latest.view([(name, record[name]) for name in record.names[2:]])[0]
         self.plan_next = partial(plan_next, self.batch, self.results, rows, latest)
         return rows, latest
-
-    def _guarded(self, action: Callable[[], object]) -> None:
-        """A fault of a function of the case's is kept: all ranks learn of it after the step."""
-        try:
-            action()
-        except InputError as error:
-            self._keep_fault(error)
-
-    def _keep_fault(self, fault: InputError | None) -> None:
-        if fault is not None:
-            self.fault = self.fault or fault
-            self.results[SAID_STOP] = FAULT
 
     def _norms(
         self, sums: Mapping[str, np.ndarray], names: Mapping[str, Sequence[str]], power: int
@@ -74,3 +62,21 @@ class State:
         together_here = isinstance(error, FsiError) and error.collective
         if error is None or self.comm.size == 1 or together_here:
             self.destroy()
+
+
+def whole(comm: MPI.Comm, size: int, numbers: np.ndarray, values: np.ndarray) -> np.ndarray | None:
+    """(size, columns), on rank 0, of all ranks' rows of values by their numbers. Collective."""
+    every, sent = comm.gather(numbers), [np.ascontiguousarray(values), MPI.DOUBLE]
+    if every is None:
+        comm.Gatherv(sent, None)
+        return None
+    received, found = np.empty((2, size, values.shape[1]))
+    counts = [values.shape[1] * len(some) for some in every]
+    comm.Gatherv(sent, [received, counts, MPI.DOUBLE])
+    found[np.concatenate(every)] = received
+    return found
+
+
+def as_numbers(record: np.void) -> np.ndarray:
+    """View of a record of doubles as these."""
+    return record.reshape(1).view(np.float64)

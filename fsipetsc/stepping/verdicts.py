@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -22,87 +22,79 @@ FAR = 1.5
 COLD = 100.0
 #: the square of a larger number is none
 TOO_LARGE = 1e150
+#: fields that must be above 0; others need only be finite
+POSITIVE = "rho", "T", "J", "x_X"
+ADVICE = (
+    "what usually helps: shorter steps (-fsi_cfl or -ts_dt), a finer grid (-fsi_h); where there "
+    "are shocks -fsi_coupling conservative -fsi_dissipation 1 -fsi_shock 1"
+)
 
 
 class Seen(NamedTuple):
     """What a rank sees of a layer. numbers: of the points, (n,), as they count over all ranks;
-    values: field -> (n,), those first of which others are made; positive: fields that must be
-    above 0, the others need only be finite; place(i): of point i.
+    values: field -> (n,), those first of which others are made; x, X: (n, d) places.
     """
 
     layer: int
     numbers: np.ndarray
     values: Mapping[str, np.ndarray]
-    positive: frozenset[str]
-    place: Callable[[int], str]
+    x: np.ndarray
+    X: np.ndarray
 
 
 def described(state: State, t: float, step: int) -> str:
     """The first unphysical point of all ranks. Collective."""
     with np.errstate(all="ignore"):
-        bad = [found for found in map(_first_bad, state.seen()) if found]
-    every = state.comm.allgather(min(bad, default=None))
-    first = min((found for found in every if found), default=None)
-    when = f"t = {t:.6g}{state.problem.unit('s')}, step {step}"
+        bad = [found for seen in state.seen() for found in _bad_points(seen)]
+    first = min((found for some in state.comm.allgather(bad) for found in some), default=None)
+    m, when = state.problem.unit("m"), f"t = {t:.6g}{state.problem.unit('s')}, step {step}"
     if first is None:
         return f"the time step is not a number at {when}"
-    k, _, name, value, place = first
+
+    def place(letters: str, x: Sequence[float]) -> str:
+        return ", ".join(f"{letter} = {value:.6g}{m}" for letter, value in zip(letters, x))
+
+    k, _, _, name, value, x, X = first
     what = f"{name} = {value:.6g}" if np.isfinite(value) else f"{name} is not a finite number"
     if TOO_LARGE <= abs(value) < np.inf:
         what += ", too large to go on with,"
-    return f"{what} in layer '{state.problem.layers[k].name}' at {place}, {when}"
+    where = f"in layer '{state.problem.layers[k].name}' at {place('xyz', x)} ({place('XYZ', X)})"
+    return f"{what} {where}, {when}"
 
 
-def _first_bad(seen: Seen) -> tuple[int, int, str, float, str] | None:
-    """(layer, number of the point, field, value, place) of the first point that is not physical, or
-    with numbers whose squares are none.
+def _bad_points(seen: Seen) -> Iterator[tuple[Any, ...]]:
+    """Of each field the first point that is not physical, or with numbers whose squares are none:
+    (layer, number of the point, number of the field, field, value, x, X).
     """
-    bad = []
-    for name, values in seen.values.items():
-        good = np.abs(values) < TOO_LARGE
-        if name in seen.positive:
-            good &= values > 0
+    for number, (name, values) in enumerate(seen.values.items()):
+        good = (np.abs(values) < TOO_LARGE) & ((values > 0) | (name not in POSITIVE))
         if not good.all():
-            bad.append((int(np.argmin(good)), name))
-    if not bad:
-        return None
-    i, name = min(bad, key=lambda entry: entry[0])
-    return seen.layer, int(seen.numbers[i]), name, float(seen.values[name][i]), seen.place(i)
+            i = int(np.argmin(good))
+            about = number, name, float(values[i]), seen.x[i].tolist(), seen.X[i].tolist()
+            yield seen.layer, int(seen.numbers[i]), *about
 
 
-def advice(opt: Mapping[str, Any]) -> str:
-    """What usually helps, in words; opt: options in force."""
-    paper = opt["fsi_coupling"] != "conservative"
-    unused = [f"-{name} 1" for name in ("fsi_dissipation", "fsi_shock") if not opt[name]]
-    shocks = " and ".join([*(["-fsi_coupling conservative"] * paper), *unused])
-    steps = "a smaller -ts_dt" if opt["ts_dt"] else "a smaller -fsi_cfl"
-    tried = [steps, "a finer grid (-fsi_h)", *([f"{shocks} where there are shocks"] * bool(shocks))]
-    return f"what usually helps: {', '.join(tried)}"
-
-
-def check(
-    state: State, t: float, step: int, flags: Sequence[float], opt: Mapping[str, Any], beyond: str
-) -> None:
+def check(state: State, t: float, step: int, flags: Sequence[float], beyond: str) -> None:
     """Raise ComputationError if the state at t [s] cannot be gone on from.
 
     flags: flags and limits of the step; beyond: what ``beyond_bound`` said.
     """
     if flags[BAD] or not flags[RATE] < np.inf:
-        said = filter(None, (described(state, t, step), beyond, advice(opt)))
+        said = filter(None, (described(state, t, step), beyond, ADVICE))
         raise ComputationError("; ".join(said))
     if not flags[EXHAUSTED] and not flags[TOO_SHORT]:
         return
     k = int(flags[EXHAUSTED] or flags[TOO_SHORT]) - 1
     record, m = state.records[k], state.problem.unit("m")
     side = 0 if record["end_kind"][0] >= 0 else 1
-    name = f"fluid layer '{state.problem.layers[k].name}'"
-    interface, boundary = record["x_interface"], record["end_x"][side]
-    where = f"at t = {t:.6g}{state.problem.unit('s')}, step {step}, with its interface at "
-    where += f"x = {interface:.6g}{m} and its boundary at x = {boundary:.6g}{m}"
-    if flags[EXHAUSTED]:
-        raise ComputationError(f"the points of {name} are used up {where}")
-    least = f"the {state.op.name} operator needs {int(record['least'])} points"
-    raise ComputationError(f"{name} has become too short {where}: {least}")
+    what = f"fluid layer '{state.problem.layers[k].name}' has used up its points"
+    if not flags[EXHAUSTED]:
+        needs = f"the {state.op.name} operator needs {int(record['least'])} points"
+        what = f"fluid layer '{state.problem.layers[k].name}' has become too short ({needs})"
+    raise ComputationError(
+        f"{what} at t = {t:.6g}{state.problem.unit('s')}, step {step}, with its interface at "
+        f"x = {record['x_interface']:.6g}{m} and its boundary at x = {record['end_x'][side]:.6g}{m}"
+    )
 
 
 def beyond_bound(state: State, opt: Mapping[str, Any]) -> str:
