@@ -134,7 +134,7 @@ class ParticleSystem:
         begin = np.searchsorted(number, np.arange(count + 1))
         gases = [k for k, block in enumerate(blocks) if block.kind == "fluid"]
         through = layout.problem.column_of_face
-        facts = np.zeros(count, records.FACTS)
+        facts = np.zeros(count, records.FACTS).view(np.recarray)  # for plain Python
         for p, particle in enumerate(self._particles):
             mine = owners[begin[p]] == layout.comm.rank
             column = next((gases.index(k) for k, _ in particle.members if k in gases), 0)
