@@ -175,7 +175,8 @@ def check_place(
             checkpoint_file.check_place(path)
         try:
             goes_on = past is not None and there.is_file() and there.samefile(past.path)
-            return None if goes_on or not checkpoint_file.is_one(there) else there
+            other = there.exists() and not goes_on and checkpoint_file.is_one(there)
+            return there if other else None
         except OSError as error:
             raise FileError(f"{path}: cannot be read: {error.strerror}") from None
 
