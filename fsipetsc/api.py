@@ -78,6 +78,7 @@ def _case(case: Any) -> Any:
     if not callable(getattr(case, "build", None)):
         known = "a name, a file, a Problem or something with build(opt)"
         raise InputError(f"run: a case is {known}, not {type(case).__name__}")
+    missing["NAME"] = getattr(case, "__name__", "case").rpartition(".")[2]  # that of a module
     given = {name: getattr(case, name, default) for name, default in missing.items()}
     return SimpleNamespace(**given, build=case.build)
 

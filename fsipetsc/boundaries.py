@@ -39,7 +39,7 @@ class Wall:
     degree = 2
 
     def __post_init__(self) -> None:
-        _check(self, "Wall", "x")
+        _check(self, "Wall", "x", "x")
         checks.function(self.velocity, "Wall: velocity", "velocity(t) [m/s]", optional=True)
         if self.velocity is not None and not self.moves:
             expected = "expected a function x(t) [m], too"
@@ -113,32 +113,38 @@ class SolidEnd:
 
     def __post_init__(self) -> None:
         name = {CLAMPED: "clamped", FREE: "free", ABSORBING: "absorbing"}[self.kind]
-        _check(self, name, "value")
+        _check(self, name, "value", "velocity" if self.kind == CLAMPED else "stress")
 
 
 Boundary = Wall | Open | Dirichlet | SolidEnd
 
 
-def clamped(velocity: Timed = 0.0, **heat: Timed | None) -> SolidEnd:
-    """Solid end that moves with a given velocity [m/s]; heat: T or heat_flux of a SolidEnd."""
-    return SolidEnd(CLAMPED, velocity, **heat)
+def clamped(
+    velocity: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
+) -> SolidEnd:
+    """Solid end that moves with a given velocity [m/s]; see SolidEnd."""
+    return SolidEnd(CLAMPED, velocity, T, heat_flux)
 
 
-def free(stress: Timed = 0.0, **heat: Timed | None) -> SolidEnd:
-    """Solid end under a given stress sigma - p [Pa]; heat: T or heat_flux."""
-    return SolidEnd(FREE, stress, **heat)
+def free(
+    stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
+) -> SolidEnd:
+    """Solid end under a given stress sigma - p [Pa]; see SolidEnd."""
+    return SolidEnd(FREE, stress, T, heat_flux)
 
 
-def absorbing(stress: Timed = 0.0, **heat: Timed | None) -> SolidEnd:
-    """Solid end that lets elastic waves out, towards a solid at rest under this sigma - p [Pa];
-    heat: T or heat_flux.
+def absorbing(
+    stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
+) -> SolidEnd:
+    """Solid end that lets elastic waves out, towards a solid at rest under this sigma - p [Pa]; see
+    SolidEnd.
     """
-    return SolidEnd(ABSORBING, stress, **heat)
+    return SolidEnd(ABSORBING, stress, T, heat_flux)
 
 
-def _check(end: Wall | SolidEnd, owner: str, needed: str) -> None:
+def _check(end: Wall | SolidEnd, owner: str, needed: str, argument: str) -> None:
     """InputError if what is given is neither a number within its range nor a function; numbers
-    become floats.
+    become floats. argument: what a user calls the needed one.
     """
     if end.T is not None and end.heat_flux is not None:
         expected = "expected one of them, or neither for an insulated end"
@@ -146,7 +152,8 @@ def _check(end: Wall | SolidEnd, owner: str, needed: str) -> None:
     for name in (needed, "T", "heat_flux"):
         value, bound = getattr(end, name), checks.POSITIVE if name == "T" else checks.ANY
         if not callable(value) and (name == needed or value is not None):
-            object.__setattr__(end, name, checks.number(value, f"{owner}: {name}", bound))
+            said = f"{owner}: {argument if name == needed else name}"
+            object.__setattr__(end, name, checks.number(value, said, bound))
 
 
 def degree_of(end: Boundary, order: int) -> int:

@@ -26,7 +26,7 @@ ENDS: dict[str, tuple[tuple[type, ...], str]] = {
 @dataclass(frozen=True)
 class _Layer:
     """What a layer of gas and one of a solid have. fields: names of what is saved of it; unknowns:
-    of what `initial` returns. material_class: what its material must be.
+    of a solid, what all functions return. material_class: what its material must be.
     """
 
     name: str

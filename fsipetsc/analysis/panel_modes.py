@@ -98,6 +98,6 @@ def crossing(
     fine = np.linspace(min(dynamic), max(dynamic), 401)
     first = int(np.argmax([fastest(at).real > 0.0 for at in fine]))
     if first == 0:
-        return float("nan"), complex("nan")
+        return float("nan"), complex("nan+nanj")
     at = float(brentq(lambda at: fastest(at).real, fine[first - 1], fine[first]))
     return at, unit_of(mach, mass, at) * fastest(at)

@@ -1,5 +1,5 @@
 """The problem that ``bench`` measures: a gas beneath a solid in one, two or three dimensions, unit
-cubes, periodic along the interface, with a wall below and clamped above; the gas is not at rest.
+cubes, periodic along the interface, with a wall below and clamped above. The gas begins with waves.
 """
 
 from collections.abc import Mapping

@@ -34,7 +34,8 @@ def to_xarray(run: Run) -> xarray.Dataset:
 
     variables: dict[str, Any] = {}
     coordinates: dict[str, Any] = {"time": ("time", run.time, about("t"))}
-    coordinates["interface"] = "interface", list(run.interfaces)
+    if run.interfaces:
+        coordinates["interface"] = "interface", list(run.interfaces)
     for layer in run.layers:
         name, axes = "_".join(layer.name.split()), "XYZ"[: len(layer.shape)]
         dimensions = [f"{axis}_{name}" for axis in axes[::-1]]

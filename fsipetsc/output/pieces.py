@@ -114,8 +114,10 @@ class Contents:
         self._counts: list[tuple[Path, int]] = []  # of frames in each file
         self._marks: dict[Path, tuple[int, ...]] = {}  # by which a file is known again
         found = [*filter(None, map(self._add, files))]
-        names = found[0] if found else ()
-        self.series = {name: np.concatenate([part[name] for part in found]) for name in names}
+        names = [*found[0]] if found else []
+        if any(part.keys() != found[0].keys() for part in found):
+            raise ValueError("its series do not fit together")
+        self.series = {n: np.concatenate([part.pop(n) for part in found]) for n in names}
         if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) < 0):
             raise ValueError("the times of its frames are not ascending numbers")
 

@@ -22,6 +22,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc import given
+from fsipetsc.blocks.values import names_of
 from fsipetsc.errors import InputError
 from fsipetsc.operators.boxed import Box
 from fsipetsc.operators.kernel_cache import announced
@@ -31,7 +32,7 @@ from fsipetsc.paper.coupling import KINDS
 from fsipetsc.paper.layout import DOF, check_form, make_records, share_out
 from fsipetsc.paper.parts import Interface, Layer
 from fsipetsc.paper.stencils import packed
-from fsipetsc.problem import Problem
+from fsipetsc.problem import Problem, SolidLayer
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.batch import DT, MADE
 from fsipetsc.scheme.plan import CAPACITY, FLAGS, LIMITS, SAID_STOP, step_record
@@ -212,7 +213,8 @@ class PaperState(State):
         """
         if any(layer.exact is None for layer in self.problem.layers):
             return None
-        power, names = {"L1": 1, "L2": 2}[norm], {k: given.UNKNOWNS[k, "exact"] for k in DOF}
+        power = {"L1": 1, "L2": 2}[norm]
+        names = {"fluid": names_of("fluid", "exact", 1), "solid": SolidLayer.unknowns}
         sums = {kind: np.zeros(len(names[kind])) for kind in names}
         found = together(self.comm, lambda: [part.powers(t, power) for part in self.here])
         for part, own in zip(self.here, found, strict=True):

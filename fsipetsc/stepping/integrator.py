@@ -83,7 +83,7 @@ class Integrator:
         self.state, self.opt = state, opt
         self._on_frame, self._on_series = on_frame, on_series or self.take_series
         self._on_step, self._on_checkpoint = on_step, on_checkpoint
-        self._recorded = 0  # steps in the journal, of which so many may be there
+        self._recorded = 0  # steps in the journal, at most as many as it has room for
         self._room = CHECKED if opt["fsi_check"] else len(state.journal)
         self._signal = 0  # the last one that came to this rank
         self._every, self._wall = opt["fsi_checkpoint_steps"], opt["fsi_checkpoint_wall"]
