@@ -23,7 +23,7 @@ def test_maps_take_corners_where_they_belong():
     assert x.tolist() == [0, 2, 0, 3] and y.tolist() == [0, 0, 1, 4]
     x, y = maps.annulus(1.0, 2.0, (0.0, np.pi / 2), (5.0, 6.0))(ends)
     assert np.allclose(x, [6, 7, 5, 5]) and np.allclose(y, [6, 6, 7, 8])
-    grid = maps.stretched(maps.rectangle((0, 0), (2, 1)), lambda s: s**2, lambda s: s)
+    grid = maps.stretched(maps.rectangle((0, 0), (2, 1)), lambda s: s**2, None)
     half = np.array([0.0, 0.5, 1.0])
     assert np.allclose(grid((half, half)), [[0.0, 0.5, 2.0], half])
 
@@ -179,6 +179,7 @@ WRONG = {
     "name is 'a|b'": lambda: one(name="a|b"),
     "expected a Fluid or an ElasticSolid": lambda: one(material="steel"),
     r"cells is \(8, 0\) .*: expected 1, 2 or 3 whole numbers": lambda: one(cells=(8, 0)),
+    "takes 0 and 1 to 0 and 2": lambda: maps.stretched(maps.rectangle(0, 1), lambda s: 2 * s),
     "its map fails: ValueError": lambda: one(cells=(8, 8, 8)),
     "initial is None": lambda: one(initial=None),
     "its map gives 1 coordinates: expected 2": lambda: one(map=lambda xi: (xi[0],)),

@@ -154,6 +154,7 @@ BODIES = {
     "mu_e and lambda_e are 0": {"mu_e": 0.0, "lambda_e": 0.0},
     "kappa_e is nan": {"kappa_e": float("nan")},
     "pressing is 3: expected what pressure_law": {"pressing": 3},
+    "force is": {"force": (1.0,) * 4},
     "force[1] is None": {"force": (1.0, None)},
 }
 WRONG = {

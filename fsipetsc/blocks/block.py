@@ -153,7 +153,7 @@ class Block:
     def _check_axes(self) -> None:
         """InputError for wrong cells or periodic; both become tuples."""
         cells = self.cells if isinstance(self.cells, (tuple, list)) else (self.cells,)
-        whole = (isinstance(c, (int, np.integer)) and c > 0 for c in cells)
+        whole = (isinstance(c, (int, np.integer)) and c is not True and c > 0 for c in cells)
         if not (1 <= len(cells) <= 3 and all(whole)):
             wanted = "expected 1, 2 or 3 whole numbers above 0"
             raise InputError(f"{self}: cells is {described(self.cells)}: {wanted}")

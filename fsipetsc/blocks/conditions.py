@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any
 
-from fsipetsc.checks import ANY, POSITIVE, function, number
+from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, function, number
 from fsipetsc.errors import InputError
 
 #: f(*X, t) -> an array, or several
@@ -39,7 +39,8 @@ class Condition:
             if key in _FUNCTIONS:
                 function(value, what, f"{key}(*X, t) -> {_FUNCTIONS[key]}")
             elif key in _NUMBERS and not callable(value):
-                object.__setattr__(self, key, number(value, what, _NUMBERS[key]))
+                bound = NONNEGATIVE if isinstance(self, Outflow) else _NUMBERS[key]
+                object.__setattr__(self, key, number(value, what, bound))
             elif key in _VECTORS and not callable(value):
                 items = enumerate(value if isinstance(value, (tuple, list)) else (value,))
                 found = (v if callable(v) else number(v, f"{what}[{k}]") for k, v in items)

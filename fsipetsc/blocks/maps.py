@@ -152,9 +152,15 @@ def transfinite(*faces: tuple[Callable[..., Any], Callable[..., Any]]) -> Map:
     return places
 
 
-def stretched(map: Map, *functions: Callable[[Array], Array]) -> Map:
-    """X(s_0(xi_0), …): a function of [0, 1] onto itself for each axis."""
-    return lambda xi: map(tuple(s(x) for s, x in zip(functions, xi, strict=True)))
+def stretched(map: Map, *functions: Callable[[Array], Array] | None) -> Map:
+    """X(s_0(xi_0), …): a function of [0, 1] onto itself for each axis, or None. InputError."""
+    for k, s in enumerate(functions):
+        ends = [0.0, 1.0] if s is None else [float(s(np.array(end))) for end in (0.0, 1.0)]
+        if not np.allclose(ends, (0.0, 1.0), rtol=0.0, atol=1e-12):
+            found = f"{ends[0]:g} and {ends[1]:g}"
+            raise InputError(f"stretched: function {k} takes 0 and 1 to {found}: expected 0 and 1")
+    of_axes = [s or (lambda x: x) for s in functions]
+    return lambda xi: map(tuple(s(x) for s, x in zip(of_axes, xi, strict=True)))
 
 
 def place_text(X: Any) -> str:

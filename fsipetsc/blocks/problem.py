@@ -330,8 +330,9 @@ def _check_radial(block: Block, centred: bool) -> None:
         raise InputError(f"{block}: a node is at {place_text(X[:, lowest])}: {wanted}")
     first, second = lines[:, 0], lines[:, 1]
     wrong = np.abs([*(second - first)[:-1], 3.0 * first[-1] - second[-1]]).sum(axis=0)
-    i = int(np.argmax(wrong / (second - first)[-1]))
-    if centred and not wrong[i] <= 0.1 * (second - first)[-1, i]:
+    spacing = (second - first)[-1]
+    i = int(np.argmax(wrong - 0.1 * spacing))
+    if centred and not wrong[i] <= 0.1 * spacing[i]:
         found = f"its first nodes are at {place_text(first[:, i])} and {place_text(second[:, i])}"
         wanted = "expected half a spacing and one and a half from r = 0, as off_axis has them"
         raise InputError(f"{block}: Centre(): {found}: {wanted}")

@@ -52,7 +52,7 @@ def _invariant_excess(n: int) -> str:
 
 
 def _largest_eigenvalue(n: int) -> str:
-    """The right end of Gershgorin's circles."""
+    """The right end of Gershgorin's circles, or 0 if it is below."""
     d = isqrt(n)
     others = [[f" + abs(B[{i * d + j}])" for j in range(d) if j != i] for i in range(d)]
     ends = (f"B[{i * d + i}]" + "".join(others[i]) for i in range(d))

@@ -36,7 +36,8 @@ class Fluid:
     def __post_init__(self) -> None:
         ranges = {"mu": NONNEGATIVE, "kappa": NONNEGATIVE, "gamma": "above 1", "R": POSITIVE}
         numbers(self, "Fluid", ranges)
-        self.equations(np.size(self.force))
+        object.__setattr__(self, "force", checked_force(self.force, "Fluid"))
+        self.equations(len(self.force))
 
     @property
     def gas_law(self) -> Any:
@@ -71,12 +72,17 @@ class Fluid:
         return kind(self.gas_law, self.transport_law, self.mu, self.kappa, force)
 
 
-def force_in(force: float | tuple[float, ...], d: int, owner: str) -> tuple[float, ...]:
-    """A body force [m/s2], a number or a tuple, as d numbers; InputError if it is given with others
-    than d, but for 0.
-    """
+def checked_force(force: Any, owner: str) -> tuple[float, ...]:
+    """A body force [m/s2], a number or up to three, as a tuple; InputError."""
     given = force if isinstance(force, (tuple, list)) else (force,)
-    found = tuple(number(b, f"{owner}: force[{k}]", ANY, "m/s2") for k, b in enumerate(given))
+    if not 1 <= len(given) <= 3:
+        raise InputError(f"{owner}: force is {described(force)}: expected 1 to 3 numbers [m/s2]")
+    return tuple(number(b, f"{owner}: force[{k}]", ANY, "m/s2") for k, b in enumerate(given))
+
+
+def force_in(force: float | tuple[float, ...], d: int, owner: str) -> tuple[float, ...]:
+    """A body force as d numbers; InputError if it is given with others than d, but for 0."""
+    found = checked_force(force, owner)
     if not any(found):
         return (0.0,) * d
     if len(found) != d:

@@ -3,13 +3,11 @@
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, described, numbers
 from fsipetsc.equations.solid import AxialSolid, RadialSolid, Solid
 from fsipetsc.errors import InputError
 from fsipetsc.materials import own
-from fsipetsc.materials.fluid import force_in
+from fsipetsc.materials.fluid import checked_force, force_in
 from fsipetsc.materials.linear_elastic import LinearElastic
 from fsipetsc.materials.log_solid import Log
 from fsipetsc.materials.neo_hookean import NeoHookean
@@ -53,7 +51,7 @@ class ElasticSolid:
         if self.heat not in HEATS:
             expected = " or ".join(map(repr, HEATS))
             raise InputError(f"ElasticSolid: heat is {described(self.heat)}: expected {expected}")
-        force_in(self.force, np.size(self.force), "ElasticSolid")
+        object.__setattr__(self, "force", checked_force(self.force, "ElasticSolid"))
         law = self.solid_law
         if self.heat == "elastic" and not own.knows_energy(law):
             needs = "its law has no formula energy(F), which heat='elastic' needs"

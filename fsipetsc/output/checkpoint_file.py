@@ -69,7 +69,7 @@ def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Array]
 
 
 def is_one(path: Path) -> bool:
-    """Whether a file begins as a checkpoint does, whole or damaged. OSError, also without a file."""
+    """Whether a file begins as a checkpoint does, whole or damaged. OSError, also without one."""
     if path.exists() and not path.is_file():  # a pipe would wait for a writer
         return False
     with path.open("rb") as file:
