@@ -89,7 +89,8 @@ BESIDE = gas((0.0, 0.5), beside=new.Slip())
 WRONG = {
     "one or more of Layer": lambda: fit(),
     "ends at 0.5, 'solid' begins at 0.6": lambda: fit(LOW, solid((0.6, 1.0))),
-    "no h is given": lambda: fit(LOW, h=None),
+    "neither cells nor h": lambda: fit(LOW, h=None),
+    "one for each of along": lambda: fit(LOW, h=None, cells=(8, 8)),
     "0.125 apart from 0 to 1": lambda: fit(LOW, solid((0.5, 1.0), span=[(0.1, 0.6)])),
     "span: expected": lambda: fit(LOW, solid((0.5, 1.0), span=SPAN * 2)),
     "span: sides: nothing": lambda: fit(BESIDE, solid((0.5, 1.0), span=SPAN)),

@@ -62,6 +62,7 @@ def layers(
     lower: Condition,
     upper: Condition,
     along: Sequence[Extent] = (),
+    cells: Sequence[int] | None = None,
     h: float | None = None,
     order: int | None = None,
     sides: Sides | None = None,
@@ -69,16 +70,20 @@ def layers(
 ) -> BlockProblem:
     """The blocks of layers from below; two neighbours of different kinds, or of the same, meet.
 
-    along: (low, high) of each axis along the layers [m], none in one dimension. h: spacing [m] that
-    gives cells along, and across layers that say none; order: of the operators, whose least number
-    of cells these then have. lower, upper: what stands at the lowest and the topmost layer. sides:
-    at the sides of layers that have none of their own; None: they go on periodically. more: jumps,
-    notes, units, as of BlockProblem. InputError where these do not fit together.
+    along: (low, high) of each axis along the layers [m], none in one dimension. cells: along each;
+    or h: spacing [m] that gives these, and those across layers that say none; order: of the
+    operators, whose least number of cells these then have. lower, upper: what stands at the lowest
+    and the topmost layer. sides: at the sides of layers that have none of their own; None: they go
+    on periodically. more: jumps, notes, units, as of BlockProblem. InputError where these do not
+    fit together.
     """
     if not stack or not all(isinstance(layer, Layer) for layer in stack):
         raise InputError("layers: expected one or more of Layer")
     along = tuple(extent(ends, "layers: along") for ends in along)
-    cells = [_cells(ends, h, "layers") for ends in along]
+    if cells is None:
+        cells = [_cells(ends, h, "layers") for ends in along]
+    if len(cells) != len(along):
+        raise InputError(f"layers: cells is {described(cells)}: expected one for each of along")
     least, found = 1 if order is None else operator(order).min_points - 1, []
     for layer in stack:
         below = found[-1] if found else None
@@ -101,7 +106,7 @@ def layers(
 def _cells(ends: Extent, h: float | None, what: str) -> int:
     """Cells of the spacing h [m]. InputError where it is none."""
     if h is None:
-        raise InputError(f"{what}: no h is given, and no cells across a layer: expected h")
+        raise InputError(f"{what}: neither cells nor h is given: expected one of them")
     return max(1, round((ends[1] - ends[0]) / number(h, "layers: h", POSITIVE)))
 
 

@@ -26,6 +26,9 @@ from fsipetsc import Fluid, InputError, Solid
 from fsipetsc.blocks.conditions import Open
 from fsipetsc.checks import Array, Fields
 
+#: part of the jump that is left where a shock's structure is cut off
+_TAIL = 1e-6
+
 
 class GasState(NamedTuple):
     """Density [kg/m3], velocity [m/s], pressure [Pa]."""
@@ -71,6 +74,48 @@ def shock_in_plane(
 
     note = f"behind the shock rho = {behind.rho:.6g}, u = {behind.u:.6g}, p = {behind.p:.6g}"
     return flow, Open(behind.rho, (behind.u, 0.0), hot), note
+
+
+def shock_structure(
+    gas: Fluid, ahead: GasState, mach: float, width: float, w: float = 0.0
+) -> Callable[[Array], GasState]:
+    """x [m] -> the gas in and around a shock that goes to the right, spread by dissipation.
+
+    Its wave is width/2 (|u - w| + c) U_x = f(U) - s U - (f(U) - s U ahead), U = (rho, rho u, e):
+    what the scheme of Lax and Friedrichs makes of it on a grid of spacing ``width`` [m] and
+    velocity w [m/s]. It has the mass of a jump at x = 0. What begins with a jump instead sends
+    waves after the shock until the shock has this structure.
+    """
+    from scipy.integrate import solve_ivp
+
+    behind, s = behind_shock(gas, ahead, mach)
+    low, high = (
+        np.array([q.rho, q.rho * q.u, q.p / (gas.gamma - 1) + 0.5 * q.rho * q.u**2])
+        for q in (ahead, behind)
+    )
+
+    def state(U: Any) -> GasState:
+        u = U[1] / U[0]
+        return GasState(U[0], u, (gas.gamma - 1) * (U[2] - 0.5 * U[1] * u))
+
+    def flux(U: Array) -> Array:
+        rho, u, p = state(U)
+        return np.array([rho * u, rho * u * u + p, u * (U[2] + p)]) - s * U
+
+    def slope(_: float, y: Array) -> Array:
+        q = state(y[:3])
+        return np.append(flux(y[:3]) - flux(high), 0.5 * width * (abs(q.u - w) + sound(gas, q)))
+
+    c = sound(gas, behind)
+    fast = np.array([1.0, behind.u + c, (high[2] + behind.p) / behind.rho + behind.u * c])
+    start = np.append(high - _TAIL * behind.rho * fast, 0.0)
+    length = -np.log(_TAIL) * (1 / (behind.u + c - s) + 1 / (s - ahead.u - sound(gas, ahead)))
+    accurate = {"rtol": 1e-9, "atol": 1e-12, "max_step": length / 400}
+    *U, x = solve_ivp(slope, (0.0, length), start, **accurate).y
+    excess = np.sum(np.diff(x) * (0.5 * (U[0][1:] + U[0][:-1]) - low[0]))
+    x = x - excess / (high[0] - low[0])
+    ends = list(zip(U, high, low, strict=True))
+    return lambda at: state([np.interp(at, x, row, left=a, right=b) for row, a, b in ends])
 
 
 class GasWave(NamedTuple):
