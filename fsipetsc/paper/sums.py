@@ -29,7 +29,7 @@ def monitor_gas(op, gas, layer, q, sums):
     a, b, A, B = own_range(layer)
     side = outer_side(layer)
     strip, ghost = beyond_boundary(layer, side), (A if side == 0 else B)
-    fastest, diffusivity, good = 0.0, 0.0, True
+    fastest, diffusivity, least, finite = 0.0, 0.0, np.inf, 0.0
     mass, momentum, energy = 0.0, 0.0, 0.0
     for i in range(a, b):
         rho, m, e = q[i, 0], q[i, 1], q[i, 2]
@@ -38,7 +38,8 @@ def monitor_gas(op, gas, layer, q, sums):
         heat = gas.conductivity(T) / gas.law.heat_capacity(rho, T)
         fastest = max(fastest, speed)
         diffusivity = max(diffusivity, max(gas.viscosity(T), heat) / rho)
-        good = good and rho > 0.0 and T > 0.0 and rho + abs(m) + abs(e) + T + speed < np.inf
+        least = min(least, min(rho, T))
+        finite += rho + m + e + T + speed
         w = weight(op, min(i - A, B - i))
         k = abs(i - ghost)
         if k < 4:
@@ -52,7 +53,7 @@ def monitor_gas(op, gas, layer, q, sums):
     sums[-1] += layer.h * momentum
     layer.rates[0] = fastest / layer.h
     layer.rates[1] = op.diffusion * diffusivity / (layer.h * layer.h)
-    return good
+    return least > 0.0 and np.isfinite(finite)
 
 
 @njit(**INNER)
@@ -60,24 +61,25 @@ def monitor_solid(op, solid, layer, q, sums):
     """The same, by the largest speed of waves and kappa_e/(alpha m0 x_X), in Lagrangian
     coordinates. q: (points with halos, 4)."""
     a, b, A, B = own_range(layer)
-    stiffest, thinnest, good = 0.0, 0.0, True
+    stiffest, softest, shortest, coldest = 0.0, np.inf, np.inf, np.inf
+    per_h, finite = 1.0 / layer.h, 0.0
     momentum, kinetic, heat = 0.0, 0.0, 0.0
     for i in range(a, b):
         u, sigma, T, w = q[i, 0], q[i, 1], q[i, 2], weight(op, min(i - A, B - i))
         j = max(i, A + 1)
-        x_X = (q[j, 3] - q[j - 1, 3]) / layer.h
+        x_X = (q[j, 3] - q[j - 1, 3]) * per_h
         p = solid.pressure(T, x_X)
         modulus = solid.wave_modulus(T, p, min(sigma, p), x_X)
-        stiffest, thinnest = max(stiffest, modulus), max(thinnest, 1.0 / x_X)
-        good = good and x_X > 0.0 and T > 0.0 and modulus >= 0.0
-        good = good and x_X + u * u + abs(sigma) + T + modulus < np.inf
+        stiffest, softest = max(stiffest, modulus), min(softest, modulus)
+        shortest, coldest = min(shortest, x_X), min(coldest, T)
+        finite += x_X + u * u + sigma + T + modulus
         momentum += w * u
         kinetic += 0.5 * w * u * u
         heat += w * T
     m0_h = solid.m0 * layer.h
     sums[-2] += m0_h * (kinetic + solid.alpha * heat)
     sums[-1] += m0_h * momentum
-    diffusivity = solid.kappa_e * thinnest / (solid.alpha * solid.m0)
+    diffusivity = solid.kappa_e / (shortest * solid.alpha * solid.m0)
     layer.rates[0] = np.sqrt(stiffest / solid.m0) / layer.h
     layer.rates[1] = op.diffusion * diffusivity / (layer.h * layer.h)
-    return good
+    return min(shortest, coldest) > 0.0 and softest >= 0.0 and np.isfinite(finite)
