@@ -28,6 +28,8 @@ RUNS = {
     "rod": ("rod -fsi_h 0.05 -ts_max_time 0.9 -fsi_output_dt 0.01", 40),
     "blast": ("blast -fsi_h 0.125 -fsi_order 2 -ts_max_time 4 -fsi_output_dt 0.04", 4),
 }
+#: said where a run ended before the place: after a signal to mpiexec fast machines make many steps
+AT_END = "the run ended before"
 PLACES = "frame", "fill", "piece", "checkpoint", "begin", "begun"
 KILL, TERM, INT = signal.SIGKILL, signal.SIGTERM, signal.SIGINT
 
@@ -54,18 +56,24 @@ def killed(folder: Path, words: list[str], ranks: int, place: list) -> str:
     with fsipetsc.open_run(folder / "run.h5") as result:
         for layer in result.layers:
             assert all(layer[name].shape[0] == result.nframes for name in layer.fields)
-        assert done.returncode != 0 or place[3] < 0, f"{place} was not reached: {done.stderr}"
+        if not done.returncode and place[3] > 0:
+            return f"{ended}: {AT_END}"
         return f"{ended}: {result.nframes} frames, {len(result.series.get('t', ()))} steps"
 
 
 def cycles(folder: Path, case: str, kills: list[tuple[int, list]]) -> list[str]:
-    """Kill a run at all these places, let it end, and compare; what was done. AssertionError."""
+    """Kill a run at these places, let it end, and compare; what was done, up to the kill before
+    which the run ended. AssertionError.
+    """
     line, steps = RUNS[case]
     words = [*line.split(), "-fsi_quiet", "-fsi_output", "run.h5"]
     whole = solve(*words[:-1], "whole.h5", cwd=folder)
     assert whole.returncode == 0, whole.stderr
     words += ["-fsi_restart", "auto", "-fsi_checkpoint_steps", str(steps)]
-    said = [killed(folder, words, *kill) for kill in kills]
+    said: list[str] = []
+    for kill in kills:
+        if not said or not said[-1].endswith(AT_END):
+            said.append(killed(folder, words, *kill))
     last = solve(*words, cwd=folder)
     assert last.returncode == 0, last.stderr
     found = different(folder / "whole.h5", folder / "run.h5", same_ranks=False)
@@ -79,5 +87,8 @@ if __name__ == "__main__":
     name, count, seed = sys.argv[1], int(sys.argv[2]), int((sys.argv[3:] or ["1"])[0])
     chance = random.Random(seed)
     chosen = [at_random(chance, number) for number in range(count)]
-    with tempfile.TemporaryDirectory() as place:
-        print(json.dumps(cycles(Path(place), name, chosen), indent=1))
+    while chosen:  # in runs one after the other
+        with tempfile.TemporaryDirectory() as place:
+            done = cycles(Path(place), name, chosen)
+        print(json.dumps(done, indent=1))
+        chosen = chosen[len(done) :]
