@@ -80,11 +80,10 @@ def checked_force(force: Any, owner: str) -> tuple[float, ...]:
     return tuple(number(b, f"{owner}: force[{k}]", ANY, "m/s2") for k, b in enumerate(given))
 
 
-def force_in(force: float | tuple[float, ...], d: int, owner: str) -> tuple[float, ...]:
-    """A body force as d numbers; InputError if it is given with others than d, but for 0."""
-    found = checked_force(force, owner)
-    if not any(found):
+def force_in(force: Any, d: int, owner: str) -> tuple[float, ...]:
+    """A checked body force as d numbers; InputError if it is given with others, but for 0."""
+    if not any(force):
         return (0.0,) * d
-    if len(found) != d:
+    if len(force) != d:
         raise InputError(f"{owner}: force is {described(force)}: expected {d} numbers [m/s2]")
-    return found
+    return tuple(force)
