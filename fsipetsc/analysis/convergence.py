@@ -6,7 +6,6 @@ terminal and as CSV, and a picture: error against grid spacing and against time.
 """
 
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
 from typing import Any
 
 import numpy as np
@@ -116,20 +115,19 @@ def _run_order(
 
     def keep(j: int) -> None:
         """What a run has cost, and its errors."""
-        with open_run(paths[j]) as run:
-            table.put(i, j, run.errors if table.exact else {})
-            for name in COST:
-                table.cost[name][i, j] = run.summary[name]
+        run = open_run(paths[j])
+        table.put(i, j, run.errors if table.exact else {})
+        for name in COST:
+            table.cost[name][i, j] = run.summary[name]
 
     def compare() -> list[str]:
         """Differences of neighbouring grids; which layers are not resolved."""
         if table.exact or len(paths) < 2:
             return []
-        with ExitStack() as stack:
-            runs = [stack.enter_context(open_run(path)) for path in paths.values()]
-            for j, k, errors in zip(paths, list(paths)[1:], differences(runs, table.norm)):
-                if k == j + 1:
-                    table.put(i, j, errors)
+        found = differences([open_run(path) for path in paths.values()], table.norm)
+        for j, k, errors in zip(paths, list(paths)[1:], found):
+            if k == j + 1:
+                table.put(i, j, errors)
         return unresolved(table, i)
 
     yield ""

@@ -89,8 +89,7 @@ def one_run(
         own["fsi_output"] = f"{folder}/panel.h5"
         try:
             run_case(case, own, MPI.COMM_SELF)
-            with open_run(own["fsi_output"]) as run:
-                s, misfit = fit_modes(*motion_of(run, later))
+            s, misfit = fit_modes(*motion_of(open_run(own["fsi_output"]), later))
         except ComputationError as error:
             raise ComputationError(f"M = {mach:g}, lambda = {dynamic:g}: {error}") from None
     return mach, dynamic, (complex(s[0]), complex(s[1])), misfit
