@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
-Array = np.ndarray
+from fsipetsc.checks import Array
+
 #: solve(case, order, h, end=None, **options) runs a case, given by its name or as a problem, to its
 #: end or to another time, and returns its opened result; collective
 Solve = Callable[..., Any]
