@@ -171,9 +171,9 @@ def picture(title: str, rows: list[Row], last: Measured | None, path: Path) -> N
         axes[0].set(xlabel=curve.labels[0], ylabel=curve.labels[1])
         axes[0].legend(frameon=False)
     names, orders = (list(dict.fromkeys(of)) for of in zip(*[row[1:3] for row in rows]))
-    for number, row in enumerate(rows):
+    for row in rows:
         k, mark = names.index(row.quantity), "os^v"[orders.index(row.order)]
-        label = None if row.quantity in (r.quantity for r in rows[:number]) else row.quantity
+        label = row.quantity if row.order == orders[0] else None
         color = colormaps["tab20"]((2 * k + k // 10) % 20)
         axes[-1].loglog(row.spacings, row.errors, f"{mark}-", color=color, label=label)
     for order, mark in zip(orders, "os^v"):
