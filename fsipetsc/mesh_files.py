@@ -19,12 +19,11 @@ import h5py
 import numpy as np
 
 from fsipetsc.blocks.block import determinant
+from fsipetsc.blocks.faces import FaceName
 from fsipetsc.blocks.maps import Nodes, nodes
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
 
-#: (block name, axis, side)
-FaceName = tuple[str, int, int]
 #: names of units of length in CGNS -> metres
 METRES = {"Meter": 1.0, "Centimeter": 0.01, "Millimeter": 0.001, "Foot": 0.3048, "Inch": 0.0254}
 METRES |= {"Null": 1.0, "UserDefined": 1.0}

@@ -6,7 +6,7 @@ terminal and as CSV, and a picture: error against grid spacing and against time.
 """
 
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -48,8 +48,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
     say(f"{case.NAME} to {table.time} on {ranks}: {table.norm} {what} and observed orders")
     with results_folder(comm, path.parent, "convergence-") as folder:
         for i in range(len(table.orders)):
-            for line in _run_order(case, opt, comm, table, i, folder):
-                say(line)
+            _run_order(case, opt, comm, table, i, folder, say)
     if table.errors and len(table.hs) < 2:
         say("\none grid shows no order: -fsi_hs takes several, as in -fsi_hs 0.05,0.025")
     if comm.rank == 0:
@@ -104,10 +103,10 @@ def _empty_table(case: Any, opt: Mapping[str, Any], comm: Comm) -> Study:
 
 
 def _run_order(
-    case: Any, opt: Mapping[str, Any], comm: Comm, table: Study, i: int, folder: Any
-) -> Any:
-    """Run all grids of order i and fill the table; yields what is said. Collective; InputError
-    where grids have no node in common; FileError."""
+    case: Any, opt: Mapping[str, Any], comm: Comm, table: Study, i: int, folder: Path, say: Any
+) -> None:
+    """Run all grids of order i, fill the table and say what is in it. Collective; InputError where
+    grids have no node in common; FileError."""
     from fsipetsc.stepping.run import run_case
 
     times = (table.t,) if table.exact else tuple(table.t * np.arange(1, SAMPLES + 1) / SAMPLES)
@@ -116,23 +115,22 @@ def _run_order(
 
     def keep(j: int) -> None:
         """What a run has cost, and its errors."""
-        with open_run(paths[j]) as run:
-            table.put(i, j, run.errors if table.exact else {})
-            for name in COST:
-                table.cost[name][i, j] = run.summary[name]
+        run = open_run(paths[j])
+        table.put(i, j, run.errors if table.exact else {})
+        for name in COST:
+            table.cost[name][i, j] = run.summary[name]
 
     def compare() -> list[str]:
         """Differences of neighbouring grids; which layers are not resolved."""
         if table.exact or len(paths) < 2:
             return []
-        with ExitStack() as stack:
-            runs = [stack.enter_context(open_run(path)) for path in paths.values()]
-            for j, k, errors in zip(paths, list(paths)[1:], differences(runs, table.norm)):
-                if k == j + 1:
-                    table.put(i, j, errors)
+        found = differences([open_run(path) for path in paths.values()], table.norm)
+        for j, k, errors in zip(paths, list(paths)[1:], found):
+            if k == j + 1:
+                table.put(i, j, errors)
         return unresolved(table, i)
 
-    yield ""
+    say("")
     for j, h in enumerate(table.hs):
         own |= {"fsi_order": table.orders[i], "fsi_h": h, "fsi_output": f"{folder}/{i}-{j}.h5"}
         try:
@@ -141,7 +139,7 @@ def _run_order(
         except ComputationError as error:
             table.failures[table.orders[i], h] = str(error)
         together(comm, lambda: None if comm.rank or j not in paths else keep(j))  # noqa: B023
-        yield table.row(i, j)
+        say(table.row(i, j))
     notes = together(comm, lambda: [] if comm.rank else compare())
     if table.errors:
-        yield "\n".join([table.table(i), *notes])
+        say("\n".join([table.table(i), *notes]))

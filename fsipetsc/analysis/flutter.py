@@ -34,7 +34,9 @@ OPTIONS = (
     Option("flutter_machs", "floats", MACHS, "", "instead of -panel_mach", **_ABOVE),
     Option("flutter_lambdas", "floats", LAMBDAS, "", "instead of -panel_lambda", check="positive"),
 )
-
+CASE = load_case("panel")
+#: heading -> options for -help
+SECTIONS = groups(CASE, OPTIONS)
 
 #: a run: Mach number, lambda, s of the two modes that meet [unit of velocity over the panel's
 #: length], misfit of the modes
@@ -46,15 +48,14 @@ def flutter(arguments: list[str], comm: Comm) -> None:
 
     Raises InputError; FileError; ComputationError.
     """
-    case = load_case("panel")
     instead = {"panel_mach": "flutter_machs", "panel_lambda": "flutter_lambdas"}
-    opt, given, path = begin(case, arguments, comm, OPTIONS, "flutter", instead)
+    opt, given, path = begin(CASE, arguments, comm, OPTIONS, "flutter", instead)
     if "panel_push" not in given:
         opt["panel_push"] = SMALL
     say, mass = printer(comm, opt), opt["panel_mass"]
     tasks = list(product(*(sorted({*opt[option.name]}) for option in OPTIONS)))
     end = opt["ts_max_time"] if "ts_max_time" in given else None
-    runs = shared(comm, tasks, lambda task: one_run(case, opt, *task, end))
+    runs = shared(comm, tasks, lambda task: one_run(opt, *task, end))
     facts, lines = f"mass {mass:g}, thickness {opt['panel_thickness']:g}", list(map(_row, runs))
     say(f"panel, {facts}: growth and angular frequency of its modes\n\n{text_table(HEAD, lines)}")
     say("\nonset of flutter: lambda, and frequency f in cycles per unit of time")
@@ -64,13 +65,8 @@ def flutter(arguments: list[str], comm: Comm) -> None:
     wait_asleep(comm)
 
 
-def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
-    """Heading -> options for -help."""
-    return groups(load_case("panel"), OPTIONS)
-
-
 def one_run(
-    case: Any, opt: Mapping[str, Any], mach: float, dynamic: float, end: float | None = None
+    opt: Mapping[str, Any], mach: float, dynamic: float, end: float | None = None
 ) -> FlutterRun:
     """The modes of the panel at a Mach number and lambda = dynamic, from a run on this rank alone.
 
@@ -88,9 +84,8 @@ def one_run(
     with tempfile.TemporaryDirectory() as folder:
         own["fsi_output"] = f"{folder}/panel.h5"
         try:
-            run_case(case, own, MPI.COMM_SELF)
-            with open_run(own["fsi_output"]) as run:
-                s, misfit = fit_modes(*motion_of(run, later))
+            run_case(CASE, own, MPI.COMM_SELF)
+            s, misfit = fit_modes(*motion_of(open_run(own["fsi_output"]), later))
         except ComputationError as error:
             raise ComputationError(f"M = {mach:g}, lambda = {dynamic:g}: {error}") from None
     return mach, dynamic, (complex(s[0]), complex(s[1])), misfit

@@ -12,11 +12,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import newton
 from scipy.special import h1vp, jvp, spherical_jn, spherical_yn
 
-Complex = NDArray[np.complex128]
+from fsipetsc.analysis.spectra import Complex
+
 #: how far from where it begins a search may end, over |omega|; when it ends, and steps it may take;
 #: what counts as singular
 NEAR, CLOSE, STEPS, SINGULAR = 0.03, 1e-12, 40, 1e-8

@@ -68,11 +68,8 @@ def stability(arguments: list[str], comm: Comm) -> None:
         least, points = max(4, op.min_points), opt["stability_points"]
         if points < least:
             raise InputError(f"-stability_points {points}: the {op.name} operator needs {least}")
-    state = of_options(opt)
-    states = [state]
-    if opt["sweep"]:
-        ratios = product(opt["density_ratios"], opt["stiffness_ratios"])
-        states = [state.swept(*both) for both in ratios]
+    state, ratios = of_options(opt), product(opt["density_ratios"], opt["stiffness_ratios"])
+    states = [state.swept(*both) for both in ratios] if opt["sweep"] else [state]
     coupling, narrow = opt["fsi_coupling"], opt["fsi_viscous"] == "narrow"
     how = opt["stability_points"], opt["fsi_h"], coupling, narrow
     tasks, say = list(product(opt["fsi_orders"], states)), printer(comm, opt)

@@ -58,7 +58,7 @@ def radial_modes(problem: BlockProblem, order: int, n: int = 0, form: BlockForm 
     """
     with BlockState(MPI.COMM_SELF, problem, order, form) as state:
         columns = state.layout.shapes[0][1] if problem.dimension > 1 else 1
-        if n and not 0 <= 2 * n < columns:
+        if 2 * n >= columns:
             known = f"-ring_around {columns} knows angular numbers from 0 to {(columns - 1) // 2}"
             raise InputError(f"-ring_angular {n}: {known}")
         values, blocks = linear_modes(state, 1, n)
@@ -127,10 +127,7 @@ def linear_modes(state: BlockState, axis: int, n: int) -> tuple[Complex, list[Co
                 y = start.copy()
                 block(k, y)[j, 0, c] += sign * multiple * nudges[i]
                 found[:, :, i] += sign * weight / nudges[i] * (part @ evaluate(y))
-    rates, projection = (
-        found[0] * scales / scales[:, None],
-        found[1].real * scales / scales[:, None],
-    )
+    rates, projection = (of * scales / scales[:, None] for of in (found[0], found[1].real))
     rest, values = evaluate(start) / scales
     moving = np.abs(rest @ projection.T).max() > AT_REST * np.abs(rates).max()
     if moving or np.ptp(values, axis=0).max() > AT_REST:

@@ -32,6 +32,8 @@ FORMS = {
     "divergence-viscous": ("divergence", True, "-form div -visc 1"),
 }
 COLUMNS = "problem order form n ranks step_us ns_node_rhs other_us ratio speed_up".split()
+#: in the words of a program, where the number of steps stands
+STEPS = "STEPS"
 _WHAT = "0: the rod; 1, 2, 3: gas | solid in that number of dimensions"
 OPTIONS = (
     Option("bench_problems", "ints", (0, 1, 2, 3), "", _WHAT, check=listed_in((0, 1, 2, 3))),
@@ -48,29 +50,28 @@ OPTIONS = (
     Option("bench_square_program", str, None, "", "folder of another program for gas | solid, 2-D"),
     Option("fsi_output", str, "bench", "", "base name of the table NAME.csv"),
 )
-_OF_RUN = "fsi_quiet", "fsi_partition"
 SECTIONS = {
     "Benchmark": OPTIONS,
-    "Run": tuple(option for option in RUN if option.name in _OF_RUN),
+    "Run": tuple(option for option in RUN if option.name in ("fsi_quiet", "fsi_partition")),
 }
 
 
 def targets(opt: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
     """All that the options ask for: the first columns of a row, a case, options of its run; another
-    program, its words before and after the number of steps. The rod's 6 m have 1 m of solid."""
+    program and its words. The rod's 6 m have 1 m of solid."""
     of_dimension = {1: "bench_line", 2: "bench_square", 3: "bench_cube"}
     forms = FORMS if opt["bench_form"] == "all" else (opt["bench_form"],)
     for problem, order in product(opt["bench_problems"], opt["bench_orders"]):
         for points in opt["bench_rod"] if problem == 0 else ():
             own = {"fsi_order": order, "fsi_h": 1.0 / max(1, round(points / 6))}
-            words = order, repr(own["fsi_h"]), 3, "-q", "-n"
-            yield ("rod", order, "", points), load_case("rod"), own, "rod", words, ()
+            words = order, repr(own["fsi_h"]), 3, "-q", "-n", STEPS
+            yield ("rod", order, "", points), load_case("rod"), own, "rod", words
         for form, n in product(forms, opt[of_dimension[problem]]) if problem else ():
-            convection, viscous, words = FORMS[form]
+            convection, viscous, more = FORMS[form]
             own = {"fsi_order": order, "fsi_h": 1.0 / n, "fsi_convection": convection}
             own |= {"square_dimension": problem, "square_viscous": viscous}
             about, program = (f"{problem}-D", order, form, n), "plane" if problem == 2 else ""
-            yield about, square, own, program, (order, n, n), ("-q", *words.split())
+            yield about, square, own, program, (order, n, n, STEPS, "-q", *more.split())
 
 
 def bench(arguments: list[str], comm: Comm) -> None:
@@ -90,13 +91,9 @@ def bench(arguments: list[str], comm: Comm) -> None:
     programs = together(comm, lambda: {name: executable(name, given[name]) for name in given})
     say(f"load of the machine: {os.getloadavg()[0]:.1f}")
     say(" ".join(f"{name:>11}" for name in COLUMNS))
-    for about, case, own, name, before, after in targets(opt):
+    for about, case, own, name, words in targets(opt):
         options = {**defaults(case), "fsi_partition": opt["fsi_partition"], **own}
-
-        def other(steps: int) -> float | None:
-            program = programs.get(name)  # noqa: B023
-            return program and time_of(program, *before, steps, *after)  # noqa: B023
-
+        other = (programs[name], *words) if name in programs else ()
         for row in measured(case, options, opt, comm, teams, other):
             rows.append([*about, *row])
             say(" ".join(f"{value!s:>11}" for value in rows[-1]))
@@ -110,10 +107,10 @@ def measured(
     opt: Mapping[str, Any],
     comm: Comm,
     teams: Mapping[int, Comm],
-    other: Callable[[int], float | None],
+    other: Sequence[object],
 ) -> list[Sequence[object]]:
     """The last columns for each number of ranks, on rank 0. Collective. InputError where ranks do
-    not fit. other: another program's time of a step, of so many steps; None where there is none.
+    not fit. other: another program and its words; empty where there is none.
     """
 
     def on(ranks: int, action: Callable[[], Any]) -> Any:
@@ -133,12 +130,12 @@ def measured(
     for _ in range(opt["bench_repeats"]):
         for n, own in times.items():
             own.append(sample(n, steps))
-        beside.append(on(1, lambda: other(steps)))
+        beside.append(on(1, lambda: time_of(other, steps) if other else None))
     rows: list[Sequence[object]] = []
     for n, own in times.items() if comm.rank == 0 else ():
         of_node = 1e3 * median(own) / (4 * states[n].points)  # four stages
         row = [n, f"{median(own):.4g}", f"{of_node:.3g}", "", "", ""]
-        if None not in beside:
+        if other:
             row[3:5] = f"{median(beside):.4g}", _ratio(own, beside)
         if n > 1 and 1 in times:
             row[5] = _ratio(times[1], own)
@@ -188,9 +185,9 @@ def executable(name: str, folder: str) -> Path:
     return path
 
 
-def time_of(*command: object) -> float:
-    """Time of a step [µs] by a program with these arguments. InputError."""
-    words = [str(word) for word in command]
+def time_of(command: Sequence[object], steps: int) -> float:
+    """Time of a step [µs] by a program with these words, of so many steps. InputError."""
+    words = [str(steps if word == STEPS else word) for word in command]
     try:
         said = subprocess.run(words, capture_output=True, text=True, check=True).stdout.split()
         return float(said[said.index("median") + 1] if "median" in said else said[4])

@@ -109,7 +109,7 @@ def _solid(layer: SolidLayer, h: float) -> Block:
         _without_stress(layer.initial),
         forcing=layer.forcing and _forces_alone(layer),
         exact=exact and _without_stress(exact),
-        exact_stress=exact and (lambda X, t: (exact(X, t)[1],)),
+        exact_stress=exact and _stress_alone(exact),
         prestress=None if uniform else stress,
     )
 
@@ -121,6 +121,16 @@ def _without_stress(function: Function) -> Function:
     def called(*where: Any) -> Any:
         u, _, T, x = function(*where)
         return u, T, x
+
+    return called
+
+
+def _stress_alone(function: Function) -> Function:
+    """(u, sigma, T, x) of a solid as (sigma,)."""
+
+    @wraps(function)
+    def called(*where: Any) -> Any:
+        return (function(*where)[1],)
 
     return called
 

@@ -85,7 +85,7 @@ def errors_of(state: BlockState, t: float, norm: str) -> dict[str, dict[str, flo
             block, of_kind, X = part.block, names[part.block.kind], part.X[:, part.owned]
             exact = block_values(block, "exact", X, t)
             if len(of_kind) > len(exact):
-                where = f"exact_stress of block '{block.name}' at t = {t:.6g}"
+                where = f"exact of block '{block.name}' at t = {t:.6g}"
                 exact += checked(block.exact_stress, (*X, t), X, of_kind[len(exact) :], where)
             columns = fields_of(block.kind, problem.dimension, problem.symmetry)
             saved = dict(zip(columns, state.fields(k).T, strict=True))

@@ -19,7 +19,8 @@ from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
+from typing import Any
 
 from fsipetsc.blame import call
 from fsipetsc.errors import InputError
@@ -58,6 +59,12 @@ def load_case(name_or_path: str, also: Sequence[str] = ()) -> ModuleType:
     hint = f"; did you mean '{near[0]}'?" if near else "."
     known = f"There are {', '.join(BUILT_IN)}, and any case file (.py)"
     raise InputError(f"unknown case '{name_or_path}'{hint} {known}")
+
+
+def case_of(problem: Any, **defaults: Any) -> SimpleNamespace:
+    """A case that is one problem; defaults: as in a case's DEFAULTS."""
+    about = {"NAME": "problem", "SUMMARY": "", "OPTIONS": (), "DEFAULTS": defaults}
+    return SimpleNamespace(**about, build=lambda opt: problem)
 
 
 def _load_file(path: Path) -> ModuleType:

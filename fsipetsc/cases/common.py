@@ -73,15 +73,16 @@ def solid_of(opt: Opt, force: float = 0.0) -> Solid:
     return Solid(*numbers, force, pressing)
 
 
-def elastic_of(opt: Opt, p_ref: float = 1.0, **more: Any) -> ElasticSolid:
+def elastic_of(opt: Opt, p_ref: float = 1.0, rho: float = 1.0, **more: Any) -> ElasticSolid:
     """The solid of a case of blocks, without heat of its own; p_ref [Pa], more: see ElasticSolid.
 
-    Of solid_mu and solid_lambda, or of solid_modulus K in units of p_ref: K/4 and K/2.
+    Of solid_mu and solid_lambda, or of solid_modulus K in units of p_ref: K/4 and K/2. rho [kg/m3]:
+    unit of solid_density.
     """
     K = opt.get("solid_modulus", 0.0) * p_ref
     lame = opt.get("solid_mu", K / 4), opt.get("solid_lambda", K / 2)
     others = {"kappa_e": 0.0, "alpha": 1.0, "p_ref": p_ref, "heat": "elastic", **more}
-    return ElasticSolid(*lame, m0=opt["solid_density"], **others)
+    return ElasticSolid(*lame, m0=opt["solid_density"] * rho, **others)
 
 
 def constant(*values: float) -> Callable[..., Fields]:

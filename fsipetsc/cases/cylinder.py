@@ -45,15 +45,13 @@ def in_gas(q: int) -> Map:
 def build(opt: Opt) -> BlockProblem:
     """Axis 0 of the blocks around goes outwards, axis 1 around."""
     gas = gas_of(opt, R=AHEAD.p / AHEAD.rho)
-    of_solid = {**opt, "solid_density": opt["solid_density"] * AHEAD.rho}
-    solid = elastic_of(of_solid, AHEAD.p, law="neo-hookean")
+    solid = elastic_of(opt, AHEAD.p, AHEAD.rho, law="neo-hookean")
     flow, inflow, _ = shock_in_plane(gas, AHEAD, opt["cylinder_mach"], START)
     lengths = np.pi / 2 * RADIUS, RADIUS - CORE, 1.25
     around, within, outside = (cells_of(opt, length) for length in lengths)
     sides = Outflow(AHEAD.p), Slip(name="ceiling"), inflow, Slip(name="floor")
     elastic, rest = opt["cylinder_wall"] == "elastic", at_rest()
-    middle = centre(CORE)
-    blocks = [Block("core", solid, middle, (around, around), rest)] if elastic else []
+    blocks = [Block("core", solid, centre(CORE), (around, around), rest)] if elastic else []
     faces = {}
     for q, side in enumerate(sides):
         name = f"gas {q + 1}"

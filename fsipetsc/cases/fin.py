@@ -16,7 +16,7 @@ import numpy as np
 from fsipetsc import Block, BlockProblem, Fluid, InputError, Option
 from fsipetsc.blocks.conditions import Clamped, Slip
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.cases.common import Opt, at_rest
+from fsipetsc.cases.common import SHOCKS, Opt, at_rest
 from fsipetsc.cases.riemann import GasState, shock_in_plane
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import operator
@@ -31,7 +31,7 @@ OPTIONS = (
 )
 DEFAULTS = {
     **{"fsi_h": 0.005, "fsi_order": 4, "fsi_cfl": 1.2, "ts_max_time": 2e-3, "fsi_output_dt": 1e-4},
-    **{"fsi_shock": 1.0, "fsi_dissipation": 1.0, "fsi_probes": "0.051,0.05"},
+    **{**SHOCKS, "fsi_probes": "0.051,0.05"},
 }
 
 AHEAD = GasState(1.2, 0.0, 101e3)

@@ -71,9 +71,8 @@ def slowest(gas: Fluid, solid: Solid) -> Mode:
         raise InputError("no thermal mode is found: expected conductivities closer to each other")
     found = thermal[np.argmax(values.real[thermal])]
     parts = vectors[found].real
-    fine = [polynomial.linspace(201)[1] for polynomial in polynomials(x, parts[[2]])]
-    fine += [polynomial.linspace(201)[1] for polynomial in polynomials(x_s, parts[[5]])]
-    T = np.concatenate(fine)
+    of_T = [*polynomials(x, parts[[2]]), *polynomials(x_s, parts[[5]])]
+    T = np.concatenate([polynomial.linspace(201)[1] for polynomial in of_T])
     parts = parts / T[np.argmax(np.abs(T))]
     return Mode(values.real[found], polynomials(x, parts[:3]), polynomials(x_s, parts[3:]))
 
@@ -83,17 +82,17 @@ def build(opt: Opt) -> Problem:
     gas, solid = gas_of(opt, GAMMA, R), solid_of(opt)
     s, of_gas, of_solid = slowest(gas, solid)
 
-    def in_gas(x, t):
+    def in_gas(x, t=0.0):
         rho, u, T = (AMPLITUDE * np.exp(s * t) * part(x) for part in of_gas)
         return RHO0 + rho, u, T0 + T
 
-    def in_solid(X, t):
+    def in_solid(X, t=0.0):
         u, sigma, T = (AMPLITUDE * np.exp(s * t) * part(X) for part in of_solid)
         return u, sigma - P0, T0 + T, X + u / s
 
     layers = (
-        SolidLayer("solid", solid, X[:2], lambda X: in_solid(X, 0.0), exact=in_solid),
-        FluidLayer("gas", gas, X[1:], lambda x: in_gas(x, 0.0), exact=in_gas),
+        SolidLayer("solid", solid, X[:2], in_solid, exact=in_solid),
+        FluidLayer("gas", gas, X[1:], in_gas, exact=in_gas),
     )
     note = f"the mode decays as exp({s:.10g} t), as the linear equations have it"
     return Problem(layers, clamped(T=T0), Wall(X[2], T=T0), notes=(note,), units="none")

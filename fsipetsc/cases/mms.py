@@ -48,13 +48,13 @@ def solid_modes(X: Array) -> Fields:
     return *modes, *slopes, -EPS * a * a * np.sin(a * X), -9 * modes[2]
 
 
-def exact_fluid(X: Array, t: float) -> Fields:
+def exact_fluid(X: Array, t: float = 0.0) -> Fields:
     """(rho, u, T) of (5.1)."""
     rho, u, T, *_ = fluid_modes(X)
     return 1 + cos(t) * rho, sin(t) * u, 10 + sin(3 * t) * T
 
 
-def exact_solid(X: Array, t: float) -> Fields:
+def exact_solid(X: Array, t: float = 0.0) -> Fields:
     """(u, sigma, T, x) of (5.2)."""
     g, sigma, T, *_ = solid_modes(X)
     return t * g, sin(t * t) * sigma, 5 + cos(t) * T, X + 0.5 * t * t * g
@@ -108,18 +108,16 @@ def build(opt: Opt) -> Problem:
     def end(x, X_I):
         return Dirichlet(x, lambda t: exact_fluid(X_I + x - exact_solid(X_I, t)[3], t))
 
+    def of_solid(X, t):
+        return solid_forcing(solid, X, t)
+
     def fluid(name, X, X_I):
         forcing = lambda X, t: fluid_forcing(gas, X, X_I, t)  # noqa: E731
-        start = lambda X: exact_fluid(X, 0.0)  # noqa: E731
-        return FluidLayer(name, gas, X, start, forcing=forcing, exact=exact_fluid)
+        return FluidLayer(name, gas, X, exact_fluid, forcing, exact_fluid)
 
     layers = (
         fluid("left", (LEFT, 1.0), 1.0),
-        SolidLayer(
-            *("solid", solid, (1.0, 2.0), lambda X: exact_solid(X, 0.0)),
-            forcing=lambda X, t: solid_forcing(solid, X, t),
-            exact=exact_solid,
-        ),
+        SolidLayer("solid", solid, (1.0, 2.0), exact_solid, of_solid, exact_solid),
         fluid("right", (2.0, RIGHT), 2.0),
     )
     return Problem(layers, end(LEFT, 1.0), end(RIGHT, 2.0), jumps=jumps, units="none")

@@ -51,8 +51,7 @@ def between(low: float, high: float) -> Map:
 def build(opt: Opt) -> BlockProblem:
     """Axis 0 of the blocks is along the axis, axis 1 away from it."""
     gas = gas_of(opt, R=AHEAD.p / AHEAD.rho)
-    of_wall = {**opt, "solid_density": opt["solid_density"] * AHEAD.rho}
-    wall = elastic_of(of_wall, AHEAD.p, law="neo-hookean")
+    wall = elastic_of(opt, AHEAD.p, AHEAD.rho, law="neo-hookean")
     flow, inflow, _ = shock_in_plane(gas, AHEAD, opt["nozzle_mach"], START)
     least = operator(opt["fsi_order"]).min_points - 1
     widths = LENGTH, WIDE, THICKNESS, VESSEL - WIDE - THICKNESS

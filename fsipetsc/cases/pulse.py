@@ -95,20 +95,20 @@ def build(opt: Opt) -> Problem:
     sigma, linear = solid.pressure(T0) - P0, acoustics(opt, gas, solid)
     in_fluid = linear.side > 0
 
-    def exact_gas(X, t):
+    def exact_gas(X, t=0.0):
         p, u, _ = linear.waves(X, t, in_fluid)
         T = T0 * (1 + (gas.gamma - 1) / gas.gamma * p / P0)
         return (P0 + p) / (gas.R * T), u, T
 
-    def exact_solid(X, t):
+    def exact_solid(X, t=0.0):
         p, u, displacement = linear.waves(X, t, not in_fluid)
         strain = -p / (solid.m0 * solid.sound_speed(1.0, T0, sigma) ** 2)
         T = T0 - P0 * strain / (solid.alpha * solid.m0)
         return u, sigma + solid.K * strain, T, X + displacement
 
     layers = (
-        SolidLayer("solid", solid, (-SIZE, 0.0), lambda X: exact_solid(X, 0.0), exact=exact_solid),
-        FluidLayer("gas", gas, (0.0, SIZE), lambda X: exact_gas(X, 0.0), exact=exact_gas),
+        SolidLayer("solid", solid, (-SIZE, 0.0), exact_solid, exact=exact_solid),
+        FluidLayer("gas", gas, (0.0, SIZE), exact_gas, exact=exact_gas),
     )
     note = (
         f"exact solution: linear acoustics, reflection {linear.reflection:.6g}, "

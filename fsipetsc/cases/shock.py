@@ -27,9 +27,9 @@ from fsipetsc.options import above_one
 SUMMARY = "a shock tube with an elastic rod, or a shock that hits one, with exact solutions"
 
 OPTIONS = (
-    Option("shock_problem", "str", "sod", "", "which problem", choices=("sod", "strong")),
-    Option("shock_mach", "float", 3.0, "", "strong: Mach number of the shock", check=above_one),
-    Option("shock_ratio", "float", 10.0, "", "sod: ratio of the pressures", check=above_one),
+    Option("shock_problem", str, "sod", "", "which problem", ("sod", "strong")),
+    Option("shock_mach", float, 3.0, "", "strong: Mach number of the shock", check=above_one),
+    Option("shock_ratio", float, 10.0, "", "sod: ratio of the pressures", check=above_one),
     *materials(fluid_mu=0.0, fluid_kappa=0.0),
     *materials(solid_modulus=4.0, solid_density=0.5, solid_alpha=1.0),
 )
@@ -112,7 +112,7 @@ class Solution:
             state = wave.at(p, x - X[1], t - self.hit)
         return [state.rho, state.u, state.p / (self.gas.R * state.rho)]
 
-    def in_solid(self, X_s: Array, t: float) -> Fields:
+    def in_solid(self, X_s: Array, t: float = 0.0) -> Fields:
         """(u, sigma, T, x) at the material points."""
         _, wave, p = self.waves
         state = wave.at(p, X_s - X[1], t - self.hit)
@@ -140,11 +140,10 @@ def build(opt: Opt) -> Problem:
     notes, speed = exact.notes(), exact.shock[0].u
     width = WIDTH * max(opt["fsi_shock"], 1.0) * opt["fsi_h"]
     begin = lambda x: exact.at_start(x, width)  # noqa: E731
-    at_rest = lambda x: exact.in_solid(x, 0.0)  # noqa: E731
     piston = Wall(lambda t: X[0] + speed * t, velocity=lambda t: speed)
     left, right = (piston, free(-LOW.p)) if strong else (Wall(X[0]), clamped())
     layers = (
         FluidLayer("gas", gas, X[:2], begin, exact=exact.in_gas),
-        SolidLayer("rod", solid, X[1:], at_rest, exact=exact.in_solid),
+        SolidLayer("rod", solid, X[1:], exact.in_solid, exact=exact.in_solid),
     )
     return Problem(layers, left, right, notes=notes, units="none")

@@ -14,7 +14,7 @@ import numpy as np
 from fsipetsc import BlockProblem, Fluid, Option, Solid
 from fsipetsc.blocks.conditions import Clamped, Slip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.cases.common import Opt, materials, stack
+from fsipetsc.cases.common import SHOCKS, Opt, materials, stack
 from fsipetsc.cases.riemann import GasState, GasWave, pressure_between
 from fsipetsc.cases.shock import DENSE, GAMMA, LOW, R, Solution
 from fsipetsc.checks import Array
@@ -28,7 +28,7 @@ OPTIONS = (
 )
 DEFAULTS = {
     **{"fsi_h": 0.01, "fsi_order": 4, "ts_max_time": 0.15, "fsi_output_dt": 0.05, "fsi_norm": "L1"},
-    **{"fsi_shock": 1.0, "fsi_dissipation": 1.0},
+    **SHOCKS,
 }
 #: the gas of high pressure in Sod's problem; width of the tube, which is 1 or 2 long
 HIGH, WIDTH = GasState(DENSE, 0.0, 1.0), 0.25

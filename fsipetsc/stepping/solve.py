@@ -34,11 +34,22 @@ def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem 
                 f"{place_of(case.build)}: build(opt) returns {found}: "
                 "expected a Problem or BlockProblem"
             )
+        _check_mappings(problem, opt["fsi_coupling"])
         if opt["fsi_coupling"] != "conservative":
             return problem
         return blocks_of_line(problem, opt["fsi_h"], opt["fsi_order"])
 
     return together(comm, build)
+
+
+def _check_mappings(problem: Problem, coupling: str) -> None:
+    """InputError for a layer of gas that asks for a grid which the coupling does not have."""
+    there = "stretched" if coupling == "conservative" else "rigid"
+    for layer in problem.layers:
+        if getattr(layer, "mapping", None) not in (None, there):
+            expected = f"expected '{there}' or None with -fsi_coupling {coupling}"
+            found = described(layer.mapping)
+            raise InputError(f"{layer.place}{layer}: mapping is {found}: {expected}")
 
 
 def make_state(

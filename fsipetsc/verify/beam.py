@@ -45,7 +45,7 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     for ends, thickness in (("clamped", 0.05), ("hinged", 0.02)):
         found = first_frequency(order, h, thickness, ends == "hinged") / np.sqrt(thickness**2 / 6.0)
         row = np.argmin(np.abs(table["d"] - thickness))
-        errors[f"{ends}, d = {thickness:g}"] = Compared(float(found), float(table[ends][row]))
+        errors[f"{ends}, d = {thickness:g}"] = Compared(found, table[ends][row])
     return Measured(errors)
 
 

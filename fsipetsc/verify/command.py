@@ -5,11 +5,10 @@ from functools import partial
 from importlib import import_module
 from itertools import count, takewhile
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 from fsipetsc.analysis.tables import csv_target, printer, results_folder, save_csv, text_table
-from fsipetsc.cases import load_case
+from fsipetsc.cases import case_of, load_case
 from fsipetsc.errors import ComputationError, InputError, RanksError
 from fsipetsc.options import RUN, Option, defaults, read_table
 from fsipetsc.output.file_layout import writing
@@ -90,15 +89,13 @@ def _solver(comm: Comm, folder: Path) -> Solve:
     from fsipetsc.stepping.run import run_case
 
     numbers = count()
-    about = {"NAME": "problem", "SUMMARY": "", "OPTIONS": (), "DEFAULTS": {"fsi_h": 1.0}}
 
     def solve(what: Any, order: int, h: float, end: float | None = None, **options: Any) -> Any:
-        given = SimpleNamespace(**about, build=lambda opt: what)
-        case, path = load_case(what) if isinstance(what, str) else given, f"{next(numbers)}.h5"
+        case = load_case(what) if isinstance(what, str) else case_of(what)
         opt = {**defaults(case), "fsi_order": order, "fsi_h": h, "fsi_quiet": True}
         if end is not None:
             opt |= {"ts_max_time": end, "fsi_output_dt": end}
-        opt |= {**options, "fsi_output": str(folder / path)}
+        opt |= {**options, "fsi_output": str(folder / f"{next(numbers)}.h5")}
         on_as_many(comm, lambda ranks: run_case(case, opt, ranks))
         return open_run(opt["fsi_output"])
 
@@ -174,9 +171,9 @@ def picture(title: str, rows: list[Row], last: Measured | None, path: Path) -> N
         axes[0].set(xlabel=curve.labels[0], ylabel=curve.labels[1])
         axes[0].legend(frameon=False)
     names, orders = (list(dict.fromkeys(of)) for of in zip(*[row[1:3] for row in rows]))
-    for number, row in enumerate(rows):
+    for row in rows:
         k, mark = names.index(row.quantity), "os^v"[orders.index(row.order)]
-        label = None if row.quantity in (r.quantity for r in rows[:number]) else row.quantity
+        label = row.quantity if row.order == orders[0] else None
         color = colormaps["tab20"]((2 * k + k // 10) % 20)
         axes[-1].loglog(row.spacings, row.errors, f"{mark}-", color=color, label=label)
     for order, mark in zip(orders, "os^v"):

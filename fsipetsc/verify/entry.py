@@ -8,8 +8,10 @@ from math import inf, isclose, log, nan
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 
-Array = np.ndarray
+from fsipetsc.checks import Array
+
 #: solve(case, order, h, end=None, **options) runs a case, given by its name or as a problem, to its
 #: end or to another time, and returns its opened result; collective
 Solve = Callable[..., Any]
@@ -66,10 +68,10 @@ class Bound(NamedTuple):
 
 
 def expect(
-    names: Iterable[str], orders: Iterable[int], order: float = -inf, error: float = inf
+    names: Iterable[str], orders: Iterable[int], *bound: float, **more: Any
 ) -> dict[tuple[str, int], Bound]:
-    """One bound for quantities at some orders."""
-    return {key: Bound(order, error) for key in product(names, orders)}
+    """One bound for quantities at some orders; bound, more: as of Bound."""
+    return dict.fromkeys(product(names, orders), Bound(*bound, **more))
 
 
 class Row(NamedTuple):
@@ -143,7 +145,4 @@ def joined(frames: Iterable[Mapping[str, Array]]) -> dict[str, Array]:
 
 def smooth(x: Array, y: Array) -> Callable[[Array], Array]:
     """A reference between its points: the spline of fifth degree."""
-    from scipy.interpolate import make_interp_spline
-
-    spline: Callable[[Array], Array] = make_interp_spline(x, y, k=5)
-    return spline
+    return make_interp_spline(x, y, k=5)

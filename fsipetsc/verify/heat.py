@@ -12,15 +12,13 @@ def slab(solve: Solve, order: int, h: float, table: dict[str, Array]) -> float:
     solid = SolidLayer("slab", Solid(1.0, 0.1, 1.0, 1.0), (0.0, 1.0), lambda X: (0, 0, T(X), X))
     ends = clamped(T=1.0), free(heat_flux=lambda t: 0.1 * np.cos(2.0 * np.pi * t))
     problem = Problem((solid,), *ends, units="none")
-    with solve(problem, order, h, 1.0) as run:
-        frame = run.layers[0].frame(-1)
+    frame = solve(problem, order, h, 1.0).layers[0].frame(-1)
     return largest(frame["T"] - T(frame["x"]))
 
 
 def mode(solve: Solve, order: int, h: float, table: dict[str, Array]) -> float:
     """Largest error over the size."""
-    with solve("heat", order, h) as run:
-        solid, gas = (layer.frame(-1) for layer in run.layers)
+    solid, gas = (layer.frame(-1) for layer in solve("heat", order, h).layers)
     left, errors = np.exp(table["mode s"][0]), []
     for frame, name, x in ((solid, "mode solid", solid["x"] + 1.0), (gas, "mode gas", gas["x"])):
         exact = smooth(table["x"], table[name])(np.clip(x, 0.0, 1.0))

@@ -46,12 +46,10 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     """Changes of all dimensions."""
     errors: dict[str, float] = {}
     for d in (1, 2, 3):
-        with solve(box(d, h, order), order, h, ts_max_time=1.0) as run:
-            series = {name: np.asarray(run.series[name]) for name in run.series}
-        came = {name: np.cumsum(v, axis=0) for name, v in series.items()}
+        series = solve(box(d, h, order), order, h, ts_max_time=1.0).series
 
-        def change(name: str, gain: str, series: Any = series, came: Any = came) -> Array:
-            kept = series[name] - came[gain]
+        def change(name: str, gain: str, series: Any = series) -> Array:
+            kept = series[name] - np.cumsum(series[gain], axis=0)
             return kept - kept[0]
 
         size, grown = abs(series["energy"][0]), np.diff(series["entropy"])

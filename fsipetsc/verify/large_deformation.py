@@ -40,10 +40,9 @@ def stretched(solve: Solve, order: int, h: float, law: str, how: str) -> float:
 
     side = Clamped(x=place, velocity=speed)
     problem = square(law, h, lambda X, Y: (*speed(X, Y), 1.0, X, Y), side)
-    with solve(problem, order, h, 1.0) as run:
-        frame = run.layers[0].frame(-1)
+    frame = solve(problem, order, h, 1.0).layers[0].frame(-1)
     table, row = reference("large_deformation"), LAWS.index(law)
-    exact = {name: float(table[f"{how} {name}"][row]) for name in STRESSES}
+    exact = {name: table[f"{how} {name}"][row] for name in STRESSES}
     apart = max(largest(frame[name] - value) for name, value in exact.items())
     return apart / largest([*exact.values()])
 
@@ -58,8 +57,8 @@ def rotated(solve: Solve, order: int, h: float, law: str) -> tuple[float, float]
 
     start = lambda X, Y: (-RATE * (Y - 0.5), RATE * (X - 0.5), 1.0, X, Y)  # noqa: E731
     problem = square(law, h, start, Free(), force)
-    with solve(problem, order, h, 1.0) as run:
-        first, last = (run.layers[0].frame(k) for k in (0, -1))
+    solid = solve(problem, order, h, 1.0).layers[0]
+    first, last = solid.frame(0), solid.frame(-1)
     place = max(largest(last[x] - first[x]) for x in "xy")
     return place, max(largest(last[name]) for name in STRESSES)
 
@@ -72,8 +71,8 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     errors["rotation, place"], errors["rotation, stress"] = rotated(solve, order, h, LAWS[0])
     start = lambda X, Y: (0.1 * np.sin(np.pi * (X - 0.5)), 0.0, 1.0, X, Y)  # noqa: E731
     problem = square(LAWS[0], h, start, Free())
-    with solve(problem, order, h, 122.0) as run:
-        energy, heat = run.series["energy"], run.layers[0].frame(-1)["T"] - 1.0
+    run = solve(problem, order, h, 122.0)
+    energy, heat = run.series["energy"], run.layers[0].frame(-1)["T"] - 1.0
     errors["energy, total"] = largest(energy - energy[0]) / 0.0025
     errors["energy, heat"] = largest(heat) / 0.005
     return Measured(errors)

@@ -64,7 +64,7 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     def misfit(name: str, found: Array, rows: int = 1) -> Compared:
         pairs = zip(table[f"{name} real"][:rows], table[f"{name} imag"][:rows])
         known = [complex(*pair) for pair in pairs]
-        near = (Compared(complex(found[np.abs(found - s).argmin()]), s) for s in known)
+        near = (Compared(found[np.abs(found - s).argmin()], s) for s in known)
         return max(near, key=lambda one: one.error)
 
     found = modes_of("ring", order, h, 2, ring_pulse=0.0, ring_around=round(1.5 / h))

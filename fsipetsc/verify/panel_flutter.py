@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from fsipetsc.analysis.flutter import SMALL, one_run
+from fsipetsc.analysis.flutter import CASE, SMALL, one_run
 from fsipetsc.analysis.panel_modes import crossing
-from fsipetsc.cases import load_case
 from fsipetsc.options import defaults
 from fsipetsc.verify.entry import Bound, Compared, Measured, Solve, reference
 
@@ -15,15 +14,15 @@ THICKNESS = 0.04
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
     """Relative distances of the onsets."""
-    case, table, errors = load_case("panel"), reference("panel_flutter"), {}
-    thick = int(np.argmin(np.abs(table["d"] - THICKNESS)))
-    opt = {**defaults(case), "fsi_order": order, "fsi_h": h, "fsi_cfl": 1.2, "panel_push": SMALL}
+    table, errors = reference("panel_flutter"), {}
+    thick = np.argmin(np.abs(table["d"] - THICKNESS))
+    opt = {**defaults(CASE), "fsi_order": order, "fsi_h": h, "fsi_cfl": 1.2, "panel_push": SMALL}
     for ends, lambdas in RUNS.items():
         opt |= {"panel_ends": ends, "panel_thickness": THICKNESS}
-        pairs = [one_run(case, opt, 2.0, dynamic)[2] for dynamic in lambdas]
+        pairs = [one_run(opt, 2.0, dynamic)[2] for dynamic in lambdas]
         onset = crossing(2.0, opt["panel_mass"], lambdas, pairs)[0]
-        errors[f"{ends}, theory"] = Compared(onset, float(table[f"{ends} theory"][thick]))
-        errors[f"{ends}, thin limit"] = Compared(onset, float(table[f"{ends} lambda"][0]))
+        errors[f"{ends}, theory"] = Compared(onset, table[f"{ends} theory"][thick])
+        errors[f"{ends}, thin limit"] = Compared(onset, table[f"{ends} lambda"][0])
     return Measured(errors)
 
 

@@ -10,16 +10,11 @@ from fsipetsc.verify.entry import Array, Bound, Curve, Measured, Solve, expect, 
 GAMMA = 1.4
 
 
-def tube(X: tuple[float, float], start: Any, left: Any) -> Any:
-    """The problem between a left end and a wall."""
-    layer = FluidLayer("gas", Fluid(0.0, 0.0, GAMMA, 1.0), X, start)
-    return Problem((layer,), left, Wall(X[1]), units="none")
-
-
-def run_to(solve: Solve, problem: Any, order: int, h: float, end: float) -> Any:
-    """The last frame."""
-    with solve(problem, order, h, end, fsi_shock=1.4, fsi_dissipation=2.0) as run:
-        return run.layers[0].frame(-1)
+def run_to(solve: Solve, end: float, start: Any, left: Any, order: int, h: float) -> Any:
+    """The last frame of a gas between a left end and a wall as far from the middle."""
+    layer = FluidLayer("gas", Fluid(0.0, 0.0, GAMMA, 1.0), (left.x, -left.x), start)
+    problem = Problem((layer,), left, Wall(-left.x), units="none")
+    return solve(problem, order, h, end, fsi_shock=1.4, fsi_dissipation=2.0).layers[0].frame(-1)
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
@@ -31,10 +26,10 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
         rho, p = 1.0 - 0.875 * right, 1.0 - 0.9 * right
         return [rho, 0.0 * x, p / rho]
 
-    ours, errors = run_to(solve, tube((-0.5, 0.5), sod, Wall(-0.5)), order, h, 0.2), {}
+    ours, errors = run_to(solve, 0.2, sod, Wall(-0.5), order, h), {}
     for name in ("rho", "u", "p"):
         exact = np.interp(ours["x"], table["X"], table[f"sod {name}"])  # at points of the table
-        errors[f"Sod, {name}"] = float(np.abs(ours[name] - exact).mean())
+        errors[f"Sod, {name}"] = np.abs(ours[name] - exact).mean()
     state = 3.857143, 2.629369, 10.33333 / 3.857143
 
     def wavy(x: Array) -> list[Array]:
@@ -42,12 +37,11 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
         ahead = still, 0.0 * x, 1.0 / still
         return [np.where(x < -4.0, value, v) for value, v in zip(state, ahead)]
 
-    left = Dirichlet(-5.0, lambda t: state)
-    ours = run_to(solve, tube((-5.0, 5.0), wavy, left), order, 5.0 * h, 1.8)
+    ours = run_to(solve, 1.8, wavy, Dirichlet(-5.0, lambda t: state), order, 5.0 * h)
     known = np.isfinite(table["x"])
     x, exact = table["x"][known], table["shu_osher rho"][known]
     found = np.interp(x, ours["x"], ours["rho"])
-    errors["Shu-Osher, rho"] = float(np.abs(found - exact).mean())
+    errors["Shu-Osher, rho"] = np.abs(found - exact).mean()
     return Measured(errors, Curve(("x", "density, Shu-Osher"), ours["x"], ours["rho"], x, exact))
 
 

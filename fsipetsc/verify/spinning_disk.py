@@ -12,9 +12,9 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     table, errors = reference("spinning_disk"), {}
     for density in DENSITIES:
         given = {"disk_spin": 2.0, "disk_power": 4, "solid_density": density}
-        with solve("disk", order, h, 0.5, **given) as run:
-            solids = [layer for layer in run.layers if layer.kind == "solid"]
-            first, last = (joined(layer.frame(k) for layer in solids) for k in (0, -1))
+        layers = solve("disk", order, h, 0.5, **given).layers
+        solids = [layer for layer in layers if layer.kind == "solid"]
+        first, last = (joined(layer.frame(k) for layer in solids) for k in (0, -1))
 
         def exact(name, R, density=density):
             return smooth(table["R"], table[f"{name} {density:g}"])(R)

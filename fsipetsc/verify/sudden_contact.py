@@ -16,11 +16,11 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     T_gas, u_gas = (smooth(table["chi"], table[name]) for name in ("gas T", "gas u"))
     T_solid = smooth(table["X"], table["solid T"])
 
-    def in_gas(x: Array, t: float) -> list[Array]:
+    def in_gas(x: Array, t: float = BEGIN) -> list[Array]:
         chi, root = np.clip(x / np.sqrt(t), 0.0, table["chi"][-1]), np.sqrt(t)
         return [1.0 / T_gas(chi), u_gas(chi) / root, T_gas(chi)]
 
-    def in_solid(X: Array, t: float) -> list[Array]:
+    def in_solid(X: Array, t: float = BEGIN) -> list[Array]:
         T = T_solid(np.clip(X / np.sqrt(t), table["X"][0], 0.0))
         return [0.0 * X, 0.0 * X - 1.0, T, X]
 
@@ -31,20 +31,19 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     )
     problem = Problem(
         layers=(
-            SolidLayer("solid", solid, (-2.0, 0.0), lambda X: in_solid(X, BEGIN)),
-            FluidLayer("gas", gas, (0.0, 2.0), lambda x: in_gas(x, BEGIN)),
+            SolidLayer("solid", solid, (-2.0, 0.0), in_solid),
+            FluidLayer("gas", gas, (0.0, 2.0), in_gas),
         ),
         left=clamped(T=0.995),
         right=wall,
         units="none",
     )
-    with solve(problem, order, h, END - BEGIN) as run:
-        cold, warm = (layer.frame(-1) for layer in run.layers)
+    cold, warm = (layer.frame(-1) for layer in solve(problem, order, h, END - BEGIN).layers)
     x, T = warm["x"], warm["T"]
     errors = {
         "gas": entry.largest(T - in_gas(x, END)[2]) / JUMP,
         "solid": entry.largest(cold["T"] - in_solid(cold["x"], END)[2]) / JUMP,
-        "interface": Compared(float(T[0]), float(table["contact T"][0]), JUMP),
+        "interface": Compared(T[0], table["contact T"][0], JUMP),
     }
     labels = "x", "T of the gas"
     return Measured(errors, Curve(labels, x, T, table["chi"] * np.sqrt(END), table["gas T"]))

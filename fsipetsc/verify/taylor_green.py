@@ -26,13 +26,12 @@ def cube(n: int, warm: float, mu: float = 0.0) -> Any:
 def measure(solve: Solve, order: int, h: float) -> Measured:
     """Changes of what is kept, and errors of velocities."""
     n, given = round(PERIOD / h), {"fsi_convection": "entropy", "fsi_dissipation": -1.0}
-    with solve(cube(n, 100 / 1.4), order, h, 5.0, **given) as run:
-        series = {k: run.series[k].ravel() for k in ("mass", "energy", "entropy")}
+    run = solve(cube(n, 100 / 1.4), order, h, 5.0, **given)
+    series = {k: run.series[k].ravel() for k in ("mass", "energy", "entropy")}
     sizes = {"mass": series["mass"][0], "energy": np.pi**3, "entropy": series["mass"][0]}
     errors = {f"{k} kept": largest(v - v[0]) / sizes[k] for k, v in series.items()}
     table = reference("taylor_green")
-    with solve(cube(n, 2500 / 1.4), order, h, 1.0, **given) as run:
-        frame = run.layers[0].frame(-1)
+    frame = solve(cube(n, 2500 / 1.4), order, h, 1.0, **given).layers[0].frame(-1)
     ours = {name: frame[name][n // 16, n // 8, :: n // 16] for name in "xuvw"}
     errors |= {name: largest(ours[name] - table[name]) for name in "uvw"}
     labels = "x", "w at y = π/4, z = π/8, t = 1"

@@ -13,16 +13,11 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     """What viscosity has taken of the kinetic energy, and how fast."""
     n, table = round(PERIOD / h), reference("taylor_green_1600")
     given = {"fsi_convection": "entropy", "fsi_dissipation": -1.0, "fsi_output_dt": 0.5}
-    E = []
-    with solve(cube(n, 100 / 1.4, 1 / 1600), order, h, 5.5, **given) as run:
-        for k in range(run.nframes):
-            frame = run.layers[0].frame(k)
-            E.append(0.5 * (frame["rho"] * sum(frame[v] ** 2 for v in "uvw")).mean())
-    ours, exact = (-np.diff(energy) for energy in (np.array(E), table["E"]))
-    errors = {
-        name: Compared(float(ours[part].sum()), float(exact[part].sum()))
-        for name, part in SPANS.items()
-    }
+    run = solve(cube(n, 100 / 1.4, 1 / 1600), order, h, 5.5, **given)
+    frames = map(run.layers[0].frame, range(run.nframes))
+    E = [0.5 * (f["rho"] * sum(f[v] ** 2 for v in "uvw")).mean() for f in frames]
+    ours, exact = -np.diff(E), -np.diff(table["E"])
+    errors = {name: Compared(ours[at].sum(), exact[at].sum()) for name, at in SPANS.items()}
     t = table["t"][1:] - 0.25
     return Measured(errors, Curve(("t", "dissipation"), t, 2.0 * ours, t, 2.0 * exact))
 

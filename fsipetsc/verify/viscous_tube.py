@@ -20,11 +20,8 @@ def triple_point(x: Array, y: Array, p: Array) -> tuple[float, float]:
     high = p[int(np.argmin(abs(y - 0.4)))][right]
     level = high[0] + 0.1 * (high.max() - high[0])
     places = np.array([front(x[right], row[right], level) for row in p])
-    lines = []
-    for low, top in ((0.2, 0.4), (0.04, 0.1)):
-        rows = (y > low) & (y < top)
-        lines.append(np.polyfit(y[rows], places[rows], 1))
-    (a, b), (c, d) = lines
+    above, foot = (y > 0.2) & (y < 0.4), (y > 0.04) & (y < 0.1)
+    (a, b), (c, d) = (np.polyfit(y[rows], places[rows], 1) for rows in (above, foot))
     height = (d - b) / (a - c)
     return float(a * height + b), float(height)
 
@@ -47,8 +44,8 @@ def main_vortex(x: Array, y: Array, flow: Array) -> tuple[float, float]:
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
     """Distances of triple point and main vortex, and the density at the wall."""
-    with solve("viscous_tube", order, h, 1.0, fsi_shock=0.0, fsi_dissipation=1.0) as run:
-        last = run.layers[0].frame(-1)
+    run = solve("viscous_tube", order, h, 1.0, fsi_shock=0.0, fsi_dissipation=1.0)
+    last = run.layers[0].frame(-1)
     rho, p, x, y = last["rho"], last["p"], last["x"][0], last["y"][:, 0]
     table, errors = reference("viscous_tube"), {}
     places = {
@@ -57,10 +54,10 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     }
     for name, place in places.items():
         for axis, value in zip("xy", place):
-            exact = float(table[f"{name} {axis}"][0])
+            exact = table[f"{name} {axis}"][0]
             errors[f"{axis} of the {name}"] = Compared(value, exact, size=1.0)
     apart = np.interp(table["x"], x, rho[0]) - table["rho"]
-    errors["density at the wall"] = float(np.abs(apart).mean() / table["rho"].mean())
+    errors["density at the wall"] = np.abs(apart).mean() / table["rho"].mean()
     labels = "x", "density at the wall"
     return Measured(errors, Curve(labels, x, rho[0], table["x"], table["rho"]))
 

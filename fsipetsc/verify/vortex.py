@@ -13,7 +13,7 @@ GRIDS = 1 / 4, 1 / 8, 1 / 16
 CENTRE, SPEED, END = (-0.3, -0.2), (0.5, 0.3), 1.0
 
 
-def exact(X: Array, Y: Array, t: float) -> list[Array]:
+def exact(X: Array, Y: Array, t: float = 0.0) -> list[Array]:
     """rho, u, v, T by the formulas of the text."""
     x, y = X - CENTRE[0] - SPEED[0] * t, Y - CENTRE[1] - SPEED[1] * t
     bell = np.exp(1.0 - x * x - y * y)
@@ -39,8 +39,7 @@ def blocks(n: int) -> Any:
             bumps = np.sin(p) * np.sin(q + 0.5), np.sin(p + 0.3) * np.sin(q)
             return [a + 0.15 * bumps[0], b + 0.15 * bumps[1]]
 
-        cells = n // 2, n // 2
-        found.append(Block(f"{i}{j}", gas, place, cells, lambda X, Y: exact(X, Y, 0.0)))
+        found.append(Block(f"{i}{j}", gas, place, (n // 2, n // 2), exact))
         faces |= {(f"{i}{j}", 0, i): side, (f"{i}{j}", 1, j): side}
     return BlockProblem(tuple(found), faces, units="none")
 
@@ -51,8 +50,8 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     short = np.isfinite(table["r"])
     columns = {name: table[f"vortex {name}"][short] for name in ("rho", "u", "p")}
     of_r = {name: smooth(table["r"][short], column) for name, column in columns.items()}
-    with solve(blocks(round(8.0 / h)), order, h, END) as run:
-        frame = joined(layer.frame(-1) for layer in run.layers)
+    layers = solve(blocks(round(8.0 / h)), order, h, END).layers
+    frame = joined(layer.frame(-1) for layer in layers)
     z = frame["x"] + 1j * frame["y"] - complex(*CENTRE) - complex(*SPEED) * END
     r, ours = abs(z), frame["u"] + 1j * frame["v"] - complex(*SPEED)
     apart = {
@@ -60,7 +59,7 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
         "velocity": ours - 1j * z / np.maximum(r, 1e-300) * of_r["u"](r),
         "p": frame["p"] - of_r["p"](r),
     }
-    errors = {name: float(np.sqrt(np.mean(np.abs(v) ** 2))) for name, v in apart.items()}
+    errors = {name: np.sqrt(np.mean(np.abs(v) ** 2)) for name, v in apart.items()}
     return Measured(errors, Curve(("r", "p"), r, frame["p"], table["r"], table["vortex p"]))
 
 
