@@ -82,5 +82,6 @@ def test_messages(tmp_path):
         "-panel_lambda 700": "takes -flutter_lambdas",
         "-flutter_machs 0.9": "Mach numbers above 1",
         "-panel_ends hinged -fluid_mu 1e-3": "expected -fluid_mu 0",
+        "-flutter_machs 2 -ts_max_time 2": "-ts_max_time is 2: expected at least",
     }.items():
         message(solve("flutter", *words.split(), cwd=tmp_path), 2, said)

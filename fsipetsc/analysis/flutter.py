@@ -14,7 +14,7 @@ from typing import Any
 from fsipetsc.analysis.panel_modes import crossing, fit_modes, motion_of, unit_of
 from fsipetsc.analysis.tables import begin, printer, save_csv, shared, text_table
 from fsipetsc.cases import load_case
-from fsipetsc.errors import ComputationError
+from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.options import Option, groups
 from fsipetsc.output.reader import open_run
 from fsipetsc.process.together import Comm, wait_asleep
@@ -78,6 +78,11 @@ def one_run(
 
     frequency = FREQUENCY[opt["panel_ends"]] * unit_of(mach, opt["panel_mass"], dynamic)
     later, period = CHORDS / (mach - 1.0), 2.0 * pi / frequency
+    if end is not None and end < later + period:
+        raise InputError(
+            f"-ts_max_time is {end:g}: expected at least {later + period:.3g} for M = {mach:g}, "
+            f"lambda = {dynamic:g}, where the motion of a period is looked at"
+        )
     own = {**opt, "panel_mach": mach, "panel_lambda": dynamic, "fsi_quiet": True}
     own |= {"ts_max_time": end or later + PERIODS * period}
     own |= {"fsi_output_dt": period / SAMPLES, "fsi_output_times": None}
