@@ -83,7 +83,7 @@ def test_lines_of_interfaces_and_info(blast):
     line, plate = blast.interface(0), blast.layers[1]
     assert line.name == blast.interfaces[0] == blast.interface(line.name).name and line.solid == 1
     assert np.array_equal(line.v, plate["v"][:, 0]) and np.ptp(line.displacement) > 1e-5
-    with pytest.raises(IndexError):
+    with pytest.raises(IndexError, match=r"interface 1; there are: gas \| plate"):
         blast.interface(1)
     with pytest.raises(KeyError, match=r"gas \| plate"):
         blast.interface("nowhere")

@@ -69,6 +69,10 @@ def test_no_text_lies_on_another_or_is_cut_off(results):
         renderer, written = figure.canvas.get_renderer(), [figure._suptitle]
         for axes in (axes for axes in figure.axes if axes.get_visible()):
             written += [axes._left_title, axes.xaxis.label, axes.yaxis.label]
+            label, power = axes.yaxis.label, axes.yaxis.get_offset_text()
+            if power.get_text():  # a power of ten above the axis
+                its_box = power.get_window_extent(renderer)
+                assert not label.get_window_extent(renderer).overlaps(its_box), (name, label)
             for axis in (axes.xaxis, axes.yaxis):
                 low, high = sorted(axis.get_view_interval())
                 inside = [t for t in axis.get_major_ticks() if low <= t.get_loc() <= high]
@@ -137,7 +141,7 @@ def test_maps_are_on_the_grid_as_it_is_in_three_dimensions_in_the_middle(results
 def test_ledgers_steps_and_residuals(results):
     run = results["rod"]
     ledgers, interfaces, steps = (figure_of(run, n) for n in ("ledgers", "interfaces", "steps"))
-    ((t, y),) = curves(ledgers, "change of energy  [J m⁻²]").values()
+    ((t, y),) = curves(ledgers, "change of energy\n[J\u00a0m⁻²]").values()
     change = run.series["energy"] - run.summary["initial_energy"]
     some = slice(None, None, max(1, len(change) // style.MAX_POINTS))
     assert np.array_equal(t, run.series["t"][some]) and np.allclose(y, change[some])

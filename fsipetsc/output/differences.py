@@ -61,7 +61,9 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Co
         frames = _common(a.time, b.time, "frames", notes)
         if len(frames[0]):
             found += _of_layers(a, b, frames, notes)
-        if "t" in a.series and "t" in b.series:
+        if "t" not in a.series or "t" not in b.series:
+            _both(a.series, b.series, "series", notes)
+        else:
             steps = _common(a.series["t"], b.series["t"], "steps", notes)
             found += _of_series(a, b, steps, notes) if len(steps[0]) else ()
         names = sorted({*a.options, *b.options} - {"fsi_output"})

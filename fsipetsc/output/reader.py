@@ -115,6 +115,8 @@ class Run:
         names = list(self.interfaces) if self.dimension == 2 else []
         if isinstance(k, str) and k not in names:
             raise KeyError(_unknown("line of an interface", k, names))
+        if not isinstance(k, str) and not -len(names) <= k < len(names):
+            raise IndexError(_unknown("line of an interface", k, names))
         number = names.index(k) if isinstance(k, str) else range(len(names))[k]
         self._need_frames()
         solid, axis, side = self.header["interface_faces"][number]
@@ -204,7 +206,7 @@ class Layer(Mapping[str, Array]):
 
     def __getitem__(self, name: str) -> Array:
         if name not in self.fields:
-            raise KeyError(_unknown(f"field in {self.name!r}", name, self.fields))
+            raise KeyError(_unknown(f"field of {self.name!r} named", name, self.fields))
         if name not in self._kept:
             (self._kept[name],) = self._read(name, [name], 0, self._run.nframes)
         return self._kept[name]

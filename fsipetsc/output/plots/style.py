@@ -4,6 +4,7 @@ The colours are those of Okabe and Ito, which eyes that do not tell red from gre
 """
 
 import os
+import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,6 +38,7 @@ CURVES = {
 #: colour and marker of an order of accuracy
 ORDERS = {2: (GREEN, "s"), 4: (BLUE, "o"), 6: (RED, "^"), 8: (BLACK, "D")}
 MAX_POINTS = 5000  # of a line
+WIDEST = 20  # letters in a line of the label of a vertical axis
 #: what varies by less than this part of the values of its unit is round-off
 NOTHING = 1e-10
 #: the largest value may be so much more than the 99.8th percentile before colours end there
@@ -127,8 +129,14 @@ def panels(figure: FigureBase, count: int, columns: int, **more: Any) -> Array:
 
 
 def label_y(axes: Axes, text: str) -> None:
-    """The label of a vertical axis; its power of ten stays off legends and titles."""
-    axes.set_ylabel(text)
+    """The label of a vertical axis, in lines that are no longer than a low panel is high.
+
+    The axis's power of ten stays off legends and titles.
+    """
+    name, bracket, unit = text.partition("[")
+    whole = name + bracket + unit.replace(" ", "\u00a0")  # no line ends within a unit
+    lines = [textwrap.fill(line, WIDEST) for line in whole.split("\n")]
+    axes.set_ylabel("\n".join(lines))
     axes.yaxis.get_offset_text().set_ha("right")
 
 
