@@ -220,7 +220,8 @@ class _Run:
             state.compile(report.line)
             if self.past is None:
                 integrator.start()
-                for line in [*state.first_notes(), *cold_layers(state)]:
+                said = [f"note: {line}" for line in state.problem.notes]
+                for line in [*said, *state.first_notes(), *cold_layers(state)]:
                     report.line(line)
                 self.ledgers.begin(integrator.initial)
             else:

@@ -175,12 +175,16 @@ def without_gaps(layer: Layer, values: Array) -> tuple[Array, Array]:
     """Positions and values at all points; those that are no part of a layer get the nearest value.
 
     The gases of the paper's method gain and lose points at their ends; maps need a place for all.
+    Where no value of a frame is known, none is drawn.
     """
     x, values, index = layer.x.copy(), values.copy(), np.arange(len(layer.X))
     for row in np.flatnonzero(~np.isfinite(x + values).all(axis=1)):
         known = np.isfinite(x[row] + values[row])
-        x[row] = layer.X + np.interp(index, index[known], (x[row] - layer.X)[known])
-        values[row] = np.interp(index, index[known], values[row][known])
+        if known.any():
+            x[row] = layer.X + np.interp(index, index[known], (x[row] - layer.X)[known])
+            values[row] = np.interp(index, index[known], values[row][known])
+        else:
+            x[row] = np.where(np.isfinite(x[row]), x[row], layer.X)
     return x, values
 
 
