@@ -2,16 +2,12 @@
 storage is laid out.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
-from helpers import REPOSITORY, compute, solve
+from helpers import REPOSITORY, assert_same_fields, compute, solve
 
 import fsipetsc
 from fsipetsc.output.differences import compare
-
-pytest.importorskip("petsc4py")
 
 pytestmark = pytest.mark.mpi
 
@@ -128,6 +124,15 @@ def test_the_boundaries_cross_cells(results):
     for name, layer, least in cells:
         counts = np.isfinite(results(1, name).layers[layer]["rho"]).sum(axis=1)
         assert np.ptp(counts) >= least, (name, layer)
+
+
+def test_three_dimensions(tmp_path):
+    words = "-box_dimension 3 -fsi_h 0.0625 -ts_max_time 0.01 -fsi_output_dt 0.005"
+    runs = {"box": ("box_mms", words)}
+    one, *others = (compute(n, tmp_path / f"{n}", runs)["box"] for n in (1, 2, 4))
+    for other in others:
+        assert other.summary["steps"] == one.summary["steps"] > 1
+        assert_same_fields(one, other)
 
 
 def test_the_largest_number_of_ranks_works_and_one_more_is_refused(tmp_path):

@@ -1,22 +1,20 @@
 """The rod of Sec. 5.2: positions and balances, and that nothing grows."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
-from conftest import BOUNCES, ORDERS
-
-pytest.importorskip("petsc4py")
+from conftest import ORDERS
+from helpers import computed
 
 P0, T0, R = 1e5, 300.0, 8.3145 / 0.029
 #: converged positions of the two interfaces at t = 0.4: lowest point of the fall nearly reached
 CONVERGED = 0.72872, 1.49300
 
 
-@pytest.mark.parametrize("order", BOUNCES)
-def test_to_the_third_bounce(computed, order):
+@pytest.mark.parametrize("order", [4, 8])
+def test_to_the_third_bounce(order, tmp_path):
     """To t = 3 at h = 0.025."""
-    run = computed("rod", f"order{order}")
+    words = f"rod -fsi_h 0.025 -fsi_order {order} -fsi_output_dt 0.1 -ts_max_time 3"
+    run = computed(tmp_path, "rod.h5", *words.split())
     t, x = run.series["t"], run.series["x_interface"]
     assert run.complete and run.time[-1] == t[-1] == 3.0
     np.testing.assert_allclose(x[t == 0.4], [CONVERGED], rtol=0, atol=2e-4)
@@ -39,9 +37,10 @@ def test_to_the_third_bounce(computed, order):
 
 
 @pytest.mark.parametrize("order", ORDERS)
-def test_what_is_at_rest_stays_at_rest(computed, order):
+def test_what_is_at_rest_stays_at_rest(order, tmp_path):
     """Without gravity 1,700 steps add no more than round-off."""
-    run = computed("rest", f"order{order}")
+    words = f"rod -fsi_h 0.05 -fsi_order {order} -rod_gravity 0 -ts_max_time 0.2"
+    run = computed(tmp_path, "rest.h5", *words.split())
     at_rest = {"fluid": {"rho": P0 / (R * T0), "T": T0, "p": P0}, "solid": {"T": T0, "sigma": -P0}}
     for layer in run.layers:
         for name, value in at_rest[layer.kind].items():
