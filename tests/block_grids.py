@@ -1,7 +1,5 @@
 """Blocks of warped boxes for tests of geometry."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

@@ -5,8 +5,6 @@ place: the lower wall moves at this speed. Or the function mad_function raises a
 ranks or on one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any

@@ -2,8 +2,6 @@
 under mpiexec.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import subprocess
@@ -93,7 +91,7 @@ def solve(*args: object, cwd: Place = None, ranks: int = 1) -> Done:
 
 def compute(
     n: int, directory: Path, runs: Mapping[str, tuple[str, str]]
-) -> dict[str, fsipetsc.output.reader.Run]:
+) -> dict[str, fsipetsc.Run]:
     """Run cases on n ranks: name -> (case, options) gives name -> opened result, NAME.h5 in
     `directory`. AssertionError where one ends with an error.
     """
@@ -108,7 +106,7 @@ def compute(
     return {name: fsipetsc.open_run(directory / f"{name}.h5") for name in runs}
 
 
-def computed(folder: Path, name: str, *words: object, ranks: int = 1) -> fsipetsc.output.reader.Run:
+def computed(folder: Path, name: str, *words: object, ranks: int = 1) -> fsipetsc.Run:
     """The result folder/name of a run of the program on so many ranks, opened."""
     done = solve(*words, "-fsi_output", name, "-fsi_quiet", cwd=folder, ranks=ranks)
     assert (done.returncode, done.stderr) == (0, ""), done.stderr
@@ -130,7 +128,7 @@ def from_python(function: Any, *law: Any) -> Any:
     return njit(error_model="numpy")(lambda *arguments: function(*arguments))
 
 
-def assert_same_fields(one: fsipetsc.output.reader.Run, other: fsipetsc.output.reader.Run) -> None:
+def assert_same_fields(one: fsipetsc.Run, other: fsipetsc.Run) -> None:
     """All fields of two results have the same bits."""
     for a, b in zip(one.layers, other.layers, strict=True):
         for name in a.fields:

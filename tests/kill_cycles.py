@@ -6,8 +6,6 @@ made again. tests/test_kills.py calls `cycles`; so does scripts/soak, many times
 kill_cycles.py rod|blast KILLS [SEED].
 """
 
-from __future__ import annotations
-
 import fcntl
 import json
 import random

@@ -2,8 +2,6 @@
 block_shapes.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from block_grids import conditions_of
 

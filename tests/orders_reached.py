@@ -8,8 +8,6 @@ the right end, where all is given; shock_open, shock_first: where it is open to 
 before it, to order 0 and 1.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from fsipetsc.boundaries import Dirichlet, Open, clamped

@@ -1,7 +1,5 @@
 """Runs from Python, what differs between two results, and results as xarray Datasets."""
 
-from __future__ import annotations
-
 import importlib
 import re
 from types import SimpleNamespace
@@ -19,8 +17,6 @@ from fsipetsc.output.differences import (
     difference,
     table,
 )
-
-pytest.importorskip("petsc4py")
 
 PROGRAM = """
 import signal, sys

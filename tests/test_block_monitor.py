@@ -2,14 +2,9 @@
 steps lose of the energy of solids, a state that is none.
 """
 
-from __future__ import annotations
-
+import block_shapes as shapes
 import numpy as np
 import pytest
-
-pytest.importorskip("petsc4py")
-
-import block_shapes as shapes
 from block_ledgers import Steps
 from ledger_problems import N, closed, gas, problem_of, solid
 

@@ -1,7 +1,5 @@
 """Blocks and problems made of them: maps, which faces meet, nodes at one place, messages."""
 
-from __future__ import annotations
-
 from itertools import permutations, product
 
 import numpy as np

@@ -2,8 +2,6 @@
 becomes of the checkpoints of other runs.
 """
 
-from __future__ import annotations
-
 import errno
 import os
 import shutil
@@ -77,7 +75,6 @@ def contents(folder):
 @pytest.fixture(scope="module")
 def stopped(tmp_path_factory):
     """A folder with rod.h5 and its checkpoint."""
-    pytest.importorskip("petsc4py")
     folder = tmp_path_factory.mktemp("stopped")
     assert goes_on(folder, *WORDS, 60) == ""
     return folder

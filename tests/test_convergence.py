@@ -1,14 +1,10 @@
 """The command convergence: its table, its files, grids compared with each other, and refusals."""
 
-from __future__ import annotations
-
 import csv
 
 import numpy as np
 import pytest
 from helpers import message, solve
-
-pytest.importorskip("petsc4py")
 
 from fsipetsc.analysis.convergence_table import Study
 

@@ -2,16 +2,12 @@
 what is left on disk.
 """
 
-from __future__ import annotations
-
 import sys
 
 import pytest
 from helpers import REPOSITORY, assert_readable, launch, message, mpirun, solve
 
 import fsipetsc
-
-pytest.importorskip("petsc4py")
 
 FILES = {"log.opts": "-log_view\n", "bad.opts": "-fsi_h 0.1\nfsi_order 6\n", "run.h5": ""}
 #: arguments -> status, words of the message

@@ -1,7 +1,5 @@
 """Panel flutter: modes of a motion, short runs."""
 
-from __future__ import annotations
-
 import csv
 
 import numpy as np

@@ -4,8 +4,6 @@ Each process sends the signals to itself at named places (signalled_program.py),
 there and nowhere else; at random: `scripts/soak kill`.
 """
 
-from __future__ import annotations
-
 import json
 import signal
 from pathlib import Path
@@ -16,8 +14,6 @@ from kill_cycles import AT_END, PROGRAM, cycles
 from test_restart import different
 
 import fsipetsc
-
-pytest.importorskip("petsc4py")
 
 pytestmark = pytest.mark.mpi
 

@@ -3,16 +3,10 @@
 tests/test_gas.py has the laws of gases, tests/test_solid_laws.py the stresses of solids.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
 import pytest
-
-pytest.importorskip("numba")
-pytest.importorskip("petsc4py")
-
 from helpers import REPOSITORY, compute, message, solve
 
 from fsipetsc.errors import InputError

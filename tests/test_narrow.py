@@ -1,7 +1,5 @@
 """Narrow second derivatives in exact arithmetic: symmetry, sign, width, accuracy."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

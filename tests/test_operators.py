@@ -1,7 +1,5 @@
 """The SBP operators: their defining properties in exact arithmetic, and their spectra."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

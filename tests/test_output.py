@@ -1,7 +1,5 @@
 """Result files: what a run writes is what the reader reads, whatever happens in between."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from pathlib import Path
@@ -12,11 +10,9 @@ from helpers import message, mpirun, run
 
 import fsipetsc
 from fsipetsc.errors import FileError
-from fsipetsc.output.info import info
-
-pytest.importorskip("petsc4py")
 from fsipetsc.output import pieces, reader, writer
 from fsipetsc.output.file_layout import open_h5
+from fsipetsc.output.info import info
 from fsipetsc.output.lock import Lock
 
 

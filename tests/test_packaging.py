@@ -1,7 +1,5 @@
 """What wheel and sdist hold; what is said twice is the same: versions."""
 
-from __future__ import annotations
-
 import fnmatch
 import re
 import subprocess

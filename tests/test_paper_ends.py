@@ -1,15 +1,10 @@
 """The ends in the paper's method: beside those of a gas no mode grows; a right end is a left one in
 a mirror."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np
 import pytest
-
-pytest.importorskip("numba")
-
 from helpers import from_python
 
 from fsipetsc.analysis.spectra import CENTRAL

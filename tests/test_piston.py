@@ -1,12 +1,8 @@
 """The example of a user's own case, runs/piston.py: the gas works like the spring that it is."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from helpers import REPOSITORY, computed
-
-pytest.importorskip("petsc4py")
 
 P0, GAMMA, MASS, SPEED = 1e5, 1.4, 250.0 * 0.2, 25.0
 

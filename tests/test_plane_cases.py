@@ -1,14 +1,10 @@
 """A closed box in two dimensions, as a user meets it: on several ranks, with recorded points."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np
 import pytest
 from helpers import assert_same_fields, computed, message, solve
-
-pytest.importorskip("petsc4py")
 
 #: gas | plate | gas, of which every kind of face is one: closed, and at rest but for a bump
 BOX = """

@@ -1,7 +1,5 @@
 """Results in two dimensions: XDMF, lines of interfaces, info, xarray."""
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -10,8 +8,6 @@ import pytest
 from helpers import computed, solve
 
 import fsipetsc
-
-pytest.importorskip("petsc4py")
 from fsipetsc.output.file_layout import open_h5
 from fsipetsc.output.info import info
 from fsipetsc.output.reader import InterfaceLine

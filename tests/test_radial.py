@@ -2,16 +2,11 @@
 keep the sums.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import block_shapes as shapes
 import numpy as np
 import pytest
-
-pytest.importorskip("petsc4py")
-
 from block_oracle import Oracle
 from oracle_engine import Engine
 from oracle_formulas import Block, Gas, Given, Open, Problem, conserved

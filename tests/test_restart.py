@@ -2,8 +2,6 @@
 run that was not stopped.
 """
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 
@@ -15,8 +13,6 @@ from test_ranks import SUMS as SUMS_ALONG_X
 import fsipetsc
 from fsipetsc.output import checkpoint_file
 from fsipetsc.output.differences import compare
-
-pytest.importorskip("petsc4py")
 
 pytestmark = pytest.mark.mpi
 

@@ -1,15 +1,10 @@
 """The case ring and the command modes: frequencies against those by Bessel functions."""
 
-from __future__ import annotations
-
 import csv
 
 import numpy as np
 import pytest
 from helpers import assert_same_fields, computed, solve
-
-pytest.importorskip("petsc4py")
-
 from mpi4py import MPI
 
 from fsipetsc.analysis.ring_theory import Medium, mode_near

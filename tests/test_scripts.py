@@ -2,8 +2,6 @@
 scripts/bare-machine.
 """
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 

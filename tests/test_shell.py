@@ -1,15 +1,10 @@
 """Shells around an axis and a centre: the case shell, the command modes shell, what is refused."""
 
-from __future__ import annotations
-
 import csv
 
 import numpy as np
 import pytest
 from helpers import assert_same_fields, computed, message, solve
-
-pytest.importorskip("petsc4py")
-
 from mpi4py import MPI
 
 from fsipetsc.analysis.modes import media_of

@@ -1,18 +1,11 @@
 """The stability analysis: its operators are the derivative of the solver's right-hand side; Theorem
 4.1 holds for `energy`; `traditional` fails; the command."""
 
-from __future__ import annotations
-
 import csv
 from itertools import product
 
 import numpy as np
 import pytest
-
-pytest.importorskip("numba")
-pytest.importorskip("scipy")
-pytest.importorskip("petsc4py")
-
 from helpers import message, solve
 from mpi4py import MPI
 from ratios import sandwich

@@ -2,14 +2,9 @@
 checkpoint.
 """
 
-from __future__ import annotations
-
-import pytest
 from helpers import solve
 
 import fsipetsc
-
-pytest.importorskip("petsc4py")
 
 
 def test_ledgers_go_on_after_a_checkpoint(tmp_path):

@@ -1,7 +1,5 @@
 """The command `verify`: its table, its references, and entries as a user runs them."""
 
-from __future__ import annotations
-
 import csv
 import importlib
 

@@ -8,8 +8,6 @@ for x with x_X = J. The forcing is made of derivatives by a step along the imagi
 axis.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from fsipetsc.boundaries import Wall, clamped, free
