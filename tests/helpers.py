@@ -143,27 +143,6 @@ def program(name: str) -> Any:
     return module
 
 
-def integrated(
-    case: Any,
-    opt: dict[str, Any],
-    comm: Any,
-    times: Sequence[float] = (),
-    watch: Any = lambda state, t: None,
-) -> Any:
-    """The errors at the end of a run that writes nothing; watch(state, t) is called at 0, at these
-    times and at the end. Collective on comm.
-    """
-    from fsipetsc.stepping.integrator import Integrator
-    from fsipetsc.stepping.solve import build_problem, make_state
-
-    with make_state(build_problem(case, opt, comm), opt, comm) as state:
-        saved = sorted({*map(float, times), opt["ts_max_time"]})
-        integrator = Integrator(state, opt, saved, on_frame=lambda t: watch(state, t))
-        integrator.start()
-        integrator.run()
-        return state.errors(integrator.t, opt["fsi_norm"])
-
-
 def message(done: Done, status: int, *words: str) -> str:
     """The program's one message; asserts the status, that the words are in it, and that no more is
     said but by the launcher.

@@ -63,7 +63,6 @@ assert sys.argv == words
 """
 
 
-@pytest.mark.mpi
 def test_runs_from_python(tmp_path):
     """A case by name, a Problem, faults as exceptions; nothing is printed; two ranks."""
     done = mpirun(2, "-c", PROGRAM, cwd=tmp_path)

@@ -36,7 +36,6 @@ def bodies(tmp_path_factory):
     return result
 
 
-@pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [3, pytest.param(1, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", RUNS)
 def test_ranks_make_no_difference_and_balances_close(bodies, name, ranks):

@@ -87,7 +87,6 @@ def goes_on(folder, *words, ranks=1):
     return done.stdout.partition("goes on from ")[2].partition(", t = ")[0]
 
 
-@pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [1, 3])
 def test_a_file_that_cannot_be_gone_on_from_ends_all(ranks, stopped, tmp_path):
     """Status 4, one message, nothing written."""
@@ -166,7 +165,6 @@ def test_a_case_that_has_changed_is_found_out(case, option, before, now, said, t
     message(solve("mine.py", "-fsi_restart", "auto", cwd=tmp_path), 2, *said)
 
 
-@pytest.mark.mpi
 def test_what_was_given_up_is_not_gone_on_from(tmp_path):
     """Neither steps beyond an earlier checkpoint that was named, nor those of a former run; nor
     are two branches joined; what another run has left is kept.

@@ -27,7 +27,6 @@ def test_overview_lists_cases_and_commands_without_importing_the_solver():
     assert max(map(len, done.stdout.splitlines())) <= 100
 
 
-@pytest.mark.mpi
 @pytest.mark.parametrize(
     ("line", "words"),
     [

@@ -14,7 +14,6 @@ from fsipetsc.stepping.integrator import CHECKED
 from fsipetsc.stepping.ledgers import Ledgers
 
 
-@pytest.mark.mpi
 def test_box_keeps_all_that_must_not_change(tmp_path):
     options = ("-fsi_order", "6", "-fsi_h", "0.025", "-fsi_check", "1e-4", "-fsi_quiet")
     done = solve("box", *options, cwd=tmp_path, ranks=2)

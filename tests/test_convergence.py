@@ -29,7 +29,6 @@ def test_orders_of_differences_of_any_grids():
             np.testing.assert_allclose(study.rates("gas"), [[np.nan, p, np.nan]], atol=1e-9)
 
 
-@pytest.mark.mpi
 def test_grids_of_a_case_are_compared_with_each_other(tmp_path):
     """mms as if it had no exact solution: the orders are those of its errors, on two ranks."""
     (tmp_path / "bare.py").write_text(
@@ -57,7 +56,6 @@ def test_what_blocks_do_not_resolve_is_said(tmp_path):
     assert "is not resolved: " in done.stdout
 
 
-@pytest.mark.mpi
 def test_command(tmp_path):
     """Two ranks have the same errors: the sums of the squares are added up in another order."""
     words = "mms -fsi_orders 2,6 -fsi_hs 0.025,0.05,0.05".split()

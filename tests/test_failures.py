@@ -36,7 +36,6 @@ BAD_INPUT = {
 }
 
 
-@pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [1, 2])
 @pytest.mark.parametrize("line", BAD_INPUT)
 def test_bad_input(line, ranks, tmp_path):
@@ -69,7 +68,6 @@ def test_what_can_hardly_be_meant_is_questioned_at_the_start(coupling, tmp_path)
         assert f"note: {note}" in done.stdout
 
 
-@pytest.mark.mpi
 def test_a_layer_that_becomes_too_short(tmp_path):
     """With a wall close under the rod there is soon no room for 16 points of the 8/4 operator."""
     line = "rod -fsi_h 0.0125 -fsi_order 8 -rod_wall 0.81 -rod_top 3".split()
@@ -114,7 +112,7 @@ sys.exit(main("rod -fsi_h 0.1 -fsi_output_dt 0.001 -ts_max_time 0.01 -fsi_quiet"
 """
 
 
-@pytest.mark.parametrize("rank", [0, pytest.param(1, marks=pytest.mark.mpi)])
+@pytest.mark.parametrize("rank", [0, 1])
 def test_any_error_leaves_what_was_computed(rank, tmp_path):
     """Of one rank; where one of two is alone, it ends the other, who cannot write without it."""
     done = mpirun(rank + 1, "-c", BROKEN, rank, cwd=tmp_path)
@@ -142,7 +140,6 @@ DRIVEN = [
 ]
 
 
-@pytest.mark.mpi
 @pytest.mark.parametrize(("layers", "number", "field", "rate", "said"), DRIVEN)
 def test_what_went_wrong_is_named_and_what_helps(layers, number, field, rate, said, tmp_path):
     """Field, layer, place, time and step, the same on any number of ranks; the result opens."""
@@ -159,7 +156,6 @@ def test_what_went_wrong_is_named_and_what_helps(layers, number, field, rate, sa
     assert texts[0] == texts[1]
 
 
-@pytest.mark.mpi
 @pytest.mark.parametrize("ranks", RANKS)
 @pytest.mark.parametrize("name", ["edge", "initial", "prestress", "forcing", "jumps", "T"])
 def test_an_error_of_a_function_ends_all_with_its_place(name, ranks, tmp_path):

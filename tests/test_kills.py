@@ -15,8 +15,6 @@ from test_restart import different
 
 import fsipetsc
 
-pytestmark = pytest.mark.mpi
-
 LINE = "rod -fsi_h 0.05 -ts_max_time 0.1 -fsi_output_dt 0.01 -fsi_quiet".split()
 
 

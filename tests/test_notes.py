@@ -7,8 +7,6 @@ from fsipetsc.blockrun.notes import weak_hinges
 from fsipetsc.cases import load_case
 from fsipetsc.options import defaults
 
-pytestmark = pytest.mark.mpi
-
 #: the piston or the blast, with one thing changed
 CASE = """
 from dataclasses import replace

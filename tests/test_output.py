@@ -181,7 +181,6 @@ sys.exit(main("rod -fsi_h 0.05 -ts_max_time 0.05 -fsi_output_dt 1e-4 -fsi_quiet"
 """
 
 
-@pytest.mark.mpi
 def test_a_full_disk_ends_all_ranks(tmp_path: Path) -> None:
     message(mpirun(2, "-c", FULL, cwd=tmp_path), 4, "rod.h5: cannot write: ", "File too large")
     assert fsipetsc.open_run(tmp_path / "rod.h5").nframes > 20

@@ -60,7 +60,6 @@ def box(tmp_path_factory):
     return result
 
 
-@pytest.mark.mpi
 @pytest.mark.parametrize("several", [(4,), (2, "balanced")])
 def test_ranks_make_no_difference(box, several):
     one, other = box(2), box(*several)

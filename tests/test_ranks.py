@@ -9,8 +9,6 @@ from helpers import REPOSITORY, assert_same_fields, compute, solve
 import fsipetsc
 from fsipetsc.output.differences import compare
 
-pytestmark = pytest.mark.mpi
-
 LAYERS = str(REPOSITORY / "tests" / "layers.py")
 PISTON = str(REPOSITORY / "runs" / "piston.py")
 WALLS = str(REPOSITORY / "tests" / "walls.py")

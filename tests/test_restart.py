@@ -14,8 +14,6 @@ import fsipetsc
 from fsipetsc.output import checkpoint_file
 from fsipetsc.output.differences import compare
 
-pytestmark = pytest.mark.mpi
-
 PISTON = str(REPOSITORY / "runs" / "piston.py")
 LAYERS = str(REPOSITORY / "tests" / "layers.py")
 _ROD = "-fsi_h 0.025 -ts_max_time 0.08 -fsi_output_dt 0.02"

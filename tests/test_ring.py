@@ -110,7 +110,6 @@ def test_nothing_grows_beside_light_and_heavy_rings(density, viscosity):
     assert values.real.max() < 1e-11 * np.abs(values).max()
 
 
-@pytest.mark.mpi
 def test_a_pulse_on_two_ranks_and_on_three(tmp_path):
     """The same bits; mass and energy stay; the ring is pushed, and rests without a pulse."""
     words = "ring -fsi_order 4 -fsi_h 0.1 -ring_around 32".split()

@@ -111,7 +111,6 @@ def test_the_command_writes_the_modes(tmp_path):
     )
 
 
-@pytest.mark.mpi
 def test_a_charge_in_a_shell(tmp_path):
     """A strong blast to the centre: the same bits on any ranks, mass and energy stay, entropy falls
     in no step, and the shell is driven outwards.
@@ -131,7 +130,6 @@ def test_a_charge_in_a_shell(tmp_path):
     assert (two.layers[1]["x"][-1] > two.layers[1]["x"][0] + 0.02).all()
 
 
-@pytest.mark.mpi
 def test_a_shock_in_a_nozzle(tmp_path):
     """In (z, r): the same bits on two and four ranks; mass, energy and the momentum along the
     axis are what they were and what came in; the wall swells.

@@ -171,7 +171,6 @@ def test_command_for_one_material(tmp_path):
     assert "solid  p 1 Pa, sigma 0 Pa" in done.stdout
 
 
-@pytest.mark.mpi
 def test_sweep_with_energy_holds_everywhere_on_any_ranks(tmp_path):
     for ranks in (1, 2):
         done = solve("stability", *SMALL, "-fsi_output", ranks, cwd=tmp_path, ranks=ranks)
