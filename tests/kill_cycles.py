@@ -15,8 +15,7 @@ import tempfile
 from contextlib import suppress
 from pathlib import Path
 
-from helpers import REPOSITORY, mpirun, solve
-from test_restart import different
+from helpers import REPOSITORY, different, mpirun, solve
 
 import fsipetsc
 

@@ -96,6 +96,19 @@ def with_sums(oracle, rates):
     return found
 
 
+def check_integrals(engine, expected):
+    """Those that are recorded after a step, of which the angular momentum is about 0."""
+    engine.state._monitor()
+    latest, d = engine.state.latest, engine.problem.dimension
+    for name, value in expected.items():
+        if name == "momentum" or (name == "angular" and d == 3):
+            recorded = f"{name}_momentum" if name == "angular" else name
+            found = [latest[f"{recorded}_{x}"] for x in "xyz"[:d]]
+        else:
+            found = np.sum(latest["angular_momentum" if name == "angular" else name])
+        np.testing.assert_allclose(found, value, rtol=1e-11, atol=1e-13, err_msg=name)
+
+
 def check(shape, both, order, faces=closed, t=0.0, most=1e-11, size=0.5, **options):
     """Compare both at a state that obeys nothing before, of random numbers of this size; most: of
     the rates' differences. Returns the oracle, the completed state and the engine's rates.
@@ -113,6 +126,7 @@ def check(shape, both, order, faces=closed, t=0.0, most=1e-11, size=0.5, **optio
     assert not joined or max(np.abs(q[name] - raw[name]).max() for name in q) > 1e-3 * size
     for name in q:
         assert np.abs(found[name] - q[name]).max() < 1e-12, name
+    check_integrals(engine, oracle.integrals(q, t))
     expected, found = with_sums(oracle, oracle.rates(q, t)), with_sums(oracle, engine.rates(q, t))
     size = max(np.abs(r).max() for r in expected.values())
     for name in q:

@@ -135,6 +135,13 @@ def test_steps_may_change_where_it_is_said_and_a_result_may_begin_anew(stopped, 
         assert result.summary["steps"] == 70
 
 
+def test_from_the_checkpoint_at_the_end_no_step_follows(stopped, tmp_path):
+    """Nothing is known of what bounds it."""
+    goes_on(tmp_path, "rod", "-fsi_restart", stopped / NEWEST, "-fsi_output", "none.h5")
+    with fsipetsc.open_run(tmp_path / "none.h5") as result:
+        assert (result.summary["steps"], result.summary["bound"]) == (60, "")
+
+
 def test_places_where_no_checkpoint_can_be_are_found_out_before_the_run(tmp_path):
     (tmp_path / "a.h5").write_text("years of work")
     for name, status, said in (

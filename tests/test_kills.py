@@ -9,9 +9,8 @@ import signal
 from pathlib import Path
 
 import pytest
-from helpers import REPOSITORY, assert_readable, message, mpirun, run, solve
+from helpers import assert_readable, different, message, mpirun, run, solve
 from kill_cycles import AT_END, PROGRAM, cycles
-from test_restart import different
 
 import fsipetsc
 
@@ -77,14 +76,6 @@ def test_a_run_that_is_killed_goes_on(case, kills, tmp_path):
     """Each time on another number of ranks: the same bits."""
     done = cycles(tmp_path, case, kills)
     assert len(done) == len(kills) and AT_END not in done[-1]
-
-
-def test_an_error_of_one_rank_alone_ends_all(tmp_path):
-    """Its traceback holds objects of PETSc, and PETSc's end waits for ranks with other objects."""
-    case = REPOSITORY / "tests" / "going_wrong.py"
-    words = "-mad_function initial -mad_rank 1 -fsi_quiet".split()
-    done = mpirun(2, "-m", "fsipetsc", case, *words, cwd=tmp_path)
-    message(done, 2, "going_wrong.py, line ", "ValueError: nothing is known")
 
 
 STOPPED = """

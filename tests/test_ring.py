@@ -25,9 +25,9 @@ def media(viscosity=0.0):
     return Medium(0.4, 1.0, *gas), RING, Medium(1.3, 2.0, *gas)
 
 
-def modes_of(folder, words=""):
+def modes_of(folder, words="", case="ring"):
     """(omega of the scheme, exact or nan) from the file of the command."""
-    done = solve("modes", "ring", *words.split(), cwd=folder)
+    done = solve("modes", case, *words.split(), cwd=folder)
     assert (done.returncode, done.stderr) == (0, ""), done.stderr
     assert "saved modes.csv" in done.stdout
     with (folder / "modes.csv").open() as file:
