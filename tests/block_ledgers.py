@@ -1,7 +1,5 @@
 """A run of blocks without files, and what is in its ledgers."""
 
-from __future__ import annotations
-
 import numpy as np
 from mpi4py import MPI
 

@@ -3,8 +3,9 @@
 It shares no code with the engine except the exact SBP coefficients. Derivatives are dense matrices,
 pair fluxes are made for all pairs of a line, stresses are derivatives of energies, particles are
 loops. The dimension d is 1, 2 or 3; the last coordinate may be the distance from an axis or a
-centre. Formulas of a point are in oracle_formulas.py, rates of single blocks in oracle_volume.py,
-particles and their constraints in oracle_particles.py; here they are put together.
+centre. Formulas of a point are in oracle_formulas.py, grids in oracle_grid.py, rates of single
+blocks in oracle_volume.py, particles and their constraints in oracle_particles.py; all is put
+together here.
 
 Arrays of a block have the shape (components, n_1, ..., n_d): index k counts along the logical axis
 xi_k. In the memory of the engine xi_1 is contiguous: its node n is ``array.reshape(c, -1,
@@ -19,8 +20,6 @@ Use: ``oracle = Oracle(problem)``, ``q = oracle.random_state(rng)``, ``oracle.ra
 block's name. One place has one gas: gases on two sides of a solid's vertex that do not touch each
 other are not covered.
 """
-
-from __future__ import annotations
 
 from types import SimpleNamespace
 

@@ -4,8 +4,6 @@ Each function returns {name: (X, periods)}, X (d, n_1, ..., n_d), and what is ga
 from the name's first letter. n: nodes along most axes.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 

@@ -1,11 +1,9 @@
 """Flat layers at rest in two dimensions, of which a function goes wrong from mad_time on.
 
 mad_field of layer mad_layer, an unknown of its forcing, gets a rate of mad_rate in its upper half;
-place: the lower wall moves at this speed. Or the function mad_function raises an error, on all
-ranks or on one.
+place: the lower wall moves at this speed. Or the function mad_function fails, on all ranks or on
+one.
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -27,13 +25,7 @@ OPTIONS = (
     Option("mad_field", "str", "none", "", "which unknown of the forcing, or place"),
     Option("mad_rate", "float", 0.0, "", "what is added to its rate there"),
     Option("mad_time", "float", 0.01, "s", "from when on"),
-    Option(
-        "mad_function",
-        "str",
-        "none",
-        "",
-        "which one fails: initial, forcing, edge, T, jumps, prestress",
-    ),
+    Option("mad_function", "str", "none", "", "initial, forcing, edge, T, jumps, prestress"),
     Option("mad_rank", "int", -1, "", "where; -1: on all ranks"),
 )
 DEFAULTS = {"fsi_h": 1 / 16, "fsi_order": 2, "ts_max_time": 0.1, "ts_dt": 1e-3, "fsi_output_dt": 1}

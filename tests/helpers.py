@@ -2,14 +2,11 @@
 under mpiexec.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +14,7 @@ import numpy as np
 from kept_ranks import KEPT
 
 import fsipetsc
+from fsipetsc.output.differences import compare
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 #: seconds after which what should have ended long ago is taken for hung; no test measures time
@@ -93,7 +91,7 @@ def solve(*args: object, cwd: Place = None, ranks: int = 1) -> Done:
 
 def compute(
     n: int, directory: Path, runs: Mapping[str, tuple[str, str]]
-) -> dict[str, fsipetsc.output.reader.Run]:
+) -> dict[str, fsipetsc.Run]:
     """Run cases on n ranks: name -> (case, options) gives name -> opened result, NAME.h5 in
     `directory`. AssertionError where one ends with an error.
     """
@@ -108,33 +106,41 @@ def compute(
     return {name: fsipetsc.open_run(directory / f"{name}.h5") for name in runs}
 
 
-def computed(folder: Path, name: str, *words: object, ranks: int = 1) -> fsipetsc.output.reader.Run:
+def computed(folder: Path, name: str, *words: object, ranks: int = 1) -> fsipetsc.Run:
     """The result folder/name of a run of the program on so many ranks, opened."""
     done = solve(*words, "-fsi_output", name, "-fsi_quiet", cwd=folder, ranks=ranks)
     assert (done.returncode, done.stderr) == (0, ""), done.stderr
     return fsipetsc.open_run(folder / name)
 
 
-@cache
-def from_python(function: Any, *law: Any) -> Any:
-    """A compiled function that only compiled code calls, made callable; "not a number" and the like
-    raise nothing.
-
-    law: formulas that are its first argument.
-    """
-    from numba import njit
-
-    if law:
-        (formulas,) = law
-        return njit(error_model="numpy")(lambda *arguments: function(formulas, *arguments))
-    return njit(error_model="numpy")(lambda *arguments: function(*arguments))
-
-
-def assert_same_fields(one: fsipetsc.output.reader.Run, other: fsipetsc.output.reader.Run) -> None:
+def assert_same_fields(one: fsipetsc.Run, other: fsipetsc.Run) -> None:
     """All fields of two results have the same bits."""
     for a, b in zip(one.layers, other.layers, strict=True):
         for name in a.fields:
             assert np.array_equal(a[name], b[name]), (a.name, name)
+
+
+#: of what is integrated the last bits depend on the number of ranks
+SUMS = {"mass", "momentum", "energy", "entropy", "angular_momentum", "solid_energy", "lost_energy"}
+SUMS |= {"momentum_x", "momentum_y", "impulse_x", "impulse_y"}
+SUMS |= {"mass_in", "energy_in", "energy_face", "heat_face"}
+#: of the summary, on any ranks, or on as many
+SUMMED = "status", "t", "steps", "rejected_steps", "rhs_evaluations", "points", "interfaces"
+ON_AS_MANY = "bound", "departures"
+
+
+def different(a: Path, b: Path, same_ranks: bool) -> list[str]:
+    """What has other bits in two results; sums over x count only on as many ranks."""
+    found = compare(a, b)
+    sums = set() if same_ranks else SUMS
+    wrong = [d.name for d in found.differences if d.largest > 0.0 and d.name not in sums]
+    with fsipetsc.open_run(a) as one, fsipetsc.open_run(b) as other:
+        for mine, yours in zip(one.layers, other.layers, strict=True):
+            assert np.array_equal(mine.X, yours.X), mine.name
+        names = SUMMED + ON_AS_MANY * same_ranks
+        pairs = [(name, one.summary[name], other.summary[name]) for name in names]
+        pairs += [("errors", one.errors, other.errors)] * same_ranks
+    return [*wrong, *found.notes, *(f"{name}: {x}, {y}" for name, x, y in pairs if x != y)]
 
 
 def program(name: str) -> Any:
@@ -143,27 +149,6 @@ def program(name: str) -> Any:
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
-
-
-def integrated(
-    case: Any,
-    opt: dict[str, Any],
-    comm: Any,
-    times: Sequence[float] = (),
-    watch: Any = lambda state, t: None,
-) -> Any:
-    """The errors at the end of a run that writes nothing; watch(state, t) is called at 0, at these
-    times and at the end. Collective on comm.
-    """
-    from fsipetsc.stepping.integrator import Integrator
-    from fsipetsc.stepping.solve import build_problem, make_state
-
-    with make_state(build_problem(case, opt, comm), opt, comm) as state:
-        saved = sorted({*map(float, times), opt["ts_max_time"]})
-        integrator = Integrator(state, opt, saved, on_frame=lambda t: watch(state, t))
-        integrator.start()
-        integrator.run()
-        return state.errors(integrator.t, opt["fsi_norm"])
 
 
 def message(done: Done, status: int, *words: str) -> str:

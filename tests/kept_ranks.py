@@ -4,8 +4,6 @@ Rank 0 reads jobs from its standard input. The ranks do a job as a process that 
 (fsipetsc.cli.main). Tests of processes, signals and starts use their own processes.
 """
 
-from __future__ import annotations
-
 import atexit
 import json
 import os

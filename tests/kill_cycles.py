@@ -6,8 +6,6 @@ made again. tests/test_kills.py calls `cycles`; so does scripts/soak, many times
 kill_cycles.py rod|blast KILLS [SEED].
 """
 
-from __future__ import annotations
-
 import fcntl
 import json
 import random
@@ -17,8 +15,7 @@ import tempfile
 from contextlib import suppress
 from pathlib import Path
 
-from helpers import REPOSITORY, mpirun, solve
-from test_restart import different
+from helpers import REPOSITORY, different, mpirun, solve
 
 import fsipetsc
 

@@ -8,8 +8,6 @@ from fsipetsc.materials.line_solid import Solid
 from fsipetsc.options import Option
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
-NAME = "layers"
-SUMMARY = "any sequence of layers"
 OPTIONS = (
     Option("layers", "str", "gsgsg", "", "g for a gas, s for a solid, from left to right"),
     Option("layers_gruneisen", "float", 0.0, "", "p = G rho epsilon in the solids"),

@@ -2,10 +2,7 @@
 block_shapes.
 """
 
-from __future__ import annotations
-
 import numpy as np
-from block_grids import conditions_of
 
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Roller, Slip
@@ -38,6 +35,18 @@ def bent(*X):
     v = [0.1 * np.cos(2.0 * X[0] + 3.0 * X[-1] + c) for c in range(d)]
     x = [X[c] + 0.02 * np.sin(2.0 * X[c - 1] + c) for c in range(d)]
     return [*v, 1.1 + 0.1 * np.sin(2.0 * X[0] + X[-1]), *x]
+
+
+def conditions_of(blocks, condition):
+    """condition(name, axis, side) of each face that no other one meets, by its middle."""
+    sides = [
+        (b, k, s) for b in blocks for k in range(b.dimension) if not b.periodic[k] for s in (0, 1)
+    ]
+    found = [b.face_positions(k, s).mean(axis=1) for b, k, s in sides]
+    middles = np.reshape(found, (len(sides), -1) if sides else (0, 1))
+    apart = np.abs(middles[:, None] - middles).max(axis=-1) > 1e-9
+    alone = (~apart).sum(axis=1) == 1
+    return {(b.name, *f): condition(b.name, *f) for (b, *f), one in zip(sides, alone) if one}
 
 
 def problem_of(shape, faces, fluid, plate, points=(), **options):

@@ -2,8 +2,6 @@
 arguments]. Prints, as JSON, what is not as expected or has changed in the process.
 """
 
-from __future__ import annotations
-
 import contextlib
 import gc
 import io

@@ -1,7 +1,5 @@
 """The engine on the problems of the oracle of blocks, so that one can be held against the other."""
 
-from __future__ import annotations
-
 import numpy as np
 from mpi4py import MPI
 from oracle_formulas import rate_of, spread

@@ -5,8 +5,6 @@ Fields are numpy arrays with their components in front. Nothing here is shared w
 the exact SBP coefficients.
 """
 
-from __future__ import annotations
-
 from collections import namedtuple
 from collections.abc import Callable
 from itertools import product

@@ -1,7 +1,5 @@
 """Particles of the oracle of blocks: at one place, and their conditions (SCHEME-BLOCKS.md 3, 4)."""
 
-from __future__ import annotations
-
 from collections import defaultdict, namedtuple
 from dataclasses import dataclass, field
 from itertools import product

@@ -1,32 +1,21 @@
-"""Volume terms of the oracle of blocks: grids, metrics, rates of blocks with closed faces.
+"""Volume terms of the oracle of blocks: rates of single blocks with closed faces.
 
-SCHEME-BLOCKS.md sections 1, 2, 5, 6, 8. Arrays of a block have the shape (components, n_1, ...,
-n_d). Rates are extensive: times the weights W of the nodes.
+SCHEME-BLOCKS.md sections 5, 8. Rates are extensive: times the weights W of the nodes.
 
-Around an axis (kappa = 1) or a centre (kappa = 2) the last coordinate is r. The metrics carry the
-weight r^kappa, so that sums are over a sector of unit angle or unit solid angle:
+Around an axis or a centre (oracle_grid.py) hoops give and take:
 
-    grid   a^k = (b^k_1, r^kappa b^k_2), b^k the metrics of (z, s), s = r^(kappa + 1)/(kappa + 1)
     gas    momentum along r += p S - tau_hoop S, with S = sum_k D_k a^k_2; else S is 0
     solid  force along r -= kappa (J0 R^kappa / R) P_hoop, with the hoop stretch lambda = r / R
-
-A block that goes from -r to r, with an even number of nodes and mirrored states, is the scheme with
-a centre: none of its nodes is there, and the weight is |r|^kappa.
 """
 
-from __future__ import annotations
-
-from collections import namedtuple
 from functools import partial
 from itertools import product
 from math import comb
 
 import numpy as np
 from oracle_formulas import (
-    TINY,
     State,
     along,
-    axis_of,
     cofactor,
     conserved,
     det,
@@ -36,173 +25,17 @@ from oracle_formulas import (
     flux,
     gas_state,
     pair_flux,
-    rate_of,
     spread,
     stress_of,
     three,
 )
-
-#: of a block at one time: places, velocities (d, ...), metrics a[axis, component, ...], their rates
-Grid = namedtuple("Grid", "x v a a_t")
+from oracle_grid import Grids
 
 
-class Volume:
-    """Blocks of a problem one by one. ``of_node``, (block, node) -> particle, is filled by the
-    class on top of it.
-    """
-
-    def __init__(self, problem, kappa=0):
-        self.problem, self.blocks, self.d = problem, problem.blocks, len(problem.blocks[0].X)
-        self.kappa, self.names = kappa, [b.name for b in self.blocks]
-        self.axes, self.W, self.periods, self.linear = [], [], [], []
-        self.solids, self.of_node = {}, {}
-        for k, b in enumerate(self.blocks):
-            shape, periods = b.X.shape[1:], b.periods or (None,) * self.d
-            around = [False] * (self.d - 1) + [kappa == 1 and b.X[-1].min() < 0.0 < b.X[-1].max()]
-            kinds = zip(shape, (p is not None for p in periods), around)
-            self.axes.append([axis_of(problem.order, *kind) for kind in kinds])
-            weights = np.meshgrid(*(axis.weight for axis in self.axes[k]), indexing="ij")
-            self.W.append(np.prod(weights, axis=0))
-            vectors = [np.zeros(self.d) if p is None else p for p in periods]
-            self.periods.append(np.array(vectors, float))
-            xi = np.meshgrid(*(np.arange(n) / n for n in shape), indexing="ij")
-            self.linear.append(sum(spread(p, self.d) * x for p, x in zip(self.periods[k], xi)))
-            if b.material.kind == "solid":
-                G = np.swapaxes(self.slopes(k, b.X), 0, 1)  # G[component, axis] = D_axis X
-                A, J0 = np.swapaxes(cofactor(G), 0, 1), det(G)
-                self.solids[k] = A * self.weight(b.X), J0 * self.weight(b.X)
-
-    def periodic(self, k, axis):
-        return bool(self.blocks[k].periods) and self.blocks[k].periods[axis] is not None
-
-    def derivative(self, k, f, axis):
-        return along(self.axes[k][axis].D, f, axis, self.d)
-
-    def boundary_flux_free(self, k, f, axis):
-        """H D° f: the derivative without the flux through the ends."""
-        return along(self.axes[k][axis].flux_free, f, axis, self.d) * self.W[k]
-
-    # grids and metrics
-
-    def weight(self, x):
-        """r^kappa (...); also of complex x, whose real part has the sign."""
-        return (np.where(x[-1].real < 0.0, -1.0, 1.0) * x[-1]) ** self.kappa
-
-    def flat(self, x):
-        """(z, s) of places."""
-        return np.array([*x[:-1], self.weight(x) * x[-1] / (self.kappa + 1.0)])
-
-    def start(self, k):
-        """A volume per logical volume."""
-        return det(np.swapaxes(self.slopes(k, self.flat(self.blocks[k].X)), 0, 1))
-
-    def slopes(self, k, x):
-        """D_axis x for each axis, (d, d, ...), of places x, of which ``linear`` is not periodic."""
-        y = x - self.linear[k]
-        return np.array(
-            [self.derivative(k, y, j) + spread(self.periods[k][j], self.d) for j in range(self.d)]
-        )
-
-    def metrics(self, k, x):
-        """a[axis, component]: the area vectors of the logical axes."""
-        a = self.flat_metrics(k, self.flat(x))
-        a[:, -1] *= self.weight(x)
-        return a
-
-    def flat_metrics(self, k, x):
-        """Those without weight, with sum D_axis a = 0."""
-        if self.d == 1:
-            return np.ones((1, *x.shape)) + 0.0 * x
-        Dx = self.slopes(k, x)
-        if self.d == 2:
-            return np.array([[Dx[1, 1], -Dx[1, 0]], [-Dx[0, 1], Dx[0, 0]]])
-        # a = curl(1/2 (y_m D y_l - y_l D y_m) + y_m D c_l - y_l D c_m) + D c_m x D c_l, x = y + c
-        y, c, a = x - self.linear[k], self.periods[k], np.zeros_like(Dx)
-        Dy = Dx - c.reshape(3, 3, 1, 1, 1)
-        for n in range(3):
-            m, l = (n + 1) % 3, (n + 2) % 3
-            f = [
-                0.5 * (y[m] * Dy[b, l] - y[l] * Dy[b, m]) + y[m] * c[b, l] - y[l] * c[b, m]
-                for b in range(3)
-            ]
-            constant = np.cross(c[:, m], c[:, l])
-            for i in range(3):
-                j, o = (i + 1) % 3, (i + 2) % 3
-                a[i, n] = self.derivative(k, f[o], j) - self.derivative(k, f[j], o) + constant[i]
-        return a
-
-    def moved(self, q, t, part):
-        """By block the displacement (part 0) or the velocity (1) of its nodes."""
-        of_solid = slice(part * self.d, (part + 1) * self.d)
-        return [
-            q[name][of_solid] if k in self.solids else self._blended(k, q, t, part)
-            for k, name in enumerate(self.names)
-        ]
-
-    def grids(self, q, t):
-        """Of all blocks."""
-        found = []
-        for k, (D, v) in enumerate(zip(self.moved(q, t, 0), self.moved(q, t, 1))):
-            x = self.blocks[k].X + D
-            a_t = np.imag(self.metrics(k, x + 1j * TINY * v)) / TINY
-            found.append(Grid(x, v, self.metrics(k, x), a_t))
-        return found
-
-    def _blended(self, k, q, t, part):
-        """Of a gas's grid: of vertices, then of edges, faces and the inside. Where not all nodes
-        are moved by something it is the Boolean sum of the boundary.
-        """
-        X, d = self.blocks[k].X, self.d
-        f, index = np.zeros(X.shape, q[self.names[k]].dtype), np.indices(X.shape[1:])
-        sides = [(None,) if self.periodic(k, j) else (0, -1, None) for j in range(d)]
-        for ends in sorted(product(*sides), key=lambda ends: ends.count(None)):
-            slices = (slice(None) if e is None else slice(e, e + 1 or None) for e in ends)
-            where = (slice(None), *slices)
-            nodes = index[where].reshape(d, -1).T.tolist()
-            known = [self._source(k, tuple(node), q, t, part) for node in nodes]
-            if all(value is not None for value in known):
-                f[where] = np.transpose(known).reshape(f[where].shape)
-                continue
-            rest = f[where]
-            for j in range(d):
-                if ends[j] is None and not self.periodic(k, j):
-                    xi = np.linspace(0.0, 1.0, X.shape[1 + j]).reshape(-1, *[1] * (d - 1 - j))
-                    low, high = rest.take([0], j + 1), rest.take([-1], j + 1)
-                    rest = rest - (1.0 - xi) * low - xi * high
-            f[where] = f[where] - rest
-        return f
-
-    def _source(self, k, node, q, t, part):
-        """What moves a node of a gas's grid: a solid at its place, or a wall; or None."""
-        p = self.of_node.get((k, node))
-        if p is None:
-            return None
-        if p.solid:
-            s, other = p.solid[0]
-            return q[self.names[s]][(slice(part * self.d, (part + 1) * self.d), *other)]
-        X = self.blocks[k].X[(slice(None), *node)]
-        for face in p.outer:
-            if motion := getattr(face.condition, "motion", None):
-                return rate_of(motion, X, t) if part else motion(X, t) - X
-        return None
+class Volume(Grids):
+    """Rates, random states and sums of blocks."""
 
     # gas
-
-    def volume_flux(self, k, grid):
-        """b^k and w = d(z, s)/dt, which make the volume flux g of two nodes."""
-        w = np.array([*grid.v[:-1], self.weight(grid.x) * grid.v[-1]])
-        return self.flat_metrics(k, self.flat(grid.x)), w
-
-    def volume_rate(self, k, grid):
-        """J_t, per node."""
-        total, (b, w) = 0.0, self.volume_flux(k, grid)
-        for j, a in enumerate(b):
-            total = total + dot(a, self.derivative(k, w, j)) + dot(w, self.derivative(k, a, j))
-        return total
-
-    def hoop_area(self, k, grid):
-        """S: 0 without an axis."""
-        return sum(self.derivative(k, grid.a[j, -1], j) for j in range(self.d))
 
     def gas_terms(self, k, q, grid):
         """Rates of J, J rho, J rho u, J E, (d + 3, ...)."""
@@ -214,7 +47,7 @@ class Volume:
         R[-2] += W * s.p * self.hoop_area(k, grid)
         if m.mu > 0.0 or m.kappa > 0.0:
             R[2:] += self._viscous(k, q[0], s, grid)
-        if self.problem.dissipation > 0.0:
+        if self.problem.dissipation > 0.0 or self.problem.shock > 0.0:
             R[1:] += self._gas_dissipation(k, s, grid)
         if m.force:
             f = spread(m.force, d)
@@ -223,18 +56,21 @@ class Volume:
 
     def _convection(self, k, s, grid, j):
         """- sum_l S_il F(i, l) along axis j: i along one axis of an array, l along the next."""
-        m, d, (b, w) = self.blocks[k].material, self.d, self.volume_flux(k, grid)
+        d, (b, w) = self.d, self.volume_flux(k, grid)
         here, there = (lambda f: np.expand_dims(f, j - d)), (lambda f: np.expand_dims(f, j - d - 1))
         left, right = State(*map(here, s)), State(*map(there, s))
         a_l, a_r = here(grid.a[j]), there(grid.a[j])
         g = 0.5 * (dot(here(b[j]), there(w)) + dot(there(b[j]), here(w)))
-        if self.problem.form == "entropy":
-            F = pair_flux(m, left, right, 0.5 * (a_l + a_r), g)
-        else:
-            F = 0.5 * (flux(left, a_l, g) + flux(right, a_r, g))
+        F = self._pair(k, left, right, a_l, a_r, g)
         scaled = self.axes[k][j].S / self.axes[k][j].weight[:, None]
         scaled = scaled.reshape(*scaled.shape, *[1] * (d - j - 1))
         return -(scaled * F).sum(axis=j - d) * self.W[k]
+
+    def _pair(self, k, left, right, a_l, a_r, g):
+        """The flux of two nodes, in the form of the problem."""
+        if self.problem.form == "entropy":
+            return pair_flux(self.blocks[k].material, left, right, 0.5 * (a_l + a_r), g)
+        return 0.5 * (flux(left, a_l, g) + flux(right, a_r, g))
 
     def _viscous(self, k, J, s, grid):
         """Of momentum and energy; gradients are those of the entropy variables u/T and -1/T, and
@@ -278,13 +114,17 @@ class Volume:
         return along(matrix.T / self.axes[k][j].weight[:, None], F, j, self.d) * self.W[k]
 
     def _gas_dissipation(self, k, s, grid):
-        """-Delta^T sigma lambda U_w Delta w, w: entropy variables, lambda = |a.(u-v)| + c |a|."""
+        """-Delta^T sigma (1 - alpha) lambda U_w Delta w, w: entropy variables, lambda = |a.(u-v)| +
+        c |a|; and what goes from node to node at shocks.
+        """
         m, d, total = self.blocks[k].material, self.d, 0.0
         first = m.gamma * m.cv - 0.5 * dot(s.u, s.u) / s.T - entropy_of(m, s)
         w, q = np.array([first, *(s.u / s.T), -1.0 / s.T]), self.problem.order // 2
         for j in range(d):
             delta, middle, least = self._differences(k, j, q)
-            strength = self.problem.dissipation / 4.0**q * least
+            steep = self._steepness(np.array([s.rho, s.p]), k, j, part=0.05)
+            wide = 1.0 - self._largest(steep, delta, j) * (self.problem.shock > 0.0)
+            strength = self.problem.dissipation / 4.0**q * least * wide
             dw, a = along(delta, w, j, d), along(middle, grid.a[j], j, d)
             rho, mean = along(middle, s.rho, j, d), along(middle, w, j, d)
             T = -1.0 / mean[-1]
@@ -296,7 +136,43 @@ class Volume:
             heat = speed * rho * m.cv * T**2 * dw[-1]
             F = np.array([mass, *(u * mass + push), H * mass + dot(u, push) + heat])
             total = total - self._scatter(k, j, delta, F)
+            if self.problem.shock > 0.0:
+                total = total + self._links(k, s, grid, j, steep)
         return total
+
+    def _links(self, k, s, grid, j, steep):
+        """At shocks alpha of the flux of two nodes, the largest alpha from one to the other, goes
+        through all links between them, and with it that of Lax and Friedrichs.
+        """
+        axis, m, d = self.axes[k][j], self.blocks[k].material, self.d
+        n, periodic, (b, w) = len(axis.weight), self.periodic(k, j), self.volume_flux(k, grid)
+        front = lambda f: np.moveaxis(f, j - d, 0)  # noqa: E731
+        s, a, b, w = State(*map(front, s)), *map(front, (grid.a[j], b[j], w))
+        steep, state = np.moveaxis(steep, j, 0), [State(*(f[i] for f in s)) for i in range(n)]
+        R, A, G = np.zeros((n, d + 2, *s.rho.shape[1:])), np.zeros_like(a), np.zeros_like(s.rho)
+        for i, distance in product(range(n), range(1, n // 2 if periodic else n)):
+            way = [(i + o) % n for o in range(distance + 1)]
+            l = way[-1]
+            if axis.S[i, l] == 0.0 or (l < i and not periodic):
+                continue
+            weight = axis.S[i, l] * steep[way].max(axis=0)
+            g = 0.5 * (dot(b[i], w[l]) + dot(b[l], w[i]))
+            F = weight * self._pair(k, state[i], state[l], a[i], a[l], g)
+            R[i], R[l] = R[i] + F, R[l] - F
+            A[way[:-1]] += weight * 0.5 * (a[i] + a[l])
+            G[way[:-1]] += weight * g
+        for i in range(n if periodic else n - 1):
+            l, sides = (i + 1) % n, (state[i], state[(i + 1) % n])
+            speeds = (
+                np.abs(dot(A[i], x.u) - G[i]) + np.sqrt(m.gamma * m.R * x.T * dot(A[i], A[i]))
+                for x in sides
+            )
+            here, there = (conserved(m, x.rho, x.u, x.T) for x in sides)
+            spread_out = 0.5 * self.problem.shock * np.maximum(*speeds) * (there - here)
+            F = self._pair(k, *sides, A[i], A[i], G[i]) - spread_out
+            R[i], R[l] = R[i] - F, R[l] + F
+        weight = axis.weight.reshape(-1, *[1] * (d - 1 - j))
+        return np.moveaxis(R, 0, j - d) * self.W[k] / weight
 
     # solid
 
@@ -362,24 +238,32 @@ class Volume:
         q, shock = self.problem.order // 2, self.problem.shock
         usual, fast = self.problem.dissipation / 4.0**q, np.sqrt((2.0 * m.mu_e + m.lambda_e) / m.m0)
         for j in range(d):
-            steep = np.moveaxis(self._steepness(v, 0.02 * fast, k, j), j, 0)
+            steep = self._steepness(v, k, j, least=0.02 * fast)
             for order, a, b in ((q, usual, -usual * (shock > 0.0)), (1, 0.0, 0.7 * shock)):
                 delta, middle, least = self._differences(k, j, order)
-                most = np.moveaxis(np.array([steep[row != 0.0].max(axis=0) for row in delta]), 0, j)
+                most = self._largest(steep, delta, j)
                 area, dv = along(middle, A[j], j, d), along(delta, v, j, d)
                 size = (a + b * most) * least * fast * m.m0 * np.sqrt(dot(area, area))
                 force = force - self._scatter(k, j, delta, size * dv)
                 heat = heat + self._scatter(k, j, middle, size * dot(dv, dv))
         return force, heat
 
-    def _steepness(self, v, small, k, j):
-        """alpha: 0 in smooth motion along axis j, 1 at shocks."""
-        v = np.moveaxis(v, 1 + j, 1)
-        rise, fall = np.roll(v, -1, axis=1) - v, v - np.roll(v, 1, axis=1)
-        s = (np.abs(rise - fall) / (np.abs(rise) + np.abs(fall) + small)).max(axis=0)
+    def _steepness(self, f, k, j, least=0.0, part=0.0):
+        """alpha of components f: 0 where they are smooth along axis j, 1 at shocks."""
+        f = np.moveaxis(f, 1 + j, 1)
+        above, below = np.roll(f, -1, axis=1), np.roll(f, 1, axis=1)
+        rise, fall = above - f, f - below
+        size = np.abs(rise) + np.abs(fall) + least + part * (above + 2.0 * f + below)
+        s = (np.abs(rise - fall) / size).max(axis=0)
         if not self.periodic(k, j):
             s[[0, -1]] = 0.0
         return np.moveaxis(np.clip(2.5 * (s - 0.03), 0.0, 1.0), 0, j)
+
+    @staticmethod
+    def _largest(steep, delta, j):
+        """The largest alpha of the nodes of a difference."""
+        lines = np.moveaxis(steep, j, 0)
+        return np.moveaxis(np.array([lines[row != 0.0].max(axis=0) for row in delta]), 0, j)
 
     def random_block(self, k, rng, size=1.0):
         """Unknowns node by node random; places of a solid by a few per cent of the spacing."""

@@ -8,8 +8,6 @@ the right end, where all is given; shock_open, shock_first: where it is open to 
 before it, to order 0 and 1.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from fsipetsc.boundaries import Dirichlet, Open, clamped
@@ -18,8 +16,6 @@ from fsipetsc.materials.line_solid import Solid
 from fsipetsc.options import Option
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
-NAME = "orders_reached"
-SUMMARY = "heat in a slab, a wave of density or a shock in a gas"
 PROBLEMS = "insulated", "warm", "heated", "gas", "shock", "shock_open", "shock_first"
 OPTIONS = (Option("orders_problem", str, "insulated", "", "which problem", PROBLEMS),)
 DEFAULTS = {"fsi_h": 0.05, "ts_max_time": 0.5, "fsi_output_dt": 1.0}

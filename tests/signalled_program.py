@@ -12,8 +12,6 @@ to mpiexec. The places:
 the last four on rank 0.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -1,13 +1,9 @@
 """The command `bench`: that it measures and tells what it says; not how fast anything is."""
 
-from __future__ import annotations
-
 import csv
 
 import pytest
 from helpers import message, solve
-
-pytest.importorskip("petsc4py")
 
 
 def test_bad_input(tmp_path):

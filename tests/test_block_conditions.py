@@ -1,14 +1,9 @@
 """Conditions at faces of blocks, held against what is exact."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
-from conftest import ORDERS
-
-pytest.importorskip("petsc4py")
-
 from block_ledgers import Steps
+from conftest import ORDERS
 
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Absorbing, Clamped, Free, Hinge, NoSlip, Open, Slip

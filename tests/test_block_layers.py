@@ -1,14 +1,9 @@
 """Blocks of flat layers: what meets, what stands at the other faces; cases of one dimension."""
 
-from __future__ import annotations
-
 from math import sqrt
 
 import numpy as np
 import pytest
-
-pytest.importorskip("petsc4py")
-
 from block_ledgers import Steps
 
 from fsipetsc import boundaries, problem

@@ -1,7 +1,5 @@
 """Which ranks have which nodes of blocks, and which points of a line."""
 
-from __future__ import annotations
-
 from math import prod
 
 import numpy as np

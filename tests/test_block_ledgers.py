@@ -2,14 +2,9 @@
 integrals change by just that.
 """
 
-from __future__ import annotations
-
+import block_shapes as shapes
 import numpy as np
 import pytest
-
-pytest.importorskip("petsc4py")
-
-import block_shapes as shapes
 from block_ledgers import Steps
 from ledger_problems import N, bent, closed, gas, moved, problem_of, solid
 

@@ -1,15 +1,10 @@
-"""What is seen of blocks after a step: bounds on the next one, its plan, angular momentum, what
-steps lose of the energy of solids, a state that is none.
+"""What is seen of blocks after a step: bounds on the next one, its plan, what steps lose
+of the energy of solids, a state that is none. Integrals: test_block_oracle.py.
 """
 
-from __future__ import annotations
-
+import block_shapes as shapes
 import numpy as np
 import pytest
-
-pytest.importorskip("petsc4py")
-
-import block_shapes as shapes
 from block_ledgers import Steps
 from ledger_problems import N, closed, gas, problem_of, solid
 
@@ -76,34 +71,6 @@ def test_what_bounds_a_step(shock):
         run.y.owned(0)[5] *= 0.9  # its J departs from the grid, its density does not
         run._monitor()
         assert run.latest["J_error"][0] == pytest.approx(0.1, rel=1e-6)
-
-
-def spin_of(run):
-    """Angular momentum about the origin, from the unknowns and where nodes are."""
-    total = 0.0
-    for k, part in run.scheme.parts.items():
-        q, d = run.y.owned(k), run.problem.dimension
-        H = part.part.weights(part.owned)
-        if run.problem.blocks[k].kind == "fluid":
-            x, momentum = part.grid.positions()[:, part.owned], H * q[:, 2 : 2 + d].T
-        else:
-            x = part.X[:, part.owned] + q[:, :d].T
-            momentum = H * part.inertia[part.owned] * q[:, d : 2 * d].T
-        pad = (0, 3 - d), (0, 0)
-        total += np.cross(np.pad(x, pad), np.pad(momentum, pad), axis=0).sum(axis=-1)
-    return total if run.problem.dimension == 3 else total[2]
-
-
-@pytest.mark.parametrize("d", [2, 3])
-def test_angular_momentum(d):
-    """Of gas whose grid has moved and of a solid."""
-    shape = shapes.layers(N + 1, False) if d == 2 else shapes.three(4)
-    names = ["angular_momentum"] if d == 2 else [f"angular_momentum_{x}" for x in "xyz"]
-    with Steps(problem_of(shape, closed, gas(d, 0.02), solid(d, "coupled"))) as run:
-        run.step(2e-3, 2)
-        found = [float(run.latest[name]) for name in names]
-        np.testing.assert_allclose(found, spin_of(run), rtol=1e-13, atol=1e-15)
-        assert np.abs(found).min() > 1e-3
 
 
 def swung(dt):

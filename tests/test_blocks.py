@@ -1,18 +1,53 @@
 """Blocks and problems made of them: maps, which faces meet, nodes at one place, messages."""
 
-from __future__ import annotations
-
 from itertools import permutations, product
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from block_grids import GAS, SOLID, box, closed, joins, nothing
+from ledger_problems import conditions_of
 
 from fsipetsc.blocks import maps
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Clamped, Free, Hinge, NoSlip, Open, Periodic, Slip
-from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.blocks.problem import BlockProblem, Meeting
 from fsipetsc.errors import InputError
+
+GAS, SOLID = SimpleNamespace(mu=0.0, gamma=1.4), SimpleNamespace(m0=1.0)
+
+
+def nothing(*X):
+    return X
+
+
+def box(name, cells, material=GAS, lower=None, axes=None, flips=None):
+    """A unit box under a smooth map of R^d, the same for all blocks of a test: the k-th logical
+    axis runs along coordinate axes[k], backwards where flips[k].
+    """
+    d = len(cells)
+    lower, axes, flips = lower or (0.0,) * d, axes or range(d), flips or (False,) * d
+
+    def places(xi):
+        X = [None] * d
+        for s, axis, flip in zip(xi, axes, flips):
+            X[axis] = lower[axis] + (1.0 - s if flip else s)
+        waves = [(1.7 + 0.3 * k) * x for k, x in enumerate(X)]
+        return tuple(
+            x + 0.1 * np.sin(2 * w - sum(waves) + 2.1 * c) for c, (x, w) in enumerate(zip(X, waves))
+        )
+
+    return Block(name, material, places, cells, nothing)
+
+
+def closed(*blocks):
+    """A problem of blocks with walls where no other block is."""
+    kinds = {block.name: Free() if block.material is SOLID else NoSlip() for block in blocks}
+    return BlockProblem(blocks, conditions_of(blocks, lambda name, axis, side: kinds[name]))
+
+
+def joins(problem, k):
+    """(axis, side), Meeting of block k."""
+    return [(face, met) for face, met in problem.faces_of(k).items() if isinstance(met, Meeting)]
 
 
 def test_maps_take_corners_where_they_belong():

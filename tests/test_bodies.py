@@ -1,14 +1,10 @@
 """The cases of bodies in a flow: balances, ranks, what holds a corner; the disk that spins."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np
 import pytest
 from helpers import assert_same_fields, computed
-
-pytest.importorskip("petsc4py")
 
 from fsipetsc.cases.fin import AHEAD
 from fsipetsc.cases.riemann import behind_shock
@@ -40,7 +36,6 @@ def bodies(tmp_path_factory):
     return result
 
 
-@pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [3, pytest.param(1, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", RUNS)
 def test_ranks_make_no_difference_and_balances_close(bodies, name, ranks):

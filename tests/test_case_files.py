@@ -2,8 +2,6 @@
 what was expected.
 """
 
-from __future__ import annotations
-
 import sys
 
 import pytest

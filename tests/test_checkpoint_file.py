@@ -2,8 +2,6 @@
 becomes of the checkpoints of other runs.
 """
 
-from __future__ import annotations
-
 import errno
 import os
 import shutil
@@ -77,7 +75,6 @@ def contents(folder):
 @pytest.fixture(scope="module")
 def stopped(tmp_path_factory):
     """A folder with rod.h5 and its checkpoint."""
-    pytest.importorskip("petsc4py")
     folder = tmp_path_factory.mktemp("stopped")
     assert goes_on(folder, *WORDS, 60) == ""
     return folder
@@ -90,7 +87,6 @@ def goes_on(folder, *words, ranks=1):
     return done.stdout.partition("goes on from ")[2].partition(", t = ")[0]
 
 
-@pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [1, 3])
 def test_a_file_that_cannot_be_gone_on_from_ends_all(ranks, stopped, tmp_path):
     """Status 4, one message, nothing written."""
@@ -139,6 +135,13 @@ def test_steps_may_change_where_it_is_said_and_a_result_may_begin_anew(stopped, 
         assert result.summary["steps"] == 70
 
 
+def test_from_the_checkpoint_at_the_end_no_step_follows(stopped, tmp_path):
+    """Nothing is known of what bounds it."""
+    goes_on(tmp_path, "rod", "-fsi_restart", stopped / NEWEST, "-fsi_output", "none.h5")
+    with fsipetsc.open_run(tmp_path / "none.h5") as result:
+        assert (result.summary["steps"], result.summary["bound"]) == (60, "")
+
+
 def test_places_where_no_checkpoint_can_be_are_found_out_before_the_run(tmp_path):
     (tmp_path / "a.h5").write_text("years of work")
     for name, status, said in (
@@ -169,7 +172,6 @@ def test_a_case_that_has_changed_is_found_out(case, option, before, now, said, t
     message(solve("mine.py", "-fsi_restart", "auto", cwd=tmp_path), 2, *said)
 
 
-@pytest.mark.mpi
 def test_what_was_given_up_is_not_gone_on_from(tmp_path):
     """Neither steps beyond an earlier checkpoint that was named, nor those of a former run; nor
     are two branches joined; what another run has left is kept.

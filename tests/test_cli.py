@@ -1,7 +1,5 @@
 """The command line as users and scripts meet it: texts, options, arguments, every kind of error."""
 
-from __future__ import annotations
-
 import os
 import sys
 from errno import ENOENT
@@ -29,7 +27,6 @@ def test_overview_lists_cases_and_commands_without_importing_the_solver():
     assert max(map(len, done.stdout.splitlines())) <= 100
 
 
-@pytest.mark.mpi
 @pytest.mark.parametrize(
     ("line", "words"),
     [
@@ -69,7 +66,6 @@ def test_run_gets_typed_options_from_everywhere(here):
 
 def test_commands_that_read_a_result_say_what_a_file_is_instead(here, capsys):
     """One line, status 4, and nothing is written."""
-    pytest.importorskip("matplotlib")
     files = {
         "no.h5": "there is no such file",
         "folder.h5": "is no regular file",
@@ -130,7 +126,6 @@ def test_every_kind_of_error_is_one_message_and_its_status(raised, status, said,
     """An error of the program itself shows its traceback first."""
     try:
         if callable(raised):
-            pytest.importorskip("petsc4py")
             raised()
         raise raised
     except BaseException as error:

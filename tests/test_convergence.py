@@ -1,14 +1,10 @@
 """The command convergence: its table, its files, grids compared with each other, and refusals."""
 
-from __future__ import annotations
-
 import csv
 
 import numpy as np
 import pytest
 from helpers import message, solve
-
-pytest.importorskip("petsc4py")
 
 from fsipetsc.analysis.convergence_table import Study
 
@@ -33,7 +29,6 @@ def test_orders_of_differences_of_any_grids():
             np.testing.assert_allclose(study.rates("gas"), [[np.nan, p, np.nan]], atol=1e-9)
 
 
-@pytest.mark.mpi
 def test_grids_of_a_case_are_compared_with_each_other(tmp_path):
     """mms as if it had no exact solution: the orders are those of its errors, on two ranks."""
     (tmp_path / "bare.py").write_text(
@@ -61,7 +56,6 @@ def test_what_blocks_do_not_resolve_is_said(tmp_path):
     assert "is not resolved: " in done.stdout
 
 
-@pytest.mark.mpi
 def test_command(tmp_path):
     """Two ranks have the same errors: the sums of the squares are added up in another order."""
     words = "mms -fsi_orders 2,6 -fsi_hs 0.025,0.05,0.05".split()

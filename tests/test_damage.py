@@ -1,7 +1,5 @@
 """Damaged result files: they are read, or refused with one message and status 4."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Callable
@@ -15,8 +13,6 @@ from helpers import run
 import fsipetsc
 from fsipetsc.errors import FileError
 from fsipetsc.output.info import info
-
-pytest.importorskip("petsc4py")
 
 
 @pytest.fixture(scope="module")

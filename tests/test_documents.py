@@ -1,7 +1,5 @@
 """What README, docs/ and runs/ say: names and links exist, code runs, numbers are measured."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json
@@ -12,8 +10,6 @@ from pathlib import Path
 
 import pytest
 from helpers import REPOSITORY, compute, run
-
-pytest.importorskip("petsc4py")
 
 DOCS = REPOSITORY / "docs"
 PAGES = [REPOSITORY / "README.md", *sorted(DOCS.glob("*.md"))]

@@ -1,7 +1,5 @@
 """Panel flutter: modes of a motion, short runs."""
 
-from __future__ import annotations
-
 import csv
 
 import numpy as np
@@ -47,7 +45,6 @@ def test_the_crossing_from_a_few_dynamic_pressures():
     assert np.isnan([at, s.real, s.imag]).all()
 
 
-@pytest.mark.mpi
 def test_runs_decay_below_and_grow_above(tmp_path):
     """On two ranks, which share the runs; a thick panel, with the two slowest modes of theory."""
     beams, dynamic = program("beams"), (350, 430, 650)

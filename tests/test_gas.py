@@ -1,7 +1,5 @@
 """Equations and laws of a gas as formulas: fluxes of pairs, entropy, viscous terms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numba import njit

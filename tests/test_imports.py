@@ -1,7 +1,5 @@
 """The layout of the code: imports go one way, and only who has to knows PETSc and MPI."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator
 from pathlib import Path

@@ -4,22 +4,15 @@ Each process sends the signals to itself at named places (signalled_program.py),
 there and nowhere else; at random: `scripts/soak kill`.
 """
 
-from __future__ import annotations
-
 import json
 import signal
 from pathlib import Path
 
 import pytest
-from helpers import REPOSITORY, assert_readable, message, mpirun, run, solve
+from helpers import assert_readable, different, message, mpirun, run, solve
 from kill_cycles import AT_END, PROGRAM, cycles
-from test_restart import different
 
 import fsipetsc
-
-pytest.importorskip("petsc4py")
-
-pytestmark = pytest.mark.mpi
 
 LINE = "rod -fsi_h 0.05 -ts_max_time 0.1 -fsi_output_dt 0.01 -fsi_quiet".split()
 
@@ -83,14 +76,6 @@ def test_a_run_that_is_killed_goes_on(case, kills, tmp_path):
     """Each time on another number of ranks: the same bits."""
     done = cycles(tmp_path, case, kills)
     assert len(done) == len(kills) and AT_END not in done[-1]
-
-
-def test_an_error_of_one_rank_alone_ends_all(tmp_path):
-    """Its traceback holds objects of PETSc, and PETSc's end waits for ranks with other objects."""
-    case = REPOSITORY / "tests" / "going_wrong.py"
-    words = "-mad_function initial -mad_rank 1 -fsi_quiet".split()
-    done = mpirun(2, "-m", "fsipetsc", case, *words, cwd=tmp_path)
-    message(done, 2, "going_wrong.py, line ", "ValueError: nothing is known")
 
 
 STOPPED = """

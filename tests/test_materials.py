@@ -3,18 +3,15 @@
 tests/test_gas.py has the laws of gases, tests/test_solid_laws.py the stresses of solids.
 """
 
-from __future__ import annotations
-
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 import pytest
+from helpers import REPOSITORY, message, solve
 
-pytest.importorskip("numba")
-pytest.importorskip("petsc4py")
-
-from helpers import REPOSITORY, compute, message, solve
-
+import fsipetsc
+from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
@@ -24,6 +21,7 @@ from fsipetsc.materials.power_law import power_law
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.solid_pressure import mie_gruneisen
 from fsipetsc.materials.sutherland import sutherland
+from fsipetsc.options import defaults
 
 # the pressure of a solid in one dimension
 
@@ -108,14 +106,21 @@ def test_sutherland_and_power_law():
 
 # laws that cases bring
 
-R, CV = 287.0, 717.5
-GAS = {
-    "pressure": lambda rho, T: R * rho * T,
-    "internal_energy": lambda rho, T: CV * T,
-    "temperature": lambda rho, e: e / CV,
-    "density": lambda p, T: p / (R * T),
-    "temperature_of": lambda rho, p: p / (R * rho),
-}
+R = 287.0
+
+
+def perfect(R, cv):
+    """A perfect gas as functions."""
+    return {
+        "pressure": lambda rho, T: R * rho * T,
+        "internal_energy": lambda rho, T: cv * T,
+        "temperature": lambda rho, e: e / cv,
+        "density": lambda p, T: p / (R * T),
+        "temperature_of": lambda rho, p: p / (R * rho),
+    }
+
+
+GAS = perfect(R, 717.5)
 SOLID = {"mu_e": 1.3, "lambda_e": 2.1, "kappa_e": 0.0, "m0": 1.7, "alpha": 0.6}
 
 
@@ -188,38 +193,19 @@ def test_a_run_with_a_wrong_law_ends_with_status_2(tmp_path):
     message(solve("wrong.py", "-fsi_coupling", "energy", cwd=tmp_path), 2, "transport_law")
 
 
-#: the case box with its gas as functions
-OWN_GAS = """
-from dataclasses import replace
-from fsipetsc.cases import box
-from fsipetsc.materials.own import gas_law
-
-OPTIONS, DEFAULTS = box.OPTIONS, box.DEFAULTS
-
-
-def build(opt):
-    problem = box.build(opt)
-    gas = problem.layers[0].material
-    R, cv = gas.R, gas.cv
-    own = replace(gas, law=gas_law(
-        pressure=lambda rho, T: R * rho * T,
-        internal_energy=lambda rho, T: cv * T,
-        temperature=lambda rho, e: e / cv,
-        density=lambda p, T: p / (R * T),
-        temperature_of=lambda rho, p: p / (R * rho),
-    ))
-    left, solid, right = problem.layers
-    layers = replace(left, material=own), solid, replace(right, material=own)
-    return replace(problem, layers=layers)
-"""
-
-
 @pytest.mark.long
 def test_a_perfect_gas_of_functions_on_blocks(tmp_path):
-    (tmp_path / "own.py").write_text(OWN_GAS)
-    words = "-fsi_h 0.05 -ts_max_time 0.5 -fsi_convection divergence"
-    runs = {name: (name, words) for name in ("box", "own.py")}
-    built_in, own = compute(1, tmp_path, runs).values()
+    """In the case box."""
+    case, options = load_case("box"), {"h": 0.05, "max_time": 0.5, "convection": "divergence"}
+    problem = case.build(defaults(case))
+    left, solid, right = problem.layers
+    law = gas_law(**perfect(left.material.R, left.material.cv))
+    left, right = (replace(x, material=replace(x.material, law=law)) for x in (left, right))
+    of_functions = replace(problem, layers=(left, solid, right))
+    built_in, own = (
+        fsipetsc.run(of, output=tmp_path / f"{name}.h5", **options)
+        for name, of in (("built_in", problem), ("own", of_functions))
+    )
     for one, other in zip(built_in.layers, own.layers, strict=True):
         for name in ("u", "T"):
             np.testing.assert_allclose(other[name][-1], one[name][-1], rtol=1e-8, atol=1e-8)

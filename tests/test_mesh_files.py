@@ -1,7 +1,5 @@
 """Grids from CGNS files: one that Gmsh 4 wrote (two sectors of an annulus), small ones."""
 
-from __future__ import annotations
-
 import h5py
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """The command `new`: a case file that runs as it is, and is never put in the place of another."""
 
-from __future__ import annotations
-
 import os
 import re
 from pathlib import Path
@@ -10,8 +8,6 @@ import pytest
 from helpers import assert_same_fields, computed, message, solve
 
 from fsipetsc import cases
-
-pytest.importorskip("petsc4py")
 
 
 def written(folder, name, *words, ranks=1):

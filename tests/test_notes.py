@@ -1,17 +1,11 @@
 """Notes on initial data that may not be meant, and on what the grid does not resolve at the end."""
 
-from __future__ import annotations
-
 import pytest
 from helpers import solve
-
-pytest.importorskip("petsc4py")
 
 from fsipetsc.blockrun.notes import weak_hinges
 from fsipetsc.cases import load_case
 from fsipetsc.options import defaults
-
-pytestmark = pytest.mark.mpi
 
 #: the piston or the blast, with one thing changed
 CASE = """

@@ -1,7 +1,5 @@
 """The table of options: reading, checking, defaults, and the help that comes from it."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import pytest
@@ -20,8 +18,6 @@ from fsipetsc.options import (
     table,
 )
 from fsipetsc.usage import options_help
-
-petsc4py = pytest.importorskip("petsc4py")
 
 OWN = (
     Option("solid_force", float, 0.0, "N/m³", "body force"),

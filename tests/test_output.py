@@ -1,7 +1,5 @@
 """Result files: what a run writes is what the reader reads, whatever happens in between."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from pathlib import Path
@@ -12,11 +10,9 @@ from helpers import message, mpirun, run
 
 import fsipetsc
 from fsipetsc.errors import FileError
-from fsipetsc.output.info import info
-
-pytest.importorskip("petsc4py")
 from fsipetsc.output import pieces, reader, writer
 from fsipetsc.output.file_layout import open_h5
+from fsipetsc.output.info import info
 from fsipetsc.output.lock import Lock
 
 
@@ -185,7 +181,6 @@ sys.exit(main("rod -fsi_h 0.05 -ts_max_time 0.05 -fsi_output_dt 1e-4 -fsi_quiet"
 """
 
 
-@pytest.mark.mpi
 def test_a_full_disk_ends_all_ranks(tmp_path: Path) -> None:
     message(mpirun(2, "-c", FULL, cwd=tmp_path), 4, "rod.h5: cannot write: ", "File too large")
     assert fsipetsc.open_run(tmp_path / "rod.h5").nframes > 20

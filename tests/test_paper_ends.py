@@ -1,16 +1,11 @@
 """The ends in the paper's method: beside those of a gas no mode grows; a right end is a left one in
 a mirror."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np
 import pytest
-
-pytest.importorskip("numba")
-
-from helpers import from_python
+from numba import njit
 
 from fsipetsc.analysis.spectra import CENTRAL
 from fsipetsc.boundaries import (
@@ -33,6 +28,12 @@ from fsipetsc.paper import ends
 from fsipetsc.paper.laws import Gas, law_of
 from fsipetsc.paper.layout import RECORD
 from fsipetsc.paper.stencils import packed
+
+
+def from_python(function):
+    """A function that only compiled code calls, made callable."""
+    return njit(error_model="numpy")(lambda *arguments: function(*arguments))
+
 
 fill_ghost, gradient_values, close_solid = map(
     from_python, (ends.fill_ghost, ends.gradient_values, ends.close_solid)

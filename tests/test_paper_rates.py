@@ -4,8 +4,6 @@ they were frozen when two programs, written apart, agreed on them to 1e-12.
 `python tests/test_paper_rates.py` freezes them anew, which is for a change of the method alone.
 """
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from itertools import product
@@ -13,9 +11,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-pytest.importorskip("petsc4py")
-
 from mpi4py import MPI
 
 from fsipetsc.boundaries import Dirichlet, Open, Wall, absorbing, clamped, free

@@ -1,18 +1,14 @@
 """Pictures, films and reports: the data that are drawn, what is said about them, their colours."""
 
-from __future__ import annotations
-
 import json
 import re
 from itertools import product
 from types import SimpleNamespace
 
+import matplotlib
 import numpy as np
 import pytest
 from helpers import compute
-
-matplotlib = pytest.importorskip("matplotlib")
-pytest.importorskip("petsc4py")
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image

@@ -2,8 +2,6 @@
 behind. Streams that cannot be written: a run goes on, and what is printed for its own sake says so.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 
@@ -11,8 +9,6 @@ import pytest
 from helpers import REPOSITORY, launch, run
 
 import fsipetsc
-
-pytest.importorskip("petsc4py")
 
 SHORT = "-fsi_quiet -fsi_h 0.1"
 _OTHER = "-ts_max_time 0.004 -rod_gravity -100 -fsi_output_dt 0.001 -ts_rk_type 3bs"

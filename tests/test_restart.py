@@ -2,23 +2,15 @@
 run that was not stopped.
 """
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, compute
-from test_ranks import SUMS as SUMS_ALONG_X
+from helpers import REPOSITORY, compute, different
 
 import fsipetsc
 from fsipetsc.output import checkpoint_file
-from fsipetsc.output.differences import compare
-
-pytest.importorskip("petsc4py")
-
-pytestmark = pytest.mark.mpi
 
 PISTON = str(REPOSITORY / "runs" / "piston.py")
 LAYERS = str(REPOSITORY / "tests" / "layers.py")
@@ -33,27 +25,9 @@ RUNS = {
     "layers": (LAYERS, "-layers_gruneisen 0.2 -ts_max_time 0.2", 6),
     "blast": ("blast", "-fsi_h 0.125 -fsi_order 2 -ts_max_time 0.3 -fsi_output_dt 0.05", 6),
 }
-#: of what is integrated the last bits depend on the number of ranks
-SUMS = {*SUMS_ALONG_X, "momentum_x", "momentum_y", "impulse_x", "impulse_y", "mass_in", "energy_in"}
-SUMS |= {"angular_momentum", "solid_energy", "lost_energy", "energy_face", "heat_face"}
-#: of the summary
-SUMMED = "status", "t", "steps", "rejected_steps", "rhs_evaluations", "points", "interfaces"
 #: ranks on which the runs are begun; ranks -> what goes on there
 RANKS = 2
 ON = {RANKS: list(RUNS), 3: list(RUNS)[::2]}
-
-
-def different(a: Path, b: Path, same_ranks: bool) -> list[str]:
-    """What has other bits in two results; sums over x count only on as many ranks."""
-    found = compare(a, b)
-    sums = set() if same_ranks else SUMS
-    wrong = [d.name for d in found.differences if d.largest > 0.0 and d.name not in sums]
-    with fsipetsc.open_run(a) as one, fsipetsc.open_run(b) as other:
-        for mine, yours in zip(one.layers, other.layers, strict=True):
-            assert np.array_equal(mine.X, yours.X), mine.name
-        pairs = [(name, one.summary[name], other.summary[name]) for name in SUMMED]
-        pairs += [("errors", one.errors, other.errors)] * same_ranks
-    return [*wrong, *found.notes, *(f"{name}: {x}, {y}" for name, x, y in pairs if x != y)]
 
 
 @pytest.fixture(scope="module")

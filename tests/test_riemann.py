@@ -1,7 +1,5 @@
 """The exact solution of the Riemann problem of gas and elastic solid fulfils its equations."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

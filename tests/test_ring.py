@@ -1,15 +1,10 @@
 """The case ring and the command modes: frequencies against those by Bessel functions."""
 
-from __future__ import annotations
-
 import csv
 
 import numpy as np
 import pytest
 from helpers import assert_same_fields, computed, solve
-
-pytest.importorskip("petsc4py")
-
 from mpi4py import MPI
 
 from fsipetsc.analysis.ring_theory import Medium, mode_near
@@ -30,9 +25,9 @@ def media(viscosity=0.0):
     return Medium(0.4, 1.0, *gas), RING, Medium(1.3, 2.0, *gas)
 
 
-def modes_of(folder, words=""):
+def modes_of(folder, words="", case="ring"):
     """(omega of the scheme, exact or nan) from the file of the command."""
-    done = solve("modes", "ring", *words.split(), cwd=folder)
+    done = solve("modes", case, *words.split(), cwd=folder)
     assert (done.returncode, done.stderr) == (0, ""), done.stderr
     assert "saved modes.csv" in done.stdout
     with (folder / "modes.csv").open() as file:
@@ -115,7 +110,6 @@ def test_nothing_grows_beside_light_and_heavy_rings(density, viscosity):
     assert values.real.max() < 1e-11 * np.abs(values).max()
 
 
-@pytest.mark.mpi
 def test_a_pulse_on_two_ranks_and_on_three(tmp_path):
     """The same bits; mass and energy stay; the ring is pushed, and rests without a pulse."""
     words = "ring -fsi_order 4 -fsi_h 0.1 -ring_around 32".split()

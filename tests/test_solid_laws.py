@@ -1,7 +1,5 @@
 """Laws of solids against the formulas of the oracle, the bound of their waves, and pressures."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

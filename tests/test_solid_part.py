@@ -1,13 +1,7 @@
 """A rank's part of a solid block: initial data and what is saved, with a prestress."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
-
-pytest.importorskip("numba")
-pytest.importorskip("petsc4py")
-
 from mpi4py import MPI
 
 from fsipetsc.blockrun.block_state import BlockForm

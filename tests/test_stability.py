@@ -1,18 +1,11 @@
 """The stability analysis: its operators are the derivative of the solver's right-hand side; Theorem
 4.1 holds for `energy`; `traditional` fails; the command."""
 
-from __future__ import annotations
-
 import csv
 from itertools import product
 
 import numpy as np
 import pytest
-
-pytest.importorskip("numba")
-pytest.importorskip("scipy")
-pytest.importorskip("petsc4py")
-
 from helpers import message, solve
 from mpi4py import MPI
 from ratios import sandwich
@@ -178,7 +171,6 @@ def test_command_for_one_material(tmp_path):
     assert "solid  p 1 Pa, sigma 0 Pa" in done.stdout
 
 
-@pytest.mark.mpi
 def test_sweep_with_energy_holds_everywhere_on_any_ranks(tmp_path):
     for ranks in (1, 2):
         done = solve("stability", *SMALL, "-fsi_output", ranks, cwd=tmp_path, ranks=ranks)

@@ -1,12 +1,8 @@
 """Time stepping: saved times, PETSc's methods with their orders, and the fused one."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
-from conftest import FUSED, METHODS, STEPS, fixed
-
-pytest.importorskip("petsc4py")
+from helpers import REPOSITORY, computed
 
 from fsipetsc.stepping.integrator import saved_times
 
@@ -32,21 +28,42 @@ def difference(run, reference) -> float:
     return max(e / of for e, of in zip(found, departures, strict=True) if of > 0.0)
 
 
-@pytest.mark.parametrize("method", METHODS, ids=lambda m: " ".join(m).strip())
-def test_every_method_has_its_order(computed, method):
+#: -ts_type and -ts_rk_type -> order
+METHODS = {"euler": 1, "ssp": 2, "rk -ts_rk_type 3bs": 3, "rk -ts_rk_type 4": 4}
+METHODS |= {"rk -ts_rk_type 5dp": 5}
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_has_its_order(method, tmp_path):
     """On a fixed grid against a far finer step; high orders come down to the round-off floor."""
-    reference, order = computed("methods", "reference"), METHODS[method]
-    errors = [difference(computed("methods", fixed(method, dt)), reference) for dt in STEPS]
+    case, order = "rod -fsi_h 0.1 -ts_max_time 0.004 -fsi_output_dt 1 -ts_type", METHODS[method]
+    steps = np.array([1e-4, 5e-5]) / (8 if order == 1 else 1)
+    lines = [f"{case} {method} -ts_dt {dt}" for dt in steps]
+    lines.append(f"{case} rk -ts_rk_type 5dp -ts_dt 6.25e-6")
+    *found, reference = (computed(tmp_path, f"{k}.h5", *w.split()) for k, w in enumerate(lines))
+    errors = [difference(run, reference) for run in found]
     if order <= 4:
         assert np.log2(errors[0] / errors[1]) > order - 0.2
     else:
         assert errors[0] < 3e-6
 
 
-@pytest.mark.parametrize("name", FUSED)
-def test_the_fused_method_is_petscs_up_to_round_off(computed, name):
+@pytest.mark.parametrize(
+    "line",
+    [
+        "rod -fsi_h 0.05 -ts_max_time 0.05 -fsi_output_dt 0.05",
+        "mms -fsi_h 0.05 -fsi_order 6 -ts_max_time 0.2 -fsi_output_dt 0.1",
+        f"{REPOSITORY}/runs/piston.py -fsi_order 2 -ts_max_time 0.02 -fsi_output_dt 0.01",
+        "box -fsi_h 0.05 -ts_max_time 0.1",
+    ],
+    ids=["rod", "mms", "piston", "box"],
+)
+def test_the_fused_method_is_petscs_up_to_round_off(line, tmp_path):
     """Hundreds of steps in which boundaries cross cells, with forcing and without."""
-    fused, petsc = computed("fused", f"{name}_fused"), computed("fused", f"{name}_rk")
+    fused, petsc = (
+        computed(tmp_path, f"{kind}.h5", *line.split(), "-ts_type", kind)
+        for kind in ("fused", "rk")
+    )
     for run in (fused, petsc):
         assert run.summary["rhs_evaluations"] == 4 * run.summary["steps"]
     assert np.array_equal(fused.time, petsc.time)
@@ -57,9 +74,11 @@ def test_the_fused_method_is_petscs_up_to_round_off(computed, name):
             assert np.nanmax(np.abs(one[field] - other[field])) <= 1e-11 * scale, (one.name, field)
 
 
-def test_saved_times_are_exact(computed):
+def test_saved_times_are_exact(tmp_path):
     """Equal as floats, in frames and series; no step is shorter than half of the rule's."""
-    run = computed("times", "listed")
+    words = "rod -fsi_h 0.1 -ts_max_time 0.01 -fsi_output_times"
+    times = "0,0.0011,0.00234567,0.005,0.0071,0.0071003"
+    run = computed(tmp_path, "times.h5", *words.split(), times)
     listed = [0.0, 0.0011, 0.00234567, 0.005, 0.0071, 0.0071003, 0.01]
     dt, t = run.series["dt"], run.series["t"]
     assert run.time.tolist() == listed and set(listed[1:]) <= set(t.tolist())

@@ -1,7 +1,5 @@
 """The command `verify`: its table, its references, and entries as a user runs them."""
 
-from __future__ import annotations
-
 import csv
 import importlib
 
@@ -149,14 +147,12 @@ for most in (1, 0):
 """
 
 
-@pytest.mark.mpi
 def test_a_problem_runs_on_as_many_ranks_as_it_can_feed(tmp_path):
     (tmp_path / "small.py").write_text(SMALL)
     done = mpirun(2, tmp_path / "small.py", cwd=tmp_path)
     assert done.stdout.splitlines() == ["[2, 1]", "[2, 1, 'too many']"], done.stderr
 
 
-@pytest.mark.mpi
 def test_entries_as_they_run(tmp_path):
     """On two ranks: the elastic piston, and beams, whose frequencies have no steps; the viscous
     tube has but a page."""

@@ -1,8 +1,6 @@
 """Modes of a gas over an elastic layer in two dimensions: the spectral solution of the case wave,
 the linearised scheme, and runs."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -2,8 +2,6 @@
 It is never run.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

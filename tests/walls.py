@@ -8,8 +8,6 @@ for x with x_X = J. The forcing is made of derivatives by a step along the imagi
 axis.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from fsipetsc.boundaries import Wall, clamped, free
@@ -18,8 +16,6 @@ from fsipetsc.materials.line_solid import Solid
 from fsipetsc.options import Option
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
-NAME = "walls"
-SUMMARY = "manufactured solutions between walls that move and driven ends"
 OPTIONS = (Option("walls_state", str, "left", "", "side of the gas", ("left", "right")),)
 DEFAULTS = {"fsi_h": 0.025, "ts_max_time": 0.45, "fsi_output_dt": 1.0, "fsi_cfl": 1.0}
 

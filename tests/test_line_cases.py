@@ -1,0 +1,165 @@
+"""Cases in one dimension: the rod of Sec. 5.2, the sound pulse, cases with more layers and with a
+wall that moves, the example of a user's own case.
+"""
+
+import numpy as np
+import pytest
+from conftest import ORDERS
+from helpers import REPOSITORY, computed
+from scipy.optimize import brentq
+
+from fsipetsc.cases import pulse
+from fsipetsc.output.info import info
+
+# the rod: positions and balances, and that nothing grows
+
+P0, T0, R = 1e5, 300.0, 8.3145 / 0.029
+#: converged positions of the two interfaces at t = 0.4: lowest point of the fall nearly reached
+CONVERGED = 0.72872, 1.49300
+
+
+@pytest.mark.parametrize("order", [4, 8])
+def test_to_the_third_bounce(order, tmp_path):
+    """To t = 3 at h = 0.025."""
+    words = f"rod -fsi_h 0.025 -fsi_order {order} -fsi_output_dt 0.1 -ts_max_time 3"
+    run = computed(tmp_path, "rod.h5", *words.split())
+    t, x = run.series["t"], run.series["x_interface"]
+    assert run.complete and run.time[-1] == t[-1] == 3.0
+    np.testing.assert_allclose(x[t == 0.4], [CONVERGED], rtol=0, atol=2e-4)
+    assert 0.72 < x[:, 0].min() < 0.721
+    assert x[t > 0.5, 0].max() < 0.98, "a bounce does not come back higher"
+    length = x[:, 1] - x[:, 0]
+    assert 0.74 < length.min() < 0.76 and length.max() < 1.002
+    u = np.abs(run.series["u_interface"])
+    cycles = [u[(a <= t) & (t < a + 0.9)].max(axis=0) for a in (0.0, 0.9, 1.8)]
+    assert np.all(cycles[1] < cycles[0]) and np.all(cycles[2] < 1.01 * cycles[1])
+    below, rod, _ = run.layers
+    for frame in range(1, run.nframes):
+        inside = np.isfinite(below.x[frame])
+        at_wall = np.interp(0.0, below.x[frame][inside], below["u"][frame][inside])
+        assert abs(at_wall) < 5e-3, "no velocity at x = 0; the rod moves with 1.9 m/s"
+        assert np.abs(np.diff(rod["u"][frame], 4)).max() < 0.03, "no short waves in the rod"
+        assert np.abs(np.diff(below["p"][frame][inside], 2)).max() < 50.0, "Pa; it rises by 6e4"
+    drift = {4: 1.5e-4, 8: 8e-4}[order]
+    np.testing.assert_allclose(run.series["mass"][:, 0], P0 / (R * T0), rtol=drift)
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_what_is_at_rest_stays_at_rest(order, tmp_path):
+    """Without gravity 1,700 steps add no more than round-off."""
+    words = f"rod -fsi_h 0.05 -fsi_order {order} -rod_gravity 0 -ts_max_time 0.2"
+    run = computed(tmp_path, "rest.h5", *words.split())
+    at_rest = {"fluid": {"rho": P0 / (R * T0), "T": T0, "p": P0}, "solid": {"T": T0, "sigma": -P0}}
+    for layer in run.layers:
+        for name, value in at_rest[layer.kind].items():
+            last = layer[name][-1]
+            np.testing.assert_allclose(last[np.isfinite(last)], value, rtol=1e-11)
+        assert np.nanmax(np.abs(layer["u"][-1])) < 1e-8
+    np.testing.assert_allclose(run.series["x_interface"][-1], [1.0, 2.0], rtol=1e-11)
+
+
+# the pulse against linear acoustics: what is reflected, what goes through, what leaves
+
+AMPLITUDE = 0.01
+#: where the pulse starts, in the gas or in the solid -> time at which both waves are inside
+INSIDE = {0.75: 0.0035, -0.75: 0.003}
+STARTS = pytest.mark.parametrize("start", INSIDE, ids=["from the fluid", "from the solid"])
+#: density and modulus; the wave speed is 500 m/s in all. The gas: 1.16 kg/m3, 347 m/s
+SOLIDS = {"light": (1.0, 2.5e5), "middle": (4.0, 1e6), "heavy": (4e4, 1e10)}
+
+
+def pulsed(folder, start, end, words=""):
+    """The result of a run to this time."""
+    line = f"pulse -pulse_amplitude {AMPLITUDE} -fsi_output_dt 1 -pulse_start {start} {words}"
+    return computed(folder, "pulse.h5", *line.split(), "-ts_max_time", end)
+
+
+def linear_problem(run):
+    """(case's problem, its Acoustics) of a run."""
+    problem = pulse.build(run.options)
+    solid, gas = problem.layers
+    return problem, pulse.acoustics(run.options, gas.material, solid.material)
+
+
+@STARTS
+@pytest.mark.parametrize("solid", SOLIDS)
+def test_reflection_and_transmission(start, solid, tmp_path):
+    """From a solid as light as the gas to one 40,000 times as heavy, to a part in a thousand of
+    what comes in."""
+    words = "-fsi_order 6 -solid_density {} -solid_modulus {}".format(*SOLIDS[solid])
+    run = pulsed(tmp_path, start, INSIDE[start], words)
+    problem, linear = linear_problem(run)
+    for saved, layer, name, sign, at_rest in (
+        (run.layers[0], problem.layers[0], "sigma", -1, -1e5),
+        (run.layers[1], problem.layers[1], "p", 1, 1e5),
+    ):
+        first = (layer.kind == "fluid") == (linear.side > 0)
+        shape, _, _ = linear.waves(saved.X, run.time[-1], first)
+        active = np.isfinite(saved[name][-1])
+        wave, shape = saved[name][-1][active] - at_rest, sign * shape[active]
+        if np.abs(shape).max() < 1e-3 * AMPLITUDE:
+            assert np.abs(wave).max() < 2e-3 * AMPLITUDE
+        else:
+            part = linear.reflection if first else linear.transmission
+            assert abs(wave @ shape / (shape @ shape) - 1) * abs(part) < 1e-3
+
+
+@STARTS
+def test_waves_leave_through_the_ends(start, tmp_path):
+    """After both waves have left, what is reflected at the open and the absorbing end is small."""
+    solid, gas = pulsed(tmp_path, start, 0.01).layers
+    assert np.abs(solid["sigma"][-1] + 1e5).max() < 0.01 * AMPLITUDE
+    assert np.nanmax(np.abs(gas["p"][-1] - 1e5)) < 0.01 * AMPLITUDE
+
+
+# more layers
+
+
+@pytest.mark.parametrize("order", [4, 8])
+def test_the_column_keeps_what_it_has(order, tmp_path):
+    """Mass, momentum less the impulse of the ends, energy: the run is held to them."""
+    words = f"column -fsi_order {order} -ts_max_time 2 -fsi_cfl 0.4 -fsi_check 1e-10"
+    run = computed(tmp_path, "column.h5", *words.split())
+    assert len(run.layers) == 5
+    assert np.ptp(run.series["x_interface"], axis=0).min() > 1e-4, "the pulse has come through"
+
+
+def test_the_piston_compresses_the_gas_adiabatically(tmp_path):
+    """So slowly, before so heavy a layer, that p V^gamma stays; the energy grows by the work."""
+    words = "piston -fsi_h 0.025 -fluid_mu 0 -fluid_kappa 0 -piston_time 0.1 -ts_max_time 0.1"
+    run = computed(tmp_path, "piston.h5", *words.split(), "-solid_density", 1e8)
+    mass = run.series["mass"] / np.array(run.summary["initial_mass"])
+    assert np.abs(mass - 1).max() < 1e-14
+    length = run.series["x_interface"][-1, 0] - 0.3
+    assert run.layers[0]["p"][-1].mean() == pytest.approx(1e5 * length**-1.4, rel=2e-3)
+    gained = run.series["energy"][-1] - run.summary["initial_energy"]
+    assert gained == pytest.approx(1e5 / 0.4 * (length**-0.4 - 1), rel=1e-2)
+    came, wall = run.series["energy_face"].sum(axis=0), "driven, axis 0, side 0"
+    round_off = 1e-13 * run.series["energy"].max()  # of 6e12 J, that of the heavy layer
+    assert dict(zip(run.faces, came, strict=True))[wall] == pytest.approx(gained, abs=round_off)
+    assert np.count_nonzero(came) == 1 and not run.series["heat_face"].any()
+    (told,) = (line for line in info(run.path).splitlines() if line.startswith(f"  {wall}"))
+    assert f"{came.sum():.6g}" in told
+
+
+# runs/piston.py: the gas works like the spring that it is
+
+GAMMA, MASS, SPEED = 1.4, 250.0 * 0.2, 25.0
+
+
+def test_it_turns_where_the_energy_balance_says_and_comes_back_as_fast(tmp_path):
+    run = computed(tmp_path, "piston.h5", REPOSITORY / "runs" / "piston.py", ranks=2)
+    x, u = run.series["x_interface"][:, 0], run.series["u_interface"][:, 0]
+    kinetic = 0.5 * MASS * SPEED**2
+    energy = kinetic + 0.5 * 1.1614 * SPEED**2 / 3  # and of the gas, at the start
+
+    def left(place):
+        """Energy less the work on the gas, and that of the outer pressure, from 1 to a place."""
+        return energy - P0 / (GAMMA - 1) * (place ** (1 - GAMMA) - 1) + P0 * (1 - place)
+
+    assert x.min() == pytest.approx(brentq(left, 0.1, 1.0), abs=1e-4)
+    back = np.flatnonzero((u > 0) & (x > 1))[0]
+    assert u[back] == pytest.approx(SPEED, rel=2e-3)
+    assert np.ptp(run.series["energy"] + P0 * x) < 2e-3 * kinetic
+    mass = run.series["mass"][:, 0]
+    assert np.ptp(mass) < 3e-6 * mass[0]
