@@ -10,7 +10,7 @@ import numpy as np
 
 from fsipetsc.blockrun.columns import fields_of, point_names
 from fsipetsc.errors import InputError
-from fsipetsc.options import Option
+from fsipetsc.options.option import floats
 
 if TYPE_CHECKING:
     from fsipetsc.blockrun.block_state import BlockState
@@ -45,8 +45,7 @@ def chosen(problem: BlockProblem, points: Sequence[float], probes: str | None) -
 def _places(text: str | None, d: int) -> list[Array]:
     """Of "X,Y;X,Y". InputError."""
     pieces = text.split(";") if text else ()
-    one = Option("fsi_probes", "floats", None, "m", "a place")
-    found = [np.array(one.parse(piece)) for piece in pieces]
+    found = [np.array(floats(piece, "fsi_probes", "m")) for piece in pieces]
     if any(place.size != d for place in found):
         wanted = ",".join("XYZ"[:d])
         raise InputError(f"-fsi_probes {text}: expected {wanted}, and ; between several")
