@@ -37,7 +37,7 @@ class Past(NamedTuple):
 
     path: str
     header: dict[str, Any]
-    arrays: dict[str, np.ndarray]
+    arrays: checkpoint_file.Arrays
     notes: list[str]
 
     @property
@@ -175,8 +175,7 @@ def check_place(
             checkpoint_file.check_place(path)
         try:
             goes_on = past is not None and there.is_file() and there.samefile(past.path)
-            other = there.exists() and not goes_on and checkpoint_file.is_one(there)
-            return there if other else None
+            return there if not goes_on and checkpoint_file.is_one(there) else None
         except OSError as error:
             raise FileError(f"{path}: cannot be read: {error.strerror}") from None
 
@@ -196,6 +195,6 @@ def write_checkpoint(
 
     def write() -> None:
         if arrays is not None:
-            checkpoint_file.write(path, checkpoint_file.pack(header, arrays))
+            checkpoint_file.write(path, header, arrays)
 
     together(state.comm, write)
