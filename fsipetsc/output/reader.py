@@ -88,9 +88,10 @@ class Run:
         self.complete = bool(about["summary"]) and self.summary.get("status", "done") == "done"
         self.errors: dict[str, dict[str, float]] = about["errors"]
         self.dimension = int(self.header.get("dimension", 1))
-        self._contents = Contents(files, layers := self.header["layers"])
-        self.time, self.series = self._contents.time, self._contents.series
-        self.nframes = len(self.time)
+        self._contents = contents = Contents(files, layers := self.header["layers"])
+        self.time, self.nframes, rows = contents.time, contents.nframes, contents.rows
+        self.series = {name: np.empty((rows, *shape)) for name, shape in contents.series.items()}
+        contents.copy_series(self.series, rows)
         self.layers = tuple(Layer(self, k, entry) for k, entry in enumerate(layers))
         self.blocks: dict[str, Layer] = {layer.name: layer for layer in self.layers}
 
