@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from fsipetsc.errors import InputError
-from fsipetsc.parallel.block_shares import MODES, Extent, share_line, share_out, slowest
+from fsipetsc.options.tables import PARTITIONS
+from fsipetsc.parallel.block_shares import Extent, share_line, share_out, slowest
 
 
 def extent(kind, *shape, ring=None, end=6, inner=4):
@@ -24,7 +25,7 @@ PROBLEMS = {
 
 
 @pytest.mark.parametrize("blocks", PROBLEMS.values(), ids=PROBLEMS)
-@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("mode", PARTITIONS)
 def test_every_node_has_one_owner_and_parts_are_large_enough(blocks, mode):
     with pytest.raises(InputError, match=r"^1000000 ranks") as caught:
         share_out(blocks, 10**6, mode)
@@ -66,7 +67,7 @@ def test_work_is_shared_by_cost_and_not_by_nodes():
 def test_pieces_of_a_line():
     """Spare points, here of both gases of the rod, go with the outermost ranks."""
     rod = ("fluid", 62, 41, True), ("solid", 41, 41, False), ("fluid", 197, 161, False)
-    for mode in MODES:
+    for mode in PARTITIONS:
         for size in range(1, 20):
             for (_, n, active, left), pieces in zip(rod, share_line(rod, size, mode, 6)):
                 cuts = [0, *(end for _, _, end in pieces)]

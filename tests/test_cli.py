@@ -76,7 +76,7 @@ def test_commands_that_read_a_result_say_what_a_file_is_instead(here, capsys):
     (here / "folder.h5").mkdir()
     (here / "text.h5").write_text("a text, longer than the signature of HDF5")
     h5py.File(here / "other.h5", "w").close()
-    checkpoint_file.write(here / "a.checkpoint.h5", checkpoint_file.pack({}, {}))
+    checkpoint_file.write(here / "a.checkpoint.h5", {}, {})
     before = sorted(os.listdir(here))
     for command in ("info {}", "plot {}", "plot {} -animate", "report {}", "diff {} no.h5"):
         for name, reason in files.items():

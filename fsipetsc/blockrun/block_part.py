@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fsipetsc.blockrun.columns import fields_of
 from fsipetsc.blockrun.face_terms import FaceTerms
 from fsipetsc.blocks.values import block_values
 from fsipetsc.parallel.block_layout import BlockLayout, Part
@@ -14,7 +15,10 @@ Array = NDArray[Any]
 
 
 class BlockPart:
-    """One part of a block. X: (d, ghosted nodes) places in the reference map."""
+    """One part of a block.
+
+    X: (d, ghosted nodes) places in the reference map. names: of what is saved of a node.
+    """
 
     metrics: Array
 
@@ -22,6 +26,8 @@ class BlockPart:
         self.part, self._layout, self._problem = part, layout, layout.problem
         self.block, self._order, self._form = self._problem.blocks[part.k], order, form
         self._d = d = self.block.dimension
+        self.names = fields_of(self.block.kind, d, self._problem.symmetry)
+        self._per_h = np.array(self.block.cells, float)
         self.X = self._problem.positions(part.k, part.ghosted)
         self.owned = part.ghosted_rows(np.arange(part.numbers.size))
         self.weights = part.weights(self.owned)
@@ -52,7 +58,7 @@ class BlockPart:
             "S": tuple(band.S for band in part.bands),
             "weight": tuple(band.weight for band in part.bands),
             "patch": part.patch,
-            "per_h": np.array(self.block.cells, float),
+            "per_h": self._per_h,
             "at_particles": at_particles,
             "forcing": self._forcing,
             "seen": np.zeros(MONITORED),

@@ -13,7 +13,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.blockrun.columns import fields_of, gained, lossy, step_record
+from fsipetsc.blockrun.columns import gained, lossy, step_record
 from fsipetsc.blockrun.notes import first_notes, last_notes
 from fsipetsc.blockrun.recorded_nodes import Recorded, here_of, note_nodes
 from fsipetsc.blockrun.saved import errors_of, grids, header, seen
@@ -74,7 +74,6 @@ class BlockState(State):
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
         self.h = float(problem.spacing)
         self.shocks = form.shock > 0.0
-        blocks, d = problem.layers, problem.dimension
         self.lossy, auxiliary = lossy(problem), gained(problem).itemsize // 8
         self.layout = BlockLayout(comm, problem, order, self.shocks, partition, auxiliary)
         self.y, self.stage = BlockVector(self.layout), BlockVector(self.layout)
@@ -85,16 +84,15 @@ class BlockState(State):
         record = step_record(problem, len(problem.interfaces), len(self.recorded))
         self.results = np.zeros(FLAGS + LIMITS)
         self.rows, self.latest_numbers = self._lay_journal(record, KEPT)
-        self.extremes = np.zeros(1 + MONITORED * len(blocks))
-        self.rates = np.zeros((len(blocks), 2))
+        self.extremes = np.zeros(1 + MONITORED * len(problem.blocks))
+        self.rates = np.zeros((len(problem.blocks), 2))
         self._before, self.retries = np.empty_like(self.y.array), 0
         if comm.size > 1 and self.points <= MOST_ALONE:
             self._compile_first(order, form, announce)
         self.scheme = Scheme(self, order, form, comm.size == 1 and not apart)
         self.evaluations, self._t = 0, 0.0
-        parts = self.layout.parts.items()
-        widths = [len(fields_of(b.kind, d, problem.symmetry)) for b in blocks]
-        self.orders = {k: NaturalOrder(part, widths[k]) for k, part in parts}
+        parts = self.scheme.parts.items()
+        self.orders = {k: NaturalOrder(part.part, len(part.names)) for k, part in parts}
 
     @property
     def fault(self) -> InputError | None:
@@ -276,10 +274,12 @@ class BlockState(State):
     def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> None:
         """Be at time t [s] what arrays tell of, which all ranks know. InputError."""
         self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
+        self.y.auxiliary[:] = arrays["behind"]  # of all ranks: rank 0 has it from now on
+        if self.comm.rank > 0:
+            self.y.auxiliary[:] = 0.0
         self._t = t
         for k, part in self.layout.parts.items():
             self.y.owned(k)[:] = arrays[f"layer{k}"].reshape(-1, part.dof)[part.numbers]
-        self.y.auxiliary[:] = arrays["behind"] if self.comm.rank == 0 else 0.0
         self._load_stage(self.y.array)  # what the scheme derives of it; it stays as it is
         self.y.fill_halos()
         agree(self.comm, self.fault)

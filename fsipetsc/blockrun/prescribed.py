@@ -57,10 +57,9 @@ class Prescribed:
         for condition, who in groups["clamp"]:
             place, out.clamp_velocity[who], out.clamp_rate[who] = self._motion(condition, x[who], t)
             out.clamp[who] = place - x[who]
-        for condition, who in groups["warm_gas"]:
-            out.T[who] = datum(condition, "T", x[who], t)
-        for condition, who in groups["warm_solid"]:
-            out.T_solid[who] = datum(condition, "T", x[who], t)
+        for name, T in (("warm_gas", out.T), ("warm_solid", out.T_solid)):
+            for condition, who in groups[name]:
+                T[who] = datum(condition, "T", x[who], t)
         for condition, who in groups["given_gas"]:
             names = names_of("fluid", "values", d)
             rho, *u, T = datum(condition, "values", x[who], t, names).T

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fsipetsc.blockrun.columns import fields_of, point_names
+from fsipetsc.blockrun.columns import point_names
 from fsipetsc.errors import InputError
-from fsipetsc.options import Option
+from fsipetsc.options.option import floats
 
 if TYPE_CHECKING:
     from fsipetsc.blockrun.block_state import BlockState
@@ -45,8 +45,7 @@ def chosen(problem: BlockProblem, points: Sequence[float], probes: str | None) -
 def _places(text: str | None, d: int) -> list[Array]:
     """Of "X,Y;X,Y". InputError."""
     pieces = text.split(";") if text else ()
-    one = Option("fsi_probes", "floats", None, "m", "a place")
-    found = [np.array(one.parse(piece)) for piece in pieces]
+    found = [np.array(floats(piece, "fsi_probes", "m")) for piece in pieces]
     if any(place.size != d for place in found):
         wanted = ",".join("XYZ"[:d])
         raise InputError(f"-fsi_probes {text}: expected {wanted}, and ; between several")
@@ -103,10 +102,12 @@ def _face_of(problem: BlockProblem, k: int, node: int) -> tuple[int, int] | None
 
 def here_of(state: BlockState) -> list[tuple[int, Recorded, int]]:
     """(number, node, its place among those that this rank owns) of the recorded nodes here."""
-    parts, nodes = state.layout.parts, enumerate(state.recorded)
-    here = [(i, node) for i, node in nodes if node.block in parts]
-    here = [(i, node) for i, node in here if node.node in parts[node.block].numbers]
-    return [(i, node, int(parts[node.block].rows(np.array([node.node]))[0])) for i, node in here]
+    found = []
+    for i, node in enumerate(state.recorded):
+        part = state.layout.parts.get(node.block)
+        if part is not None and node.node in part.numbers:
+            found.append((i, node, int(part.rows(np.array([node.node]))[0])))
+    return found
 
 
 def note_nodes(state: BlockState, here: Sequence[tuple[int, Recorded, int]]) -> None:
@@ -117,13 +118,11 @@ def note_nodes(state: BlockState, here: Sequence[tuple[int, Recorded, int]]) -> 
     d = state.problem.dimension
     names = point_names(d)
     for number, node, row in here:
-        kind = state.problem.layers[node.block].kind
         part, q = state.scheme.parts[node.block], state.y.ghosted(node.block)
         saved = part.fields(q, slice(row, row + 1))[0]
-        columns = fields_of(kind, d, state.problem.symmetry)
-        known = dict(zip(columns, saved.tolist(), strict=True))
+        known = dict(zip(part.names, saved.tolist(), strict=True))
         traction = [0.0] * d
-        if kind == "solid":
+        if part.block.kind == "solid":
             (stress,) = part.stresses(q, [row])
             known["p"] = -float(np.trace(stress)) / d
             if node.face is not None:

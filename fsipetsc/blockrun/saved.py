@@ -55,8 +55,7 @@ def seen(state: BlockState) -> Iterator[Seen]:
     """Values at this rank's nodes, block by block."""
     problem, d = state.problem, state.problem.dimension
     for k, part in state.scheme.parts.items():
-        names = fields_of(part.block.kind, d, problem.symmetry)
-        columns = dict(zip(names, state.fields(k).T, strict=True))
+        columns = dict(zip(part.names, state.fields(k).T, strict=True))
         names = "J", "rho", *VELOCITIES[:d], "T"
         if part.block.kind == "solid":  # T of a law of J < 0 is no number: J says more
             columns["J"] = part.volume_ratio()
@@ -87,8 +86,7 @@ def errors_of(state: BlockState, t: float, norm: str) -> dict[str, dict[str, flo
             if len(of_kind) > len(exact):
                 where = f"exact of block '{block.name}' at t = {t:.6g}"
                 exact += checked(block.exact_stress, (*X, t), X, of_kind[len(exact) :], where)
-            columns = fields_of(block.kind, problem.dimension, problem.symmetry)
-            saved = dict(zip(columns, state.fields(k).T, strict=True))
+            saved = dict(zip(part.names, state.fields(k).T, strict=True))
             weights = part.weights * part.reference / (X[-1] ** problem.symmetry)
             for c, (name, value) in enumerate(zip(of_kind, exact, strict=True)):
                 sums[block.kind][c] += np.sum(weights * np.abs(saved[name] - value) ** power)

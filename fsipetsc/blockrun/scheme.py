@@ -31,21 +31,11 @@ from fsipetsc.operators.boxed import Box, with_calls
 from fsipetsc.parallel.block_layout import BlockVector
 from fsipetsc.process.together import together
 from fsipetsc.scheme import particles as kernels
+from fsipetsc.scheme import steps as stages
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
 from fsipetsc.scheme.normals import add_areas
 from fsipetsc.scheme.part import PartCalls
 from fsipetsc.scheme.particle_heat import weigh_heat
-from fsipetsc.scheme.steps import (
-    COMPLETE,
-    MONITOR,
-    RATES,
-    STAGES,
-    STEPS,
-    All,
-    Found,
-    advance,
-    run,
-)
 
 if TYPE_CHECKING:
     from fsipetsc.blockrun.block_state import BlockState
@@ -104,10 +94,10 @@ class Scheme:
         ends = slice(first.start, first.start + len(OF_INTERFACES) * (first.stop - first.start))
         at_ends = state.latest_numbers[ends].reshape(len(OF_INTERFACES), -1)
         pace = max(1.0, form.shock * PACE_AT_SHOCKS[order])
-        self._memory = tuple(np.zeros(layout.local_size) for _ in range(2))
-        stages = state.y.array, state.stage.array, *self._memory, np.zeros(layout.local_size)
+        memory = state.y.array, state.stage.array, *np.zeros((3, layout.local_size))
         noted = state.extremes, state.rates, state.results, state.latest_numbers, at_ends, pace
-        self._found = Found(*stages, self._gain, *noted, state.batch, state.rows, np.zeros(2))
+        planned = state.batch, state.rows, np.zeros(2)
+        self._found = stages.Found(*memory, self._gain, *noted, *planned)
         self._found_box = Box(self._found)
         self.steady = problem.steady_data
         self.fault: InputError | None = None
@@ -124,7 +114,7 @@ class Scheme:
             with_calls(PartCalls, part, zip(functions, takes, strict=True))
             for part, *functions in self._does.values()
         ]
-        return Box(All(tuple(parts), self.particles.calls(y, gain), found))
+        return Box(stages.All(tuple(parts), self.particles.calls(y, gain), found))
 
     def initial(self, t: float, y: BlockVector) -> None:
         """Fill y with the data of the case at time t [s]. InputError for what its functions return,
@@ -166,7 +156,7 @@ class Scheme:
         """Impose on y, in place, all conditions of its particles. Collective."""
         self._refresh(t)
         if self.alone:
-            run(self._all, COMPLETE, y.array, y.array)
+            stages.run(self._all, stages.COMPLETE, y.array, y.array)
             return
         particles, box = self.particles, self.particles.box
         self._share(y)
@@ -209,7 +199,7 @@ class Scheme:
         """f = dy/dt for a completed y. Collective."""
         self._refresh(t)
         if self.alone:
-            run(self._all, RATES, y.array, f)
+            stages.run(self._all, stages.RATES, y.array, f)
             return
         particles, box = self.particles, self.particles.box
         self._came.numbers[:] = 0.0
@@ -237,12 +227,12 @@ class Scheme:
 
         It begins with what follows from y alone, so that a step after a restart has the same bits.
         """
-        (k, total), now = self._memory, y
+        k, total, now = self._found.k, self._found.total, y
         for number, instant in enumerate((t, t + 0.5 * dt, t + 0.5 * dt, t + dt)):
             self.complete(instant, now)
             self.rates(instant, now, k)
-            now = stage if number < STAGES - 1 else y
-            advance(y.array, k, now.array, total, number, dt)
+            now = stage if number < stages.STAGES - 1 else y
+            stages.advance(y.array, k, now.array, total, number, dt)
         self.complete(t + dt, y)
 
     def steps(self, t: float, dt: float) -> tuple[bool, float, float]:
@@ -251,7 +241,7 @@ class Scheme:
         """
         self._refresh(t)
         self._found.now[:] = t, dt
-        ended_well = run(self._all, STEPS, self._found.stage, self._found.k)
+        ended_well = stages.run(self._all, stages.STEPS, self._found.stage, self._found.k)
         return bool(ended_well), float(self._found.now[0]), float(self._found.now[1])
 
     def monitor(self, y: BlockVector) -> None:
@@ -262,7 +252,7 @@ class Scheme:
         found.extremes[:], found.latest[:] = 0.0, 0.0
         found.extremes[1:].reshape(blocks, MONITORED)[:, LEAST_J] = -np.inf
         if self.alone:
-            run(self._all, MONITOR, y.array, y.array)
+            stages.run(self._all, stages.MONITOR, y.array, y.array)
             return
         for does in self._does.values():
             does.monitor(does.part, y.array, self._found_box)

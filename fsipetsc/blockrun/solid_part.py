@@ -39,7 +39,6 @@ class SolidPart(BlockPart):
         self.metrics = solid_metrics(self._problem, part.k, order, part.ghosted)
         self.inertia = self.metrics[d * d] * self.equations.m0
         self._masses = self.weights * self.inertia[self.owned]
-        self._per_h = np.array(self.block.cells, float)
         self._loses = int(loses(self._problem, part.k))
         strain = self.equations.unstrained((0.0,) * d)
         self._F = np.zeros((len(strain), part.numbers.size))

@@ -104,6 +104,16 @@ class Option:
         return None if fine else self.expected()
 
 
+def floats(text: str, name: str, unit: str) -> tuple[float, ...]:
+    """The numbers of a list such as 0.1,0.25; InputError, which names the option, if it is none."""
+    try:
+        found: tuple[float, ...] = _as_kind("floats", text)
+    except ValueError:
+        said = f"bad value {text[:80]!r} for -{name}: expected {_NOUNS['floats']} [{unit}]"
+        raise InputError(said) from None
+    return found
+
+
 def _as_kind(kind: str, value: Any) -> Any:
     """A text or a Python value as one of a kind; ValueError, TypeError, OverflowError."""
     if kind in ("ints", "floats"):

@@ -21,6 +21,7 @@ def _between(least: float, most: float) -> Callable[[float], str | None]:
 
 
 COUPLINGS = ("projection", "energy", "traditional", "conservative")
+PARTITIONS = ("auto", "physics", "balanced")
 DISCRETISATION = (
     Option("fsi_order", int, 4, "", "interior order of the SBP operators", (2, 4, 6, 8)),
     Option("fsi_h", float, REQUIRED, "m",
@@ -72,8 +73,7 @@ RUN = (
     Option("fsi_check", float, None, "",
         "stop if mass, momentum, energy or entropy departs from its law by this fraction",
         check="positive"),
-    Option("fsi_partition", str, "auto", "", "which ranks own which layers",
-        ("auto", "physics", "balanced")),
+    Option("fsi_partition", str, "auto", "", "which ranks own which layers", PARTITIONS),
     Option("fsi_norm", str, "L2", "",
         "norm of the errors against an exact solution; L1 where it jumps", ("L1", "L2")),
     Option("fsi_quiet", bool, False, "", "print nothing but errors"),

@@ -61,10 +61,7 @@ def to_xarray(run: Run) -> xarray.Dataset:
         dimensions = ["step"]
         if values.ndim == 2:
             of = _COLUMNS.get(series, series.split("_")[-1])
-            if len(names.get(of, ())) == values.shape[1]:
-                coordinates[of] = of, names[of]
-            else:
-                of = f"of_{series}"
+            coordinates[of] = of, names[of]
             dimensions.append(of)
         variables[f"series.{series}"] = dimensions, values, about(series)
     if "t" in run.series:

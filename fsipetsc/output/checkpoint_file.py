@@ -31,16 +31,18 @@ class CheckpointError(FileError):
     """A checkpoint could not be written; the result may well be."""
 
 
-def pack(header: Mapping[str, Any], arrays: Mapping[str, Array]) -> bytes:
-    """The content of the file. header: as JSON has it."""
-    with in_memory() as (file, image):
-        file["header"] = json.dumps(header)
-        for name, array in arrays.items():
-            file[f"arrays/{name}"] = array
-    return _head(image.getvalue()) + image.getvalue()
+class Arrays(dict[str, Array]):
+    """Name -> array of a checkpoint. FileError for one that is missing."""
+
+    def __init__(self, path: str, file: h5py.File) -> None:
+        super().__init__({name: found[...] for name, found in file.get("arrays", {}).items()})
+        self._path = path
+
+    def __missing__(self, name: str) -> Array:
+        raise FileError(f"{self._path}: the checkpoint is damaged: it has no array {name}")
 
 
-def unpack(content: bytes, name: str) -> tuple[dict[str, Any], dict[str, Array]]:
+def unpack(content: bytes, name: str) -> tuple[dict[str, Any], Arrays]:
     """Header and arrays in a file's content; FileError with the name, if a byte is not as
     written.
     """
@@ -50,8 +52,7 @@ def unpack(content: bytes, name: str) -> tuple[dict[str, Any], dict[str, Array]]
     if head != _head(body):
         raise FileError(f"{name}: the checkpoint is damaged, or of another version of fsipetsc")
     with damage(name), h5py.File(io.BytesIO(body), "r") as file:
-        arrays = {key: dataset[...] for key, dataset in file.get("arrays", {}).items()}
-        return json.loads(file["header"].asstr()[()]), arrays
+        return json.loads(file["header"].asstr()[()]), Arrays(name, file)
 
 
 def _head(body: bytes) -> bytes:
@@ -59,18 +60,21 @@ def _head(body: bytes) -> bytes:
     return f"{_MAGIC.decode()}{VERSION}\n{sha}\n{len(body)}".encode().ljust(_HEAD, b"\0")
 
 
-def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Array]]:
+def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], Arrays]:
     """Header and arrays of a checkpoint. FileError."""
+    path = Path(path)
     try:
-        content = Path(path).read_bytes() if is_one(Path(path)) else b""
+        content = path.read_bytes() if is_one(path) or not path.exists() else b""
     except OSError as error:
         raise FileError(f"{path}: cannot be read: {error.strerror or error}") from None
     return unpack(content, str(path))
 
 
 def is_one(path: Path) -> bool:
-    """Whether a file begins as a checkpoint does, whole or damaged. OSError, also without one."""
-    if path.exists() and not path.is_file():  # a pipe would wait for a writer
+    """Whether there is a file that begins as a checkpoint does, whole or damaged. OSError where
+    that cannot be found out.
+    """
+    if not path.is_file():  # a pipe would wait for a writer
         return False
     with path.open("rb") as file:
         return file.read(len(_MAGIC)) == _MAGIC
@@ -81,21 +85,27 @@ def check_place(path: str | os.PathLike[str]) -> None:
     check_folder(path)
     target = Path(os.path.realpath(path))
     try:
-        empty = target.is_file() and not target.stat().st_size
-        if target.exists() and not empty and not is_one(target):
+        empty = not target.exists() or (target.is_file() and not target.stat().st_size)
+        if not empty and not is_one(target):
             raise FileError(f"{path}: exists and is not a checkpoint of fsipetsc")
     except OSError as error:
         raise FileError(f"{path}: cannot be read: {error.strerror}") from None
 
 
-def write(path: str | os.PathLike[str], content: bytes) -> None:
-    """Make this the checkpoint of a name. CheckpointError: then what was there is unchanged."""
+def write(
+    path: str | os.PathLike[str], header: Mapping[str, Any], arrays: Mapping[str, Array]
+) -> None:
+    """Make this the checkpoint of a name. CheckpointError: then what was there is unchanged.
+
+    header: as JSON has it.
+    """
     target = Path(os.path.realpath(path))
+    with in_memory() as (file, image):
+        file["header"] = json.dumps(header)
+        for name, array in arrays.items():
+            file[f"arrays/{name}"] = array
     try:
-        check_place(path)  # something else may have come there meanwhile
-        put(target, content)
-    except FileError as error:
-        raise CheckpointError(f"the checkpoint cannot be written: {error}") from None
+        put(target, _head(image.getvalue()) + image.getvalue())
     except OSError as error:
         kept = f"; the one before is kept in {target}" if target.is_file() else ""
         reason = error.strerror or error

@@ -26,7 +26,6 @@ Layers = Sequence[Mapping[str, Any]]  # as in the header
 _NAMES = "names"  # attribute of the group of series: their names
 _SPARE = 1 << 16  # bytes for what HDF5 needs besides the numbers
 _AT_ONCE = 1 << 26  # bytes of frames that are copied at once
-_MOST_COMPRESSED = 1000  # a dataset that claims more than so many times its file is damaged
 
 
 class Kept(NamedTuple):
@@ -101,7 +100,7 @@ class Contents:
     layers         as in the header
     time           (nframes,)
     nframes, rows  numbers of frames and of steps
-    series         name -> (rows, …), what is known of each step
+    series         name -> shape of what is known of a step
     X              of each layer its grid; empty where there are no frames
     """
 
@@ -111,28 +110,28 @@ class Contents:
         self.X = [np.empty(0) for _ in layers]
         self._columns = [columns(layer) for layer in layers]
         self._shapes = [tuple(layer["shape"]) for layer in layers]
-        self._counts: list[tuple[Path, int]] = []  # of frames in each file
+        self.series: dict[str, tuple[int, ...]] = {}
+        self._counts: list[tuple[Path, int, int]] = []  # of frames and steps in each file
         self._marks: dict[Path, tuple[int, ...]] = {}  # by which a file is known again
-        found = [*filter(None, map(self._add, files))]
-        names = [*found[0]] if found else []
-        if any(part.keys() != found[0].keys() for part in found):
-            raise ValueError("its series do not fit together")
-        self.series = {n: np.concatenate([part.pop(n) for part in found]) for n in names}
+        for path in files:
+            self._add(path)
         if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) < 0):
             raise ValueError("the times of its frames are not ascending numbers")
 
-    def _add(self, path: Path) -> dict[str, Array]:
-        """See what a file holds; its series."""
+    def _add(self, path: Path) -> None:
+        """See what a file holds."""
         with self._opened(path) as file:
             if [*file.attrs.get("first", (0, 0))] != [self.nframes, self.rows]:
                 raise ValueError(f"what comes before {path.name} is missing")
-            time, series = _numbers(file, "time", 1)[...], _series(file)
+            time, (rows, series) = _numbers(file, "time", 1)[...], _series(file)
             for k in range(len(self.X)) if len(time) else ():
                 self._check_layer(file, k, len(time))
-        self._counts.append((path, len(time)))
+        if series and series != (self.series or series):
+            raise ValueError("its series do not fit together")
+        self.series = self.series or series
+        self._counts.append((path, len(time), rows))
         self.time = np.concatenate([self.time, time])
-        self.nframes, self.rows = len(self.time), self.rows + len(series.get("t", ()))
-        return series
+        self.nframes, self.rows = len(self.time), self.rows + rows
 
     def _check_layer(self, file: h5py.File, k: int, count: int) -> None:
         """Layer k has its grid, and as many frames as it should, of this size."""
@@ -151,10 +150,21 @@ class Contents:
             if (found := _numbers(file, f"{group}/{name}").shape) != expected:
                 raise ValueError(f"{group}/{name} has the shape {found}")
 
+    def copy_series(self, into: Mapping[str, Any], rows: int) -> None:
+        """Put the first rows of series into these arrays or datasets, one after the other."""
+        begin = 0
+        for path, _, count in self._counts:
+            end = min(begin + count, rows)
+            if begin < end:
+                with self._opened(path) as file:
+                    for name in into:
+                        into[name][begin:end] = file[f"series/{name}"][: end - begin]
+            begin = end
+
     def frames(self, k: int, names: Sequence[str], first: int, end: int) -> list[Array]:
         """(end - first, n) of each of these columns of layer k."""
         found: list[list[Array]] = [[] for _ in names]
-        for path, count in self._counts:
+        for path, count, _ in self._counts:
             a, b = max(first, 0), min(end, count)  # of this file
             first, end = first - count, end - count
             if a < b:
@@ -183,26 +193,23 @@ class Contents:
         return file
 
 
-def _series(file: h5py.File) -> dict[str, Array]:
-    """Name -> (steps, …), in their order."""
+def _series(file: h5py.File) -> tuple[int, dict[str, tuple[int, ...]]]:
+    """Number of steps; name of a series -> shape of what is known of a step, in their order."""
     if "series" not in file:
-        return {}
+        return 0, {}
     # a list: HDF5, asked for the names, crashes where a byte of a larger group has changed
     names = [name.decode() for name in file["series"].attrs.get(_NAMES, ())] or [*file["series"]]
-    found = {name: _numbers(file, f"series/{name}")[...] for name in names}
-    if "t" not in found or len({len(values) for values in found.values()}) != 1:
+    shapes = {name: _numbers(file, f"series/{name}").shape for name in names}
+    if "t" not in shapes or len({rows for rows, *_ in shapes.values()}) != 1:
         raise ValueError("its series do not fit together")
-    return found
+    return shapes["t"][0], {name: shape[1:] for name, shape in shapes.items()}
 
 
 def _numbers(file: h5py.File, name: str, ndim: int | None = None) -> h5py.Dataset:
-    """A dataset of numbers, no larger than the file can hold."""
+    """A dataset of numbers."""
     found = file[name]
     if not isinstance(found, h5py.Dataset) or found.dtype.kind not in "iuf" or not found.ndim:
         raise ValueError(f"{name} is no array of numbers")
-    size = found.size * found.dtype.itemsize
-    if size > _MOST_COMPRESSED * max(1024, os.path.getsize(file.filename)):
-        raise ValueError(f"{name} claims to have {size:.3g} bytes")
     if found.ndim != (ndim or found.ndim):
         raise ValueError(f"{name} has {found.ndim} dimensions")
     return found
@@ -256,8 +263,8 @@ def join(
                 _check_kept(content, kept, name)
         frames, rows = (content.nframes, content.rows) if kept is None else kept[:2]
         numbers = {"about": np.bytes_(text_of(about)), "time": content.time[:frames]}
-        series = content.series if rows else {}
-        shapes = {f"series/{name}": (rows, *values.shape[1:]) for name, values in series.items()}
+        series = content.series.items() if rows else ()
+        shapes = {f"series/{name}": (rows, *shape) for name, shape in series}
         for k, layer in enumerate(layers if frames else ()):
             numbers[f"layer{k}/X"] = content.X[k]
             shapes |= {f"layer{k}/{name}": (frames, *layer["shape"]) for name in columns(layer)}
@@ -278,17 +285,17 @@ def _check_kept(content: Contents, kept: Kept, name: Path) -> None:
         has = f"{content.nframes} frames and {content.rows} steps"
         found = f"{has}, not {kept.frames} and {kept.rows}"
     else:
-        t = content.series["t"][kept.rows - 1] if kept.rows else kept.t
-        if t == kept.t:
+        t = np.full(kept.rows or 1, kept.t)
+        content.copy_series({"t": t}, kept.rows)
+        if t[-1] == kept.t:
             return
-        found = f"its step {kept.rows} ends at t = {t:.17g}, not {kept.t:.17g}"
+        found = f"its step {kept.rows} ends at t = {t[-1]:.17g}, not {kept.t:.17g}"
     raise FileError(f"{name} is not what the checkpoint goes on from: {found}")
 
 
 def _fill(file: h5py.File, content: Contents, layers: Layers, frames: int, rows: int) -> None:
     """Put series and frames into the datasets of a whole result."""
-    for name, values in content.series.items() if rows else ():
-        file[f"series/{name}"][...] = values[:rows]
+    content.copy_series(file["series"] if rows else {}, rows)
     for k, layer in enumerate(layers if frames else ()):
         group, names = file[f"layer{k}"], columns(layer)
         step = max(1, _AT_ONCE // (8 * len(content.X[k]) * len(names)))

@@ -62,7 +62,7 @@ class RunWriter:
         checkpoint: Path | None = None,
     ) -> None:
         self.take_series: Callable[[], Array | None] = lambda: None
-        self._comm, self._root, self._closed = comm, comm.rank == 0, False
+        self._comm, self._root = comm, comm.rank == 0
         self._widths = [len(columns(layer)) for layer in header["layers"]]
         size = 8 * sum(int(grid["n"]) * width for grid, width in zip(grids, self._widths))
         self._capacity = max(1, min(FRAMES, BYTES * comm.size // max(1, size)))
@@ -106,8 +106,6 @@ class RunWriter:
 
     def flush(self) -> None:
         """Write all that is held in memory. Collective."""
-        if self._closed:
-            raise FileError(f"{self.path}: the result is finished or has failed before")
         begun = time.monotonic()
         self._take()
         parts = list(self._datasets())
@@ -142,7 +140,6 @@ class RunWriter:
 
     def close(self) -> None:
         """Let other runs have the name. What was written stays. Not collective."""
-        self._closed = True
         if self._lock is not None:
             self._lock.release(remove=not (self.folder / "header.json").exists())
 

@@ -14,7 +14,6 @@ import numpy as np
 
 from fsipetsc.errors import RanksError
 
-MODES = ("auto", "physics", "balanced")
 #: work of a node, relative to a solid's: measured for gas in entropy form
 COST = {"fluid": 1.9, "solid": 1.0}
 #: work [nodes of a solid] that sending and receiving one message costs

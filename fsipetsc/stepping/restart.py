@@ -17,7 +17,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.errors import FileError, InputError
-from fsipetsc.options import OF_A_RUN, PETSC_OPTIONS, table
+from fsipetsc.options import OF_A_RUN, PETSC_OPTIONS, groups, read_table
 from fsipetsc.output import checkpoint_file
 from fsipetsc.output.file_layout import beside
 from fsipetsc.process.together import together
@@ -37,7 +37,7 @@ class Past(NamedTuple):
 
     path: str
     header: dict[str, Any]
-    arrays: dict[str, np.ndarray]
+    arrays: checkpoint_file.Arrays
     notes: list[str]
 
     @property
@@ -66,15 +66,10 @@ def find_past(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> Past | Non
     """What -fsi_restart asks for, if anything. Collective. FileError, InputError."""
     if "fsi_restart" not in given:
         return None
-    options = table(case)
-    names = "fsi_restart", "fsi_checkpoint", "fsi_output"
-    path, *files = (
-        options[name].parse(given[name]) if name in given else options[name].default
-        for name in names
-    )
-    auto = path == AUTO
+    opt = read_table(groups(case), given)
+    path, auto = opt["fsi_restart"], opt["fsi_restart"] == AUTO
     if auto:
-        path = checkpoint_name(*files)
+        path = checkpoint_name(opt["fsi_checkpoint"], opt["fsi_output"])
         if not comm.bcast(os.path.exists(path)):
             return None
 
@@ -175,8 +170,7 @@ def check_place(
             checkpoint_file.check_place(path)
         try:
             goes_on = past is not None and there.is_file() and there.samefile(past.path)
-            other = there.exists() and not goes_on and checkpoint_file.is_one(there)
-            return there if other else None
+            return there if not goes_on and checkpoint_file.is_one(there) else None
         except OSError as error:
             raise FileError(f"{path}: cannot be read: {error.strerror}") from None
 
@@ -196,6 +190,6 @@ def write_checkpoint(
 
     def write() -> None:
         if arrays is not None:
-            checkpoint_file.write(path, checkpoint_file.pack(header, arrays))
+            checkpoint_file.write(path, header, arrays)
 
     together(state.comm, write)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from fsipetsc.errors import InputError
-from fsipetsc.options import Option
+from fsipetsc.options.option import floats
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.plots import fields, series, style
 from fsipetsc.output.plots.style import Figure, FigureBase
@@ -34,9 +34,7 @@ def plot(path: str, given: Mapping[str, str]) -> str:
     Raises FileError if the result cannot be read or a file cannot be written, InputError for
     options that cannot be followed.
     """
-    times = ()
-    if "-times" in given:
-        times = Option("times", "floats", None, "s", "").parse(given["-times"])
+    times = floats(given["-times"], "times", "s") if "-times" in given else ()
     names = tuple(map(str.strip, given["-fields"].split(","))) if "-fields" in given else ()
     where, every, film = Path(given.get("-o", os.curdir)), "-all" in given, "-animate" in given
     is_file = where.suffix == ".gif" if film else where.suffix in PICTURES
