@@ -26,6 +26,7 @@ Layers = Sequence[Mapping[str, Any]]  # as in the header
 _NAMES = "names"  # attribute of the group of series: their names
 _SPARE = 1 << 16  # bytes for what HDF5 needs besides the numbers
 _AT_ONCE = 1 << 26  # bytes of frames that are copied at once
+_MOST_COMPRESSED = 1000  # a dataset that claims more than so many times its file is damaged
 
 
 class Kept(NamedTuple):
@@ -206,10 +207,13 @@ def _series(file: h5py.File) -> tuple[int, dict[str, tuple[int, ...]]]:
 
 
 def _numbers(file: h5py.File, name: str, ndim: int | None = None) -> h5py.Dataset:
-    """A dataset of numbers."""
+    """A dataset of numbers, no larger than the file can hold."""
     found = file[name]
     if not isinstance(found, h5py.Dataset) or found.dtype.kind not in "iuf" or not found.ndim:
         raise ValueError(f"{name} is no array of numbers")
+    size = found.size * found.dtype.itemsize
+    if size > _MOST_COMPRESSED * max(1024, os.path.getsize(file.filename)):
+        raise ValueError(f"{name} claims to have {size:.3g} bytes")
     if found.ndim != (ndim or found.ndim):
         raise ValueError(f"{name} has {found.ndim} dimensions")
     return found

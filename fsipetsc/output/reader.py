@@ -75,6 +75,7 @@ class Run:
     def _take(self, about: Mapping[str, Any], files: Sequence[Path]) -> None:
         """What is known of the run, and its files."""
         self.header: dict[str, Any] = about["header"]
+        _check_header(self.header)
         self.case: str = self.header["case"]
         self.options: dict[str, Any] = self.header["options"]
         self.interfaces: tuple[str, ...] = tuple(self.header.get("interfaces", ()))
@@ -296,6 +297,17 @@ def _is_whole(path: Path, folder: Path, name: str) -> bool:
     if what:
         raise FileError(f"{name}: {what}")
     return True
+
+
+def _check_header(header: Mapping[str, Any]) -> None:
+    """ValueError if what the reader and its users rely on is not there, or something else."""
+    layers = [(layer["name"], layer["kind"], layer["fields"]) for layer in header["layers"]]
+    texts = [header["case"], header.get("created", ""), *(name for name, _, _ in layers)]
+    lists = [header.get("notes", []), header.get("interfaces", []), *(f for _, _, f in layers)]
+    good = all(isinstance(names, list) for names in lists) and isinstance(header["options"], dict)
+    good = good and {kind for _, kind, _ in layers} <= {"fluid", "solid"}
+    if not good or not all(isinstance(text, str) for text in sum(lists, texts)):
+        raise ValueError("its header does not tell case, options and layers")
 
 
 def _unknown(what: str, name: object, valid: Iterable[str]) -> str:
