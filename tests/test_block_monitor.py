@@ -23,6 +23,7 @@ from fsipetsc.scheme.plan import (
     TOO_SHORT,
 )
 from fsipetsc.stepping.ledgers import Ledgers
+from fsipetsc.stepping.report import remarks
 
 
 def warped(mu):
@@ -107,6 +108,10 @@ def test_what_a_summary_tells_of_losses_and_volumes():
     again.begin({}, ledgers.memory())
     again.add(steps[2:])
     assert again.lost == pytest.approx(0.003) and again.J_error == 0.03
+    departed, lost = remarks({"J_error": again.J_error, "lost_energy": again.lost})
+    assert "J has departed by 3 %" in departed and "lost 0.3 %" in lost
+    assert remarks({"J_error": 0.0099, "lost_energy": 0.0009}) == []
+    assert remarks({"J_error": 0.0}) == [] and len(remarks({"J_error": np.nan})) == 1
 
 
 @pytest.mark.parametrize("viscosity", [0.0, 0.02])
