@@ -21,7 +21,7 @@ RUNS = {
     "rod": ("rod", "-fsi_h 0.05 -ts_max_time 0.6 -fsi_output_dt 0.05 -solid_gruneisen 0.01"),
     "blast": ("blast", "-fsi_h 0.125 -ts_max_time 0.6 -fsi_output_dt 0.05"),
 }
-USUAL = {"u", "T", "p", "rho", "sigma", "xt", "interfaces", "ledgers", "steps"}
+USUAL = {"u", "T", "p", "rho", "sigma", "strain", "xt", "interfaces", "ledgers", "steps"}
 IN_PLANE = {"p", "rho", "u", "v", "T", "s_xx", "s_yy", "s_xy", "interfaces", "ledgers", "steps"}
 
 
@@ -171,8 +171,8 @@ def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
 def test_plot_says_what_it_cannot_do(results, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for words, said in (
-        ("-fields q", "-fields q: expected some of u, T, p, rho, sigma"),
-        ("-animate -fields q", "-fields q: expected some of u, T, p, rho, sigma"),
+        ("-fields q", "-fields q: expected some of u, T, p, rho, sigma, strain"),
+        ("-animate -fields q", "-fields q: expected some of u, T, p, rho, sigma, strain"),
         ("-times a", "bad value 'a' for -times: expected numbers"),
         ("-all -animate", "-all writes several pictures"),
         ("-all -o x.png", "expected a directory"),

@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
 from fsipetsc.output.reader import Run
@@ -71,6 +73,7 @@ _LABELS = {
     "rho": "density ρ",
     "sigma": "stress σ",
     "sigma_theta": "hoop stress σ_θ",
+    "strain": "strain ∂x/∂X − 1",
     **{f"s_{xy}": f"stress σ_{xy}" for xy in ("xx", "yy", "zz", "xy", "yz", "xz")},
 }
 
@@ -91,11 +94,13 @@ class Quantity(NamedTuple):
         return "; ".join(dict.fromkeys(self.labels.values()))
 
     def values(self, kind: str, fields: Mapping[str, Array]) -> Array:
-        """From the fields of a layer of this kind; beside the pressure of gases stands what a solid
-        pushes with.
+        """From the fields of a layer of this kind and X; beside the pressure of gases stands what
+        a solid pushes with.
         """
         if self.name == "p" and kind == "solid":
             return fields["p"] - fields["sigma"] if "sigma" in fields else fields["s_xx"]
+        if self.name == "strain":  # by differences of second order
+            return np.gradient(fields["x"], fields["X"], axis=-1, edge_order=2) - 1.0
         return fields[self.name]
 
 
@@ -130,6 +135,8 @@ def there(run: Run) -> list[Quantity]:
         labels = {kind: label for kind in ("fluid", "solid") if name in stored.get(kind, ())}
         if "solid" in stored and name == "p":
             labels["solid"] = f"{'p − σ' if run.dimension == 1 else 'stress σ_xx'} in solids"
+        if "solid" in stored and name == "strain" and run.dimension == 1:
+            labels["solid"] = label
         found += [Quantity(name, labels)] * bool(labels)
     return found
 

@@ -59,7 +59,7 @@ class View:
         """Places of a frame, horizontal ones and of maps vertical ones, and values. Of three
         dimensions what lies in the middle of the second axis.
         """
-        fields = layer.frame(frame)
+        fields = {"X": layer.X, **layer.frame(frame)}
         found = [fields[x] for x in ("x", "xy", "xz")[self.run.dimension - 1]]
         found.append(self.quantity.values(layer.kind, fields))
         return [v[:, v.shape[1] // 2] if v.ndim == 3 else v for v in found]
