@@ -19,7 +19,9 @@ TINY = 1e-30  # step into the complex plane, for derivatives
 
 
 class Gas(NamedTuple):
-    """p = rho R T - p_inf; rho times internal energy = rho cv T + p_inf."""
+    """p = rho R T - p_inf; rho times internal energy = rho cv T + p_inf. The viscosity is
+    mu T^powers[0], the conductivity kappa T^powers[1].
+    """
 
     gamma: float = 1.4
     R: float = 1.0
@@ -27,6 +29,7 @@ class Gas(NamedTuple):
     kappa: float = 0.0
     p_inf: float = 0.0
     force: tuple = ()
+    powers: tuple = (0.0, 0.0)
     kind = "gas"
 
     @property

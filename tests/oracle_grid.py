@@ -1,6 +1,6 @@
 """Grids of the oracle of blocks: places of nodes, metrics, and their rates.
 
-SCHEME-BLOCKS.md sections 1, 2, 6. Arrays of a block have the shape (components, n_1, ..., n_d).
+Source: docs/derivation.md. Arrays of a block have the shape (components, n_1, ..., n_d).
 
 Around an axis (kappa = 1) or a centre (kappa = 2) the last coordinate is r. The metrics carry the
 weight r^kappa, so that sums are over a sector of unit angle or unit solid angle:

@@ -1,4 +1,4 @@
-"""Particles of the oracle of blocks: at one place, and their conditions (SCHEME-BLOCKS.md 3, 4)."""
+"""Particles of the oracle of blocks: at one place, and their conditions (docs/derivation.md)."""
 
 from collections import defaultdict, namedtuple
 from dataclasses import dataclass, field

@@ -1,6 +1,6 @@
 """Volume terms of the oracle of blocks: rates of single blocks with closed faces.
 
-SCHEME-BLOCKS.md sections 5, 8. Rates are extensive: times the weights W of the nodes.
+Source: docs/derivation.md. Rates are extensive: times the weights W of the nodes.
 
 Around an axis or a centre (oracle_grid.py) hoops give and take:
 
@@ -85,9 +85,10 @@ class Volume(Grids):
         gu = np.array([s.T * (gradient(u / s.T) + u * w) for u in s.u])
         e, one = s.u[-1] * S / J, np.eye(d).reshape(d, d, *[1] * d)
         mean = (np.trace(gu) + e) / 3.0
-        tau = m.mu * (gu + np.swapaxes(gu, 0, 1) - 2.0 * mean * one)
-        hoop = 2.0 * m.mu * (e / max(self.kappa, 1) - mean)
-        heat, total = m.kappa * s.T**2 * w, 0.0
+        mu, kappa = m.mu * s.T ** m.powers[0], m.kappa * s.T ** m.powers[1]
+        tau = mu * (gu + np.swapaxes(gu, 0, 1) - 2.0 * mean * one)
+        hoop = 2.0 * mu * (e / max(self.kappa, 1) - mean)
+        heat, total = kappa * s.T**2 * w, 0.0
         for j in range(d):
             traction = np.einsum("ij...,j...->i...", tau, grid.a[j])
             power = dot(traction, s.u) + dot(heat, grid.a[j])

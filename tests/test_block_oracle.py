@@ -1,5 +1,5 @@
 """The engine's completion and rates at random states are those of the oracle (block_oracle.py), to
-round-off, and keep what SCHEME-BLOCKS.md, section 10, says: mass, energy, entropy.
+round-off, and keep mass, energy and the bound on entropy.
 
 Where members have one temperature, only the sum of their energies' rates is compared: how it is
 divided between them is no matter, for completion shares it.
@@ -35,7 +35,7 @@ from fsipetsc.scheme.constraints import eliminate
 #: inviscid gas that slips along solids with an energy of their own; viscous, conducting gas and
 #: solid
 SLIPPING = Gas(), Solid("log", heat="elastic")
-STICKING = Gas(mu=0.02, kappa=0.03), Solid("log", kappa=0.05)
+STICKING = Gas(mu=0.02, kappa=0.03, powers=(0.7, 0.9)), Solid("log", kappa=0.05)
 ELASTIC = Gas(mu=0.02, kappa=0.03), Solid("log", kappa=0.05, heat="elastic")
 DAMPED = {"dissipation": 0.3, "shock": 0.7}
 SHAPES = {
@@ -123,7 +123,7 @@ def check(shape, both, order, faces=closed, t=0.0, most=1e-11, size=0.5, **optio
         raw[oracle.names[k]][: oracle.d] = oracle.complete(raw, t)[oracle.names[k]][: oracle.d]
     q, found = oracle.complete(raw, t), engine.complete(raw, t)
     joined = len(q) > 1
-    assert not joined or max(np.abs(q[name] - raw[name]).max() for name in q) > 1e-3 * size
+    assert not joined or max(np.abs(q[name] - raw[name]).max() for name in q) > 2e-3 * size
     for name in q:
         assert np.abs(found[name] - q[name]).max() < 1e-12, name
     check_integrals(engine, oracle.integrals(q, t))

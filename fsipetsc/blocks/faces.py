@@ -1,7 +1,7 @@
 """Faces of blocks: which of them meet, which of their nodes are at one place.
 
 Faces whose nodes are at the same places meet. Nodes of faces at one place are one particle
-(SCHEME-BLOCKS.md, section 3), also where blocks touch at an edge or a vertex only.
+(docs/derivation.md, Particles), also where blocks touch at an edge or a vertex only.
 """
 
 from collections.abc import Iterable, Mapping, Sequence

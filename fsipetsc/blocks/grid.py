@@ -1,4 +1,4 @@
-"""The grid of a gas block: x = X + the displacements of its faces, blended (SCHEME-BLOCKS.md, 5).
+"""The grid of a gas block: x = X + the displacements of its faces, blended.
 
 Inside is the Boolean sum of the faces (fsipetsc.blocks.hull): Gordon and Hall, Int. J. Numer. Meth.
 Eng. 7 (1973) 461-477. The velocity of the grid is the same blend of the faces' velocities. What

@@ -2,7 +2,7 @@
 
 Nodes whose displacement is known, at solids and at walls that move, have it. Any other face is
 blended from its edges, edges are linear between their vertices, and vertices that are not known do
-not move (SCHEME-BLOCKS.md, section 5). Along periodic axes there are no faces. A face at r = 0 is
+not move. Along periodic axes there are no faces. A face at r = 0 is
 none, either: what lies between it and the opposite one follows this alone.
 
 Inside is the Boolean sum of the faces: axis after axis, what is missing at the two faces is added,

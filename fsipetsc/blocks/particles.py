@@ -12,7 +12,7 @@ area vectors n of faces, those of gas pointing out of it, a the accelerations,
 One sum for a wall and a solid that goes on from it: two normals that differ by the error of the
 differences would hold the gas in all directions. Faces that meet at a concave edge, in a notch, are
 constraints of their own. Sticking gas and what is clamped or given needs no normal.
-Source: SCHEME-BLOCKS.md, 4.
+Source: docs/derivation.md, Particles.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ Around an axis (kappa = 1) or a centre (2) the last coordinate is a radius, r at
 P_o is the last entry of the stress of an ordinary law, in kappa + d dimensions, at F and lambda[,
 lambda] on the diagonal: in one dimension around an axis strain is plane. What the hoop stress takes
 from the motion is stored or becomes heat at the node itself, so that it does not change e. Rest is
-F = 1 to the last bit. Source: SCHEME-BLOCKS.md, section 6.
+F = 1 to the last bit. Source: docs/derivation.md, Solid.
 """
 
 from typing import Any, NamedTuple

@@ -10,7 +10,7 @@ with e the rates of all hoops together, div = 1/J sum_k a^k . D_k u by entropy v
 of the momentum through a^k gets -2/3 mu e a^k, as e is in the divergence, that of the energy u
 times as much. Energy has no source. p S is sum_k D_k (a^k p) of a uniform p, so that rest is kept,
 and what it does to the entropy is what sum_k D_k a^k leaves of the fluxes; viscosity makes entropy
-at each node. Source: SCHEME-BLOCKS.md, section 6.
+at each node.
 """
 
 from typing import Any, NamedTuple
