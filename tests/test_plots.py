@@ -31,6 +31,8 @@ def test_colours_are_white_at_rest_and_end_where_values_do():
     assert (scale["vmin"], scale["vmax"]) == (-3.0, 3.0)
     spiked = np.append(np.tile(values, 10), 100.0)  # few points are far beyond the others
     assert style.colours("fluid", spiked, np.zeros(3))["vmax"] == pytest.approx(3.0)
+    thrown = style.colours("solid", values - 1.0, np.full(3, 2.0), moving=True)
+    assert (thrown["vmin"], thrown["vmax"]) == (-2.0, 2.0)  # not -2 to 6 with white at 2
     noise = 300.0 + 1e-13 * values  # what is almost constant has no stripes
     assert style.colours("solid", noise, noise)["vmax"] > 301.0
 

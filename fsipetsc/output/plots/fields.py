@@ -74,7 +74,9 @@ class View:
             some = [k for k, layer in enumerate(self.layers) if layer.kind == kind]
             later = [np.ravel(v) for k in some for v in values[k][1:] or values[k]]
             start = [np.ravel(self.at(self.layers[k], 0)[-1]) for k in some]
-            scales[kind] = style.colours(kind, np.concatenate(later), np.concatenate(start), beside)
+            moving = self.quantity.name in ("u", "v", "w")
+            shown, first = np.concatenate(later), np.concatenate(start)
+            scales[kind] = style.colours(kind, shown, first, beside, moving)
         return scales
 
     def draw(self, axes: Axes, frame: int) -> dict[str, Any]:

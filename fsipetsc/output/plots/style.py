@@ -146,15 +146,20 @@ def extremes(*arrays: Array) -> tuple[float, float]:
     return (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
 
 
-def colours(kind: str, values: Array, start: Array, beside: float = 0.0) -> dict[str, Any]:
+def colours(
+    kind: str, values: Array, start: Array, beside: float = 0.0, moving: bool = False
+) -> dict[str, Any]:
     """Arguments of pcolormesh for values; white is the median of the values at the start.
 
     Colours end at the 99.8th percentile of the departures from rest where a few points go far
-    beyond. beside: size of what has the same unit, beside which round-off is nothing.
+    beyond. beside: size of what has the same unit, beside which round-off is nothing. moving: these
+    are velocities, and white is 0 where they depart less from it.
     """
     low, high = extremes(values)
     known = start[np.isfinite(start)]
     rest = float(np.median(known)) if known.size else low
+    if moving and max(-low, high) < max(rest - low, high - rest):
+        rest = 0.0
     away = np.abs(values[np.isfinite(values)] - rest)
     most = float(away.max(initial=0.0))
     half = float(np.percentile(away, 99.8)) if away.size else 0.0
