@@ -58,6 +58,10 @@ def test_what_fails_in_the_middle_leaves_the_one_before(at, tmp_path, monkeypatc
             write(target, {"steps": 3}, {})
     assert read(target)[0]["steps"] == 2
     assert os.listdir(tmp_path) == ["a.h5"]
+    target.write_bytes(b"years of work")
+    with pytest.raises(CheckpointError, match="exists and is not a checkpoint of fsipetsc"):
+        write(target, *SMALL)
+    assert target.read_bytes() == b"years of work"
 
 
 WORDS = "rod -fsi_h 0.05 -ts_max_time 1 -fsi_checkpoint_steps 20 -ts_max_steps".split()

@@ -105,7 +105,10 @@ def write(
         for name, array in arrays.items():
             file[f"arrays/{name}"] = array
     try:
+        check_place(path)  # something else may have come there meanwhile
         put(target, _head(image.getvalue()) + image.getvalue())
+    except FileError as error:
+        raise CheckpointError(f"the checkpoint cannot be written: {error}") from None
     except OSError as error:
         kept = f"; the one before is kept in {target}" if target.is_file() else ""
         reason = error.strerror or error
