@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterable, Mapping
+from types import SimpleNamespace
 from typing import Any
 
 from fsipetsc.blocks.problem import BlockProblem
@@ -19,7 +20,8 @@ def run(case: Any, *, comm: Comm | None = None, **options: Any) -> Run:
     """Solve a case and return its result, opened. Collective on ``comm``; needs PETSc and MPI.
 
     case      name of a built-in case, path of a case file, a :class:`fsipetsc.problem.Problem` or
-              :class:`fsipetsc.blocks.problem.BlockProblem`
+              :class:`fsipetsc.blocks.problem.BlockProblem`, or anything with what a case file
+              defines (``build(opt)``, ``OPTIONS`` …)
     comm      mpi4py communicator; None: COMM_WORLD
     options   those of the command line, ``fsi_`` and ``ts_`` may be left out: ``order=6,
               h=0.025``; lists where it has commas; None for the default. ``quiet=False`` prints
@@ -66,14 +68,17 @@ def _solve(case: Any, comm: Comm, options: Mapping[str, Any]) -> str:
 
 def _case(case: Any) -> Any:
     """What a case file would define. InputError."""
+    if isinstance(case, (Problem, BlockProblem)):
+        return case_of(case, **({} if isinstance(case, Problem) else {"fsi_h": 1.0}))
     if isinstance(case, (str, os.PathLike)):
         return load_case(os.fspath(case))
-    if isinstance(case, Problem):
-        return case_of(case)
-    if isinstance(case, BlockProblem):
-        return case_of(case, fsi_h=1.0)  # its cells are given
-    known = "a name, a file, a Problem or a BlockProblem"
-    raise InputError(f"run: a case is {known}, not {type(case).__name__}")
+    if not callable(getattr(case, "build", None)):
+        known = "a name, a file, a Problem or something with build(opt)"
+        raise InputError(f"run: a case is {known}, not {type(case).__name__}")
+    about: dict[str, Any] = {"NAME": "case", "SUMMARY": "", "OPTIONS": (), "DEFAULTS": {}}
+    about["NAME"] = getattr(case, "__name__", "case").rpartition(".")[2]  # that of a module
+    given = {name: getattr(case, name, default) for name, default in about.items()}
+    return SimpleNamespace(**given, build=case.build)
 
 
 def _text(value: Any) -> str:

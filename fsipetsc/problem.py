@@ -64,8 +64,8 @@ class FluidLayer(_Layer):
 
     material: a Fluid. initial(X) -> (rho, u, T); exact(X, t) -> the same; forcing(X, t) ->
     right-hand sides of (rho, rho u, e).
-    The coupling decides how the grid moves, see docs/cases.md; mapping: None, or what the coupling
-    makes of it, "stretched" or "rigid". InputError for what is of the wrong kind.
+    The coupling decides how the grid moves, see docs/cases.md; mapping, of older case files,
+    changes nothing. InputError for what is of the wrong kind.
     """
 
     mapping: str | None = None

@@ -139,7 +139,10 @@ def test_xarray(results):
         assert data["below.T"].dims == ("time", "X_below") and data["below.T"].attrs["units"] == "K"
         assert np.array_equal(data["below.T"], run.layers[0]["T"], equal_nan=True)
         assert data["series.x_interface"].dims == ("step", "interface")
+        assert np.array_equal(data["rod.x"].sel(X_rod=1.5, method="nearest"), run.layers[1].x[:, 5])
         assert data["t"].attrs["units"] == "s"
+        for name, variable in data.variables.items():
+            assert variable.attrs.get("units") or variable.dtype.kind == "U", name
 
 
 def test_what_is_public_is_there_and_told():

@@ -97,7 +97,7 @@ def with_sums(oracle, rates):
 
 
 def check_integrals(engine, expected):
-    """Those that are recorded after a step, of which the angular momentum is about 0."""
+    """Those that are recorded after a step, with the angular momentum about the origin."""
     engine.state._monitor()
     latest, d = engine.state.latest, engine.problem.dimension
     for name, value in expected.items():

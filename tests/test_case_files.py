@@ -73,11 +73,6 @@ FAULTS = {
         f"{_LATER}return 1 / 0\n        {_F}",
         ("LINE if t > ", "at t = ", "ZeroDivisionError", "faulty.h5"),
     ),
-    "a grid that there is not": (
-        "g_forcing, g_exact)",
-        "g_forcing, g_exact, mapping='rigid')",
-        ("LINE air = FluidLayer(", "mapping is 'rigid'", "expected 'stretched' or None"),
-    ),
     "stress at the end": (
         "return s_initial(X)",
         f"{_LATER}return 0 * X, np.nan * X, 300.0 + 0 * X, X\n        return s_initial(X)",

@@ -27,6 +27,10 @@ def build(opt):
     below, layer, above = problem.layers
     if opt["changed"] == "wall":
         return replace(problem, left=Wall(lambda t: 0.1 + 0.0 * t, velocity=lambda t: 0.0 * t))
+    if opt["changed"] == "fixed":
+        return replace(problem, left=Wall(0.1))
+    if opt["changed"] == "mapping":
+        below = replace(below, mapping="rigid")
     if opt["changed"] == "heated":
         return replace(problem, left=replace(problem.left, T=1.05 * T))
     if opt["changed"] == "hot":
@@ -39,6 +43,8 @@ def build(opt):
     return replace(problem, layers=(below, layer, above))
 """
 WALL = "a wall of 'driven' is 0.1 m from the end of its block at t = 0: the grid of the gas is "
+FIXED = "layer 'driven' ends at X = 0, its Wall is at x = 0.1: the gas is stretched to it"
+MAPPING = "mapping of layer 'driven' is 'rigid', and changes nothing: with -fsi_coupling"
 SIGN = " has a pressure of 1e+05 Pa where it meets 'layer', which pushes with -1e+05 Pa "
 HOT = "at the end the temperature in 'behind' changes by ", "at X = 2.2 m: the layer there"
 HEATED = "at the end the temperature in 'driven' changes by ", "at X = 0 m: the layer there"
@@ -51,6 +57,8 @@ ALONG = "at the end the velocity along a wall in 'gas' changes by ", "the layer 
     [
         ("nothing", []),
         ("wall", [[WALL]]),
+        ("fixed", [[FIXED]]),
+        ("mapping", [[MAPPING]]),
         ("sign", [["at t = 0 'driven'", SIGN], ["at t = 0 'behind'", SIGN]]),
         ("hot", [HOT]),
         ("heated", [HEATED]),

@@ -173,7 +173,7 @@ from fsipetsc.cli import main
 from fsipetsc.output.writer import RunWriter
 
 def full(writer, flush=RunWriter.flush):
-    resource.setrlimit(resource.RLIMIT_FSIZE, (2_000_000,) * 2)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]),) * 2)
     flush(writer)
 
 RunWriter.flush = full  # before, kernels may be written
@@ -181,9 +181,13 @@ sys.exit(main("rod -fsi_h 0.05 -ts_max_time 0.05 -fsi_output_dt 1e-4 -fsi_quiet"
 """
 
 
-def test_a_full_disk_ends_all_ranks(tmp_path: Path) -> None:
-    message(mpirun(2, "-c", FULL, cwd=tmp_path), 4, "rod.h5: cannot write: ", "File too large")
-    assert fsipetsc.open_run(tmp_path / "rod.h5").nframes > 20
+@pytest.mark.parametrize("limit", [1_000, 2_000_000])
+def test_a_full_disk_ends_all_ranks(limit: int, tmp_path: Path) -> None:
+    """From the start, or later."""
+    done = mpirun(2, "-c", FULL, limit, cwd=tmp_path)
+    message(done, 4, "rod.h5: cannot write: ", "File too large")
+    if limit > 1_000:
+        assert fsipetsc.open_run(tmp_path / "rod.h5").nframes > 20
 
 
 WITHOUT = """

@@ -62,13 +62,15 @@ def curves(figure, word=""):
 
 
 def test_no_text_lies_on_another_or_is_cut_off(results):
+    powers = 0  # of ten, above an axis
     for run, name in product(results.values(), ("page", "p", "interfaces", "ledgers", "steps")):
         figure = figure_of(run, name)
         renderer, written = figure.canvas.get_renderer(), [figure._suptitle]
         for axes in (axes for axes in figure.axes if axes.get_visible()):
             written += [axes._left_title, axes.xaxis.label, axes.yaxis.label]
             label, power = axes.yaxis.label, axes.yaxis.get_offset_text()
-            if power.get_text():  # a power of ten above the axis
+            if power.get_text():
+                powers += 1
                 its_box = power.get_window_extent(renderer)
                 assert not label.get_window_extent(renderer).overlaps(its_box), (name, label)
             for axis in (axes.xaxis, axes.yaxis):
@@ -83,6 +85,16 @@ def test_no_text_lies_on_another_or_is_cut_off(results):
             for other, its in boxes[:i]:
                 beside = box.x0 >= its.x1 - 1 or its.x0 >= box.x1 - 1
                 assert beside or box.y0 >= its.y1 - 1 or its.y0 >= box.y1 - 1, (name, text, other)
+    assert powers > 0
+
+
+def test_a_frame_without_values_has_a_place_in_maps(results):
+    run = results["rod"]
+    layer = run.layers[1]
+    values = layer["T"].copy()
+    values[1], values[2, 3] = np.nan, np.nan
+    x, found = fields.without_gaps(layer, values)
+    assert np.array_equal(x, layer.x) and np.isnan(found[1]).all() and np.isfinite(found[2]).all()
 
 
 def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results):

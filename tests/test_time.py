@@ -25,6 +25,8 @@ def difference(run, reference) -> float:
     pairs = [(a[name][-1], b[name][-1]) for a, b in layers for name in a.fields]
     departures = [np.nanmax(np.abs(b - np.nanmean(b))) for _, b in pairs]
     found = [np.nanmax(np.abs(a - b)) for a, b in pairs]
+    for (_, b), e, of in zip(pairs, found, departures, strict=True):
+        assert of > 0.0 or e <= 1e-13 * np.nanmax(np.abs(b))
     return max(e / of for e, of in zip(found, departures, strict=True) if of > 0.0)
 
 

@@ -8,7 +8,7 @@ is the lambda of each Mach number at which the growth becomes positive.
 import tempfile
 from collections.abc import Mapping, Sequence
 from itertools import product
-from math import pi
+from math import ceil, pi
 from typing import Any
 
 from fsipetsc.analysis.panel_modes import crossing, fit_modes, motion_of, unit_of
@@ -55,6 +55,10 @@ def flutter(arguments: list[str], comm: Comm) -> None:
     say, mass = printer(comm, opt), opt["panel_mass"]
     tasks = list(product(*(sorted({*opt[option.name]}) for option in OPTIONS)))
     end = opt["ts_max_time"] if "ts_max_time" in given else None
+    least = max(later + 0.5 * period for later, period in (times_of(opt, *t) for t in tasks))
+    if end is not None and end < least:
+        expected = f"expected at least {ceil(10.0 * least) / 10.0:g}, where modes can be told apart"
+        raise InputError(f"-ts_max_time is {end:g}: {expected}")
     runs = shared(comm, tasks, lambda task: one_run(opt, *task, end))
     facts, lines = f"mass {mass:g}, thickness {opt['panel_thickness']:g}", list(map(_row, runs))
     say(f"panel, {facts}: growth and angular frequency of its modes\n\n{text_table(HEAD, lines)}")
@@ -63,6 +67,12 @@ def flutter(arguments: list[str], comm: Comm) -> None:
     if comm.rank == 0:
         say(f"\nresults in {save_csv(path, HEAD, lines)}")
     wait_asleep(comm)
+
+
+def times_of(opt: Mapping[str, Any], mach: float, dynamic: float) -> tuple[float, float]:
+    """When the start is forgotten, and the period of a panel alone; modes are fitted after that."""
+    frequency = FREQUENCY[opt["panel_ends"]] * unit_of(mach, opt["panel_mass"], dynamic)
+    return CHORDS / (mach - 1.0), 2.0 * pi / frequency
 
 
 def one_run(
@@ -76,13 +86,7 @@ def one_run(
 
     from fsipetsc.stepping.run import run_case
 
-    frequency = FREQUENCY[opt["panel_ends"]] * unit_of(mach, opt["panel_mass"], dynamic)
-    later, period = CHORDS / (mach - 1.0), 2.0 * pi / frequency
-    if end is not None and end < later + period:
-        raise InputError(
-            f"-ts_max_time is {end:g}: expected at least {later + period:.3g} for M = {mach:g}, "
-            f"lambda = {dynamic:g}, where the motion of a period is looked at"
-        )
+    later, period = times_of(opt, mach, dynamic)
     own = {**opt, "panel_mach": mach, "panel_lambda": dynamic, "fsi_quiet": True}
     own |= {"ts_max_time": end or later + PERIODS * period}
     own |= {"fsi_output_dt": period / SAMPLES, "fsi_output_times": None}

@@ -274,9 +274,8 @@ class BlockState(State):
     def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> None:
         """Be at time t [s] what arrays tell of, which all ranks know. InputError."""
         self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
-        self.y.auxiliary[:] = arrays["behind"]  # of all ranks: rank 0 has it from now on
-        if self.comm.rank > 0:
-            self.y.auxiliary[:] = 0.0
+        behind = arrays["behind"]  # asked for on all ranks, so that all fail alike
+        self.y.auxiliary[:] = behind if self.comm.rank == 0 else 0.0
         self._t = t
         for k, part in self.layout.parts.items():
             self.y.owned(k)[:] = arrays[f"layer{k}"].reshape(-1, part.dof)[part.numbers]

@@ -105,7 +105,7 @@ class Option:
 
 
 def floats(text: str, name: str, unit: str) -> tuple[float, ...]:
-    """The numbers of a list such as 0.1,0.25; InputError, which names the option, if it is none."""
+    """The numbers of a list such as 0.1,0.25. InputError, naming the option, for other texts."""
     try:
         found: tuple[float, ...] = _as_kind("floats", text)
     except ValueError:

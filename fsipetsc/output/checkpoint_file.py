@@ -64,7 +64,7 @@ def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], Arrays]:
     """Header and arrays of a checkpoint. FileError."""
     path = Path(path)
     try:
-        content = path.read_bytes() if is_one(path) or not path.exists() else b""
+        content = b"" if path.exists() and not is_one(path) else path.read_bytes()
     except OSError as error:
         raise FileError(f"{path}: cannot be read: {error.strerror or error}") from None
     return unpack(content, str(path))

@@ -1,6 +1,7 @@
 """From a case and options to its problem, and the state of a run of it."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from mpi4py import MPI
@@ -14,7 +15,7 @@ from fsipetsc.checks import described
 from fsipetsc.errors import InputError
 from fsipetsc.options import InForce
 from fsipetsc.paper.state import PaperState
-from fsipetsc.problem import Problem
+from fsipetsc.problem import FluidLayer, Problem
 from fsipetsc.process.together import together
 
 
@@ -34,7 +35,7 @@ def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem 
                 f"{place_of(case.build)}: build(opt) returns {found}: "
                 "expected a Problem or BlockProblem"
             )
-        _check_mappings(problem, opt["fsi_coupling"])
+        problem = _with_notes_on_mappings(problem, opt["fsi_coupling"])
         if opt["fsi_coupling"] != "conservative":
             return problem
         return blocks_of_line(problem, opt["fsi_h"], opt["fsi_order"])
@@ -42,14 +43,16 @@ def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem 
     return together(comm, build)
 
 
-def _check_mappings(problem: Problem, coupling: str) -> None:
-    """InputError for a layer of gas that asks for a grid which the coupling does not have."""
+def _with_notes_on_mappings(problem: Problem, coupling: str) -> Problem:
+    """The problem, noting each layer of gas that names a grid which the coupling does not have."""
     there = "stretched" if coupling == "conservative" else "rigid"
-    for layer in problem.layers:
-        if getattr(layer, "mapping", None) not in (None, there):
-            expected = f"expected '{there}' or None with -fsi_coupling {coupling}"
-            found = described(layer.mapping)
-            raise InputError(f"{layer.place}{layer}: mapping is {found}: {expected}")
+    notes = [
+        f"mapping of layer '{layer.name}' is {described(layer.mapping)}, and changes nothing: with "
+        f"-fsi_coupling {coupling} grids are {there}"
+        for layer in problem.layers
+        if isinstance(layer, FluidLayer) and layer.mapping not in (None, there)
+    ]
+    return replace(problem, notes=(*problem.notes, *notes))
 
 
 def make_state(

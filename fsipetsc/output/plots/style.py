@@ -129,13 +129,13 @@ def panels(figure: FigureBase, count: int, columns: int, **more: Any) -> Array:
 
 
 def label_y(axes: Axes, text: str) -> None:
-    """The label of a vertical axis, in lines that are no longer than a low panel is high.
+    """The label of a vertical axis, broken so that its lines fit the height of a low panel.
 
     The axis's power of ten stays off legends and titles.
     """
     name, bracket, unit = text.partition("[")
     whole = name + bracket + unit.replace(" ", "\u00a0")  # no line ends within a unit
-    lines = [textwrap.fill(line, WIDEST) for line in whole.split("\n")]
+    lines = [textwrap.fill(line, WIDEST, break_long_words=False) for line in whole.split("\n")]
     axes.set_ylabel("\n".join(lines))
     axes.yaxis.get_offset_text().set_ha("right")
 
@@ -149,11 +149,11 @@ def extremes(*arrays: Array) -> tuple[float, float]:
 def colours(
     kind: str, values: Array, start: Array, beside: float = 0.0, moving: bool = False
 ) -> dict[str, Any]:
-    """Arguments of pcolormesh for values; white is the median of the values at the start.
+    """Arguments of pcolormesh for values; white is the median of the values at the start, or 0 if
+    these are velocities (moving) that stay closer to 0 than to that median.
 
-    Colours end at the 99.8th percentile of the departures from rest where a few points go far
-    beyond. beside: size of what has the same unit, beside which round-off is nothing. moving: these
-    are velocities, and white is 0 where they depart less from it.
+    Colours end at the 99.8th percentile of the departures from white where a few points go far
+    beyond. beside: size of what has the same unit, beside which round-off is nothing.
     """
     low, high = extremes(values)
     known = start[np.isfinite(start)]
