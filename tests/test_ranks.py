@@ -116,8 +116,9 @@ def test_the_boundaries_cross_cells(results):
         assert np.ptp(counts) >= least, (name, layer)
 
 
-def test_three_dimensions(tmp_path):
-    words = "-box_dimension 3 -fsi_h 0.0625 -ts_max_time 0.01 -fsi_output_dt 0.005"
+@pytest.mark.parametrize("d", [2, 3])
+def test_periodic_blocks(d, tmp_path):
+    words = f"-box_dimension {d} -fsi_h 0.0625 -ts_max_time 0.01 -fsi_output_dt 0.005"
     runs = {"box": ("box_mms", words)}
     one, *others = (compute(n, tmp_path / f"{n}", runs)["box"] for n in (1, 2, 4))
     for other in others:
