@@ -1,6 +1,6 @@
 """Blocks and problems made of them: maps, which faces meet, nodes at one place, messages."""
 
-from itertools import permutations, product
+from itertools import combinations, permutations, product
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,8 +8,10 @@ import pytest
 from ledger_problems import conditions_of
 
 from fsipetsc.blocks import maps
-from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.block import Block, mesh
 from fsipetsc.blocks.conditions import Clamped, Free, Hinge, NoSlip, Open, Periodic, Slip
+from fsipetsc.blocks.hull import blend_of, hull_of
+from fsipetsc.blocks.metrics import Wide
 from fsipetsc.blocks.problem import BlockProblem, Meeting
 from fsipetsc.errors import InputError
 
@@ -43,6 +45,11 @@ def closed(*blocks):
     """A problem of blocks with walls where no other block is."""
     kinds = {block.name: Free() if block.material is SOLID else NoSlip() for block in blocks}
     return BlockProblem(blocks, conditions_of(blocks, lambda name, axis, side: kinds[name]))
+
+
+def subsets(d):
+    """Of the axes."""
+    return [axes for n in range(d + 1) for axes in combinations(range(d), n)]
 
 
 def joins(problem, k):
@@ -79,6 +86,23 @@ def test_a_transfinite_map_is_exact_for_what_is_linear_in_each_coordinate(d):
 
 def square(name="a", lower=(0.0, 0.0), upper=(1.0, 1.0), cells=(8, 8), material=GAS, **more):
     return Block(name, material, maps.rectangle(lower, upper), cells, nothing, **more)
+
+
+@pytest.mark.parametrize("d", (1, 2, 3))
+def test_displacements_of_vertices_go_on_linearly_in_each_coordinate(d):
+    """To edges and faces, and from there into the block."""
+    problem = closed(box("gas", (9, 10, 11)[:d]))
+    block = problem.blocks[0]
+    wide = Wide(problem, 0, 4, [(0, n) for n in block.shape])
+    s = np.array(mesh([np.arange(n) / (n - 1) for n in block.shape])).reshape(d, -1)
+    rng = np.random.default_rng(d)
+    u = sum(rng.uniform(-1, 1, (d, 1)) * s[list(axes)].prod(axis=0) for axes in subsets(d))
+    vertices = np.flatnonzero((s * (1.0 - s) == 0.0).all(axis=0))
+    hull, found = hull_of(block, vertices), np.zeros_like(u)
+    hull.fill(hull.moved, u[:, vertices].T.copy(), 0)
+    assert np.abs(hull.moved - u[:, hull.nodes]).max() < 1e-14
+    blend_of(block, wide, hull.nodes).fill(hull.moved, found)
+    assert np.abs(found - u).max() < 1e-14
 
 
 def test_nodes_count_from_axis_0_and_go_on_beyond_periodic_ends():
