@@ -94,7 +94,8 @@ def test_a_frame_without_values_has_a_place_in_maps(results):
     values = layer["T"].copy()
     values[1], values[2, 3] = np.nan, np.nan
     x, found = fields.without_gaps(layer, values)
-    assert np.array_equal(x, layer.x) and np.isnan(found[1]).all() and np.isfinite(found[2]).all()
+    assert np.array_equal(x[1], layer.x[1]) and np.isnan(found[1]).all()
+    assert np.allclose(x[2], layer.x[2], atol=5e-4) and np.isfinite(found[2]).all()
 
 
 def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results):
