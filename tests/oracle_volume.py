@@ -289,6 +289,8 @@ class Volume(Grids):
         else:
             M = W * self.solids[k][1] * m.m0
             momentum, energy, found = M * q[d:-1], M * q[-1], {}
-        if d > 1:
-            found["angular"] = np.cross(x, momentum, axis=0).sum(axis=space)
+        pairs = {1: (), 2: ((0, 1),), 3: ((1, 2), (2, 0), (0, 1))}[d]
+        turns = [x[i] * momentum[j] - x[j] * momentum[i] for i, j in pairs]
+        if turns:
+            found["angular"] = np.array(turns).sum(axis=space)
         return {**found, "momentum": momentum.sum(axis=space), "energy": energy.sum()}
