@@ -68,15 +68,17 @@ def _solve(case: Any, comm: Comm, options: Mapping[str, Any]) -> str:
 
 def _case(case: Any) -> Any:
     """What a case file would define. InputError."""
-    if isinstance(case, (Problem, BlockProblem)):
-        return case_of(case, **({} if isinstance(case, Problem) else {"fsi_h": 1.0}))
+    if isinstance(case, Problem):
+        return case_of(case)
+    if isinstance(case, BlockProblem):
+        return case_of(case, fsi_h=1.0)  # its cells are given
     if isinstance(case, (str, os.PathLike)):
         return load_case(os.fspath(case))
     if not callable(getattr(case, "build", None)):
         known = "a name, a file, a Problem or something with build(opt)"
         raise InputError(f"run: a case is {known}, not {type(case).__name__}")
-    about: dict[str, Any] = {"NAME": "case", "SUMMARY": "", "OPTIONS": (), "DEFAULTS": {}}
-    about["NAME"] = getattr(case, "__name__", "case").rpartition(".")[2]  # that of a module
+    module = getattr(case, "__name__", "case").rpartition(".")[2]
+    about: dict[str, Any] = {"NAME": module, "SUMMARY": "", "OPTIONS": (), "DEFAULTS": {}}
     given = {name: getattr(case, name, default) for name, default in about.items()}
     return SimpleNamespace(**given, build=case.build)
 

@@ -280,7 +280,9 @@ class Volume(Grids):
         return q
 
     def sums(self, k, q, x):
-        """Sums over a block: momentum, energy, angular momentum about 0; of a gas mass, entropy."""
+        """Sums over a block: momentum, energy, angular momentum about the origin; of a gas mass and
+        entropy.
+        """
         m, d, W, space = self.blocks[k].material, self.d, self.W[k], tuple(range(-self.d, 0))
         if m.kind == "gas":
             s, M = gas_state(m, q), W * q[1]

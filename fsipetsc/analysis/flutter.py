@@ -57,7 +57,7 @@ def flutter(arguments: list[str], comm: Comm) -> None:
     end = opt["ts_max_time"] if "ts_max_time" in given else None
     least = max(later + 0.5 * period for later, period in (times_of(opt, *t) for t in tasks))
     if end is not None and end < least:
-        expected = f"expected at least {ceil(10.0 * least) / 10.0:g}, where modes can be told apart"
+        expected = f"expected at least {ceil(10.0 * least) / 10.0:g}, to tell the modes apart"
         raise InputError(f"-ts_max_time is {end:g}: {expected}")
     runs = shared(comm, tasks, lambda task: one_run(opt, *task, end))
     facts, lines = f"mass {mass:g}, thickness {opt['panel_thickness']:g}", list(map(_row, runs))
@@ -70,7 +70,7 @@ def flutter(arguments: list[str], comm: Comm) -> None:
 
 
 def times_of(opt: Mapping[str, Any], mach: float, dynamic: float) -> tuple[float, float]:
-    """When the start is forgotten, and the period of a panel alone; modes are fitted after that."""
+    """The time from which on modes are fitted, and the period of the panel without a flow."""
     frequency = FREQUENCY[opt["panel_ends"]] * unit_of(mach, opt["panel_mass"], dynamic)
     return CHORDS / (mach - 1.0), 2.0 * pi / frequency
 
