@@ -1,10 +1,23 @@
-"""A run of blocks without files, and what is in its ledgers."""
+"""A run of blocks without files, and what is in its ledgers; problems on the shapes of
+block_shapes, of gas and solid with smooth data.
+"""
 
 import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blockrun.columns import gained, slices
+from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.conditions import Roller, Slip
+from fsipetsc.blocks.maps import nodes
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.solid import ElasticSolid
+
+#: cells along an axis
+N = 7
+#: slip walls and rollers
+CLOSED = {"gas": Slip(), "solid": Roller()}
 
 
 class Steps(BlockState):
@@ -50,3 +63,62 @@ class Steps(BlockState):
 
     def _came(self, name):
         return self.came[self._at[name]]
+
+
+def gas(d=2, mu=0.0, force=0.0):
+    return Fluid(mu, 0.03, 1.4, 1.0, force=(force,) * d if d > 1 else force)
+
+
+def solid(d=2, heat="elastic", force=0.0):
+    force = (force,) * d if d > 1 else force
+    return ElasticSolid(1.0, 2.0, 0.05, 2.0, 1.5, 0.3, "log", heat, force=force)
+
+
+def swirling(*X):
+    d = len(X)
+    wave = [0.2 * np.sin(3.0 * X[c] + 2.0 * X[-1] + c) for c in range(d)]
+    return [1.0 + 0.2 * np.cos(2.0 * sum(X)), *wave, 1.0 + 0.1 * np.sin(3.0 * X[0] + 1.0)]
+
+
+def bent(*X):
+    d = len(X)
+    v = [0.1 * np.cos(2.0 * X[0] + 3.0 * X[-1] + c) for c in range(d)]
+    x = [X[c] + 0.02 * np.sin(2.0 * X[c - 1] + c) for c in range(d)]
+    return [*v, 1.1 + 0.1 * np.sin(2.0 * X[0] + X[-1]), *x]
+
+
+def conditions_of(blocks, faces):
+    """Conditions of the faces that no other one meets, by their middles. faces: condition by (name,
+    axis, side), (kind, axis, side), (kind, axis) or kind, which is the first word of a name.
+    """
+    sides = [
+        (b, k, s) for b in blocks for k in range(b.dimension) if not b.periodic[k] for s in (0, 1)
+    ]
+    middles = [b.face_positions(k, s).mean(axis=1) for b, k, s in sides]
+    found = {}
+    for (b, *face), middle in zip(sides, middles):
+        if sum(np.abs(middle - other).max() < 1e-9 for other in middles) == 1:
+            kind = b.name.split()[0]
+            keys = (b.name, *face), (kind, *face), (kind, face[0]), kind
+            found[keys[0]] = next(faces[key] for key in keys if key in faces)
+    return found
+
+
+def problem_of(shape, faces, fluid, plate, points=(), **options):
+    """A problem on a shape of block_shapes; faces: see ``conditions_of``. options: of blocks of gas
+    and of solids; jumps.
+    """
+    blocks = []
+    for name, (X, _) in shape.items():
+        kind = name.split()[0]
+        material, initial = (fluid, swirling) if kind == "gas" else (plate, bent)
+        cells, d = tuple(n - 1 for n in X.shape[1:]), len(X)
+        more = {"initial": initial, **options.get(kind, {})}
+        blocks.append(Block(name, material, nodes(X.transpose(*range(d, 0, -1), 0)), cells, **more))
+    conditions = conditions_of(blocks, faces)
+    return BlockProblem(tuple(blocks), conditions, options.get("jumps"), points=points)
+
+
+def moved(*X_and_t):
+    *X, t = X_and_t
+    return [x + 0.1 * np.sin(3.0 * t + c) * (1.0 + X[0]) for c, x in enumerate(X)]

@@ -25,9 +25,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
-    """Of processes that share many tests each has a part of the processors, so that its ranks wait
-    for each other alone.
-    """
+    """Processes that share many tests share the processors: ranks wait for each other alone."""
     shared = getattr(session.config, "workerinput", None)
     if shared is not None and len(session.items) > 300:
         which, every = int(shared["workerid"].removeprefix("gw")), sorted(os.sched_getaffinity(0))

@@ -5,16 +5,13 @@ place: the lower wall moves at this speed. Or the function mad_function fails, o
 one.
 """
 
-from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.blocks.conditions import Clamped, Given, NoSlip, Slip
 from fsipetsc.blocks.layers import Layer, layers
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
@@ -31,31 +28,29 @@ OPTIONS = (
 DEFAULTS = {"fsi_h": 1 / 16, "fsi_order": 2, "ts_max_time": 0.1, "ts_dt": 1e-3, "fsi_output_dt": 1}
 AIR, PLATE = Fluid(0.01, 0.03, 1.4, 1.0), ElasticSolid(5.0, 10.0, 0.02, 2.0, 1.0, p_ref=1.0)
 NAMES = {"g": ("rho", "rho u", "rho v", "e"), "s": ("u", "v", "T", "x", "y")}
-Function = Callable[..., Any]
 
 
-def build(opt: Mapping[str, Any]) -> BlockProblem:
+def build(opt):
     """Layers of thickness 1 and width 1."""
     function, field = opt["mad_function"], opt["mad_field"]
     rate, begin = opt["mad_rate"], opt["mad_time"]
 
-    def failing(what: str, usual: Function) -> Function:
+    def failing(what, usual):
         """The function, which raises an error if it is the one; its last argument is the time."""
         here = function == what and opt["mad_rank"] in (-1, MPI.COMM_WORLD.rank)
 
-        def called(*arguments: Any) -> Any:
+        def called(*arguments):
             if here and (what in ("initial", "prestress") or arguments[-1] > begin):
                 raise ValueError("nothing is known")
             return usual(*arguments)
 
         return called
 
-    def layer(k: int, kind: str) -> Layer:
-        def at_rest(X: Any, Y: Any) -> list[Any]:
-            still, one = 0 * X, 1 + 0 * X
-            return [one, still, still, one] if kind == "g" else [still, still, one, X, Y]
+    def layer(k, kind):
+        def at_rest(X, Y):
+            return (1.0, 0.0, 0.0, 1.0) if kind == "g" else (0.0, 0.0, 1.0, X, Y)
 
-        def forcing(X: Any, Y: Any, t: float) -> list[Any]:
+        def forcing(X, Y, t):
             rates = [np.zeros(Y.shape) for _ in NAMES[kind]]
             if t >= begin and field in NAMES[kind]:
                 rates[NAMES[kind].index(field)][Y > k + 0.5] = rate
@@ -67,26 +62,21 @@ def build(opt: Mapping[str, Any]) -> BlockProblem:
         initial = failing("initial", at_rest) if kind == "g" else at_rest
         return Layer(name, material, (k, k + 1), initial, **more)
 
-    def place(X: Any, Y: Any, t: float) -> Any:
-        return X, Y + rate * max(0.0, t - begin)
-
-    def velocity(X: Any, Y: Any, t: float) -> Any:
-        return 0 * X, 0 * Y + rate * (t > begin)
-
     kinds = opt["mad_layers"]
     lower, upper = (NoSlip() if kind == "g" else Clamped() for kind in (kinds[0], kinds[-1]))
     if field == "place":
-        lower = Slip(place, velocity)
+        place = lambda X, Y, t: (X, Y + rate * max(0.0, t - begin))  # noqa: E731
+        lower = Slip(place, lambda X, Y, t: (0.0, rate * (t > begin)))
     if function == "T":
-        lower = NoSlip(T=failing("T", lambda *X: 1 + 0 * X[0]))
+        lower = NoSlip(T=failing("T", lambda X, Y, t: 1.0))
     if function == "edge":
-        upper = Given(failing("edge", lambda *X: [1 + 0 * X[0], 0 * X[0], 0 * X[0], 1 + 0 * X[0]]))
-    jumps = failing("jumps", lambda *X: [0 * X[0]] * 3) if function == "jumps" else None
+        upper = Given(failing("edge", lambda X, Y, t: (1.0, 0.0, 0.0, 1.0)))
+    jumps = failing("jumps", lambda X, Y, t: (0.0, 0.0, 0.0)) if function == "jumps" else None
     more = {"lower": lower, "upper": upper, "jumps": jumps, "units": "none"}
     stack = [layer(k, kind) for k, kind in enumerate(kinds)]
     made = layers(*stack, along=((0.0, 1.0),), h=opt["fsi_h"], order=opt["fsi_order"], **more)
     if function == "prestress":
-        stress = failing("prestress", lambda X, Y: [0 * X] * 4)
+        stress = failing("prestress", lambda X, Y: (0.0, 0.0, 0.0, 0.0))
         blocks = (replace(b, prestress=stress) if b.kind == "solid" else b for b in made.blocks)
         return replace(made, blocks=tuple(blocks))
     return made

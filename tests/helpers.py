@@ -1,14 +1,13 @@
-"""What several test files need: running the program as a user does, on one rank and
-under mpiexec.
-"""
+"""What several test files need: the program run as a user does, on one rank and on several."""
 
-import importlib.util
+import csv
 import os
+import runpy
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
 
 import numpy as np
 from kept_ranks import KEPT
@@ -29,6 +28,8 @@ _MPI_ENVIRONMENT = {
     "OMPI_MCA_hwloc_base_binding_policy": "none",  # two jobs at a time would share the first cores
     # a rank that waits must not take the core from the one that it waits for
     "OMPI_MCA_mpi_yield_when_idle": "1",
+    # else a process that is not launched by Open MPI gets one of Open MPI's own beside it
+    "OMPI_MCA_ess_singleton_isolated": "1",
     "HWLOC_HIDE_ERRORS": "2",  # a bare root may have no /sys
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
@@ -69,9 +70,7 @@ def launch(command: Sequence[str], cwd: Place = None, env: Mapping[str, str] | N
 
 def run(*args: object, cwd: Place = None, env: Mapping[str, str] | None = None) -> Done:
     """`python *args` without mpiexec. Example: run("-m", "fsipetsc", "rod", "-help")."""
-    # else Open MPI starts a process of its own beside each that it has not launched
-    alone = {"OMPI_MCA_ess_singleton_isolated": "1"}
-    return launch([sys.executable, *map(str, args)], cwd, {**alone, **(env or {})})
+    return launch([sys.executable, *map(str, args)], cwd, env)
 
 
 def mpirun(n: int, *args: object, cwd: Place = None) -> Done:
@@ -81,9 +80,7 @@ def mpirun(n: int, *args: object, cwd: Place = None) -> Done:
 
 def solve(*args: object, cwd: Place = None, ranks: int = 1) -> Done:
     """What `mpiexec -n RANKS python -m fsipetsc *args` would do, by ranks that are there already.
-
-    For what is about processes, streams or the environment there are run and mpirun.
-    """
+    For what is about processes, streams or the environment there are run and mpirun."""
     words = list(map(str, args))
     (answer,) = KEPT.do(ranks, Path(cwd or "").resolve(), environment(), [words])
     return Done(words, *answer)
@@ -93,8 +90,7 @@ def compute(
     n: int, directory: Path, runs: Mapping[str, tuple[str, str]]
 ) -> dict[str, fsipetsc.Run]:
     """Run cases on n ranks: name -> (case, options) gives name -> opened result, NAME.h5 in
-    `directory`. AssertionError where one ends with an error.
-    """
+    `directory`. AssertionError where one ends with an error."""
     directory.mkdir(parents=True, exist_ok=True)
     lines = [
         [case, *text.split(), "-fsi_quiet", "-fsi_output", f"{name}.h5"]
@@ -111,6 +107,20 @@ def computed(folder: Path, name: str, *words: object, ranks: int = 1) -> fsipets
     done = solve(*words, "-fsi_output", name, "-fsi_quiet", cwd=folder, ranks=ranks)
     assert (done.returncode, done.stderr) == (0, ""), done.stderr
     return fsipetsc.open_run(folder / name)
+
+
+def on_ranks(folder: Path, line: str, *ranks: int) -> fsipetsc.Run:
+    """The result of a command line, in the fields of which the numbers of ranks do not matter."""
+    one, *others = (computed(folder, f"{n}.h5", *line.split(), ranks=n) for n in ranks)
+    for other in others:
+        assert_same_fields(one, other)
+        assert one.summary["steps"] == other.summary["steps"]
+    return one
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    """The rows of a CSV file, by names of columns."""
+    return list(csv.DictReader(path.read_text().splitlines()))
 
 
 def assert_same_fields(one: fsipetsc.Run, other: fsipetsc.Run) -> None:
@@ -143,18 +153,13 @@ def different(a: Path, b: Path, same_ranks: bool) -> list[str]:
     return [*wrong, *found.notes, *(f"{name}: {x}, {y}" for name, x, y in pairs if x != y)]
 
 
-def program(name: str) -> Any:
+def program(name: str) -> SimpleNamespace:
     """A program of the folder `verify`, which computes references apart from the package."""
-    spec = importlib.util.spec_from_file_location(name, REPOSITORY / "verify" / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return SimpleNamespace(**runpy.run_path(str(REPOSITORY / "verify" / f"{name}.py")))
 
 
 def message(done: Done, status: int, *words: str) -> str:
-    """The program's one message; asserts the status, that the words are in it, and that no more is
-    said but by the launcher.
-    """
+    """The program's one message, of this status, with these words; the launcher may say more."""
     assert done.returncode == status, done.stderr
     lines = [line for line in done.stderr.splitlines() if line.startswith("fsipetsc: error: ")]
     assert len(lines) == 1, done.stderr

@@ -1,8 +1,7 @@
 """Ranks that stay from test to test: a run among them costs no start of processes.
 
 Rank 0 reads jobs from its standard input. The ranks do a job as a process that makes many runs
-(fsipetsc.cli.main). Tests of processes, signals and starts use their own processes.
-"""
+(fsipetsc.cli.main). Tests of processes, signals and starts use their own processes."""
 
 import atexit
 import json
@@ -30,9 +29,7 @@ class KeptRanks:
         self, ranks: int, folder: Path, environment: Mapping[str, str], lines: Sequence[list[str]]
     ) -> list[Answer]:
         """What comes of command lines on the first so many ranks.
-
-        AssertionError where a rank has ended, or the ranks do not agree in the status.
-        """
+        AssertionError where a rank has ended, or the ranks do not agree in the status."""
         try:
             if self._process is None:
                 command = ["mpiexec", "-n", str(MOST), sys.executable, __file__]
@@ -61,9 +58,6 @@ class KeptRanks:
 
 #: of this process
 KEPT = KeptRanks()
-
-
-# what each rank does
 
 
 def answered(words: list[str]) -> Answer:

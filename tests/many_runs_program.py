@@ -1,6 +1,5 @@
-"""Makes run after run in one process, as a notebook would: RUNS.json, a list of [exit status,
-arguments]. Prints, as JSON, what is not as expected or has changed in the process.
-"""
+"""Makes run after run in one process, as a notebook would: RUNS, JSON, a list of [exit status,
+arguments]. Prints, as JSON, what is not as expected or has changed in the process."""
 
 import contextlib
 import gc
@@ -43,13 +42,11 @@ if __name__ == "__main__":
     wrong, before = [], left()
     given = {"host_option": "7", "fsi_order": "8", "options_left": "false"}
     assert before["options"] == given
-    for expected, text in json.loads(Path(sys.argv[1]).read_text()):
+    for expected, text in json.loads(sys.argv[1]):
         with contextlib.redirect_stderr(io.StringIO()) as said:
             status = main(text.split())
         if status != expected or said.getvalue().count("\n") != (status != 0):
             wrong.append([text, f"status {status}, not {expected}", said.getvalue()])
         now = left()
-        wrong += [
-            [text, name, before[name], now[name]] for name in now if now[name] != before[name]
-        ]
+        wrong += [[text, k, before[k], now[k]] for k in now if now[k] != before[k]]
     print(json.dumps(wrong))

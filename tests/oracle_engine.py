@@ -1,4 +1,5 @@
-"""The engine on the problems of the oracle of blocks, so that one can be held against the other."""
+"""The engine on problems of the oracle of blocks, to hold one against the other: materials,
+conditions and blocks of the oracle as those of the engine."""
 
 import numpy as np
 from mpi4py import MPI
@@ -25,7 +26,6 @@ def by_components(value):
 
 
 def condition_of(given):
-    """A condition of the oracle as one of the engine."""
     kept = given._asdict()
     if motion := kept.pop("motion", None):
         kept |= {"x": motion, "velocity": lambda X, t: rate_of(motion, X, t)}
@@ -34,7 +34,6 @@ def condition_of(given):
 
 
 def material_of(m, d):
-    """A material of the oracle as one of the engine."""
     force = tuple(m.force) if m.force else ((0.0,) * d if d > 1 else 0.0)
     if m.kind == "gas":
         law = stiffened_gas(m.gamma, m.cv, m.p_inf) if m.p_inf else None
@@ -47,7 +46,6 @@ def material_of(m, d):
 
 
 def block_of(b):
-    """A block of the oracle as one of the engine."""
     X, d = b.X, len(b.X)
     for k, period in enumerate(b.periods):
         if period is not None:

@@ -19,9 +19,7 @@ TINY = 1e-30  # step into the complex plane, for derivatives
 
 
 class Gas(NamedTuple):
-    """p = rho R T - p_inf; rho times internal energy = rho cv T + p_inf. The viscosity is
-    mu T^powers[0], the conductivity kappa T^powers[1].
-    """
+    """p + p_inf = rho R T, rho e = rho cv T + p_inf, mu T^powers[0], kappa T^powers[1]."""
 
     gamma: float = 1.4
     R: float = 1.0
@@ -38,9 +36,7 @@ class Gas(NamedTuple):
 
 
 class Solid(NamedTuple):
-    """law: "log", "neo-hookean", "svk" or "linear"; heat: "coupled" or "elastic". gruneisen: G of a
-    pressure G m0 alpha T / J.
-    """
+    """law and heat as those of the engine; gruneisen: G of a pressure G m0 alpha T / J."""
 
     law: str = "log"
     mu_e: float = 1.0
@@ -57,8 +53,7 @@ class Solid(NamedTuple):
 
 class Block(NamedTuple):
     """X: (d, n_1, ..., n_d) reference places; periods: by axis None, or the vector X(1) - X(0).
-    prestress: its d d components at places (d, ...).
-    """
+    prestress: its d d components at places (d, ...)."""
 
     name: str
     material: Any
@@ -79,10 +74,8 @@ Free = namedtuple("Free", "pressure T heat_flux", defaults=(0.0, None, None))
 
 
 class Problem(NamedTuple):
-    """faces: conditions by (block's name, axis, side), a function of it for all faces that meet no
-    other. form: "entropy" or "divergence"; dissipation: sigma, over 4^q; shock: that of solids,
-    whose usual strength is 1.
-    """
+    """faces: conditions of faces that meet no other, a function of (block's name, axis, side).
+    form: "entropy" or "divergence"; dissipation: sigma, over 4^q; shock: that of solids."""
 
     blocks: tuple
     faces: Callable
@@ -127,9 +120,7 @@ def along(matrix, f, k, d):
 
 
 def axis_of(order, n, periodic, around):
-    """Of n nodes of [0, 1]. around: r = 0 is in the middle, where pairs have weights of their
-    own.
-    """
+    """Of n nodes of [0, 1]. around: r = 0 is in the middle, with weights of its own beside it."""
     op, h = operator(order), 1.0 / n if periodic else 1.0 / (n - 1)
     if periodic:
         weight, D, one = np.full(n, h), np.zeros((n, n)), np.eye(n)
@@ -147,9 +138,8 @@ def axis_of(order, n, periodic, around):
 
 
 def gauss(rows, z, inverse_mass):
-    """z' nearest to z in the norm of the masses that obeys the rows, and their multipliers (force =
-    multiplier * row). Rows may say the same.
-    """
+    """z' nearest to z in the norm of the masses that obeys the rows, which may say the same, and
+    their multipliers: force = multiplier * row."""
     C = np.array([np.concatenate([r.gas, r.solid]) for r in rows]).reshape(-1, len(z))
     B = C * np.sqrt(inverse_mass)
     size = np.sqrt((B * B).sum(axis=1))
@@ -193,9 +183,7 @@ def log_mean(a, b):
 
 
 def pair_flux(m, left, right, a, g):
-    """Ranocha's flux (2018) between two states, {a}.f# - g U#; a: mean metrics, g: volume flux of
-    the pair.
-    """
+    """Ranocha's flux (2018), {a}.f# - g U#; a: mean metrics, g: volume flux of the pair."""
     p, u = 0.5 * (left.p + right.p), 0.5 * (left.u + right.u)
     mass = log_mean(left.rho, right.rho) * (dot(a, u) - g)
     c = 0.5 * dot(left.u, right.u) + m.cv / log_mean(1.0 / left.T, 1.0 / right.T)
@@ -226,16 +214,15 @@ def det(F):
 
 def elastic_energy(m, F, p_ref):
     """W of a solid's law; F: (3, 3, ...)."""
-    J, mu, lam, square = det(F), m.mu_e, m.lambda_e, np.einsum("ki...,kj...->ij...", F, F)
+    J, mu, lam, one = det(F), m.mu_e, m.lambda_e, three(0.0 * F[:0, :0])
+    E = 0.5 * (np.einsum("ki...,kj...->ij...", F, F) - one)
     if m.law == "log":
         K = 2.0 * mu + lam
-        W = K * (J * np.log(J) - J + 1.0) - mu * (0.5 * (J**2 - 1.0) - np.log(J))
+        W = K * (J * np.log(J) - J + 1.0) + mu * (np.trace(E) - 0.5 * (J**2 - 1.0))
+    elif m.law == "neo-hookean":
+        W = 0.5 * lam * np.log(J) ** 2 + mu * (np.trace(E) - np.log(J))
     else:
-        W = 0.5 * lam * np.log(J) ** 2
-    W = W + 0.5 * mu * (np.trace(square) - 3.0 - 2.0 * np.log(J))
-    if m.law in ("svk", "linear"):
-        one = three(0.0 * F[:0, :0])
-        E = 0.5 * (square - one) if m.law == "svk" else 0.5 * (F + np.swapaxes(F, 0, 1)) - one
+        E = E if m.law == "svk" else 0.5 * (F + np.swapaxes(F, 0, 1)) - one
         W = 0.5 * lam * np.trace(E) ** 2 + mu * (E * E).sum(axis=(0, 1))
     return W - p_ref * (J - 1.0)
 

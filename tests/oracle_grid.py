@@ -21,9 +21,7 @@ Grid = namedtuple("Grid", "x v a a_t")
 
 
 class Grids:
-    """Blocks of a problem one by one. ``of_node``, (block, node) -> particle, is filled by the
-    class on top of it.
-    """
+    """Blocks of a problem one by one. ``of_node``: (block, node) -> particle, see Particles."""
 
     def __init__(self, problem, kappa=0):
         self.problem, self.blocks, self.d = problem, problem.blocks, len(problem.blocks[0].X)
@@ -56,8 +54,6 @@ class Grids:
         """H D° f: the derivative without the flux through the ends."""
         return along(self.axes[k][axis].flux_free, f, axis, self.d) * self.W[k]
 
-    # grids and metrics
-
     def weight(self, x):
         """r^kappa (...); also of complex x, whose real part has the sign."""
         return (np.where(x[-1].real < 0.0, -1.0, 1.0) * x[-1]) ** self.kappa
@@ -85,11 +81,9 @@ class Grids:
 
     def flat_metrics(self, k, x):
         """Those without weight, with sum D_axis a = 0."""
-        if self.d == 1:
-            return np.ones((1, *x.shape)) + 0.0 * x
         Dx = self.slopes(k, x)
-        if self.d == 2:
-            return np.array([[Dx[1, 1], -Dx[1, 0]], [-Dx[0, 1], Dx[0, 0]]])
+        if self.d < 3:
+            return cofactor(Dx)
         # a = curl(1/2 (y_m D y_l - y_l D y_m) + y_m D c_l - y_l D c_m) + D c_m x D c_l, x = y + c
         y, c, a = x - self.linear[k], self.periods[k], np.zeros_like(Dx)
         Dy = Dx - c.reshape(3, 3, 1, 1, 1)
@@ -114,7 +108,6 @@ class Grids:
         ]
 
     def grids(self, q, t):
-        """Of all blocks."""
         found = []
         for k, (D, v) in enumerate(zip(self.moved(q, t, 0), self.moved(q, t, 1))):
             x = self.blocks[k].X + D
@@ -123,9 +116,8 @@ class Grids:
         return found
 
     def _blended(self, k, q, t, part):
-        """Of a gas's grid: of vertices, then of edges, faces and the inside. Where not all nodes
-        are moved by something it is the Boolean sum of the boundary.
-        """
+        """Of a gas's grid: vertices, edges, faces, inside. It is the Boolean sum of the boundary
+        where not all nodes are moved by something."""
         X, d = self.blocks[k].X, self.d
         f, index = np.zeros(X.shape, q[self.names[k]].dtype), np.indices(X.shape[1:])
         sides = [(None,) if self.periodic(k, j) else (0, -1, None) for j in range(d)]

@@ -81,8 +81,7 @@ class Particles(Volume):
 
     def _group_slips(self, p):
         """Faces along which the gas slips, at walls or solids, are one constraint unless they meet
-        at a concave edge. Walls with names are one if the names are, and else not.
-        """
+        at a concave edge. Walls with names are one if the names are, and else not."""
         found = [] if self._sticks(p) else [(f, "") for f in p.contact]
         found += [(f, f.condition.name) for f in p.outer if isinstance(f.condition, Slip)]
         groups = []
@@ -99,9 +98,7 @@ class Particles(Volume):
         return min(inward @ other_normal, other_inward @ normal) > CONCAVE
 
     def _directions(self, f):
-        """Unit normal of a face at a node, and the direction from the node into the face (0 in its
-        middle).
-        """
+        """Unit normal of a face at a node, and the direction into the face (0 in its middle)."""
         k, axis, _, node = f[:4]
         normal, inward = self.normal(f, self.reference[k]), np.zeros(self.d)
         for j in range(self.d):
@@ -132,9 +129,7 @@ class Particles(Volume):
         return (both, both) if self.conducts(p) else (found["gas"], found["solid"])
 
     def apart(self, p):
-        """Whether each member of a solid keeps its own temperature: W is an energy of its own, no
-        heat is conducted, and none is given.
-        """
+        """Whether each member of a solid keeps its own temperature: none is conducted or given."""
         solids = [self.blocks[k].material for k, _ in p.solid]
         free = self.given(p, "solid") is None and self.prescribed_T(p, 0.0)[1] is None
         return free and all(m.heat == "elastic" and m.kappa == 0.0 for m in solids)
@@ -174,9 +169,7 @@ class Particles(Volume):
         return motion(X, t) - X, w, (after - before) / (2.0 * STEP)
 
     def _slip_row(self, p, group, grids, t, level, u, v):
-        """sum n.(u - w) = 0 over the faces of a group, w the velocity of the solid or the wall, or
-        its derivative.
-        """
+        """sum n.(u - w) = 0 over faces of a group, w of the solid or wall; or its derivative."""
         N, on_solid, value, power = np.zeros(self.d), np.zeros(self.d), 0.0, 0.0
         for f in group:
             n, n_t = self.normal(f, grids[f.block].a), self.normal(f, grids[f.block].a_t)

@@ -35,19 +35,17 @@ from oracle_grid import Grids
 class Volume(Grids):
     """Rates, random states and sums of blocks."""
 
-    # gas
-
     def gas_terms(self, k, q, grid):
         """Rates of J, J rho, J rho u, J E, (d + 3, ...)."""
         b, d, W, R = self.blocks[k], self.d, self.W[k], np.zeros_like(q)
         m, s = b.material, gas_state(b.material, q)
         R[0] = W * self.volume_rate(k, grid)
         for j in range(d):
-            R[1:] += self._convection(k, s, grid, j)
+            R[1:] += self._convection(k, s, grid, j) * W
         R[-2] += W * s.p * self.hoop_area(k, grid)
         if m.mu > 0.0 or m.kappa > 0.0:
             R[2:] += self._viscous(k, q[0], s, grid)
-        if self.problem.dissipation > 0.0 or self.problem.shock > 0.0:
+        if self.problem.dissipation > 0.0:
             R[1:] += self._gas_dissipation(k, s, grid)
         if m.force:
             f = spread(m.force, d)
@@ -55,16 +53,37 @@ class Volume(Grids):
         return R
 
     def _convection(self, k, s, grid, j):
-        """- sum_l S_il F(i, l) along axis j: i along one axis of an array, l along the next."""
-        d, (b, w) = self.d, self.volume_flux(k, grid)
-        here, there = (lambda f: np.expand_dims(f, j - d)), (lambda f: np.expand_dims(f, j - d - 1))
-        left, right = State(*map(here, s)), State(*map(there, s))
-        a_l, a_r = here(grid.a[j]), there(grid.a[j])
-        g = 0.5 * (dot(here(b[j]), there(w)) + dot(there(b[j]), here(w)))
-        F = self._pair(k, left, right, a_l, a_r, g)
-        scaled = self.axes[k][j].S / self.axes[k][j].weight[:, None]
-        scaled = scaled.reshape(*scaled.shape, *[1] * (d - j - 1))
-        return -(scaled * F).sum(axis=j - d) * self.W[k]
+        """- sum_l S_il F(i, l) along axis j. At shocks alpha of it, the largest alpha from i to l,
+        goes through all links between them instead, and with it the flux of Lax and Friedrichs."""
+        axis, m, d, shock = self.axes[k][j], self.blocks[k].material, self.d, self.problem.shock
+        n, periodic, (b, w) = len(axis.weight), self.periodic(k, j), self.volume_flux(k, grid)
+        steep = np.moveaxis(self._steep_gas(k, s, j), j, 0)
+        front = lambda f: np.moveaxis(f, j - d, 0)  # noqa: E731
+        s, a, b, w = State(*map(front, s)), *map(front, (grid.a[j], b[j], w))
+        state = [State(*(f[i] for f in s)) for i in range(n)]
+        R, A, G = np.zeros((n, d + 2, *s.rho.shape[1:])), np.zeros_like(a), np.zeros_like(s.rho)
+        for i, distance in product(range(n), range(1, n // 2 if periodic else n)):
+            way = [(i + o) % n for o in range(distance + 1)]
+            l = way[-1]
+            if axis.S[i, l] == 0.0 or (l < i and not periodic):
+                continue
+            g = 0.5 * (dot(b[i], w[l]) + dot(b[l], w[i]))
+            through_links = axis.S[i, l] * steep[way].max(axis=0)
+            F = (axis.S[i, l] - through_links) * self._pair(k, state[i], state[l], a[i], a[l], g)
+            R[i], R[l] = R[i] - F, R[l] + F
+            A[way[:-1]] += through_links * 0.5 * (a[i] + a[l])
+            G[way[:-1]] += through_links * g
+        for i in range(n if periodic else n - 1) if shock > 0.0 else ():
+            l, sides = (i + 1) % n, (state[i], state[(i + 1) % n])
+            speeds = (
+                np.abs(dot(A[i], x.u) - G[i]) + np.sqrt(m.gamma * m.R * x.T * dot(A[i], A[i]))
+                for x in sides
+            )
+            here, there = (conserved(m, x.rho, x.u, x.T) for x in sides)
+            F = self._pair(k, *sides, A[i], A[i], G[i])
+            F = F - 0.5 * shock * np.maximum(*speeds) * (there - here)
+            R[i], R[l] = R[i] - F, R[l] + F
+        return np.moveaxis(R, 0, j - d) / axis.weight.reshape(-1, *[1] * (d - 1 - j))
 
     def _pair(self, k, left, right, a_l, a_r, g):
         """The flux of two nodes, in the form of the problem."""
@@ -73,9 +92,8 @@ class Volume(Grids):
         return 0.5 * (flux(left, a_l, g) + flux(right, a_r, g))
 
     def _viscous(self, k, J, s, grid):
-        """Of momentum and energy; gradients are those of the entropy variables u/T and -1/T, and
-        all hoop rates together are e = u_r S / J.
-        """
+        """Of momentum and energy; gradients are those of the entropy variables u/T and -1/T; the
+        hoop rates together are e = u_r S / J."""
         m, d, S = self.blocks[k].material, self.d, self.hoop_area(k, grid)
 
         def gradient(f):
@@ -101,13 +119,10 @@ class Volume(Grids):
         weight = self.axes[k][j].weight
         n, periodic = len(weight), self.periodic(k, j)
         count, h = (n, 1.0 / n) if periodic else (n - q, 1.0 / (n - 1))
-        delta, middle, least = np.zeros((count, n)), np.zeros((count, n)), np.ones(count)
-        for i in range(count):
-            for o in range(q + 1):
-                delta[i, (i + o) % n] += (-1) ** (q - o) * comb(q, o)
-                least[i] = min(least[i], weight[(i + o) % n] / h)
-            middle[i, (i + q // 2) % n] += 0.5
-            middle[i, (i + (q + 1) // 2) % n] += 0.5
+        points = [np.roll(np.eye(n), o, axis=1)[:count] for o in range(q + 1)]
+        delta = sum((-1) ** (q - o) * comb(q, o) * point for o, point in enumerate(points))
+        middle = 0.5 * (points[q // 2] + points[(q + 1) // 2])
+        least = np.min([np.ones(count), *(point @ weight / h for point in points)], axis=0)
         return delta, middle, least.reshape(-1, *[1] * (self.d - 1 - j))
 
     def _scatter(self, k, j, matrix, F):
@@ -115,16 +130,13 @@ class Volume(Grids):
         return along(matrix.T / self.axes[k][j].weight[:, None], F, j, self.d) * self.W[k]
 
     def _gas_dissipation(self, k, s, grid):
-        """-Delta^T sigma (1 - alpha) lambda U_w Delta w, w: entropy variables, lambda = |a.(u-v)| +
-        c |a|; and what goes from node to node at shocks.
-        """
+        """-Delta^T sigma (1 - alpha) lambda U_w Delta w, w: entropy variables."""
         m, d, total = self.blocks[k].material, self.d, 0.0
         first = m.gamma * m.cv - 0.5 * dot(s.u, s.u) / s.T - entropy_of(m, s)
         w, q = np.array([first, *(s.u / s.T), -1.0 / s.T]), self.problem.order // 2
         for j in range(d):
             delta, middle, least = self._differences(k, j, q)
-            steep = self._steepness(np.array([s.rho, s.p]), k, j, part=0.05)
-            wide = 1.0 - self._largest(steep, delta, j) * (self.problem.shock > 0.0)
+            wide = 1.0 - self._largest(self._steep_gas(k, s, j), delta, j)
             strength = self.problem.dissipation / 4.0**q * least * wide
             dw, a = along(delta, w, j, d), along(middle, grid.a[j], j, d)
             rho, mean = along(middle, s.rho, j, d), along(middle, w, j, d)
@@ -137,43 +149,7 @@ class Volume(Grids):
             heat = speed * rho * m.cv * T**2 * dw[-1]
             F = np.array([mass, *(u * mass + push), H * mass + dot(u, push) + heat])
             total = total - self._scatter(k, j, delta, F)
-            if self.problem.shock > 0.0:
-                total = total + self._links(k, s, grid, j, steep)
         return total
-
-    def _links(self, k, s, grid, j, steep):
-        """At shocks alpha of the flux of two nodes, the largest alpha from one to the other, goes
-        through all links between them, and with it that of Lax and Friedrichs.
-        """
-        axis, m, d = self.axes[k][j], self.blocks[k].material, self.d
-        n, periodic, (b, w) = len(axis.weight), self.periodic(k, j), self.volume_flux(k, grid)
-        front = lambda f: np.moveaxis(f, j - d, 0)  # noqa: E731
-        s, a, b, w = State(*map(front, s)), *map(front, (grid.a[j], b[j], w))
-        steep, state = np.moveaxis(steep, j, 0), [State(*(f[i] for f in s)) for i in range(n)]
-        R, A, G = np.zeros((n, d + 2, *s.rho.shape[1:])), np.zeros_like(a), np.zeros_like(s.rho)
-        for i, distance in product(range(n), range(1, n // 2 if periodic else n)):
-            way = [(i + o) % n for o in range(distance + 1)]
-            l = way[-1]
-            if axis.S[i, l] == 0.0 or (l < i and not periodic):
-                continue
-            weight = axis.S[i, l] * steep[way].max(axis=0)
-            g = 0.5 * (dot(b[i], w[l]) + dot(b[l], w[i]))
-            F = weight * self._pair(k, state[i], state[l], a[i], a[l], g)
-            R[i], R[l] = R[i] + F, R[l] - F
-            A[way[:-1]] += weight * 0.5 * (a[i] + a[l])
-            G[way[:-1]] += weight * g
-        for i in range(n if periodic else n - 1):
-            l, sides = (i + 1) % n, (state[i], state[(i + 1) % n])
-            speeds = (
-                np.abs(dot(A[i], x.u) - G[i]) + np.sqrt(m.gamma * m.R * x.T * dot(A[i], A[i]))
-                for x in sides
-            )
-            here, there = (conserved(m, x.rho, x.u, x.T) for x in sides)
-            spread_out = 0.5 * self.problem.shock * np.maximum(*speeds) * (there - here)
-            F = self._pair(k, *sides, A[i], A[i], G[i]) - spread_out
-            R[i], R[l] = R[i] - F, R[l] + F
-        weight = axis.weight.reshape(-1, *[1] * (d - 1 - j))
-        return np.moveaxis(R, 0, j - d) * self.W[k] / weight
 
     # solid
 
@@ -249,6 +225,11 @@ class Volume(Grids):
                 heat = heat + self._scatter(k, j, middle, size * dot(dv, dv))
         return force, heat
 
+    def _steep_gas(self, k, s, j):
+        """alpha of a gas along axis j."""
+        alpha = self._steepness(np.array([s.rho, s.p]), k, j, part=0.05)
+        return alpha * (self.problem.shock > 0.0)
+
     def _steepness(self, f, k, j, least=0.0, part=0.0):
         """alpha of components f: 0 where they are smooth along axis j, 1 at shocks."""
         f = np.moveaxis(f, 1 + j, 1)
@@ -280,9 +261,7 @@ class Volume(Grids):
         return q
 
     def sums(self, k, q, x):
-        """Sums over a block: momentum, energy, angular momentum about the origin; of a gas mass and
-        entropy.
-        """
+        """Momentum, energy, angular momentum about the origin; of a gas mass and entropy."""
         m, d, W, space = self.blocks[k].material, self.d, self.W[k], tuple(range(-self.d, 0))
         if m.kind == "gas":
             s, M = gas_state(m, q), W * q[1]

@@ -9,8 +9,7 @@ to mpiexec. The places:
     piece        a piece is full, and has not got its name
     checkpoint   half of a checkpoint is written
     join, clear  before the pieces become one file, and before they are removed
-the last four on rank 0.
-"""
+the last four on rank 0."""
 
 import json
 import os

@@ -5,8 +5,7 @@ integrals change by just that.
 import block_shapes as shapes
 import numpy as np
 import pytest
-from block_ledgers import Steps
-from ledger_problems import N, bent, closed, gas, moved, problem_of, solid
+from block_ledgers import CLOSED, N, Steps, bent, gas, moved, problem_of, solid
 
 from fsipetsc.blocks.conditions import (
     Absorbing,
@@ -44,13 +43,9 @@ def check(problem, *entries, least=1e-7):
 
 
 def test_an_open_tube():
-    def faces(name, axis, side):
-        if axis == 1:
-            return Slip()
-        return Outflow(0.8) if side else Open(0.9, (0.5, -0.2), 1.1)
-
+    ends = {("gas", 0, 0): Open(0.9, (0.5, -0.2), 1.1), ("gas", 0, 1): Outflow(0.8)}
     shape = {"gas": shapes.box((0, 0), (1, 1), N + 1, N + 1)}
-    check(problem_of(shapes.warped(shape), faces, gas(), None), MASS, X, Y, ENERGY)
+    check(problem_of(shapes.warped(shape), CLOSED | ends, gas(), None), MASS, X, Y, ENERGY)
 
 
 GAS_GIVEN = Given(lambda X, Y, t: (1.0 + 0.1 * np.sin(t + X), 0.1, 0.2 * t, 1.0 + 0.0 * Y))
@@ -80,12 +75,9 @@ def test_conditions(case, heat, mu):
     """
     below, above, kinds, entries = CONDITIONS[case]
     sides = case.startswith("sides")
-
-    def faces(name, axis, side):
-        if axis == 0 and not (sides and name == "solid"):
-            return closed(name, axis, side)
-        return below if name == "gas" else above
-
+    faces = CLOSED | {("gas", 1, 0): below, ("solid", 1, 1): above}
+    if sides:
+        faces["solid"] = above
     shape = shapes.layers(N + 1, False)
     _, found = check(problem_of(shape, faces, gas(mu=mu), solid(heat=heat)), *entries)
     ends = ("gas, axis 1, side 0", below), ("solid, axis 1, side 1", above)
@@ -109,10 +101,7 @@ def test_forces_in_the_volume(heat):
         "solid": {"forcing": lambda X, Y, t: (0.2 * Y, 0.1 * X, 0.3, 0.01 * Y, 0.02 * X)},
         "jumps": lambda X, Y, t: (0.3 + X, 0.2 * X, 0.1 + t + 0.0 * X),
     }
-
-    def faces(name, axis, side):
-        return Slip() if name == "gas" else Free()
-
+    faces = {"gas": Slip(), "solid": Free()}
     shape, points = shapes.layers(N + 1, False), (("solid", (4.0 / N, 1.6), Hinge()),)
     materials = gas(force=0.3), solid(heat=heat, force=-0.2)
     came, found = check(problem_of(shape, faces, *materials, **options), MASS, X, Y, ENERGY)
@@ -129,49 +118,40 @@ def test_one_dimension(mu):
     ends = {"solid": (0.0, 0.4), "gas": (0.4, 1.0), "solid beyond": (1.0, 1.4)}
     shape = {name: shapes.box((a,), (b,), 9) for name, (a, b) in ends.items()}
     blown = Clamped(velocity=lambda X, t: (0.3 * np.sin(2.0 * t) + 0.2 + 0.0 * X,))
-
-    def faces(name, axis, side):
-        return Absorbing(-0.3) if side else blown
-
+    faces = {("solid", 0, 0): blown, ("solid beyond", 0, 1): Absorbing(-0.3)}
     check(problem_of(shape, faces, gas(1, mu, 0.2), solid(1, force=0.3)), X, 2)
 
 
 def test_three_dimensions():
     """Where p_ref of the solid acts on its faces, and does work there."""
-
-    def faces(name, axis, side):
-        if name == "solid":
-            return Free(0.2)
-        return Slip(x=lambda X, Y, Z, t: (X, Y, Z + 0.1 * t * X)) if axis == 2 else Slip()
-
+    lifted = Slip(x=lambda X, Y, Z, t: (X, Y, Z + 0.1 * t * X))
+    faces = {("gas", 2): lifted, "gas": Slip(), "solid": Free(0.2)}
     plate = solid(3, heat="coupled")
     check(problem_of(shapes.three(4), faces, gas(3, 0.02), plate), X, Y, 3, 4, least=1e-9)
 
 
-def all_kinds(name, axis, side):
-    """Given data, walls of both kinds, clamps."""
-    if name == "gas 20" and axis == 1:
-        return Given(lambda X, Y, t: (1.1, 0.2, 0.1, 1.2 + 0.0 * X))
-    if name.startswith("gas"):
-        return NoSlip(T=1.3) if (axis, side) == (1, 1) else Slip(x=moved)
-    return Clamped(velocity=lambda X, Y, t: (0.3, 0.2 + 0.0 * X))
-
-
-def taken_along(name, axis, side):
-    """A solid that is free beside moving walls, to which its gas sticks."""
-    if name.startswith("gas"):
-        wall = NoSlip(x=lambda X, Y, t: (X + 0.2 * t, Y + 0.3 * t))
-        return Open(0.9, (0.5, -0.2), 1.1) if axis == 1 else wall
-    return Free()
+#: given data, walls of both kinds, clamps
+ALL_KINDS = {
+    ("gas 20", 1, 0): Given(lambda X, Y, t: (1.1, 0.2, 0.1, 1.2 + 0.0 * X)),
+    ("gas", 1, 1): NoSlip(T=1.3),
+    "gas": Slip(x=moved),
+    "solid": Clamped(velocity=lambda X, Y, t: (0.3, 0.2 + 0.0 * X)),
+}
+#: a solid that is free beside moving walls, to which its gas sticks
+TAKEN_ALONG = {
+    ("gas", 1): Open(0.9, (0.5, -0.2), 1.1),
+    "gas": NoSlip(x=lambda X, Y, t: (X + 0.2 * t, Y + 0.3 * t)),
+    "solid": Free(),
+}
 
 
 @pytest.mark.parametrize(("heat", "mu"), BOTH)
-@pytest.mark.parametrize("faces", [all_kinds, taken_along])
+@pytest.mark.parametrize("faces", [ALL_KINDS, TAKEN_ALONG], ids=["panel", "layers"])
 def test_what_completion_takes(faces, mu, heat):
     """From a state that obeys nothing: what walls, clamps and data add is booked, and nothing else
     changes.
     """
-    panel = faces is all_kinds
+    panel = faces is ALL_KINDS
     shape = shapes.panel(N + 1) if panel else shapes.layers(N + 1, False)
     straight = {"initial": lambda X, Y: [*bent(X, Y)[:3], X, Y]}
     with Steps(problem_of(shape, faces, gas(mu=mu), solid(heat=heat), solid=straight)) as run:
@@ -204,12 +184,13 @@ def pushed(X, Y, t):
 @pytest.mark.parametrize("wall", [NoSlip, Slip])
 def test_a_box_whose_walls_move_or_are_warm(wall):
     """Corners are moved by the wall that moves; those at rest do no work."""
-    walls = {(0, 0): wall(x=pushed), (1, 0): NoSlip(T=1.3), (0, 1): NoSlip(heat_flux=0.4)}
+    faces = {
+        ("gas", 0, 0): wall(x=pushed),
+        ("gas", 1, 0): NoSlip(T=1.3),
+        ("gas", 0, 1): NoSlip(heat_flux=0.4),
+        "gas": Slip() if wall is NoSlip else NoSlip(),
+    }
     shape = {"gas": shapes.box((0.0, 0.0), (1.0, 1.0), N + 1, N + 1)}
-
-    def faces(name, axis, side):
-        return walls.get((axis, side), Slip() if wall is NoSlip else NoSlip())
-
     _, found = check(problem_of(shape, faces, gas(mu=0.02), None))
     work, heat, flux, *none = (found[f"gas, axis {k}, side {s}"] for s in (0, 1) for k in (0, 1))
     assert abs(work[0]) > 1e-4 and work[1] == 0.0
@@ -223,8 +204,8 @@ def test_uniform_flow():
     u, rho, T = 0.5, 1.2, 0.9
     shape = {"gas": shapes.box((0.0,), (1.0,), N + 1)}
     options = {"gas": {"initial": lambda X: [rho + 0.0 * X, u, T]}}
-    ends = Open(rho, (u,), T)
-    _, found = check(problem_of(shape, lambda n, a, s: ends, gas(1), None, **options))
+    ends = {"gas": Open(rho, (u,), T)}
+    _, found = check(problem_of(shape, ends, gas(1), None, **options))
     power = (rho * T / 0.4 + 0.5 * rho * u * u + rho * T) * u
     (one, heat), (other, _), _ = found.values()
     assert one == pytest.approx(power * DT * STEPS, rel=1e-12) and heat == 0.0

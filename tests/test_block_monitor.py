@@ -5,23 +5,12 @@ of the energy of solids, a state that is none. Integrals: test_block_oracle.py.
 import block_shapes as shapes
 import numpy as np
 import pytest
-from block_ledgers import Steps
-from ledger_problems import N, closed, gas, problem_of, solid
+from block_ledgers import CLOSED, N, Steps, gas, problem_of, solid
 
 from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
+from fsipetsc.scheme import plan
 from fsipetsc.scheme.batch import LONGEST, MADE, TIME, plan_next
-from fsipetsc.scheme.plan import (
-    BAD,
-    BATCH,
-    EXHAUSTED,
-    FLAGS,
-    LIMITS,
-    RATE,
-    SAID_STOP,
-    STOP,
-    TOO_SHORT,
-)
 from fsipetsc.stepping.ledgers import Ledgers
 from fsipetsc.stepping.report import remarks
 
@@ -29,7 +18,7 @@ from fsipetsc.stepping.report import remarks
 def warped(mu):
     """Gas whose grid moves and a solid, on a shape that is warped."""
     shape = shapes.warped(shapes.layers(N + 1, False), 0.03)
-    return problem_of(shape, closed, gas(mu=mu), solid(heat="coupled" if mu else "elastic"))
+    return problem_of(shape, CLOSED, gas(mu=mu), solid(heat="coupled" if mu else "elastic"))
 
 
 def bounds_of(run, k):
@@ -62,8 +51,8 @@ def test_what_bounds_a_step(shock):
         run.step(2e-3, 2)
         expected = np.array([bounds_of(run, k) for k in range(2)]) * [shock or 1.0, 1.0]
         np.testing.assert_allclose(run.rates, expected, rtol=1e-12)
-        assert run.results[RATE] == pytest.approx((run.rates.max(axis=0) ** 4).sum() ** 0.25)
-        assert run.results[BAD] == 0.0 and run.rates.min() > 0.0
+        assert run.results[plan.RATE] == pytest.approx((run.rates.max(axis=0) ** 4).sum() ** 0.25)
+        assert run.results[plan.BAD] == 0.0 and run.rates.min() > 0.0
         part = run.scheme.parts[0]
         least = (run.y.owned(0)[:, 0] / part.reference).min()
         assert run.latest["least_J"][0] == pytest.approx(least, rel=1e-14)
@@ -78,7 +67,7 @@ def swung(dt):
     it, change of all energy.
     """
     shape = {"solid": shapes.box((0, 0), (1, 1), 11, 11)}
-    with Steps(problem_of(shape, closed, None, solid()), 4) as run:
+    with Steps(problem_of(shape, CLOSED, None, solid()), 4) as run:
         first, energy = float(run.latest["solid_energy"]), run.integrals()[-1]
         run.step(dt, round(1.0 / dt))
         assert run.lost() == pytest.approx(first - float(run.latest["solid_energy"]), abs=1e-14)
@@ -126,7 +115,7 @@ def test_a_bad_state_leaves_nothing_behind(viscosity):
             if k < 2:  # one block is enough
                 run.y.owned(k)[:] = np.nan
                 run.finish()
-                assert run.results[BAD] == 1.0 or np.isnan(run.results[RATE])
+                assert run.results[plan.BAD] == 1.0 or np.isnan(run.results[plan.RATE])
                 run.scheme.rates(0.0, run.y, np.zeros_like(f))
                 run.scheme.forget()
     for f in rates:
@@ -141,32 +130,33 @@ def test_a_negative_density_or_volume_is_a_bad_state(turned):
         kinds = [block.kind for block in run.problem.blocks]
         run.y.owned(kinds.index("fluid"))[7, turned] *= -1.0
         run.finish()
-        assert run.results[BAD] == 1.0 and run.results[RATE] < np.inf
+        assert run.results[plan.BAD] == 1.0 and run.results[plan.RATE] < np.inf
 
 
 def test_a_step_that_ends_badly_is_made_in_parts():
     """From the state before it. Steps in one call also hand on what a rank says of stopping."""
     shape = {"gas": shapes.box((0.0,), (1.0,), 21)}
-    problem = problem_of(shape, closed, gas(1), None)
+    problem = problem_of(shape, CLOSED, gas(1), None)
     with Steps(problem, apart=False) as run, Steps(problem) as other:
         start = run.y.array.copy()
-        assert run._steps(0.0, 0.5) == (False, 0.0, 0.5) and run.results[BAD] == 1.0
+        assert run._steps(0.0, 0.5) == (False, 0.0, 0.5) and run.results[plan.BAD] == 1.0
         assert np.array_equal(run.y.array, start)
         run.step(0.5)
-        assert run.results[BAD] == 0.0 and run.retries > 0
+        assert run.results[plan.BAD] == 0.0 and run.retries > 0
         other.step(0.5 / 2**run.retries, 2**run.retries)
         assert np.array_equal(run.y.array, other.y.array) and other.retries == 0
-        run.results[SAID_STOP] = 2.0
-        assert run._steps(0.5, 1e-3)[0] and run.results[STOP] == 2.0 and run.results[BAD] == 0.0
+        run.results[plan.SAID_STOP] = 2.0
+        assert run._steps(0.5, 1e-3)[0], "it stops"
+        assert run.results[plan.STOP] == 2.0 and run.results[plan.BAD] == 0.0
         run.step(1e3)
-        assert run.results[BAD] == 1.0
+        assert run.results[plan.BAD] == 1.0
 
 
-def planned(target, allowed, *, rate=10.0, fixed=0.0, end=None, flag=STOP):
+def planned(target, allowed, *, rate=10.0, fixed=0.0, end=None, flag=plan.STOP):
     """Lengths of the steps of a batch from t = 0 with Courant number 0.8, by its journal."""
-    batch, results = np.zeros(BATCH), np.zeros(FLAGS + LIMITS)
+    batch, results = np.zeros(plan.BATCH), np.zeros(plan.FLAGS + plan.LIMITS)
     journal, latest = np.zeros((32, 4)), np.array([7.0, 8.0])
-    results[RATE] = rate
+    results[plan.RATE] = rate
     dt = fixed or 0.8 / rate
     batch[:] = 0.0, dt, dt, target, 0.8, fixed, allowed, 0.0, 0.0, 3.0
     for step in range(40):
@@ -190,7 +180,7 @@ def test_the_plan_of_a_batch():
     assert planned(0.16 * (1 + 1e-12), 20) == pytest.approx([0.08] * 2)
     assert planned(0.5, 20, fixed=0.1) == pytest.approx([0.1] * 5)
     assert len(planned(5.0, 4)) == 4
-    for flag in (EXHAUSTED, TOO_SHORT, BAD, STOP):
+    for flag in (plan.EXHAUSTED, plan.TOO_SHORT, plan.BAD, plan.STOP):
         assert len(planned(5.0, 20, end=2, flag=flag)) == 3
     for rate in (np.inf, np.nan, 0.0):
         assert len(planned(5.0, 20, fixed=0.1, rate=rate)) == 1

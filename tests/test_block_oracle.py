@@ -238,10 +238,6 @@ def solid_values(X, t):
     return 0.05 * np.cos(t), 0.1 + 0 * t, 1 + 0.1 * t, X[0] + 0.05 * np.sin(t), X[1] + 0.1 * t
 
 
-def warm(X, t):
-    return 1.1 + 0.1 * np.sin(t + X[0])
-
-
 MOVED = wobbling(0.03, 0.2)
 #: conditions of a gas that a solid lies on, by face or for the other faces of a block
 FACES = {
@@ -260,7 +256,7 @@ FACES = {
         "solid": Free(0.7),
     },
     "moving": {
-        ("gas", 1, 0): NoSlip(T=warm, motion=MOVED),
+        ("gas", 1, 0): NoSlip(T=lambda X, t: 1.1 + 0.1 * np.sin(t + X[0]), motion=MOVED),
         ("gas", 0, 0): Slip(motion=MOVED),
         ("gas", 0, 1): NoSlip(heat_flux=0.2, motion=MOVED),
         ("solid", 1, 1): Free(0.2, T=1.2),

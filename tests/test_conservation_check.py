@@ -63,38 +63,35 @@ def recorded(n):
     return steps
 
 
-def as_dict(steps):
-    return {name: steps[name] for name in steps.dtype.names}
-
-
-def begun(tolerance=None):
-    ledgers = Ledgers(INVARIANTS, tolerance)
-    ledgers.begin(INITIAL)
-    return ledgers
+def drift(name, steps, **initial):
+    """Of one conserved quantity."""
+    columns = {column: steps[column] for column in steps.dtype.names}
+    return Drifts(INVARIANTS, INITIAL | initial).go_on(columns)[name]
 
 
 def test_entropy_must_not_decrease():
     steps = recorded(10)
     steps["entropy"] += np.linspace(0.0, 0.1, 10)
-    assert Drifts(INVARIANTS, INITIAL).go_on(as_dict(steps))["entropy"].max() == 0.0
+    assert drift("entropy", steps).max() == 0.0
     steps["entropy"][5:] -= 0.2
-    found = Drifts(INVARIANTS, INITIAL).go_on(as_dict(steps))["entropy"].max()
-    assert found == pytest.approx(0.2 - 0.1 / 9)
+    assert drift("entropy", steps).max() == pytest.approx(0.2 - 0.1 / 9)
 
 
 def test_the_loss_of_a_small_momentum_is_seen():
     """That of a wave of 1e-5: nothing comes in, energy and mass are near 1."""
     steps = recorded(10)
     steps["momentum_x"] = np.repeat((1e-5, 5e-6), 5)
-    initial = {**INITIAL, "momentum_x": 1e-5}
-    found = Drifts(INVARIANTS, initial).go_on(as_dict(steps))["momentum along x"]
+    found = drift("momentum along x", steps, momentum_x=1e-5)
     assert not found[:5].any() and np.abs(found[5:]).min() > 1e-3
 
 
 @pytest.mark.filterwarnings("error")
 def test_the_first_step_at_fault_is_named():
     """As well after a restart; what is no number stays one."""
-    steps, ledgers, loose, again = recorded(100), begun(1e-3), begun(0.1), begun(1e-3)
+    steps, ledgers, again = recorded(100), Ledgers(INVARIANTS, 1e-3), Ledgers(INVARIANTS, 1e-3)
+    loose = Ledgers(INVARIANTS, 0.1)
+    ledgers.begin(INITIAL)
+    loose.begin(INITIAL)
     ledgers.add(steps[:60])
     assert ledgers.fault is None
     again.begin(INITIAL, ledgers.memory())

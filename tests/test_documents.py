@@ -100,9 +100,8 @@ def code_of(page):
 
 
 def run_python(content, expected, names):
-    """Python that begins with `# NAME.py` is that file. What `# prints …` says, and what a notebook
-    shows, must be what is printed.
-    """
+    """Python that begins with `# NAME.py` is that file; else it prints what `# prints …` says, or
+    what a notebook shows."""
     if file := re.match(r"\s*# (\w+\.py)\n", content):
         Path(file[1]).write_text(content)
         return
@@ -134,11 +133,9 @@ def run_command(line):
 
 @pytest.mark.filterwarnings("ignore:FigureCanvasAgg is non-interactive")
 @pytest.mark.parametrize("page", [*FIRST, *OTHERS])
-def test_code_runs(page, tmp_path, monkeypatch):
-    """Of a page from top to bottom."""
+def test_code_runs(page, here, monkeypatch):
     monkeypatch.setenv("MPLBACKEND", "agg")
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "runs").symlink_to(REPOSITORY / "runs")
+    (here / "runs").symlink_to(REPOSITORY / "runs")
     names = {"__name__": "__main__"}
     for language, content, expected in code_of(page):
         if language == "python":
@@ -172,7 +169,8 @@ def test_each_case_has_an_options_file():
 @pytest.mark.parametrize("often", [True, pytest.param(False, marks=pytest.mark.long)])
 def test_options_files_run(often, tmp_path):
     """A few steps; or all that the header states, if fewer than 5,000, and as many as it states."""
-    runs, steps = {}, {}
+    # on several ranks less is compiled; many steps are faster on one
+    runs, steps = {1: {}, 2: {}}, {}
     for path, text in OPTIONS_FILES.items():
         name, (case, *words) = path.replace("/", "_"), words_of(path)
         if case == "convergence" or often != (Path(path).name in OFTEN):
@@ -182,11 +180,9 @@ def test_options_files_run(often, tmp_path):
         steps[name] = count if 0 < count < 5000 else 3
         given = [line.split(" #")[0] for line in text.splitlines() if line.startswith("-")]
         limit = "" if steps[name] == count else "-ts_max_steps 3"
-        runs[name] = (case, " ".join([*given, *words[2:], limit]))
-    many = {name: run for name, run in runs.items() if steps[name] > 3}
-    few = {name: run for name, run in runs.items() if name not in many}
-    # on several ranks less is compiled; many steps are faster on one
-    results = compute(1, tmp_path, many) | compute(2, tmp_path, few)
+        ranks = 1 if steps[name] > 3 else 2
+        runs[ranks][name] = (case, " ".join([*given, *words[2:], limit]))
+    results = compute(1, tmp_path, runs[1]) | compute(2, tmp_path, runs[2])
     assert {name: result.summary["steps"] for name, result in results.items()} == steps
 
 

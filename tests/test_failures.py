@@ -1,6 +1,4 @@
-"""Runs that cannot go on, or are not allowed to start: exit status, one message that helps, and
-what is left on disk.
-"""
+"""Runs that cannot start or go on: exit status, one message that helps, what is left on disk."""
 
 import pytest
 from helpers import REPOSITORY, assert_readable, message, mpirun, solve
@@ -29,8 +27,6 @@ BAD_INPUT = {
     "rod -options_file no.opts": (4, ["no.opts"]),
     "rod -fsi_output no/such/dir/x.h5": (4, ["no/such/dir: No such file or directory"]),
     "rod -fsi_output /proc/x.h5": (4, ["no file can be written in the directory /proc"]),
-    "rod -fsi_checkpoint /proc/x.h5": (4, ["no file can be written in the directory /proc"]),
-    "rod -fsi_restart no/where.h5": (4, ["no/where.h5: cannot be read: No such file"]),
 }
 
 
@@ -49,9 +45,6 @@ def test_bad_input(line, ranks, tmp_path):
     message(done, status, *words)
     assert "MPI_ABORT" not in done.stderr
     assert {path.name for path in tmp_path.iterdir()} == {*FILES}
-
-
-# the computation fails: status 3
 
 
 @pytest.mark.parametrize("coupling", ["conservative", "projection"])
@@ -113,8 +106,7 @@ sys.exit(main("rod -fsi_h 0.1 -fsi_output_dt 0.001 -ts_max_time 0.01 -fsi_quiet"
 @pytest.mark.parametrize("rank", [0, 1])
 def test_any_error_leaves_what_was_computed(rank, tmp_path):
     """Of one rank; where one of two is alone, it ends the other, who cannot write without it. Its
-    traceback holds objects of PETSc, and PETSc's end waits for ranks with other objects.
-    """
+    traceback holds objects of PETSc, and PETSc's end waits for ranks with other objects."""
     done = mpirun(rank + 1, "-c", BROKEN, rank, cwd=tmp_path)
     message(done, 3, "out of memory")
     if rank:

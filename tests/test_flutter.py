@@ -1,10 +1,8 @@
 """Panel flutter: modes of a motion, short runs."""
 
-import csv
-
 import numpy as np
 import pytest
-from helpers import message, program, solve
+from helpers import message, program, rows_of, solve
 
 from fsipetsc.analysis.panel_modes import crossing, fit_modes, unit_of
 from fsipetsc.errors import ComputationError
@@ -53,8 +51,8 @@ def test_runs_decay_below_and_grow_above(tmp_path):
     words = f"flutter {COARSE} -flutter_lambdas 350,430,650 -fsi_output some.csv".split()
     done = solve(*words, cwd=tmp_path, ranks=2)
     assert (done.returncode, done.stderr) == (0, "") and "onset of flutter" in done.stdout
-    with (tmp_path / "some.csv").open() as file:
-        runs = [{k: float(v) for k, v in row.items() if v} for row in csv.DictReader(file)]
+    rows = rows_of(tmp_path / "some.csv")
+    runs = [{name: float(value) for name, value in row.items() if value} for row in rows]
     assert [row["lambda"] for row in runs] == [*dynamic]
     assert runs[0]["growth"] < 0 < runs[2]["growth"]
     for row in runs[:2]:  # before they meet
@@ -64,7 +62,6 @@ def test_runs_decay_below_and_grow_above(tmp_path):
 
 
 def test_hinged_ends(tmp_path):
-    """The onset is that of theory."""
     words = f"flutter {COARSE} -panel_ends hinged -flutter_lambdas 260,360".split()
     done = solve(*words, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")

@@ -1,8 +1,6 @@
 """The layout of the code: imports go one way, and only who has to knows PETSc and MPI."""
 
 import ast
-from collections.abc import Iterator
-from pathlib import Path
 
 from helpers import REPOSITORY
 
@@ -20,9 +18,9 @@ PETSC = RUN | {"analysis", "bench", "output", "process", "options"}
 PETSC |= {"parallel/block_layout.py"}  # has the DMDAs
 
 
-def imports(path: Path) -> Iterator[str]:
+def imports(path):
     """Modules of all imports, those within functions too, but not those for type checkers alone."""
-    waiting: list[ast.AST] = [ast.parse(path.read_text())]
+    waiting = [ast.parse(path.read_text())]
     while waiting:
         node = waiting.pop()
         if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
@@ -37,7 +35,7 @@ def imports(path: Path) -> Iterator[str]:
             yield from (f"{node.module}.{x.name}" if whole else node.module for x in node.names)
 
 
-def place(path: Path) -> str:
+def place(path):
     return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 

@@ -6,10 +6,9 @@ there and nowhere else; at random: `scripts/soak kill`.
 
 import json
 import signal
-from pathlib import Path
 
 import pytest
-from helpers import assert_readable, different, message, mpirun, run, solve
+from helpers import assert_readable, computed, different, message, mpirun, run
 from kill_cycles import AT_END, PROGRAM, cycles
 
 import fsipetsc
@@ -18,11 +17,8 @@ LINE = "rod -fsi_h 0.05 -ts_max_time 0.1 -fsi_output_dt 0.01 -fsi_quiet".split()
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory) -> Path:
-    folder = tmp_path_factory.mktemp("whole")
-    done = solve(*LINE, "-fsi_output", "whole.h5", cwd=folder)
-    assert (done.returncode, done.stderr) == (0, "")
-    return folder / "whole.h5"
+def whole(tmp_path_factory):
+    return computed(tmp_path_factory.mktemp("whole"), "whole.h5", *LINE).path
 
 
 @pytest.mark.parametrize(
@@ -31,8 +27,7 @@ def whole(tmp_path_factory) -> Path:
 )
 def test_a_run_that_a_signal_stopped_goes_on(ranks, rank, count, number, whole, tmp_path):
     """One message, 128 + signal, a frame and a checkpoint of the last step, which is the first one
-    where the signal comes before the steps; then on another number of ranks.
-    """
+    where the signal comes before the steps; then on another number of ranks."""
     place = json.dumps([["frame", count, rank, number]])
     done = mpirun(ranks, PROGRAM, place, *LINE, cwd=tmp_path)
     words = f"stopped by {number.name} at t = ", "rod.h5", "the checkpoint in rod.checkpoint.h5"
@@ -42,8 +37,7 @@ def test_a_run_that_a_signal_stopped_goes_on(ranks, rank, count, number, whole, 
         assert not result.complete and result.nframes in (count, count + 1)
         assert count > 1 or result.summary["steps"] == 1
         assert result.time[-1] == result.series["t"][-1] == result.summary["t"]
-    done = solve(*LINE, "-fsi_restart", "auto", cwd=tmp_path, ranks=3 - ranks)
-    assert (done.returncode, done.stderr) == (0, "")
+    computed(tmp_path, "rod.h5", *LINE, "-fsi_restart", "auto", ranks=3 - ranks)
     assert different(whole, tmp_path / "rod.h5", same_ranks=False) == []
 
 
@@ -122,9 +116,7 @@ sys.exit(end_together(kinds[world.rank]("of this rank"), notes))
     ],
 )
 def test_all_ranks_end_in_order(place, status, said, tmp_path):
-    """A run was stopped while rank 2 slept; a signal comes to all; or all fail, with different
-    errors.
-    """
+    """A run is stopped while rank 2 sleeps; a signal comes to all; all fail, each in its way."""
     done = mpirun(3, "-c", STOPPED, place, cwd=tmp_path)
     message(done, status, said)
     if place != "run":  # there MPI_Abort ends the rank that sleeps, of which Open MPI 5 tells

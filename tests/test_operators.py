@@ -16,11 +16,19 @@ ALL = pytest.mark.parametrize("op", OPERATORS.values(), ids=lambda op: op.name)
 INTERIOR_RADIUS = {2: 1.0, 4: 1.3722, 6: 1.5860, 8: 1.7306}
 
 
-def derivative_error(op: SBPOperator, n: int, degree: int) -> list[Fraction]:
+def exact(rows) -> np.ndarray:
+    """Of fractions."""
+    return np.array(rows, dtype=object)
+
+
+def exact_norm(op: SBPOperator, n: int) -> np.ndarray:
+    return exact([*op.norm, *[Fraction(1)] * (n - 2 * op.rows), *reversed(op.norm)])
+
+
+def derivative_error(op: SBPOperator, n: int, degree: int) -> np.ndarray:
     """D x^degree - degree x^(degree-1) on x = 0..n-1, exactly."""
-    exact = [degree * Fraction(i) ** max(degree - 1, 0) for i in range(n)]
-    found = [sum(w * j**degree for j, w in enumerate(row)) for row in op.exact_matrix(n)]
-    return [f - e for f, e in zip(found, exact)]
+    x = exact([Fraction(i) for i in range(n)])
+    return exact(op.exact_matrix(n)) @ x**degree - degree * x ** max(degree - 1, 0)
 
 
 @ALL
@@ -28,16 +36,12 @@ def derivative_error(op: SBPOperator, n: int, degree: int) -> list[Fraction]:
 def test_summation_by_parts(op: SBPOperator, extra: int) -> None:
     """With a positive norm, which has the same numbers at both ends, as D has."""
     n, h = op.min_points + extra, 0.125
-    norm = [*op.norm, *[Fraction(1)] * (n - 2 * op.rows), *reversed(op.norm)]
-    rows, boundary = op.exact_matrix(n), [-1, *[0] * (n - 2), 1]
-    assert min(norm) > 0
-    assert [[-weight for weight in reversed(row)] for row in reversed(rows)] == rows
-    for i in range(n):
-        for j in range(n):
-            wanted = boundary[i] if i == j else 0
-            assert norm[i] * rows[i][j] + norm[j] * rows[j][i] == wanted, (i, j)
-    assert op.norm_weights(n).tolist() == [float(weight) for weight in norm]
-    assert np.array_equal(op.matrix(n, h), np.array(rows, float) / h)
+    norm, D = exact_norm(op, n), exact(op.exact_matrix(n))
+    Q, boundary = norm[:, None] * D, np.diag([-1, *[0] * (n - 2), 1])
+    assert min(norm) > 0 and np.array_equal(D, -D[::-1, ::-1])
+    assert np.array_equal(Q + Q.T, boundary)
+    assert np.array_equal(op.norm_weights(n), norm.astype(float))
+    assert np.array_equal(op.matrix(n, h), D.astype(float) / h)
 
 
 @ALL
@@ -54,9 +58,7 @@ def test_order_of_accuracy(op: SBPOperator) -> None:
 @ALL
 @pytest.mark.parametrize("n", [16, 60])
 def test_spectrum_of_advection_with_injected_inflow(op: SBPOperator, n: int) -> None:
-    """All modes of u_t = -D u decay, and closures cost no time step: the spectral radius of hD is
-    the interior's, from below.
-    """
+    """All modes of u_t = -D u decay; the spectral radius of hD is the interior's, from below."""
     eigenvalues, limit = np.linalg.eigvals(op.matrix(n)[1:, 1:]), INTERIOR_RADIUS[op.order]
     assert eigenvalues.real.min() > 1e-9
     assert (0.995 if n == 60 else 0.5) * limit < np.abs(eigenvalues).max() < limit
@@ -65,10 +67,8 @@ def test_spectrum_of_advection_with_injected_inflow(op: SBPOperator, n: int) -> 
 @ALL
 @pytest.mark.parametrize("n", [16, 40])
 def test_what_the_derivative_does_not_see(op: SBPOperator, n: int) -> None:
-    """Only constants have no derivative. Of the rest the longest wave has the least, in the norm H:
-    the second singular value is pi / (n - 1) up to its error. Not so with 8/4, where two motions of
-    a few points at each end have almost none.
-    """
+    """Constants; the longest wave has the least derivative of the rest, in the norm H. But with 8/4
+    two motions of a few points at each end have almost none."""
     H = np.sqrt(op.norm_weights(n))
     values = np.linalg.svd(H[:, None] * op.matrix(n) / H, compute_uv=False)[::-1]
     assert values[0] < 1e-13
@@ -80,9 +80,8 @@ def test_what_the_derivative_does_not_see(op: SBPOperator, n: int) -> None:
 
 @pytest.mark.parametrize("order", AXIS)
 def test_weights_beside_an_axis(order: int) -> None:
-    """The whole line is antisymmetric and its own mirror image. Around r = 0, u = r and p = r^2
-    have their derivatives exactly; with the weights of a plane they have not.
-    """
+    """Around r = 0, u = r and p = r^2 have their derivatives exactly, as the whole line is its own
+    mirror image; with the weights of a plane they have not."""
     cells = operator(order).min_points + 5
     n = cells + 1
     r = np.arange(-n, n) + 0.5
@@ -111,14 +110,6 @@ def test_weights_beside_an_axis(order: int) -> None:
 # narrow second derivatives: symmetry, sign, width, accuracy
 
 
-def exact(rows) -> np.ndarray:
-    return np.array(rows, dtype=object)
-
-
-def exact_norm(op: SBPOperator, n: int) -> list[Fraction]:
-    return [*op.norm, *[Fraction(1)] * (n - 2 * op.rows), *reversed(op.norm)]
-
-
 def pivots(matrix: np.ndarray) -> list[Fraction]:
     """Those of symmetric elimination; a pivot that is zero must have nothing beside it."""
     rest, found = matrix.copy(), []
@@ -137,7 +128,7 @@ def test_remainder_is_symmetric_and_positive_semidefinite(op: SBPOperator) -> No
     p, closed = op.p, op.rows + 2 * op.p
     n = 2 * closed + 1
     b = [Fraction(1 + (7 * i * i + 3 * i) % 11, 3 + i % 4) for i in range(n)]  # of no pattern
-    D, H, R = exact(op.exact_matrix(n)), exact(exact_norm(op, n)), remainder(op.interior, b)
+    D, H, R = exact(op.exact_matrix(n)), exact_norm(op, n), remainder(op.interior, b)
     wide = D.T @ (H[:, None] * exact(b)[:, None] * D)
     assert (R == R.T).all()
     found = pivots(R)
@@ -156,18 +147,18 @@ def test_accuracy(op: SBPOperator) -> None:
     """(b u')' of polynomials b and u: in the interior to order 2p, and where the closures reach as
     exact as D twice."""
     n, s = 2 * op.rows + 6 * op.p + 4, op.boundary_order
-    x = [Fraction(i) for i in range(n)]
-    D, norm = exact(op.exact_matrix(n)), exact(exact_norm(op, n))
+    x = exact([Fraction(i) for i in range(n)])
+    D, norm = exact(op.exact_matrix(n)), exact_norm(op, n)
     inner = slice(op.rows + 2 * op.p, n - op.rows - 2 * op.p)
     for power in range(3):
-        b = [1 + value**power for value in x]
+        b = 1 + x**power
         R = remainder(op.interior, b)
         for degree in range(op.order + 2):
-            u = exact([value**degree for value in x])
+            u = x**degree
             # (u' + x^power u')'
             terms = ((degree * (degree + k - 1), degree + k - 2) for k in (0, power))
-            truth = sum(exact([c * v ** max(e, 0) for v in x]) for c, e in terms)
-            error = D @ (exact(b) * (D @ u)) - (R @ u) / norm - truth
+            truth = sum(c * x ** max(e, 0) for c, e in terms)
+            error = D @ (b * (D @ u)) - (R @ u) / norm - truth
             if degree + power <= op.order:  # b u is differentiated twice
                 assert not error[inner].any(), (power, degree)
             if degree <= s and power + degree - 1 <= s:

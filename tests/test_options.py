@@ -1,23 +1,12 @@
-"""The table of options: reading, checking, defaults, and the help that comes from it."""
+"""The table of options: reading, checking, defaults."""
 
 from types import SimpleNamespace
 
 import pytest
 
+from fsipetsc import options
 from fsipetsc.errors import InputError
-from fsipetsc.options import (
-    COMMON,
-    PETSC_OPTIONS,
-    Option,
-    defaults,
-    given_options,
-    groups,
-    present,
-    put,
-    read_options,
-    table,
-)
-from fsipetsc.usage import options_help
+from fsipetsc.options import Option, read_options
 
 OWN = (
     Option("solid_force", float, 0.0, "N/m³", "body force"),
@@ -27,36 +16,29 @@ OWN = (
 )
 
 
-def make_case(**changes):
-    case = {"NAME": "stub", "SUMMARY": "a stub", "OPTIONS": OWN}
-    case["DEFAULTS"] = {"fsi_h": 0.0125, "ts_max_time": 2, "fsi_output_dt": 0.02}
-    return SimpleNamespace(**{**case, **changes})
+DEFAULTS = {"fsi_h": 0.0125, "ts_max_time": 2, "fsi_output_dt": 0.02}
+
+
+def make_case(OPTIONS=OWN, DEFAULTS=DEFAULTS):
+    return SimpleNamespace(NAME="stub", SUMMARY="a stub", OPTIONS=OPTIONS, DEFAULTS=DEFAULTS)
 
 
 @pytest.fixture
-def database():
-    """PETSc's database, left afterwards as it was found."""
-    from petsc4py import PETSc
-
-    before = present()
-    yield PETSc.Options()
-    put(before)
-
-
-@pytest.fixture
-def read(database):
-    """A function that reads a case's options from a command line."""
+def read():
+    """Reads a case's options from a command line; PETSc's database is left as it was found."""
+    before = options.present()
 
     def reader(text="", case=None):
-        given = given_options(text.split() if isinstance(text, str) else text)
+        given = options.given_options(text.split() if isinstance(text, str) else text)
         return read_options(case or make_case(), given)
 
-    return reader
+    yield reader
+    options.put(before)
 
 
 def test_defaults_come_from_the_case_and_then_from_the_table(read):
     opt = read()
-    assert set(opt) == {o.name for o in OWN + COMMON + PETSC_OPTIONS}
+    assert set(opt) == {o.name for o in OWN + options.COMMON + options.PETSC_OPTIONS}
     assert (opt["fsi_h"], opt["ts_max_time"], opt["fsi_output"]) == (0.0125, 2.0, "stub.h5")
     assert (opt["fsi_order"], opt["ts_rk_type"], opt["ts_dt"]) == (4, "4", None)
     with pytest.raises(InputError, match="-fsi_h must be given"):
@@ -67,9 +49,8 @@ def test_defaults_come_from_the_case_and_then_from_the_table(read):
 def test_every_type_is_converted_and_long_lists_and_blanks_arrive_whole(read, name):
     times = [i / 7 for i in range(500)]
     text = "-fsi_order 6 -fsi_h 1e-3 -fsi_quiet -solid_parts 3,-4 -solid_law cubic"
-    opt = read(
-        [*text.split(), "-fsi_output_times", ",".join(map(repr, times)), "-fsi_output", name]
-    )
+    listed = ",".join(map(repr, times))
+    opt = read([*text.split(), "-fsi_output_times", listed, "-fsi_output", name])
     assert (opt["fsi_order"], opt["fsi_h"], opt["fsi_quiet"]) == (6, 1e-3, True)
     assert (opt["solid_parts"], opt["solid_law"], opt["fsi_output"]) == ((3, -4), "cubic", name)
     assert opt["fsi_output_times"] == tuple(times)
@@ -94,10 +75,9 @@ def test_every_type_is_converted_and_long_lists_and_blanks_arrive_whole(read, na
         ("-options_file brace.yaml", ["YAML"]),
     ],
 )
-def test_bad_input_is_refused_and_named(read, text, words, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "three.opts").write_text("-a 1\n-b 2 3\n")
-    (tmp_path / "brace.yaml").write_text("a: {\n")
+def test_bad_input_is_refused_and_named(read, text, words, here):
+    (here / "three.opts").write_text("-a 1\n-b 2 3\n")
+    (here / "brace.yaml").write_text("a: {\n")
     with pytest.raises(InputError) as caught:
         read(text)
     for word in words:
@@ -105,9 +85,10 @@ def test_bad_input_is_refused_and_named(read, text, words, tmp_path, monkeypatch
     assert "\n" not in str(caught.value)
 
 
-def test_options_of_petsc_are_accepted(read, database):
+def test_options_of_petsc_are_accepted(read):
     from petsc4py import PETSc
 
+    database = PETSc.Options()
     read("-ts_monitor -malloc_debug no")
     assert database.hasName("ts_monitor")
     assert read("-ts_ssp_type rks3")["ts_type"] == "ssp"
@@ -140,7 +121,7 @@ def test_interval_and_times_of_output_replace_each_other(read):
 )
 def test_faults_of_a_case_are_named(changes, words):
     with pytest.raises(InputError) as caught:
-        table(make_case(**changes))
+        options.table(make_case(**changes))
     for word in ["stub", *words]:
         assert word in str(caught.value)
 
@@ -149,12 +130,3 @@ def test_option_that_could_never_be_read_is_refused():
     for name, kind in (("-fsi", int), ("a b", int), ("a", "vector")):
         with pytest.raises(TypeError):
             Option(name, kind, None, "", "")
-
-
-def test_help_shows_every_option_with_type_default_unit_and_choices():
-    text = options_help("stub", "stub", groups(make_case()))
-    rows = {line.split()[0]: line for line in text.splitlines() if line.startswith("  -")}
-    for name in (*defaults(make_case()), "ts_monitor", "log_view", "options_file"):
-        assert f"-{name}" in rows
-    assert "0.0125 m" in rows["-fsi_h"] and "float" in rows["-fsi_h"]
-    assert "2, 4, 6, 8" in rows["-fsi_order"] and "0 N/m³" in rows["-solid_force"]

@@ -7,7 +7,6 @@ from helpers import REPOSITORY, compute
 
 
 def on_grids(folder, case, words, spacings):
-    """Results of a case on grids of these spacings."""
     runs = {f"{h}": (str(case), f"-fsi_output_dt 1 {words} -fsi_h {h}") for h in spacings}
     return list(compute(1, folder, runs).values())
 
@@ -78,7 +77,7 @@ def test_conjugate_heat_transfer(tmp_path):
 
 # in one, two and three dimensions: a wrong term in the scheme or the forcing leaves order 0
 
-#: dimension -> law of the solid, whether its sides are periodic or given, grids, end, least order:
+#: dimension -> law of the solid, whether its sides are periodic, grids, end, least order of 4/2:
 #: measured 3.3 and 2.5, 2.8 and 2.7 in gas and solid in one and two dimensions
 #: (the solid's are those of a start without damping: docs/convergence.md, orders that are reached)
 STUDIES = {
@@ -90,7 +89,6 @@ STUDIES = {
 
 @pytest.mark.parametrize("d", STUDIES)
 def test_dimensions(d, tmp_path):
-    """Of 4/2."""
     law, periodic, spacings, end, least = STUDIES[d]
     words = f"-box_dimension {d} -solid_law {law} -box_periodic {periodic} -ts_max_time {end}"
     coarse, fine = on_grids(tmp_path, "box_mms", words, spacings)
@@ -104,8 +102,7 @@ def test_dimensions(d, tmp_path):
 )
 def test_joined_blocks(shape, least, tmp_path):
     """Of 4/2, between 8 and 16 cells a block; measured: ring 3.7 and 3.8, panel 2.6 and 2.9, disk
-    1.9 and 3.2, where errors of the gas are largest along the rays to the corners of the box.
-    """
+    1.9 and 3.2, where errors of the gas are largest along the rays to the corners of the box."""
     coarse, fine = on_grids(tmp_path, "body_mms", f"-body_shape {shape}", (1 / 8, 1 / 16))
     assert np.all(rates(coarse, fine) > least)
     assert np.all(combined(fine) < 4e-3)
@@ -151,7 +148,6 @@ OPEN = {"shock_open": (4.7e-3, 4.7e-3), "shock_first": (1.6e-3, 1.9e-3)}
 
 
 def reached(folder, problem, order, kind, unknown):
-    """Errors on two grids."""
     words, h = f"-orders_problem {problem} -fsi_order {order}", 1 / 20
     if "shock" in problem:
         words, h = f"{words} -ts_max_time 0.16", 1 / 40
@@ -161,8 +157,7 @@ def reached(folder, problem, order, kind, unknown):
 
 @pytest.mark.parametrize("problem", MEASURED)
 def test_orders_beside_ends(problem, tmp_path):
-    """Heat beside ends of three kinds; a wave of density between ends where all is given; a viscous
-    shock in the middle of such an end."""
+    """Heat beside ends of three kinds; a wave of density, a viscous shock where all is given."""
     *of, orders = MEASURED[problem]
     for order, measured in zip(ORDERS, orders, strict=False):
         if measured:

@@ -2,7 +2,6 @@
 
 import os
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,19 +15,19 @@ from fsipetsc.output.info import info
 from fsipetsc.output.lock import Lock
 
 
-def made(path: Path, frames: int = 12) -> fsipetsc.Run:
+def made(path, frames=12):
     """A short run in this process with so many frames after the first one."""
     more = {"max_time": 1e-3 * frames, "output_dt": 1e-3, "coupling": "projection"}
     return fsipetsc.run("rod", h=0.1, output=path, **more)
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> fsipetsc.Run:
+def whole(tmp_path_factory):
     return made(tmp_path_factory.mktemp("result") / "rod.h5")
 
 
 @pytest.fixture
-def left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def left(tmp_path, monkeypatch):
     """What a run leaves that is killed before it joins its pieces, of four frames each."""
     monkeypatch.setattr(writer, "FRAMES", 4)
     with monkeypatch.context() as patch:
@@ -38,7 +37,7 @@ def left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "run.h5"
 
 
-def beginning(path: Path, whole: fsipetsc.Run) -> tuple[int, int]:
+def beginning(path, whole):
     """Numbers of frames and steps of a result that is the beginning of another, bit for bit."""
     with fsipetsc.open_run(path) as result:
         frames, steps = result.nframes, len(result.series.get("t", ()))
@@ -54,7 +53,7 @@ def beginning(path: Path, whole: fsipetsc.Run) -> tuple[int, int]:
     return frames, steps
 
 
-def test_what_is_stored_and_told(whole: fsipetsc.Run) -> None:
+def test_what_is_stored_and_told(whole):
     assert whole.case == "rod" and whole.complete and whole.options["fsi_h"] == 0.1
     assert np.array_equal(whole.time, 1e-3 * np.arange(13)) and whole.nframes == 13
     assert whole.interfaces == ("below | rod", "rod | above")
@@ -76,25 +75,20 @@ def test_what_is_stored_and_told(whole: fsipetsc.Run) -> None:
     text = info(whole.path)
     for part in ("rod", "complete", "13, t = 0 … 0.012 s", "-fsi_order", "rod | above at x = "):
         assert part in text
-    for part in ("11 points, X = 1 … 2", "wall time of the steps"):
-        assert part in text
+    assert "11 points, X = 1 … 2" in text and "wall time of the steps" in text
 
 
-def test_each_change_may_be_the_last(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, whole: fsipetsc.Run
-) -> None:
-    """Before and after every change of the folder, after which a kill may come, all of some piece
-    can be read.
-    """
+def test_each_change_may_be_the_last(tmp_path, monkeypatch, whole):
+    """A kill may come after any change of the folder: before and after it pieces can be read."""
     path, seen, early = tmp_path / "run.h5", [], []
 
-    def read() -> None:
+    def read():
         if path.exists() or (tmp_path / "run.parts/header.json").exists():
             seen.append(beginning(path, whole))
             early.append(fsipetsc.open_run(path))
 
-    def watched(work: object) -> object:
-        def watching(*args: object, **more: object) -> object:
+    def watched(work):
+        def watching(*args, **more):
             read()
             done = work(*args, **more)
             read()
@@ -113,12 +107,10 @@ def test_each_change_may_be_the_last(
         next(result for result in early if result.nframes).layers[0]["T"]
 
 
-def test_a_reader_that_comes_while_pieces_are_cleared_sees_all(
-    left: Path, monkeypatch: pytest.MonkeyPatch, whole: fsipetsc.Run
-) -> None:
+def test_a_reader_that_comes_while_pieces_are_cleared_sees_all(left, monkeypatch, whole):
     found = pieces.pieces
 
-    def cleared(folder: Path) -> list[Path]:
+    def cleared(folder):
         """The pieces, the first of which have just gone: they are one file now."""
         if not left.exists():
             pieces.join(found(folder), left, pieces.read_about(folder), left)
@@ -129,9 +121,7 @@ def test_a_reader_that_comes_while_pieces_are_cleared_sees_all(
     assert beginning(left, whole) == (13, len(whole.series["t"]))
 
 
-def test_a_file_that_another_one_has_replaced_is_not_read(
-    tmp_path: Path, whole: fsipetsc.Run
-) -> None:
+def test_a_file_that_another_one_has_replaced_is_not_read(tmp_path, whole):
     path = shutil.copy(whole.path, tmp_path / "run.h5")
     result = fsipetsc.open_run(path)
     os.replace(made(tmp_path / "other.h5", 3).path, path)
@@ -140,7 +130,7 @@ def test_a_file_that_another_one_has_replaced_is_not_read(
             result.layers[0]["T"]
 
 
-def test_a_result_without_frames_says_so(left: Path) -> None:
+def test_a_result_without_frames_says_so(left):
     """As a run leaves it that is killed before its first frame."""
     for piece in pieces.pieces(left.with_suffix(".parts")):
         piece.unlink()
@@ -150,7 +140,7 @@ def test_a_result_without_frames_says_so(left: Path) -> None:
                 action()
 
 
-def test_earlier_results_are_kept_and_a_second_run_of_the_name_is_refused(left: Path) -> None:
+def test_earlier_results_are_kept_and_a_second_run_of_the_name_is_refused(left):
     """Whole ones, and what a killed run has left; each with its number, by which it is read."""
     folder = left.parent
     (folder / "run.1.h5").touch()
@@ -182,8 +172,7 @@ sys.exit(main("rod -fsi_h 0.05 -ts_max_time 0.05 -fsi_output_dt 1e-4 -fsi_quiet"
 
 
 @pytest.mark.parametrize("limit", [1_000, 2_000_000])
-def test_a_full_disk_ends_all_ranks(limit: int, tmp_path: Path) -> None:
-    """From the start, or later."""
+def test_a_full_disk_ends_all_ranks(limit, tmp_path):
     done = mpirun(2, "-c", FULL, limit, cwd=tmp_path)
     message(done, 4, "rod.h5: cannot write: ", "File too large")
     if limit > 1_000:
@@ -201,6 +190,6 @@ with fsipetsc.open_run(sys.argv[1]) as run:
 """
 
 
-def test_reading_needs_numpy_and_h5py_only(whole: fsipetsc.Run) -> None:
+def test_reading_needs_numpy_and_h5py_only(whole):
     done = run("-c", WITHOUT, whole.path)
     assert done.stdout == "rod (13, 11) (13, 11)\n", done.stderr

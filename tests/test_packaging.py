@@ -1,6 +1,5 @@
 """What wheel and sdist hold, versions; the scripts, and what setup says on a machine that lacks
-something: the whole way is tried by scripts/bare-machine.
-"""
+something: the whole way is tried by scripts/bare-machine."""
 
 import fnmatch
 import re
@@ -8,7 +7,7 @@ import shutil
 import subprocess
 
 import pytest
-from helpers import PATIENCE, REPOSITORY
+from helpers import REPOSITORY, launch
 
 import fsipetsc
 
@@ -58,14 +57,7 @@ def test_a_user_who_may_not_install_is_told_whom_to_ask(tmp_path):
     for name in ("id", "apt-get", "sudo", "python3", "dpkg-query"):
         (bin / name).write_text(f"#!/bin/sh\n{stand_ins.get(name, 'exit 1')}\n")
         (bin / name).chmod(0o755)
-    done = subprocess.run(
-        ["bash", root / "scripts" / "setup"],
-        env={"PATH": f"{bin}:/usr/bin:/bin"},
-        text=True,
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        timeout=PATIENCE,
-    )
+    done = launch(["env", "-i", f"PATH={bin}:/usr/bin:/bin", "bash", root / "scripts" / "setup"])
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 2)
     for word in ("administrator", "apt-get install ", "python3-petsc4py-real", "openmpi-bin"):
         assert word in done.stderr

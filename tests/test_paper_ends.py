@@ -1,5 +1,4 @@
-"""The ends in the paper's method: beside those of a gas no mode grows; a right end is a left one in
-a mirror."""
+"""Ends in the paper's method: beside a gas no mode grows; a right end is a left one in a mirror."""
 
 from functools import lru_cache
 
@@ -7,18 +6,8 @@ import numpy as np
 import pytest
 from numba import njit
 
+from fsipetsc import boundaries as kinds
 from fsipetsc.analysis.spectra import CENTRAL
-from fsipetsc.boundaries import (
-    ABSORBING,
-    CLAMPED,
-    DIRICHLET,
-    FREE,
-    GIVEN_FLUX,
-    GIVEN_T,
-    INSULATED,
-    INTERFACE_END,
-    OPEN,
-)
 from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.perfect_gas import PerfectGas
@@ -60,7 +49,7 @@ def filled(kind, mach, mu, kappa, of_end, delta):
     gas = Gas(PerfectGas(GAMMA, R), ConstantTransport(), mu, kappa, GAMMA, 0.0)
     layer, op = record(N, 1.0), packed(4)[0]
     layer["end_kind"], layer["end_x"] = kind, N - 1 - delta
-    if kind == OPEN:
+    if kind == kinds.OPEN:
         layer["end_data"] = R, 1.0, mach, of_end
     else:
         layer["end_data"][:, :3], layer["end_degree"] = (1.0, mach, 1.0), 1 + of_end // 2
@@ -95,7 +84,7 @@ def assert_stable(kind, order, mach, mu, kappa, of_end, delta, narrow, bound):
     op = OPERATORS[order]
     D, none = op.matrix(N), np.zeros((N, N))
     D2 = D @ D - narrow * remainder(op.interior, np.ones(N)) / op.norm_weights(N)[:, None]
-    of_gas = (mu, kappa) if kind == OPEN else (0.0, 0.0)  # given data do not depend on them
+    of_gas = (mu, kappa) if kind == kinds.OPEN else (0.0, 0.0)  # given data do not depend on them
     seen = filled(kind, mach, *of_gas, of_end, delta)
     ghost = seen[:3].reshape(3 * N, 3 * N)
     A = np.block([[mach * D, D, none], [R * D, mach * D, R * D], [none, R / CV * D, mach * D]])
@@ -108,13 +97,13 @@ def assert_stable(kind, order, mach, mu, kappa, of_end, delta, narrow, bound):
 
 
 @pytest.mark.parametrize("order", OPERATORS)
-@pytest.mark.parametrize("kind", [OPEN, DIRICHLET], ids=["open", "given"])
+@pytest.mark.parametrize("kind", [kinds.OPEN, kinds.DIRICHLET], ids=["open", "given"])
 def test_no_mode_grows_between_ends(order, kind):
     for mach in (0.01, 0.3, 0.95, 1.5):  # one end with outflow, one with inflow
         for nu in (0.0, 0.01, 0.6, 10.0):
             for mu, kappa in BOTH if nu > 0 else ((0, 0),):
                 numbers = kind, order, mach, mu * nu, kappa * CV * nu
-                if kind == DIRICHLET:
+                if kind == kinds.DIRICHLET:
                     for delta in (0.0, 0.5, 0.8):
                         assert_stable(*numbers, order, delta, 0, 1e-8)
                     continue
@@ -124,7 +113,7 @@ def test_no_mode_grows_between_ends(order, kind):
                     assert_stable(*numbers, of_open, 0.3, narrow, 5e-5 if slow else 1e-12)
 
 
-@pytest.mark.parametrize("kind", [OPEN, DIRICHLET], ids=["open", "given"])
+@pytest.mark.parametrize("kind", [kinds.OPEN, kinds.DIRICHLET], ids=["open", "given"])
 def test_a_right_end_of_a_gas_is_a_left_end_in_a_mirror(kind):
     numbers, sign = (0.02, 0.03, 1, 0.3), np.array([1, -1, 1, -1, 1])
     for mach in (0.3, 1.5):
@@ -135,7 +124,11 @@ def test_a_right_end_of_a_gas_is_a_left_end_in_a_mirror(kind):
 
 @pytest.mark.parametrize(
     ("kind", "thermal", "heat"),
-    [(CLAMPED, INSULATED, 0.0), (FREE, GIVEN_T, 320.0), (ABSORBING, GIVEN_FLUX, 1e3)],
+    [
+        (kinds.CLAMPED, kinds.INSULATED, 0.0),
+        (kinds.FREE, kinds.GIVEN_T, 320.0),
+        (kinds.ABSORBING, kinds.GIVEN_FLUX, 1e3),
+    ],
     ids=["clamped", "free", "absorbing"],
 )
 def test_a_right_end_of_a_solid_is_a_left_end_in_a_mirror(kind, thermal, heat):
@@ -146,9 +139,9 @@ def test_a_right_end_of_a_solid_is_a_left_end_in_a_mirror(kind, thermal, heat):
     right, before = left[::-1] * mirror, left.copy()
     for side, q in enumerate((left, right)):
         layer = record(40, 0.01)
-        layer["end_kind"] = INTERFACE_END
+        layer["end_kind"] = kinds.INTERFACE_END
         layer["end_kind"][side], layer["end_thermal"][side] = kind, thermal
-        layer["end_data"][side, 0] = 0.7 * (1 - 2 * side) if kind == CLAMPED else -9e4
+        layer["end_data"][side, 0] = 0.7 * (1 - 2 * side) if kind == kinds.CLAMPED else -9e4
         layer["end_heat"][side] = heat
         close_solid(packed(6)[0], solid, layer, q)
     np.testing.assert_allclose(right, left[::-1] * mirror, rtol=1e-13)

@@ -1,8 +1,7 @@
 """The paper's method, fsipetsc.paper: rates, projections, integrals and bounds at random states, as
 they were frozen when two programs, written apart, agreed on them to 1e-12.
 
-`python tests/test_paper_rates.py` freezes them anew, which is for a change of the method alone.
-"""
+`python tests/test_paper_rates.py` freezes them anew, which is for a change of the method alone."""
 
 import json
 from dataclasses import replace
@@ -51,7 +50,6 @@ def noble_abel():
         heat_capacity=lambda rho, T: CV + 0.0 * T,
         pressure_by_temperature=lambda rho, T: R * rho / (1 - 0.05 * rho),
         bulk_modulus=lambda rho, T: R * rho * T / (1 - 0.05 * rho) ** 2,
-        entropy=lambda rho, T: CV * np.log(T) - R * np.log(rho / (1 - 0.05 * rho)),
     )
 
 

@@ -39,8 +39,7 @@ def test_runs_in_one_process_are_runs_in_processes_of_their_own(tmp_path):
     (tmp_path / "helped").mkdir()
     (tmp_path / "helped" / "helper_of_a_case.py").write_text("NUMBER = 5\n")
     (tmp_path / "helped" / "case.py").write_text(CASE)
-    (tmp_path / "runs.json").write_text(json.dumps(RUNS))
-    done = run(REPOSITORY / "tests" / "many_runs_program.py", "runs.json", cwd=tmp_path)
+    done = run(REPOSITORY / "tests" / "many_runs_program.py", json.dumps(RUNS), cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert json.loads(done.stdout) == []
     for name, text in WELL.items():
@@ -51,8 +50,6 @@ def test_runs_in_one_process_are_runs_in_processes_of_their_own(tmp_path):
             found = fsipetsc.compare(tmp_path / "alone.h5", tmp_path / f"{other}.h5")
             assert found.equal and not found.options and len(found.differences) > 15, other
 
-
-# nobody reads what is printed, or it cannot be written
 
 PROGRAM = f"{sys.executable} -m fsipetsc"
 #: prints far more than what one who leaves after a line has read, in many writes

@@ -53,8 +53,7 @@ def test_the_errors_are_those_of_the_fields_and_the_result_says_which_norm(resul
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_errors_in_L1_are_of_order_1_and_nothing_overshoots(results, name, order):
     """Measured orders 0.80 to 1.14. Beyond the exact extremes, over what jumps: 2.13 % at 4/2, 3.20
-    % at 8/4, density behind the contact of Sod's tube.
-    """
+    % at 8/4, density behind the contact of Sod's tube."""
     runs = [results[f"{name}_{order}_{h}"] for h in SPACINGS]
     for kind, of in (("fluid", "rho"), ("solid", "u"), ("solid", "sigma"), ("solid", "combined")):
         values = np.array([run.errors[kind][of] for run in runs])

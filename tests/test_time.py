@@ -17,17 +17,11 @@ def test_saved_times():
 
 
 def difference(run, reference) -> float:
-    """Largest difference of a field in the last frame, over the largest departure from its mean.
-
-    Of fields that vary.
-    """
+    """The largest of a field that varies, in the last frame, over the departure from its mean."""
     layers = zip(run.layers, reference.layers, strict=True)
     pairs = [(a[name][-1], b[name][-1]) for a, b in layers for name in a.fields]
-    departures = [np.nanmax(np.abs(b - np.nanmean(b))) for _, b in pairs]
-    found = [np.nanmax(np.abs(a - b)) for a, b in pairs]
-    for (_, b), e, of in zip(pairs, found, departures, strict=True):
-        assert of > 0.0 or e <= 1e-13 * np.nanmax(np.abs(b))
-    return max(e / of for e, of in zip(found, departures, strict=True) if of > 0.0)
+    varying = [(a, b) for a, b in pairs if np.nanmax(b) > np.nanmin(b)]
+    return max(np.nanmax(np.abs(a - b)) / np.nanmax(np.abs(b - np.nanmean(b))) for a, b in varying)
 
 
 #: -ts_type and -ts_rk_type -> order
@@ -50,22 +44,20 @@ def test_every_method_has_its_order(method, tmp_path):
         assert errors[0] < 3e-6
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        "rod -fsi_h 0.05 -ts_max_time 0.05 -fsi_output_dt 0.05",
-        "mms -fsi_h 0.05 -fsi_order 6 -ts_max_time 0.2 -fsi_output_dt 0.1",
-        f"{REPOSITORY}/runs/piston.py -fsi_order 2 -ts_max_time 0.02 -fsi_output_dt 0.01",
-        "box -fsi_h 0.05 -ts_max_time 0.1",
-    ],
-    ids=["rod", "mms", "piston", "box"],
-)
-def test_the_fused_method_is_petscs_up_to_round_off(line, tmp_path):
-    """Hundreds of steps in which boundaries cross cells, with forcing and without."""
-    fused, petsc = (
-        computed(tmp_path, f"{kind}.h5", *line.split(), "-ts_type", kind)
-        for kind in ("fused", "rk")
-    )
+#: in which boundaries cross cells, with forcing and without
+CROSSING = {
+    "rod": "-fsi_h 0.05 -ts_max_time 0.05 -fsi_output_dt 0.05",
+    "mms": "-fsi_h 0.05 -fsi_order 6 -ts_max_time 0.2 -fsi_output_dt 0.1",
+    f"{REPOSITORY}/runs/piston.py": "-fsi_order 2 -ts_max_time 0.02 -fsi_output_dt 0.01",
+    "box": "-fsi_h 0.05 -ts_max_time 0.1",
+}
+
+
+@pytest.mark.parametrize("case", CROSSING)
+def test_the_fused_method_is_petscs_up_to_round_off(case, tmp_path):
+    """In hundreds of steps."""
+    words = case, *CROSSING[case].split(), "-ts_type"
+    fused, petsc = (computed(tmp_path, f"{kind}.h5", *words, kind) for kind in ("fused", "rk"))
     for run in (fused, petsc):
         assert run.summary["rhs_evaluations"] == 4 * run.summary["steps"]
     assert np.array_equal(fused.time, petsc.time)
@@ -74,15 +66,3 @@ def test_the_fused_method_is_petscs_up_to_round_off(line, tmp_path):
             assert np.array_equal(np.isfinite(one[field]), np.isfinite(other[field]))
             scale = np.nanmax(np.abs(other[field]))
             assert np.nanmax(np.abs(one[field] - other[field])) <= 1e-11 * scale, (one.name, field)
-
-
-def test_saved_times_are_exact(tmp_path):
-    """Equal as floats, in frames and series; no step is shorter than half of the rule's."""
-    words = "rod -fsi_h 0.1 -ts_max_time 0.01 -fsi_output_times"
-    times = "0,0.0011,0.00234567,0.005,0.0071,0.0071003"
-    run = computed(tmp_path, "times.h5", *words.split(), times)
-    listed = [0.0, 0.0011, 0.00234567, 0.005, 0.0071, 0.0071003, 0.01]
-    dt, t = run.series["dt"], run.series["t"]
-    assert run.time.tolist() == listed and set(listed[1:]) <= set(t.tolist())
-    assert dt[t != 0.0071003].min() >= 0.499 * np.median(dt)
-    assert dt.max() <= np.median(dt) * 1.01

@@ -1,6 +1,4 @@
-"""A program that uses the public API, for mypy: what a user's own strict checks see.
-It is never run.
-"""
+"""Uses the public API, for mypy: what a user's own strict checks see. It is never run."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -111,11 +111,8 @@ def build(opt):
     left = opt["walls_state"] == "left"
     gas = Gas(0.0, left_wall, interface) if left else Gas(1.0, interface, right_wall)
     X, motion = (1.0, left_wall) if left else (0.0, right_wall)  # of the solid; of the wall
-    of_gas = FluidLayer(
-        *("gas", AIR, (gas.X, gas.X + 1), lambda X: gas.fields(X, 0.0)),
-        forcing=gas.forcing,
-        exact=gas.fields,
-    )
+    ends = gas.X, gas.X + 1
+    of_gas = FluidLayer("gas", AIR, ends, lambda X: gas.fields(X, 0.0), gas.forcing, gas.fields)
     of_solid = SolidLayer(
         *("solid", ROCK, (X, X + 1), lambda X: solid(X, 0.0)[:4]),
         forcing=force_solid,

@@ -40,6 +40,9 @@ def plot(path: str, given: Mapping[str, str]) -> str:
     is_file = where.suffix == ".gif" if film else where.suffix in PICTURES
     if every and (film or is_file):
         raise InputError("plot: -all writes several pictures: expected a directory, no -animate")
+    if where.suffix and not (every or is_file or where.is_dir()):
+        ends = ".gif" if film else " or ".join(PICTURES)
+        raise InputError(f"plot: -o {where}: expected a directory, or a file that ends with {ends}")
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
