@@ -24,10 +24,8 @@ SHORT = {
     "convergence": "-fsi_orders 2 -ts_max_time 0.01",
     "stability": "-stability_points 20",
     "flutter": "-fsi_h 0.0625 -panel_thickness 0.1 -flutter_machs 2 -flutter_lambdas 500,600 "
-    "-ts_max_time 4",
+    "-ts_max_time 6",
 }
-#: may end with 3: a coupling breaks its promise, a run is too short for two modes
-VERDICTS = "stability", "flutter"
 #: options files of which the kernels are compiled for other tests as well
 OFTEN = {f"{name}.opts" for name in ("rod", "mms", "pulse", "box", "column", "blast")}
 OPTIONS_FILES = {
@@ -128,7 +126,8 @@ def run_command(line):
         words += "-density_ratios 1 -stiffness_ratios 1".split() if "-sweep" in words else ()
     with contextlib.redirect_stdout(io.StringIO()) as said, contextlib.redirect_stderr(said):
         status = main(words)
-    assert status == 0 or (status == 3 and kind in VERDICTS), said.getvalue()
+    broken = status == 3 and kind == "stability"  # a coupling does not keep its promise
+    assert status == 0 or broken, said.getvalue()
 
 
 @pytest.mark.filterwarnings("ignore:FigureCanvasAgg is non-interactive")
