@@ -17,6 +17,7 @@ from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.materials.own import gas_law, pressure_law
 from fsipetsc.materials.power_law import power_law
+from fsipetsc.operators import operator
 from fsipetsc.options import defaults
 from fsipetsc.paper.state import PaperState
 from fsipetsc.scheme.plan import RATE
@@ -169,6 +170,27 @@ def test_the_conditions_hold_to_round_off_and_a_second_time_changes_nothing(coup
         once = y.copy()
         state.finish()
         np.testing.assert_allclose(y, once, rtol=1e-12, atol=1e-11)
+
+
+def test_what_is_saved():
+    """Of the unknowns, with p = gruneisen m0/x_X alpha T in the solid, p = rho R T in the gas."""
+    with state_of(**RUNS["heat in both energy"]) as state:
+        state.set_initial()
+        state.solution.getArray()[:] = disturbed(state)
+        state.finish()
+        for part, layer in zip(state.layers, state.problem.layers, strict=True):
+            y, saved = part.of(state.solution.getArray()), part.saved()
+            if layer.kind == "solid":
+                x_X = operator(4).matrix(len(y), state.h) @ y[:, 3]
+                assert np.array_equal(saved[:, :4], y) and np.ptp(x_X) > 1e-3
+                p = 0.3 * layer.material.m0 / x_X * layer.material.alpha * y[:, 2]
+            else:
+                rho, u, T = saved[:, :3].T
+                e = rho * (layer.material.cv * T + 0.5 * u**2)
+                active, found = np.isfinite(rho), np.stack([rho, rho * u, e], axis=-1)
+                np.testing.assert_allclose(found[active], y[active], rtol=1e-13)
+                p = rho * R * T
+            np.testing.assert_allclose(saved[:, 3 + (layer.kind == "solid")], p, rtol=1e-13)
 
 
 def test_what_the_paper_has_not_is_refused():
