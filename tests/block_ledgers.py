@@ -1,6 +1,4 @@
-"""A run of blocks without files, and what is in its ledgers; problems on the shapes of
-block_shapes, of gas and solid with smooth data.
-"""
+"""Runs of blocks without files, and their ledgers; problems of gas and solid with smooth data."""
 
 import numpy as np
 from mpi4py import MPI

@@ -26,10 +26,6 @@ _MPI_ENVIRONMENT = {
     "OMPI_MCA_btl_base_warn_component_unused": "0",
     "OMPI_MCA_btl": "^tcp",  # all ranks are on this node, and of some networks Open MPI complains
     "OMPI_MCA_hwloc_base_binding_policy": "none",  # two jobs at a time would share the first cores
-    # a rank that waits must not take the core from the one that it waits for
-    "OMPI_MCA_mpi_yield_when_idle": "1",
-    # else a process that is not launched by Open MPI gets one of Open MPI's own beside it
-    "OMPI_MCA_ess_singleton_isolated": "1",
     "HWLOC_HIDE_ERRORS": "2",  # a bare root may have no /sys
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
@@ -38,7 +34,7 @@ _MPI_ENVIRONMENT = {
 #: (fsipetsc.process.launch), and what makes each start compile the sources
 _DROPPED = {
     *("PETSC_OPTIONS", "OMPI_MCA_sharedfp", "OMPI_MCA_io", "OMPI_MCA_io_ompio_priority"),
-    "PYTHONDONTWRITEBYTECODE",
+    *("OMPI_MCA_mpi_yield_when_idle", "PYTHONDONTWRITEBYTECODE"),
 }
 
 Done = subprocess.CompletedProcess[str]
@@ -110,7 +106,8 @@ def computed(folder: Path, name: str, *words: object, ranks: int = 1) -> fsipets
 
 
 def on_ranks(folder: Path, line: str, *ranks: int) -> fsipetsc.Run:
-    """The result of a command line, in the fields of which the numbers of ranks do not matter."""
+    """The result of a command line on the first number of ranks; on the others its fields and steps
+    are the same."""
     one, *others = (computed(folder, f"{n}.h5", *line.split(), ranks=n) for n in ranks)
     for other in others:
         assert_same_fields(one, other)

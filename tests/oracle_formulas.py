@@ -36,7 +36,8 @@ class Gas(NamedTuple):
 
 
 class Solid(NamedTuple):
-    """law and heat as those of the engine; gruneisen: G of a pressure G m0 alpha T / J."""
+    """law: "log", "neo-hookean", "svk", "linear"; heat: "coupled", "elastic"; gruneisen: G of a
+    pressure G m0 alpha T / J."""
 
     law: str = "log"
     mu_e: float = 1.0
@@ -75,7 +76,7 @@ Free = namedtuple("Free", "pressure T heat_flux", defaults=(0.0, None, None))
 
 class Problem(NamedTuple):
     """faces: conditions of faces that meet no other, a function of (block's name, axis, side).
-    form: "entropy" or "divergence"; dissipation: sigma, over 4^q; shock: that of solids."""
+    form: "entropy" or "divergence"; dissipation: sigma, over 4^q; shock: strength at shocks."""
 
     blocks: tuple
     faces: Callable

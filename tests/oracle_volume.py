@@ -53,8 +53,8 @@ class Volume(Grids):
         return R
 
     def _convection(self, k, s, grid, j):
-        """- sum_l S_il F(i, l) along axis j. At shocks alpha of it, the largest alpha from i to l,
-        goes through all links between them instead, and with it the flux of Lax and Friedrichs."""
+        """- sum_l S_il F(i, l) along axis j. The part alpha of a pair's flux, the largest from i
+        to l, goes through the links between them, with a Lax-Friedrichs flux on each link."""
         axis, m, d, shock = self.axes[k][j], self.blocks[k].material, self.d, self.problem.shock
         n, periodic, (b, w) = len(axis.weight), self.periodic(k, j), self.volume_flux(k, grid)
         steep = np.moveaxis(self._steep_gas(k, s, j), j, 0)

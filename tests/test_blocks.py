@@ -248,6 +248,9 @@ WRONG = {
     r"'a': expected \(block name, axis, side\)": lambda: alone({"a": NoSlip()}),
     "a periodic axis has no faces": lambda: alone(walls("a"), periodic=(True, False)),
     "Clamped is no condition of a fluid": lambda: alone(walls("a", condition=Clamped())),
+    "Open is no condition of a solid": lambda: alone(
+        walls("a", condition=Open(1, (0, 0), 1)), material=SOLID
+    ),
     "Open: u has 1 numbers: expected 2": lambda: alone(walls("a", condition=Open(1, 0, 1))),
     "is Periodic, and no Periodic face is at": lambda: alone(
         walls("a") | {("a", 0, 0): Periodic((1.0, 0.0))}

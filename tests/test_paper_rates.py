@@ -173,7 +173,7 @@ def test_the_conditions_hold_to_round_off_and_a_second_time_changes_nothing(coup
 
 
 def test_what_is_saved():
-    """Of the unknowns, with p = gruneisen m0/x_X alpha T in the solid, p = rho R T in the gas."""
+    """The unknowns; p = gruneisen m0/x_X alpha T of the solid, p = rho R T and x of the gas."""
     with state_of(**RUNS["heat in both energy"]) as state:
         state.set_initial()
         state.solution.getArray()[:] = disturbed(state)
@@ -187,8 +187,11 @@ def test_what_is_saved():
             else:
                 rho, u, T = saved[:, :3].T
                 e = rho * (layer.material.cv * T + 0.5 * u**2)
-                active, found = np.isfinite(rho), np.stack([rho, rho * u, e], axis=-1)
-                np.testing.assert_allclose(found[active], y[active], rtol=1e-13)
+                found, inside = np.stack([rho, rho * u, e], axis=-1), part.active
+                np.testing.assert_allclose(found[inside], y[inside], rtol=1e-13)
+                assert len(rho[inside]) == np.isfinite(rho).sum() > 10
+                x = part.X[inside] + state.layers[0].saved()[-1, 3]  # the interface was at X = 0
+                np.testing.assert_allclose(saved[inside, 4], x, rtol=0, atol=1e-14)
                 p = rho * R * T
             np.testing.assert_allclose(saved[:, 3 + (layer.kind == "solid")], p, rtol=1e-13)
 

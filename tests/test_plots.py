@@ -64,7 +64,7 @@ def curves(figure, word=""):
 
 
 def test_no_text_lies_on_another_or_is_cut_off(results, monkeypatch):
-    """By more than a pixel. Powers of ten above an axis may be close to its uppermost number."""
+    """By more than a pixel. The power of ten above an axis may lie on all but the axis's label."""
     drawn, draw, powers = [], Text.draw, 0
     monkeypatch.setattr(Text, "draw", lambda text, of: drawn.append(text) or draw(text, of))
     for run, name in product(results.values(), ("page", "p", "interfaces", "ledgers", "steps")):
@@ -185,6 +185,7 @@ def test_plot_says_what_it_cannot_do(results, capsys, here):
         ("-all -animate", "-all writes several pictures"),
         ("-all -o x.png", "expected a directory"),
         ("-o x.bmp", "or a file that ends with .png"),
+        ("-animate -o x.png", "or a file that ends with .gif"),
     ):
         assert main(["plot", results["rod"].path, *words.split()]) == 2
         assert said in capsys.readouterr().err and list(here.iterdir()) == []

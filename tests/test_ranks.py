@@ -16,7 +16,7 @@ _STIFF = "-fsi_h 0.05 -ts_max_time 0.004 -solid_modulus 1e9 -solid_gruneisen 0.5
 #: falls by four cells, through PETSc's own methods
 _FALL = "-fsi_h 0.05 -ts_max_time 0.02 -rod_gravity -1000"
 _PULSE = "-fsi_h 0.025 -fsi_order 8 -fsi_output_dt 0.001 -ts_max_time 0.003 -pulse_amplitude 1000"
-_PRESSED = "-layers_gruneisen 0.2"
+_PRESSED = "-layers_gruneisen 0.2 -fsi_check 1e-10"
 _MOVING = f"{_PRESSED} -layers_moving yes -fsi_order 8 -fsi_h 0.025 -ts_max_time 0.3"
 _ELSEWHERE = "-fsi_partition balanced"
 _SHOCK = "-shock_problem strong -fsi_dissipation 1 -fsi_shock 1 -fsi_order 4 -fsi_h 0.02"

@@ -17,7 +17,7 @@ def test_saved_times():
 
 
 def difference(run, reference) -> float:
-    """The largest of a field that varies, in the last frame, over the departure from its mean."""
+    """The largest in the last frame, of fields that vary, over the departure from their mean."""
     layers = zip(run.layers, reference.layers, strict=True)
     pairs = [(a[name][-1], b[name][-1]) for a, b in layers for name in a.fields]
     varying = [(a, b) for a, b in pairs if np.nanmax(b) > np.nanmin(b)]
@@ -44,7 +44,7 @@ def test_every_method_has_its_order(method, tmp_path):
         assert errors[0] < 3e-6
 
 
-#: in which boundaries cross cells, with forcing and without
+#: boundaries cross cells in all but the last; with forcing and without
 CROSSING = {
     "rod": "-fsi_h 0.05 -ts_max_time 0.05 -fsi_output_dt 0.05",
     "mms": "-fsi_h 0.05 -fsi_order 6 -ts_max_time 0.2 -fsi_output_dt 0.1",

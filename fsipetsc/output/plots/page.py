@@ -42,7 +42,8 @@ def plot(path: str, given: Mapping[str, str]) -> str:
         raise InputError("plot: -all writes several pictures: expected a directory, no -animate")
     if where.suffix and not (every or is_file or where.is_dir()):
         ends = ".gif" if film else " or ".join(PICTURES)
-        raise InputError(f"plot: -o {where}: expected a directory, or a file that ends with {ends}")
+        there = "a directory that is there, or a file that ends with"
+        raise InputError(f"plot: -o {where}: expected {there} {ends}")
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
