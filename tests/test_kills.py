@@ -75,7 +75,7 @@ def test_a_run_that_is_killed_goes_on(case, kills, tmp_path):
 STOPPED = """
 import signal, sys, time
 from fsipetsc.errors import ComputationError, FileError, Interrupted
-from fsipetsc.process.failure import end_together
+from fsipetsc.process import failure
 from fsipetsc.process.launch import start_mpi
 from fsipetsc.process.together import together
 
@@ -98,12 +98,14 @@ world, sleep = start_mpi(), time.sleep
 notes = world.Dup()
 if sys.argv[1] == "all" and world.rank == 2:
     time.sleep = woken
+if sys.argv[1] == "run" and world.rank == 0:  # which has spoken; rank 1 is the one that ends all
+    failure.done_asleep = lambda request, patience: sleep(patience + 60.0)
 try:
     together(world, run if world.rank < 2 else lambda: None, asleep=True)
 except KeyboardInterrupt as error:
-    sys.exit(end_together(error, notes))
+    sys.exit(failure.end_together(error, notes))
 kinds = FileError, ComputationError, FileError
-sys.exit(end_together(kinds[world.rank]("of this rank"), notes))
+sys.exit(failure.end_together(kinds[world.rank]("of this rank"), notes))
 """
 
 

@@ -42,10 +42,14 @@ def end_together(error: BaseException, notes: Comm | None) -> int:
         _print(message, error, status)
     if notes is None or notes.size == 1:
         return status
+    others = range(1, notes.size) if notes.rank == 0 else ()
+    told = [notes.isend(status, other) for other in others]  # that rank 0 has spoken
     patience = 10.0 if collective else 1.0  # seconds for the others to fail as well
-    if done_asleep(notes.Ibarrier(), patience + min(notes.rank, 1)):  # first rank 0, which spoke
-        return notes.bcast(status)
-    if notes.rank > 0:
+    if done_asleep(notes.Ibarrier(), patience + min(notes.rank, 1)):
+        for request in told:
+            request.wait()
+        return status if notes.rank == 0 else notes.recv(source=0)
+    if notes.rank > 0 and not notes.iprobe(source=0):
         _print(message, error, status)
     notes.Abort(status)
     return status
