@@ -1,9 +1,7 @@
 """The command `bench`: that it measures and tells what it says; not how fast anything is."""
 
-import csv
-
 import pytest
-from helpers import message, solve
+from helpers import message, rows_of, solve
 
 
 def test_bad_input(tmp_path):
@@ -23,8 +21,7 @@ def test_table(tmp_path):
     words += "-bench_seconds 0.01 -bench_repeats 2 -bench_rod_program ."
     done = solve("bench", *words.split(), cwd=tmp_path, ranks=2)
     assert done.returncode == 0, done.stderr
-    with (tmp_path / "bench.csv").open() as file:
-        rows = list(csv.DictReader(file))
+    rows = rows_of(tmp_path / "bench.csv")
     found = [(row["problem"], row["n"], row["ranks"]) for row in rows]
     assert found == [(*problem, n) for problem in (("rod", "240"), ("1-D", "24")) for n in "12"]
     one, two = (float(row["step_us"]) for row in rows[:2])

@@ -37,7 +37,7 @@ def start_mpi() -> Comm:
     if size and size == os.environ.get("OMPI_COMM_WORLD_LOCAL_SIZE") and not chosen:
         os.environ[f"{interfaces}include"] = "lo"
     # a rank that waits must not take the core from what it waits for: on a machine with more busy
-    # programs than cores a run on two ranks may else take ten times as long
+    # programs than cores a run on two ranks may else take many times as long
     os.environ.setdefault("OMPI_MCA_mpi_yield_when_idle", "1")
     from mpi4py import MPI
 
