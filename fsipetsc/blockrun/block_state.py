@@ -89,7 +89,7 @@ class BlockState(State):
         self._before, self.retries = np.empty_like(self.y.array), 0
         if comm.size > 1 and self.points <= MOST_ALONE:
             self._compile_first(order, form, announce)
-        self.scheme = Scheme(self, order, form, comm.size == 1 and not apart)
+        self.scheme = Scheme(self, order, form, comm.size == 1 and not apart, announce)
         self.evaluations, self._t = 0, 0.0
         parts = self.scheme.parts.items()
         self.orders = {k: NaturalOrder(part.part, len(part.names)) for k, part in parts}

@@ -1,5 +1,6 @@
 """A rank's part of a gas block: its record for compiled code, its moving grid, what is saved."""
 
+import ctypes
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -16,10 +17,11 @@ from fsipetsc.operators.boxed import Box
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.scheme.block_monitor import room_of, sums_of
+from fsipetsc.scheme.compiled import CompiledFunction
 from fsipetsc.scheme.gas_dissipation import gas_damping
-from fsipetsc.scheme.gas_memory import scratch
 from fsipetsc.scheme.gas_record import FUNCTIONS, GasRecord
-from fsipetsc.scheme.gas_rows import DivergenceForm, EntropyForm, Inviscid, Viscous
+from fsipetsc.scheme.gas_rows import DivergenceForm, EntropyForm
+from fsipetsc.scheme.gas_volume import GasVolume, gas_text
 from fsipetsc.scheme.part import Nothing, PartCalls
 from fsipetsc.scheme.radial import Radial, Straight
 
@@ -33,7 +35,13 @@ class GasPart(BlockPart):
 
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
         super().__init__(layout, part, order, form)
-        self.equations = self.block.material.equations(self._d, self._problem.symmetry)
+        material = self.block.material
+        self.equations = material.equations(self._d, self._problem.symmetry)
+        self.viscous = bool(material.mu or material.kappa)
+        self.convection = DivergenceForm() if form.convection == "divergence" else EntropyForm()
+        #: C code of this part; ``library``: made of it, before ``calls``
+        self.text = gas_text(self.equations, self._d, self.convection, self.viscous)
+        self.library: ctypes.CDLL
 
     def follow(self, particles: Sequence[Particle], system: ParticleSystem) -> None:
         """Let the grid follow the particles that have a solid, or are on walls that move.
@@ -70,27 +78,27 @@ class GasPart(BlockPart):
         names = *(f"momentum_{x}" for x in "xyz"[: self._d]), "energy", "entropy", *spins(self._d)
         sums = begins["mass"] + number, *(begins[name] for name in names)
         part, d, known = self.part, self._d, self.gather.local
-        bands, form, material = part.bands, self._form, self.block.material
-        like, viscous = (0.0,) * d, Viscous() if material.mu or material.kappa else Inviscid()
-        convection = DivergenceForm() if form.convection == "divergence" else EntropyForm()
+        bands, form = part.bands, self._form
         sigma, shock = sigma_of(form.dissipation, self._problem.joined), form.shock
         damping: Any = Nothing()
         if sigma > 0.0 or shock > 0.0:
             found = differences(d, self._order, bands, self.block.cells)
             damping = gas_damping(d, found, sigma, shock)
-        self.work = scratch(like, viscous, bands, part.patch)
+        self.volume = GasVolume(
+            self.equations, d, self.viscous, bands, part.patch, self.metrics
+        )
         around = Radial(self.grid.record, np.zeros(((d + 1) ** 2, self.X.shape[1])))
         record = GasRecord(
             **self._common(at_particles, alone),
             columns=np.array(sums),
             laws=self.equations,
-            form=convection,
-            viscous=viscous,
+            volume=CompiledFunction(self.library, "gas_rates", 2),
+            of_volume=self.volume.address,
+            form=self.convection,
             dissipation=damping,
             axis=around if self._problem.symmetry else Straight(),
             column=number,
             places=self.X.copy(),
-            work=self.work,
             room=room_of(d),
             masses=self.weights,
             follows=self._particles,

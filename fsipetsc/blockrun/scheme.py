@@ -13,6 +13,7 @@ exchanges. `y` is a fsipetsc.parallel.block_layout.BlockVector; `f` an array of 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +30,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.operators.boxed import Box, with_calls
 from fsipetsc.parallel.block_layout import BlockVector
+from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import together
 from fsipetsc.scheme import particles as kernels
 from fsipetsc.scheme import steps as stages
@@ -60,7 +62,14 @@ class Scheme:
     on with the data before it, so that others do not wait for its messages; all end after the step.
     """
 
-    def __init__(self, state: BlockState, order: int, form: Any, alone: bool) -> None:
+    def __init__(
+        self,
+        state: BlockState,
+        order: int,
+        form: Any,
+        alone: bool,
+        announce: Callable[[str], None] = lambda text: None,
+    ) -> None:
         self.problem, self._instant, layout = state.problem, state.instant, state.layout
         problem = self.problem
         self.dimension = d = problem.dimension
@@ -73,6 +82,9 @@ class Scheme:
 
         self.parts = together(layout.comm, make)  # a grid or a prestress may be wrong on some ranks
         self._gases = [part for part in self.parts.values() if isinstance(part, GasPart)]
+        made = libraries(layout.comm, [part.text for part in self.parts.values()], announce)
+        for part, library in zip(self.parts.values(), made, strict=True):
+            part.library = library
         self._solids = [part for part in self.parts.values() if isinstance(part, SolidPart)]
         inertia = {part.part.k: part.inertia for part in self._solids}
         fluids = [k for k, block in enumerate(blocks) if block.kind == "fluid"]
@@ -260,4 +272,4 @@ class Scheme:
     def forget(self) -> None:
         """Clear what gases remember of a bad state: no NaN may stay there for another step."""
         for gas in self._gases:
-            gas.work.w[:] = 0.0
+            gas.volume.forget()

@@ -1,5 +1,6 @@
 """A rank's part of a solid block: metrics, rates, what is saved of it."""
 
+import ctypes
 from collections.abc import Mapping
 from typing import Any
 
@@ -16,10 +17,12 @@ from fsipetsc.operators.loops import dot
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
+from fsipetsc.scheme.compiled import CompiledFunction
 from fsipetsc.scheme.part import Nothing, PartCalls
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, solid_damping
 from fsipetsc.scheme.solid_monitor import solid_monitor
 from fsipetsc.scheme.solid_record import FUNCTIONS, SolidRecord
+from fsipetsc.scheme.solid_volume import SolidVolume, solid_text
 from fsipetsc.scheme.solid_work import solid_work, sums_of
 
 Array = NDArray[Any]
@@ -44,6 +47,10 @@ class SolidPart(BlockPart):
         self._F = np.zeros((len(strain), part.numbers.size))
         self.prestress = prestress_of(self.block, self.X)
         self._work = solid_work(self.equations, part.bands, part.patch)
+        self._volume = SolidVolume(self.equations, self._work, self.metrics, self.prestress)
+        #: C code of this part; ``library``: made of it, before ``calls``
+        self.text = solid_text(self.equations, d, self.prestress.size > 0)
+        self.library: ctypes.CDLL
 
     @property
     def reference(self) -> Array:
@@ -128,6 +135,8 @@ class SolidPart(BlockPart):
         record = SolidRecord(
             **self._common(at_particles, alone),
             columns=np.array([begins[name] for name in names if name in begins]),
+            volume=CompiledFunction(self.library, "solid_rates", 2),
+            of_volume=self._volume.address,
             laws=self.equations,
             dissipation=self._dissipation(),
             loses=self._loses,

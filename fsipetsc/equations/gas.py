@@ -129,7 +129,7 @@ class Gas(NamedTuple):
 
     def pair_distance(self, l, r):
         """How far two states are apart: the larger distance (means.py) of density, temperature."""
-        return max(distance(l[0], r[0], l[-2], r[-2]), distance(l[2], r[2], l[-1], r[-1]))
+        return np.maximum(distance(l[0], r[0], l[-2], r[-2]), distance(l[2], r[2], l[-1], r[-1]))
 
     def speed_of_sound(self, w):
         """c [m/s]."""

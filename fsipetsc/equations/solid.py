@@ -61,7 +61,7 @@ class Solid(NamedTuple):
     m0: float
     alpha: float
     kappa: float
-    coupled: float
+    coupled: int
     force: tuple[float, ...]
     around: Any = ()
     p_ref: float = 0.0

@@ -6,7 +6,6 @@ from numba import njit
 
 from fsipetsc.operators.loops import CALL
 from fsipetsc.scheme.block_monitor import gas_monitor
-from fsipetsc.scheme.gas_rates import gas_rates
 from fsipetsc.scheme.part import add_normals, ghosted, note, owned
 from fsipetsc.scheme.rows import Array
 
@@ -14,6 +13,7 @@ from fsipetsc.scheme.rows import Array
 class GasRecord(NamedTuple):
     """A part of a gas block.
 
+    volume: gas_rates of fsipetsc/scheme/gas.c, of_volume: the address of its struct.
     like: d zeros. laws: fsipetsc.equations.gas. faces: fsipetsc.scheme.faces. block: its number,
     begin: of its unknowns in the world vector. X, places: (d, N) of the reference map, and where
     the monitor finds the nodes. metrics: (d d + d + 1, N), a^1 … a^d, velocity of the grid, J_t,
@@ -28,10 +28,11 @@ class GasRecord(NamedTuple):
     of a step. axis: fsipetsc.scheme.radial; signs: of images, see fsipetsc.parallel.block_layout.
     """
 
+    volume: Any
+    of_volume: int
     like: Any
     laws: Any
     form: Any
-    viscous: Any
     dissipation: Any
     axis: Any
     faces: Any
@@ -47,7 +48,6 @@ class GasRecord(NamedTuple):
     S: Any
     weight: Any
     patch: Any
-    work: Any
     per_h: Array
     room: Array
     masses: Array
@@ -106,7 +106,7 @@ def rates(part, s, f, gain):
     """Fill a gas's part of f, from that of a completed s; what comes in goes to ``gain``."""
     d = len(part.like)
     q, own = ghosted(part, s, d + 3), owned(part, f, d + 3)
-    gas_rates(part, q, own)
+    part.volume(part.of_volume, q.ctypes.data, own.ctypes.data)
     part.axis.add(part, q, own, gain)
     part.dissipation.add(part, q, own, gain)
     part.faces.add(part, q, own, gain)

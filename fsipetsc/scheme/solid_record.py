@@ -11,11 +11,10 @@ from fsipetsc.scheme.faces import strain_at
 from fsipetsc.scheme.part import add_normals, ghosted, note, owned
 from fsipetsc.scheme.rows import U64, Array
 from fsipetsc.scheme.solid_monitor import solid_monitor
-from fsipetsc.scheme.solid_rates import solid_rates
 
 
 class SolidRecord(NamedTuple):
-    """A part of a solid block; what has the same name as in GasRecord is the same.
+    """A part of a solid block; volume: solid_rates of fsipetsc/scheme/solid.c, what has the same name as in GasRecord is the same.
 
     X: (d, N) places at rest. metrics: (d d + 1, N), A^1 … A^d and J0, then R around an axis;
     prestress: (d d, N) what P has beside, or (d d, 0). work: fsipetsc.scheme.solid_work. inertia:
@@ -26,6 +25,8 @@ class SolidRecord(NamedTuple):
     that tell what they store, rows_of_stored: (n,) where.
     """
 
+    volume: Any
+    of_volume: int
     like: Any
     laws: Any
     dissipation: Any
@@ -89,7 +90,7 @@ def rates(part, s, f, gain):
     d, damping = len(part.like), part.dissipation
     q, dof = ghosted(part, s, 2 * d + 1), 2 * d + 1
     own, own_q = owned(part, f, dof), owned(part, s, dof)
-    solid_rates(part, q, own)
+    part.volume(part.of_volume, q.ctypes.data, own.ctypes.data)
     work = -damping.power(part, own_q, own)
     damping.add(part, q, own, gain)
     work += damping.power(part, own_q, own)

@@ -1,0 +1,192 @@
+"""How printed kernels become a library: which compiler, which flags, where libraries are kept.
+
+A library is named by a hash of all that its bits depend on: its text, the flags, and what the
+compiler says of itself and of the instruction set that -march=native stands for on this machine. So
+a folder that several machines share holds a library for each. Behind a library in its file stand
+the bytes of a hash of it: a file that is damaged is made anew.
+
+The environment: CC names the compiler, CFLAGS are more flags for it. FSIPETSC_CACHE names the
+folder; else it is ``fsipetsc`` in XDG_CACHE_HOME or in the user's .cache.
+"""
+
+import ctypes
+import hashlib
+import os
+import platform
+import shlex
+import shutil
+import stat
+import subprocess
+import sys
+import tempfile
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+
+from fsipetsc.errors import FileError, InputError
+
+#: nothing here lets a compiler change the order of operations, fuse them, or leave any out
+FLAGS = (
+    *("-std=gnu11", "-O3", "-march=native", "-ffp-contract=off", "-fno-math-errno"),
+    *("-fno-trapping-math", "-fopenmp-simd", "-fPIC", "-shared"),
+)
+#: of processors with vectors of 512 bits, which compilers use half of if nobody asks
+WIDE = "-mprefer-vector-width=512"
+#: flags that let results depend on the compiler
+REFUSED = (
+    *("-ffast-math", "-Ofast", "-funsafe-math-optimizations", "-fassociative-math"),
+    *("-freciprocal-math", "-ffinite-math-only", "-fno-signed-zeros", "-mrecip"),
+    *("-ffp-contract=fast", "-ffp-contract=on"),
+)
+MISSING = (
+    "no C compiler was found, which computing needs: install gcc or clang (Debian: apt-get install "
+    "gcc libc6-dev; conda: c-compiler; pip: ziglang), or name one by the variable CC"
+)
+
+
+@cache
+def compiler() -> tuple[str, ...]:
+    """The command of the C compiler. InputError if there is none."""
+    given = os.environ.get("CC")
+    if given:
+        command = shlex.split(given)
+        found = shutil.which(command[0]) if command else None
+        if found is None:
+            raise InputError(f"CC is {given!r}: no such program was found")
+        return (found, *command[1:])
+    for name in ("cc", "gcc", "clang"):
+        found = shutil.which(name)
+        if found is not None:
+            return (found,)
+    if find_spec("ziglang") is not None:
+        return (sys.executable, "-m", "ziglang", "cc")
+    raise InputError(MISSING)
+
+
+@cache
+def flags() -> tuple[str, ...]:
+    """Ours, then those of CFLAGS. InputError for those that would change bits."""
+    own = shlex.split(os.environ.get("CFLAGS", ""))
+    for flag in own:
+        if flag.startswith(REFUSED):
+            raise InputError(f"CFLAGS has {flag}: results would depend on the compiler")
+    wide = (WIDE,) if platform.machine() in ("x86_64", "AMD64") else ()
+    return (*FLAGS, *wide, *own)
+
+
+@cache
+def _target() -> bytes:
+    """What the compiler says of itself and its target with these flags: the macros it defines."""
+    command = (*compiler(), *(flag for flag in flags() if flag != "-shared"), "-E", "-dM", "-xc")
+    return _run((*command, os.devnull), "asking the C compiler for its target")
+
+
+def name_of(text: str) -> str:
+    """The file's name of the library of a text in C. InputError without a compiler."""
+    return f"{_hash(text.encode(), ' '.join(flags()).encode(), _target()).hex()[:32]}.so"
+
+
+def _hash(*parts: bytes) -> bytes:
+    """Of all parts, one after the other, each with its length."""
+    digest = hashlib.sha256()
+    for part in parts:
+        digest.update(len(part).to_bytes(8, "little") + part)
+    return digest.digest()
+
+
+@cache
+def folder() -> Path:
+    """Where libraries are kept: the user's folder, or one for this process, with a warning, where
+    nothing can be written. InputError for a folder that others can write to.
+    """
+    given = os.environ.get("FSIPETSC_CACHE")
+    home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    place = Path(given) if given else Path(home) / "fsipetsc"
+    try:
+        place.mkdir(mode=0o700, parents=True, exist_ok=True)
+        found = place.stat()
+    except OSError as error:
+        return _temporary(place, error)
+    if found.st_mode & (stat.S_IWGRP | stat.S_IWOTH) or found.st_uid != os.getuid():
+        raise InputError(
+            f"others can write to {place}, where compiled kernels are kept: take that right away "
+            "(chmod go-w), or name another folder by the variable FSIPETSC_CACHE"
+        )
+    if not os.access(place, os.W_OK | os.X_OK):
+        return _temporary(place, "permission denied")
+    return place
+
+
+def _temporary(place: Path, why: object) -> Path:
+    """A folder for this process alone, with a warning."""
+    made = Path(tempfile.mkdtemp(prefix="fsipetsc-"))
+    print(f"fsipetsc: warning: cannot keep compiled kernels in {place} ({why})", file=sys.stderr)
+    return made
+
+
+def kept(name: str) -> Path | None:
+    """The library of this name, if it is there and whole."""
+    path = folder() / name
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return None
+    return path if content[-32:] == _hash(content[:-32]) else None
+
+
+def made(text: str) -> bytes:
+    """The bytes of the library of a text in C; it takes seconds. InputError if that fails."""
+    with tempfile.TemporaryDirectory(prefix="fsipetsc-") as place:
+        source, result = os.path.join(place, "kernels.c"), os.path.join(place, "kernels.so")
+        Path(source).write_text(text)
+        _run((*compiler(), *flags(), source, "-o", result, "-lm"), "compiling kernels")
+        return Path(result).read_bytes()
+
+
+def keep(name: str, library: bytes) -> Path:
+    """Put the bytes of a library where it is kept; whoever reads it meanwhile has the old one or
+    the new one. FileError.
+    """
+    place = folder()
+    try:
+        handle, part = tempfile.mkstemp(dir=place, prefix=f"{name}.")
+        with os.fdopen(handle, "wb") as file:
+            file.write(library + _hash(library))
+        os.replace(part, place / name)
+    except OSError as error:
+        raise FileError(f"cannot keep compiled kernels in {place}: {error.strerror}") from error
+    return place / name
+
+
+def keep_text(name: str, text: str) -> Path:
+    """Put the text of a library beside it, for who wants to read it. FileError."""
+    path = (folder() / name).with_suffix(".c")
+    try:
+        path.write_text(text)
+    except OSError as error:
+        raise FileError(f"cannot write {path}: {error.strerror}") from error
+    return path
+
+
+@cache
+def loaded(path: Path) -> ctypes.CDLL:
+    """The library in a file."""
+    return ctypes.CDLL(str(path))
+
+
+def _run(command: tuple[str, ...], doing: str) -> bytes:
+    """What a command prints. InputError with its first line on stderr if it fails.
+
+    With close_fds=False Python starts it without a copy of this process, which MPI could not bear.
+    """
+    try:
+        ended = subprocess.run(
+            command, stdin=subprocess.DEVNULL, capture_output=True, close_fds=False
+        )
+    except OSError as error:
+        raise InputError(f"{doing} failed: {command[0]}: {error.strerror}") from error
+    if ended.returncode != 0:
+        lines = ended.stderr.decode(errors="replace").strip().splitlines() or ["no message"]
+        first = next((line for line in lines if "error" in line), lines[0])
+        raise InputError(f"{doing} failed: {first} (the command was: {shlex.join(command)})")
+    return ended.stdout

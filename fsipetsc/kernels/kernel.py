@@ -1,0 +1,250 @@
+"""A kernel: one loop over nodes, pairs, faces or particles, printed as a function in C.
+
+A kernel says what is read at an item of the loop, which formula it goes through, and where the
+result is stored. It is made once, on symbols (fsipetsc.kernels.symbols):
+
+    kernel = Kernel("heat", "The flux of heat of each node.")
+    w, per_J = kernel.read("w", ROWS, 6), kernel.read("per_J", ROWS, 1)
+    gas = kernel.parameters(gas)
+    kernel.store("flux", ROWS, gas.heat_flux(w, per_J))
+
+C calls it by the names of its arguments: ``heat(.w = row, .per_J = …, .flux = …, .n = 64)``.
+
+a*b + c is printed as fma(a, b, c) where nothing else takes a*b, and compilers are told to fuse
+nothing else (fsipetsc.kernels.build). So every node has the same bits in a vector and alone, with
+any compiler and instruction set. What depends on parameters alone is computed before the loop.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from fsipetsc.kernels.symbols import CONDITIONS, Record, Symbol
+
+
+class Layout(NamedTuple):
+    """How far components of an item, and items, are apart in an array: expressions in C.
+
+    given: the first is a name of a number that the caller gives.
+    """
+
+    component: str
+    item: str = "1"
+    given: bool = False
+
+
+#: rows of a tile: a component after the other, ROW apart, a constant
+ROWS = Layout("ROW")
+#: planes of a block: a component after the other, N apart, which the caller gives
+PLANES = Layout("N", given=True)
+#: one number that all items share
+SHARED = Layout("1", "0")
+
+
+def interlaced(count: str) -> Layout:
+    """The numbers of an item side by side; count: how many an item has."""
+    return Layout("1", count)
+
+
+#: what an operation is in C
+_FORMS = {
+    **{name: f"{{0}} {name} {{1}}" for name in ("+", "-", "*", "/", *"<>", "<=", ">=", "==", "!=")},
+    **{"&": "{0} & {1}", "|": "{0} | {1}", "not": "!{0}"},
+    **{"neg": "-{0}", "abs": "fabs({0})", "sqrt": "sqrt({0})", "where": "{0} ? {1} : {2}"},
+}
+
+
+class Kernel:
+    """See the head of this file. name: of the function in C; says: a sentence on what it does."""
+
+    def __init__(self, name: str, says: str) -> None:
+        self.name, self.says, self.record = name, says, Record()
+        self._arguments: dict[str, str] = {}
+        self._stores: list[tuple[str, str, Symbol]] = []
+        self._counted: Symbol | None = None
+        self._parameters = 0
+
+    # what is read
+
+    def read(
+        self, array: str, layout: Layout, count: int, first: int = 0, shift: str = ""
+    ) -> tuple[Symbol, ...]:
+        """The components ``first`` and so on of an item; shift: of the item ``i shift``, in C."""
+        self._argument(array, "const double *", layout)
+        item = f"(i {shift})" if shift else "i"
+        places = (_place(array, layout, first + c, item) for c in range(count))
+        return tuple(self.record.given(place, layout.item == "0") for place in places)
+
+    def number(self, name: str) -> Symbol:
+        """A number that the caller gives."""
+        self._argument(name, "double ")
+        return self.record.given(f"in.{name}", uniform=True)
+
+    def parameters(self, equations: Any) -> Any:
+        """The same equations with their floats as arguments of the kernel: the array p, in the
+        order of fsipetsc.kernels.kernel.numbers_of. Other numbers (int, bool) become text.
+        """
+        if isinstance(equations, float):
+            self._argument("p", "const double *")
+            self._parameters += 1
+            return self.record.given(f"in.p[{self._parameters - 1}]", uniform=True)
+        if isinstance(equations, tuple):
+            made = [self.parameters(part) for part in equations]
+            return type(equations)(*made) if hasattr(equations, "_fields") else tuple(made)
+        return equations
+
+    # what is written
+
+    def store(self, array: str, layout: Layout, values: Sequence[Any], first: int = 0) -> None:
+        """Store values as the components ``first`` and so on of an item."""
+        self._argument(array, "double *", layout)
+        for c, value in enumerate(values):
+            place = _place(array, layout, first + c, "i")
+            self._stores.append((place, "=", self.record.constant(value)))
+
+    def add(self, array: str, layout: Layout, values: Sequence[Any], first: int = 0) -> None:
+        """Add values to the components ``first`` and so on of an item."""
+        self._argument(array, "double *", layout)
+        for c, value in enumerate(values):
+            place = _place(array, layout, first + c, "i")
+            before = self.record.given(place)
+            self._stores.append((place, "=", self.record.apply("+", before, value)))
+
+    def count(self, condition: Any) -> None:
+        """Let the function return for how many items a condition holds."""
+        self._counted = self.record.constant(condition)
+
+    def _argument(self, name: str, kind: str, layout: Layout = SHARED) -> None:
+        known = self._arguments.get(name, "")
+        if kind == "double *" or not known:
+            self._arguments[name] = kind
+        if layout.given:
+            self._arguments[layout.component] = "long "
+
+    # what is printed
+
+    def text(self) -> str:
+        """The function in C, behind the struct of its arguments."""
+        before, body = _lines(self.record, self._stores, self._counted)
+        kind = "long" if self._counted is not None else "void"
+        arguments = sorted({**self._arguments, "n": "long "}.items())
+        members = [f"  {kind}{name};" for name, kind in arguments]
+        locals_ = [
+            f"  {kind}restrict {name} = in.{name};" if kind[-1] == "*" else f"  {kind}{name} = in.{name};"
+            for name, kind in arguments
+            if name != "p" and kind != "double "
+        ]
+        counts = self._counted is not None
+        return "\n".join(
+            [
+                f"/* {self.says} */",
+                f"struct {self.name}_in {{",
+                *members,
+                "};",
+                f"static NOINLINE {kind} {self.name}_(struct {self.name}_in in) {{",
+                *locals_,
+                *(["  long counted = 0;"] if counts else []),
+                *(f"  {line}" for line in before),
+                f"  #pragma omp simd{' reduction(+ : counted)' if counts else ''}",
+                "  for (long i = 0; i < n; ++i) {",
+                *(f"    {line}" for line in body),
+                "  }",
+                *(["  return counted;"] if counts else []),
+                "}",
+                f"#define {self.name}(...) {self.name}_((struct {self.name}_in){{__VA_ARGS__}})",
+                "",
+            ]
+        )
+
+
+def numbers_of(equations: Any) -> list[float]:
+    """The floats of equations, in the order in which kernels take them as parameters."""
+    if isinstance(equations, float):
+        return [equations]
+    if isinstance(equations, tuple):
+        return [number for part in equations for number in numbers_of(part)]
+    return []
+
+
+def _place(array: str, layout: Layout, component: int, item: str) -> str:
+    """Where a number stands, in C."""
+    terms = []
+    for factor, step in ((str(component), layout.component), (item, layout.item)):
+        if "0" not in (factor, step):
+            terms.append(factor if step == "1" else f"{factor} * {step}")
+    return f"{array}[{' + '.join(terms) or '0'}]"
+
+
+def _lines(
+    record: Record, stores: Sequence[tuple[str, str, Symbol]], counted: Symbol | None
+) -> tuple[list[str], list[str]]:
+    """Lines before the loop and of its body: all that the stores need, in the order it was made."""
+    wanted = [symbol for _, _, symbol in stores] + ([] if counted is None else [counted])
+    uses = _uses(wanted)
+    fused = _fused(record, uses)
+    before, body, names = [], [], {}
+    for symbol in record.symbols:
+        if symbol.number not in uses or symbol.number in fused.values():
+            continue
+        if symbol.operation == "constant":
+            names[symbol.number] = _constant(symbol)
+            continue
+        if symbol.number in fused:
+            text = _fma(symbol, fused[symbol.number], names)
+        elif symbol.operation == "given":
+            text = symbol.text
+        else:
+            operands = [names[operand.number] for operand in symbol.operands]
+            form = _FORMS.get(symbol.operation)
+            call = f"{symbol.operation}_({', '.join(operands)})"
+            text = form.format(*operands) if form else call
+        kind = "int" if symbol.operation in CONDITIONS else "double"
+        names[symbol.number] = f"t{symbol.number}"
+        lines = before if symbol.uniform else body
+        lines.append(f"const {kind} t{symbol.number} = {text};")
+    body += [f"{place} {how} {names[symbol.number]};" for place, how, symbol in stores]
+    if counted is not None:
+        body.append(f"counted += {names[counted.number]};")
+    return before, body
+
+
+def _uses(wanted: Sequence[Symbol]) -> dict[int, int]:
+    """How often each symbol is an operand, of those that are needed."""
+    uses: dict[int, int] = {}
+    left = list(wanted)
+    while left:
+        symbol = left.pop()
+        uses[symbol.number] = uses.get(symbol.number, 0) + 1
+        if uses[symbol.number] == 1:
+            left.extend(symbol.operands)
+    return uses
+
+
+def _fused(record: Record, uses: dict[int, int]) -> dict[int, int]:
+    """Sums -> the product that each is fused with: the last operand that nothing else takes."""
+    fused = {}
+    for symbol in record.symbols:
+        if symbol.number in uses and symbol.operation in ("+", "-"):
+            for operand in reversed(symbol.operands):
+                alone = operand.operation == "*" and uses[operand.number] == 1
+                if alone and not operand.uniform:
+                    fused[symbol.number] = operand.number
+                    break
+    return fused
+
+
+def _fma(symbol: Symbol, product: int, names: dict[int, str]) -> str:
+    """A sum or difference with one of its operands, a product, as one operation."""
+    first, second = symbol.operands
+    factors = first if first.number == product else second
+    other = names[(second if first.number == product else first).number]
+    a, b = (names[factor.number] for factor in factors.operands)
+    if symbol.operation == "+":
+        return f"fma({a}, {b}, {other})"
+    return f"fma({a}, {b}, -{other})" if factors is first else f"fma(-{a}, {b}, {other})"
+
+
+def _constant(symbol: Symbol) -> str:
+    """A constant in C, to the last bit."""
+    text = repr(symbol.value)
+    text = {"inf": "INFINITY", "-inf": "(-INFINITY)", "nan": "NAN"}.get(text, text)
+    return f"({text})" if text[0] == "-" else text

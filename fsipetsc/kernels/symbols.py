@@ -1,0 +1,272 @@
+"""Numbers that record what is done with them, so that a scalar formula becomes machine code.
+
+A formula is a Python function of numbers. It runs once on Symbols, and the record of what it did is
+printed as C (fsipetsc.kernels.kernel). The formula itself stays as it is: operators and numpy's
+functions, as np.sqrt, np.maximum and np.where, take Symbols. The same operation on the same
+operands is one Symbol, so what stands twice in a formula is computed once.
+
+What cannot be recorded is refused with the line of the formula: an ``if`` on a value, math.*,
+float(), and functions of numpy that are not in OPERATIONS.
+
+Only changes that keep every bit are made: operations on constants are done here, and 1 x, x + 0 and
+0 x are x, x and 0 (the last two but for signs of zero, infinity and what is not a number).
+"""
+
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
+
+from fsipetsc.errors import InputError
+
+#: numpy's functions that can be recorded, by the names under which they are printed
+OPERATIONS: dict[Any, str] = {
+    **{np.add: "+", np.subtract: "-", np.multiply: "*", np.true_divide: "/", np.negative: "neg"},
+    **{np.sqrt: "sqrt", np.absolute: "abs", np.maximum: "maximum", np.minimum: "minimum"},
+    **{np.greater: ">", np.less: "<", np.greater_equal: ">=", np.less_equal: "<="},
+    **{np.equal: "==", np.not_equal: "!=", np.sign: "sign", np.power: "pow"},
+    **{np.logical_and: "&", np.logical_or: "|", np.logical_not: "not"},
+    **{np.bitwise_and: "&", np.bitwise_or: "|", np.invert: "not"},
+    **{np.exp: "exp", np.expm1: "expm1", np.exp2: "exp2", np.log: "log", np.log1p: "log1p"},
+    **{np.log2: "log2", np.log10: "log10", np.cbrt: "cbrt"},
+    **{np.sin: "sin", np.cos: "cos", np.tan: "tan"},
+    **{np.arcsin: "arcsin", np.arccos: "arccos", np.arctan: "arctan", np.arctan2: "arctan2"},
+    **{np.sinh: "sinh", np.cosh: "cosh", np.tanh: "tanh"},
+}
+#: operations whose result is true or false
+CONDITIONS = frozenset({">", "<", ">=", "<=", "==", "!=", "&", "|", "not"})
+#: the largest exponent for which a power is written as products
+MOST_FACTORS = 8
+_KERNELS = os.path.dirname(os.path.abspath(__file__))
+
+
+class NotRecorded(InputError):
+    """A formula does what cannot be recorded; the message has its name, file and line."""
+
+
+def _refuse(what: str) -> NotRecorded:
+    """The error, with the line of the formula that was running."""
+    frame = sys._getframe(1)
+    inside = (_KERNELS, os.path.dirname(os.path.abspath(np.__file__)))
+    while frame.f_back and os.path.abspath(frame.f_code.co_filename).startswith(inside):
+        frame = frame.f_back
+    code = frame.f_code
+    return NotRecorded(f"{code.co_name}, {code.co_filename}:{frame.f_lineno}: {what}")
+
+
+class Symbol(NDArrayOperatorsMixin):
+    """A number of a record: what is given, a constant, or what an operation makes of operands.
+
+    uniform: it depends on constants and parameters alone, so all nodes have the same one. value: of
+    a constant, else None.
+    """
+
+    __slots__ = ("number", "operands", "operation", "record", "text", "uniform", "value")
+
+    def __init__(self, record: "Record", operation: str, operands: tuple["Symbol", ...]) -> None:
+        self.record, self.operation, self.operands = record, operation, operands
+        self.uniform = all(operand.uniform for operand in operands)
+        self.text, self.value = "", None
+        self.number = len(record.symbols)
+
+    def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
+        if function not in OPERATIONS or method != "__call__" or more:
+            raise _refuse(f"np.{function.__name__} cannot be recorded")
+        if function is np.power:
+            return _power(self.record, *given)
+        return self.record.apply(OPERATIONS[function], *given)
+
+    def __array_function__(self, function: Any, kinds: Any, given: Any, more: Any) -> Any:
+        if function is not np.where or len(given) != 3 or more:
+            raise _refuse(f"np.{function.__name__} cannot be recorded")
+        return self.record.apply("where", *given)
+
+    def __bool__(self) -> bool:
+        advice = "write np.where(condition, a, b), np.maximum(a, b), np.minimum(a, b)"
+        raise _refuse(f"it branches on a value (if, and, or, min, max): {advice}")
+
+    def __float__(self) -> float:
+        raise _refuse("float() and the functions of math take no symbols: take numpy's functions")
+
+    __int__ = __index__ = __complex__ = __float__  # type: ignore[assignment]
+
+    def __iter__(self) -> Iterator[Any]:
+        raise _refuse("it takes one number for several")
+
+    def __getitem__(self, at: Any) -> Any:
+        raise _refuse("it takes one number for several")
+
+    def __hash__(self) -> int:
+        return id(self)
+
+
+class Record:
+    """The symbols that formulas make, each after its operands."""
+
+    def __init__(self) -> None:
+        self.symbols: list[Symbol] = []
+        self._known: dict[Any, Symbol] = {}
+
+    def constant(self, value: Any) -> Symbol:
+        """The symbol of a number; symbols are returned as they are."""
+        if isinstance(value, Symbol):
+            return value
+        try:
+            number = float(value)
+        except (TypeError, ValueError):
+            raise _refuse(f"{value!r} is no number") from None
+        symbol = self._one(("constant", number.hex()), "constant")
+        symbol.uniform, symbol.value = True, number
+        return symbol
+
+    def given(self, text: str, uniform: bool = False) -> Symbol:
+        """A symbol that is read where the C code ``text`` says; uniform: it is the same for all."""
+        symbol = self._one(("given", text), "given")
+        symbol.text, symbol.uniform = text, uniform
+        return symbol
+
+    def apply(self, operation: str, *given: Any) -> Symbol:
+        """What an operation makes of symbols or numbers."""
+        operands = tuple(self.constant(operand) for operand in given)
+        simpler = _simplified(self, operation, operands)
+        if simpler is not None:
+            return simpler
+        numbers = tuple(operand.number for operand in operands)
+        ordered = tuple(sorted(numbers)) if operation in "+*" else numbers
+        return self._one((operation, ordered), operation, operands)
+
+    def _one(self, key: Any, operation: str, operands: tuple[Symbol, ...] = ()) -> Symbol:
+        """The only symbol of this key."""
+        if key not in self._known:
+            self._known[key] = Symbol(self, operation, operands)
+            self.symbols.append(self._known[key])
+        return self._known[key]
+
+
+_FOLDED: dict[str, Callable[..., float]] = {
+    "+": lambda a, b: a + b,
+    "-": lambda a, b: a - b,
+    "*": lambda a, b: a * b,
+    "/": lambda a, b: a / b,
+    "neg": lambda a: -a,
+    "abs": abs,
+}
+
+
+def _simplified(record: Record, operation: str, operands: tuple[Symbol, ...]) -> Symbol | None:
+    """What the operation is without being done, or None."""
+    values = [operand.value for operand in operands]
+    if operation == "/" and values[1] == 0.0:
+        raise _refuse("it divides by a constant 0")
+    if operation in _FOLDED and None not in values:
+        return record.constant(_FOLDED[operation](*values))
+    if operation in "+*":
+        for value, other in zip(values, reversed(operands), strict=True):
+            if value == (0.0 if operation == "+" else 1.0):
+                return other
+            if operation == "*" and value == 0.0:
+                return record.constant(0.0)
+    if operation == "-" and values[0] == 0.0:
+        return record.apply("neg", operands[1])
+    if (operation == "-" and values[1] == 0.0) or (operation == "/" and values[1] == 1.0):
+        return operands[0]
+    if operation == "/" and values[0] == 0.0:
+        return record.constant(0.0)
+    if operation == "where" and operands[1] is operands[2]:
+        return operands[1]
+    return None
+
+
+def _power(record: Record, base: Any, exponent: Any) -> Any:
+    """base ** exponent: products for small whole exponents, roots, else the function."""
+    base, n = record.constant(base), record.constant(exponent).value
+    if n is None or abs(n) > MOST_FACTORS or (n != int(n) and abs(n) != 0.5):
+        return record.apply("pow", base, exponent)
+    if abs(n) == 0.5:
+        found = record.apply("sqrt", base)
+    elif n == 0.0:
+        found = record.constant(1.0)
+    else:
+        found = _product(record, base, int(abs(n)))
+    return found if n >= 0.0 else record.apply("/", 1.0, found)
+
+
+def _product(record: Record, base: Symbol, n: int) -> Symbol:
+    """base^n by squares."""
+    if n == 1:
+        return base
+    half = _product(record, base, n // 2)
+    square = record.apply("*", half, half)
+    return record.apply("*", square, base) if n % 2 else square
+
+
+# --- derivatives
+
+#: derivatives of functions of one number x with the value y
+_SLOPES: dict[str, Callable[[Any, Any], Any]] = {
+    "neg": lambda x, y: -1.0,
+    "abs": lambda x, y: np.sign(x),
+    "sqrt": lambda x, y: 0.5 / y,
+    "exp": lambda x, y: y,
+    "expm1": lambda x, y: y + 1.0,
+    "exp2": lambda x, y: float(np.log(2.0)) * y,
+    "log": lambda x, y: 1.0 / x,
+    "log1p": lambda x, y: 1.0 / (1.0 + x),
+    "log2": lambda x, y: 1.4426950408889634 / x,
+    "log10": lambda x, y: 0.4342944819032518 / x,
+    "cbrt": lambda x, y: y / (3.0 * x),
+    "sin": lambda x, y: np.cos(x),
+    "cos": lambda x, y: -np.sin(x),
+    "tan": lambda x, y: 1.0 + y * y,
+    "arcsin": lambda x, y: 1.0 / np.sqrt(1.0 - x * x),
+    "arccos": lambda x, y: -1.0 / np.sqrt(1.0 - x * x),
+    "arctan": lambda x, y: 1.0 / (1.0 + x * x),
+    "sinh": lambda x, y: np.cosh(x),
+    "cosh": lambda x, y: np.sinh(x),
+    "tanh": lambda x, y: 1.0 - y * y,
+    "sign": lambda x, y: 0.0,
+}
+#: changes of functions of two numbers a, b with the value y whose changes are da, db
+_CHANGES: dict[str, Callable[..., Any]] = {
+    "+": lambda a, b, y, da, db: da + db,
+    "-": lambda a, b, y, da, db: da - db,
+    "*": lambda a, b, y, da, db: da * b + a * db,
+    "/": lambda a, b, y, da, db: (da - y * db) / b,
+    "maximum": lambda a, b, y, da, db: np.where(a > b, da, db),
+    "minimum": lambda a, b, y, da, db: np.where(a < b, da, db),
+    "pow": lambda a, b, y, da, db: da * (b * a ** (b - 1.0)) + y * np.log(a) * db,
+    "arctan2": lambda a, b, y, da, db: (da * b - a * db) / (a * a + b * b),
+}
+
+
+def derivatives(values: Sequence[Any], by: Symbol) -> tuple[Any, ...]:
+    """The derivative of each symbol (or number) of ``values`` by one symbol, by forward mode."""
+    record = by.record
+    one, nothing = record.constant(1.0), record.constant(0.0)
+    found: dict[int, Symbol] = {by.number: one}
+    for symbol in tuple(record.symbols):
+        if symbol is by or all(operand.number not in found for operand in symbol.operands):
+            continue
+        changes = [found.get(operand.number, nothing) for operand in symbol.operands]
+        change = record.constant(_change(symbol, changes))
+        if change is not nothing:
+            found[symbol.number] = change
+    return tuple(found.get(record.constant(value).number, nothing) for value in values)
+
+
+def _change(y: Symbol, changes: list[Symbol]) -> Any:
+    """The change of a symbol with those of its operands."""
+    operation, operands = y.operation, y.operands
+    if operation in CONDITIONS:
+        return 0.0
+    if operation == "where":
+        return np.where(operands[0], changes[1], changes[2])
+    if operation in _SLOPES:
+        return changes[0] * _SLOPES[operation](operands[0], y)
+    if operation == "pow" and changes[1].value == 0.0:
+        a, b = operands
+        return changes[0] * (b * a ** (b - 1.0))
+    return _CHANGES[operation](*operands, y, *changes)

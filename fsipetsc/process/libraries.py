@@ -1,0 +1,73 @@
+"""Libraries of kernels for all ranks: each text in C is compiled once, by one rank.
+
+Ranks first agree who lacks which library, and go on in the same order: a rank that went its own way
+would let the others wait for ever. What is compiled is sent as bytes, and a rank that lacks it
+loads it from a file of its own, so that no file system has to show a new file in time.
+"""
+
+import ctypes
+import os
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+
+from fsipetsc.errors import FsiError
+from fsipetsc.kernels import build
+from fsipetsc.process.together import Comm, agree, together, wait_asleep
+
+
+def libraries(
+    comm: Comm, texts: Sequence[str], announce: Callable[[str], None] = lambda text: None
+) -> list[ctypes.CDLL]:
+    """The libraries of this rank's texts. Collective, though ranks may have other texts.
+
+    announce: called on rank 0 before and after somebody compiles. InputError where there is no
+    compiler, or it fails; FileError.
+    """
+    names = together(comm, lambda: [build.name_of(text) for text in texts])
+    found = {name: build.kept(name) for name in names}
+    lacking = {name for name, path in found.items() if path is None}
+    #: name -> the rank that compiles it: the lowest one that lacks it
+    makers: dict[str, int] = {}
+    for rank, of_rank in enumerate(comm.allgather(sorted(lacking))):
+        for name in of_rank:
+            makers.setdefault(name, rank)
+    sent = _made(comm, dict(zip(names, texts, strict=True)), makers, announce) if makers else {}
+    return together(comm, lambda: [_loaded(name, found[name], sent) for name in names])
+
+
+def _made(
+    comm: Comm, texts: dict[str, str], makers: dict[str, int], announce: Callable[[str], None]
+) -> dict[str, bytes]:
+    """The bytes of all libraries that some rank lacks, on all ranks. Collective."""
+    begin, mine, fault = time.monotonic(), {}, None
+    if comm.rank == 0:
+        announce(f"compiling the kernels of this case ({_counted(len(makers))})")
+    try:
+        for name in (name for name, rank in makers.items() if rank == comm.rank):
+            mine[name] = build.made(texts[name])
+            build.keep(name, mine[name])
+    except FsiError as error:
+        fault = error
+    wait_asleep(comm)  # who compiles may have this rank's core
+    agree(comm, fault)
+    if comm.rank == 0:
+        announce(f"compiled in {time.monotonic() - begin:.1f} s")
+    return {name: library for of_rank in comm.allgather(mine) for name, library in of_rank.items()}
+
+
+def _counted(count: int) -> str:
+    return "1 library" if count == 1 else f"{count} libraries"
+
+
+def _loaded(name: str, path: os.PathLike[str] | None, sent: dict[str, bytes]) -> ctypes.CDLL:
+    """A library that is kept in a file, or was sent as bytes."""
+    if path is not None:
+        return build.loaded(path)
+    handle, own = tempfile.mkstemp(prefix="fsipetsc-", suffix=".so")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(sent[name])
+        return ctypes.CDLL(own)
+    finally:
+        os.unlink(own)

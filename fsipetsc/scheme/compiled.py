@@ -1,0 +1,23 @@
+"""Functions in C for loops that numba compiles: called by address."""
+
+import ctypes
+from typing import Any
+
+from numba import types
+import numba.experimental.function_type  # noqa: F401  (lets numba know such objects)
+
+
+class CompiledFunction(types.WrapperAddressProtocol):
+    """A function of a library: of the address of a struct, and of arrays' addresses."""
+
+    def __init__(self, library: ctypes.CDLL, name: str, arrays: int) -> None:
+        self.function = getattr(library, name)
+        self._address = ctypes.cast(self.function, ctypes.c_void_p).value
+        self._signature = types.void(types.int64, *[types.uint64] * arrays)
+
+    def __wrapper_address__(self) -> int:
+        return self._address
+
+    def signature(self) -> Any:
+        return self._signature
+

@@ -1,0 +1,255 @@
+/* Rates of a block of gas, without fluxes through its faces:
+
+       (J U)_t,i = - sum_k sum_l S_il (F^k(i, l) - {a^k . f_v}) / weight_i + J s
+
+   and J_t. The weights S_il of pairs of nodes are those of fsipetsc.operators.bands, the fluxes those
+   of fsipetsc.equations.gas, in the kernels of fsipetsc.scheme.gas_kernels.
+
+   Nodes are swept in tiles: a range along the first axis, a few rows along the second one of three,
+   and layer after layer along the last axis, so that what is worked on stays in the fastest memory.
+   The flux of a pair is computed once and added to both of its nodes: the sum of the lower one belongs
+   to the row at work, that of the upper one waits in a row of its own. The fluxes reach a node in an
+   order that does not depend on how a block is cut, so neither do the bits of its rate. */
+
+enum { W = D + 5, FLUXES = D + 2, SLOPES = D * (D + 1), NUMBERS = W + (VISCOUS ? SLOPES : 0) };
+
+struct axis { /* of a patch: its band, the nodes owned, those with the halo, how far they are apart */
+  const double *S, *weight;
+  long reach, begin, end, size, stride;
+};
+struct gas {
+  struct axis first, inner, last; /* the contiguous axis, the second one of three, that of the sweep */
+  const double *p, *metrics;      /* parameters of the kernels; planes of N numbers */
+  long N, J_t;                    /* J_t: which plane */
+  long layers, depth, before;     /* rows that are kept: layers of so many, some before the tile's */
+  double *rows, *high;            /* numbers of these, and sums of each as the upper node of pairs */
+  double *low, *slope;            /* of one row: sums as the lower node, D_k z */
+  double *gain, *loss;            /* (1 + reach) rows: weights of pairs along a row, by distance */
+};
+struct span { long distance, begin, end; }; /* pairs along a row that begin there */
+struct tile {
+  long x0, x1, y0, y1, count;
+  struct span spans[SPANS];
+};
+
+
+static long number_of(const struct gas *g, const struct tile *t, long layer, long j) {
+  return layer % g->layers * g->depth + j - t->y0 + g->before;
+}
+static double *row_of(const struct gas *g, const struct tile *t, long layer, long j) {
+  return g->rows + number_of(g, t, layer, j) * NUMBERS * ROW + MARGIN - t->x0;
+}
+static double *high_of(const struct gas *g, const struct tile *t, long layer, long j) {
+  return g->high + number_of(g, t, layer, j) * FLUXES * ROW + MARGIN - t->x0;
+}
+static long node_of(const struct gas *g, long x, long j, long layer) {
+  return x + j * g->inner.stride + layer * g->last.stride;
+}
+
+static void clear_row(double *row, long components, long n) {
+  for (long c = 0; c < components; ++c) memset(row + c * ROW, 0, n * sizeof *row);
+}
+static void fill_row(double *row, double value, long n) {
+  for (long i = 0; i < n; ++i) row[i] = value;
+}
+
+/* Weights of the pairs along the first axis, of a tile: S over the weight of the upper node, the lower. */
+static void weigh_first(const struct gas *g, const struct tile *t) {
+  const struct axis *x = &g->first;
+  for (long k = 1; k <= x->reach; ++k) {
+    double *gain = g->gain + k * ROW + MARGIN - t->x0, *loss = g->loss + k * ROW + MARGIN - t->x0;
+    for (long i = most(t->x0 - MARGIN, 0); i < t->x1 + MARGIN; ++i) {
+      const int pair = i + k < x->size;
+      gain[i] = pair ? x->S[k * x->size + i] / x->weight[i + k] : 0.0;
+      loss[i] = pair ? x->S[k * x->size + i] / x->weight[i] : 0.0;
+    }
+  }
+}
+
+/* Primitive variables of the rows of a layer that are read. */
+static void load_layer(const struct gas *g, const double *q, const struct tile *t, long layer) {
+  const struct axis *last = &g->last, *inner = &g->inner;
+  const long far = 1 + VISCOUS, around = VISCOUS * last->reach, beside = VISCOUS * inner->reach;
+  const int within = last->begin - around <= layer && layer < last->end + around;
+  const long more = within ? far * inner->reach : 0;
+  for (long j = most(t->y0 - more, 0); j < least(t->y1 + more, inner->size); ++j) {
+    const int whole = within && t->y0 - beside <= j && j < t->y1 + beside;
+    const long longer = whole ? far * g->first.reach : 0;
+    const long x0 = most(t->x0 - longer, 0), x1 = least(t->x1 + longer, g->first.size);
+    gas_load(.q = q + node_of(g, x0, j, layer) * (D + 3), .w = row_of(g, t, layer, j) + x0, .p = g->p,
+             .n = x1 - x0);
+    clear_row(high_of(g, t, layer, j) + t->x0, FLUXES, t->x1 - t->x0);
+  }
+}
+
+#if VISCOUS
+/* D_k z of a row for each axis k. */
+static void slopes_of_row(const struct gas *g, const struct tile *t, long layer, long j, long x0, long n) {
+  double *here = row_of(g, t, layer, j) + x0, *slope = g->slope + MARGIN - t->x0 + x0;
+  clear_row(slope, SLOPES, n);
+  for (long k = 1; k <= g->first.reach; ++k) {
+    const double *loss = g->loss + k * ROW + MARGIN - t->x0 + x0;
+    const double *gain = g->gain + k * ROW + MARGIN - t->x0 + x0 - k;
+    gas_slope(.below = here - k, .here = here, .above = here + k, .before = gain, .after = loss,
+              .slope = slope, .p = g->p, .n = n);
+  }
+  for (int m = 1; m < D; ++m) {
+    const int sweep = m == D - 1;
+    const struct axis *axis = sweep ? &g->last : &g->inner;
+    const long i = sweep ? layer : j;
+    for (long k = 1; k <= axis->reach; ++k) {
+      const double *S = axis->S + k * axis->size;
+      const double before = i >= k ? S[i - k] / axis->weight[i] : 0.0;
+      const double after = i + k < axis->size ? S[i] / axis->weight[i] : 0.0;
+      if (before == 0.0 && after == 0.0) continue;
+      const long back = before != 0.0 ? k : 0, on = after != 0.0 ? k : 0;
+      fill_row(g->gain + MARGIN, before, n);
+      fill_row(g->loss + MARGIN, after, n);
+      gas_slope(.below = row_of(g, t, layer - back * sweep, j - back * !sweep) + x0, .here = here,
+                .above = row_of(g, t, layer + on * sweep, j + on * !sweep) + x0, .before = g->gain + MARGIN,
+                .after = g->loss + MARGIN, .slope = slope + m * (D + 1) * ROW, .p = g->p, .n = n);
+    }
+  }
+}
+
+/* Viscous fluxes of the rows of a layer that pairs with owned nodes take. */
+static void viscous_layer(const struct gas *g, const double *q, const struct tile *t, long layer) {
+  const int owned = g->last.begin <= layer && layer < g->last.end;
+  const long beside = owned ? g->inner.reach : 0;
+  for (long j = most(t->y0 - beside, 0); j < least(t->y1 + beside, g->inner.size); ++j) {
+    const long longer = owned && t->y0 <= j && j < t->y1 ? g->first.reach : 0;
+    const long x0 = most(t->x0 - longer, 0), n = least(t->x1 + longer, g->first.size) - x0;
+    const long node = node_of(g, x0, j, layer);
+    double *row = row_of(g, t, layer, j) + x0;
+    slopes_of_row(g, t, layer, j, x0, n);
+    gas_viscous(.w = row, .q = q + node * (D + 3), .a = g->metrics + node, .s = row + W * ROW,
+                .slope = g->slope + MARGIN - t->x0 + x0, .p = g->p, .n = n, .N = g->N);
+  }
+}
+#endif
+
+/* n pairs of nodes along axis k, from one row (or place in it) to another. */
+static void add_pairs(const struct gas *g, int k, const double *l, const double *r, long node_l, long node_r,
+                      const double *gain, const double *loss, double *low, double *high, long n) {
+  const double *areas = g->metrics + k * D * g->N, *velocity = g->metrics + D * D * g->N;
+  const long viscous = (W + k * (D + 1)) * ROW;
+  (void)viscous;
+#define PAIR .l = l, .r = r, .a_l = areas + node_l, .a_r = areas + node_r, .v_l = velocity + node_l, \
+             .v_r = velocity + node_r, .gain = gain, .loss = loss, .low = low, .high = high, .p = g->p, \
+             .n = n, .N = g->N
+#if VISCOUS
+#define STRESS , .s_l = l + viscous, .s_r = r + viscous
+#else
+#define STRESS
+#endif
+#if TELLS_FAR
+  if (gas_near(PAIR STRESS)) gas_far(PAIR);
+#else
+  gas_near(PAIR STRESS);
+#endif
+}
+
+/* The pairs of row j of a layer with rows of layers (or rows of the same layer) farther on. */
+static void pairs_across(const struct gas *g, const struct tile *t, long layer, long j, int sweep) {
+  const struct axis *axis = sweep ? &g->last : &g->inner;
+  const long i = sweep ? layer : j, n = t->x1 - t->x0, node = node_of(g, t->x0, j, layer);
+  for (long k = 1; k <= axis->reach && i + k < axis->size; ++k) {
+    const double s = axis->S[k * axis->size + i];
+    if (s == 0.0 || i + k < axis->begin) continue;
+    fill_row(g->gain + MARGIN, s / axis->weight[i + k], n);
+    fill_row(g->loss + MARGIN, s / axis->weight[i], n);
+    const long there = layer + k * sweep, beside = j + k * !sweep;
+    add_pairs(g, sweep ? D - 1 : 1, row_of(g, t, layer, j) + t->x0, row_of(g, t, there, beside) + t->x0, node,
+              node + k * axis->stride, g->gain + MARGIN, g->loss + MARGIN, g->low + MARGIN,
+              high_of(g, t, there, beside) + t->x0, n);
+  }
+}
+
+/* Spans of the pairs along a row of which a node is in the tile, by distance. */
+static void find_spans(const struct gas *g, struct tile *t) {
+  const struct axis *x = &g->first;
+  t->count = 0;
+  for (long k = 1; k <= x->reach; ++k) {
+    const double *S = x->S + k * x->size;
+    const long end = least(t->x1, x->size - k);
+    long zeros = GAP;
+    for (long i = most(t->x0 - k, 0); i < end; ++i) {
+      if (S[i] == 0.0) {
+        ++zeros;
+        continue;
+      }
+      if (zeros >= GAP) t->spans[t->count++] = (struct span){k, i, i + 1};
+      t->spans[t->count - 1].end = i + 1;
+      zeros = 0;
+    }
+  }
+}
+
+/* The pairs along row j of a layer. */
+static void pairs_along(const struct gas *g, const struct tile *t, long layer, long j) {
+  double *row = row_of(g, t, layer, j), *high = high_of(g, t, layer, j), *low = g->low + MARGIN - t->x0;
+  for (long m = 0; m < t->count; ++m) {
+    const long k = t->spans[m].distance, a = t->spans[m].begin, b = t->spans[m].end;
+    const long node = node_of(g, a, j, layer), at = k * ROW + MARGIN - t->x0 + a;
+    add_pairs(g, 0, row + a, row + a + k, node, node + k, g->gain + at, g->loss + at, low + a, high + a + k,
+              b - a);
+  }
+}
+
+/* Add the fluxes of the pairs that begin in a layer, and store its rates if it is owned. */
+static void sweep_layer(const struct gas *g, const double *q, double *rates, const struct tile *t, long layer) {
+  const struct axis *first = &g->first, *inner = &g->inner, *last = &g->last;
+  const int owned = layer >= last->begin;
+  for (long j = owned ? most(t->y0 - inner->reach, 0) : t->y0; j < t->y1; ++j) {
+    clear_row(g->low + MARGIN, FLUXES, t->x1 - t->x0);
+    if (owned && D == 3) pairs_across(g, t, layer, j, 0);
+    if (j < t->y0) continue;
+    if (D > 1) pairs_across(g, t, layer, j, 1);
+    if (!owned) continue;
+    pairs_along(g, t, layer, j);
+    const long node = node_of(g, t->x0, j, layer);
+    const long row = (layer - last->begin) * (inner->end - inner->begin) + j - inner->begin;
+    const long own = row * (first->end - first->begin) + t->x0 - first->begin;
+    gas_store(.low = g->low + MARGIN, .high = high_of(g, t, layer, j) + t->x0, .J_t = g->metrics + g->J_t * g->N + node,
+              .rates = rates + own * (D + 3), .n = t->x1 - t->x0, .N = g->N
+#if FORCE
+              , .q = q + node * (D + 3), .p = g->p
+#endif
+    );
+  }
+}
+
+static void sweep(const struct gas *g, const double *q, double *rates, struct tile *t) {
+  weigh_first(g, t);
+  find_spans(g, t);
+  const long ahead = g->last.reach, behind = VISCOUS * ahead;
+  long completed = most(g->last.begin - ahead, 0), loaded = most(completed - behind, 0);
+  for (long layer = completed; layer < g->last.end; ++layer) {
+    for (; completed <= layer + ahead && completed < g->last.size; ++completed) {
+      for (; loaded <= completed + behind && loaded < g->last.size; ++loaded) load_layer(g, q, t, loaded);
+#if VISCOUS
+      viscous_layer(g, q, t, completed);
+#endif
+    }
+    sweep_layer(g, q, rates, t, layer);
+  }
+}
+
+/* Where piece m of so many begins: at a multiple of 8 nodes after the beginning. */
+static long piece(long begin, long end, long m, long count) {
+  const long size = ((end - begin + count - 1) / count + 7) / 8 * 8;
+  return least(begin + m * size, end);
+}
+
+/* q: the unknowns with a halo; rates: of the owned nodes. */
+void gas_rates(const struct gas *g, const double *q, double *rates) {
+  const struct axis *x = &g->first, *y = &g->inner;
+  const long wide = (x->end - x->begin + TILE - 1) / TILE, deep = (y->end - y->begin + DEPTH - 1) / DEPTH;
+  for (long m = 0; m < deep; ++m) {
+    for (long k = 0; k < wide; ++k) {
+      struct tile t = {.x0 = piece(x->begin, x->end, k, wide), .x1 = piece(x->begin, x->end, k + 1, wide),
+                       .y0 = y->begin + m * DEPTH, .y1 = least(y->begin + (m + 1) * DEPTH, y->end)};
+      if (t.x0 < t.x1) sweep(g, q, rates, &t);
+    }
+  }
+}

@@ -1,0 +1,112 @@
+"""The kernels of a gas block's rates: what is read at a node or a pair, which formula it goes
+through, where it is stored. fsipetsc/scheme/gas.c calls them.
+
+A row of a tile has the primitive variables w of its nodes and, in viscous gases, the fluxes
+a^k . f_v of each axis k. Metrics are read where the block has them: a^1 … a^d, the velocity of the
+grid, around an axis A, then J_t.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.equations.means import NEAR
+from fsipetsc.equations.tensors import outer
+from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel, interlaced
+from fsipetsc.operators.loops import add, along, mean, scale, sub
+
+
+def gas_kernels(gas: Any, d: int, form: Any, viscous: bool) -> list[Kernel]:
+    """All kernels of a gas in d dimensions; form: fsipetsc.scheme.gas_rows."""
+    made = [_load(gas, d), *_pairs(gas, d, form, viscous), _store(gas, d)]
+    return [*made, _slope(gas, d), _viscous(gas, d)] if viscous else made
+
+
+def _load(gas: Any, d: int) -> Kernel:
+    kernel = Kernel("gas_load", "The primitive variables w of the nodes of a row.")
+    q = kernel.read("q", interlaced(f"{d + 3}"), d + 3)
+    kernel.store("w", ROWS, kernel.parameters(gas).primitive(q))
+    return kernel
+
+
+def _pairs(gas: Any, d: int, form: Any, viscous: bool) -> list[Kernel]:
+    """The kernel of pairs that are near one another, which counts those that are not, and the
+    kernel of these, if the form tells them apart.
+    """
+    kernel = Kernel("gas_near", "The fluxes of pairs of near nodes, added to the sums of both.")
+    flux, apart = _flux(kernel, gas, d, form.near, form)
+    far = isinstance(apart, float)
+    if not far:
+        flux = tuple(np.where(apart, 0.0, component) for component in flux)
+        kernel.count(apart)
+    if viscous:
+        s = mean(kernel.read("s_l", ROWS, d + 1), kernel.read("s_r", ROWS, d + 1))
+        flux = (flux[0], *sub(flux[1:], s))
+    for array, before, after in _added(kernel, d, flux):
+        kernel.store(array, ROWS, after)
+    if far:
+        return [kernel]
+    others = Kernel("gas_far", "The fluxes of the other pairs, added to the sums of both nodes.")
+    flux, apart = _flux(others, gas, d, form.any, form)
+    for array, before, after in _added(others, d, flux):
+        chosen = zip(after, before, strict=True)
+        others.store(array, ROWS, [np.where(apart, new, old) for new, old in chosen])
+    return [kernel, others]
+
+
+def _flux(kernel: Kernel, gas: Any, d: int, flux: Any, form: Any) -> tuple[Any, Any]:
+    """The flux of a pair, and whether its nodes are far apart (or 0.0, if they never are)."""
+    gas, grid = kernel.parameters(gas), len(gas.of_grid((0.0,) * d))
+    l, r = kernel.read("l", ROWS, d + 5), kernel.read("r", ROWS, d + 5)
+    a_l, a_r = kernel.read("a_l", PLANES, d), kernel.read("a_r", PLANES, d)
+    v_l, v_r = kernel.read("v_l", PLANES, grid), kernel.read("v_r", PLANES, grid)
+    distance = form.distance(gas, l, r)
+    apart = distance if isinstance(distance, float) else distance > NEAR
+    return flux(gas, l, r, a_l, a_r, gas.volume_flux(a_l, v_l, a_r, v_r)), apart
+
+
+def _added(kernel: Kernel, d: int, flux: Any) -> list[tuple[str, Any, Any]]:
+    """The sums of the lower and the upper node, before and after the flux is added."""
+    gain, loss = kernel.read("gain", ROWS, 1)[0], kernel.read("loss", ROWS, 1)[0]
+    low, high = kernel.read("low", ROWS, d + 2), kernel.read("high", ROWS, d + 2)
+    return [("low", low, along(low, -loss, flux)), ("high", high, along(high, gain, flux))]
+
+
+def _store(gas: Any, d: int) -> Kernel:
+    kernel = Kernel("gas_store", "J_t and the rates of J rho, J rho u, J E of the nodes of a row.")
+    total = add(kernel.read("low", ROWS, d + 2), kernel.read("high", ROWS, d + 2))
+    if any(gas.force):
+        q = kernel.read("q", interlaced(f"{d + 3}"), d + 3)
+        total = (total[0], *add(total[1:], kernel.parameters(gas).body_force(q)))
+    (J_t,) = kernel.read("J_t", PLANES, 1)
+    kernel.store("rates", interlaced(f"{d + 3}"), (J_t, *total))
+    return kernel
+
+
+def _slope(gas: Any, d: int) -> Kernel:
+    """D_k z of the entropy variables z, from the nodes of one distance before and after."""
+    kernel = Kernel("gas_slope", "What the nodes of one distance give to D z, added to it.")
+    gas = kernel.parameters(gas)
+    below, z, above = (
+        gas.entropy_variables(kernel.read(name, ROWS, d + 5)) for name in ("below", "here", "above")
+    )
+    before, after = kernel.read("before", ROWS, 1)[0], kernel.read("after", ROWS, 1)[0]
+    more = along(scale(0.5 * after, sub(above, z)), 0.5 * before, sub(z, below))
+    kernel.add("slope", ROWS, more)
+    return kernel
+
+
+def _viscous(gas: Any, d: int) -> Kernel:
+    kernel = Kernel("gas_viscous", "The viscous fluxes a^k . f_v of all axes k of a row's nodes.")
+    gas, w = kernel.parameters(gas), kernel.read("w", ROWS, d + 5)
+    (J,) = kernel.read("q", interlaced(f"{d + 3}"), 1)
+    areas = [kernel.read("a", PLANES, d, k * d) for k in range(d)]
+    slopes = [kernel.read("slope", ROWS, d + 1, k * (d + 1)) for k in range(d)]
+    scaled, inverse = outer(slopes[0][:-1], areas[0]), scale(slopes[0][-1], areas[0])
+    for slope, area in zip(slopes[1:], areas[1:], strict=True):
+        scaled, inverse = add(scaled, outer(slope[:-1], area)), along(inverse, slope[-1], area)
+    scaled, inverse = scale(1.0 / J, scaled), scale(1.0 / J, inverse)
+    stress, heat = gas.viscous_stress(w, scaled, inverse), gas.conduction(w, inverse)
+    for k, area in enumerate(areas):
+        kernel.store("s", ROWS, gas.viscous_flux(w, stress, heat, area), k * (d + 1))
+    return kernel
