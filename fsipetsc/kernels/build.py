@@ -29,6 +29,7 @@ from fsipetsc.errors import FileError, InputError
 FLAGS = (
     *("-std=gnu11", "-O3", "-march=native", "-ffp-contract=off", "-fno-math-errno"),
     *("-fno-trapping-math", "-fopenmp-simd", "-fPIC", "-shared"),
+    "-Werror=implicit-function-declaration",
 )
 #: of processors with vectors of 512 bits, which compilers use half of if nobody asks
 WIDE = "-mprefer-vector-width=512"
@@ -76,9 +77,32 @@ def flags() -> tuple[str, ...]:
 
 @cache
 def _target() -> bytes:
-    """What the compiler says of itself and its target with these flags: the macros it defines."""
-    command = (*compiler(), *(flag for flag in flags() if flag != "-shared"), "-E", "-dM", "-xc")
-    return _run((*command, os.devnull), "asking the C compiler for its target")
+    """A hash of what the compiler says of itself and its target with these flags: the macros that
+    it defines. It is kept, so that where there is no compiler any more the last one counts.
+    InputError without a compiler, now and before.
+    """
+    note = folder() / f"target-{_hash(_processor(), ' '.join(flags()).encode()).hex()[:16]}"
+    try:
+        command = compiler()
+    except InputError:
+        if note.is_file() and "CC" not in os.environ:
+            return note.read_bytes()
+        raise
+    asked = (*command, *(flag for flag in flags() if flag != "-shared"), "-E", "-dM", "-xc")
+    found = _hash(_run((*asked, os.devnull), "asking the C compiler for its target"))
+    if not note.is_file() or note.read_bytes() != found:
+        note.write_bytes(found)
+    return found
+
+
+def _processor() -> bytes:
+    """What tells processors with other instruction sets apart."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        lines = []
+    known = next((line for line in lines if line.startswith(("flags", "Features"))), "")
+    return f"{platform.machine()} {platform.processor()} {known}".encode()
 
 
 def name_of(text: str) -> str:

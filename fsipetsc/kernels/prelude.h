@@ -15,3 +15,4 @@ static inline double maximum_(double a, double b) { return a > b || a != a ? a :
 static inline double minimum_(double a, double b) { return a < b || a != a ? a : b; }
 #define pow_ pow
 #define log1p_ log1p
+static inline double sign_(double x) { return x > 0 ? 1.0 : x < 0 ? -1.0 : x; }

@@ -1,0 +1,306 @@
+"""Formulas as machine code: what is recorded, printed, compiled, and what is refused by name."""
+
+import ctypes
+import math
+import os
+import shutil
+import stat
+
+import numpy as np
+import pytest
+from helpers import REPOSITORY, message, mpirun, run
+
+from fsipetsc.equations.gas import Gas
+from fsipetsc.errors import InputError
+from fsipetsc.kernels import build
+from fsipetsc.kernels.kernel import PLANES, Kernel, interlaced, numbers_of
+from fsipetsc.kernels.symbols import Record, derivatives
+from fsipetsc.kernels.unit import unit
+from fsipetsc.materials.constant_transport import ConstantTransport
+from fsipetsc.materials.perfect_gas import PerfectGas
+from fsipetsc.scheme.gas_rows import EntropyForm
+from fsipetsc.scheme.gas_volume import gas_text
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    """A folder of libraries of its own, and nothing known of compilers."""
+    monkeypatch.setenv("FSIPETSC_CACHE", str(tmp_path / "cache"))
+    forget()
+    yield tmp_path / "cache"
+    monkeypatch.undo()
+    forget()
+
+
+def forget():
+    for known in (build.compiler, build.flags, build.folder, build._target):
+        known.cache_clear()
+
+
+def compiled(formula, count, cache):
+    """A function of an array (count, n) by a kernel of a formula of so many numbers."""
+    kernel = Kernel("formula", "A formula.")
+    kernel.store("out", interlaced("1"), [formula(*kernel.read("x", PLANES, count))])
+    call = (
+        "void all(const double *x, double *out, long n) "
+        "{ formula(.x = x, .out = out, .n = n, .N = n); }"
+    )
+    text = unit({}, [kernel], call)
+    library = build.loaded(build.keep(build.name_of(text), build.made(text)))
+
+    def function(x):
+        out = np.empty(x.shape[1])
+        pointers = (ctypes.c_void_p(a.ctypes.data) for a in (x, out))
+        library.all(*pointers, ctypes.c_long(x.shape[1]))
+        return out
+
+    return function
+
+
+def every_operation(a, b, c):
+    """A formula of most of what can be recorded."""
+    first = np.where((a > b) & ~(c < 0.3), a * b + c, a / b - c) ** 3
+    second = np.sqrt(abs(a - b)) + np.maximum(a, b * c) - np.minimum(2.0, c) ** 0.5
+    return -first + second * np.log(a) + np.sign(c - b) * 2.0**-3 + 1.0 / (a + b) ** 2
+
+
+def test_a_kernel_computes_what_its_formula_does(cache):
+    x = np.random.default_rng(1).uniform(0.1, 2.0, (3, 1003))
+    found = compiled(every_operation, 3, cache)(x)
+    np.testing.assert_allclose(found, every_operation(*x), rtol=1e-14, atol=1e-14)
+
+
+def test_equal_operations_are_done_once_and_products_are_fused():
+    kernel = Kernel("some", "Some.")
+    a, b, c = kernel.read("x", PLANES, 3)
+    kernel.store("out", PLANES, [a * b + c, b * a - c, (a + b) * (b + a), c - a * c])
+    text = kernel.text()
+    assert text.count(" * t") == 2, "a b, which two sums take, and the square"
+    assert text.count("fma(") == 1
+
+
+def test_material_numbers_are_arguments_and_not_text():
+    """So that another viscosity compiles nothing."""
+
+    def text(mu, kappa, gamma):
+        gas = Gas(PerfectGas(gamma, 287.0), ConstantTransport(), mu, kappa, (0.0, 0.0))
+        return gas_text(gas, 2, EntropyForm(), True), numbers_of(gas)
+
+    one, other = text(1e-3, 0.02, 1.4), text(2e-3, 0.01, 5 / 3)
+    assert one[0] == other[0]
+    assert one[1] != other[1]
+
+
+def test_derivatives_are_those_of_the_formula():
+    """By the record, and by differences."""
+    at, record = (1.3, 0.7, 0.9), Record()
+    x = [record.given(f"x{k}") for k in range(3)]
+    for k in range(3):
+        (found,) = derivatives([every_operation(*x)], x[k])
+        h = 1e-6 * (np.arange(3) == k)
+        slope = (every_operation(*(at + h)) - every_operation(*(at - h))) / 2e-6
+        value = evaluated(found, dict(zip(x, at)))
+        assert value == pytest.approx(slope, rel=1e-8), k
+
+
+NUMPY = {
+    **{"+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide, "neg": np.negative},
+    **{">": np.greater, "<": np.less, "&": np.logical_and, "not": np.logical_not},
+    **{"where": np.where, "abs": abs, "pow": np.power},
+}
+
+
+def evaluated(symbol, given):
+    """The value of a symbol where those that are given have values."""
+    if symbol in given:
+        return given[symbol]
+    if symbol.value is not None:
+        return symbol.value
+    operands = [evaluated(operand, given) for operand in symbol.operands]
+    return NUMPY.get(symbol.operation, getattr(np, symbol.operation, None))(*operands)
+
+
+def branching(a):
+    if a > 0.0:
+        return a
+    return 0.0
+
+
+REFUSED = {
+    "branches on a value": branching,
+    "the functions of math take no symbols": lambda a: math.sqrt(a),
+    "np.sinc cannot be recorded": lambda a: np.sinc(a),
+    "np.sum cannot be recorded": lambda a: np.sum(a),
+    "np.add cannot be recorded": lambda a: np.add.reduce(a),
+    "divides by a constant 0": lambda a: a / 0.0,
+    "is no number": lambda a: a + "one",
+    "one number for several": lambda a: a[0],
+}
+
+
+@pytest.mark.parametrize("words", REFUSED)
+def test_what_cannot_be_recorded_is_refused_with_its_line(words):
+    formula = REFUSED[words]
+    with pytest.raises(InputError) as error:
+        formula(Record().given("x"))
+    said, code = str(error.value), formula.__code__
+    assert words in said
+    line = code.co_firstlineno + (1 if formula is branching else 0)
+    assert f"{code.co_name}, {code.co_filename}:{line}: " in said
+
+
+# building
+
+
+def simple():
+    """A text in C, and its library's name."""
+    text = unit({}, [], "double twice(double x) { return 2.0 * x; }")
+    return text, build.name_of(text)
+
+
+def twice(path):
+    function = ctypes.CDLL(str(path)).twice
+    function.argtypes, function.restype = [ctypes.c_double], ctypes.c_double
+    return function(21.0)
+
+
+def test_a_library_is_kept_and_a_damaged_one_is_not_taken(cache):
+    text, name = simple()
+    assert build.kept(name) is None
+    path = build.keep(name, build.made(text))
+    assert build.kept(name) == path
+    assert twice(path) == 42.0
+    assert stat.S_IMODE(cache.stat().st_mode) == 0o700
+    content = bytearray(path.read_bytes())
+    for place in (0, len(content) // 2, len(content) - 1):
+        damaged = bytes(content[:place]) + bytes([content[place] ^ 1]) + bytes(content[place + 1 :])
+        path.write_bytes(damaged)
+        assert build.kept(name) is None, place
+    path.write_bytes(bytes(content[:100]))
+    assert build.kept(name) is None
+
+
+def test_flags_compilers_and_texts_have_libraries_of_their_own(cache, monkeypatch):
+    names = {simple()[1]}
+    for key, value in (("CFLAGS", "-O1"), ("CFLAGS", "-march=x86-64"), ("CC", "cc -DX=1")):
+        monkeypatch.setenv(key, value)
+        forget()
+        names.add(simple()[1])
+        monkeypatch.delenv(key)
+    assert len(names) == 4
+    forget()
+    assert simple()[1] in names
+
+
+@pytest.mark.parametrize("flag", ["-ffast-math", "-Ofast", "-ffp-contract=fast"])
+def test_flags_that_change_bits_are_refused(flag, cache, monkeypatch):
+    monkeypatch.setenv("CFLAGS", f"-O1 {flag}")
+    with pytest.raises(InputError, match=f"CFLAGS has {flag}: "):
+        simple()
+
+
+def test_a_folder_that_others_can_write_to_is_refused(cache):
+    cache.mkdir()
+    cache.chmod(0o777)
+    with pytest.raises(InputError, match="others can write to"):
+        build.folder()
+
+
+def test_without_a_folder_there_is_a_warning_and_another_one(cache, monkeypatch, capsys):
+    cache.write_text("no folder")
+    place = build.folder()
+    try:
+        assert "warning: cannot keep compiled kernels" in capsys.readouterr().err
+        assert place.is_dir() and place != cache
+    finally:
+        shutil.rmtree(place)
+
+
+def test_a_compiler_that_fails_is_told_with_its_first_error(cache):
+    with pytest.raises(InputError, match=r"compiling kernels failed: .*kernels.c:1:.*error.*cc"):
+        build.made("this is no C\n")
+
+
+def test_a_missing_compiler_is_told_and_not_needed_for_what_is_kept(cache, monkeypatch):
+    text, name = simple()
+    build.keep(name, build.made(text))
+    monkeypatch.setenv("PATH", str(cache))
+    monkeypatch.setattr(build, "find_spec", lambda module: None)
+    forget()
+    assert simple()[1] == name
+    assert twice(build.kept(name)) == 42.0
+    with pytest.raises(InputError, match="no C compiler was found"):
+        build.made(text)
+    monkeypatch.setenv("CC", "no-such-compiler -x")
+    forget()
+    with pytest.raises(InputError, match="CC is 'no-such-compiler -x': no such program"):
+        simple()
+
+
+def test_a_run_without_a_compiler_ends_with_one_message(tmp_path):
+    done = run(
+        *("-m", "fsipetsc", "box", "-ts_max_steps", "1", "-fsi_h", "0.1"),
+        cwd=tmp_path,
+        env={"CC": "no-such-compiler", "FSIPETSC_CACHE": str(tmp_path / "cache")},
+    )
+    message(done, 2, "CC is 'no-such-compiler': no such program was found")
+
+
+PROGRAM = """
+import ctypes, os, sys
+sys.path[:0] = [{tests!r}, {root!r}]
+from fsipetsc.process.launch import start_mpi
+comm = start_mpi()
+os.environ["FSIPETSC_CACHE"] = f"cache{{comm.rank if sys.argv[1] == 'apart' else 0}}"
+from test_kernels import simple, twice
+from fsipetsc.errors import FsiError
+from fsipetsc.kernels import build
+from fsipetsc.kernels.unit import unit
+from fsipetsc.process.libraries import libraries
+if comm.rank == 1:
+    build.keep(simple()[1], build.made(simple()[0]))
+comm.Barrier()
+texts = [simple()[0]] + [unit({{}}, [], f"double own(void) {{{{ return {{comm.rank}}.0; }}}}")]
+said = []
+if sys.argv[1] == "failing" and comm.rank == 0:
+    texts[1] = "no C"
+try:
+    found = libraries(comm, texts, said.append)
+except FsiError as error:
+    print(comm.rank, error.status, "compiling kernels failed" in str(error), flush=True)
+else:
+    found[1].own.restype = ctypes.c_double
+    print(comm.rank, found[1].own() == comm.rank, len(found), len(said), flush=True)
+"""
+
+
+@pytest.mark.parametrize("kind", ["apart", "together", "failing"])
+def test_ranks_agree_on_who_compiles(kind, tmp_path):
+    """One of three ranks has one of the libraries; each needs one more of its own."""
+    (tmp_path / "program.py").write_text(
+        PROGRAM.format(tests=str(REPOSITORY / "tests"), root=str(REPOSITORY))
+    )
+    done = mpirun(3, "program.py", kind, cwd=tmp_path)
+    lines = sorted(line for line in done.stdout.splitlines() if line[:1] in "012")
+    if kind == "failing":
+        assert lines == [f"{rank} 2 True" for rank in range(3)], done.stderr
+    else:
+        assert lines == ["0 True 2 2", "1 True 2 0", "2 True 2 0"], done.stderr
+
+
+# bits
+
+
+@pytest.mark.parametrize("flags", ["-O1", "-march=x86-64", "-march=x86-64-v3"])
+def test_kernels_have_the_same_bits_with_other_flags(flags, cache, monkeypatch):
+    if "x86-64" in flags and os.uname().machine != "x86_64":
+        pytest.skip("another kind of processor")
+    x = np.random.default_rng(2).uniform(0.1, 2.0, (3, 517))
+    one = compiled(every_operation, 3, cache)(x)
+    monkeypatch.setenv("CFLAGS", flags)
+    forget()
+    assert np.array_equal(one, compiled(every_operation, 3, cache)(x))
+    alone = [compiled(every_operation, 3, cache)(x[:, [i]])[0] for i in range(5)]
+    assert np.array_equal(one[:5], alone)
+
+
