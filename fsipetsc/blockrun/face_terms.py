@@ -2,13 +2,15 @@
 fsipetsc.scheme.faces.
 """
 
+import ctypes
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blocks.conditions import Absorbing, Free, Open, Outflow
-from fsipetsc.blocks.metrics import Wide, curl_metrics
+from fsipetsc.blocks.cube import Cube
+from fsipetsc.blocks.metrics import Wide
 from fsipetsc.blocks.problem import Meeting
 from fsipetsc.blocks.values import checked, checked_one, datum
 from fsipetsc.parallel.block_layout import Part
@@ -92,10 +94,12 @@ class FaceTerms:
                 values = checked(self._jumps, (*X.T, t), X.T, names, f"jumps at t = {t:.6g}")
                 record.traction[at], record.heat[at] = np.stack(values[:-1], axis=-1), values[-1]
 
-    def turn(self, q: Array) -> None:
-        """Area vectors of a solid's faces where it is now, in three dimensions; q: (ghosted, 7)."""
+    def turn(self, q: Array, library: ctypes.CDLL) -> None:
+        """Area vectors of a solid's faces where it is now, in three dimensions; q: (ghosted, 7);
+        library: has the functions of fsipetsc/blocks/cube.c.
+        """
         for at, face in self._turned:
-            self.record.normal[at] = face(q)
+            self.record.normal[at] = face.areas(q, library)
 
 
 class TurnedFace:
@@ -116,16 +120,17 @@ class TurnedFace:
         ]
         places = np.meshgrid(*index, indexing="ij")
         self._at = np.ravel_multi_index(places, part.patch.ghosted, order="F").ravel(order="F")
-        n = self._at.size
-        self._a, self._slopes, self._scratch = (np.empty((3, 3, n)) for _ in range(3))
+        self._areas = np.zeros((3, int(np.prod([end - begin for begin, end in where]))))
+        self._cube: Cube | None = None
 
-    def __call__(self, q: Array) -> Array:
+    def areas(self, q: Array, library: ctypes.CDLL) -> Array:
         """(n, 3) outward; q: (ghosted, 7)."""
-        wide = self._wide
-        y = wide.y + q[self._at, :3].T
-        scratch = self._scratch.reshape(9, -1)[:4]
-        curl_metrics(self._a, y, wide.P, wide.S, wide.weight, self._slopes, scratch)
-        return self._sign * wide.inner(self._a[self._axis]).T
+        if self._cube is None:
+            self._cube = Cube(library, self._wide, np.zeros((13, self._areas.shape[1])))
+        np.add(self._wide.y, q[self._at, :3].T, out=self._cube.x)
+        self._areas[:] = 0.0
+        self._cube.add_face(self._axis, 0, 1.0, 0.0, self._areas)
+        return self._sign * self._areas.T
 
 
 def _left_out(problem: Any, k: int) -> float:

@@ -17,7 +17,7 @@ from fsipetsc.operators.boxed import Box
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.scheme.block_monitor import room_of, sums_of
-from fsipetsc.scheme.compiled import CompiledFunction
+from fsipetsc.operators.compiled import CompiledFunction
 from fsipetsc.scheme.gas_dissipation import gas_damping
 from fsipetsc.scheme.gas_record import FUNCTIONS, GasRecord
 from fsipetsc.scheme.gas_rows import DivergenceForm, EntropyForm
@@ -59,7 +59,8 @@ class GasPart(BlockPart):
             ],
             np.int64,
         )
-        self.grid = GridMotion(self._problem, k, self._order, self.part.ghosted, nodes)
+        of_block = self._problem, k, self._order, self.part.ghosted
+        self.grid = GridMotion(*of_block, nodes, self.library)
         self.metrics, self.moves = self.grid.metrics, nodes.size > 0
         self.gather = FaceGather(self._layout, k, nodes, 2 * self._d)
         own, particle = system.nodes[k]

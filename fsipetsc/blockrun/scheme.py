@@ -35,7 +35,7 @@ from fsipetsc.process.together import together
 from fsipetsc.scheme import particles as kernels
 from fsipetsc.scheme import steps as stages
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
-from fsipetsc.scheme.normals import add_areas
+from fsipetsc.scheme.normals import add_areas, turned_faces
 from fsipetsc.scheme.part import PartCalls
 from fsipetsc.scheme.particle_heat import weigh_heat
 
@@ -99,6 +99,11 @@ class Scheme:
         columns = slices(state.latest.dtype)
         begins = {name: at.start for name, at in columns.items()}
         self._at_faces = {k: self.particles.faces_at(k) for k in self.parts}
+        #: of gases, the faces whose area vectors are wanted: axis, index along it
+        self._turning = {
+            gas.part.k: turned_faces(self._at_faces[gas.part.k], gas.part.patch)
+            for gas in self._gases
+        }
         about = begins, self.particles, self.alone, list(state.interface_ends())
         self._does = {k: p.calls(self._at_faces[k], *about) for k, p in self.parts.items()}
         self._of_gases = [(gas, self._does[gas.part.k]) for gas in self._gases]
@@ -220,13 +225,14 @@ class Scheme:
             for gas, does in self._of_gases:
                 does.turn(does.part, box)
                 if gas.moves and self.dimension == 3:
-                    faces, turning = self._at_faces[gas.part.k], gas.grid.record.turning()
+                    faces = self._at_faces[gas.part.k]
+                    turning = gas.grid.turning(self._turning[gas.part.k])
                     add_areas(faces, 3, turning, particles.areas.table)
             particles.areas.exchange()
             kernels.end_normals(box, True)
         y.end()
         for solid in self._solids:
-            solid.faces.turn(y.ghosted(solid.part.k))
+            solid.faces.turn(y.ghosted(solid.part.k), solid.library)
         for does in self._does.values():
             does.rates(does.part, y.array, f, self._gain)
         kernels.weigh(box, f)

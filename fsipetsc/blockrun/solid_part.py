@@ -17,7 +17,7 @@ from fsipetsc.operators.loops import dot
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
-from fsipetsc.scheme.compiled import CompiledFunction
+from fsipetsc.operators.compiled import CompiledFunction
 from fsipetsc.scheme.part import Nothing, PartCalls
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, solid_damping
 from fsipetsc.scheme.solid_monitor import solid_monitor

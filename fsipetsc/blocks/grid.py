@@ -6,18 +6,22 @@ moves is a record for compiled code, one for each number of dimensions and one a
 centre; all have the methods of a LineMotion.
 """
 
+import ctypes
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 
-from fsipetsc.blocks.block import Block, Range
-from fsipetsc.blocks.hull import Hull, blend_of, end_weights, hull_of
-from fsipetsc.blocks.metrics import Wide, curl_metrics, volume_rate
+from fsipetsc.blocks.block import Range
+from fsipetsc.blocks.cube import Cube, faces_turning
+from fsipetsc.blocks.hull import blend_of, end_weights, hull_of
+from fsipetsc.blocks.metrics import Wide
 from fsipetsc.blocks.plane_grid import plane_motion
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.blocks.radial_grid import radial_motion
 from fsipetsc.checks import Array
+from fsipetsc.operators.compiled import CompiledFunction
 from fsipetsc.operators.loops import CALL
 
 
@@ -57,40 +61,35 @@ class LineMotion(NamedTuple):
 
 
 class CubeMotion(NamedTuple):
-    """A grid in three dimensions. blend: on the W wide nodes. y, P, S, weight: of a Wide; inner:
-    (N,) of the range among the wide nodes. x, v: (3, W) places less those of linear maps,
-    velocities; a, slopes: (3, 3, W), q: (4, W), room. volume: (N,) det D x.
+    """A grid in three dimensions. blend: on the W wide nodes; y: (3, W), of a Wide; inner: (N,) of
+    the range among the wide nodes. x, v: (3, W) places less those of linear maps, velocities,
+    volume: (N,) det D x, areas, velocities: functions of fsipetsc/blocks/cube.c, all of a Cube with
+    this address.
     """
 
     hull: Any
     blend: Any
     inner: Array
     y: Array
-    P: Array
-    S: Any
-    weight: Any
     x: Array
     v: Array
-    a: Array
-    slopes: Array
-    q: Array
     volume: Array
+    areas: Any
+    velocities: Any
+    address: int
 
     def move(self, known, metrics):
         """Fill a^1, a^2, a^3 in curl form, and volume."""
         self.hull.fill(self.hull.moved, known, 0)
-        cube_metrics(self, metrics)
+        self.blend.fill(self.hull.moved, self.x)
+        add_to(self.x, self.y)
+        self.areas(self.address)
 
     def swing(self, known, metrics):
         """Velocity of the grid and J_t."""
         self.hull.fill(self.hull.moving, known, 3)
         self.blend.fill(self.hull.moving, self.v)
-        volume_rate(self.q[0], self.a, self.v, self.S, self.weight, self.q[1])
-        for i in range(self.inner.size):
-            n = self.inner[i]
-            metrics[12, i] = self.q[0, n]
-            for c in range(3):
-                metrics[9 + c, i] = self.v[c, n]
+        self.velocities(self.address)
 
     def find_places(self, X, places):
         """X + the displacement."""
@@ -103,57 +102,31 @@ class CubeMotion(NamedTuple):
         """det(D x) of a node."""
         return self.volume[node]
 
-    def turning(self):
-        """How a^1, a^2, a^3 (9, N) change in time after `swing`: they are bilinear in the places.
-        Not for compiled code.
-        """
-        found = []
-        for sign in (1.0, -1.0):
-            a, slopes = np.empty_like(self.a), np.empty_like(self.slopes)
-            y = self.x + sign * self.v
-            curl_metrics(a, y, self.P, self.S, self.weight, slopes, self.q)
-            found.append(a.reshape(9, -1)[:, self.inner])
-        return 0.5 * (found[0] - found[1])
-
 
 @njit(**CALL)
-def cube_metrics(cube, metrics):
-    """a^1, a^2, a^3 and det D x."""
-    x, a, P, slopes = cube.x, cube.a, cube.P, cube.slopes
-    cube.blend.fill(cube.hull.moved, x)
-    for c in range(3):
+def add_to(x, y):
+    """x += y."""
+    for c in range(x.shape[0]):
         for n in range(x.shape[1]):
-            x[c, n] += cube.y[c, n]
-    curl_metrics(a, x, P, cube.S, cube.weight, slopes, cube.q)
-    G = np.empty((3, 3))
-    for i in range(cube.inner.size):
-        n = cube.inner[i]
-        for k in range(3):
-            for c in range(3):
-                metrics[3 * k + c, i] = a[k, c, n]
-                G[k, c] = slopes[k, c, n] + P[k, c]
-        first = G[0, 0] * (G[1, 1] * G[2, 2] - G[1, 2] * G[2, 1])
-        second = G[0, 1] * (G[1, 2] * G[2, 0] - G[1, 0] * G[2, 2])
-        cube.volume[i] = first + second + G[0, 2] * (G[1, 0] * G[2, 1] - G[1, 1] * G[2, 0])
-
-
-def _cube_motion(block: Block, wide: Wide, hull: Hull) -> CubeMotion:
-    N = wide.y.shape[1]
-    inner = wide.inner(np.arange(N))
-    of_map = wide.y, wide.P, wide.S, wide.weight
-    room = *np.zeros((2, 3, N)), *np.zeros((2, 3, 3, N)), np.zeros((4, N)), np.zeros(inner.size)
-    return CubeMotion(hull, blend_of(block, wide, hull.nodes), inner, *of_map, *room)
+            x[c, n] += y[c, n]
 
 
 class GridMotion:
     """Positions and metrics of a range of nodes of gas block k (of a rank: the ghosted).
 
     nodes: numbers (M,) of those nodes on faces of the whole block whose displacement and velocity
-    will be given, in any order. record: for compiled code, see LineMotion. metrics: as there.
+    will be given, in any order. library: has the functions of fsipetsc/blocks/cube.c, in three
+    dimensions. record: for compiled code, see LineMotion. metrics: as there.
     """
 
     def __init__(
-        self, problem: BlockProblem, k: int, order: int, where: Range, nodes: Array
+        self,
+        problem: BlockProblem,
+        k: int,
+        order: int,
+        where: Range,
+        nodes: Array,
+        library: ctypes.CDLL,
     ) -> None:
         block, d = problem.blocks[k], problem.dimension
         self._X, wide = problem.positions(k, where), Wide(problem, k, order, where)
@@ -165,12 +138,28 @@ class GridMotion:
         elif d == 1:
             self._reference = wide.gradients()[0, 0]
             self.record = LineMotion(hull, *end_weights(block, 0, np.arange(*where[0]))[:, 0])
+        elif d == 2:
+            self.record = plane_motion(block, wide, hull)
         else:
-            self.record = (plane_motion if d == 2 else _cube_motion)(block, wide, hull)
+            self._cube = cube = Cube(library, wide, self.metrics)
+            self._turning, inner = np.zeros((9, self._X.shape[1])), np.arange(wide.y.shape[1])
+            of_cube = cube.x, cube.v, cube.volume
+            calls = (CompiledFunction(library, name, 0) for name in ("cube_move", "cube_swing"))
+            blend = blend_of(block, wide, hull.nodes)
+            self.record = CubeMotion(
+                hull, blend, wide.inner(inner), wide.y, *of_cube, *calls, cube.address
+            )
 
     def move(self, displacement: Array) -> None:
         """Fill a^1 … a^d from the displacement (M, d) [m] of the given nodes."""
         self.record.move(displacement, self.metrics)
+
+    def turning(self, faces: Iterable[tuple[int, int]]) -> Array:
+        """How a^1, a^2, a^3 (9, N) change in time after `swing` in three dimensions, on faces of
+        the range: (axis, index along it) each; elsewhere 0.
+        """
+        faces_turning(self._cube, faces, self._turning)
+        return self._turning
 
     def positions(self) -> Array:
         """x (d, N) [m] after the last `move`."""

@@ -15,11 +15,11 @@ static inline long least(long a, long b) { return a < b ? a : b; }
 """
 
 
-def unit(constants: Mapping[str, int], kernels: Sequence[Kernel], loops: str) -> str:
+def unit(constants: Mapping[str, int], kernels: Sequence[Kernel], *loops: str) -> str:
     """The text. loops: C code that calls the kernels."""
     defined = "".join(f"#define {name} {value}\n" for name, value in constants.items())
     printed = "\n".join(kernel.text() for kernel in kernels)
-    return "\n".join([_HEAD + defined, c_source("fsipetsc.kernels", "prelude.h"), printed, loops])
+    return "\n".join([_HEAD + defined, c_source("fsipetsc.kernels", "prelude.h"), printed, *loops])
 
 
 def c_source(package: str, name: str) -> str:

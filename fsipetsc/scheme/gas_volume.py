@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.blocks.cube import cube_text
 from fsipetsc.kernels.kernel import numbers_of
 from fsipetsc.kernels.unit import c_source, unit
 from fsipetsc.operators.bands import Band, Patch
@@ -45,7 +46,8 @@ def gas_text(gas: Any, d: int, form: Any, viscous: bool) -> str:
         "TELLS_FAR": int(any(kernel.name == "gas_far" for kernel in kernels)),
         **{"ROW": ROW, "TILE": TILE, "MARGIN": MARGIN, "DEPTH": DEPTH, "GAP": GAP, "SPANS": SPANS},
     }
-    return unit(constants, kernels, c_source("fsipetsc.scheme", "gas.c"))
+    cube = [cube_text()] if d == 3 else []
+    return unit(constants, kernels, c_source("fsipetsc.scheme", "gas.c"), *cube)
 
 
 class GasVolume:

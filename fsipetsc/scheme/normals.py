@@ -57,6 +57,13 @@ def listed(part: Any, rows: list[tuple[int, int, int, float, int]]) -> Faces:
     return Faces(row, node, axis, weight, column)
 
 
+def turned_faces(faces: Faces, patch: Any) -> list[tuple[int, int]]:
+    """The faces of a patch that nodes are on: axis, index of the node along it."""
+    strides = np.cumprod([1, *patch.ghosted[:2]])
+    index = faces.node // strides[faces.axis] % np.array(patch.ghosted)[faces.axis]
+    return sorted(set(zip(faces.axis.tolist(), index.tolist(), strict=True)))
+
+
 @njit(**CALL)
 def add_areas(faces, d, areas, table):
     """Add areas (d d + …, ghosted nodes), by axis and component, to the rows of a table."""

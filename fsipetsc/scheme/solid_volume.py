@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.blocks.cube import cube_text
 from fsipetsc.kernels.kernel import numbers_of
 from fsipetsc.kernels.unit import c_source, unit
 from fsipetsc.scheme.rows import Array
@@ -37,7 +38,8 @@ def solid_text(solid: Any, d: int, prestressed: bool) -> str:
         "WIDTH": int(WIDTH),
     }
     kernels = solid_kernels(solid, d, prestressed)
-    return unit(constants, kernels, c_source("fsipetsc.scheme", "solid.c"))
+    cube = [cube_text()] if d == 3 else []
+    return unit(constants, kernels, c_source("fsipetsc.scheme", "solid.c"), *cube)
 
 
 class SolidVolume:

@@ -15,6 +15,9 @@ class CompiledFunction(types.WrapperAddressProtocol):
         self._address = ctypes.cast(self.function, ctypes.c_void_p).value
         self._signature = types.void(types.int64, *[types.uint64] * arrays)
 
+    def __call__(self, *addresses: int) -> None:
+        self.function(*map(ctypes.c_void_p, addresses))
+
     def __wrapper_address__(self) -> int:
         return self._address
 

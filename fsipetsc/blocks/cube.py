@@ -1,0 +1,78 @@
+"""Metrics of a moving grid in three dimensions: fsipetsc/blocks/cube.c, and what it takes."""
+
+import ctypes
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.blocks.metrics import Wide
+from fsipetsc.checks import Array
+from fsipetsc.kernels.unit import c_source
+
+_POINTER, _NUMBER = ctypes.c_void_p, ctypes.c_long
+
+
+class _Cube(ctypes.Structure):
+    _fields_ = [
+        *((name, _POINTER * 3) for name in ("S", "half")),
+        *((name, _NUMBER * 3) for name in ("reach", "size", "first", "end")),
+        ("P", ctypes.c_double * 9),
+        *((name, _POINTER) for name in ("x", "v", "q", "metrics", "volume")),
+        ("N", _NUMBER),
+    ]
+
+
+def cube_text() -> str:
+    """The C code of cube_move, cube_swing and cube_face."""
+    return c_source("fsipetsc.blocks", "cube.c")
+
+
+class Cube:
+    """The range of nodes of a Wide in three dimensions.
+
+    library: has the functions of cube.c. x, v: (3, wide nodes) places less those of linear maps,
+    and velocities. metrics: (13, N) a^1, a^2, a^3, velocity, J_t of the range. volume: (N,) det
+    D x. address: of the struct in C.
+    """
+
+    def __init__(self, library: ctypes.CDLL, wide: Wide, metrics: Array) -> None:
+        self.library, nodes = library, wide.y.shape[1]
+        self.x, self.v, self.volume = wide.y.copy(), np.zeros((3, nodes)), np.zeros(metrics.shape[1])
+        half, q = [0.5 / weight for weight in wide.weight], np.zeros((9, nodes))
+        S = [np.ascontiguousarray(of_axis) for of_axis in wide.S]
+        self._kept = half, q, metrics, S
+        pairs = list(zip(wide.where, wide.wide, strict=True))
+        self._struct = _Cube(
+            S=(_POINTER * 3)(*(of_axis.ctypes.data for of_axis in S)),
+            half=(_POINTER * 3)(*(of_axis.ctypes.data for of_axis in half)),
+            reach=(_NUMBER * 3)(*(len(of_axis) - 1 for of_axis in S)),
+            size=(_NUMBER * 3)(*wide.sizes),
+            first=(_NUMBER * 3)(*(begin - wide_begin for (begin, _), (wide_begin, _) in pairs)),
+            end=(_NUMBER * 3)(*(end - wide_begin for (_, end), (wide_begin, _) in pairs)),
+            P=(ctypes.c_double * 9)(*wide.P.ravel()),
+            **{name: getattr(self, name).ctypes.data for name in ("x", "v", "volume")},
+            q=q.ctypes.data,
+            metrics=metrics.ctypes.data,
+            N=metrics.shape[1],
+        )
+        self.address = ctypes.addressof(self._struct)
+
+    def add_face(self, i: int, at: int, factor: float, sign: float, areas: Array) -> None:
+        """Add factor times a^i of the places x + sign v to ``areas`` (9 or 3, N), rows 3 i and so on
+        of nine, at the nodes of the range whose index along axis i is ``at``.
+        """
+        row = areas[3 * i] if len(areas) == 9 else areas[0]
+        self.library.cube_face(
+            *(ctypes.c_void_p(self.address), _NUMBER(i), _NUMBER(at)),
+            *(ctypes.c_double(factor), ctypes.c_double(sign), ctypes.c_void_p(row.ctypes.data)),
+        )
+
+
+def faces_turning(cube: Cube, faces: Any, areas: Array) -> None:
+    """Fill areas (9, N) with how a^i changes in time on some faces, (axis, index) each: it is
+    bilinear in the places, so half the difference of those of x + v and x - v.
+    """
+    areas[:] = 0.0
+    for i, at in faces:
+        cube.add_face(i, at, 0.5, 1.0, areas)
+        cube.add_face(i, at, -0.5, -1.0, areas)
