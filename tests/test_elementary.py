@@ -1,0 +1,211 @@
+"""The elementary functions of printed kernels: errors, special values, the same bits everywhere."""
+
+import ctypes
+import platform
+import shutil
+import subprocess
+import sys
+from importlib.util import find_spec
+from itertools import product
+
+import numpy as np
+import pytest
+from helpers import REPOSITORY
+
+FLAGS = (
+    *("-std=gnu11", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"),
+    *("-fopenmp-simd", "-fPIC", "-shared"),
+)
+LONG = np.longdouble
+#: the most that a function may be wrong, in units in the last place, and what the reference may be
+MOST, SLACK = 2.0, 0.01 if np.finfo(LONG).nmant > 60 else 1.0
+INF, NAN, TINY, LEAST, LARGEST = np.inf, np.nan, 5e-324, 2.2250738585072014e-308, sys.float_info.max
+WANTED = 4000
+RANDOM = np.random.default_rng(1)
+
+
+def between(a, b):
+    return RANDOM.uniform(a, b, WANTED)
+
+
+def sizes(a, b):
+    """Of both signs, as many for each power of 2 between 2^a and 2^b."""
+    return np.exp2(between(a, b)) * RANDOM.choice([-1.0, 1.0], WANTED)
+
+
+def near_quarters(most):
+    """The numbers next to multiples of pi/2."""
+    pi = LONG("3.14159265358979323846264338327950288")
+    return (RANDOM.integers(1, most, WANTED).astype(LONG) * (pi / 2)).astype(float)
+
+
+EVERY, SMALL, BELOW_1 = sizes(-1074, 1023.99), sizes(-60, 2), sizes(-1074, 0)
+POSITIVE = np.concatenate([abs(EVERY), between(0.5, 2.0), 1.0 + sizes(-52, -3)])
+ANGLES = np.concatenate(
+    [BELOW_1, between(-9, 9), between(-1e5, 1e5), sizes(17, 40), near_quarters(60000)]
+)
+SINES = np.concatenate([BELOW_1, between(-1, 1), 1.0 - np.exp2(between(-53, -1))])
+HYPERBOLIC = np.concatenate([BELOW_1, between(-3, 3), between(-710.4, 710.4)])
+ARGUMENTS = {
+    "exp": (np.concatenate([between(-745.1, 709.7), between(-745, -708), between(-2, 2), SMALL]),),
+    "exp2": (np.concatenate([between(-1074, 1023.9), between(-2, 2), SMALL]),),
+    "expm1": (np.concatenate([between(-50, 709.7), between(-3, 3), BELOW_1]),),
+    "log": (POSITIVE,),
+    "log_positive": (POSITIVE[POSITIVE >= LEAST],),
+    "log1p": (np.concatenate([POSITIVE, BELOW_1, between(-0.99, 3), -1 + abs(sizes(-52, -1))]),),
+    "log2": (POSITIVE,),
+    "log10": (POSITIVE,),
+    "cbrt": (np.concatenate([EVERY, between(-10, 10)]),),
+    "sin": (ANGLES,),
+    "cos": (ANGLES,),
+    "tan": (ANGLES,),
+    "sinh": (HYPERBOLIC,),
+    "cosh": (HYPERBOLIC,),
+    "tanh": (np.concatenate([HYPERBOLIC, between(-22, 22)]),),
+    "arctan": (np.concatenate([EVERY, between(-5, 5), SMALL]),),
+    "arcsin": (np.concatenate([SINES, -SINES]),),
+    "arccos": (np.concatenate([SINES, -SINES]),),
+    "sign": (EVERY,),
+}
+BASES = np.concatenate([abs(EVERY), between(0.5, 2.0), 1.0 + sizes(-52, -3), between(0, 100)])
+RESULTS = np.concatenate([between(-745, 709.7) for _ in range(4)])  # the logarithms of powers
+PAIRS = {
+    "pow": (BASES, RESULTS / np.log(BASES)),
+    "arctan2": (
+        np.concatenate([EVERY, between(-3, 3), sizes(-1074, -1000), sizes(-1074, -10)]),
+        np.concatenate([EVERY[::-1], between(-3, 3), sizes(-1074, -1000), sizes(-10, 10)]),
+    ),
+    "maximum": (EVERY, EVERY[::-1]),
+    "minimum": (EVERY, EVERY[::-1]),
+}
+FUNCTIONS = {**ARGUMENTS, **PAIRS}
+SPECIAL = np.array(
+    [
+        *(0.0, INF, TINY, LEAST, LEAST / 3.0, LARGEST, 1e300, 1.0, 0.5, 2.0, 3.0, 3.5, 27.0),
+        *(1e-300, 1.0 + 2.0**-52, 1.0 - 2.0**-53, 10.0, 1023.0, 1024.0, 1074.0, 1075.0, 709.78),
+        *(709.79, 710.47586, 710.4759, 745.1, 745.2, 1e5, 2.0**40, 2.0**52 + 1.0, 2.0**53, 1e22),
+    ]
+)
+SPECIAL = np.concatenate([SPECIAL, -SPECIAL, [NAN]])
+#: the same numbers, and all pairs of them
+SPECIALS = {1: (SPECIAL,), 2: tuple(np.array(list(product(SPECIAL, SPECIAL))).T)}
+
+pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+
+
+class Library:
+    """All functions, each in a loop, from one compiler."""
+
+    def __init__(self, folder, name, *command):
+        source = folder / "loops.c"
+        source.write_text("".join(_text()))
+        made = folder / f"{name}.so"
+        done = subprocess.run(
+            [*command, *FLAGS, str(source), "-o", str(made), "-lm"], capture_output=True, text=True
+        )
+        assert done.returncode == 0, done.stderr
+        self.library = ctypes.CDLL(str(made))
+
+    def __call__(self, name, *given):
+        """A function of numpy arrays."""
+        result = np.empty(given[0].size)
+        arrays = [np.ascontiguousarray(numbers, dtype=float) for numbers in (*given, result)]
+        arrays[-1] = result
+        pointers = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
+        getattr(self.library, f"all_{name}")(*pointers, ctypes.c_long(result.size))
+        return result
+
+
+def _text():
+    yield f'#include "{REPOSITORY / "fsipetsc" / "kernels" / "prelude.h"}"\n'
+    for name, given in FUNCTIONS.items():
+        names = "xy"[: len(given)]
+        pointers = "".join(f"const double *restrict {x}, " for x in names)
+        yield f"void all_{name}({pointers}double *restrict result, long n) {{\n"
+        yield "  #pragma omp simd\n  for (long i = 0; i < n; ++i)\n"
+        yield f"    result[i] = {name}_({', '.join(f'{x}[i]' for x in names)});\n}}\n"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("elementary")
+
+
+@pytest.fixture(scope="module")
+def fast(folder):
+    return Library(folder, "fast", "cc", "-O3", "-march=native")
+
+
+def reference(name, given):
+    """What numpy has for it, of numbers with 64 bits where there are such."""
+    function = getattr(np, {"pow": "power", "log_positive": "log"}.get(name, name))
+    with np.errstate(all="ignore"):
+        return function(*(numbers.astype(LONG) for numbers in given))
+
+
+def errors(found, exact):
+    """In units in the last place; inf where one is infinite or nan and the other is not."""
+    with np.errstate(all="ignore"):
+        rounded = exact.astype(float)
+        size = np.spacing(np.abs(np.where(np.isfinite(rounded), rounded, 1.0)))
+        error = np.abs((found - exact) / size).astype(float)
+    same = (found == rounded) | (np.isnan(found) & np.isnan(rounded))
+    return np.where(same, 0.0, np.where(np.isfinite(error), error, INF))
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_no_error_above_2_units(fast, name):
+    given = FUNCTIONS[name]
+    error = errors(fast(name, *given), reference(name, given))
+    worst = error.argmax()
+    assert error[worst] <= MOST + SLACK, [numbers[worst].hex() for numbers in given]
+
+
+@pytest.mark.parametrize("name", [name for name in FUNCTIONS if name != "log_positive"])
+def test_special_numbers_give_what_numpy_gives(fast, name):
+    given = SPECIALS[len(FUNCTIONS[name])]
+    found, exact = fast(name, *given), reference(name, given)
+    if name in ("sin", "cos", "tan"):
+        assert np.isnan(found[abs(given[0]) > 2.0**40]).all()
+        exact[abs(given[0]) > 2.0**40] = NAN
+    wrong = errors(found, exact) > MOST + SLACK
+    if name not in ("maximum", "minimum"):  # numpy says nothing of the sign of a zero
+        wrong |= (np.signbit(found) != np.signbit(exact)) & ~np.isnan(found)
+    assert not wrong.any(), [(*each, f) for *each, f in zip(*given, found)][wrong.argmax()]
+
+
+def test_what_is_exact(fast):
+    whole = np.arange(-1074.0, 1024.0)
+    assert (fast("exp2", whole) == np.exp2(whole)).all()
+    assert (fast("log2", np.exp2(whole)) == whole).all()
+    assert (fast("log10", np.array([float(f"1e{n}") for n in range(23)])) == np.arange(23.0)).all()
+    roots = np.arange(-2000.0, 2000.0)
+    assert (fast("cbrt", roots**3) == roots).all()
+    bases, powers = np.array(list(product(range(-12, 13), range(12))), dtype=float).T
+    assert (fast("pow", bases, powers) == bases**powers).all()
+
+
+def others():
+    """Compilers and flags that must give the same bits."""
+    if platform.machine() in ("x86_64", "AMD64"):
+        yield "plain", ("cc", "-O1", "-march=x86-64")
+    else:
+        yield "plain", ("cc", "-O1")
+    if shutil.which("clang") is not None:
+        yield "clang", ("clang", "-O3", "-march=native")
+    elif find_spec("ziglang") is not None:
+        yield "clang", (sys.executable, "-m", "ziglang", "cc", "-O3", "-march=native")
+
+
+@pytest.mark.parametrize(("other", "command"), list(others()))
+def test_same_bits(fast, folder, other, command):
+    library = Library(folder, other, *command)
+    bits = RANDOM.integers(0, 2**64, (2, 20 * WANTED), dtype=np.uint64).view(float)
+    for name, usual in FUNCTIONS.items():
+        sets = [usual] if name == "log_positive" else [usual, SPECIALS[len(usual)], tuple(bits)]
+        for given in sets:
+            given = given[: len(usual)]
+            one, two = fast(name, *given), library(name, *given)
+            different = one.view(np.int64) != two.view(np.int64)
+            different &= ~(np.isnan(one) & np.isnan(two))
+            assert not different.any(), (name, [x[different.argmax()].hex() for x in given])
