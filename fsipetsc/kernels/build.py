@@ -33,6 +33,8 @@ FLAGS = (
 )
 #: of processors with vectors of 512 bits, which compilers use half of if nobody asks
 WIDE = "-mprefer-vector-width=512"
+#: of gcc, which else moves selections of elementary functions so that loops are no vector code
+PLAIN = "-fno-tree-pre"
 #: flags that let results depend on the compiler
 REFUSED = (
     *("-ffast-math", "-Ofast", "-funsafe-math-optimizations", "-fassociative-math"),
@@ -66,32 +68,49 @@ def compiler() -> tuple[str, ...]:
 
 @cache
 def flags() -> tuple[str, ...]:
-    """Ours, then those of CFLAGS. InputError for those that would change bits."""
+    """Ours, then those of CFLAGS. InputError for those that would change bits, and without a
+    compiler.
+    """
+    known = _macros()
+    of_gcc = (PLAIN,) if b"__GNUC__" in known and b"__clang__" not in known else ()
+    wide = (WIDE,) if b"__x86_64__" in known else ()
+    return (*FLAGS, *of_gcc, *wide, *_own_flags())
+
+
+def _own_flags() -> list[str]:
+    """Those of CFLAGS. InputError."""
     own = shlex.split(os.environ.get("CFLAGS", ""))
     for flag in own:
         if flag.startswith(REFUSED):
             raise InputError(f"CFLAGS has {flag}: results would depend on the compiler")
-    wide = (WIDE,) if platform.machine() in ("x86_64", "AMD64") else ()
-    return (*FLAGS, *wide, *own)
+    return own
+
+
+@cache
+def _macros() -> bytes:
+    """The macros that the compiler defines: its version, and the instruction set of this machine.
+    InputError without a compiler.
+    """
+    asked = (*(flag for flag in FLAGS if flag != "-shared"), *_own_flags(), "-E", "-dM", "-xc")
+    return _run((*compiler(), *asked, os.devnull), "asking the C compiler for its target")
 
 
 @cache
 def _target() -> bytes:
-    """A hash of what the compiler says of itself and its target with these flags: the macros that
-    it defines. It is kept, so that where there is no compiler any more the last one counts.
-    InputError without a compiler, now and before.
+    """A hash of what the compiler says of itself and its target, and of its flags. It is kept, so
+    that where there is no compiler any more the last one counts. InputError without a compiler, now
+    and before.
     """
-    note = folder() / f"target-{_hash(_processor(), ' '.join(flags()).encode()).hex()[:16]}"
+    note = folder() / f"target-{_hash(_processor(), ' '.join(_own_flags()).encode()).hex()[:16]}"
     try:
-        command = compiler()
+        compiler()
     except InputError:
         if note.is_file() and "CC" not in os.environ:
             return note.read_bytes()
         raise
-    asked = (*command, *(flag for flag in flags() if flag != "-shared"), "-E", "-dM", "-xc")
-    found = _hash(_run((*asked, os.devnull), "asking the C compiler for its target"))
+    found = _hash(_macros(), " ".join(flags()).encode())
     if not note.is_file() or note.read_bytes() != found:
-        note.write_bytes(found)
+        _write(note, found)
     return found
 
 
@@ -107,7 +126,7 @@ def _processor() -> bytes:
 
 def name_of(text: str) -> str:
     """The file's name of the library of a text in C. InputError without a compiler."""
-    return f"{_hash(text.encode(), ' '.join(flags()).encode(), _target()).hex()[:32]}.so"
+    return f"{_hash(text.encode(), _target()).hex()[:32]}.so"
 
 
 def _hash(*parts: bytes) -> bytes:
@@ -171,15 +190,21 @@ def keep(name: str, library: bytes) -> Path:
     """Put the bytes of a library where it is kept; whoever reads it meanwhile has the old one or
     the new one. FileError.
     """
-    place = folder()
     try:
-        handle, part = tempfile.mkstemp(dir=place, prefix=f"{name}.")
-        with os.fdopen(handle, "wb") as file:
-            file.write(library + _hash(library))
-        os.replace(part, place / name)
+        _write(folder() / name, library + _hash(library))
     except OSError as error:
-        raise FileError(f"cannot keep compiled kernels in {place}: {error.strerror}") from error
-    return place / name
+        raise FileError(
+            f"cannot keep compiled kernels in {folder()}: {error.strerror}"
+        ) from error
+    return folder() / name
+
+
+def _write(path: Path, content: bytes) -> None:
+    """Write a file under another name first: who reads it has the old content or the new one."""
+    handle, part = tempfile.mkstemp(dir=path.parent, prefix=f"{path.name}.")
+    with os.fdopen(handle, "wb") as file:
+        file.write(content)
+    os.replace(part, path)
 
 
 def keep_text(name: str, text: str) -> Path:
