@@ -7,7 +7,7 @@ fsipetsc.blockrun.scheme.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
@@ -73,7 +73,7 @@ class BlockState(State):
     ) -> None:
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
         self.h = float(problem.spacing)
-        self.shocks = form.shock > 0.0
+        self.shocks, self._pairs = form.shock > 0.0, form.convection != "divergence"
         self.lossy, auxiliary = lossy(problem), gained(problem).itemsize // 8
         self.layout = BlockLayout(comm, problem, order, self.shocks, partition, auxiliary)
         self.y, self.stage = BlockVector(self.layout), BlockVector(self.layout)
@@ -93,6 +93,12 @@ class BlockState(State):
         self.evaluations, self._t = 0, 0.0
         parts = self.scheme.parts.items()
         self.orders = {k: NaturalOrder(part.part, len(part.names)) for k, part in parts}
+
+    @property
+    def invariants(self) -> dict[str, Any]:
+        """Those of the problem that hold in this form (fsipetsc.scheme.gas_force)."""
+        found = self.problem.invariants
+        return {**found, "potential": found["potential"] and self._pairs}
 
     @property
     def fault(self) -> InputError | None:

@@ -13,10 +13,12 @@ from fsipetsc.blocks.grid import GridMotion
 from fsipetsc.blocks.particles import Particle
 from fsipetsc.blocks.values import block_values
 from fsipetsc.operators.boxed import Box
+from fsipetsc.operators.loops import dot
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.scheme.block_monitor import room_of, sums_of
 from fsipetsc.scheme.gas_dissipation import gas_damping
+from fsipetsc.scheme.gas_force import force_of
 from fsipetsc.scheme.gas_memory import scratch
 from fsipetsc.scheme.gas_record import FUNCTIONS, GasRecord
 from fsipetsc.scheme.gas_rows import DivergenceForm, EntropyForm, Inviscid, Viscous
@@ -72,13 +74,16 @@ class GasPart(BlockPart):
         part, d, known = self.part, self._d, self.gather.local
         bands, form, material = part.bands, self._form, self.block.material
         like, viscous = (0.0,) * d, Viscous() if material.mu or material.kappa else Inviscid()
-        convection = DivergenceForm() if form.convection == "divergence" else EntropyForm()
+        divergence = form.convection == "divergence"
+        force = force_of(self.equations.force, divergence)
+        convection = DivergenceForm(force) if divergence else EntropyForm(force)
         sigma, shock = sigma_of(form.dissipation, self._problem.joined), form.shock
         damping: Any = Nothing()
         if sigma > 0.0 or shock > 0.0:
             found = differences(d, self._order, bands, self.block.cells)
-            damping = gas_damping(d, found, sigma, shock)
-        self.work = scratch(like, viscous, bands, part.patch)
+            damping = gas_damping(like, force, found, sigma, shock)
+        self.work = scratch(like, force, viscous, bands, part.patch)
+        self.work.potential[:] = -dot(self.equations.force, self.X)[: self.work.potential.size]
         around = Radial(self.grid.record, np.zeros(((d + 1) ** 2, self.X.shape[1])))
         record = GasRecord(
             **self._common(at_particles, alone),
@@ -99,6 +104,7 @@ class GasPart(BlockPart):
             grid=self.grid.record,
             reference=self.reference,
             sums=np.zeros(sums_of(d)),
+            level=begins.get("potential_energy", -1),
         )
         return PartCalls(Box(record), *FUNCTIONS)
 

@@ -128,6 +128,7 @@ class SolidPart(BlockPart):
         record = SolidRecord(
             **self._common(at_particles, alone),
             columns=np.array([begins[name] for name in names if name in begins]),
+            level=begins.get("potential_energy", -1),
             laws=self.equations,
             dissipation=self._dissipation(),
             loses=self._loses,

@@ -59,7 +59,9 @@ class Work(NamedTuple):
     slope: D_k z of one row. Of each tile along the first axis: gain, loss (tiles, K + 1, ROW), S
     over the weight of the upper and the lower node of pairs by distance, 0 where there are none;
     spans (n, 3), distance, begin and end of pairs, those of tile m from number begins[m] on. Rows 0
-    of gain and loss serve the other axes.
+    of gain and loss serve the other axes. Where a constant force acts pair by pair, potential: (N,)
+    Phi of the ghosted nodes, supplied: (M (d + 1),) the force on each owned node and the power of
+    what diffuses, interlaced, over the node's weight (fsipetsc.scheme.gas_force); else (0,).
     """
 
     layers: int
@@ -74,29 +76,34 @@ class Work(NamedTuple):
     loss: Array
     spans: Any
     begins: Any
+    potential: Array
+    supplied: Array
 
 
-def scratch(like: Any, viscous: Any, bands: Any, patch: Any) -> Work:
+def scratch(like: Any, force: Any, viscous: Any, bands: Any, patch: Any) -> Work:
     """Memory for `gas_rates` with the three bands of a patch."""
     d, reach, row = len(like), 1 + viscous.reach, int(ROW)
     K = [len(band.S) - 1 for band in bands]
     inner, last = (K[1], K[2]) if d == 3 else (0, K[1])
     layers, depth = reach * last + 1, (DEPTH if d == 3 else 1) + 2 * reach * inner
     gain, loss, spans, begins = _weights(bands[0], patch)
-    numbers = 2 * d + 6 + d * d + d * (d + 1)
+    numbers, sums = 2 * d + 6 + d * d + d * (d + 1), len(force.sums(like))
+    raised, nodes = sums > d + 2, int(np.prod(patch.ghosted))
     return Work(
         layers,
         depth,
         reach * inner,
-        numbers,
-        w=aligned(layers * depth * row * numbers),
-        high=aligned(layers * depth * row * (d + 2)),
-        low=aligned(row * (d + 2)),
+        numbers + raised,
+        w=aligned(layers * depth * row * (numbers + raised)),
+        high=aligned(layers * depth * row * sums),
+        low=aligned(row * sums),
         slope=aligned(row * d * (d + 1)),
         gain=gain,
         loss=loss,
         spans=spans,
         begins=begins,
+        potential=np.zeros(nodes * raised),
+        supplied=np.zeros(int(np.prod(patch.own)) * (d + 1) * raised),
     )
 
 

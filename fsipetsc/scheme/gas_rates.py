@@ -1,10 +1,11 @@
 """Rates of a block of gas in d = 1, 2 or 3 dimensions, without fluxes through its faces.
 
-    (J U)_t,i = - sum_k sum_l S_il (F^k(i, l) - {a^k . f_v}) / weight_i + J s
+    (J U)_t,i = - sum_k sum_l S_il (F^k(i, l) - {a^k . f_v}) / weight_i
 
 and J_t from the metrics, with F of fsipetsc.equations.gas, S and the weights of
 fsipetsc.operators.bands. F is symmetric and S antisymmetric, so mass, momentum and energy stay.
-The viscous flux f_v is that of fsipetsc.scheme.viscous_rows.
+The viscous flux f_v is that of fsipetsc.scheme.viscous_rows. A constant force is summed in the same
+sweep, beside the fluxes (fsipetsc.scheme.gas_force).
 
 The nodes are swept in tiles: TILE nodes along the first axis, a few rows along the second one of
 three, and layer after layer along the last axis, so that what is worked on stays in the fastest
@@ -26,7 +27,7 @@ from fsipetsc.operators.loops import (
     add,
     along,
     choose,
-    scale,
+    zeros,
 )
 from fsipetsc.scheme.gas_memory import (
     DEPTH,
@@ -48,13 +49,14 @@ from fsipetsc.scheme.viscous_rows import viscous_layer
 
 
 @njit(**EXACT_LOOP)
-def load_row(gas, like, q, at_q, metrics, at_m, step, w, row, n):
-    """Primitive variables and metrics."""
+def load_row(gas, like, force, q, at_q, metrics, at_m, step, potential, w, row, n):
+    """Primitive variables, metrics, and the potential of a force."""
     like_q, like_m = (*like, 0.0, 0.0, 0.0), (*outer(like, like), *gas.of_grid(like))
     count = U64(len(like_q))
     for i in range(n):
         state = gas.primitive(at(like_q, q, at_q, ONE, i * count))
         put(w, row, ROW, i, (*state, *at(like_m, metrics, at_m, step, i)))
+        force.load(potential, at_m, w, place_of(gas, like, row, 0), i)
 
 
 @njit(**EXACT_LOOP)
@@ -65,16 +67,18 @@ def pair_row(
 
     Returns how many are farther apart than NEAR: these are left out, but for their viscous flux.
     """
-    like_f, far = (*like, 0.0, 0.0), 0
-    nothing = scale(0.0, like_f)
+    force, far = form.force, 0
+    like_f, nothing = force.sums(like), (*zeros(like), 0.0, 0.0)
     for i in range(n):
         j = i + other
         l, r = pair_of(like, w, place, i, j)
-        apart = form.distance(gas, l, r) > NEAR
-        F = choose(apart, nothing, form.near(gas, l, r, *grid_of(gas, like, w, place, i, j)))
+        apart, areas = form.distance(gas, l, r) > NEAR, grid_of(gas, like, w, place, i, j)
+        F = choose(apart, nothing, form.near(gas, l, r, *areas))
         F = viscous.less(like, F, w, place, i, j)
-        put(low, lower, ROW, i, along(at(like_f, low, lower, ROW, i), -loss[weights + i], F))
-        put(high, upper, ROW, i, along(at(like_f, high, upper, ROW, i), gain[weights + i], F))
+        rise = force.rise(w, place.potential + i, place.potential + j)
+        below, above = force.near(gas, F, l, r, areas[0], areas[1], rise, apart)
+        put(low, lower, ROW, i, along(at(like_f, low, lower, ROW, i), -loss[weights + i], below))
+        put(high, upper, ROW, i, along(at(like_f, high, upper, ROW, i), gain[weights + i], above))
         far += apart
     return far
 
@@ -82,47 +86,53 @@ def pair_row(
 @njit(**EXACT_LOOP)
 def far_row(gas, like, form, w, place, other, gain, loss, weights, low, lower, high, upper, n):
     """Add the fluxes that were left out."""
-    like_f = (*like, 0.0, 0.0)
+    force = form.force
+    like_f = force.sums(like)
     for i in range(n):
         j = i + other
         l, r = pair_of(like, w, place, i, j)
         if form.distance(gas, l, r) > NEAR:
-            F = form.any(gas, l, r, *grid_of(gas, like, w, place, i, j))
-            put(low, lower, ROW, i, along(at(like_f, low, lower, ROW, i), -loss[weights + i], F))
-            put(high, upper, ROW, i, along(at(like_f, high, upper, ROW, i), gain[weights + i], F))
+            areas = grid_of(gas, like, w, place, i, j)
+            rise = force.rise(w, place.potential + i, place.potential + j)
+            F = form.any(gas, l, r, *areas)
+            below, above = force.any(gas, F, l, r, areas[0], areas[1], rise)
+            less, more = -loss[weights + i], gain[weights + i]
+            put(low, lower, ROW, i, along(at(like_f, low, lower, ROW, i), less, below))
+            put(high, upper, ROW, i, along(at(like_f, high, upper, ROW, i), more, above))
 
 
 @njit(**EXACT_LOOP)
-def store_row(gas, like, low, high, upper, q, at_q, metrics, J_t, rates, to, n):
-    """J_t and the rates of a row, interlaced."""
-    like_f, like_q = (*like, 0.0, 0.0), (*like, 0.0, 0.0, 0.0)
-    count, lower = U64(len(like_q)), U64(MARGIN)
+def store_row(like, force, low, high, upper, metrics, J_t, rates, supplied, own, n):
+    """J_t and the rates of a row, interlaced, and the force on its nodes; own: its first one."""
+    like_f, count, lower = (*like, 0.0, 0.0), U64(len(like) + 3), U64(MARGIN)
     for i in range(n):
         total = add(at(like_f, low, lower, ROW, i), at(like_f, high, upper, ROW, i))
-        force = gas.body_force(at(like_q, q, at_q, ONE, i * count))
-        put(rates, to, ONE, i * count, (metrics[J_t + i], total[0], *add(total[1:], force)))
+        put(rates, own * count, ONE, i * count, (metrics[J_t + i], *total))
+        force.store(like, low, lower, high, upper, i, supplied, own)
 
 
 # a tile
 
 
 @njit(**INLINED_CALL)
-def load_layer(gas, like, viscous, q, metrics, axes, tile, work, layer):
+def load_layer(gas, like, form, viscous, q, metrics, axes, tile, work, layer):
     """The rows of a layer that are read."""
     inner, last, d = axes.inner, axes.last, len(like)
     ahead, beside, reach = last.S.shape[0] - 1, inner.S.shape[0] - 1, 1 + viscous.reach
     within = last.begin - viscous.reach * ahead <= layer < last.end + viscous.reach * ahead
     more = reach * beside if within else 0
     step = U64(metrics.size // (d * d + len(gas.of_grid(like)) + 1))
+    force, sums = form.force, len(form.force.sums(like))
     for j in range(max(tile.y0 - more, 0), min(tile.y1 + more, inner.size)):
         whole = within and tile.y0 - viscous.reach * beside <= j < tile.y1 + viscous.reach * beside
         longer = reach * (axes.first.S.shape[0] - 1) if whole else 0
         x0, x1 = max(tile.x0 - longer, 0), min(tile.x1 + longer, axes.first.size)
         row, n = row_of(work, tile, layer, j) + U64(MARGIN + x0 - tile.x0), U64(x1 - x0)
         node = U64(x0 + j * inner.stride + layer * last.stride)
-        load_row(gas, like, q, node * U64(d + 3), metrics, node, step, work.w, row, n)
-        high = number_of(work, tile, layer, j) * U64(d + 2) * ROW + U64(MARGIN)
-        clear(work.high, high, d + 2, U64(tile.x1 - tile.x0))
+        at_m = metrics, node, step, work.potential
+        load_row(gas, like, force, q, node * U64(d + 3), *at_m, work.w, row, n)
+        high = number_of(work, tile, layer, j) * U64(sums) * ROW + U64(MARGIN)
+        clear(work.high, high, sums, U64(tile.x1 - tile.x0))
 
 
 @njit(**INLINED_CALL)
@@ -145,13 +155,14 @@ def pairs_across(gas, like, form, viscous, axes, tile, work, layer, j, along_las
     axis, k_axis = (axes.last, len(like) - 1) if along_last else (axes.inner, 1)
     i, n, row = layer if along_last else j, tile.x1 - tile.x0, row_of(work, tile, layer, j)
     up, right = (1, 0) if along_last else (0, 1)
+    sums = U64(len(form.force.sums(like)))
     for k in range(1, axis.S.shape[0]):
         s = axis.S[k, i]
         if s != 0.0 and i + k >= axis.begin:
             fill(work.gain, work.loss, s / axis.weight[i + k], s / axis.weight[i], U64(n + 3))
             there, column = number_of(work, tile, layer + k * up, j + k * right), U64(MARGIN)
             other = there * U64(work.numbers) * ROW - row
-            upper = there * U64(len(like) + 2) * ROW + column
+            upper = there * sums * ROW + column
             pairs(gas, like, form, viscous, work, row, k_axis, other, U64(0), column, upper, n)
 
 
@@ -160,8 +171,9 @@ def sweep_layer(gas, like, form, viscous, q, metrics, axes, tile, work, rates, l
     """Add the fluxes of the pairs that begin in a layer; its rates if it is owned."""
     first, inner, last, d = axes.first, axes.inner, axes.last, len(like)
     owned, n = layer >= last.begin, U64(tile.x1 - tile.x0)
+    sums = len(form.force.sums(like))
     for j in range(max(tile.y0 - inner.S.shape[0] + 1, 0) if owned else tile.y0, tile.y1):
-        clear(work.low, U64(MARGIN), d + 2, n)
+        clear(work.low, U64(MARGIN), sums, n)
         if owned and d == 3:
             pairs_across(gas, like, form, viscous, axes, tile, work, layer, j, False)
         if j < tile.y0:
@@ -169,7 +181,7 @@ def sweep_layer(gas, like, form, viscous, q, metrics, axes, tile, work, rates, l
         if d > 1:
             pairs_across(gas, like, form, viscous, axes, tile, work, layer, j, True)
         if owned:
-            high = number_of(work, tile, layer, j) * U64(d + 2) * ROW
+            high = number_of(work, tile, layer, j) * U64(sums) * ROW
             row = row_of(work, tile, layer, j)
             for m in range(tile.spans, tile.end):
                 k, a, b = work.spans[m, 0], work.spans[m, 1], work.spans[m, 2]
@@ -178,10 +190,10 @@ def sweep_layer(gas, like, form, viscous, q, metrics, axes, tile, work, rates, l
                 pairs(gas, like, form, viscous, work, row, 0, other, weights, column, upper, b - a)
             node = U64(tile.x0 + j * inner.stride + layer * last.stride)
             own = (layer - last.begin) * (inner.end - inner.begin) + j - inner.begin
-            to = U64((own * (first.end - first.begin) + tile.x0 - first.begin) * (d + 3))
+            to = U64(own * (first.end - first.begin) + tile.x0 - first.begin)
             J_t = U64(metrics.size - first.size * inner.size * last.size) + node
-            at_q, upper = node * U64(d + 3), high + U64(MARGIN)
-            store_row(gas, like, work.low, work.high, upper, q, at_q, metrics, J_t, rates, to, n)
+            found = work.low, work.high, high + U64(MARGIN), metrics, J_t, rates, work.supplied
+            store_row(like, form.force, *found, to, n)
 
 
 @njit(**INLINED_CALL)
@@ -195,7 +207,7 @@ def sweep(gas, like, form, viscous, q, metrics, axes, tile, work, rates):
     for layer in range(completed, last.end):
         while completed <= layer + ahead and completed < last.size:
             while loaded <= completed + behind and loaded < last.size:
-                load_layer(gas, like, viscous, q, metrics, axes, tile, work, loaded)
+                load_layer(gas, like, form, viscous, q, metrics, axes, tile, work, loaded)
                 loaded += 1
             if viscous.reach > 0:
                 viscous_layer(gas, like, q, axes, tile, work, completed)

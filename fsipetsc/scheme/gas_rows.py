@@ -1,13 +1,14 @@
 """A row of nodes of gas: where its numbers stand, and the fluxes of its pairs of nodes.
 
-Of each node a row has w, a^1 … a^d, velocity of the grid, A around an axis, viscous fluxes. A form
-is what convection takes as the flux of two nodes; Viscous and Inviscid say whether there are
-viscous fluxes.
+Of each node a row has w, a^1 … a^d, velocity of the grid, A around an axis, viscous fluxes, the
+potential of a constant force. A form is what convection takes as the flux of two nodes, and has
+what a constant force does to them (fsipetsc.scheme.gas_force); Viscous and Inviscid say whether
+there are viscous fluxes.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba.extending import register_jitable
@@ -23,12 +24,13 @@ class Place(NamedTuple):
     grid: np.uint64
     area: np.uint64
     viscous: np.uint64
+    potential: np.uint64
 
 
 class EntropyForm(NamedTuple):
     """Two-point fluxes that conserve entropy."""
 
-    kind: int = 0
+    force: Any
 
     def distance(self, gas, l, r):
         """How far two states are apart."""
@@ -46,7 +48,7 @@ class EntropyForm(NamedTuple):
 class DivergenceForm(NamedTuple):
     """Means of the fluxes of two nodes: for any gas law, without a statement on entropy."""
 
-    kind: int = 0
+    force: Any
 
     def distance(self, gas, l, r):
         return 0.0
@@ -89,9 +91,13 @@ def state_like(like):
 def place_of(gas, like, row, k):
     """Where the row that begins at `row` has what pairs along axis k take."""
     d, grid = len(like), len(like) + 5 + len(like) ** 2
-    viscous = grid + len(gas.of_grid(like)) + k * (d + 1)
+    viscous = grid + len(gas.of_grid(like))
     return Place(
-        row, row + U64(grid) * ROW, row + U64(d + 5 + k * d) * ROW, row + U64(viscous) * ROW
+        row,
+        row + U64(grid) * ROW,
+        row + U64(d + 5 + k * d) * ROW,
+        row + U64(viscous + k * (d + 1)) * ROW,
+        row + U64(viscous + d * (d + 1)) * ROW,
     )
 
 
