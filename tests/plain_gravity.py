@@ -109,6 +109,24 @@ def test_rest_around_an_axis():
     assert np.abs(rates[1:]).max() < 1e-12
 
 
+@pytest.mark.parametrize("d", [1, 2])
+def test_what_auto_stands_for_keeps_rest(d):
+    f = np.array(FORCES[d])
+
+    def still(*X):
+        rho = np.exp(sum(map(np.multiply, f, X)))
+        return [rho, *np.zeros((d, *X[0].shape)), 1.0 + 0.0 * rho]
+
+    shape = {"gas": flat.shapes.box((0.0,) * d, (1.0,) * d, *[9] * d)}
+    gas = Fluid(0.0, 0.0, 1.4, 1.0, force=tuple(f))
+    problem = problem_of(shape, {"gas": Slip()}, gas, None, gas={"initial": still})
+    with Steps(problem, 4, BlockForm()) as run:
+        run.step(1e-2, 3)
+        fields = run.fields(0)
+        assert run.invariants["potential"]
+    assert np.abs(fields[:, 1 : 1 + d]).max() < 1e-13
+
+
 def test_the_divergence_form_keeps_rest_to_its_order():
     """So that what is tested above is no matter of course; the force is there."""
     found = []
