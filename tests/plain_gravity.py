@@ -13,12 +13,13 @@ import plain_python  # noqa: F401  before anything of the engine
 import pytest
 import test_block_oracle as flat
 import test_radial as radial
-from block_ledgers import Steps, problem_of
+from block_ledgers import Steps, problem_of, solid
 from oracle_engine import Engine
 from oracle_formulas import Gas, Solid, spread
 
+from fsipetsc import FluidLayer, Problem, Wall
 from fsipetsc.blockrun.block_state import BlockForm
-from fsipetsc.blocks.conditions import Slip
+from fsipetsc.blocks.conditions import Free, Slip
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
@@ -70,8 +71,8 @@ def growth(oracle, rates):
 )
 def test_rates_are_the_oracles(shape, order, options):
     d = dimension(shape)
-    solid = Solid("log", heat="elastic", force=FORCES[d])
-    flat.check(shape, (gas_in(d, mu=0.02, kappa=0.03), solid), order, size=0.2, **options)
+    both = gas_in(d, mu=0.02, kappa=0.03), Solid("log", heat="elastic", force=FORCES[d])
+    flat.check(shape, both, order, size=0.2, **options)
 
 
 @pytest.mark.parametrize("centre", ["", "gas"])
@@ -190,17 +191,17 @@ def test_a_solid_carries_the_gas(d, order):
         "gas": flat.shapes.box(lower, upper, *[n] * d),
         "solid": flat.shapes.box((*lower[1:], 1.0), (*upper[1:], 1.6), *[n] * d),
     }
-    gas, solid = Gas(force=tuple(f)), Solid(m0=m0, heat="elastic", force=tuple(f))
+    gas, carrier = Gas(force=tuple(f)), Solid(m0=m0, heat="elastic", force=tuple(f))
     p = 1.3 * gas.R * T * np.exp(f[-1] / (gas.R * T))
 
     def stress(X):
         carried = np.multiply.outer(np.eye(d), -p - m0 * f[-1] * (X[-1] - 1.0))
         return carried.reshape(-1, *X[0].shape)
 
-    oracle = flat.made(shape, gas, solid, order, stress=stress)
+    oracle = flat.made(shape, gas, carrier, order, stress=stress)
     q = at_rest(SimpleNamespace(blocks=oracle.blocks[:1], start=oracle.start), T)
     q["solid"] = np.zeros((2 * d + 1, *oracle.blocks[1].X.shape[1:]))
-    q["solid"][-1] = solid.alpha * T
+    q["solid"][-1] = carrier.alpha * T
     rates = Engine(oracle).rates(q)
     assert np.abs(rates["gas"][1:]).max() < 1e-12 * n
     assert np.abs(rates["solid"][d:]).max() < 1e-12 * n
@@ -229,6 +230,33 @@ def test_ledgers(convection):
     exact = 1e-13 * before["energy"]
     assert abs(after["energy"] - before["energy"] - work) < exact
     assert (abs(change + work) < exact) == (convection == "entropy")
+
+
+@pytest.mark.parametrize("heat", ["elastic", "coupled"])
+@pytest.mark.parametrize("d", [1, 2])
+def test_a_solid_that_falls(d, heat):
+    shape = {"solid": flat.shapes.box((0.0,) * d, (1.0,) * d, *[7] * d)}
+    problem = problem_of(shape, {"solid": Free()}, None, solid(d, heat, -0.8))
+    with Steps(problem) as run:
+        before = run.latest.copy()
+        run.step(1e-2, 5)
+        after = run.latest
+        assert run.invariants["potential"]
+    change = [after[name] - before[name] for name in ("energy", "potential_energy")]
+    assert abs(change[1]) > 1e-3
+    assert abs(sum(change)) < 1e-13 * before["energy"]
+
+
+def test_the_papers_method_holds_no_energy_with_a_force():
+    """It has the force node by node, and books no work."""
+
+    def column(force):
+        fluid = Fluid(0.0, 0.0, 1.4, 287.0, force=force)
+        layer = FluidLayer("air", fluid, (0.0, 1.0), lambda X: (1.2 + 0.0 * X, 0.0, 300.0))
+        return Problem((layer,), left=Wall(0.0), right=Wall(1.0))
+
+    assert column(0.0).invariants["energy"]
+    assert not column(-9.81).invariants["energy"]
 
 
 def test_where_potential_energy_must_stay():
