@@ -56,8 +56,8 @@ class BlockState(State):
     diffusion [1/s]; extremes: what the monitor finds. h: size of the smallest cells [m].
     recorded: nodes to be recorded at each step. orders: block -> what brings its nodes into the
     order in which they are saved. announce: called with a message when several ranks wait for
-    kernels. apart: one rank calls what several do. InputError where blocks, order and ranks do not
-    fit.
+    kernels. pairs: constant forces act on gases pair by pair. apart: one rank calls what several
+    do. InputError where blocks, order and ranks do not fit.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class BlockState(State):
     ) -> None:
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
         self.h = float(problem.spacing)
-        self.shocks, self._pairs = form.shock > 0.0, form.convection != "divergence"
+        self.shocks, self.pairs = form.shock > 0.0, form.convection != "divergence"
         self.lossy, auxiliary = lossy(problem), gained(problem).itemsize // 8
         self.layout = BlockLayout(comm, problem, order, self.shocks, partition, auxiliary)
         self.y, self.stage = BlockVector(self.layout), BlockVector(self.layout)
@@ -98,7 +98,7 @@ class BlockState(State):
     def invariants(self) -> dict[str, Any]:
         """Those of the problem that hold in this form (fsipetsc.scheme.gas_force)."""
         found = self.problem.invariants
-        return {**found, "potential": found["potential"] and self._pairs}
+        return {**found, "potential": found["potential"] and self.pairs}
 
     @property
     def fault(self) -> InputError | None:
