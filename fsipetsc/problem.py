@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from math import ceil, floor
 from typing import Any, ClassVar
 
+import numpy as np
+
 from fsipetsc.blame import place_of_caller
 from fsipetsc.boundaries import Boundary, Dirichlet, Open, SolidEnd, Wall, closes, in_time
 from fsipetsc.checks import Array, Fields, check_name, described, extent, function
@@ -186,7 +188,7 @@ class Problem:
         ends = (0, self.left), (len(self.layers) - 1, self.right)
         open_at = {k for k, end in ends if not isinstance(end, (Wall, SolidEnd))}
         fluids = [(k, v) for k, v in enumerate(self.layers) if isinstance(v, FluidLayer)]
-        pulled = any(isinstance(v, SolidLayer) and v.material.force for v in self.layers)
+        pulled = any(np.any(layer.material.force) for layer in self.layers)
         return {
             "masses": [[v.name, [i]] for i, (k, v) in enumerate(fluids) if k not in open_at],
             "energy": closes(self.left) and closes(self.right) and not pulled,

@@ -18,7 +18,8 @@ from fsipetsc.kernels.symbols import Record, derivatives
 from fsipetsc.kernels.unit import unit
 from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.perfect_gas import PerfectGas
-from fsipetsc.scheme.gas_rows import EntropyForm
+from fsipetsc.scheme.gas_force import NoForce
+from fsipetsc.scheme.gas_forms import EntropyForm
 from fsipetsc.scheme.gas_volume import gas_text
 
 
@@ -84,7 +85,7 @@ def test_material_numbers_are_arguments_and_not_text():
 
     def text(mu, kappa, gamma):
         gas = Gas(PerfectGas(gamma, 287.0), ConstantTransport(), mu, kappa, (0.0, 0.0))
-        return gas_text(gas, 2, EntropyForm(), True), numbers_of(gas)
+        return gas_text(gas, 2, EntropyForm(NoForce()), True), numbers_of(gas)
 
     one, other = text(1e-3, 0.02, 1.4), text(2e-3, 0.01, 5 / 3)
     assert one[0] == other[0]

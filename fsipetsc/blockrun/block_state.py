@@ -7,7 +7,7 @@ fsipetsc.blockrun.scheme.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
@@ -56,8 +56,8 @@ class BlockState(State):
     diffusion [1/s]; extremes: what the monitor finds. h: size of the smallest cells [m].
     recorded: nodes to be recorded at each step. orders: block -> what brings its nodes into the
     order in which they are saved. announce: called with a message when several ranks wait for
-    kernels. apart: one rank calls what several do. InputError where blocks, order and ranks do not
-    fit.
+    kernels. pairs: constant forces act on gases pair by pair. apart: one rank calls what several
+    do. InputError where blocks, order and ranks do not fit.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class BlockState(State):
     ) -> None:
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
         self.h = float(problem.spacing)
-        self.shocks = form.shock > 0.0
+        self.shocks, self.pairs = form.shock > 0.0, form.convection != "divergence"
         self.lossy, auxiliary = lossy(problem), gained(problem).itemsize // 8
         self.layout = BlockLayout(comm, problem, order, self.shocks, partition, auxiliary)
         self.y, self.stage = BlockVector(self.layout), BlockVector(self.layout)
@@ -93,6 +93,12 @@ class BlockState(State):
         self.evaluations, self._t = 0, 0.0
         parts = self.scheme.parts.items()
         self.orders = {k: NaturalOrder(part.part, len(part.names)) for k, part in parts}
+
+    @property
+    def invariants(self) -> dict[str, Any]:
+        """Those of the problem that hold in this form (fsipetsc.scheme.gas_force)."""
+        found = self.problem.invariants
+        return {**found, "potential": found["potential"] and self.pairs}
 
     @property
     def fault(self) -> InputError | None:

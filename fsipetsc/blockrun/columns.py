@@ -44,12 +44,13 @@ def lossy(problem: Any) -> bool:
 
 def gained(problem: Any) -> np.dtype:
     """What came in from outside in a step, column by column: the mass of each block of gas; what
-    the step lost of the kinetic and elastic energy of solids, where that is known; the impulse; the
-    energy through each face of ``face_names``; what of it was heat; all of the energy.
+    the step lost of the kinetic and elastic energy of solids, where that is known; the work of
+    constant forces, where there are any; the impulse; the energy through each face of
+    ``face_names``; what of it was heat; all of the energy.
     """
     gases, faces = _gases(problem), len(problem.outer_faces) + 1
     masses = [("mass_in", "f8", (gases,))] if gases else []
-    lost = [("lost_energy", "f8")] * lossy(problem)
+    lost = [("lost_energy", "f8")] * lossy(problem) + [("force_work", "f8")] * problem.pulled
     impulses = [(f"impulse_{x}", "f8") for x in PLACES[: problem.dimension]]
     through = [(name, "f8", (faces,)) for name in ("energy_face", "heat_face")]
     return np.dtype([*masses, *lost, *impulses, *through, ("energy_in", "f8")])
@@ -59,11 +60,12 @@ def gain_of(problem: Any) -> Gain:
     """What comes in, for compiled code."""
     kind = gained(problem)
     numbers, at = np.zeros(kind.itemsize // 8), slices(kind)
-    mass, lost = (numbers[at.get(name, slice(0))] for name in ("mass_in", "lost_energy"))
+    some = "mass_in", "lost_energy", "force_work"
+    mass, lost, work = (numbers[at.get(name, slice(0))] for name in some)
     first = at["impulse_x"].start
     impulse = numbers[first : first + problem.dimension]
     rest = (numbers[at[name]] for name in ("energy_face", "heat_face", "energy_in"))
-    return Gain(numbers, mass, lost, impulse, *rest)
+    return Gain(numbers, mass, lost, work, impulse, *rest)
 
 
 def slices(kind: np.dtype) -> dict[str, slice]:
@@ -98,13 +100,14 @@ def step_record(problem: Any, interfaces: int = 0, points: int = 0) -> np.dtype:
 
     Time after it, its length; of each block the least J, and the largest |J - det D x| / J of a
     gas; then shares of the ranks, to be added up: integrals, where its losses are known the kinetic
-    and elastic energy of solids, in one dimension OF_INTERFACES, ``point_names`` of so many nodes,
-    and what came in.
+    and elastic energy of solids, the potential energy of constant forces, in one dimension
+    OF_INTERFACES, ``point_names`` of so many nodes, and what came in.
     """
     blocks, gases, d = len(problem.blocks), _gases(problem), problem.dimension
     masses = [("mass", "f8", (gases,))] if gases else []
     momenta = [(f"momentum_{x}", "f8") for x in PLACES[:d]]
-    more = [(name, "f8") for name in (*spins(d), *["solid_energy"] * lossy(problem))]
+    energies = ["solid_energy"] * lossy(problem) + ["potential_energy"] * problem.pulled
+    more = [(name, "f8") for name in (*spins(d), *energies)]
     integrals = [*masses, ("energy", "f8"), *momenta, ("entropy", "f8"), *more]
     came = gained(problem)
     rest = [(name, came[name].base, came[name].shape) for name in came.names]

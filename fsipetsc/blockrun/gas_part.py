@@ -14,13 +14,15 @@ from fsipetsc.blocks.grid import GridMotion
 from fsipetsc.blocks.particles import Particle
 from fsipetsc.blocks.values import block_values
 from fsipetsc.operators.boxed import Box
+from fsipetsc.operators.compiled import CompiledFunction
+from fsipetsc.operators.loops import dot
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.scheme.block_monitor import room_of, sums_of
-from fsipetsc.operators.compiled import CompiledFunction
 from fsipetsc.scheme.gas_dissipation import gas_damping
+from fsipetsc.scheme.gas_force import force_of
+from fsipetsc.scheme.gas_forms import DivergenceForm, EntropyForm
 from fsipetsc.scheme.gas_record import FUNCTIONS, GasRecord
-from fsipetsc.scheme.gas_rows import DivergenceForm, EntropyForm
 from fsipetsc.scheme.gas_volume import GasVolume, gas_text
 from fsipetsc.scheme.part import Nothing, PartCalls
 from fsipetsc.scheme.radial import Radial, Straight
@@ -38,7 +40,9 @@ class GasPart(BlockPart):
         material = self.block.material
         self.equations = material.equations(self._d, self._problem.symmetry)
         self.viscous = bool(material.mu or material.kappa)
-        self.convection = DivergenceForm() if form.convection == "divergence" else EntropyForm()
+        divergence = form.convection == "divergence"
+        force = force_of(self.equations.force, divergence)
+        self.convection = DivergenceForm(force) if divergence else EntropyForm(force)
         #: C code of this part; ``library``: made of it, before ``calls``
         self.text = gas_text(self.equations, self._d, self.convection, self.viscous)
         self.library: ctypes.CDLL
@@ -79,15 +83,17 @@ class GasPart(BlockPart):
         names = *(f"momentum_{x}" for x in "xyz"[: self._d]), "energy", "entropy", *spins(self._d)
         sums = begins["mass"] + number, *(begins[name] for name in names)
         part, d, known = self.part, self._d, self.gather.local
-        bands, form = part.bands, self._form
+        bands, form, force = part.bands, self._form, self.convection.force
         sigma, shock = sigma_of(form.dissipation, self._problem.joined), form.shock
         damping: Any = Nothing()
         if sigma > 0.0 or shock > 0.0:
             found = differences(d, self._order, bands, self.block.cells)
-            damping = gas_damping(d, found, sigma, shock)
+            damping = gas_damping((0.0,) * d, force, found, sigma, shock)
         self.volume = GasVolume(
-            self.equations, d, self.viscous, bands, part.patch, self.metrics
+            self.equations, d, self.convection, self.viscous, bands, part.patch, self.metrics
         )
+        potential = self.volume.potential
+        potential[:] = -dot(self.equations.force, self.X)[: potential.size]
         around = Radial(self.grid.record, np.zeros(((d + 1) ** 2, self.X.shape[1])))
         record = GasRecord(
             **self._common(at_particles, alone),
@@ -96,6 +102,8 @@ class GasPart(BlockPart):
             volume=CompiledFunction(self.library, "gas_rates", 2),
             of_volume=self.volume.address,
             form=self.convection,
+            potential=potential,
+            supplied=self.volume.supplied,
             dissipation=damping,
             axis=around if self._problem.symmetry else Straight(),
             column=number,
@@ -108,6 +116,7 @@ class GasPart(BlockPart):
             grid=self.grid.record,
             reference=self.reference,
             sums=np.zeros(sums_of(d)),
+            level=begins.get("potential_energy", -1),
         )
         return PartCalls(Box(record), *FUNCTIONS)
 

@@ -37,8 +37,8 @@ _WORDS = (
 
 
 def first_notes(state: BlockState) -> list[str]:
-    """Hinges that do not hold; where walls are not at the ends of their blocks, and where pressure
-    jumps at an interface.
+    """Hinges that do not hold; forces that do not keep rest; where walls are not at the ends of
+    their blocks, and where pressure jumps at an interface.
 
     Of the completed initial data, whose halos are filled. Collective.
     """
@@ -63,7 +63,7 @@ def first_notes(state: BlockState) -> list[str]:
         for block, distance in zip(blocks, away.tolist(), strict=True)
         if distance > AWAY * state.h
     ]
-    notes += weak_hinges(problem, state.op.order)
+    notes += weak_hinges(problem, state.op.order) + loose_forces(state)
     means = (pushes[..., 0] / pushes[..., 1]).tolist()
     for (gas, solid), (p, push) in zip(problem.interfaces, means, strict=True):
         if abs(p - push) > JUMP * max(abs(p), abs(push)):
@@ -73,6 +73,17 @@ def first_notes(state: BlockState) -> list[str]:
                 "interface): waves start there"
             )
     return notes
+
+
+def loose_forces(state: BlockState) -> list[str]:
+    """A note for each gas on which a constant force acts node by node."""
+    gases = [block for block in state.problem.blocks if block.kind == "fluid" and not state.pairs]
+    return [
+        f"note: the force on '{gas.name}' is added node by node: a gas at rest stays so to the "
+        "order of the scheme only, and small motions may grow; -fsi_convection entropy keeps rest"
+        for gas in gases
+        if any(gas.material.force)
+    ]
 
 
 def weak_hinges(problem: BlockProblem, order: int) -> list[str]:

@@ -13,11 +13,11 @@ from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.blocks.values import block_values, prestress_of
 from fsipetsc.equations.tensors import add_unit, apply, cofactor
 from fsipetsc.operators.boxed import Box
+from fsipetsc.operators.compiled import CompiledFunction
 from fsipetsc.operators.loops import dot
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
-from fsipetsc.operators.compiled import CompiledFunction
 from fsipetsc.scheme.part import Nothing, PartCalls
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, solid_damping
 from fsipetsc.scheme.solid_monitor import solid_monitor
@@ -137,6 +137,7 @@ class SolidPart(BlockPart):
             columns=np.array([begins[name] for name in names if name in begins]),
             volume=CompiledFunction(self.library, "solid_rates", 2),
             of_volume=self._volume.address,
+            level=begins.get("potential_energy", -1),
             laws=self.equations,
             dissipation=self._dissipation(),
             loses=self._loses,

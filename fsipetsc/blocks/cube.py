@@ -37,7 +37,8 @@ class Cube:
 
     def __init__(self, library: ctypes.CDLL, wide: Wide, metrics: Array) -> None:
         self.library, nodes = library, wide.y.shape[1]
-        self.x, self.v, self.volume = wide.y.copy(), np.zeros((3, nodes)), np.zeros(metrics.shape[1])
+        self.x, self.v = wide.y.copy(), np.zeros((3, nodes))
+        self.volume = np.zeros(metrics.shape[1])
         half, q = [0.5 / weight for weight in wide.weight], np.zeros((9, nodes))
         S = [np.ascontiguousarray(of_axis) for of_axis in wide.S]
         self._kept = half, q, metrics, S
@@ -58,8 +59,8 @@ class Cube:
         self.address = ctypes.addressof(self._struct)
 
     def add_face(self, i: int, at: int, factor: float, sign: float, areas: Array) -> None:
-        """Add factor times a^i of the places x + sign v to ``areas`` (9 or 3, N), rows 3 i and so on
-        of nine, at the nodes of the range whose index along axis i is ``at``.
+        """Add factor times a^i of the places x + sign v to ``areas``, (3, N), or three rows of (9, N)
+        from 3 i on, at the nodes of the range whose index along axis i is ``at``.
         """
         row = areas[3 * i] if len(areas) == 9 else areas[0]
         self.library.cube_face(

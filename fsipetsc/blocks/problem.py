@@ -13,7 +13,17 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blocks.block import Block, Range, determinant, mesh
-from fsipetsc.blocks.conditions import Centre, Condition, Hinge, conserves_energy, steady
+from fsipetsc.blocks.conditions import (
+    Centre,
+    Condition,
+    Given,
+    Hinge,
+    Open,
+    Outflow,
+    conserves_energy,
+    moves,
+    steady,
+)
 from fsipetsc.blocks.faces import FaceName, Faces, Kinds, Meeting, face_nodes, number_of, united
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.overlap import check_overlap
@@ -228,6 +238,11 @@ class BlockProblem:
         """There is forcing, or interfaces get something from outside."""
         return self.jumps is not None or any(b.forcing is not None for b in self.blocks)
 
+    @cached_property
+    def pulled(self) -> bool:
+        """A constant force acts on a block."""
+        return any(any(block.material.force) for block in self.blocks)
+
     @property
     def steady_data(self) -> bool:
         """No data of faces and no forcing depend on time."""
@@ -238,7 +253,8 @@ class BlockProblem:
         """What must not change, as JSON has it: see fsipetsc.scheme.conservation_check.
 
         Less what comes in through faces and by forces, the mass of each body of gas, momentum and
-        energy; entropy where nothing comes in and stresses do not heat the solids.
+        energy; energy with the potential energy of constant forces where no mass comes in and grids
+        of gas are at rest; entropy where nothing comes in and stresses do not heat the solids.
         """
         solids = [block for block in self.blocks if block.kind == "solid"]
         gases = [k for k, block in enumerate(self.blocks) if block.kind == "fluid"]
@@ -255,10 +271,24 @@ class BlockProblem:
             # along r pressure acts around an axis, too
             "momentum": "xyz"[: self.dimension - (self.symmetry > 0)],
             "energy": True,
+            "potential": self._keeps_potential,
             "entropy": closed and elastic,
             "inertia": sum(masses),
             "heat_capacity": sum(capacities),
         }
+
+    @property
+    def _keeps_potential(self) -> bool:
+        """Energy with the potential energy of constant forces must stay."""
+        passing = any(isinstance(c, (Open, Outflow, Given)) for c in self.outer_faces.values())
+        moving = self.interfaces or any(map(moves, self.outer_faces.values()))
+        falling = any(
+            block.kind == "fluid" and np.any(block.periods @ block.material.force)
+            for block in self.blocks
+            if any(block.material.force)
+        )
+        gases = any(block.kind == "fluid" for block in self.blocks)
+        return self.pulled and not (passing or falling or self._forced or (gases and moving))
 
     @cached_property
     def bodies(self) -> list[list[int]]:
@@ -324,6 +354,11 @@ def _check_radial(block: Block, centred: bool) -> None:
     r, lines = X[-1], X.reshape(block.dimension, block.shape[-1], -1)
     if block.periods[:, -1].any() or block.prestress is not None:
         raise InputError(f"{block}: r grows by a period, or it has a prestress: expected neither")
+    if centred and block.material.force[-1] != 0.0:
+        raise InputError(
+            f"{block}: the force {block.material.force} is across the axis or centre "
+            "that the block reaches, and has no direction there: expected one along the axis"
+        )
     lowest = int(np.argmin(r))
     if not r[lowest] > 1e-9 * r.max():
         wanted = "expected r > 0 at all nodes; with Centre() a map as ball or off_axis make it"

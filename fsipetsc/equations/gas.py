@@ -8,7 +8,7 @@ With the metrics a^k of the logical directions k, the velocity v of the grid and
     U   = (rho, rho u, E),        E = rho (e(rho, T) + |u|^2/2)
     f   = (rho u, rho u u + p, (E + p) u)
     f_v = (0, tau, tau u + kappa grad T),   tau = mu (grad u + grad u^T - 2/3 div u)
-    s   = (0, rho b, rho b . u)             b: body force per mass
+    s   = (0, rho b, rho b . u)             b: constant body force per mass, as gravity
 
 a . f is the flux through the area a. Two-point fluxes of the nodes l and r, {q} = (q_l + q_r)/2:
 
@@ -21,6 +21,17 @@ gas (H. Ranocha, Generalised summation-by-parts operators and entropy stability,
 G. Schnücke et al., J. Sci. Comput. 82, 2020) and for a stiffened gas, whose entropy is that of a
 perfect gas with the pressure p + p_inf and the energy E - p_inf: p_inf adds constants to f and U.
 Any other gas law wants the mean flux {a . f} - g {U}.
+
+The body force has the potential Phi = - b . x. With F it enters pair by pair: J s of a node i is
+
+    S_i = - sum_l S_il {a} rho^ (Phi_l - Phi_i)/2 / weight_i,    and its power S_i . u_i
+
+In a perfect or stiffened gas of uniform temperature R T (rho_l - rho_i) = p_l - p_i, so that where
+p_l - p_i = - rho^ (Phi_l - Phi_i), F and S cancel in each pair but for a p_i: such a gas stays at
+rest. It has rho proportional to exp(-Phi/(R T)), as in nature. The mass flux of a pair is rho^ V,
+which moves rho Phi: on a grid at rest energy and rho Phi together are kept. The entropy gets
+nothing, s . z = 0. For discontinuous Galerkin methods: M. Waruszewski et al., J. Comput. Phys. 468,
+2022; with summation-by-parts operators and metrics as above it is derived in docs/derivation.md.
 
 Gradients are those of the entropy variables (u, -1)/T, because then viscosity and conduction
 produce entropy at each node: grad u = T (grad (u/T) + u grad (-1/T)), grad T = T^2 grad (-1/T).
@@ -117,6 +128,16 @@ class Gas(NamedTuple):
         T = near_harmonic_mean(l[2], r[2], distance(l[2], r[2], l[-1], r[-1]))
         return self.two_point_flux(l, r, mean(a_l, a_r), g, rho, T)
 
+    def pair_force(self, l, r, a_l, a_r, rise):
+        """{a} rho^ (Phi_r - Phi_l)/2 of any two nodes, for both; rise: Phi_r - Phi_l."""
+        rho = logarithmic_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
+        return scale(0.5 * rho * rise, mean(a_l, a_r))
+
+    def near_pair_force(self, l, r, a_l, a_r, rise):
+        """The same where pair_distance is at most NEAR."""
+        rho = near_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
+        return scale(0.5 * rho * rise, mean(a_l, a_r))
+
     def two_point_flux(self, l, r, a, g, rho, T):
         """a . f# - g U#, with the means rho and T."""
         u_l, u_r = l[3:-2], r[3:-2]
@@ -188,9 +209,13 @@ class Gas(NamedTuple):
         traction = apply(tau, a)
         return (*traction, dot(traction, w[3:-2]) + dot(conduction, a))
 
-    def body_force(self, q):
-        """(J rho b, J rho b . u): J s without its first number, which is 0."""
-        return (*scale(q[1], self.force), dot(self.force, q[2:-1]))
+    def raised(self, w, rise):
+        """w where the potential is more by `rise`, of the same velocity and temperature, at rest in
+        the body force: rho exp(-rise/(R T)), R T = dp/drho at constant T.
+        """
+        return self.state(
+            w[0] * np.exp(-rise * w[0] / self.law.bulk_modulus(w[0], w[2])), w[3:-2], w[2]
+        )
 
     def diffusivity(self, w):
         """The larger of those of momentum, 4/3 mu/rho, and heat, kappa/(rho cv) [m2/s]."""

@@ -129,7 +129,7 @@ class Kernel:
         arguments = sorted({**self._arguments, "n": "long "}.items())
         members = [f"  {kind}{name};" for name, kind in arguments]
         locals_ = [
-            f"  {kind}restrict {name} = in.{name};" if kind[-1] == "*" else f"  {kind}{name} = in.{name};"
+            f"  {kind}{'restrict ' * (kind[-1] == '*')}{name} = in.{name};"
             for name, kind in arguments
             if name != "p" and kind != "double "
         ]

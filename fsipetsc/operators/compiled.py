@@ -3,8 +3,8 @@
 import ctypes
 from typing import Any
 
-from numba import types
 import numba.experimental.function_type  # noqa: F401  (lets numba know such objects)
+from numba import types
 
 
 class CompiledFunction(types.WrapperAddressProtocol):

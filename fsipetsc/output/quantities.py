@@ -23,7 +23,8 @@ _FIELDS = {
 }
 #: the same of integrals; in one dimension they are per area [m-2], in two per depth [m-1]
 _INTEGRALS = {
-    "J": "energy energy_in energy_face heat_face solid_energy lost_energy",
+    "J": "energy energy_in energy_face heat_face solid_energy lost_energy potential_energy "
+    "force_work",
     "J s": "angular_momentum angular_momentum_x angular_momentum_y angular_momentum_z",
     "J K-1": "entropy",
     "N s": "momentum momentum_x momentum_y momentum_z impulse_x impulse_y impulse_z",
@@ -32,7 +33,7 @@ _INTEGRALS = {
 #: series of what a step brought, not of what there is after it
 GAINS = (
     *("impulse_x", "impulse_y", "impulse_z", "mass_in", "energy_in", "lost_energy"),
-    *("energy_face", "heat_face"),
+    *("energy_face", "heat_face", "force_work"),
 )
 _UNITS, _UNITS_OF_INTEGRALS = (
     {name: unit for unit, names in table.items() for name in names.split()}

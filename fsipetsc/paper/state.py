@@ -116,10 +116,20 @@ class PaperState(State):
     # data
 
     def first_notes(self) -> list[str]:
-        """Nothing: frames are cut where walls are, and the couplings bring stresses together."""
-        return []
+        """Forces that do not keep rest. Else nothing: frames are cut where walls are, and the
+        couplings bring stresses together.
+        """
+        return [
+            f"note: the force on '{layer.name}' is added node by node: a gas at rest stays so to "
+            "the order of the scheme only, and small motions may grow; -fsi_coupling conservative "
+            "keeps rest"
+            for layer in self.problem.layers
+            if layer.kind == "fluid" and any(layer.material.force)
+        ]
 
-    last_notes = first_notes
+    def last_notes(self) -> list[str]:
+        """None."""
+        return []
 
     def set_data(self, t: float) -> None:
         """Evaluate boundary data, jumps and forcing at time t [s] for the next evaluation of the

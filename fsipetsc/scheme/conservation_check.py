@@ -2,9 +2,10 @@
 recorded series.
 
 Of blocks all is counted that comes in through faces and by body forces (fsipetsc.blockrun.scheme):
-masses, all components of momentum and energy are held for open edges, too; entropy where nothing
-comes in and no solid is heated by stress. Of the paper's method the mass of a gas layer behind a
-wall is held, and total energy between two walls without body forces.
+masses, all components of momentum and energy are held for open edges, too; with the potential
+energy of constant forces in the place of their work where no mass comes in and grids are at rest;
+entropy where nothing comes in and no solid is heated by stress. Of the paper's method the mass of a
+gas layer behind a wall is held, and total energy between two walls without body forces.
 """
 
 from collections.abc import Mapping
@@ -61,6 +62,11 @@ class Drifts:
         if invariants["energy"]:
             came = self._sum("energy", series["energy_in"]) if "energy_in" in series else 0.0
             result["energy"] = (series["energy"] - came) / initial["energy"] - 1
+        if invariants.get("potential"):
+            came = self._sum("energy without work", series["energy_in"] - series["force_work"])
+            first = initial["energy"], initial["potential_energy"]
+            change = series["energy"] - first[0] + (series["potential_energy"] - first[1]) - came
+            result["energy with potential energy"] = change / max(map(abs, first))
         if invariants.get("entropy"):
             produced = series["entropy"] - initial["entropy"]
             before = self.memory.get("entropy produced", 0.0)

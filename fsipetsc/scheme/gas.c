@@ -1,8 +1,8 @@
 /* Rates of a block of gas, without fluxes through its faces:
 
-       (J U)_t,i = - sum_k sum_l S_il (F^k(i, l) - {a^k . f_v}) / weight_i + J s
+       (J U)_t,i = - sum_k sum_l S_il (F^k(i, l) - {a^k . f_v}) / weight_i
 
-   and J_t. The weights S_il of pairs of nodes are those of fsipetsc.operators.bands, the fluxes those
+   and J_t; beside them a constant force, pair by pair. The weights S_il of pairs of nodes are those of fsipetsc.operators.bands, the fluxes those
    of fsipetsc.equations.gas, in the kernels of fsipetsc.scheme.gas_kernels.
 
    Nodes are swept in tiles: a range along the first axis, a few rows along the second one of three,
@@ -11,7 +11,7 @@
    to the row at work, that of the upper one waits in a row of its own. The fluxes reach a node in an
    order that does not depend on how a block is cut, so neither do the bits of its rate. */
 
-enum { W = D + 5, FLUXES = D + 2, SLOPES = D * (D + 1), NUMBERS = W + (VISCOUS ? SLOPES : 0) };
+enum { W = D + 5, FLUXES = D + 2 + (FORCE ? D : 0), SLOPES = D * (D + 1), NUMBERS = W + (VISCOUS ? SLOPES : 0) };
 
 struct axis { /* of a patch: its band, the nodes owned, those with the halo, how far they are apart */
   const double *S, *weight;
@@ -20,6 +20,8 @@ struct axis { /* of a patch: its band, the nodes owned, those with the halo, how
 struct gas {
   struct axis first, inner, last; /* the contiguous axis, the second one of three, that of the sweep */
   const double *p, *metrics;      /* parameters of the kernels; planes of N numbers */
+  const double *potential;        /* of a constant force, pair by pair (fsipetsc.scheme.gas_force) */
+  double *supplied;               /* that force on the owned nodes, over their weights */
   long N, J_t;                    /* J_t: which plane */
   long layers, depth, before;     /* rows that are kept: layers of so many, some before the tile's */
   double *rows, *high;            /* numbers of these, and sums of each as the upper node of pairs */
@@ -142,10 +144,15 @@ static void add_pairs(const struct gas *g, int k, const double *l, const double 
 #else
 #define STRESS
 #endif
-#if TELLS_FAR
-  if (gas_near(PAIR STRESS)) gas_far(PAIR);
+#if FORCE
+#define RAISED , .potential_l = g->potential + node_l, .potential_r = g->potential + node_r
 #else
-  gas_near(PAIR STRESS);
+#define RAISED
+#endif
+#if TELLS_FAR
+  if (gas_near(PAIR RAISED STRESS)) gas_far(PAIR RAISED);
+#else
+  gas_near(PAIR RAISED STRESS);
 #endif
 }
 
@@ -197,7 +204,7 @@ static void pairs_along(const struct gas *g, const struct tile *t, long layer, l
 }
 
 /* Add the fluxes of the pairs that begin in a layer, and store its rates if it is owned. */
-static void sweep_layer(const struct gas *g, const double *q, double *rates, const struct tile *t, long layer) {
+static void sweep_layer(const struct gas *g, double *rates, const struct tile *t, long layer) {
   const struct axis *first = &g->first, *inner = &g->inner, *last = &g->last;
   const int owned = layer >= last->begin;
   for (long j = owned ? most(t->y0 - inner->reach, 0) : t->y0; j < t->y1; ++j) {
@@ -213,7 +220,7 @@ static void sweep_layer(const struct gas *g, const double *q, double *rates, con
     gas_store(.low = g->low + MARGIN, .high = high_of(g, t, layer, j) + t->x0, .J_t = g->metrics + g->J_t * g->N + node,
               .rates = rates + own * (D + 3), .n = t->x1 - t->x0, .N = g->N
 #if FORCE
-              , .q = q + node * (D + 3), .p = g->p
+              , .supplied = g->supplied + own * (D + 1)
 #endif
     );
   }
@@ -231,7 +238,7 @@ static void sweep(const struct gas *g, const double *q, double *rates, struct ti
       viscous_layer(g, q, t, completed);
 #endif
     }
-    sweep_layer(g, q, rates, t, layer);
+    sweep_layer(g, rates, t, layer);
   }
 }
 

@@ -36,7 +36,7 @@ Finite volumes between the nodes of a summation-by-parts scheme: S. Hennemann et
 Phys. 426, 2021. That alpha may vary from pair to pair was derived for this program.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -56,7 +56,7 @@ from fsipetsc.operators.loops import (
     zeros,
 )
 from fsipetsc.operators.undivided import Differences
-from fsipetsc.scheme.gas_rows import state_like
+from fsipetsc.scheme.gas_forms import state_like
 from fsipetsc.scheme.rows import ONE, U64, Array, at, put
 
 #: s up to which there is no shock, and how fast alpha rises from there
@@ -68,7 +68,7 @@ SMALL = 0.05
 class GasDamping(NamedTuple):
     """Sizes of both terms, 0: none. Memory, by components of N nodes: states, entropy variables,
     fluxes of differences (each component after zeros), alpha, areas and volume fluxes of links,
-    sums.
+    sums. In a constant force there are more of these: see fsipetsc.scheme.gas_force.
     """
 
     sigma: float
@@ -86,11 +86,11 @@ class GasDamping(NamedTuple):
         gas_dissipation(part, self, q, rates)
 
 
-def gas_damping(d: int, found: Differences, sigma: float, shock: float) -> GasDamping:
-    """For the nodes of a patch."""
-    N, F = found.norm.shape[1], found.room(d)
-    sizes = (d + 5) * N, (d + 2) * N, (d + 2) * F, N, (d + 1) * N, (d + 2) * N
-    return GasDamping(sigma, shock, found, *map(np.zeros, sizes))
+def gas_damping(like: Any, force: Any, found: Differences, *sizes: float) -> GasDamping:
+    """For the nodes of a patch. force: fsipetsc.scheme.gas_force. sizes: sigma, shock."""
+    d, N, F = len(like), found.norm.shape[1], len(force.diffused(like)) * found.room(len(like))
+    memory = (d + 5) * N, (d + 2) * N, F, N, (d + 1) * N, len(force.linked(like)) * N
+    return GasDamping(*sizes, found, *map(np.zeros, memory))
 
 
 @njit(**CALL)
@@ -100,7 +100,8 @@ def gas_dissipation(part, damp, q, rates):
     sigma, shock, difference, metrics = damp.sigma, damp.shock, damp.differences, part.metrics
     q, metrics, rates, N = q.reshape(-1), metrics.reshape(-1), rates.reshape(-1), damp.alpha.size
     own, ghosted, first, weights = patch.own, patch.ghosted, patch.first, difference.weights
-    prepare(gas, like, q, damp.state, damp.z, U64(N))
+    potential, supplied = part.potential, part.supplied
+    prepare(gas, like, form.force, q, potential, damp.state, damp.z, U64(N))
     for k in range(len(like)):
         stride, damp.sums[:] = int(difference.strides[k]), 0.0
         if shock > 0.0:
@@ -108,27 +109,32 @@ def gas_dissipation(part, damp, q, rates):
             sense((0.0, 0.0), *of_state, damp.alpha, stride, ghosted[k])
             if damp.alpha.max() > 0.0:
                 damp.link[:] = 0.0
-                split_pairs(gas, like, form, S[k], metrics, k, stride, ghosted[k], damp)
-                flow_on(gas, like, form, shock, stride, damp)
+                of_axis = metrics, potential, k, stride, ghosted[k]
+                split_pairs(gas, like, form, S[k], *of_axis, damp)
+                flow_on(gas, like, form, potential, shock, stride, damp)
         if sigma > 0.0:
             strength, norm = sigma / 4.0 ** (len(weights) - 1), difference.norm[k]
-            fluxes(gas, like, strength, weights, norm, metrics, k, U64(stride), damp, U64(N))
-        of_axis = difference.per_weight[k]
+            of_axis = weights, norm, metrics, potential, k, U64(stride)
+            fluxes(gas, like, form.force, strength, *of_axis, damp, U64(N))
+        per_weight = difference.per_weight[k]
         for y in range(own[1]):
             for z in range(own[2]):
                 node = U64(first[0] + ghosted[0] * (first[1] + y + ghosted[1] * (first[2] + z)))
                 to, n = U64(own[0] * (y + own[1] * z)), U64(own[0])
-                collect(like, weights, of_axis, sigma > 0.0, node, U64(stride), damp, rates, to, n)
+                found = damp, potential, supplied, rates, to, n
+                of_axis = weights, per_weight, sigma > 0.0, node, U64(stride)
+                collect(like, form.force, *of_axis, *found)
 
 
 @njit(**EXACT_LOOP)
-def prepare(gas, like, q, state, z, n):
+def prepare(gas, like, force, q, potential, state, z, n):
     """Primitive and entropy variables of interlaced nodes."""
     like_q = (*like, 0.0, 0.0, 0.0)
     for i in range(n):
         w = gas.primitive(at(like_q, q, U64(0), ONE, i * U64(len(like_q))))
         put(state, U64(0), n, i, w)
-        put(z, U64(0), n, i, (gas.first_entropy_variable(w), *gas.entropy_variables(w)))
+        first = force.level(potential, i, gas.first_entropy_variable(w), w)
+        put(z, U64(0), n, i, (first, *gas.entropy_variables(w)))
 
 
 @njit(**EXACT_LOOP)
@@ -180,15 +186,17 @@ def largest(alpha, i, stride, weights):
 
 
 @njit(**EXACT_LOOP)
-def fluxes(gas, like, strength, weights, norm, metrics, k, stride, damp, n):
+def fluxes(gas, like, force, strength, weights, norm, metrics, potential, k, stride, damp, n):
     """sigma/4^q lambda U_z Delta z of differences by their first nodes, 0 if one does not fit."""
-    like_z, nothing = (*like, 0.0, 0.0), (*zeros(like), 0.0, 0.0)
+    like_z, nothing = (*like, 0.0, 0.0), zeros(force.diffused(like))
     d, order, none = len(like), len(weights) - 1, U64(0)
     low, high = U64(order // 2) * stride, U64((order + 1) // 2) * stride
-    area, grid, apart = U64(k * d) * n, U64(d * d) * n, U64(damp.F.size // len(like_z))
+    area, grid = U64(k * d) * n, U64(d * d) * n
+    apart = U64(damp.F.size // len(nothing))
     for i in range(n - U64(order) * stride):
         change = shifted_sum(like_z, damp.z, none, n, i, stride, weights)
         l, r = i + low, i + high
+        change = force.at_middle(change, potential, l, r)
         middle = mean(at(like_z, damp.z, none, n, l), at(like_z, damp.z, none, n, r))
         T = -1.0 / middle[-1]
         w = gas.state(0.5 * (damp.state[l] + damp.state[r]), scale(T, middle[1:-1]), T)
@@ -197,22 +205,30 @@ def fluxes(gas, like, strength, weights, norm, metrics, k, stride, damp, n):
         speed = gas.fastest(w, mean(a_l, a_r), 0.5 * g)
         wide = 1.0 - largest(damp.alpha, i, stride, weights)
         F = scale(strength * norm[i] * wide * speed, gas.densities_of_change(w, change))
+        F = force.with_level(F, potential, l, r)
         put(damp.F, apart - n, apart, i, choose(norm[i] > 0.0, F, nothing))
     for i in range(n - U64(order) * stride, n):
         put(damp.F, apart - n, apart, i, nothing)
 
 
 @njit(**EXACT_LOOP)
-def collect(like, weights, per_weight, differs, node, stride, damp, rates, to, n):
+def collect(
+    like, force, weights, per_weight, differs, node, stride, damp, potential, supplied, rates, to, n
+):
     """Add sums and H^-1 Delta^T F to the rates of a row of owned nodes; all is interlaced there."""
     like_f, N, count = (*like, 0.0, 0.0), U64(per_weight.size), U64(len(like) + 3)
-    order, apart = len(weights) - 1, U64(damp.F.size // len(like_f))
+    like_F = force.diffused(like)
+    order, apart = len(weights) - 1, U64(damp.F.size // len(like_F))
     back, sign = apart - N + node - U64(order) * stride, 1.0 - 2.0 * (order % 2)
     for i in range(n):
         more, place = at(like_f, damp.sums, node, N, i), (to + i) * count + ONE
+        power = 0.0
         if differs:  # weights of Delta^T: those of Delta in reverse order, perhaps with sign -1
-            sum_of_F = shifted_sum(like_f, damp.F, back, apart, i, stride, weights)
+            sums_of_F = shifted_sum(like_F, damp.F, back, apart, i, stride, weights)
+            sum_of_F, level = force.parted(sums_of_F)
             more = along(more, -sign, sum_of_F)
+            power = sign * force.lifted(potential, node + i, sum_of_F, level)
+        force.collect(like, damp.sums, N, node + i, per_weight[node + i], power, supplied, to + i)
         found = at(like_f, rates, place, ONE, U64(0))
         put(rates, place, ONE, U64(0), along(found, per_weight[node + i], more))
 
@@ -221,7 +237,7 @@ def collect(like, weights, per_weight, differs, node, stride, damp, rates, to, n
 
 
 @njit(**INNER_CALL)
-def split_pairs(gas, like, form, S, metrics, k, stride, length, damp):
+def split_pairs(gas, like, form, S, metrics, potential, k, stride, length, damp):
     """Take alpha of its flux from each pair; add to areas and volume fluxes of its links."""
     for i in range(damp.alpha.size):
         place, alpha = i // stride % length, damp.alpha[i]
@@ -229,22 +245,23 @@ def split_pairs(gas, like, form, S, metrics, k, stride, length, damp):
             alpha = max(alpha, damp.alpha[i + m * stride])
             if alpha > 0.0 and S[m, place] != 0.0:
                 weight, ends = alpha * S[m, place], (U64(i), U64(m), U64(stride))
-                split(gas, like, form, weight, metrics, k, *ends, damp)
+                split(gas, like, form, weight, metrics, potential, k, *ends, damp)
 
 
 @njit(**INNER_CALL)
-def split(gas, like, form, weight, metrics, k, i, m, stride, damp):
+def split(gas, like, form, weight, metrics, potential, k, i, m, stride, damp):
     """One pair, of the node i and that m farther on; weight: alpha S."""
-    like_w, like_f, d = state_like(like), (*like, 0.0, 0.0), len(like)
+    like_w, like_f, d = state_like(like), form.force.sums(like), len(like)
     N, none, like_v = U64(damp.alpha.size), U64(0), gas.of_grid(like)
     j, area, grid = i + m * stride, U64(k * d) * N, U64(d * d) * N
     l, r = at(like_w, damp.state, none, N, i), at(like_w, damp.state, none, N, j)
     a_l, v_l = at(like, metrics, area, N, i), at(like_v, metrics, grid, N, i)
     a_r, v_r = at(like, metrics, area, N, j), at(like_v, metrics, grid, N, j)
     g = gas.volume_flux(a_l, v_l, a_r, v_r)
-    F = form.any(gas, l, r, a_l, a_r, g)
-    put(damp.sums, none, N, i, along(at(like_f, damp.sums, none, N, i), weight, F))
-    put(damp.sums, none, N, j, along(at(like_f, damp.sums, none, N, j), -weight, F))
+    F, rise = form.any(gas, l, r, a_l, a_r, g), form.force.rise(potential, i, j)
+    below, above = form.force.any(gas, F, l, r, a_l, a_r, rise)
+    put(damp.sums, none, N, i, along(at(like_f, damp.sums, none, N, i), weight, below))
+    put(damp.sums, none, N, j, along(at(like_f, damp.sums, none, N, j), -weight, above))
     more = (*mean(a_l, a_r), g)
     for n in range(m):
         link = i + U64(n) * stride
@@ -253,16 +270,18 @@ def split(gas, like, form, weight, metrics, k, i, m, stride, damp):
 
 
 @njit(**INNER_CALL)
-def flow_on(gas, like, form, shock, stride, damp):
+def flow_on(gas, like, form, potential, shock, stride, damp):
     """Fluxes through the links, with those of Lax and Friedrichs."""
-    like_w, like_f, N, none = state_like(like), (*like, 0.0, 0.0), U64(damp.alpha.size), U64(0)
+    like_w, N, none, force = state_like(like), U64(damp.alpha.size), U64(0), form.force
+    like_f = force.linked(like)
     for i in range(N - U64(stride)):
         link, j = at((*like, 0.0), damp.link, none, N, i), i + U64(stride)
         a, g = link[:-1], link[-1]
         if dot(link, link) > 0.0:
             l, r = at(like_w, damp.state, none, N, i), at(like_w, damp.state, none, N, j)
             speed = 0.5 * shock * max(gas.fastest(l, a, g), gas.fastest(r, a, g))
-            jump = sub(gas.densities(r), gas.densities(l))
-            F = along(form.any(gas, l, r, a, a, g), -speed, jump)
-            put(damp.sums, none, N, i, sub(at(like_f, damp.sums, none, N, i), F))
-            put(damp.sums, none, N, j, add(at(like_f, damp.sums, none, N, j), F))
+            rise = force.rise(potential, i, j)
+            jump, F = force.jump(gas, l, r, rise), form.any(gas, l, r, a, a, g)
+            below, above = force.link(gas, F, speed, jump, l, r, a, rise)
+            put(damp.sums, none, N, i, sub(at(like_f, damp.sums, none, N, i), below))
+            put(damp.sums, none, N, j, add(at(like_f, damp.sums, none, N, j), above))

@@ -17,8 +17,9 @@ from fsipetsc.operators.loops import add, along, mean, scale, sub
 
 
 def gas_kernels(gas: Any, d: int, form: Any, viscous: bool) -> list[Kernel]:
-    """All kernels of a gas in d dimensions; form: fsipetsc.scheme.gas_rows."""
-    made = [_load(gas, d), *_pairs(gas, d, form, viscous), _store(gas, d)]
+    """All kernels of a gas in d dimensions; form: fsipetsc.scheme.gas_forms."""
+    sums = len(form.force.sums((0.0,) * d))
+    made = [_load(gas, d), *_pairs(gas, d, form, viscous), _store(d, sums)]
     return [*made, _slope(gas, d), _viscous(gas, d)] if viscous else made
 
 
@@ -34,52 +35,60 @@ def _pairs(gas: Any, d: int, form: Any, viscous: bool) -> list[Kernel]:
     kernel of these, if the form tells them apart.
     """
     kernel = Kernel("gas_near", "The fluxes of pairs of near nodes, added to the sums of both.")
-    flux, apart = _flux(kernel, gas, d, form.near, form)
+    both, apart = _fluxes(kernel, gas, d, form, form.near, form.force.near)
     far = isinstance(apart, float)
     if not far:
-        flux = tuple(np.where(apart, 0.0, component) for component in flux)
+        both = tuple(tuple(np.where(apart, 0.0, number) for number in flux) for flux in both)
         kernel.count(apart)
     if viscous:
         s = mean(kernel.read("s_l", ROWS, d + 1), kernel.read("s_r", ROWS, d + 1))
-        flux = (flux[0], *sub(flux[1:], s))
-    for array, before, after in _added(kernel, d, flux):
+        both = tuple((flux[0], *sub(flux[1 : d + 2], s), *flux[d + 2 :]) for flux in both)
+    for array, _, after in _added(kernel, both):
         kernel.store(array, ROWS, after)
     if far:
         return [kernel]
     others = Kernel("gas_far", "The fluxes of the other pairs, added to the sums of both nodes.")
-    flux, apart = _flux(others, gas, d, form.any, form)
-    for array, before, after in _added(others, d, flux):
+    both, apart = _fluxes(others, gas, d, form, form.any, form.force.any)
+    for array, before, after in _added(others, both):
         chosen = zip(after, before, strict=True)
         others.store(array, ROWS, [np.where(apart, new, old) for new, old in chosen])
     return [kernel, others]
 
 
-def _flux(kernel: Kernel, gas: Any, d: int, flux: Any, form: Any) -> tuple[Any, Any]:
-    """The flux of a pair, and whether its nodes are far apart (or 0.0, if they never are)."""
+def _fluxes(
+    kernel: Kernel, gas: Any, d: int, form: Any, flux: Any, force: Any
+) -> tuple[tuple[Any, Any], Any]:
+    """What the lower node of a pair loses and the upper one gains, and whether the two are far
+    apart (or 0.0, if they never are).
+    """
     gas, grid = kernel.parameters(gas), len(gas.of_grid((0.0,) * d))
     l, r = kernel.read("l", ROWS, d + 5), kernel.read("r", ROWS, d + 5)
     a_l, a_r = kernel.read("a_l", PLANES, d), kernel.read("a_r", PLANES, d)
     v_l, v_r = kernel.read("v_l", PLANES, grid), kernel.read("v_r", PLANES, grid)
     distance = form.distance(gas, l, r)
     apart = distance if isinstance(distance, float) else distance > NEAR
-    return flux(gas, l, r, a_l, a_r, gas.volume_flux(a_l, v_l, a_r, v_r)), apart
+    F, rise = flux(gas, l, r, a_l, a_r, gas.volume_flux(a_l, v_l, a_r, v_r)), 0.0
+    if len(form.force.sums((0.0,) * d)) > d + 2:
+        (low,), (high,) = kernel.read("potential_l", ROWS, 1), kernel.read("potential_r", ROWS, 1)
+        rise = high - low
+    return force(gas, F, l, r, a_l, a_r, rise), apart
 
 
-def _added(kernel: Kernel, d: int, flux: Any) -> list[tuple[str, Any, Any]]:
-    """The sums of the lower and the upper node, before and after the flux is added."""
+def _added(kernel: Kernel, both: tuple[Any, Any]) -> list[tuple[str, Any, Any]]:
+    """The sums of the lower and the upper node, before and after what they lose and gain."""
     gain, loss = kernel.read("gain", ROWS, 1)[0], kernel.read("loss", ROWS, 1)[0]
-    low, high = kernel.read("low", ROWS, d + 2), kernel.read("high", ROWS, d + 2)
-    return [("low", low, along(low, -loss, flux)), ("high", high, along(high, gain, flux))]
+    low, high = (kernel.read(name, ROWS, len(both[0])) for name in ("low", "high"))
+    less, more = both
+    return [("low", low, along(low, -loss, less)), ("high", high, along(high, gain, more))]
 
 
-def _store(gas: Any, d: int) -> Kernel:
-    kernel = Kernel("gas_store", "J_t and the rates of J rho, J rho u, J E of the nodes of a row.")
-    total = add(kernel.read("low", ROWS, d + 2), kernel.read("high", ROWS, d + 2))
-    if any(gas.force):
-        q = kernel.read("q", interlaced(f"{d + 3}"), d + 3)
-        total = (total[0], *add(total[1:], kernel.parameters(gas).body_force(q)))
+def _store(d: int, sums: int) -> Kernel:
+    kernel = Kernel("gas_store", "J_t, the rates of J rho, J rho u, J E, the force, of a row.")
+    total = add(kernel.read("low", ROWS, sums), kernel.read("high", ROWS, sums))
     (J_t,) = kernel.read("J_t", PLANES, 1)
-    kernel.store("rates", interlaced(f"{d + 3}"), (J_t, *total))
+    kernel.store("rates", interlaced(f"{d + 3}"), (J_t, *total[: d + 2]))
+    if sums > d + 2:
+        kernel.store("supplied", interlaced(f"{d + 1}"), (*total[d + 2 :], 0.0))
     return kernel
 
 

@@ -13,7 +13,8 @@ from fsipetsc.scheme.rows import Array
 class GasRecord(NamedTuple):
     """A part of a gas block.
 
-    volume: gas_rates of fsipetsc/scheme/gas.c, of_volume: the address of its struct.
+    volume: gas_rates of fsipetsc/scheme/gas.c, of_volume: the address of its struct. potential,
+    supplied: as GasVolume (fsipetsc.scheme.gas_volume) has them.
     like: d zeros. laws: fsipetsc.equations.gas. faces: fsipetsc.scheme.faces. block: its number,
     begin: of its unknowns in the world vector. X, places: (d, N) of the reference map, and where
     the monitor finds the nodes. metrics: (d d + d + 1, N), a^1 … a^d, velocity of the grid, J_t,
@@ -25,11 +26,14 @@ class GasRecord(NamedTuple):
     known: (m, 2d) those of all ranks; grid: see fsipetsc.blocks.grid. at_particles: faces at
     constraints, see fsipetsc.scheme.normals. reference: (M,) J of the reference map. forcing: (d +
     2, M), or (d + 2, 0). column: of its mass in what comes in; columns: of its sums in the record
-    of a step. axis: fsipetsc.scheme.radial; signs: of images, see fsipetsc.parallel.block_layout.
+    of a step, level: of the potential energy. axis: fsipetsc.scheme.radial; signs: of images, see
+    fsipetsc.parallel.block_layout.
     """
 
     volume: Any
     of_volume: int
+    potential: Array
+    supplied: Array
     like: Any
     laws: Any
     form: Any
@@ -61,6 +65,7 @@ class GasRecord(NamedTuple):
     seen: Array
     sums: Array
     columns: Array
+    level: int
 
 
 @njit(**CALL)
@@ -81,6 +86,7 @@ def move(part):
     """a^k of the grid where it is now."""
     if part.known.shape[0] > 0:
         part.grid.move(part.known, part.metrics)
+        part.form.force.follow(part)
 
 
 @njit(**CALL)
@@ -115,14 +121,10 @@ def rates(part, s, f, gain):
 
 @njit(**CALL)
 def supply(part, q, rates, gain):
-    """Add the case's forcing, and book what body forces give; q, rates: of the owned nodes."""
-    force, forcing, masses, d = part.laws.force, part.forcing, part.masses, len(part.like)
+    """Add a constant force and the case's forcing; q, rates: of the owned nodes."""
+    forcing, masses, d = part.forcing, part.masses, len(part.like)
     mass, impulse, energy, inside = gain.mass, gain.impulse, gain.energy, gain.energy.size - 1
-    for c in range(d):
-        b = force[c]
-        for i in range(masses.size if b != 0.0 else 0):
-            impulse[c] += b * masses[i] * q[i, 1]
-            energy[inside] += b * masses[i] * q[i, 2 + c]
+    part.form.force.add(part, q, rates, gain)
     for c in range(d + 2):
         for i in range(forcing.shape[1]):
             supplied = q[i, 0] * forcing[c, i]
@@ -141,8 +143,10 @@ def monitor(part, s, found):
     if part.known.shape[0] > 0:
         part.grid.find_places(part.X, part.places)
     metrics = part.axis.bounds(part.metrics)
-    gas_monitor(part, owned(part, s, len(part.like) + 3), metrics)
+    q = owned(part, s, len(part.like) + 3)
+    gas_monitor(part, q, metrics)
     note(part, found)
+    part.form.force.note(part, q, found)
 
 
 #: what is called of a gas: fsipetsc.scheme.part.PartCalls, without ``part``

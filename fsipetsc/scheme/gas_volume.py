@@ -30,7 +30,7 @@ class _Axis(ctypes.Structure):
 class _Gas(ctypes.Structure):
     _fields_ = [
         *((name, _Axis) for name in ("first", "inner", "last")),
-        *((name, _POINTER) for name in ("p", "metrics")),
+        *((name, _POINTER) for name in ("p", "metrics", "potential", "supplied")),
         *((name, _NUMBER) for name in ("N", "J_t", "layers", "depth", "before")),
         *((name, _POINTER) for name in ("rows", "high", "low", "slope", "gain", "loss")),
     ]
@@ -42,7 +42,7 @@ def gas_text(gas: Any, d: int, form: Any, viscous: bool) -> str:
     constants = {
         "D": d,
         "VISCOUS": int(viscous),
-        "FORCE": int(any(gas.force)),
+        "FORCE": int(len(form.force.sums((0.0,) * d)) > d + 2),
         "TELLS_FAR": int(any(kernel.name == "gas_far" for kernel in kernels)),
         **{"ROW": ROW, "TILE": TILE, "MARGIN": MARGIN, "DEPTH": DEPTH, "GAP": GAP, "SPANS": SPANS},
     }
@@ -53,29 +53,42 @@ def gas_text(gas: Any, d: int, form: Any, viscous: bool) -> str:
 class GasVolume:
     """What gas_rates takes of a part of a block: a struct in C, and the memory it points to.
 
-    metrics: (rows, N), with J_t as the last row. address: of the struct.
+    metrics: (rows, N), with J_t as the last row. Where a constant force acts pair by pair,
+    potential: (N,) Phi of the ghosted nodes, supplied: (M (d + 1),) the force on each owned node
+    and room for a power, interlaced, over the node's weight (fsipetsc.scheme.gas_force); else (0,).
+    address: of the struct.
     """
 
     def __init__(
-        self, gas: Any, d: int, viscous: bool, bands: Sequence[Band], patch: Patch, metrics: Array
+        self,
+        gas: Any,
+        d: int,
+        form: Any,
+        viscous: bool,
+        bands: Sequence[Band],
+        patch: Patch,
+        metrics: Array,
     ) -> None:
         reach = [band.reach for band in bands]
         inner, last = (1, 2) if d == 3 else (2, 1)
         far = 1 + int(viscous)
         layers = far * reach[last] + 1
         depth = (DEPTH if d == 3 else 1) + 2 * far * reach[inner]
-        numbers = d + 5 + viscous * d * (d + 1)
+        numbers, sums = d + 5 + viscous * d * (d + 1), len(form.force.sums((0.0,) * d))
+        raised = int(sums > d + 2)
+        self.potential = np.zeros(raised * int(np.prod(patch.ghosted)))
+        self.supplied = np.zeros(raised * int(np.prod(patch.own)) * (d + 1))
         room = {
             "rows": layers * depth * numbers,
-            "high": layers * depth * (d + 2),
-            "low": d + 2,
+            "high": layers * depth * sums,
+            "low": sums,
             "slope": d * (d + 1),
             "gain": 1 + reach[0],
             "loss": 1 + reach[0],
         }
         memory = {name: aligned(count * ROW) for name, count in room.items()}
         memory["p"] = np.array([*numbers_of(gas), 0.0])
-        memory["metrics"] = metrics
+        memory |= {"metrics": metrics, "potential": self.potential, "supplied": self.supplied}
         self._bands = [(np.ascontiguousarray(b.S), np.ascontiguousarray(b.weight)) for b in bands]
         self._memory = memory
         strides = np.cumprod([1, *patch.ghosted])

@@ -34,14 +34,16 @@ class Nothing(NamedTuple):
 
 class Gain(NamedTuple):
     """What comes in from outside. numbers: all that follow, as fsipetsc.blockrun.columns.gained has
-    them. mass: of each block of gas. lost: (1,) work on solids if it is booked, else (0,). impulse:
-    (d,). energy: through each outer face, in the end what comes through none; heat: what of this is
-    heat. total: (1,) the sum of energy.
+    them. mass: of each block of gas. lost: (1,) work on solids if it is booked, else (0,). work:
+    (1,) that of constant forces if there are any, else (0,). impulse: (d,). energy: through each
+    outer face, in the end what comes through none; heat: what of this is heat. total: (1,) the sum
+    of energy.
     """
 
     numbers: Array
     mass: Array
     lost: Array
+    work: Array
     impulse: Array
     energy: Array
     heat: Array
@@ -63,6 +65,13 @@ def ghosted(part, s, dof):
         if part.signs.size > 0:
             mirror(part.halo, part.patch.first, part.patch.ghosted, part.signs)
     return part.halo if part.halo.shape[0] > 0 else owned(part, s, dof)
+
+
+@njit(**INNER_CALL)
+def ghosted_node(i, patch):
+    """Number in the ghosted array of the owned node i."""
+    (n0, n1, _), (g0, g1, _), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
+    return f0 + i % n0 + g0 * (f1 + i // n0 % n1 + g1 * (f2 + i // (n0 * n1)))
 
 
 @njit(**INNER_CALL)

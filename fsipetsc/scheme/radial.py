@@ -19,7 +19,7 @@ from numba import njit
 
 from fsipetsc.operators.loops import INNER_CALL, column_of, dot, node, put_part, scale
 from fsipetsc.scheme.normals import Columns, add_areas, slope_at, turn_plane
-from fsipetsc.scheme.part import Nothing
+from fsipetsc.scheme.part import Nothing, ghosted_node
 from fsipetsc.scheme.rows import Array
 
 
@@ -55,13 +55,6 @@ class Radial(NamedTuple):
     def bounds(self, metrics):
         self.grid.bound(metrics)
         return self.grid.bounds
-
-
-@njit(**INNER_CALL)
-def ghosted_node(i, patch):
-    """Number in the ghosted array of the owned node i, in one dimension or two."""
-    own, first = patch.own[0], patch.first
-    return first[0] + i % own + patch.ghosted[0] * (first[1] + i // own)
 
 
 @njit(**INNER_CALL)

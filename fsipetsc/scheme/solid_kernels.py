@@ -1,5 +1,5 @@
-"""The kernels of a solid block's rates: what is read at a node, which formula it goes through, where
-it is stored. fsipetsc/scheme/solid.c calls them.
+"""The kernels of a solid block's rates: what is read at a node, which formula it goes through,
+where it is stored. fsipetsc/scheme/solid.c calls them.
 
 A tile's arrays have planes, ``step`` apart: unknowns D, v, e, strains F with hoop stretches,
 tractions t^k = P A^k, temperatures, and heat fluxes A^k . h. A row has the derivatives of these.
@@ -31,7 +31,7 @@ def solid_kernels(solid: Any, d: int, prestressed: bool) -> list[Kernel]:
 
 
 def _take(d: int) -> Kernel:
-    kernel = Kernel("solid_take", "The unknowns of a row's nodes, which are side by side, as planes.")
+    kernel = Kernel("solid_take", "The unknowns of a row, which are side by side, as planes.")
     kernel.store("unknowns", TILE, kernel.read("q", interlaced(f"{2 * d + 1}"), 2 * d + 1))
     return kernel
 

@@ -5,16 +5,17 @@ from typing import Any, NamedTuple
 from numba import njit
 
 from fsipetsc.equations.tensors import add_unit, outer
-from fsipetsc.operators.loops import CALL, column, dot
+from fsipetsc.operators.loops import CALL, INNER_CALL, column, dot
 from fsipetsc.scheme.block_monitor import monitor_end
 from fsipetsc.scheme.faces import strain_at
-from fsipetsc.scheme.part import add_normals, ghosted, note, owned
+from fsipetsc.scheme.part import add_normals, ghosted, ghosted_node, note, owned
 from fsipetsc.scheme.rows import U64, Array
 from fsipetsc.scheme.solid_monitor import solid_monitor
 
 
 class SolidRecord(NamedTuple):
-    """A part of a solid block; volume: solid_rates of fsipetsc/scheme/solid.c, what has the same name as in GasRecord is the same.
+    """A part of a solid block; what has the same name as in GasRecord is the same. volume:
+    solid_rates of fsipetsc/scheme/solid.c.
 
     X: (d, N) places at rest. metrics: (d d + 1, N), A^1 … A^d and J0, then R around an axis;
     prestress: (d d, N) what P has beside, or (d d, 0). work: fsipetsc.scheme.solid_work. inertia:
@@ -53,6 +54,7 @@ class SolidRecord(NamedTuple):
     seen: Array
     sums: Array
     columns: Array
+    level: int
     interfaces: Array
     stored_at: Array
     rows_of_stored: Array
@@ -114,6 +116,7 @@ def supply(part, q, rates, gain):
             total += work
             impulse[c] += masses[i] * b
             energy[inside] += work
+            gain.work[0] += work
     for i in range(forcing.shape[1]):
         heat = part.laws.alpha * forcing[d, i]
         for c in range(d):
@@ -138,12 +141,25 @@ def monitor(part, s, found):
     filled = F, loses, part.seen, part.sums
     solid_monitor(laws, like, q, X, metrics, prestress, per_h, masses, work, *filled)
     note(part, found)
+    note_potential(part, owned(part, s, 2 * len(like) + 1), found)
     at_ends, interfaces, own_q = found.at_ends, part.interfaces, owned(part, s, 2 * len(like) + 1)
     for m in range(interfaces.shape[0]):
         number, own, X_of_end, S = interfaces[m]
         of_end = at_ends[:, int(number)]
         monitor_end(laws, like, own_q, F, int(own), S, of_end)
         of_end[0] += X_of_end
+
+
+@njit(**INNER_CALL)
+def note_potential(part, q, found):
+    """Note - sum M b . x of the owned nodes, the potential energy of a constant force."""
+    masses, X = part.masses, part.X
+    for c in range(len(part.like)):
+        b, total = part.laws.force[c], 0.0
+        for i in range(masses.size if b != 0.0 else 0):
+            total -= masses[i] * b * (X[c, ghosted_node(i, part.patch)] + q[i, c])
+        if b != 0.0:
+            found.latest[part.level] += total
 
 
 #: what is called of a solid: fsipetsc.scheme.part.PartCalls, without ``part``

@@ -32,5 +32,6 @@ def compile(arguments: list[str], comm: Comm) -> None:
 def _case(arguments: Sequence[str]) -> Any:
     """The case that comes first."""
     if not arguments or arguments[0].startswith("-"):
-        raise InputError("compile: CASE is missing: python -m fsipetsc compile CASE [-option value ...]")
+        usage = "python -m fsipetsc compile CASE [-option value ...]"
+        raise InputError(f"compile: CASE is missing: {usage}")
     return load_case(arguments[0])

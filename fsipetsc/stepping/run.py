@@ -81,7 +81,7 @@ class _Run:
         other = restart.check_place(comm, self.checkpoint, opt, past)
         self.report = Reporter(comm, case.NAME, opt, state)
         self.checks = opt["fsi_check"] is not None
-        self.ledgers = Ledgers(self.problem.invariants, opt["fsi_check"], self.unit)
+        self.ledgers = Ledgers(state.invariants, opt["fsi_check"], self.unit)
         self.saved_at = -1.0
         times = opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"]
         self.integrator = Integrator(
@@ -116,7 +116,7 @@ class _Run:
             **self.state.header(),
             "notes": list(problem.notes),
             "units": problem.units,
-            "laws": problem.invariants,
+            "laws": self.state.invariants,
             **self.mark,
         }
 

@@ -29,6 +29,11 @@ class State:
     problem: Any
     results: np.ndarray
 
+    @property
+    def invariants(self) -> Mapping[str, Any]:
+        """What must not change, as JSON has it: see fsipetsc.scheme.conservation_check."""
+        return self.problem.invariants
+
     def _lay_journal(self, record: np.dtype, steps: int) -> tuple[np.ndarray, np.ndarray]:
         """Make batch, journal and latest; the last two are returned as numbers, too."""
         rows, self.batch = np.zeros((steps, record.itemsize // 8)), np.zeros(BATCH)

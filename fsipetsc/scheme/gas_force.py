@@ -1,0 +1,258 @@
+"""A constant force on a gas, as gravity: no force, one node by node, or one pair by pair.
+
+Node by node, J rho b and its power are added to the rates. A gas at rest stays so to the order of
+the scheme only, and small motions may grow. With the two-point fluxes that conserve entropy the
+force comes from its potential Phi = - b . x, pair by pair (fsipetsc.equations.gas): a gas of
+uniform temperature stays at rest to round-off, and on a grid at rest energy with rho Phi is kept.
+
+Dissipation (fsipetsc.scheme.gas_dissipation) must not disturb that rest, and what diffuses in the
+potential does work. Energy with rho Phi has the entropy variables
+
+    z~ = ((h - |u|^2/2 + Phi)/T - s, u/T, -1/T),
+
+all of which are constant in a gas at rest. With Phi_m in the middle of a difference, and F =
+sigma/4^q lambda U_z c of the head there with
+
+    c = (Delta (z_1 + (Phi - Phi_m)/T), Delta u/T, Delta -1/T)
+
+in the place of Delta z, a node i gets - (F_rho, F_m, F_E + (Phi_m - Phi_i) F_rho): energy with
+rho Phi is kept, and entropy does not fall, as c . U_z c > 0 is what it gains.
+
+At shocks a link from m to m + 1 carries the force {a} rho^ (Phi_m+1 - Phi_m)/2 of its areas to both
+nodes, as a pair does, which gives back what pairs lose: rest is kept whatever alpha is. Its flux of
+Lax and Friedrichs has the difference of the densities U* of both states raised or lowered to
+Phi_m = (Phi_m + Phi_m+1)/2, in the body force, at their temperatures. z of these states differ by
+c, so that by convexity c . (U*_m+1 - U*_m) > 0; in a gas at rest both are equal.
+"""
+
+from typing import Any, NamedTuple
+
+from numba import njit
+
+from fsipetsc.operators.loops import INNER_CALL, add_last, along, scale, sub
+from fsipetsc.scheme.part import ghosted_node
+from fsipetsc.scheme.rows import ONE, U64, at, put
+
+
+class NoForce(NamedTuple):
+    """No constant force: nothing of what follows costs anything."""
+
+    kind: int = 0
+
+    def sums(self, like):
+        """As many numbers as are summed of each node in a sweep: a flux, perhaps a force."""
+        return (*like, 0.0, 0.0)
+
+    def linked(self, like):
+        """The same of links at shocks: perhaps the power of what diffuses, too."""
+        return (*like, 0.0, 0.0)
+
+    def diffused(self, like):
+        """The same of fluxes of differences: perhaps Phi_m F_rho, too."""
+        return (*like, 0.0, 0.0)
+
+    def rise(self, potential, i, j):
+        """Phi_j - Phi_i."""
+        return 0.0
+
+    def near(self, gas, F, l, r, a_l, a_r, rise):
+        """What two nodes that are near one another subtract and add: F, and the force."""
+        return F, F
+
+    def any(self, gas, F, l, r, a_l, a_r, rise):
+        """The same of any two nodes."""
+        return F, F
+
+    def level(self, potential, i, first, w):
+        """z_1 of a node, perhaps with Phi/T."""
+        return first
+
+    def at_middle(self, change, potential, l, r):
+        """c of Delta z; l, r: the nodes in the middle."""
+        return change
+
+    def with_level(self, F, potential, l, r):
+        """The flux F of a difference, perhaps with Phi_m F_rho."""
+        return F
+
+    def parted(self, F):
+        """Both of these."""
+        return F, 0.0
+
+    def lifted(self, potential, i, F, level):
+        """Phi_i F_rho - Phi_m F_rho."""
+        return 0.0
+
+    def jump(self, gas, l, r, rise):
+        """The difference of densities of two neighbours that makes entropy grow."""
+        return sub(gas.densities(r), gas.densities(l))
+
+    def link(self, gas, F, speed, jump, l, r, a, rise):
+        """What two neighbours subtract and add: F - speed jump, the force, the power."""
+        F = along(F, -speed, jump)
+        return F, F
+
+    def collect(self, like, sums, N, node, per_weight, power, supplied, own):
+        """Add the force of links to that on an owned node, and the power of what diffuses."""
+        return 0.0
+
+    def follow(self, part):
+        """Phi of the nodes where they are now."""
+        return 0.0
+
+    def add(self, part, q, rates, gain):
+        """Add the force and its power to the rates, and to what comes in."""
+        return 0.0
+
+    def note(self, part, q, found):
+        """Note the potential energy in a fsipetsc.scheme.steps.Found."""
+        return 0.0
+
+
+class NodeForce(NoForce):
+    """Node by node: for the divergence form."""
+
+    def note(self, part, q, found):
+        return note_potential(part, q, found)
+
+    def add(self, part, q, rates, gain):
+        return add_node_force(part, q, rates, gain)
+
+
+class PairForce(NoForce):
+    """From its potential, pair by pair: for fluxes that conserve entropy."""
+
+    def sums(self, like):
+        return (*like, 0.0, 0.0, *like)
+
+    def linked(self, like):
+        return (*like, 0.0, 0.0, *like, 0.0)
+
+    def diffused(self, like):
+        return (*like, 0.0, 0.0, 0.0)
+
+    def rise(self, potential, i, j):
+        return potential[j] - potential[i]
+
+    def near(self, gas, F, l, r, a_l, a_r, rise):
+        force = gas.near_pair_force(l, r, a_l, a_r, rise)
+        return (*F, *force), (*F, *scale(-1.0, force))
+
+    def any(self, gas, F, l, r, a_l, a_r, rise):
+        force = gas.pair_force(l, r, a_l, a_r, rise)
+        return (*F, *force), (*F, *scale(-1.0, force))
+
+    def level(self, potential, i, first, w):
+        return first + potential[i] * w[-1]
+
+    def at_middle(self, change, potential, l, r):
+        level = 0.5 * (potential[l] + potential[r])
+        return (change[0] + level * change[-1], *change[1:])
+
+    def with_level(self, F, potential, l, r):
+        return (*F, 0.5 * (potential[l] + potential[r]) * F[0])
+
+    def parted(self, F):
+        return F[:-1], F[-1]
+
+    def lifted(self, potential, i, F, level):
+        return potential[i] * F[0] - level
+
+    def jump(self, gas, l, r, rise):
+        above, below = gas.raised(l, 0.5 * rise), gas.raised(r, -0.5 * rise)
+        return sub(gas.densities(below), gas.densities(above))
+
+    def link(self, gas, F, speed, jump, l, r, a, rise):
+        F, force = along(F, -speed, jump), gas.pair_force(l, r, a, a, rise)
+        power = -0.5 * speed * jump[0] * rise
+        return (*F, *force, power), (*F, *scale(-1.0, force), -power)
+
+    def collect(self, like, sums, N, node, per_weight, power, supplied, own):
+        d, like_s = len(like), (*like, 0.0)
+        place, none = own * U64(d + 1), U64(0)
+        more = add_last(power, at(like_s, sums, U64(d + 2) * N + node, N, none))
+        found = along(at(like_s, supplied, place, ONE, none), per_weight, more)
+        put(supplied, place, ONE, none, found)
+        return 0.0
+
+    def follow(self, part):
+        return find_potential(part)
+
+    def add(self, part, q, rates, gain):
+        return add_pair_force(part, q, rates, gain)
+
+    def note(self, part, q, found):
+        return note_potential(part, q, found)
+
+
+def force_of(force: Any, divergence: bool) -> Any:
+    """Which one a body force per mass (d,) is in a form of convection."""
+    if not any(force):
+        return NoForce()
+    return NodeForce() if divergence else PairForce()
+
+
+@njit(**INNER_CALL)
+def find_potential(part):
+    """Phi = - b . x of the nodes of the ghosted array."""
+    potential, places, force = part.potential, part.places, part.laws.force
+    part.grid.find_places(part.X, places)
+    for i in range(potential.size):
+        potential[i] = 0.0
+        for c in range(len(part.like)):
+            potential[i] -= force[c] * places[c, i]
+    return 0.0
+
+
+@njit(**INNER_CALL)
+def add_pair_force(part, q, rates, gain):
+    """The force of the sweep and of links, with the power of what diffuses."""
+    supplied, d = part.supplied, len(part.like)
+    for i in range(rates.shape[0]):
+        place = i * (d + 1)
+        power = supplied[place + d]
+        for c in range(d):
+            power += supplied[place + c] * (q[i, 2 + c] / q[i, 1])
+            push(part, rates, gain, i, c, supplied[place + c])
+        work(part, rates, gain, i, power)
+    return 0.0
+
+
+@njit(**INNER_CALL)
+def add_node_force(part, q, rates, gain):
+    """J rho b."""
+    force, d = part.laws.force, len(part.like)
+    for i in range(rates.shape[0]):
+        power = 0.0
+        for c in range(d):
+            power += force[c] * q[i, 2 + c]
+            push(part, rates, gain, i, c, force[c] * q[i, 1])
+        work(part, rates, gain, i, power)
+    return 0.0
+
+
+@njit(**INNER_CALL)
+def push(part, rates, gain, i, c, force):
+    """Add a component of the force on an owned node."""
+    rates[i, 2 + c] += force
+    gain.impulse[c] += part.masses[i] * force
+
+
+@njit(**INNER_CALL)
+def work(part, rates, gain, i, power):
+    """Add what forces do at an owned node."""
+    rates[i, rates.shape[1] - 1] += power
+    gain.energy[gain.energy.size - 1] += part.masses[i] * power
+    gain.work[0] += part.masses[i] * power
+
+
+@njit(**INNER_CALL)
+def note_potential(part, q, found):
+    """- sum M b . x of the owned nodes."""
+    force, masses, places, total = part.laws.force, part.masses, part.places, 0.0
+    for i in range(masses.size):
+        n = ghosted_node(i, part.patch)
+        for c in range(len(part.like)):
+            total -= masses[i] * q[i, 1] * force[c] * places[c, n]
+    found.latest[part.level] += total
+    return 0.0
