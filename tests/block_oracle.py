@@ -17,8 +17,8 @@ order="F")[:, n]``.
 
 Use: ``oracle = Oracle(problem)``, ``q = oracle.random_state(rng)``, ``oracle.rates(q, t)``,
 ``oracle.complete(q, t)``, ``oracle.integrals(q)``. States and rates are dicts of arrays by the
-block's name. One place has one gas: gases on two sides of a solid's vertex that do not touch each
-other are not covered.
+block's name. Blocks may have different gases, but one place has one gas: gases on two sides of a
+solid's vertex that do not touch each other are not covered.
 """
 
 from types import SimpleNamespace

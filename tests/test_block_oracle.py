@@ -56,11 +56,13 @@ def closed(owner):
 
 
 def made(shape, gas, solid, order, faces=closed, stress=None, **options):
-    """The oracle of a shape, without the blocks of what is None. stress: prestress of solids."""
-    blocks = []
+    """The oracle of a shape, without the blocks of what is None. gas: of all blocks, or by their
+    names. stress: prestress of solids.
+    """
+    blocks, gases = [], gas if isinstance(gas, dict) else dict.fromkeys(shape, gas)
     for name, of in shape.items():
         if name.startswith("gas") and gas:
-            blocks.append(Block(name, gas, *of))
+            blocks.append(Block(name, gases[name], *of))
         elif name.startswith("solid") and solid:
             blocks.append(Block(name, solid, *of, stress))
     return Oracle(Problem(tuple(blocks), faces, order, **options))
@@ -302,6 +304,18 @@ def test_a_temperature_that_is_given_is_that_of_all_solids_there():
 def test_a_stiffened_gas(form):
     ends, gas = {0: Open(0.9, (0.5,), 1.1), 1: Outflow(0.5)}, Gas(1.6, 0.8, 0.02, 0.03, 0.4)
     check("line", (gas, STICKING[1]), 4, lambda owner: ends[owner[2]], form=form)
+
+
+@pytest.mark.parametrize(
+    "end",
+    [Slip(), NoSlip(T=1.2), Given(lambda X, t: (1.1 + 0 * t, 0.2 * t, 1.3 + 0.1 * t))],
+    ids=["closed", "warm", "given"],
+)
+def test_two_gases(end):
+    """A perfect and a stiffened one, with a solid between them that conducts heat."""
+    first, second = STICKING[0], Gas(1.6, 0.8, 0.02, 0.03, 0.4, powers=(0.7, 0.9))
+    gases = dict.fromkeys(shapes.line(), second) | {"gas left": first}
+    check("line", (gases, STICKING[1]), 4, lambda owner: end)
 
 
 @pytest.mark.parametrize("order", NODES)

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from block_ledgers import conditions_of
+from gases import materials
 
 from fsipetsc.blocks import maps
 from fsipetsc.blocks.block import Block, mesh
@@ -14,8 +15,10 @@ from fsipetsc.blocks.hull import blend_of, hull_of
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.blocks.problem import BlockProblem, Meeting
 from fsipetsc.errors import InputError
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.stiffened_gas import stiffened_gas
 
-GAS, SOLID = SimpleNamespace(mu=0.0, gamma=1.4), SimpleNamespace(m0=1.0)
+GAS, SOLID = Fluid(0.0, 0.0, 1.4, 1.0), SimpleNamespace(m0=1.0)
 
 
 def nothing(*X):
@@ -196,6 +199,18 @@ def periodic_at_a_solid():
     return BlockProblem([square(), b], faces)
 
 
+def at_a_corner():
+    liquid = Fluid(0.0, 0.0, 1.4, 1.0, stiffened_gas(1.4, 2.5, 0.0))
+    return BlockProblem([square(), square("b", (1, 1), (2, 2), material=liquid)], walls("a", "b"))
+
+
+def periodic_at_another_gas():
+    b = square("b", (3.0, 0.0), (4.0, 1.0), material=Fluid(0.0, 0.0, 1.4, 2.0))
+    faces = walls("a") | walls("b")
+    faces |= {("a", 0, 0): Periodic((4.0, 0.0)), ("b", 0, 1): Periodic((-4.0, 0.0))}
+    return BlockProblem([square(), b], faces)
+
+
 def ring_that_is_not_closed():
     """Eight nodes around, in a ring and in one that lacks its last cell."""
     ring = Block("a", GAS, maps.annulus(1.0, 2.0), (8, 8), nothing, periodic=(False, True))
@@ -256,6 +271,11 @@ WRONG = {
         walls("a") | {("a", 0, 0): Periodic((1.0, 0.0))}
     ),
     r"goes on at block 'b'.*: expected gas and gas": periodic_at_a_solid,
+    r"block 'a' and block 'b' meet at .* = \(1, 0\), and are gases of different": lambda: two(
+        beside(material=Fluid(0.0, 0.0, 1.3, 1.0))
+    ),
+    r"meet at .* = \(1, 1\), .* laws: expected one law, or a solid between": at_a_corner,
+    r"block 'a' and block 'b' meet at .* = \(0, 0\), and are gases": periodic_at_another_gas,
     "one of them is periodic and the other ends": ring_that_is_not_closed,
     r"no node of a face is there; the nearest is at .* = \(1, 0.25\)": lambda: pinned(1.0, 0.3),
     "expected .name of a solid, 2 coordinates, Hinge": lambda: pinned(1.0),
@@ -266,3 +286,12 @@ WRONG = {
 def test_what_is_wrong_is_told(message):
     with np.errstate(all="ignore"), pytest.raises(InputError, match=message):
         WRONG[message]()
+
+
+def test_joined_gases_may_differ_in_all_but_their_law():
+    """A law is the same where its formulas and numbers are, also if it is made twice."""
+    thin, thick = Fluid(0.0, 0.0, 1.4, 1.0), Fluid(0.3, 0.2, 1.4, 1.0, force=(0.0, 1.0))
+    for gas, other in ((thin, thick), (materials()[-1], materials(conduct=False)[-1])):
+        blocks = square(material=gas), beside(material=other)
+        faces = walls("a", "b", but=[("a", 0, 1), ("b", 0, 0)])
+        assert len(BlockProblem(blocks, faces).gas_laws.laws) == 1

@@ -15,6 +15,7 @@ from fsipetsc.blockrun.columns import loses
 from fsipetsc.blockrun.prescribed import Prescribed
 from fsipetsc.blocks.conditions import moves
 from fsipetsc.blocks.particles import ROLLS, Particle
+from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.operators.boxed import Box, with_calls
 from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.parallel.particle_exchange import ParticleExchange
@@ -29,8 +30,8 @@ Array = NDArray[Any]
 class ParticleSystem:
     """Particles with a member on this rank. Making one is collective on ``layout.comm``.
 
-    law: of the gas, any law where there is no gas. inertia: block -> (ghosted nodes,), J0 m0 of
-    solids. instant: says a time [s] in which little happens, for differences in time of what moves.
+    inertia: block -> (ghosted nodes,), J0 m0 of solids. instant: says a time [s] in which little
+    happens, for differences in time of what moves.
 
     box: all that compiled code takes. sums, areas, stored: exchanges of what members add up, of
     their area vectors, of their elastic energies. slips: whether there are constraints anywhere;
@@ -43,7 +44,6 @@ class ParticleSystem:
         self,
         layout: BlockLayout,
         particles: Sequence[Particle],
-        law: Any,
         inertia: dict[int, Array],
         instant: Callable[[], float],
     ) -> None:
@@ -76,14 +76,15 @@ class ParticleSystem:
         n = here.size
         sums = *np.zeros((3, n)), np.zeros((n, d + 2)), *np.zeros((2, n, d)), *np.zeros((4, n))
         self.state = records.State(*sums, U_t=np.zeros((n, d + 2)), acceleration=np.zeros((n, d)))
-        self.prescribed = Prescribed(layout.problem, self._particles, law, instant)
+        gas_laws = layout.problem.gas_laws
+        self.prescribed = Prescribed(layout.problem, self._particles, instant)
         moves = np.zeros(n, np.int64)
         moves[self.prescribed.moving] = 1
         self.box = Box(
             records.Particles(
                 like=(0.0,) * d,
                 table=self.table,
-                law=law,
+                laws=gas_laws.laws or (PerfectGas(1.4, 1.0),),  # compiled code takes one at least
                 data=self.prescribed.data,
                 state=self.state,
                 stored=self.stored.table,
@@ -139,7 +140,8 @@ class ParticleSystem:
             mine = owners[begin[p]] == layout.comm.rank
             column = next((gases.index(k) for k, _ in particle.members if k in gases), 0)
             faces = [through.get(face, len(through)) for face in _faces(particle)]
-            facts[p] = mine, *_flags(particle), *faces, len(particle.constraints), column
+            law = layout.problem.gas_laws.number_at(particle.members)
+            facts[p] = mine, *_flags(particle), *faces, len(particle.constraints), column, law
         return records.Table(
             begin=begin,
             row=row,

@@ -22,16 +22,18 @@ WALLS = "wall", "slip", "given_gas"
 class Prescribed:
     """Data of conditions. Functions of the case are asked for all particles of a condition at once.
 
-    law: of the gas. instant: says a time [s] in which little happens, for differences in time.
+    instant: says a time [s] in which little happens, for differences in time.
     data: the arrays of the last instant. moving: particles on walls that move, by which the grid
     goes along; displaced: (particles, d) by how much. by_differences: some data are differences in
     time.
     """
 
     def __init__(
-        self, problem: Any, particles: Sequence[Particle], law: Any, instant: Callable[[], float]
+        self, problem: Any, particles: Sequence[Particle], instant: Callable[[], float]
     ) -> None:
-        self._law, self._instant, self._d = law, instant, problem.dimension
+        self._instant, self._d, self._laws = instant, problem.dimension, problem.gas_laws.laws
+        numbers = (problem.gas_laws.number_at(p.members) for p in particles)
+        self._law_of = np.fromiter(numbers, np.int64)
         n, d = len(particles), problem.dimension
         several = np.zeros((n, d + 2)), np.zeros((n, 2 * d))
         self.data = Data(*np.zeros((5, n, d)), *np.zeros((2, n)), *several)
@@ -63,13 +65,21 @@ class Prescribed:
         for condition, who in groups["given_gas"]:
             names = names_of("fluid", "values", d)
             rho, *u, T = datum(condition, "values", x[who], t, names).T
-            energy = rho * (self._law.internal_energy(rho, T) + 0.5 * sum(c * c for c in u))
+            energy = rho * (self._internal_energy(who, rho, T) + 0.5 * sum(c * c for c in u))
             out.gas[who] = np.stack([rho, *(rho * c for c in u), energy], axis=-1)
         for condition, who in groups["given_solid"]:
             values = datum(condition, "values", x[who], t, names_of("solid", "values", d))
             v, T, place = np.split(values, [d, d + 1], axis=1)
             out.solid[who] = np.concatenate([place - x[who], v], axis=1)
             out.T_solid[who] = T[:, 0]
+
+    def _internal_energy(self, who: Array, rho: Array, T: Array) -> Array:
+        """Per mass, of particles of gas by the law of each."""
+        laws, found = self._law_of[who], np.empty_like(rho)
+        for number in np.unique(laws):
+            at = laws == number
+            found[at] = self._laws[number].internal_energy(rho[at], T[at])
+        return found
 
     def _motion(self, condition: Any, X: Array, t: float) -> tuple[Array, Array, Array]:
         """(place, velocity, acceleration), (n, d) each; by central differences where they are not

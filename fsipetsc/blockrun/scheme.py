@@ -27,7 +27,6 @@ from fsipetsc.blockrun.solid_part import SolidPart
 from fsipetsc.blocks.particles import particles_of
 from fsipetsc.blocks.values import block_values
 from fsipetsc.errors import InputError
-from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.operators.boxed import Box, with_calls
 from fsipetsc.parallel.block_layout import BlockVector
 from fsipetsc.process.libraries import libraries
@@ -87,9 +86,7 @@ class Scheme:
             part.library = library
         self._solids = [part for part in self.parts.values() if isinstance(part, SolidPart)]
         inertia = {part.part.k: part.inertia for part in self._solids}
-        fluids = [k for k, block in enumerate(blocks) if block.kind == "fluid"]
-        law = blocks[fluids[0]].material.equations(d).law if fluids else PerfectGas(1.4, 1.0)
-        self.particles = ParticleSystem(layout, particles, law, inertia, self._instant)
+        self.particles = ParticleSystem(layout, particles, inertia, self._instant)
         for gas in self._gases:
             gas.follow(particles, self.particles)
         self._came = gain_of(problem)

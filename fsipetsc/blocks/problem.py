@@ -25,6 +25,7 @@ from fsipetsc.blocks.conditions import (
     steady,
 )
 from fsipetsc.blocks.faces import FaceName, Faces, Kinds, Meeting, face_nodes, number_of, united
+from fsipetsc.blocks.gas_laws import GasLaws
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.overlap import check_overlap
 from fsipetsc.checks import Array, described, function
@@ -78,6 +79,7 @@ class BlockProblem:
         self._put("members", faces.particles)
         self._put("_kinds", faces.kinds)
         self._put("_known", [faces.places(k) for k in range(len(blocks))])
+        self._check_gases()
         self._put("hinges", frozenset(self._hinge(*point) for point in self.points))
 
     @property
@@ -133,6 +135,11 @@ class BlockProblem:
     def joined(self) -> bool:
         """Whether there are joins of gas and gas or solid and solid."""
         return any(self.blocks[k].kind == self.blocks[j].kind for k, j in self._meeting)
+
+    @cached_property
+    def gas_laws(self) -> GasLaws:
+        """The laws of its gases."""
+        return GasLaws(self.blocks)
 
     def face_nodes(self, k: int, axis: int, side: int) -> Array:
         """Numbers of the nodes of a face of block k, lower axis fastest."""
@@ -312,6 +319,15 @@ class BlockProblem:
             if block.dimension != blocks[0].dimension:
                 numbers = f"{block.dimension} dimensions, {blocks[0]} {blocks[0].dimension}"
                 raise InputError(f"{block} has {numbers}: expected the same")
+
+    def _check_gases(self) -> None:
+        """InputError where gases of different laws meet, be it at an edge or a vertex alone."""
+        if clash := self.gas_laws.first_clash(self.members):
+            (k, node), other = clash
+            place = place_text(self.places(k, np.array([node]))[0])
+            meet = f"{self.blocks[k]} and {self.blocks[other]} meet at {place}"
+            wanted = "expected one law, or a solid between them"
+            raise InputError(f"{meet}, and are gases of different laws: {wanted}")
 
     def _check_symmetry(self) -> None:
         """InputError for what a problem with an axis or a centre cannot have."""

@@ -4,7 +4,7 @@ Compiled.
 
 from numba import njit
 
-from fsipetsc.operators.loops import CALL, INLINED_CALL, dot, node, part_of, per
+from fsipetsc.operators.loops import CALL, INLINED_CALL, by_length, dot, node, part_of, per
 from fsipetsc.scheme.particle_records import SOLID
 
 
@@ -27,8 +27,11 @@ def weigh_heat(all):
 
 
 @njit(**INLINED_CALL)
-def share_heat(table, law, like, data, state, gain):
-    """One temperature of gas and solid where both conduct, or that which is given."""
+def share_heat(law, number, all, gain):
+    """One temperature of gas and solid where both conduct, or that which is given: of particles
+    whose gas has this law, the one of this number.
+    """
+    table, like, data, state = all.table, all.like, all.data, all.state
     d, facts, T_gas, T_solid = len(like), table.facts, data.T, data.T_solid
     mass, solid_mass, V, U, v, e = state.mass, state.solid_mass, state.V, state.U, state.v, state.e
     capacity, potential, energies, heats = state.capacity, state.potential, gain.energy, gain.heat
@@ -36,7 +39,7 @@ def share_heat(table, law, like, data, state, gain):
         one = facts[p]
         warm_gas, warm_solid = one.warm_gas == 1, one.warm_solid == 1
         both = one.shares_heat == 1 and not warm_gas and not warm_solid
-        if not (both or warm_gas or warm_solid):
+        if one.law != number or not (both or warm_gas or warm_solid):
             continue
         rho, M, M_s, mine = U[p, 0], mass[p], solid_mass[p], one.mine
         u = per(part_of(like, U, p, 1), rho) if M > 0.0 else like
@@ -61,6 +64,15 @@ def share_heat(table, law, like, data, state, gain):
             energies[at] += came
             heats[at] += came if one.given_solid == 0 else 0.0
             e[p] = found
+
+
+def _of_each(n):
+    """Source: share heat once for each law."""
+    return "".join(f" heat(laws[{k}], {k}, all, gain)\n" for k in range(n)) + " return"
+
+
+#: heat(law, number, all, gain) for each of the laws
+for_each_law = by_length("for_each_law", "heat, laws, all, gain", _of_each)
 
 
 @njit(**INLINED_CALL)

@@ -41,8 +41,9 @@ FLAGS = (
 )
 #: through which face what moves gas and solid does work, and what gives them temperatures heats
 FACES = "moves_gas", "moves_solid", "heats_gas", "heats_solid"
-#: also the number of constraints, and where the mass of the gas is in ``gain``
-FACTS = np.dtype([(name, np.int64) for name in (*FLAGS, *FACES, "count", "column")], align=True)
+#: also the number of constraints, where the mass of the gas is in ``gain``, the number of its law
+NUMBERS = "count", "column", "law"
+FACTS = np.dtype([(name, np.int64) for name in (*FLAGS, *FACES, *NUMBERS)], align=True)
 
 
 class Data(NamedTuple):
@@ -88,17 +89,17 @@ class State(NamedTuple):
 class Particles(NamedTuple):
     """The particles of a rank, which all functions here get in a box.
 
-    like: (0, …) of d dimensions. law: of the gas. stored: (rows, 1) energy per mass of members that
-    is neither kinetic nor heat; stores: whether it changes. rows: (rows, columns) of the exchange.
-    slips: whether any has constraints; normals, turning: (p, 2 d K), G and S of each and how they
-    turn. of_normals: (members of those, 2 d K) area vectors, of_particle, row_of: particle and row
-    of each. moves: (p,) whether a wall there moves, place: (p, d) its displacement. auxiliary:
-    number of unknowns, at the end of a vector, of what came in.
+    like: (0, …) of d dimensions. laws: the different ones of gases, one at least. stored: (rows, 1)
+    energy per mass of members that is neither kinetic nor heat; stores: whether it changes. rows:
+    (rows, columns) of the exchange. slips: whether any has constraints; normals, turning: (p, 2 d
+    K), G and S of each and how they turn. of_normals: (members of those, 2 d K) area vectors,
+    of_particle, row_of: particle and row of each. moves: (p,) whether a wall there moves, place:
+    (p, d) its displacement. auxiliary: number of unknowns, at the end of a vector, of what came in.
     """
 
     like: Any
     table: Table
-    law: Any
+    laws: Any
     data: Data
     state: State
     stored: Array

@@ -49,7 +49,7 @@ from fsipetsc.operators.loops import (
 )
 from fsipetsc.scheme.constraints import book, powers, right_sides, slide, solve
 from fsipetsc.scheme.part import clear
-from fsipetsc.scheme.particle_heat import share_heat
+from fsipetsc.scheme.particle_heat import for_each_law, share_heat
 from fsipetsc.scheme.particle_records import GAS, SOLID
 
 # Functions name arrays before their loops: where a record is asked within a loop, numba counts
@@ -195,7 +195,7 @@ def impose_conditions(all, s, gain):
     """
     if all.slips:
         slide(all, gain)
-    share_heat(all.table, all.law, all.like, all.data, all.state, gain)
+    for_each_law(share_heat, all.laws, all, gain)
     give_state(all.table, all.like, all.stored, s, all.state)
     came = sum_up(gain)
     for c in range(all.auxiliary):
