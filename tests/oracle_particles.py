@@ -81,9 +81,14 @@ class Particles(Volume):
 
     def _group_slips(self, p):
         """Faces along which the gas slips, at walls or solids, are one constraint unless they meet
-        at a concave edge. Walls with names are one if the names are, and else not."""
-        found = [] if self._sticks(p) else [(f, "") for f in p.contact]
-        found += [(f, f.condition.name) for f in p.outer if isinstance(f.condition, Slip)]
+        at a concave edge. Walls with names are one if the names are, and else not. Where gas sticks
+        to a solid, a roller of it holds both in the place of a wall along the same plane."""
+        sticks = self._sticks(p)
+        found = [] if sticks else [(f, "") for f in p.contact]
+        rolls = [self._directions(f)[0] for f in p.outer if isinstance(f.condition, Roller)]
+        for f in (f for f in p.outer if isinstance(f.condition, Slip)):
+            if not (sticks and any(self._directions(f)[0] @ n > 0.8 for n in rolls)):
+                found.append((f, f.condition.name))
         groups = []
         for face in [(*f, *self._directions(f[0])) for f in found]:
             fits = [g for g in groups if all(self._one_wall(face, other) for other in g)]

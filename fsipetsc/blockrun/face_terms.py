@@ -8,13 +8,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blocks.conditions import Absorbing, Free, Open, Outflow
+from fsipetsc.blocks.conditions import Absorbing, Free, Open, Outflow, moves
 from fsipetsc.blocks.cube import Cube
+from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.blocks.problem import Meeting
 from fsipetsc.blocks.values import checked, checked_one, datum
+from fsipetsc.errors import InputError
 from fsipetsc.parallel.block_layout import Part
-from fsipetsc.scheme.faces import GasFaces, SolidFaces
+from fsipetsc.scheme.faces import DRAGS, GasFaces, SolidFaces
 from fsipetsc.scheme.part import Nothing
 
 Array = NDArray[Any]
@@ -53,18 +55,22 @@ class FaceTerms:
         listed = [_nodes_of(problem, part, axis, side) for axis, side, _ in acting]
         nodes = [np.concatenate(values) for values in zip(*listed, strict=True)]
         n = nodes[0].size
-        flags, numbers = np.zeros(n, np.int64), np.zeros((3, n))
+        flags, numbers = np.zeros(n, np.int64), np.zeros((4, n))
         if self._gas:
             self.record = GasFaces(*nodes, flags, np.zeros((n, d + 2)), *numbers)
         else:
             vectors = np.zeros((2, n, d))
-            self.record = SolidFaces(*nodes, flags, vectors[0], *numbers, vectors[1], X)
+            self.record = SolidFaces(*nodes, flags, vectors[0], *numbers[1:], vectors[1], X)
+        self._spacing = np.zeros(n)  # from nodes of faces to those beside
         end = 0
         for (axis, side, condition), (_, own, *_) in zip(acting, listed, strict=True):
             where, end = slice(end, end + own.size), end + own.size
             if not own.size:
                 continue
-            self._faces.append((condition, problem.places(k, part.numbers[own]), where))
+            places, stride = problem.places(k, part.numbers[own]), int(np.prod(block.shape[:axis]))
+            beside = problem.places(k, part.numbers[own] + (-stride if side else stride))
+            self._spacing[where] = np.linalg.norm(places - beside, axis=1)
+            self._faces.append((condition, places, where))
             if isinstance(condition, Open) and condition.order == 1:
                 low, high = (block.face_positions(axis, at) for at in (0, 1))
                 self.record.width[where] = np.linalg.norm(high - low, axis=0).mean()
@@ -81,6 +87,9 @@ class FaceTerms:
                 record.pressure[at] = datum(condition, "pressure", X, t)
             if self._gas:
                 record.opens[at] = isinstance(condition, (Open, Outflow))
+                if getattr(condition, "slip_length", None) is not None:
+                    record.opens[at], record.goes[at] = DRAGS, moves(condition)
+                    record.width[at] = self._slip_length(condition, X, at, t)
                 if isinstance(condition, Open):
                     record.outside[at], record.pressure[at] = _outside(condition, X, t), -1.0
                 continue
@@ -93,6 +102,16 @@ class FaceTerms:
                 names = *(f"traction along {x}" for x in "xyz"[:d]), "heat"
                 values = checked(self._jumps, (*X.T, t), X.T, names, f"jumps at t = {t:.6g}")
                 record.traction[at], record.heat[at] = np.stack(values[:-1], axis=-1), values[-1]
+
+    def _slip_length(self, condition: Any, X: Array, at: slice, t: float) -> Array:
+        """At the nodes of a face. InputError if the grid is too coarse for it."""
+        length, least = datum(condition, "slip_length", X, t), self._spacing[at]
+        short = np.flatnonzero(~(length >= least))
+        if short.size:
+            n, where = short[0], f"slip_length of {type(condition).__name__} at t = {t:.6g}"
+            wanted = f"expected the distance {least[n]:.4g} of the nodes beside the wall, or more"
+            raise InputError(f"{where} is {length[n]:.4g} at {place_text(X[n])}: {wanted}")
+        return length
 
     def turn(self, q: Array, library: ctypes.CDLL) -> None:
         """Area vectors of a solid's faces where it is now, in three dimensions; q: (ghosted, 7);
@@ -163,7 +182,8 @@ def _acts(condition: Any) -> bool:
     """Whether a condition adds to rates."""
     pressed = isinstance(condition, Free) and condition.pressure != 0.0
     heated = getattr(condition, "heat_flux", None) is not None
-    return pressed or heated or isinstance(condition, (Open, Outflow, Absorbing))
+    drags = getattr(condition, "slip_length", None) is not None
+    return pressed or heated or drags or isinstance(condition, (Open, Outflow, Absorbing))
 
 
 def _outside(condition: Open, X: Array, t: float) -> Array:

@@ -5,6 +5,8 @@ resolve at the end.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import chain
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,8 +39,9 @@ _WORDS = (
 
 
 def first_notes(state: BlockState) -> list[str]:
-    """Hinges that do not hold; forces that do not keep rest; where walls are not at the ends of
-    their blocks, and where pressure jumps at an interface.
+    """Hinges that do not hold; forces that do not keep rest; where conditions contradict each
+    other, where walls are not at the ends of their blocks, and where pressure jumps at an
+    interface.
 
     Of the completed initial data, whose halos are filled. Collective.
     """
@@ -64,6 +67,9 @@ def first_notes(state: BlockState) -> list[str]:
         if distance > AWAY * state.h
     ]
     notes += weak_hinges(problem, state.op.order) + loose_forces(state)
+    said = chain(*state.comm.allgather(state.scheme.particles.prescribed.notes()))
+    first = {pair: words for pair, _, words in sorted(said, key=itemgetter(1), reverse=True)}
+    notes += sorted(f"note: {words}" for words in first.values())
     means = (pushes[..., 0] / pushes[..., 1]).tolist()
     for (gas, solid), (p, push) in zip(problem.interfaces, means, strict=True):
         if abs(p - push) > JUMP * max(abs(p), abs(push)):

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from fsipetsc.blockrun.columns import loses
 from fsipetsc.blockrun.prescribed import Prescribed
-from fsipetsc.blocks.conditions import moves
 from fsipetsc.blocks.particles import ROLLS, Particle
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.operators.boxed import Box, with_calls
@@ -209,7 +208,7 @@ def _flags(p: Particle) -> list[bool]:
     """FLAGS of fsipetsc.scheme.particle_records, but for the first one."""
     found = [
         not (p.wall or p.given_gas or (p.sticks and (p.clamp or p.given_solid))),
-        not (p.clamp or p.given_solid or (p.sticks and p.wall)),
+        not (p.clamp or p.given_solid),
         p.clamp and p.clamp.x,
         p.sticks,
         p.wall,
@@ -225,16 +224,9 @@ def _flags(p: Particle) -> list[bool]:
 
 
 def _faces(p: Particle) -> list[Any]:
-    """(block, axis, side) of what moves gas and solid and of what warms them; None: of no face.
-    Those that Prescribed prefers come first.
-    """
-    slips = p.slip and moves(p.slip) and not (p.wall and moves(p.wall))
-    walls = ("slip", "wall") if slips else ("wall", "slip")
-    gas, solid = ("given_gas", *walls), ("given_solid", "clamp")
-    if p.sticks:  # a condition of one is one of both
-        gas, solid = ("given_gas", "given_solid", "clamp", *walls), (*solid, *walls)
-    names = gas, solid, ("warm_gas",), ("given_solid", "warm_solid")
-    return [next((p.faces[n] for n in which if n in p.faces), None) for which in names]
+    """(block, axis, side) of what moves gas and solid and of what warms them; None: of no face."""
+    solid = "given_solid" if "given_solid" in p.faces else "warm_solid"
+    return [p.faces.get(n) for n in (p.mover(True), p.mover(False), "warm_gas", solid)]
 
 
 def _members(layout: BlockLayout, particles: Sequence[Particle]) -> tuple[Array, Array]:

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blocks.conditions import moves
+from fsipetsc.blockrun.contradictions import Contradictions, Note
+from fsipetsc.blocks.conditions import Given, moves
 from fsipetsc.blocks.particles import Particle
 from fsipetsc.blocks.values import datum, names_of
 from fsipetsc.scheme.particle_records import Data
@@ -46,9 +47,16 @@ class Prescribed:
         self.by_differences = any(moves(c) or getattr(c, "velocity", None) for c in found)
         walls = [who for name in WALLS for c, who in self._groups[name] if moves(c)]
         self.moving = np.unique(np.concatenate([np.empty(0, np.int64), *walls]))
+        self._contradictions = Contradictions(problem, particles, self._x, self._velocity)
+        self._t = 0.0
+
+    def notes(self) -> list[Note]:
+        """Where conditions contradict each other at the last instant, see Contradictions."""
+        return self._contradictions.notes(self.data, self._t, self._instant())
 
     def refresh(self, t: float) -> None:
         """Data at time t [s]. InputError."""
+        self._t = t
         out, x, d, groups = self.data, self._x, self._d, self._groups
         walls = groups["slip"] + groups["wall"]
         walls.sort(key=lambda group: moves(group[0]))  # the last one holds
@@ -72,6 +80,14 @@ class Prescribed:
             v, T, place = np.split(values, [d, d + 1], axis=1)
             out.solid[who] = np.concatenate([place - x[who], v], axis=1)
             out.T_solid[who] = T[:, 0]
+        self._contradictions.refuse(out, t, self._instant())
+
+    def _velocity(self, condition: Any, gas: bool, X: Array, t: float) -> Array:
+        """(n, d), that of a condition of a gas or a solid, also where another one decides."""
+        if isinstance(condition, Given):
+            names = names_of("fluid" if gas else "solid", "values", self._d)
+            return datum(condition, "values", X, t, names)[:, gas : gas + self._d]
+        return self._motion(condition, X, t)[1]
 
     def _internal_energy(self, who: Array, rho: Array, T: Array) -> Array:
         """Per mass, of particles of gas by the law of each."""

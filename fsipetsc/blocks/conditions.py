@@ -17,7 +17,10 @@ Function = Callable[..., Any]
 Datum = float | Function | None
 
 #: data by name: what numbers must be, and what functions return
-_NUMBERS = {"T": POSITIVE, "heat_flux": ANY, "rho": POSITIVE, "pressure": ANY, "stress": ANY}
+_NUMBERS = {
+    **{"T": POSITIVE, "heat_flux": ANY, "slip_length": POSITIVE},
+    **{"rho": POSITIVE, "pressure": ANY, "stress": ANY},
+}
 _FUNCTIONS = {"x": "d positions", "velocity": "d velocities", "values": "the unknowns"}
 _VECTORS = "u", "shift"
 
@@ -65,12 +68,16 @@ class NoSlip(_OfGas):
 
     At rest, or where x(*X, t) -> d positions [m] says; velocity(*X, t) -> d velocities [m/s] is
     found by differences of x if it is not given.
+
+    slip_length [m]: the gas slips along the wall with this length times the slope of its velocity
+    (Navier), so that it may meet a wall, or a solid, that moves along this one.
     """
 
     T: Datum = None
     heat_flux: Datum = None
     x: Function | None = None
     velocity: Function | None = None
+    slip_length: Datum = None
 
 
 @dataclass(frozen=True)
@@ -193,6 +200,11 @@ class Periodic(Condition):
 def moves(condition: Any) -> bool:
     """Whether a face moves by given data."""
     return getattr(condition, "x", None) is not None
+
+
+def slides(condition: Any) -> bool:
+    """Whether it is a wall that holds a gas across itself alone."""
+    return isinstance(condition, Slip) or getattr(condition, "slip_length", None) is not None
 
 
 def steady(condition: Any) -> bool:

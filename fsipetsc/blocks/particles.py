@@ -12,6 +12,10 @@ area vectors n of faces, those of gas pointing out of it, a the accelerations,
 One sum for a wall and a solid that goes on from it: two normals that differ by the error of the
 differences would hold the gas in all directions. Faces that meet at a concave edge, in a notch, are
 constraints of their own. Sticking gas and what is clamped or given needs no normal.
+
+Where gas sticks to a solid the solid decides, and the gas there goes with it: walls of the gas
+hold the two across themselves alone, as SLIPS, and not at all where a Roller of the solid does
+that. Otherwise a solid that slides beside a wall with friction would be pinned at its edge.
 Source: docs/derivation.md, Particles.
 """
 
@@ -24,14 +28,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blocks.conditions import Clamped, Given, NoSlip, Open, Roller, Slip, moves
+from fsipetsc.blocks.conditions import Clamped, Given, NoSlip, Open, Roller, Slip, moves, slides
+from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.problem import BlockProblem, Meeting
+from fsipetsc.errors import InputError
 
 SLIPS, ROLLS = 0, 1
 #: a wall that goes into the gas of another one more steeply than by 30 degrees is a wall of its own
 CONCAVE = -0.5
 #: rollers whose unit normals have at least this scalar product are one
 SMOOTH = 0.8
+#: conditions that hold what is at their faces
+HOLDING = (NoSlip, Slip, Given, Clamped, Roller)
 
 Array = NDArray[Any]
 
@@ -52,6 +60,16 @@ class Constraint(NamedTuple):
     solids: list[Face]
 
 
+class Asked(NamedTuple):
+    """A condition at a particle, and its face (block, axis, side), None of a hinge. normal: the
+    outward unit normal along which alone it holds what is there, else None.
+    """
+
+    condition: Any
+    face: tuple[int, int, int] | None
+    normal: Array | None
+
+
 @dataclass
 class Particle:
     """The conditions of one particle.
@@ -61,7 +79,8 @@ class Particle:
     elastic energy into account. The others are conditions, None where there is none: wall
     prescribes the velocity of the gas, slip that of a wall along which it slips, clamp the motion
     of the solid, given_gas and given_solid all unknowns, warm_gas and warm_solid a temperature.
-    faces: by these names the face, (block, axis, side), whose condition it is.
+    faces: by these names the face, (block, axis, side), whose condition it is. asked: all that hold
+    gas or solid or have a temperature, if they are several.
     """
 
     members: list[tuple[int, int]]
@@ -78,6 +97,16 @@ class Particle:
     warm_gas: Any = None
     warm_solid: Any = None
     faces: dict[str, tuple[int, int, int]] = field(default_factory=dict)
+    asked: list[Asked] = field(default_factory=list)
+
+    def mover(self, gas: bool) -> str:
+        """Which of its conditions says how its gas moves, or else its solid; "" if none does."""
+        slides = self.slip and moves(self.slip) and not (self.wall and moves(self.wall))
+        walls = ("slip", "wall") if slides else ("wall", "slip")
+        solid = "given_solid", "clamp"
+        names = (*solid, *walls) if self.sticks else walls if gas else solid
+        names = ("given_gas", *names) if gas else names
+        return next((name for name in names if getattr(self, name) is not None), "")
 
     @property
     def moves(self) -> bool:
@@ -86,7 +115,7 @@ class Particle:
 
 
 def particles_of(problem: BlockProblem) -> list[Particle]:
-    """All particles of a problem, in the order of their first members."""
+    """All particles of a problem, in the order of their first members. InputError, on all ranks."""
     met: dict[tuple[int, int], list[tuple[int, int, Any]]] = defaultdict(list)
     for k in range(len(problem.blocks)):
         for (axis, side), stands in problem.faces_of(k).items():
@@ -100,25 +129,30 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
     particle, blocks = Particle(members), problem.blocks
     slips: list[tuple[Face, Any]] = []  # with the wall's condition; None at a solid
     rolls: list[tuple[Face, Any]] = []
+    found: list[tuple[Face, Any]] = []  # with all conditions
     for number, (k, n) in enumerate(members):
         gas = blocks[k].material if blocks[k].kind == "fluid" else None
         for axis, side, met in faces[k, n]:
             face = Face(number, axis, side)
             if not isinstance(met, Meeting):
-                if isinstance(met, (Slip, Roller)):
-                    (slips if gas else rolls).append((face, met))
-                _take_over(particle, met, gas is not None, (k, axis, side))
+                found.append((face, met))
             elif gas and blocks[met.block].kind == "solid":
                 slips.append((face, None))
                 particle.sticks |= gas.mu > 0.0
                 conducts = gas.kappa > 0.0 and blocks[met.block].material.kappa_e > 0.0
                 particle.shares_heat |= conducts
-    if particle.clamp is None and not problem.hinges.isdisjoint(members):
-        particle.clamp = Clamped()
-    if particle.sticks:
-        slips = [(face, wall) for face, wall in slips if wall is not None]
+    sticks = particle.sticks
+    slips = [] if sticks else slips
+    for face, met in found:
+        gas = blocks[members[face.member][0]].kind == "fluid"
+        if slides(met) or isinstance(met, Roller) or (sticks and isinstance(met, NoSlip)):
+            (slips if gas else rolls).append((face, met))
+        _take_over(particle, met, gas, (members[face.member][0], face.axis, face.side))
+    hinge = None if problem.hinges.isdisjoint(members) else Clamped()
+    particle.clamp = particle.clamp or hinge
     directions = {}  # outward unit normal, and unit vector from the node into the face
-    for face, _ in [*slips, *rolls] if len(slips) + len(rolls) > 1 else ():
+    several = max(len(slips) + len(rolls), len(found) + (hinge is not None)) > 1
+    for face, _ in [*slips, *rolls] if several else ():
         normal, place, within = problem.face_normal(*members[face.member], face.axis, face.side)
         directions[face] = normal, (within - place) / np.linalg.norm(within - place)
 
@@ -133,6 +167,10 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
     def one_roller(one: tuple[Face, Any], other: tuple[Face, Any]) -> bool:
         return bool(directions[one[0]][0] @ directions[other[0]][0] > SMOOTH)
 
+    particle.asked = _asked(particle, hinge, found, directions)
+    _check_sliding(problem, particle, found)
+    if sticks:
+        slips = [one for one in slips if not any(one_roller(one, roll) for roll in rolls)]
     for kind, faces_of, one in (SLIPS, slips, one_wall), (ROLLS, rolls, one_roller):
         for group in _grouped(faces_of, one):
             walls, solids = ([f for f, c in group if (c is None) == s] for s in (False, True))
@@ -141,9 +179,44 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
     return particle
 
 
+def _asked(
+    particle: Particle, hinge: Any, found: list[tuple[Face, Any]], directions: Any
+) -> list[Asked]:
+    """The conditions of a particle that may contradict each other. hinge: a clamp or None;
+    directions: Face -> normal and another vector, of the faces that hold along it alone.
+    """
+    asked = [] if hinge is None else [Asked(hinge, None, None)]
+    for face, met in found:
+        warm = getattr(met, "T", None) is not None and not isinstance(met, Open)
+        if warm or isinstance(met, HOLDING):
+            normal = directions[face][0] if face in directions else None
+            name = particle.members[face.member][0], face.axis, face.side
+            asked.append(Asked(met, name, normal))
+    return asked if any(one.condition != asked[0].condition for one in asked) else []
+
+
+def _check_sliding(
+    problem: BlockProblem, particle: Particle, found: list[tuple[Face, Any]]
+) -> None:
+    """InputError where a solid slides along a wall to which the gas beside sticks: the gas in the
+    corner would be pressed together without end, on any grid, and push the solid.
+    """
+    held = particle.clamp is not None or particle.given_solid is not None
+    for face, met in found if particle.sticks and not held else ():
+        if isinstance(met, NoSlip) and not slides(met):
+            k, node = particle.members[face.member]
+            wall = f"NoSlip of '{problem.blocks[k].name}', axis {face.axis}, side {face.side},"
+            place = place_text(problem.places(k, np.array([node]))[0])
+            raise InputError(
+                f"{wall} meets at {place} a solid that slides along it: no grid converges there: "
+                "let the wall be Slip or have a slip_length, or the solid be clamped there"
+            )
+
+
 def _take_over(particle: Particle, met: Any, gas: bool, face: tuple[int, int, int]) -> None:
     """What a condition says beside a direction; of two of a kind that which prescribes motion."""
     name = {NoSlip: "wall", Slip: "slip", Clamped: "clamp"}.get(type(met), "")
+    name = "slip" if name == "wall" and (particle.sticks or slides(met)) else name
     if isinstance(met, Given):
         name = "given_gas" if gas else "given_solid"
     elif name and (known := getattr(particle, name)):

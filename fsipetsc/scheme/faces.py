@@ -15,6 +15,8 @@ its axis, where f is
     outflow    F(U_in); with a pressure p_b beyond and a Mach number m < 1 through the face that of
                Lax and Friedrichs, with U_out of density and velocity of U_in and of pressure
                p + (1 - m^2)(p_b - p); m = 0 where gas flows in
+    drags      (0, t, t . w), t = mu/l (u - w) |n| without its part along n: the gas slips along a
+               wall of velocity w with the length l of Navier
     free       p_b n(x) on a solid, n(x) the area vector of the face where it is now: a pressure
                that follows it
     absorbing  (Z N . v - stress) N |A| on a solid, N the unit normal and |A| the area at rest
@@ -50,6 +52,8 @@ Array = NDArray[Any]
 #: first order of an open face fades out where viscosity is this fraction of L times the speed at
 #: which sound leaves, L the length of the gas
 LONGEST = 0.25
+#: what stands in ``opens`` where gas may pass a face, and where it slips along it
+OPENS, DRAGS = 1, 2
 
 
 class GasFaces(NamedTuple):
@@ -58,10 +62,11 @@ class GasFaces(NamedTuple):
 
     at, own: (n,) numbers of the nodes in the ghosted array and among the owned ones. axis, sign: of
     the outward normal. per_weight: 1 / weight of the axis at the face, across: product of those of
-    the other axes. column: of the face in what comes in. opens: 1 where gas may pass; outside:
-    (n, d + 2), (rho, u, T) beyond; pressure: (n,) that beyond an outflow, 0 for one that is
-    supersonic, below 0 where the face is open and no outflow. heat: (n,) what comes in per area
-    [W/m2]. width: (n,) length [m] of the gas behind an open face of first order, else 0.
+    the other axes. column: of the face in what comes in. opens: OPENS, DRAGS or 0; outside:
+    (n, d + 2), (rho, u, T) beyond; goes: (n,) 1 where a wall that drags moves with the grid, 0
+    where it rests. pressure: (n,) that beyond an outflow, 0 for one that is supersonic, below 0
+    where the face is open and no outflow. heat: (n,) what comes in per area [W/m2]. width: (n,)
+    length [m] of the gas behind an open face of first order, or the slip length of a wall, else 0.
     """
 
     at: Array
@@ -73,6 +78,7 @@ class GasFaces(NamedTuple):
     column: Array
     opens: Array
     outside: Array
+    goes: Array
     pressure: Array
     heat: Array
     width: Array
@@ -122,7 +128,7 @@ def pass_faces(part, faces, q, rates, gain):
         at, own, axis = faces.at[i], faces.own[i], faces.axis[i]
         n = scale(faces.sign[i], column_of(like, metrics, axis * d, at))
         g, size = dot(n, column_of(like, metrics, d * d, at)), np.sqrt(dot(n, n))
-        if faces.opens[i] == 1:
+        if faces.opens[i] == OPENS:
             w, out, width = gas.primitive(node(like_q, q, at)), faces.outside, faces.width[i]
             beyond = gas.state(out[i, 0], part_of(like, out, i, 1), out[i, d + 1])
             v_n = 0.0
@@ -136,10 +142,27 @@ def pass_faces(part, faces, q, rates, gain):
             for c in range(d):
                 impulse[c] -= faces.across[i] * f[1 + c]
             energy[faces.column[i]] -= faces.across[i] * f[d + 1]
+        if faces.opens[i] == DRAGS:
+            wall = scale(faces.goes[i], column_of(like, metrics, d * d, at))
+            t = drag(gas, gas.primitive(node(like_q, q, at)), wall, n, size, faces.width[i])
+            work = dot(t, wall)
+            for c in range(d):
+                rates[own, 2 + c] += faces.per_weight[i] * t[c]
+                impulse[c] += faces.across[i] * t[c]
+            rates[own, d + 2] += faces.per_weight[i] * work
+            energy[faces.column[i]] += faces.across[i] * work
         heat = faces.heat[i] * size
         rates[own, d + 2] += faces.per_weight[i] * heat
         energy[faces.column[i]] += faces.across[i] * heat
         warmth[faces.column[i]] += faces.across[i] * heat
+
+
+@njit(**INNER_CALL)
+def drag(gas, w, wall, n, size, length):
+    """-mu/l (u - w) |n| without its part along n: what a wall does to a gas that slips along it."""
+    past = sub(gas.velocity(w), wall)
+    past = along(past, -dot(past, n) / (size * size), n)
+    return scale(-gas.mu * gas.transport.viscosity(w[2]) * size / length, past)
 
 
 @njit(**INNER_CALL)

@@ -141,11 +141,7 @@ def obeyed(one, like, p, data, of_gas, of_solid):
     if one.at_wall:
         P = scale(M, node(like, wall, p))
     if one.sticks:
-        both = per(add(P, P_s), M + M_s)
-        if moved:
-            both = per(P_s, M_s)
-        elif one.at_wall:
-            both = node(like, wall, p)
+        both = per(P_s, M_s) if moved else per(add(P, P_s), M + M_s)
         first, P, P_s = kinetic(P_s, M_s), scale(M, both), scale(M_s, both)
         if not moved:
             change = kinetic(P_s, M_s) - first
@@ -269,9 +265,8 @@ def accelerate(all, gain):
         b = node(like, clamp_rate, p) if one.clamped else b
         a = node(like, wall_rate, p) if one.at_wall else a
         if one.sticks:
-            if not (one.clamped or one.at_wall):
-                a = per(add(scale(M, a), scale(M_s, b)), M + M_s)
-            a, b = (b, b) if one.clamped else (a, a)
+            a = b if one.clamped else per(add(scale(M, a), scale(M_s, b)), M + M_s)
+            b = a
         if one.count > 0:
             w_t = node(like, wall_rate, p)
             right_sides(one, like, p, normals, turning, constraint, u, v, w, w_t, pi)

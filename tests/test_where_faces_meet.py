@@ -1,0 +1,185 @@
+"""What counts where faces with several conditions meet, and which of them contradict each other."""
+
+import numpy as np
+import pytest
+from block_ledgers import Steps
+
+from fsipetsc.blockrun.prescribed import Prescribed
+from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.conditions import (
+    Clamped,
+    Free,
+    Given,
+    Hinge,
+    NoSlip,
+    Open,
+    Outflow,
+    Roller,
+    Slip,
+)
+from fsipetsc.blocks.maps import rectangle
+from fsipetsc.blocks.particles import particles_of
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.errors import InputError
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.perfect_gas import PerfectGas
+from fsipetsc.materials.solid import ElasticSolid
+
+GAS = Fluid(0.02, 0.03, 1.4, 1.0)
+SOLID = ElasticSolid(1.0, 2.0, 0.05, 2.0, 1.5, 0.3, "log", "elastic")
+SIDES = {"west": (0, 0), "east": (0, 1), "south": (1, 0), "north": (1, 1)}
+STILL, RELAXED = lambda X, Y: (1.0, 0.0, 0.0, 1.0), lambda X, Y: (0.0, 0.0, 1.0, X, Y)
+
+
+def block(kind, lower=0.0):
+    material, initial = (GAS, STILL) if kind == "gas" else (SOLID, RELAXED)
+    return Block(kind, material, rectangle((0.0, lower), (1.0, lower + 1.0)), (2, 2), initial)
+
+
+def alone(kind, rest, points=(), **faces):
+    """A square; rest: the condition of sides that are not named."""
+    named = {(kind, *face): faces.get(side, rest) for side, face in SIDES.items()}
+    return BlockProblem((block(kind),), named, points=points)
+
+
+def stacked(side, beside, **other):
+    """A solid on a gas: conditions at the sides of the gas, of the solid, others at the west."""
+    faces = {("gas", 1, 0): Slip(), ("solid", 1, 1): Free()}
+    faces |= {("gas", 0, s): side for s in (0, 1)} | {("solid", 0, s): beside for s in (0, 1)}
+    faces |= {(kind, 0, 0): condition for kind, condition in other.items()}
+    return BlockProblem((block("gas"), block("solid", 1.0)), faces)
+
+
+def moving(u, v, profile=lambda X: 1.0 + 0.0 * X, kind=NoSlip, **data):
+    """A wall that begins to move at t = 0, with this velocity at t = 1."""
+
+    def x(X, Y, t):
+        return X + 0.5 * u * t * t * profile(X), Y + 0.5 * v * t * t * profile(X)
+
+    return kind(x=x, **data)
+
+
+def sliding(X, Y, t):
+    return 0.0 * X, -0.1 + 0.0 * X
+
+
+#: problems, and what is said of them at t = 1
+REFUSED = {
+    "a lid": (
+        alone("gas", NoSlip(), north=moving(0, -1)),
+        r"NoSlip of 'gas', axis 1, side 1, and NoSlip of 'gas', axis 0, side 0, meet at \(X, Y\) = "
+        r"\(0, 1\) with velocities of \(0, -1\) and \(0, 0\) m/s at t = 1: no grid.* be Slip",
+    ),
+    "a piston that slips": (
+        alone("gas", NoSlip(), north=moving(0, -1, kind=Slip)),
+        "Slip of .* be",
+    ),
+    "walls that slip, pressed in both directions": (
+        alone("gas", Slip(), north=moving(0, -1, kind=Slip), east=moving(-1, 0, kind=Slip)),
+        "meet at .* = .1, 1. with velocities",
+    ),
+    "clamps": (alone("solid", Clamped(), north=moving(0, 1, kind=Clamped)), "be Roller, or move"),
+    "a clamp and a hinge": (
+        alone("solid", Free(), (("solid", (0.0, 1.0), Hinge()),), north=Clamped(velocity=sliding)),
+        "Clamped of 'solid', axis 1, side 1, and a Hinge meet",
+    ),
+    "a wall and a clamp": (stacked(moving(1, 0), Clamped()), "Clamped of .*, and NoSlip of 'gas'"),
+    "a solid that slides": (
+        stacked(NoSlip(), Roller()),
+        r"NoSlip of 'gas', axis 0, side 0, meets at \(X, Y\) = \(0, 1\) a solid that slides along",
+    ),
+    "a solid that is free": (stacked(NoSlip(), Free()), "NoSlip .* a solid that slides along it"),
+}
+NOTED = {
+    "two temperatures": (
+        alone("gas", NoSlip(T=300.0), north=NoSlip(T=400.0)),
+        {"with temperatures of 400 and 300 K: the first one counts"},
+    ),
+    "of gas and solid": (
+        stacked(
+            NoSlip(slip_length=1.0),
+            Roller(),
+            gas=NoSlip(T=2.0, slip_length=1.0),
+            solid=Roller(T=1.0),
+        ),
+        {"NoSlip of 'gas', axis 0, side 0, and Roller of 'solid', axis 0, side 0, meet"},
+    ),
+    "flow given beside a wall": (
+        alone("gas", NoSlip(), west=Given(lambda X, Y, t: (1.0 + 0.0 * X, 0.5, 0.0, 1.0))),
+        {"Given of 'gas', axis 0, side 0, and NoSlip", "with velocities of (0.5, 0) and (0, 0)"},
+    ),
+    "a wall that runs into another": (
+        alone("gas", Slip(), north=moving(1, 0)),
+        {"NoSlip of 'gas', axis 1, side 1, and Slip of 'gas', axis 0, side 0, meet"},
+    ),
+    "a clamp across a roller": (
+        alone("solid", Roller(), north=moving(1, 0, kind=Clamped)),
+        {"Clamped of 'solid', axis 1, side 1, and Roller"},
+    ),
+}
+ACCEPTED = {
+    "slip at the sides": alone("gas", Slip(), north=moving(0, -1)),
+    "drag at the sides": alone("gas", NoSlip(slip_length=1.0), north=moving(0, -1)),
+    "a lid whose ends rest": alone(
+        "gas", NoSlip(), north=moving(0, -1, lambda X: np.sin(np.pi * X))
+    ),
+    "all walls move": alone("gas", moving(1, -1), north=moving(1, -1)),
+    "open ends": alone("gas", Outflow(1.0), north=moving(0, -1), east=Open(1.0, (0.0, 0.0), 1.0)),
+    "a clamp along rollers": alone("solid", Roller(), north=moving(0, 1, kind=Clamped)),
+    "a solid that slides, with drag": stacked(NoSlip(slip_length=1.0), Roller()),
+    "a clamped solid": stacked(NoSlip(), Clamped()),
+    "equal temperatures": alone("gas", NoSlip(T=300.0), north=NoSlip(T=300.0)),
+}
+
+
+def said(problem, t=1.0):
+    law = PerfectGas(1.4, 1.0)
+    prescribed = Prescribed(problem, particles_of(problem), law, lambda: 1e-3)
+    prescribed.refresh(0.0)  # all velocities are 0 then
+    prescribed.refresh(t)
+    return [words for _, _, words in prescribed.notes()]
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_velocities_that_cannot_be_are_refused(case):
+    problem, words = REFUSED[case]
+    with pytest.raises(InputError, match=words):
+        said(problem)
+
+
+@pytest.mark.parametrize("case", NOTED)
+def test_contradictions_are_noted(case):
+    problem, words = NOTED[case]
+    found = said(problem)
+    assert found and all(any(word in line for line in found) for word in words), found
+
+
+@pytest.mark.parametrize("case", ACCEPTED)
+def test_what_fits_together_is_accepted(case):
+    assert said(ACCEPTED[case]) == []
+
+
+LENGTH = 0.4
+
+
+def test_shear_beside_a_wall_along_which_the_gas_slips():
+    """u = 1 - (1 - y)/(1 + l) under a wall of velocity 1 is at rest with the drag of the lower one:
+    slope times l is the velocity there, and mu times the slope is what both walls push with.
+    """
+    slope = 1.0 / (1.0 + LENGTH)
+    flow = lambda X, Y: (1.0, slope * (Y + LENGTH), 0.0, 1.0)  # noqa: E731
+    box, cells = rectangle((0.0, 0.0), (1.0, 1.0)), (4, 8)
+    layer = Block("gas", GAS, box, cells, flow, periodic=(True, False))
+    upper = NoSlip(x=lambda X, Y, t: (X + t, Y), velocity=lambda X, Y, t: (1.0 + 0.0 * X, 0.0))
+    faces = {("gas", 1, 0): NoSlip(slip_length=LENGTH), ("gas", 1, 1): upper}
+    with Steps(BlockProblem((layer,), faces)) as run:
+        f = np.zeros_like(run.y.array)
+        run.right_hand_side(run.y.array.copy(), f)
+        rates = f[: f.size - run.layout.auxiliary].reshape(-1, 5)
+        assert np.abs(rates[:, 2]).max() < 1e-13
+        run.step(1e-3, 3)
+        came = run.gained()
+        work = {face: energy for face, (energy, _) in run.face_energies().items()}
+    assert abs(came[1]) < 1e-9  # both push alike
+    assert work["gas, axis 1, side 0"] == 0.0
+    assert work["gas, axis 1, side 1"] == pytest.approx(GAS.mu * slope * 3e-3, rel=1e-6)
