@@ -59,8 +59,8 @@ class Cube:
         self.address = ctypes.addressof(self._struct)
 
     def add_face(self, i: int, at: int, factor: float, sign: float, areas: Array) -> None:
-        """Add factor times a^i of the places x + sign v to ``areas``, (3, N), or three rows of (9, N)
-        from 3 i on, at the nodes of the range whose index along axis i is ``at``.
+        """Add factor times a^i of the places x + sign v to ``areas``, (3, N), or to three rows of
+        (9, N) from 3 i on, at the nodes of the range whose index along axis i is ``at``.
         """
         row = areas[3 * i] if len(areas) == 9 else areas[0]
         self.library.cube_face(
