@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from fsipetsc.blockrun.block_part import BlockPart
 from fsipetsc.blockrun.columns import spins
+from fsipetsc.blockrun.gas_forms import convection_of
 from fsipetsc.blockrun.particle_system import ParticleSystem
 from fsipetsc.blocks.grid import GridMotion
 from fsipetsc.blocks.particles import Particle
@@ -19,7 +20,7 @@ from fsipetsc.scheme.block_monitor import room_of, sums_of
 from fsipetsc.scheme.gas_dissipation import gas_damping
 from fsipetsc.scheme.gas_memory import scratch
 from fsipetsc.scheme.gas_record import FUNCTIONS, GasRecord
-from fsipetsc.scheme.gas_rows import DivergenceForm, EntropyForm, Inviscid, Viscous
+from fsipetsc.scheme.gas_rows import Inviscid, Viscous
 from fsipetsc.scheme.part import Nothing, PartCalls
 from fsipetsc.scheme.radial import Radial, Straight
 
@@ -72,7 +73,6 @@ class GasPart(BlockPart):
         part, d, known = self.part, self._d, self.gather.local
         bands, form, material = part.bands, self._form, self.block.material
         like, viscous = (0.0,) * d, Viscous() if material.mu or material.kappa else Inviscid()
-        convection = DivergenceForm() if form.convection == "divergence" else EntropyForm()
         sigma, shock = sigma_of(form.dissipation, self._problem.joined), form.shock
         damping: Any = Nothing()
         if sigma > 0.0 or shock > 0.0:
@@ -84,7 +84,7 @@ class GasPart(BlockPart):
             **self._common(at_particles, alone),
             columns=np.array(sums),
             laws=self.equations,
-            form=convection,
+            form=convection_of(form.convection, self.equations.law),
             viscous=viscous,
             dissipation=damping,
             axis=around if self._problem.symmetry else Straight(),
