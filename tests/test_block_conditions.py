@@ -48,6 +48,26 @@ def test_a_wave_leaves_through_an_absorbing_end(side):
         assert run.gained()[-1] == pytest.approx(-energy, rel=2e-4)
 
 
+@pytest.mark.parametrize(("kind", "speed"), [("shear", 1.0), ("pressure", 2.0)])
+def test_waves_of_both_kinds_leave_through_an_absorbing_face(kind, speed):
+    """Along the normal; a face that resists along it alone gives all of a wave of shear back."""
+    size, along = 1e-6, int(kind == "pressure")
+
+    def pulse(X, Y):
+        shape = size * np.exp(-(((Y - 0.5) / 0.08) ** 2))
+        slope = -2.0 * (Y - 0.5) / 0.08**2 * shape
+        x, v = [X, Y], [0.0 * X, 0.0 * X]
+        x[along], v[along] = x[along] + shape, -speed * slope
+        return *v, 1.0 + 0.0 * X, *x
+
+    block = Block("slab", rod(), rectangle((0.0, 0.0), (0.1, 1.0)), (8, 96), pulse, (True, False))
+    faces = {("slab", 1, side): Absorbing() for side in (0, 1)}
+    with Steps(BlockProblem((block,), faces), order=4) as run:
+        before = np.abs(run.y.owned(0)[:, 2:4]).max()
+        run.step(0.4 / 96 / 2.0, round(0.9 / speed / (0.4 / 96 / 2.0)))
+        assert np.abs(run.y.owned(0)[:, 2:4]).max() < 1e-2 * before
+
+
 @pytest.mark.parametrize("side", [0, 1])
 def test_a_strained_rod_rests_under_the_stress_beyond_its_end(side):
     stress = float(rod().solid_law.stress((0.95,))[0])

@@ -2,10 +2,11 @@
 what was expected.
 """
 
+import shutil
 import sys
 
 import pytest
-from helpers import message, solve
+from helpers import message, run, solve
 
 import fsipetsc
 from fsipetsc.cases import BUILT_IN, load_case
@@ -135,3 +136,36 @@ def test_a_case_file_finds_its_neighbours_from_any_directory(here, monkeypatch):
     assert load_case(str(here / "stub.py")).NUMBER == 5
     with pytest.raises(InputError, match=", ".join(BUILT_IN)):
         load_case("xyzzy")
+
+
+KERNEL = """
+import sys
+from fsipetsc.cases import load_case
+from numba import njit
+@njit(cache=True)
+def pressure(law, rho, T):
+    return law.pressure(rho, T)
+print(pressure(load_case(sys.argv[1]).LAW, 1.0, 2.0))
+"""
+OF_OWN = """
+from numba import njit
+from fsipetsc.materials.own import gas_law
+OPTIONS, build = (), print
+@njit
+def twice(x):
+    return 2.0 * x
+LAW = gas_law(
+    pressure=lambda rho, T: rho * twice(T), internal_energy=lambda rho, T: T,
+    temperature=lambda rho, e: e, density=lambda p, T: p / T, temperature_of=lambda rho, p: p / rho,
+)
+"""
+
+
+def test_a_copy_of_a_case_with_a_law_of_its_own(here):
+    """Whose kernels are kept from runs of the case, in processes of their own."""
+    (here / "kernel.py").write_text(KERNEL)
+    (here / "own.py").write_text(OF_OWN)
+    shutil.copy(here / "own.py", here / "copied.py")
+    for name in "own", "own", "copied":
+        done = run("-c", "import kernel", f"{name}.py", cwd=here, env={"NUMBA_CACHE_DIR": here})
+        assert (done.returncode, done.stdout) == (0, "4.0\n"), done.stderr

@@ -1,11 +1,13 @@
 """Equations and laws of a gas as formulas: entropy and its flux, laws, the logarithm."""
 
+from decimal import Decimal, localcontext
+
 import numpy as np
 import pytest
 from numba import njit
 
 from fsipetsc.equations.gas import Gas
-from fsipetsc.equations.logarithm import log
+from fsipetsc.equations.logarithm import log, logarithm_rest
 from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.stiffened_gas import stiffened_gas
@@ -13,6 +15,7 @@ from fsipetsc.operators.loops import CALL
 
 LAWS = PerfectGas(1.4, 2.0), stiffened_gas(2.2, 1.5, 3.0)
 STEP = 1e-6
+UNKEPT = {**CALL, "cache": False}
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -64,7 +67,19 @@ def test_laws_are_consistent(law):
 
 def test_the_compiled_logarithm_is_that_of_numpy():
     """Either may be off by one unit in the last place."""
-    compiled = njit(**{**CALL, "cache": False})(lambda x: log(x))
+    compiled = njit(**UNKEPT)(lambda x: log(x))
     x = np.concatenate([np.linspace(0.5, 2.0, 4001), 10.0 ** np.linspace(-300.0, 300.0, 4001)])
     error = np.abs([compiled(value) for value in x] - np.log(x))
     assert np.all(error <= 2.0 * np.spacing(np.abs(np.log(x))))
+
+
+def test_what_the_logarithm_is_above_its_tangent_has_all_digits():
+    """x - 1 - ln x, compiled and in Python."""
+    compiled = njit(**UNKEPT)(lambda less, x: logarithm_rest(less, x))
+    sizes = 10.0 ** np.linspace(-12.0, -0.05, 400)
+    for x in [*(1.0 + sizes), *(1.0 - sizes), 1e-3, 1e3]:
+        with localcontext() as digits:
+            digits.prec = 50
+            exact = Decimal(float(x)) - 1 - Decimal(float(x)).ln()
+            for found in compiled(x - 1.0, x), logarithm_rest(x - 1.0, x):
+                assert abs(Decimal(float(found)) / exact - 1) < 2e-15

@@ -2,12 +2,17 @@
 Beside test_gas.py, the laws of gases, and test_solid_laws.py, the stresses of solids."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 import fsipetsc
+from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.conditions import Slip
+from fsipetsc.blocks.maps import rectangle
+from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
@@ -17,8 +22,10 @@ from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.power_law import power_law
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.solid_pressure import mie_gruneisen
+from fsipetsc.materials.stiffened_gas import stiffened_gas
 from fsipetsc.materials.sutherland import sutherland
 from fsipetsc.options import defaults
+from fsipetsc.scheme.gas_forms import DivergenceForm, EntropyForm, convection_of
 
 # the pressure of a solid in one dimension
 
@@ -135,6 +142,45 @@ def test_functions_as_laws_are_the_built_in_ones():
     for F in (1.0, 0.0, 0.0, 1.0), (1.1, 0.05, -0.08, 0.95), (0.7, -0.3, 0.2, 1.3):
         assert (own.stress(F), own.energy(F)) == (LOG.stress(F), LOG.energy(F))
         assert own.wave_modulus(F) >= 0.99 * LOG.wave_modulus(F) / 2.0
+
+
+def test_the_form_of_convection():
+    """The flux that conserves entropy is for the gases whose entropy it conserves."""
+
+    def form_of(option, law):
+        return convection_of(option, SimpleNamespace(law=law, force=(0.0,)))
+
+    own = Fluid(0.0, 0.0, 1.4, R, law=gas_law(**GAS)).gas_law
+    for law in PerfectGas(1.4, R), stiffened_gas(2.2, 1.5, 3.0):
+        for option in "auto", "entropy":
+            assert isinstance(form_of(option, law), EntropyForm)
+        assert isinstance(form_of("divergence", law), DivergenceForm)
+    assert isinstance(form_of("auto", own), DivergenceForm)
+
+
+#: options, whether there are two blocks, words of the message
+LACKING = {
+    "dissipation": ({"dissipation": 1.0, "shock": 1.0}, False, "-fsi_dissipation 1: the law of"),
+    "joined blocks": ({}, True, "-fsi_dissipation, which is 1 where blocks are joined: the law of"),
+    "entropy checked": ({"check": 1e-6}, False, "-fsi_check: the law of"),
+    "entropy conserved": ({"convection": "entropy"}, False, "expected auto, divergence"),
+}
+
+
+@pytest.mark.parametrize("name", LACKING)
+def test_an_option_that_needs_a_formula_of_the_gas(name, tmp_path):
+    """Refused before the first step, of a gas with a law of its own without entropy."""
+    options, joined, said = LACKING[name]
+    air = Fluid(0.0, 0.0, 1.4, R, law=gas_law(**GAS))
+    ends = [("air", 0.0, 0.5), ("more", 0.5, 1.0)] if joined else [("air", 0.0, 1.0)]
+    blocks = [
+        Block(of, air, rectangle(a, b), (8,), lambda X: (1.0, 0.0 * X, 300.0)) for of, a, b in ends
+    ]
+    faces = {("air", 0, 0): Slip(), (blocks[-1].name, 0, 1): Slip()}
+    problem = BlockProblem(tuple(blocks), faces)
+    with pytest.raises(InputError) as caught:
+        fsipetsc.run(problem, output=tmp_path / "own.h5", h=0.1, max_time=1.0, **options)
+    assert said in str(caught.value) and "'air'" in str(caught.value)
 
 
 GASES = {

@@ -1,11 +1,14 @@
-"""Laws of solids against the formulas of the oracle, the bound of their waves, and pressures."""
+"""Laws of solids: the oracle's formulas, energies with many digits, bounds of waves, pressures."""
 
+from decimal import Decimal, localcontext
 from functools import partial
 
 import numpy as np
 import oracle_formulas as formulas
 import pytest
 
+from fsipetsc.equations.square_root import square_root
+from fsipetsc.materials.own import solid_law
 from fsipetsc.materials.solid import LAWS, ElasticSolid
 from fsipetsc.materials.solid_pressure import gruneisen, mie_gruneisen
 
@@ -55,27 +58,90 @@ def test_energy_and_stress(name, d):
         assert np.abs(slopes - P).max() < 1e-8
 
 
+def det(A):
+    """By its first row."""
+    minors = (np.delete(A[1:], j, axis=1) for j in range(len(A)))
+    return sum((-1) ** j * A[0, j] * (det(m) if m.size else 1) for j, m in enumerate(minors))
+
+
+def many_digits(name, F, p_ref):
+    """W of a law as its file states it, in decimal numbers."""
+    exact = np.vectorize(Decimal, otypes=[object])
+    d, F, mu, lam, p = len(F), exact(F), *map(Decimal, (MU, LAMBDA, p_ref))
+    C, unit, J = F.T @ F, exact(np.eye(d)), det(F)
+    if name in ("svk", "linear"):
+        E = (C - unit if name == "svk" else F + F.T - 2 * unit) / 2
+        return lam / 2 * np.trace(E) ** 2 + mu * (E * E).sum() - p * (J - 1)
+    ln = J.ln()
+    shear = mu / 2 * (np.trace(C) - d - 2 * ln)
+    if name == "neo-hookean":
+        return shear + lam / 2 * ln**2 - p * (J - 1)
+    return shear + (2 * mu + lam) * (J * ln - J + 1) - mu * ((J * J - 1) / 2 - ln) - p * (J - 1)
+
+
 @EACH_D
-@pytest.mark.parametrize(
-    ("law", "pressing"), [*((name, None) for name in LAWS), *(("log", p) for p in PRESSURES)]
-)
-def test_no_wave_is_faster_than_the_modulus_says(law, pressing, d):
-    """On an adiabat alpha m0 dT = P : dF, T follows from the work of all stresses."""
-    equations, ratios = solid(law=law, pressing=pressing).equations(d), []
+@pytest.mark.parametrize("name", LAWS)
+def test_energies_have_all_digits(name, d):
+    """At strains of 1e-9, the same in another direction, and large ones; a turned F has its strain
+    to 1e-16 only. The part of p_ref is of first order."""
+    law, rng = solid(law=name).solid_law, np.random.default_rng(3)
+    turned = np.linalg.qr(rng.standard_normal((d, d)))[0]
+    turned[0] *= np.linalg.det(turned)
+    cases = (
+        (1e-9, np.eye(d), 1e-14, 1e-23),
+        (1e-9, turned, 1e-5, 1e-15),
+        (0.2, turned, 1e-13, 1e-15),
+    )
+    for size, turn, relative, absolute in cases:
+        for G in size * rng.uniform(-1.0, 1.0, (4, d, d)):
+            F = turn @ (np.eye(d) + G)
+            with localcontext() as digits:
+                digits.prec = 60
+                alone, pressed = (many_digits(name, F, p) for p in (0.0, P_REF))
+                found = law.energy(flat(F)), law._replace(p_ref=P_REF).energy(flat(F))
+                error, other = Decimal(float(found[0])) - alone, Decimal(float(found[1])) - pressed
+            assert abs(error / alone) < relative and abs(other) < absolute * max(1.0, float(alone))
+
+
+OWN = solid_law(stress=lambda F: solid(p_ref=P_REF).solid_law.stress(F))
+#: laws, pressures, kinds of heat
+MATERIALS = [
+    *((name, None, "coupled") for name in LAWS),
+    *(("log", p, heat) for p in PRESSURES for heat in ("coupled", "elastic")),
+]
+
+
+def adiabatic_stiffness(equations, heat, F):
+    """d P_ij / d F_kl where alpha m0 dT = P : dF; with heat 'elastic' pressure alone heats."""
+    d = len(F)
+    P = np.reshape(equations.stress_at(flat(F), T), (d, d))
+    heats = P - (np.reshape(equations.law.stress(flat(F)), (d, d)) if heat == "elastic" else 0.0)
+
+    def adiabatic(G):
+        warmer = T + (heats * (G - F)).sum() / (M0 * ALPHA)
+        return np.reshape(equations.stress_at(flat(G), warmer), (d, d))
+
+    return derivative(adiabatic, F)
+
+
+@EACH_D
+@pytest.mark.parametrize(("law", "pressing", "heat"), MATERIALS)
+def test_no_wave_is_faster_than_the_modulus_says(law, pressing, heat, d):
+    """On an adiabat T follows from the work of what heats. Along N waves have the moduli that are
+    eigenvalues of the acoustic tensor, but for what a shear stress heats."""
+    equations, ratios = solid(law=law, pressing=pressing, heat=heat).equations(d), []
     rng = np.random.default_rng(5)
     for F in strains(d, 0.15 if pressing else 0.2):
-        P = np.reshape(equations.stress_at(flat(F), T), (d, d))
-
-        def adiabatic(G, F=F, P=P):
-            warmer = T + (P * (G - F)).sum() / (M0 * ALPHA)
-            return np.reshape(equations.stress_at(flat(G), warmer), (d, d))
-
-        A, bound = derivative(adiabatic, F), equations.wave_modulus_at(flat(F), T)
+        A, bound = adiabatic_stiffness(equations, heat, F), equations.wave_modulus_at(flat(F), T)
         N = rng.standard_normal((8, d))
         N /= np.linalg.norm(N, axis=1)[:, None]
-        found = np.linalg.eigvals(np.einsum("iajb,na,nb->nij", A, N, N)).real.max()
-        assert found <= bound * (1.0 + 1e-4)
+        Q = np.einsum("iajb,na,nb->nij", A, N, N)
+        found = np.linalg.eigvals(Q).real.max()
+        assert found <= bound * (1.0 + 1e-4 if heat == "coupled" else 1.0 + 1e-9)
         ratios.append(bound / found)
+        for n, exact in zip(N, Q):
+            of_law = np.reshape(equations.acoustic_tensor(flat(F), T, tuple(n)), (d, d))
+            assert np.abs(of_law - 0.5 * (exact + exact.T)).max() < 1e-8 * bound
     if not pressing:  # not far too large: steps would be far too short
         assert max(ratios) < 3.5
         unit = equations.wave_modulus_at(flat(np.eye(d)), T)
@@ -91,3 +157,33 @@ def test_the_pressure_is_part_of_the_stress(d, pressing):
     _, P = energy_and_stress(formulas.Solid("log", MU, LAMBDA), F, 0.0)
     found = solid(pressing=pressing).equations(d).stress_at(flat(F), T)
     assert np.abs(np.subtract(found, flat(P - p * J * np.linalg.inv(F).T))).max() < 1e-13
+
+
+@EACH_D
+def test_the_square_root_of_a_tensor(d):
+    """Also where eigenvalues are equal or 0."""
+    rng = np.random.default_rng(7)
+    for eigenvalues in rng.uniform(0.1, 2.0, (5, 3)), np.array([[1, 1, 3], [0, 2, 2], [0, 0, 1]]):
+        for values in eigenvalues:
+            Q, _ = np.linalg.qr(rng.standard_normal((d, d)))
+            A = Q @ np.diag(values[:d]) @ Q.T
+            found = np.reshape(square_root(flat(A)), (d, d))
+            assert np.abs(found - Q @ np.diag(np.sqrt(values[:d])) @ Q.T).max() < 3e-14
+
+
+@pytest.mark.parametrize("d", [2, 3])
+@pytest.mark.parametrize(
+    ("law", "most"), [*((name, 1e-13) for name in LAWS if name != "linear"), (OWN, 1e-9)]
+)
+def test_an_impedance_turns_with_the_axes(law, most, d):
+    """That of a case's law is found by differences."""
+    rng = np.random.default_rng(8)
+    equations = solid(law=law, p_ref=P_REF, pressing=PRESSURES[0]).equations(d)
+    for F in strains(d):
+        R, (N, v) = np.linalg.qr(rng.standard_normal((d, d)))[0], rng.standard_normal((2, d))
+        N /= np.linalg.norm(N)
+        of_axes = [
+            equations.resistance(flat(S @ F @ S.T), T, flat(S @ N), flat(S @ v))
+            for S in (np.eye(d), R)
+        ]
+        assert np.abs(R @ of_axes[0] - of_axes[1]).max() < most * np.linalg.norm(of_axes[0])

@@ -14,6 +14,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.blockrun.columns import gained, lossy, step_record
+from fsipetsc.blockrun.law_checks import loose_gases
 from fsipetsc.blockrun.notes import first_notes, last_notes
 from fsipetsc.blockrun.recorded_nodes import Recorded, here_of, note_nodes
 from fsipetsc.blockrun.saved import errors_of, grids, header, seen
@@ -56,8 +57,8 @@ class BlockState(State):
     diffusion [1/s]; extremes: what the monitor finds. h: size of the smallest cells [m].
     recorded: nodes to be recorded at each step. orders: block -> what brings its nodes into the
     order in which they are saved. announce: called with a message when several ranks wait for
-    kernels. pairs: constant forces act on gases pair by pair. apart: one rank calls what several
-    do. InputError where blocks, order and ranks do not fit.
+    kernels. loose: gases on which a constant force acts node by node. apart: one rank calls what
+    several do. InputError where blocks, order and ranks do not fit.
     """
 
     def __init__(
@@ -73,7 +74,7 @@ class BlockState(State):
     ) -> None:
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
         self.h = float(problem.spacing)
-        self.shocks, self.pairs = form.shock > 0.0, form.convection != "divergence"
+        self.shocks, self.loose = form.shock > 0.0, loose_gases(problem, form.convection)
         self.lossy, auxiliary = lossy(problem), gained(problem).itemsize // 8
         self.layout = BlockLayout(comm, problem, order, self.shocks, partition, auxiliary)
         self.y, self.stage = BlockVector(self.layout), BlockVector(self.layout)
@@ -98,7 +99,7 @@ class BlockState(State):
     def invariants(self) -> dict[str, Any]:
         """Those of the problem that hold in this form (fsipetsc.scheme.gas_force)."""
         found = self.problem.invariants
-        return {**found, "potential": found["potential"] and self.pairs}
+        return {**found, "potential": found["potential"] and not self.loose}
 
     @property
     def fault(self) -> InputError | None:

@@ -20,8 +20,7 @@ from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.scheme.block_monitor import room_of, sums_of
 from fsipetsc.scheme.gas_dissipation import gas_damping
-from fsipetsc.scheme.gas_force import force_of
-from fsipetsc.scheme.gas_forms import DivergenceForm, EntropyForm
+from fsipetsc.scheme.gas_forms import convection_of
 from fsipetsc.scheme.gas_record import FUNCTIONS, GasRecord
 from fsipetsc.scheme.gas_volume import GasVolume, gas_text
 from fsipetsc.scheme.part import Nothing, PartCalls
@@ -40,9 +39,7 @@ class GasPart(BlockPart):
         material = self.block.material
         self.equations = material.equations(self._d, self._problem.symmetry)
         self.viscous = bool(material.mu or material.kappa)
-        divergence = form.convection == "divergence"
-        force = force_of(self.equations.force, divergence)
-        self.convection = DivergenceForm(force) if divergence else EntropyForm(force)
+        self.convection = convection_of(form.convection, self.equations)
         #: C code of this part; ``library``: made of it, before ``calls``
         self.text = gas_text(self.equations, self._d, self.convection, self.viscous)
         self.library: ctypes.CDLL

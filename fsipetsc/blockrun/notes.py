@@ -14,6 +14,7 @@ from mpi4py import MPI
 
 from fsipetsc.blocks.conditions import NoSlip
 from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.scheme.gas_forms import CONSERVED
 
 if TYPE_CHECKING:
     from fsipetsc.blockrun.block_state import BlockState
@@ -83,12 +84,11 @@ def first_notes(state: BlockState) -> list[str]:
 
 def loose_forces(state: BlockState) -> list[str]:
     """A note for each gas on which a constant force acts node by node."""
-    gases = [block for block in state.problem.blocks if block.kind == "fluid" and not state.pairs]
     return [
         f"note: the force on '{gas.name}' is added node by node: a gas at rest stays so to the "
-        "order of the scheme only, and small motions may grow; -fsi_convection entropy keeps rest"
-        for gas in gases
-        if any(gas.material.force)
+        "order of the scheme only, and small motions may grow"
+        + "; -fsi_convection entropy keeps rest" * isinstance(gas.material.gas_law, CONSERVED)
+        for gas in state.loose
     ]
 
 

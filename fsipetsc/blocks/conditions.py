@@ -154,10 +154,11 @@ class Free(_OfSolid):
 @dataclass(frozen=True)
 class Absorbing(_OfSolid):
     """The solid goes on beyond the face, under a stress [Pa], a tension if above 0: waves along the
-    normal n pass. The traction per area at rest is (stress - Z n . v) n, Z = m0 c, c the speed of
-    longitudinal waves; waves of shear are reflected. Heat as of a NoSlip.
+    normal n pass, of pressure and of shear; of oblique ones a part is reflected. The traction per
+    area at rest is stress n - Z v, Z = sqrt(m0 Q) with the acoustic tensor Q along n at the strain
+    there; unstrained, Z has m0 c_p along n and m0 c_s across. Heat as of a NoSlip.
 
-    Source: Lysmer and Kuhlemeyer, J. Eng. Mech. Div. ASCE 95 (1969) 859-877, the normal dashpot.
+    Source: Lysmer and Kuhlemeyer, J. Eng. Mech. Div. ASCE 95 (1969) 859-877.
     """
 
     stress: Datum = 0.0

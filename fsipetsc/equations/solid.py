@@ -32,6 +32,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.equations.square_root import square_root
 from fsipetsc.equations.tensors import (
     add_unit,
     apply,
@@ -41,8 +42,9 @@ from fsipetsc.equations.tensors import (
     diagonal,
     largest_stretch,
     outer,
+    transpose,
 )
-from fsipetsc.operators.loops import add_last, along, dot, last_times, scale
+from fsipetsc.operators.loops import add, add_last, along, dot, last_times, mean, scale
 
 
 class Solid(NamedTuple):
@@ -150,8 +152,37 @@ class Solid(NamedTuple):
         area, P = largest_stretch(cofactor(F)), self.full_stress(strain, T)
         stiffness = self.pressing.stiffness(J, T, m0, alpha) / J
         by_T = self.pressing.pressure_by_temperature(J, T, m0, alpha)
-        heating = abs(by_T) * np.sqrt(area * dot(P, P)) / (m0 * alpha)
+        pressed = (1.0 - self.coupled) * abs(self.pressure_at(J, T)) * area
+        heats = self.coupled * np.sqrt(area * dot(P, P)) + pressed
+        heating = abs(by_T) * heats / (m0 * alpha)
         return self.law.wave_modulus(F) + max(stiffness, 0.0) * area + heating
+
+    def acoustic_tensor(self, strain, T, N):
+        """Q [Pa] in the dimensions of the law, at constant entropy: waves along N move along its
+        eigenvectors, and its eigenvalues are their m0 c^2.
+
+            Q_ik = N_j N_l dP_ij/dF_kl - dp/dJ a_i a_k - dp/dT a_i t_k/(m0 alpha),    a = cof F N
+
+        The work of t becomes heat: t = P N, with heat 'elastic' -p a alone. This is the symmetric
+        part; Q has another one only where shear stress heats.
+        """
+        F, n = self.tensor(strain), (*N, *self.around)
+        J, m0, alpha, a = determinant(F), self.m0, self.alpha, apply(cofactor(F), n)
+        pressed = -(1.0 - self.coupled) * self.pressure_at(J, T)
+        heats = along(scale(self.coupled, apply(self.full_stress(strain, T), n)), pressed, a)
+        by_T = self.pressing.pressure_by_temperature(J, T, m0, alpha) / (m0 * alpha)
+        b = along(scale(self.pressing.stiffness(J, T, m0, alpha) / J, a), -by_T, heats)
+        Q = add(self.law.acoustic_tensor(F, n), outer(a, b))
+        return mean(Q, transpose(Q))
+
+    def full_resistance(self, F, T, N, v):
+        """sqrt(m0 Q) v in the dimensions of the law."""
+        root = square_root(scale(self.m0, self.acoustic_tensor(F, T, N)))
+        return apply(root, (*v, *self.around))
+
+    def resistance(self, F, T, N, v):
+        """Z v = sqrt(m0 Q) v [Pa]: the traction that waves along N have where they move with v."""
+        return self.full_resistance(F, T, N, v)
 
 
 class RadialSolid(Solid):
@@ -189,6 +220,9 @@ class RadialSolid(Solid):
         """kappa J/F_r^2 dT/dR."""
         return (self.full_heat_flux(F, (gradient[0], *self.around))[0],)
 
+    def resistance(self, F, T, N, v):
+        return (self.full_resistance(F, T, N, v)[0],)
+
 
 class AxialSolid(RadialSolid):
     """The equations in two dimensions, (z, r); the law is one of three."""
@@ -206,3 +240,6 @@ class AxialSolid(RadialSolid):
     def heat_flux(self, F, gradient):
         """h in (z, r) [W/m2]."""
         return self.full_heat_flux(F, (*gradient, 0.0))[:2]
+
+    def resistance(self, F, T, N, v):
+        return self.full_resistance(F, T, N, v)[:2]

@@ -44,11 +44,37 @@ def _determinant(n: int) -> str:
     return " return " + " + ".join(f"F[{j}] * ({_cofactor(0, j, 3)})" for j in range(3))
 
 
-def _invariant_excess(n: int) -> str:
-    """|F|^2 - d without cancellation near the unit tensor."""
-    off = " + ".join(f"F[{k}] * F[{k}]" for k in range(n) if k % (isqrt(n) + 1))
-    unit = " + ".join(f"(F[{k}] - 1.0) * (F[{k}] + 1.0)" for k in range(0, n, isqrt(n) + 1))
-    return " return " + unit + (" + " + off if off else "")
+def _determinant_excess(n: int) -> str:
+    if n == 1:
+        return " return F[0] - 1.0"
+    if n == 4:
+        return " a, b = F[0] - 1.0, F[3] - 1.0\n return a + b + (a * b - F[1] * F[2])"
+    return """
+ a, b, c = F[0] - 1.0, F[4] - 1.0, F[8] - 1.0
+ bc, ca, ab = b * c - F[5] * F[7], c * a - F[2] * F[6], a * b - F[1] * F[3]
+ cubic = a * bc + F[1] * (F[5] * F[6] - F[3] * c) + F[2] * (F[3] * F[7] - b * F[6])
+ return a + b + c + (bc + ca + ab) + cubic"""
+
+
+def _strain_entry(i: int, j: int, d: int) -> str:
+    """Entry of F^T F - 1, F the sum of the unit tensor and what is small."""
+    terms = [f"F[{k * d + i}] * F[{k * d + j}]" for k in range(d)]
+    if i == j:
+        terms[i] = f"(F[{i * d + i}] - 1.0) * (F[{i * d + i}] + 1.0)"
+    return " + ".join(terms)
+
+
+def _shear_excess(n: int) -> str:
+    if n == 1:
+        return " return 0.0 * F[0]"
+    d = isqrt(n)
+    entries = [(i, j) for i in range(d) for j in range(i, d)]
+    lines = [f" g{i}{j} = {_strain_entry(i, j, d)}" for i, j in entries]
+    pairs = [f"(g{i}{i} * g{j}{j} - g{i}{j} * g{i}{j})" for i, j in entries if i < j]
+    if n == 9:
+        pairs += ["g00 * (g11 * g22 - g12 * g12)", "g01 * (g12 * g02 - g01 * g22)"]
+        pairs += ["g02 * (g01 * g12 - g11 * g02)"]
+    return "\n".join([*lines, f" return -({' + '.join(pairs)})"])
 
 
 def _largest_eigenvalue(n: int) -> str:
@@ -91,8 +117,12 @@ def _contraction(name: str, arguments: str, indices: str) -> Callable[..., Any]:
 determinant = by_length("determinant", "F", _determinant)
 #: det F times F^-T
 cofactor = by_length("cofactor", "F", _tensor(_cofactor))
-#: |F|^2 - d
-invariant_excess = by_length("invariant_excess", "F", _invariant_excess)
+#: det F - 1, F^T F - 1 (twice the strain of Green) and |F|^2 - d - (det F^2 - 1) without
+#: cancellation near the unit tensor; the last is of second order: minus the second and the third
+#: invariant of F^T F - 1
+determinant_excess = by_length("determinant_excess", "F", _determinant_excess)
+twice_strain = by_length("twice_strain", "F", _tensor(_strain_entry))
+shear_excess = by_length("shear_excess", "F", _shear_excess)
 #: an upper bound of the eigenvalues of a positive tensor, exact for a diagonal one
 largest_eigenvalue = by_length("largest_eigenvalue", "B", _largest_eigenvalue)
 #: F + c times the unit tensor

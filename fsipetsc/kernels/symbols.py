@@ -97,6 +97,8 @@ class Symbol(NDArrayOperatorsMixin):
         raise _refuse("it takes one number for several")
 
     def __getitem__(self, at: Any) -> Any:
+        if at == ():  # by which numpy makes a number of an array without axes
+            return self
         raise _refuse("it takes one number for several")
 
     def __hash__(self) -> int:

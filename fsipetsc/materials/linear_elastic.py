@@ -8,7 +8,14 @@ A rotation is a strain for it, so that angular momentum is not conserved.
 
 from typing import NamedTuple
 
-from fsipetsc.equations.tensors import add_unit, cofactor, determinant, trace, transpose
+from fsipetsc.equations.tensors import (
+    add_unit,
+    cofactor,
+    determinant_excess,
+    outer,
+    trace,
+    transpose,
+)
 from fsipetsc.operators.loops import add, along, dot, scale
 
 
@@ -33,7 +40,11 @@ class LinearElastic(NamedTuple):
         """W [J/m3]."""
         E = self.small_strain(F)
         of_trace = 0.5 * self.lambda_e * trace(E) * trace(E)
-        return of_trace + self.mu_e * dot(E, E) - self.p_ref * (determinant(F) - 1.0)
+        return of_trace + self.mu_e * dot(E, E) - self.p_ref * determinant_excess(F)
+
+    def acoustic_tensor(self, F, N):
+        """Q = mu_e + (lambda_e + mu_e) N N^T [Pa]."""
+        return add_unit(self.mu_e, outer(scale(self.lambda_e + self.mu_e, N), N))
 
     def wave_modulus(self, F):
         """m0 c^2 = 2 mu_e + lambda_e [Pa]."""

@@ -4,13 +4,25 @@
     U = K (J ln J - J + 1) - mu_e ((J^2 - 1)/2 - ln J) - p_ref (J - 1)
     P = dW/dF = mu_e F + (K ln J - mu_e J - p_ref) cof F,    J = det F
 
+With j = J - 1, W is computed as mu_e/2 (|F|^2 - d - (J^2 - 1)) + K (j ln J - (j - ln J)) - p_ref j,
+whose parts are of second order near F = 1 and no differences of larger numbers.
+
 In one dimension: B. Sjögreen and J. W. Banks (2012), (4.19).
 """
 
 from typing import NamedTuple
 
-from fsipetsc.equations.logarithm import log
-from fsipetsc.equations.tensors import cofactor, determinant, invariant_excess, largest_stretch
+from fsipetsc.equations.logarithm import logarithm_rest
+from fsipetsc.equations.tensors import (
+    add_unit,
+    apply,
+    cofactor,
+    determinant,
+    determinant_excess,
+    largest_stretch,
+    outer,
+    shear_excess,
+)
 from fsipetsc.operators.loops import along, scale
 
 
@@ -23,15 +35,21 @@ class Log(NamedTuple):
 
     def stress(self, F):
         """P [Pa]."""
-        J, K = determinant(F), 2.0 * self.mu_e + self.lambda_e
-        pull = K * log(J) - self.mu_e * J - self.p_ref
+        J, j, K = determinant(F), determinant_excess(F), 2.0 * self.mu_e + self.lambda_e
+        pull = K * (j - logarithm_rest(j, J)) - self.mu_e * J - self.p_ref
         return along(scale(self.mu_e, F), pull, cofactor(F))
 
     def energy(self, F):
         """W [J/m3]."""
-        J, K = determinant(F), 2.0 * self.mu_e + self.lambda_e
-        shear = 0.5 * self.mu_e * (invariant_excess(F) - (J - 1.0) * (J + 1.0))
-        return shear + K * (J * log(J) - J + 1.0) - self.p_ref * (J - 1.0)
+        j, K = determinant_excess(F), 2.0 * self.mu_e + self.lambda_e
+        rest = logarithm_rest(j, determinant(F))
+        shear = 0.5 * self.mu_e * shear_excess(F)
+        return shear + K * (j * (j - rest) - rest) - self.p_ref * j
+
+    def acoustic_tensor(self, F, N):
+        """Q = mu_e + (K/J - mu_e) a a^T [Pa], a = cof F N."""
+        K, a = 2.0 * self.mu_e + self.lambda_e, apply(cofactor(F), N)
+        return add_unit(self.mu_e, outer(scale(K / determinant(F) - self.mu_e, a), a))
 
     def wave_modulus(self, F):
         """Largest m0 c^2 [Pa]: mu_e + (K/J - mu_e) |cof F N|^2 in the direction N."""

@@ -3,13 +3,25 @@
     W = mu_e/2 (|F|^2 - d - 2 ln J) + lambda_e/2 ln(J)^2 - p_ref (J - 1)
     P = dW/dF = mu_e F + ((lambda_e ln J - mu_e)/J - p_ref) cof F,    J = det F
 
+With j = J - 1, |F|^2 - d - 2 ln J is computed as |F|^2 - d - (J^2 - 1) + j^2 + 2 (j - ln J), whose
+parts are of second order near F = 1 and no differences of larger numbers.
+
 P. Wriggers, Nonlinear Finite Element Methods (2008), section 3.3.
 """
 
 from typing import NamedTuple
 
-from fsipetsc.equations.logarithm import log
-from fsipetsc.equations.tensors import cofactor, determinant, invariant_excess, largest_stretch
+from fsipetsc.equations.logarithm import log, logarithm_rest
+from fsipetsc.equations.tensors import (
+    add_unit,
+    apply,
+    cofactor,
+    determinant,
+    determinant_excess,
+    largest_stretch,
+    outer,
+    shear_excess,
+)
 from fsipetsc.operators.loops import along, scale
 
 
@@ -22,16 +34,22 @@ class NeoHookean(NamedTuple):
 
     def stress(self, F):
         """P [Pa]."""
-        J = determinant(F)
-        pull = (self.lambda_e * log(J) - self.mu_e) / J - self.p_ref
+        J, j = determinant(F), determinant_excess(F)
+        pull = (self.lambda_e * (j - logarithm_rest(j, J)) - self.mu_e) / J - self.p_ref
         return along(scale(self.mu_e, F), pull, cofactor(F))
 
     def energy(self, F):
         """W [J/m3]."""
-        J = determinant(F)
-        ln = log(J)
-        shear = self.mu_e * (0.5 * invariant_excess(F) - ln)
-        return shear + 0.5 * self.lambda_e * ln * ln - self.p_ref * (J - 1.0)
+        j = determinant_excess(F)
+        rest = logarithm_rest(j, determinant(F))
+        shear = 0.5 * self.mu_e * (shear_excess(F) + j * j + 2.0 * rest)
+        return shear + 0.5 * self.lambda_e * (j - rest) * (j - rest) - self.p_ref * j
+
+    def acoustic_tensor(self, F, N):
+        """Q = mu_e + (lambda_e (1 - ln J) + mu_e)/J^2 a a^T [Pa], a = cof F N."""
+        J, a = determinant(F), apply(cofactor(F), N)
+        stiffening = (self.lambda_e * (1.0 - log(J)) + self.mu_e) / (J * J)
+        return add_unit(self.mu_e, outer(scale(stiffening, a), a))
 
     def wave_modulus(self, F):
         """Largest m0 c^2 [Pa]: mu_e + (lambda_e (1 - ln J) + mu_e)/J^2 |cof F N|^2."""

@@ -11,6 +11,7 @@ another type, a law of a case gets a class whose name has a hash of its formulas
 import hashlib
 import inspect
 from collections.abc import Callable, Mapping
+from math import isqrt
 from types import CodeType, FunctionType
 from typing import Any, NamedTuple
 
@@ -19,12 +20,13 @@ from numba import njit, types
 from numba.extending import register_jitable
 
 from fsipetsc.checks import described
+from fsipetsc.equations.tensors import apply
 from fsipetsc.errors import InputError
 from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.neo_hookean import NeoHookean
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.solid_pressure import ConstantPressure
-from fsipetsc.operators.loops import by_length, numbers, zeros
+from fsipetsc.operators.loops import by_length, numbers, scale, sub, zeros
 
 Formula = Callable[..., Any]
 #: step of differences, relative to rho and T
@@ -70,6 +72,23 @@ bumped = by_length("bumped", "F, n, step", numbers("F[@] + step * (n == @)"))
 add_slopes = by_length("add_slopes", "a, c, P, Q", numbers("a[@] + c * abs(P[@] - Q[@])"))
 
 
+def _rows(entry: str) -> Callable[[int], str]:
+    """Source of a tensor; @: the number of an entry, I, J: of its row and its column."""
+
+    def body(n: int) -> str:
+        d = isqrt(n)
+        of = (entry.replace("I", str(m // d)).replace("J", str(m % d)) for m in range(n))
+        entries = (text.replace("@", str(m)) for m, text in enumerate(of))
+        return f" return ({', '.join(entries)},)"
+
+    return body
+
+
+#: F with step N added to its row k, and Q with v added to its column k
+pulled = by_length("pulled", "F, k, step, N", _rows("F[@] + step * N[J] * (k == I)"))
+add_column = by_length("add_column", "Q, k, v", _rows("Q[@] + v[I] * (k == J)"))
+
+
 class _Solid:
     """What is not given of a solid law."""
 
@@ -80,6 +99,14 @@ class _Solid:
             more, less = self.stress(bumped(F, n, STEP)), self.stress(bumped(F, n, -STEP))
             rows = add_slopes(rows, 0.5 / STEP, more, less)
         return max(rows)
+
+    def acoustic_tensor(self, F, N):
+        """Q_ik = N_j N_l dP_ij/dF_kl [Pa], by differences."""
+        Q = zeros(F)
+        for k in range(len(N)):
+            more, less = self.stress(pulled(F, k, STEP, N)), self.stress(pulled(F, k, -STEP, N))
+            Q = add_column(Q, k, scale(0.5 / STEP, sub(apply(more, N), apply(less, N))))
+        return Q
 
     def energy(self, F):
         """Nothing: heat 'elastic' is refused."""
@@ -145,8 +172,9 @@ def transport_law(viscosity: Formula, conductivity: Formula | None = None) -> An
 def solid_law(**formulas: Formula) -> Any:
     """A solid law of stress(F) -> P = dW/dF [Pa], d*d numbers each, row by row.
 
-    energy(F) -> W [J/m3] is needed for heat 'elastic'; wave_modulus(F) -> largest m0 c^2 [Pa] is
-    else found by differences of the stress. p_ref of the solid is not added. InputError.
+    energy(F) -> W [J/m3] is needed for heat 'elastic'; wave_modulus(F) -> largest m0 c^2 [Pa] and
+    acoustic_tensor(F, N) -> d*d numbers N_j N_l dP_ij/dF_kl [Pa] are else found by differences of
+    the stress. p_ref of the solid is not added. InputError.
     """
     return _law_of(SOLID, formulas)
 
@@ -171,6 +199,11 @@ def checked_law(law: Any, what: str, kind: Kind) -> Any:
     _check(what, kind, {name: given[name] for name in names & given.keys()}, "self, ")
     numbers = tuple(float(v) if isinstance(v, (int, float)) else v for v in law)
     return _class(cls.__name__, cls._fields, {**_formulas(kind.derived), **given})(*numbers)
+
+
+def knows_entropy(law: Any) -> bool:
+    """Whether a gas law has an entropy."""
+    return type(law).entropy is not _Gas.entropy
 
 
 def knows_energy(law: Any) -> bool:
@@ -270,6 +303,8 @@ def _fingerprint(value: Any, seen: set[int]) -> str:
         names = inspect.getclosurevars(value)
         parts = sorted({**names.nonlocals, **names.globals}.items())
         inner = "".join(f"{k}={_fingerprint(v, seen)};" for k, v in parts)
+        # compiled code is loaded together with the module that a function is defined in
+        inner += f"{value.__module__};"
         return _fingerprint(value.__code__, seen) + inner + repr(value.__defaults__)
     if isinstance(value, CodeType):
         constants = "".join(_fingerprint(c, seen) for c in value.co_consts[1:])

@@ -9,15 +9,18 @@ from typing import NamedTuple
 
 from fsipetsc.equations.tensors import (
     add_unit,
+    apply,
     cofactor,
-    determinant,
+    determinant_excess,
     largest_eigenvalue,
     largest_stretch,
+    outer,
     product,
+    product_transposed,
     trace,
-    transposed_product,
+    twice_strain,
 )
-from fsipetsc.operators.loops import along, dot, scale
+from fsipetsc.operators.loops import add, along, dot, scale
 
 
 class StVenantKirchhoff(NamedTuple):
@@ -29,7 +32,7 @@ class StVenantKirchhoff(NamedTuple):
 
     def strain(self, F):
         """E."""
-        return scale(0.5, add_unit(-1.0, transposed_product(F, F)))
+        return scale(0.5, twice_strain(F))
 
     def second_stress(self, F):
         """S [Pa], the second Piola–Kirchhoff stress."""
@@ -44,7 +47,14 @@ class StVenantKirchhoff(NamedTuple):
         """W [J/m3]."""
         E = self.strain(F)
         of_trace = 0.5 * self.lambda_e * trace(E) * trace(E)
-        return of_trace + self.mu_e * dot(E, E) - self.p_ref * (determinant(F) - 1.0)
+        return of_trace + self.mu_e * dot(E, E) - self.p_ref * determinant_excess(F)
+
+    def acoustic_tensor(self, F, N):
+        """Q = N . S N + (lambda_e + mu_e) (F N) (F N)^T + mu_e F F^T [Pa]."""
+        stretched, pull = apply(F, N), dot(N, apply(self.second_stress(F), N))
+        along_it = outer(scale(self.lambda_e + self.mu_e, stretched), stretched)
+        across = scale(self.mu_e, product_transposed(F, F))
+        return add_unit(pull, add(along_it, across))
 
     def wave_modulus(self, F):
         """Upper bound of m0 c^2 [Pa]: K |F N|^2 + N . S N."""

@@ -38,7 +38,8 @@ DISCRETISATION = (
         "second derivatives: D twice, or, with the paper's couplings, a narrow stencil",
         ("wide", "narrow")),
     Option("fsi_convection", str, "auto", "",
-        "form of convection; entropy: a flux that conserves it; auto: that in 2-D and 3-D",
+        "form of convection; entropy: a flux that conserves it; auto: that for perfect and "
+        "stiffened gases, divergence for laws of your own and in the paper's method",
         ("auto", "divergence", "entropy")),
     Option("fsi_dissipation", float, 0.0, "",
         "dissipation, times its usual size; 0: 1 where blocks are joined, else none; -1: none",

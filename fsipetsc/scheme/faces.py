@@ -19,7 +19,8 @@ its axis, where f is
                wall of velocity w with the length l of Navier
     free       p_b n(x) on a solid, n(x) the area vector of the face where it is now: a pressure
                that follows it
-    absorbing  (Z N . v - stress) N |A| on a solid, N the unit normal and |A| the area at rest
+    absorbing  (stress N - Z v) |A| on a solid, N the unit normal and |A| the area at rest, Z the
+               tensor sqrt(m0 Q) of the acoustic tensor Q along N (fsipetsc.equations.solid)
 
 All are equal to n . f for a uniform state, so that uniform flow stays uniform.
 """
@@ -268,9 +269,9 @@ def load_faces(part, faces, q, rates, gain):
         force = scale(area, node(like, faces.traction, i))
         if faces.absorbs[i] == 1:
             F = strain_at(part, q, at)
-            T = solid.temperature(v, q[at, 2 * d], F)
-            Z = np.sqrt(solid.m0 * solid.wave_modulus_at(F, T))
-            force = along(force, faces.stress[i] - Z * dot(A, v) / area, A)
+            T, N = solid.temperature(v, q[at, 2 * d], F), per(A, area)
+            pull = along(scale(faces.stress[i], N), -1.0, solid.resistance(F, T, N, v))
+            force = along(force, area, pull)
         if faces.pressure[i] != 0.0:
             n = normal_at(part, faces, i, q)
             force = along(force, -faces.pressure[i], n)

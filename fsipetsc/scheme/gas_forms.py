@@ -6,6 +6,13 @@ from typing import Any, NamedTuple
 
 from numba.extending import register_jitable
 
+from fsipetsc.materials.perfect_gas import PerfectGas
+from fsipetsc.materials.stiffened_gas import StiffenedGas
+from fsipetsc.scheme.gas_force import force_of
+
+#: laws whose entropy the two-point flux of fsipetsc.equations.gas conserves
+CONSERVED = PerfectGas, StiffenedGas
+
 
 class EntropyForm(NamedTuple):
     """Two-point fluxes that conserve entropy."""
@@ -38,6 +45,15 @@ class DivergenceForm(NamedTuple):
 
     def any(self, gas, l, r, a_l, a_r, g):
         return gas.mean_flux(l, r, a_l, a_r, g)
+
+
+def convection_of(option: str, gas: Any) -> DivergenceForm | EntropyForm:
+    """The form of -fsi_convection for a gas, with its constant force; auto: entropy where the flux
+    conserves it.
+    """
+    divergence = option == "divergence" or not isinstance(gas.law, CONSERVED)
+    force = force_of(gas.force, divergence)
+    return DivergenceForm(force) if divergence else EntropyForm(force)
 
 
 @register_jitable

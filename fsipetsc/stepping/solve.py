@@ -9,6 +9,7 @@ from mpi4py import MPI
 from fsipetsc.blame import call, place_of
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blockrun.from_layers import blocks_of_line
+from fsipetsc.blockrun.law_checks import check_gas_laws
 from fsipetsc.blockrun.recorded_nodes import chosen
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import described
@@ -68,6 +69,7 @@ def make_state(
     """
     if isinstance(problem, BlockProblem):
         form = block_form(opt)
+        check_gas_laws(problem, form, opt["fsi_check"] is not None)
         points, probes = opt["fsi_points"] or (), opt["fsi_probes"]
         recorded = together(comm, lambda: chosen(problem, points, probes))
         of_run = form, opt["fsi_partition"], recorded, announce
