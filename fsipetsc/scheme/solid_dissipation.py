@@ -12,7 +12,7 @@ taken, too. Momentum and energy stay, and entropy grows, as F . Delta_q v >= 0.
 Everywhere: q half the order of the scheme, a = sigma/4^q. At shocks: q = 1, a = 0, b = 0.7 times
 the option; then the former has b = -a. alpha of a difference is the largest of its nodes. At a node
 
-    alpha = min(1, max(0, 2.5 (s - 0.06))),   s = |d_+ - d_-| / (|d_+| + |d_-| + 0.02 sqrt(K/m0)),
+    alpha = min(1, max(0, 2.5 (s - 0.03))),   s = |d_+ - d_-| / (|d_+| + |d_-| + 0.02 sqrt(K/m0)),
 
 d_+ = v_j+1 - v_j, d_- = v_j - v_j-1, |.| the length of a vector, and 0 at an end. In smooth motion
 s falls with h^2 and alpha is 0.
@@ -28,8 +28,8 @@ from fsipetsc.operators.undivided import Differences
 from fsipetsc.scheme.gas_dissipation import largest, sense, shifted_sum
 from fsipetsc.scheme.rows import ONE, U64, Array, at, put
 
-#: e of s, over the speed of sound
-SMALL = 0.02
+#: s up to which there is no shock; e of s, over the speed of sound
+NO_SHOCK, SMALL = 0.03, 0.02
 #: usual strength at shocks
 AT_SHOCKS = 0.7
 
@@ -101,7 +101,8 @@ def solid_dissipation(part, term, q, rates):
     for k in range(len(like)):
         stride, of_axis = int(difference.strides[k]), (weights, difference.per_weight[k])
         if term.b != 0.0:
-            sense(SolidWaves(like, q, term.small), term.alpha, stride, ghosted[k])
+            waves = SolidWaves(like, q, term.small)
+            sense(waves, NO_SHOCK, term.alpha, stride, ghosted[k])
         lose(like, term, q, metrics, k, stride, weights, difference.norm[k])
         for z in range(own[2]):
             for y in range(own[1]):
