@@ -74,7 +74,7 @@ class Volume(Grids):
         to l, goes through the links between them, with a Lax-Friedrichs flux on each link."""
         axis, m, d, shock = self.axes[k][j], self.blocks[k].material, self.d, self.problem.shock
         n, periodic, (b, w) = len(axis.weight), self.periodic(k, j), self.volume_flux(k, grid)
-        steep = np.moveaxis(self._steep_gas(k, s, j), j, 0)
+        steep = np.moveaxis(self._steep_gas(k, s, j, grid), j, 0)
         levels = [np.moveaxis(level, j, 0) for level in self.levels(k, grid.x, j, n)]
         rises = [level - levels[0] for level in levels]
 
@@ -165,13 +165,14 @@ class Volume(Grids):
         return along(matrix.T / self.axes[k][j].weight[:, None], F, j, self.d) * self.W[k]
 
     def _gas_dissipation(self, k, s, grid):
-        """-Delta^T sigma (1 - alpha) lambda U_w Delta w, w: entropy variables."""
+        """-Delta^T sigma (1 - alpha) lambda U_w Delta w / (1 + eta), w: entropy variables, eta: the
+        sum of squares of changes: of rho over rho, u over sqrt(R T), e over sqrt(cv R) T."""
         m, d, total = self.blocks[k].material, self.d, 0.0
         first = m.gamma * m.cv - 0.5 * dot(s.u, s.u) / s.T - entropy_of(m, s)
         w, q = np.array([first, *(s.u / s.T), -1.0 / s.T]), self.problem.order // 2
         for j in range(d):
             delta, middle, least = self._differences(k, j, q)
-            wide = 1.0 - self._largest(self._steep_gas(k, s, j), delta, j)
+            wide = 1.0 - self._largest(self._steep_gas(k, s, j, grid), delta, j)
             strength = self.problem.dissipation / 4.0**q * least * wide
             dw, a = along(delta, w, j, d), along(middle, grid.a[j], j, d)
             some, n = np.arange(len(delta)), s.T.shape[j]
@@ -185,10 +186,11 @@ class Volume(Grids):
             u, g = mean[1:-1] * T, along(middle, dot(grid.a[j], grid.v), j, d)
             speed = strength * (np.abs(dot(a, u) - g) + np.sqrt(m.gamma * m.R * T * dot(a, a)))
             H = m.cv * T + 0.5 * dot(u, u)
-            mass = speed * rho / m.R * (dw[0] + dot(u, dw[1:-1]) + H * dw[-1])
-            push = speed * rho * T * (dw[1:-1] + u * dw[-1])
-            heat = speed * rho * m.cv * T**2 * dw[-1]
+            mass = (dw[0] + dot(u, dw[1:-1]) + H * dw[-1]) / m.R
+            push, heat = T * (dw[1:-1] + u * dw[-1]), m.cv * T**2 * dw[-1]
+            eta = mass**2 + dot(push, push) / (m.R * T) + heat**2 / (m.cv * m.R * T**2)
             F = np.array([mass, *(u * mass + push), H * mass + dot(u, push) + heat])
+            F = speed * rho * F / (1.0 + eta)
             total = total - self._scatter(k, j, delta, F)
             for o, at_o in enumerate(levels):  # what diffuses from a level to another does work
                 rows = (-1) ** (q - o) * comb(q, o) * np.roll(np.eye(n), o, axis=1)[: some.size]
@@ -259,7 +261,7 @@ class Volume(Grids):
         q, shock = self.problem.order // 2, self.problem.shock
         usual, fast = self.problem.dissipation / 4.0**q, np.sqrt((2.0 * m.mu_e + m.lambda_e) / m.m0)
         for j in range(d):
-            steep = self._steepness(v, k, j, least=0.02 * fast)
+            steep = self._steepness(v, k, j, 0.02 * fast, 0.03)
             for order, a, b in ((q, usual, -usual * (shock > 0.0)), (1, 0.0, 0.7 * shock)):
                 delta, middle, least = self._differences(k, j, order)
                 most = self._largest(steep, delta, j)
@@ -269,21 +271,28 @@ class Volume(Grids):
                 heat = heat + self._scatter(k, j, middle, size * dot(dv, dv))
         return force, heat
 
-    def _steep_gas(self, k, s, j):
-        """alpha of a gas along axis j."""
-        alpha = self._steepness(np.array([s.rho, s.p]), k, j, part=0.05)
-        return alpha * (self.problem.shock > 0.0)
+    def _steep_gas(self, k, s, j, grid):
+        """alpha of a gas along axis j, from its density, its pressure, which counts over p + p_inf,
+        and its velocity through the areas of the axis, over that of sound."""
+        m, a = self.blocks[k].material, grid.a[j]
+        fast = np.sqrt(m.gamma * m.R * s.T * dot(a, a))
+        through = lambda du: dot(a, du)[None]  # noqa: E731
+        alphas = [
+            self._steepness(s.rho[None], k, j, 0.2 * s.rho, 0.05),
+            self._steepness(s.p[None], k, j, 0.2 * (s.p + m.p_inf), 0.05),
+            self._steepness(s.u, k, j, fast, 0.05, through),
+        ]
+        return np.max(alphas, axis=0) * (self.problem.shock > 0.0)
 
-    def _steepness(self, f, k, j, least=0.0, part=0.0):
-        """alpha of components f: 0 where they are smooth along axis j, 1 at shocks."""
-        f = np.moveaxis(f, 1 + j, 1)
-        above, below = np.roll(f, -1, axis=1), np.roll(f, 1, axis=1)
-        rise, fall = above - f, f - below
-        size = np.abs(rise) + np.abs(fall) + least + part * (above + 2.0 * f + below)
-        s = (np.abs(rise - fall) / size).max(axis=0)
+    def _steepness(self, f, k, j, size, least, of=lambda df: df):
+        """alpha of a vector f: 0 where it is smooth along axis j, 1 at shocks. least: s up
+        to which it is smooth, of: what of its differences counts."""
+        norm = lambda df: np.sqrt((of(df) ** 2).sum(axis=0))  # noqa: E731
+        above, below = np.roll(f, -1, axis=1 + j), np.roll(f, 1, axis=1 + j)
+        s = norm(above - 2.0 * f + below) / (norm(above - f) + norm(f - below) + size)
         if not self.periodic(k, j):
-            s[[0, -1]] = 0.0
-        return np.moveaxis(np.clip(2.5 * (s - 0.03), 0.0, 1.0), 0, j)
+            np.moveaxis(s, j, 0)[[0, -1]] = 0.0
+        return np.clip(2.5 * (s - least), 0.0, 1.0)
 
     @staticmethod
     def _largest(steep, delta, j):

@@ -309,7 +309,8 @@ def test_a_temperature_that_is_given_is_that_of_all_solids_there():
 @pytest.mark.parametrize("form", ["entropy", "divergence"])
 def test_a_stiffened_gas(form):
     ends, gas = {0: Open(0.9, (0.5,), 1.1), 1: Outflow(0.5)}, Gas(1.6, 0.8, 0.02, 0.03, 0.4)
-    check("line", (gas, STICKING[1]), 4, lambda owner: ends[owner[2]], form=form)
+    damping = DAMPED if form == "divergence" else {}
+    check("line", (gas, STICKING[1]), 4, lambda owner: ends[owner[2]], form=form, **damping)
 
 
 @pytest.mark.parametrize(

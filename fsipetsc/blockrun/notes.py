@@ -21,13 +21,14 @@ if TYPE_CHECKING:
     from fsipetsc.blockrun.gas_part import GasPart
 
 Array = np.ndarray
-#: the part of the larger of two pressures by which they may differ
+#: the part of the larger of two pressures by which they may differ at an interface
 JUMP = 0.01
 #: cells by which a wall may stand away from the end of its block
 AWAY = 0.1
-#: parts of the larger pressure, and of ranges in a block, by which neighbouring nodes may differ
+#: parts of the larger modulus K = rho dp/drho, p of a perfect gas, and of ranges in a block, by
+#: which neighbouring nodes may differ
 MOST = np.array([0.2, 0.5, 0.5])
-#: ranges below this part of the temperature, or of sqrt(p/rho), do not count
+#: ranges below this part of the temperature, or of sqrt(K/rho), do not count
 LEAST = 0.01
 #: of what the grid may not resolve: what changes, over what, what to do
 _THIN = "the layer there is not resolved"
@@ -108,16 +109,17 @@ def last_notes(state: BlockState) -> list[str]:
     problem, d = state.problem, state.problem.dimension
     blocks = problem.layers
     changes = np.zeros((len(blocks), 3, 1 + d))  # the largest of each of _WORDS, and where it is
-    ranges = np.full((len(blocks), d + 2, 2), -np.inf)  # largest T, velocities, p/rho; minus least
+    ranges = np.full((len(blocks), d + 2, 2), -np.inf)  # largest T, velocities, K/rho; minus least
     for k, part in state.scheme.parts.items():
         if part.block.kind == "solid":
             continue
         with np.errstate(all="ignore"):  # corners of halos hold nothing, and are not used
             w = part.equations.primitive(tuple(state.y.ghosted(k).T))
             u = np.array(part.equations.velocity(w))
-            values = np.array([w[2], *u, w[1] / w[0]])[:, part.owned]
+            K = part.equations.law.bulk_modulus(w[0], w[2])
+            values = np.array([w[2], *u, K / w[0]])[:, part.owned]
         ranges[k] = np.stack([values.max(axis=1), -values.min(axis=1)], axis=1)
-        found = [] if state.shocks else [(0, _steepest(part, w[1]), part.owned)]
+        found = [] if state.shocks else [(0, _steepest(part, w[1], K), part.owned)]
         for kind, change, at in [*found, *_at_walls(problem, part, w[2], u)]:
             if change.size and change.max() > changes[k, kind, 0]:
                 changes[k, kind] = change.max(), *part.X[:, at[change.argmax()]]
@@ -145,12 +147,12 @@ def _strides(part: GasPart) -> list[int]:
     return np.cumprod([1, *part.part.patch.ghosted])[: part.block.dimension].tolist()
 
 
-def _steepest(part: GasPart, p: Array) -> Array:
-    """|p1 - p0|/max(p0, p1) from each owned node to the next, the largest of all axes."""
+def _steepest(part: GasPart, p: Array, K: Array) -> Array:
+    """|p1 - p0|/max(K0, K1) from each owned node to the next, the largest of all axes."""
     at, change = part.owned, np.zeros(part.owned.size)
     for stride, size in zip(_strides(part), part.part.patch.ghosted):
         beside = np.where(at // stride % size < size - 1, at + stride, at)
-        change = np.maximum(change, np.abs(p[beside] - p[at]) / np.maximum(p[beside], p[at]))
+        change = np.maximum(change, np.abs(p[beside] - p[at]) / np.maximum(K[beside], K[at]))
     return change
 
 

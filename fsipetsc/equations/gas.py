@@ -190,6 +190,11 @@ class Gas(NamedTuple):
         heat = rho * law.heat_capacity(rho, T) * T * T * of_T
         return (mass, *along(push, mass, u), H * mass + dot(u, push) + heat)
 
+    def size_of_change(self, w, change, dU):
+        """T/K dz . U_z dz [-], dU: U_z dz: for a perfect gas the sum of (drho/rho)^2, |du|^2/(R T)
+        and (dT/T)^2/(gamma - 1)."""
+        return abs(dot(change, dU) * w[2] / self.law.bulk_modulus(w[0], w[2]))
+
     def velocity_gradient(self, w, scaled, inverse):
         """The tensor du_i/dx_j; scaled: the tensor grad (u/T), inverse: grad (-1/T)."""
         return scale(w[2], add(scaled, outer(w[3:-2], inverse)))

@@ -3,10 +3,17 @@
 Both terms keep mass, momentum, energy and a uniform flow, and entropy does not fall. Along each
 axis k, with undivided differences (fsipetsc.operators.undivided),
 
-    (J U)_t  -=  H_k^-1 Delta_q^T  sigma/4^q (1 - alpha) lambda U_z Delta_q z,
+    (J U)_t  -=  H_k^-1 Delta_q^T  sigma/4^q (1 - alpha) lambda/(1 + eta) U_z Delta_q z,
 
 lambda = |a^k . u - g^k| + c |a^k|, z the entropy variables, U_z = dU/dz at the mean rho, u/T and
-1/T of the nodes in the middle, which is positive definite.
+1/T of the nodes in the middle, which is positive definite. U_z Delta_q z stands for Delta_q U,
+which it is if that is small: z has |u|^2/T, and in cold gas a jump of u is a much larger one of z.
+
+    eta = T/K Delta_q z . U_z Delta_q z,    K = rho dp/drho at constant T,
+
+is the square of this change over the state itself (for a perfect gas that of drho/rho, and
+|du|^2/(R T), and (dT/T)^2/(gamma - 1)). With 1 + eta below it the flux is never more than the state
+bears, however far neighbours are apart. eta falls with h^2q in smooth flow.
 
 At shocks the flux of a pair of nodes i < l goes in part from node to node:
 
@@ -26,11 +33,14 @@ entropy grow. With alpha = 1 everywhere this is a scheme of finite volumes of fi
 
 alpha of a pair is the largest of its nodes and of those between. At a node j
 
-    alpha = min(1, max(0, 2.5 (s - 0.03))),   d_+ = a_j+1 - a_j,   d_- = a_j - a_j-1,
-    s = |d_+ - d_-| / (|d_+| + |d_-| + 0.05 (a_j+1 + 2 a_j + a_j-1)),
+    alpha = min(1, max(0, 2.5 (s - 0.05))),   d_+ = f_j+1 - f_j,   d_- = f_j - f_j-1,
+    s = |d_+ - d_-| / (|d_+| + |d_-| + size),
 
-the larger s of a = rho and a = p (R. C. Swanson and E. Turkel, J. Comput. Phys. 101, 1992); 0 at an
-end, whose pairs have its neighbour's. In smooth flow s falls with h^2 and alpha is 0.
+the largest s of f = rho, p and a_j . u, with the sizes 0.2 rho_j, 0.2 K_j and c_j |a_j|; 0 at an
+end, whose pairs have its neighbour's. After R. C. Swanson and E. Turkel, J. Comput. Phys. 101,
+1992, for p and with p as the size. K is p in a perfect gas and p + p_inf in a stiffened one: what
+is small beside it is no shock. Where gas collides, or is set in motion at once, only u jumps at
+first. In smooth flow s falls with h^2 and alpha is 0.
 
 Finite volumes between the nodes of a summation-by-parts scheme: S. Hennemann et al., J. Comput.
 Phys. 426, 2021. That alpha may vary from pair to pair was derived for this program.
@@ -60,9 +70,9 @@ from fsipetsc.scheme.gas_forms import state_like
 from fsipetsc.scheme.rows import ONE, U64, Array, at, put
 
 #: s up to which there is no shock, and how fast alpha rises from there
-NO_SHOCK, RISE = 0.03, 2.5
-#: part of the values in the denominator of s
-SMALL = 0.05
+NO_SHOCK, RISE = 0.05, 2.5
+#: part of rho and K in the denominator of s
+SMALL = 0.2
 
 
 class GasDamping(NamedTuple):
@@ -105,8 +115,8 @@ def gas_dissipation(part, damp, q, rates):
     for k in range(len(like)):
         stride, damp.sums[:] = int(difference.strides[k]), 0.0
         if shock > 0.0:
-            of_state = damp.state, U64(0), U64(N), ONE, SMALL, 1e-300
-            sense((0.0, 0.0), *of_state, damp.alpha, stride, ghosted[k])
+            waves = GasWaves(gas, like, damp.state, metrics, U64(k * len(like) * N), U64(N))
+            sense(waves, NO_SHOCK, damp.alpha, stride, ghosted[k])
             if damp.alpha.max() > 0.0:
                 damp.link[:] = 0.0
                 of_axis = metrics, potential, k, stride, ghosted[k]
@@ -137,29 +147,51 @@ def prepare(gas, like, force, q, potential, state, z, n):
         put(z, U64(0), n, i, (first, *gas.entropy_variables(w)))
 
 
-@njit(**EXACT_LOOP)
-def sense(like, values, first, apart, step, part, least, alpha, stride, length):
-    """alpha of all nodes along an axis of so many, of as many numbers of a node as ``like`` has:
-    apart from each other, beginning at ``first``, those of nodes at a distance of ``step``.
-
-    part, least: s has |d_+| + |d_-| + part (|a_j+1| + 2 |a_j| + |a_j-1|) + least below it.
+class GasWaves(NamedTuple):
+    """What is sensed in a gas along an axis. state, metrics: by components of n nodes; area: where
+    those of a^k begin.
     """
-    apart, step, next_one = U64(apart), U64(step), U64(stride)
+
+    gas: Any
+    like: Any
+    state: Array
+    metrics: Array
+    area: Any
+    n: Any
+
+    def steepness(self, i, stride):
+        """s of a node."""
+        like_w, none, n, gas = (*self.like, 0.0, 0.0, 0.0), U64(0), self.n, self.gas
+        a = at(self.like, self.metrics, self.area, n, i)
+        below = at(like_w, self.state, none, n, i - stride)
+        here = at(like_w, self.state, none, n, i)
+        above = at(like_w, self.state, none, n, i + stride)
+        rise, fall = sub(above, here), sub(here, below)
+        rho, T = here[0], here[2]
+        K, c2 = gas.law.bulk_modulus(rho, T), gas.law.sound_speed_squared(rho, T)
+        of_u = bend(dot(a, rise[3:]), dot(a, fall[3:]), np.sqrt(c2 * dot(a, a)))
+        of_rho, of_p = bend(rise[0], fall[0], SMALL * rho), bend(rise[1], fall[1], SMALL * K)
+        return max(of_rho, max(of_p, of_u))
+
+
+@register_jitable
+def bend(rise, fall, size):
+    """s of d_+ and d_-; 0 where there is nothing."""
+    return abs(rise - fall) / (abs(rise) + abs(fall) + size + 1e-300)
+
+
+@njit(**EXACT_LOOP)
+def sense(waves, no_shock, alpha, stride, length):
+    """alpha of all nodes along an axis of so many. waves: with s of a node as ``steepness``;
+    no_shock: s up to which alpha is 0.
+    """
+    next_one = U64(stride)
     for line in range(0, alpha.size, stride * length):
         begin, end, beyond = line + stride, line + stride * (length - 1), line + stride * length
         for i in range(line, begin):
             alpha[i] = 0.0
         for i in range(U64(begin), U64(max(begin, end))):
-            s = 0.0
-            for c in range(len(like)):
-                place = first + U64(c) * apart
-                here = values[place + i * step]
-                above = values[place + (i + next_one) * step]
-                below = values[place + (i - next_one) * step]
-                rise, fall = above - here, here - below
-                size = part * (abs(above) + 2.0 * abs(here) + abs(below)) + least
-                s = max(s, abs(rise - fall) / (abs(rise) + abs(fall) + size))
-            alpha[i] = min(1.0, max(0.0, RISE * (s - NO_SHOCK)))
+            alpha[i] = min(1.0, max(0.0, RISE * (waves.steepness(i, next_one) - no_shock)))
         for i in range(max(begin, end), beyond):
             alpha[i] = 0.0
 
@@ -187,7 +219,9 @@ def largest(alpha, i, stride, weights):
 
 @njit(**EXACT_LOOP)
 def fluxes(gas, like, force, strength, weights, norm, metrics, potential, k, stride, damp, n):
-    """sigma/4^q lambda U_z Delta z of differences by their first nodes, 0 if one does not fit."""
+    """sigma/4^q lambda/(1 + eta) U_z Delta z of differences by their first nodes, 0 if one does not
+    fit.
+    """
     like_z, nothing = (*like, 0.0, 0.0), zeros(force.diffused(like))
     d, order, none = len(like), len(weights) - 1, U64(0)
     low, high = U64(order // 2) * stride, U64((order + 1) // 2) * stride
@@ -204,8 +238,9 @@ def fluxes(gas, like, force, strength, weights, norm, metrics, potential, k, str
         g = dot(a_l, at(like, metrics, grid, n, l)) + dot(a_r, at(like, metrics, grid, n, r))
         speed = gas.fastest(w, mean(a_l, a_r), 0.5 * g)
         wide = 1.0 - largest(damp.alpha, i, stride, weights)
-        F = scale(strength * norm[i] * wide * speed, gas.densities_of_change(w, change))
-        F = force.with_level(F, potential, l, r)
+        dU = gas.densities_of_change(w, change)
+        speed = speed / (1.0 + gas.size_of_change(w, change, dU))
+        F = force.with_level(scale(strength * norm[i] * wide * speed, dU), potential, l, r)
         put(damp.F, apart - n, apart, i, choose(norm[i] > 0.0, F, nothing))
     for i in range(n - U64(order) * stride, n):
         put(damp.F, apart - n, apart, i, nothing)

@@ -10,13 +10,12 @@ K: wave modulus at rest, M_q: the mean of the nodes in the middle of a differenc
 taken, too. Momentum and energy stay, and entropy grows, as F . Delta_q v >= 0.
 
 Everywhere: q half the order of the scheme, a = sigma/4^q. At shocks: q = 1, a = 0, b = 0.7 times
-the option; then the former has b = -a. alpha of a difference is the largest of its nodes, that of a
-node the largest of the components of v,
+the option; then the former has b = -a. alpha of a difference is the largest of its nodes. At a node
 
     alpha = min(1, max(0, 2.5 (s - 0.03))),   s = |d_+ - d_-| / (|d_+| + |d_-| + 0.02 sqrt(K/m0)),
 
-d_+ = v_j+1 - v_j, d_- = v_j - v_j-1, and 0 at an end. In smooth motion s falls with h^2 and alpha
-is 0.
+d_+ = v_j+1 - v_j, d_- = v_j - v_j-1, |.| the length of a vector, and 0 at an end. In smooth motion
+s falls with h^2 and alpha is 0.
 """
 
 from typing import Any, NamedTuple
@@ -24,13 +23,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from fsipetsc.operators.loops import CALL, EXACT_LOOP, add, dot, mean, scale, zeros
+from fsipetsc.operators.loops import CALL, EXACT_LOOP, add, dot, mean, scale, sub, zeros
 from fsipetsc.operators.undivided import Differences
 from fsipetsc.scheme.gas_dissipation import largest, sense, shifted_sum
 from fsipetsc.scheme.rows import ONE, U64, Array, at, put
 
-#: e of s, over the speed of sound
-SMALL = 0.02
+#: s up to which there is no shock; e of s, over the speed of sound
+NO_SHOCK, SMALL = 0.03, 0.02
 #: usual strength at shocks
 AT_SHOCKS = 0.7
 
@@ -72,6 +71,24 @@ def solid_damping(solid: Any, found: Differences, a: float, b: float, after: Any
     return SolidDamping(a, b, *of_solid, found, F, np.zeros(nodes), after)
 
 
+class SolidWaves(NamedTuple):
+    """What is sensed in a solid: the velocity. q: unknowns, small: the e of s."""
+
+    like: Any
+    q: Array
+    small: float
+
+    def steepness(self, i, stride):
+        """s of a node."""
+        d, dof = U64(len(self.like)), U64(2 * len(self.like) + 1)
+        here = at(self.like, self.q, d, ONE, i * dof)
+        rise = sub(at(self.like, self.q, d, ONE, (i + stride) * dof), here)
+        fall = sub(here, at(self.like, self.q, d, ONE, (i - stride) * dof))
+        turn = sub(rise, fall)
+        lengths = np.sqrt(dot(rise, rise)) + np.sqrt(dot(fall, fall))
+        return np.sqrt(dot(turn, turn)) / (lengths + self.small)
+
+
 @njit(**CALL)
 def solid_dissipation(part, term, q, rates):
     """Add a term to the rates (M, 2d + 1) of the owned nodes; q: as in fsipetsc.scheme.solid_rates,
@@ -84,8 +101,8 @@ def solid_dissipation(part, term, q, rates):
     for k in range(len(like)):
         stride, of_axis = int(difference.strides[k]), (weights, difference.per_weight[k])
         if term.b != 0.0:
-            of_v = q, U64(len(like)), ONE, U64(2 * len(like) + 1), 0.0, term.small
-            sense(like, *of_v, term.alpha, stride, ghosted[k])
+            waves = SolidWaves(like, q, term.small)
+            sense(waves, NO_SHOCK, term.alpha, stride, ghosted[k])
         lose(like, term, q, metrics, k, stride, weights, difference.norm[k])
         for z in range(own[2]):
             for y in range(own[1]):
