@@ -194,7 +194,7 @@ class Volume(Grids):
             total = total - self._scatter(k, j, delta, F)
             for o, at_o in enumerate(levels):  # what diffuses from a level to another does work
                 rows = (-1) ** (q - o) * comb(q, o) * np.roll(np.eye(n), o, axis=1)[: some.size]
-                total[-1] -= self._scatter(k, j, rows, (level - at_o) * mass)
+                total[-1] -= self._scatter(k, j, rows, (level - at_o) * F[0])
         return total
 
     # solid
