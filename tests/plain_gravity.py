@@ -176,7 +176,7 @@ def test_energy_stays_with_potential_energy(shape, order, options, numbers):
     assert abs(found["mass"]) < 1e-13 * size
     assert abs(found["energy"]) < 1e-13 * size
     if options:
-        assert found["entropy"] > 1e-3 * size
+        assert found["entropy"] > 1e-4 * size  # of what is far apart little diffuses: 1 + eta
     else:
         assert abs(found["entropy"]) < 1e-13 * size
 
