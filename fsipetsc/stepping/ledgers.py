@@ -9,7 +9,7 @@ from fsipetsc.scheme.conservation_check import Drifts
 
 #: what a checkpoint keeps as it is
 KEPT = "steps", "departures", "J_error", "energies"
-#: a part of the run's energy that may be round-off: of less nothing is told as a share
+#: a part of the run's energy that may be round-off: of a smaller one no share is told
 ROUND_OFF = 1e-12
 
 
@@ -74,12 +74,11 @@ class Ledgers:
 
     @property
     def lost(self) -> float:
-        """Share of their largest kinetic and elastic energy that solids have lost to the steps, and
-        not only to round-off. 0 where they never had more than a part ROUND_OFF of all energy.
+        """Share of their largest kinetic and elastic energy that solids have lost to the steps; 0
+        where they never had more than a part ROUND_OFF of all energy.
         """
         summed, of_solids, of_all = self.energies
-        least = ROUND_OFF * of_all
-        return 0.0 if of_solids <= least or abs(summed) <= least else summed / of_solids
+        return summed / of_solids if of_solids > ROUND_OFF * of_all else 0.0
 
     def _first_beyond(self, found: Mapping[str, np.ndarray], t: np.ndarray) -> str | None:
         """The first step, and the law, with a departure beyond the tolerance."""
