@@ -106,7 +106,7 @@ def remarks(summary: Mapping[str, Any]) -> list[str]:
     if abs(lost) > MOST_LOST:
         what, heat = ("lost", "became heat") if lost > 0.0 else ("won", "was heat before")
         found.append(
-            f"note: the steps have {what} {100 * abs(lost):.2g} % of the kinetic and elastic energy "
-            f"of the solids, which {heat} (lost_energy): with a smaller -fsi_cfl it is less"
+            f"note: the steps have {what} {100 * abs(lost):.2g} % of the kinetic and elastic "
+            f"energy of the solids, which {heat} (lost_energy): with a smaller -fsi_cfl it is less"
         )
     return found
