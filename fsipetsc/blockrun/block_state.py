@@ -19,14 +19,15 @@ from fsipetsc.blockrun.notes import first_notes, last_notes
 from fsipetsc.blockrun.recorded_nodes import Recorded, here_of, note_nodes
 from fsipetsc.blockrun.saved import errors_of, grids, header, seen
 from fsipetsc.blockrun.scheme import Scheme
+from fsipetsc.blockrun.solid_limits import imaginary_waves, most_crushed
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder
 from fsipetsc.process.together import agree, together, wait_asleep
-from fsipetsc.scheme.batch import DT, MADE
-from fsipetsc.scheme.block_monitor import MONITORED
+from fsipetsc.scheme.batch import DT, MADE, TIME
+from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
 from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.steps import STAGES, note_extremes, note_gained
 from fsipetsc.stepping.state import FAULT, State, as_numbers, whole
@@ -88,6 +89,8 @@ class BlockState(State):
         self.extremes = np.zeros(1 + MONITORED * len(problem.blocks))
         self.rates = np.zeros((len(problem.blocks), 2))
         self._before, self.retries = np.empty_like(self.y.array), 0
+        self._tried = 1  # in how many parts the last step was made
+        self._noted: set[int] = set()  # solids of which it was said that they are beyond their law
         if comm.size > 1 and self.points <= MOST_ALONE:
             self._compile_first(order, form, announce)
         self.scheme = Scheme(self, order, form, comm.size == 1 and not apart, announce)
@@ -228,7 +231,7 @@ class BlockState(State):
                 self.evaluations += STAGES
                 begin = t + dt * part / parts
                 self.scheme.step(begin, dt / parts, self.y, self.stage)
-            self._t = t + dt
+            self._t, self._tried = t + dt, parts
             self._monitor()
             if self.results[BAD] == 0.0 or parts == PARTS[-1]:
                 break
@@ -241,17 +244,66 @@ class BlockState(State):
         self.scheme.complete(self._t, self.y)
         self.solution.stateIncrease()
         self._monitor()
+        if not self._failed:
+            self._before[:] = self.y.array
+
+    @property
+    def _failed(self) -> bool:
+        """The state that was monitored last cannot be gone on from."""
+        return bool(self.results[BAD]) or not self.results[RATE] < np.inf
+
+    def go_to_fault(self) -> str:
+        """Let y be the first unphysical stage of the step that has failed, made anew: after it
+        what is no number spreads. A step of another method of PETSc's is made by the classical one,
+        and y stays if that does not fail. Returns what the state before says of solids, or what
+        this one says of waves.
+        """
+        if not self.batch[MADE]:
+            return ""
+        last, dt = self.y.array.copy(), float(self.batch[DT]) / self._tried
+        end = float(self.batch[TIME])
+        begin = end - dt * self._tried
+        self.y.array[:] = self._before
+        self.scheme.forget()
+        self._find_extremes(self.y)
+        said = "; ".join(imaginary_waves(self, begin, set())) or most_crushed(self)
+        for part in range(self._tried):
+            if self.scheme.step(begin + part * dt, dt, self.y, self.stage, self._fails):
+                break
+        else:
+            self.y.array[:] = last
+            self._find_extremes(self.y)
+        least_J = -self.extremes[1:].reshape(-1, MONITORED)[:, LEAST_J]
+        if not said and least_J.min() > 0.0:
+            return "; ".join(imaginary_waves(self, end, set()))
+        return said
+
+    def _fails(self, now: BlockVector) -> bool:
+        """Whether a completed stage is unphysical; if so, y is this stage. Collective."""
+        rate = float(self.results[RATE])
+        self._find_extremes(now)
+        failed = self._failed
+        if failed and now is not self.y:
+            self.y.array[:] = now.array
+            self._find_extremes(self.y)
+        elif not failed:
+            self.results[RATE] = rate  # that of the step, for differences in time
+        return failed
 
     def _monitor(self) -> None:
         """What is known of the completed solution: bounds of all ranks, shares of the integrals."""
-        self.y.fill_halos()
-        self.scheme.monitor(self.y)
+        self._find_extremes(self.y)
+        note_nodes(self, self._recorded_here)
+        note_gained(self.latest_numbers, self.y.auxiliary)
+
+    def _find_extremes(self, now: BlockVector) -> None:
+        """Bounds of all ranks, and this rank's shares of the integrals of a completed stage."""
+        now.fill_halos()
+        self.scheme.monitor(now)
         self.extremes[0] = self.results[SAID_STOP] if self.fault is None else FAULT
         if self.comm.size > 1:
             self.comm.Allreduce(MPI.IN_PLACE, self.extremes, MPI.MAX)
         note_extremes(self.extremes, self.rates, self.results, self.latest_numbers)
-        note_nodes(self, self._recorded_here)
-        note_gained(self.latest_numbers, self.y.auxiliary)
 
     def instant(self) -> float:
         """A time [s] in which little happens, for differences in time."""
@@ -286,6 +338,7 @@ class BlockState(State):
         self._t = t
         for k, part in self.layout.parts.items():
             self.y.owned(k)[:] = arrays[f"layer{k}"].reshape(-1, part.dof)[part.numbers]
+        self._before[:] = self.y.array
         self._load_stage(self.y.array)  # what the scheme derives of it; it stays as it is
         self.y.fill_halos()
         agree(self.comm, self.fault)
@@ -294,6 +347,10 @@ class BlockState(State):
 
     first_notes, last_notes, errors = first_notes, last_notes, errors_of
     header, grids, seen = header, grids, seen
+
+    def notes_at(self, t: float) -> list[str]:
+        """Notes on the solution, whose fields have just been saved, at t [s]. Collective."""
+        return [f"note: {line}" for line in imaginary_waves(self, t, self._noted)]
 
     def fields(self, k: int) -> np.ndarray:
         """(M, columns) of ``fields_of``: what is saved of this rank's nodes of block k."""

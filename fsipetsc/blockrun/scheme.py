@@ -236,19 +236,30 @@ class Scheme:
         particles.sums.exchange()
         kernels.end_rates(box, y.array, f, self._gain)
 
-    def step(self, t: float, dt: float, y: BlockVector, stage: BlockVector) -> None:
+    def step(
+        self,
+        t: float,
+        dt: float,
+        y: BlockVector,
+        stage: BlockVector,
+        ends: Callable[[BlockVector], bool] = lambda now: False,
+    ) -> bool:
         """A step of the classical Runge-Kutta method from y at t [s] to the completed one at
         t + dt. Collective. It is PETSc's ``-ts_type rk -ts_rk_type 4`` up to round-off.
 
         It begins with what follows from y alone, so that a step after a restart has the same bits.
+        ends: called with each completed stage; where it says True, the step ends, and returns True.
         """
         k, total, now = self._found.k, self._found.total, y
         for number, instant in enumerate((t, t + 0.5 * dt, t + 0.5 * dt, t + dt)):
             self.complete(instant, now)
+            if number > 0 and ends(now):
+                return True
             self.rates(instant, now, k)
             now = stage if number < stages.STAGES - 1 else y
             stages.advance(y.array, k, now.array, total, number, dt)
         self.complete(t + dt, y)
+        return ends(y)
 
     def steps(self, t: float, dt: float) -> tuple[bool, float, float]:
         """The steps of a batch from t [s] on, the first of dt [s]: whether all ended well, and

@@ -153,10 +153,26 @@ class Layer:
             rho, u, T, _, x = self.saved()[self.active].T
             values = {"rho": rho, "u": u, "T": T}
         else:
-            (u, sigma, T, x), h = self.owned.T, self.record["h"]
-            after = np.append(self.local[self.record["halo_lo"] + 1 :, 3], x[-1:] + h)[: len(x)]
-            values = {"x": x, "x_X": (after - x) / h, "u": u, "sigma": sigma, "T": T}
+            u, sigma, T, x = self.owned.T
+            x_X = self._stretch()
+            p = self.law.pressure(T, x_X)
+            modulus = self.law.wave_modulus(T, p, np.minimum(sigma, p), x_X)
+            values = {"x": x, "x_X": x_X, "u": u, "sigma": sigma, "T": T, "m0 c^2": modulus}
         return Seen(self.number, numbers, values, x[:, None], X[:, None])
+
+    def _stretch(self) -> Array:
+        """x_X of a solid at the owned points, each by the next one, as it is monitored."""
+        x, h = self.owned[:, 3], self.record["h"]
+        after = np.append(self.local[self.record["halo_lo"] + 1 :, 3], x[-1:] + h)[: len(x)]
+        stretch: Array = (after - x) / h
+        return stretch
+
+    def shortest(self) -> tuple[float, int, float, float]:
+        """Of a solid: least x_X, number and X of the point, what pushes it together [Pa]."""
+        x_X = self._stretch()
+        i, (_, sigma, T, _) = int(np.argmin(x_X)), self.owned.T
+        push = self.law.pressure(T[i], x_X[i]) - sigma[i]
+        return float(x_X[i]), int(self.numbers[i]), float(self.X[i]), float(push)
 
     # stages
 

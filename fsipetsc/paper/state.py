@@ -15,6 +15,7 @@ the results, bit for bit.
 """
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -34,10 +35,10 @@ from fsipetsc.paper.parts import Interface, Layer
 from fsipetsc.paper.stencils import packed
 from fsipetsc.problem import Problem, SolidLayer
 from fsipetsc.process.together import agree, together, wait_asleep
-from fsipetsc.scheme.batch import DT, MADE
+from fsipetsc.scheme.batch import DT, MADE, TIME
 from fsipetsc.scheme.plan import CAPACITY, FLAGS, LIMITS, SAID_STOP, step_record
 from fsipetsc.stepping.state import FAULT, State, as_numbers, whole
-from fsipetsc.stepping.verdicts import Seen
+from fsipetsc.stepping.verdicts import Seen, crushed, first_bad
 
 Array = np.ndarray
 #: times of the stages, in steps
@@ -63,6 +64,7 @@ class PaperState(State):
     """
 
     fault: InputError | None = None
+    _kept: tuple[Array, ...] = ()  # what the last call of ``step`` began with
 
     def __init__(self, comm: MPI.Comm, problem: Problem, opt: Mapping[str, Any]) -> None:
         for name, without in _WITHOUT.items():
@@ -296,6 +298,8 @@ class PaperState(State):
         The others of its batch follow. steady: the data do not depend on time; on one rank all
         steps are one compiled call then.
         """
+        changed = self._y, self.records, self.results, self.batch
+        self._kept = tuple(array.copy() for array in changed)
         if steady and self.comm.size == 1:
             steps.batch(*self._chain, self._faces, self._steps, dt)
             self.evaluations += steps.STAGES * max(1, int(self.batch[MADE]))
@@ -303,17 +307,55 @@ class PaperState(State):
         more = True
         while more:
             self.evaluations += steps.STAGES
-            for number, fraction in enumerate(FRACTIONS):
-                if not steady:
-                    self.set_data(t + fraction * dt)
-                if number > 0:  # it begins with the completed solution
-                    self._fulfil()
-                for layer in self.here:
-                    layer.stage(number, dt)
-            if not steady:
-                self.set_data(t + dt)
-            self._complete()
+            self._advance(t, dt, steady)
             more, dt = self.plan_next(), self.batch[DT]
+
+    def _advance(
+        self, t: float, dt: float, steady: bool, ends: Callable[[], Any] = lambda: None
+    ) -> bool:
+        """A step; ends: called with each stage that fulfils the conditions, and with the completed
+        one. Where it returns something, the step ends, and returns True.
+        """
+        for number, fraction in enumerate(FRACTIONS):
+            if not steady:
+                self.set_data(t + fraction * dt)
+            if number > 0:  # it begins with the completed solution
+                self._fulfil()
+                if ends():
+                    return True
+            for layer in self.here:
+                layer.stage(number, dt)
+        if not steady:
+            self.set_data(t + dt)
+        self._complete()
+        return bool(ends())
+
+    def go_to_fault(self) -> str:
+        """Make the steps since the last call of ``step`` anew, to the first unphysical stage: after
+        it what is no number spreads. Those of PETSc's methods are not made anew.
+        """
+        if not self._kept:
+            return ""
+        self._y[:], records, self.results[:], self.batch[:] = self._kept
+        for name in FRAME:
+            self.records[name] = records[name]
+        self._begin()
+        said, more = "", True
+        while more:
+            said = self._crushed()
+            t, dt = self.batch[[TIME, DT]].tolist()
+            bad = partial(first_bad, self)
+            more = not self._advance(t, dt, self.problem.steady_data, bad) and self.plan_next()
+        return said
+
+    def _crushed(self) -> str:
+        """Where the solid is crushed most, if it is. Collective."""
+        mine = [(*part.shortest(), part.number) for part in self.here if not part.is_gas]
+        every = (one for some in self.comm.allgather(mine) for one in some)
+        stretch, node, X, push, k = min(every)
+        layer = self.problem.layers[k]
+        where = f"'{layer.name}' at X = {X:.6g}{self.problem.unit('m')} (node {node})"
+        return crushed(where, stretch, push, layer.material.K)
 
     # checkpoints
 
@@ -339,7 +381,11 @@ class PaperState(State):
         agree(self.comm, self.fault)
         for layer in self.here:
             layer.of(self._y)[:] = arrays[f"layer{layer.number}"][layer.numbers]
-        self._load(self._y)  # which is completed: it fulfils the conditions
+        self._begin()
+
+    def _begin(self) -> None:
+        """Let the stage be the solution, which is completed: it fulfils the conditions."""
+        self._load(self._y)
         for layer in self.here:
             layer.fill_halos()
 

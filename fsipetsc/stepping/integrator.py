@@ -129,7 +129,7 @@ class Integrator:
             state.set_data(self.t)  # with differences in time of the length that a step has
         state.finish()
         flags = state.results[:LAST].tolist()
-        verdicts.check(state, self.t, self.steps, flags, self.beyond)
+        verdicts.check(state, self.t, self.steps, flags, self.beyond, self.opt)
         without = *OF_STEPS, *point_names(3)
         names = [name for name in shares(state.latest.dtype) if name not in without]
         sums = {name: state.comm.allreduce(state.latest[name]) for name in names}
@@ -252,7 +252,7 @@ class Integrator:
         made = self._note_steps(ts)
         flags = self.state.results[:LAST].tolist()
         self._recorded += made - 1  # the last one only if it is sound
-        verdicts.check(self.state, self.t, self.steps, flags, self.beyond)
+        verdicts.check(self.state, self.t, self.steps, flags, self.beyond, self.opt)
         self._recorded += 1
         if self._recorded == self._room:
             self._on_series()

@@ -8,7 +8,9 @@ import numpy as np
 from fsipetsc.scheme.conservation_check import Drifts
 
 #: what a checkpoint keeps as it is
-KEPT = "steps", "departures", "J_error", "lost", "energies"
+KEPT = "steps", "departures", "J_error", "energies"
+#: a part of the run's energy that may be round-off: of a smaller one no share is told
+ROUND_OFF = 1e-12
 
 
 class Ledgers:
@@ -19,8 +21,8 @@ class Ledgers:
 
     departures   name -> largest relative departure of any step so far; nan if one was no number
     J_error      largest departure of J from the volume of the grid, over it; 0 if none is recorded
-    lost         most that steps have lost of the kinetic and elastic energy of solids, over its
-                 largest value
+    energies     [J] kinetic and elastic energy of solids that all steps have lost, less what they
+                 have won; the most that there was of it; the most that there was of all energy
     fault        the first departure beyond the tolerance, in words; None if there is none
     """
 
@@ -30,13 +32,15 @@ class Ledgers:
         self._invariants, self._tolerance, self._unit = invariants, tolerance, unit
         self.steps = 0
         self.departures: dict[str, float] = {}
-        self.J_error = self.lost = 0.0
-        self.energies = [0.0, 0.0]  # of that energy [J]: the lost sum, the most there was
+        self.J_error = 0.0
+        self.energies = [0.0, 0.0, 0.0]
         self.fault: str | None = None
 
     def begin(self, initial: Mapping[str, Any], memory: Mapping[str, Any] | None = None) -> None:
         """initial: the integrals at the beginning of the run. memory: of the steps before."""
         memory = dict(memory or {})
+        first = (abs(initial.get(name, 0.0)) for name in ("solid_energy", "energy"))
+        self.energies[1:] = map(float, first)
         self._drifts = Drifts(self._invariants, initial, memory.pop("drifts", None))
         vars(self).update(memory)
 
@@ -52,7 +56,7 @@ class Ledgers:
         if "J_error" in names:
             self.J_error = float(np.maximum(self.J_error, steps["J_error"].max()))
         if "lost_energy" in names:
-            self._note_lost(steps["lost_energy"], steps["solid_energy"])
+            self._note_lost(*(steps[name] for name in ("lost_energy", "solid_energy", "energy")))
         found = self._drifts.go_on({name: steps[name] for name in names})
         for name, drift in found.items():  # np.maximum: what is no number is larger than all
             largest = np.maximum(self.departures.get(name, 0.0), np.abs(drift).max())
@@ -61,13 +65,20 @@ class Ledgers:
             self.fault = self._first_beyond(found, steps["t"])
         self.steps += len(steps)
 
-    def _note_lost(self, lost: np.ndarray, energy: np.ndarray) -> None:
-        """What some more steps have lost of an energy."""
-        sums = self.energies[0] + np.cumsum(lost)
-        most = float(np.maximum(self.energies[1], np.abs(energy).max()))
-        self.energies = [float(sums[-1]), most]
-        if most != 0.0:
-            self.lost = float(np.maximum(self.lost, np.abs(sums).max() / most))
+    def _note_lost(self, lost: np.ndarray, of_solids: np.ndarray, of_all: np.ndarray) -> None:
+        """What some more steps have lost, step by step: the same sum however they are cut."""
+        summed, *most = self.energies
+        for k, energy in enumerate((of_solids, of_all)):
+            most[k] = float(np.maximum(most[k], np.abs(energy).max()))
+        self.energies = [float(np.cumsum([summed, *lost])[-1]), *most]
+
+    @property
+    def lost(self) -> float:
+        """Share of their largest kinetic and elastic energy that solids have lost to the steps; 0
+        where they never had more than a part ROUND_OFF of all energy.
+        """
+        summed, of_solids, of_all = self.energies
+        return summed / of_solids if of_solids > ROUND_OFF * of_all else 0.0
 
     def _first_beyond(self, found: Mapping[str, np.ndarray], t: np.ndarray) -> str | None:
         """The first step, and the law, with a departure beyond the tolerance."""

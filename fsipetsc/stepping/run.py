@@ -125,6 +125,8 @@ class _Run:
     def _frame(self, t: float) -> None:
         with stage(OUTPUT):
             self.writer.write_frame(t, self.state.save())
+            for line in self.state.notes_at(t):
+                self.report.line(line)
         self.saved_at = t
         if self.checks:
             self._series()

@@ -43,6 +43,16 @@ class State:
         self.plan_next = partial(plan_next, self.batch, self.results, rows, latest)
         return rows, latest
 
+    def notes_at(self, t: float) -> list[str]:
+        """Notes on the solution at a time [s] at which it is saved. Collective."""
+        return []
+
+    def go_to_fault(self) -> str:
+        """Be where a failed step began to be unphysical, if that can be found out. Returns what
+        the state before it says of the cause, or "". Collective.
+        """
+        return ""
+
     def _norms(
         self, sums: Mapping[str, np.ndarray], names: Mapping[str, Sequence[str]], power: int
     ) -> dict[str, dict[str, float]]:

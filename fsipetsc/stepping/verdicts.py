@@ -22,12 +22,10 @@ FAR = 1.5
 COLD = 100.0
 #: the square of a larger number is none
 TOO_LARGE = 1e150
+#: a smaller stretch is that of a solid that is crushed
+CRUSHED = 0.1
 #: fields that must be above 0; others need only be finite
-POSITIVE = "rho", "T", "J", "x_X"
-ADVICE = (
-    "what usually helps: shorter steps (-fsi_cfl or -ts_dt), a finer grid (-fsi_h); where there "
-    "are shocks -fsi_coupling conservative -fsi_dissipation 1 -fsi_shock 1"
-)
+POSITIVE = "rho", "T", "J", "x_X", "m0 c^2"
 
 
 class Seen(NamedTuple):
@@ -44,9 +42,7 @@ class Seen(NamedTuple):
 
 def described(state: State, t: float, step: int) -> str:
     """The first unphysical point of all ranks. Collective."""
-    with np.errstate(all="ignore"):
-        bad = [found for seen in state.seen() for found in _bad_points(seen)]
-    first = min((found for some in state.comm.allgather(bad) for found in some), default=None)
+    first = first_bad(state)
     m, when = state.problem.unit("m"), f"t = {t:.6g}{state.problem.unit('s')}, step {step}"
     if first is None:
         return f"the time step is not a number at {when}"
@@ -58,8 +54,27 @@ def described(state: State, t: float, step: int) -> str:
     what = f"{name} = {value:.6g}" if np.isfinite(value) else f"{name} is not a finite number"
     if TOO_LARGE <= abs(value) < np.inf:
         what += ", too large to go on with,"
+    if name == "m0 c^2":
+        what = f"waves have become imaginary, their {what}: the law has no meaning here,"
     where = f"in layer '{state.problem.layers[k].name}' at {place('xyz', x)} ({place('XYZ', X)})"
     return f"{what} {where}, {when}"
+
+
+def crushed(where: str, stretch: float, push: float, K: float) -> str:
+    """What is said of a solid of this stretch, under a pressure of push [Pa]; "" if it is not
+    crushed.
+    """
+    pressed = f" under a pressure of {push / K:.3g} K, K = 2 mu_e + lambda_e" if K > 0.0 else ""
+    said = f"the solid is crushed in {where}: its stretch is {stretch:.3g}{pressed}"
+    helps = "; a stiffer solid or less pressure helps, shorter steps do not"
+    return said + helps if stretch < CRUSHED else ""
+
+
+def first_bad(state: State) -> tuple[Any, ...] | None:
+    """What ``_bad_points`` says of the first one of all ranks; None without any. Collective."""
+    with np.errstate(all="ignore"):
+        bad = [found for seen in state.seen() for found in _bad_points(seen)]
+    return min((found for some in state.comm.allgather(bad) for found in some), default=None)
 
 
 def _bad_points(seen: Seen) -> Iterator[tuple[Any, ...]]:
@@ -74,13 +89,31 @@ def _bad_points(seen: Seen) -> Iterator[tuple[Any, ...]]:
             yield seen.layer, int(seen.numbers[i]), *about
 
 
-def check(state: State, t: float, step: int, flags: Sequence[float], beyond: str) -> None:
-    """Raise ComputationError if the state at t [s] cannot be gone on from.
+def advice(state: State, opt: Mapping[str, Any]) -> str:
+    """What usually helps, but for options that are in force already."""
+    joined = getattr(state.problem, "joined", False)  # then 0 stands for the usual dissipation
+    damped = opt["fsi_dissipation"] > 0.0 or (joined and opt["fsi_dissipation"] == 0.0)
+    shocks = [
+        "-fsi_coupling conservative" * (opt["fsi_coupling"] != "conservative"),
+        "-fsi_dissipation 1" * (not damped),
+        "-fsi_shock 1" * (not opt["fsi_shock"] > 0.0),
+    ]
+    steps = "-ts_dt" if opt["ts_dt"] else "-fsi_cfl or -ts_dt"
+    against = " ".join(filter(None, shocks))
+    found = f"what usually helps: shorter steps ({steps}), a finer grid (-fsi_h)"
+    return found + f"; where there are shocks {against}" * bool(against)
 
-    flags: flags and limits of the step; beyond: what ``beyond_bound`` said.
+
+def check(
+    state: State, t: float, step: int, flags: Sequence[float], beyond: str, opt: Mapping[str, Any]
+) -> None:
+    """Raise ComputationError if the state at t [s] cannot be gone on from. Collective.
+
+    flags: flags and limits of the step; beyond: what ``beyond_bound`` said; opt: options in force.
     """
     if flags[BAD] or not flags[RATE] < np.inf:
-        said = filter(None, (described(state, t, step), beyond, ADVICE))
+        cause = state.go_to_fault()
+        said = filter(None, (described(state, t, step), beyond, cause or advice(state, opt)))
         raise ComputationError("; ".join(said))
     if not flags[EXHAUSTED] and not flags[TOO_SHORT]:
         return

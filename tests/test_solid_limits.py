@@ -1,0 +1,170 @@
+"""Solids beyond their law: where waves have become imaginary, and what is said of it; where a
+failure began.
+"""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from helpers import message, solve
+
+from fsipetsc.blockrun.solid_limits import AT_ONCE, _imaginary
+from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.materials.solid_pressure import Gruneisen
+from fsipetsc.stepping.verdicts import advice, crushed
+
+MU, LAMBDA = 1.0, 2.0
+
+
+def found_in(F, law="svk", T=1.0, **more):
+    """The node that is told of a solid with these F, (n, d, d), or None."""
+    F = np.asarray(F, float)
+    n, d = F.shape[:2]
+    rows, flat = np.arange(n), F.reshape(n, d * d).T
+    part = SimpleNamespace(
+        block=SimpleNamespace(dimension=d),
+        equations=ElasticSolid(MU, more.pop("lambda_e", LAMBDA), 0.0, 1.0, 1.0, 0.3, law, **more)
+        .equations(d),
+        part=SimpleNamespace(k=0, numbers=rows),
+        owned=rows,
+        X=np.zeros((d, n)),
+        _F=flat,
+        _strained=lambda q, some: (None, tuple(flat[:, some]), np.full(len(some), T), None, None),
+    )
+    return next(_imaginary(part, None), None)
+
+
+def stretched(stretch, d=1, across=1.0, turned=0.0):
+    """F of one node: stretched along the first axis, all turned afterwards."""
+    F = np.diag([stretch, *[across] * (d - 1)])
+    c, s = np.cos(turned), np.sin(turned)
+    R = np.eye(d)
+    R[:2, :2] = np.reshape([c, -s, s, c], (2, 2))[:d, :d] if d > 1 else 1.0
+    return [R @ F]
+
+
+@pytest.mark.parametrize("heat", ["coupled", "elastic"])
+def test_st_venant_kirchhoff_ends_at_one_over_the_root_of_three(heat):
+    """m0 c^2 = K (3 F^2 - 1)/2."""
+    good, bad = (stretched(c / np.sqrt(3.0)) for c in (1.0001, 0.9999))
+    assert found_in(good, heat=heat) is None
+    found, K = found_in(bad, heat=heat), 2.0 * MU + LAMBDA
+    assert found.values[0] == pytest.approx(0.9999 / np.sqrt(3.0))
+    assert found.order == pytest.approx(K * (0.9999**2 - 1.0) / 2.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_a_solid_that_is_turned_has_the_same_waves(d):
+    for stretch in (0.4, 0.6, 0.72, 0.8, 1.4):
+        one, other = (found_in(stretched(stretch, d, turned=turned)) for turned in (0.0, 0.7))
+        assert (one is None) == (other is None) == (stretch > 0.75)
+        if one:
+            assert one.order == pytest.approx(other.order, rel=1e-6)
+
+
+def test_a_law_ends_where_its_formula_says():
+    """Neo-Hooke pulled along one axis: mu + (lambda (1 - ln J) + mu)/J^2 along this axis, and
+    without /J^2 across, for lambda = 100. Linear and log never; near rest nothing is looked at.
+    """
+    J = np.linspace(2.0, 4.0, 201)
+    for d, size in ((1, J**2), (2, 1.0)):
+        modulus = MU + (100.0 * (1.0 - np.log(J)) + MU) / size
+        bars = (found_in(stretched(c, d), "neo-hookean", lambda_e=100.0) for c in J)
+        first = next(k for k, found in enumerate(bars) if found)
+        assert modulus[first] < 0.0 <= modulus[first - 1]
+    for law in ("log", "linear"):
+        assert all(found_in(stretched(c), law) is None for c in (0.01, 0.3, 3.0, 50.0))
+    assert found_in([np.eye(2)] * 4) is None
+
+
+def test_the_pressure_of_a_solid_is_part_of_its_waves():
+    """p = G m0 alpha T / J under a pull P: m0 c^2 = K/F + G (alpha m0 T/F + P)/F, P < 0 is a push.
+    """
+    G, K = 1.5, 2.0 * MU + LAMBDA
+    for T in np.linspace(0.1, 8.0, 40):
+        F = 0.9
+        p = G * T / F
+        P = K * np.log(F) - 0.3 - p
+        modulus = K / F + p / F - G / F * P
+        found = found_in(stretched(F), "log", T, pressing=Gruneisen(G))
+        assert (found is not None) == (modulus < 0.0)
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_waves_in_any_direction_are_looked_at(d):
+    """Random strains of St. Venant-Kirchhoff: a node is told if and only if some direction has a
+    negative m0 c^2, by the tangent of the formula; but where it is nearly 0.
+    """
+    rng, one, both = np.random.default_rng(3), np.eye(d), [0, 0]
+    N = rng.standard_normal((4000, d))
+    N /= np.linalg.norm(N, axis=1)[:, None]
+    for size in np.linspace(0.1, 0.5, 60):
+        F = one + size * rng.uniform(-1.0, 1.0, (d, d))
+        E = 0.5 * (F.T @ F - one)
+        S = LAMBDA * np.trace(E) * one + 2.0 * MU * E
+        FN, B = N @ F.T, F @ F.T
+        along = np.einsum("ma,ab,mb->m", N, S, N)
+        A = along[:, None, None] * one + (LAMBDA + MU) * FN[:, :, None] * FN[:, None, :] + MU * B
+        least = np.linalg.eigvalsh(A)[:, 0].min()
+        if np.linalg.det(F) > 0.0 and abs(least) > 0.03:
+            both[int(least < 0.0)] += 1
+            assert (found_in([F]) is not None) == (least < 0.0), (F, least)
+    assert min(both) > 5
+
+
+def test_of_many_nodes_the_worst_is_told():
+    F = np.ones((AT_ONCE + 3, 1, 1))
+    F[:, 0, 0] = np.linspace(0.57, 0.55, len(F))
+    assert found_in(F).number == len(F) - 1
+    assert found_in(np.full((9, 1, 1), 0.5)).number == 0
+
+
+def test_advice_leaves_out_what_was_done():
+    state = SimpleNamespace(problem=SimpleNamespace(joined=False))
+    opt = {"fsi_coupling": "conservative", "fsi_dissipation": 2.0, "fsi_shock": 1.4, "ts_dt": None}
+    assert advice(state, opt).endswith("a finer grid (-fsi_h)")
+    words = advice(state, {**opt, "fsi_dissipation": 0.0, "ts_dt": 0.1})
+    assert "(-ts_dt)" in words and words.endswith("where there are shocks -fsi_dissipation 1")
+    state.problem.joined = True  # has it by default
+    assert "shocks" not in advice(state, {**opt, "fsi_dissipation": 0.0})
+    assert crushed("'rod'", 0.11, 2.0, 1.0) == "" and "2 K" in crushed("'rod'", 0.09, 2.0, 1.0)
+    assert "K" not in crushed("'rod'", 0.09, 2.0, 0.0).replace("K =", "")
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_a_rod_that_is_crushed(ranks, tmp_path):
+    """By a shock of ten times its modulus: it fails, not the gas, which has NaN afterwards."""
+    line = "shock -shock_problem strong -shock_mach 7 -fsi_order 2 -fsi_h 0.1 -fsi_quiet"
+    said = message(solve(*line.split(), cwd=tmp_path, ranks=ranks), 3, "error: J = -")
+    assert " in layer 'rod' at x = 1.1" in said and "(X = 1), t = 0.07" in said
+    assert "the solid is crushed in 'rod' at X = 1 (node 0): its stretch is 0.0" in said
+    assert "under a pressure of 4.34 K" in said and "nan" not in said and "-fsi_" not in said
+
+
+CASE = """
+import numpy as np
+from fsipetsc.blocks.conditions import Clamped
+from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.materials.solid import ElasticSolid
+
+OPTIONS = ()
+DEFAULTS = {"fsi_h": 0.1, "fsi_order": 2, "ts_max_time": 0.3, "fsi_output_dt": 0.05}
+
+
+def build(opt):
+    bar = ElasticSolid(1.0, 1.0, 0.0, 1.0, 1.0, law="svk")
+    pressed = Layer("bar", bar, (0.0, 2.0), lambda X: (-1.5 * np.tanh(4.0 * (X - 1.0)), 1.0, X))
+    both = {"lower": Clamped(), "upper": Clamped()}
+    return layers(pressed, along=(), h=opt["fsi_h"], order=opt["fsi_order"], units="none", **both)
+"""
+
+
+def test_one_note_says_that_waves_are_imaginary_and_the_failure_names_them(tmp_path):
+    (tmp_path / "pressed.py").write_text(CASE)
+    done = [solve("pressed.py", cwd=tmp_path, ranks=ranks) for ranks in (1, 2)]
+    for one in done:
+        notes = [line for line in one.stdout.splitlines() if line.startswith("note: ")]
+        assert len(notes) == 1 and notes[0].startswith("note: waves have become imaginary in 'bar'")
+        assert ", t = 0.1, where the stretch along them is 0.4" in notes[0]
+    first, second = (message(one, 3, "error: J = -", "waves have become imaginary") for one in done)
+    assert first.split("; what")[0] == second.split("; what")[0] and "fsi_cfl" not in first
