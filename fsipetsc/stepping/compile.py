@@ -15,8 +15,9 @@ from fsipetsc.stepping.solve import build_problem, make_state
 
 
 def sections(arguments: Sequence[str]) -> Mapping[str, Any]:
-    """The options that -help lists: those of the case."""
-    return groups(_case(arguments))
+    """The options that -help lists: those of the case, if one is named."""
+    named = [word for word in arguments if not word.startswith("-")]
+    return groups(_case(named)) if named else {}
 
 
 def compile(arguments: list[str], comm: Comm) -> None:
