@@ -273,23 +273,23 @@ class Volume(Grids):
 
     def _steep_gas(self, k, s, j, grid):
         """alpha of a gas along axis j, from its density, its pressure, which counts over p + p_inf,
-        and its velocity through the areas of the axis, over that of sound."""
+        and its velocity through the areas of the axis, where it falls, over that of sound."""
         m, a = self.blocks[k].material, grid.a[j]
         fast = np.sqrt(m.gamma * m.R * s.T * dot(a, a))
-        through = lambda du: dot(a, du)[None]  # noqa: E731
+        through = lambda du: np.minimum(dot(a, du), 0.0)[None]  # noqa: E731
         alphas = [
-            self._steepness(s.rho[None], k, j, 0.2 * s.rho, 0.05),
-            self._steepness(s.p[None], k, j, 0.2 * (s.p + m.p_inf), 0.05),
-            self._steepness(s.u, k, j, fast, 0.05, through),
+            self._steepness(s.rho[None], k, j, 0.2 * s.rho, 0.04),
+            self._steepness(s.p[None], k, j, 0.2 * (s.p + m.p_inf), 0.04),
+            self._steepness(s.u, k, j, fast, 0.04, through),
         ]
         return np.max(alphas, axis=0) * (self.problem.shock > 0.0)
 
     def _steepness(self, f, k, j, size, least, of=lambda df: df):
         """alpha of a vector f: 0 where it is smooth along axis j, 1 at shocks. least: s up
         to which it is smooth, of: what of its differences counts."""
-        norm = lambda df: np.sqrt((of(df) ** 2).sum(axis=0))  # noqa: E731
-        above, below = np.roll(f, -1, axis=1 + j), np.roll(f, 1, axis=1 + j)
-        s = norm(above - 2.0 * f + below) / (norm(above - f) + norm(f - below) + size)
+        norm = lambda df: np.sqrt((df**2).sum(axis=0))  # noqa: E731
+        rise, fall = of(np.roll(f, -1, axis=1 + j) - f), of(f - np.roll(f, 1, axis=1 + j))
+        s = norm(rise - fall) / (norm(rise) + norm(fall) + size)
         if not self.periodic(k, j):
             np.moveaxis(s, j, 0)[[0, -1]] = 0.0
         return np.clip(2.5 * (s - least), 0.0, 1.0)

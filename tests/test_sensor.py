@@ -56,7 +56,8 @@ def test_it_does_not_depend_on_axes(d):
 
 @pytest.mark.parametrize("law", [AIR, WATER])
 def test_jumps_of_each_are_shocks(law):
-    """Of density, pressure, velocity through areas by the speed of sound; not along them."""
+    """Of density, pressure, velocity through areas by the speed of sound; not where it rises, nor
+    along them."""
     step, one = np.where(np.arange(6) < 3, 0.0, 1.0), np.ones(6)
     rho, p, c = (1.2, 1e5, 340.0) if law is AIR else (1000.0, 1e5, 1625.0)
     a, still = np.array([one, 0.0 * one]), np.zeros((2, 6))
@@ -67,16 +68,17 @@ def test_jumps_of_each_are_shocks(law):
         (rho * one, np.array([-c * step, 0.0 * one]), p * one),
     ):
         assert steepness(law, *state, a)[1:3].max() > CERTAIN - 0.01
-    assert steepness(law, rho * one, np.array([0.0 * one, c * step]), p * one, a).max() == 0.0
+    for calm in ([c * step, 0.0 * one], [0.0 * one, c * step]):
+        assert steepness(law, rho * one, np.array(calm), p * one, a).max() == 0.0
 
 
 def test_sound_is_no_shock():
     """Waves of 16 cells in air, 160 dB, and of 8 cells in water whose pressure is ten times that of
-    rest; a wave of 32 cells in air by a fifth of its pressure."""
+    rest; a wave of 40 cells in air by a fifth of its pressure."""
     for law, rho, p, size, cells in (
         (AIR, 1.2, 1e5, 2e3, 16),
         (WATER, 1000.0, 1e5, 1e6, 8),
-        (AIR, 1.2, 1e5, 2e4, 32),
+        (AIR, 1.2, 1e5, 2e4, 40),
     ):
         rho, u, p = sound(law, rho, p, size, cells)
         assert steepness(law, rho, u, p, np.ones((1, p.size))).max() < NO_SHOCK

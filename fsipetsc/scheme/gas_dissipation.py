@@ -33,14 +33,15 @@ entropy grow. With alpha = 1 everywhere this is a scheme of finite volumes of fi
 
 alpha of a pair is the largest of its nodes and of those between. At a node j
 
-    alpha = min(1, max(0, 2.5 (s - 0.05))),   d_+ = f_j+1 - f_j,   d_- = f_j - f_j-1,
+    alpha = min(1, max(0, 2.5 (s - 0.04))),   d_+ = f_j+1 - f_j,   d_- = f_j - f_j-1,
     s = |d_+ - d_-| / (|d_+| + |d_-| + size),
 
 the largest s of f = rho, p and a_j . u, with the sizes 0.2 rho_j, 0.2 K_j and c_j |a_j|; 0 at an
 end, whose pairs have its neighbour's. After R. C. Swanson and E. Turkel, J. Comput. Phys. 101,
 1992, for p and with p as the size. K is p in a perfect gas and p + p_inf in a stiffened one: what
 is small beside it is no shock. Where gas collides, or is set in motion at once, only u jumps at
-first. In smooth flow s falls with h^2 and alpha is 0.
+first. Of a_j . u the d_+ and d_- below 0 count, which compress. In smooth flow s falls with h^2 and
+alpha is 0.
 
 Finite volumes between the nodes of a summation-by-parts scheme: S. Hennemann et al., J. Comput.
 Phys. 426, 2021. That alpha may vary from pair to pair was derived for this program.
@@ -70,7 +71,7 @@ from fsipetsc.scheme.gas_forms import state_like
 from fsipetsc.scheme.rows import ONE, U64, Array, at, put
 
 #: s up to which there is no shock, and how fast alpha rises from there
-NO_SHOCK, RISE = 0.05, 2.5
+NO_SHOCK, RISE = 0.04, 2.5
 #: part of rho and K in the denominator of s
 SMALL = 0.2
 
@@ -169,7 +170,8 @@ class GasWaves(NamedTuple):
         rise, fall = sub(above, here), sub(here, below)
         rho, T = here[0], here[2]
         K, c2 = gas.law.bulk_modulus(rho, T), gas.law.sound_speed_squared(rho, T)
-        of_u = bend(dot(a, rise[3:]), dot(a, fall[3:]), np.sqrt(c2 * dot(a, a)))
+        closing, closed = min(0.0, dot(a, rise[3:])), min(0.0, dot(a, fall[3:]))
+        of_u = bend(closing, closed, np.sqrt(c2 * dot(a, a)))
         of_rho, of_p = bend(rise[0], fall[0], SMALL * rho), bend(rise[1], fall[1], SMALL * K)
         return max(of_rho, max(of_p, of_u))
 
