@@ -60,7 +60,8 @@ def test_waves_of_both_kinds_leave_through_an_absorbing_face(kind, speed):
         x[along], v[along] = x[along] + shape, -speed * slope
         return *v, 1.0 + 0.0 * X, *x
 
-    block = Block("slab", rod(), rectangle((0.0, 0.0), (0.1, 1.0)), (8, 96), pulse, (True, False))
+    slab = rectangle((0.0, 0.0), (0.1, 1.0))
+    block = Block("slab", rod(), slab, (8, 96), pulse, periodic=(True, False))
     faces = {("slab", 1, side): Absorbing() for side in (0, 1)}
     with Steps(BlockProblem((block,), faces), order=4) as run:
         before = np.abs(run.y.owned(0)[:, 2:4]).max()

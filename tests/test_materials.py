@@ -162,7 +162,6 @@ def test_the_form_of_convection():
 LACKING = {
     "dissipation": ({"dissipation": 1.0, "shock": 1.0}, False, "-fsi_dissipation 1: the law of"),
     "joined blocks": ({}, True, "-fsi_dissipation, which is 1 where blocks are joined: the law of"),
-    "entropy checked": ({"check": 1e-6}, False, "-fsi_check: the law of"),
     "entropy conserved": ({"convection": "entropy"}, False, "expected auto, divergence"),
 }
 

@@ -11,9 +11,9 @@ from fsipetsc.scheme.gas_force import NodeForce
 from fsipetsc.scheme.gas_forms import CONSERVED, convection_of
 
 
-def check_gas_laws(problem: BlockProblem, form: Any, checked: bool) -> None:
-    """InputError if the law of a gas lacks what an option needs. form: see
-    fsipetsc.blockrun.block_state.BlockForm; checked: -fsi_check is given.
+def check_gas_laws(problem: BlockProblem, form: Any) -> None:
+    """InputError if the law of a gas lacks what an option needs; form: see
+    fsipetsc.blockrun.block_state.BlockForm.
     """
     dissipates = sigma_of(form.dissipation, problem.joined) > 0.0
     given = f" {form.dissipation:g}" if form.dissipation else ", which is 1 where blocks are joined"
@@ -25,13 +25,9 @@ def check_gas_laws(problem: BlockProblem, form: Any, checked: bool) -> None:
         if form.convection == "entropy":
             found = "is not that of a perfect or stiffened gas, whose entropy this conserves"
             raise InputError(f"-fsi_convection entropy: {owner} {found}: expected auto, divergence")
-        if knows_entropy(law):
-            continue
-        lacks = f"{owner} has no formula entropy(rho, T), which this needs"
-        if dissipates:
+        if dissipates and not knows_entropy(law):
+            lacks = f"{owner} has no formula entropy(rho, T), which this needs"
             raise InputError(f"-fsi_dissipation{given}: {lacks}; -1: no dissipation")
-        if checked and problem.invariants["entropy"]:
-            raise InputError(f"-fsi_check: {lacks}")
 
 
 def loose_gases(problem: BlockProblem, convection: str) -> list[Block]:

@@ -30,6 +30,7 @@ from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.overlap import check_overlap
 from fsipetsc.checks import Array, described, function
 from fsipetsc.errors import InputError
+from fsipetsc.materials.own import knows_entropy
 from fsipetsc.operators.bands import Band, band, centred_band
 
 #: pieces along an axis by which the size of a block is estimated
@@ -261,13 +262,15 @@ class BlockProblem:
 
         Less what comes in through faces and by forces, the mass of each body of gas, momentum and
         energy; energy with the potential energy of constant forces where no mass comes in and grids
-        of gas are at rest; entropy where nothing comes in and stresses do not heat the solids.
+        of gas are at rest; entropy where nothing comes in, stresses do not heat the solids, and it
+        is known.
         """
         solids = [block for block in self.blocks if block.kind == "solid"]
         gases = [k for k, block in enumerate(self.blocks) if block.kind == "fluid"]
         outer = self.outer_faces.values()
         closed = all(map(conserves_energy, outer)) and not self._forced
         elastic = all(getattr(solid.material, "heat", "") == "elastic" for solid in solids)
+        known = all(knows_entropy(self.blocks[k].material.gas_law) for k in gases)
         masses = [solid.material.m0 * _size(solid, self.symmetry) for solid in solids]
         capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
         return {
@@ -279,7 +282,7 @@ class BlockProblem:
             "momentum": "xyz"[: self.dimension - (self.symmetry > 0)],
             "energy": True,
             "potential": self._keeps_potential,
-            "entropy": closed and elastic,
+            "entropy": closed and elastic and known,
             "inertia": sum(masses),
             "heat_capacity": sum(capacities),
         }

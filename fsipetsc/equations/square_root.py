@@ -1,10 +1,11 @@
 """The square root of a symmetric positive tensor, as of an acoustic tensor for impedances.
 
 Jacobi's rotations make it diagonal (G. H. Golub and C. F. Van Loan, Matrix Computations, section
-8.5), in one and two dimensions as a part of three. A few turns of all pairs of axes do it to the
-last bit, whether eigenvalues are equal or not, and they take +, -, *, / and square roots alone,
-which are rounded in the same way everywhere. The closed formula for three eigenvalues takes an arc
-cosine, and loses half of the digits where two are equal.
+8.5), in one and two dimensions as a part of three. A diagonal tensor needs none, one in two
+dimensions one, c + a a^T in three dimensions two or three, any other some ten, whether eigenvalues
+are equal or not. They take +, -, *, / and square roots alone, which are rounded in the same way
+everywhere. The closed formula for three eigenvalues takes an arc cosine, and loses half of the
+digits where two are equal.
 """
 
 from math import isqrt
@@ -14,8 +15,8 @@ from numba.extending import register_jitable
 
 from fsipetsc.operators.loops import along, by_length, scale
 
-#: rotations: six turns of the three pairs of axes
-ROTATIONS = 18
+#: rotations at most, and what is round-off beside the diagonal, as a part of this
+ROTATIONS, OFF = 18, 1e-16
 #: eigenvalues below this part of the largest one are round-off of 0
 LEAST = 1e-14
 
@@ -64,6 +65,8 @@ def square_root(A):
     p, q, r, pq, pr, qr = upper(A)
     x, y, z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
     for _ in range(ROTATIONS):
+        if abs(pq) + abs(pr) + abs(qr) <= OFF * (abs(p) + abs(q) + abs(r)):
+            break
         t = tangent(p, q, pq)
         c = 1.0 / np.sqrt(1.0 + t * t)
         s = t * c

@@ -69,7 +69,7 @@ def make_state(
     """
     if isinstance(problem, BlockProblem):
         form = block_form(opt)
-        check_gas_laws(problem, form, opt["fsi_check"] is not None)
+        check_gas_laws(problem, form)
         points, probes = opt["fsi_points"] or (), opt["fsi_probes"]
         recorded = together(comm, lambda: chosen(problem, points, probes))
         of_run = form, opt["fsi_partition"], recorded, announce
