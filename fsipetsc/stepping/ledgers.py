@@ -5,10 +5,17 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.output.structure import COUNT, MEASURE
 from fsipetsc.scheme.conservation_check import Drifts
 
-#: what a checkpoint keeps as it is
-KEPT = "steps", "departures", "J_error", "lost", "energies"
+#: what a checkpoint keeps as it is -> what it must be (fsipetsc.output.structure)
+KEPT = {
+    "steps": COUNT,
+    "departures": {str: MEASURE},
+    "J_error": MEASURE,
+    "lost": MEASURE,
+    "energies": (MEASURE, MEASURE),
+}
 
 
 class Ledgers:

@@ -80,7 +80,7 @@ def check(state: State, t: float, step: int, flags: Sequence[float], beyond: str
     flags: flags and limits of the step; beyond: what ``beyond_bound`` said.
     """
     if flags[BAD] or not flags[RATE] < np.inf:
-        said = filter(None, (described(state, t, step), beyond, ADVICE))
+        said = filter(None, (described(state, t, step), *state.inflows(), beyond, ADVICE))
         raise ComputationError("; ".join(said))
     if not flags[EXHAUSTED] and not flags[TOO_SHORT]:
         return
