@@ -2,7 +2,16 @@
 
 import sys
 
-from fsipetsc.cli import main
+from fsipetsc.process.at_start import end_on_signals
+
+
+def main() -> int:
+    """Run the program; returns its exit status."""
+    end_on_signals()
+    from fsipetsc import cli
+
+    return cli.main()
+
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -10,8 +10,9 @@ from fsipetsc import __version__
 from fsipetsc.cases import load_case, summaries
 from fsipetsc.errors import InputError
 from fsipetsc.options import groups, is_option
+from fsipetsc.process.at_start import launcher_rank
 from fsipetsc.process.failure import end_together
-from fsipetsc.process.launch import launcher_rank, left_as_found, start_mpi, start_petsc
+from fsipetsc.process.launch import left_as_found, start_mpi, start_petsc
 from fsipetsc.process.streams import abandon, complete_streams
 from fsipetsc.process.together import together
 from fsipetsc.usage import PROGRAM, options_help, overview

@@ -15,7 +15,7 @@ from petsc4py import PETSc
 
 from fsipetsc.blockrun.columns import gained, lossy, step_record
 from fsipetsc.blockrun.law_checks import loose_gases
-from fsipetsc.blockrun.notes import first_notes, last_notes
+from fsipetsc.blockrun.notes import first_notes, inflows, last_notes
 from fsipetsc.blockrun.recorded_nodes import Recorded, here_of, note_nodes
 from fsipetsc.blockrun.saved import errors_of, grids, header, seen
 from fsipetsc.blockrun.scheme import Scheme
@@ -164,6 +164,10 @@ class BlockState(State):
     def check_data(self) -> None:
         """Ask the case's functions for all data at t = 0. InputError."""
         together(self.comm, lambda: self.scheme.initial(0.0, self.y))
+
+    def check_motion(self, t_end: float) -> None:
+        """InputError where walls do not have the velocity with which they move until t_end [s]."""
+        together(self.comm, lambda: self.scheme.particles.prescribed.check_motion(t_end))
 
     def set_initial(self) -> None:
         """Initial data of all blocks and J of the grids. InputError."""
@@ -330,6 +334,14 @@ class BlockState(State):
         # "behind": the auxiliary unknowns, by the name that files have
         return {**arrays, "behind": total, "results": self.results.copy(), "latest": latest}
 
+    def kept_shapes(self) -> dict[str, tuple[int, ...]]:
+        """Name -> shape of each array that ``capture`` gives."""
+        layout = self.layout
+        blocks = enumerate(zip(layout.shapes, layout.dofs, strict=True))
+        layers = {f"layer{k}": (*shape[::-1], dof) for k, (shape, dof) in blocks}
+        results, latest = self.results.shape, as_numbers(self.latest).shape
+        return {**layers, "behind": (layout.auxiliary,), "results": results, "latest": latest}
+
     def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> None:
         """Be at time t [s] what arrays tell of, which all ranks know. InputError."""
         self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
@@ -345,7 +357,7 @@ class BlockState(State):
 
     # what is saved and said
 
-    first_notes, last_notes, errors = first_notes, last_notes, errors_of
+    first_notes, last_notes, inflows, errors = first_notes, last_notes, inflows, errors_of
     header, grids, seen = header, grids, seen
 
     def notes_at(self, t: float) -> list[str]:

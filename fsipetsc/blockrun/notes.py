@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.blocks.conditions import NoSlip
+from fsipetsc.blocks.conditions import NoSlip, Outflow
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.scheme.gas_forms import CONSERVED
 
@@ -30,6 +30,8 @@ AWAY = 0.1
 MOST = np.array([0.2, 0.5, 0.5])
 #: ranges below this part of the temperature, or of sqrt(K/rho), do not count
 LEAST = 0.01
+#: part of the speed of sound with which gas must flow in through an outflow to be told of
+INWARD = 1e-3
 #: of what the grid may not resolve: what changes, over what, what to do
 _THIN = "the layer there is not resolved"
 _BESIDE = "of its range from a wall to the node beside it"
@@ -139,7 +141,42 @@ def last_notes(state: BlockState) -> list[str]:
             f"note: at the end {what} in '{blocks[k].name}' changes by {100 * value:.0f} % "
             f"{where}, at {place}{problem.unit('m')}: {advice}"
         )
-    return notes
+    return notes + [f"note: at the end {said}" for said in inflows(state)]
+
+
+def inflows(state: BlockState) -> list[str]:
+    """Where gas flows in through an Outflow, which has no data for it: the fastest one of each
+    block. Collective.
+    """
+    problem, d = state.problem, state.problem.dimension
+    found = np.zeros((len(problem.layers), 1 + d))  # speed inwards over that of sound, and place
+    for k, part in state.scheme.parts.items():
+        for (axis, side), met in problem.faces_of(k).items():
+            if not isinstance(met, Outflow):
+                continue
+            nodes = problem.face_nodes(k, axis, side)
+            at = part.owned[part.part.rows(np.sort(nodes[np.isin(nodes, part.part.numbers)]))]
+            with np.errstate(all="ignore"):  # it may have gone wrong just there
+                w = part.equations.primitive(tuple(state.y.ghosted(k)[at].T))
+                a = part.metrics[axis * d : axis * d + d, at]
+                u = (np.array(part.equations.velocity(w)) * a).sum(axis=0)
+                speed = (1 - 2 * side) * u / np.linalg.norm(a, axis=0)
+                mach = np.nan_to_num(
+                    speed / part.equations.speed_of_sound(w), posinf=0.0, neginf=0.0
+                )
+            if mach.size and mach.max() > found[k, 0]:
+                found[k] = mach.max(), *part.X[:, at[mach.argmax()]]
+    of_ranks = np.array(state.comm.allgather(found))
+    said = []
+    for k in np.flatnonzero(of_ranks[..., 0].max(axis=0) > INWARD):
+        X = of_ranks[of_ranks[:, k, 0].argmax(), k, 1:].tolist()
+        place = ", ".join(f"{name} = {x:.4g}" for name, x in zip("XYZ", X))
+        said.append(
+            f"gas flows in through the Outflow of '{problem.layers[k].name}' at "
+            f"{place}{problem.unit('m')}, and an Outflow does not say what gas that is: take Open "
+            "there, or put it farther away"
+        )
+    return said
 
 
 def _strides(part: GasPart) -> list[int]:

@@ -8,16 +8,34 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fsipetsc.blame import place_of
 from fsipetsc.blockrun.contradictions import Contradictions, Note
 from fsipetsc.blocks.conditions import Given, moves
 from fsipetsc.blocks.particles import Particle
 from fsipetsc.blocks.values import datum, names_of
+from fsipetsc.errors import InputError
 from fsipetsc.scheme.particle_records import Data
 
 Array = NDArray[Any]
 #: conditions of a particle that have data; those by which the gas's grid moves
 NAMES = "wall", "slip", "clamp", "warm_gas", "warm_solid", "given_gas", "given_solid"
 WALLS = "wall", "slip", "given_gas"
+#: Weights of first and second derivatives at one of several equidistant times, of which 0, 1, …
+#: are before it. With three the first one is of second order, with four of third, the second one of
+#: second order.
+FIRST = (
+    ((-1.5, 2.0, -0.5), (1.0, -2.0, 1.0)),
+    ((-0.5, 0.0, 0.5), (1.0, -2.0, 1.0)),
+    ((0.5, -2.0, 1.5), (1.0, -2.0, 1.0)),
+)
+SECOND = (
+    ((-11 / 6, 3.0, -1.5, 1 / 3), (2.0, -5.0, 4.0, -1.0)),
+    ((-1 / 3, -0.5, 1.0, -1 / 6), (1.0, -2.0, 1.0, 0.0)),
+    ((1 / 6, -1.0, 0.5, 1 / 3), (0.0, 1.0, -2.0, 1.0)),
+    ((-1 / 3, 1.5, -3.0, 11 / 6), (-1.0, 4.0, -5.0, 2.0)),
+)
+#: times at which a given velocity is held against the place, and by which part it may be off
+TIMES, WRONG = 12, 1e-3
 
 
 class Prescribed:
@@ -98,7 +116,7 @@ class Prescribed:
         return found
 
     def _motion(self, condition: Any, X: Array, t: float) -> tuple[Array, Array, Array]:
-        """(place, velocity, acceleration), (n, d) each; by central differences where they are not
+        """(place, velocity, acceleration), (n, d) each; by differences in time where they are not
         given. Without a place it is X.
         """
         s, d = self._instant(), self._d
@@ -109,13 +127,60 @@ class Prescribed:
         def velocity(t: float) -> Array:
             return datum(condition, "velocity", X, t, "uvw"[:d])
 
-        place = x(t) if moves(condition) else X
         if getattr(condition, "velocity", None) is not None:
-            return place, velocity(t), (velocity(t + s) - velocity(t - s)) / (2 * s)
+            place = x(t) if moves(condition) else X
+            v, rate, _ = _differences(velocity, t, s, FIRST)
+            return place, v, rate
         if not moves(condition):
-            return place, np.zeros_like(X), np.zeros_like(X)
-        after, before = x(t + s), x(t - s)
-        return place, (after - before) / (2 * s), (after - 2 * place + before) / (s * s)
+            return X, np.zeros_like(X), np.zeros_like(X)
+        return _differences(x, t, s, SECOND)
+
+    def check_motion(self, t_end: float) -> None:
+        """InputError where the velocity of a wall is not the derivative of its place, at some times
+        in 0 … t_end [s].
+        """
+        s, times = 1e-6 * t_end, t_end * (np.arange(TIMES) + 0.5) / TIMES
+        for name in (*WALLS, "clamp"):
+            for condition, who in self._groups[name]:
+                if moves(condition) and condition.velocity is not None and t_end > 0.0:
+                    self._check_velocity(condition, self._x[who], times, s)
+
+    def _check_velocity(self, condition: Any, X: Array, times: Array, s: float) -> None:
+        d = self._d
+        given = np.array([datum(condition, "velocity", X, t, "uvw"[:d]) for t in times])
+        x = np.array(
+            [
+                [datum(condition, "x", X, t + j * s, "xyz"[:d]) for j in (-2, -1, 1, 2)]
+                for t in times
+            ]
+        )
+        wide, found = (x[:, 3] - x[:, 0]) / (4.0 * s), (x[:, 2] - x[:, 1]) / (2.0 * s)
+        round_off = 16.0 * np.finfo(float).eps * np.abs(x).max() / s
+        most = max(np.abs(given).max(), np.abs(found).max())
+        allowed = WRONG * most + round_off + 4.0 * np.abs(wide - found)
+        bad = np.argwhere(~(np.abs(given - found) <= allowed))
+        if len(bad):
+            at = tuple(bad[0])
+            raise InputError(
+                f"{place_of(condition.velocity)}: velocity of {type(condition).__name__} at "
+                f"t = {times[at[0]]:.6g}: {'uvw'[at[2]]} = {given[at]:.6g}, and x changes by "
+                f"{found[at]:.6g} per second: expected the derivative of x, or x alone",
+                collective=False,
+            )
+
+
+def _differences(
+    of: Callable[[float], Array], t: float, s: float, weights: Sequence[Any]
+) -> tuple[Array, Array, Array]:
+    """A function of time, its first and its second derivative at t, from values at t and at times s
+    apart, the earlier ones as far as they are not before 0: never of a time after the run.
+    """
+    before = min(len(weights) - 1, int(t / s)) if s > 0.0 else 0
+    first, second = weights[before]
+    values = [of(t if j == before else max(t + (j - before) * s, 0.0)) for j in range(len(first))]
+    rate = sum(w * value for w, value in zip(first, values, strict=True)) / s
+    bend = sum(w * value for w, value in zip(second, values, strict=True)) / (s * s)
+    return values[before], rate, bend
 
 
 def _grouped(particles: Sequence[Particle], name: str) -> list[tuple[Any, Array]]:

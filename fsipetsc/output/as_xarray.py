@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from fsipetsc.output.quantities import AT_INTERFACES, unit_of
+from fsipetsc.output.file_layout import columns_kind, columns_of
+from fsipetsc.output.quantities import unit_of
 from fsipetsc.output.reader import Run
 
 if TYPE_CHECKING:
     import xarray
-
-#: series that have a column for each gas or layer; the others end with what their columns are
-_COLUMNS = {"mass": "gas", "mass_in": "gas", "least_J": "layer", "J_error": "layer"}
-_COLUMNS |= dict.fromkeys(AT_INTERFACES, "interface")
 
 
 def to_xarray(run: Run) -> xarray.Dataset:
@@ -50,17 +47,11 @@ def to_xarray(run: Run) -> xarray.Dataset:
             where = coordinates if field in "xyz" else variables
             values = layer[field]
             where[f"{name}.{field}"] = ["time", *dimensions], values, about(field, layer=layer.name)
-    names = {
-        "interface": list(run.interfaces),
-        "gas": [layer.name for layer in run.layers if layer.kind == "fluid"],
-        "layer": [layer.name for layer in run.layers],
-        "face": list(run.faces),
-        "point": [f"{name} at {', '.join(f'{x:g}' for x in X)}" for name, X in run.points],
-    }
+    names = columns_of(run.header)
     for series, values in run.series.items():
         dimensions = ["step"]
         if values.ndim == 2:
-            of = _COLUMNS.get(series, series.split("_")[-1])
+            of = columns_kind(series)
             coordinates[of] = of, names[of]
             dimensions.append(of)
         variables[f"series.{series}"] = dimensions, values, about(series)

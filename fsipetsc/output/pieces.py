@@ -98,15 +98,18 @@ class Contents:
     """All frames and steps of some files, one after the other. What is read is checked:
     ValueError, which says what is not as it should be; OSError.
 
-    layers         as in the header
+    header         of the result
     time           (nframes,)
     nframes, rows  numbers of frames and of steps
     series         name -> shape of what is known of a step
     X              of each layer its grid; empty where there are no frames
     """
 
-    def __init__(self, files: Sequence[Path], layers: Layers) -> None:
+    def __init__(self, files: Sequence[Path], header: Mapping[str, Any]) -> None:
+        layers: Layers = header["layers"]
         self.nframes = self.rows = 0
+        self._last = -math.inf  # time [s] after the last step
+        self._widths = {name: len(of) for name, of in layout.columns_of(header).items()}
         self.time: Array = np.empty(0)
         self.X = [np.empty(0) for _ in layers]
         self._columns = [columns(layer) for layer in layers]
@@ -124,7 +127,7 @@ class Contents:
         with self._opened(path) as file:
             if [*file.attrs.get("first", (0, 0))] != [self.nframes, self.rows]:
                 raise ValueError(f"what comes before {path.name} is missing")
-            time, (rows, series) = _numbers(file, "time", 1)[...], _series(file)
+            time, (rows, series) = _numbers(file, "time", 1)[...], self._series(file)
             for k in range(len(self.X)) if len(time) else ():
                 self._check_layer(file, k, len(time))
         if series and series != (self.series or series):
@@ -133,6 +136,28 @@ class Contents:
         self._counts.append((path, len(time), rows))
         self.time = np.concatenate([self.time, time])
         self.nframes, self.rows = len(self.time), self.rows + rows
+
+    def _series(self, file: h5py.File) -> tuple[int, dict[str, tuple[int, ...]]]:
+        """Number of steps; name of a series -> shape of what is known of a step, in their order."""
+        if "series" not in file:
+            return 0, {}
+        # a list: HDF5, asked for the names, crashes where a byte of a larger group has changed
+        group = file["series"]
+        names = [name.decode() for name in group.attrs.get(_NAMES, ())] or [*group]
+        shapes = {name: _numbers(file, f"series/{name}").shape for name in names}
+        if not {"t", "dt"} <= {*shapes} or len({rows for rows, *_ in shapes.values()}) != 1:
+            raise ValueError("its series do not fit together")
+        for name, (_, *shape) in shapes.items():
+            of = layout.columns_kind(name)
+            if shape != ([self._widths[of]] if of in self._widths else []):
+                raise ValueError(f"series/{name} has the shape {shapes[name]}")
+        t, dt = file["series/t"][...], file["series/dt"][...]
+        if not np.isfinite(t).all() or np.any(np.diff(t, prepend=self._last) < 0):
+            raise ValueError("the times of its steps are not ascending numbers")
+        if not np.isfinite(dt).all() or not np.all(dt >= 0):
+            raise ValueError("the lengths of its steps are not positive numbers")
+        self._last = float(t[-1]) if len(t) else self._last
+        return len(t), {name: shape[1:] for name, shape in shapes.items()}
 
     def _check_layer(self, file: h5py.File, k: int, count: int) -> None:
         """Layer k has its grid, and as many frames as it should, of this size."""
@@ -196,18 +221,6 @@ class Contents:
         return file
 
 
-def _series(file: h5py.File) -> tuple[int, dict[str, tuple[int, ...]]]:
-    """Number of steps; name of a series -> shape of what is known of a step, in their order."""
-    if "series" not in file:
-        return 0, {}
-    # a list: HDF5, asked for the names, crashes where a byte of a larger group has changed
-    names = [name.decode() for name in file["series"].attrs.get(_NAMES, ())] or [*file["series"]]
-    shapes = {name: _numbers(file, f"series/{name}").shape for name in names}
-    if "t" not in shapes or len({rows for rows, *_ in shapes.values()}) != 1:
-        raise ValueError("its series do not fit together")
-    return shapes["t"][0], {name: shape[1:] for name, shape in shapes.items()}
-
-
 def _numbers(file: h5py.File, name: str, ndim: int | None = None) -> h5py.Dataset:
     """A dataset of numbers, no larger than the file can hold."""
     found = file[name]
@@ -264,7 +277,7 @@ def join(
     layers = about["header"]["layers"]
     try:
         with damage(str(name)):
-            content = Contents(files, layers)
+            content = Contents(files, about["header"])
             if kept is not None:
                 _check_kept(content, kept, name)
         frames, rows = (content.nframes, content.rows) if kept is None else kept[:2]

@@ -21,7 +21,7 @@ import numpy as np
 from fsipetsc.checks import Array, counted
 from fsipetsc.errors import FileError
 from fsipetsc.output.checkpoint_file import is_one
-from fsipetsc.output.file_layout import beside, columns, damage
+from fsipetsc.output.file_layout import beside, check_about, columns, damage
 from fsipetsc.output.pieces import Contents, pieces, read_about
 
 if TYPE_CHECKING:
@@ -74,8 +74,8 @@ class Run:
 
     def _take(self, about: Mapping[str, Any], files: Sequence[Path]) -> None:
         """What is known of the run, and its files."""
+        check_about(about)
         self.header: dict[str, Any] = about["header"]
-        _check_header(self.header)
         self.case: str = self.header["case"]
         self.options: dict[str, Any] = self.header["options"]
         self.interfaces: tuple[str, ...] = tuple(self.header.get("interfaces", ()))
@@ -88,11 +88,11 @@ class Run:
         self.complete = bool(about["summary"]) and self.summary.get("status", "done") == "done"
         self.errors: dict[str, dict[str, float]] = about["errors"]
         self.dimension = int(self.header.get("dimension", 1))
-        self._contents = contents = Contents(files, layers := self.header["layers"])
+        self._contents = contents = Contents(files, self.header)
         self.time, self.nframes, rows = contents.time, contents.nframes, contents.rows
         self.series = {name: np.empty((rows, *shape)) for name, shape in contents.series.items()}
         contents.copy_series(self.series, rows)
-        self.layers = tuple(Layer(self, k, entry) for k, entry in enumerate(layers))
+        self.layers = tuple(Layer(self, k, entry) for k, entry in enumerate(self.header["layers"]))
         self.blocks: dict[str, Layer] = {layer.name: layer for layer in self.layers}
 
     def _need_frames(self) -> None:
@@ -226,6 +226,9 @@ class Layer(Mapping[str, Array]):
         try:
             with damage(run.path, what):
                 rows = run._contents.frames(self._number, names, first, end)
+                places = [row for name, row in zip(names, rows) if name in "xyz"]
+                if len(self.shape) > 1 and not all(np.isfinite(row).all() for row in places):
+                    raise ValueError("its places are not finite numbers")
         except FileNotFoundError:
             said = "has changed since it was opened; open it again"
             raise FileError(f"{run.path}: {said}") from None
@@ -297,17 +300,6 @@ def _is_whole(path: Path, folder: Path, name: str) -> bool:
     if what:
         raise FileError(f"{name}: {what}")
     return True
-
-
-def _check_header(header: Mapping[str, Any]) -> None:
-    """ValueError if what the reader and its users rely on is not there, or something else."""
-    layers = [(layer["name"], layer["kind"], layer["fields"]) for layer in header["layers"]]
-    texts = [header["case"], header.get("created", ""), *(name for name, _, _ in layers)]
-    lists = [header.get("notes", []), header.get("interfaces", []), *(f for _, _, f in layers)]
-    good = all(isinstance(names, list) for names in lists) and isinstance(header["options"], dict)
-    good = good and {kind for _, kind, _ in layers} <= {"fluid", "solid"}
-    if not good or not all(isinstance(text, str) for text in sum(lists, texts)):
-        raise ValueError("its header does not tell case, options and layers")
 
 
 def _unknown(what: str, name: object, valid: Iterable[str]) -> str:

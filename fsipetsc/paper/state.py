@@ -16,6 +16,7 @@ the results, bit for bit.
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from petsc4py import PETSc
 
 from fsipetsc import given
 from fsipetsc.blocks.values import names_of
+from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.errors import InputError
 from fsipetsc.operators.boxed import Box
 from fsipetsc.operators.kernel_cache import announced
@@ -63,6 +65,7 @@ class PaperState(State):
     or the problem is not of the paper's form.
     """
 
+    KINDS: Mapping[str, str] = MappingProxyType({"latest": "any", "lo": "whole", "hi": "whole"})
     fault: InputError | None = None
     _kept: tuple[Array, ...] = ()  # what the last call of ``step`` began with
 
@@ -133,6 +136,8 @@ class PaperState(State):
         """None."""
         return []
 
+    inflows = last_notes
+
     def set_data(self, t: float) -> None:
         """Evaluate boundary data, jumps and forcing at time t [s] for the next evaluation of the
         right-hand side.
@@ -175,6 +180,9 @@ class PaperState(State):
         given.check_ends(self.problem, ends, self.h)
         self.set_data(0.0)
         agree(self.comm, self.fault)
+
+    def check_motion(self, t_end: float) -> None:
+        """Do nothing: walls are at rest (fsipetsc.paper.layout.check_form)."""
 
     def set_initial(self) -> None:
         """Initial data of all layers, projected. InputError where they are not what they must
@@ -371,6 +379,27 @@ class PaperState(State):
         frames = {name: self.records[name].copy() for name in FRAME}
         latest = as_numbers(self.latest).copy()
         return {**arrays, **frames, "results": self.results.copy(), "latest": latest}
+
+    def kept_shapes(self) -> dict[str, tuple[int, ...]]:
+        """Name -> shape of each array that ``capture`` gives."""
+        sizes = zip(self.problem.layers, self.records["n"].tolist(), strict=True)
+        layers = {f"layer{k}": (n, DOF[layer.kind]) for k, (layer, n) in enumerate(sizes)}
+        frames = dict.fromkeys(FRAME, self.records.shape)
+        results, latest = self.results.shape, as_numbers(self.latest).shape
+        return {**layers, **frames, "results": results, "latest": latest}
+
+    def check_places(self, arrays: Mapping[str, Array]) -> None:
+        """ValueError if the active points of a checkpoint are not those of its interfaces."""
+        for k, layer in enumerate(self.layers):
+            now = layer.record
+            lo, hi, x = (arrays[name][k].item() for name in ("lo", "hi", "x_interface"))
+            fits = lo == now["lo"], hi == now["hi"]
+            if layer.is_gas:  # the end at its boundary moves over the grid
+                side = int(now["end_kind"][0] == INTERFACE_END)
+                beyond = hi - lo - abs(now["end_x"][side] - x) / now["h"]
+                fits = fits[1 - side], 0 <= lo, hi < now["n"], -1e-6 < beyond < 1.0 + 1e-6
+            if not all(fits):
+                raise ValueError(f"its arrays lo, hi and x_interface do not fit at layer {k}")
 
     def restore(self, arrays: Mapping[str, Array], t: float) -> None:
         """Be at time t [s] what arrays, known on all ranks, tell of. InputError."""

@@ -133,10 +133,15 @@ class BlockLayout:
         for axis, (n, closed) in enumerate(zip(shape, block.periodic, strict=True)):
             least = max(2 * op.p + 1, halo) if closed else op.min_points
             if n < least:
-                kind = "periodic " if closed else ""
+                kind, cells = "periodic " if closed else "", least - (not closed)
+                line = [(0, n + closed if k == axis else 1) for k in range(block.dimension)]
+                steps = np.diff(block.positions(line), axis=1)
+                length = float(np.linalg.norm(steps, axis=0).sum())
                 raise InputError(
                     f"block '{block.name}' has {n} nodes along its {kind}axis {axis}: the "
-                    f"{op.name} operator needs at least {least}"
+                    f"{op.name} operator needs at least {least}: take {cells} cells there or more, "
+                    f"as -fsi_h {length / cells:.10g} gives where it sets them, or a lower "
+                    "-fsi_order"
                 )
         if prod(shape) * self.dofs[k] > np.iinfo(PETSc.IntType).max:
             nodes = " by ".join(map(str, shape))

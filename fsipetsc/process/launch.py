@@ -11,15 +11,6 @@ from fsipetsc.options import given_options, is_option, present, put
 from fsipetsc.options.tables import AT_START
 from fsipetsc.process.together import Comm, together
 
-#: where launchers tell a process its rank
-_RANKS = ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "MV2_COMM_WORLD_RANK", "SLURM_PROCID")
-
-
-def launcher_rank() -> int:
-    """This process's rank as mpiexec tells it, for what needs no MPI; 0 without mpiexec."""
-    found = (os.environ.get(name, "") for name in _RANKS)
-    return next((int(text) for text in found if text.isdigit()), 0)
-
 
 def start_mpi() -> Comm:
     """COMM_WORLD. Collective; ModuleNotFoundError where there is no mpi4py."""

@@ -14,6 +14,7 @@ from petsc4py import PETSc
 
 from fsipetsc.blockrun.columns import point_names
 from fsipetsc.errors import InputError, clear_frames
+from fsipetsc.output import structure
 from fsipetsc.output.quantities import GAINS
 from fsipetsc.process.together import agree
 from fsipetsc.scheme.batch import LONGEST, MADE, NEXT, TIME, longest_step, next_step
@@ -32,8 +33,14 @@ CHECKED = 256
 MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}
 #: most steps in a batch; between batches signals are answered and progress is shown
 MOST_STEPS = 64
-#: what a checkpoint keeps as it is
-KEPT = "steps", "t", "wall_time", "initial", "beyond"
+#: what a checkpoint keeps as it is -> what it must be (fsipetsc.output.structure)
+KEPT = {
+    "steps": structure.COUNT,
+    "t": structure.TIME,
+    "wall_time": structure.TIME,
+    "initial": {str: structure.ANYTHING},
+    "beyond": structure.TEXT,
+}
 #: what is noted of a step alone, not of a state; of interfaces so in one dimension on blocks
 OF_STEPS = (*GAINS, "x_interface", "u_interface")
 #: most profiles of a run
@@ -59,6 +66,12 @@ def saved_times(
         count = math.floor(t_end / interval * (1 + 1e-12))
         saved.update(min(k * interval, t_end) for k in range(count + 1))
     return sorted({*saved, t_end})
+
+
+def integrals(state: State) -> list[str]:
+    """Names of what is recorded that a state has, of which the values at t = 0 are kept."""
+    without = *OF_STEPS, *point_names(3)
+    return [name for name in shares(state.latest.dtype) if name not in without]
 
 
 class Integrator:
@@ -130,9 +143,7 @@ class Integrator:
         state.finish()
         flags = state.results[:LAST].tolist()
         verdicts.check(state, self.t, self.steps, flags, self.beyond, self.opt)
-        without = *OF_STEPS, *point_names(3)
-        names = [name for name in shares(state.latest.dtype) if name not in without]
-        sums = {name: state.comm.allreduce(state.latest[name]) for name in names}
+        sums = {name: state.comm.allreduce(state.latest[name]) for name in integrals(state)}
         self.initial = {name: value.tolist() for name, value in sums.items()}
         self.beyond = verdicts.beyond_bound(state, self.opt)
         self._pass(self.t)

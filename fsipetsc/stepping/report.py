@@ -52,9 +52,10 @@ class Reporter:
 
     def begin(self) -> None:
         """Say what is going to be computed."""
-        state = self._state
+        state, h, m = self._state, self._opt["fsi_h"], self._state.problem.unit("m")
+        other = f" (smallest cells {state.h:.3g}{m})" if abs(state.h - h) > 0.01 * h else ""
         self.line(
-            f"{self._name}: order {state.op.name}, h = {state.h:g}{state.problem.unit('m')}, "
+            f"{self._name}: order {state.op.name}, h = {h:g}{m}{other}, "
             f"{state.points} points on {counted(self._size, 'rank')}, "
             f"to t = {self._opt['ts_max_time']:g}{self._s}"
         )

@@ -63,6 +63,7 @@ def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | No
             if past is not None:
                 restart.check_problem(past, state)
             state.check_data()  # before there is a file
+            state.check_motion(options["ts_max_time"])
             run = _Run(case, options, comm, state, past)
         with closing(run.writer), signals_noted(run.integrator.heed):
             run.go()
@@ -255,6 +256,14 @@ class _Run:
         if status == "done" and not integrator.complete:
             end = f"-ts_max_time {self.opt['ts_max_time']:g}{self.unit}"
             message = f"ended by -ts_max_steps at t = {integrator.t:g}{self.unit}, before {end}"
+        if (
+            status == "done"
+            and self.past
+            and integrator.steps == self.past.header["memory"]["steps"]
+        ):
+            name = "ts_max_time" if integrator.complete else "ts_max_steps"
+            reached = f"{self.past.path} has reached -{name} {self.opt[name]:g} already"
+            message = f"no step was made: {reached}, which counts from the beginning of the run"
         return {
             "status": status,
             "message": message,

@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from functools import partial
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.errors import FsiError
+from fsipetsc.output.structure import check_array
 from fsipetsc.scheme.batch import plan_next
 from fsipetsc.scheme.plan import BATCH
 
@@ -25,6 +27,8 @@ class State:
     which all learn after the step.
     """
 
+    #: of arrays in a checkpoint, where not all must be finite: what is recorded may be no number
+    KINDS: Mapping[str, str] = MappingProxyType({"latest": "any"})
     comm: MPI.Comm
     problem: Any
     results: np.ndarray
@@ -66,6 +70,24 @@ class State:
             combined = float(total.sum() ** (1 / power))
             found[kind] = {**dict(zip(names[kind], roots, strict=True)), "combined": combined}
         return found
+
+    def kept_shapes(self) -> dict[str, tuple[int, ...]]:
+        """Name -> shape of each array that ``capture`` gives."""
+        raise NotImplementedError
+
+    def check_kept(self, arrays: Mapping[str, np.ndarray]) -> None:
+        """ValueError or FileError if arrays of a checkpoint are not what ``capture`` gives. Layers
+        may have another number of points.
+        """
+        for name, shape in self.kept_shapes().items():
+            array = arrays[name]
+            if name.startswith("layer") and array.ndim == len(shape):
+                shape = *array.shape[:-1], shape[-1]
+            kind = self.KINDS.get(name, "finite")
+            check_array(array, shape, f"its array {name}", kind)
+
+    def check_places(self, arrays: Mapping[str, np.ndarray]) -> None:
+        """ValueError if what arrays say of places in the grids cannot be. Here they say nothing."""
 
     def __enter__(self) -> Any:
         return self

@@ -113,7 +113,8 @@ def check(
     """
     if flags[BAD] or not flags[RATE] < np.inf:
         cause = state.go_to_fault()
-        said = filter(None, (described(state, t, step), beyond, cause or advice(state, opt)))
+        about = described(state, t, step), *state.inflows(), beyond
+        said = filter(None, (*about, cause or advice(state, opt)))
         raise ComputationError("; ".join(said))
     if not flags[EXHAUSTED] and not flags[TOO_SHORT]:
         return

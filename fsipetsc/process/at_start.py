@@ -1,0 +1,37 @@
+"""What a process does before any module of size is loaded; here are none."""
+
+import os
+import signal
+import sys
+
+#: where launchers tell a process its rank
+_RANKS = ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "MV2_COMM_WORLD_RANK", "SLURM_PROCID")
+
+
+def launcher_rank() -> int:
+    """This process's rank as mpiexec tells it, for what needs no MPI; 0 without mpiexec."""
+    found = (os.environ.get(name, "") for name in _RANKS)
+    return next((int(text) for text in found if text.isdigit()), 0)
+
+
+def end_on_signals() -> None:
+    """Let SIGINT and SIGTERM end the process with a line and the status 128 + signal, wherever it
+    is: KeyboardInterrupt, raised while modules load, may come out of them as another error. A run
+    heeds signals in its own way (fsipetsc.stepping.signals). One that is ignored stays so.
+    """
+
+    def end(number: int, frame: object) -> None:
+        for other in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(other, signal.SIG_DFL)
+        try:
+            if launcher_rank() == 0:
+                line = f"fsipetsc: error: stopped by {signal.Signals(number).name}\n"
+                os.write(2, line.encode())
+            sys.stdout.flush()
+        except (OSError, ValueError, RuntimeError):  # nobody reads it, or it is being written
+            pass
+        os._exit(128 + number)
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, end)
