@@ -265,10 +265,10 @@ FACES = {
         "solid": Clamped(MOVED, heat_flux=0.3),
     },
     "bending": {("gas", 0, 0): Slip(), "gas": Slip(motion=bent), "solid": Free(0.3)},
-    "beside": {
+    "rolling": {
         ("gas", 0, 0): Slip(),
         ("solid", 0, 0): Roller(),
-        "gas": Slip(motion=MOVED),
+        "gas": Slip(motion=bent),
         "solid": Free(0.3),
     },
     "given": {
@@ -285,7 +285,7 @@ FACES = {
 def test_conditions(faces, both):
     kinds = FACES[faces]
     # accelerations of walls are differences of their velocities
-    most = 1e-8 if faces in ("moving", "bending", "beside") else 1e-11
+    most = 1e-8 if faces in ("moving", "bending", "rolling") else 1e-11
     check("walls", both, 4, lambda owner: kinds.get(owner, kinds.get(owner[0])), 0.3, most)
 
 

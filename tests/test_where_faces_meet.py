@@ -18,7 +18,7 @@ from fsipetsc.blocks.conditions import (
     Slip,
 )
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.particles import particles_of
+from fsipetsc.blocks.particles import ROLLS, SLIPS, particles_of
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
@@ -157,6 +157,22 @@ def test_contradictions_are_noted(case):
 @pytest.mark.parametrize("case", ACCEPTED)
 def test_what_fits_together_is_accepted(case):
     assert said(ACCEPTED[case]) == []
+
+
+@pytest.mark.parametrize(
+    ("beside", "kinds"), [(Roller(), [ROLLS]), (Free(), [SLIPS]), (Clamped(), [SLIPS])]
+)
+@pytest.mark.parametrize("side", [Slip(), NoSlip(slip_length=1.0)], ids=["slip", "drag"])
+def test_where_gas_sticks_to_a_solid_the_solid_decides(side, beside, kinds):
+    """A roller takes the place of the wall beside it: of two normals that differ by the error of
+    differences both would hold the solid in all directions.
+    """
+    corners = [p for p in particles_of(stacked(side, beside)) if len(p.members) == 2 and p.slip]
+    assert len(corners) == 2
+    for corner in corners:
+        assert corner.sticks and corner.wall is None and corner.constraints
+        assert [constraint.kind for constraint in corner.constraints] == kinds
+        assert corner.mover(True) == corner.mover(False) == ("clamp" if corner.clamp else "slip")
 
 
 LENGTH = 0.4
