@@ -9,7 +9,14 @@ import pytest
 from helpers import REPOSITORY, computed, mpirun, solve
 
 import fsipetsc
-from fsipetsc.output.differences import _common, _of_series, common_nodes, compare, difference
+from fsipetsc.output.differences import (
+    _common,
+    _of_series,
+    _on_one_scale,
+    common_nodes,
+    compare,
+    difference,
+)
 
 PROGRAM = """
 import os, signal, sys
@@ -150,3 +157,17 @@ def test_what_is_public_is_there_and_told():
         assert importlib.import_module(name).__doc__, name
     with pytest.raises(AttributeError, match="no attribute 'Walls'"):
         fsipetsc.Walls  # noqa: B018
+
+
+def test_round_off_is_told_beside_what_has_its_unit():
+    """A component that is 0 beside the others of its vector, a loss beside the energy; either
+    result may be the larger one; times have scales of their own.
+    """
+    names = "u", "v", "T"
+    times, found = np.array([0.0]), []
+    for name, pair in zip(names, ((2.0, 3.0), (1e-17, -1e-17), (300.0, 299.0)), strict=True):
+        found.append(difference(f"gas: {name}", *(np.array([[value]]) for value in pair), times))
+    for name, pair in (("energy", (5.0, 5.0)), ("lost_energy", (1e-15, 0.0)), ("dt", (0.1, 0.2))):
+        found.append(difference(name, *(np.array([value]) for value in pair), times))
+    scales = {one.name: one.scale for one in _on_one_scale(found)}
+    assert list(scales.values()) == [3.0, 3.0, 300.0, 5.0, 5.0, 0.2]

@@ -23,8 +23,9 @@ def found_in(F, law="svk", T=1.0, **more):
     rows, flat = np.arange(n), F.reshape(n, d * d).T
     part = SimpleNamespace(
         block=SimpleNamespace(dimension=d),
-        equations=ElasticSolid(MU, more.pop("lambda_e", LAMBDA), 0.0, 1.0, 1.0, 0.3, law, **more)
-        .equations(d),
+        equations=ElasticSolid(
+            MU, more.pop("lambda_e", LAMBDA), 0.0, 1.0, 1.0, 0.3, law, **more
+        ).equations(d),
         part=SimpleNamespace(k=0, numbers=rows),
         owned=rows,
         X=np.zeros((d, n)),
@@ -78,8 +79,7 @@ def test_a_law_ends_where_its_formula_says():
 
 
 def test_the_pressure_of_a_solid_is_part_of_its_waves():
-    """p = G m0 alpha T / J under a pull P: m0 c^2 = K/F + G (alpha m0 T/F + P)/F, P < 0 is a push.
-    """
+    """p = G m0 alpha T/J under a stress P: m0 c^2 = K/F + p/F - G P/F."""
     G, K = 1.5, 2.0 * MU + LAMBDA
     for T in np.linspace(0.1, 8.0, 40):
         F = 0.9

@@ -24,6 +24,8 @@ def test_orders_and_verdicts():
         ({"spacings": (0.1,), "found": (1e-5,)}, "order unknown < 4"),
     ):
         assert row._replace(**changed).verdict == verdict
+    small = row._replace(found=(1e-10, 4e-16, 1e-16)).observed
+    assert small[0] > 10.0 and np.isnan(small[1]), "round-off over round-off is no order"
     compared = row._replace(found=(Compared(1.2, 2.0), Compared(1.9, 2.0, 0.5)))
     assert compared.errors == pytest.approx((0.4, 0.2))
 

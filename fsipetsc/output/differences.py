@@ -3,12 +3,12 @@
 import math
 import os
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fsipetsc.checks import Array
-from fsipetsc.output.quantities import GAINS
+from fsipetsc.output.quantities import GAINS, unit_of
 from fsipetsc.output.reader import Layer, Run, open_run
 
 
@@ -20,7 +20,8 @@ class Difference:
     largest    largest absolute difference; inf where one of the two is no number; 0.0: the same
                bits, but for the sign of 0
     ulp        largest difference in units in the last place of the larger one of the two values
-    scale      largest absolute value of the first result, in the common part
+    scale      largest absolute value of the two results, in the common part; ``compare`` takes the
+               largest of all fields of the layer, or series, with this unit, but for times
     place      where `largest` is, in words
     """
 
@@ -69,14 +70,35 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Co
         names = sorted({*a.options, *b.options} - {"fsi_output"})
         pairs = {name: (a.options.get(name), b.options.get(name)) for name in names}
         changed = {name: (one, two) for name, (one, two) in pairs.items() if one != two}
-        return Comparison(tuple(found), tuple(notes), changed)
+        return Comparison(tuple(_on_one_scale(found)), tuple(notes), changed)
+
+
+def _on_one_scale(found: list[Difference]) -> Iterator[Difference]:
+    """The same with scales of all that has one unit: what is round-off beside a component of the
+    same vector, or a loss beside the energy, is no scale for differences.
+    """
+    scales: dict[tuple[str, str], float] = {}
+    keys = [_sort_of(one.name) for one in found]
+    for key, one in zip(keys, found, strict=True):
+        scales[key] = max(scales.get(key, 0.0), one.scale)
+    for key, one in zip(keys, found, strict=True):
+        yield replace(one, scale=scales[key])
+
+
+def _sort_of(name: str) -> tuple[str, str]:
+    """Layer and unit of a field, or unit of a series; of times, and where no unit is known, the
+    name.
+    """
+    layer, _, field = name.rpartition(": ")
+    unit = unit_of(field)
+    return layer, field if unit in ("", "s") else unit
 
 
 def difference(name: str, a: Array, b: Array, times: Array) -> Difference:
     """Of two arrays of one shape, whose first index is that of `times`; two NaNs are equal."""
     gap = np.where((a == b) | (np.isnan(a) & np.isnan(b)), 0.0, np.abs(a - b))
     gap = np.where(np.isnan(gap), np.inf, gap)
-    scale = float(np.abs(a[np.isfinite(a)]).max(initial=0.0))
+    scale = max(float(np.abs(v[np.isfinite(v)]).max(initial=0.0)) for v in (a, b))
     if not gap.any():
         return Difference(name, 0.0, 0.0, scale, "")
     ulp = gap / np.spacing(np.fmax(np.abs(a), np.abs(b)))

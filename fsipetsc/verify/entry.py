@@ -12,6 +12,8 @@ from scipy.interpolate import make_interp_spline
 
 from fsipetsc.checks import Array
 
+#: errors, relative ones, that may be round-off
+ROUND_OFF = 1e-12
 #: solve(case, order, h, end=None, **options) runs a case, given by its name or as a problem, to its
 #: end or to another time, and returns its opened result; collective
 Solve = Callable[..., Any]
@@ -91,9 +93,12 @@ class Row(NamedTuple):
 
     @property
     def observed(self) -> tuple[float, ...]:
-        """Orders between neighbouring grids."""
+        """Orders between neighbouring grids; nan where an error is 0, or both are round-off."""
         pairs = zip(self.spacings, self.spacings[1:], self.errors, self.errors[1:])
-        return tuple(log(a / b) / log(h / k) if a > 0 and b > 0 else nan for h, k, a, b in pairs)
+        return tuple(
+            log(a / b) / log(h / k) if min(a, b) > 0.0 and max(a, b) > ROUND_OFF else nan
+            for h, k, a, b in pairs
+        )
 
     @property
     def verdict(self) -> str:

@@ -76,7 +76,16 @@ def departures(run: Run) -> dict[str, Array]:
     """Name of what must not change in this run -> its relative departure, (nsteps,)."""
     laws, prefix = run.header.get("laws"), "initial_"
     initial = {k.removeprefix(prefix): v for k, v in run.summary.items() if k.startswith(prefix)}
-    return Drifts(laws, initial).go_on(run.series) if laws and initial else {}
+    if not laws or not initial:
+        return {}
+    series, before = run.series, run.series["t"][0] - run.series["dt"][0]
+    if not before > 0.5 * run.series["dt"][0]:
+        return Drifts(laws, initial).go_on(series)
+    # it goes on from another result, which has what came in before: from its first step on
+    initial |= {name: series[name][0] for name in initial if name in series}
+    later = {name: values[1:] for name, values in series.items()}
+    found = Drifts(laws, initial).go_on(later)
+    return {name: np.concatenate([[0.0], values]) for name, values in found.items()}
 
 
 def draw(figure: FigureBase, run: Run, panels: list[Panel], columns: int) -> None:
