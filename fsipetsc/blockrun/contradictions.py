@@ -29,7 +29,7 @@ ROUND_OFF = 1e-4
 WARM = {True: "warm_gas", False: "warm_solid"}
 #: what to do where there is a gas, and where there is not
 _ADVICE = {
-    True: "walls beside one that moves be Slip",
+    True: "walls beside one that moves be Slip, have a slip_length",
     False: "faces beside one that moves be Roller",
 }
 #: a pair of conditions, the place, what is said of it there

@@ -44,11 +44,15 @@ def _determinant(n: int) -> str:
     return " return " + " + ".join(f"F[{j}] * ({_cofactor(0, j, 3)})" for j in range(3))
 
 
+#: lines that find j = det F - 1 in two dimensions
+_TWO = " a, b = F[0] - 1.0, F[3] - 1.0\n j = a + b + (a * b - F[1] * F[2])\n"
+
+
 def _determinant_excess(n: int) -> str:
     if n == 1:
         return " return F[0] - 1.0"
     if n == 4:
-        return " a, b = F[0] - 1.0, F[3] - 1.0\n return a + b + (a * b - F[1] * F[2])"
+        return _TWO + " return j"
     return """
  a, b, c = F[0] - 1.0, F[4] - 1.0, F[8] - 1.0
  bc, ca, ab = b * c - F[5] * F[7], c * a - F[2] * F[6], a * b - F[1] * F[3]
@@ -65,16 +69,17 @@ def _strain_entry(i: int, j: int, d: int) -> str:
 
 
 def _shear_excess(n: int) -> str:
+    """In three dimensions minus the second and the third invariant of G = F^T F - 1."""
     if n == 1:
         return " return 0.0 * F[0]"
-    d = isqrt(n)
-    entries = [(i, j) for i in range(d) for j in range(i, d)]
-    lines = [f" g{i}{j} = {_strain_entry(i, j, d)}" for i, j in entries]
+    if n == 4:
+        return _TWO + " c, s = a - b, F[1] + F[2]\n return c * c + s * s - j * j"
+    entries = [(i, j) for i in range(3) for j in range(i, 3)]
+    lines = [f" g{i}{j} = {_strain_entry(i, j, 3)}" for i, j in entries]
     pairs = [f"(g{i}{i} * g{j}{j} - g{i}{j} * g{i}{j})" for i, j in entries if i < j]
-    if n == 9:
-        pairs += ["g00 * (g11 * g22 - g12 * g12)", "g01 * (g12 * g02 - g01 * g22)"]
-        pairs += ["g02 * (g01 * g12 - g11 * g02)"]
-    return "\n".join([*lines, f" return -({' + '.join(pairs)})"])
+    third = "g00 * (g11 * g22 - g12 * g12) + g01 * (g12 * g02 - g01 * g22)"
+    third += " + g02 * (g01 * g12 - g11 * g02)"
+    return "\n".join([*lines, f" return -({' + '.join(pairs)} + ({third}))"])
 
 
 def _largest_eigenvalue(n: int) -> str:
@@ -117,9 +122,8 @@ def _contraction(name: str, arguments: str, indices: str) -> Callable[..., Any]:
 determinant = by_length("determinant", "F", _determinant)
 #: det F times F^-T
 cofactor = by_length("cofactor", "F", _tensor(_cofactor))
-#: det F - 1, F^T F - 1 (twice the strain of Green) and |F|^2 - d - (det F^2 - 1) without
-#: cancellation near the unit tensor; the last is of second order: minus the second and the third
-#: invariant of F^T F - 1
+#: det F - 1, F^T F - 1 (twice the strain of Green) and |F|^2 - d - (det F^2 - 1), which is of
+#: second order, without cancellation near the unit tensor
 determinant_excess = by_length("determinant_excess", "F", _determinant_excess)
 twice_strain = by_length("twice_strain", "F", _tensor(_strain_entry))
 shear_excess = by_length("shear_excess", "F", _shear_excess)
