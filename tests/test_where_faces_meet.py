@@ -22,7 +22,6 @@ from fsipetsc.blocks.particles import ROLLS, SLIPS, particles_of
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.solid import ElasticSolid
 
 GAS = Fluid(0.02, 0.03, 1.4, 1.0)
@@ -133,8 +132,7 @@ ACCEPTED = {
 
 
 def said(problem, t=1.0):
-    law = PerfectGas(1.4, 1.0)
-    prescribed = Prescribed(problem, particles_of(problem), law, lambda: 1e-3)
+    prescribed = Prescribed(problem, particles_of(problem), lambda: 1e-3)
     prescribed.refresh(0.0)  # all velocities are 0 then
     prescribed.refresh(t)
     return [words for _, _, words in prescribed.notes()]
