@@ -261,7 +261,7 @@ class Volume(Grids):
         q, shock = self.problem.order // 2, self.problem.shock
         usual, fast = self.problem.dissipation / 4.0**q, np.sqrt((2.0 * m.mu_e + m.lambda_e) / m.m0)
         for j in range(d):
-            steep = self._steepness(v, k, j, 0.02 * fast, 0.03)
+            steep = self._steepness(v, k, j, 0.02 * fast)
             for order, a, b in ((q, usual, -usual * (shock > 0.0)), (1, 0.0, 0.7 * shock)):
                 delta, middle, least = self._differences(k, j, order)
                 most = self._largest(steep, delta, j)
@@ -278,21 +278,21 @@ class Volume(Grids):
         fast = np.sqrt(m.gamma * m.R * s.T * dot(a, a))
         through = lambda du: np.minimum(dot(a, du), 0.0)[None]  # noqa: E731
         alphas = [
-            self._steepness(s.rho[None], k, j, 0.2 * s.rho, 0.04),
-            self._steepness(s.p[None], k, j, 0.2 * (s.p + m.p_inf), 0.04),
-            self._steepness(s.u, k, j, fast, 0.04, through),
+            self._steepness(s.rho[None], k, j, 0.2 * s.rho),
+            self._steepness(s.p[None], k, j, 0.2 * (s.p + m.p_inf)),
+            self._steepness(s.u, k, j, fast, through),
         ]
         return np.max(alphas, axis=0) * (self.problem.shock > 0.0)
 
-    def _steepness(self, f, k, j, size, least, of=lambda df: df):
-        """alpha of a vector f: 0 where it is smooth along axis j, 1 at shocks. least: s up
-        to which it is smooth, of: what of its differences counts."""
+    def _steepness(self, f, k, j, size, of=lambda df: df):
+        """alpha of a vector f: 0 where it is smooth along axis j, 1 at shocks. of: what of its
+        differences counts."""
         norm = lambda df: np.sqrt((df**2).sum(axis=0))  # noqa: E731
         rise, fall = of(np.roll(f, -1, axis=1 + j) - f), of(f - np.roll(f, 1, axis=1 + j))
         s = norm(rise - fall) / (norm(rise) + norm(fall) + size)
         if not self.periodic(k, j):
             np.moveaxis(s, j, 0)[[0, -1]] = 0.0
-        return np.clip(2.5 * (s - least), 0.0, 1.0)
+        return np.clip(2.5 * (s - 0.03), 0.0, 1.0)
 
     @staticmethod
     def _largest(steep, delta, j):

@@ -33,7 +33,7 @@ entropy grow. With alpha = 1 everywhere this is a scheme of finite volumes of fi
 
 alpha of a pair is the largest of its nodes and of those between. At a node j
 
-    alpha = min(1, max(0, 2.5 (s - 0.04))),   d_+ = f_j+1 - f_j,   d_- = f_j - f_j-1,
+    alpha = min(1, max(0, 2.5 (s - 0.03))),   d_+ = f_j+1 - f_j,   d_- = f_j - f_j-1,
     s = |d_+ - d_-| / (|d_+| + |d_-| + size),
 
 the largest s of f = rho, p and a_j . u, with the sizes 0.2 rho_j, 0.2 K_j and c_j |a_j|; 0 at an
@@ -71,7 +71,7 @@ from fsipetsc.scheme.gas_forms import state_like
 from fsipetsc.scheme.rows import ONE, U64, Array, at, put
 
 #: s up to which there is no shock, and how fast alpha rises from there
-NO_SHOCK, RISE = 0.04, 2.5
+NO_SHOCK, RISE = 0.03, 2.5
 #: part of rho and K in the denominator of s
 SMALL = 0.2
 
@@ -117,7 +117,7 @@ def gas_dissipation(part, damp, q, rates):
         stride, damp.sums[:] = int(difference.strides[k]), 0.0
         if shock > 0.0:
             waves = GasWaves(gas, like, damp.state, metrics, U64(k * len(like) * N), U64(N))
-            sense(waves, NO_SHOCK, damp.alpha, stride, ghosted[k])
+            sense(waves, damp.alpha, stride, ghosted[k])
             if damp.alpha.max() > 0.0:
                 damp.link[:] = 0.0
                 of_axis = metrics, potential, k, stride, ghosted[k]
@@ -183,17 +183,15 @@ def bend(rise, fall, size):
 
 
 @njit(**EXACT_LOOP)
-def sense(waves, no_shock, alpha, stride, length):
-    """alpha of all nodes along an axis of so many. waves: with s of a node as ``steepness``;
-    no_shock: s up to which alpha is 0.
-    """
+def sense(waves, alpha, stride, length):
+    """alpha of all nodes along an axis of so many. waves: with s of a node as ``steepness``."""
     next_one = U64(stride)
     for line in range(0, alpha.size, stride * length):
         begin, end, beyond = line + stride, line + stride * (length - 1), line + stride * length
         for i in range(line, begin):
             alpha[i] = 0.0
         for i in range(U64(begin), U64(max(begin, end))):
-            alpha[i] = min(1.0, max(0.0, RISE * (waves.steepness(i, next_one) - no_shock)))
+            alpha[i] = min(1.0, max(0.0, RISE * (waves.steepness(i, next_one) - NO_SHOCK)))
         for i in range(max(begin, end), beyond):
             alpha[i] = 0.0
 

@@ -28,8 +28,8 @@ from fsipetsc.operators.undivided import Differences
 from fsipetsc.scheme.gas_dissipation import largest, sense, shifted_sum
 from fsipetsc.scheme.rows import ONE, U64, Array, at, put
 
-#: s up to which there is no shock; e of s, over the speed of sound
-NO_SHOCK, SMALL = 0.03, 0.02
+#: e of s, over the speed of sound
+SMALL = 0.02
 #: usual strength at shocks
 AT_SHOCKS = 0.7
 
@@ -101,8 +101,7 @@ def solid_dissipation(part, term, q, rates):
     for k in range(len(like)):
         stride, of_axis = int(difference.strides[k]), (weights, difference.per_weight[k])
         if term.b != 0.0:
-            waves = SolidWaves(like, q, term.small)
-            sense(waves, NO_SHOCK, term.alpha, stride, ghosted[k])
+            sense(SolidWaves(like, q, term.small), term.alpha, stride, ghosted[k])
         lose(like, term, q, metrics, k, stride, weights, difference.norm[k])
         for z in range(own[2]):
             for y in range(own[1]):
