@@ -5,6 +5,7 @@ It has the names that stepping.run, stepping.integrator and the writer ask for: 
 fsipetsc.blockrun.scheme.
 """
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, NamedTuple
@@ -310,9 +311,12 @@ class BlockState(State):
         note_extremes(self.extremes, self.rates, self.results, self.latest_numbers)
 
     def instant(self) -> float:
-        """A time [s] in which little happens, for differences in time."""
+        """A time [s] in which little happens, for differences in time: a power of two, so that it
+        is the same in most steps, and data need not be asked for again where the next step begins.
+        """
         rate = float(self.results[RATE])
-        return 0.25 / rate if 0.0 < rate < np.inf else 1e-3 * self.h
+        _, power = math.frexp(0.25 / rate if 0.0 < rate < np.inf else 1e-3 * self.h)
+        return math.ldexp(0.25, power)
 
     # checkpoints
 

@@ -34,8 +34,10 @@ SECOND = (
     ((1 / 6, -1.0, 0.5, 1 / 3), (0.0, 1.0, -2.0, 1.0)),
     ((-1 / 3, 1.5, -3.0, 11 / 6), (-1.0, 4.0, -5.0, 2.0)),
 )
-#: times at which a given velocity is held against the place, and by which part it may be off
-TIMES, WRONG = 12, 1e-3
+#: So many times at which a given velocity is held against the place, parts of the run that are
+#: steps of the differences, by which part it may be off. AT: times and steps are no multiples of a
+#: period.
+TIMES, PARTS, WRONG, AT = 8, (1e-4, 1e-6, 1e-8, 1e-10), 1e-3, 0.7548776662466927
 
 
 class Prescribed:
@@ -139,32 +141,37 @@ class Prescribed:
         """InputError where the velocity of a wall is not the derivative of its place, at some times
         in 0 … t_end [s].
         """
-        s, times = 1e-6 * t_end, t_end * (np.arange(TIMES) + 0.5) / TIMES
         for name in (*WALLS, "clamp"):
             for condition, who in self._groups[name]:
-                if moves(condition) and condition.velocity is not None and t_end > 0.0:
-                    self._check_velocity(condition, self._x[who], times, s)
+                if moves(condition) and condition.velocity is not None:
+                    for t in t_end * (AT * np.arange(1, TIMES + 1) % 1.0) if t_end > 0.0 else ():
+                        self._check_velocity(condition, self._x[who], float(t), t_end)
 
-    def _check_velocity(self, condition: Any, X: Array, times: Array, s: float) -> None:
-        d = self._d
-        given = np.array([datum(condition, "velocity", X, t, "uvw"[:d]) for t in times])
-        x = np.array(
-            [
-                [datum(condition, "x", X, t + j * s, "xyz"[:d]) for j in (-2, -1, 1, 2)]
-                for t in times
-            ]
-        )
-        wide, found = (x[:, 3] - x[:, 0]) / (4.0 * s), (x[:, 2] - x[:, 1]) / (2.0 * s)
-        round_off = 16.0 * np.finfo(float).eps * np.abs(x).max() / s
-        most = max(np.abs(given).max(), np.abs(found).max())
-        allowed = WRONG * most + round_off + 4.0 * np.abs(wide - found)
-        bad = np.argwhere(~(np.abs(given - found) <= allowed))
-        if len(bad):
-            at = tuple(bad[0])
+    def _check_velocity(self, condition: Any, X: Array, t: float, t_end: float) -> None:
+        """Differences over several steps are taken; of each number that one counts which knows best
+        how wrong it may be, by a step that is twice as long, the velocities, and round-off.
+        """
+
+        def asked(name: str, t: float) -> Array:
+            letters = "uvw" if name == "velocity" else "xyz"
+            return datum(condition, name, X, t, letters[: self._d])
+
+        given, x, eps = asked("velocity", t), asked("x", t), np.finfo(float).eps
+        allowed, found = np.full_like(given, np.inf), np.zeros_like(given)
+        for s in (AT * min(part * t_end, t / 2, (t_end - t) / 2) for part in PARTS):
+            near, far = (
+                (asked("x", t + k * s) - asked("x", t - k * s)) / (2 * k * s) for k in (1, 2)
+            )
+            turns = [np.abs(asked("velocity", t + k * s) - given) for k in (-2, 2)]
+            size = np.maximum(np.abs(given), np.abs(near)).max()
+            round_off = 16.0 * eps * (np.abs(x).max() + t_end * size) / s
+            error = WRONG * size + round_off + 4.0 * (np.abs(near - far) + turns[0] + turns[1])
+            found, allowed = np.where(error < allowed, near, found), np.minimum(error, allowed)
+        for i, c in np.argwhere(np.abs(given - found) > allowed)[:1]:
             raise InputError(
                 f"{place_of(condition.velocity)}: velocity of {type(condition).__name__} at "
-                f"t = {times[at[0]]:.6g}: {'uvw'[at[2]]} = {given[at]:.6g}, and x changes by "
-                f"{found[at]:.6g} per second: expected the derivative of x, or x alone",
+                f"t = {t:.6g}: {'uvw'[c]} = {given[i, c]:.6g}, and {'xyz'[c]} changes by "
+                f"{found[i, c]:.6g} per second: expected the derivative of x, or x alone",
                 collective=False,
             )
 
@@ -172,10 +179,11 @@ class Prescribed:
 def _differences(
     of: Callable[[float], Array], t: float, s: float, weights: Sequence[Any]
 ) -> tuple[Array, Array, Array]:
-    """A function of time, its first and its second derivative at t, from values at t and at times s
-    apart, the earlier ones as far as they are not before 0: never of a time after the run.
+    """A function of time, its first and its second derivative at t >= 0, from values at t and at
+    earlier times s apart, at first at later ones: never from times before or after the run, where
+    it may not be known, nor from when the run ends, which may change at a restart.
     """
-    before = min(len(weights) - 1, int(t / s)) if s > 0.0 else 0
+    before = int(min(len(weights) - 1.0, t / s))
     first, second = weights[before]
     values = [of(t if j == before else max(t + (j - before) * s, 0.0)) for j in range(len(first))]
     rate = sum(w * value for w, value in zip(first, values, strict=True)) / s
