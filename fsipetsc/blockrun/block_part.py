@@ -1,5 +1,6 @@
 """What a rank's parts of gas and solid blocks have in common."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 from fsipetsc.blockrun.columns import fields_of
 from fsipetsc.blockrun.face_terms import FaceTerms
 from fsipetsc.blocks.values import block_values
+from fsipetsc.errors import FsiError, InputError
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
 
@@ -41,6 +43,19 @@ class BlockPart:
         self.faces.refresh(t)
         if self.block.forcing is not None:
             self._forcing[:] = block_values(self.block, "forcing", self.X[:, self.owned], t)
+
+    def _text(self, make: Callable[..., str], *about: Any) -> str:
+        """The C code that ``make`` makes of a block's equations. InputError where a law of a case
+        cannot be recorded, perhaps on this rank alone.
+        """
+        try:
+            return make(*about)
+        except FsiError as error:
+            raise InputError(f"{self.block}: {error}", collective=False) from error
+        except Exception as error:  # of other kinds of functions, such as numba's
+            reason = (str(error).strip() or repr(error)).splitlines()[0]
+            words = f"a law of {self.block} cannot be recorded: {reason}"
+            raise InputError(words, collective=False) from error
 
     def _common(self, at_particles: Any, alone: bool) -> dict[str, Any]:
         """Fields of the records of both kinds for compiled code, as `calls` has them."""

@@ -41,7 +41,8 @@ class GasPart(BlockPart):
         self.viscous = bool(material.mu or material.kappa)
         self.convection = convection_of(form.convection, self.equations)
         #: C code of this part; ``library``: made of it, before ``calls``
-        self.text = gas_text(self.equations, self._d, self.convection, self.viscous)
+        about = self.equations, self._d, self.convection, self.viscous
+        self.text = self._text(gas_text, *about)
         self.library: ctypes.CDLL
 
     def follow(self, particles: Sequence[Particle], system: ParticleSystem) -> None:

@@ -49,7 +49,7 @@ class SolidPart(BlockPart):
         self._work = solid_work(self.equations, part.bands, part.patch)
         self._volume = SolidVolume(self.equations, self._work, self.metrics, self.prestress)
         #: C code of this part; ``library``: made of it, before ``calls``
-        self.text = solid_text(self.equations, d, self.prestress.size > 0)
+        self.text = self._text(solid_text, self.equations, d, self.prestress.size > 0)
         self.library: ctypes.CDLL
 
     @property

@@ -1,78 +1,98 @@
 /* Metrics of a moving grid in three dimensions: area vectors a^1, a^2, a^3 in curl form with
    sum_k D_k a^k = 0, and J_t = sum_k a^k . D_k v.
 
-       (a^i)_n = D_j q_k - D_k q_j,   q_k = 1/2 (x_m D_k x_l - x_l D_k x_m),   (i, j, k), (n, m, l) cyclic
+       (a^i)_n = D_j q_k - D_k q_j,   q_k = 1/2 (x_m D_k x_l - x_l D_k x_m),   (i, j, k), (n, m, l)
+   cyclic
 
-   (Thomas and Lombard, AIAA J. 17 (1979) 1030-1037). With x = y + sum_k xi_k P_k, P_k the period of axis k
-   or 0, by the product rule,
+   (Thomas and Lombard, AIAA J. 17 (1979) 1030-1037). With x = y + sum_k xi_k P_k, P_k the period of
+   axis k or 0, by the product rule,
 
-       q_k = 1/2 (y_m D_k y_l - y_l D_k y_m) + y_m P_kl - y_l P_km,   (a^i)_n += P_jm P_kl - P_km P_jl.
+       q_k = 1/2 (y_m D_k y_l - y_l D_k y_m) + y_m P_kl - y_l P_km,   (a^i)_n += P_jm P_kl - P_km
+   P_jl.
 
-   D of a node comes from differences of pairs of nodes, in an order that is its own mirror image and without
-   fused multiplications: blocks that share a face get the same bits for what lies within it, whichever way
-   their axes run. Rows are taken one after the other, so that what is worked on stays in fast memory. */
+   D of a node comes from differences of pairs of nodes, in an order that is its own mirror image
+   and without fused multiplications: blocks that share a face get the same bits for what lies
+   within it, whichever way their axes run. Rows are taken one after the other, so that what is
+   worked on stays in fast memory. */
 
-#define ROOM 2048
+#define ROOM 1024 /* most nodes of a row that are taken at once */
 
 struct cube {
-  const double *S[3], *half[3];   /* pairs of the axes (1 + reach, size), 1/2 over the weights */
-  long reach[3], size[3];         /* nodes of the wide range, which derivatives need */
-  long first[3], end[3];          /* the range itself in it */
-  double P[9];                    /* periods: P_kc */
-  const double *x, *v;            /* (3, wide nodes) places less those of linear maps, velocities */
-  double *q;                      /* (3, 3, wide nodes) q_k, by k and n */
-  double *metrics, *volume;       /* planes of N nodes of the range; det D x */
+  const double *S[3], *half[3]; /* pairs of the axes (1 + reach, size), 1/2 over the weights */
+  long reach[3], size[3];       /* nodes of the wide range, which derivatives need */
+  long first[3], end[3];        /* the range itself in it */
+  double P[9];                  /* periods: P_kc */
+  const double *x, *v;          /* (3, wide nodes) places less those of linear maps, velocities */
+  double *q;                    /* (3, 3, wide nodes) q_k, by k and n */
+  double *metrics, *volume;     /* planes of N nodes of the range; det D x */
   long N;
 };
-struct box { long lo[3], hi[3]; };
+struct box {
+  long lo[3], hi[3];
+};
 
-static long wide_of(const struct cube *c, long x, long y, long z) { return x + c->size[0] * (y + c->size[1] * z); }
+static long wide_of(const struct cube *c, long x, long y, long z) {
+  return x + c->size[0] * (y + c->size[1] * z);
+}
 static long wide_nodes(const struct cube *c) { return c->size[0] * c->size[1] * c->size[2]; }
 
 /* out = D f along the first axis, of n nodes from x on. */
-static NOINLINE void derive_along(const struct cube *c, const double *restrict f, long x, long n, double *restrict out) {
+static NOINLINE void derive_along(const struct cube *c, const double *restrict f, long x, long n,
+                                  double *restrict out) {
   const long size = c->size[0];
   memset(out, 0, n * sizeof *out);
   for (long k = 1; k <= c->reach[0]; ++k) {
     const double *restrict S = c->S[0] + k * size;
     const long both = least(most(x, k), x + n), ahead = most(least(x + n, size - k), both);
     for (long i = x; i < least(both, size - k); ++i) out[i - x] += S[i] * (f[i + k] - f[i]);
-    #pragma omp simd
+#pragma omp simd
     for (long i = both; i < ahead; ++i)
       out[i - x] += S[i] * (f[i + k] - f[i]) + S[i - k] * (f[i] - f[i - k]);
     for (long i = ahead; i < x + n; ++i) out[i - x] += S[i - k] * (f[i] - f[i - k]);
   }
-  #pragma omp simd
+#pragma omp simd
   for (long i = 0; i < n; ++i) out[i] *= c->half[0][x + i];
 }
 
-static NOINLINE void add_rows(double *restrict out, const double *behind, const double *here, const double *ahead,
-                              double s_behind, double s, long n) {
-  #pragma omp simd
-  for (long i = 0; i < n; ++i) out[i] += s * (ahead[i] - here[i]) + s_behind * (here[i] - behind[i]);
+static NOINLINE void add_rows(double *restrict out, const double *behind, const double *here,
+                              const double *ahead, double s_behind, double s, long n) {
+#pragma omp simd
+  for (long i = 0; i < n; ++i)
+    out[i] += s * (ahead[i] - here[i]) + s_behind * (here[i] - behind[i]);
 }
 
 /* out = D f along an axis, of the n nodes from (x, y, z) on along the first axis. */
-static void derive(const struct cube *c, int axis, const double *f, long x, long y, long z, long n, double *out) {
+static void derive(const struct cube *c, int axis, const double *f, long x, long y, long z, long n,
+                   double *out) {
   if (axis == 0) {
     derive_along(c, f + wide_of(c, 0, y, z), x, n, out);
     return;
   }
-  const long i = axis == 1 ? y : z, size = c->size[axis], step = axis == 1 ? c->size[0] : c->size[0] * c->size[1];
+  const long i = axis == 1 ? y : z, size = c->size[axis],
+             step = axis == 1 ? c->size[0] : c->size[0] * c->size[1];
   const double *here = f + wide_of(c, x, y, z), half = c->half[axis][i];
   memset(out, 0, n * sizeof *out);
   for (long k = 1; k <= c->reach[axis]; ++k) {
     const double s = i + k < size ? c->S[axis][k * size + i] : 0.0;
     const double s_behind = i >= k ? c->S[axis][k * size + i - k] : 0.0;
     if (s == 0.0 && s_behind == 0.0) continue;
-    add_rows(out, i >= k ? here - k * step : here, here, i + k < size ? here + k * step : here, s_behind, s, n);
+    add_rows(out, i >= k ? here - k * step : here, here, i + k < size ? here + k * step : here,
+             s_behind, s, n);
   }
-  #pragma omp simd
+#pragma omp simd
   for (long j = 0; j < n; ++j) out[j] *= half;
 }
 
-/* q_k of all three components in a box, of the places x + sign v. */
-static void potentials(const struct cube *c, int k, double sign, const struct box *b) {
+/* The part of a box whose rows begin at x and have at most ROOM nodes. */
+static struct box part_of(const struct box *b, long x) {
+  struct box part = *b;
+  part.lo[0] = x;
+  part.hi[0] = least(x + ROOM, b->hi[0]);
+  return part;
+}
+
+/* q_k of all three components in a box of short rows, of the places x + sign v. */
+static void potentials_of_part(const struct cube *c, int k, double sign, const struct box *b) {
   const long n = b->hi[0] - b->lo[0], W = wide_nodes(c);
   double slope[3][ROOM], place[3][ROOM], turn[ROOM];
   for (long z = b->lo[2]; z < b->hi[2]; ++z) {
@@ -93,7 +113,7 @@ static void potentials(const struct cube *c, int k, double sign, const struct bo
         const double *f = place[m], *g = place[l], *slope_f = slope[m], *slope_g = slope[l];
         const double P_f = c->P[3 * k + m], P_g = c->P[3 * k + l];
         double *restrict q = c->q + (3 * k + component) * W + at;
-        #pragma omp simd
+#pragma omp simd
         for (long i = 0; i < n; ++i)
           q[i] = 0.5 * (f[i] * slope_g[i] - g[i] * slope_f[i]) + (f[i] * P_g - g[i] * P_f);
       }
@@ -101,8 +121,18 @@ static void potentials(const struct cube *c, int k, double sign, const struct bo
   }
 }
 
-/* Add factor times a^i of a box to out, planes by component of the nodes of the range. */
-static void areas(const struct cube *c, int i, double factor, const struct box *b, double *out) {
+/* The same in any box. */
+static void potentials(const struct cube *c, int k, double sign, const struct box *b) {
+  for (long x = b->lo[0]; x < b->hi[0]; x += ROOM) {
+    const struct box part = part_of(b, x);
+    potentials_of_part(c, k, sign, &part);
+  }
+}
+
+/* Add factor times a^i of a box of short rows to out, planes by component of the nodes of the
+ * range. */
+static void areas_of_part(const struct cube *c, int i, double factor, const struct box *b,
+                          double *out) {
   const int j = (i + 1) % 3, k = (i + 2) % 3;
   const long n = b->hi[0] - b->lo[0], W = wide_nodes(c), rows = c->end[0] - c->first[0];
   double more[ROOM], less[ROOM];
@@ -111,14 +141,23 @@ static void areas(const struct cube *c, int i, double factor, const struct box *
       const long row = (y - c->first[1]) + (c->end[1] - c->first[1]) * (z - c->first[2]);
       for (int component = 0; component < 3; ++component) {
         const int m = (component + 1) % 3, l = (component + 2) % 3;
-        const double periods = c->P[3 * j + m] * c->P[3 * k + l] - c->P[3 * k + m] * c->P[3 * j + l];
+        const double periods =
+            c->P[3 * j + m] * c->P[3 * k + l] - c->P[3 * k + m] * c->P[3 * j + l];
         derive(c, j, c->q + (3 * k + component) * W, b->lo[0], y, z, n, more);
         derive(c, k, c->q + (3 * j + component) * W, b->lo[0], y, z, n, less);
         double *restrict a = out + component * c->N + row * rows + b->lo[0] - c->first[0];
-        #pragma omp simd
+#pragma omp simd
         for (long p = 0; p < n; ++p) a[p] += factor * ((more[p] - less[p]) + periods);
       }
     }
+  }
+}
+
+/* The same of any box. */
+static void areas(const struct cube *c, int i, double factor, const struct box *b, double *out) {
+  for (long x = b->lo[0]; x < b->hi[0]; x += ROOM) {
+    const struct box part = part_of(b, x);
+    areas_of_part(c, i, factor, &part, out);
   }
 }
 
@@ -133,9 +172,18 @@ static struct box reached(const struct cube *c, const struct box *b, int one, in
   return found;
 }
 
+/* det D x at entry i of rows of D_k y_c. */
+static double determinant(const double *P, double (*G)[ROOM], long i) {
+  const double xx = G[0][i] + P[0], xy = G[1][i] + P[1], xz = G[2][i] + P[2];
+  const double yx = G[3][i] + P[3], yy = G[4][i] + P[4], yz = G[5][i] + P[5];
+  const double zx = G[6][i] + P[6], zy = G[7][i] + P[7], zz = G[8][i] + P[8];
+  return xx * (yy * zz - yz * zy) + xy * (yz * zx - yx * zz) + xz * (yx * zy - yy * zx);
+}
+
 /* a^1, a^2, a^3 and det D x of the range. */
 void cube_move(const struct cube *c) {
-  const struct box range = {{c->first[0], c->first[1], c->first[2]}, {c->end[0], c->end[1], c->end[2]}};
+  const struct box range = {{c->first[0], c->first[1], c->first[2]},
+                            {c->end[0], c->end[1], c->end[2]}};
   const long n = c->end[0] - c->first[0], W = wide_nodes(c);
   for (int k = 0; k < 3; ++k) {
     const struct box wide = reached(c, &range, (k + 1) % 3, (k + 2) % 3);
@@ -145,14 +193,12 @@ void cube_move(const struct cube *c) {
   for (int i = 0; i < 3; ++i) areas(c, i, 1.0, &range, c->metrics + 3 * i * c->N);
   double G[9][ROOM], *volume = c->volume;
   for (long z = c->first[2]; z < c->end[2]; ++z) {
-    for (long y = c->first[1]; y < c->end[1]; ++y, volume += n) {
-      for (int k = 0; k < 9; ++k) derive(c, k / 3, c->x + k % 3 * W, c->first[0], y, z, n, G[k]);
-      for (long i = 0; i < n; ++i) {
-        const double *P = c->P;
-        const double xx = G[0][i] + P[0], xy = G[1][i] + P[1], xz = G[2][i] + P[2];
-        const double yx = G[3][i] + P[3], yy = G[4][i] + P[4], yz = G[5][i] + P[5];
-        const double zx = G[6][i] + P[6], zy = G[7][i] + P[7], zz = G[8][i] + P[8];
-        volume[i] = xx * (yy * zz - yz * zy) + xy * (yz * zx - yx * zz) + xz * (yx * zy - yy * zx);
+    for (long y = c->first[1]; y < c->end[1]; ++y) {
+      for (long x = 0; x < n; x += ROOM) {
+        const long m = least(ROOM, n - x);
+        for (int k = 0; k < 9; ++k)
+          derive(c, k / 3, c->x + k % 3 * W, c->first[0] + x, y, z, m, G[k]);
+        for (long i = 0; i < m; ++i) *volume++ = determinant(c->P, G, i);
       }
     }
   }
@@ -160,27 +206,32 @@ void cube_move(const struct cube *c) {
 
 /* Velocity of the grid and J_t, after cube_move. */
 void cube_swing(const struct cube *c) {
-  const long n = c->end[0] - c->first[0], W = wide_nodes(c);
+  const long W = wide_nodes(c);
   double slope[ROOM];
   long at = 0;
   for (long z = c->first[2]; z < c->end[2]; ++z) {
-    for (long y = c->first[1]; y < c->end[1]; ++y, at += n) {
-      double *restrict J_t = c->metrics + 12 * c->N + at;
-      memset(J_t, 0, n * sizeof(double));
-      for (int k = 0; k < 9; ++k) {
-        const double *restrict area = c->metrics + k * c->N + at;
-        derive(c, k / 3, c->v + k % 3 * W, c->first[0], y, z, n, slope);
-        #pragma omp simd
-        for (long i = 0; i < n; ++i) J_t[i] += area[i] * slope[i];
+    for (long y = c->first[1]; y < c->end[1]; ++y) {
+      for (long x = c->first[0]; x < c->end[0]; x += ROOM) {
+        const long m = least(ROOM, c->end[0] - x);
+        double *restrict J_t = c->metrics + 12 * c->N + at;
+        memset(J_t, 0, m * sizeof(double));
+        for (int k = 0; k < 9; ++k) {
+          const double *restrict area = c->metrics + k * c->N + at;
+          derive(c, k / 3, c->v + k % 3 * W, x, y, z, m, slope);
+#pragma omp simd
+          for (long i = 0; i < m; ++i) J_t[i] += area[i] * slope[i];
+        }
+        for (int k = 0; k < 3; ++k)
+          memcpy(c->metrics + (9 + k) * c->N + at, c->v + k * W + wide_of(c, x, y, z),
+                 m * sizeof(double));
+        at += m;
       }
-      for (int m = 0; m < 3; ++m)
-        memcpy(c->metrics + (9 + m) * c->N + at, c->v + m * W + wide_of(c, c->first[0], y, z), n * sizeof(double));
     }
   }
 }
 
-/* Add factor times a^i of the places x + sign v to planes a, on the nodes of the range with index ``at`` along
-   axis i: that takes derivatives within the face only. */
+/* Add factor times a^i of the places x + sign v to planes a, on the nodes of the range with index
+   ``at`` along axis i: that takes derivatives within the face only. */
 void cube_face(const struct cube *c, long i, long at, double factor, double sign, double *a) {
   const int j = (i + 1) % 3, k = (i + 2) % 3;
   struct box face = {{c->first[0], c->first[1], c->first[2]}, {c->end[0], c->end[1], c->end[2]}};

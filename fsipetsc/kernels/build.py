@@ -6,9 +6,10 @@ a folder that several machines share holds a library for each. Behind a library 
 the bytes of a hash of it: a file that is damaged is made anew.
 
 The environment: CC names the compiler, CFLAGS are more flags for it. FSIPETSC_CACHE names the
-folder; else it is ``fsipetsc`` in XDG_CACHE_HOME or in the user's .cache.
+folder; else it is ``fsipetsc/libraries`` in XDG_CACHE_HOME or in the user's .cache.
 """
 
+import atexit
 import ctypes
 import hashlib
 import os
@@ -19,6 +20,7 @@ import stat
 import subprocess
 import sys
 import tempfile
+from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -39,7 +41,9 @@ PLAIN = "-fno-tree-pre"
 REFUSED = (
     *("-ffast-math", "-Ofast", "-funsafe-math-optimizations", "-fassociative-math"),
     *("-freciprocal-math", "-ffinite-math-only", "-fno-signed-zeros", "-mrecip"),
-    *("-ffp-contract=fast", "-ffp-contract=on"),
+    *("-ffp-contract=fast", "-ffp-contract=on", "-ffp-model", "-fapprox-func", "-mdaz-ftz"),
+    *("-fno-honor-nans", "-fno-honor-infinities", "-fdenormal-fp-math", "-mfpmath"),
+    "-fsingle-precision-constant",
 )
 MISSING = (
     "no C compiler was found, which computing needs: install gcc or clang (Debian: apt-get install "
@@ -80,9 +84,10 @@ def flags() -> tuple[str, ...]:
 def _own_flags() -> list[str]:
     """Those of CFLAGS. InputError."""
     own = shlex.split(os.environ.get("CFLAGS", ""))
-    for flag in own:
-        if flag.startswith(REFUSED):
-            raise InputError(f"CFLAGS has {flag}: results would depend on the compiler")
+    for name, given in (("CC", shlex.split(os.environ.get("CC", ""))[1:]), ("CFLAGS", own)):
+        for flag in given:
+            if flag.startswith(REFUSED):
+                raise InputError(f"{name} has {flag}: results would depend on the compiler")
     return own
 
 
@@ -105,12 +110,13 @@ def _target() -> bytes:
     try:
         compiler()
     except InputError:
-        if note.is_file() and "CC" not in os.environ:
+        if note.is_file() and not os.environ.get("CC"):
             return note.read_bytes()
         raise
-    found = _hash(_macros(), " ".join(flags()).encode())
+    found = _hash(_macros(), " ".join((*compiler()[1:], *flags())).encode())
     if not note.is_file() or note.read_bytes() != found:
-        _write(note, found)
+        with suppress(OSError):  # machines without a compiler alone need it
+            _write(note, found)
     return found
 
 
@@ -144,7 +150,7 @@ def folder() -> Path:
     """
     given = os.environ.get("FSIPETSC_CACHE")
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    place = Path(given) if given else Path(home) / "fsipetsc"
+    place = Path(given) if given else Path(home) / "fsipetsc" / "libraries"
     try:
         place.mkdir(mode=0o700, parents=True, exist_ok=True)
         found = place.stat()
@@ -163,6 +169,7 @@ def folder() -> Path:
 def _temporary(place: Path, why: object) -> Path:
     """A folder for this process alone, with a warning."""
     made = Path(tempfile.mkdtemp(prefix="fsipetsc-"))
+    atexit.register(shutil.rmtree, made, True)
     print(f"fsipetsc: warning: cannot keep compiled kernels in {place} ({why})", file=sys.stderr)
     return made
 
@@ -202,25 +209,22 @@ def keep(name: str, library: bytes) -> Path:
 def _write(path: Path, content: bytes) -> None:
     """Write a file under another name first: who reads it has the old content or the new one."""
     handle, part = tempfile.mkstemp(dir=path.parent, prefix=f"{path.name}.")
-    with os.fdopen(handle, "wb") as file:
-        file.write(content)
-    os.replace(part, path)
-
-
-def keep_text(name: str, text: str) -> Path:
-    """Put the text of a library beside it, for who wants to read it. FileError."""
-    path = (folder() / name).with_suffix(".c")
     try:
-        path.write_text(text)
-    except OSError as error:
-        raise FileError(f"cannot write {path}: {error.strerror}") from error
-    return path
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        os.replace(part, path)
+    except OSError:
+        os.unlink(part)
+        raise
 
 
 @cache
 def loaded(path: Path) -> ctypes.CDLL:
-    """The library in a file."""
-    return ctypes.CDLL(str(path))
+    """The library in a file. FileError."""
+    try:
+        return ctypes.CDLL(str(path))
+    except OSError as error:
+        raise FileError(f"compiled kernels cannot be loaded from {path}: {error}") from error
 
 
 def _run(command: tuple[str, ...], doing: str) -> bytes:

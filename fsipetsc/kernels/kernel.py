@@ -65,19 +65,11 @@ class Kernel:
 
     # what is read
 
-    def read(
-        self, array: str, layout: Layout, count: int, first: int = 0, shift: str = ""
-    ) -> tuple[Symbol, ...]:
-        """The components ``first`` and so on of an item; shift: of the item ``i shift``, in C."""
+    def read(self, array: str, layout: Layout, count: int, first: int = 0) -> tuple[Symbol, ...]:
+        """The components ``first`` and so on of an item."""
         self._argument(array, "const double *", layout)
-        item = f"(i {shift})" if shift else "i"
-        places = (_place(array, layout, first + c, item) for c in range(count))
+        places = (_place(array, layout, first + c, "i") for c in range(count))
         return tuple(self.record.given(place, layout.item == "0") for place in places)
-
-    def number(self, name: str) -> Symbol:
-        """A number that the caller gives."""
-        self._argument(name, "double ")
-        return self.record.given(f"in.{name}", uniform=True)
 
     def parameters(self, equations: Any) -> Any:
         """The same equations with their floats as arguments of the kernel: the array p, in the
@@ -131,7 +123,7 @@ class Kernel:
         locals_ = [
             f"  {kind}{'restrict ' * (kind[-1] == '*')}{name} = in.{name};"
             for name, kind in arguments
-            if name != "p" and kind != "double "
+            if name != "p"
         ]
         counts = self._counted is not None
         return "\n".join(

@@ -38,6 +38,7 @@ OPERATIONS: dict[Any, str] = {
 }
 #: operations whose result is true or false
 CONDITIONS = frozenset({">", "<", ">=", "<=", "==", "!=", "&", "|", "not"})
+LOGICAL = frozenset({"&", "|", "not"})
 #: the largest exponent for which a power is written as products
 MOST_FACTORS = 8
 _KERNELS = os.path.dirname(os.path.abspath(__file__))
@@ -133,6 +134,8 @@ class Record:
     def apply(self, operation: str, *given: Any) -> Symbol:
         """What an operation makes of symbols or numbers."""
         operands = tuple(self.constant(operand) for operand in given)
+        if operation in LOGICAL and not all(o.operation in CONDITIONS for o in operands):
+            raise _refuse("&, | and ~ are of conditions, as a > b, alone")
         simpler = _simplified(self, operation, operands)
         if simpler is not None:
             return simpler
@@ -185,7 +188,7 @@ def _simplified(record: Record, operation: str, operands: tuple[Symbol, ...]) ->
 def _power(record: Record, base: Any, exponent: Any) -> Any:
     """base ** exponent: products for small whole exponents, roots, else the function."""
     base, n = record.constant(base), record.constant(exponent).value
-    if n is None or abs(n) > MOST_FACTORS or (n != int(n) and abs(n) != 0.5):
+    if n is None or not abs(n) <= MOST_FACTORS or (n != int(n) and abs(n) != 0.5):
         return record.apply("pow", base, exponent)
     if abs(n) == 0.5:
         found = record.apply("sqrt", base)

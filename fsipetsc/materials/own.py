@@ -236,7 +236,8 @@ def _law_of(kind: Kind, formulas: Mapping[str, Formula]) -> Any:
     for name, formula in plain.items():
         arguments = ", ".join(inspect.signature(formula).parameters)
         space = {"formula": register_jitable(formula)}
-        exec(f"def {name}(self, {arguments}): return formula({arguments})", space)
+        once = "" if kind is SOLID else "1.0 * "  # numba's np.where returns an array without axes
+        exec(f"def {name}(self, {arguments}): return {once}formula({arguments})", space)
         methods[name] = space[name]
         if kind is not SOLID:  # whose number of arguments depends on the dimension
             _compile(f"{kind.maker}: {name}", formula, 1 + arguments.count(","))
@@ -269,8 +270,8 @@ def _compile(what: str, formula: Formula, count: int) -> None:
     except Exception as error:  # numba's, of many kinds
         reason = (str(error).strip() or repr(error)).splitlines()[0]
         raise InputError(f"{what} cannot be compiled: {reason}") from error
-    if not isinstance(found.return_type, (types.Float, types.Integer)):
-        kind = found.return_type
+    kind = found.return_type
+    if not (isinstance(kind, (types.Float, types.Integer)) or getattr(kind, "ndim", 1) == 0):
         raise InputError(f"{what} returns a value of the type {kind}: expected a number")
 
 

@@ -11,7 +11,7 @@ import tempfile
 import time
 from collections.abc import Callable, Sequence
 
-from fsipetsc.errors import FsiError
+from fsipetsc.errors import FileError, FsiError
 from fsipetsc.kernels import build
 from fsipetsc.process.together import Comm, agree, together, wait_asleep
 
@@ -25,15 +25,14 @@ def libraries(
     compiler, or it fails; FileError.
     """
     names = together(comm, lambda: [build.name_of(text) for text in texts])
-    found = {name: build.kept(name) for name in names}
-    lacking = {name for name, path in found.items() if path is None}
+    lacking = {name for name in names if build.kept(name) is None}
     #: name -> the rank that compiles it: the lowest one that lacks it
     makers: dict[str, int] = {}
     for rank, of_rank in enumerate(comm.allgather(sorted(lacking))):
         for name in of_rank:
             makers.setdefault(name, rank)
     sent = _made(comm, dict(zip(names, texts, strict=True)), makers, announce) if makers else {}
-    return together(comm, lambda: [_loaded(name, found[name], sent) for name in names])
+    return together(comm, lambda: [_loaded(name, sent) for name in names])
 
 
 def _made(
@@ -60,8 +59,9 @@ def _counted(count: int) -> str:
     return "1 library" if count == 1 else f"{count} libraries"
 
 
-def _loaded(name: str, path: os.PathLike[str] | None, sent: dict[str, bytes]) -> ctypes.CDLL:
-    """A library that is kept in a file, or was sent as bytes."""
+def _loaded(name: str, sent: dict[str, bytes]) -> ctypes.CDLL:
+    """A library that is kept in a file, or was sent as bytes. FileError."""
+    path = build.kept(name)
     if path is not None:
         return build.loaded(path)
     handle, own = tempfile.mkstemp(prefix="fsipetsc-", suffix=".so")
@@ -69,5 +69,7 @@ def _loaded(name: str, path: os.PathLike[str] | None, sent: dict[str, bytes]) ->
         with os.fdopen(handle, "wb") as file:
             file.write(sent[name])
         return ctypes.CDLL(own)
+    except OSError as error:
+        raise FileError(f"compiled kernels cannot be loaded from {own}: {error}") from error
     finally:
         os.unlink(own)

@@ -2,38 +2,47 @@
 
        (J U)_t,i = - sum_k sum_l S_il (F^k(i, l) - {a^k . f_v}) / weight_i
 
-   and J_t; beside them a constant force, pair by pair. The weights S_il of pairs of nodes are those of fsipetsc.operators.bands, the fluxes those
-   of fsipetsc.equations.gas, in the kernels of fsipetsc.scheme.gas_kernels.
+   and J_t; beside them a constant force, pair by pair. The weights S_il of pairs of nodes are those
+   of fsipetsc.operators.bands, the fluxes those of fsipetsc.equations.gas, in the kernels of
+   fsipetsc.scheme.gas_kernels.
 
    Nodes are swept in tiles: a range along the first axis, a few rows along the second one of three,
    and layer after layer along the last axis, so that what is worked on stays in the fastest memory.
-   The flux of a pair is computed once and added to both of its nodes: the sum of the lower one belongs
-   to the row at work, that of the upper one waits in a row of its own. The fluxes reach a node in an
-   order that does not depend on how a block is cut, so neither do the bits of its rate. */
+   The flux of a pair is computed once and added to both of its nodes: the sum of the lower one
+   belongs to the row at work, that of the upper one waits in a row of its own. The fluxes reach a
+   node in an order that does not depend on how a block is cut, so neither do the bits of its rate.
+ */
 
-enum { W = D + 5, FLUXES = D + 2 + (FORCE ? D : 0), SLOPES = D * (D + 1), NUMBERS = W + (VISCOUS ? SLOPES : 0) };
+enum {
+  W = D + 5,
+  FLUXES = D + 2 + (FORCE ? D : 0),
+  SLOPES = D * (D + 1),
+  NUMBERS = W + (VISCOUS ? SLOPES : 0)
+};
 
-struct axis { /* of a patch: its band, the nodes owned, those with the halo, how far they are apart */
+struct axis { /* of a patch: its band, owned nodes, nodes with the halo, how far they are apart */
   const double *S, *weight;
   long reach, begin, end, size, stride;
 };
 struct gas {
-  struct axis first, inner, last; /* the contiguous axis, the second one of three, that of the sweep */
-  const double *p, *metrics;      /* parameters of the kernels; planes of N numbers */
-  const double *potential;        /* of a constant force, pair by pair (fsipetsc.scheme.gas_force) */
-  double *supplied;               /* that force on the owned nodes, over their weights */
-  long N, J_t;                    /* J_t: which plane */
-  long layers, depth, before;     /* rows that are kept: layers of so many, some before the tile's */
-  double *rows, *high;            /* numbers of these, and sums of each as the upper node of pairs */
-  double *low, *slope;            /* of one row: sums as the lower node, D_k z */
-  double *gain, *loss;            /* (1 + reach) rows: weights of pairs along a row, by distance */
+  struct axis first, inner;   /* the contiguous axis, the second one of three */
+  struct axis last;           /* that of the sweep */
+  const double *p, *metrics;  /* parameters of the kernels; planes of N numbers */
+  const double *potential;    /* of a constant force, pair by pair (fsipetsc.scheme.gas_force) */
+  double *supplied;           /* that force on the owned nodes, over their weights */
+  long N, J_t;                /* J_t: which plane */
+  long layers, depth, before; /* rows that are kept: layers of so many, some before the tile's */
+  double *rows, *high;        /* numbers of these, and sums of each as the upper node of pairs */
+  double *low, *slope;        /* of one row: sums as the lower node, D_k z */
+  double *gain, *loss;        /* (1 + reach) rows: weights of pairs along a row, by distance */
 };
-struct span { long distance, begin, end; }; /* pairs along a row that begin there */
+struct span {
+  long distance, begin, end;
+}; /* pairs along a row that begin there */
 struct tile {
   long x0, x1, y0, y1, count;
   struct span spans[SPANS];
 };
-
 
 static long number_of(const struct gas *g, const struct tile *t, long layer, long j) {
   return layer % g->layers * g->depth + j - t->y0 + g->before;
@@ -55,13 +64,14 @@ static void fill_row(double *row, double value, long n) {
   for (long i = 0; i < n; ++i) row[i] = value;
 }
 
-/* Weights of the pairs along the first axis, of a tile: S over the weight of the upper node, the lower. */
+/* Weights of the pairs along the first axis, of a tile: S over the weight of the upper node, the
+ * lower. */
 static void weigh_first(const struct gas *g, const struct tile *t) {
   const struct axis *x = &g->first;
   for (long k = 1; k <= x->reach; ++k) {
     double *gain = g->gain + k * ROW + MARGIN - t->x0, *loss = g->loss + k * ROW + MARGIN - t->x0;
-    for (long i = most(t->x0 - MARGIN, 0); i < t->x1 + MARGIN; ++i) {
-      const int pair = i + k < x->size;
+    for (long i = t->x0 - MARGIN; i < t->x1 + MARGIN; ++i) {
+      const int pair = 0 <= i && i + k < x->size;
       gain[i] = pair ? x->S[k * x->size + i] / x->weight[i + k] : 0.0;
       loss[i] = pair ? x->S[k * x->size + i] / x->weight[i] : 0.0;
     }
@@ -78,15 +88,16 @@ static void load_layer(const struct gas *g, const double *q, const struct tile *
     const int whole = within && t->y0 - beside <= j && j < t->y1 + beside;
     const long longer = whole ? far * g->first.reach : 0;
     const long x0 = most(t->x0 - longer, 0), x1 = least(t->x1 + longer, g->first.size);
-    gas_load(.q = q + node_of(g, x0, j, layer) * (D + 3), .w = row_of(g, t, layer, j) + x0, .p = g->p,
-             .n = x1 - x0);
+    gas_load(.q = q + node_of(g, x0, j, layer) * (D + 3), .w = row_of(g, t, layer, j) + x0,
+             .p = g->p, .n = x1 - x0);
     clear_row(high_of(g, t, layer, j) + t->x0, FLUXES, t->x1 - t->x0);
   }
 }
 
 #if VISCOUS
 /* D_k z of a row for each axis k. */
-static void slopes_of_row(const struct gas *g, const struct tile *t, long layer, long j, long x0, long n) {
+static void slopes_of_row(const struct gas *g, const struct tile *t, long layer, long j, long x0,
+                          long n) {
   double *here = row_of(g, t, layer, j) + x0, *slope = g->slope + MARGIN - t->x0 + x0;
   clear_row(slope, SLOPES, n);
   for (long k = 1; k <= g->first.reach; ++k) {
@@ -108,8 +119,9 @@ static void slopes_of_row(const struct gas *g, const struct tile *t, long layer,
       fill_row(g->gain + MARGIN, before, n);
       fill_row(g->loss + MARGIN, after, n);
       gas_slope(.below = row_of(g, t, layer - back * sweep, j - back * !sweep) + x0, .here = here,
-                .above = row_of(g, t, layer + on * sweep, j + on * !sweep) + x0, .before = g->gain + MARGIN,
-                .after = g->loss + MARGIN, .slope = slope + m * (D + 1) * ROW, .p = g->p, .n = n);
+                .above = row_of(g, t, layer + on * sweep, j + on * !sweep) + x0,
+                .before = g->gain + MARGIN, .after = g->loss + MARGIN,
+                .slope = slope + m * (D + 1) * ROW, .p = g->p, .n = n);
     }
   }
 }
@@ -131,14 +143,16 @@ static void viscous_layer(const struct gas *g, const double *q, const struct til
 #endif
 
 /* n pairs of nodes along axis k, from one row (or place in it) to another. */
-static void add_pairs(const struct gas *g, int k, const double *l, const double *r, long node_l, long node_r,
-                      const double *gain, const double *loss, double *low, double *high, long n) {
+static void add_pairs(const struct gas *g, int k, const double *l, const double *r, long node_l,
+                      long node_r, const double *gain, const double *loss, double *low,
+                      double *high, long n) {
   const double *areas = g->metrics + k * D * g->N, *velocity = g->metrics + D * D * g->N;
   const long viscous = (W + k * (D + 1)) * ROW;
   (void)viscous;
-#define PAIR .l = l, .r = r, .a_l = areas + node_l, .a_r = areas + node_r, .v_l = velocity + node_l, \
-             .v_r = velocity + node_r, .gain = gain, .loss = loss, .low = low, .high = high, .p = g->p, \
-             .n = n, .N = g->N
+#define PAIR                                                                                       \
+  .l = l, .r = r, .a_l = areas + node_l, .a_r = areas + node_r, .v_l = velocity + node_l,          \
+  .v_r = velocity + node_r, .gain = gain, .loss = loss, .low = low, .high = high, .p = g->p,       \
+  .n = n, .N = g->N
 #if VISCOUS
 #define STRESS , .s_l = l + viscous, .s_r = r + viscous
 #else
@@ -166,9 +180,9 @@ static void pairs_across(const struct gas *g, const struct tile *t, long layer, 
     fill_row(g->gain + MARGIN, s / axis->weight[i + k], n);
     fill_row(g->loss + MARGIN, s / axis->weight[i], n);
     const long there = layer + k * sweep, beside = j + k * !sweep;
-    add_pairs(g, sweep ? D - 1 : 1, row_of(g, t, layer, j) + t->x0, row_of(g, t, there, beside) + t->x0, node,
-              node + k * axis->stride, g->gain + MARGIN, g->loss + MARGIN, g->low + MARGIN,
-              high_of(g, t, there, beside) + t->x0, n);
+    add_pairs(g, sweep ? D - 1 : 1, row_of(g, t, layer, j) + t->x0,
+              row_of(g, t, there, beside) + t->x0, node, node + k * axis->stride, g->gain + MARGIN,
+              g->loss + MARGIN, g->low + MARGIN, high_of(g, t, there, beside) + t->x0, n);
   }
 }
 
@@ -194,12 +208,13 @@ static void find_spans(const struct gas *g, struct tile *t) {
 
 /* The pairs along row j of a layer. */
 static void pairs_along(const struct gas *g, const struct tile *t, long layer, long j) {
-  double *row = row_of(g, t, layer, j), *high = high_of(g, t, layer, j), *low = g->low + MARGIN - t->x0;
+  double *row = row_of(g, t, layer, j), *high = high_of(g, t, layer, j),
+         *low = g->low + MARGIN - t->x0;
   for (long m = 0; m < t->count; ++m) {
     const long k = t->spans[m].distance, a = t->spans[m].begin, b = t->spans[m].end;
     const long node = node_of(g, a, j, layer), at = k * ROW + MARGIN - t->x0 + a;
-    add_pairs(g, 0, row + a, row + a + k, node, node + k, g->gain + at, g->loss + at, low + a, high + a + k,
-              b - a);
+    add_pairs(g, 0, row + a, row + a + k, node, node + k, g->gain + at, g->loss + at, low + a,
+              high + a + k, b - a);
   }
 }
 
@@ -217,10 +232,12 @@ static void sweep_layer(const struct gas *g, double *rates, const struct tile *t
     const long node = node_of(g, t->x0, j, layer);
     const long row = (layer - last->begin) * (inner->end - inner->begin) + j - inner->begin;
     const long own = row * (first->end - first->begin) + t->x0 - first->begin;
-    gas_store(.low = g->low + MARGIN, .high = high_of(g, t, layer, j) + t->x0, .J_t = g->metrics + g->J_t * g->N + node,
-              .rates = rates + own * (D + 3), .n = t->x1 - t->x0, .N = g->N
+    gas_store(.low = g->low + MARGIN, .high = high_of(g, t, layer, j) + t->x0,
+              .J_t = g->metrics + g->J_t * g->N + node, .rates = rates + own * (D + 3),
+              .n = t->x1 - t->x0, .N = g->N
 #if FORCE
-              , .supplied = g->supplied + own * (D + 1)
+              ,
+              .supplied = g->supplied + own * (D + 1)
 #endif
     );
   }
@@ -233,7 +250,8 @@ static void sweep(const struct gas *g, const double *q, double *rates, struct ti
   long completed = most(g->last.begin - ahead, 0), loaded = most(completed - behind, 0);
   for (long layer = completed; layer < g->last.end; ++layer) {
     for (; completed <= layer + ahead && completed < g->last.size; ++completed) {
-      for (; loaded <= completed + behind && loaded < g->last.size; ++loaded) load_layer(g, q, t, loaded);
+      for (; loaded <= completed + behind && loaded < g->last.size; ++loaded)
+        load_layer(g, q, t, loaded);
 #if VISCOUS
       viscous_layer(g, q, t, completed);
 #endif
@@ -251,11 +269,14 @@ static long piece(long begin, long end, long m, long count) {
 /* q: the unknowns with a halo; rates: of the owned nodes. */
 void gas_rates(const struct gas *g, const double *q, double *rates) {
   const struct axis *x = &g->first, *y = &g->inner;
-  const long wide = (x->end - x->begin + TILE - 1) / TILE, deep = (y->end - y->begin + DEPTH - 1) / DEPTH;
+  const long wide = (x->end - x->begin + TILE - 1) / TILE,
+             deep = (y->end - y->begin + DEPTH - 1) / DEPTH;
   for (long m = 0; m < deep; ++m) {
     for (long k = 0; k < wide; ++k) {
-      struct tile t = {.x0 = piece(x->begin, x->end, k, wide), .x1 = piece(x->begin, x->end, k + 1, wide),
-                       .y0 = y->begin + m * DEPTH, .y1 = least(y->begin + (m + 1) * DEPTH, y->end)};
+      struct tile t = {.x0 = piece(x->begin, x->end, k, wide),
+                       .x1 = piece(x->begin, x->end, k + 1, wide),
+                       .y0 = y->begin + m * DEPTH,
+                       .y1 = least(y->begin + (m + 1) * DEPTH, y->end)};
       if (t.x0 < t.x1) sweep(g, q, rates, &t);
     }
   }

@@ -1,55 +1,25 @@
-"""Rates of the nodes of a solid block, boundary-flux-free, layer by layer.
-
-fsipetsc.equations.solid has the equations, fsipetsc.operators.bands the weights S_il of pairs. With
-
-    D_k f   = sum_l S_il (f_l - f_i) / (2 weight_i)     derivative along axis k
-    D°_k f  = sum_l S_il (f_l + f_i) / (2 weight_i)     the same without the flux through the ends
-
-and the tractions t^k = P A^k, the rates of displacement, velocity and energy are
-
-    D_t = v,    J0 m0 v_t = sum_k D°_k t^k,    J0 m0 e_t = v . sum_k D°_k t^k + sum_k t^k . D_k v.
-
-The power is, pair by pair, S_il (t_i . v_l + t_l . v_i)/2: nothing is lost or won.
-
-Tiles (fsipetsc.scheme.solid_work) are swept layer by layer: a layer is loaded, F and t^k are found
-one reach behind, rates two reaches behind. Arrays keep as many layers as are needed, in a ring.
-What two tiles need is found twice by the same operations: rates do not depend on tiles, nor on how
-a block is cut.
+"""Rows of a tile of a solid block and their F, for the monitor; fsipetsc/scheme/solid.c has the
+rates.
 """
 
 from numba import njit
 
 from fsipetsc.equations.tensors import (
     add_unit,
-    apply,
-    apply_transposed,
-    column_sums,
     outer,
-    product_transposed,
     transposed_product,
 )
 from fsipetsc.operators.loops import (
     EXACT_LOOP,
     INNER_CALL,
-    MERGED_CALL,
-    add,
-    along,
     by_length,
     dot,
     scale,
-    total,
     total_of,
 )
 from fsipetsc.scheme.rows import U64, at, put
 from fsipetsc.scheme.solid_work import (
-    FREE,
     KNOWN,
-    NEAR,
-    NONE,
-    ONE,
-    OWN,
-    PLAIN,
-    STRAINED,
     WIDTH,
     Row,
     step_of,
@@ -57,46 +27,6 @@ from fsipetsc.scheme.solid_work import (
 
 #: sum of weights w times f at some places, i nodes on
 weighted = by_length("weighted", "w, f, places, i", total_of("w[@] * f[places[@] + i]"))
-
-
-# The sweep
-
-
-@njit(**MERGED_CALL)
-def solid_rates(part, q, rates):
-    """Fill rates (M, 2d + 1) of the owned nodes of a part; q: (N, 2d + 1) unknowns, with a halo of
-    two interior reaches, of three for conduction.
-    """
-    solid, like, metrics, work = part.laws, part.like, part.metrics, part.work
-    patch, layout, lags, boxes, jumps, weights, ends = work[:7]
-    unknowns, strains, tractions, temps, heats, slopes = work[7:13]
-    q, metrics, rates = q.reshape(q.size), metrics.reshape(metrics.size), rates.reshape(rates.size)
-    extra, d, table = part.prestress.reshape(-1), ONE * len(like), (jumps, weights, ends, layout)
-    for tile in range(boxes.shape[0]):
-        for z in range(boxes[tile, KNOWN, 2, 0], boxes[tile, OWN, 2, 1] + lags[2]):
-            begin, end = rows_of(boxes, tile, KNOWN, z)
-            for y in range(begin, end):
-                take(like, q, row_of(patch, layout, boxes, tile, KNOWN, y, z), unknowns)
-            begin, end = rows_of(boxes, tile, STRAINED, z - lags[0])
-            for y in range(begin, end):
-                row = row_of(patch, layout, boxes, tile, STRAINED, y, z - lags[0])
-                differentiate(like, table, row, PLAIN, unknowns, NONE, NONE, d, slopes, NONE)
-                strain(solid, like, metrics, row, slopes, unknowns, strains)
-                relieve(solid, like, extra, row, strains, unknowns)
-                pull(solid, like, metrics, extra, row, unknowns, strains, temps, tractions)
-            begin, end = rows_of(boxes, tile, NEAR, z - lags[1])
-            for y in range(begin, end):
-                row = row_of(patch, layout, boxes, tile, NEAR, y, z - lags[1])
-                differentiate(like, table, row, PLAIN, temps, NONE, NONE, ONE, slopes, NONE)
-                conduct(solid, like, metrics, row, slopes, strains, heats)
-            begin, end = rows_of(boxes, tile, OWN, z - lags[2])
-            for y in range(begin, end):
-                row = row_of(patch, layout, boxes, tile, OWN, y, z - lags[2])
-                differentiate(like, table, row, FREE, tractions, NONE, d, d, slopes, NONE)
-                differentiate(like, table, row, PLAIN, unknowns, d, NONE, d, slopes, d * d)
-                if solid.kappa > 0.0:
-                    differentiate(like, table, row, FREE, heats, NONE, ONE, ONE, slopes, 2 * d * d)
-                accelerate(solid, like, metrics, row, slopes, unknowns, tractions, strains, rates)
 
 
 @njit(**INNER_CALL)
@@ -197,53 +127,3 @@ def relieve(solid, like, extra, row, strains, unknowns):
     for i in range(U64(n)):
         S, F = at(nine, extra, g, N, i), at(nine, strains, node, step, i)
         unknowns[e + i] -= dot(S, add_unit(-1.0, F)) / solid.m0
-
-
-@njit(**EXACT_LOOP)
-def pull(solid, like, metrics, extra, row, unknowns, strains, temps, tractions):
-    """T, and t^k = (P + S) A^k with a prestress S."""
-    nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
-    N, node, g = U64(metrics.size // solid.rows(like)), U64(row.tile), U64(row.patch)
-    for i in range(U64(row.n)):
-        A, F = at(nine, metrics, g, N, i), at(solid.unstrained(like), strains, node, step, i)
-        v, e = at(like, unknowns, node + d * step, step, i), unknowns[node + U64(2) * d * step + i]
-        T = solid.temperature(v, e, F)
-        P, temps[node + i] = solid.stress_at(F, T), T
-        put(tractions, node, step, i, product_transposed(A, P))
-    for i in range(U64(row.n if extra.size > 0 else 0)):
-        A, S = at(nine, metrics, g, N, i), at(nine, extra, g, N, i)
-        more = add(at(nine, tractions, node, step, i), product_transposed(A, S))
-        put(tractions, node, step, i, more)
-
-
-@njit(**EXACT_LOOP)
-def conduct(solid, like, metrics, row, slopes, strains, heats):
-    """A^k . h with grad T = 1/J0 sum_k A^k D_k T."""
-    nine, step = outer(like, like), U64(step_of(like))
-    N, node, g = U64(metrics.size // solid.rows(like)), U64(row.tile), U64(row.patch)
-    for i in range(U64(row.n)):
-        A, J0 = at(nine, metrics, g, N, i), metrics[g + U64(len(nine)) * N + i]
-        gradient = scale(1.0 / J0, apply_transposed(A, at(like, slopes, U64(0), WIDTH, i)))
-        h = solid.heat_flux(at(solid.unstrained(like), strains, node, step, i), gradient)
-        put(heats, node, step, i, apply(A, h))
-
-
-@njit(**EXACT_LOOP)
-def accelerate(solid, like, metrics, row, slopes, unknowns, tractions, strains, rates):
-    """(v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v); slopes: D°_k t^k, D_k v, D°_k A^k . h."""
-    nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
-    dof = U64(2 * len(like) + 1)
-    N, node, g = U64(metrics.size // solid.rows(like)), U64(row.tile), U64(row.patch)
-    for i in range(U64(row.n)):
-        per_mass = 1.0 / (metrics[g + d * d * N + i] * solid.m0)
-        v, t = at(like, unknowns, node + d * step, step, i), at(nine, tractions, node, step, i)
-        force = column_sums(at(nine, slopes, U64(0), WIDTH, i))
-        heat = total(at(like, slopes, U64(2) * d * d * WIDTH, WIDTH, i))
-        power = dot(v, force) + dot(t, at(nine, slopes, d * d * WIDTH, WIDTH, i)) + heat
-        e = unknowns[node + U64(2) * d * step + i]
-        F = at(solid.unstrained(like), strains, node, step, i)
-        acceleration = along(solid.force, per_mass, force)
-        R = metrics[U64(metrics.size) - N + g + i]
-        acceleration = solid.with_hoop_force(acceleration, v, e, F, R)
-        energy = per_mass * power + dot(solid.force, v)
-        put(rates, U64(row.own) * dof, U64(1), i * dof, (*v, *acceleration, energy))

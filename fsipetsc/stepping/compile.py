@@ -16,8 +16,8 @@ from fsipetsc.stepping.solve import build_problem, make_state
 
 def sections(arguments: Sequence[str]) -> Mapping[str, Any]:
     """The options that -help lists: those of the case, if one is named."""
-    named = [word for word in arguments if not word.startswith("-")]
-    return groups(_case(named)) if named else {}
+    named = arguments and not arguments[0].startswith("-")
+    return groups(_case(arguments)) if named else {}
 
 
 def compile(arguments: list[str], comm: Comm) -> None:
