@@ -273,13 +273,14 @@ class Volume(Grids):
 
     def _steep_gas(self, k, s, j, grid):
         """alpha of a gas along axis j, from its density, its pressure, which counts over p + p_inf,
-        and its velocity through the areas of the axis, where it falls, over that of sound."""
+        and its velocity through the areas of the axis, where it falls, over twice that of sound."""
         m, a = self.blocks[k].material, grid.a[j]
-        fast = np.sqrt(m.gamma * m.R * s.T * dot(a, a))
+        fast = 2.0 * np.sqrt(m.gamma * m.R * s.T * dot(a, a))
         through = lambda du: np.minimum(dot(a, du), 0.0)[None]  # noqa: E731
+        mean = lambda f: 0.25 * (np.roll(f, 1, axis=j) + 2.0 * f + np.roll(f, -1, axis=j))  # noqa: E731
         alphas = [
-            self._steepness(s.rho[None], k, j, 0.2 * s.rho),
-            self._steepness(s.p[None], k, j, 0.2 * (s.p + m.p_inf)),
+            self._steepness(s.rho[None], k, j, 0.2 * mean(s.rho)),
+            self._steepness(s.p[None], k, j, 0.2 * mean(s.p + m.p_inf)),
             self._steepness(s.u, k, j, fast, through),
         ]
         return np.max(alphas, axis=0) * (self.problem.shock > 0.0)

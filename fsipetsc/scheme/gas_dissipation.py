@@ -36,12 +36,12 @@ alpha of a pair is the largest of its nodes and of those between. At a node j
     alpha = min(1, max(0, 2.5 (s - 0.03))),   d_+ = f_j+1 - f_j,   d_- = f_j - f_j-1,
     s = |d_+ - d_-| / (|d_+| + |d_-| + size),
 
-the largest s of f = rho, p and a_j . u, with the sizes 0.2 rho_j, 0.2 K_j and c_j |a_j|; 0 at an
-end, whose pairs have its neighbour's. After R. C. Swanson and E. Turkel, J. Comput. Phys. 101,
-1992, for p and with p as the size. K is p in a perfect gas and p + p_inf in a stiffened one: what
-is small beside it is no shock. Where gas collides, or is set in motion at once, only u jumps at
-first. Of a_j . u the d_+ and d_- below 0 count, which compress. In smooth flow s falls with h^2 and
-alpha is 0.
+the largest s of f = rho, p and a_j . u, with the sizes 0.05 (rho_j+1 + 2 rho_j + rho_j-1), the same
+of K, and 2 c_j |a_j|; 0 at an end, whose pairs have its neighbour's. After R. C. Swanson and E.
+Turkel, J. Comput. Phys. 101, 1992, for p and with p as the size. K is p in a perfect gas and p +
+p_inf in a stiffened one: what is small beside it is no shock. Where gas collides, or is set in
+motion at once, only u jumps at first. Of a_j . u the d_+ and d_- below 0 count, which compress. In
+smooth flow s falls with h^2 and alpha is 0.
 
 Finite volumes between the nodes of a summation-by-parts scheme: S. Hennemann et al., J. Comput.
 Phys. 426, 2021. That alpha may vary from pair to pair was derived for this program.
@@ -73,7 +73,7 @@ from fsipetsc.scheme.rows import ONE, U64, Array, at, put
 #: s up to which there is no shock, and how fast alpha rises from there
 NO_SHOCK, RISE = 0.03, 2.5
 #: part of rho and K in the denominator of s
-SMALL = 0.2
+SMALL = 0.05
 
 
 class GasDamping(NamedTuple):
@@ -168,12 +168,16 @@ class GasWaves(NamedTuple):
         here = at(like_w, self.state, none, n, i)
         above = at(like_w, self.state, none, n, i + stride)
         rise, fall = sub(above, here), sub(here, below)
-        rho, T = here[0], here[2]
-        K, c2 = gas.law.bulk_modulus(rho, T), gas.law.sound_speed_squared(rho, T)
-        closing, closed = min(0.0, dot(a, rise[3:])), min(0.0, dot(a, fall[3:]))
-        of_u = bend(closing, closed, np.sqrt(c2 * dot(a, a)))
-        of_rho, of_p = bend(rise[0], fall[0], SMALL * rho), bend(rise[1], fall[1], SMALL * K)
-        return max(of_rho, max(of_p, of_u))
+        size_of_rho = SMALL * (above[0] + 2.0 * here[0] + below[0])
+        size_of_p = SMALL * (self.modulus(above) + 2.0 * self.modulus(here) + self.modulus(below))
+        s = max(bend(rise[0], fall[0], size_of_rho), bend(rise[1], fall[1], size_of_p))
+        c2 = gas.law.sound_speed_squared(here[0], here[2])
+        before, behind = min(0.0, dot(a, rise[3:])), min(0.0, dot(a, fall[3:]))
+        return max(s, bend(before, behind, 2.0 * np.sqrt(c2 * dot(a, a))))
+
+    def modulus(self, w):
+        """K of a state."""
+        return self.gas.law.bulk_modulus(w[0], w[2])
 
 
 @register_jitable
@@ -239,8 +243,9 @@ def fluxes(gas, like, force, strength, weights, norm, metrics, potential, k, str
         speed = gas.fastest(w, mean(a_l, a_r), 0.5 * g)
         wide = 1.0 - largest(damp.alpha, i, stride, weights)
         dU = gas.densities_of_change(w, change)
-        speed = speed / (1.0 + gas.size_of_change(w, change, dU))
-        F = force.with_level(scale(strength * norm[i] * wide * speed, dU), potential, l, r)
+        eta = gas.size_of_change(w, change, dU)
+        F = scale(strength * norm[i] * wide * speed / (1.0 + eta), dU)
+        F = force.with_level(F, potential, l, r)
         put(damp.F, apart - n, apart, i, choose(norm[i] > 0.0, F, nothing))
     for i in range(n - U64(order) * stride, n):
         put(damp.F, apart - n, apart, i, nothing)
