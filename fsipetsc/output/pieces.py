@@ -119,7 +119,8 @@ class Contents:
         self._marks: dict[Path, tuple[int, ...]] = {}  # by which a file is known again
         for path in files:
             self._add(path)
-        if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) < 0):
+        times = np.concatenate([[-np.finfo(float).tiny], self.time])
+        if not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0):
             raise ValueError("the times of its frames are not ascending numbers")
 
     def _add(self, path: Path) -> None:

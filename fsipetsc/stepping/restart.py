@@ -187,7 +187,7 @@ def check_problem(past: Past, state: State) -> None:
         check(past.header["memory"]["initial"], initial, "'initial' of memory")
         state.check_places(past.arrays)
         if past.header["memory"]["t"] < past.header["saved_at"]:
-            raise ValueError("its header tells of a frame that comes later")
+            raise ValueError("'saved_at' of its header is later than its time")
 
 
 def check_place(

@@ -1,0 +1,67 @@
+"""What walls prescribe: when data of time are asked for, and what is made of them."""
+
+import numpy as np
+import pytest
+from numpy.polynomial import Polynomial
+
+from fsipetsc import Fluid, FluidLayer, InputError, Problem, Wall
+from fsipetsc.blockrun.from_layers import blocks_of_line
+from fsipetsc.blockrun.prescribed import Prescribed
+from fsipetsc.blocks.particles import particles_of
+
+STEP = 1 / 64
+
+
+def prescribed(x, velocity=None):
+    """Of a gas with a wall that moves."""
+    gas = Fluid(0.0, 0.0, 1.4, 1.0)
+    layer = FluidLayer("gas", gas, (0.0, 1.0), lambda X: (1.0 + 0.0 * X, 0.0 * X, 1.0 + 0.0 * X))
+    made = blocks_of_line(Problem((layer,), Wall(x, velocity=velocity), Wall(1.0)), 0.1, 4)
+    law = gas.equations(1).law
+    return Prescribed(made, particles_of(made), law, lambda: STEP)
+
+
+@pytest.mark.parametrize("given", [False, True])
+def test_data_are_asked_for_within_the_run_and_differences_are_of_second_order(given):
+    """Exact for a cubic place, or a quadratic velocity, at the beginning as later."""
+    place, asked = Polynomial([0.1, 0.2, -0.3, 0.4]), []
+    path, speed = (place, place.deriv()) if not given else (place, Polynomial([0.3, -0.5, 0.7]))
+
+    def noted(of):
+        return lambda t: asked.append(t) or float(of(t))
+
+    walls = prescribed(noted(path), noted(speed) if given else None)
+    at = int(walls.moving[0])
+    for t in (0.0, 0.4 * STEP, 1.3 * STEP, 2.5 * STEP, 3 * STEP, 1.0, 7.7):
+        asked.clear()
+        walls.refresh(t)
+        assert 0.0 <= min(asked) and max(asked) <= max(t, 4 * STEP)
+        rate = speed.deriv() if given else path.deriv(2)
+        assert walls.displaced[at, 0] == pytest.approx(path(t), abs=1e-12)
+        assert walls.data.wall[at, 0] == pytest.approx(speed(t), abs=1e-9)
+        assert walls.data.wall_rate[at, 0] == pytest.approx(rate(t), abs=1e-7)
+
+
+#: place and velocity of walls that are as they should be
+RIGHT = {
+    "swings": (lambda t: 0.1 * np.sin(7 * t), lambda t: 0.7 * np.cos(7 * t)),
+    "fast": (lambda t: 1e-3 * np.sin(2 * np.pi * 1e5 * t), None),
+    "kink": (lambda t: max(0.0, t - 0.3), lambda t: float(t > 0.3)),
+    "far": (lambda t: 1e3 + 1e-3 * t, lambda t: 1e-3),
+    "rest": (lambda t: 0.2, lambda t: 0.0),
+}
+
+
+@pytest.mark.parametrize("t_end", [1e-4, 1.0, 1e9])
+@pytest.mark.parametrize("name", RIGHT)
+def test_the_velocity_of_a_wall_is_the_derivative_of_its_place(name, t_end):
+    """Else it is refused, where it is off by a hundredth, or from some time on."""
+    x, v = RIGHT[name]
+    v = v or (lambda t: 1e-3 * 2 * np.pi * 1e5 * np.cos(2 * np.pi * 1e5 * t))
+    prescribed(x, v).check_motion(t_end)
+    unknown = [("rest", t_end), ("kink", 1e-4), ("far", 1e-4)]  # still, or too far away
+    unknown += [("swings", 1e9), ("fast", 1e9)]  # a period is nothing beside the run
+    if (name, t_end) not in unknown:
+        for wrong in (lambda t: 1.01 * v(t), lambda t: v(t) * (1.0 if t < 0.5 * t_end else 2.0)):
+            with pytest.raises(InputError, match=r"line \d+: velocity of NoSlip at t = .*x alone"):
+                prescribed(x, wrong).check_motion(t_end)
