@@ -148,10 +148,15 @@ def test_steps_may_change_where_it_is_said_and_a_result_may_begin_anew(stopped, 
 
 
 def test_from_the_checkpoint_at_the_end_no_step_follows(stopped, tmp_path):
-    """Nothing is known of what bounds it."""
-    goes_on(tmp_path, "rod", "-fsi_restart", stopped / NEWEST, "-fsi_output", "none.h5")
+    """Which is said. Nothing is known of what bounds it."""
+    words = "rod", "-fsi_restart", stopped / NEWEST, "-fsi_output", "none.h5"
+    done = solve(*words, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    said = f"no step was made: {stopped / NEWEST} has reached -ts_max_steps 60 already"
+    assert said in done.stdout
     with fsipetsc.open_run(tmp_path / "none.h5") as result:
         assert (result.summary["steps"], result.summary["bound"]) == (60, "")
+        assert result.summary["message"].startswith(said)
 
 
 def test_places_where_no_checkpoint_can_be_are_found_out_before_the_run(tmp_path):

@@ -17,6 +17,10 @@ BAD_INPUT = {
     "rod -fsi_ordr 4": (2, ["-fsi_ordr", "did you mean -fsi_order?"]),
     "rod -fsi_h 0.03": (2, ["-fsi_h 0.03", "'rod'", "0.02941176", "0.03030303"]),
     "rod -fsi_order 8 -fsi_h 0.1": (2, ["11 points", "8/4", "16", "-fsi_h", "-fsi_order"]),
+    "rod -fsi_order 8 -fsi_h 0.1 -fsi_coupling conservative": (
+        2,
+        ["'rod' has 11 nodes", "at least 16: take 15 cells", "-fsi_h 0.06666666667", "-fsi_order"],
+    ),
     "rod -fsi_h 1e-9": (2, ["'below'", "cells", "-fsi_h", "too many"]),
     "rod -fsi_output .": (2, ["'.' for -fsi_output: expected the name of a file"]),
     "box -fsi_output_times 7": (2, [": 7 would not be reached", "-ts_max_time 2"]),

@@ -3,10 +3,11 @@ behind. Streams that cannot be written: a run goes on, and what is printed for i
 """
 
 import json
+import signal
 import sys
 
 import pytest
-from helpers import REPOSITORY, launch, run
+from helpers import REPOSITORY, launch, message, mpirun, run
 
 import fsipetsc
 
@@ -73,3 +74,32 @@ def test_what_prints_for_its_own_sake_says_that_it_cannot(arguments, status, tmp
     done = launch(["bash", "-c", f"{PROGRAM} {arguments} >/dev/full"], tmp_path)
     assert done.returncode == status
     assert done.stderr.count("fsipetsc: error: ") == done.stderr.count("\n") == 1, done.stderr
+
+
+LOADING = """
+import runpy, signal, sys
+
+module, number = sys.argv[1], int(sys.argv[2])
+
+
+class Signals:
+    def find_spec(self, name, path=None, target=None):
+        if name == module:
+            signal.raise_signal(number)
+
+
+sys.meta_path.insert(0, Signals())
+sys.argv[1:] = "rod", "-fsi_h", "0.1", "-ts_max_steps", "1"
+runpy.run_module("fsipetsc", run_name="__main__", alter_sys=True)
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("module", ["fsipetsc.options", "numba.core", "fsipetsc.stepping.report"])
+def test_a_signal_while_modules_load_is_one_line(module, number, tmp_path):
+    """128 + signal, before the run can be stopped in order; on two ranks the launcher says more."""
+    ranks = 2 if module == "numba.core" else 1
+    words = "-c", LOADING, module, int(number)
+    done = mpirun(2, *words, cwd=tmp_path) if ranks > 1 else run(*words, cwd=tmp_path)
+    assert message(done, 128 + number).endswith(f"error: stopped by {number.name}")
+    assert "KeyboardInterrupt" not in done.stderr and not list(tmp_path.iterdir())

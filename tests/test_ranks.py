@@ -74,6 +74,7 @@ def assert_same(one, other) -> None:
     for kind, listed in one.errors.items():
         found = list(other.errors[kind].values())
         np.testing.assert_allclose(found, list(listed.values()), rtol=1e-9)
+        assert np.isfinite(found).all()
 
 
 @pytest.mark.parametrize(("n", "name"), [(n, name) for n in (2, 3, 4) for name in ON[n]])

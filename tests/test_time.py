@@ -21,6 +21,7 @@ def difference(run, reference) -> float:
     layers = zip(run.layers, reference.layers, strict=True)
     pairs = [(a[name][-1], b[name][-1]) for a, b in layers for name in a.fields]
     varying = [(a, b) for a, b in pairs if np.nanmax(b) > np.nanmin(b)]
+    assert all(np.array_equal(np.isfinite(a), np.isfinite(b)) for a, b in pairs)
     return max(np.nanmax(np.abs(a - b)) / np.nanmax(np.abs(b - np.nanmean(b))) for a, b in varying)
 
 

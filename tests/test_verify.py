@@ -1,6 +1,7 @@
 """The command `verify`: its table, its references, and entries as a user runs them."""
 
 import importlib
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -166,7 +167,12 @@ def test_entries_as_they_run(tmp_path):
         if compared:
             error = abs(float(row["value"]) / float(row["reference"]) - 1.0)
             assert float(row["error"]) == pytest.approx(error, rel=1e-6)
-    assert all(float(row["error"]) > 0.0 for row in rows)
+    for coarse, fine in pairwise(rows):
+        if fine["rate"] and fine["case"] == "elastic_piston":
+            (h, error), (half, less) = ((float(r["h"]), float(r["error"])) for r in (coarse, fine))
+            assert 0.0 < less < error / 2.5 < 1e-2, "an order above 1.3"
+            assert float(fine["rate"]) == pytest.approx(np.log(error / less) / np.log(h / half))
+    assert sum(bool(row["rate"]) for row in rows) >= 8  # of four quantities, there and back
     pages = {path.name: path.read_text() for path in (tmp_path / "pages").glob("*.md")}
     assert "| receding, stress | 4 |" in pages["elastic_piston.md"]
     assert "Only `-verify_level full` runs this." in pages["viscous_tube.md"]
