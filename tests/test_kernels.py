@@ -304,5 +304,3 @@ def test_kernels_have_the_same_bits_with_other_flags(flags, cache, monkeypatch):
     assert np.array_equal(one, compiled(every_operation, 3, cache)(x))
     alone = [compiled(every_operation, 3, cache)(x[:, [i]])[0] for i in range(5)]
     assert np.array_equal(one[:5], alone)
-
-

@@ -254,14 +254,14 @@ class BlockState(State):
 
     @property
     def _failed(self) -> bool:
-        """The state that was monitored last cannot be gone on from."""
+        """The run cannot go on from the state that was monitored last."""
         return bool(self.results[BAD]) or not self.results[RATE] < np.inf
 
     def go_to_fault(self) -> str:
-        """Let y be the first unphysical stage of the step that has failed, made anew: after it
-        what is no number spreads. A step of another method of PETSc's is made by the classical one,
-        and y stays if that does not fail. Returns what the state before says of solids, or what
-        this one says of waves.
+        """Repeat the step that has failed, and let y be its first unphysical stage: NaN spreads
+        from there. Steps of PETSc's other methods are repeated by the classical one; if that does
+        not fail, y stays. Returns what was wrong with solids before the step, or what is wrong with
+        their waves now, or "".
         """
         if not self.batch[MADE]:
             return ""

@@ -1,4 +1,4 @@
-"""Which formulas of a gas law the options need, and what options make of a gas."""
+"""Checks that gas laws have what the options need; gases that a force pushes node by node."""
 
 from typing import Any
 

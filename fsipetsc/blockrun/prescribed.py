@@ -44,7 +44,7 @@ PARTS = 1e-10, 1e-8, 1e-6, 1e-4
 class Prescribed:
     """Data of conditions. Functions of the case are asked for all particles of a condition at once.
 
-    instant: says a time [s] in which little happens, for differences in time.
+    instant: gives a short time [s], a step for differences in time.
     data: the arrays of the last instant. moving: particles on walls that move, by which the grid
     goes along; displaced: (particles, d) by how much. by_differences: some data are differences in
     time.

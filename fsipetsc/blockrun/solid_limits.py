@@ -41,7 +41,9 @@ FINEST = {1: 1, 2: 4, 3: 2}
 
 
 class Found(NamedTuple):
-    """A node, told as what comes first in order. place: X; values: what is said of it."""
+    """A node of which something is said; the one with the smallest ``order`` comes first. place: X;
+    values: the numbers that are said.
+    """
 
     order: float
     block: int
@@ -90,7 +92,7 @@ def _first_of_all(
     look: Callable[[SolidPart, Array], Iterator[Found]],
     but: Collection[int] = (),
 ) -> Collection[Found]:
-    """Of each solid block, but for some, the first node of all ranks that ``look`` finds.
+    """The first node of each solid block that ``look`` finds on any rank; but: blocks left out.
     Collective.
     """
     mine: list[Found] = []
@@ -105,7 +107,7 @@ def _first_of_all(
 
 
 def _found(part: SolidPart, order: Array, rows: Array, values: Sequence[Array]) -> Iterator[Found]:
-    """The row of the smallest order, to six digits, and, among equals, number."""
+    """The row with the smallest order, to six digits; among equals that of the smallest number."""
     if rows.size:
         rounded = [float(f"{value:.5e}") for value in order]
         numbers = part.part.numbers[rows]

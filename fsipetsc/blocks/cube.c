@@ -1,28 +1,27 @@
 /* Metrics of a moving grid in three dimensions: area vectors a^1, a^2, a^3 in curl form with
    sum_k D_k a^k = 0, and J_t = sum_k a^k . D_k v.
 
-       (a^i)_n = D_j q_k - D_k q_j,   q_k = 1/2 (x_m D_k x_l - x_l D_k x_m),   (i, j, k), (n, m, l)
-   cyclic
+       (a^i)_n = D_j q_k - D_k q_j,   q_k = 1/2 (x_m D_k x_l - x_l D_k x_m)
 
-   (Thomas and Lombard, AIAA J. 17 (1979) 1030-1037). With x = y + sum_k xi_k P_k, P_k the period of
-   axis k or 0, by the product rule,
+   with (i, j, k) and (n, m, l) cyclic (Thomas and Lombard, AIAA J. 17 (1979) 1030-1037). With x = y
+   + sum_k xi_k P_k, P_k the period of axis k or 0, by the product rule,
 
-       q_k = 1/2 (y_m D_k y_l - y_l D_k y_m) + y_m P_kl - y_l P_km,   (a^i)_n += P_jm P_kl - P_km
-   P_jl.
+       q_k = 1/2 (y_m D_k y_l - y_l D_k y_m) + y_m P_kl - y_l P_km,
+       (a^i)_n += P_jm P_kl - P_km P_jl.
 
    D of a node comes from differences of pairs of nodes, in an order that is its own mirror image
    and without fused multiplications: blocks that share a face get the same bits for what lies
-   within it, whichever way their axes run. Rows are taken one after the other, so that what is
-   worked on stays in fast memory. */
+   within it, whichever way their axes run. Rows are taken one after the other, so that they
+   stay in fast memory. */
 
 #define ROOM 1024 /* most nodes of a row that are taken at once */
 
 struct cube {
   const double *S[3], *half[3]; /* pairs of the axes (1 + reach, size), 1/2 over the weights */
-  long reach[3], size[3];       /* nodes of the wide range, which derivatives need */
+  long reach[3], size[3];       /* size: of the wide range, all nodes that derivatives need */
   long first[3], end[3];        /* the range itself in it */
   double P[9];                  /* periods: P_kc */
-  const double *x, *v;          /* (3, wide nodes) places less those of linear maps, velocities */
+  const double *x, *v;          /* (3, wide nodes) the y above, called x below; velocities */
   double *q;                    /* (3, 3, wide nodes) q_k, by k and n */
   double *metrics, *volume;     /* planes of N nodes of the range; det D x */
   long N;
@@ -91,7 +90,7 @@ static struct box part_of(const struct box *b, long x) {
   return part;
 }
 
-/* q_k of all three components in a box of short rows, of the places x + sign v. */
+/* Find all three components of q_k in a box of short rows, for the places x + sign v. */
 static void potentials_of_part(const struct cube *c, int k, double sign, const struct box *b) {
   const long n = b->hi[0] - b->lo[0], W = wide_nodes(c);
   double slope[3][ROOM], place[3][ROOM], turn[ROOM];
@@ -161,7 +160,7 @@ static void areas(const struct cube *c, int i, double factor, const struct box *
   }
 }
 
-/* A box and, along two axes, what derivatives reach. */
+/* A box with the nodes that derivatives along two axes reach. */
 static struct box reached(const struct cube *c, const struct box *b, int one, int other) {
   struct box found = *b;
   for (int axis = 0; axis < 3; ++axis) {
@@ -180,7 +179,7 @@ static double determinant(const double *P, double (*G)[ROOM], long i) {
   return xx * (yy * zz - yz * zy) + xy * (yz * zx - yx * zz) + xz * (yx * zy - yy * zx);
 }
 
-/* a^1, a^2, a^3 and det D x of the range. */
+/* Find a^1, a^2, a^3 and det D x of the range. */
 void cube_move(const struct cube *c) {
   const struct box range = {{c->first[0], c->first[1], c->first[2]},
                             {c->end[0], c->end[1], c->end[2]}};
@@ -204,7 +203,7 @@ void cube_move(const struct cube *c) {
   }
 }
 
-/* Velocity of the grid and J_t, after cube_move. */
+/* Find the velocity of the grid and J_t, after cube_move. */
 void cube_swing(const struct cube *c) {
   const long W = wide_nodes(c);
   double slope[ROOM];

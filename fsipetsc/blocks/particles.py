@@ -100,7 +100,7 @@ class Particle:
     asked: list[Asked] = field(default_factory=list)
 
     def mover(self, gas: bool) -> str:
-        """Which of its conditions says how its gas moves, or else its solid; "" if none does."""
+        """The name of the condition that says how its gas moves, or else its solid; "" if none."""
         slides = self.slip and moves(self.slip) and not (self.wall and moves(self.wall))
         walls = ("slip", "wall") if slides else ("wall", "slip")
         solid = "given_solid", "clamp"

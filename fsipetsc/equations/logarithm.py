@@ -28,7 +28,7 @@ _R6, _R7 = 1.531383769920937332e-01, 1.479819860510658591e-01
 
 @register_jitable
 def _remainder(z):
-    """R."""
+    """R(z) of the head."""
     return z * (_R1 + z * (_R2 + z * (_R3 + z * (_R4 + z * (_R5 + z * (_R6 + z * _R7))))))
 
 

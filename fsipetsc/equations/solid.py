@@ -163,8 +163,8 @@ class Solid(NamedTuple):
 
             Q_ik = N_j N_l dP_ij/dF_kl - dp/dJ a_i a_k - dp/dT a_i t_k/(m0 alpha),    a = cof F N
 
-        The work of t becomes heat: t = P N, with heat 'elastic' -p a alone. This is the symmetric
-        part; Q has another one only where shear stress heats.
+        The work of t becomes heat: t = P N, with heat 'elastic' -p a alone. Returned is the
+        symmetric part: Q has another one only where shear stress heats.
         """
         F, n = self.tensor(strain), (*N, *self.around)
         J, m0, alpha, a = determinant(F), self.m0, self.alpha, apply(cofactor(F), n)

@@ -45,7 +45,7 @@ sum_of_squares = by_length("sum_of_squares", "A, a, b, c, x, y, z", _sum_of_squa
 
 @register_jitable
 def tangent(p, q, pq):
-    """Of the smaller angle by which two axes turn so that their entry pq becomes 0."""
+    """The tangent of the smaller angle by which two axes turn so that their entry pq becomes 0."""
     apart = q - p
     size = abs(apart) + np.sqrt(apart * apart + 4.0 * pq * pq) + 1e-300
     return (2.0 if apart >= 0.0 else -2.0) * pq / size
@@ -53,7 +53,7 @@ def tangent(p, q, pq):
 
 @register_jitable
 def root(value, least):
-    """Of an eigenvalue."""
+    """The square root of an eigenvalue; 0 if that is not above ``least``."""
     return np.sqrt(value) if value > least else 0.0
 
 

@@ -136,7 +136,7 @@ def name_of(text: str) -> str:
 
 
 def _hash(*parts: bytes) -> bytes:
-    """Of all parts, one after the other, each with its length."""
+    """A hash of all parts, one after the other, each with its length."""
     digest = hashlib.sha256()
     for part in parts:
         digest.update(len(part).to_bytes(8, "little") + part)
@@ -200,9 +200,7 @@ def keep(name: str, library: bytes) -> Path:
     try:
         _write(folder() / name, library + _hash(library))
     except OSError as error:
-        raise FileError(
-            f"cannot keep compiled kernels in {folder()}: {error.strerror}"
-        ) from error
+        raise FileError(f"cannot keep compiled kernels in {folder()}: {error.strerror}") from error
     return folder() / name
 
 

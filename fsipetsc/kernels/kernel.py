@@ -59,7 +59,7 @@ class Kernel:
     def __init__(self, name: str, says: str) -> None:
         self.name, self.says, self.record = name, says, Record()
         self._arguments: dict[str, str] = {}
-        self._stores: list[tuple[str, str, Symbol]] = []
+        self._stores: list[tuple[str, Symbol]] = []
         self._counted: Symbol | None = None
         self._parameters = 0
 
@@ -91,7 +91,7 @@ class Kernel:
         self._argument(array, "double *", layout)
         for c, value in enumerate(values):
             place = _place(array, layout, first + c, "i")
-            self._stores.append((place, "=", self.record.constant(value)))
+            self._stores.append((place, self.record.constant(value)))
 
     def add(self, array: str, layout: Layout, values: Sequence[Any], first: int = 0) -> None:
         """Add values to the components ``first`` and so on of an item."""
@@ -99,7 +99,7 @@ class Kernel:
         for c, value in enumerate(values):
             place = _place(array, layout, first + c, "i")
             before = self.record.given(place)
-            self._stores.append((place, "=", self.record.apply("+", before, value)))
+            self._stores.append((place, self.record.apply("+", before, value)))
 
     def count(self, condition: Any) -> None:
         """Let the function return for how many items a condition holds."""
@@ -167,10 +167,12 @@ def _place(array: str, layout: Layout, component: int, item: str) -> str:
 
 
 def _lines(
-    record: Record, stores: Sequence[tuple[str, str, Symbol]], counted: Symbol | None
+    record: Record, stores: Sequence[tuple[str, Symbol]], counted: Symbol | None
 ) -> tuple[list[str], list[str]]:
-    """Lines before the loop and of its body: all that the stores need, in the order it was made."""
-    wanted = [symbol for _, _, symbol in stores] + ([] if counted is None else [counted])
+    """Lines before the loop and of its body: all symbols that stores need, in the order in which
+    they were made.
+    """
+    wanted = [symbol for _, symbol in stores] + ([] if counted is None else [counted])
     uses = _uses(wanted)
     fused = _fused(record, uses)
     before, body, names = [], [], {}
@@ -193,7 +195,7 @@ def _lines(
         names[symbol.number] = f"t{symbol.number}"
         lines = before if symbol.uniform else body
         lines.append(f"const {kind} t{symbol.number} = {text};")
-    body += [f"{place} {how} {names[symbol.number]};" for place, how, symbol in stores]
+    body += [f"{place} = {names[symbol.number]};" for place, symbol in stores]
     if counted is not None:
         body.append(f"counted += {names[counted.number]};")
     return before, body

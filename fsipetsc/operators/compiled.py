@@ -8,7 +8,7 @@ from numba import types
 
 
 class CompiledFunction(types.WrapperAddressProtocol):
-    """A function of a library: of the address of a struct, and of arrays' addresses."""
+    """A function of a library, which takes the address of a struct and those of some arrays."""
 
     def __init__(self, library: ctypes.CDLL, name: str, arrays: int) -> None:
         self.function = getattr(library, name)
@@ -23,4 +23,3 @@ class CompiledFunction(types.WrapperAddressProtocol):
 
     def signature(self) -> Any:
         return self._signature
-

@@ -74,8 +74,8 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Co
 
 
 def _on_one_scale(found: list[Difference]) -> Iterator[Difference]:
-    """The same with scales of all that has one unit: what is round-off beside a component of the
-    same vector, or a loss beside the energy, is no scale for differences.
+    """The same differences, with one scale for all that has one unit: a component of a vector that
+    is round-off, or a small loss of energy, is no scale of its own.
     """
     scales: dict[tuple[str, str], float] = {}
     keys = [_sort_of(one.name) for one in found]
@@ -86,8 +86,8 @@ def _on_one_scale(found: list[Difference]) -> Iterator[Difference]:
 
 
 def _sort_of(name: str) -> tuple[str, str]:
-    """Layer and unit of a field, or unit of a series; of times, and where no unit is known, the
-    name.
+    """What has one scale: the layer and the unit of a field, or the unit of a series; the name, if
+    it is a time or has no known unit.
     """
     layer, _, field = name.rpartition(": ")
     unit = unit_of(field)

@@ -165,9 +165,7 @@ def put(path: Path, content: bytes) -> None:
 
 
 def check_about(about: Mapping[str, Any]) -> None:
-    """ValueError, which says what is wrong, unless what is known of a run has the entries of ABOUT,
-    which fit together.
-    """
+    """ValueError with what is wrong unless the entries of ABOUT are there and fit together."""
     check(about, ABOUT, "what is known of the run")
     header, summary = about["header"], about["summary"]
     layers, laws, d = header["layers"], header.get("laws", {}), header.get("dimension", 1)

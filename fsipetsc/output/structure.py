@@ -1,4 +1,4 @@
-"""What the content of a file must be, said by patterns; one check of it.
+"""Patterns that the content of a file must fit, and one check against them.
 
 A pattern is
 

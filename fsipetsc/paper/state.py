@@ -133,7 +133,7 @@ class PaperState(State):
         ]
 
     def last_notes(self) -> list[str]:
-        """None."""
+        """No notes."""
         return []
 
     inflows = last_notes
@@ -339,8 +339,8 @@ class PaperState(State):
         return bool(ends())
 
     def go_to_fault(self) -> str:
-        """Make the steps since the last call of ``step`` anew, to the first unphysical stage: after
-        it what is no number spreads. Those of PETSc's methods are not made anew.
+        """Repeat the steps since the last call of ``step`` up to the first unphysical stage: NaN
+        spreads from there. Steps of PETSc's methods are not repeated.
         """
         if not self._kept:
             return ""

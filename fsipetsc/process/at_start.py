@@ -1,4 +1,4 @@
-"""What a process does before any module of size is loaded; here are none."""
+"""What a process does before large modules are loaded; this one imports none of them."""
 
 import os
 import signal

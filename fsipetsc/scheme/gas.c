@@ -2,43 +2,42 @@
 
        (J U)_t,i = - sum_k sum_l S_il (F^k(i, l) - {a^k . f_v}) / weight_i
 
-   and J_t; beside them a constant force, pair by pair. The weights S_il of pairs of nodes are those
-   of fsipetsc.operators.bands, the fluxes those of fsipetsc.equations.gas, in the kernels of
-   fsipetsc.scheme.gas_kernels.
+   and J_t, and a constant force, which is summed pair by pair like the fluxes. The weights S_il of
+   pairs of nodes are those of fsipetsc.operators.bands, the fluxes those of fsipetsc.equations.gas,
+   in the kernels of fsipetsc.scheme.gas_kernels.
 
-   Nodes are swept in tiles: a range along the first axis, a few rows along the second one of three,
-   and layer after layer along the last axis, so that what is worked on stays in the fastest memory.
-   The flux of a pair is computed once and added to both of its nodes: the sum of the lower one
-   belongs to the row at work, that of the upper one waits in a row of its own. The fluxes reach a
-   node in an order that does not depend on how a block is cut, so neither do the bits of its rate.
- */
+   Nodes are swept in tiles. A tile is a range along the first axis and a few rows along the second
+   one of three. It is swept layer by layer along the last axis, so that its rows stay in the
+   fastest memory. The flux of a pair is computed once and added to both of its nodes. The sum of
+   the lower node belongs to the row at work; that of the upper node waits in a row of its own. The
+   fluxes reach a node in an order that does not depend on how a block is cut, so neither do the
+   bits of its rate. */
 
 enum {
-  W = D + 5,
-  FLUXES = D + 2 + (FORCE ? D : 0),
-  SLOPES = D * (D + 1),
-  NUMBERS = W + (VISCOUS ? SLOPES : 0)
+  W = D + 5,                            /* primitive variables of a node */
+  FLUXES = D + 2 + (FORCE ? D : 0),     /* what is summed of a node */
+  SLOPES = D * (D + 1),                 /* D_k z of all axes; viscous fluxes of all axes */
+  NUMBERS = W + (VISCOUS ? SLOPES : 0), /* what is kept of a node */
 };
 
-struct axis { /* of a patch: its band, owned nodes, nodes with the halo, how far they are apart */
+struct axis { /* of a patch: its band; owned nodes begin … end - 1 of size with the halo */
   const double *S, *weight;
   long reach, begin, end, size, stride;
 };
 struct gas {
-  struct axis first, inner;   /* the contiguous axis, the second one of three */
-  struct axis last;           /* that of the sweep */
-  const double *p, *metrics;  /* parameters of the kernels; planes of N numbers */
-  const double *potential;    /* of a constant force, pair by pair (fsipetsc.scheme.gas_force) */
-  double *supplied;           /* that force on the owned nodes, over their weights */
-  long N, J_t;                /* J_t: which plane */
-  long layers, depth, before; /* rows that are kept: layers of so many, some before the tile's */
-  double *rows, *high;        /* numbers of these, and sums of each as the upper node of pairs */
-  double *low, *slope;        /* of one row: sums as the lower node, D_k z */
-  double *gain, *loss;        /* (1 + reach) rows: weights of pairs along a row, by distance */
+  struct axis first, inner, last; /* the contiguous axis, the second of three, that of the sweep */
+  const double *p, *metrics;      /* parameters of the kernels; planes of N numbers */
+  const double *potential;        /* of a constant force (fsipetsc.scheme.gas_force) */
+  double *supplied;               /* that force on the owned nodes, over their weights */
+  long N, J_t;                    /* nodes of a plane; the plane of J_t */
+  long layers, depth, before;     /* layers of depth rows are kept, with rows before the tile's */
+  double *rows, *high;            /* of these rows: NUMBERS; sums of upper nodes of pairs */
+  double *low, *slope;            /* of the row at work: sums of lower nodes of pairs; D_k z */
+  double *gain, *loss;            /* (1 + reach) rows: weights of pairs along a row, by distance */
 };
-struct span {
-  long distance, begin, end;
-}; /* pairs along a row that begin there */
+/* Pairs along a row: their lower nodes are begin … end - 1. */
+struct span { long distance, begin, end; };
+/* Nodes x0 … x1 - 1 along the first axis, y0 … y1 - 1 along the inner one. */
 struct tile {
   long x0, x1, y0, y1, count;
   struct span spans[SPANS];
@@ -64,8 +63,8 @@ static void fill_row(double *row, double value, long n) {
   for (long i = 0; i < n; ++i) row[i] = value;
 }
 
-/* Weights of the pairs along the first axis, of a tile: S over the weight of the upper node, the
- * lower. */
+/* Weights of a tile's pairs along the first axis: S over the weight of the upper node (gain), and
+   over that of the lower one (loss). */
 static void weigh_first(const struct gas *g, const struct tile *t) {
   const struct axis *x = &g->first;
   for (long k = 1; k <= x->reach; ++k) {
@@ -78,7 +77,7 @@ static void weigh_first(const struct gas *g, const struct tile *t) {
   }
 }
 
-/* Primitive variables of the rows of a layer that are read. */
+/* Find the primitive variables of all rows of a layer that the tile reads; clear their sums. */
 static void load_layer(const struct gas *g, const double *q, const struct tile *t, long layer) {
   const struct axis *last = &g->last, *inner = &g->inner;
   const long far = 1 + VISCOUS, around = VISCOUS * last->reach, beside = VISCOUS * inner->reach;
@@ -95,7 +94,7 @@ static void load_layer(const struct gas *g, const double *q, const struct tile *
 }
 
 #if VISCOUS
-/* D_k z of a row for each axis k. */
+/* Find D_k z of a row for each axis k. */
 static void slopes_of_row(const struct gas *g, const struct tile *t, long layer, long j, long x0,
                           long n) {
   double *here = row_of(g, t, layer, j) + x0, *slope = g->slope + MARGIN - t->x0 + x0;
@@ -126,7 +125,7 @@ static void slopes_of_row(const struct gas *g, const struct tile *t, long layer,
   }
 }
 
-/* Viscous fluxes of the rows of a layer that pairs with owned nodes take. */
+/* Find the viscous fluxes of the rows of a layer that pairs with owned nodes take. */
 static void viscous_layer(const struct gas *g, const double *q, const struct tile *t, long layer) {
   const int owned = g->last.begin <= layer && layer < g->last.end;
   const long beside = owned ? g->inner.reach : 0;
@@ -142,17 +141,16 @@ static void viscous_layer(const struct gas *g, const double *q, const struct til
 }
 #endif
 
-/* n pairs of nodes along axis k, from one row (or place in it) to another. */
+/* Add the fluxes of n pairs of nodes along axis k, whose lower nodes are side by side. */
 static void add_pairs(const struct gas *g, int k, const double *l, const double *r, long node_l,
                       long node_r, const double *gain, const double *loss, double *low,
                       double *high, long n) {
   const double *areas = g->metrics + k * D * g->N, *velocity = g->metrics + D * D * g->N;
   const long viscous = (W + k * (D + 1)) * ROW;
   (void)viscous;
-#define PAIR                                                                                       \
-  .l = l, .r = r, .a_l = areas + node_l, .a_r = areas + node_r, .v_l = velocity + node_l,          \
-  .v_r = velocity + node_r, .gain = gain, .loss = loss, .low = low, .high = high, .p = g->p,       \
-  .n = n, .N = g->N
+#define PAIR .l = l, .r = r, .a_l = areas + node_l, .a_r = areas + node_r, .p = g->p, .n = n, \
+             .v_l = velocity + node_l, .v_r = velocity + node_r, .N = g->N, \
+             .gain = gain, .loss = loss, .low = low, .high = high
 #if VISCOUS
 #define STRESS , .s_l = l + viscous, .s_r = r + viscous
 #else
@@ -170,7 +168,8 @@ static void add_pairs(const struct gas *g, int k, const double *l, const double 
 #endif
 }
 
-/* The pairs of row j of a layer with rows of layers (or rows of the same layer) farther on. */
+/* Add the pairs of row j of a layer with rows farther on: of other layers if it is a sweep, else of
+   the same layer. */
 static void pairs_across(const struct gas *g, const struct tile *t, long layer, long j, int sweep) {
   const struct axis *axis = sweep ? &g->last : &g->inner;
   const long i = sweep ? layer : j, n = t->x1 - t->x0, node = node_of(g, t->x0, j, layer);
@@ -186,7 +185,8 @@ static void pairs_across(const struct gas *g, const struct tile *t, long layer, 
   }
 }
 
-/* Spans of the pairs along a row of which a node is in the tile, by distance. */
+/* Find the spans of pairs along a row of which a node is in the tile, by distance. A few pairs of
+   weight 0 are taken along where that saves a span. */
 static void find_spans(const struct gas *g, struct tile *t) {
   const struct axis *x = &g->first;
   t->count = 0;
@@ -206,10 +206,10 @@ static void find_spans(const struct gas *g, struct tile *t) {
   }
 }
 
-/* The pairs along row j of a layer. */
+/* Add the pairs along row j of a layer. */
 static void pairs_along(const struct gas *g, const struct tile *t, long layer, long j) {
-  double *row = row_of(g, t, layer, j), *high = high_of(g, t, layer, j),
-         *low = g->low + MARGIN - t->x0;
+  double *row = row_of(g, t, layer, j), *high = high_of(g, t, layer, j);
+  double *low = g->low + MARGIN - t->x0;
   for (long m = 0; m < t->count; ++m) {
     const long k = t->spans[m].distance, a = t->spans[m].begin, b = t->spans[m].end;
     const long node = node_of(g, a, j, layer), at = k * ROW + MARGIN - t->x0 + a;
@@ -236,13 +236,14 @@ static void sweep_layer(const struct gas *g, double *rates, const struct tile *t
               .J_t = g->metrics + g->J_t * g->N + node, .rates = rates + own * (D + 3),
               .n = t->x1 - t->x0, .N = g->N
 #if FORCE
-              ,
-              .supplied = g->supplied + own * (D + 1)
+              , .supplied = g->supplied + own * (D + 1)
 #endif
     );
   }
 }
 
+/* Find the rates of a tile. Layers are loaded ahead of those whose viscous fluxes are found, and
+   these ahead of those whose rates are found. */
 static void sweep(const struct gas *g, const double *q, double *rates, struct tile *t) {
   weigh_first(g, t);
   find_spans(g, t);
@@ -260,17 +261,17 @@ static void sweep(const struct gas *g, const double *q, double *rates, struct ti
   }
 }
 
-/* Where piece m of so many begins: at a multiple of 8 nodes after the beginning. */
+/* Where piece m of ``count`` begins: at a multiple of 8 nodes after the beginning. */
 static long piece(long begin, long end, long m, long count) {
   const long size = ((end - begin + count - 1) / count + 7) / 8 * 8;
   return least(begin + m * size, end);
 }
 
-/* q: the unknowns with a halo; rates: of the owned nodes. */
+/* Fill the rates of the owned nodes; q: the unknowns with a halo. */
 void gas_rates(const struct gas *g, const double *q, double *rates) {
   const struct axis *x = &g->first, *y = &g->inner;
-  const long wide = (x->end - x->begin + TILE - 1) / TILE,
-             deep = (y->end - y->begin + DEPTH - 1) / DEPTH;
+  const long wide = (x->end - x->begin + TILE - 1) / TILE;
+  const long deep = (y->end - y->begin + DEPTH - 1) / DEPTH;
   for (long m = 0; m < deep; ++m) {
     for (long k = 0; k < wide; ++k) {
       struct tile t = {.x0 = piece(x->begin, x->end, k, wide),

@@ -40,15 +40,15 @@ class NoForce(NamedTuple):
     kind: int = 0
 
     def sums(self, like):
-        """As many numbers as are summed of each node in a sweep: a flux, perhaps a force."""
+        """As many numbers as a sweep sums at each node: those of a flux, perhaps of a force."""
         return (*like, 0.0, 0.0)
 
     def linked(self, like):
-        """The same of links at shocks: perhaps the power of what diffuses, too."""
+        """As many as links at shocks sum at each node: perhaps the power of what diffuses, too."""
         return (*like, 0.0, 0.0)
 
     def diffused(self, like):
-        """The same of fluxes of differences: perhaps Phi_m F_rho, too."""
+        """As many as a flux of a difference has: perhaps Phi_m F_rho, too."""
         return (*like, 0.0, 0.0)
 
     def rise(self, potential, i, j):
@@ -60,7 +60,7 @@ class NoForce(NamedTuple):
         return F, F
 
     def any(self, gas, F, l, r, a_l, a_r, rise):
-        """The same of any two nodes."""
+        """What any two nodes subtract and add."""
         return F, F
 
     def level(self, potential, i, first, w):
@@ -76,7 +76,7 @@ class NoForce(NamedTuple):
         return F
 
     def parted(self, F):
-        """Both of these."""
+        """What ``with_level`` put together: F, and Phi_m F_rho."""
         return F, 0.0
 
     def lifted(self, potential, i, F, level):
@@ -110,7 +110,7 @@ class NoForce(NamedTuple):
 
 
 class NodeForce(NoForce):
-    """Node by node: for the divergence form."""
+    """A force node by node: for the divergence form."""
 
     def note(self, part, q, found):
         return note_potential(part, q, found)
@@ -120,7 +120,7 @@ class NodeForce(NoForce):
 
 
 class PairForce(NoForce):
-    """From its potential, pair by pair: for fluxes that conserve entropy."""
+    """A force from its potential, pair by pair: for fluxes that conserve entropy."""
 
     def sums(self, like):
         return (*like, 0.0, 0.0, *like)
@@ -186,7 +186,7 @@ class PairForce(NoForce):
 
 
 def force_of(force: Any, divergence: bool) -> Any:
-    """Which one a body force per mass (d,) is in a form of convection."""
+    """The class for a body force per mass (d,) in the divergence form, or in the entropy form."""
     if not any(force):
         return NoForce()
     return NodeForce() if divergence else PairForce()

@@ -58,7 +58,7 @@ def listed(part: Any, rows: list[tuple[int, int, int, float, int]]) -> Faces:
 
 
 def turned_faces(faces: Faces, patch: Any) -> list[tuple[int, int]]:
-    """The faces of a patch that nodes are on: axis, index of the node along it."""
+    """The faces of a patch on which there are nodes: axis and index along it."""
     strides = np.cumprod([1, *patch.ghosted[:2]])
     index = faces.node // strides[faces.axis] % np.array(patch.ghosted)[faces.axis]
     return sorted(set(zip(faces.axis.tolist(), index.tolist(), strict=True)))

@@ -1,14 +1,13 @@
-/* Rates of the nodes of a solid block, boundary-flux-free. fsipetsc.equations.solid has the
-   equations, fsipetsc.operators.bands the weights S_il of pairs. With
+/* Rates of the nodes of a solid block, without fluxes through its faces. fsipetsc.equations.solid
+   has the equations, fsipetsc.operators.bands the weights S_il of pairs. With
 
        D_k f   = sum_l S_il (f_l - f_i) / (2 weight_i)     derivative along axis k
-       D°_k f  = sum_l S_il (f_l + f_i) / (2 weight_i)     the same without the flux through the
-   ends
+       D°_k f  = sum_l S_il (f_l + f_i) / (2 weight_i)     the same without flux through the ends
 
    and the tractions t^k = P A^k, the rates of displacement, velocity and energy are
 
-       D_t = v,    J0 m0 v_t = sum_k D°_k t^k,    J0 m0 e_t = v . sum_k D°_k t^k + sum_k t^k . D_k
-   v.
+       D_t = v,    J0 m0 v_t = sum_k D°_k t^k,
+       J0 m0 e_t = v . sum_k D°_k t^k + sum_k t^k . D_k v.
 
    The power is, pair by pair, S_il (t_i . v_l + t_l . v_i)/2: nothing is lost or won.
 
@@ -17,34 +16,29 @@
    ring. What two tiles need is found twice by the same operations: rates do not depend on tiles,
    nor on how a block is cut. */
 
-enum {
-  OWN,
-  HEATED,
-  STRAINED,
-  KNOWN
-};                    /* boxes around a tile where rates, heats, F and t^k, unknowns are needed */
+/* Boxes around a tile, in which rates, heats, F and t^k, unknowns are needed. */
+enum { OWN, HEATED, STRAINED, KNOWN };
 enum { PLAIN, FREE }; /* D_k, D°_k */
 
 struct solid {
-  const long *boxes;     /* (tiles, 4, 3, 2) first node and first beyond of OWN … KNOWN */
-  const long *jumps;     /* (3, nodes, most) of each axis and node: how many neighbours, how far */
-  const double *weights; /* (2, 3, nodes, most) S_il/(2 weight_i) of these, PLAIN and FREE */
-  const long *ends;      /* (nodes,) along the first axis: the first node with other neighbours */
+  /* (tiles, 4, 3, 2) first node and first beyond of OWN … KNOWN along each axis */
+  const long *boxes;
+  /* (3, nodes, most) of each axis and node how many neighbours it has, then how far they are;
+     (2, 3, nodes, most) S_il/(2 weight_i) of these, PLAIN and FREE */
+  const long *jumps;
+  const double *weights;
+  const long *ends;               /* (nodes,) along the first axis: the next node with others */
   long tiles, nodes, most;
-  long lags[3]; /* layers from loading to t^k, conduction, rates */
-  long size[2], own[2],
-      first[3]; /* of the patch: nodes with the halo, owned nodes, first owned ones */
-  long row, layer, layers,
-      step; /* of a tile's arrays: nodes of a row, of a layer; layers; of a plane */
+  long lags[3];                   /* layers from loading to t^k, to conduction, to rates */
+  long size[2], own[2], first[3]; /* of the patch: nodes with the halo, owned ones, the first */
+  long row, layer, layers, step;  /* of a tile: nodes of a row, of a layer; layers; of a plane */
   const double *p, *metrics, *prestress;
-  long N; /* nodes of a plane of metrics and prestress */
+  long N;                         /* nodes of a plane of metrics and prestress */
   double *unknowns, *strains, *tractions, *temperatures, *heats, *slopes;
 };
-/* n nodes from x, y, z on: where they are in arrays of the patch, of its owned nodes, of the tile,
-   in the layer ``place`` of that. */
-struct row {
-  long n, x, y, z, patch, own, tile, place;
-};
+/* n nodes from x, y, z on along the first axis. patch, own, tile: the place of the first one in
+   arrays of the patch, of its owned nodes, of the tile; place: the layer of the tile's ring. */
+struct row { long n, x, y, z, patch, own, tile, place; };
 
 static const long *box_of(const struct solid *s, long tile, int stage, int axis) {
   return s->boxes + ((tile * 4 + stage) * 3 + axis) * 2;
@@ -52,14 +46,10 @@ static const long *box_of(const struct solid *s, long tile, int stage, int axis)
 
 static struct row row_of(const struct solid *s, long tile, int stage, long y, long z) {
   const long *box = box_of(s, tile, stage, 0), x = box[0];
-  const long x0 = box_of(s, tile, KNOWN, 0)[0], y0 = box_of(s, tile, KNOWN, 1)[0],
-             place = z % s->layers;
+  const long x0 = box_of(s, tile, KNOWN, 0)[0], y0 = box_of(s, tile, KNOWN, 1)[0];
+  const long place = z % s->layers;
   return (struct row){
-      .n = box[1] - x,
-      .x = x,
-      .y = y,
-      .z = z,
-      .place = place,
+      .n = box[1] - x, .x = x, .y = y, .z = z, .place = place,
       .patch = (z * s->size[1] + y) * s->size[0] + x,
       .own = ((z - s->first[2]) * s->own[1] + y - s->first[1]) * s->own[0] + x - s->first[0],
       .tile = place * s->layer + (y - y0) * s->row + x - x0,
@@ -73,22 +63,23 @@ static long away(const struct solid *s, const struct row *r, int axis, long jump
   return (jump + (there < 0 ? s->layers : there < s->layers ? 0 : -s->layers)) * s->layer;
 }
 
-/* out = or += w0 a + w1 b + w2 c + w3 d. */
+/* Let out be w0 a + w1 b + w2 c + w3 d, or add this to it if it is not the first. */
 static NOINLINE void combine(double *restrict out, const double *w, const double *a,
-                             const double *b, const double *c, const double *d, int first, long n) {
+                             const double *b, const double *c, const double *d, int first,
+                             long n) {
   const double w0 = w[0], w1 = w[1], w2 = w[2], w3 = w[3];
   if (first) {
-#pragma omp simd
+    #pragma omp simd
     for (long i = 0; i < n; ++i) out[i] = fma(w3, d[i], fma(w2, c[i], fma(w1, b[i], w0 * a[i])));
   } else {
-#pragma omp simd
+    #pragma omp simd
     for (long i = 0; i < n; ++i) out[i] += fma(w3, d[i], fma(w2, c[i], fma(w1, b[i], w0 * a[i])));
   }
 }
 
-/* D_k f, or D°_k f if kind is FREE, for k = 1 … d: to planes of slopes, from ``to`` on. Along axis
-   k those of count planes of f from first + k next on. Nodes with the same neighbours are taken
-   together: all across the row, those in the interior. */
+/* Store D_k f, or D°_k f if kind is FREE, for k = 1 … d in planes of slopes, from ``to`` on. Along
+   axis k these are derivatives of count planes of f, from first + k next on. Nodes with the same
+   neighbours are taken together: along the row those in the interior, across it all. */
 static void differentiate(const struct solid *s, const struct row *r, int kind, const double *f,
                           long first, long next, long count, long to) {
   for (int k = 0; k < D; ++k) {
@@ -103,8 +94,8 @@ static void differentiate(const struct solid *s, const struct row *r, int kind, 
           const double *here = f + (first + k * next + l) * s->step + r->tile + begin;
           combine(s->slopes + (to + k * count + l) * WIDTH + begin, w + m,
                   here + away(s, r, axis, far[m]), here + away(s, r, axis, far[m + 1]),
-                  here + away(s, r, axis, far[m + 2]), here + away(s, r, axis, far[m + 3]), m == 1,
-                  end - begin);
+                  here + away(s, r, axis, far[m + 2]), here + away(s, r, axis, far[m + 3]),
+                  m == 1, end - begin);
         }
       }
     }
@@ -112,11 +103,11 @@ static void differentiate(const struct solid *s, const struct row *r, int kind, 
 }
 
 #define PLACED .metrics = s->metrics + r.patch, .N = s->N, .step = s->step, .p = s->p, .n = r.n
-#define ROWS_OF(stage, lag)                                                                        \
-  for (long layer = z - (lag), y = box_of(s, t, stage, 1)[0];                                      \
-       box_of(s, t, stage, 2)[0] <= layer && layer < box_of(s, t, stage, 2)[1] &&                  \
-       y < box_of(s, t, stage, 1)[1];                                                              \
-       ++y)
+/* For each row of a box in layer z - lag, if that is in the box. */
+#define ROWS_OF(stage, lag)                                                          \
+  for (long layer = z - (lag), y = box_of(s, t, stage, 1)[0];                        \
+       box_of(s, t, stage, 2)[0] <= layer && layer < box_of(s, t, stage, 2)[1] &&    \
+       y < box_of(s, t, stage, 1)[1]; ++y)
 
 static void take_row(const struct solid *s, const double *q, struct row r) {
   solid_take(.q = q + r.patch * (2 * D + 1), .unknowns = s->unknowns + r.tile, .step = s->step,
@@ -127,8 +118,7 @@ static void strain_row(const struct solid *s, struct row r) {
   differentiate(s, &r, PLAIN, s->unknowns, 0, 0, D, 0);
   solid_strain(.slopes = s->slopes, .strains = s->strains + r.tile, PLACED
 #if HOOPS
-               ,
-               .unknowns = s->unknowns + r.tile
+               , .unknowns = s->unknowns + r.tile
 #endif
   );
 }
@@ -137,8 +127,7 @@ static void pull_row(const struct solid *s, struct row r) {
   solid_pull(.unknowns = s->unknowns + r.tile, .strains = s->strains + r.tile, PLACED,
              .temperatures = s->temperatures + r.tile, .tractions = s->tractions + r.tile
 #if PRESTRESSED
-             ,
-             .prestress = s->prestress + r.patch
+             , .prestress = s->prestress + r.patch
 #endif
   );
 }
@@ -160,14 +149,13 @@ static void accelerate_row(const struct solid *s, double *rates, struct row r) {
   solid_accelerate(.unknowns = s->unknowns + r.tile, .tractions = s->tractions + r.tile,
                    .slopes = s->slopes, PLACED, .rates = rates + r.own * (2 * D + 1)
 #if HOOPS
-                                                    ,
-                   .strains = s->strains + r.tile
+                   , .strains = s->strains + r.tile
 #endif
   );
 }
 
-/* q: the unknowns with a halo of two interior reaches, of three for conduction; rates: of the owned
- * nodes. */
+/* Fill the rates of the owned nodes; q: the unknowns with a halo of two interior reaches, with
+   conduction of three. */
 void solid_rates(const struct solid *s, const double *q, double *rates) {
   for (long t = 0; t < s->tiles; ++t) {
     for (long z = box_of(s, t, KNOWN, 2)[0]; z < box_of(s, t, OWN, 2)[1] + s->lags[2]; ++z) {

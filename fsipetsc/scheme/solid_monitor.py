@@ -27,7 +27,7 @@ def solid_monitor(solid, like, q, X, metrics, prestress, per_h, masses, work, F,
     """Fill seen (MONITORED,), sums (solid_work.sums_of(d) + 1,) and F (d d, M) of the owned nodes.
 
     sums: momentum, energy, angular momentum, kinetic and elastic energy, minus this. q, metrics,
-    prestress, work: see fsipetsc.scheme.solid_rates. X: (d, N) places at rest. per_h: (d,) cells
+    prestress, work: see fsipetsc.scheme.solid_record. X: (d, N) places at rest. per_h: (d,) cells
     per axis; masses: (M,) weight J0 m0. loses: 1 if the last two sums are wanted, else they are 0.
     """
     patch, layout, lags, boxes, jumps, weights, ends = work[:7]

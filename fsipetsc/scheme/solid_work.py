@@ -1,4 +1,4 @@
-"""What fsipetsc.scheme.solid_rates knows of a patch before, and its memory.
+"""What the rates and the monitor of a solid know of a patch before a run, and their memory.
 
 A tile is a range of nodes along the first axis, and along the second one of three; its layers along
 the last axis are swept. Boxes of nodes around a tile say where what is needed: F, T and t^k where
@@ -65,7 +65,8 @@ class Row(NamedTuple):
 
 
 class Work(NamedTuple):
-    """What solid_rates knows of a patch, and its memory. The axes are first, inner and last one.
+    """What the rates and the monitor know of a patch, and their memory. The axes are first, inner
+    and last one.
 
     patch: in this order. lags: layers from loading to t^k, conduction, rates. boxes:
     (tiles, 4, 3, 2) first node and first beyond of OWN … KNOWN. jumps: (3, n, 1 + most) of each

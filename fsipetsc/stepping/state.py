@@ -52,8 +52,8 @@ class State:
         return []
 
     def go_to_fault(self) -> str:
-        """Be where a failed step began to be unphysical, if that can be found out. Returns what
-        the state before it says of the cause, or "". Collective.
+        """Go to where a failed step became unphysical, if that can be found. Returns what the
+        state before the step says of the cause, or "". Collective.
         """
         return ""
 
