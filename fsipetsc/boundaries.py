@@ -25,10 +25,11 @@ class Wall:
     """No-slip wall at the Eulerian position x [m]: adiabatic, of temperature T [K], or with a heat
     flux [W/m2] into the gas.
 
-    x, T, heat_flux: numbers or functions of t [s]. velocity: function of t, [m/s], of a wall that
-    moves; else it is taken from differences of x(t), also for a few steps before t = 0. A wall that
-    moves, or does not insulate, needs a stretched gas layer, and makes it one. Heat matters only to
-    a gas that conducts it. InputError for what is of the wrong kind.
+    x, T, heat_flux: numbers or functions of t [s], from t = 0 to the end of the run. velocity:
+    function of t, [m/s], of a wall that moves: the derivative of x; else it is taken from
+    differences of x(t). A wall that moves, or does not insulate, needs a stretched gas layer, and
+    makes it one. Heat matters only to a gas that conducts it. InputError for what is of the wrong
+    kind.
     """
 
     x: Timed

@@ -133,7 +133,7 @@ def elastic(stress=lambda F: LOG.stress(F), **energy):
 def fastest(F):
     """m0 c^2 of the fastest wave of LOG in any direction, by differences of the stress."""
     bumps = 1e-5 * np.eye(4)
-    slopes = [np.subtract(LOG.stress(F + e), LOG.stress(F - e)) / 2e-5 for e in bumps]
+    slopes = [np.subtract(LOG.stress(tuple(F + e)), LOG.stress(tuple(F - e))) / 2e-5 for e in bumps]
     tensor = np.transpose(slopes).reshape(2, 2, 2, 2)
     angles = np.linspace(0.0, np.pi, 181)
     normals = np.stack([np.cos(angles), np.sin(angles)], axis=1)

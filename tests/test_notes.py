@@ -2,9 +2,16 @@
 
 import pytest
 from helpers import solve
+from mpi4py import MPI
 
+from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blockrun.notes import weak_hinges
+from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.conditions import Outflow, Slip
+from fsipetsc.blocks.maps import rectangle
+from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases import load_case
+from fsipetsc.materials.fluid import Fluid
 from fsipetsc.options import defaults
 
 #: the piston or the blast, with one thing changed
@@ -77,3 +84,21 @@ def test_a_hinge_that_does_not_hold():
     for order, ends, count in ((8, "hinged", 1), (6, "hinged", 0), (8, "clamped", 0)):
         problem = case.build({**defaults(case), "panel_ends": ends, "fsi_order": order})
         assert len(weak_hinges(problem, order)) == count
+
+
+@pytest.mark.parametrize("side", [0, 1])
+def test_gas_that_flows_in_through_an_outflow_is_told(side):
+    """Nothing is said where it flows out or rests, nor where the state is no number."""
+    for speed, told in ((0.5, 0), (0.0, 0), (-0.5, 1), (float("nan"), 0)):
+        u = speed * (2 * side - 1)
+        gas = Fluid(0.0, 0.0, 1.4, 1.0)
+        block = Block("gas", gas, rectangle(0.0, 1.0), (10,), lambda X: (1.0, 0.0 * X, 1.0))
+        faces = {("gas", 0, side): Outflow(1.0), ("gas", 0, 1 - side): Slip()}
+        with BlockState(MPI.COMM_SELF, BlockProblem((block,), faces), 2) as state:
+            state.check_data()
+            state.y.owned(0)[:, 2] = u * state.y.owned(0)[:, 1]
+            state.y.fill_halos()
+            said = state.inflows()
+        assert len(said) == told
+        for words in said:
+            assert f"flows in through the Outflow of 'gas' at X = {side} m" in words
