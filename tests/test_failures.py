@@ -167,8 +167,7 @@ def test_an_error_of_a_function_ends_all_with_its_place(name, ranks, tmp_path):
             steps = result.summary["steps"]
             assert result.summary["status"] == "failed"
             assert result.series["t"].size == steps, "no step that was good is lost"
-            # the acceleration of an end is a difference in time, some steps to either side
-            assert steps >= (5 if name == "edge" else 10)
+            assert steps >= 10, "no function is asked for times that are still to come"
 
 
 def test_an_end_by_the_number_of_steps_and_steps_far_beyond_their_bound_are_said(tmp_path):

@@ -17,8 +17,7 @@ def prescribed(x, velocity=None):
     gas = Fluid(0.0, 0.0, 1.4, 1.0)
     layer = FluidLayer("gas", gas, (0.0, 1.0), lambda X: (1.0 + 0.0 * X, 0.0 * X, 1.0 + 0.0 * X))
     made = blocks_of_line(Problem((layer,), Wall(x, velocity=velocity), Wall(1.0)), 0.1, 4)
-    law = gas.equations(1).law
-    return Prescribed(made, particles_of(made), law, lambda: STEP)
+    return Prescribed(made, particles_of(made), lambda: STEP)
 
 
 @pytest.mark.parametrize("given", [False, True])
