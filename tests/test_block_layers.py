@@ -1,6 +1,5 @@
 """Blocks of flat layers: what meets, what stands at the other faces; cases of one dimension."""
 
-from math import sqrt
 
 import numpy as np
 import pytest
@@ -84,7 +83,6 @@ WRONG = {
     "g_u = 1": lambda: line(jumps=lambda k, t: (1.0, 0.0, 0.0, 0.0)).jumps(np.ones(1), 0.0),
     "x of the left end": lambda: Steps(line(boundaries.Wall(lambda t: "one"))),
     "T of the left end": lambda: Steps(line(boundaries.Wall(0.0, T=lambda t: -1.0))),
-    "x of the left end at t = -": lambda: Steps(line(boundaries.Wall(lambda t: sqrt(t)))),
 }
 
 
