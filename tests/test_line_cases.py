@@ -97,7 +97,8 @@ def test_waves_leave_through_the_ends(start, tmp_path):
     solid, gas = pulsed(tmp_path, start, 0.01).layers
     assert np.abs(solid["sigma"][-1] + 1e5).max() < 0.01 * AMPLITUDE
     assert np.nanmax(np.abs(gas["p"][-1] - 1e5)) < 0.01 * AMPLITUDE
-    assert np.isfinite(gas["p"][-1]).sum() == np.isfinite(gas["p"][0]).sum()
+    counts = [np.isfinite(gas["p"][k]).sum() for k in (0, -1)]
+    assert abs(counts[1] - counts[0]) <= 2 < counts[0], "points come and go with the ends of the gas"
 
 
 # the gas before a piston works like the spring that it is
