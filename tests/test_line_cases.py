@@ -98,7 +98,7 @@ def test_waves_leave_through_the_ends(start, tmp_path):
     assert np.abs(solid["sigma"][-1] + 1e5).max() < 0.01 * AMPLITUDE
     assert np.nanmax(np.abs(gas["p"][-1] - 1e5)) < 0.01 * AMPLITUDE
     counts = [np.isfinite(gas["p"][k]).sum() for k in (0, -1)]
-    assert abs(counts[1] - counts[0]) <= 2 < counts[0], "points come and go with the ends of the gas"
+    assert abs(counts[1] - counts[0]) <= 2 < counts[0], "points come and go with the gas's ends"
 
 
 # the gas before a piston works like the spring that it is
