@@ -11,10 +11,10 @@ from fsipetsc.kernels.kernel import numbers_of
 from fsipetsc.kernels.unit import c_source, unit
 from fsipetsc.operators.bands import Band, Patch
 from fsipetsc.scheme.gas_kernels import gas_kernels
-from fsipetsc.scheme.rows import Array, aligned
+from fsipetsc.scheme.rows import MARGIN, TILE, Array, aligned
 
-#: most nodes of a row of a tile, nodes beside these, most rows of a tile in three dimensions
-TILE, MARGIN, DEPTH = 72, 24, 8
+#: most rows of a tile in three dimensions; nodes of a row, with those beside the tile
+DEPTH = 8
 ROW = TILE + 2 * MARGIN
 #: zeros between two nodes with pairs of one distance that make two spans of them; most spans
 GAP, SPANS = 16, 64

@@ -91,7 +91,7 @@ class SolidWaves(NamedTuple):
 
 @njit(**CALL)
 def solid_dissipation(part, term, q, rates):
-    """Add a term to the rates (M, 2d + 1) of the owned nodes; q: as in fsipetsc.scheme.solid_rates,
+    """Add a term to the rates (M, 2d + 1) of the owned nodes; q: as fsipetsc/scheme/solid.c has it,
     with a halo of q + 1 nodes at least.
     """
     like, metrics, patch, difference = part.like, part.metrics, part.patch, term.differences
