@@ -173,8 +173,8 @@ def _lines(
     they were made.
     """
     wanted = [symbol for _, symbol in stores] + ([] if counted is None else [counted])
-    uses = _uses(wanted)
-    fused = _fused(record, uses)
+    uses = uses_of(wanted)
+    fused = fused_products(record, uses)
     before, body, names = [], [], {}
     for symbol in record.symbols:
         if symbol.number not in uses or symbol.number in fused.values():
@@ -182,15 +182,7 @@ def _lines(
         if symbol.operation == "constant":
             names[symbol.number] = _constant(symbol)
             continue
-        if symbol.number in fused:
-            text = _fma(symbol, fused[symbol.number], names)
-        elif symbol.operation == "given":
-            text = symbol.text
-        else:
-            operands = [names[operand.number] for operand in symbol.operands]
-            form = _FORMS.get(symbol.operation)
-            call = f"{symbol.operation}_({', '.join(operands)})"
-            text = form.format(*operands) if form else call
+        text = line_of(symbol, fused, names)
         kind = "int" if symbol.operation in CONDITIONS else "double"
         names[symbol.number] = f"t{symbol.number}"
         lines = before if symbol.uniform else body
@@ -201,7 +193,21 @@ def _lines(
     return before, body
 
 
-def _uses(wanted: Sequence[Symbol]) -> dict[int, int]:
+def line_of(symbol: Symbol, fused: dict[int, int], names: dict[int, str]) -> str:
+    """What a symbol is in C. names: of its operands."""
+    if symbol.number in fused:
+        return _fma(symbol, fused[symbol.number], names)
+    if symbol.operation == "constant":
+        return _constant(symbol)
+    if symbol.operation in ("given", "holds"):
+        return symbol.text
+    operands = [names[operand.number] for operand in symbol.operands]
+    form = _FORMS.get(symbol.operation)
+    call = f"{symbol.operation}_({', '.join(operands)})"
+    return form.format(*operands) if form else call
+
+
+def uses_of(wanted: Sequence[Symbol]) -> dict[int, int]:
     """How often each symbol is an operand, of those that are needed."""
     uses: dict[int, int] = {}
     left = list(wanted)
@@ -213,7 +219,7 @@ def _uses(wanted: Sequence[Symbol]) -> dict[int, int]:
     return uses
 
 
-def _fused(record: Record, uses: dict[int, int]) -> dict[int, int]:
+def fused_products(record: Record, uses: dict[int, int]) -> dict[int, int]:
     """Sums -> the product that each is fused with: the last operand that nothing else takes."""
     fused = {}
     for symbol in record.symbols:

@@ -37,7 +37,7 @@ OPERATIONS: dict[Any, str] = {
     **{np.sinh: "sinh", np.cosh: "cosh", np.tanh: "tanh"},
 }
 #: operations whose result is true or false
-CONDITIONS = frozenset({">", "<", ">=", "<=", "==", "!=", "&", "|", "not"})
+CONDITIONS = frozenset({">", "<", ">=", "<=", "==", "!=", "&", "|", "not", "holds"})
 LOGICAL = frozenset({"&", "|", "not"})
 #: the largest exponent for which a power is written as products
 MOST_FACTORS = 8
@@ -48,7 +48,7 @@ class NotRecorded(InputError):
     """A formula does what cannot be recorded; the message has its name, file and line."""
 
 
-def _refuse(what: str) -> NotRecorded:
+def refuse(what: str) -> NotRecorded:
     """The error, with the line of the formula that was running."""
     frame = sys._getframe(1)
     inside = (_KERNELS, os.path.dirname(os.path.abspath(np.__file__)))
@@ -74,33 +74,34 @@ class Symbol(NDArrayOperatorsMixin):
         self.number = len(record.symbols)
 
     def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
+        more.pop("out", None)  # of a += b: another symbol is what a is then
         if function not in OPERATIONS or method != "__call__" or more:
-            raise _refuse(f"np.{function.__name__} cannot be recorded")
+            raise refuse(f"np.{function.__name__} cannot be recorded")
         if function is np.power:
             return _power(self.record, *given)
         return self.record.apply(OPERATIONS[function], *given)
 
     def __array_function__(self, function: Any, kinds: Any, given: Any, more: Any) -> Any:
         if function is not np.where or len(given) != 3 or more:
-            raise _refuse(f"np.{function.__name__} cannot be recorded")
+            raise refuse(f"np.{function.__name__} cannot be recorded")
         return self.record.apply("where", *given)
 
     def __bool__(self) -> bool:
         advice = "write np.where(condition, a, b), np.maximum(a, b), np.minimum(a, b)"
-        raise _refuse(f"it branches on a value (if, and, or, min, max): {advice}")
+        raise refuse(f"it branches on a value (if, and, or, min, max): {advice}")
 
     def __float__(self) -> float:
-        raise _refuse("float() and the functions of math take no symbols: take numpy's functions")
+        raise refuse("float() and the functions of math take no symbols: take numpy's functions")
 
     __int__ = __index__ = __complex__ = __float__  # type: ignore[assignment]
 
     def __iter__(self) -> Iterator[Any]:
-        raise _refuse("it takes one number for several")
+        raise refuse("it takes one number for several")
 
     def __getitem__(self, at: Any) -> Any:
         if at == ():  # by which numpy makes a number of an array without axes
             return self
-        raise _refuse("it takes one number for several")
+        raise refuse("it takes one number for several")
 
     def __hash__(self) -> int:
         return id(self)
@@ -120,7 +121,7 @@ class Record:
         try:
             number = float(value)
         except (TypeError, ValueError):
-            raise _refuse(f"{value!r} is no number") from None
+            raise refuse(f"{value!r} is no number") from None
         symbol = self._one(("constant", number.hex()), "constant")
         symbol.uniform, symbol.value = True, number
         return symbol
@@ -135,7 +136,7 @@ class Record:
         """What an operation makes of symbols or numbers."""
         operands = tuple(self.constant(operand) for operand in given)
         if operation in LOGICAL and not all(o.operation in CONDITIONS for o in operands):
-            raise _refuse("&, | and ~ are of conditions, as a > b, alone")
+            raise refuse("&, | and ~ are of conditions, as a > b, alone")
         simpler = _simplified(self, operation, operands)
         if simpler is not None:
             return simpler
@@ -165,7 +166,7 @@ def _simplified(record: Record, operation: str, operands: tuple[Symbol, ...]) ->
     """What the operation is without being done, or None."""
     values = [operand.value for operand in operands]
     if operation == "/" and values[1] == 0.0:
-        raise _refuse("it divides by a constant 0")
+        raise refuse("it divides by a constant 0")
     if operation in _FOLDED and None not in values:
         return record.constant(_FOLDED[operation](*values))
     if operation in "+*":

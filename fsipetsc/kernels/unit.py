@@ -12,6 +12,8 @@ _HEAD = """#include <math.h>
 #define NOINLINE __attribute__((noinline))
 static inline long most(long a, long b) { return a > b ? a : b; }
 static inline long least(long a, long b) { return a < b ? a : b; }
+static inline long quotient(long a, long b) { return a / b - (a % b != 0 && (a < 0) != (b < 0)); }
+static inline long remainder_of(long a, long b) { return a - b * quotient(a, b); }
 """
 
 

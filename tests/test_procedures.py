@@ -1,0 +1,132 @@
+"""Loops that are recorded and printed as C: what they do, and what is refused."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+from fsipetsc.errors import InputError
+from fsipetsc.kernels import build
+from fsipetsc.kernels.procedure import (
+    Code,
+    each,
+    number,
+    otherwise,
+    pick,
+    stop,
+    variable,
+    when,
+    whole,
+)
+from fsipetsc.kernels.unit import unit
+
+
+class Inner(NamedTuple):
+    table: Any
+    scale: float
+
+
+class Part(NamedTuple):
+    inner: Inner
+    at: Any
+    first: int
+    doubles: bool
+
+
+def made(function, *records):
+    code = Code(unit({}, []))
+    found = code.procedure("procedure", function, *records)
+    code.load(build.loaded(build.keep(build.name_of(code.text), build.made(code.text))))
+    return found
+
+
+def part(doubles=True, n=5):
+    table = np.arange(3.0 * n).reshape(n, 3)
+    return Part(Inner(table, 0.5), np.array([4, 0, 2]), 1, doubles)
+
+
+def test_loops_reads_and_stores():
+    def scatter(part, y):
+        """Add rows to a vector."""
+        rows = y.reshape(-1)
+        for m in each(part.at.shape[0]):
+            for c in range(3):
+                rows[part.first + 3 * m + c] += part.inner.scale * part.inner.table[part.at[m], c]
+        if part.doubles:
+            for i in each(y.size, vector=True):
+                y[i] = 2.0 * y[i]
+
+    for doubles in (True, False):
+        of = part(doubles)
+        y = np.ones(10)
+        wanted = y.copy()
+        for m in range(3):
+            wanted[1 + 3 * m : 4 + 3 * m] += 0.5 * of.inner.table[of.at[m]]
+        made(scatter, of)(y)
+        assert np.array_equal(y, (2.0 if doubles else 1.0) * wanted)
+
+
+def test_branches_variables_and_reading_again():
+    def count(part, y):
+        """A running sum until it is beyond 10; how often numbers were above 1."""
+        total, often = variable(0.0), variable(0.0)
+        for i in each(y.size):
+            with when((y[i] > 1.0) & (i < 6)):
+                often.value += 1.0
+                y[i] = -y[i]
+            with otherwise():
+                y[i] = 100.0
+            total.value += y[i] * y[i]
+            stop(total.value > 50.0)
+        y[0] = total.value
+        y[1] = often.value
+        y[-1] = number(pick(often.value > 2.0, part.first + 6, part.at[0]) % 3)
+        y[-2] = number(part.at[whole(often.value)])
+
+    y = np.array([2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0])
+    made(count, part())(y)
+    assert y.tolist() == [54.0, 4.0, -4.0, -5.0, 6.0, 7.0, 2.0, 1.0][:6] + [y[6], 7 % 3]
+
+
+def test_fields_of_records_and_parts_of_arrays():
+    facts = np.zeros(3, [("sticks", np.int64), ("mass", float)])
+    facts["sticks"], facts["mass"] = [1, 0, 1], [1.5, 2.5, 3.5]
+
+    class Known(NamedTuple):
+        facts: Any
+        rows: Any
+
+    def weigh(known):
+        """Masses of what sticks."""
+        for p in each(known.facts.shape[0]):
+            row = known.rows[p]
+            with when(known.facts[p].sticks == 1):
+                row[1:] = known.facts[p].mass
+
+    rows = np.zeros((3, 4))
+    made(weigh, Known(facts, rows))()
+    assert rows[:, 0].tolist() == [0, 0, 0] and rows[:, 3].tolist() == [1.5, 0, 3.5]
+
+
+def test_the_text_knows_kinds_alone():
+    def double(part):
+        """Twice."""
+        for i in each(part.inner.table.shape[0]):
+            part.inner.table[i, part.first] *= 2.0
+
+    texts = {made(double, part(n=n)._replace(first=f)).text for n in (3, 5) for f in (0, 2)}
+    assert len(texts) == 1
+
+
+def test_what_cannot_be_recorded_is_refused_with_its_line():
+    def branches(part, y):
+        if part.first > 0:
+            y[0] = 1.0
+
+    def counts(part, y):
+        for _ in range(part.first):
+            y[0] = 1.0
+
+    for function in (branches, counts):
+        with pytest.raises(InputError, match=rf"{function.__name__}, .*test_procedures.py:\d+"):
+            made(function, part())
