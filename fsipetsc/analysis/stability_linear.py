@@ -28,9 +28,9 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy.linalg import orth
 
+from fsipetsc.operators.loops import njit
 from fsipetsc.analysis.spectra import CENTRAL, Real, step_limit
 from fsipetsc.cases.common import gas_of, solid_of
 from fsipetsc.materials.fluid import Fluid

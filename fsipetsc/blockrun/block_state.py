@@ -23,7 +23,6 @@ from fsipetsc.blockrun.scheme import Scheme
 from fsipetsc.blockrun.solid_limits import imaginary_waves, most_crushed
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import FsiError, InputError
-from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder
 from fsipetsc.process.together import agree, together, wait_asleep

@@ -15,7 +15,7 @@ from fsipetsc.blockrun.columns import loses
 from fsipetsc.blockrun.prescribed import Prescribed
 from fsipetsc.blocks.particles import ROLLS, Particle
 from fsipetsc.materials.perfect_gas import PerfectGas
-from fsipetsc.operators.boxed import Box, with_calls
+from fsipetsc.operators.boxed import Box
 from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.parallel.particle_exchange import ParticleExchange
 from fsipetsc.scheme import normals as of_faces

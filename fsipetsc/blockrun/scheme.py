@@ -27,7 +27,7 @@ from fsipetsc.blockrun.solid_part import SolidPart
 from fsipetsc.blocks.particles import particles_of
 from fsipetsc.blocks.values import block_values
 from fsipetsc.errors import InputError
-from fsipetsc.operators.boxed import Box, with_calls
+from fsipetsc.operators.boxed import Box
 from fsipetsc.parallel.block_layout import BlockVector
 from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import together

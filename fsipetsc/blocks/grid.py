@@ -11,7 +11,6 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from fsipetsc.blocks.block import Range
 from fsipetsc.blocks.cube import Cube, faces_turning
@@ -22,6 +21,7 @@ from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.blocks.radial_grid import radial_motion
 from fsipetsc.checks import Array
 from fsipetsc.operators.compiled import CompiledFunction
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import CALL
 
 

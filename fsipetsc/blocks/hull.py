@@ -14,12 +14,12 @@ from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from fsipetsc.blocks.block import Block, mesh
 from fsipetsc.blocks.faces import face_nodes
 from fsipetsc.blocks.metrics import EXACT, Wide
 from fsipetsc.checks import Array
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import CALL
 
 

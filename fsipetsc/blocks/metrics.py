@@ -7,7 +7,6 @@ X = y + sum_k xi_k P_k, with P_k the period of axis k, or 0.
 """
 
 import numpy as np
-from numba import njit
 
 from fsipetsc.blocks.block import Range, determinant, mesh
 from fsipetsc.blocks.maps import place_text
@@ -15,6 +14,7 @@ from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array
 from fsipetsc.equations.tensors import cofactor
 from fsipetsc.errors import InputError
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import CALL, INNER_CALL
 from fsipetsc.operators.loops import EXACT_LOOP as EXACT
 

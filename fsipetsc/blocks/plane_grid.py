@@ -16,13 +16,13 @@ across it; then their values, those at vertices, l and h are 0.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.faces import face_nodes
 from fsipetsc.blocks.hull import Hull, end_weights
 from fsipetsc.blocks.metrics import EXACT, Wide, differentiate
 from fsipetsc.checks import Array
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import CALL, INNER_CALL, add, dot, load, rows, scale, store, sub
 
 

@@ -18,13 +18,13 @@ of fsipetsc.operators.coefficients).
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from fsipetsc.blocks.hull import Hull, blend_of
 from fsipetsc.blocks.metrics import Wide, differentiate
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array
 from fsipetsc.equations.tensors import cofactor, determinant, outer
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import CALL, column, dot
 
 

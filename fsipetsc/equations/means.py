@@ -18,9 +18,7 @@ These series, cut in terms of Chebyshev polynomials (C. Lanczos, Applied Analysi
 from typing import Any
 
 import numpy as np
-from numba.extending import overload, register_jitable
 
-from fsipetsc.equations.logarithm import log
 
 #: distance up to which two numbers are near: within 18 % of each other
 NEAR = 0.03
@@ -36,42 +34,31 @@ def select(condition: Any, a: Any, b: Any) -> Any:
     return np.where(condition, a, b)
 
 
-@overload(select)
-def _select(condition, a, b):
-    return lambda condition, a, b: a if condition else b
-
-
-@register_jitable
 def distance(a, b, per_a, per_b):
     """z of a and b; per_a, per_b: 1 over each."""
     return a * per_b + (b * per_a - 2.0)
 
 
-@register_jitable
 def near_mean(a, b, z):
     """The logarithmic mean of a and b, of distance z <= NEAR."""
     return 0.5 * (a + b) * (_A0 + z * (_A1 + z * (_A2 + z * (_A3 + z * (_A4 + z * _A5)))))
 
 
-@register_jitable
 def near_harmonic_mean(a, b, z):
     """1 / (the logarithmic mean of 1/a and 1/b), for z <= NEAR."""
     return 0.5 * (a + b) * (_B0 + z * (_B1 + z * (_B2 + z * (_B3 + z * (_B4 + z * _B5)))))
 
 
-@register_jitable
 def logarithm_of_ratio(a, b, z):
     """ln(a/b) if z > NEAR, else 1."""
-    return log(select(z > NEAR, a / b, np.e))
+    return np.log(select(z > NEAR, a / b, np.e))
 
 
-@register_jitable
 def logarithmic_mean(a, b, z):
     """The logarithmic mean of any two positive numbers, of distance z."""
     return select(z > NEAR, (a - b) / logarithm_of_ratio(a, b, z), near_mean(a, b, z))
 
 
-@register_jitable
 def harmonic_mean(a, b, z):
     """1 / (the logarithmic mean of 1/a and 1/b)."""
     far = a * b * (logarithm_of_ratio(a, b, z) / select(z > NEAR, a - b, 1.0))

@@ -11,8 +11,8 @@ digits where two are equal.
 from math import isqrt
 
 import numpy as np
-from numba.extending import register_jitable
 
+from fsipetsc.operators.loops import register_jitable
 from fsipetsc.operators.loops import along, by_length, scale
 
 #: rotations at most, and what is round-off beside the diagonal, as a part of this

@@ -9,8 +9,8 @@ from itertools import product as product_of
 from math import isqrt
 from typing import Any
 
-from numba.extending import register_jitable
 
+from fsipetsc.operators.loops import register_jitable
 from fsipetsc.operators.loops import by_length
 
 Entry = Callable[[int, int, int], str]

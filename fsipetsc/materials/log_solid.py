@@ -12,6 +12,8 @@ In one dimension: B. Sjögreen and J. W. Banks (2012), (4.19).
 
 from typing import NamedTuple
 
+import numpy as np
+
 from fsipetsc.equations.logarithm import logarithm_rest
 from fsipetsc.equations.tensors import (
     add_unit,

@@ -11,7 +11,9 @@ P. Wriggers, Nonlinear Finite Element Methods (2008), section 3.3.
 
 from typing import NamedTuple
 
-from fsipetsc.equations.logarithm import log, logarithm_rest
+import numpy as np
+
+from fsipetsc.equations.logarithm import logarithm_rest
 from fsipetsc.equations.tensors import (
     add_unit,
     apply,
@@ -48,11 +50,11 @@ class NeoHookean(NamedTuple):
     def acoustic_tensor(self, F, N):
         """Q = mu_e + (lambda_e (1 - ln J) + mu_e)/J^2 a a^T [Pa], a = cof F N."""
         J, a = determinant(F), apply(cofactor(F), N)
-        stiffening = (self.lambda_e * (1.0 - log(J)) + self.mu_e) / (J * J)
+        stiffening = (self.lambda_e * (1.0 - np.log(J)) + self.mu_e) / (J * J)
         return add_unit(self.mu_e, outer(scale(stiffening, a), a))
 
     def wave_modulus(self, F):
         """Largest m0 c^2 [Pa]: mu_e + (lambda_e (1 - ln J) + mu_e)/J^2 |cof F N|^2."""
         J = determinant(F)
-        stiffening = max((self.lambda_e * (1.0 - log(J)) + self.mu_e) / (J * J), 0.0)
+        stiffening = max((self.lambda_e * (1.0 - np.log(J)) + self.mu_e) / (J * J), 0.0)
         return self.mu_e + stiffening * largest_stretch(cofactor(F))

@@ -16,12 +16,11 @@ from types import CodeType, FunctionType
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit, types
-from numba.extending import register_jitable
 
 from fsipetsc.checks import described
 from fsipetsc.equations.tensors import apply
 from fsipetsc.errors import InputError
+from fsipetsc.kernels.symbols import NotRecorded, Record, Symbol
 from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.neo_hookean import NeoHookean
 from fsipetsc.materials.perfect_gas import PerfectGas
@@ -235,13 +234,12 @@ def _law_of(kind: Kind, formulas: Mapping[str, Formula]) -> Any:
     methods = _formulas(kind.derived)
     for name, formula in plain.items():
         arguments = ", ".join(inspect.signature(formula).parameters)
-        space = {"formula": register_jitable(formula)}
-        once = "" if kind is SOLID else "1.0 * "  # numba's np.where returns an array without axes
-        exec(f"def {name}(self, {arguments}): return {once}formula({arguments})", space)
+        space = {"formula": formula}
+        exec(f"def {name}(self, {arguments}): return formula({arguments})", space)
         methods[name] = space[name]
         if kind is not SOLID:  # whose number of arguments depends on the dimension
-            _compile(f"{kind.maker}: {name}", formula, 1 + arguments.count(","))
-    return _class(kind.maker, ("unused",), methods)(0.0)  # numba needs a field
+            _check_recorded(f"{kind.maker}: {name}", formula, 1 + arguments.count(","))
+    return _class(kind.maker, (), methods)()
 
 
 def _check(what: str, kind: Kind, given: Mapping[str, Formula], first: str) -> None:
@@ -261,18 +259,17 @@ def _check(what: str, kind: Kind, given: Mapping[str, Formula], first: str) -> N
             raise InputError(f"{what}: {name}({found}): expected {form}")
 
 
-def _compile(what: str, formula: Formula, count: int) -> None:
-    """InputError if numba cannot compile a formula of so many numbers to one number."""
+def _check_recorded(what: str, formula: Formula, count: int) -> None:
+    """InputError if a formula of so many numbers cannot be recorded, or returns no number."""
+    record = Record()
     try:
-        compiled = njit(formula)
-        compiled.compile((types.float64,) * count)
-        (found,) = compiled.nopython_signatures
-    except Exception as error:  # numba's, of many kinds
-        reason = (str(error).strip() or repr(error)).splitlines()[0]
-        raise InputError(f"{what} cannot be compiled: {reason}") from error
-    kind = found.return_type
-    if not (isinstance(kind, (types.Float, types.Integer)) or getattr(kind, "ndim", 1) == 0):
-        raise InputError(f"{what} returns a value of the type {kind}: expected a number")
+        found = formula(*(record.given(f"x{k}") for k in range(count)))
+    except NotRecorded as error:
+        raise InputError(f"{what}: {error}") from error
+    except Exception as error:  # of the user's function
+        raise InputError(f"{what}: {type(error).__name__}: {error}") from error
+    if not isinstance(found, (Symbol, float, int)):
+        raise InputError(f"{what} returns {described(found)}: expected a number")
 
 
 def _class(name: str, fields: tuple[str, ...], methods: Mapping[str, Formula]) -> type:
@@ -287,13 +284,6 @@ def _class(name: str, fields: tuple[str, ...], methods: Mapping[str, Formula]) -
             setattr(made, key, formula)
         _classes[full] = made
     return _classes[full]
-
-
-def __getattr__(name: str) -> Any:
-    """The class of a law of a case, for numba's cache; an empty one for laws of other cases."""
-    if "_" in name and not name.startswith("_"):
-        return _classes.get(name) or NamedTuple(name, [])
-    raise AttributeError(name)
 
 
 def _fingerprint(value: Any, seen: set[int]) -> str:

@@ -2,7 +2,9 @@
 
 from typing import NamedTuple
 
-from fsipetsc.equations.logarithm import log
+import numpy as np
+
+
 
 
 class PerfectGas(NamedTuple):
@@ -48,7 +50,7 @@ class PerfectGas(NamedTuple):
 
     def entropy(self, rho, T):
         """s [J/(kg K)]."""
-        return self.R / (self.gamma - 1.0) * log(T) - self.R * log(rho)
+        return self.R / (self.gamma - 1.0) * np.log(T) - self.R * np.log(rho)
 
     def bulk_modulus(self, rho, T):
         """rho dp/drho at constant T [Pa]."""

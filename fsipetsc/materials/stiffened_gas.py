@@ -6,8 +6,9 @@ So e = (p + gamma p_inf)/((gamma - 1) rho): F. H. Harlow and A. A. Amsden, Fluid
 
 from typing import NamedTuple
 
+import numpy as np
+
 from fsipetsc.checks import NONNEGATIVE, POSITIVE, number
-from fsipetsc.equations.logarithm import log
 
 
 class StiffenedGas(NamedTuple):
@@ -51,7 +52,7 @@ class StiffenedGas(NamedTuple):
 
     def entropy(self, rho, T):
         """s [J/(kg K)]."""
-        return self.cv * (log(T) - (self.gamma - 1.0) * log(rho))
+        return self.cv * (np.log(T) - (self.gamma - 1.0) * np.log(rho))
 
     def bulk_modulus(self, rho, T):
         """rho dp/drho at constant T [Pa]."""

@@ -18,10 +18,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from fsipetsc.operators.coefficients import AXIS
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import CALL
 from fsipetsc.operators.sbp import operator
 

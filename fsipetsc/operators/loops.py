@@ -1,98 +1,30 @@
-"""How loops are compiled, and functions of tuples: one source serves one, two and three dimensions.
+"""Functions of tuples, once for one, two and three dimensions.
 
 Equations and laws are NamedTuple classes whose methods are scalar formulas, as
-``gas.pressure(rho, T)``. The same source runs in plain Python, on numpy arrays, and in compiled
-loops.
-
-Functions of tuples are written out for the length of their arguments when they are compiled. Loops
-over rows get tuples of rows; LLVM turns them into vector instructions because ``noalias`` says that
-the arrays of a call do not overlap.
+``gas.pressure(rho, T)``. The same source runs on floats, on numpy arrays, and on the symbols of
+fsipetsc.kernels. Functions of tuples are written out for the length of their arguments.
 """
 
 from collections.abc import Callable
-from functools import cache
-from inspect import isfunction
 from typing import Any
 
-from numba import njit, types
-from numba.core.compiler import Compiler
-from numba.core.typing.templates import AbstractTemplate, AttributeTemplate
-from numba.extending import infer_getattr, lower_builtin, overload
 
-from fsipetsc.operators.kernel_cache import use_kernel_cache
-
-use_kernel_cache()  # before the first kernel is defined
+def njit(**how: Any) -> Any:
+    """Nothing: what is still to become a procedure runs in plain Python."""
+    return lambda function: function
 
 
-class NoAlias(Compiler):
-    """numba's compiler with its flag ``noalias``: arrays given to a function do not overlap."""
-
-    def compile_extra(self, func: Any) -> Any:
-        self.state.flags.noalias = True
-        return super().compile_extra(func)
+def register_jitable(function: Any) -> Any:
+    """Nothing."""
+    return function
 
 
-#: of loops whose arrays do not overlap; contract: a*b + c may be rounded once
-LOOP = {
-    "fastmath": {"contract", "nsz"},
-    "error_model": "numpy",
-    "boundscheck": False,
-    "nogil": True,
-    "cache": True,
-    "pipeline_class": NoAlias,
-}
-#: of functions that call loops
-CALL = {"error_model": "numpy", "boundscheck": False, "nogil": True, "cache": True}
-#: of functions that are put into compiled callers before these are compiled, which spares a
-#: compilation of each; Python can call them, too
-MERGED_CALL = {**CALL, "inline": "always"}
-#: spares compile time in functions that compiled code alone calls; Python crashes if it calls them
-_INNER = {"cache": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-INNER_LOOP, INNER_CALL = {**LOOP, **_INNER}, {**CALL, **_INNER}
-#: of parts of a sweep: put into what calls them, they count no references to arrays
-INLINED_CALL = {**INNER_CALL, "forceinline": True}
-#: of loops that round each operation by itself: the same bits in vectors and in the rest of a row
-EXACT_LOOP = {**INNER_LOOP, "fastmath": {"nsz"}}
-#: the same of formulas, which are always put into the loops that call them
-_FORMULA = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": True}
-
-
-@infer_getattr
-class _Formulas(AttributeTemplate):
-    """Lets compiled code call the methods of NamedTuple classes."""
-
-    key = types.BaseNamedTuple
-
-    def generic_resolve(self, law: Any, name: str) -> Any:
-        found = getattr(law.instance_class, name, None)
-        return types.BoundFunction(_method(found), law) if isfunction(found) else None
-
-
-@cache
-def _method(formula: Callable[..., Any]) -> Any:
-    """What numba must know of a method: its type for given arguments, and how it is called."""
-    dispatcher = njit(**_FORMULA)(formula)
-
-    class Method(AbstractTemplate):
-        key = formula
-
-        def generic(self, arguments: Any, keywords: Any) -> Any:
-            compiled, given = types.Dispatcher(dispatcher), (self.this, *arguments)
-            return compiled.get_call_type(self.context, given, keywords).as_method()
-
-    @lower_builtin(formula, types.VarArg(types.Any))
-    def call(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        compiled = types.Dispatcher(dispatcher)
-        found = compiled.get_call_type(context.typing_context, signature.args, {})
-        function = context.get_function(compiled, found)
-        context.add_linking_libs(getattr(function, "libs", ()))
-        return function(builder, arguments)
-
-    return Method
+LOOP: dict[str, Any] = {}
+CALL = MERGED_CALL = INNER_LOOP = INNER_CALL = INLINED_CALL = EXACT_LOOP = LOOP
 
 
 def by_length(name: str, arguments: str, body: Callable[[int], str], inline: str = "never") -> Any:
-    """A function of tuples, by its source for tuples of length n, in Python and compiled."""
+    """A function of tuples, by its source for tuples of length n."""
     made: dict[int, Any] = {}
 
     def source(n: int) -> Any:
@@ -102,14 +34,9 @@ def by_length(name: str, arguments: str, body: Callable[[int], str], inline: str
             made[n] = space[name]
         return made[n]
 
-    def build(*kinds: Any) -> Any:
-        return source(max(kind.count for kind in kinds if isinstance(kind, types.BaseTuple)))
-
-    space: dict[str, Any] = {"source": source, "build": build}
+    space: dict[str, Any] = {"source": source}
     length = "max(len(v) for v in (" + arguments + ",) if isinstance(v, tuple))"
     exec(f"def {name}({arguments}):\n return source({length})({arguments})", space)
-    exec(f"def _build({arguments}): return build({arguments})", space)
-    overload(space[name], inline=inline, jit_options=_FORMULA)(space["_build"])
     return space[name]
 
 

@@ -48,8 +48,8 @@ so the lighter the solid: it is here to be compared with.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
+from fsipetsc.operators.loops import njit
 from fsipetsc.paper.stencils import INNER, weight
 
 PROJECTION, ENERGY, TRADITIONAL = 0, 1, 2

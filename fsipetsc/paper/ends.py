@@ -12,8 +12,8 @@ outward normal, -1 left, 1 right.
 """
 
 import numpy as np
-from numba import njit
 
+from fsipetsc.operators.loops import njit
 from fsipetsc.boundaries import CLAMPED, FREE, GIVEN_FLUX, GIVEN_T, INTERFACE_END, OPEN, WALL
 from fsipetsc.paper.stencils import INNER, NEW, OLD
 

@@ -15,8 +15,8 @@ values at i .. i+q. At either end the first T differences of each order are left
 term ``end`` (T, T) of their own stands instead, with b at point T.
 """
 
-from numba import njit
 
+from fsipetsc.operators.loops import njit
 from fsipetsc.paper.stencils import INNER, U, weight
 
 #: where the sum of the differences that begin at point 0 stands: they may begin before the rank's

@@ -20,8 +20,8 @@ Viscous stress and conduction are inside the outer derivative: D acts twice, mu 
 rates need values within twice the reach of D. The loops work on a row of scratch for each quantity.
 """
 
-from numba import njit
 
+from fsipetsc.operators.loops import njit
 from fsipetsc.boundaries import DIRICHLET, INTERFACE_END, OPEN
 from fsipetsc.paper.ends import gradient_values
 from fsipetsc.paper.narrow import MARGIN, narrow_gas, narrow_solid

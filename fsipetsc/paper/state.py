@@ -28,7 +28,6 @@ from fsipetsc.blocks.values import names_of
 from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.errors import InputError
 from fsipetsc.operators.boxed import Box
-from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import steps
 from fsipetsc.paper.coupling import KINDS

@@ -7,9 +7,9 @@ results do not depend on the number of ranks: that is why no loop here may reord
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators import loops
 from fsipetsc.operators.narrow import STIFFNESS, STIFFNESS_OF_WIDE, difference, end_term, levels
 from fsipetsc.operators.sbp import operator, row_length

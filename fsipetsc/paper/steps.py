@@ -10,8 +10,8 @@ that there is not is None.
 from collections import namedtuple
 
 import numpy as np
-from numba import njit
 
+from fsipetsc.operators.loops import njit
 from fsipetsc.paper import coupling, ends, rates, sums
 from fsipetsc.paper.rates import outer_side, own_range
 from fsipetsc.paper.stencils import CALL, INNER, OLD, U, derivative

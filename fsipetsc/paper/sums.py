@@ -11,8 +11,8 @@ count.
 """
 
 import numpy as np
-from numba import njit
 
+from fsipetsc.operators.loops import njit
 from fsipetsc.paper.ends import beyond_boundary
 from fsipetsc.paper.rates import outer_side, own_range
 from fsipetsc.paper.stencils import INNER, weight

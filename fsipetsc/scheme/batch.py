@@ -4,8 +4,8 @@ A batch ends when it has as many steps as are allowed (-ts_max_steps, room in th
 time to be saved, a failure or a signal. Each step fills a row of the journal.
 """
 
-from numba import njit
 
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import CALL, MERGED_CALL
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, STOP, TOO_SHORT
 

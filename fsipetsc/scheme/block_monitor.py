@@ -11,8 +11,8 @@ depend on who owns the nodes; nothing else takes them.
 """
 
 import numpy as np
-from numba import njit
 
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import (
     EXACT_LOOP,
     INNER_CALL,

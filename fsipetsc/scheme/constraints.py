@@ -1,9 +1,9 @@
 """Constraints of a particle, by Gauss's principle: see fsipetsc.scheme.particles. Compiled."""
 
 import numpy as np
-from numba import njit
 
 from fsipetsc.blocks.particles import SLIPS
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import (
     CALL,
     INLINED_CALL,

@@ -28,10 +28,10 @@ All are equal to n . f for a uniform state, so that uniform flow stays uniform.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from fsipetsc.equations.tensors import add_unit, outer
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import (
     INNER_CALL,
     add,

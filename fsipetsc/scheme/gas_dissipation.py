@@ -50,9 +50,8 @@ Phys. 426, 2021. That alpha may vary from pair to pair was derived for this prog
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
-from numba.extending import register_jitable
 
+from fsipetsc.operators.loops import njit, register_jitable
 from fsipetsc.operators.loops import (
     CALL,
     EXACT_LOOP,

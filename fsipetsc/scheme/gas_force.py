@@ -27,8 +27,8 @@ c, so that by convexity c . (U*_m+1 - U*_m) > 0; in a gas at rest both are equal
 
 from typing import Any, NamedTuple
 
-from numba import njit
 
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import INNER_CALL, add_last, along, scale, sub
 from fsipetsc.scheme.part import ghosted_node
 from fsipetsc.scheme.rows import ONE, U64, at, put

@@ -4,8 +4,8 @@ them (fsipetsc.scheme.gas_force).
 
 from typing import Any, NamedTuple
 
-from numba.extending import register_jitable
 
+from fsipetsc.operators.loops import register_jitable
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.stiffened_gas import StiffenedGas
 from fsipetsc.scheme.gas_force import force_of

@@ -2,8 +2,8 @@
 
 from typing import Any, NamedTuple
 
-from numba import njit
 
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import CALL
 from fsipetsc.scheme.block_monitor import gas_monitor
 from fsipetsc.scheme.part import add_normals, ghosted, note, owned

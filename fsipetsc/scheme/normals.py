@@ -12,9 +12,9 @@ places, and turns by 1/2 (a^k(x + x') - a^k(x - x')): see GridMotion.turning.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import (
     CALL,
     INNER_CALL,

@@ -2,8 +2,8 @@
 Compiled.
 """
 
-from numba import njit
 
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import CALL, INLINED_CALL, by_length, dot, node, part_of, per
 from fsipetsc.scheme.particle_records import SOLID
 

@@ -32,8 +32,8 @@ and weigh_heat before impose_conditions where stored energies matter.
 """
 
 import numpy as np
-from numba import njit
 
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import (
     CALL,
     INLINED_CALL,

@@ -15,8 +15,8 @@ at each node.
 
 from typing import Any, NamedTuple
 
-from numba import njit
 
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import INNER_CALL, column_of, dot, node, put_part, scale
 from fsipetsc.scheme.normals import Columns, add_areas, slope_at, turn_plane
 from fsipetsc.scheme.part import Nothing, ghosted_node

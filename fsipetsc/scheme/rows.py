@@ -11,15 +11,13 @@ where views take 50.
 """
 
 import numpy as np
-from numba import config
 from numpy.typing import NDArray
 
 from fsipetsc.operators.loops import by_length
 
 Array = NDArray[np.float64]
 
-#: plain Python's where nothing is compiled: numpy makes a float of an unsigned and a signed integer
-U64 = int if config.DISABLE_JIT else np.uint64
+U64 = int
 #: nodes of a row of a tile: MARGIN, TILE at most, MARGIN
 TILE, MARGIN = 72, 24
 ROW = U64(TILE + 2 * MARGIN)

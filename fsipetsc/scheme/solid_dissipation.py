@@ -21,8 +21,8 @@ s falls with h^2 and alpha is 0.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import CALL, EXACT_LOOP, add, dot, mean, scale, sub, zeros
 from fsipetsc.operators.undivided import Differences
 from fsipetsc.scheme.gas_dissipation import largest, sense, shifted_sum

@@ -5,8 +5,8 @@ what bounds the next step is found from both, column by column of a tile.
 """
 
 import numpy as np
-from numba import njit
 
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import CALL, EXACT_LOOP, add, along, dot, larger, sub
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.block_monitor import EXTREMES, MONITORED, begin, collect

@@ -2,13 +2,13 @@
 rates.
 """
 
-from numba import njit
 
 from fsipetsc.equations.tensors import (
     add_unit,
     outer,
     transposed_product,
 )
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import (
     EXACT_LOOP,
     INNER_CALL,

@@ -2,9 +2,9 @@
 
 from typing import Any, NamedTuple
 
-from numba import njit
 
 from fsipetsc.equations.tensors import add_unit, outer
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import CALL, INNER_CALL, column, dot
 from fsipetsc.scheme.block_monitor import monitor_end
 from fsipetsc.scheme.faces import strain_at

@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
+from fsipetsc.operators.loops import njit
 from fsipetsc.operators.loops import CALL, LOOP, MERGED_CALL, by_length
 from fsipetsc.scheme.batch import DT, plan_next
 from fsipetsc.scheme.block_monitor import MONITORED
