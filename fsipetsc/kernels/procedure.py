@@ -21,6 +21,7 @@ tuples are, decides what is printed: ``if`` and ``range`` of it are plain Python
     stop(c)                 ends the innermost loop
     variable(0.0)           a number that changes: its ``value`` is read and set
     pick(c, a, b)           one of two whole numbers
+    invoke("name", …)       calls a function in C
 
 The text depends on kinds alone, not on sizes or values: arrays and numbers of the records are
 pointers and numbers in a struct that C gets.
@@ -582,3 +583,18 @@ class Code:
         self.library = library
         for procedure in self.procedures:
             procedure.load(library)
+
+
+def invoke(name: str, *given: Any) -> None:
+    """Call a function in C of the same translation unit: a whole number is an address, an array a
+    pointer to its first number.
+    """
+    texts, needs = [], []
+    for one in given:
+        place = _index(one._offset if isinstance(one, Array) else one)
+        pointer = f"{one._base} + {place.text}" if isinstance(one, Array) else f"(void *){place.text}"
+        texts.append(pointer)
+        needs += place.needs
+    record = _recording()
+    record.line(f"{name}({', '.join(texts)});", (), tuple(needs))
+    record.stores += 1
