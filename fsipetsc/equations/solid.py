@@ -51,7 +51,7 @@ class Solid(NamedTuple):
     """The equations for laws of stress and pressure and numbers.
 
     law, pressing: stress and pressure, as in fsipetsc.materials. m0: density at rest [kg/m3],
-    alpha: specific heat [J/(kg K)], kappa: conductivity [W/(m K)], coupled: 1, or 0 with heat
+    alpha: specific heat [J/(kg K)], kappa: conductivity [W/(m K)], coupled: True, or False with heat
     'elastic'. force: (d,) body force per mass [m/s2]. around: a zero for each hoop stretch, p_ref:
     pressure [Pa] on faces that is no part of the stress; both of radial solids alone.
 
@@ -63,7 +63,7 @@ class Solid(NamedTuple):
     m0: float
     alpha: float
     kappa: float
-    coupled: int
+    coupled: bool
     force: tuple[float, ...]
     around: Any = ()
     p_ref: float = 0.0
@@ -155,7 +155,7 @@ class Solid(NamedTuple):
         pressed = (1.0 - self.coupled) * abs(self.pressure_at(J, T)) * area
         heats = self.coupled * np.sqrt(area * dot(P, P)) + pressed
         heating = abs(by_T) * heats / (m0 * alpha)
-        return self.law.wave_modulus(F) + max(stiffness, 0.0) * area + heating
+        return self.law.wave_modulus(F) + np.maximum(stiffness, 0.0) * area + heating
 
     def acoustic_tensor(self, strain, T, N):
         """Q [Pa] in the dimensions of the law, at constant entropy: waves along N move along its

@@ -1,7 +1,7 @@
 """Tensors as flat tuples of d*d numbers, row by row: F = (F_11, F_12, …, F_dd), d = 1, 2, 3.
 
-d follows from the length; each function is written out for it when it is compiled, as those of
-fsipetsc.operators.loops, and works in plain Python as well.
+d follows from the length; each function is written out for it, as those of
+fsipetsc.operators.loops.
 """
 
 from collections.abc import Callable
@@ -9,8 +9,8 @@ from itertools import product as product_of
 from math import isqrt
 from typing import Any
 
+import numpy as np
 
-from fsipetsc.operators.loops import register_jitable
 from fsipetsc.operators.loops import by_length
 
 Entry = Callable[[int, int, int], str]
@@ -82,14 +82,6 @@ def _shear_excess(n: int) -> str:
     return "\n".join([*lines, f" return -({' + '.join(pairs)} + ({third}))"])
 
 
-def _largest_eigenvalue(n: int) -> str:
-    """The right end of Gershgorin's circles, or 0 if it is below."""
-    d = isqrt(n)
-    others = [[f" + abs(B[{i * d + j}])" for j in range(d) if j != i] for i in range(d)]
-    ends = (f"B[{i * d + i}]" + "".join(others[i]) for i in range(d))
-    return f" return max(0.0, {', '.join(ends)})"
-
-
 def _diagonal(hoops: int) -> str:
     """Source of diag(first, other, …) with so many others."""
     d = hoops + 1
@@ -127,8 +119,6 @@ cofactor = by_length("cofactor", "F", _tensor(_cofactor))
 determinant_excess = by_length("determinant_excess", "F", _determinant_excess)
 twice_strain = by_length("twice_strain", "F", _tensor(_strain_entry))
 shear_excess = by_length("shear_excess", "F", _shear_excess)
-#: an upper bound of the eigenvalues of a positive tensor, exact for a diagonal one
-largest_eigenvalue = by_length("largest_eigenvalue", "B", _largest_eigenvalue)
 #: F + c times the unit tensor
 add_unit = by_length(
     "add_unit", "c, F", _tensor(lambda i, j, d: f"F[{i * d + j}]" + " + c" * (i == j))
@@ -149,7 +139,17 @@ transposed_product = _contraction("transposed_product", "F, G", "ki,kj->ij")
 product_transposed = _contraction("product_transposed", "F, G", "ik,jk->ij")
 
 
-@register_jitable
+def largest_eigenvalue(B):
+    """An upper bound of the eigenvalues of a positive tensor, exact for a diagonal one: the right
+    end of Gershgorin's circles.
+    """
+    d, found = isqrt(len(B)), 0.0
+    for i in range(d):
+        others = [abs(B[i * d + j]) for j in range(d) if j != i]
+        found = np.maximum(found, sum(others, B[i * d + i]))
+    return found
+
+
 def largest_stretch(F):
     """An upper bound of |F N|^2 over directions N, exact for a rotation or a diagonal F."""
     return largest_eigenvalue(transposed_product(F, F))

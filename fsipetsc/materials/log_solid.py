@@ -56,5 +56,5 @@ class Log(NamedTuple):
     def wave_modulus(self, F):
         """Largest m0 c^2 [Pa]: mu_e + (K/J - mu_e) |cof F N|^2 in the direction N."""
         K = 2.0 * self.mu_e + self.lambda_e
-        stiffening = max(K / determinant(F) - self.mu_e, 0.0)
+        stiffening = np.maximum(K / determinant(F) - self.mu_e, 0.0)
         return self.mu_e + stiffening * largest_stretch(cofactor(F))

@@ -56,5 +56,5 @@ class NeoHookean(NamedTuple):
     def wave_modulus(self, F):
         """Largest m0 c^2 [Pa]: mu_e + (lambda_e (1 - ln J) + mu_e)/J^2 |cof F N|^2."""
         J = determinant(F)
-        stiffening = max((self.lambda_e * (1.0 - np.log(J)) + self.mu_e) / (J * J), 0.0)
-        return self.mu_e + stiffening * largest_stretch(cofactor(F))
+        stiffening = (self.lambda_e * (1.0 - np.log(J)) + self.mu_e) / (J * J)
+        return self.mu_e + np.maximum(stiffening, 0.0) * largest_stretch(cofactor(F))

@@ -1,8 +1,9 @@
 """Laws that a case file brings: plain functions of numbers, or a NamedTuple class like those here.
 
-They are scalar formulas of +, -, *, /, **, min, max, abs and numpy's functions, without an ``if``
-on their arguments, because they are compiled. A law with numbers of its own is an instance of a
-NamedTuple class with the formulas as methods; one without is made of functions here.
+They are scalar formulas of +, -, *, /, **, abs and numpy's functions, without an ``if``, min or max
+of their arguments, because they are recorded and become machine code. A law with numbers of its
+own is an instance of a NamedTuple class with the formulas as methods; one without is made of
+functions here.
 
 Compiled loops are kept on disk under the types of their arguments. So that a changed formula is
 another type, a law of a case gets a class whose name has a hash of its formulas.
@@ -11,6 +12,7 @@ another type, a law of a case gets a class whose name has a hash of its formulas
 import hashlib
 import inspect
 from collections.abc import Callable, Mapping
+from functools import reduce
 from math import isqrt
 from types import CodeType, FunctionType
 from typing import Any, NamedTuple
@@ -97,7 +99,7 @@ class _Solid:
         for n in range(len(F)):
             more, less = self.stress(bumped(F, n, STEP)), self.stress(bumped(F, n, -STEP))
             rows = add_slopes(rows, 0.5 / STEP, more, less)
-        return max(rows)
+        return reduce(np.maximum, rows)
 
     def acoustic_tensor(self, F, N):
         """Q_ik = N_j N_l dP_ij/dF_kl [Pa], by differences."""

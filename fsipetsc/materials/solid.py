@@ -98,7 +98,7 @@ class ElasticSolid:
 
     def _in(self, d: int, without_p_ref: bool) -> tuple[Any, ...]:
         """Laws and constants of the equations."""
-        law, coupled = self.solid_law, int(self.heat == "coupled")
+        law, coupled = self.solid_law, self.heat == "coupled"
         if without_p_ref and isinstance(self.law, str):
             law = law._replace(p_ref=0.0)
         own.check_solid_law(law, d)

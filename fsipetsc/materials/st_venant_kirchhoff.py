@@ -58,5 +58,5 @@ class StVenantKirchhoff(NamedTuple):
 
     def wave_modulus(self, F):
         """Upper bound of m0 c^2 [Pa]: K |F N|^2 + N . S N."""
-        pull = max(largest_eigenvalue(self.second_stress(F)), 0.0)
+        pull = largest_eigenvalue(self.second_stress(F))
         return (2.0 * self.mu_e + self.lambda_e) * largest_stretch(F) + pull
