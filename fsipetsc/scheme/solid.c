@@ -30,7 +30,7 @@ struct solid {
   const long *ends;               /* (nodes,) along the first axis: the next node with others */
   long tiles, nodes, most;
   long lags[3];                   /* layers from loading to t^k, to conduction, to rates */
-  long size[2], own[2], first[3]; /* of the patch: nodes with the halo, owned ones, the first */
+  long size[2], own[3], first[3]; /* of the patch: nodes with the halo, owned ones, the first */
   long row, layer, layers, step;  /* of a tile: nodes of a row, of a layer; layers; of a plane */
   const double *p, *metrics, *prestress;
   long N;                         /* nodes of a plane of metrics and prestress */
@@ -152,6 +152,22 @@ static void accelerate_row(const struct solid *s, double *rates, struct row r) {
                    , .strains = s->strains + r.tile
 #endif
   );
+}
+
+/* Fill planes of the strains F of the owned nodes; q: the unknowns with a halo of one reach. */
+void solid_strains(const struct solid *s, const double *q, double *F) {
+  const long nodes = s->own[0] * s->own[1] * s->own[2];
+  for (long t = 0; t < s->tiles; ++t) {
+    for (long z = box_of(s, t, KNOWN, 2)[0]; z < box_of(s, t, OWN, 2)[1] + s->lags[0]; ++z) {
+      ROWS_OF(KNOWN, 0) take_row(s, q, row_of(s, t, KNOWN, y, layer));
+      ROWS_OF(OWN, s->lags[0]) {
+        const struct row r = row_of(s, t, OWN, y, layer);
+        strain_row(s, r);
+        for (int c = 0; c < D * D + HOOPS; ++c)
+          memcpy(F + c * nodes + r.own, s->strains + c * s->step + r.tile, r.n * sizeof *F);
+      }
+    }
+  }
 }
 
 /* Fill the rates of the owned nodes; q: the unknowns with a halo of two interior reaches, with

@@ -22,12 +22,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.operators.loops import njit
-from fsipetsc.operators.loops import CALL, EXACT_LOOP, add, dot, mean, scale, sub, zeros
+from fsipetsc.kernels.procedure import each, variable, when
+from fsipetsc.operators.loops import along, column, column_of, dot, mean, part_of, scale, sub
 from fsipetsc.operators.undivided import Differences
-from fsipetsc.scheme.gas_dissipation import largest, sense, shifted_sum
-from fsipetsc.scheme.rows import ONE, U64, Array, at, put
+from fsipetsc.scheme.rows import Array
 
+#: s up to which there is no shock, and how fast alpha rises from there
+NO_SHOCK, RISE = 0.03, 2.5
 #: e of s, over the speed of sound
 SMALL = 0.02
 #: usual strength at shocks
@@ -35,8 +36,8 @@ AT_SHOCKS = 0.7
 
 
 class SolidDamping(NamedTuple):
-    """A term: a and b of F, sqrt(K m0) [kg/(m2 s)], the e of s [m/s]. F, alpha: memory, of N nodes,
-    F and F . Delta_q v by components, each after zeros, and alpha. after: the next term, or none.
+    """A term: a and b of F, sqrt(K m0) [kg/(m2 s)], the e of s [m/s]. F: (d + 1, zeros and N
+    nodes), memory of F and F . Delta_q v; alpha: (N,). after: the next term, or none.
     """
 
     a: float
@@ -55,94 +56,113 @@ class SolidDamping(NamedTuple):
 
     def power(self, part, q, rates):
         """Sum of v . v_t times the masses, if work is booked; q, rates: of the owned nodes."""
-        d, masses, total = len(part.like), part.masses, 0.0
-        for i in range(masses.size if part.loses == 1 else 0):
+        if not part.loses:
+            return 0.0
+        d, total = len(part.like), variable(0.0)
+        for i in each(part.masses.size):
             for c in range(d, 2 * d):
-                total += masses[i] * q[i, c] * rates[i, c]
-        return total
+                total.value += part.masses[i] * q[i, c] * rates[i, c]
+        return total.value
 
 
 def solid_damping(solid: Any, found: Differences, a: float, b: float, after: Any) -> SolidDamping:
     """Of a solid, fsipetsc.equations.solid, for the nodes of a patch."""
     d, nodes = len(solid.force), found.norm.shape[1]
     K = solid.law.wave_modulus(solid.tensor(solid.unstrained((0.0,) * d)))
-    of_solid = np.sqrt(K * solid.m0), SMALL * np.sqrt(K / solid.m0)
-    F = np.zeros((d + 1) * found.room(d))
-    return SolidDamping(a, b, *of_solid, found, F, np.zeros(nodes), after)
+    of_solid = float(np.sqrt(K * solid.m0)), float(SMALL * np.sqrt(K / solid.m0))
+    return SolidDamping(
+        a, b, *of_solid, found, np.zeros((d + 1, found.room(d))), np.zeros(nodes), after
+    )
 
 
-class SolidWaves(NamedTuple):
-    """What is sensed in a solid: the velocity. q: unknowns, small: the e of s."""
-
-    like: Any
-    q: Array
-    small: float
-
-    def steepness(self, i, stride):
-        """s of a node."""
-        d, dof = U64(len(self.like)), U64(2 * len(self.like) + 1)
-        here = at(self.like, self.q, d, ONE, i * dof)
-        rise = sub(at(self.like, self.q, d, ONE, (i + stride) * dof), here)
-        fall = sub(here, at(self.like, self.q, d, ONE, (i - stride) * dof))
-        turn = sub(rise, fall)
-        lengths = np.sqrt(dot(rise, rise)) + np.sqrt(dot(fall, fall))
-        return np.sqrt(dot(turn, turn)) / (lengths + self.small)
+def steepness(q, d, small, i, stride):
+    """s of a node, from the velocities among the unknowns q (N, 2d + 1)."""
+    below, here, above = (part_of((0.0,) * d, q, j, d) for j in (i - stride, i, i + stride))
+    rise, fall = sub(above, here), sub(here, below)
+    turn = sub(rise, fall)
+    lengths = np.sqrt(dot(rise, rise)) + np.sqrt(dot(fall, fall))
+    return np.sqrt(dot(turn, turn)) / (lengths + small)
 
 
-@njit(**CALL)
 def solid_dissipation(part, term, q, rates):
-    """Add a term to the rates (M, 2d + 1) of the owned nodes; q: as fsipetsc/scheme/solid.c has it,
-    with a halo of q + 1 nodes at least.
+    """Add a term to the rates (M, 2d + 1) of the owned nodes; q (N, 2d + 1): as
+    fsipetsc/scheme/solid.c has it, with a halo of q + 1 nodes at least.
     """
-    like, metrics, patch, difference = part.like, part.metrics, part.patch, term.differences
-    q, metrics, rates = q.reshape(q.size), metrics.reshape(metrics.size), rates.reshape(rates.size)
-    own, ghosted, first, weights = patch.own, patch.ghosted, patch.first, difference.weights
-    m0 = part.laws.m0
-    for k in range(len(like)):
-        stride, of_axis = int(difference.strides[k]), (weights, difference.per_weight[k])
-        if term.b != 0.0:
-            sense(SolidWaves(like, q, term.small), term.alpha, stride, ghosted[k])
-        lose(like, term, q, metrics, k, stride, weights, difference.norm[k])
-        for z in range(own[2]):
-            for y in range(own[1]):
-                g = first[0] + ghosted[0] * (first[1] + y + ghosted[1] * (first[2] + z))
-                to, n = own[0] * (y + own[1] * z), own[0]
-                collect(like, m0, q, metrics, stride, *of_axis, term.F, g, to, n, rates)
+    ghosted, strides = part.patch.ghosted, term.differences.strides
+    for k in range(len(part.like)):
+        stride = strides[k]
+        with when(term.b != 0.0):
+            sense(term, len(part.like), q, stride, ghosted[k])
+        lose(part, term, q, k, stride)
+        collect(part, term, q, k, stride, rates)
 
 
-@njit(**EXACT_LOOP)
-def lose(like, term, q, metrics, k, stride, weights, norm):
+def sense(term, d, q, stride, length):
+    """alpha of all nodes along an axis of so many."""
+    alpha, block = term.alpha, stride * length
+    for line in each(alpha.size // block):
+        first = line * block
+        begin = first + stride
+        end = np.maximum(begin, first + block - stride)
+        for i in each(first, begin, vector=True):
+            alpha[i] = 0.0
+        for i in each(begin, end, vector=True):
+            s = steepness(q, d, term.small, i, stride)
+            alpha[i] = np.minimum(1.0, np.maximum(0.0, RISE * (s - NO_SHOCK)))
+        for i in each(end, first + block, vector=True):
+            alpha[i] = 0.0
+
+
+def lose(part, term, q, k, stride):
     """F and F . Delta v of the differences that begin at each node; norm is 0 where none fits."""
-    d, dof, order, N = len(like), U64(2 * len(like) + 1), len(weights) - 1, norm.size
-    area, step, apart = U64(k * d * N), U64(N), U64(term.F.size // (len(like) + 1))
-    low, high, next_one = U64(order // 2 * stride), U64((order + 1) // 2 * stride), U64(stride)
-    for i in range(U64(N - order * stride)):
-        change = shifted_sum(like, q, U64(d), ONE, i * dof, next_one * dof, weights)
-        A = mean(at(like, metrics, area, step, i + low), at(like, metrics, area, step, i + high))
-        alpha = largest(term.alpha, i, next_one, weights)
-        speed = (term.a + term.b * alpha) * norm[i] * term.impedance * np.sqrt(dot(A, A))
+    weights, norm, metrics = term.differences.weights, term.differences.norm, part.metrics
+    d, order, N = len(part.like), len(weights) - 1, part.metrics.shape[1]
+    zeros, begin = (0.0,) * d, term.F.shape[1] - N
+    low, high = order // 2 * stride, (order + 1) // 2 * stride
+    for i in each(N - order * stride, vector=True):
+        change = shifted_sum(lambda j: part_of(zeros, q, j, d), i, stride, weights)
+        A = mean(*(column_of(zeros, metrics, k * d, i + j) for j in (low, high)))
+        alpha = term.alpha[i]
+        for m in range(1, order + 1):
+            alpha = np.maximum(alpha, term.alpha[i + m * stride])
+        speed = (term.a + term.b * alpha) * norm[k, i] * term.impedance * np.sqrt(dot(A, A))
         F = scale(speed, change)
-        put(term.F, apart - step, apart, i, (*F, dot(F, change)))
-    for i in range(U64(N - order * stride), U64(N)):
-        put(term.F, apart - step, apart, i, (*zeros(like), 0.0))
+        for c, value in enumerate((*F, dot(F, change))):
+            term.F[c, begin + i] = value
+    for c in range(d + 1):
+        for i in each(N - order * stride, N, vector=True):
+            term.F[c, begin + i] = 0.0
 
 
-@njit(**EXACT_LOOP)
-def collect(like, m0, q, metrics, stride, weights, per_weight, F, g, to, n, rates):
-    """Add what differences give to the rates of a row of owned nodes."""
-    d, dof, order, N = len(like), U64(2 * len(like) + 1), len(weights) - 1, per_weight.size
-    apart, next_one = U64(F.size // (len(like) + 1)), U64(stride)
-    here = apart - U64(N) + U64(g)
-    back, loss = here - U64(order) * next_one, here + U64(d) * apart
-    low, high = U64(order // 2 * stride), U64((order + 1) // 2 * stride)
-    sign = 1.0 - 2.0 * (order % 2)  # of Delta^T, whose weights are those of Delta in reverse order
-    for i in range(U64(n)):
-        node = U64(g) + i
-        per_mass = per_weight[node] / (metrics[U64(d * d * N) + node] * m0)
-        total = shifted_sum(like, F, back, apart, i, next_one, weights)
-        force = scale(-sign * per_mass, total)
-        v, place = at(like, q, U64(d), ONE, node * dof), (U64(to) + i) * dof + U64(d)
-        heat = 0.5 * per_mass * (F[loss - low + i] + F[loss - high + i])
-        power = dot(v, force) + heat
-        before = at((*like, 0.0), rates, place, ONE, U64(0))
-        put(rates, place, ONE, U64(0), (*add(before[:-1], force), before[-1] + power))
+def collect(part, term, q, k, stride, rates):
+    """Add what differences give to the rates of the owned nodes."""
+    (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = part.patch.own, part.patch.ghosted, part.patch.first
+    for z in each(n2):
+        for y in each(n1):
+            row, own = f0 + g0 * (f1 + y + g1 * (f2 + z)), n0 * (y + n1 * z)
+            for i in each(n0, vector=True):
+                force, power = collected(part, term, q, k, stride, row + i)
+                for c, value in enumerate((*force, power), len(force)):
+                    rates[own + i, c] += value
+
+
+def collected(part, term, q, k, stride, node):
+    """What differences give to the rates of velocity and energy of a node."""
+    weights, d, N = term.differences.weights, len(part.like), part.metrics.shape[1]
+    order, zeros, here = len(weights) - 1, (0.0,) * d, term.F.shape[1] - N + node
+    per_mass = term.differences.per_weight[k, node]
+    per_mass = per_mass / (part.metrics[d * d, node] * part.laws.m0)
+    # weights of Delta^T: those of Delta in reverse order, perhaps with sign -1
+    F = shifted_sum(lambda j: column(zeros, term.F, j), here - order * stride, stride, weights)
+    force = scale((2.0 * (order % 2) - 1.0) * per_mass, F)
+    loss = [term.F[d, here - j * stride] for j in (order // 2, (order + 1) // 2)]
+    heat = 0.5 * per_mass * (loss[0] + loss[1])
+    return force, dot(part_of(zeros, q, node, d), force) + heat
+
+
+def shifted_sum(numbers, i, stride, weights):
+    """sum_m weights_m f_(i + m stride), f = numbers(i) those of a node."""
+    found = scale(weights[0], numbers(i))
+    for m in range(1, len(weights)):
+        found = along(found, weights[m], numbers(i + m * stride))
+    return found

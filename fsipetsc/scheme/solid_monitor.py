@@ -1,110 +1,125 @@
-"""Monitor of the nodes of a solid block after a step, with F: see fsipetsc.scheme.block_monitor.
-
-The tiles and rows are those of fsipetsc.scheme.solid_rates: unknowns are loaded, F is found, and
-what bounds the next step is found from both, column by column of a tile.
-"""
+"""Monitor of the nodes of a solid block after a step, with F: see fsipetsc.scheme.block_monitor."""
 
 import numpy as np
 
-from fsipetsc.operators.loops import njit
-from fsipetsc.operators.loops import CALL, EXACT_LOOP, add, along, dot, larger, sub
+from fsipetsc.equations.tensors import add_unit
+from fsipetsc.kernels.procedure import each, invoke, variable, when, whole
+from fsipetsc.operators.loops import add, column, column_of, dot, part_of
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
-from fsipetsc.scheme.block_monitor import EXTREMES, MONITORED, begin, collect
-from fsipetsc.scheme.rows import U64, add_moment, at, put
-from fsipetsc.scheme.solid_rates import (
-    differentiate,
-    relieve,
-    row_of,
-    rows_of,
-    strain,
-    take,
-)
-from fsipetsc.scheme.solid_work import KNOWN, NONE, ONE, OWN, PLAIN, WIDTH, step_of
+from fsipetsc.scheme.block_monitor import MONITORED, begin, collect
+from fsipetsc.scheme.part import ghosted, ghosted_node, note, owned
+from fsipetsc.scheme.rows import moments
 
 
-@njit(**CALL)
-def solid_monitor(solid, like, q, X, metrics, prestress, per_h, masses, work, F, loses, seen, sums):
-    """Fill seen (MONITORED,), sums (solid_work.sums_of(d) + 1,) and F (d d, M) of the owned nodes.
+def sums_of(d: int) -> int:
+    """Sums that are monitored: momentum, energy, angular momentum, kinetic and elastic energy."""
+    return d + 1 + moments(d) + 1
 
-    sums: momentum, energy, angular momentum, kinetic and elastic energy, minus this. q, metrics,
-    prestress, work: see fsipetsc.scheme.solid_record. X: (d, N) places at rest. per_h: (d,) cells
-    per axis; masses: (M,) weight J0 m0. loses: 1 if the last two sums are wanted, else they are 0.
+
+def monitor(part, found, y):
+    """Note extremes and sums of a part of a solid block, and what is recorded of interfaces in one
+    dimension; fill F.
     """
-    patch, layout, lags, boxes, jumps, weights, ends = work[:7]
-    unknowns, strains, slopes, totals = work[7], work[8], work[12], work[13]
-    q, metrics, F = q.reshape(q.size), metrics.reshape(metrics.size), F.reshape(F.size)
-    X, extra, d = X.reshape(-1), prestress.reshape(-1), ONE * len(like)
-    table = jumps, weights, ends, layout
-    begin(totals, WIDTH)
-    for tile in range(boxes.shape[0]):
-        for z in range(boxes[tile, KNOWN, 2, 0], boxes[tile, OWN, 2, 1] + lags[0]):
-            first, end = rows_of(boxes, tile, KNOWN, z)
-            for y in range(first, end):
-                take(like, q, row_of(patch, layout, boxes, tile, KNOWN, y, z), unknowns)
-            first, end = rows_of(boxes, tile, OWN, z - lags[0])
-            for y in range(first, end):
-                row = row_of(patch, layout, boxes, tile, OWN, y, z - lags[0])
-                add_up(like, row, unknowns, X, masses, totals)
-                differentiate(like, table, row, PLAIN, unknowns, NONE, NONE, d, slopes, NONE)
-                strain(solid, like, metrics, row, slopes, unknowns, strains)
-                relieve(solid, like, extra, row, strains, unknowns)
-                measure(solid, like, metrics, per_h, row, unknowns, strains, F, totals)
-                if loses == 1:
-                    add_energy(solid, like, extra, row, unknowns, strains, masses, totals)
-    collect(totals, WIDTH, U64(layout.row), seen, sums[:-1])
-    sums[-1] = -sums[-2]
+    d = len(part.like)
+    measure(part, ghosted(part, y, 2 * d + 1))
+    note(part, found)
+    own = owned(part, y, 2 * d + 1)
+    note_potential(part, own, found)
+    if d == 1:
+        note_ends(part, own, found)
 
 
-@njit(**EXACT_LOOP)
-def add_up(like, row, unknowns, X, masses, totals):
-    """Add momentum, energy and angular momentum, X + D times momentum, of a row to its columns'."""
-    d, step, node, own = U64(len(like)), U64(step_of(like)), U64(row.tile), U64(row.own)
-    N, here, like_sum = U64(X.size // len(like)), U64(row.patch), (*like, 0.0)
-    to = U64(MONITORED) * WIDTH
-    turns = to + (d + U64(1)) * WIDTH
-    for i in range(U64(row.n)):
-        x = add(at(like, X, here, N, i), at(like, unknowns, node, step, i))
-        both, mass = at(like_sum, unknowns, node + d * step, step, i), masses[own + i]
-        put(totals, to, WIDTH, i, along(at(like_sum, totals, to, WIDTH, i), mass, both))
-        add_moment(x, both[:-1], mass, totals, turns, WIDTH, i)
+def measure(part, q):
+    """Fill seen, sums and F of a part of a solid block; q: of its ghosted nodes.
 
-
-@njit(**EXACT_LOOP)
-def add_energy(solid, like, extra, row, unknowns, strains, masses, totals):
-    """Add kinetic and elastic energy, and that of a prestress S : (F - 1)."""
-    nine, step, d = solid.unstrained(like), U64(step_of(like)), U64(len(like))
-    node, own, to = U64(row.tile), U64(row.own), U64(totals.size) - WIDTH
-    for i in range(U64(row.n)):
-        v, F = at(like, unknowns, node + d * step, step, i), at(nine, strains, node, step, i)
-        energy = 0.5 * dot(v, v) + solid.energy(F) / solid.m0
-        totals[to + i] += masses[own + i] * energy
-    N, g, n = U64(extra.size // len(nine)), U64(row.patch), row.n if extra.size > 0 else 0
-    for i in range(U64(n)):
-        S, F = at(nine, extra, g, N, i), at(nine, strains, node, step, i)
-        totals[to + i] += masses[own + i] * dot(S, sub(F, solid.unstrained(like))) / solid.m0
-
-
-@njit(**EXACT_LOOP)
-def measure(solid, like, metrics, per_h, row, unknowns, strains, F_of, totals):
-    """Keep F of a row; add it to the extremes of columns, with convection inf where the state is
-    none.
+    sums: momentum, energy, angular momentum, kinetic and elastic energy, minus this.
     """
-    step, d = U64(step_of(like)), U64(len(like))
-    N, node, g = U64(metrics.size // solid.rows(like)), U64(row.tile), U64(row.patch)
-    own, M = U64(row.own), U64(F_of.size // len(solid.unstrained(like)))
-    spread = STIFFNESS_OF_WIDE * solid.kappa / (solid.m0 * solid.alpha)
-    for i in range(U64(row.n)):
-        J0, squares = metrics[g + d * d * N + i], 0.0
-        for k in range(len(like)):
-            a = at(like, metrics, g + U64(k) * d * N, N, i)
-            squares += dot(a, a) * per_h[k] * per_h[k]
-        squares = squares / (J0 * J0) + solid.curvature(metrics[U64(metrics.size) - N + g + i])
-        F = at(solid.unstrained(like), strains, node, step, i)
-        put(F_of, own, M, i, F)
-        v, e = at(like, unknowns, node + d * step, step, i), unknowns[node + U64(2) * d * step + i]
-        T, J = solid.temperature(v, e, F), solid.volume(F)
-        modulus = solid.wave_modulus_at(F, T)
-        good = J > 0.0 and T > 0.0 and modulus > -1e-300
-        fastest = np.sqrt(max(modulus, 0.0) / solid.m0 * squares) if good else np.inf
-        found = 0.0 if fastest < np.inf else 1.0, fastest, spread * squares, -J, 0.0
-        put(totals, U64(0), WIDTH, i, larger(found, at(EXTREMES, totals, U64(0), WIDTH, i)))
+    metrics, patch, room = part.metrics, part.patch, part.room
+    (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
+    q = q.reshape(metrics.shape[1], 2 * len(part.like) + 1)
+    invoke("solid_strains", part.of_volume, q, part.F)
+    begin(room, n0)
+    columns = room.reshape(MONITORED + sums_of(len(part.like)), n0)
+    for z in each(n2):
+        for y in each(n1):
+            row, own = f0 + g0 * (f1 + y + g1 * (f2 + z)), n0 * (y + n1 * z)
+            for i in each(n0, vector=True):
+                extremes, densities = seen_at(part, q, row + i, own + i)
+                mass = part.masses[own + i]
+                for c, value in enumerate(extremes):
+                    columns[c, i] = np.maximum(columns[c, i], value)
+                for c, value in enumerate(densities, MONITORED):
+                    columns[c, i] += mass * value
+    sums = part.sums
+    collect(room, n0, n0, part.seen, sums[: sums.size - 1])
+    sums[-1] = -sums[sums.size - 2]
+
+
+def seen_at(part, q, node, own):
+    """Extremes at a node, and what sums have of it per mass. Convection is inf where the state is
+    none; what is no number has no J.
+    """
+    solid, metrics, d = part.laws, part.metrics, len(part.like)
+    zeros = (0.0,) * d
+    displacement, v, e = part_of(zeros, q, node, 0), part_of(zeros, q, node, d), q[node, 2 * d]
+    F = column(solid.unstrained(zeros), part.F, own)
+    extra = prestress_energy(part, F, node)
+    T, J = solid.temperature(v, e if solid.coupled else e - extra, F), solid.volume(F)
+    squares, J0 = 0.0, metrics[d * d, node]
+    for k in range(d):
+        A = column_of(zeros, metrics, k * d, node)
+        squares = squares + dot(A, A) * part.per_h[k] * part.per_h[k]
+    squares = squares / (J0 * J0)
+    if solid.around:
+        squares = squares + solid.curvature(metrics[d * d + 1, node])
+    modulus = solid.wave_modulus_at(F, T)
+    speed = np.sqrt(np.maximum(modulus, 0.0) / solid.m0 * squares)
+    fastest = np.where((J > 0.0) & (T > 0.0) & (modulus > -1e-300), speed, np.inf)
+    fastest = np.where(fastest < np.inf, fastest, np.inf)
+    diffusion = STIFFNESS_OF_WIDE * solid.kappa / (solid.m0 * solid.alpha) * squares
+    bad, least = np.where(fastest < np.inf, 0.0, 1.0), -np.where(J < np.inf, J, np.inf)
+    energy = 0.5 * dot(v, v) + solid.energy(F) / solid.m0 + extra if part.loses else 0.0
+    x = add(column(zeros, part.X, node), displacement)
+    return (bad, fastest, diffusion, least, 0.0), (*v, e, *moment(x, v), energy)
+
+
+def prestress_energy(part, F, node):
+    """S : (F - 1)/m0 of a prestress S: energy per mass [J/kg], of which T knows with heat 'elastic'
+    alone.
+    """
+    if part.prestress is None:
+        return 0.0
+    zeros = (0.0,) * len(part.like) ** 2
+    S, strain = column(zeros, part.prestress, node), F[: len(zeros)]
+    return dot(S, add_unit(-1.0, strain)) / part.laws.m0
+
+
+def moment(x, p):
+    """x cross p: none, one or three numbers."""
+    pairs = {1: (), 2: ((0, 1),), 3: ((1, 2), (2, 0), (0, 1))}[len(x)]
+    return tuple(x[a] * p[b] - x[b] * p[a] for a, b in pairs)
+
+
+def note_potential(part, q, found):
+    """Note - sum M b . x of the owned nodes, the potential energy of a constant force."""
+    masses, X = part.masses, part.X
+    for c in range(len(part.like)):
+        b = part.laws.force[c]
+        with when(b != 0.0):
+            total = variable(0.0)
+            for i in each(masses.size):
+                place = X[c, ghosted_node(i, part.patch)] + q[i, c]
+                total.value -= masses[i] * b * place
+            found.latest[part.level] += total.value
+
+
+def note_ends(part, q, found):
+    """Note displacement, velocity, sigma and T of nodes at interfaces, in one dimension."""
+    solid, ends = part.laws, part.interfaces
+    for m in each(ends.shape[0]):
+        number, own, X, S = whole(ends[m, 0]), whole(ends[m, 1]), ends[m, 2], ends[m, 3]
+        F, v, e = column(solid.unstrained((0.0,)), part.F, own), (q[own, 1],), q[own, 2]
+        stored = 0.0 if solid.coupled else S * (F[0] - 1.0) / solid.m0
+        of_end = X + q[own, 0], v[0], solid.line_stress(F) + S, solid.temperature(v, e - stored, F)
+        for c, value in enumerate(of_end):
+            found.at_ends[c, number] = value

@@ -1,4 +1,4 @@
-"""The rates of a solid block as a compiled function: fsipetsc/scheme/solid.c with its kernels."""
+"""The rates and strains of a solid block in C: fsipetsc/scheme/solid.c with its kernels."""
 
 import ctypes
 from typing import Any
@@ -19,7 +19,7 @@ class _Solid(ctypes.Structure):
     _fields_ = [
         *((name, _POINTER) for name in ("boxes", "jumps", "weights", "ends")),
         *((name, _NUMBER) for name in ("tiles", "nodes", "most")),
-        *((name, _NUMBER * n) for name, n in (("lags", 3), ("size", 2), ("own", 2), ("first", 3))),
+        *((name, _NUMBER * n) for name, n in (("lags", 3), ("size", 2), ("own", 3), ("first", 3))),
         *((name, _NUMBER) for name in ("row", "layer", "layers", "step")),
         *((name, _POINTER) for name in ("p", "metrics", "prestress")),
         ("N", _NUMBER),
@@ -29,7 +29,7 @@ class _Solid(ctypes.Structure):
 
 
 def solid_text(solid: Any, d: int, prestressed: bool) -> str:
-    """The C code of the function solid_rates for a solid in d dimensions."""
+    """The C code of solid_rates and solid_strains for a solid in d dimensions."""
     constants = {
         "D": d,
         "CONDUCTS": int(solid.kappa > 0.0),
@@ -43,7 +43,7 @@ def solid_text(solid: Any, d: int, prestressed: bool) -> str:
 
 
 class SolidVolume:
-    """What solid_rates takes of a part of a block: a struct in C, and the memory it points to.
+    """What these functions take of a part of a block: a struct in C, and the memory it points to.
 
     metrics: (rows, N); prestress: (d d, N) or (d d, 0). address: of the struct.
     """
@@ -72,7 +72,7 @@ class SolidVolume:
             most=work.jumps.shape[2],
             lags=(_NUMBER * 3)(*work.lags),
             size=(_NUMBER * 2)(*patch.ghosted[:2]),
-            own=(_NUMBER * 2)(*patch.own[:2]),
+            own=(_NUMBER * 3)(*patch.own),
             first=(_NUMBER * 3)(*patch.first),
             row=layout.row,
             layer=layout.layer,

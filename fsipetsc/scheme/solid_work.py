@@ -1,4 +1,4 @@
-"""What the rates and the monitor of a solid know of a patch before a run, and their memory.
+"""What the sweeps of fsipetsc/scheme/solid.c know of a patch before a run, and their memory.
 
 A tile is a range of nodes along the first axis, and along the second one of three; its layers along
 the last axis are swept. Boxes of nodes around a tile say where what is needed: F, T and t^k where
@@ -12,31 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.operators.bands import Band, Patch
-from fsipetsc.operators.loops import by_length
-from fsipetsc.scheme.block_monitor import MONITORED
-from fsipetsc.scheme.rows import U64, moments
 
 Array = NDArray[Any]
-#: as numbers of numba's usual type: it compiles a function anew for each literal one
-NONE, ONE = np.int64(0), np.int64(1)
 #: kinds of derivatives: D_k and D°_k
-PLAIN, FREE = NONE, ONE
+PLAIN, FREE = range(2)
 #: most nodes of a tile along the first axis, and along the second one of three, for d = 1, 2, 3
 TILES = ((1024, 1), (128, 1), (64, 16))
 #: longest pairs of all operators; nodes of a row with all that they reach
 REACH = 7
-WIDTH = U64(1024 + 6 * REACH)
-#: numbers between components of the nodes of a tile, for d = 1, 2, 3. LLVM makes vector code of
-#: loops that store many components only if it knows how far they are apart
+WIDTH = 1024 + 6 * REACH
+#: numbers between components of the nodes of a tile, for d = 1, 2, 3
 STEPS = 1096, 29 * 170 + 6, 29 * 58 * 106 + 12
-step_of = by_length("step_of", "like", lambda d: f" return {STEPS[d - 1]}")
 #: what is known of a tile's nodes: rates; heats; F, T and t^k; unknowns
-OWN, NEAR, STRAINED, KNOWN = map(U64, range(4))
-
-
-def sums_of(d: int) -> int:
-    """Sums that are monitored: momentum, energy, angular momentum, kinetic and elastic energy."""
-    return d + 1 + moments(d) + 1
+OWN, NEAR, STRAINED, KNOWN = range(4)
 
 
 class Layout(NamedTuple):
@@ -47,26 +35,8 @@ class Layout(NamedTuple):
     layers: int
 
 
-class Row(NamedTuple):
-    """n nodes along the first axis from x, y, z on: numbers of the first one in arrays.
-
-    patch, own: in those of a patch, and of its owned nodes; tile: in those of a tile, whose layer
-    ``place`` it is in.
-    """
-
-    n: int
-    patch: int
-    own: int
-    tile: int
-    x: int
-    y: int
-    z: int
-    place: int
-
-
 class Work(NamedTuple):
-    """What the rates and the monitor know of a patch, and their memory. The axes are first, inner
-    and last one.
+    """What the sweeps know of a patch, and their memory. The axes are first, inner and last one.
 
     patch: in this order. lags: layers from loading to t^k, conduction, rates. boxes:
     (tiles, 4, 3, 2) first node and first beyond of OWN … KNOWN. jumps: (3, n, 1 + most) of each
@@ -74,7 +44,7 @@ class Work(NamedTuple):
     S_il/(2 weight_i) of these, for PLAIN and FREE, which differ at the node itself; ends: the first
     node along the first axis, after each, for which they are others. In flat arrays
     by components, of the nodes of a tile: unknowns, strains F, tractions t^k, temps T, heats
-    A^k . h; of the nodes of a row: slopes, totals (fsipetsc.scheme.block_monitor).
+    A^k . h; of the nodes of a row: slopes.
     """
 
     patch: Patch
@@ -90,7 +60,6 @@ class Work(NamedTuple):
     temps: Array
     heats: Array
     slopes: Array
-    totals: Array
 
 
 def solid_work(solid: Any, bands: Any, patch: Patch) -> Work:
@@ -107,9 +76,8 @@ def solid_work(solid: Any, bands: Any, patch: Patch) -> Work:
     lags = reach, (1 + conducts) * reach, (2 + conducts) * reach
     strains = len(solid.unstrained((0.0,) * d))
     memory = [np.zeros(count * STEPS[d - 1]) for count in (2 * d + 1, strains, d * d, 1, d)]
-    counts = 2 * d * d + d, MONITORED + sums_of(d)
-    of_row = [np.zeros(count * int(WIDTH)) for count in counts]
-    return Work(patch, layout, lags, boxes, *neighbours(bands), *memory, *of_row)
+    slopes = np.zeros((2 * d * d + d) * WIDTH)
+    return Work(patch, layout, lags, boxes, *neighbours(bands), *memory, slopes)
 
 
 def in_order(of_axes: Any, d: int) -> Any:
