@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.kernels.procedure import each, variable, when
-from fsipetsc.operators.loops import along, column, column_of, dot, mean, part_of, scale, sub
+from fsipetsc.operators.loops import along, column, column_of, dot, mean, scale, sub
 from fsipetsc.operators.undivided import Differences
 from fsipetsc.scheme.rows import Array
 
@@ -36,8 +36,9 @@ AT_SHOCKS = 0.7
 
 
 class SolidDamping(NamedTuple):
-    """A term: a and b of F, sqrt(K m0) [kg/(m2 s)], the e of s [m/s]. F: (d + 1, zeros and N
-    nodes), memory of F and F . Delta_q v; alpha: (N,). after: the next term, or none.
+    """A term: a and b of F, sqrt(K m0) [kg/(m2 s)], the e of s [m/s]. Memory by components of N
+    nodes: velocity; F and F . Delta_q v, each after zeros; alpha; what rates of velocity and energy
+    get. after: the next term, or none.
     """
 
     a: float
@@ -45,8 +46,10 @@ class SolidDamping(NamedTuple):
     impedance: float
     small: float
     differences: Any
+    v: Array
     F: Array
     alpha: Array
+    sums: Array
     after: Any
 
     def add(self, part, q, rates, gain):
@@ -70,14 +73,13 @@ def solid_damping(solid: Any, found: Differences, a: float, b: float, after: Any
     d, nodes = len(solid.force), found.norm.shape[1]
     K = solid.law.wave_modulus(solid.tensor(solid.unstrained((0.0,) * d)))
     of_solid = float(np.sqrt(K * solid.m0)), float(SMALL * np.sqrt(K / solid.m0))
-    return SolidDamping(
-        a, b, *of_solid, found, np.zeros((d + 1, found.room(d))), np.zeros(nodes), after
-    )
+    shapes = (d, nodes), (d + 1, found.room(d)), nodes, (d + 1, nodes)
+    return SolidDamping(a, b, *of_solid, found, *map(np.zeros, shapes), after)
 
 
-def steepness(q, d, small, i, stride):
-    """s of a node, from the velocities among the unknowns q (N, 2d + 1)."""
-    below, here, above = (part_of((0.0,) * d, q, j, d) for j in (i - stride, i, i + stride))
+def steepness(v, d, small, i, stride):
+    """s of a node, from velocities by components."""
+    below, here, above = (column((0.0,) * d, v, j) for j in (i - stride, i, i + stride))
     rise, fall = sub(above, here), sub(here, below)
     turn = sub(rise, fall)
     lengths = np.sqrt(dot(rise, rise)) + np.sqrt(dot(fall, fall))
@@ -88,16 +90,34 @@ def solid_dissipation(part, term, q, rates):
     """Add a term to the rates (M, 2d + 1) of the owned nodes; q (N, 2d + 1): as
     fsipetsc/scheme/solid.c has it, with a halo of q + 1 nodes at least.
     """
-    ghosted, strides = part.patch.ghosted, term.differences.strides
-    for k in range(len(part.like)):
+    d, ghosted, strides = len(part.like), part.patch.ghosted, term.differences.strides
+    for i in each(term.alpha.size):  # compilers make no vector code of what is interlaced
+        for c in range(d):
+            term.v[c, i] = q[i, d + c]
+    for k in range(d):
         stride = strides[k]
         with when(term.b != 0.0):
-            sense(term, len(part.like), q, stride, ghosted[k])
-        lose(part, term, q, k, stride)
-        collect(part, term, q, k, stride, rates)
+            sense(term, d, stride, ghosted[k])
+        lose(part, term, k, stride)
+        for node, _, n in rows_of(part):
+            for i in each(n, vector=True):
+                for c, value in enumerate(collected(part, term, k, stride, node + i)):
+                    term.sums[c, node + i] = (0.0 if k == 0 else term.sums[c, node + i]) + value
+    for node, own, n in rows_of(part):
+        for i in each(n):
+            for c in range(d + 1):
+                rates[own + i, d + c] += term.sums[c, node + i]
 
 
-def sense(term, d, q, stride, length):
+def rows_of(part):
+    """Each row of owned nodes: the first one in ghosted arrays, among the owned ones, how many."""
+    (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = part.patch.own, part.patch.ghosted, part.patch.first
+    for z in each(n2):
+        for y in each(n1):
+            yield f0 + g0 * (f1 + y + g1 * (f2 + z)), n0 * (y + n1 * z), n0
+
+
+def sense(term, d, stride, length):
     """alpha of all nodes along an axis of so many."""
     alpha, block = term.alpha, stride * length
     for line in each(alpha.size // block):
@@ -107,20 +127,20 @@ def sense(term, d, q, stride, length):
         for i in each(first, begin, vector=True):
             alpha[i] = 0.0
         for i in each(begin, end, vector=True):
-            s = steepness(q, d, term.small, i, stride)
+            s = steepness(term.v, d, term.small, i, stride)
             alpha[i] = np.minimum(1.0, np.maximum(0.0, RISE * (s - NO_SHOCK)))
         for i in each(end, first + block, vector=True):
             alpha[i] = 0.0
 
 
-def lose(part, term, q, k, stride):
+def lose(part, term, k, stride):
     """F and F . Delta v of the differences that begin at each node; norm is 0 where none fits."""
     weights, norm, metrics = term.differences.weights, term.differences.norm, part.metrics
-    d, order, N = len(part.like), len(weights) - 1, part.metrics.shape[1]
+    d, order, N = len(part.like), len(weights) - 1, term.alpha.size
     zeros, begin = (0.0,) * d, term.F.shape[1] - N
     low, high = order // 2 * stride, (order + 1) // 2 * stride
     for i in each(N - order * stride, vector=True):
-        change = shifted_sum(lambda j: part_of(zeros, q, j, d), i, stride, weights)
+        change = shifted_sum(zeros, term.v, i, stride, weights)
         A = mean(*(column_of(zeros, metrics, k * d, i + j) for j in (low, high)))
         alpha = term.alpha[i]
         for m in range(1, order + 1):
@@ -134,35 +154,23 @@ def lose(part, term, q, k, stride):
             term.F[c, begin + i] = 0.0
 
 
-def collect(part, term, q, k, stride, rates):
-    """Add what differences give to the rates of the owned nodes."""
-    (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = part.patch.own, part.patch.ghosted, part.patch.first
-    for z in each(n2):
-        for y in each(n1):
-            row, own = f0 + g0 * (f1 + y + g1 * (f2 + z)), n0 * (y + n1 * z)
-            for i in each(n0, vector=True):
-                force, power = collected(part, term, q, k, stride, row + i)
-                for c, value in enumerate((*force, power), len(force)):
-                    rates[own + i, c] += value
-
-
-def collected(part, term, q, k, stride, node):
-    """What differences give to the rates of velocity and energy of a node."""
-    weights, d, N = term.differences.weights, len(part.like), part.metrics.shape[1]
+def collected(part, term, k, stride, node):
+    """What differences along axis k give to the rates of velocity and energy of a node."""
+    weights, d, N = term.differences.weights, len(part.like), term.alpha.size
     order, zeros, here = len(weights) - 1, (0.0,) * d, term.F.shape[1] - N + node
     per_mass = term.differences.per_weight[k, node]
     per_mass = per_mass / (part.metrics[d * d, node] * part.laws.m0)
     # weights of Delta^T: those of Delta in reverse order, perhaps with sign -1
-    F = shifted_sum(lambda j: column(zeros, term.F, j), here - order * stride, stride, weights)
+    F = shifted_sum(zeros, term.F, here - order * stride, stride, weights)
     force = scale((2.0 * (order % 2) - 1.0) * per_mass, F)
     loss = [term.F[d, here - j * stride] for j in (order // 2, (order + 1) // 2)]
     heat = 0.5 * per_mass * (loss[0] + loss[1])
-    return force, dot(part_of(zeros, q, node, d), force) + heat
+    return *force, dot(column(zeros, term.v, node), force) + heat
 
 
-def shifted_sum(numbers, i, stride, weights):
-    """sum_m weights_m f_(i + m stride), f = numbers(i) those of a node."""
-    found = scale(weights[0], numbers(i))
+def shifted_sum(like, array, i, stride, weights):
+    """sum_m weights_m f_(i + m stride) of the numbers f of a node in an array by components."""
+    found = scale(weights[0], column(like, array, i))
     for m in range(1, len(weights)):
-        found = along(found, weights[m], numbers(i + m * stride))
+        found = along(found, weights[m], column(like, array, i + m * stride))
     return found

@@ -4,11 +4,12 @@ import numpy as np
 
 from fsipetsc.equations.tensors import add_unit
 from fsipetsc.kernels.procedure import each, invoke, variable, when, whole
-from fsipetsc.operators.loops import add, column, column_of, dot, part_of
+from fsipetsc.operators.loops import add, column, column_of, dot
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.block_monitor import MONITORED, begin, collect
 from fsipetsc.scheme.part import ghosted, ghosted_node, note, owned
 from fsipetsc.scheme.rows import moments
+from fsipetsc.scheme.solid_dissipation import rows_of
 
 
 def sums_of(d: int) -> int:
@@ -34,34 +35,33 @@ def measure(part, q):
 
     sums: momentum, energy, angular momentum, kinetic and elastic energy, minus this.
     """
-    metrics, patch, room = part.metrics, part.patch, part.room
-    (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
-    q = q.reshape(metrics.shape[1], 2 * len(part.like) + 1)
+    d, room, width, sums = len(part.like), part.room, part.patch.own[0], part.sums
+    q = q.reshape(part.metrics.shape[1], 2 * d + 1)
     invoke("solid_strains", part.of_volume, q, part.F)
-    begin(room, n0)
-    columns = room.reshape(MONITORED + sums_of(len(part.like)), n0)
-    for z in each(n2):
-        for y in each(n1):
-            row, own = f0 + g0 * (f1 + y + g1 * (f2 + z)), n0 * (y + n1 * z)
-            for i in each(n0, vector=True):
-                extremes, densities = seen_at(part, q, row + i, own + i)
-                mass = part.masses[own + i]
-                for c, value in enumerate(extremes):
-                    columns[c, i] = np.maximum(columns[c, i], value)
-                for c, value in enumerate(densities, MONITORED):
-                    columns[c, i] += mass * value
-    sums = part.sums
-    collect(room, n0, n0, part.seen, sums[: sums.size - 1])
+    begin(room, width)
+    columns = room.reshape(MONITORED + sums_of(d), width)
+    for node, own, n in rows_of(part):
+        for i in each(n):  # compilers make no vector code of what is interlaced
+            for c in range(2 * d + 1):
+                part.row[c, i] = q[node + i, c]
+        for i in each(n, vector=True):
+            unknowns = tuple(part.row[c, i] for c in range(2 * d + 1))
+            extremes, densities = seen_at(part, unknowns, node + i, own + i)
+            mass = part.masses[own + i]
+            for c, value in enumerate(extremes):
+                columns[c, i] = np.maximum(columns[c, i], value)
+            for c, value in enumerate(densities, MONITORED):
+                columns[c, i] += mass * value
+    collect(room, width, width, part.seen, sums[: sums.size - 1])
     sums[-1] = -sums[sums.size - 2]
 
 
-def seen_at(part, q, node, own):
+def seen_at(part, unknowns, node, own):
     """Extremes at a node, and what sums have of it per mass. Convection is inf where the state is
     none; what is no number has no J.
     """
     solid, metrics, d = part.laws, part.metrics, len(part.like)
-    zeros = (0.0,) * d
-    displacement, v, e = part_of(zeros, q, node, 0), part_of(zeros, q, node, d), q[node, 2 * d]
+    zeros, displacement, v, e = (0.0,) * d, unknowns[:d], unknowns[d:-1], unknowns[-1]
     F = column(solid.unstrained(zeros), part.F, own)
     extra = prestress_energy(part, F, node)
     T, J = solid.temperature(v, e if solid.coupled else e - extra, F), solid.volume(F)

@@ -17,8 +17,8 @@ class SolidRecord(NamedTuple):
     prestress: (d d, N) what P has beside, or None. inertia: (N,) J0 m0, masses: (M,) weights times
     J0 m0. F: (d d, M), or one more with hoops, as monitored last. loses: whether work is booked,
     for what steps lose of kinetic and elastic energy. forcing: (2d + 1, M) of velocity, temperature
-    and place, or None. room: memory of the monitor, (MONITORED + sums_of(d)) rows of owned nodes.
-    interfaces: (n, 4) number of an interface at this part in one dimension, owned row of its node,
+    and place, or None. room, row: memory of the monitor, ((MONITORED + sums_of(d)) n,) and
+    (2d + 1, n), n the owned nodes along the first axis. interfaces: (n, 4) number of an interface at this part in one dimension, owned row of its node,
     X, prestress. stored_at: (n,) ghosted rows of members that tell what they store, rows_of_stored:
     (n,) where.
     """
@@ -47,6 +47,7 @@ class SolidRecord(NamedTuple):
     at_particles: Any
     forcing: Array | None
     room: Array
+    row: Array
     seen: Array
     sums: Array
     columns: Array
