@@ -1,5 +1,7 @@
 """A rank's part of a solid block: initial data and what is saved, with a prestress."""
 
+from typing import Any, NamedTuple
+
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -13,10 +15,13 @@ from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.blocks.values import prestress_of
 from fsipetsc.errors import InputError
+from fsipetsc.kernels import build
+from fsipetsc.kernels.procedure import Code
+from fsipetsc.kernels.unit import unit
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
-from fsipetsc.scheme.block_monitor import monitor_end
+from fsipetsc.scheme.solid_monitor import note_ends
 
 BOX = rectangle((0.0, 0.0), (1.0, 2.0))
 NUMBERS = {"mu_e": 1.3, "lambda_e": 2.1, "kappa_e": 0.1, "m0": 1.7, "alpha": 0.6}
@@ -72,9 +77,28 @@ def test_what_is_recorded_of_an_end_in_one_dimension(heat):
     """D, v, the stress of the law with the prestress S, and T, as S (F - 1) is energy, too."""
     solid, S = ElasticSolid(**NUMBERS, law="log", heat=heat).equations(1), 0.3
     stored = (solid.law.energy((1.1,)) + S * 0.1) / 1.7 if heat == "elastic" else 0.0
-    q, found = np.array([[0.05, 0.2, 0.6 * 1.5 + 0.02 + stored]]), np.zeros(4)
-    monitor_end(solid, (0.0,), q, np.array([[1.1]]), 0, S, found)
-    np.testing.assert_allclose(found, [0.05, 0.2, solid.law.stress((1.1,))[0] + S, 1.5], rtol=1e-13)
+    part = Ends(solid, np.array([[1.1]]), np.array([[1.0, 0.0, 2.0, S]]))
+    found, code = np.zeros((4, 2)), Code(unit({}, []))
+    call = code.procedure("ends", note_at, part, At(found))
+    code.load(build.loaded(build.keep(build.name_of(code.text), build.made(code.text))))
+    call(np.array([0.05, 0.2, 0.6 * 1.5 + 0.02 + stored]))
+    wanted = [2.05, 0.2, solid.law.stress((1.1,))[0] + S, 1.5]
+    np.testing.assert_allclose(found.T, [np.zeros(4), wanted], rtol=1e-13)
+
+
+class Ends(NamedTuple):
+    laws: Any
+    F: Any
+    interfaces: Any
+
+
+class At(NamedTuple):
+    at_ends: Any
+
+
+def note_at(part, found, y):
+    """What is recorded of ends, by a recorded procedure."""
+    note_ends(part, y.reshape(1, 3), found)
 
 
 def test_a_state_whose_heat_is_gone_is_bad():

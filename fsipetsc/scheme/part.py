@@ -19,9 +19,6 @@ class Nothing(NamedTuple):
         """No work."""
         return 0.0
 
-    def power(self, part, q, rates):
-        return 0.0
-
 
 class Gain(NamedTuple):
     """What comes in from outside. numbers: all that follow, as fsipetsc.blockrun.columns.gained has

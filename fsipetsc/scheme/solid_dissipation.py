@@ -53,19 +53,9 @@ class SolidDamping(NamedTuple):
     after: Any
 
     def add(self, part, q, rates, gain):
-        """This term and the next one."""
-        solid_dissipation(part, self, q, rates)
-        self.after.add(part, q, rates, gain)
-
-    def power(self, part, q, rates):
-        """Sum of v . v_t times the masses, if work is booked; q, rates: of the owned nodes."""
-        if not part.loses:
-            return 0.0
-        d, total = len(part.like), variable(0.0)
-        for i in each(part.masses.size):
-            for c in range(d, 2 * d):
-                total.value += part.masses[i] * q[i, c] * rates[i, c]
-        return total.value
+        """This term and the next one; returns their work."""
+        work = solid_dissipation(part, self, q, rates)
+        return work + self.after.add(part, q, rates, gain)
 
 
 def solid_damping(solid: Any, found: Differences, a: float, b: float, after: Any) -> SolidDamping:
@@ -88,7 +78,8 @@ def steepness(v, d, small, i, stride):
 
 def solid_dissipation(part, term, q, rates):
     """Add a term to the rates (M, 2d + 1) of the owned nodes; q (N, 2d + 1): as
-    fsipetsc/scheme/solid.c has it, with a halo of q + 1 nodes at least.
+    fsipetsc/scheme/solid.c has it, with a halo of q + 1 nodes at least. Returns its work if that is
+    booked.
     """
     d, ghosted, strides = len(part.like), part.patch.ghosted, term.differences.strides
     for i in each(term.alpha.size):  # compilers make no vector code of what is interlaced
@@ -103,10 +94,21 @@ def solid_dissipation(part, term, q, rates):
             for i in each(n, vector=True):
                 for c, value in enumerate(collected(part, term, k, stride, node + i)):
                     term.sums[c, node + i] = (0.0 if k == 0 else term.sums[c, node + i]) + value
+    return give(part, term, rates)
+
+
+def give(part, term, rates):
+    """Add the sums of a term to the rates; returns its work if that is booked."""
+    work, like = variable(0.0), (0.0,) * len(part.like)
     for node, own, n in rows_of(part):
         for i in each(n):
-            for c in range(d + 1):
-                rates[own + i, d + c] += term.sums[c, node + i]
+            force, v = column(like, term.sums, node + i), column(like, term.v, node + i)
+            heat = term.sums[len(like), node + i]
+            if part.loses:
+                work.value += part.masses[own + i] * dot(v, force)
+            for c, value in enumerate((*force, heat), len(like)):
+                rates[own + i, c] += value
+    return work.value if part.loses else 0.0
 
 
 def rows_of(part):

@@ -17,10 +17,10 @@ class SolidRecord(NamedTuple):
     prestress: (d d, N) what P has beside, or None. inertia: (N,) J0 m0, masses: (M,) weights times
     J0 m0. F: (d d, M), or one more with hoops, as monitored last. loses: whether work is booked,
     for what steps lose of kinetic and elastic energy. forcing: (2d + 1, M) of velocity, temperature
-    and place, or None. room, row: memory of the monitor, ((MONITORED + sums_of(d)) n,) and
-    (2d + 1, n), n the owned nodes along the first axis. interfaces: (n, 4) number of an interface at this part in one dimension, owned row of its node,
-    X, prestress. stored_at: (n,) ghosted rows of members that tell what they store, rows_of_stored:
-    (n,) where.
+    and place, or None. room, row: memory of the monitor, ((MONITORED + sums_of(d)) n,) and (2d + 1,
+    n), n the owned nodes along the first axis. interfaces: (n, 4) number of an interface at this
+    part in one dimension, owned row of its node, X, prestress. stored_at: (n,) ghosted rows of
+    members that tell what they store, rows_of_stored: (n,) where.
     """
 
     of_volume: int
@@ -75,15 +75,12 @@ def store(part, particles, y):
 
 def rates(part, gain, y, f):
     """Fill a solid's part of f, from that of a completed y; what comes in goes to ``gain``."""
-    d, damping = len(part.like), part.dissipation
-    q, dof = ghosted(part, y, 2 * d + 1), 2 * d + 1
-    own, own_q = owned(part, f, dof), owned(part, y, dof)
+    dof = 2 * len(part.like) + 1
+    q, own = ghosted(part, y, dof), owned(part, f, dof)
     invoke("solid_rates", part.of_volume, q, own)
-    work = -damping.power(part, own_q, own)
-    damping.add(part, q, own, gain)
-    work += damping.power(part, own_q, own)
+    work = part.dissipation.add(part, q, own, gain)
     work += part.faces.add(part, q, own, gain)
-    work += supply(part, own_q, own, gain)
+    work += supply(part, owned(part, y, dof), own, gain)
     if part.loses:
         gain.lost[0] += work
 
