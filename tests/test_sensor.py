@@ -9,9 +9,9 @@ from fsipetsc.blockrun.notes import MOST, _steepest
 from fsipetsc.equations.gas import Gas
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.stiffened_gas import stiffened_gas
-from fsipetsc.scheme import solid_dissipation
 from fsipetsc.scheme.gas_dissipation import NO_SHOCK, RISE, GasWaves
 from fsipetsc.scheme.rows import U64
+from fsipetsc.scheme.solid_dissipation import SolidWaves
 
 AIR, WATER = PerfectGas(1.4, 287.0), stiffened_gas(4.4, 1000.0, 6e8)
 CERTAIN = NO_SHOCK + 1.0 / RISE
@@ -29,7 +29,8 @@ def steepness(law, rho, u, p, a):
 def steepness_of_solid(v):
     """The same of a solid that moves with v (d, n), c = 1."""
     d, n = v.shape
-    return np.array([solid_dissipation.steepness(v, d, 0.02, i, 1) for i in range(1, n - 1)])
+    waves = SolidWaves(v, d, 0.02)
+    return np.array([waves.steepness(i, 1) for i in range(1, n - 1)])
 
 
 def sound(law, rho, p, size, cells):

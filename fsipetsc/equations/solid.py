@@ -51,7 +51,7 @@ class Solid(NamedTuple):
     """The equations for laws of stress and pressure and numbers.
 
     law, pressing: stress and pressure, as in fsipetsc.materials. m0: density at rest [kg/m3],
-    alpha: specific heat [J/(kg K)], kappa: conductivity [W/(m K)], coupled: True, or False with heat
+    alpha: specific heat [J/(kg K)], kappa: conductivity [W/(m K)], coupled: False with heat
     'elastic'. force: (d,) body force per mass [m/s2]. around: a zero for each hoop stretch, p_ref:
     pressure [Pa] on faces that is no part of the stress; both of radial solids alone.
 

@@ -5,8 +5,8 @@ of their arguments, because they are recorded and become machine code. A law wit
 own is an instance of a NamedTuple class with the formulas as methods; one without is made of
 functions here.
 
-Compiled loops are kept on disk under the types of their arguments. So that a changed formula is
-another type, a law of a case gets a class whose name has a hash of its formulas.
+Laws are the same if their classes and numbers are. So a law of a case gets a class whose name has a
+hash of its formulas.
 """
 
 import hashlib
@@ -160,7 +160,7 @@ def gas_law(**formulas: Formula) -> Any:
 
     pressure, internal_energy, temperature, density and temperature_of are needed; the others follow
     from these, but for the entropy, which is not a number if it is not given. InputError for other
-    names or arguments, or what cannot be compiled.
+    names or arguments, or what cannot be recorded.
     """
     return _law_of(GAS, formulas)
 
@@ -231,10 +231,9 @@ def check_solid_law(law: Any, d: int) -> None:
 
 def _law_of(kind: Kind, formulas: Mapping[str, Formula]) -> Any:
     """A law without numbers, of functions."""
-    plain = {name: getattr(formula, "py_func", formula) for name, formula in formulas.items()}
-    _check(kind.maker, kind, plain, "")
+    _check(kind.maker, kind, formulas, "")
     methods = _formulas(kind.derived)
-    for name, formula in plain.items():
+    for name, formula in formulas.items():
         arguments = ", ".join(inspect.signature(formula).parameters)
         space = {"formula": formula}
         exec(f"def {name}(self, {arguments}): return formula({arguments})", space)
@@ -290,14 +289,11 @@ def _class(name: str, fields: tuple[str, ...], methods: Mapping[str, Formula]) -
 
 def _fingerprint(value: Any, seen: set[int]) -> str:
     """What tells a formula from another one: its code, constants, and what it refers to."""
-    value = getattr(value, "py_func", value)
     if isinstance(value, FunctionType) and id(value) not in seen:
         seen.add(id(value))
         names = inspect.getclosurevars(value)
         parts = sorted({**names.nonlocals, **names.globals}.items())
         inner = "".join(f"{k}={_fingerprint(v, seen)};" for k, v in parts)
-        # compiled code is loaded together with the module that a function is defined in
-        inner += f"{value.__module__};"
         return _fingerprint(value.__code__, seen) + inner + repr(value.__defaults__)
     if isinstance(value, CodeType):
         constants = "".join(_fingerprint(c, seen) for c in value.co_consts[1:])

@@ -58,6 +58,23 @@ class SolidDamping(NamedTuple):
         return work + self.after.add(part, q, rates, gain)
 
 
+class SolidWaves(NamedTuple):
+    """What is sensed in a solid: the velocity v, by components. small: the e of s."""
+
+    v: Array
+    d: int
+    small: float
+
+    def steepness(self, i, stride):
+        """s of a node."""
+        like = (0.0,) * self.d
+        below, here, above = (column(like, self.v, j) for j in (i - stride, i, i + stride))
+        rise, fall = sub(above, here), sub(here, below)
+        turn = sub(rise, fall)
+        lengths = np.sqrt(dot(rise, rise)) + np.sqrt(dot(fall, fall))
+        return np.sqrt(dot(turn, turn)) / (lengths + self.small)
+
+
 def solid_damping(solid: Any, found: Differences, a: float, b: float, after: Any) -> SolidDamping:
     """Of a solid, fsipetsc.equations.solid, for the nodes of a patch."""
     d, nodes = len(solid.force), found.norm.shape[1]
@@ -65,15 +82,6 @@ def solid_damping(solid: Any, found: Differences, a: float, b: float, after: Any
     of_solid = float(np.sqrt(K * solid.m0)), float(SMALL * np.sqrt(K / solid.m0))
     shapes = (d, nodes), (d + 1, found.room(d)), nodes, (d + 1, nodes)
     return SolidDamping(a, b, *of_solid, found, *map(np.zeros, shapes), after)
-
-
-def steepness(v, d, small, i, stride):
-    """s of a node, from velocities by components."""
-    below, here, above = (column((0.0,) * d, v, j) for j in (i - stride, i, i + stride))
-    rise, fall = sub(above, here), sub(here, below)
-    turn = sub(rise, fall)
-    lengths = np.sqrt(dot(rise, rise)) + np.sqrt(dot(fall, fall))
-    return np.sqrt(dot(turn, turn)) / (lengths + small)
 
 
 def solid_dissipation(part, term, q, rates):
@@ -88,7 +96,7 @@ def solid_dissipation(part, term, q, rates):
     for k in range(d):
         stride = strides[k]
         with when(term.b != 0.0):
-            sense(term, d, stride, ghosted[k])
+            sense(SolidWaves(term.v, d, term.small), term.alpha, stride, ghosted[k])
         lose(part, term, k, stride)
         for node, _, n in rows_of(part):
             for i in each(n, vector=True):
@@ -119,20 +127,27 @@ def rows_of(part):
             yield f0 + g0 * (f1 + y + g1 * (f2 + z)), n0 * (y + n1 * z), n0
 
 
-def sense(term, d, stride, length):
-    """alpha of all nodes along an axis of so many."""
-    alpha, block = term.alpha, stride * length
-    for line in each(alpha.size // block):
-        first = line * block
-        begin = first + stride
-        end = np.maximum(begin, first + block - stride)
+def sense(waves, alpha, stride, length):
+    """alpha of all nodes along an axis of so many. waves: with s of a node as ``steepness``."""
+    for line in each(alpha.size // (stride * length)):
+        first = line * (stride * length)
+        begin, beyond = first + stride, first + stride * length
+        end = np.maximum(begin, beyond - stride)
         for i in each(first, begin, vector=True):
             alpha[i] = 0.0
         for i in each(begin, end, vector=True):
-            s = steepness(term.v, d, term.small, i, stride)
-            alpha[i] = np.minimum(1.0, np.maximum(0.0, RISE * (s - NO_SHOCK)))
-        for i in each(end, first + block, vector=True):
+            steep = RISE * (waves.steepness(i, stride) - NO_SHOCK)
+            alpha[i] = np.minimum(1.0, np.maximum(0.0, steep))
+        for i in each(end, beyond, vector=True):
             alpha[i] = 0.0
+
+
+def largest(alpha, i, stride, weights):
+    """The largest alpha of the nodes of a difference."""
+    found = alpha[i]
+    for m in range(1, len(weights)):
+        found = np.maximum(found, alpha[i + m * stride])
+    return found
 
 
 def lose(part, term, k, stride):
@@ -144,9 +159,7 @@ def lose(part, term, k, stride):
     for i in each(N - order * stride, vector=True):
         change = shifted_sum(zeros, term.v, i, stride, weights)
         A = mean(*(column_of(zeros, metrics, k * d, i + j) for j in (low, high)))
-        alpha = term.alpha[i]
-        for m in range(1, order + 1):
-            alpha = np.maximum(alpha, term.alpha[i + m * stride])
+        alpha = largest(term.alpha, i, stride, weights)
         speed = (term.a + term.b * alpha) * norm[k, i] * term.impedance * np.sqrt(dot(A, A))
         F = scale(speed, change)
         for c, value in enumerate((*F, dot(F, change))):
