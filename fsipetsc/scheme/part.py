@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from fsipetsc.kernels.procedure import each
+from fsipetsc.kernels.procedure import each, either, when
 from fsipetsc.scheme.block_monitor import CONVECTION, MONITORED
 from fsipetsc.scheme.normals import add_areas
 from fsipetsc.scheme.rows import Array
@@ -49,12 +49,12 @@ def owned(part, s, dof):
 
 def ghosted(part, s, dof):
     """(N, dof), the same with its halo, which a rank that has all blocks fills here."""
-    if part.halo is None:
-        return owned(part, s, dof)
-    if part.wraps:
+    with when(part.wraps == 1):
         fill_halo(s, part.begin, dof, part.patch, part.halo)
         fill_images(part)
-    return part.halo.reshape(part.halo.shape[0], dof)
+    n = part.patch.ghosted[0] * part.patch.ghosted[1] * part.patch.ghosted[2]
+    own = s[part.begin : part.begin + n * dof]
+    return either(part.halo.shape[0] > 0, part.halo.reshape(-1), own).reshape(n, dof)
 
 
 def ghosted_node(i, patch):
