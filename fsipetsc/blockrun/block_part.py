@@ -98,7 +98,7 @@ class BlockPart:
             "faces": self.faces.record,
             "block": part.k,
             "begin": part.begin,
-            "halo": part.local if part.has_halo else np.empty((0, part.dof)),
+            "halo": part.local if part.has_halo else np.empty((part.dof, 0)),
             "wraps": int(about.alone and part.has_halo),
             "signs": part.signs,
             "X": self.X,

@@ -349,6 +349,5 @@ class BlockState(State):
         self.scheme.particles.destroy()
         for order in self.orders.values():
             order.destroy()
-        for vector in (self.y, self.stage, self.solution):
-            vector.destroy()
+        self.solution.destroy()
         self.layout.destroy()

@@ -108,7 +108,7 @@ class SolidPart(BlockPart):
 
         See fsipetsc.scheme.solid_monitor.
         """
-        self.does["measure"](np.ascontiguousarray(q).reshape(-1))
+        self.does["measure"](np.ascontiguousarray(q.T).reshape(-1))
         return self._record_of_part.seen.copy(), self._record_of_part.sums.copy()
 
     def _record(self, about: Recorded) -> Code:

@@ -36,6 +36,8 @@ class Layout(NamedTuple):
 ROWS = Layout("ROW")
 #: planes of a block: a component after the other, N apart, which the caller gives
 PLANES = Layout("N", given=True)
+#: planes of the nodes that a rank owns, M apart
+OWNED = Layout("M", given=True)
 #: one number that all items share
 SHARED = Layout("1", "0")
 

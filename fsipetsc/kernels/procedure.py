@@ -339,6 +339,10 @@ class Array(NDArrayOperatorsMixin):
             shape = (self.size,)
         return Array(self._base, self.dtype, shape, self._offset)
 
+    def turned(self) -> "Array":
+        """An array of two axes by its second index first, as its transpose."""
+        return _Turned(self)
+
     def _place(self, at: Any) -> tuple[Any, tuple[Any, ...]]:
         """Offset and shape of what an index, or several, name."""
         at = at if isinstance(at, tuple) else (at,)
@@ -390,6 +394,22 @@ class Array(NDArrayOperatorsMixin):
         raise refuse("an operation on a whole array: write a loop, `for i in each(n):`")
 
     __hash__ = None  # type: ignore[assignment]
+
+
+class _Turned(Array):
+    """The transpose of an array."""
+
+    def __init__(self, of: Array) -> None:
+        super().__init__(of._base, of.dtype, of.shape[::-1], of._offset)
+        self._of = of
+
+    def _place(self, at: Any) -> tuple[Any, tuple[Any, ...]]:
+        if not isinstance(at, tuple) or len(at) != 2:
+            raise refuse("a transpose takes two numbers")
+        return self._of._place(at[::-1])
+
+    def reshape(self, *shape: Any) -> Array:
+        raise refuse("a transpose has no other shape")
 
 
 def _read(base: str, dtype: Any, place: Index, text: str = "") -> Any:
