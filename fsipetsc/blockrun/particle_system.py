@@ -108,15 +108,12 @@ class ParticleSystem:
         loaded, and before anything else, ``does["weigh_heat"]()`` is to be called.
         """
         code, record = Code(unit({}, [])), self.record
-        for function in (
-            *(kernels.weigh, kernels.end_normals, kernels.end_turning, kernels.begin_stored),
-            weigh_heat,
-        ):
+        alone = kernels.weigh, kernels.end_normals, kernels.end_turning, kernels.begin_stored
+        taking = kernels.end_sums, kernels.impose_conditions, kernels.end_rates
+        takes = {f: (record,) for f in (*alone, weigh_heat)} | {f: (record, gain) for f in taking}
+        for function, given in takes.items():
             name = function.__name__
-            self.does[name] = code.procedure(name, function, record)
-        for function in (kernels.end_sums, kernels.impose_conditions, kernels.end_rates):
-            name = function.__name__
-            self.does[name] = code.procedure(name, function, record, gain)
+            self.does[name] = code.procedure(name, function, *given)
         return code
 
     def _rows_of(self, k: int) -> Array:

@@ -35,11 +35,10 @@ def solve(all, p, one, M, M_s, a, b):
     wanted_c, which all.pi has, and which becomes pi.
     """
     like, normals, pi, A, K = all.like, all.normals, all.pi, all.matrix, one.count
-    sticks, together = one.sticks == 1, np.where(one.sticks == 1, 1.0, 0.0)
-    free_gas, free_solid = (M > 0.0) & (one.free_gas == 1), (M_s > 0.0) & (one.free_solid == 1)
-    per_gas, per_solid = np.where(free_gas, 1.0 / M, 0.0), np.where(free_solid, 1.0 / M_s, 0.0)
-    per_gas = np.where(sticks, np.where(one.free_gas == 1, 1.0 / (M + M_s), 0.0), per_gas)
-    per_solid = np.where(sticks, 0.0, per_solid)
+    sticks, free_gas = one.sticks == 1, one.free_gas == 1
+    per_gas = np.where((M > 0.0) & free_gas, 1.0 / M, 0.0)
+    per_gas = np.where(sticks, np.where(free_gas, 1.0 / (M + M_s), 0.0), per_gas)
+    per_solid = np.where((M_s > 0.0) & (one.free_solid == 1) & ~sticks, 1.0 / M_s, 0.0)
 
     def of(k):
         """G and S of a constraint; of what sticks their sum and S, which does not matter then."""
@@ -55,9 +54,10 @@ def solve(all, p, one, M, M_s, a, b):
     eliminate(K, A, pi, all.pivots)
     for k in each(K):
         G, S = of(k)
+        on_gas, on_solid = pi[k] * per_gas, pi[k] * per_solid
         for c in range(len(like)):
-            a[c].value += pi[k] * per_gas * G[c]
-            b[c].value += pi[k] * per_solid * S[c]
+            a[c].value += on_gas * G[c]
+            b[c].value += on_solid * S[c]
     with when(sticks):
         for c in range(len(like)):
             b[c].value = a[c].value
@@ -109,16 +109,18 @@ def slide_one(all, gain, p, one):
         pi[k] = np.where(all.table.constraint[p, k] == SLIPS, dot(add(G, S), w), 0.0)
     new_u, new_v = list(map(variable, u)), list(map(variable, v))
     solve(all, p, one, M, M_s, new_u, new_v)
-    change = 0.5 * M_s * dot(value_of(new_v), value_of(new_v)) - 0.5 * M_s * dot(v, v)
+    new_u, new_v = value_of(new_u), value_of(new_v)
+    change = 0.5 * M_s * dot(sub(new_v, v), add(new_v, v))  # of the solid's kinetic energy
     for k in each(pick(one.mine == 1, one.count, 0)):  # what forces do to bodies they move
         G, S = vectors(like, normals, p, k)
         moved = add(scale(number(one.free_gas), G), scale(number(one.free_solid), S))
+        push = scale(pi[k], moved)
         for c in range(len(like)):
-            gain.impulse[c] += pi[k] * moved[c]
+            gain.impulse[c] += push[c]
     with when(M_s > 0.0):  # without a solid v stays 0: it is read, and a failed step has NaN
-        put_part(state.v, p, 0, value_of(new_v))
+        put_part(state.v, p, 0, new_v)
     with when(M > 0.0):
-        put_part(U, p, 1, scale(rho, value_of(new_u)))
+        put_part(U, p, 1, scale(rho, new_u))
     with when((M_s > 0.0) & (M > 0.0)):
         state.e[p] += change / M_s
         U[p, len(like) + 1] -= change / state.V[p]
@@ -152,12 +154,12 @@ def book(all, gain, p, one, v, w, force, force_s, power, of_solid):
     like, impulse, energies = all.like, gain.impulse, gain.energy
     with when((one.free_gas == 1) & (one.free_solid == 1)):
         for k in each(one.count):
-            N = add(*vectors(like, all.normals, p, k))
+            push = scale(all.pi[k], add(*vectors(like, all.normals, p, k)))
             for c in range(len(like)):
-                impulse[c] += all.pi[k] * N[c]
+                impulse[c] += push[c]
             slips = all.table.constraint[p, k] == SLIPS
             at = pick(slips, one.moves_gas, one.moves_solid)
-            energies[at] += all.pi[k] * dot(N, select(slips, w, v))
+            energies[at] += dot(push, select(slips, w, v))
     with otherwise():
         for c in range(len(like)):
             impulse[c] += force[c] + force_s[c]

@@ -240,14 +240,16 @@ def accelerate(all, gain, p, one):
     like, state, U_p = all.like, all.state, part_of((*all.like, 0.0, 0.0), all.state.U, p, 0)
     (J_t, R, R_m, R_E), (_, _, F, _) = summed(all, p)
     M, M_s, v = state.mass[p], state.solid_mass[p], node(like, state.v, p)
-    u, w, w_t = velocity(like, state.U, p, M), *(node(like, x, p) for x in all.data[:2])
-    a, b, forces = free(all, p, one, (M, M_s, u, w_t), (R, R_m, F))
-    a, b = list(map(variable, a)), list(map(variable, b))
+    u, w = velocity(like, state.U, p, M), node(like, all.data.wall, p)
+    nothing = (0.0,) * len(like)
+    a_g = select(M > 0.0, per(along(R_m, -R, u), M), nothing)
+    a_s = select(M_s > 0.0, per(F, M_s), nothing)
+    a, b = (list(map(variable, x)) for x in told(all, p, one, M, M_s, a_g, a_s))
     with when(one.count > 0):
-        right_sides(all, p, one, u, v, w, w_t)
+        right_sides(all, p, one, u, v, w, node(like, all.data.wall_rate, p))
         solve(all, p, one, M, M_s, a, b)
     a, b = value_of(a), value_of(b)
-    force, force_s = along(forces[0], M, a), along(forces[1], M_s, b)
+    force, force_s = scale(M, sub(a, a_g)), scale(M_s, sub(b, a_s))
     power, of_solid = powers(all, p, one, force, u, v, w)
     with when(one.mine == 1):
         book(all, gain, p, one, v, w, force, force_s, power, of_solid)
@@ -257,18 +259,13 @@ def accelerate(all, gain, p, one):
         put_part(state.U_t, p, 0, per(along(rates, -J_t, U_p), state.V[p]))
 
 
-def free(all, p, one, known, rates):
-    """Accelerations a of the gas and b of the solid without constraints, as clamps, walls and what
-    sticks have them; and -M a_g, -M_s a_s, to which M a and M_s b are added to find forces.
-    """
-    (M, M_s, u, w_t), (R, R_m, F), nothing = known, rates, (0.0,) * len(all.like)
-    a = select(M > 0.0, per(along(R_m, -R, u), M), nothing)
-    b = select(M_s > 0.0, per(F, M_s), nothing)
-    forces, sticks, clamped = (scale(-M, a), scale(-M_s, b)), one.sticks == 1, one.clamped == 1
+def told(all, p, one, M, M_s, a, b):
+    """Accelerations of the gas and of the solid as clamps, walls and what sticks have them."""
+    clamped = one.clamped == 1
     b = select(clamped, node(all.like, all.data.clamp_rate, p), b)
-    a = select(one.at_wall == 1, w_t, a)
+    a = select(one.at_wall == 1, node(all.like, all.data.wall_rate, p), a)
     both = select(clamped, b, per(add(scale(M, a), scale(M_s, b)), M + M_s))
-    return select(sticks, both, a), select(sticks, both, b), forces
+    return select(one.sticks == 1, both, a), select(one.sticks == 1, both, b)
 
 
 def give_rates(all, gain, y, f):
