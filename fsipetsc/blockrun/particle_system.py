@@ -133,13 +133,13 @@ class ParticleSystem:
         kind, alpha = np.empty(size, np.int64), np.zeros(size)
         kind[row] = [records.SOLID if blocks[k].kind == "solid" else records.GAS for k in of]
         alpha[row] = [getattr(blocks[k].material, "alpha", 0.0) for k in of]
-        at, booked = np.empty(self._mine.size, np.int64), np.zeros(self._mine.size)
+        (at, apart), booked = np.empty((2, self._mine.size), np.int64), np.zeros(self._mine.size)
         weight = self.sums.table[:, 0]  # H of gas members, M_s of solid ones
         for k, part in layout.parts.items():
             rows = self._rows_of(k)
             nodes = part.ghosted_rows(part.rows(self._nodes_at(rows)))
             weight[rows] = part.weights(nodes) * (inertia[k][nodes] if k in inertia else 1.0)
-            at[rows] = part.at(self._nodes_at(rows))
+            at[rows], apart[rows] = part.at(self._nodes_at(rows)), part.numbers.size
             booked[rows] = weight[rows] * loses(layout.problem, k)
         self.sums.exchange()
         constraint = np.zeros((count, most), np.int64)
@@ -160,6 +160,7 @@ class ParticleSystem:
             row=row,
             kind=kind,
             at=at,
+            apart=apart,
             weight=weight.copy(),
             alpha=alpha,
             inertia=booked,

@@ -34,7 +34,7 @@ from fsipetsc.process.together import together
 from fsipetsc.scheme import steps as stages
 from fsipetsc.scheme.batch import ALLOWED, plan_next
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
-from fsipetsc.scheme.normals import add_turning, turned_faces
+from fsipetsc.scheme.normals import turned_faces
 from fsipetsc.scheme.plan import BAD
 
 if TYPE_CHECKING:
@@ -268,7 +268,7 @@ class Scheme:
                 faces = self._at_faces[gas.part.k]
                 if gas.moves:
                     turning = gas.grid.turning(self._turning[gas.part.k])
-                    add_turning(faces, turning, particles.areas.table)
+                    faces.add(turning, particles.areas.table)
             particles.areas.exchange()
         self._do("turned", y.array)
         y.end()

@@ -54,13 +54,13 @@ def weigh(all, y):
     """Rows of this rank's members: H q of a gas, (M_s D, M_s v, M_s e) of a solid; or of rates."""
     table, rows, d = all.table, all.rows, len(all.like)
     for r in each(table.at.shape[0]):
-        weight, at = table.weight[r], table.at[r]
+        weight, own = table.weight[r], Unknowns(table, r, y)
         with when(table.kind[r] == GAS):
             for c in range(d + 3):
-                rows[r, c] = weight * y[at + c]
+                rows[r, c] = weight * own[c]
         with otherwise():
             for c in range(2 * d + 1):
-                rows[r, c] = weight * y[at + c]
+                rows[r, c] = weight * own[c]
 
 
 def summed(all, p):
@@ -165,20 +165,33 @@ def begin_stored(all, y):
     """Solid members of this rank get the displacement of their particle, for solids to say what
     they store.
     """
-    for p, r, at in own_members(all.table):
+    for p, r in own_members(all.table):
         with when(all.table.kind[r] == SOLID):
-            D = node(all.like, all.state.D, p)
+            own, D = Unknowns(all.table, r, y), node(all.like, all.state.D, p)
             for c in range(len(all.like)):
-                y[at + c] = D[c]
+                own[c] = D[c]
+
+
+class Unknowns:
+    """The numbers in a world vector of the member of a row, of this rank."""
+
+    def __init__(self, table, r, y):
+        self._at, self._apart, self._y = table.at[r], table.apart[r], y
+
+    def __getitem__(self, c):
+        return self._y[self._at + c * self._apart]
+
+    def __setitem__(self, c, value):
+        self._y[self._at + c * self._apart] = value
 
 
 def own_members(table):
-    """Particle, row and first unknown of each member of this rank."""
+    """Particle and row of each member of this rank."""
     for p in each(table.facts.shape[0]):
         for m in each(table.begin[p], table.begin[p + 1]):
             r = table.row[m]
             with when(r < table.at.shape[0]):
-                yield p, r, table.at[r]
+                yield p, r
 
 
 # constraints
@@ -209,20 +222,21 @@ def sum_up(gain):
 def give_state(all, y):
     """Members of this rank get what their particle has; each keeps its own J."""
     table, state, like, d = all.table, all.state, all.like, len(all.like)
-    for p, r, at in own_members(table):
+    for p, r in own_members(table):
+        own = Unknowns(table, r, y)
         with when(table.kind[r] == GAS):
-            J = y[at]
+            J = own[0]
             for c in range(d + 2):
-                y[at + 1 + c] = J * state.U[p, c]
+                own[1 + c] = J * state.U[p, c]
         with otherwise():
             D, v, e = node(like, state.D, p), node(like, state.v, p), state.e[p]
             kinetic, change = 0.5 * dot(v, v), e - state.mean_energy[p]
             heat = (e - kinetic - state.potential[p]) * table.alpha[r] / state.capacity[p]
             shared = kinetic + all.stored[r, 0] + heat
-            own = y[at + 2 * d] + change
+            alone = own[2 * d] + change
             for c in range(d):
-                y[at + c], y[at + d + c] = D[c], v[c]
-            y[at + 2 * d] = np.where(table.facts[p].one_T == 1, shared, own)
+                own[c], own[d + c] = D[c], v[c]
+            own[2 * d] = np.where(table.facts[p].one_T == 1, shared, alone)
 
 
 def end_rates(all, gain, y, f):
@@ -271,16 +285,17 @@ def told(all, p, one, M, M_s, a, b):
 def give_rates(all, gain, y, f):
     """(J U)_t = J U_t + U J_t of gas members; accelerations of solid ones, and their power."""
     table, state, like, d = all.table, all.state, all.like, len(all.like)
-    for p, r, at in own_members(table):
+    for p, r in own_members(table):
+        rates = Unknowns(table, r, f)
         with when(table.kind[r] == GAS):
-            J, J_t = y[at], f[at]
+            J, J_t = Unknowns(table, r, y)[0], rates[0]
             for c in range(d + 2):
-                f[at + 1 + c] = J * state.U_t[p, c] + state.U[p, c] * J_t
+                rates[1 + c] = J * state.U_t[p, c] + state.U[p, c] * J_t
         with otherwise():
-            push = sub(node(like, state.acceleration, p), tuple(f[at + d + c] for c in range(d)))
+            push = sub(node(like, state.acceleration, p), tuple(rates[d + c] for c in range(d)))
             power = dot(push, node(like, state.v, p))
             for c in range(d):
-                f[at + d + c] += push[c]
-            f[at + 2 * d] += power
+                rates[d + c] += push[c]
+            rates[2 * d] += power
             with when(table.inertia[r] > 0.0):
                 gain.lost[0] += table.inertia[r] * power
