@@ -30,13 +30,14 @@ def cube_text() -> str:
 class Cube:
     """The range of nodes of a Wide in three dimensions.
 
-    library: has the functions of cube.c. x, v: (3, wide nodes) places less those of linear maps,
+    library: has the functions of cube.c, once it is set; only add_face needs it. x, v: (3, wide nodes) places less those of linear maps,
     and velocities. metrics: (13, N) a^1, a^2, a^3, velocity, J_t of the range. volume: (N,) det
     D x. address: of the struct in C.
     """
 
-    def __init__(self, library: ctypes.CDLL, wide: Wide, metrics: Array) -> None:
-        self.library, nodes = library, wide.y.shape[1]
+    def __init__(self, wide: Wide, metrics: Array) -> None:
+        nodes = wide.y.shape[1]
+        self.library: ctypes.CDLL | None = None
         self.x, self.v = wide.y.copy(), np.zeros((3, nodes))
         self.volume = np.zeros(metrics.shape[1])
         half, q = [0.5 / weight for weight in wide.weight], np.zeros((9, nodes))
@@ -63,6 +64,7 @@ class Cube:
         (9, N) from 3 i on, at the nodes of the range whose index along axis i is ``at``.
         """
         row = areas[3 * i] if len(areas) == 9 else areas[0]
+        assert self.library is not None
         self.library.cube_face(
             *(ctypes.c_void_p(self.address), _NUMBER(i), _NUMBER(at)),
             *(ctypes.c_double(factor), ctypes.c_double(sign), ctypes.c_void_p(row.ctypes.data)),

@@ -114,5 +114,5 @@ def mirror(values: Array, first: Triple, ghosted: Triple, signs: Array) -> None:
     what is behind, with signs. first, ghosted: of a Patch.
     """
     rows, n = (first[1], ghosted[0]) if ghosted[1] > 1 else (first[0], 1)
-    images = values[: 2 * rows * n].reshape(2, rows, n, -1)
+    images = values[: 2 * rows * n].reshape(2, rows, n, values.shape[1])
     images[0] = signs * images[1, ::-1]
