@@ -127,6 +127,7 @@ def test_exact_sums_are_not_fused():
             y[0] = exact(a[0, 1] * b + a[0, 2] * a[1, 0])
             y[1] = exact(a[0, 2] * a[1, 0] + a[0, 1] * b)
             y[2] = a[1, 1] * a[1, 2] + y[i]
+            y[3] = y[i] + exact(a[0, 1] * a[1, 1])
 
     text = made(mean, part()).text
     assert text.count("fma") == 1

@@ -30,9 +30,9 @@ def cube_text() -> str:
 class Cube:
     """The range of nodes of a Wide in three dimensions.
 
-    library: has the functions of cube.c, once it is set; only add_face needs it. x, v: (3, wide nodes) places less those of linear maps,
-    and velocities. metrics: (13, N) a^1, a^2, a^3, velocity, J_t of the range. volume: (N,) det
-    D x. address: of the struct in C.
+    x, v: (3, wide nodes) places less those of linear maps, and velocities. metrics: (13, N) a^1,
+    a^2, a^3, velocity, J_t of the range. volume: (N,) det D x. address: of the struct in C.
+    library: has the functions of cube.c, once it is set; ``add_face`` alone needs it.
     """
 
     def __init__(self, wide: Wide, metrics: Array) -> None:

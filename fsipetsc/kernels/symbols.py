@@ -156,8 +156,8 @@ class Record:
 
 
 def exact(x: Any) -> Any:
-    """x, a number or a tuple of numbers, whose sums are not fused with their products: each product
-    and each sum is rounded. So a sum that is its own mirror image has the same bits as its image.
+    """x, a number or a tuple of numbers, without fused operations: each product and each sum of
+    which it is made is rounded. So a sum that is its own mirror image has the bits of its image.
     """
     if isinstance(x, tuple):
         return tuple(map(exact, x))
