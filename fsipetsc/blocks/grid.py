@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.blocks.block import Range
-from fsipetsc.blocks.cube import Cube, faces_turning
+from fsipetsc.blocks.cube import Cube
 from fsipetsc.blocks.hull import blend_of, end_weights, hull_of
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.blocks.plane_grid import plane_motion
@@ -67,7 +67,8 @@ class LineMotion(NamedTuple):
 class CubeMotion(NamedTuple):
     """A grid in three dimensions. blend: on the W wide nodes; y: (3, W), of a Wide; inner: (N,) of
     the range among the wide nodes. x, v: (3, W) places less those of linear maps, velocities,
-    volume: (N,) det D x, all of a Cube with this address.
+    volume: (N,) det D x, turning: (9, N) how a^k changes in time on faces that were named, all of a
+    Cube with this address.
     """
 
     hull: Any
@@ -77,6 +78,7 @@ class CubeMotion(NamedTuple):
     x: Array
     v: Array
     volume: Array
+    turning: Array
     address: int
 
     def move(self, known, metrics):
@@ -93,6 +95,10 @@ class CubeMotion(NamedTuple):
         self.hull.fill(self.hull.moving, known, 3)
         self.blend.fill(self.hull.moving, self.v)
         invoke("cube_swing", self.address)
+
+    def turn(self):
+        """Fill turning, after `swing`."""
+        invoke("cube_turn", self.address)
 
     def find_places(self, X, places):
         """X + the displacement."""
@@ -137,6 +143,11 @@ def find_jacobian(of):
         of.J[i] = of.grid.jacobian(metrics, of.J.size, i, of.reference[i])
 
 
+def turn(of):
+    """How areas of the grid turn on faces, in three dimensions."""
+    of.grid.turn()
+
+
 class GridMotion:
     """Positions and metrics of a range of nodes of gas block k (of a rank: the ghosted).
 
@@ -163,21 +174,20 @@ class GridMotion:
             self.record = plane_motion(block, wide, hull)
         else:
             self._cube = cube = Cube(wide, self.metrics)
-            self._turning, inner = np.zeros((9, X.shape[1])), np.arange(wide.y.shape[1])
-            of_cube = cube.x, cube.v, cube.volume, cube.address
-            blend = blend_of(block, wide, hull.nodes)
+            of_cube = cube.x, cube.v, cube.volume, cube.of_faces, cube.address
+            blend, inner = blend_of(block, wide, hull.nodes), np.arange(wide.y.shape[1])
             self.record = CubeMotion(hull, blend, wide.inner(inner), wide.y, *of_cube)
         known, J = np.zeros((len(nodes), 2 * d)), np.zeros(X.shape[1])
         X = np.ascontiguousarray(X)
         self._known = Known(self.record, known, self.metrics, X, X.copy(), reference, J)
-        self._code: Code | None = None
+        self._calls = dict[Any, Procedure]()
 
     def procedures(self, code: Code) -> None:
-        """Record what ``move``, ``positions`` and ``jacobian`` call; in three dimensions the text
-        of the code must have fsipetsc/blocks/cube.c.
+        """Record what ``move``, ``positions``, ``jacobian`` and ``turning`` call; in three
+        dimensions the text of the code must have fsipetsc/blocks/cube.c.
         """
-        self._code, self._calls = code, dict[Any, Procedure]()
-        for function in (move, find_places, find_jacobian):
+        turns = (turn,) if isinstance(self.record, CubeMotion) else ()
+        for function in (move, find_places, find_jacobian, *turns):
             name = f"grid_{function.__name__}_{self._k}"
             self._calls[function] = code.procedure(name, function, self._known)
 
@@ -187,13 +197,19 @@ class GridMotion:
         known[:, : known.shape[1] // 2] = displacement
         self._calls[move]()
 
-    def turning(self, faces: Iterable[tuple[int, int]]) -> Array:
-        """How a^1, a^2, a^3 (9, N) change in time after `swing` in three dimensions, on faces of
-        the range: (axis, index along it) each; elsewhere 0.
+    def name_faces(self, faces: Iterable[tuple[int, int]]) -> None:
+        """Which faces of the range ``turning`` and its record's ``turn`` take, in three dimensions:
+        (axis, index along it) each.
         """
-        self._cube.library = self._code.library if self._code else None
-        faces_turning(self._cube, faces, self._turning)
-        return self._turning
+        self._cube.name_faces(faces)
+
+    def turning(self, faces: Iterable[tuple[int, int]]) -> Array:
+        """How a^1, a^2, a^3 (9, N) change in time after `swing` in three dimensions, on these
+        faces; elsewhere 0.
+        """
+        self.name_faces(faces)
+        self._calls[turn]()
+        return self._cube.of_faces
 
     def positions(self) -> Array:
         """x (d, N) [m] after the last `move`."""
