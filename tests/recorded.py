@@ -11,7 +11,8 @@ from fsipetsc.kernels.unit import unit
 
 def load(code: Code) -> None:
     """Compile and load all procedures of a code."""
-    code.load(build.loaded(build.keep(build.name_of(code.text), build.made(code.text))))
+    name = build.name_of(code.text)
+    code.load(build.loaded(build.kept(name) or build.keep(name, build.made(code.text))))
 
 
 def recorded(function: Any, *records: Any) -> Procedure:
