@@ -222,13 +222,16 @@ def uses_of(wanted: Sequence[Symbol]) -> dict[int, int]:
 
 
 def fused_products(record: Record, uses: dict[int, int]) -> dict[int, int]:
-    """Sums -> the product that each is fused with: the last operand that nothing else takes."""
+    """Sums -> the product that each is fused with: the last operand that nothing else takes. What
+    is exact is not fused.
+    """
     fused = {}
     for symbol in record.symbols:
-        if symbol.number in uses and symbol.operation in ("+", "-"):
+        sums = symbol.operation in ("+", "-") and symbol.number not in record.exact
+        if symbol.number in uses and sums:
             for operand in reversed(symbol.operands):
                 alone = operand.operation == "*" and uses[operand.number] == 1
-                if alone and not operand.uniform:
+                if alone and not operand.uniform and operand.number not in record.exact:
                     fused[symbol.number] = operand.number
                     break
     return fused
