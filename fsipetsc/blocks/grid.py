@@ -162,7 +162,7 @@ class GridMotion:
         block, d = problem.blocks[k], problem.dimension
         X, wide = problem.positions(k, where), Wide(problem, k, order, where)
         around, hull = problem.symmetry > 0, hull_of(block, nodes, problem.centred(k))
-        self._k, reference = k, np.zeros(X.shape[1])
+        reference = np.zeros(X.shape[1])
         self.metrics = np.zeros((d * d + d + 1 + around, X.shape[1]))
         self.record: Any
         if around:
@@ -188,8 +188,9 @@ class GridMotion:
         """
         turns = (turn,) if isinstance(self.record, CubeMotion) else ()
         for function in (move, find_places, find_jacobian, *turns):
-            name = f"grid_{function.__name__}_{self._k}"
-            self._calls[function] = code.procedure(name, function, self._known)
+            self._calls[function] = code.procedure(
+                f"grid_{function.__name__}", function, self._known
+            )
 
     def move(self, displacement: Array) -> None:
         """Fill a^1 … a^d from the displacement (M, d) [m] of the given nodes."""

@@ -107,12 +107,3 @@ class Patch(NamedTuple):
     own: Triple
     ghosted: Triple
     first: Triple
-
-
-def mirror(values: Array, first: Triple, ghosted: Triple, signs: Array) -> None:
-    """Let what an array (N, …) has before the first owned node along its last axis be the images of
-    what is behind, with signs. first, ghosted: of a Patch.
-    """
-    rows, n = (first[1], ghosted[0]) if ghosted[1] > 1 else (first[0], 1)
-    images = values[: 2 * rows * n].reshape(2, rows, n, values.shape[1])
-    images[0] = signs * images[1, ::-1]
