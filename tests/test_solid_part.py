@@ -98,7 +98,7 @@ class At(NamedTuple):
 
 def note_at(part, found, y):
     """What is recorded of ends, by a recorded procedure."""
-    note_ends(part, y.reshape(1, 3), found)
+    note_ends(part, y.reshape(3, 1).turned(), found)
 
 
 def test_a_state_whose_heat_is_gone_is_bad():

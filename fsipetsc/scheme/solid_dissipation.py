@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.kernels.procedure import each, variable, when
-from fsipetsc.operators.loops import along, column, column_of, dot, mean, scale, sub
+from fsipetsc.operators.loops import along, column, column_of, dot, mean, part_of, scale, sub
 from fsipetsc.operators.undivided import Differences
 from fsipetsc.scheme.rows import Array
 
@@ -37,8 +37,8 @@ AT_SHOCKS = 0.7
 
 class SolidDamping(NamedTuple):
     """A term: a and b of F, sqrt(K m0) [kg/(m2 s)], the e of s [m/s]. Memory by components of N
-    nodes: velocity; F and F . Delta_q v, each after zeros; alpha; what rates of velocity and energy
-    get. after: the next term, or none.
+    nodes: F and F . Delta_q v, each after zeros; alpha; work of columns. after: the next term, or
+    none.
     """
 
     a: float
@@ -46,10 +46,9 @@ class SolidDamping(NamedTuple):
     impedance: float
     small: float
     differences: Any
-    v: Array
     F: Array
     alpha: Array
-    sums: Array
+    work: Array
     after: Any
 
     def add(self, part, q, rates, gain):
@@ -59,16 +58,16 @@ class SolidDamping(NamedTuple):
 
 
 class SolidWaves(NamedTuple):
-    """What is sensed in a solid: the velocity v, by components. small: the e of s."""
+    """What is sensed in a solid: the velocity. q: (N, 2d + 1) unknowns, small: the e of s."""
 
-    v: Array
     d: int
+    q: Array
     small: float
 
     def steepness(self, i, stride):
         """s of a node."""
-        like = (0.0,) * self.d
-        below, here, above = (column(like, self.v, j) for j in (i - stride, i, i + stride))
+        nodes, like = (i - stride, i, i + stride), (0.0,) * self.d
+        below, here, above = (part_of(like, self.q, n, self.d) for n in nodes)
         rise, fall = sub(above, here), sub(here, below)
         turn = sub(rise, fall)
         lengths = np.sqrt(dot(rise, rise)) + np.sqrt(dot(fall, fall))
@@ -80,8 +79,8 @@ def solid_damping(solid: Any, found: Differences, a: float, b: float, after: Any
     d, nodes = len(solid.force), found.norm.shape[1]
     K = solid.law.wave_modulus(solid.tensor(solid.unstrained((0.0,) * d)))
     of_solid = float(np.sqrt(K * solid.m0)), float(SMALL * np.sqrt(K / solid.m0))
-    shapes = (d, nodes), (d + 1, found.room(d)), nodes, (d + 1, nodes)
-    return SolidDamping(a, b, *of_solid, found, *map(np.zeros, shapes), after)
+    F, (alpha, work) = np.zeros((d + 1, found.room(d))), np.zeros((2, nodes))
+    return SolidDamping(a, b, *of_solid, found, F, alpha, work, after)
 
 
 def solid_dissipation(part, term, q, rates):
@@ -90,33 +89,25 @@ def solid_dissipation(part, term, q, rates):
     booked.
     """
     d, ghosted, strides = len(part.like), part.patch.ghosted, term.differences.strides
-    for i in each(term.alpha.size):  # compilers make no vector code of what is interlaced
-        for c in range(d):
-            term.v[c, i] = q[i, d + c]
+    for i in each(part.patch.own[0], vector=True):
+        term.work[i] = 0.0
     for k in range(d):
         stride = strides[k]
         with when(term.b != 0.0):
-            sense(SolidWaves(term.v, d, term.small), term.alpha, stride, ghosted[k])
-        lose(part, term, k, stride)
-        for node, _, n in rows_of(part):
+            sense(SolidWaves(d, q, term.small), term.alpha, stride, ghosted[k])
+        lose(part, term, q, k, stride)
+        for node, own, n in rows_of(part):
             for i in each(n, vector=True):
-                for c, value in enumerate(collected(part, term, k, stride, node + i)):
-                    term.sums[c, node + i] = (0.0 if k == 0 else term.sums[c, node + i]) + value
-    return give(part, term, rates)
-
-
-def give(part, term, rates):
-    """Add the sums of a term to the rates; returns its work if that is booked."""
-    work, like = variable(0.0), (0.0,) * len(part.like)
-    for node, own, n in rows_of(part):
-        for i in each(n):
-            force, v = column(like, term.sums, node + i), column(like, term.v, node + i)
-            heat = term.sums[len(like), node + i]
-            if part.loses:
-                work.value += part.masses[own + i] * dot(v, force)
-            for c, value in enumerate((*force, heat), len(like)):
-                rates[own + i, c] += value
-    return work.value if part.loses else 0.0
+                force, power, heat = collected(part, term, q, k, stride, node + i)
+                for c, value in enumerate((*force, power + heat), d):
+                    rates[own + i, c] += value
+                if part.loses:
+                    term.work[i] += part.masses[own + i] * power
+    total = variable(0.0)
+    if part.loses:
+        for i in each(part.patch.own[0]):
+            total.value += term.work[i]
+    return total.value
 
 
 def rows_of(part):
@@ -150,14 +141,14 @@ def largest(alpha, i, stride, weights):
     return found
 
 
-def lose(part, term, k, stride):
+def lose(part, term, q, k, stride):
     """F and F . Delta v of the differences that begin at each node; norm is 0 where none fits."""
     weights, norm, metrics = term.differences.weights, term.differences.norm, part.metrics
     d, order, N = len(part.like), len(weights) - 1, term.alpha.size
     zeros, begin = (0.0,) * d, term.F.shape[1] - N
     low, high = order // 2 * stride, (order + 1) // 2 * stride
     for i in each(N - order * stride, vector=True):
-        change = shifted_sum(zeros, term.v, i, stride, weights)
+        change = shifted_sum(lambda n: part_of(zeros, q, n, d), i, stride, weights)
         A = mean(*(column_of(zeros, metrics, k * d, i + j) for j in (low, high)))
         alpha = largest(term.alpha, i, stride, weights)
         speed = (term.a + term.b * alpha) * norm[k, i] * term.impedance * np.sqrt(dot(A, A))
@@ -169,23 +160,25 @@ def lose(part, term, k, stride):
             term.F[c, begin + i] = 0.0
 
 
-def collected(part, term, k, stride, node):
-    """What differences along axis k give to the rates of velocity and energy of a node."""
+def collected(part, term, q, k, stride, node):
+    """What differences along axis k give to the rates of a node: of velocity, and of energy by the
+    power of these and by heat.
+    """
     weights, d, N = term.differences.weights, len(part.like), term.alpha.size
     order, zeros, here = len(weights) - 1, (0.0,) * d, term.F.shape[1] - N + node
     per_mass = term.differences.per_weight[k, node]
     per_mass = per_mass / (part.metrics[d * d, node] * part.laws.m0)
     # weights of Delta^T: those of Delta in reverse order, perhaps with sign -1
-    F = shifted_sum(zeros, term.F, here - order * stride, stride, weights)
+    F = shifted_sum(lambda n: column(zeros, term.F, n), here - order * stride, stride, weights)
     force = scale((2.0 * (order % 2) - 1.0) * per_mass, F)
     loss = [term.F[d, here - j * stride] for j in (order // 2, (order + 1) // 2)]
     heat = 0.5 * per_mass * (loss[0] + loss[1])
-    return *force, dot(column(zeros, term.v, node), force) + heat
+    return force, dot(part_of(zeros, q, node, d), force), heat
 
 
-def shifted_sum(like, array, i, stride, weights):
-    """sum_m weights_m f_(i + m stride) of the numbers f of a node in an array by components."""
-    found = scale(weights[0], column(like, array, i))
+def shifted_sum(numbers, i, stride, weights):
+    """sum_m weights_m f_(i + m stride), f = numbers(i) those of a node."""
+    found = scale(weights[0], numbers(i))
     for m in range(1, len(weights)):
-        found = along(found, weights[m], column(like, array, i + m * stride))
+        found = along(found, weights[m], numbers(i + m * stride))
     return found

@@ -4,7 +4,7 @@ import numpy as np
 
 from fsipetsc.equations.tensors import add_unit
 from fsipetsc.kernels.procedure import each, invoke, variable, when, whole
-from fsipetsc.operators.loops import add, column, column_of, dot
+from fsipetsc.operators.loops import add, column, column_of, dot, part_of
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.block_monitor import MONITORED, begin, collect
 from fsipetsc.scheme.part import ghosted, ghosted_node, note, owned
@@ -22,7 +22,7 @@ def monitor(part, found, y):
     dimension; fill F.
     """
     d = len(part.like)
-    measure(part, ghosted(part, y, 2 * d + 1))
+    find(part, ghosted(part, y, 2 * d + 1))
     note(part, found)
     own = owned(part, y, 2 * d + 1)
     note_potential(part, own, found)
@@ -31,22 +31,21 @@ def monitor(part, found, y):
 
 
 def measure(part, q):
-    """Fill seen, sums and F of a part of a solid block; q: of its ghosted nodes.
+    """Fill seen, sums and F of a part of a solid block; q: planes of its ghosted nodes."""
+    find(part, q.reshape(2 * len(part.like) + 1, part.metrics.shape[1]).turned())
 
-    sums: momentum, energy, angular momentum, kinetic and elastic energy, minus this.
+
+def find(part, q):
+    """Fill seen, F and sums: momentum, energy, angular momentum, kinetic and elastic energy, minus
+    this; q: (N, 2d + 1).
     """
     d, room, width, sums = len(part.like), part.room, part.patch.own[0], part.sums
-    q = q.reshape(part.metrics.shape[1], 2 * d + 1)
     invoke("solid_strains", part.of_volume, q, part.F)
     begin(room, width)
     columns = room.reshape(MONITORED + sums_of(d), width)
     for node, own, n in rows_of(part):
-        for i in each(n):  # compilers make no vector code of what is interlaced
-            for c in range(2 * d + 1):
-                part.row[c, i] = q[node + i, c]
         for i in each(n, vector=True):
-            unknowns = tuple(part.row[c, i] for c in range(2 * d + 1))
-            extremes, densities = seen_at(part, unknowns, node + i, own + i)
+            extremes, densities = seen_at(part, q, node + i, own + i)
             mass = part.masses[own + i]
             for c, value in enumerate(extremes):
                 columns[c, i] = np.maximum(columns[c, i], value)
@@ -56,12 +55,13 @@ def measure(part, q):
     sums[-1] = -sums[sums.size - 2]
 
 
-def seen_at(part, unknowns, node, own):
+def seen_at(part, q, node, own):
     """Extremes at a node, and what sums have of it per mass. Convection is inf where the state is
     none; what is no number has no J.
     """
     solid, metrics, d = part.laws, part.metrics, len(part.like)
-    zeros, displacement, v, e = (0.0,) * d, unknowns[:d], unknowns[d:-1], unknowns[-1]
+    zeros = (0.0,) * d
+    displacement, v, e = part_of(zeros, q, node, 0), part_of(zeros, q, node, d), q[node, 2 * d]
     F = column(solid.unstrained(zeros), part.F, own)
     extra = prestress_energy(part, F, node)
     T, J = solid.temperature(v, e if solid.coupled else e - extra, F), solid.volume(F)

@@ -17,8 +17,8 @@ class SolidRecord(NamedTuple):
     prestress: (d d, N) what P has beside, or None. inertia: (N,) J0 m0, masses: (M,) weights times
     J0 m0. F: (d d, M), or one more with hoops, as monitored last. loses: whether work is booked,
     for what steps lose of kinetic and elastic energy. forcing: (2d + 1, M) of velocity, temperature
-    and place, or None. room, row: memory of the monitor, ((MONITORED + sums_of(d)) n,) and (2d + 1,
-    n), n the owned nodes along the first axis. interfaces: (n, 4) number of an interface at this
+    and place, or None. room: ((MONITORED + sums_of(d)) n,) memory of the monitor, n the owned nodes
+    along the first axis. interfaces: (n, 4) number of an interface at this
     part in one dimension, owned row of its node, X, prestress. stored_at: (n,) ghosted rows of
     members that tell what they store, rows_of_stored: (n,) where.
     """
@@ -30,8 +30,8 @@ class SolidRecord(NamedTuple):
     faces: Any
     block: int
     begin: int
-    halo: Array | None
-    wraps: bool
+    halo: Array
+    wraps: int
     signs: Array
     loses: bool
     X: Array
@@ -47,7 +47,6 @@ class SolidRecord(NamedTuple):
     at_particles: Any
     forcing: Array | None
     room: Array
-    row: Array
     seen: Array
     sums: Array
     columns: Array

@@ -19,10 +19,10 @@ class _Solid(ctypes.Structure):
     _fields_ = [
         *((name, _POINTER) for name in ("boxes", "jumps", "weights", "ends")),
         *((name, _NUMBER) for name in ("tiles", "nodes", "most")),
-        *((name, _NUMBER * n) for name, n in (("lags", 3), ("size", 2), ("own", 3), ("first", 3))),
+        *((name, _NUMBER * n) for name, n in (("lags", 3), ("size", 2), ("own", 2), ("first", 3))),
         *((name, _NUMBER) for name in ("row", "layer", "layers", "step")),
         *((name, _POINTER) for name in ("p", "metrics", "prestress")),
-        ("N", _NUMBER),
+        *((name, _NUMBER) for name in ("N", "M")),
         *((name, _POINTER) for name in ("unknowns", "strains", "tractions", "temperatures")),
         *((name, _POINTER) for name in ("heats", "slopes")),
     ]
@@ -72,12 +72,13 @@ class SolidVolume:
             most=work.jumps.shape[2],
             lags=(_NUMBER * 3)(*work.lags),
             size=(_NUMBER * 2)(*patch.ghosted[:2]),
-            own=(_NUMBER * 3)(*patch.own),
+            own=(_NUMBER * 2)(*patch.own[:2]),
             first=(_NUMBER * 3)(*patch.first),
             row=layout.row,
             layer=layout.layer,
             layers=layout.layers,
             step=work.temps.size,
             N=metrics.shape[1],
+            M=int(np.prod(patch.own)),
         )
         self.address = ctypes.addressof(self._struct)
