@@ -1,4 +1,4 @@
-"""Area vectors of faces at particles, and how they turn; derivatives at single nodes. Compiled.
+"""Area vectors of faces at particles, and how they turn; derivatives at single nodes.
 
 The area vector of a face of axis k is +-a^k times the weights of the other axes. With x' the
 velocity of the grid it turns by
@@ -14,16 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.operators.loops import njit
-from fsipetsc.operators.loops import (
-    CALL,
-    INNER_CALL,
-    along,
-    by_length,
-    column_of,
-    per,
-    scale,
-)
+from fsipetsc.kernels.procedure import Index, each, pick, variable, when
+from fsipetsc.operators.loops import along, by_length, column_of, per, scale
 
 Array = NDArray[Any]
 #: c times a vector of two numbers turned to the right; a vector of another length as it is
@@ -64,23 +56,23 @@ def turned_faces(faces: Faces, patch: Any) -> list[tuple[int, int]]:
     return sorted(set(zip(faces.axis.tolist(), index.tolist(), strict=True)))
 
 
-@njit(**CALL)
 def add_areas(faces, d, areas, table):
     """Add areas (d d + …, ghosted nodes), by axis and component, to the rows of a table."""
-    for i in range(faces.row.size):
+    for i in each(faces.row.shape[0]):
         for c in range(d):
             area = areas[faces.axis[i] * d + c, faces.node[i]]
             table[faces.row[i], faces.column[i] + c] += faces.weight[i] * area
 
 
-@njit(**INNER_CALL)
 def turn_plane(part, table):
     """Add to a table how area vectors turn on a flat plane; in one dimension they do not."""
     faces, like, of_axes = part.at_particles, part.like, (part.S, part.weight, part.patch)
     d, velocity = len(like), Columns(part.metrics, len(like) ** 2)
-    for i in range(faces.row.size if d == 2 and part.known.shape[0] > 0 else 0):
+    if d != 2:
+        return
+    for i in each(pick(part.known.shape[0] > 0, faces.row.shape[0], 0)):
         slope = slope_at(like, faces.node[i], 1 - faces.axis[i], *of_axes, velocity)
-        turning = turned(faces.weight[i] if faces.axis[i] == 0 else -faces.weight[i], slope)
+        turning = turned(np.where(faces.axis[i] == 0, 1.0, -1.0) * faces.weight[i], slope)
         for c in range(d):
             table[faces.row[i], faces.column[i] + c] += turning[c]
 
@@ -95,18 +87,42 @@ class Columns(NamedTuple):
         return column_of(like, self.array, self.first, n)
 
 
-@njit(**INNER_CALL)
 def slope_at(like, at, axis, S, weight, patch, of, own=-1.0):
-    """D_axis of a vector, ``of`` an object as Columns, at a node of the ghosted array; own = 1: D°,
-    without the flux through the ends.
+    """D_axis of a vector at a node of the ghosted array; own = 1: D°, without the flux through the
+    ends.
+
+    at: number of the node. axis: known, or read from an array. S, weight, patch: of the part of a
+    block. of: an object as Columns, whose at(like, n) is the vector at node n, a tuple.
     """
     nx, ny, nz = patch.ghosted
-    stride, nodes = (1, nx) if axis == 0 else (nx, ny) if axis == 1 else (nx * ny, nz)
-    place, band, here, total = at // stride % nodes, S[axis], of.at(like, at), like
-    for k in range(1, band.shape[0]):
+    stride, nodes = along_axis(axis, (1, nx, nx * ny)), along_axis(axis, (nx, ny, nz))
+    place, here = at // stride % nodes, of.at(like, at)
+    total = [variable() for _ in here]
+    for k in each(1, along_axis(axis, [band.shape[0] for band in S])):
         for sign in (1, -1):
             first = place if sign > 0 else place - k
-            if first >= 0 and first + k < nodes and band[k, first] != 0.0:
-                both = along(of.at(like, at + sign * k * stride), own, here)
-                total = along(total, sign * band[k, first], both)
-    return per(scale(0.5, total), weight[axis][place])
+            with when((first >= 0) & (first + k < nodes)):
+                band = of_axis(axis, S, k, first)
+                with when(band != 0.0):
+                    both = along(of.at(like, at + sign * k * stride), own, here)
+                    for sum_, number in zip(total, both, strict=True):
+                        sum_.value += sign * band * number
+    return per(scale(0.5, tuple(sum_.value for sum_ in total)), of_axis(axis, weight, place))
+
+
+def along_axis(axis, numbers):
+    """The whole number that belongs to an axis, of three."""
+    if not isinstance(axis, Index):
+        return numbers[axis]
+    return pick(axis == 0, numbers[0], pick(axis == 1, *numbers[1:]))
+
+
+def of_axis(axis, arrays, *at):
+    """A number in the array that belongs to an axis, of three."""
+    if not isinstance(axis, Index):
+        return arrays[axis][at]
+    found = variable()
+    for k, array in enumerate(arrays):
+        with when(axis == k):
+            found.value = array[at]
+    return found.value
