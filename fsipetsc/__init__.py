@@ -7,7 +7,6 @@ h5py.
 from __future__ import annotations
 
 import importlib
-import os
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -22,9 +21,6 @@ if TYPE_CHECKING:
     from fsipetsc.output.differences import compare
     from fsipetsc.output.reader import Run, open_run
     from fsipetsc.problem import FluidLayer, Problem, SolidLayer
-
-# else numba, where colorama is installed, has it write to the standard output when the process ends
-os.environ.setdefault("NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING", "1")
 
 __version__ = "0.1.0"
 #: what is public, with the modules that docs/commands.md names; all else may change. Written out,

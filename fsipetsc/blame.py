@@ -1,7 +1,6 @@
 """Whose code is at fault: file, line and reason of errors that come out of users' functions."""
 
 import os
-import re
 import traceback
 from collections.abc import Callable
 from functools import partial
@@ -10,7 +9,7 @@ from typing import Any
 from fsipetsc.errors import FsiError, InputError
 
 #: packages that this one needs
-NEEDED = ("h5py", "matplotlib", "mpi4py", "numba", "numpy", "petsc4py", "scipy")
+NEEDED = ("h5py", "matplotlib", "mpi4py", "numpy", "petsc4py", "scipy")
 _PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")
 _CASES = os.path.join(_PACKAGE, "cases", "")
 _LIBRARIES = (os.path.join(os.path.dirname(os.path.abspath(os.__file__)), ""), _PACKAGE)
@@ -25,11 +24,6 @@ def reason(error: BaseException) -> str:
         said = f"this needs the Python package {package}, which is not installed here"
         how = "scripts/setup, or pip install '.[solver,plot]', installs what fsipetsc needs"
         return f"{said}: {how}" if package in NEEDED else said
-    if _is_compilers(error):
-        lines = [line for line in str(error).split('\nFile "')[0].splitlines() if line.strip()]
-        where = "Failed in", "During:", "---", "Return of:"
-        text = " ".join([line.strip() for line in lines if not line.startswith(where)][:2])
-        return f"numba cannot compile it: {text[:300]}"
     return type(error).__name__ + (f": {text[:300]}" if text else "")
 
 
@@ -61,9 +55,6 @@ def place_in(error: BaseException) -> str:
     """Where in the user's code an error arose, as "file, line N"; "" if it never was in it."""
     if isinstance(error, SyntaxError) and error.lineno and _is_users(error.filename or ""):
         return f"{short(error.filename or '')}, line {error.lineno}"
-    if _is_compilers(error):  # numba names the line, of this function or of one that it calls
-        for name, line in re.findall(r'File "([^"]+)", line (\d+)', str(error))[:1]:
-            return f"{short(name)}, line {line}"
     frame = _users_frame(traceback.extract_tb(error.__traceback__))
     return f"{short(frame.filename)}, line {frame.lineno}" if frame else ""
 
@@ -86,11 +77,6 @@ def _is_users(name: str) -> bool:
     known = name.startswith(_LIBRARIES) and not name.startswith(_CASES)
     library = {"site-packages", "dist-packages"} & set(name.split(os.sep))
     return not known and not library and os.path.isfile(name)
-
-
-def _is_compilers(error: BaseException) -> bool:
-    """Whether numba has raised it about a function of the user's."""
-    return type(error).__module__.startswith("numba.")
 
 
 def place_of(function: Callable[..., Any]) -> str:

@@ -6,6 +6,7 @@ divided between them is no matter, for completion shares it.
 """
 
 from itertools import product
+from typing import NamedTuple
 
 import block_shapes as shapes
 import numpy as np
@@ -29,6 +30,9 @@ from oracle_formulas import (
     conserved,
 )
 
+from fsipetsc.kernels import build
+from fsipetsc.kernels.procedure import Code
+from fsipetsc.kernels.unit import unit
 from fsipetsc.scheme import solid_work
 from fsipetsc.scheme.constraints import eliminate
 
@@ -361,10 +365,22 @@ def test_pressures_of_solids():
     check("line", (STICKING[0], Solid("log", kappa=0.05, gruneisen=1.2)), 4)
 
 
+class Constraints(NamedTuple):
+    A: np.ndarray
+    x: np.ndarray
+    size: np.ndarray
+
+
 def test_constraints_that_others_imply_get_no_force():
+    def solve(of):
+        eliminate(of.x.shape[0], of.A, of.x, of.size)
+
     n = np.array([[1.0, 0.0], [0.6, 0.8], [0.3, 0.4 + 1e-12]])
     A, x = n @ n.T, n @ np.array([2.0, 3.0])
     found = x.copy()
-    eliminate.py_func(3, A.copy(), found, np.zeros(3))
+    code = Code(unit({}, []))
+    call = code.procedure("solve", solve, Constraints(A.copy(), found, np.zeros(3)))
+    code.load(build.loaded(build.keep(build.name_of(code.text), build.made(code.text))))
+    call()
     assert found[2] == 0.0 and np.abs(found).max() < 10.0
     assert np.allclose(A @ found, x, rtol=0.0, atol=1e-9)

@@ -2,7 +2,6 @@
 what was expected.
 """
 
-import shutil
 import sys
 
 import pytest
@@ -13,7 +12,7 @@ from fsipetsc.cases import BUILT_IN, load_case
 from fsipetsc.errors import InputError
 
 RIGHT = """
-import numpy as np; from numba import njit
+import numpy as np
 from fsipetsc import Dirichlet, Fluid, FluidLayer, Option, Problem, Solid, SolidLayer, Wall, free
 OPTIONS = (Option("own_speed", float, 0.0, "m/s", "a speed"),)
 DEFAULTS = {"fsi_h": 0.1, "fsi_order": 2, "ts_max_time": 1.0, "ts_max_steps": 4, "ts_dt": 1e-5}
@@ -38,7 +37,6 @@ def build(opt):
     return Problem((air, solid), left, free(-103320.0), jumps=lambda k, t: (0.0,) * 4)
 """
 
-_MISSING = "@njit\n    def g_initial(X):\n        return X.missing\n    def unused(X):"
 _INITIAL = "initial of layer 'air'"
 #: text of RIGHT, what stands there instead, words of the message; LINE: the line of the text must
 #: be named; faulty.h5: it shows when the run is under way
@@ -49,11 +47,6 @@ FAULTS = {
     "a wall": ("left, free", "Wall(1.5), free", ("LINE air = Fluid", "'air'", "x = 1.5")),
     "not a number": ("u = 0", "u = np.sqrt(0.4-X)", (_INITIAL, "expected", "u = nan at X = 0.5")),
     "an error": ("u = 0", "u = 1 / 0", ("LINE u = 1 / 0", "ZeroDivisionError")),
-    "compiled": (
-        "def g_initial(X):",
-        _MISSING,
-        ("LINE return X.missing", _INITIAL, "numba cannot compile it: Unknown attribute 'missing'"),
-    ),
     "an error later": (
         "force = 0",
         "force = 0 if t < 1.5e-5 else 1 / 0",
@@ -136,36 +129,3 @@ def test_a_case_file_finds_its_neighbours_from_any_directory(here, monkeypatch):
     assert load_case(str(here / "stub.py")).NUMBER == 5
     with pytest.raises(InputError, match=", ".join(BUILT_IN)):
         load_case("xyzzy")
-
-
-KERNEL = """
-import sys
-from fsipetsc.cases import load_case
-from numba import njit
-@njit(cache=True)
-def pressure(law, rho, T):
-    return law.pressure(rho, T)
-print(pressure(load_case(sys.argv[1]).LAW, 1.0, 2.0))
-"""
-OF_OWN = """
-from numba import njit
-from fsipetsc.materials.own import gas_law
-OPTIONS, build = (), print
-@njit
-def twice(x):
-    return 2.0 * x
-LAW = gas_law(
-    pressure=lambda rho, T: rho * twice(T), internal_energy=lambda rho, T: T,
-    temperature=lambda rho, e: e, density=lambda p, T: p / T, temperature_of=lambda rho, p: p / rho,
-)
-"""
-
-
-def test_a_copy_of_a_case_with_a_law_of_its_own(here):
-    """Whose kernels are kept from runs of the case, in processes of their own."""
-    (here / "kernel.py").write_text(KERNEL)
-    (here / "own.py").write_text(OF_OWN)
-    shutil.copy(here / "own.py", here / "copied.py")
-    for name in "own", "own", "copied":
-        done = run("-c", "import kernel", f"{name}.py", cwd=here, env={"NUMBA_CACHE_DIR": here})
-        assert (done.returncode, done.stdout) == (0, "4.0\n"), done.stderr

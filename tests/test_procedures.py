@@ -18,6 +18,7 @@ from fsipetsc.kernels.procedure import (
     when,
     whole,
 )
+from fsipetsc.kernels.symbols import exact
 from fsipetsc.kernels.unit import unit
 
 
@@ -116,6 +117,21 @@ def test_the_text_knows_kinds_alone():
 
     texts = {made(double, part(n=n)._replace(first=f)).text for n in (3, 5) for f in (0, 2)}
     assert len(texts) == 1
+
+
+def test_exact_sums_are_not_fused():
+    def mean(part, y):
+        """The same sum of two products, seen from both sides, and fused."""
+        a, b = part.inner.table, part.inner.scale
+        for i in each(1, vector=True):
+            y[0] = exact(a[0, 1] * b + a[0, 2] * a[1, 0])
+            y[1] = exact(a[0, 2] * a[1, 0] + a[0, 1] * b)
+            y[2] = a[1, 1] * a[1, 2] + y[i]
+            y[3] = y[i] + exact(a[0, 1] * a[1, 1])
+
+    text = made(mean, part()).text
+    assert text.count("fma") == 1
+    assert exact(2.0) == 2.0 and exact((1.0, 2.0)) == (1.0, 2.0)
 
 
 def test_what_cannot_be_recorded_is_refused_with_its_line():

@@ -44,14 +44,14 @@ class Cut:
         for _ in range(3):  # neighbours are near one another and far apart
             rho, T, J = rng.uniform(1.0, 1.3, N), rng.uniform(0.5, 1.5, N), rng.uniform(0.5, 2.0, N)
             q = self.gas.conserved(J, rho, tuple(rng.normal(size=(d, N))), T)
-            self.states.append(np.ascontiguousarray(np.array(q).T))
+            self.states.append(np.array(q))
 
     def rates(self, parts):
         """Of each state, one part after the other."""
         text = gas_volume.gas_text(self.gas, self.d, self.form, self.viscous)
         name = build.name_of(text)
         library = build.loaded(build.kept(name) or build.keep(name, build.made(text)))
-        found = [np.full((*self.n[::-1], self.d + 3), np.nan) for _ in self.states]
+        found = [np.full((self.d + 3, *self.n[::-1]), np.nan) for _ in self.states]
         cuts = [list(pairwise(range(0, n + 1, n // c))) for n, c in zip(self.n, parts)]
         for box in product(*cuts):
             reach = [(1 + self.viscous) * band.reach for band in self.bands]
@@ -69,11 +69,11 @@ class Cut:
             if part.potential.size:
                 part.potential[:] = self.potential.reshape(self.n[::-1])[of_part].ravel()
             for q, out in zip(self.states, found):
-                here = np.ascontiguousarray(q.reshape(*self.n[::-1], -1)[of_part])
-                rates = np.full((*own[::-1], self.d + 3), np.nan)
+                here = np.ascontiguousarray(q.reshape(-1, *self.n[::-1])[(slice(None), *of_part)])
+                rates = np.full((self.d + 3, *own[::-1]), np.nan)
                 addresses = part.address, here.ctypes.data, rates.ctypes.data
                 library.gas_rates(*map(ctypes.c_void_p, addresses))
-                out[tuple(slice(*ends) for ends in box[::-1])] = rates
+                out[(slice(None), *(slice(*ends) for ends in box[::-1]))] = rates
         return found
 
 

@@ -1,7 +1,9 @@
 """What a rank's parts of gas and solid blocks have in common."""
 
-from collections.abc import Callable
-from typing import Any
+from __future__ import annotations
+
+import inspect
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,14 +12,32 @@ from fsipetsc.blockrun.columns import fields_of
 from fsipetsc.blockrun.face_terms import FaceTerms
 from fsipetsc.blocks.values import block_values
 from fsipetsc.errors import FsiError, InputError
+from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
 
 Array = NDArray[Any]
 
 
+class Recorded(NamedTuple):
+    """What procedures of parts take beside the parts. particles: fsipetsc.scheme.particle_records,
+    of system; gain, found: fsipetsc.scheme.part and steps. at_particles: block -> its faces at
+    constraints. begins: name -> where a series begins in the record of a step. alone: a rank has
+    all blocks, and fills halos by itself. ends: of interfaces in one dimension.
+    """
+
+    particles: Any
+    system: Any
+    gain: Any
+    found: Any
+    at_particles: Any
+    begins: Any
+    alone: bool
+    ends: Any
+
+
 class BlockPart:
-    """One part of a block.
+    """One part of a block. code: its procedures, does: name -> each of them.
 
     X: (d, ghosted nodes) places in the reference map. names: of what is saved of a node.
     """
@@ -44,37 +64,51 @@ class BlockPart:
         if self.block.forcing is not None:
             self._forcing[:] = block_values(self.block, "forcing", self.X[:, self.owned], t)
 
-    def _text(self, make: Callable[..., str], *about: Any) -> str:
-        """The C code that ``make`` makes of a block's equations. InputError where a law of a case
-        cannot be recorded, perhaps on this rank alone.
+    def record(self, about: Recorded) -> Code:
+        """Record the procedures of this part. InputError where a law of a case cannot be recorded,
+        perhaps on this rank alone.
         """
         try:
-            return make(*about)
+            return self._record(about)
         except FsiError as error:
             raise InputError(f"{self.block}: {error}", collective=False) from error
-        except Exception as error:  # of other kinds of functions, such as numba's
+        except Exception as error:  # of a function of the case
             reason = (str(error).strip() or repr(error)).splitlines()[0]
             words = f"a law of {self.block} cannot be recorded: {reason}"
             raise InputError(words, collective=False) from error
 
-    def _common(self, at_particles: Any, alone: bool) -> dict[str, Any]:
-        """Fields of the records of both kinds for compiled code, as `calls` has them."""
+    def _record(self, about: Recorded) -> Code:
+        """As `record`, with all errors."""
+        raise NotImplementedError
+
+    def _procedures(self, text: str, record: Any, about: Recorded, names: Any) -> Code:
+        """Procedures by their names, with what they take beside the part's record."""
+        self.code, self.does = Code(text), dict[str, Procedure]()
+        takes = {"particles": about.particles, "gain": about.gain, "found": about.found}
+        for name, function in names.items():
+            beside = [takes[p] for p in inspect.signature(function).parameters if p in takes]
+            self.does[name] = self.code.procedure(f"part_{name}", function, record, *beside)
+        return self.code
+
+    def _common(self, about: Recorded) -> dict[str, Any]:
+        """Fields of the records of both kinds."""
         part, d = self.part, self._d
         return {
             "like": (0.0,) * d,
             "faces": self.faces.record,
             "block": part.k,
             "begin": part.begin,
-            "halo": part.local if part.has_halo else np.empty((0, part.dof)),
-            "wraps": int(alone and part.has_halo),
+            "halo": part.local if part.has_halo else np.empty((part.dof, 0)),
+            "wraps": int(about.alone and part.has_halo),
             "signs": part.signs,
             "X": self.X,
             "metrics": self.metrics,
-            "S": tuple(band.S for band in part.bands),
-            "weight": tuple(band.weight for band in part.bands),
+            "S": tuple(np.ascontiguousarray(band.S) for band in part.bands),
+            "weight": tuple(np.ascontiguousarray(band.weight) for band in part.bands),
             "patch": part.patch,
             "per_h": self._per_h,
-            "at_particles": at_particles,
-            "forcing": self._forcing,
+            "at_particles": about.at_particles[part.k],
+            "forcing": self._forcing if self.block.forcing is not None else None,
             "seen": np.zeros(MONITORED),
+            "level": about.begins.get("potential_energy", -1),
         }

@@ -7,7 +7,6 @@ fsipetsc.blockrun.scheme.
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,22 +21,20 @@ from fsipetsc.blockrun.saved import errors_of, grids, header, seen
 from fsipetsc.blockrun.scheme import Scheme
 from fsipetsc.blockrun.solid_limits import imaginary_waves, most_crushed
 from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.errors import FsiError, InputError
+from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder
-from fsipetsc.process.together import agree, together, wait_asleep
+from fsipetsc.process.together import agree, together
 from fsipetsc.scheme.batch import DT, MADE, TIME
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
 from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP
-from fsipetsc.scheme.steps import STAGES, note_extremes, note_gained
+from fsipetsc.scheme.steps import STAGES
 from fsipetsc.stepping.state import FAULT, State, as_numbers, whole
 
 #: of how many parts a step is made, one after the other, until its state is physical
 PARTS = 1, 2, 4, 8, 16
 #: records of steps that are kept before they are written
 KEPT = 4096
-#: nodes of a problem that rank 0 can hold alone
-MOST_ALONE = 500_000
 
 
 class BlockForm(NamedTuple):
@@ -91,8 +88,6 @@ class BlockState(State):
         self._before, self.retries = np.empty_like(self.y.array), 0
         self._tried = 1  # in how many parts the last step was made
         self._noted: set[int] = set()  # solids of which it was said that they are beyond their law
-        if comm.size > 1 and self.points <= MOST_ALONE:
-            self._compile_first(order, form, announce)
         self.scheme = Scheme(self, order, form, comm.size == 1 and not apart, announce)
         self.evaluations, self._t = 0, 0.0
         parts = self.scheme.parts.items()
@@ -133,33 +128,6 @@ class BlockState(State):
         return found.tolist()
 
     # set-up
-
-    def compile(self, announce: Callable[[str], None]) -> None:
-        """Compile the kernels of one rank, by a step of length 0; of several ranks see
-        ``_compile_first``.
-        """
-        if self.comm.size > 1:
-            return
-        with announced(announce):
-            self.scheme.initial(0.0, self.y)
-            self.scheme.stretch(0.0, self.y)
-            self.scheme.step(0.0, 0.0, self.y, self.stage)
-            self._monitor()
-            self.plan_next()  # only compiles it: no step is allowed yet
-            self.save()
-            # as on several ranks, whose states begin without these calls
-            self.results[:], self.rates[:] = 0.0, 0.0
-
-    def _compile_first(self, order: int, form: BlockForm, announce: Callable[[str], None]) -> None:
-        """Rank 0 makes a state of the whole problem, alone, before any rank makes its own scheme:
-        so the others find the kernels on the disk. On very large problems each rank compiles when
-        it comes to it. What is wrong with the case's data all find out later, together.
-        """
-        if self.comm.rank == 0:
-            with announced(announce), suppress(FsiError):
-                with BlockState(MPI.COMM_SELF, self.problem, order, form, apart=True) as state:
-                    state.compile(lambda text: None)
-        wait_asleep(self.comm)
 
     def check_data(self) -> None:
         """Ask the case's functions for all data at t = 0. InputError."""
@@ -298,7 +266,7 @@ class BlockState(State):
         """What is known of the completed solution: bounds of all ranks, shares of the integrals."""
         self._find_extremes(self.y)
         note_nodes(self, self._recorded_here)
-        note_gained(self.latest_numbers, self.y.auxiliary)
+        self.scheme.note_gained(self.y)
 
     def _find_extremes(self, now: BlockVector) -> None:
         """Bounds of all ranks, and this rank's shares of the integrals of a completed stage."""
@@ -307,7 +275,7 @@ class BlockState(State):
         self.extremes[0] = self.results[SAID_STOP] if self.fault is None else FAULT
         if self.comm.size > 1:
             self.comm.Allreduce(MPI.IN_PLACE, self.extremes, MPI.MAX)
-        note_extremes(self.extremes, self.rates, self.results, self.latest_numbers)
+        self.scheme.note_extremes()
 
     def instant(self) -> float:
         """A time [s] in which little happens, for differences in time: a power of two, so that it
@@ -381,6 +349,5 @@ class BlockState(State):
         self.scheme.particles.destroy()
         for order in self.orders.values():
             order.destroy()
-        for vector in (self.y, self.stage, self.solution):
-            vector.destroy()
+        self.solution.destroy()
         self.layout.destroy()

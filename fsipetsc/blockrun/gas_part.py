@@ -1,29 +1,27 @@
 """A rank's part of a gas block: its record for compiled code, its moving grid, what is saved."""
 
-import ctypes
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.block_part import BlockPart
+from fsipetsc.blockrun.block_part import BlockPart, Recorded
 from fsipetsc.blockrun.columns import spins
 from fsipetsc.blockrun.particle_system import ParticleSystem
 from fsipetsc.blocks.grid import GridMotion
 from fsipetsc.blocks.particles import Particle
 from fsipetsc.blocks.values import block_values
-from fsipetsc.operators.boxed import Box
-from fsipetsc.operators.compiled import CompiledFunction
+from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.loops import dot
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.scheme.block_monitor import room_of, sums_of
 from fsipetsc.scheme.gas_dissipation import gas_damping
 from fsipetsc.scheme.gas_forms import convection_of
-from fsipetsc.scheme.gas_record import FUNCTIONS, GasRecord
+from fsipetsc.scheme.gas_record import GasRecord, follow, monitor, move, rates, swing, turn
 from fsipetsc.scheme.gas_volume import GasVolume, gas_text
-from fsipetsc.scheme.part import Nothing, PartCalls
+from fsipetsc.scheme.part import Nothing, normals
 from fsipetsc.scheme.radial import Radial, Straight
 
 Array = NDArray[Any]
@@ -40,10 +38,6 @@ class GasPart(BlockPart):
         self.equations = material.equations(self._d, self._problem.symmetry)
         self.viscous = bool(material.mu or material.kappa)
         self.convection = convection_of(form.convection, self.equations)
-        #: C code of this part; ``library``: made of it, before ``calls``
-        about = self.equations, self._d, self.convection, self.viscous
-        self.text = self._text(gas_text, *about)
-        self.library: ctypes.CDLL
 
     def follow(self, particles: Sequence[Particle], system: ParticleSystem) -> None:
         """Let the grid follow the particles that have a solid, or are on walls that move.
@@ -61,25 +55,23 @@ class GasPart(BlockPart):
             ],
             np.int64,
         )
-        of_block = self._problem, k, self._order, self.part.ghosted
-        self.grid = GridMotion(*of_block, nodes, self.library)
+        self.grid = GridMotion(self._problem, k, self._order, self.part.ghosted, nodes)
         self.metrics, self.moves = self.grid.metrics, nodes.size > 0
         self.gather = FaceGather(self._layout, k, nodes, 2 * self._d)
         own, particle = system.nodes[k]
         self._particles = particle[np.searchsorted(own, self.gather.nodes)]
-        self.grid.move(np.zeros((nodes.size, self._d)))
         #: J of the reference map, over which that of the solution is saved and monitored
-        self.reference = self.grid.jacobian()[self.owned].copy()
+        self.reference = np.zeros(self.owned.size)
 
-    def calls(
-        self, at_particles: Any, begins: Mapping[str, int], particles: Any, alone: bool, ends: Any
-    ) -> PartCalls:
-        """What compiled code takes and calls. at_particles: faces of the block at constraints.
-        begins: where series begin in the record of a step. alone: a rank has all blocks.
-        """
+    def begin(self) -> None:
+        """Find the metrics of the grid where nothing has moved, once the code is loaded."""
+        self.grid.move(np.zeros((self.gather.whole.shape[0], self._d)))
+        self.reference[:] = self.grid.jacobian()[self.owned]
+
+    def _record(self, about: Recorded) -> Code:
         number = [block.kind for block in self._problem.blocks[: self.part.k]].count("fluid")
         names = *(f"momentum_{x}" for x in "xyz"[: self._d]), "energy", "entropy", *spins(self._d)
-        sums = begins["mass"] + number, *(begins[name] for name in names)
+        sums = about.begins["mass"] + number, *(about.begins[name] for name in names)
         part, d, known = self.part, self._d, self.gather.local
         bands, form, force = part.bands, self._form, self.convection.force
         sigma, shock = sigma_of(form.dissipation, self._problem.joined), form.shock
@@ -93,11 +85,11 @@ class GasPart(BlockPart):
         potential = self.volume.potential
         potential[:] = -dot(self.equations.force, self.X)[: potential.size]
         around = Radial(self.grid.record, np.zeros(((d + 1) ** 2, self.X.shape[1])))
+        all_known = known if part.comm.size == 1 else self.gather.whole
         record = GasRecord(
-            **self._common(at_particles, alone),
+            **self._common(about),
             columns=np.array(sums),
             laws=self.equations,
-            volume=CompiledFunction(self.library, "gas_rates", 2),
             of_volume=self.volume.address,
             form=self.convection,
             potential=potential,
@@ -110,13 +102,16 @@ class GasPart(BlockPart):
             masses=self.weights,
             follows=self._particles,
             here=known,
-            known=known if part.comm.size == 1 else self.gather.whole,
+            known=all_known if self.moves else None,
             grid=self.grid.record,
             reference=self.reference,
             sums=np.zeros(sums_of(d)),
-            level=begins.get("potential_energy", -1),
         )
-        return PartCalls(Box(record), *FUNCTIONS)
+        text = gas_text(self.equations, d, self.convection, self.viscous)
+        names = {f.__name__: f for f in (follow, move, swing, normals, turn, rates, monitor)}
+        code = self._procedures(text, record, about, names)
+        self.grid.procedures(code)
+        return code
 
     def initial(self, t: float, q: Array) -> None:
         """Fill q (M, d + 3) with the case's data, with J = 1."""

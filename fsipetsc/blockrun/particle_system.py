@@ -1,4 +1,4 @@
-"""The particles in which a rank takes part: tables for the compiled code, exchanges with other
+"""The particles in which a rank takes part: tables for its procedures, exchanges with other
 ranks, prescribed data.
 
 Owners of the members of a particle send each other what is extensive of them; each adds it up in
@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from fsipetsc.blockrun.columns import loses
 from fsipetsc.blockrun.prescribed import Prescribed
 from fsipetsc.blocks.particles import ROLLS, Particle
-from fsipetsc.materials.perfect_gas import PerfectGas
-from fsipetsc.operators.boxed import Box
+from fsipetsc.kernels.procedure import Code, Procedure
+from fsipetsc.kernels.unit import unit
 from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.parallel.particle_exchange import ParticleExchange
 from fsipetsc.scheme import normals as of_faces
@@ -32,11 +32,12 @@ class ParticleSystem:
     inertia: block -> (ghosted nodes,), J0 m0 of solids. instant: says a time [s] in which little
     happens, for differences in time of what moves.
 
-    box: all that compiled code takes. sums, areas, stored: exchanges of what members add up, of
-    their area vectors, of their elastic energies. slips: whether there are constraints anywhere;
-    stores: whether elastic energies matter to temperatures. nodes: block -> (numbers of this rank's
-    nodes that are members, their particles here). telling: block of a solid -> (rows of the table,
-    numbers of nodes) of those here whose elastic energy is wanted.
+    record: all that procedures take. does: these by their names, once they are recorded. sums,
+    areas, stored: exchanges of what members add up, of their area vectors, of their elastic
+    energies. slips: whether there are constraints anywhere; stores: whether elastic energies matter
+    to temperatures. nodes: block -> (numbers of this rank's nodes that are members, their particles
+    here). telling: block of a solid -> (rows of the table, numbers of nodes) of those here whose
+    elastic energy is wanted.
     """
 
     def __init__(
@@ -75,32 +76,45 @@ class ParticleSystem:
         n = here.size
         sums = *np.zeros((3, n)), np.zeros((n, d + 2)), *np.zeros((2, n, d)), *np.zeros((4, n))
         self.state = records.State(*sums, U_t=np.zeros((n, d + 2)), acceleration=np.zeros((n, d)))
-        gas_laws = layout.problem.gas_laws
         self.prescribed = Prescribed(layout.problem, self._particles, instant)
         moves = np.zeros(n, np.int64)
         moves[self.prescribed.moving] = 1
-        self.box = Box(
-            records.Particles(
-                like=(0.0,) * d,
-                table=self.table,
-                laws=gas_laws.laws or (PerfectGas(1.4, 1.0),),  # compiled code takes one at least
-                data=self.prescribed.data,
-                state=self.state,
-                stored=self.stored.table,
-                rows=self.sums.table,
-                stores=int(self.stores),
-                slips=int(self.slips),
-                normals=np.zeros((n, most * 2 * d)),
-                turning=np.zeros((n, most * 2 * d)),
-                of_normals=self.areas.table,
-                of_particle=number,
-                row_of=self.areas.row,
-                moves=moves,
-                place=self.prescribed.displaced,
-                auxiliary=layout.auxiliary,
-            )
+        self.record = records.Particles(
+            like=(0.0,) * d,
+            table=self.table,
+            laws=layout.problem.gas_laws.laws,
+            data=self.prescribed.data,
+            state=self.state,
+            stored=self.stored.table,
+            rows=self.sums.table,
+            stores=self.stores,
+            slips=self.slips,
+            normals=np.zeros((n, 2 * most * d)),
+            turning=np.zeros((n, 2 * most * d)),
+            of_normals=self.areas.table,
+            of_particle=number,
+            row_of=self.areas.row,
+            matrix=np.zeros((most, most)),
+            pi=np.zeros(most),
+            pivots=np.zeros(most),
+            moves=moves,
+            place=self.prescribed.displaced,
+            auxiliary=layout.auxiliary,
         )
-        weigh_heat(self.box)
+        self.does: dict[str, Procedure] = {}
+
+    def procedures(self, gain: Any) -> Code:
+        """What is done with particles, recorded; gain: fsipetsc.scheme.part.Gain. Once the code is
+        loaded, and before anything else, ``does["weigh_heat"]()`` is to be called.
+        """
+        code, record = Code(unit({}, [])), self.record
+        alone = kernels.weigh, kernels.end_normals, kernels.end_turning, kernels.begin_stored
+        taking = kernels.end_sums, kernels.impose_conditions, kernels.end_rates
+        takes = {f: (record,) for f in (*alone, weigh_heat)} | {f: (record, gain) for f in taking}
+        for function, given in takes.items():
+            name = function.__name__
+            self.does[name] = code.procedure(name, function, *given)
+        return code
 
     def _rows_of(self, k: int) -> Array:
         """Rows of the tables of this rank's members of block k."""
@@ -113,19 +127,19 @@ class ParticleSystem:
     def _table(
         self, number: Array, owners: Array, most: int, inertia: dict[int, Array]
     ) -> records.Table:
-        """What the compiled code takes. most: constraints of a particle."""
+        """What procedures take. most: constraints of a particle."""
         layout, row, size = self._layout, self.sums.row, len(number)
         count, blocks, of = len(self._particles), layout.problem.blocks, self._members[:, 0]
         kind, alpha = np.empty(size, np.int64), np.zeros(size)
         kind[row] = [records.SOLID if blocks[k].kind == "solid" else records.GAS for k in of]
         alpha[row] = [getattr(blocks[k].material, "alpha", 0.0) for k in of]
-        at, booked = np.empty(self._mine.size, np.int64), np.zeros(self._mine.size)
+        (at, apart), booked = np.empty((2, self._mine.size), np.int64), np.zeros(self._mine.size)
         weight = self.sums.table[:, 0]  # H of gas members, M_s of solid ones
         for k, part in layout.parts.items():
             rows = self._rows_of(k)
             nodes = part.ghosted_rows(part.rows(self._nodes_at(rows)))
             weight[rows] = part.weights(nodes) * (inertia[k][nodes] if k in inertia else 1.0)
-            at[rows] = part.at(self._nodes_at(rows))
+            at[rows], apart[rows] = part.at(self._nodes_at(rows)), part.numbers.size
             booked[rows] = weight[rows] * loses(layout.problem, k)
         self.sums.exchange()
         constraint = np.zeros((count, most), np.int64)
@@ -134,7 +148,7 @@ class ParticleSystem:
         begin = np.searchsorted(number, np.arange(count + 1))
         gases = [k for k, block in enumerate(blocks) if block.kind == "fluid"]
         through = layout.problem.column_of_face
-        facts = np.zeros(count, records.FACTS).view(np.recarray)  # for plain Python
+        facts = np.zeros(count, records.FACTS)
         for p, particle in enumerate(self._particles):
             mine = owners[begin[p]] == layout.comm.rank
             column = next((gases.index(k) for k, _ in particle.members if k in gases), 0)
@@ -146,6 +160,7 @@ class ParticleSystem:
             row=row,
             kind=kind,
             at=at,
+            apart=apart,
             weight=weight.copy(),
             alpha=alpha,
             inertia=booked,
@@ -171,19 +186,6 @@ class ParticleSystem:
                     if block == k and node in row_of:
                         found.append((row_of[node], node, axis, sign if side else -sign, column))
         return of_faces.listed(self._layout.parts[k], found)
-
-    def calls(self, y: Array, gain: Array) -> Any:
-        """All that compiled code takes with what it calls; y, gain: examples of what these take."""
-        calls = (
-            (kernels.weigh, (y,)),
-            (kernels.end_sums, (gain,)),
-            (kernels.end_normals, (True,)),
-            (kernels.begin_stored, (y,)),
-            (weigh_heat, ()),
-            (kernels.impose_conditions, (y, gain)),
-            (kernels.end_rates, (y, y, gain)),
-        )
-        return with_calls(records.ParticleCalls, self.box, calls)
 
     def at_walls(self, k: int) -> tuple[Array, Array]:
         """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""

@@ -5,21 +5,21 @@
     rates      volume terms of each block, what passes open faces, forcing; then the constraints
                of the particles
 
-Each part of a block is a record in a box, and so are the particles; compiled functions do with them
-what there is to do. A rank that has all blocks makes stages in one call, and many steps where no
-data depend on time (fsipetsc.scheme.steps); else the same functions are called between the
-exchanges. `y` is a fsipetsc.parallel.block_layout.BlockVector; `f` an array of the same layout.
+What there is to do is procedures of parts and particles (fsipetsc.kernels.procedure), in phases
+between which ranks exchange numbers. A rank that has all blocks makes all phases in one call, and
+many steps where no data depend on time. `y` is a fsipetsc.parallel.block_layout.BlockVector; `f` an
+array of the same layout.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fsipetsc.blockrun.block_part import Recorded
 from fsipetsc.blockrun.columns import OF_INTERFACES, gain_of, slices
 from fsipetsc.blockrun.gas_part import GasPart
 from fsipetsc.blockrun.particle_system import ParticleSystem
@@ -27,16 +27,15 @@ from fsipetsc.blockrun.solid_part import SolidPart
 from fsipetsc.blocks.particles import particles_of
 from fsipetsc.blocks.values import block_values
 from fsipetsc.errors import InputError
-from fsipetsc.operators.boxed import Box
+from fsipetsc.kernels.calls import Calls, calling_code
 from fsipetsc.parallel.block_layout import BlockVector
 from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import together
-from fsipetsc.scheme import particles as kernels
 from fsipetsc.scheme import steps as stages
+from fsipetsc.scheme.batch import ALLOWED, plan_next
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
-from fsipetsc.scheme.normals import add_areas, turned_faces
-from fsipetsc.scheme.part import PartCalls
-from fsipetsc.scheme.particle_heat import weigh_heat
+from fsipetsc.scheme.normals import turned_faces
+from fsipetsc.scheme.plan import BAD
 
 if TYPE_CHECKING:
     from fsipetsc.blockrun.block_state import BlockState
@@ -46,6 +45,9 @@ Array = NDArray[Any]
 #: number of -1.6 at Courant number 0.8, of 2.785 that the classical method bears; next to the ends
 #: of 8/4 more
 PACE_AT_SHOCKS = {2: 1.0, 4: 1.0, 6: 1.0, 8: 4.0 / 3.0}
+#: phases of a rank that has all blocks
+COMPLETE = "weigh share move tell store impose follow swing"
+RATES = "turn turned rates end"
 
 
 class Scheme:
@@ -72,6 +74,8 @@ class Scheme:
         self.problem, self._instant, layout = state.problem, state.instant, state.layout
         problem = self.problem
         self.dimension = d = problem.dimension
+        #: area vectors of solids in three dimensions, and how they turn, are found from Python
+        self.alone = alone and d < 3
         particles, blocks = particles_of(problem), problem.blocks
 
         def make() -> dict[int, GasPart | SolidPart]:
@@ -81,54 +85,67 @@ class Scheme:
 
         self.parts = together(layout.comm, make)  # a grid or a prestress may be wrong on some ranks
         self._gases = [part for part in self.parts.values() if isinstance(part, GasPart)]
-        made = libraries(layout.comm, [part.text for part in self.parts.values()], announce)
-        for part, library in zip(self.parts.values(), made, strict=True):
-            part.library = library
         self._solids = [part for part in self.parts.values() if isinstance(part, SolidPart)]
         inertia = {part.part.k: part.inertia for part in self._solids}
         self.particles = ParticleSystem(layout, particles, inertia, self._instant)
         for gas in self._gases:
             gas.follow(particles, self.particles)
         self._came = gain_of(problem)
-        self._gain = Box(self._came)  # as compiled code takes it
-        #: compiled code does not find area vectors of solids in three dimensions, nor how they turn
-        self.alone = alone and d < 3
-        columns = slices(state.latest.dtype)
-        begins = {name: at.start for name, at in columns.items()}
+        self._found = self._memory(state, max(1.0, form.shock * PACE_AT_SHOCKS[order]))
         self._at_faces = {k: self.particles.faces_at(k) for k in self.parts}
         #: of gases, the faces whose area vectors are wanted: axis, index along it
         self._turning = {
             gas.part.k: turned_faces(self._at_faces[gas.part.k], gas.part.patch)
             for gas in self._gases
         }
-        about = begins, self.particles, self.alone, list(state.interface_ends())
-        self._does = {k: p.calls(self._at_faces[k], *about) for k, p in self.parts.items()}
-        self._of_gases = [(gas, self._does[gas.part.k]) for gas in self._gases]
-        first = columns.get(OF_INTERFACES[0], slice(0, 0))
-        ends = slice(first.start, first.start + len(OF_INTERFACES) * (first.stop - first.start))
-        at_ends = state.latest_numbers[ends].reshape(len(OF_INTERFACES), -1)
-        pace = max(1.0, form.shock * PACE_AT_SHOCKS[order])
-        memory = state.y.array, state.stage.array, *np.zeros((3, layout.local_size))
-        noted = state.extremes, state.rates, state.results, state.latest_numbers, at_ends, pace
-        planned = state.batch, state.rows, np.zeros(2)
-        self._found = stages.Found(*memory, self._gain, *noted, *planned)
-        self._found_box = Box(self._found)
+        self._compile(state, announce)
+        self._phases: dict[Any, Calls] = {}
         self.steady = problem.steady_data
         self.fault: InputError | None = None
         self._filled: tuple[Any] | None = None  # the instant that the data are of
 
-    @cached_property
-    def _all(self) -> Any:
-        """All that compiled code takes for stages in one call."""
-        found, gain, particles = self._found_box, self._gain, self.particles.box
-        y = self._found.y
-        takes = (particles,), (), (), (particles,), (particles,)
-        takes += (particles, y), (y, y, gain), (y, found)
-        parts = [
-            with_calls(PartCalls, part, zip(functions, takes, strict=True))
-            for part, *functions in self._does.values()
+    def _memory(self, state: BlockState, pace: float) -> stages.Found:
+        """What steps take and fill."""
+        first = slices(state.latest.dtype).get(OF_INTERFACES[0], slice(0, 0))
+        ends = slice(first.start, first.start + len(OF_INTERFACES) * (first.stop - first.start))
+        at_ends = state.latest_numbers[ends].reshape(len(OF_INTERFACES), -1)
+        memory = state.y.array, state.stage.array, *np.zeros((3, state.layout.local_size))
+        noted = state.extremes, state.rates, state.results, state.latest_numbers, at_ends, pace
+        return stages.Found(*memory, self._came, *noted, state.plan, np.zeros(2))
+
+    def _compile(self, state: BlockState, announce: Callable[[str], None]) -> None:
+        """Record all procedures, and load them. Collective. InputError."""
+        columns = slices(state.latest.dtype)
+        about = Recorded(
+            self.particles.record,
+            self.particles,
+            self._came,
+            self._found,
+            self._at_faces,
+            {name: at.start for name, at in columns.items()},
+            self.alone,
+            list(state.interface_ends()),
+        )
+        comm, found = state.comm, self._found
+        codes = together(comm, lambda: [part.record(about) for part in self.parts.values()])
+        self._calling = calling_code()
+        of_found = stages.begin_step, stages.begin_monitor, stages.note_extremes, stages.note_gained
+        record = self._calling.procedure
+        self._does = {f.__name__: record(f.__name__, f, found) for f in (*of_found, stages.end_step)}
+        self._does["begin_rates"] = record("begin_rates", stages.begin_rates, self._came)
+        self._does["plan_next"] = state.planning = record("plan_next", plan_next, found.plan)
+        self._advance = [
+            record(f"advance_{number}", stages.advance(number), found)
+            for number in range(stages.STAGES)
         ]
-        return Box(stages.All(tuple(parts), self.particles.calls(y, gain), found))
+        codes = [*codes, self.particles.procedures(self._came), self._calling]
+        made = libraries(comm, [code.text for code in codes], announce)
+        for code, library in zip(codes, made, strict=True):
+            code.load(library)
+        self._does |= self.particles.does
+        self._does["weigh_heat"]()
+        for gas in self._gases:
+            gas.begin()
 
     def initial(self, t: float, y: BlockVector) -> None:
         """Fill y with the data of the case at time t [s]. InputError for what its functions return,
@@ -166,75 +183,100 @@ class Scheme:
             self.fault = self.fault or error
         self._filled = (instant,)
 
+    # phases: what is called between exchanges
+
+    def _calls(self, phase: str, y: Array, f: Array) -> list[Any]:
+        """Calls of a phase: procedures, each with the world vectors that it takes."""
+        particles, does, one = self.particles, self._does, (y,)
+        names: list[Any] = {
+            "weigh": ["weigh"],
+            "share": ["end_sums", "*follow"],
+            "move": ["*move", *["*normals"] * particles.slips],
+            "tell": ["end_normals"] * particles.slips + ["begin_stored"] * particles.stores,
+            "store": ["*store"] * particles.stores,
+            "impose": ["weigh_heat"] * particles.stores + ["impose_conditions"],
+            "follow": ["*follow"] * particles.slips,
+            "swing": ["*swing"],
+            "turn": ["begin_rates", *["*turn"] * particles.slips],
+            "turned": ["end_turning"] * particles.slips,
+            "rates": ["*rates"],
+            "end": ["end_rates"],
+            "monitor": ["*monitor"],
+        }[phase]
+        found = []
+        for name in names:
+            of = [part.does.get(name[1:]) for part in self.parts.values()]
+            procedures = [p for p in of if p is not None] if name[0] == "*" else [does[name]]
+            found += [(procedure, (y, f)[: len(procedure.vectors)]) for procedure in procedures]
+        return found + ([(does["weigh"], (f,))] if phase == "rates" else [])
+
+    def _do(self, phase: str, y: Array, f: Array | None = None) -> None:
+        """Make the calls of a phase, or of several."""
+        f = y if f is None else f
+        key = phase, y.ctypes.data, f.ctypes.data
+        if key not in self._phases:
+            calls = [call for one in phase.split() for call in self._calls(one, y, f)]
+            self._phases[key] = Calls(self._calling.library, calls)
+        self._phases[key]()
+
     def complete(self, t: float, y: BlockVector) -> None:
         """Impose on y, in place, all conditions of its particles. Collective."""
         self._refresh(t)
         if self.alone:
-            stages.run(self._all, stages.COMPLETE, y.array, y.array)
+            self._do(COMPLETE, y.array)
             return
-        particles, box = self.particles, self.particles.box
+        particles, of = self.particles, y.array
         self._share(y)
         if particles.slips:
-            for does in self._does.values():
-                does.normals(does.part, box)
             particles.areas.exchange()
-            kernels.end_normals(box, False)
+        self._do("tell", of)
         if particles.stores:
-            kernels.begin_stored(box, y.array)
             y.fill_halos()
-            for does in self._does.values():
-                does.store(does.part, box, y.array)
+            self._do("store", of)
             particles.stored.exchange()
-            weigh_heat(box)
-        kernels.impose_conditions(box, y.array, self._gain)
+        self._do("impose follow", of)
         if particles.slips:  # the conditions have changed velocities
-            self._follow()
-        for _, does in self._of_gases:
-            does.swing(does.part)
+            self._gather()
+        self._do("swing", of)
 
     def _share(self, y: BlockVector) -> None:
         """Add up what members have, and let the grids follow the displacement of solids and walls.
         Collective.
         """
-        kernels.weigh(self.particles.box, y.array)
+        self._do("weigh", y.array)
         self.particles.sums.exchange()
-        kernels.end_sums(self.particles.box, self._gain)
-        self._follow()
-        for _, does in self._of_gases:
-            does.move(does.part)
+        self._do("share", y.array)
+        self._gather()
+        self._do("move", y.array)
 
-    def _follow(self) -> None:
+    def _gather(self) -> None:
         """Ranks of a gas tell each other by what its grid moves. Collective."""
-        for gas, does in self._of_gases:
-            does.follow(does.part, self.particles.box)
+        for gas in self._gases:
             gas.gather.gather()
 
     def rates(self, t: float, y: BlockVector, f: Array) -> None:
         """f = dy/dt for a completed y. Collective."""
         self._refresh(t)
         if self.alone:
-            stages.run(self._all, stages.RATES, y.array, f)
+            self._do(RATES, y.array, f)
             return
-        particles, box = self.particles, self.particles.box
-        self._came.numbers[:] = 0.0
+        particles = self.particles
         y.begin()
+        self._do("turn", y.array)
         if particles.slips:
-            for gas, does in self._of_gases:
-                does.turn(does.part, box)
-                if gas.moves and self.dimension == 3:
-                    faces = self._at_faces[gas.part.k]
+            for gas in self._gases if self.dimension == 3 else ():
+                faces = self._at_faces[gas.part.k]
+                if gas.moves:
                     turning = gas.grid.turning(self._turning[gas.part.k])
-                    add_areas(faces, 3, turning, particles.areas.table)
+                    faces.add(turning, particles.areas.table)
             particles.areas.exchange()
-            kernels.end_normals(box, True)
+        self._do("turned", y.array)
         y.end()
         for solid in self._solids:
-            solid.faces.turn(y.ghosted(solid.part.k), solid.library)
-        for does in self._does.values():
-            does.rates(does.part, y.array, f, self._gain)
-        kernels.weigh(box, f)
+            solid.faces.turn(y.ghosted(solid.part.k), solid.code.library)
+        self._do("rates", y.array, f)
         particles.sums.exchange()
-        kernels.end_rates(box, y.array, f, self._gain)
+        self._do("end", y.array, f)
 
     def step(
         self,
@@ -245,19 +287,21 @@ class Scheme:
         ends: Callable[[BlockVector], bool] = lambda now: False,
     ) -> bool:
         """A step of the classical Runge-Kutta method from y at t [s] to the completed one at
-        t + dt. Collective. It is PETSc's ``-ts_type rk -ts_rk_type 4`` up to round-off.
+        t + dt. Collective. It is PETSc's ``-ts_type rk -ts_rk_type 4`` up to round-off. y, stage:
+        those of the state.
 
         It begins with what follows from y alone, so that a step after a restart has the same bits.
         ends: called with each completed stage; where it says True, the step ends, and returns True.
         """
-        k, total, now = self._found.k, self._found.total, y
+        k, now = self._found.k, y
+        self._found.now[1] = dt
         for number, instant in enumerate((t, t + 0.5 * dt, t + 0.5 * dt, t + dt)):
             self.complete(instant, now)
             if number > 0 and ends(now):
                 return True
             self.rates(instant, now, k)
             now = stage if number < stages.STAGES - 1 else y
-            stages.advance(y.array, k, now.array, total, number, dt)
+            self._advance[number](now.array, k)
         self.complete(t + dt, y)
         return ends(y)
 
@@ -266,9 +310,22 @@ class Scheme:
         the time that is reached; or begin and length of a step that is to be made anew.
         """
         self._refresh(t)
-        self._found.now[:] = t, dt
-        ended_well = stages.run(self._all, stages.STEPS, self._found.stage, self._found.k)
-        return bool(ended_well), float(self._found.now[0]), float(self._found.now[1])
+        found, does = self._found, self._does
+        if "batch" not in self._phases:
+            calls: list[Any] = [(does["begin_step"], ())]
+            for number, now in enumerate((found.y, *[found.stage] * (stages.STAGES - 1))):
+                for phase in (*COMPLETE.split(), *RATES.split()):
+                    calls += self._calls(phase, now, found.k)
+                calls.append((self._advance[number], (found.stage, found.k)))
+            for phase in COMPLETE.split():
+                calls += self._calls(phase, found.stage, found.stage)
+            calls += [(does["begin_monitor"], ()), *self._calls("monitor", found.stage, found.k)]
+            calls += [(does["note_extremes"], ()), (does["note_gained"], (found.stage,))]
+            self._phases["batch"] = Calls(self._calling.library, [*calls, (does["end_step"], ())])
+        found.now[:] = t, dt
+        results, batch = found.results, found.plan.batch
+        self._phases["batch"].batch(results[BAD:], batch[ALLOWED:])
+        return bool(results[BAD] == 0.0), float(found.now[0]), float(found.now[1])
 
     def monitor(self, y: BlockVector) -> None:
         """Put extremes and shares of the integrals of this rank's nodes, and what is recorded of
@@ -277,11 +334,15 @@ class Scheme:
         found, blocks = self._found, len(self.problem.blocks)
         found.extremes[:], found.latest[:] = 0.0, 0.0
         found.extremes[1:].reshape(blocks, MONITORED)[:, LEAST_J] = -np.inf
-        if self.alone:
-            stages.run(self._all, stages.MONITOR, y.array, y.array)
-            return
-        for does in self._does.values():
-            does.monitor(does.part, y.array, self._found_box)
+        self._do("monitor", y.array)
+
+    def note_extremes(self) -> None:
+        """Put the extremes of all ranks where the state has them."""
+        self._does["note_extremes"]()
+
+    def note_gained(self, y: BlockVector) -> None:
+        """Put what came in into the record of the step."""
+        self._does["note_gained"](y.array)
 
     def forget(self) -> None:
         """Clear what gases remember of a bad state: no NaN may stay there for another step."""

@@ -1,27 +1,22 @@
 """A rank's part of a solid block: metrics, rates, what is saved of it."""
 
-import ctypes
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.block_part import BlockPart
+from fsipetsc.blockrun.block_part import BlockPart, Recorded
 from fsipetsc.blockrun.columns import loses, spins
 from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.blocks.values import block_values, prestress_of
 from fsipetsc.equations.tensors import add_unit, apply, cofactor
-from fsipetsc.operators.boxed import Box
-from fsipetsc.operators.compiled import CompiledFunction
+from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.loops import dot
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
-from fsipetsc.scheme.block_monitor import MONITORED
-from fsipetsc.scheme.part import Nothing, PartCalls
+from fsipetsc.scheme.part import Nothing, normals
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, solid_damping
-from fsipetsc.scheme.solid_monitor import solid_monitor
-from fsipetsc.scheme.solid_record import FUNCTIONS, SolidRecord
+from fsipetsc.scheme.solid_record import SolidRecord, measure, monitor, rates, store
 from fsipetsc.scheme.solid_volume import SolidVolume, solid_text
 from fsipetsc.scheme.solid_work import solid_work, sums_of
 
@@ -48,9 +43,6 @@ class SolidPart(BlockPart):
         self.prestress = prestress_of(self.block, self.X)
         self._work = solid_work(self.equations, part.bands, part.patch)
         self._volume = SolidVolume(self.equations, self._work, self.metrics, self.prestress)
-        #: C code of this part; ``library``: made of it, before ``calls``
-        self.text = self._text(solid_text, self.equations, d, self.prestress.size > 0)
-        self.library: ctypes.CDLL
 
     @property
     def reference(self) -> Array:
@@ -116,33 +108,26 @@ class SolidPart(BlockPart):
 
         See fsipetsc.scheme.solid_monitor.
         """
-        seen, sums = np.zeros(MONITORED), np.zeros(sums_of(self._d) + 1)
-        of_block = self.X, self.metrics, self.prestress, self._per_h
-        memory = self._masses, self._work, self._F, self._loses, seen, sums
-        solid_monitor(self.equations, (0.0,) * self._d, q, *of_block, *memory)
-        return seen, sums
+        self.does["measure"](np.ascontiguousarray(q.T).reshape(-1))
+        return self._record_of_part.seen.copy(), self._record_of_part.sums.copy()
 
-    def calls(
-        self, at_particles: Any, begins: Mapping[str, int], particles: Any, alone: bool, ends: Any
-    ) -> PartCalls:
-        """As of a gas. ends: number, block, owned row and X of interfaces in one dimension."""
+    def _record(self, about: Recorded) -> Code:
         part, d = self.part, self._d
-        own = [(number, row, X) for number, k, row, X in ends if k == part.k]
+        own = [(number, row, X) for number, k, row, X in about.ends if k == part.k]
         found = [(*end, self._prestress_at(self.owned[[end[1]]])[0, 0]) for end in own]
-        rows, nodes = particles.telling[part.k]
+        rows, nodes = about.system.telling[part.k]
         momenta = [f"momentum_{x}" for x in "xyz"[:d]]
         names = *momenta, "energy", *spins(d), "solid_energy", "lost_energy"
-        record = SolidRecord(
-            **self._common(at_particles, alone),
+        begins = about.begins
+        self._record_of_part = SolidRecord(
+            **self._common(about),
             columns=np.array([begins[name] for name in names if name in begins]),
-            volume=CompiledFunction(self.library, "solid_rates", 2),
             of_volume=self._volume.address,
-            level=begins.get("potential_energy", -1),
             laws=self.equations,
             dissipation=self._dissipation(),
-            loses=self._loses,
+            loses=bool(self._loses),
             inertia=self.inertia,
-            prestress=self.prestress,
+            prestress=self.prestress if self.prestress.size else None,
             work=self._work,
             masses=self._masses,
             F=self._F,
@@ -151,7 +136,9 @@ class SolidPart(BlockPart):
             stored_at=part.ghosted_rows(part.rows(nodes)),
             rows_of_stored=rows,
         )
-        return PartCalls(Box(record), *FUNCTIONS)
+        text = solid_text(self.equations, d, self.prestress.size > 0)
+        functions = {f.__name__: f for f in (normals, store, rates, monitor, measure)}
+        return self._procedures(text, self._record_of_part, about, functions)
 
     def normals(self, rows: Any, axis: int, side: int) -> Array:
         """(n, d) unit normals out of the solid of a face as it is at owned nodes, by the last F."""

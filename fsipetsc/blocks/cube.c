@@ -24,7 +24,9 @@ struct cube {
   const double *x, *v;          /* (3, wide nodes) the y above, called x below; velocities */
   double *q;                    /* (3, 3, wide nodes) q_k, by k and n */
   double *metrics, *volume;     /* planes of N nodes of the range; det D x */
-  long N;
+  const long *faces;            /* (count, 2) some faces: axis i, and index of their nodes along it */
+  double *of_faces;             /* (9, N) a^i on these faces, or their rates; elsewhere 0 */
+  long N, count;
 };
 struct box {
   long lo[3], hi[3];
@@ -240,4 +242,25 @@ void cube_face(const struct cube *c, long i, long at, double factor, double sign
   potentials(c, k, sign, &of_k);
   potentials(c, j, sign, &of_j);
   areas(c, i, factor, &face, a);
+}
+
+static void add_faces(const struct cube *c, double factor, double sign) {
+  for (long n = 0; n < c->count; ++n) {
+    const long i = c->faces[2 * n];
+    cube_face(c, i, c->faces[2 * n + 1], factor, sign, c->of_faces + 3 * i * c->N);
+  }
+}
+
+/* Find a^i of the places x on the faces. */
+void cube_faces(const struct cube *c) {
+  memset(c->of_faces, 0, 9 * c->N * sizeof(double));
+  add_faces(c, 1.0, 0.0);
+}
+
+/* Find how a^i changes in time on the faces: it is bilinear in the places, so half the difference of
+   those of x + v and x - v. */
+void cube_turn(const struct cube *c) {
+  memset(c->of_faces, 0, 9 * c->N * sizeof(double));
+  add_faces(c, 0.5, 1.0);
+  add_faces(c, -0.5, -1.0);
 }

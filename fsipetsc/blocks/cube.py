@@ -1,7 +1,7 @@
 """Metrics of a moving grid in three dimensions: fsipetsc/blocks/cube.c, and what it takes."""
 
 import ctypes
-from typing import Any
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -17,28 +17,30 @@ class _Cube(ctypes.Structure):
         *((name, _POINTER * 3) for name in ("S", "half")),
         *((name, _NUMBER * 3) for name in ("reach", "size", "first", "end")),
         ("P", ctypes.c_double * 9),
-        *((name, _POINTER) for name in ("x", "v", "q", "metrics", "volume")),
-        ("N", _NUMBER),
+        *((name, _POINTER) for name in ("x", "v", "q", "metrics", "volume", "faces", "of_faces")),
+        *((name, _NUMBER) for name in ("N", "count")),
     ]
 
 
 def cube_text() -> str:
-    """The C code of cube_move, cube_swing and cube_face."""
+    """The C code of cube_move, cube_swing, cube_faces, cube_turn and cube_face."""
     return c_source("fsipetsc.blocks", "cube.c")
 
 
 class Cube:
     """The range of nodes of a Wide in three dimensions.
 
-    library: has the functions of cube.c. x, v: (3, wide nodes) places less those of linear maps,
-    and velocities. metrics: (13, N) a^1, a^2, a^3, velocity, J_t of the range. volume: (N,) det
-    D x. address: of the struct in C.
+    x, v: (3, wide nodes) places less those of linear maps, and velocities. metrics: (13, N) a^1,
+    a^2, a^3, velocity, J_t of the range. volume: (N,) det D x. of_faces: (9, N) a^1, a^2, a^3 on
+    faces, by cube_faces, or how they change in time, by cube_turn. address: of the struct in C.
+    library: has the functions of cube.c, once it is set; ``add_face`` alone needs it.
     """
 
-    def __init__(self, library: ctypes.CDLL, wide: Wide, metrics: Array) -> None:
-        self.library, nodes = library, wide.y.shape[1]
+    def __init__(self, wide: Wide, metrics: Array) -> None:
+        nodes = wide.y.shape[1]
+        self.library: ctypes.CDLL | None = None
         self.x, self.v = wide.y.copy(), np.zeros((3, nodes))
-        self.volume = np.zeros(metrics.shape[1])
+        self.volume, self.of_faces = np.zeros(metrics.shape[1]), np.zeros((9, metrics.shape[1]))
         half, q = [0.5 / weight for weight in wide.weight], np.zeros((9, nodes))
         S = [np.ascontiguousarray(of_axis) for of_axis in wide.S]
         self._kept = half, q, metrics, S
@@ -51,29 +53,27 @@ class Cube:
             first=(_NUMBER * 3)(*(begin - wide_begin for (begin, _), (wide_begin, _) in pairs)),
             end=(_NUMBER * 3)(*(end - wide_begin for (_, end), (wide_begin, _) in pairs)),
             P=(ctypes.c_double * 9)(*wide.P.ravel()),
-            **{name: getattr(self, name).ctypes.data for name in ("x", "v", "volume")},
+            **{name: getattr(self, name).ctypes.data for name in ("x", "v", "volume", "of_faces")},
             q=q.ctypes.data,
             metrics=metrics.ctypes.data,
             N=metrics.shape[1],
         )
         self.address = ctypes.addressof(self._struct)
 
+    def name_faces(self, faces: Iterable[tuple[int, int]]) -> None:
+        """Let cube_faces and cube_turn take these faces: (axis i, index along it) each; of these
+        they find a^i alone.
+        """
+        self._faces = np.array([*faces], np.int64).reshape(-1, 2)
+        self._struct.faces, self._struct.count = self._faces.ctypes.data, len(self._faces)
+
     def add_face(self, i: int, at: int, factor: float, sign: float, areas: Array) -> None:
         """Add factor times a^i of the places x + sign v to ``areas``, (3, N), or to three rows of
         (9, N) from 3 i on, at the nodes of the range whose index along axis i is ``at``.
         """
         row = areas[3 * i] if len(areas) == 9 else areas[0]
+        assert self.library is not None
         self.library.cube_face(
             *(ctypes.c_void_p(self.address), _NUMBER(i), _NUMBER(at)),
             *(ctypes.c_double(factor), ctypes.c_double(sign), ctypes.c_void_p(row.ctypes.data)),
         )
-
-
-def faces_turning(cube: Cube, faces: Any, areas: Array) -> None:
-    """Fill areas (9, N) with how a^i changes in time on some faces, (axis, index) each: it is
-    bilinear in the places, so half the difference of those of x + v and x - v.
-    """
-    areas[:] = 0.0
-    for i, at in faces:
-        cube.add_face(i, at, 0.5, 1.0, areas)
-        cube.add_face(i, at, -0.5, -1.0, areas)

@@ -2,27 +2,25 @@
 
 Inside is the Boolean sum of the faces (fsipetsc.blocks.hull): Gordon and Hall, Int. J. Numer. Meth.
 Eng. 7 (1973) 461-477. The velocity of the grid is the same blend of the faces' velocities. What
-moves is a record for compiled code, one for each number of dimensions and one around an axis or a
-centre; all have the methods of a LineMotion.
+moves is a record for procedures (fsipetsc.kernels.procedure), one for each number of dimensions and
+one around an axis or a centre; all have the methods of a LineMotion.
 """
 
-import ctypes
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fsipetsc.blocks.block import Range
-from fsipetsc.blocks.cube import Cube, faces_turning
+from fsipetsc.blocks.cube import Cube
 from fsipetsc.blocks.hull import blend_of, end_weights, hull_of
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.blocks.plane_grid import plane_motion
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.blocks.radial_grid import radial_motion
 from fsipetsc.checks import Array
-from fsipetsc.operators.compiled import CompiledFunction
-from fsipetsc.operators.loops import njit
-from fsipetsc.operators.loops import CALL
+from fsipetsc.kernels.procedure import Code, Procedure, each, invoke
+from fsipetsc.kernels.symbols import exact
 
 
 class LineMotion(NamedTuple):
@@ -46,13 +44,19 @@ class LineMotion(NamedTuple):
         """Fill the velocity of the grid and J_t, after `move`."""
         self.hull.fill(self.hull.moving, known, 1)
         at_low, at_high = self.hull.ends(self.hull.moving)
-        metrics[1, :] = self.low * at_low + self.high * at_high
-        metrics[2, :] = at_high - at_low
+        for i in each(self.low.shape[0], vector=True):
+            metrics[1, i] = self.between(i, at_low, at_high)
+            metrics[2, i] = at_high - at_low
+
+    def between(self, i, at_low, at_high):
+        """What is blended from both ends, at a node."""
+        return exact(self.low[i] * at_low + self.high[i] * at_high)
 
     def find_places(self, X, places):
         """Where nodes are after `move` (d, N); X: those of the reference map."""
-        at_low, at_high = self.hull.ends(self.hull.moved)
-        places[0, :] = X[0] + (self.low * at_low + self.high * at_high)
+        ends = self.hull.ends(self.hull.moved)
+        for i in each(self.low.shape[0], vector=True):
+            places[0, i] = X[0, i] + self.between(i, *ends)
 
     def jacobian(self, metrics, N, node, reference):
         """det(D x) of a node, after `move`; metrics: flat; reference: that of the reference map."""
@@ -63,8 +67,8 @@ class LineMotion(NamedTuple):
 class CubeMotion(NamedTuple):
     """A grid in three dimensions. blend: on the W wide nodes; y: (3, W), of a Wide; inner: (N,) of
     the range among the wide nodes. x, v: (3, W) places less those of linear maps, velocities,
-    volume: (N,) det D x, areas, velocities: functions of fsipetsc/blocks/cube.c, all of a Cube with
-    this address.
+    volume: (N,) det D x, turning: (9, N) how a^k changes in time on faces that were named, all of a
+    Cube with this address.
     """
 
     hull: Any
@@ -74,27 +78,32 @@ class CubeMotion(NamedTuple):
     x: Array
     v: Array
     volume: Array
-    areas: Any
-    velocities: Any
+    turning: Array
     address: int
 
     def move(self, known, metrics):
         """Fill a^1, a^2, a^3 in curl form, and volume."""
         self.hull.fill(self.hull.moved, known, 0)
         self.blend.fill(self.hull.moved, self.x)
-        add_to(self.x, self.y)
-        self.areas(self.address)
+        x, y = self.x.reshape(-1), self.y.reshape(-1)
+        for n in each(x.size, vector=True):
+            x[n] += y[n]
+        invoke("cube_move", self.address)
 
     def swing(self, known, metrics):
         """Velocity of the grid and J_t."""
         self.hull.fill(self.hull.moving, known, 3)
         self.blend.fill(self.hull.moving, self.v)
-        self.velocities(self.address)
+        invoke("cube_swing", self.address)
+
+    def turn(self):
+        """Fill turning, after `swing`."""
+        invoke("cube_turn", self.address)
 
     def find_places(self, X, places):
         """X + the displacement."""
-        for i in range(self.inner.size):
-            for c in range(3):
+        for c in range(3):
+            for i in each(self.inner.size, vector=True):
                 n = self.inner[i]
                 places[c, i] = X[c, i] + (self.x[c, n] - self.y[c, n])
 
@@ -103,71 +112,112 @@ class CubeMotion(NamedTuple):
         return self.volume[node]
 
 
-@njit(**CALL)
-def add_to(x, y):
-    """x += y."""
-    for c in range(x.shape[0]):
-        for n in range(x.shape[1]):
-            x[c, n] += y[c, n]
+class Known(NamedTuple):
+    """What a GridMotion gives to its procedures. known: (M, 2d) as LineMotion has it; X, places:
+    (d, N); reference, J: (N,) det(D X) and det(D x).
+    """
+
+    grid: Any
+    known: Array
+    metrics: Array
+    X: Array
+    places: Array
+    reference: Array
+    J: Array
+
+
+def move(of):
+    """Areas of the grid where it is now."""
+    of.grid.move(of.known, of.metrics)
+
+
+def find_places(of):
+    """Where its nodes are."""
+    of.grid.find_places(of.X, of.places)
+
+
+def find_jacobian(of):
+    """det(D x) of its nodes."""
+    metrics = of.metrics.reshape(-1)
+    for i in each(of.J.size, vector=True):
+        of.J[i] = of.grid.jacobian(metrics, of.J.size, i, of.reference[i])
+
+
+def turn(of):
+    """How areas of the grid turn on faces, in three dimensions."""
+    of.grid.turn()
 
 
 class GridMotion:
     """Positions and metrics of a range of nodes of gas block k (of a rank: the ghosted).
 
     nodes: numbers (M,) of those nodes on faces of the whole block whose displacement and velocity
-    will be given, in any order. library: has the functions of fsipetsc/blocks/cube.c, in three
-    dimensions. record: for compiled code, see LineMotion. metrics: as there.
+    will be given, in any order. record: for procedures, see LineMotion. metrics: as there. Before
+    the grid moves, what ``procedures`` records must be loaded.
     """
 
     def __init__(
-        self,
-        problem: BlockProblem,
-        k: int,
-        order: int,
-        where: Range,
-        nodes: Array,
-        library: ctypes.CDLL,
+        self, problem: BlockProblem, k: int, order: int, where: Range, nodes: Array
     ) -> None:
         block, d = problem.blocks[k], problem.dimension
-        self._X, wide = problem.positions(k, where), Wide(problem, k, order, where)
+        X, wide = problem.positions(k, where), Wide(problem, k, order, where)
         around, hull = problem.symmetry > 0, hull_of(block, nodes, problem.centred(k))
-        self.metrics, self._reference = np.zeros((d * d + d + 1 + around, self._X.shape[1])), None
+        reference = np.zeros(X.shape[1])
+        self.metrics = np.zeros((d * d + d + 1 + around, X.shape[1]))
         self.record: Any
         if around:
             self.record = radial_motion(problem, k, wide, hull)
         elif d == 1:
-            self._reference = wide.gradients()[0, 0]
+            reference[:] = wide.gradients()[0, 0]
             self.record = LineMotion(hull, *end_weights(block, 0, np.arange(*where[0]))[:, 0])
         elif d == 2:
             self.record = plane_motion(block, wide, hull)
         else:
-            self._cube = cube = Cube(library, wide, self.metrics)
-            self._turning, inner = np.zeros((9, self._X.shape[1])), np.arange(wide.y.shape[1])
-            of_cube = cube.x, cube.v, cube.volume
-            calls = (CompiledFunction(library, name, 0) for name in ("cube_move", "cube_swing"))
-            blend = blend_of(block, wide, hull.nodes)
-            self.record = CubeMotion(
-                hull, blend, wide.inner(inner), wide.y, *of_cube, *calls, cube.address
+            self._cube = cube = Cube(wide, self.metrics)
+            of_cube = cube.x, cube.v, cube.volume, cube.of_faces, cube.address
+            blend, inner = blend_of(block, wide, hull.nodes), np.arange(wide.y.shape[1])
+            self.record = CubeMotion(hull, blend, wide.inner(inner), wide.y, *of_cube)
+        known, J = np.zeros((len(nodes), 2 * d)), np.zeros(X.shape[1])
+        X = np.ascontiguousarray(X)
+        self._known = Known(self.record, known, self.metrics, X, X.copy(), reference, J)
+        self._calls = dict[Any, Procedure]()
+
+    def procedures(self, code: Code) -> None:
+        """Record what ``move``, ``positions``, ``jacobian`` and ``turning`` call; in three
+        dimensions the text of the code must have fsipetsc/blocks/cube.c.
+        """
+        turns = (turn,) if isinstance(self.record, CubeMotion) else ()
+        for function in (move, find_places, find_jacobian, *turns):
+            self._calls[function] = code.procedure(
+                f"grid_{function.__name__}", function, self._known
             )
 
     def move(self, displacement: Array) -> None:
         """Fill a^1 … a^d from the displacement (M, d) [m] of the given nodes."""
-        self.record.move(displacement, self.metrics)
+        known = self._known.known
+        known[:, : known.shape[1] // 2] = displacement
+        self._calls[move]()
+
+    def name_faces(self, faces: Iterable[tuple[int, int]]) -> None:
+        """Which faces of the range ``turning`` and its record's ``turn`` take, in three dimensions:
+        (axis, index along it) each.
+        """
+        self._cube.name_faces(faces)
 
     def turning(self, faces: Iterable[tuple[int, int]]) -> Array:
-        """How a^1, a^2, a^3 (9, N) change in time after `swing` in three dimensions, on faces of
-        the range: (axis, index along it) each; elsewhere 0.
+        """How a^1, a^2, a^3 (9, N) change in time after `swing` in three dimensions, on these
+        faces; elsewhere 0.
         """
-        faces_turning(self._cube, faces, self._turning)
-        return self._turning
+        self.name_faces(faces)
+        self._calls[turn]()
+        return self._cube.of_faces
 
     def positions(self) -> Array:
         """x (d, N) [m] after the last `move`."""
-        places = self._X.copy()
-        self.record.find_places(self._X, places)
-        return places
+        self._calls[find_places]()
+        return self._known.places.copy()
 
     def jacobian(self) -> Array:
         """det(D x) (N,) after the last `move`; around an axis or a centre as in radial_grid."""
-        nodes = np.arange(self._X.shape[1])
-        return self.record.jacobian(self.metrics.reshape(-1), nodes.size, nodes, self._reference)
+        self._calls[find_jacobian]()
+        return self._known.J.copy()

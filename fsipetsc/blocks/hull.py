@@ -2,11 +2,11 @@
 
 Nodes whose displacement is known, at solids and at walls that move, have it. Any other face is
 blended from its edges, edges are linear between their vertices, and vertices that are not known do
-not move. Along periodic axes there are no faces. A face at r = 0 is
-none, either: what lies between it and the opposite one follows this alone.
+not move. Along periodic axes there are no faces. A face at r = 0 is none, either: what lies between
+it and the opposite one follows this alone.
 
 Inside is the Boolean sum of the faces: axis after axis, what is missing at the two faces is added,
-with the weights of the ends between them. On faces their values, to the bit. Compiled.
+with the weights of the ends between them. On faces their values, to the bit.
 """
 
 from collections.abc import Sequence
@@ -17,17 +17,18 @@ import numpy as np
 
 from fsipetsc.blocks.block import Block, mesh
 from fsipetsc.blocks.faces import face_nodes
-from fsipetsc.blocks.metrics import EXACT, Wide
+from fsipetsc.blocks.metrics import Wide
 from fsipetsc.checks import Array
-from fsipetsc.operators.loops import njit
-from fsipetsc.operators.loops import CALL
+from fsipetsc.kernels.procedure import each, pick, when
+from fsipetsc.kernels.symbols import exact
 
 
 class Hull(NamedTuple):
     """nodes: numbers (H,) of the nodes, ascending. given: columns (M,) of those that are known.
 
     columns, weights: (9, T) and (d, 4, T), of nodes that follow: the node, its edges low a, high a,
-    low b, high b, four vertices; weights of the edges. moved, moving: (d, H) values.
+    low b, high b, four vertices; weights of the edges. moved, moving: (d, H) values. has_faces:
+    whether there are any.
     """
 
     nodes: Array
@@ -36,14 +37,27 @@ class Hull(NamedTuple):
     weights: Array
     moved: Array
     moving: Array
+    has_faces: bool
 
     def fill(self, values, known, first):
-        """Complete values (d, H) from known (M, …), of which the columns from `first` count."""
-        fill_hull(values, known, first, self.given, self.columns, self.weights)
+        """Complete values (d, H) from known (M, …), of which the columns from `first` count: edges
+        between their ends, then faces. Sums do not depend on the order of ends and axes.
+        """
+        given, columns, weights = self.given, self.columns, self.weights
+        for c in each(values.shape[0]):
+            f, w = values[c], weights[c]
+            for m in each(given.size):
+                f[given[m]] = known[m, first + c]
+            for t in each(columns.shape[1]):
+                a0, a1, b0, b1, v00, v11, v10, v01 = (f[columns[k, t]] for k in range(1, 9))
+                la, ha, lb, hb = (w[k, t] for k in range(4))
+                edges = (la * a0 + ha * a1) + (lb * b0 + hb * b1)
+                vertices = (la * lb * v00 + ha * hb * v11) + (ha * lb * v10 + la * hb * v01)
+                f[columns[0, t]] = exact(edges - vertices)
 
     def ends(self, values):
         """Values at both ends of a block in one dimension; 0 if it is periodic."""
-        return (values[0, 0], values[0, -1]) if values.size > 0 else (0.0, 0.0)
+        return (values[0, 0], values[0, -1]) if self.has_faces else (0.0, 0.0)
 
 
 def hull_of(block: Block, given: Array, centred: bool = False) -> Hull:
@@ -63,7 +77,7 @@ def hull_of(block: Block, given: Array, centred: bool = False) -> Hull:
     none = np.zeros((9, 0), int), np.zeros((d, 4, 0))
     parts = (np.concatenate(p, axis=-1) for p in zip(none, *pieces[1], *pieces[2]))
     at = np.searchsorted(nodes, np.asarray(given, int))
-    return Hull(nodes, at, *parts, *np.zeros((2, d, len(nodes))))
+    return Hull(nodes, at, *parts, *np.zeros((2, d, len(nodes))), not all(block.periodic))
 
 
 def _nodes_of(
@@ -119,33 +133,17 @@ def end_weights(block: Block, axis: int, index: Array, centred: bool = False) ->
     return found
 
 
-@njit(**CALL)
-def fill_hull(values, given, first, known, columns, weights):
-    """Edges between their ends, then faces; sums do not depend on the order of ends and axes."""
-    for c in range(values.shape[0]):
-        f = values[c]
-        for m in range(known.size):
-            f[known[m]] = given[m, first + c]
-        for t in range(columns.shape[1]):
-            to, a0, a1, b0, b1, v00, v11, v10, v01 = columns[:, t]
-            la, ha, lb, hb = weights[c, :, t]
-            edges = (la * f[a0] + ha * f[a1]) + (lb * f[b0] + hb * f[b1])
-            equal = la * lb * f[v00] + ha * hb * f[v11]
-            opposite = ha * lb * f[v10] + la * hb * f[v01]
-            f[to] = edges - (equal + opposite)
-
-
 class BlendAxis(NamedTuple):
     """An axis that has faces, in an array of nodes with both ends taken along: columns (H,) of the
     hull of the low and the high face, weights (d, n) of the ends by component, nodes of faster axes
-    between neighbours.
+    between neighbours, None if there are no such axes.
     """
 
     low: Array
     high: Array
     l: Array
     h: Array
-    before: int
+    before: int | None
 
 
 class Blend(NamedTuple):
@@ -186,10 +184,7 @@ def blend_of(block: Block, wide: Wide, nodes: Array, centred: bool = False) -> B
             numbers = np.ravel_multi_index(mesh(at)[::-1], block.shape[::-1]).ravel()
             faces.append(np.searchsorted(nodes, numbers))
         weights = end_weights(block, axis, index[axis], centred)
-        axes.append(BlendAxis(*faces, *weights, int(np.prod(sizes[:axis]))))
-    if not axes:  # compiled loops over no axes have no types
-        none = np.zeros(0, int)
-        axes.append(BlendAxis(none, none, *np.zeros((2, d, 0)), 1))
+        axes.append(BlendAxis(*faces, *weights, int(np.prod(sizes[:axis])) if axis else None))
     size = int(np.prod(sizes))
     at = np.ravel_multi_index(mesh(places)[::-1], sizes[::-1]).ravel()
     rows = max(-wide.wide[-1][0], 0) if centred else 0
@@ -197,46 +192,54 @@ def blend_of(block: Block, wide: Wide, nodes: Array, centred: bool = False) -> B
     return Blend(tuple(axes), np.zeros((d, size)), np.zeros((2, size)), at, images)
 
 
-@njit(**CALL)
 def blend(of, values, out):
     """See Blend.fill."""
-    for c in range(values.shape[0]):
+    for c in each(values.shape[0]):
         u, f = of.u[c], values[c]
-        u[:] = 0.0
+        for m in each(u.size, vector=True):
+            u[m] = 0.0
         for axis in of.axes:
-            n, before, (low, high) = axis.l.shape[1], axis.before, of.missing
-            for m in range(axis.low.size):
-                first = m // before * n * before + m % before
-                low[m] = f[axis.low[m]] - u[first]
-                high[m] = f[axis.high[m]] - u[first + (n - 1) * before]
-            size = axis.low.size
-            _add_between(u, low[:size], high[:size], axis.l[c], axis.h[c], before)
+            find_missing(of, axis, u, f)
+            add_between(of, axis, u, c)
         for axis in of.axes:
-            n, before, l, h = axis.l.shape[1], axis.before, axis.l[-1], axis.h[-1]
-            for i in range(n):
-                for m in range(axis.low.size if l[i] == 1.0 or h[i] == 1.0 else 0):
-                    face = axis.low[m] if l[i] == 1.0 else axis.high[m]
-                    u[(m // before * n + i) * before + m % before] = f[face]
-        for m in range(of.at.size):
+            put_faces(axis, u, f)
+        for m in each(of.at.size, vector=True):
             out[c, m] = u[of.at[m]]
-    for m in of.images:
-        out[out.shape[0] - 1, m] *= -1.0
+    for i in each(of.images.size):
+        out[-1, of.images[i]] *= -1.0
 
 
-@njit(**CALL)
-def _add_between(u, low, high, l, h, before):
-    """u += l low + h high along an axis."""
-    n = l.size
-    for a in range(0, low.size, before):
-        if before == 1:
-            _add_row(u[a * n : (a + 1) * n], l, h, low[a], high[a])
-            continue
-        for i in range(n):
-            b = a * n + i * before
-            _add_row(u[b : b + before], low[a : a + before], high[a : a + before], l[i], h[i])
+def find_missing(of, axis, u, f):
+    """What u lacks at the faces of an axis."""
+    n, before = axis.l.shape[1], 1 if axis.before is None else axis.before
+    low, high = of.missing[0], of.missing[1]
+    for m in each(axis.low.size):
+        first = m // before * n * before + m % before
+        low[m] = f[axis.low[m]] - u[first]
+        high[m] = f[axis.high[m]] - u[first + (n - 1) * before]
 
 
-@njit(**EXACT)
-def _add_row(u, low, high, l, h):
-    for j in range(u.size):
-        u[j] += l * low[j] + h * high[j]
+def add_between(of, axis, u, c):
+    """u += l low + h high along an axis, of what is missing at its faces."""
+    low, high, l, h = of.missing[0], of.missing[1], axis.l[c], axis.h[c]
+    n, before = axis.l.shape[1], axis.before
+    if before is None:
+        for a in each(axis.low.size):
+            for i in each(n, vector=True):
+                u[a * n + i] += exact(l[i] * low[a] + h[i] * high[a])
+        return
+    for row in each(axis.low.size // before * n):
+        i, a = row % n, row // n * before
+        for j in each(before, vector=True):
+            u[row * before + j] += exact(l[i] * low[a + j] + h[i] * high[a + j])
+
+
+def put_faces(axis, u, f):
+    """Values of faces, to the bit."""
+    n, before = axis.l.shape[1], 1 if axis.before is None else axis.before
+    for i in each(n):
+        at_low = axis.l[-1, i] == 1.0
+        with when(at_low | (axis.h[-1, i] == 1.0)):
+            for m in each(axis.low.size):
+                face = pick(at_low, axis.low[m], axis.high[m])
+                u[(m // before * n + i) * before + m % before] = f[face]

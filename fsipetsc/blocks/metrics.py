@@ -14,9 +14,8 @@ from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array
 from fsipetsc.equations.tensors import cofactor
 from fsipetsc.errors import InputError
-from fsipetsc.operators.loops import njit
-from fsipetsc.operators.loops import CALL, INNER_CALL
-from fsipetsc.operators.loops import EXACT_LOOP as EXACT
+from fsipetsc.kernels.procedure import each, pick, when
+from fsipetsc.kernels.symbols import exact
 
 
 class Wide:
@@ -58,10 +57,9 @@ class Wide:
 
     def gradients(self) -> Array:
         """D_k X (d, d, nodes of the range): axis, component."""
-        G = np.empty((len(self.S), *self.y.shape))
-        for k, before in enumerate(np.cumprod((1, *self.sizes[:-1]))):
-            for c, y in enumerate(self.y):
-                differentiate(G[k, c], y, self.S[k], self.weight[k], before)
+        steps = np.cumprod((1, *self.sizes[:-1]))
+        bands = zip(self.S, self.weight, steps, strict=True)
+        G = np.array([differentiate(self.y, *band) for band in bands])
         return self.inner(G) + self.P[..., None]
 
 
@@ -85,64 +83,58 @@ def solid_metrics(problem: BlockProblem, k: int, order: int, where: Range) -> Ar
     return metrics
 
 
-@njit(**EXACT)
-def _add_along(out, behind, f, ahead, s_behind, s):
-    """out_i += S_ki (f_i+k - f_i) + S_k,i-k (f_i - f_i-k), pairs of one k along a row."""
-    for i in range(out.size):
-        out[i] += s[i] * (ahead[i] - f[i]) + s_behind[i] * (f[i] - behind[i])
-
-
-@njit(**EXACT)
-def _add_across(out, behind, f, ahead, s_behind, s):
-    """The same with rows ahead and behind, which have one weight each."""
-    for i in range(out.size):
-        out[i] += s * (ahead[i] - f[i]) + s_behind * (f[i] - behind[i])
-
-
-@njit(**CALL)
-def differentiate(out, f, S, weight, before):
-    """out = D f along one axis of flat arrays (N,), `before` nodes of faster axes between
-    neighbours.
+def differentiate(f: Array, S: Array, weight: Array, before: int) -> Array:
+    """D f along one axis of flat arrays (…, N), `before` nodes of faster axes between neighbours.
 
     S, weight: of a Band, cut to the nodes that f has. Next to a cut the result is of no use.
     """
-    n, half = weight.size, 0.5 / weight
-    for a in range(0, f.size, n * before):
-        if before == 1:
-            _differentiate_row(out[a : a + n], f[a : a + n], S, half)
-        else:
-            _differentiate_rows(out[a : a + n * before], f[a : a + n * before], S, half, before)
+    n = weight.size
+    u = f.reshape(*f.shape[:-1], -1, n, before)
+    slope = np.zeros(u.shape)
+    for k in range(1, min(len(S), n)):
+        flow, pairs = S[k, : n - k, None] * (u[..., k:, :] - u[..., : n - k, :]), np.zeros(u.shape)
+        pairs[..., : n - k, :] = flow
+        pairs[..., k:, :] += flow
+        slope += pairs
+    slope *= (0.5 / weight)[:, None]
+    return slope.reshape(f.shape)
 
 
-@njit(**INNER_CALL)
-def _differentiate_row(out, f, S, half):
-    n = out.size
-    out[:] = 0.0
-    for k in range(1, min(S.shape[0], n)):
-        s = S[k]
-        for i in range(min(k, n - k)):
-            out[i] += s[i] * (f[i + k] - f[i])
-        if n > 2 * k:
-            m = n - k
-            _add_along(out[k:m], f[: m - k], f[k:m], f[2 * k :], s[: m - k], s[k:m])
-        for i in range(max(k, n - k), n):
-            out[i] += s[i - k] * (f[i] - f[i - k])
-    for i in range(n):
-        out[i] *= half[i]
+def slopes_along(out, f, S, weight):
+    """The same in a procedure, of rows whose neighbours lie side by side."""
+    n = weight.shape[0]
+    for row in each(f.shape[0] // n):
+        a = row * n
+        for i in each(n, vector=True):
+            out[a + i] = 0.0
+        for k in each(1, np.minimum(S.shape[0], n)):
+            s, end = S[k], n - k
+            for i in each(np.minimum(k, end)):
+                out[a + i] += exact(s[i] * (f[a + i + k] - f[a + i]))
+            for i in each(k, end, vector=True):
+                here, behind = f[a + i], f[a + i - k]
+                out[a + i] += exact(s[i] * (f[a + i + k] - here) + s[i - k] * (here - behind))
+            for i in each(np.maximum(k, end), n):
+                out[a + i] += exact(s[i - k] * (f[a + i] - f[a + i - k]))
+        for i in each(n, vector=True):
+            out[a + i] *= 0.5 / weight[i]
 
 
-@njit(**INNER_CALL)
-def _differentiate_rows(out, f, S, half, m):
-    n = half.size
-    for i in range(n):
-        a = i * m
-        row, here = out[a : a + m], f[a : a + m]
-        row[:] = 0.0
-        for k in range(1, S.shape[0]):
-            s = S[k, i] if i + k < n else 0.0
-            s_behind = S[k, i - k] if i >= k else 0.0
-            if s != 0.0 or s_behind != 0.0:
-                b, c = a - k * m * (i >= k), a + k * m * (i + k < n)
-                _add_across(row, f[b : b + m], here, f[c : c + m], s_behind, s)
-        for j in range(m):
-            row[j] *= half[i]
+def slopes_across(out, f, S, weight, before):
+    """The same in a procedure, along an axis with `before` nodes between neighbours."""
+    n = weight.shape[0]
+    for row in each(f.shape[0] // before):
+        i, a, half = row % n, row * before, 0.5 / weight[row % n]
+        for j in each(before, vector=True):
+            out[a + j] = 0.0
+        for k in each(1, S.shape[0]):
+            ahead, behind = pick(i + k < n, k, 0), pick(i >= k, k, 0)
+            s = np.where(i + k < n, S[k, i], 0.0)
+            s_behind = np.where(i >= k, S[k, i - behind], 0.0)
+            b, c = a - behind * before, a + ahead * before
+            with when((s != 0.0) | (s_behind != 0.0)):
+                for j in each(before, vector=True):
+                    more = s * (f[c + j] - f[a + j]) + s_behind * (f[a + j] - f[b + j])
+                    out[a + j] += exact(more)
+        for j in each(before, vector=True):
+            out[a + j] *= half

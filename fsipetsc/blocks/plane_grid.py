@@ -1,4 +1,4 @@
-"""The moving grid of a gas in two dimensions, of which only the faces are differentiated. Compiled.
+"""The moving grid of a gas in two dimensions, of which only the faces are differentiated.
 
 D_k of a linear function is exact, so derivatives of a blend of faces are blends of derivatives
 along them. With S, N the faces along axis 1 at the low and high end of axis 2, W, E those along
@@ -20,19 +20,20 @@ import numpy as np
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.faces import face_nodes
 from fsipetsc.blocks.hull import Hull, end_weights
-from fsipetsc.blocks.metrics import EXACT, Wide, differentiate
+from fsipetsc.blocks.metrics import Wide, slopes_along
 from fsipetsc.checks import Array
-from fsipetsc.operators.loops import njit
-from fsipetsc.operators.loops import CALL, INNER_CALL, add, dot, load, rows, scale, store, sub
+from fsipetsc.kernels.procedure import each, when
+from fsipetsc.kernels.symbols import exact
+from fsipetsc.operators.loops import add, column, column_of, dot, scale, sub
 
 
 class Faces(NamedTuple):
-    """The two faces along an axis: columns (2, n) of the hull, the band of the axis, the first node
-    of the range, weights of the ends of the axis; values and derivatives (4, n) along the faces, by
-    side and component, and memory.
+    """The two faces along an axis: columns (2, n) of the hull, or None, the band of the axis, the
+    first node of the range, weights of the ends of the axis; values and derivatives (4, n) along
+    the faces, by side and component, and memory.
     """
 
-    columns: Array
+    columns: Array | None
     S: Array
     weight: Array
     first: int
@@ -45,18 +46,17 @@ class Faces(NamedTuple):
 
 class PlaneMotion(NamedTuple):
     """See fsipetsc.blocks.grid.LineMotion. G: (4, N), D_1 X and D_2 X. along, across: the Faces of
-    both axes. corners: columns (2, 2) of the vertices, ends: (4, 2) the values there; rise: (2, n)
-    the bracket of D_2 u; row: (4, n) D_1 u and D_2 u of a row of nodes.
+    both axes. corners: columns (2, 2) of the vertices, or None, ends: (4, 2) the values there;
+    rise: (2, n) the bracket of D_2 u.
     """
 
     hull: Any
     G: Array
     along: Faces
     across: Faces
-    corners: Array
+    corners: Array | None
     ends: Array
     rise: Array
-    row: Array
 
     def move(self, known, metrics):
         """Fill a^1, a^2."""
@@ -74,8 +74,8 @@ class PlaneMotion(NamedTuple):
 
     def jacobian(self, metrics, N, node, reference):
         """det(D x): the metrics are D x."""
-        n = node + N
-        return metrics[node] * metrics[n + N + N] - metrics[n] * metrics[n + N]
+        x, y, z, t = (metrics[node + k * N] for k in range(4))
+        return exact(x * t - y * z)
 
 
 def plane_motion(block: Block, wide: Wide, hull: Hull) -> PlaneMotion:
@@ -84,142 +84,137 @@ def plane_motion(block: Block, wide: Wide, hull: Hull) -> PlaneMotion:
     for axis, ((begin, end), where) in enumerate(zip(wide.wide, wide.where)):
         index, weights = np.arange(begin, end), end_weights(block, axis, np.arange(*where))[:, 0]
         faces = [face_nodes(block.shape, 1 - axis, s)[index % block.shape[axis]] for s in (0, 1)]
-        there = np.array(faces)[:, : 0 if block.periodic[1 - axis] else None]
+        columns = None
+        if not block.periodic[1 - axis]:
+            columns = np.searchsorted(hull.nodes, np.array(faces))
         memory = *np.zeros((2, 4, weights[0].size)), np.zeros((2, end - begin))
         of_band = wide.S[axis], wide.weight[axis], where[0] - begin
-        axes.append(Faces(np.searchsorted(hull.nodes, there), *of_band, *weights, *memory))
-    corners = np.zeros((2, 0), int)
+        axes.append(Faces(columns, *of_band, *weights, *memory))
+    corners = None
     if not any(block.periodic):
-        corners = np.array([face_nodes(block.shape, 1, side)[[0, -1]] for side in (0, 1)])
-    n, at = axes[0].low.size, np.searchsorted(hull.nodes, corners)
+        of_ends = np.array([face_nodes(block.shape, 1, side)[[0, -1]] for side in (0, 1)])
+        corners = np.searchsorted(hull.nodes, of_ends)
     G = np.ascontiguousarray(wide.gradients().reshape(4, -1))
-    return PlaneMotion(hull, G, *axes, at, np.zeros((4, 2)), np.zeros((2, n)), np.zeros((4, n)))
+    return PlaneMotion(hull, G, *axes, corners, np.zeros((4, 2)), np.zeros((2, axes[0].low.size)))
 
 
-@njit(**CALL)
 def plane_metrics(plane, metrics):
     """a^1 = (D_2 y, -D_2 x), a^2 = (-D_1 y, D_1 x)."""
+    find_faces(plane, plane.hull.moved)
     differentiate_faces(plane, plane.hull.moved)
-    G, row, n = plane.G, plane.row, plane.along.low.size
-    for j in range(plane.across.low.size):
-        blend_slopes(plane, j)
-        a, b = j * n, (j + 1) * n
-        _add(metrics[0, a:b], G[3, a:b], row[3], 1.0)
-        _add(metrics[1, a:b], G[2, a:b], row[2], -1.0)
-        _add(metrics[2, a:b], G[1, a:b], row[1], -1.0)
-        _add(metrics[3, a:b], G[0, a:b], row[0], 1.0)
+    G, n = plane.G, plane.along.low.shape[0]
+    for j in each(plane.across.low.shape[0]):
+        row = Row(plane, j)
+        for i in each(n, vector=True):
+            at, ((x_1, y_1), (x_2, y_2)) = j * n + i, row.slopes(i)
+            metrics[0, at] = G[3, at] + y_2
+            metrics[1, at] = -(G[2, at] + x_2)
+            metrics[2, at] = -(G[1, at] + y_1)
+            metrics[3, at] = G[0, at] + x_1
 
 
-@njit(**CALL)
 def plane_velocities(plane, metrics):
     """v and J_t."""
+    find_faces(plane, plane.hull.moving)
     differentiate_faces(plane, plane.hull.moving)
-    row, n = plane.row, plane.along.low.size
-    for j in range(plane.across.low.size):
-        blend_slopes(plane, j)
-        a, b, like = j * n, (j + 1) * n, (0.0, 0.0)
-        a1, a2 = rows(like, metrics, a, b), rows(like, metrics[2:], a, b)
-        _rate(metrics[6, a:b], a1, a2, (row[0], row[1]), (row[2], row[3]))
-        blend_values(plane, j, rows(like, metrics[4:], a, b))
+    n, like = plane.along.low.shape[0], (0.0, 0.0)
+    for j in each(plane.across.low.shape[0]):
+        row = Row(plane, j)
+        for i in each(n, vector=True):
+            at, (D1, D2) = j * n + i, row.slopes(i)
+            a1, a2 = column(like, metrics, at), column_of(like, metrics, 2, at)
+            metrics[6, at] = exact(dot(a1, D1) + dot(a2, D2))
+            metrics[4, at], metrics[5, at] = row.values(i)
+        row.put_ends(metrics, 4)
 
 
-@njit(**CALL)
 def plane_places(plane, X, places):
     """X + the displacement."""
-    differentiate_faces(plane, plane.hull.moved)
-    n = plane.along.low.size
-    for j in range(plane.across.low.size):
-        blend_values(plane, j, rows((0.0, 0.0), places, j * n, (j + 1) * n))
+    find_faces(plane, plane.hull.moved)
+    n = plane.along.low.shape[0]
+    for j in each(plane.across.low.shape[0]):
+        row = Row(plane, j)
+        for i in each(n, vector=True):
+            places[0, j * n + i], places[1, j * n + i] = row.values(i)
+        row.put_ends(places, 0)
     for c in range(2):
-        for i in range(X.shape[1]):
+        for i in each(X.shape[1], vector=True):
             places[c, i] += X[c, i]
 
 
-@njit(**INNER_CALL)
-def differentiate_faces(plane, values):
-    """Values (2, H) of the hull at faces and vertices, and derivatives along faces."""
-    for faces in (plane.along, plane.across):
-        given, slope = faces.scratch[0], faces.scratch[1]
-        for r in range(4 if faces.columns.size > 0 else 0):
-            for i in range(given.size):
-                given[i] = values[r % 2, faces.columns[r // 2, i]]
-            differentiate(slope, given, faces.S, faces.weight, 1)
-            for i in range(faces.f.shape[1]):
-                faces.f[r, i] = given[faces.first + i]
-                faces.slope[r, i] = slope[faces.first + i]
+def faces_of(plane):
+    """The Faces of axes that have any."""
+    return [faces for faces in (plane.along, plane.across) if faces.columns is not None]
+
+
+def find_faces(plane, values):
+    """Values (2, H) of the hull at faces and vertices, and the bracket of D_2 u."""
+    for faces in faces_of(plane):
+        for r in each(4):
+            for i in each(faces.f.shape[1], vector=True):
+                faces.f[r, i] = values[r % 2, faces.columns[r // 2, faces.first + i]]
     f, ends, low, high = plane.along.f, plane.ends, plane.along.low, plane.along.high
     for c in range(2):
-        for end in range(plane.corners.shape[1]):
-            ends[end, c] = values[c, plane.corners[0, end]]
-            ends[2 + end, c] = values[c, plane.corners[1, end]]
+        for corner in range(4 if plane.corners is not None else 0):
+            ends[corner, c] = values[c, plane.corners[corner // 2, corner % 2]]
         at_low, at_high = ends[2, c] - ends[0, c], ends[3, c] - ends[1, c]
-        for i in range(low.size):
-            plane.rise[c, i] = (f[2 + c, i] - f[c, i]) - (low[i] * at_low + high[i] * at_high)
+        for i in each(low.shape[0], vector=True):
+            between = low[i] * at_low + high[i] * at_high
+            plane.rise[c, i] = exact((f[2 + c, i] - f[c, i]) - between)
 
 
-@njit(**INNER_CALL)
-def _row(plane, j):
-    """Of row j: weights of its ends, Q_0, Q_n, W, E."""
-    ends, g, l, h = plane.ends, plane.across.f, plane.across.low[j], plane.across.high[j]
-    start = l * ends[0, 0] + h * ends[2, 0], l * ends[0, 1] + h * ends[2, 1]
-    stop = l * ends[1, 0] + h * ends[3, 0], l * ends[1, 1] + h * ends[3, 1]
-    return l, h, start, stop, (g[0, j], g[1, j]), (g[2, j], g[3, j])
+def differentiate_faces(plane, values):
+    """Derivatives along faces, from values (2, H) of the hull."""
+    for faces in faces_of(plane):
+        given, slope = faces.scratch[0], faces.scratch[1]
+        for r in each(4):
+            for i in each(given.shape[0], vector=True):
+                given[i] = values[r % 2, faces.columns[r // 2, i]]
+            slopes_along(slope, given, faces.S, faces.weight)
+            for i in each(faces.f.shape[1], vector=True):
+                faces.slope[r, i] = slope[faces.first + i]
 
 
-@njit(**INNER_CALL)
-def blend_slopes(plane, j):
-    """D_1 u and D_2 u of row j."""
-    slope, steep, rise, row = plane.along.slope, plane.across.slope, plane.rise, plane.row
-    l, h, start, stop, west, east = _row(plane, j)
-    S, N, across = (slope[0], slope[1]), (slope[2], slope[3]), sub(east, west)
-    _between((row[0], row[1]), S, N, l, h, sub(across, sub(stop, start)))
-    W, E = (steep[0, j], steep[1, j]), (steep[2, j], steep[3, j])
-    _along((row[2], row[3]), (rise[0], rise[1]), plane.along.low, plane.along.high, W, E)
+class Row:
+    """Row j of nodes: weights of its ends, Q_0, Q_n, W, E, and their derivatives."""
 
+    def __init__(self, plane, j):
+        ends, like = [tuple(plane.ends[k, c] for c in range(2)) for k in range(4)], (0.0, 0.0)
+        self.plane, self.l, self.h = plane, plane.across.low[j], plane.across.high[j]
+        self.first = j * plane.along.low.shape[0]
+        of_faces = plane.across.f, plane.across.slope
+        (self.W, self.E), (self.D_W, self.D_E) = (
+            (column(like, f, j), column_of(like, f, 2, j)) for f in of_faces
+        )
+        self.start, self.stop = self._across(ends[0], ends[2]), self._across(ends[1], ends[3])
 
-@njit(**INNER_CALL)
-def blend_values(plane, j, u):
-    """u of row j."""
-    f, low, high = plane.along.f, plane.along.low, plane.along.high
-    l, h, start, stop, west, east = _row(plane, j)
-    S, N, from_low, from_high = (f[0], f[1]), (f[2], f[3]), sub(west, start), sub(east, stop)
-    _blend(u, S, N, l, h, low, high, from_low, from_high)
-    if low[0] == 1.0:
-        store(u, 0, west)
-    if high[low.size - 1] == 1.0:
-        store(u, low.size - 1, east)
+    def _across(self, S, N):
+        """l_j S + h_j N."""
+        return exact(add(scale(self.l, S), scale(self.h, N)))
 
+    def _along(self, i, W, E):
+        """l_i W + h_i E."""
+        along = self.plane.along
+        return exact(add(scale(along.low[i], W), scale(along.high[i], E)))
 
-@njit(**EXACT)
-def _blend(u, S, N, l, h, low, high, west, east):
-    """(l S + h N) + (low west + high east)."""
-    for i in range(low.size):
-        Q = add(scale(l, load(S, i)), scale(h, load(N, i)))
-        store(u, i, add(Q, add(scale(low[i], west), scale(high[i], east))))
+    def slopes(self, i):
+        """D_1 u and D_2 u of node i."""
+        like, slope = (0.0, 0.0), self.plane.along.slope
+        bracket = sub(sub(self.E, self.W), sub(self.stop, self.start))
+        D_1 = add(self._across(column(like, slope, i), column_of(like, slope, 2, i)), bracket)
+        return D_1, add(column(like, self.plane.rise, i), self._along(i, self.D_W, self.D_E))
 
+    def values(self, i):
+        """u of node i."""
+        like, f = (0.0, 0.0), self.plane.along.f
+        Q = self._across(column(like, f, i), column_of(like, f, 2, i))
+        W, E = sub(self.W, self.start), sub(self.E, self.stop)
+        return add(Q, self._along(i, W, E))
 
-@njit(**EXACT)
-def _between(u, S, N, l, h, more):
-    """l S + h N + more."""
-    for i in range(u[0].size):
-        store(u, i, add(add(scale(l, load(S, i)), scale(h, load(N, i))), more))
-
-
-@njit(**EXACT)
-def _along(u, f, low, high, west, east):
-    """f + (low west + high east)."""
-    for i in range(low.size):
-        store(u, i, add(load(f, i), add(scale(low[i], west), scale(high[i], east))))
-
-
-@njit(**EXACT)
-def _add(out, f, g, sign):
-    for i in range(out.size):
-        out[i] = sign * (f[i] + g[i])
-
-
-@njit(**EXACT)
-def _rate(J_t, a1, a2, D1, D2):
-    """a^1 . D_1 v + a^2 . D_2 v."""
-    for i in range(J_t.size):
-        J_t[i] = dot(load(a1, i), load(D1, i)) + dot(load(a2, i), load(D2, i))
+    def put_ends(self, to, first):
+        """Put W and E, to the bit, where the row ends, into rows of an array from ``first`` on."""
+        along, last = self.plane.along, self.plane.along.low.shape[0] - 1
+        for weight, at, values in ((along.low[0], 0, self.W), (along.high[-1], last, self.E)):
+            with when(weight == 1.0):
+                for c in range(2):
+                    to[first + c, self.first + at] = values[c]

@@ -20,12 +20,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.blocks.hull import Hull, blend_of
-from fsipetsc.blocks.metrics import Wide, differentiate
+from fsipetsc.blocks.metrics import Wide, slopes_across, slopes_along
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array
-from fsipetsc.equations.tensors import cofactor, determinant, outer
-from fsipetsc.operators.loops import njit
-from fsipetsc.operators.loops import CALL, column, dot
+from fsipetsc.equations.tensors import cofactor, determinant
+from fsipetsc.kernels.procedure import each, pick
+from fsipetsc.kernels.symbols import exact
+from fsipetsc.operators.loops import column, dot
 
 
 class RadialMotion(NamedTuple):
@@ -72,8 +73,8 @@ class RadialMotion(NamedTuple):
 
     def find_places(self, X, places):
         """X + the displacement."""
-        for i in range(self.inner.size):
-            for c in range(len(self.like)):
+        for c in range(len(self.like)):
+            for i in each(self.inner.size, vector=True):
                 n = self.inner[i]
                 places[c, i] = X[c, i] + (self.x[c, n] - self.y[c, n])
 
@@ -99,87 +100,96 @@ def radial_motion(problem: BlockProblem, k: int, wide: Wide, hull: Hull) -> Radi
     return RadialMotion(hull, (0.0,) * d, hoops, blend, inner, *of_map, *room, *of_range, bounds)
 
 
-@njit(**CALL)
+def differentiate(grid, k, out, f):
+    """out = D_k f, both (W,)."""
+    if k == 0:
+        slopes_along(out, f, grid.S[k], grid.weight[k])
+    else:
+        slopes_across(out, f, grid.S[k], grid.weight[k], grid.before[k])
+
+
 def differentiate_flat(grid):
     """slopes: D_k of both components of flat."""
     d = len(grid.like)
     for k in range(d):
         for c in range(d):
-            S, weight, before = grid.S[k], grid.weight[k], grid.before[k]
-            differentiate(grid.slopes[k * d + c], grid.flat[c], S, weight, before)
+            differentiate(grid, k, grid.slopes[k * d + c], grid.flat[c])
 
 
-@njit(**CALL)
 def radial_metrics(grid, metrics):
     """See RadialMotion.move."""
-    d, kappa, x, area, flat = len(grid.like), len(grid.hoops), grid.x, grid.area, grid.flat
-    last, nine = d - 1, outer(grid.like, grid.like)
-    grid.blend.fill(grid.hull.moved, x)
-    for n in range(area.size):
-        for c in range(d):
-            x[c, n] += grid.y[c, n]
-            flat[c, n] = x[c, n]
-        r = x[last, n]
-        area[n] = abs(r) if kappa == 1 else r * r
-        flat[last, n] = area[n] * r / (kappa + 1)
+    d, area, slopes, inner = len(grid.like), grid.area, grid.slopes, grid.inner
+    last, entries = d - 1, (0.0,) * d * d
+    grid.blend.fill(grid.hull.moved, grid.x)
+    find_flat(grid)
     differentiate_flat(grid)
-    for n in range(area.size):
+    for n in each(area.size, vector=True):
         for k in range(d):
             for c in range(last):
-                grid.slopes[k * d + c, n] += grid.P[k, c]
-        b = cofactor(column(nine, grid.slopes, n))
-        for m in range(d * d):
-            grid.b[m, n] = b[m]
-    for i in range(grid.inner.size):
-        n = grid.inner[i]
-        grid.source[i], grid.volume[i] = 0.0, determinant(column(nine, grid.slopes, n))
+                slopes[k * d + c, n] += grid.P[k, c]
+        for m, b in enumerate(cofactor(column(entries, slopes, n))):
+            grid.b[m, n] = b
+    for i in each(inner.size, vector=True):
+        n = inner[i]
+        grid.source[i] = 0.0
+        grid.volume[i] = exact(determinant(column(entries, slopes, n)))
         metrics[d * d + d, i] = area[n]
         for m in range(d * d):
             metrics[m, i] = grid.b[m, n] * (area[n] if m % d == last else 1.0)
     for k in range(d):
-        for n in range(area.size):
-            flat[0, n] = area[n] * grid.b[k * d + last, n]
-        differentiate(grid.slope, flat[0], grid.S[k], grid.weight[k], grid.before[k])
-        for i in range(grid.inner.size):
-            grid.source[i] += grid.slope[grid.inner[i]]
+        through = grid.flat[0]
+        for n in each(area.size, vector=True):
+            through[n] = area[n] * grid.b[k * d + last, n]
+        differentiate(grid, k, grid.slope, through)
+        for i in each(inner.size, vector=True):
+            grid.source[i] += grid.slope[inner[i]]
 
 
-@njit(**CALL)
+def find_flat(grid):
+    """Complete x, and find A and flat, (z, s)."""
+    d, kappa, x = len(grid.like), len(grid.hoops), grid.x
+    for n in each(grid.area.size, vector=True):
+        for c in range(d):
+            x[c, n] += grid.y[c, n]
+            grid.flat[c, n] = x[c, n]
+        r = x[d - 1, n]
+        area = abs(r) if kappa == 1 else r * r
+        grid.area[n], grid.flat[d - 1, n] = area, area * r / (kappa + 1.0)
+
+
 def radial_velocities(grid, metrics):
     """See RadialMotion.swing."""
-    d, kappa, v, area, flat = len(grid.like), len(grid.hoops), grid.v, grid.area, grid.flat
-    last, nine = d - 1, outer(grid.like, grid.like)
+    d, kappa, v, area = len(grid.like), len(grid.hoops), grid.v, grid.area
+    last, entries = d - 1, (0.0,) * d * d
     grid.blend.fill(grid.hull.moving, v)
-    for n in range(area.size):
+    for n in each(area.size, vector=True):
         for c in range(d):
-            flat[c, n] = v[c, n] * (area[n] if c == last else 1.0)
+            grid.flat[c, n] = v[c, n] * (area[n] if c == last else 1.0)
     differentiate_flat(grid)
-    for i in range(grid.inner.size):
+    for i in each(grid.inner.size, vector=True):
         n = grid.inner[i]
-        slopes = column(nine, grid.slopes, n)
-        metrics[d * d + d + 1, i] = dot(column(nine, grid.b, n), slopes)
+        slopes, b = column(entries, grid.slopes, n), column(entries, grid.b, n)
+        metrics[d * d + d + 1, i] = exact(dot(b, slopes))
         for c in range(d):
             metrics[d * d + c, i] = v[c, n]
-        b, spread = cofactor(slopes), kappa * area[n] / grid.x[last, n] * v[last, n]
-        for m in range(d * d if d == 2 else 0):
-            grid.turning[m, i] = b[m]
-            if m % d == last:
-                grid.turning[m, i] = area[n] * b[m] + spread * grid.b[m, n]
+        spread = kappa * area[n] / grid.x[last, n] * v[last, n]
+        for m, turned in enumerate(cofactor(slopes) if d == 2 else ()):
+            more = exact(area[n] * turned + spread * b[m])
+            grid.turning[m, i] = more if m % d == last else turned
 
 
-@njit(**CALL)
 def bound_steps(grid, metrics):
     """See RadialMotion.bound."""
-    d, area = len(grid.like), grid.area
-    for m in range(metrics.shape[0]):
-        for i in range(grid.inner.size):
-            grid.bounds[m, i] = metrics[m, i]
+    d, area, copied, bounds = len(grid.like), grid.area, metrics.reshape(-1), grid.bounds
+    for m in each(copied.size, vector=True):
+        bounds.reshape(-1)[m] = copied[m]
     for k in range(d):
-        for i in range(grid.inner.size):
+        step, length = 1 if k == 0 else grid.before[k], grid.weight[k].shape[0]
+        for i in each(grid.inner.size, vector=True):
             n = grid.inner[i]
-            here, step, length = area[n], grid.before[k], grid.weight[k].size
-            at = n // step % length
-            below = area[n - step] if at > 0 else here
-            above = area[n + step] if at < length - 1 else here
+            at, here = n // step % length, area[n]
+            below = area[pick(at > 0, n - step, n)]
+            above = area[pick(at < length - 1, n + step, n)]
+            largest = np.maximum(np.maximum(here, below), above)
             for c in range(d):
-                grid.bounds[k * d + c, i] *= 0.5 * (1.0 + max(here, below, above) / here)
+                bounds[k * d + c, i] *= 0.5 * (1.0 + largest / here)

@@ -51,7 +51,7 @@ def build(opt):
 
     # Initial data: functions of an array X of coordinates [m]. They return, for each unknown, an
     # array of the same shape or one number. They may be less smooth, but where velocity, or
-    # pressure and stress, jump at an interface, waves start. @numba.njit functions are taken, too.
+    # pressure and stress, jump at an interface, waves start.
     def left_gas(X):
         return P0 / (air.R * T0), speed * X / LEFT, T0  # density, velocity, temperature
 

@@ -36,6 +36,8 @@ class Layout(NamedTuple):
 ROWS = Layout("ROW")
 #: planes of a block: a component after the other, N apart, which the caller gives
 PLANES = Layout("N", given=True)
+#: planes of the nodes that a rank owns, M apart
+OWNED = Layout("M", given=True)
 #: one number that all items share
 SHARED = Layout("1", "0")
 
@@ -220,13 +222,16 @@ def uses_of(wanted: Sequence[Symbol]) -> dict[int, int]:
 
 
 def fused_products(record: Record, uses: dict[int, int]) -> dict[int, int]:
-    """Sums -> the product that each is fused with: the last operand that nothing else takes."""
+    """Sums -> the product that each is fused with: the last operand that nothing else takes. What
+    is exact is not fused.
+    """
     fused = {}
     for symbol in record.symbols:
-        if symbol.number in uses and symbol.operation in ("+", "-"):
+        sums = symbol.operation in ("+", "-") and symbol.number not in record.exact
+        if symbol.number in uses and sums:
             for operand in reversed(symbol.operands):
                 alone = operand.operation == "*" and uses[operand.number] == 1
-                if alone and not operand.uniform:
+                if alone and not operand.uniform and operand.number not in record.exact:
                     fused[symbol.number] = operand.number
                     break
     return fused

@@ -20,7 +20,7 @@ tuples are, decides what is printed: ``if`` and ``range`` of it are plain Python
     when(c), otherwise()    what is done if a condition holds, and else
     stop(c)                 ends the innermost loop
     variable(0.0)           a number that changes: its ``value`` is read and set
-    pick(c, a, b)           one of two whole numbers
+    pick(c, a, b)           one of two whole numbers; either(c, a, b): one of two arrays
     invoke("name", …)       calls a function in C
 
 The text depends on kinds alone, not on sizes or values: arrays and numbers of the records are
@@ -41,6 +41,8 @@ from fsipetsc.kernels.kernel import fused_products, line_of, uses_of
 from fsipetsc.kernels.symbols import CONDITIONS, Record, Symbol, refuse
 
 _KINDS = {"f": "double", "i": "long"}
+#: where a procedure takes fewer than two world vectors
+_NONE = np.zeros(0)
 
 
 class Index:
@@ -261,6 +263,16 @@ def pick(condition: Any, a: Any, b: Any) -> Index:
     return Index(name)
 
 
+def either(condition: Any, a: "Array", b: "Array") -> "Array":
+    """a if the condition holds, else b; flat."""
+    record, name = _recording(), _recording().new("p")
+    places = [_index(one._offset) for one in (a, b)]
+    first, other = (f"{one._base} + {at.text}" for one, at in zip((a, b), places, strict=True))
+    needs = (*places[0].needs, *places[1].needs)
+    record.line(f"double *const {name} = {{0}} ? {first} : {other};", (condition,), needs)
+    return Array(name, a.dtype, (pick(condition, a.size, b.size),))
+
+
 def whole(value: Any) -> Index:
     """The whole number that a number is."""
     record = _recording()
@@ -327,6 +339,10 @@ class Array(NDArrayOperatorsMixin):
             shape = (self.size,)
         return Array(self._base, self.dtype, shape, self._offset)
 
+    def turned(self) -> "Array":
+        """An array of two axes by its second index first, as its transpose."""
+        return _Turned(self)
+
     def _place(self, at: Any) -> tuple[Any, tuple[Any, ...]]:
         """Offset and shape of what an index, or several, name."""
         at = at if isinstance(at, tuple) else (at,)
@@ -378,6 +394,22 @@ class Array(NDArrayOperatorsMixin):
         raise refuse("an operation on a whole array: write a loop, `for i in each(n):`")
 
     __hash__ = None  # type: ignore[assignment]
+
+
+class _Turned(Array):
+    """The transpose of an array."""
+
+    def __init__(self, of: Array) -> None:
+        super().__init__(of._base, of.dtype, of.shape[::-1], of._offset)
+        self._of = of
+
+    def _place(self, at: Any) -> tuple[Any, tuple[Any, ...]]:
+        if not isinstance(at, tuple) or len(at) != 2:
+            raise refuse("a transpose takes two numbers")
+        return self._of._place(at[::-1])
+
+    def reshape(self, *shape: Any) -> Array:
+        raise refuse("a transpose has no other shape")
 
 
 def _read(base: str, dtype: Any, place: Index, text: str = "") -> Any:
@@ -478,7 +510,8 @@ class Procedure:
         self._used = [name for name in self._values if name in found]
         members = [f"  {self._kinds[name]}{name};" for name in self._used]
         locals_ = [f"  {self._kinds[name]}const {name} = s->{name};" for name in self._used]
-        vectors = "".join(f", double *{v}, long {v}_size" for v in self.vectors)
+        names = [*self.vectors, "unused", "unused_too"][:2]
+        vectors = "".join(f", double *{v}, long {v}_size" for v in names)
         says = (function.__doc__ or "").strip().splitlines() or [""]
         return "\n".join(
             [
@@ -508,7 +541,7 @@ class Procedure:
     def __call__(self, *vectors: np.ndarray) -> None:
         """Do it; vectors: flat arrays of doubles."""
         given = [ctypes.c_void_p(self.structure)]
-        for vector in vectors:
+        for vector in (*vectors, *[_NONE] * (2 - len(vectors))):
             given += [ctypes.c_void_p(vector.ctypes.data), ctypes.c_long(vector.size)]
         self._function(*given)
 

@@ -108,10 +108,13 @@ class Symbol(NDArrayOperatorsMixin):
 
 
 class Record:
-    """The symbols that formulas make, each after its operands."""
+    """The symbols that formulas make, each after its operands; exact: numbers of those that are not
+    fused.
+    """
 
     def __init__(self) -> None:
         self.symbols: list[Symbol] = []
+        self.exact: set[int] = set()
         self._known: dict[Any, Symbol] = {}
 
     def constant(self, value: Any) -> Symbol:
@@ -150,6 +153,21 @@ class Record:
             self._known[key] = Symbol(self, operation, operands)
             self.symbols.append(self._known[key])
         return self._known[key]
+
+
+def exact(x: Any) -> Any:
+    """x, a number or a tuple of numbers, without fused operations: each product and each sum of
+    which it is made is rounded. So a sum that is its own mirror image has the bits of its image.
+    """
+    if isinstance(x, tuple):
+        return tuple(map(exact, x))
+    left = [x] if isinstance(x, Symbol) else []
+    while left:
+        symbol = left.pop()
+        if symbol.operation in ("+", "-", "*", "neg") and symbol.number not in x.record.exact:
+            x.record.exact.add(symbol.number)
+            left.extend(symbol.operands)
+    return x
 
 
 _FOLDED: dict[str, Callable[..., float]] = {

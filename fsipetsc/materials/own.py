@@ -1,18 +1,15 @@
 """Laws that a case file brings: plain functions of numbers, or a NamedTuple class like those here.
 
-They are scalar formulas of +, -, *, /, **, min, max, abs and numpy's functions, without an ``if``
-on their arguments, because they are compiled. A law with numbers of its own is an instance of a
-NamedTuple class with the formulas as methods; one without is made of functions here.
-
-Compiled loops are kept on disk under the types of their arguments. So that a changed formula is
-another type, a law of a case gets a class whose name has a hash of its formulas.
+They are scalar formulas of +, -, *, /, **, abs and numpy's functions, as np.maximum, without an
+``if`` on their arguments, because they are recorded and become C (fsipetsc.kernels). A law with
+numbers of its own is an instance of a NamedTuple class with the formulas as methods; one without is
+made of functions here.
 """
 
-import hashlib
 import inspect
 from collections.abc import Callable, Mapping
 from math import isqrt
-from types import CodeType, FunctionType
+from types import FunctionType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -212,7 +209,7 @@ def knows_energy(law: Any) -> bool:
 
 def check_solid_law(law: Any, d: int) -> None:
     """InputError if the stress of a law of a case has not d*d numbers or is not dW/dF."""
-    if type(law).__name__ not in _classes:
+    if not hasattr(type(law), "of_case"):
         return
     F = tuple((np.eye(d).ravel() + 0.03 * np.cos(np.arange(d * d))).tolist())
     P = law.stress(F)
@@ -233,13 +230,16 @@ def _law_of(kind: Kind, formulas: Mapping[str, Formula]) -> Any:
     _check(kind.maker, kind, plain, "")
     methods = _formulas(kind.derived)
     for name, formula in plain.items():
-        arguments = ", ".join(inspect.signature(formula).parameters)
-        space = {"formula": formula}
-        exec(f"def {name}(self, {arguments}): return formula({arguments})", space)
-        methods[name] = space[name]
+        methods[name] = _method(formula)
         if kind is not SOLID:  # whose number of arguments depends on the dimension
-            _check_recorded(f"{kind.maker}: {name}", formula, 1 + arguments.count(","))
+            count = len(inspect.signature(formula).parameters)
+            _check_recorded(f"{kind.maker}: {name}", formula, count)
     return _class(kind.maker, (), methods)()
+
+
+def _method(formula: Formula) -> Formula:
+    """The same as a method."""
+    return lambda self, *numbers: formula(*numbers)
 
 
 def _check(what: str, kind: Kind, given: Mapping[str, Formula], first: str) -> None:
@@ -273,31 +273,20 @@ def _check_recorded(what: str, formula: Formula, count: int) -> None:
 
 
 def _class(name: str, fields: tuple[str, ...], methods: Mapping[str, Formula]) -> type:
-    """A NamedTuple class with these methods, named by a hash of what they are made of."""
-    parts = (f"{key}={_fingerprint(formula, set())}" for key, formula in sorted(methods.items()))
-    digest = hashlib.sha256("".join([repr(fields), *parts]).encode()).hexdigest()
-    full = f"{name}_{digest[:16]}"
-    if full not in _classes:
-        made = NamedTuple(full, [(field, Any) for field in fields])
+    """A NamedTuple class of a law of a case, with these methods; one for the same formulas."""
+    key = name, fields, tuple(sorted((key, _code(of)) for key, of in methods.items()))
+    if (text := repr(key)) not in _classes:
+        made = NamedTuple(name, [(field, Any) for field in fields])
         made.__module__ = __name__
         for key, formula in methods.items():
             setattr(made, key, formula)
-        _classes[full] = made
-    return _classes[full]
+        made.of_case = True
+        _classes[text] = made
+    return _classes[text]
 
 
-def _fingerprint(value: Any, seen: set[int]) -> str:
-    """What tells a formula from another one: its code, constants, and what it refers to."""
-    value = getattr(value, "py_func", value)
-    if isinstance(value, FunctionType) and id(value) not in seen:
-        seen.add(id(value))
-        names = inspect.getclosurevars(value)
-        parts = sorted({**names.nonlocals, **names.globals}.items())
-        inner = "".join(f"{k}={_fingerprint(v, seen)};" for k, v in parts)
-        # compiled code is loaded together with the module that a function is defined in
-        inner += f"{value.__module__};"
-        return _fingerprint(value.__code__, seen) + inner + repr(value.__defaults__)
-    if isinstance(value, CodeType):
-        constants = "".join(_fingerprint(c, seen) for c in value.co_consts[1:])
-        return value.co_code.hex() + repr(value.co_names) + constants
-    return "" if isinstance(value, FunctionType) else getattr(value, "__name__", repr(value))
+def _code(formula: Any) -> str:
+    """What tells formulas apart: their code, and what they refer to beyond their module."""
+    inner = [cell.cell_contents for cell in getattr(formula, "__closure__", None) or ()]
+    known = [_code(of) if isinstance(of, FunctionType) else repr(of) for of in inner]
+    return f"{formula.__code__!r} {formula.__defaults__!r} {known}"

@@ -21,8 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.operators.coefficients import AXIS
-from fsipetsc.operators.loops import njit
-from fsipetsc.operators.loops import CALL
 from fsipetsc.operators.sbp import operator
 
 Array = NDArray[np.float64]
@@ -109,15 +107,3 @@ class Patch(NamedTuple):
     own: Triple
     ghosted: Triple
     first: Triple
-
-
-@njit(**CALL)
-def mirror(values, first, ghosted, signs):
-    """Let what an array (N, …) has before the first owned node along its last axis be the images of
-    what is behind, with signs. first, ghosted: of a Patch.
-    """
-    rows, n = (first[1], ghosted[0]) if ghosted[1] > 1 else (first[0], 1)
-    for i in range(rows * n):
-        image = (rows - 1 - i // n) * n + i % n
-        for c in range(signs.size):
-            values[image, c] = signs[c] * values[rows * n + i, c]

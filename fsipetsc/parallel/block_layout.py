@@ -1,8 +1,8 @@
 """Who owns which nodes of blocks: a DMDA for each block, and a world vector that holds all blocks.
 
 Each block has a communicator of its own, with the ranks that own a part of it. The world vector,
-which TS integrates, is on each rank the concatenation of the rank's parts of the blocks. The
-unknowns of a node stand side by side:
+which TS integrates, is on each rank the concatenation of the rank's parts of the blocks. A part has
+planes, one unknown of all nodes after the other:
 
     gas     (J, J rho, J rho u_1 … J rho u_d, J E)              d + 3 numbers
     solid   (D_1 … D_d, v_1 … v_d, e)                           2 d + 1 numbers
@@ -23,15 +23,18 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsipetsc.errors import InputError
-from fsipetsc.operators.bands import NO_AXIS, Band, Patch, mirror
+from fsipetsc.operators.bands import NO_AXIS, Band, Patch
 from fsipetsc.operators.coefficients import AXIS
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_shares import Extent, share_out
+from fsipetsc.parallel.halo import Halo, Reach
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 Spans = Sequence[tuple[int, int]]
 AXES = 3
+#: of messages of halos, and the number of the block
+HALO_TAG = 16
 
 
 @dataclass(frozen=True)
@@ -42,9 +45,9 @@ class Part:
     which go on beyond the ends of periodic axes. bands: pair weights of the three axes there.
     dof: unknowns of a node. begin, end: of its numbers in this rank's part of the world vector.
     numbers: (M,) of the nodes that it owns.
-    comm: of the ranks of the block. scatter: of PETSc, from the block's vector to the ghosted one.
-    local: (N, dof), the ghosted array. signs: (dof,) of the unknowns of mirror images, which stand
-    before the first nodes of a block with a centre; (0,) where there are none.
+    comm: of the ranks of the block; dm: of one number a node. halo: fills local, (dof, N), the
+    ghosted array. signs: (dof,) of the unknowns of mirror images, which stand before the first
+    nodes of a block with a centre; (0,) where there are none.
     """
 
     k: int
@@ -57,10 +60,13 @@ class Part:
     numbers: Numbers
     comm: MPI.Comm
     dm: PETSc.DMDA
-    scatter: PETSc.Scatter
-    local: Array
-    local_vector: PETSc.Vec
+    halo: Halo
     signs: Array
+
+    @property
+    def local(self) -> Array:
+        """(dof, N), the ghosted array."""
+        return self.halo.local
 
     @property
     def has_halo(self) -> bool:
@@ -74,8 +80,10 @@ class Part:
         return found
 
     def at(self, nodes: Numbers) -> Numbers:
-        """Where the unknowns of nodes that it owns begin in the rank's world array."""
-        return self.begin + self.dof * self.rows(nodes)
+        """Where the first unknowns of nodes that it owns stand in the rank's world array; the
+        others of a node are as far apart as there are such nodes.
+        """
+        return self.begin + self.rows(nodes)
 
     def ghosted_rows(self, rows: Numbers) -> Numbers:
         """Places in the ghosted array of owned nodes, by their places among these."""
@@ -159,27 +167,18 @@ class BlockLayout:
             return None
         width, corners = self._halos[k]
         last = block.dimension - 1 if self.problem.centred(k) else -1
-        kinds, stencils = PETSc.DM.BoundaryType, PETSc.DMDA.StencilType
+        reach = Reach(share, block.periodic, width, corners, last >= 0)
         dm = PETSc.DMDA().create(
             dim=block.dimension,
-            dof=self.dofs[k],
+            dof=1,
             sizes=self.shapes[k],
             proc_sizes=share.grid,
             ownership_ranges=tuple(np.diff(cuts).astype(PETSc.IntType) for cuts in share.cuts),
-            boundary_type=tuple(
-                kinds.PERIODIC if p else kinds.GHOSTED if axis == last else kinds.NONE
-                for axis, p in enumerate(block.periodic)
-            ),
-            stencil_type=stencils.BOX if corners else stencils.STAR,
-            stencil_width=width,
+            stencil_width=0,
             comm=comm,
         )
-        own, ghosted = _ranges(dm.getCorners()), _ranges(dm.getGhostCorners())
+        own, ghosted = _ranges(dm.getCorners()), _padded(reach.ghosted(rank))
         assert own == _padded(share.part(rank)), "PETSc cuts the block otherwise"
-        whole = prod(b - a for a, b in ghosted)  # nodes of PETSc's array
-        if last >= 0:  # it has nodes beyond the outer end, too, after all others
-            a, b = ghosted[last]
-            ghosted = (*ghosted[:last], (a, min(b, self.shapes[k][last])), *ghosted[last + 1 :])
         sizes = [tuple(b - a for a, b in spans) for spans in (own, ghosted)]
         patch = Patch(*sizes, tuple(a - g for (a, _), (g, _) in zip(own, ghosted, strict=True)))
         axes = range(block.dimension)
@@ -187,7 +186,8 @@ class BlockLayout:
         begin = sum(self._sizes[:k])
         dof, images = self.dofs[k], last >= 0 and ghosted[last][0] < 0
         odd = (last, last + block.dimension) if block.kind == "solid" else dof - 2
-        memory = np.ones((whole, dof))  # corners of a star never get other numbers
+        local = np.ones((dof, prod(patch.ghosted)))  # corners never get other numbers
+        numbers = _numbers(own, self.shapes[k])
         return Part(
             k=k,
             patch=patch,
@@ -196,14 +196,10 @@ class BlockLayout:
             dof=dof,
             begin=begin,
             end=begin + self._sizes[k],
-            numbers=_numbers(own, self.shapes[k]),
+            numbers=numbers,
             comm=comm,
             dm=dm,
-            scatter=dm.getScatter()[0],
-            local=memory[: prod(patch.ghosted)],
-            local_vector=PETSc.Vec().createWithArray(
-                memory.reshape(-1), bsize=dof, comm=PETSc.COMM_SELF
-            ),
+            halo=Halo(self.comm, reach, patch, numbers, local, HALO_TAG + k),
             signs=np.where(np.isin(np.arange(dof), odd), -1.0, 1.0)[: dof * images],
         )
 
@@ -211,35 +207,22 @@ class BlockLayout:
         """View, (M, dof), of block k in this rank's part of a world vector; M may be 0."""
         if k not in self.parts:
             return np.empty((0, self.dofs[k]))
-        return array[self.parts[k].begin : self.parts[k].end].reshape(-1, self.dofs[k])
+        return array[self.parts[k].begin : self.parts[k].end].reshape(self.dofs[k], -1).T
 
     def destroy(self) -> None:
         """Destroy vectors and DMDAs, then their communicators. Collective."""
         for part in self.parts.values():
-            part.local_vector.destroy()
-            part.scatter.destroy()
+            part.halo.destroy()
             part.dm.destroy()
         for part in self.parts.values():
             part.comm.Free()
 
 
 class BlockVector:
-    """This rank's part of a world vector, ``array``, of zeros at first. Making one is collective.
-
-    A PETSc vector of each block lies in the same memory, for the halo exchange.
-    """
+    """This rank's part of a world vector, ``array``, of zeros at first."""
 
     def __init__(self, layout: BlockLayout) -> None:
         self.array, self._layout = np.zeros(layout.local_size), layout
-        self._vectors: list[PETSc.Vec] = []
-        self._exchanged: list[tuple[PETSc.Scatter, PETSc.Vec, PETSc.Vec]] = []
-        for part in layout.parts.values():
-            own = self.array[part.begin : part.end]
-            vector = PETSc.Vec().createWithArray(own, bsize=part.dof, comm=part.comm)
-            assert vector.getArray(readonly=True).ctypes.data == own.ctypes.data, "PETSc has copied"
-            self._vectors.append(vector)
-            if part.has_halo:
-                self._exchanged.append((part.scatter, vector, part.local_vector))
 
     def owned(self, k: int) -> Array:
         """View (M, dof) of block k."""
@@ -256,27 +239,30 @@ class BlockVector:
         self.end()
 
     def begin(self) -> None:
-        """Begin to fill the ghosted arrays; what is sent must not change before ``end``."""
-        for scatter, vector, local in self._exchanged:
-            scatter.begin(vector, local)
+        """Begin to fill the ghosted arrays."""
+        for part in self._layout.parts.values():
+            if part.has_halo:
+                part.halo.begin(self.owned(part.k).T)
 
     def end(self) -> None:
         """End it."""
-        for scatter, vector, local in self._exchanged:
-            scatter.end(vector, local)
         for part in self._layout.parts.values():
-            if part.signs.size:
-                mirror(part.local, part.patch.first, part.patch.ghosted, part.signs)
+            if part.has_halo:
+                part.halo.end()
+                fill_images(part)
 
     def ghosted(self, k: int) -> Array:
         """(N, dof): block k with halos, as of the last ``end``; without halos the owned part."""
         part = self._layout.parts[k]
-        return part.local if part.has_halo else self.owned(k)
+        return part.local.T if part.has_halo else self.owned(k)
 
-    def destroy(self) -> None:
-        """Destroy the vectors, before the layout."""
-        for vector in self._vectors:
-            vector.destroy()
+
+def fill_images(part: Part) -> None:
+    """Let what a part has before its first node along the last axis be images of what is behind."""
+    d, rows = len(part.ghosted), part.patch.first[len(part.ghosted) - 1]
+    if part.signs.size:
+        lines = part.local.reshape(part.dof, part.patch.ghosted[d - 1], -1)
+        lines[:, :rows] = part.signs[:, None, None] * lines[:, rows : 2 * rows][:, ::-1]
 
 
 class FaceGather:

@@ -4,10 +4,13 @@ A batch ends when it has as many steps as are allowed (-ts_max_steps, room in th
 time to be saved, a failure or a signal. Each step fills a row of the journal.
 """
 
+from typing import NamedTuple
 
-from fsipetsc.operators.loops import njit
-from fsipetsc.operators.loops import CALL, MERGED_CALL
+import numpy as np
+
+from fsipetsc.kernels.procedure import each, when, whole
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, STOP, TOO_SHORT
+from fsipetsc.scheme.rows import Array
 
 #: TIME before a step or, once it is made, after it; DT, its length; NEXT, the time after it;
 #: TARGET, the next time that must be hit; COURANT number; FIXED, the step that is given, or 0;
@@ -20,9 +23,9 @@ SLACK = 1e-9
 
 def longest_step(courant, fixed, rate):
     """Bound on a step [s]: the one that is given (-ts_dt), or, if that is 0, the Courant number
-    times 1/``rate``.
+    times 1/``rate``; no number if the rate is 0.
     """
-    return fixed if fixed != 0.0 else courant / rate
+    return np.where(fixed != 0.0, fixed, courant / np.where(rate > 0.0, rate, np.nan))
 
 
 def next_step(t, target, bound):
@@ -30,40 +33,42 @@ def next_step(t, target, bound):
     equal.
     """
     left = target - t
-    if left <= bound * (1 + SLACK):
-        return left, target
-    step = left / 2 if left < 2 * bound else bound
-    return step, t + step
+    last = left <= bound * (1.0 + SLACK)
+    step = np.where(last, left, np.where(left < 2.0 * bound, 0.5 * left, bound))
+    return step, np.where(last, target, t + step)
 
 
-_longest_step, _next_step = njit(**CALL)(longest_step), njit(**CALL)(next_step)
-
-
-@njit(**MERGED_CALL)
-def plan_next(batch, results, journal, latest):
-    """Note the step just made in batch and journal, plan the next one; False if none follows.
-
-    The same on all ranks. batch: one that has ended, or was never planned, allows no steps.
+class Plan(NamedTuple):
+    """What `plan_next` takes. batch: one that has ended, or was never planned, allows no steps.
     results: see fsipetsc.scheme.plan. journal: (rows, columns), each row time, step, and what is in
     latest.
     """
-    allowed, batch[ALLOWED] = batch[ALLOWED], 0.0
-    if allowed == 0.0:
-        return False
-    t, dt, made = batch[NEXT], batch[DT], batch[MADE]
-    row = int(batch[FIRST] + made)
-    journal[row, 0], journal[row, 1] = t, dt
-    for c in range(latest.size):  # an assignment of arrays compiles for seconds
-        journal[row, 2 + c] = latest[c]
-    batch[TIME], batch[MADE] = t, made + 1
-    batch[LONGEST] = max(batch[LONGEST], dt)
-    rate = results[RATE]
-    ends = not 0.0 < rate < 1e300
+
+    batch: Array
+    results: Array
+    journal: Array
+    latest: Array
+
+
+def plan_next(plan):
+    """Note the step just made in batch and journal, plan the next one; if none follows, no steps
+    are allowed then. The same on all ranks.
+    """
+    batch, results, journal, latest = plan.batch, plan.results, plan.journal, plan.latest
+    allowed, t, dt, made = batch[ALLOWED], batch[NEXT], batch[DT], batch[MADE]
+    target, rate = batch[TARGET], results[RATE]
+    goes_on = (rate > 0.0) & (rate < 1e300) & (t < target) & (made + 1.0 < allowed)
     for flag in (EXHAUSTED, TOO_SHORT, BAD, STOP):
-        ends = ends or results[flag] != 0.0
-    if ends or t >= batch[TARGET] or made + 1 >= allowed:
-        return False
-    bound = _longest_step(batch[COURANT], batch[FIXED], rate)
-    batch[DT], batch[NEXT] = _next_step(t, batch[TARGET], bound)
-    batch[ALLOWED] = allowed
-    return True
+        goes_on = goes_on & (results[flag] == 0.0)
+    batch[ALLOWED] = 0.0
+    with when(allowed != 0.0):
+        row = whole(batch[FIRST] + made)
+        journal[row, 0], journal[row, 1] = t, dt
+        for c in each(latest.size):
+            journal[row, 2 + c] = latest[c]
+        batch[TIME], batch[MADE] = t, made + 1.0
+        batch[LONGEST] = np.maximum(batch[LONGEST], dt)
+        with when(goes_on):
+            bound = longest_step(batch[COURANT], batch[FIXED], rate)
+            batch[DT], batch[NEXT] = next_step(t, target, bound)
+            batch[ALLOWED] = allowed

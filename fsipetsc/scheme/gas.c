@@ -56,6 +56,11 @@ static long node_of(const struct gas *g, long x, long j, long layer) {
   return x + j * g->inner.stride + layer * g->last.stride;
 }
 
+static long own_nodes(const struct gas *g) {
+  const struct axis *x = &g->first, *y = &g->inner, *z = &g->last;
+  return (x->end - x->begin) * (y->end - y->begin) * (z->end - z->begin);
+}
+
 static void clear_row(double *row, long components, long n) {
   for (long c = 0; c < components; ++c) memset(row + c * ROW, 0, n * sizeof *row);
 }
@@ -87,8 +92,8 @@ static void load_layer(const struct gas *g, const double *q, const struct tile *
     const int whole = within && t->y0 - beside <= j && j < t->y1 + beside;
     const long longer = whole ? far * g->first.reach : 0;
     const long x0 = most(t->x0 - longer, 0), x1 = least(t->x1 + longer, g->first.size);
-    gas_load(.q = q + node_of(g, x0, j, layer) * (D + 3), .w = row_of(g, t, layer, j) + x0,
-             .p = g->p, .n = x1 - x0);
+    gas_load(.q = q + node_of(g, x0, j, layer), .w = row_of(g, t, layer, j) + x0,
+             .p = g->p, .n = x1 - x0, .N = g->N);
     clear_row(high_of(g, t, layer, j) + t->x0, FLUXES, t->x1 - t->x0);
   }
 }
@@ -135,7 +140,7 @@ static void viscous_layer(const struct gas *g, const double *q, const struct til
     const long node = node_of(g, x0, j, layer);
     double *row = row_of(g, t, layer, j) + x0;
     slopes_of_row(g, t, layer, j, x0, n);
-    gas_viscous(.w = row, .q = q + node * (D + 3), .a = g->metrics + node, .s = row + W * ROW,
+    gas_viscous(.w = row, .q = q + node, .a = g->metrics + node, .s = row + W * ROW,
                 .slope = g->slope + MARGIN - t->x0 + x0, .p = g->p, .n = n, .N = g->N);
   }
 }
@@ -233,8 +238,8 @@ static void sweep_layer(const struct gas *g, double *rates, const struct tile *t
     const long row = (layer - last->begin) * (inner->end - inner->begin) + j - inner->begin;
     const long own = row * (first->end - first->begin) + t->x0 - first->begin;
     gas_store(.low = g->low + MARGIN, .high = high_of(g, t, layer, j) + t->x0,
-              .J_t = g->metrics + g->J_t * g->N + node, .rates = rates + own * (D + 3),
-              .n = t->x1 - t->x0, .N = g->N
+              .J_t = g->metrics + g->J_t * g->N + node, .rates = rates + own,
+              .n = t->x1 - t->x0, .N = g->N, .M = own_nodes(g)
 #if FORCE
               , .supplied = g->supplied + own * (D + 1)
 #endif

@@ -12,7 +12,7 @@ import numpy as np
 
 from fsipetsc.equations.means import NEAR
 from fsipetsc.equations.tensors import outer
-from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel, interlaced
+from fsipetsc.kernels.kernel import OWNED, PLANES, ROWS, Kernel, interlaced
 from fsipetsc.operators.loops import add, along, mean, scale, sub
 
 
@@ -25,7 +25,7 @@ def gas_kernels(gas: Any, d: int, form: Any, viscous: bool) -> list[Kernel]:
 
 def _load(gas: Any, d: int) -> Kernel:
     kernel = Kernel("gas_load", "The primitive variables w of the nodes of a row.")
-    q = kernel.read("q", interlaced(f"{d + 3}"), d + 3)
+    q = kernel.read("q", PLANES, d + 3)
     kernel.store("w", ROWS, kernel.parameters(gas).primitive(q))
     return kernel
 
@@ -86,7 +86,7 @@ def _store(d: int, sums: int) -> Kernel:
     kernel = Kernel("gas_store", "J_t, the rates of J rho, J rho u, J E, the force, of a row.")
     total = add(kernel.read("low", ROWS, sums), kernel.read("high", ROWS, sums))
     (J_t,) = kernel.read("J_t", PLANES, 1)
-    kernel.store("rates", interlaced(f"{d + 3}"), (J_t, *total[: d + 2]))
+    kernel.store("rates", OWNED, (J_t, *total[: d + 2]))
     if sums > d + 2:
         kernel.store("supplied", interlaced(f"{d + 1}"), (*total[d + 2 :], 0.0))
     return kernel
@@ -108,7 +108,7 @@ def _slope(gas: Any, d: int) -> Kernel:
 def _viscous(gas: Any, d: int) -> Kernel:
     kernel = Kernel("gas_viscous", "The viscous fluxes a^k . f_v of all axes k of a row's nodes.")
     gas, w = kernel.parameters(gas), kernel.read("w", ROWS, d + 5)
-    (J,) = kernel.read("q", interlaced(f"{d + 3}"), 1)
+    (J,) = kernel.read("q", PLANES, 1)
     areas = [kernel.read("a", PLANES, d, k * d) for k in range(d)]
     slopes = [kernel.read("slope", ROWS, d + 1, k * (d + 1)) for k in range(d)]
     scaled, inverse = outer(slopes[0][:-1], areas[0]), scale(slopes[0][-1], areas[0])

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from fsipetsc.kernels.procedure import each
+from fsipetsc.kernels.procedure import each, either, when
 from fsipetsc.scheme.block_monitor import CONVECTION, MONITORED
 from fsipetsc.scheme.normals import add_areas
 from fsipetsc.scheme.rows import Array
@@ -42,19 +42,19 @@ class Gain(NamedTuple):
 
 
 def owned(part, s, dof):
-    """(M, dof), this part of a world vector s."""
+    """(M, dof), this part of a world vector s, which has planes."""
     n = part.patch.own[0] * part.patch.own[1] * part.patch.own[2]
-    return s[part.begin : part.begin + n * dof].reshape(n, dof)
+    return s[part.begin : part.begin + n * dof].reshape(dof, n).turned()
 
 
 def ghosted(part, s, dof):
     """(N, dof), the same with its halo, which a rank that has all blocks fills here."""
-    if part.halo is None:
-        return owned(part, s, dof)
-    if part.wraps:
+    with when(part.wraps == 1):
         fill_halo(s, part.begin, dof, part.patch, part.halo)
         fill_images(part)
-    return part.halo.reshape(part.halo.shape[0], dof)
+    n = part.patch.ghosted[0] * part.patch.ghosted[1] * part.patch.ghosted[2]
+    own = s[part.begin : part.begin + n * dof]
+    return either(part.halo.shape[1] > 0, part.halo.reshape(-1), own).reshape(dof, n).turned()
 
 
 def ghosted_node(i, patch):
@@ -67,16 +67,16 @@ def fill_halo(s, begin, dof, patch, halo):
     """Copy a whole block, with its other end beyond each end of a periodic axis."""
     (n0, n1, n2), (g0, g1, g2), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
     to = halo.reshape(-1)
-    for z in each(g2):
-        for y in each(g1):
-            row = begin + ((z - f2) % n2 * n1 + (y - f1) % n1) * n0 * dof
-            at = (z * g1 + y) * g0 * dof
-            for i in each(n0 * dof, vector=True):
-                to[at + f0 * dof + i] = s[row + i]
-            for i in each(f0 * dof):
-                to[at + i] = s[row + (n0 - f0) * dof + i]
-            for i in each((g0 - f0 - n0) * dof):
-                to[at + (f0 + n0) * dof + i] = s[row + i]
+    for line in each(dof * g2 * g1):
+        c, z, y = line // (g2 * g1), line // g1 % g2, line % g1
+        row = begin + ((c * n2 + (z - f2) % n2) * n1 + (y - f1) % n1) * n0
+        at = line * g0
+        for i in each(n0, vector=True):
+            to[at + f0 + i] = s[row + i]
+        for i in each(f0):
+            to[at + i] = s[row + n0 - f0 + i]
+        for i in each(g0 - f0 - n0):
+            to[at + f0 + n0 + i] = s[row + i]
 
 
 def fill_images(part):
@@ -89,7 +89,7 @@ def fill_images(part):
     for c in each(signs.shape[0]):
         for i in each(rows * n):
             image = (rows - 1 - i // n) * n + i % n
-            values[image, c] = signs[c] * values[rows * n + i, c]
+            values[c, image] = signs[c] * values[c, rows * n + i]
 
 
 def copy(of, to):

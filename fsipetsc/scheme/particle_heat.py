@@ -1,87 +1,98 @@
-"""Temperatures of particles: one of gas and solid where both conduct, or those that are given.
-Compiled.
-"""
+"""Temperatures of particles: one of gas and solid where both conduct, or those that are given."""
 
+import numpy as np
 
-from fsipetsc.operators.loops import njit
-from fsipetsc.operators.loops import CALL, INLINED_CALL, by_length, dot, node, part_of, per
+from fsipetsc.kernels.procedure import each, stop, variable, when
+from fsipetsc.operators.loops import dot, node
+from fsipetsc.scheme.constraints import value_of, velocity
 from fsipetsc.scheme.particle_records import SOLID
 
 
-@njit(**CALL)
 def weigh_heat(all):
     """Mean specific heat of the solid members of each particle, and mean of what they store."""
     table, stored, state = all.table, all.stored, all.state
-    begin, row, kind, weight = table.begin, table.row, table.kind, table.weight
-    alpha, capacity, potential = table.alpha, state.capacity, state.potential
-    for p in range(begin.size - 1):
-        mass, heat, energy = 0.0, 0.0, 0.0
-        for m in range(begin[p], begin[p + 1]):
-            r = row[m]
-            if kind[r] == SOLID:
-                mass += weight[r]
-                heat += weight[r] * alpha[r]
-                energy += weight[r] * stored[r, 0]
-        if mass > 0.0:
-            capacity[p], potential[p] = heat / mass, energy / mass
+    for p in each(table.facts.shape[0]):
+        mass, heat, energy = sums = variable(), variable(), variable()
+        for m in each(table.begin[p], table.begin[p + 1]):
+            r = table.row[m]
+            with when(table.kind[r] == SOLID):
+                mass.value += table.weight[r]
+                heat.value += table.weight[r] * table.alpha[r]
+                energy.value += table.weight[r] * stored[r, 0]
+        M_s, heat, energy = value_of(sums)
+        with when(M_s > 0.0):
+            state.capacity[p] = heat / M_s
+            state.potential[p] = energy / M_s
 
 
-@njit(**INLINED_CALL)
 def share_heat(law, number, all, gain):
-    """One temperature of gas and solid where both conduct, or that which is given: of particles
-    whose gas has this law, the one of this number.
+    """One temperature of gas and solid where both conduct, or that which is given of the gas: of
+    particles whose gas has this law, the one of this number.
     """
-    table, like, data, state = all.table, all.like, all.data, all.state
-    d, facts, T_gas, T_solid = len(like), table.facts, data.T, data.T_solid
-    mass, solid_mass, V, U, v, e = state.mass, state.solid_mass, state.V, state.U, state.v, state.e
-    capacity, potential, energies, heats = state.capacity, state.potential, gain.energy, gain.heat
-    for p in range(facts.size):
-        one = facts[p]
-        warm_gas, warm_solid = one.warm_gas == 1, one.warm_solid == 1
-        both = one.shares_heat == 1 and not warm_gas and not warm_solid
-        if one.law != number or not (both or warm_gas or warm_solid):
-            continue
-        rho, M, M_s, mine = U[p, 0], mass[p], solid_mass[p], one.mine
-        u = per(part_of(like, U, p, 1), rho) if M > 0.0 else like
-        of_gas = 0.5 * dot(u, u)
-        of_solid = potential[p] + 0.5 * dot(node(like, v, p), node(like, v, p))
-        if both:
-            energy = U[p, d + 1] / rho
-            heat = M * (energy - of_gas) + M_s * (e[p] - of_solid)
-            T = (e[p] - of_solid) / capacity[p]
-            T = common_temperature(law, rho, M, M_s * capacity[p], heat, T)
-            sum_of_both = M * U[p, d + 1] / rho + M_s * e[p]  # it stays
-            e[p] = of_solid + capacity[p] * T
-            U[p, d + 1] = rho * (sum_of_both - M_s * e[p]) / M
-        if warm_gas and M > 0.0:
-            E = rho * (law.internal_energy(rho, T_gas[p]) + of_gas)
-            came, at = mine * V[p] * (E - U[p, d + 1]), one.heats_gas
-            energies[at], heats[at] = energies[at] + came, heats[at] + came
-            U[p, d + 1] = E
-        if warm_solid and M_s > 0.0:
-            found = of_solid + capacity[p] * T_solid[p]
-            came, at = mine * M_s * (found - e[p]), one.heats_solid
-            energies[at] += came
-            heats[at] += came if one.given_solid == 0 else 0.0
-            e[p] = found
+    for p in each(all.table.facts.shape[0]):
+        one, M = all.table.facts[p], all.state.mass[p]
+        warm, asked = one.warm_gas == 1, (one.warm_gas == 1) | (one.warm_solid == 1)
+        with when((one.law == number) & (warm | (one.shares_heat == 1)) & (M > 0.0)):
+            u = velocity(all.like, all.state.U, p, M)
+            with when(warm):
+                warm_the_gas(law, all, gain, p, one, 0.5 * dot(u, u))
+            with when(~asked):
+                share_one(law, all, p, 0.5 * dot(u, u), rest_of(all, p))
 
 
-def _of_each(n):
-    """Source: share heat once for each law."""
-    return "".join(f" heat(laws[{k}], {k}, all, gain)\n" for k in range(n)) + " return"
+def warm_solids(all, gain):
+    """The solids whose temperature is given get it."""
+    for p in each(all.table.facts.shape[0]):
+        one = all.table.facts[p]
+        with when((one.warm_solid == 1) & (all.state.solid_mass[p] > 0.0)):
+            warm_the_solid(all, gain, p, one, rest_of(all, p))
 
 
-#: heat(law, number, all, gain) for each of the laws
-for_each_law = by_length("for_each_law", "heat, laws, all, gain", _of_each)
+def rest_of(all, p):
+    """Energy per mass of a solid that is no heat."""
+    v = node(all.like, all.state.v, p)
+    return all.state.potential[p] + 0.5 * dot(v, v)
 
 
-@njit(**INLINED_CALL)
-def common_temperature(law, rho, M, capacity, heat, T):
+def share_one(law, all, p, of_gas, of_solid):
+    """One temperature of gas and solid. of_gas, of_solid: energies per mass that are no heat."""
+    state, U, at_E = all.state, all.state.U, len(all.like) + 1
+    rho, M, M_s, e, c = U[p, 0], state.mass[p], state.solid_mass[p], state.e[p], state.capacity[p]
+    energy = U[p, at_E] / rho
+    heat = M * (energy - of_gas) + M_s * (e - of_solid)
+    T = common_temperature(law, rho, M, M_s * c, heat, (e - of_solid) / c)
+    sum_of_both = M * U[p, at_E] / rho + M_s * e  # it stays
+    e = of_solid + c * T
+    state.e[p] = e
+    U[p, at_E] = rho * (sum_of_both - M_s * e) / M
+
+
+def warm_the_gas(law, all, gain, p, one, of_gas):
+    """Let the gas have the temperature that is given."""
+    U, at_E = all.state.U, len(all.like) + 1
+    E = U[p, 0] * (law.internal_energy(U[p, 0], all.data.T[p]) + of_gas)
+    came = np.where(one.mine == 1, all.state.V[p] * (E - U[p, at_E]), 0.0)
+    gain.energy[one.heats_gas] += came
+    gain.heat[one.heats_gas] += came
+    U[p, at_E] = E
+
+
+def warm_the_solid(all, gain, p, one, of_solid):
+    """Let the solid have the temperature that is given."""
+    e = of_solid + all.state.capacity[p] * all.data.T_solid[p]
+    came = np.where(one.mine == 1, all.state.solid_mass[p] * (e - all.state.e[p]), 0.0)
+    gain.energy[one.heats_solid] += came
+    gain.heat[one.heats_solid] += np.where(one.given_solid == 0, came, 0.0)
+    all.state.e[p] = e
+
+
+def common_temperature(law, rho, M, capacity, heat, first):
     """T at which a gas of mass M and a solid have this heat, by Newton's method from a first T."""
-    for _ in range(20):
+    found = variable(first)
+    for _ in each(20):
+        T = found.value
         missing = heat - M * law.internal_energy(rho, T) - capacity * T
         change = missing / (M * law.heat_capacity(rho, T) + capacity)
-        T += change
-        if not abs(change) > 1e-15 * abs(T):
-            break
-    return T
+        found.value = T + change
+        stop(~(abs(change) > 1e-15 * abs(T + change)))
+    return found.value

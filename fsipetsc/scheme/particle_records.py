@@ -1,6 +1,5 @@
-"""Particles of a rank as compiled code has them: records of tables, data and sums."""
+"""Particles of a rank as procedures have them: records of tables, data and sums."""
 
-from collections import namedtuple
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,8 +14,8 @@ class Table(NamedTuple):
     """Particles on a rank. Rows are members; those of this rank come first, in any order.
 
     begin: (p + 1,), rows of particle p are row[begin[p]:begin[p + 1]], in the order that all ranks
-    have. kind: (rows,) GAS or SOLID. at: (own,) where the unknowns of a member begin in the world's
-    vector. weight: (rows,) H of a gas member, M_s of a solid one; alpha: (rows,) specific heat of
+    have. kind: (rows,) GAS or SOLID. at: (own,) where the first unknown of a member stands in the
+    world's vector, apart: (own,) how far its unknowns are apart there. weight: (rows,) H of a gas member, M_s of a solid one; alpha: (rows,) specific heat of
     solids. inertia: (own,) M_s of members whose work is booked, else 0. constraint: (p, K) kinds of
     constraints. facts: (p,) records of FACTS, see fsipetsc.blocks.particles.
     """
@@ -25,6 +24,7 @@ class Table(NamedTuple):
     row: Array
     kind: Array
     at: Array
+    apart: Array
     weight: Array
     alpha: Array
     inertia: Array
@@ -87,14 +87,15 @@ class State(NamedTuple):
 
 
 class Particles(NamedTuple):
-    """The particles of a rank, which all functions here get in a box.
+    """The particles of a rank.
 
-    like: (0, …) of d dimensions. laws: the different ones of gases, one at least. stored: (rows, 1)
+    like: (0, …) of d dimensions. laws: the different ones of gases. stored: (rows, 1)
     energy per mass of members that is neither kinetic nor heat; stores: whether it changes. rows:
     (rows, columns) of the exchange. slips: whether any has constraints; normals, turning: (p, 2 d
     K), G and S of each and how they turn. of_normals: (members of those, 2 d K) area vectors,
-    of_particle, row_of: particle and row of each. moves: (p,) whether a wall there moves, place:
-    (p, d) its displacement. auxiliary: number of unknowns, at the end of a vector, of what came in.
+    of_particle, row_of: particle and row of each. matrix, pi, pivots: (K, K), (K,), (K,) room for
+    the constraints of one particle. moves: (p,) whether a wall there moves, place: (p, d) its
+    displacement. auxiliary: number of unknowns, at the end of a vector, of what came in.
     """
 
     like: Any
@@ -104,20 +105,16 @@ class Particles(NamedTuple):
     state: State
     stored: Array
     rows: Array
-    stores: int
-    slips: int
+    stores: bool
+    slips: bool
     normals: Array
     turning: Array
     of_normals: Array
     of_particle: Array
     row_of: Array
+    matrix: Array
+    pi: Array
+    pivots: Array
     moves: Array
     place: Array
     auxiliary: int
-
-
-#: particles and what they do, called by address: see fsipetsc.operators.boxed
-ParticleCalls = namedtuple(
-    "ParticleCalls",
-    "all weigh end_sums end_normals begin_stored weigh_heat impose_conditions end_rates",
-)

@@ -1,6 +1,6 @@
 """Particles: sums over members, constraints by Gauss's principle, and what each member gets back.
 
-Compiled. Gas members of a particle share U = (rho, rho u, E), solid members share displacement and
+Gas members of a particle share U = (rho, rho u, E), solid members share displacement and
 velocity, and have one temperature or each its own. With the sums
 
     gas    V = sum H J,  M = sum H J rho,  P = sum H J rho u,  E = sum H J e
@@ -33,277 +33,269 @@ and weigh_heat before impose_conditions where stored energies matter.
 
 import numpy as np
 
-from fsipetsc.operators.loops import njit
-from fsipetsc.operators.loops import (
-    CALL,
-    INLINED_CALL,
-    add,
-    along,
-    dot,
-    node,
-    part_of,
-    per,
-    put_part,
-    scale,
-    sub,
+from fsipetsc.kernels.procedure import each, otherwise, variable, when
+from fsipetsc.operators.loops import add, along, dot, node, part_of, per, put_part, scale, sub
+from fsipetsc.scheme.constraints import (
+    book,
+    powers,
+    right_sides,
+    select,
+    slide,
+    solve,
+    value_of,
+    velocity,
 )
-from fsipetsc.scheme.constraints import book, powers, right_sides, slide, solve
 from fsipetsc.scheme.part import clear
-from fsipetsc.scheme.particle_heat import for_each_law, share_heat
+from fsipetsc.scheme.particle_heat import share_heat, warm_solids
 from fsipetsc.scheme.particle_records import GAS, SOLID
 
-# Functions name arrays before their loops: where a record is asked within a loop, numba counts
-# references to its arrays, which takes as long as all else.
 
-
-@njit(**CALL)
 def weigh(all, y):
     """Rows of this rank's members: H q of a gas, (M_s D, M_s v, M_s e) of a solid; or of rates."""
     table, rows, d = all.table, all.rows, len(all.like)
-    kind, at, weight = table.kind, table.at, table.weight
-    for r in range(at.size):
-        for c in range(d + 3 if kind[r] == GAS else 2 * d + 1):
-            rows[r, c] = weight[r] * y[at[r] + c]
+    for r in each(table.at.shape[0]):
+        weight, own = table.weight[r], Unknowns(table, r, y)
+        with when(table.kind[r] == GAS):
+            for c in range(d + 3):
+                rows[r, c] = weight * own[c]
+        with otherwise():
+            for c in range(2 * d + 1):
+                rows[r, c] = weight * own[c]
 
 
-@njit(**INLINED_CALL)
-def summed(table, like, p, rows):
+def summed(all, p):
     """(V, M, P, E) of the gas and (M_s, M_s D, M_s v, M_s e) of the solid of particle p."""
-    begin, row, kind, weight, d = table.begin, table.row, table.kind, table.weight, len(like)
-    V, M, P, E, M_s, D, P_s, E_s = 0.0, 0.0, like, 0.0, 0.0, like, like, 0.0
-    for m in range(begin[p], begin[p + 1]):
-        r = row[m]
-        if kind[r] == GAS:
-            V, M, E = V + rows[r, 0], M + rows[r, 1], E + rows[r, d + 2]
-            P = add(P, part_of(like, rows, r, 2))
-        else:
-            M_s, E_s = M_s + weight[r], E_s + rows[r, 2 * d]
-            D, P_s = add(D, node(like, rows, r)), add(P_s, part_of(like, rows, r, d))
-    return (V, M, P, E), (M_s, D, P_s, E_s)
+    table, rows, d = all.table, all.rows, len(all.like)
+    gas, solid = ([variable() for _ in range(n)] for n in (d + 3, 2 * d + 2))
+    for m in each(table.begin[p], table.begin[p + 1]):
+        r = table.row[m]
+        with when(table.kind[r] == GAS):
+            for c in range(d + 3):
+                gas[c].value += rows[r, c]
+        with otherwise():
+            solid[0].value += table.weight[r]
+            for c in range(2 * d + 1):
+                solid[1 + c].value += rows[r, c]
+    (V, M, *P, E), (M_s, *Ds, E_s) = value_of(gas), value_of(solid)
+    return (V, M, tuple(P), E), (M_s, tuple(Ds[:d]), tuple(Ds[d:]), E_s)
 
 
-@njit(**INLINED_CALL)
 def kinetic(P, M):
     """Energy of a body with this momentum."""
-    return 0.5 * dot(P, P) / M if M > 0.0 else 0.0
+    return np.where(M > 0.0, 0.5 * dot(P, P) / M, 0.0)
 
 
-@njit(**CALL)
 def end_sums(all, gain):
     """From the sums of all members: one U, one displacement and velocity; what sticks has one
     velocity, and the kinetic energy that the solid loses by that goes to the gas. What comes in
     begins here.
     """
     clear(gain.numbers)
-    table, like, rows, data, state = all.table, all.like, all.rows, all.data, all.state
-    facts, d = table.facts, len(like)
-    masses, impulse, energies = gain.mass, gain.impulse, gain.energy
-    mass, solid_mass, V_of, U, e = state.mass, state.solid_mass, state.V, state.U, state.e
-    D_of, v, mean_energy = state.D, state.v, state.mean_energy
-    for p in range(facts.size):
-        one = facts[p]
-        of_gas, of_solid = summed(table, like, p, rows)
-        (V, M, P, E), (M_s, D, P_s, E_s) = obeyed(one, like, p, data, of_gas, of_solid)
-        mass[p], V_of[p], solid_mass[p] = M, V, M_s
-        if V > 0.0:
-            U[p, 0], U[p, d + 1] = M / V, E / V
-            put_part(U, p, 1, per(P, V))
-        if M_s > 0.0:
-            mean_energy[p], e[p] = of_solid[3] / M_s, E_s / M_s
-            put_part(v, p, 0, per(P_s, M_s))
-            put_part(D_of, p, 0, D)
-        given = one.given_gas or one.given_solid
-        if one.mine and (one.at_wall or one.clamped or given):
-            if V > 0.0:
-                masses[one.column] += M - of_gas[1]
+    state, U, d = all.state, all.state.U, len(all.like)
+    for p in each(all.table.facts.shape[0]):
+        one = all.table.facts[p]
+        of_gas, of_solid = summed(all, p)
+        (V, M, P, E), (M_s, D, P_s, E_s) = obeyed(all, p, one, of_gas, of_solid)
+        state.mass[p], state.V[p], state.solid_mass[p] = M, V, M_s
+        with when(V > 0.0):
+            put_part(U, p, 0, (M / V, *per(P, V), E / V))
+        with when(M_s > 0.0):
+            state.mean_energy[p], state.e[p] = of_solid[3] / M_s, E_s / M_s
+            put_part(state.v, p, 0, per(P_s, M_s))
+            put_part(state.D, p, 0, D)
+        held = (one.at_wall == 1) | (one.clamped == 1)
+        with when((one.mine == 1) & (held | (one.given_gas == 1) | (one.given_solid == 1))):
+            with when(V > 0.0):
+                gain.mass[one.column] += M - of_gas[1]
             push = add(sub(P, of_gas[2]), sub(P_s, of_solid[2]))
             for c in range(d):
-                impulse[c] += push[c]
-            energies[one.moves_gas] += (E - of_gas[3]) + (E_s - of_solid[3])
+                gain.impulse[c] += push[c]
+            gain.energy[one.moves_gas] += (E - of_gas[3]) + (E_s - of_solid[3])
 
 
-@njit(**INLINED_CALL)
-def obeyed(one, like, p, data, of_gas, of_solid):
+def obeyed(all, p, one, of_gas, of_solid):
     """The sums of particle p with the mean displacement in place of its sum, as walls, clamps and
     data have them.
     """
     (V, M, P, E), (M_s, D, P_s, E_s) = of_gas, of_solid
-    d, wall, clamp, clamp_velocity = len(like), data.wall, data.clamp, data.clamp_velocity
-    gas, solid, moved = data.gas, data.solid, one.clamped or one.given_solid
-    if M_s > 0.0:
-        D = per(D, M_s)
-    if one.clamped:
-        P_s = scale(M_s, node(like, clamp_velocity, p))
-    if one.placed:
-        D = node(like, clamp, p)
-    if one.given_solid:
-        D, P_s = node(like, solid, p), scale(M_s, part_of(like, solid, p, d))
-    if one.at_wall:
-        P = scale(M, node(like, wall, p))
-    if one.sticks:
-        both = per(P_s, M_s) if moved else per(add(P, P_s), M + M_s)
-        first, P, P_s = kinetic(P_s, M_s), scale(M, both), scale(M_s, both)
-        if not moved:
-            change = kinetic(P_s, M_s) - first
-            E, E_s = E - change, E_s + change
-    if one.given_gas:
-        M, P, E = V * gas[p, 0], scale(V, part_of(like, gas, p, 1)), V * gas[p, d + 1]
-    return (V, M, P, E), (M_s, D, P_s, E_s)
+    like, data, d, given = all.like, all.data, len(all.like), one.given_solid == 1
+    moved = (one.clamped == 1) | given
+    D = select(M_s > 0.0, per(D, M_s), D)
+    D = select(one.placed == 1, node(like, data.clamp, p), D)
+    D = select(given, node(like, data.solid, p), D)
+    P_s = select(one.clamped == 1, scale(M_s, node(like, data.clamp_velocity, p)), P_s)
+    P_s = select(given, scale(M_s, part_of(like, data.solid, p, d)), P_s)
+    P = select(one.at_wall == 1, scale(M, node(like, data.wall, p)), P)
+    # what sticks
+    sticks, before = one.sticks == 1, kinetic(P_s, M_s)
+    v = select(moved, per(P_s, M_s), per(add(P, P_s), M + M_s))
+    P, P_s = select(sticks, scale(M, v), P), select(sticks, scale(M_s, v), P_s)
+    change = np.where(sticks & ~moved, kinetic(P_s, M_s) - before, 0.0)
+    E, E_s = E - change, E_s + change
+    # a gas that is given
+    given, (rho, *rho_u, of_data) = one.given_gas == 1, part_of((*like, 0.0, 0.0), data.gas, p, 0)
+    M, E = np.where(given, V * rho, M), np.where(given, V * of_data, E)
+    return (V, M, select(given, scale(V, tuple(rho_u)), P), E), (M_s, D, P_s, E_s)
 
 
 # normals, and what members store
 
 
-@njit(**CALL)
-def end_normals(all, turning):
-    """Normals of particles, or how they turn, from the rows of all members, which are cleared."""
-    total, table = all.turning if turning else all.normals, all.of_normals
-    particle, row = all.of_particle, all.row_of
-    total[:] = 0.0
-    for m in range(particle.size):
-        for c in range(table.shape[1]):
-            total[particle[m], c] += table[row[m], c]
-    table[:] = 0.0
+def end_normals(all):
+    """Normals of particles from the rows of all members, which are cleared."""
+    gather(all, all.normals)
 
 
-@njit(**CALL)
-def begin_stored(all, s):
+def end_turning(all):
+    """How normals of particles turn, from the rows of all members, which are cleared."""
+    gather(all, all.turning)
+
+
+def gather(all, total):
+    """Add up the rows of the members of each particle, and clear them."""
+    clear(total.reshape(-1))
+    for m in each(all.of_particle.shape[0]):
+        p, r = all.of_particle[m], all.row_of[m]
+        for c in each(total.shape[1]):
+            total[p, c] += all.of_normals[r, c]
+    clear(all.of_normals.reshape(-1))
+
+
+def begin_stored(all, y):
     """Solid members of this rank get the displacement of their particle, for solids to say what
     they store.
     """
-    table, D, d = all.table, all.state.D, len(all.like)
-    begin, row, kind, at = table.begin, table.row, table.kind, table.at
-    for p in range(begin.size - 1):
-        for m in range(begin[p], begin[p + 1]):
-            r = row[m]
-            if r < at.size and kind[r] == SOLID:
-                for c in range(d):
-                    s[at[r] + c] = D[p, c]
+    for p, r in own_members(all.table):
+        with when(all.table.kind[r] == SOLID):
+            own, D = Unknowns(all.table, r, y), node(all.like, all.state.D, p)
+            for c in range(len(all.like)):
+                own[c] = D[c]
+
+
+class Unknowns:
+    """The numbers in a world vector of the member of a row, of this rank."""
+
+    def __init__(self, table, r, y):
+        self._at, self._apart, self._y = table.at[r], table.apart[r], y
+
+    def __getitem__(self, c):
+        return self._y[self._at + c * self._apart]
+
+    def __setitem__(self, c, value):
+        self._y[self._at + c * self._apart] = value
+
+
+def own_members(table):
+    """Particle and row of each member of this rank."""
+    for p in each(table.facts.shape[0]):
+        for m in each(table.begin[p], table.begin[p + 1]):
+            r = table.row[m]
+            with when(r < table.at.shape[0]):
+                yield p, r
 
 
 # constraints
 
 
-@njit(**CALL)
-def impose_conditions(all, s, gain):
+def impose_conditions(all, gain, y):
     """What constraints and heat make of the sums, for the members of this rank; what came in is
     added to the auxiliary unknowns.
     """
     if all.slips:
         slide(all, gain)
-    for_each_law(share_heat, all.laws, all, gain)
-    give_state(all.table, all.like, all.stored, s, all.state)
-    came = sum_up(gain)
-    for c in range(all.auxiliary):
-        s[s.size - all.auxiliary + c] += came[c]
+    for number, law in enumerate(all.laws):
+        share_heat(law, number, all, gain)
+    warm_solids(all, gain)
+    give_state(all, y)
+    sum_up(gain)
+    for c in each(all.auxiliary):
+        y[y.size - all.auxiliary + c] += gain.numbers[c]
 
 
-@njit(**INLINED_CALL)
 def sum_up(gain):
-    """The numbers of what came in, with the sum of energies."""
-    numbers, energy, total = gain.numbers, gain.energy, gain.total
-    total[0] = 0.0
-    for c in range(energy.size):
-        total[0] += energy[c]
-    return numbers
+    """Let the numbers of what came in have the sum of energies."""
+    gain.total[0] = 0.0
+    for c in each(gain.energy.shape[0]):
+        gain.total[0] += gain.energy[c]
 
 
-@njit(**INLINED_CALL)
-def give_state(table, like, stored, y, state):
+def give_state(all, y):
     """Members of this rank get what their particle has; each keeps its own J."""
-    d, facts, begin, row, kind = len(like), table.facts, table.begin, table.row, table.kind
-    starts, alpha, U, D, v, e = table.at, table.alpha, state.U, state.D, state.v, state.e
-    potential, mean_energy, capacity = state.potential, state.mean_energy, state.capacity
-    for p in range(begin.size - 1):
-        kinetic = 0.5 * dot(node(like, v, p), node(like, v, p))
-        heat = e[p] - kinetic - potential[p]
-        for m in range(begin[p], begin[p + 1]):
-            r = row[m]
-            if r >= starts.size:
-                continue
-            at = starts[r]
-            if kind[r] == GAS:
-                for c in range(d + 2):
-                    y[at + 1 + c] = y[at] * U[p, c]
-                continue
+    table, state, like, d = all.table, all.state, all.like, len(all.like)
+    for p, r in own_members(table):
+        own = Unknowns(table, r, y)
+        with when(table.kind[r] == GAS):
+            J = own[0]
+            for c in range(d + 2):
+                own[1 + c] = J * state.U[p, c]
+        with otherwise():
+            D, v, e = node(like, state.D, p), node(like, state.v, p), state.e[p]
+            kinetic, change = 0.5 * dot(v, v), e - state.mean_energy[p]
+            heat = (e - kinetic - state.potential[p]) * table.alpha[r] / state.capacity[p]
+            shared = kinetic + all.stored[r, 0] + heat
+            alone = own[2 * d] + change
             for c in range(d):
-                y[at + c], y[at + d + c] = D[p, c], v[p, c]
-            if facts[p].one_T:
-                y[at + 2 * d] = kinetic + stored[r, 0] + heat * alpha[r] / capacity[p]
-            else:
-                y[at + 2 * d] += e[p] - mean_energy[p]
+                own[c], own[d + c] = D[c], v[c]
+            own[2 * d] = np.where(table.facts[p].one_T == 1, shared, alone)
 
 
-@njit(**CALL)
-def end_rates(all, y, f, gain):
+def end_rates(all, gain, y, f):
     """Rates of members from the sums of their rates, under the constraints of their particles."""
-    accelerate(all, gain)
-    give_rates(all.table, all.like, y, f, all.state, gain.lost)
-    came = sum_up(gain)
-    for c in range(all.auxiliary):
-        f[f.size - all.auxiliary + c] = came[c]
+    for p in each(all.table.facts.shape[0]):
+        accelerate(all, gain, p, all.table.facts[p])
+    give_rates(all, gain, y, f)
+    sum_up(gain)
+    for c in each(all.auxiliary):
+        f[f.size - all.auxiliary + c] = gain.numbers[c]
 
 
-@njit(**INLINED_CALL)
-def accelerate(all, gain):
-    """U_t of the gas and acceleration of the solid of each particle."""
-    table, like, rows, data, state = all.table, all.like, all.rows, all.data, all.state
-    normals, turning, wall, wall_rate = all.normals, all.turning, data.wall, data.wall_rate
-    facts, constraint = table.facts, table.constraint
-    mass, solid_mass, V, U, vs = state.mass, state.solid_mass, state.V, state.U, state.v
-    U_t, acceleration, clamp_rate = state.U_t, state.acceleration, data.clamp_rate
-    d, K = len(like), constraint.shape[1]
-    pi, room = np.zeros(K), (np.zeros((K, K)), np.zeros(K))
-    for p in range(facts.size):
-        one = facts[p]
-        (J_t, R, R_m, R_E), (_, _, F, _) = summed(table, like, p, rows)
-        M, M_s, v, w = mass[p], solid_mass[p], node(like, vs, p), node(like, wall, p)
-        u = per(part_of(like, U, p, 1), U[p, 0]) if M > 0.0 else like
-        a = per(sub(R_m, scale(R, u)), M) if M > 0.0 else like
-        b = per(F, M_s) if M_s > 0.0 else like
-        force, force_s = scale(-M, a), scale(-M_s, b)
-        b = node(like, clamp_rate, p) if one.clamped else b
-        a = node(like, wall_rate, p) if one.at_wall else a
-        if one.sticks:
-            a = b if one.clamped else per(add(scale(M, a), scale(M_s, b)), M + M_s)
-            b = a
-        if one.count > 0:
-            w_t = node(like, wall_rate, p)
-            right_sides(one, like, p, normals, turning, constraint, u, v, w, w_t, pi)
-            a, b = solve(one, like, p, normals, pi, M, M_s, a, b, room)
-        force, force_s = along(force, M, a), along(force_s, M_s, b)
-        power, of_solid = powers(one, like, p, normals, constraint, pi, force, u, v, w)
-        if one.mine:
-            forces = force, force_s, power, of_solid
-            book(one, like, p, normals, constraint, pi, v, w, *forces, gain)
-        power += of_solid
-        put_part(acceleration, p, 0, b)
-        if M > 0.0:
-            momentum = sub(add(R_m, force), scale(J_t, part_of(like, U, p, 1)))
-            put_part(U_t, p, 1, per(momentum, V[p]))
-            U_t[p, 0] = (R - U[p, 0] * J_t) / V[p]
-            U_t[p, d + 1] = (R_E + power - U[p, d + 1] * J_t) / V[p]
+def accelerate(all, gain, p, one):
+    """U_t of the gas and acceleration of the solid of a particle."""
+    like, state, U_p = all.like, all.state, part_of((*all.like, 0.0, 0.0), all.state.U, p, 0)
+    (J_t, R, R_m, R_E), (_, _, F, _) = summed(all, p)
+    M, M_s, v = state.mass[p], state.solid_mass[p], node(like, state.v, p)
+    u, w = velocity(like, state.U, p, M), node(like, all.data.wall, p)
+    nothing = (0.0,) * len(like)
+    a_g = select(M > 0.0, per(along(R_m, -R, u), M), nothing)
+    a_s = select(M_s > 0.0, per(F, M_s), nothing)
+    a, b = (list(map(variable, x)) for x in told(all, p, one, M, M_s, a_g, a_s))
+    with when(one.count > 0):
+        right_sides(all, p, one, u, v, w, node(like, all.data.wall_rate, p))
+        solve(all, p, one, M, M_s, a, b)
+    a, b = value_of(a), value_of(b)
+    force, force_s = scale(M, sub(a, a_g)), scale(M_s, sub(b, a_s))
+    power, of_solid = powers(all, p, one, force, u, v, w)
+    with when(one.mine == 1):
+        book(all, gain, p, one, v, w, force, force_s, power, of_solid)
+    put_part(state.acceleration, p, 0, b)
+    with when(M > 0.0):
+        rates = R, *add(R_m, force), R_E + power + of_solid
+        put_part(state.U_t, p, 0, per(along(rates, -J_t, U_p), state.V[p]))
 
 
-@njit(**INLINED_CALL)
-def give_rates(table, like, y, f, state, lost):
+def told(all, p, one, M, M_s, a, b):
+    """Accelerations of the gas and of the solid as clamps, walls and what sticks have them."""
+    clamped = one.clamped == 1
+    b = select(clamped, node(all.like, all.data.clamp_rate, p), b)
+    a = select(one.at_wall == 1, node(all.like, all.data.wall_rate, p), a)
+    both = select(clamped, b, per(add(scale(M, a), scale(M_s, b)), M + M_s))
+    return select(one.sticks == 1, both, a), select(one.sticks == 1, both, b)
+
+
+def give_rates(all, gain, y, f):
     """(J U)_t = J U_t + U J_t of gas members; accelerations of solid ones, and their power."""
-    d, begin, row, kind, starts = len(like), table.begin, table.row, table.kind, table.at
-    inertia, U, U_t, b, v = table.inertia, state.U, state.U_t, state.acceleration, state.v
-    for p in range(begin.size - 1):
-        for m in range(begin[p], begin[p + 1]):
-            r = row[m]
-            if r >= starts.size:
-                continue
-            at = starts[r]
-            if kind[r] == GAS:
-                J, J_t = y[at], f[at]
-                for c in range(d + 2):
-                    f[at + 1 + c] = J * U_t[p, c] + U[p, c] * J_t
-                continue
+    table, state, like, d = all.table, all.state, all.like, len(all.like)
+    for p, r in own_members(table):
+        rates = Unknowns(table, r, f)
+        with when(table.kind[r] == GAS):
+            J, J_t = Unknowns(table, r, y)[0], rates[0]
+            for c in range(d + 2):
+                rates[1 + c] = J * state.U_t[p, c] + state.U[p, c] * J_t
+        with otherwise():
+            push = sub(node(like, state.acceleration, p), tuple(rates[d + c] for c in range(d)))
+            power = dot(push, node(like, state.v, p))
             for c in range(d):
-                push = b[p, c] - f[at + d + c]
-                f[at + d + c] += push
-                f[at + 2 * d] += push * v[p, c]
-                if inertia[r] > 0.0:
-                    lost[0] += inertia[r] * push * v[p, c]
+                rates[d + c] += push[c]
+            rates[2 * d] += power
+            with when(table.inertia[r] > 0.0):
+                gain.lost[0] += table.inertia[r] * power

@@ -33,7 +33,7 @@ struct solid {
   long size[2], own[2], first[3]; /* of the patch: nodes with the halo, owned ones, the first */
   long row, layer, layers, step;  /* of a tile: nodes of a row, of a layer; layers; of a plane */
   const double *p, *metrics, *prestress;
-  long N;                         /* nodes of a plane of metrics and prestress */
+  long N, M; /* nodes of a plane of the unknowns, metrics and prestress; of one of the rates */
   double *unknowns, *strains, *tractions, *temperatures, *heats, *slopes;
 };
 /* n nodes from x, y, z on along the first axis. patch, own, tile: the place of the first one in
@@ -110,7 +110,7 @@ static void differentiate(const struct solid *s, const struct row *r, int kind, 
        y < box_of(s, t, stage, 1)[1]; ++y)
 
 static void take_row(const struct solid *s, const double *q, struct row r) {
-  solid_take(.q = q + r.patch * (2 * D + 1), .unknowns = s->unknowns + r.tile, .step = s->step,
+  solid_take(.q = q + r.patch, .unknowns = s->unknowns + r.tile, .step = s->step, .N = s->N,
              .n = r.n);
 }
 
@@ -147,7 +147,7 @@ static void accelerate_row(const struct solid *s, double *rates, struct row r) {
   differentiate(s, &r, FREE, s->heats, 0, 1, 1, 2 * D * D);
 #endif
   solid_accelerate(.unknowns = s->unknowns + r.tile, .tractions = s->tractions + r.tile,
-                   .slopes = s->slopes, PLACED, .rates = rates + r.own * (2 * D + 1)
+                   .slopes = s->slopes, PLACED, .rates = rates + r.own, .M = s->M
 #if HOOPS
                    , .strains = s->strains + r.tile
 #endif

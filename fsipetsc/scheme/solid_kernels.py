@@ -16,7 +16,7 @@ from fsipetsc.equations.tensors import (
     product_transposed,
     transposed_product,
 )
-from fsipetsc.kernels.kernel import PLANES, Kernel, Layout, interlaced
+from fsipetsc.kernels.kernel import OWNED, PLANES, Kernel, Layout
 from fsipetsc.operators.loops import add, along, dot, scale, total
 
 #: planes of a tile, and of the derivatives of a row
@@ -31,8 +31,8 @@ def solid_kernels(solid: Any, d: int, prestressed: bool) -> list[Kernel]:
 
 
 def _take(d: int) -> Kernel:
-    kernel = Kernel("solid_take", "The unknowns of a row, which are side by side, as planes.")
-    kernel.store("unknowns", TILE, kernel.read("q", interlaced(f"{2 * d + 1}"), 2 * d + 1))
+    kernel = Kernel("solid_take", "The unknowns of a row.")
+    kernel.store("unknowns", TILE, kernel.read("q", PLANES, 2 * d + 1))
     return kernel
 
 
@@ -96,5 +96,5 @@ def _accelerate(solid: Any, d: int) -> Kernel:
         (R,) = kernel.read("metrics", PLANES, 1, d * d + 1)
         acceleration = solid.with_hoop_force(acceleration, v, e, F, R)
     energy = per_mass * power + dot(solid.force, v)
-    kernel.store("rates", interlaced(f"{2 * d + 1}"), (*v, *acceleration, energy))
+    kernel.store("rates", OWNED, (*v, *acceleration, energy))
     return kernel

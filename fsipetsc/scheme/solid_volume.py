@@ -22,7 +22,7 @@ class _Solid(ctypes.Structure):
         *((name, _NUMBER * n) for name, n in (("lags", 3), ("size", 2), ("own", 2), ("first", 3))),
         *((name, _NUMBER) for name in ("row", "layer", "layers", "step")),
         *((name, _POINTER) for name in ("p", "metrics", "prestress")),
-        ("N", _NUMBER),
+        *((name, _NUMBER) for name in ("N", "M")),
         *((name, _POINTER) for name in ("unknowns", "strains", "tractions", "temperatures")),
         *((name, _POINTER) for name in ("heats", "slopes")),
     ]
@@ -79,5 +79,6 @@ class SolidVolume:
             layers=layout.layers,
             step=work.temps.size,
             N=metrics.shape[1],
+            M=int(np.prod(patch.own)),
         )
         self.address = ctypes.addressof(self._struct)

@@ -62,7 +62,7 @@ class Past(NamedTuple):
 
 def versions() -> dict[str, str]:
     """Versions of the program and of what it runs on."""
-    packages = "fsipetsc", "petsc4py", "mpi4py", "numba", "numpy"
+    packages = "fsipetsc", "petsc4py", "mpi4py", "numpy"
     return {
         **{name: import_module(name).__version__ for name in packages},
         "python": platform.python_version(),

@@ -220,7 +220,6 @@ class _Run:
             for line in [*self.past.notes, f"goes on from {self.past.path}: {when}"]:
                 report.line(line)
         with stage(SET_UP):
-            state.compile(report.line)
             if self.past is None:
                 integrator.start()
                 said = [f"note: {line}" for line in state.problem.notes]

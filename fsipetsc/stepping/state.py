@@ -1,7 +1,6 @@
 """What the states of both methods have in common: see BlockState and PaperState."""
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -10,7 +9,8 @@ from mpi4py import MPI
 
 from fsipetsc.errors import FsiError
 from fsipetsc.output.structure import check_array
-from fsipetsc.scheme.batch import plan_next
+from fsipetsc.kernels.procedure import Procedure
+from fsipetsc.scheme.batch import ALLOWED, Plan
 from fsipetsc.scheme.plan import BATCH
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
@@ -22,8 +22,8 @@ class State:
 
     results: flags and limits of the last step (fsipetsc.scheme.plan). batch: fsipetsc.scheme.batch.
     journal: records of steps; latest: that of the last one, without its time; the integrals in them
-    are this rank's shares. plan_next() puts the last step into the journal, and says whether
-    another one of its batch follows. fault: the first one of a user's function, on this rank, of
+    are this rank's shares. plan: what `plan_next` of fsipetsc.scheme.batch takes, planning: that
+    procedure. fault: the first one of a user's function, on this rank, of
     which all learn after the step.
     """
 
@@ -32,6 +32,12 @@ class State:
     comm: MPI.Comm
     problem: Any
     results: np.ndarray
+    planning: Procedure
+
+    def plan_next(self) -> bool:
+        """Put the last step into the journal; whether another one of its batch follows."""
+        self.planning()
+        return bool(self.batch[ALLOWED] != 0.0)
 
     @property
     def invariants(self) -> Mapping[str, Any]:
@@ -44,7 +50,7 @@ class State:
         latest = np.zeros(rows.shape[1] - 2)
         self.journal = rows.reshape(-1).view(record)
         self.latest = latest.view([(name, record[name]) for name in record.names[2:]])[0]
-        self.plan_next = partial(plan_next, self.batch, self.results, rows, latest)
+        self.plan = Plan(self.batch, self.results, rows, latest)
         return rows, latest
 
     def notes_at(self, t: float) -> list[str]:

@@ -1,0 +1,31 @@
+"""Procedures by themselves: recorded, compiled and loaded."""
+
+from typing import Any
+
+from fsipetsc.blocks.cube import cube_text
+from fsipetsc.blocks.grid import GridMotion
+from fsipetsc.kernels import build
+from fsipetsc.kernels.procedure import Code, Procedure
+from fsipetsc.kernels.unit import unit
+
+
+def load(code: Code) -> None:
+    """Compile and load all procedures of a code."""
+    name = build.name_of(code.text)
+    code.load(build.loaded(build.kept(name) or build.keep(name, build.made(code.text))))
+
+
+def recorded(function: Any, *records: Any) -> Procedure:
+    """A function of records, loaded."""
+    code = Code(unit({}, []))
+    found = code.procedure("procedure", function, *records)
+    load(code)
+    return found
+
+
+def loaded_grid(grid: GridMotion) -> GridMotion:
+    """The same grid, whose procedures are loaded."""
+    code = Code(unit({}, [], cube_text()))
+    grid.procedures(code)
+    load(code)
+    return grid

@@ -1,0 +1,52 @@
+"""Halos of blocks: what ranks get from one another, on any number of them."""
+
+import pytest
+from helpers import mpirun
+
+PROGRAM = """
+import numpy as np
+from mpi4py import MPI
+from fsipetsc.operators.bands import Patch
+from fsipetsc.parallel.block_shares import Extent, share_out
+from fsipetsc.parallel.halo import Halo, Reach
+
+comm, checked = MPI.COMM_WORLD, 0
+BLOCKS = ((20,), (False,)), ((20,), (True,)), ((24, 14), (True, False)), ((12, 12, 14), (False,) * 3)
+for tag, (shape, periodic) in enumerate(BLOCKS):
+    for width, corners, centred in ((3, True, False), (2, False, False), (3, True, not periodic[-1])):
+        share = share_out([Extent("fluid", shape, periodic, 4, 3, 3)], comm.size)[0]
+        if comm.rank not in share.ranks:
+            continue
+        reach, own = Reach(share, periodic, width, corners, centred), share.part(comm.rank)
+        ghosted = reach.ghosted(comm.rank)
+        three = [[*spans, *[(0, 1)] * (3 - len(shape))] for spans in (own, ghosted)]
+        sizes = [tuple(b - a for a, b in spans) for spans in three]
+        patch = Patch(*sizes, tuple(a - g for (a, _), (g, _) in zip(*three)))
+        index = np.meshgrid(*(np.arange(a, b) for a, b in own), indexing="ij")
+        numbers = np.ravel_multi_index(index, shape, order="F").ravel(order="F")
+        local = np.full((2, int(np.prod(patch.ghosted))), -1.0)
+        halo = Halo(comm, reach, patch, numbers, local, tag)
+        for turn in range(3):
+            halo.begin(np.array([numbers + 1000.0 * turn, -2.0 - numbers]))
+            halo.end()
+        index = np.meshgrid(*(np.arange(a, b) for a, b in ghosted), indexing="ij")
+        inside = [(i >= a) & (i < b) for i, (a, b) in zip(index, own)]
+        known = np.all([(i >= 0) | p for i, p in zip(index, periodic)], axis=0)
+        if not corners:
+            known &= sum((~i).astype(int) for i in inside) <= 1
+        wrapped = [i % n for i, n in zip(index, shape)]
+        wanted = np.ravel_multi_index(wrapped, shape, order="F").astype(float)
+        found = local.reshape(2, *(b - a for a, b in ghosted[::-1])).T
+        assert np.array_equal(found[..., 0], np.where(known, wanted + 2000.0, -1.0))
+        assert np.array_equal(found[..., 1], np.where(known, -2.0 - wanted, -1.0))
+        halo.destroy()
+        checked += 1
+print(comm.allreduce(checked) >= 12)
+"""
+
+
+@pytest.mark.parametrize("ranks", [1, 2, 3, 4])
+def test_all_nodes_beside_a_ranks_own_are_there(ranks, tmp_path):
+    done = mpirun(ranks, "-c", PROGRAM, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("True") == ranks
