@@ -3,9 +3,9 @@
 Jacobi's rotations make it diagonal (G. H. Golub and C. F. Van Loan, Matrix Computations, section
 8.5), in one and two dimensions as a part of three. A diagonal tensor needs none, one in two
 dimensions one, c + a a^T in three dimensions two or three, any other some ten, whether eigenvalues
-are equal or not; more of them change round-off alone. They take +, -, *, / and square roots alone, which are rounded in the same way
-everywhere. The closed formula for three eigenvalues takes an arc cosine, and loses half of the
-digits where two are equal.
+are equal or not; more of them change round-off alone. They take +, -, *, / and square roots alone,
+which are rounded in the same way everywhere. The closed formula for three eigenvalues takes an arc
+cosine, and loses half of the digits where two are equal.
 """
 
 from math import isqrt

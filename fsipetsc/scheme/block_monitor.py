@@ -25,7 +25,7 @@ MONITORED = 5
 
 def room_of(d: int) -> Array:
     """Memory of the monitor of a gas."""
-    return aligned((MONITORED + sums_of(d)) * int(ROW))
+    return aligned((MONITORED + sums_of(d)) * ROW)
 
 
 def sums_of(d: int) -> int:

@@ -346,8 +346,9 @@ class Displacement(NamedTuple):
 
 def strain_at(part, q, at):
     """F = 1 + sum_k D_k D A^k / J0 of a solid's node of the ghosted array, with hoops."""
-    like, metrics, of_axes = (0.0,) * len(part.like), part.metrics, (part.S, part.weight, part.patch)
-    d, F = len(like), add_unit(1.0, outer(like, like))
+    d, metrics, of_axes = len(part.like), part.metrics, (part.S, part.weight, part.patch)
+    like = (0.0,) * d
+    F = add_unit(1.0, outer(like, like))
     for k in range(d):
         A = per(column_of(like, metrics, k * d, at), metrics[d * d, at])
         F = add(F, outer(slope_at(like, at, k, *of_axes, Displacement(q)), A))

@@ -243,7 +243,6 @@ def collect(part, damp, k, stride, first, own, n, rates):
     """
     force, weights = part.form.force, damp.differences.weights
     like_F, of_links = force.diffused(part.like), force.linked(part.like)
-    read_F = lambda m: column(like_F, damp.F, m)  # noqa: E731
     order, d = len(weights) - 1, len(part.like)
     sign, back = 1.0 - 2.0 * (order % 2), damp.F.shape[1] - damp.alpha.size - order * stride
     for i in each(n, vector=True):
@@ -255,7 +254,7 @@ def collect(part, damp, k, stride, first, own, n, rates):
         more = sums[: d + 2]
         if damp.sigma is not None:
             # weights of Delta^T: those of Delta in reverse order, perhaps with sign -1
-            found = difference(read_F, back + at_node, stride, weights)
+            found = difference(lambda m: column(like_F, damp.F, m), back + at_node, stride, weights)
             F, level = force.parted(found)
             more = along(more, -sign, F)
             power = sign * force.lifted(part.potential, at_node, F, level)

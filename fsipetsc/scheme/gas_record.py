@@ -14,20 +14,19 @@ class GasRecord(NamedTuple):
     """A part of a gas block.
 
     of_volume: the address of what gas_rates of fsipetsc/scheme/gas.c takes. potential, supplied: as
-    GasVolume (fsipetsc.scheme.gas_volume) has them.
-    like: d zeros. laws: fsipetsc.equations.gas. faces: fsipetsc.scheme.faces. block: its number,
-    begin: of its unknowns in the world vector. X, places: (d, N) of the reference map, and where
-    the monitor finds the nodes. metrics: (d d + d + 1, N), a^1 … a^d, velocity of the grid, J_t,
-    and around an axis A before it. halo: (N, d + 3), its nodes with a halo, or None; wraps: whether
-    it is filled by fsipetsc.scheme.part. S, weight: of three bands. masses: (M,) weights of its own
-    nodes.
+    GasVolume (fsipetsc.scheme.gas_volume) has them. like: d zeros. laws: fsipetsc.equations.gas.
+    faces: fsipetsc.scheme.faces. block: its number, begin: of its unknowns in the world vector. X,
+    places: (d, N) of the reference map, and where the monitor finds the nodes. metrics: (d d + d +
+    1, N), a^1 … a^d, velocity of the grid, J_t, and around an axis A before it. halo: (d + 3, N),
+    its nodes with a halo, or (d + 3, 0); wraps: 1 if it is filled by fsipetsc.scheme.part. S,
+    weight: of three bands. masses: (M,) weights of its own nodes.
 
     follows: (n,) particles by which its grid moves, here: (n, 2d) their displacement and velocity,
     known: (m, 2d) those of all ranks, None where a grid rests; grid: see fsipetsc.blocks.grid.
     at_particles: faces at constraints, see fsipetsc.scheme.normals. reference: (M,) J of the
-    reference map. forcing: (d + 2, M), or None. column: of its mass in what comes in; columns: of its sums in the record
-    of a step, level: of the potential energy. axis: fsipetsc.scheme.radial; signs: of images, see
-    fsipetsc.parallel.block_layout.
+    reference map. forcing: (d + 2, M), or None. column: of its mass in what comes in; columns: of
+    its sums in the record of a step, level: of the potential energy. axis: fsipetsc.scheme.radial;
+    signs: of images, see fsipetsc.parallel.block_layout.
     """
 
     of_volume: int
@@ -42,8 +41,8 @@ class GasRecord(NamedTuple):
     block: int
     begin: int
     column: int
-    halo: Array | None
-    wraps: bool
+    halo: Array
+    wraps: int
     signs: Array
     X: Array
     places: Array
