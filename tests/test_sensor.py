@@ -28,8 +28,7 @@ def steepness(law, rho, u, p, a):
 def steepness_of_solid(v):
     """The same of a solid that moves with v (d, n), c = 1."""
     d, n = v.shape
-    q = np.concatenate([0.0 * v, v, 0.0 * v[:1]]).T.ravel()
-    waves = SolidWaves((0.0,) * d, q, 0.02)
+    waves = SolidWaves(v, d, 0.02)
     return np.array([waves.steepness(i, 1) for i in range(1, n - 1)])
 
 
