@@ -10,7 +10,6 @@ from fsipetsc.equations.gas import Gas
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.stiffened_gas import stiffened_gas
 from fsipetsc.scheme.gas_dissipation import NO_SHOCK, RISE, GasWaves
-from fsipetsc.scheme.rows import U64
 from fsipetsc.scheme.solid_dissipation import SolidWaves
 
 AIR, WATER = PerfectGas(1.4, 287.0), stiffened_gas(4.4, 1000.0, 6e8)
@@ -22,8 +21,8 @@ def steepness(law, rho, u, p, a):
     d, n = np.shape(u)
     gas = Gas(law, None, 0.0, 0.0, (0.0,) * d)
     state = np.array([rho, p, law.temperature_of(rho, p), *u])
-    waves = GasWaves(gas, (0.0,) * d, state.ravel(), np.ravel(a), U64(0), U64(n))
-    return np.array([waves.steepness(U64(i), U64(1)) for i in range(1, n - 1)])
+    waves = GasWaves(gas, state, np.array(a), 0)
+    return np.array([waves.steepness(i, 1) for i in range(1, n - 1)])
 
 
 def steepness_of_solid(v):

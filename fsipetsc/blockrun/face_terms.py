@@ -25,7 +25,7 @@ Array = NDArray[Any]
 class FaceTerms:
     """Terms of the faces of one part of a block that have a condition, or interfaces with jumps.
 
-    X: (d, ghosted nodes) places in the reference map. record: for compiled code, once `refresh` has
+    X: (d, ghosted nodes) places in the reference map. record: for procedures, once `refresh` has
     filled it.
 
     In three dimensions, and around an axis or a centre, the pressure p_ref under which a solid is
@@ -50,7 +50,7 @@ class FaceTerms:
             if supplied or loaded or _acts(condition):
                 acting.append((axis, side, condition))
         self.record: Any = Nothing()
-        if not acting:  # on all ranks of the block, for these compile the same
+        if not acting:  # on all ranks of the block, for these record the same
             return
         listed = [_nodes_of(problem, part, axis, side) for axis, side, _ in acting]
         nodes = [np.concatenate(values) for values in zip(*listed, strict=True)]
@@ -140,12 +140,11 @@ class TurnedFace:
         places = np.meshgrid(*index, indexing="ij")
         self._at = np.ravel_multi_index(places, part.patch.ghosted, order="F").ravel(order="F")
         self._areas = np.zeros((3, int(np.prod([end - begin for begin, end in where]))))
-        self._cube: Cube | None = None
+        self._cube = Cube(wide, np.zeros((13, self._areas.shape[1])))
 
     def areas(self, q: Array, library: ctypes.CDLL) -> Array:
         """(n, 3) outward; q: (ghosted, 7)."""
-        if self._cube is None:
-            self._cube = Cube(library, self._wide, np.zeros((13, self._areas.shape[1])))
+        self._cube.library = library
         np.add(self._wide.y, q[self._at, :3].T, out=self._cube.x)
         self._areas[:] = 0.0
         self._cube.add_face(self._axis, 0, 1.0, 0.0, self._areas)

@@ -226,7 +226,7 @@ class Gas(NamedTuple):
         """The larger of those of momentum, 4/3 mu/rho, and heat, kappa/(rho cv) [m2/s]."""
         mu, kappa = self.transport.viscosity(w[2]), self.transport.conductivity(w[2])
         of_heat = self.kappa * kappa / self.law.heat_capacity(w[0], w[2])
-        return max(4.0 / 3.0 * self.mu * mu, of_heat) * w[-2]
+        return np.maximum(4.0 / 3.0 * self.mu * mu, of_heat) * w[-2]
 
 
 class RadialGas(Gas):

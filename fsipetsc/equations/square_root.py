@@ -3,20 +3,19 @@
 Jacobi's rotations make it diagonal (G. H. Golub and C. F. Van Loan, Matrix Computations, section
 8.5), in one and two dimensions as a part of three. A diagonal tensor needs none, one in two
 dimensions one, c + a a^T in three dimensions two or three, any other some ten, whether eigenvalues
-are equal or not. They take +, -, *, / and square roots alone, which are rounded in the same way
-everywhere. The closed formula for three eigenvalues takes an arc cosine, and loses half of the
-digits where two are equal.
+are equal or not; more of them change round-off alone. They take +, -, *, / and square roots alone,
+which are rounded in the same way everywhere. The closed formula for three eigenvalues takes an arc
+cosine, and loses half of the digits where two are equal.
 """
 
 from math import isqrt
 
 import numpy as np
 
-from fsipetsc.operators.loops import register_jitable
 from fsipetsc.operators.loops import along, by_length, scale
 
-#: rotations at most, and what is round-off beside the diagonal, as a part of this
-ROTATIONS, OFF = 18, 1e-16
+#: rotations in one, two and three dimensions
+ROTATIONS = 0, 1, 18
 #: eigenvalues below this part of the largest one are round-off of 0
 LEAST = 1e-14
 
@@ -43,35 +42,30 @@ upper = by_length("upper", "A", _upper)
 sum_of_squares = by_length("sum_of_squares", "A, a, b, c, x, y, z", _sum_of_squares)
 
 
-@register_jitable
 def tangent(p, q, pq):
     """The tangent of the smaller angle by which two axes turn so that their entry pq becomes 0."""
     apart = q - p
     size = abs(apart) + np.sqrt(apart * apart + 4.0 * pq * pq) + 1e-300
-    return (2.0 if apart >= 0.0 else -2.0) * pq / size
+    return np.where(apart >= 0.0, 2.0, -2.0) * pq / size
 
 
-@register_jitable
 def root(value, least):
     """The square root of an eigenvalue; 0 if that is not above ``least``."""
-    return np.sqrt(value) if value > least else 0.0
+    return np.where(value > least, np.sqrt(np.maximum(value, 0.0)), 0.0)
 
 
-@register_jitable
 def square_root(A):
     """The symmetric tensor U with U U = A, of the symmetric one A of d*d numbers; eigenvalues below
     0 count as 0.
     """
     p, q, r, pq, pr, qr = upper(A)
     x, y, z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-    for _ in range(ROTATIONS):
-        if abs(pq) + abs(pr) + abs(qr) <= OFF * (abs(p) + abs(q) + abs(r)):
-            break
+    for _ in range(ROTATIONS[isqrt(len(A)) - 1]):
         t = tangent(p, q, pq)
         c = 1.0 / np.sqrt(1.0 + t * t)
         s = t * c
         # the axes change their places, so that each pair has its turn: the second one is the first
         p, q, r, pq, pr, qr = q + t * pq, r, p - t * pq, s * pr + c * qr, 0.0, c * pr - s * qr
         x, y, z = along(scale(s, x), c, y), z, along(scale(c, x), -s, y)
-    least = LEAST * max(p, q, r)
+    least = LEAST * np.maximum(np.maximum(p, q), r)
     return sum_of_squares(A, root(p, least), root(q, least), root(r, least), x, y, z)

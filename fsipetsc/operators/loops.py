@@ -8,6 +8,8 @@ fsipetsc.kernels. Functions of tuples are written out for the length of their ar
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 
 def njit(**how: Any) -> Any:
     """Nothing: what is still to become a procedure runs in plain Python."""
@@ -73,7 +75,13 @@ larger = by_length("larger", "a, b", numbers("max(a[@], b[@])"))
 last_times = by_length("last_times", "c, a", _last("c * a[@]"))
 add_last = by_length("add_last", "c, a", _last("a[@] + c"))
 zeros = by_length("zeros", "a", numbers("0.0 * a[@]"))
-choose = by_length("choose", "first, a, b", numbers("a[@] if first else b[@]"))
+
+
+def choose(condition: Any, a: Any, b: Any) -> Any:
+    """The numbers of a where a condition holds, else those of b."""
+    return tuple(np.where(condition, p, q) for p, q in zip(a, b, strict=True))
+
+
 #: rows[c][i], as a tuple
 load = by_length("load", "rows, i", numbers("rows[@][i]"))
 store = by_length("store", "rows, i, values", _lines("rows[@][i] = values[@]"))
@@ -87,6 +95,10 @@ column_of = by_length("column_of", "like, array, first, n", numbers("array[first
 node = by_length("node", "like, array, n", numbers("array[n, @]"))
 #: the same from array[n, first] on
 part_of = by_length("part_of", "like, array, n, first", numbers("array[n, first + @]"))
+#: array[first + c, n] = values[c]
+put_column = by_length(
+    "put_column", "array, n, first, values", _lines("array[first + @, n] = values[@]")
+)
 put_part = by_length(
     "put_part", "array, n, first, values", _lines("array[n, first + @] = values[@]")
 )

@@ -8,14 +8,15 @@ least norm of its nodes, or it would be as much stiffer there as that is small. 
 where a block does; a node of a join has those of both sides.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import comb
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.operators.bands import Band
+from fsipetsc.operators.loops import along, scale
 
 Array = NDArray[np.float64]
 #: usual size of dissipation: differences of order q, half that of the scheme, count sigma / 4^q
@@ -63,3 +64,11 @@ def differences(d: int, order: int, bands: Sequence[Band], cells: Sequence[int])
     weights = tuple(float((-1) ** (q - m) * comb(q, m)) for m in range(q + 1))
     strides = np.array([1, shape[0], shape[0] * shape[1]])
     return Differences(weights, strides, np.array(norm), np.array(per_weight))
+
+
+def difference(read: Callable[[Any], Any], i: Any, stride: Any, weights: Any) -> Any:
+    """sum_m weights_m f_(i + m stride); read: says the numbers f of a node."""
+    found = scale(weights[0], read(i))
+    for m in range(1, len(weights)):
+        found = along(found, weights[m], read(i + m * stride))
+    return found

@@ -12,32 +12,20 @@ depend on who owns the nodes; nothing else takes them.
 
 import numpy as np
 
-from fsipetsc.operators.loops import njit
-from fsipetsc.operators.loops import (
-    EXACT_LOOP,
-    INNER_CALL,
-    MERGED_CALL,
-    along,
-    column,
-    dot,
-    larger,
-    part_of,
-    sub,
-)
+from fsipetsc.kernels.procedure import each, variable
+from fsipetsc.operators.loops import column, column_of, dot, node, sub
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
-from fsipetsc.scheme.rows import ROW, TILE, U64, Array, add_moment, aligned, at, moments, put
+from fsipetsc.scheme.rows import ROW, TILE, Array, aligned, moments
 
 #: extremes of a block: 1 if a state is unphysical, largest rates of convection and of diffusion
 #: [1/s], minus the least J, largest |J - det D x| / J
 UNPHYSICAL, CONVECTION, DIFFUSION, LEAST_J, J_ERROR = range(5)
 MONITORED = 5
-#: as many numbers
-EXTREMES = (0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def room_of(d: int) -> Array:
     """Memory of the monitor of a gas."""
-    return aligned((MONITORED + sums_of(d)) * int(ROW))
+    return aligned((MONITORED + sums_of(d)) * ROW)
 
 
 def sums_of(d: int) -> int:
@@ -45,86 +33,87 @@ def sums_of(d: int) -> int:
     return d + 3 + moments(d)
 
 
-@njit(**MERGED_CALL)
 def gas_monitor(part, q, metrics):
     """Fill seen (MONITORED,) and sums (sums_of(d),) of the owned nodes; q: (M, d + 3).
 
     part: see fsipetsc.scheme.gas_record. metrics: those by which steps are bounded.
     """
-    gas, like, grid, patch, per_h = part.laws, part.like, part.grid, part.patch, part.per_h
-    masses, reference, room = part.masses, part.reference, part.room
-    places = part.places.reshape(part.places.size)
-    begin(room, ROW)
+    patch = part.patch
     (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
-    flat, flat_metrics = q.reshape(q.size), metrics.reshape(metrics.size)
-    for z in range(n2):
-        for y in range(n1):
+    begin(part.room, ROW)
+    for z in each(n2):
+        for y in each(n1):
             row, own = f0 + g0 * (y + f1 + g1 * (z + f2)), n0 * (y + n1 * z)
-            for x in range(0, n0, TILE):
-                at_q, first, n = U64(own + x), U64(row + x), U64(min(TILE, n0 - x))
-                of_nodes = flat, flat_metrics, places, masses, reference, at_q, first, n
-                measure(gas, like, per_h, grid, *of_nodes, room)
-    collect(room, ROW, ROW, part.seen, part.sums)
+            for tile in each((n0 + (TILE - 1)) // TILE):
+                x = tile * TILE
+                for i in each(np.minimum(TILE, n0 - x), vector=True):
+                    measure(part, q, metrics, own + x + i, row + x + i, i)
+    collect(part.room, ROW, ROW, part.seen, part.sums)
 
 
-@njit(**EXACT_LOOP)
-def measure(gas, like, per_h, grid, q, metrics, places, masses, reference, own, first, n, room):
-    """Add n nodes to the extremes and sums of the columns of a tile."""
-    d, like_q, one = U64(len(like)), (*like, 0.0, 0.0, 0.0), U64(1)
-    N = U64(metrics.size // (len(like) ** 2 + len(gas.of_grid(like)) + 1))
-    first_sum, turns = U64(MONITORED) * ROW, (U64(MONITORED) + d + U64(3)) * ROW
-    for i in range(n):
-        here = at(like_q, q, own * U64(len(like_q)), one, i * U64(len(like_q)))
-        w, per_J = gas.primitive(here), 1.0 / here[0]
-        v = at(like, metrics, first + d * d * N, N, i)
-        relative, c = sub(gas.velocity(w), v), gas.speed_of_sound(w)
-        convection, squares = 0.0, 0.0
-        for k in range(len(like)):
-            a = at(like, metrics, first + U64(k) * d * N, N, i)
-            size = dot(a, a) * per_h[k] * per_h[k]
-            convection += abs(dot(a, relative)) * per_h[k] + c * np.sqrt(size)
-            squares += size
-        convection, spread = convection * per_J, squares * per_J * per_J
-        diffusion = STIFFNESS_OF_WIDE * gas.diffusivity(w) * spread
-        J, of_map = grid.jacobian(metrics, N, first + i, reference[own + i]), reference[own + i]
-        good = convection < np.inf and diffusion < np.inf and min(w[0], w[2], here[0]) > 0.0
-        bad, apart = 0.0 if good else 1.0, abs(here[0] - J) / abs(J)
-        found = bad, convection, diffusion, -here[0] / of_map, apart
-        put(room, U64(0), ROW, i, larger(found, at(EXTREMES, room, U64(0), ROW, i)))
-        more = (*here[1:], here[0] * gas.entropy_density(w))
-        total = along(at(like_q, room, first_sum, ROW, i), masses[own + i], more)
-        put(room, first_sum, ROW, i, total)
-        add_moment(at(like, places, first, N, i), here[2:-1], masses[own + i], room, turns, ROW, i)
+def measure(part, q, metrics, own, n, i):
+    """Add the owned node ``own``, the n-th of the ghosted array, to the extremes and sums of column
+    i of a tile.
+    """
+    gas, d, room, mass = part.laws, len(part.like), part.room, part.masses[own]
+    here = node((0.0,) * (d + 3), q, own)
+    w, of_map, N = gas.primitive(here), part.reference[own], part.metrics.shape[1]
+    convection, diffusion = bounds(gas, w, 1.0 / here[0], metrics, part.per_h, n)
+    J = part.grid.jacobian(part.metrics.reshape(-1), N, n, of_map)
+    positive = np.minimum(np.minimum(w[0], w[2]), here[0]) > 0.0
+    bad = np.where((convection < np.inf) & (diffusion < np.inf) & positive, 0.0, 1.0)
+    apart = abs(here[0] - J) / abs(J)
+    for c, number in enumerate((bad, convection, diffusion, -here[0] / of_map, apart)):
+        raise_to(room, c * ROW + i, number)
+    turns = moment(column(part.like, part.places, n), here[2:-1])
+    densities = (*here[1:], here[0] * gas.entropy_density(w), *turns)
+    for c, number in enumerate(densities, MONITORED):
+        room[c * ROW + i] += mass * number
 
 
-@njit(**INNER_CALL)
+def moment(x, p):
+    """x cross p: none, one or three numbers."""
+    pairs = {1: (), 2: ((0, 1),), 3: ((1, 2), (2, 0), (0, 1))}[len(x)]
+    return tuple(x[a] * p[b] - x[b] * p[a] for a, b in pairs)
+
+
+def bounds(gas, w, per_J, metrics, per_h, n):
+    """Rates of convection and diffusion of a node of gas."""
+    d, convection, squares = len(gas.force), 0.0, 0.0
+    like, c = (0.0,) * d, gas.speed_of_sound(w)
+    relative = sub(gas.velocity(w), column_of(like, metrics, d * d, n))
+    for k in range(d):
+        a = column_of(like, metrics, k * d, n)
+        size = dot(a, a) * per_h[k] * per_h[k]
+        convection = convection + (abs(dot(a, relative)) * per_h[k] + c * np.sqrt(size))
+        squares = squares + size
+    spread = squares * per_J * per_J
+    return convection * per_J, STIFFNESS_OF_WIDE * gas.diffusivity(w) * spread
+
+
+def raise_to(array, place, number):
+    """Let a number of an array be no less than another, which counts if it is a number."""
+    array[place] = np.where(number > array[place], number, array[place])
+
+
 def begin(room, width):
     """Clear columns, ``width`` apart."""
-    for c in range(room.size):
-        room[c] = -np.inf if c < MONITORED * width else 0.0
+    for c in each(MONITORED * width, vector=True):
+        room[c] = -np.inf
+    for c in each(MONITORED * width, room.size, vector=True):
+        room[c] = 0.0
 
 
-@njit(**INNER_CALL)
 def collect(room, width, n, seen, sums):
     """The extremes and sums of the first n columns."""
     for c in range(MONITORED):
-        seen[c] = -np.inf if c == LEAST_J else 0.0
-        for i in range(n):
-            seen[c] = max(seen[c], room[U64(c) * width + i])
-    for c in range(sums.size):
-        sums[c] = 0.0
-        for i in range(n):
-            sums[c] += room[U64(MONITORED + c) * width + i]
-
-
-@njit(**MERGED_CALL)
-def monitor_end(solid, like, q, F, node, S, found):
-    """Fill found with displacement, velocity, sigma and T of an owned node in one dimension.
-
-    S: prestress [Pa]. With heat 'elastic', S (F - 1) is energy.
-    """
-    d, strain = len(like), column(solid.unstrained(like), F, node)
-    stored = (1.0 - solid.coupled) * S * (strain[0] - 1.0) / solid.m0
-    found[0], found[1] = q[node, 0], q[node, d]
-    found[2] = solid.line_stress(strain) + S
-    found[3] = solid.temperature(part_of(like, q, node, d), q[node, 2 * d] - stored, strain)
+        most = variable(-np.inf if c == LEAST_J else 0.0)
+        for i in each(n):
+            number = room[c * width + i]
+            most.value = np.where(number > most.value, number, most.value)
+        seen[c] = most.value
+    for c in each(sums.shape[0]):
+        total = variable(0.0)
+        for i in each(n):
+            total.value += room[(c + MONITORED) * width + i]
+        sums[c] = total.value

@@ -1,5 +1,5 @@
 """What passes faces of blocks that are open, loaded or heated: added to the rates of the nodes
-there, and, times the weights of these, to what comes in. Compiled.
+there, and, times the weights of these, to what comes in.
 
 The volume terms let nothing pass a face. With the outward area vector n of a face per unit of its
 reference coordinates, and the velocity v of the grid, a node at it gets -f / weight, weight that of
@@ -31,12 +31,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.equations.tensors import add_unit, outer
-from fsipetsc.operators.loops import njit
+from fsipetsc.kernels.procedure import each, variable, when
 from fsipetsc.operators.loops import (
-    INNER_CALL,
     add,
-    add_last,
     along,
+    choose,
     column_of,
     dot,
     last_times,
@@ -47,7 +46,7 @@ from fsipetsc.operators.loops import (
     scale,
     sub,
 )
-from fsipetsc.scheme.normals import Columns, slope_at, turned
+from fsipetsc.scheme.normals import slope_at, turned
 
 Array = NDArray[Any]
 #: first order of an open face fades out where viscosity is this fraction of L times the speed at
@@ -117,48 +116,53 @@ class SolidFaces(NamedTuple):
         return load_faces(part, self, q, rates, gain)
 
 
-@njit(**INNER_CALL)
 def pass_faces(part, faces, q, rates, gain):
     """Add what passes the faces of a gas to ``rates`` (owned, d + 3) and ``gain``; q: (ghosted,
     d + 3).
     """
-    gas, like, metrics, column = part.laws, part.like, part.metrics, part.column
-    d, like_q, of_axes = len(like), (*like, 0.0, 0.0, 0.0), (part.S, part.weight, part.patch)
-    mass, impulse, energy, warmth = gain.mass, gain.impulse, gain.energy, gain.heat
-    for i in range(faces.at.size):
-        at, own, axis = faces.at[i], faces.own[i], faces.axis[i]
+    d, metrics = len(part.like), part.metrics
+    like, energy = (0.0,) * d, gain.energy
+    for i in each(faces.at.shape[0]):
+        at, own, axis, column = faces.at[i], faces.own[i], faces.axis[i], faces.column[i]
+        per_weight, across = faces.per_weight[i], faces.across[i]
         n = scale(faces.sign[i], column_of(like, metrics, axis * d, at))
-        g, size = dot(n, column_of(like, metrics, d * d, at)), np.sqrt(dot(n, n))
-        if faces.opens[i] == OPENS:
-            w, out, width = gas.primitive(node(like_q, q, at)), faces.outside, faces.width[i]
-            beyond = gas.state(out[i, 0], part_of(like, out, i, 1), out[i, d + 1])
-            v_n = 0.0
-            if width > 0.0:
-                slope = slope_at(like, at, axis, *of_axes, Velocity(gas, q))
-                v_n = faces.sign[i] / q[at, 0] * dot(n, slope)
-            f = open_flux(gas, w, beyond, faces.pressure[i], width, n, g, size, v_n)
+        size = np.sqrt(dot(n, n))
+        with when(faces.opens[i] == OPENS):
+            f = let_pass(part, faces, i, q, n, size)
             for c in range(d + 2):
-                rates[own, 1 + c] -= faces.per_weight[i] * f[c]
-            mass[column] -= faces.across[i] * f[0]
+                rates[own, 1 + c] -= per_weight * f[c]
+            gain.mass[part.column] -= across * f[0]
             for c in range(d):
-                impulse[c] -= faces.across[i] * f[1 + c]
-            energy[faces.column[i]] -= faces.across[i] * f[d + 1]
-        if faces.opens[i] == DRAGS:
+                gain.impulse[c] -= across * f[1 + c]
+            energy[column] -= across * f[d + 1]
+        with when(faces.opens[i] == DRAGS):
             wall = scale(faces.goes[i], column_of(like, metrics, d * d, at))
-            t = drag(gas, gas.primitive(node(like_q, q, at)), wall, n, size, faces.width[i])
-            work = dot(t, wall)
+            w = part.laws.primitive(node((*like, 0.0, 0.0, 0.0), q, at))
+            t = drag(part.laws, w, wall, n, size, faces.width[i])
             for c in range(d):
-                rates[own, 2 + c] += faces.per_weight[i] * t[c]
-                impulse[c] += faces.across[i] * t[c]
-            rates[own, d + 2] += faces.per_weight[i] * work
-            energy[faces.column[i]] += faces.across[i] * work
+                rates[own, 2 + c] += per_weight * t[c]
+                gain.impulse[c] += across * t[c]
+            rates[own, d + 2] += per_weight * dot(t, wall)
+            energy[column] += across * dot(t, wall)
         heat = faces.heat[i] * size
-        rates[own, d + 2] += faces.per_weight[i] * heat
-        energy[faces.column[i]] += faces.across[i] * heat
-        warmth[faces.column[i]] += faces.across[i] * heat
+        rates[own, d + 2] += per_weight * heat
+        energy[column] += across * heat
+        gain.heat[column] += across * heat
 
 
-@njit(**INNER_CALL)
+def let_pass(part, faces, i, q, n, size):
+    """f of the i-th node, of an open face or an outflow; n: area vector, size: |n|."""
+    gas, d, at, of_axes = part.laws, len(part.like), faces.at[i], (part.S, part.weight, part.patch)
+    like, out, width, v_n = (0.0,) * d, faces.outside, faces.width[i], variable(0.0)
+    g = dot(n, column_of(like, part.metrics, d * d, at))
+    w = gas.primitive(node((*like, 0.0, 0.0, 0.0), q, at))
+    beyond = gas.state(out[i, 0], part_of(like, out, i, 1), out[i, d + 1])
+    with when(width > 0.0):
+        slope = slope_at(like, at, faces.axis[i], *of_axes, Velocity(gas, q))
+        v_n.value = faces.sign[i] / q[at, 0] * dot(n, slope)
+    return open_flux(gas, w, beyond, faces.pressure[i], width, n, g, size, v_n.value)
+
+
 def drag(gas, w, wall, n, size, length):
     """-mu/l (u - w) |n| without its part along n: what a wall does to a gas that slips along it."""
     past = sub(gas.velocity(w), wall)
@@ -166,35 +170,31 @@ def drag(gas, w, wall, n, size, length):
     return scale(-gas.mu * gas.transport.viscosity(w[2]) * size / length, past)
 
 
-@njit(**INNER_CALL)
 def surface_flux(gas, w, n, g):
     """F(U) = n . (f(U) - v U)."""
     return along(gas.flux(w, n), -g, gas.densities(w))
 
 
-@njit(**INNER_CALL)
 def open_flux(gas, w, beyond, pressure, width, n, g, size, v_n):
-    """f of an open face or an outflow, w: state inside, size: |n|, v_n: see `first_order`."""
-    f, viscous = surface_flux(gas, w, n, g), (0.0, 0.0, 0.0)
-    a = (dot(n, gas.velocity(w)) - g) / size
-    if pressure == 0.0:
-        return f
-    if pressure > 0.0:
-        m = max(a, 0.0) / gas.speed_of_sound(w)
-        p = w[1] + max(1.0 - m * m, 0.0) * (pressure - w[1])
-        beyond = gas.state(w[0], gas.velocity(w), gas.law.temperature_of(w[0], p))
-    else:
-        if width > 0.0:
-            viscous, beyond = first_order(gas, w, a, beyond, width, v_n)
-        found, there_is = by_characteristics(gas, w, beyond, n, g, size, viscous)
-        if there_is:
-            return found
-    fastest = max(gas.fastest(w, n, g), gas.fastest(beyond, n, g))
+    """f of an open face or an outflow, w: state inside, size: |n|, v_n: see `first_order`. All
+    kinds are computed, and one is taken.
+    """
+    f, a = surface_flux(gas, w, n, g), (dot(n, gas.velocity(w)) - g) / size
+    m = np.maximum(a, 0.0) / gas.speed_of_sound(w)
+    p = w[1] + np.maximum(1.0 - m * m, 0.0) * (pressure - w[1])
+    held = gas.state(w[0], gas.velocity(w), gas.law.temperature_of(w[0], p))
+    viscous, of_sound = first_order(gas, w, a, beyond, width, v_n)
+    viscous = choose(width > 0.0, viscous, (0.0, 0.0, 0.0))
+    beyond = choose(width > 0.0, of_sound, beyond)
+    found, there_is = by_characteristics(gas, w, beyond, n, g, size, viscous)
+    beyond = choose(pressure > 0.0, held, beyond)
+    fastest = np.maximum(gas.fastest(w, n, g), gas.fastest(beyond, n, g))
     jump = sub(gas.densities(beyond), gas.densities(w))
-    return along(mean(f, surface_flux(gas, beyond, n, g)), -0.5 * fastest, jump)
+    mixed = along(mean(f, surface_flux(gas, beyond, n, g)), -0.5 * fastest, jump)
+    mixed = choose((pressure < 0.0) & there_is, found, mixed)
+    return choose(pressure == 0.0, f, mixed)
 
 
-@njit(**INNER_CALL)
 def first_order(gas, w, a, beyond, width, v_n):
     """Of a node of an open face: the incoming sound, the viscous stress, the incoming heat, and
     the gas beyond with the temperature that leaving sound gives it.
@@ -209,101 +209,106 @@ def first_order(gas, w, a, beyond, width, v_n):
     tau = T0 * by_heat / (rho0 * rho0 * c2)
     mu = 4.0 / 3.0 * gas.mu * gas.transport.viscosity(T0)
     kappa = gas.kappa * gas.transport.conductivity(T0)
-    longest = LONGEST * (c + min(a, 0.0)) * width
-    part = max(0.0, 1.0 - max(mu, kappa / cv) / (rho0 * longest)) if longest > 0.0 else 0.0
+    longest = LONGEST * (c + np.minimum(a, 0.0)) * width
+    part = np.maximum(0.0, 1.0 - np.maximum(mu, kappa / cv) / (rho0 * longest))
+    part = np.where(longest > 0.0, part, 0.0)
     capacity = cv * rho0 * rho0 * c2 / law.bulk_modulus(rho0, T0)
     alpha = kappa / capacity
-    lost = 0.5 * (np.sqrt(a * a + 4.0 * (alpha / width) ** 2) - a)
-    warmer = -part * alpha * tau * rho0 * v_n if a < 0.0 else 0.0
-    warmer = min(max(warmer, -0.5 * T0), 0.5 * T0)
+    lost = 0.5 * (np.sqrt(a * a + 4.0 * (alpha / width) * (alpha / width)) - a)
+    warmer = np.where(a < 0.0, -part * alpha * tau * rho0 * v_n, 0.0)
+    warmer = np.minimum(np.maximum(warmer, -0.5 * T0), 0.5 * T0)
     heat = part * kappa * tau * rho0 * c * v_n
-    if kappa > 0.0:
-        heat -= capacity * lost * (w[2] - T0 - warmer - tau * (w[1] - beyond[1]))
+    let_out = capacity * lost * (w[2] - T0 - warmer - tau * (w[1] - beyond[1]))
+    heat = heat - np.where(kappa > 0.0, let_out, 0.0)
     sound, T = part * 0.5 * (mu - tau * by_heat * kappa) * v_n, T0 + warmer
     beyond = gas.state(law.density(beyond[1], T), gas.velocity(beyond), T)
     return (sound, part * mu * v_n, heat), beyond
 
 
-@njit(**INNER_CALL)
 def by_characteristics(gas, w, beyond, n, g, size, viscous):
     """F(U*) and whether there is such a gas; viscous: see `first_order`."""
     law, (sound, stress, heat), N = gas.law, viscous, scale(1.0 / size, n)
-    rho, p, u, nothing = w[0], w[1], gas.velocity(w), gas.densities(w)
+    rho, p, u = w[0], w[1], gas.velocity(w)
     rho_out, p_out, u_out = beyond[0], beyond[1], gas.velocity(beyond)
     c, c_out = gas.speed_of_sound(w), gas.speed_of_sound(beyond)
     a, a_out = dot(N, u) - g / size, dot(N, u_out) - g / size
     rho_mean = rho + 0.5 * (p_out - p) / (c * c)
-    T_mean = law.temperature_of(rho_mean, 0.5 * (p + p_out)) if rho_mean > 0.0 else 0.0
-    if not T_mean > 0.0:
-        return nothing, False
+    T_mean = law.temperature_of(rho_mean, 0.5 * (p + p_out))
     Z = rho_mean * np.sqrt(law.sound_speed_squared(rho_mean, T_mean))
     speed = 0.5 * (a + a_out) + 0.5 * (p - p_out - sound) / Z
     between = 0.5 * (p + p_out + sound) + 0.5 * Z * (a - a_out)
-    leaves, rho_face = speed >= 0.0, rho + (between - p) / (c * c)
-    if not leaves:
-        rho_face = rho_out + (between - p_out) / (c_out * c_out)
-    if a >= c:
-        leaves, speed, rho_face, between = True, a, rho, p
-    elif a_out <= -c_out:
-        leaves, speed, rho_face, between = False, a_out, rho_out, p_out
-    T_face = law.temperature_of(rho_face, between) if rho_face > 0.0 else 0.0
-    if not T_face > 0.0:
-        return nothing, False
-    known = along(u, speed - a, N) if leaves else along(u_out, speed - a_out, N)
+    fast_out, fast_in = a >= c, a_out <= -c_out
+    leaves = fast_out | ((speed >= 0.0) & ~fast_in)
+    of_side = np.where(leaves, rho, rho_out), np.where(leaves, p, p_out), np.where(leaves, c, c_out)
+    rho_face = of_side[0] + (between - of_side[1]) / (of_side[2] * of_side[2])
+    speed, rho_face, between = choose(
+        fast_out, (a, rho, p), choose(fast_in, (a_out, rho_out, p_out), (speed, rho_face, between))
+    )
+    T_face = law.temperature_of(rho_face, between)
+    there_is = (rho_mean > 0.0) & (T_mean > 0.0) & (rho_face > 0.0) & (T_face > 0.0)
+    known = choose(leaves, along(u, speed - a, N), along(u_out, speed - a_out, N))
     F = surface_flux(gas, gas.state(rho_face, known, T_face), n, g)
     lost = (0.0, *scale(stress, n), size * (stress * (speed + g / size) + heat))
-    return sub(F, lost), True
+    return sub(F, lost), there_is
 
 
-@njit(**INNER_CALL)
 def load_faces(part, faces, q, rates, gain):
     """Add forces and heat at the faces of a solid to ``rates`` (owned, 2d + 1) and ``gain``;
     returns the work; q: (ghosted, 2d + 1).
     """
-    solid, like, metrics, inertia = part.laws, part.like, part.metrics, part.inertia
-    d, total, impulse, energy, warmth = len(like), 0.0, gain.impulse, gain.energy, gain.heat
-    for i in range(faces.at.size):
-        at, own = faces.at[i], faces.own[i]
-        A = scale(faces.sign[i], column_of(like, metrics, faces.axis[i] * d, at))
+    d, total, energy = len(part.like), variable(0.0), gain.energy
+    like = (0.0,) * d
+    for i in each(faces.at.shape[0]):
+        at, own, column, across = faces.at[i], faces.own[i], faces.column[i], faces.across[i]
+        A = scale(faces.sign[i], column_of(like, part.metrics, faces.axis[i] * d, at))
         area, v = np.sqrt(dot(A, A)), part_of(like, q, at, d)
-        force = scale(area, node(like, faces.traction, i))
-        if faces.absorbs[i] == 1:
-            F = strain_at(part, q, at)
-            T, N = solid.temperature(v, q[at, 2 * d], F), per(A, area)
-            pull = along(scale(faces.stress[i], N), -1.0, solid.resistance(F, T, N, v))
-            force = along(force, area, pull)
-        if faces.pressure[i] != 0.0:
-            n = normal_at(part, faces, i, q)
-            force = along(force, -faces.pressure[i], n)
-        scaled, heat = faces.per_weight[i] / inertia[at], faces.heat[i] * area
+        forces = [variable(area * faces.traction[i, c]) for c in range(d)]
+        with when(faces.absorbs[i] == 1):
+            add_to(forces, area, absorbed(part, faces, i, q, per(A, area), v))
+        with when(faces.pressure[i] != 0.0):
+            add_to(forces, -faces.pressure[i], normal_at(part, faces, i, q))
+        force = tuple(one.value for one in forces)
+        scaled, heat = faces.per_weight[i] / part.inertia[at], faces.heat[i] * area
         work = dot(force, v)
         for c in range(d):
             rates[own, d + c] += scaled * force[c]
-            impulse[c] += faces.across[i] * force[c]
+            gain.impulse[c] += across * force[c]
         rates[own, 2 * d] += scaled * (work + heat)
-        energy[faces.column[i]] += faces.across[i] * (work + heat)
-        warmth[faces.column[i]] += faces.across[i] * heat
-        total += faces.across[i] * work
-    return total
+        energy[column] += across * (work + heat)
+        gain.heat[column] += across * heat
+        total.value += across * work
+    return total.value
 
 
-@njit(**INNER_CALL)
+def add_to(sums, c, a):
+    """Add c times a vector to variables."""
+    for total, number in zip(sums, a, strict=True):
+        total.value += c * number
+
+
+def absorbed(part, faces, i, q, N, v):
+    """stress N - Z v at the i-th node of a solid's faces."""
+    solid, at, d = part.laws, faces.at[i], len(part.like)
+    F = strain_at(part, q, at)
+    T = solid.temperature(v, q[at, 2 * d], F)
+    return along(scale(faces.stress[i], N), -1.0, solid.resistance(F, T, N, v))
+
+
 def normal_at(part, faces, i, q):
     """Outward area vector of a solid's face where it is now; around an axis see
     fsipetsc.blocks.radial_grid.
     """
-    solid, like, at, axis, sign = part.laws, part.like, faces.at[i], faces.axis[i], faces.sign[i]
+    solid, at, axis, sign = part.laws, faces.at[i], faces.axis[i], faces.sign[i]
+    like, of_axes = (0.0,) * len(part.like), (part.S, part.weight, part.patch)
     if len(like) == 3:
         return node(like, faces.normal, i)
     x = place_at(like, faces.X, q, at)
     if len(like) == 1:
-        return last_times(solid.weight(x), add_last(sign, like))
-    of_axes = part.S, part.weight, part.patch
+        return last_times(solid.weight(x), (sign,))
     slope = slope_at(like, at, 1 - axis, *of_axes, Flat(solid, faces.X, q))
-    return last_times(solid.weight(x), turned(sign if axis == 0 else -sign, slope))
+    return last_times(solid.weight(x), turned(np.where(axis == 0, sign, -sign), slope))
 
 
-@njit(**INNER_CALL)
 def place_at(like, X, q, n):
     """Where a solid's node of the ghosted array is."""
     return add(column_of(like, X, 0, n), node(like, q, n))
@@ -330,12 +335,21 @@ class Flat(NamedTuple):
         return self.solid.flat(place_at(like, self.X, self.q, n))
 
 
-@njit(**INNER_CALL)
+class Displacement(NamedTuple):
+    """Of a solid's node."""
+
+    q: Array
+
+    def at(self, like, n):
+        return node(like, self.q, n)
+
+
 def strain_at(part, q, at):
     """F = 1 + sum_k D_k D A^k / J0 of a solid's node of the ghosted array, with hoops."""
-    like, metrics, of_axes = part.like, part.metrics, (part.S, part.weight, part.patch)
-    d, F, displacement = len(like), add_unit(1.0, outer(like, like)), Columns(q.T, 0)
+    d, metrics, of_axes = len(part.like), part.metrics, (part.S, part.weight, part.patch)
+    like = (0.0,) * d
+    F = add_unit(1.0, outer(like, like))
     for k in range(d):
         A = per(column_of(like, metrics, k * d, at), metrics[d * d, at])
-        F = add(F, outer(slope_at(like, at, k, *of_axes, displacement), A))
-    return part.laws.with_hoops(F, node(like, q, at), metrics[metrics.shape[0] - 1, at])
+        F = add(F, outer(slope_at(like, at, k, *of_axes, Displacement(q)), A))
+    return part.laws.with_hoops(F, node(like, q, at), metrics[-1, at])

@@ -51,23 +51,24 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.operators.loops import njit, register_jitable
+from fsipetsc.kernels.procedure import each, variable, when
 from fsipetsc.operators.loops import (
-    CALL,
-    EXACT_LOOP,
-    INNER_CALL,
     add,
     along,
     choose,
+    column,
+    column_of,
     dot,
     mean,
+    node,
+    put_column,
     scale,
     sub,
-    zeros,
 )
-from fsipetsc.operators.undivided import Differences
+from fsipetsc.operators.undivided import Differences, difference
 from fsipetsc.scheme.gas_forms import state_like
-from fsipetsc.scheme.rows import ONE, U64, Array, at, put
+from fsipetsc.scheme.part import clear
+from fsipetsc.scheme.rows import Array
 
 #: s up to which there is no shock, and how fast alpha rises from there
 NO_SHOCK, RISE = 0.03, 2.5
@@ -76,13 +77,13 @@ SMALL = 0.05
 
 
 class GasDamping(NamedTuple):
-    """Sizes of both terms, 0: none. Memory, by components of N nodes: states, entropy variables,
-    fluxes of differences (each component after zeros), alpha, areas and volume fluxes of links,
-    sums. In a constant force there are more of these: see fsipetsc.scheme.gas_force.
+    """Sizes of both terms, None: none. Memory, (numbers, nodes): states, entropy variables, fluxes
+    of differences after zeros, alpha, areas and volume fluxes of links, sums. In a constant force
+    there are more of these: see fsipetsc.scheme.gas_force.
     """
 
-    sigma: float
-    shock: float
+    sigma: float | None
+    shock: float | None
     differences: Differences
     state: Array
     z: Array
@@ -96,231 +97,218 @@ class GasDamping(NamedTuple):
         gas_dissipation(part, self, q, rates)
 
 
-def gas_damping(like: Any, force: Any, found: Differences, *sizes: float) -> GasDamping:
-    """For the nodes of a patch. force: fsipetsc.scheme.gas_force. sizes: sigma, shock."""
-    d, N, F = len(like), found.norm.shape[1], len(force.diffused(like)) * found.room(len(like))
-    memory = (d + 5) * N, (d + 2) * N, F, N, (d + 1) * N, len(force.linked(like)) * N
-    return GasDamping(*sizes, found, *map(np.zeros, memory))
+def gas_damping(
+    like: Any, force: Any, found: Differences, sigma: float, shock: float
+) -> GasDamping:
+    """For the nodes of a patch. force: fsipetsc.scheme.gas_force. Sizes of 0: none."""
+    d, N = len(like), found.norm.shape[1]
+    shapes = (d + 5, N), (d + 2, N), (len(force.diffused(like)), found.room(d)), N, (d + 1, N)
+    memory = map(np.zeros, (*shapes, (len(force.linked(like)), N)))
+    return GasDamping(sigma or None, shock or None, found, *memory)
 
 
-@njit(**CALL)
 def gas_dissipation(part, damp, q, rates):
     """Add both terms to the rates (M, d + 3) of the owned nodes; q: with a halo of q + 1 nodes."""
-    gas, like, form, S, patch = part.laws, part.like, part.form, part.S, part.patch
-    sigma, shock, difference, metrics = damp.sigma, damp.shock, damp.differences, part.metrics
-    q, metrics, rates, N = q.reshape(-1), metrics.reshape(-1), rates.reshape(-1), damp.alpha.size
-    own, ghosted, first, weights = patch.own, patch.ghosted, patch.first, difference.weights
-    potential, supplied = part.potential, part.supplied
-    prepare(gas, like, form.force, q, potential, damp.state, damp.z, U64(N))
-    for k in range(len(like)):
-        stride, damp.sums[:] = int(difference.strides[k]), 0.0
-        if shock > 0.0:
-            waves = GasWaves(gas, like, damp.state, metrics, U64(k * len(like) * N), U64(N))
-            sense(waves, damp.alpha, stride, ghosted[k])
-            if damp.alpha.max() > 0.0:
-                damp.link[:] = 0.0
-                of_axis = metrics, potential, k, stride, ghosted[k]
-                split_pairs(gas, like, form, S[k], *of_axis, damp)
-                flow_on(gas, like, form, potential, shock, stride, damp)
-        if sigma > 0.0:
-            strength, norm = sigma / 4.0 ** (len(weights) - 1), difference.norm[k]
-            of_axis = weights, norm, metrics, potential, k, U64(stride)
-            fluxes(gas, like, form.force, strength, *of_axis, damp, U64(N))
-        per_weight = difference.per_weight[k]
-        for y in range(own[1]):
-            for z in range(own[2]):
-                node = U64(first[0] + ghosted[0] * (first[1] + y + ghosted[1] * (first[2] + z)))
-                to, n = U64(own[0] * (y + own[1] * z)), U64(own[0])
-                found = damp, potential, supplied, rates, to, n
-                of_axis = weights, per_weight, sigma > 0.0, node, U64(stride)
-                collect(like, form.force, *of_axis, *found)
+    patch = part.patch
+    (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
+    prepare(part, damp, q)
+    for k in range(len(part.like)):
+        stride = damp.differences.strides[k]
+        if damp.shock is not None:
+            clear(damp.sums.reshape(-1))
+            waves = GasWaves(part.laws, damp.state, part.metrics, k)
+            sense(waves, damp.alpha, stride, patch.ghosted[k])
+            shocks = variable(0.0)
+            for i in each(damp.alpha.size):
+                shocks.value = np.where(damp.alpha[i] > 0.0, 1.0, shocks.value)
+            with when(shocks.value > 0.0):
+                clear(damp.link.reshape(-1))
+                split_pairs(part, damp, k, stride)
+                flow_on(part, damp, stride)
+        if damp.sigma is not None:
+            fluxes(part, damp, k, stride)
+        for z in each(n2):
+            for y in each(n1):
+                first = f0 + g0 * (f1 + y + g1 * (f2 + z))
+                collect(part, damp, k, stride, first, n0 * (y + n1 * z), n0, rates)
 
 
-@njit(**EXACT_LOOP)
-def prepare(gas, like, force, q, potential, state, z, n):
-    """Primitive and entropy variables of interlaced nodes."""
-    like_q = (*like, 0.0, 0.0, 0.0)
-    for i in range(n):
-        w = gas.primitive(at(like_q, q, U64(0), ONE, i * U64(len(like_q))))
-        put(state, U64(0), n, i, w)
-        first = force.level(potential, i, gas.first_entropy_variable(w), w)
-        put(z, U64(0), n, i, (first, *gas.entropy_variables(w)))
+def prepare(part, damp, q):
+    """Primitive and, for differences, entropy variables of the nodes."""
+    gas, like_q = part.laws, (*part.like, 0.0, 0.0, 0.0)
+    for i in each(damp.alpha.size, vector=True):
+        w = gas.primitive(node(like_q, q, i))
+        put_column(damp.state, i, 0, w)
+        if damp.sigma is not None:
+            first = part.form.force.level(part.potential, i, gas.first_entropy_variable(w), w)
+            put_column(damp.z, i, 0, (first, *gas.entropy_variables(w)))
 
 
 class GasWaves(NamedTuple):
-    """What is sensed in a gas along an axis. state, metrics: by components of n nodes; area: where
-    those of a^k begin.
+    """What is sensed in a gas along an axis k. state: (3 + d and more, N), metrics: (d d and more,
+    N).
     """
 
     gas: Any
-    like: Any
     state: Array
     metrics: Array
-    area: Any
-    n: Any
+    k: int
 
     def steepness(self, i, stride):
         """s of a node."""
-        like_w, none, n, gas = (*self.like, 0.0, 0.0, 0.0), U64(0), self.n, self.gas
-        a = at(self.like, self.metrics, self.area, n, i)
-        below = at(like_w, self.state, none, n, i - stride)
-        here = at(like_w, self.state, none, n, i)
-        above = at(like_w, self.state, none, n, i + stride)
+        gas, like = self.gas, (0.0,) * len(self.gas.force)
+        like_w = (*like, 0.0, 0.0, 0.0)
+        a = column_of(like, self.metrics, self.k * len(like), i)
+        below, above = (column(like_w, self.state, n) for n in (i - stride, i + stride))
+        here = column(like_w, self.state, i)
         rise, fall = sub(above, here), sub(here, below)
         size_of_rho = SMALL * (above[0] + 2.0 * here[0] + below[0])
         size_of_p = SMALL * (self.modulus(above) + 2.0 * self.modulus(here) + self.modulus(below))
-        s = max(bend(rise[0], fall[0], size_of_rho), bend(rise[1], fall[1], size_of_p))
-        c2 = gas.law.sound_speed_squared(here[0], here[2])
-        before, behind = min(0.0, dot(a, rise[3:])), min(0.0, dot(a, fall[3:]))
-        return max(s, bend(before, behind, 2.0 * np.sqrt(c2 * dot(a, a))))
+        s = np.maximum(bend(rise[0], fall[0], size_of_rho), bend(rise[1], fall[1], size_of_p))
+        size = 2.0 * np.sqrt(gas.law.sound_speed_squared(here[0], here[2]) * dot(a, a))
+        before, behind = (np.minimum(0.0, dot(a, change[3:])) for change in (rise, fall))
+        return np.maximum(s, bend(before, behind, size))
 
     def modulus(self, w):
         """K of a state."""
         return self.gas.law.bulk_modulus(w[0], w[2])
 
 
-@register_jitable
 def bend(rise, fall, size):
     """s of d_+ and d_-; 0 where there is nothing."""
     return abs(rise - fall) / (abs(rise) + abs(fall) + size + 1e-300)
 
 
-@njit(**EXACT_LOOP)
 def sense(waves, alpha, stride, length):
     """alpha of all nodes along an axis of so many. waves: with s of a node as ``steepness``."""
-    next_one = U64(stride)
-    for line in range(0, alpha.size, stride * length):
-        begin, end, beyond = line + stride, line + stride * (length - 1), line + stride * length
-        for i in range(line, begin):
+    for line in each(alpha.size // (stride * length)):
+        first = line * (stride * length)
+        begin, beyond = first + stride, first + stride * length
+        end = np.maximum(begin, beyond - stride)
+        for i in each(first, begin, vector=True):
             alpha[i] = 0.0
-        for i in range(U64(begin), U64(max(begin, end))):
-            alpha[i] = min(1.0, max(0.0, RISE * (waves.steepness(i, next_one) - NO_SHOCK)))
-        for i in range(max(begin, end), beyond):
+        for i in each(begin, end, vector=True):
+            steep = RISE * (waves.steepness(i, stride) - NO_SHOCK)
+            alpha[i] = np.minimum(1.0, np.maximum(0.0, steep))
+        for i in each(end, beyond, vector=True):
             alpha[i] = 0.0
 
 
 # of order q
 
 
-@register_jitable
-def shifted_sum(like, array, start, step, i, stride, weights):
-    """sum_m weights_m f_(i + m stride) of the numbers f of a node."""
-    found = scale(weights[0], at(like, array, start, step, i))
-    for m in range(1, len(weights)):
-        found = along(found, weights[m], at(like, array, start, step, i + U64(m) * stride))
-    return found
-
-
-@register_jitable
 def largest(alpha, i, stride, weights):
     """The largest alpha of the nodes of a difference."""
     found = alpha[i]
     for m in range(1, len(weights)):
-        found = max(found, alpha[i + U64(m) * stride])
+        found = np.maximum(found, alpha[i + m * stride])
     return found
 
 
-@njit(**EXACT_LOOP)
-def fluxes(gas, like, force, strength, weights, norm, metrics, potential, k, stride, damp, n):
+def fluxes(part, damp, k, stride):
     """sigma/4^q lambda/(1 + eta) U_z Delta z of differences by their first nodes, 0 if one does not
     fit.
     """
-    like_z, nothing = (*like, 0.0, 0.0), zeros(force.diffused(like))
-    d, order, none = len(like), len(weights) - 1, U64(0)
-    low, high = U64(order // 2) * stride, U64((order + 1) // 2) * stride
-    area, grid = U64(k * d) * n, U64(d * d) * n
-    apart = U64(damp.F.size // len(nothing))
-    for i in range(n - U64(order) * stride):
-        change = shifted_sum(like_z, damp.z, none, n, i, stride, weights)
+    gas, like, metrics = part.laws, part.like, part.metrics
+    force, potential = part.form.force, part.potential
+    weights, norm, d = damp.differences.weights, damp.differences.norm[k], len(like)
+    like_z, nothing = (*like, 0.0, 0.0), (0.0,) * len(force.diffused(like))
+    N, order = damp.alpha.size, len(weights) - 1
+    strength, before = damp.sigma / 4.0**order, damp.F.shape[1] - N
+    low, high = order // 2 * stride, (order + 1) // 2 * stride
+    for i in each(N - order * stride, vector=True):
         l, r = i + low, i + high
+        change = difference(lambda m: column(like_z, damp.z, m), i, stride, weights)
         change = force.at_middle(change, potential, l, r)
-        middle = mean(at(like_z, damp.z, none, n, l), at(like_z, damp.z, none, n, r))
+        middle = mean(column(like_z, damp.z, l), column(like_z, damp.z, r))
         T = -1.0 / middle[-1]
-        w = gas.state(0.5 * (damp.state[l] + damp.state[r]), scale(T, middle[1:-1]), T)
-        a_l, a_r = at(like, metrics, area, n, l), at(like, metrics, area, n, r)
-        g = dot(a_l, at(like, metrics, grid, n, l)) + dot(a_r, at(like, metrics, grid, n, r))
-        speed = gas.fastest(w, mean(a_l, a_r), 0.5 * g)
-        wide = 1.0 - largest(damp.alpha, i, stride, weights)
+        w = gas.state(0.5 * (damp.state[0, l] + damp.state[0, r]), scale(T, middle[1:-1]), T)
+        a_l, a_r = (column_of(like, metrics, k * d, n) for n in (l, r))
+        v_l, v_r = (column_of(like, metrics, d * d, n) for n in (l, r))
+        speed = gas.fastest(w, mean(a_l, a_r), 0.5 * (dot(a_l, v_l) + dot(a_r, v_r)))
+        if damp.shock is not None:
+            speed = (1.0 - largest(damp.alpha, i, stride, weights)) * speed
         dU = gas.densities_of_change(w, change)
         eta = gas.size_of_change(w, change, dU)
-        F = scale(strength * norm[i] * wide * speed / (1.0 + eta), dU)
-        F = force.with_level(F, potential, l, r)
-        put(damp.F, apart - n, apart, i, choose(norm[i] > 0.0, F, nothing))
-    for i in range(n - U64(order) * stride, n):
-        put(damp.F, apart - n, apart, i, nothing)
+        F = scale(strength * norm[i] * speed / (1.0 + eta), dU)
+        F = choose(norm[i] > 0.0, force.with_level(F, potential, l, r), nothing)
+        put_column(damp.F, before + i, 0, F)
+    for i in each(N - order * stride, N, vector=True):
+        put_column(damp.F, before + i, 0, nothing)
 
 
-@njit(**EXACT_LOOP)
-def collect(
-    like, force, weights, per_weight, differs, node, stride, damp, potential, supplied, rates, to, n
-):
-    """Add sums and H^-1 Delta^T F to the rates of a row of owned nodes; all is interlaced there."""
-    like_f, N, count = (*like, 0.0, 0.0), U64(per_weight.size), U64(len(like) + 3)
-    like_F = force.diffused(like)
-    order, apart = len(weights) - 1, U64(damp.F.size // len(like_F))
-    back, sign = apart - N + node - U64(order) * stride, 1.0 - 2.0 * (order % 2)
-    for i in range(n):
-        more, place = at(like_f, damp.sums, node, N, i), (to + i) * count + ONE
-        power = 0.0
-        if differs:  # weights of Delta^T: those of Delta in reverse order, perhaps with sign -1
-            sums_of_F = shifted_sum(like_F, damp.F, back, apart, i, stride, weights)
-            sum_of_F, level = force.parted(sums_of_F)
-            more = along(more, -sign, sum_of_F)
-            power = sign * force.lifted(potential, node + i, sum_of_F, level)
-        force.collect(like, damp.sums, N, node + i, per_weight[node + i], power, supplied, to + i)
-        found = at(like_f, rates, place, ONE, U64(0))
-        put(rates, place, ONE, U64(0), along(found, per_weight[node + i], more))
+def collect(part, damp, k, stride, first, own, n, rates):
+    """Add sums and H^-1 Delta^T F to the rates of a row of n owned nodes, from ``own`` on; first:
+    the first one's number.
+    """
+    force, weights = part.form.force, damp.differences.weights
+    like_F, of_links = force.diffused(part.like), force.linked(part.like)
+    order, d = len(weights) - 1, len(part.like)
+    sign, back = 1.0 - 2.0 * (order % 2), damp.F.shape[1] - damp.alpha.size - order * stride
+    for i in each(n, vector=True):
+        at_node, here, power = first + i, own + i, 0.0
+        per_weight = damp.differences.per_weight[k, at_node]
+        sums = (0.0,) * len(of_links)
+        if damp.shock is not None:
+            sums = column(of_links, damp.sums, at_node)
+        more = sums[: d + 2]
+        if damp.sigma is not None:
+            # weights of Delta^T: those of Delta in reverse order, perhaps with sign -1
+            found = difference(lambda m: column(like_F, damp.F, m), back + at_node, stride, weights)
+            F, level = force.parted(found)
+            more = along(more, -sign, F)
+            power = sign * force.lifted(part.potential, at_node, F, level)
+        force.collect(sums, per_weight, power, part.supplied, here)
+        before = tuple(rates[here, 1 + c] for c in range(d + 2))
+        for c, rate in enumerate(along(before, per_weight, more)):
+            rates[here, 1 + c] = rate
 
 
 # at shocks
 
 
-@njit(**INNER_CALL)
-def split_pairs(gas, like, form, S, metrics, potential, k, stride, length, damp):
+def split_pairs(part, damp, k, stride):
     """Take alpha of its flux from each pair; add to areas and volume fluxes of its links."""
-    for i in range(damp.alpha.size):
-        place, alpha = i // stride % length, damp.alpha[i]
-        for m in range(1, min(S.shape[0], length - place)):
-            alpha = max(alpha, damp.alpha[i + m * stride])
-            if alpha > 0.0 and S[m, place] != 0.0:
-                weight, ends = alpha * S[m, place], (U64(i), U64(m), U64(stride))
-                split(gas, like, form, weight, metrics, potential, k, *ends, damp)
+    S, length = part.S[k], part.patch.ghosted[k]
+    for i in each(damp.alpha.size):
+        place, alpha = i // stride % length, variable(damp.alpha[i])
+        for m in each(1, np.minimum(S.shape[0], length - place)):
+            alpha.value = np.maximum(alpha.value, damp.alpha[i + m * stride])
+            with when((alpha.value > 0.0) & (S[m, place] != 0.0)):
+                split(part, damp, alpha.value * S[m, place], k, i, m, stride)
 
 
-@njit(**INNER_CALL)
-def split(gas, like, form, weight, metrics, potential, k, i, m, stride, damp):
+def split(part, damp, weight, k, i, m, stride):
     """One pair, of the node i and that m farther on; weight: alpha S."""
-    like_w, like_f, d = state_like(like), form.force.sums(like), len(like)
-    N, none, like_v = U64(damp.alpha.size), U64(0), gas.of_grid(like)
-    j, area, grid = i + m * stride, U64(k * d) * N, U64(d * d) * N
-    l, r = at(like_w, damp.state, none, N, i), at(like_w, damp.state, none, N, j)
-    a_l, v_l = at(like, metrics, area, N, i), at(like_v, metrics, grid, N, i)
-    a_r, v_r = at(like, metrics, area, N, j), at(like_v, metrics, grid, N, j)
+    gas, form, metrics, potential = part.laws, part.form, part.metrics, part.potential
+    like, d, j = part.like, len(part.like), i + m * stride
+    like_w, like_f, like_v = state_like(like), form.force.sums(like), gas.of_grid(like)
+    l, r = column(like_w, damp.state, i), column(like_w, damp.state, j)
+    a_l, a_r = (column_of(like, metrics, k * d, n) for n in (i, j))
+    v_l, v_r = (column_of(like_v, metrics, d * d, n) for n in (i, j))
     g = gas.volume_flux(a_l, v_l, a_r, v_r)
     F, rise = form.any(gas, l, r, a_l, a_r, g), form.force.rise(potential, i, j)
     below, above = form.force.any(gas, F, l, r, a_l, a_r, rise)
-    put(damp.sums, none, N, i, along(at(like_f, damp.sums, none, N, i), weight, below))
-    put(damp.sums, none, N, j, along(at(like_f, damp.sums, none, N, j), -weight, above))
-    more = (*mean(a_l, a_r), g)
-    for n in range(m):
-        link = i + U64(n) * stride
-        before = at((*like, 0.0), damp.link, none, N, link)
-        put(damp.link, none, N, link, along(before, weight, more))
+    put_column(damp.sums, i, 0, along(column(like_f, damp.sums, i), weight, below))
+    put_column(damp.sums, j, 0, along(column(like_f, damp.sums, j), -weight, above))
+    more, like_link = (*mean(a_l, a_r), g), (*like, 0.0)
+    for n in each(m):
+        link = i + n * stride
+        put_column(damp.link, link, 0, along(column(like_link, damp.link, link), weight, more))
 
 
-@njit(**INNER_CALL)
-def flow_on(gas, like, form, potential, shock, stride, damp):
+def flow_on(part, damp, stride):
     """Fluxes through the links, with those of Lax and Friedrichs."""
-    like_w, N, none, force = state_like(like), U64(damp.alpha.size), U64(0), form.force
-    like_f = force.linked(like)
-    for i in range(N - U64(stride)):
-        link, j = at((*like, 0.0), damp.link, none, N, i), i + U64(stride)
+    gas, form, force, potential = part.laws, part.form, part.form.force, part.potential
+    like_w, like_f, like_link = state_like(part.like), force.linked(part.like), (*part.like, 0.0)
+    for i in each(damp.alpha.size - stride):
+        link, j = column(like_link, damp.link, i), i + stride
         a, g = link[:-1], link[-1]
-        if dot(link, link) > 0.0:
-            l, r = at(like_w, damp.state, none, N, i), at(like_w, damp.state, none, N, j)
-            speed = 0.5 * shock * max(gas.fastest(l, a, g), gas.fastest(r, a, g))
+        with when(dot(link, link) > 0.0):
+            l, r = column(like_w, damp.state, i), column(like_w, damp.state, j)
+            speed = 0.5 * damp.shock * np.maximum(gas.fastest(l, a, g), gas.fastest(r, a, g))
             rise = force.rise(potential, i, j)
             jump, F = force.jump(gas, l, r, rise), form.any(gas, l, r, a, a, g)
             below, above = force.link(gas, F, speed, jump, l, r, a, rise)
-            put(damp.sums, none, N, i, sub(at(like_f, damp.sums, none, N, i), below))
-            put(damp.sums, none, N, j, add(at(like_f, damp.sums, none, N, j), above))
+            put_column(damp.sums, i, 0, sub(column(like_f, damp.sums, i), below))
+            put_column(damp.sums, j, 0, add(column(like_f, damp.sums, j), above))

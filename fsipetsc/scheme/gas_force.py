@@ -27,11 +27,9 @@ c, so that by convexity c . (U*_m+1 - U*_m) > 0; in a gas at rest both are equal
 
 from typing import Any, NamedTuple
 
-
-from fsipetsc.operators.loops import njit
-from fsipetsc.operators.loops import INNER_CALL, add_last, along, scale, sub
+from fsipetsc.kernels.procedure import each, variable
+from fsipetsc.operators.loops import add_last, along, scale, sub
 from fsipetsc.scheme.part import ghosted_node
-from fsipetsc.scheme.rows import ONE, U64, at, put
 
 
 class NoForce(NamedTuple):
@@ -92,31 +90,29 @@ class NoForce(NamedTuple):
         F = along(F, -speed, jump)
         return F, F
 
-    def collect(self, like, sums, N, node, per_weight, power, supplied, own):
-        """Add the force of links to that on an owned node, and the power of what diffuses."""
-        return 0.0
+    def collect(self, sums, per_weight, power, supplied, own):
+        """Add the force of links to that on an owned node, and the power of what diffuses; sums: of
+        the node, as many as ``linked``.
+        """
 
     def follow(self, part):
         """Phi of the nodes where they are now."""
-        return 0.0
 
     def add(self, part, q, rates, gain):
         """Add the force and its power to the rates, and to what comes in."""
-        return 0.0
 
     def note(self, part, q, found):
         """Note the potential energy in a fsipetsc.scheme.steps.Found."""
-        return 0.0
 
 
 class NodeForce(NoForce):
     """A force node by node: for the divergence form."""
 
     def note(self, part, q, found):
-        return note_potential(part, q, found)
+        note_potential(part, q, found)
 
     def add(self, part, q, rates, gain):
-        return add_node_force(part, q, rates, gain)
+        add_node_force(part, q, rates, gain)
 
 
 class PairForce(NoForce):
@@ -167,22 +163,21 @@ class PairForce(NoForce):
         power = -0.5 * speed * jump[0] * rise
         return (*F, *force, power), (*F, *scale(-1.0, force), -power)
 
-    def collect(self, like, sums, N, node, per_weight, power, supplied, own):
-        d, like_s = len(like), (*like, 0.0)
-        place, none = own * U64(d + 1), U64(0)
-        more = add_last(power, at(like_s, sums, U64(d + 2) * N + node, N, none))
-        found = along(at(like_s, supplied, place, ONE, none), per_weight, more)
-        put(supplied, place, ONE, none, found)
-        return 0.0
+    def collect(self, sums, per_weight, power, supplied, own):
+        count = (len(sums) - 1) // 2
+        more = add_last(power, sums[-count:])
+        before = tuple(supplied[own * count + c] for c in range(count))
+        for c, force in enumerate(along(before, per_weight, more)):
+            supplied[own * count + c] = force
 
     def follow(self, part):
-        return find_potential(part)
+        find_potential(part)
 
     def add(self, part, q, rates, gain):
-        return add_pair_force(part, q, rates, gain)
+        add_pair_force(part, q, rates, gain)
 
     def note(self, part, q, found):
-        return note_potential(part, q, found)
+        note_potential(part, q, found)
 
 
 def force_of(force: Any, divergence: bool) -> Any:
@@ -192,67 +187,63 @@ def force_of(force: Any, divergence: bool) -> Any:
     return NodeForce() if divergence else PairForce()
 
 
-@njit(**INNER_CALL)
 def find_potential(part):
     """Phi = - b . x of the nodes of the ghosted array."""
     potential, places, force = part.potential, part.places, part.laws.force
     part.grid.find_places(part.X, places)
-    for i in range(potential.size):
-        potential[i] = 0.0
-        for c in range(len(part.like)):
-            potential[i] -= force[c] * places[c, i]
-    return 0.0
+    for i in each(potential.size, vector=True):
+        level = 0.0
+        for c, b in enumerate(force):
+            level = level - b * places[c, i]
+        potential[i] = level
 
 
-@njit(**INNER_CALL)
 def add_pair_force(part, q, rates, gain):
     """The force of the sweep and of links, with the power of what diffuses."""
     supplied, d = part.supplied, len(part.like)
-    for i in range(rates.shape[0]):
-        place = i * (d + 1)
-        power = supplied[place + d]
-        for c in range(d):
-            power += supplied[place + c] * (q[i, 2 + c] / q[i, 1])
-            push(part, rates, gain, i, c, supplied[place + c])
-        work(part, rates, gain, i, power)
-    return 0.0
+
+    def of_node(i):
+        forces = tuple(supplied[i * (d + 1) + c] for c in range(d))
+        power = supplied[i * (d + 1) + d]
+        for c, force in enumerate(forces):
+            power = power + force * (q[i, 2 + c] / q[i, 1])
+        return (*forces, power)
+
+    push(part, rates, gain, of_node)
 
 
-@njit(**INNER_CALL)
 def add_node_force(part, q, rates, gain):
     """J rho b."""
-    force, d = part.laws.force, len(part.like)
-    for i in range(rates.shape[0]):
+    force = part.laws.force
+
+    def of_node(i):
         power = 0.0
-        for c in range(d):
-            power += force[c] * q[i, 2 + c]
-            push(part, rates, gain, i, c, force[c] * q[i, 1])
-        work(part, rates, gain, i, power)
-    return 0.0
+        for c, b in enumerate(force):
+            power = power + b * q[i, 2 + c]
+        return (*scale(q[i, 1], force), power)
+
+    push(part, rates, gain, of_node)
 
 
-@njit(**INNER_CALL)
-def push(part, rates, gain, i, c, force):
-    """Add a component of the force on an owned node."""
-    rates[i, 2 + c] += force
-    gain.impulse[c] += part.masses[i] * force
+def push(part, rates, gain, of_node):
+    """Add the force on each owned node and its power, which of_node says, to the rates and gain."""
+    d, masses = len(part.like), part.masses
+    sums = [variable(0.0) for _ in range(d + 1)]
+    for i in each(masses.size):
+        for c, (total, value) in enumerate(zip(sums, of_node(i), strict=True)):
+            rates[i, 2 + c] += value
+            total.value += masses[i] * value
+    for c in range(d):
+        gain.impulse[c] += sums[c].value
+    gain.energy[-1] += sums[d].value
+    gain.work[0] += sums[d].value
 
 
-@njit(**INNER_CALL)
-def work(part, rates, gain, i, power):
-    """Add what forces do at an owned node."""
-    rates[i, rates.shape[1] - 1] += power
-    gain.energy[gain.energy.size - 1] += part.masses[i] * power
-    gain.work[0] += part.masses[i] * power
-
-
-@njit(**INNER_CALL)
 def note_potential(part, q, found):
     """- sum M b . x of the owned nodes."""
-    force, masses, places, total = part.laws.force, part.masses, part.places, 0.0
-    for i in range(masses.size):
+    force, masses, places, total = part.laws.force, part.masses, part.places, variable(0.0)
+    for i in each(masses.size):
         n = ghosted_node(i, part.patch)
-        for c in range(len(part.like)):
-            total -= masses[i] * q[i, 1] * force[c] * places[c, n]
-    found.latest[part.level] += total
-    return 0.0
+        for c, b in enumerate(force):
+            total.value -= masses[i] * q[i, 1] * b * places[c, n]
+    found.latest[part.level] += total.value

@@ -4,8 +4,6 @@ them (fsipetsc.scheme.gas_force).
 
 from typing import Any, NamedTuple
 
-
-from fsipetsc.operators.loops import register_jitable
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.stiffened_gas import StiffenedGas
 from fsipetsc.scheme.gas_force import force_of
@@ -56,7 +54,6 @@ def convection_of(option: str, gas: Any) -> DivergenceForm | EntropyForm:
     return DivergenceForm(force) if divergence else EntropyForm(force)
 
 
-@register_jitable
 def state_like(like):
     """As many numbers as primitive variables."""
     return (*like, 0.0, 0.0, 0.0, 0.0, 0.0)

@@ -2,35 +2,33 @@
 
 from typing import Any, NamedTuple
 
+import numpy as np
 
-from fsipetsc.operators.loops import njit
-from fsipetsc.operators.loops import CALL
+from fsipetsc.kernels.procedure import each, invoke, variable
 from fsipetsc.scheme.block_monitor import gas_monitor
-from fsipetsc.scheme.part import add_normals, ghosted, note, owned
+from fsipetsc.scheme.part import ghosted, note, owned
 from fsipetsc.scheme.rows import Array
 
 
 class GasRecord(NamedTuple):
     """A part of a gas block.
 
-    volume: gas_rates of fsipetsc/scheme/gas.c, of_volume: the address of its struct. potential,
-    supplied: as GasVolume (fsipetsc.scheme.gas_volume) has them.
-    like: d zeros. laws: fsipetsc.equations.gas. faces: fsipetsc.scheme.faces. block: its number,
-    begin: of its unknowns in the world vector. X, places: (d, N) of the reference map, and where
-    the monitor finds the nodes. metrics: (d d + d + 1, N), a^1 … a^d, velocity of the grid, J_t,
-    and around an axis A before it. halo: (N, d + 3), its nodes with a halo, or none; wraps: whether
-    it is filled by fsipetsc.scheme.part. S, weight: of three bands. masses: (M,) weights of its own
-    nodes.
+    of_volume: the address of what gas_rates of fsipetsc/scheme/gas.c takes. potential, supplied: as
+    GasVolume (fsipetsc.scheme.gas_volume) has them. like: d zeros. laws: fsipetsc.equations.gas.
+    faces: fsipetsc.scheme.faces. block: its number, begin: of its unknowns in the world vector. X,
+    places: (d, N) of the reference map, and where the monitor finds the nodes. metrics: (d d + d +
+    1, N), a^1 … a^d, velocity of the grid, J_t, and around an axis A before it. halo: (d + 3, N),
+    its nodes with a halo, or (d + 3, 0); wraps: 1 if it is filled by fsipetsc.scheme.part. S,
+    weight: of three bands. masses: (M,) weights of its own nodes.
 
     follows: (n,) particles by which its grid moves, here: (n, 2d) their displacement and velocity,
-    known: (m, 2d) those of all ranks; grid: see fsipetsc.blocks.grid. at_particles: faces at
-    constraints, see fsipetsc.scheme.normals. reference: (M,) J of the reference map. forcing: (d +
-    2, M), or (d + 2, 0). column: of its mass in what comes in; columns: of its sums in the record
-    of a step, level: of the potential energy. axis: fsipetsc.scheme.radial; signs: of images, see
-    fsipetsc.parallel.block_layout.
+    known: (m, 2d) those of all ranks, None where a grid rests; grid: see fsipetsc.blocks.grid.
+    at_particles: faces at constraints, see fsipetsc.scheme.normals. reference: (M,) J of the
+    reference map. forcing: (d + 2, M), or None. column: of its mass in what comes in; columns: of
+    its sums in the record of a step, level: of the potential energy. axis: fsipetsc.scheme.radial;
+    signs: of images, see fsipetsc.parallel.block_layout.
     """
 
-    volume: Any
     of_volume: int
     potential: Array
     supplied: Array
@@ -57,97 +55,83 @@ class GasRecord(NamedTuple):
     masses: Array
     follows: Array
     here: Array
-    known: Array
+    known: Array | None
     grid: Any
     at_particles: Any
     reference: Array
-    forcing: Array
+    forcing: Array | None
     seen: Array
     sums: Array
     columns: Array
     level: int
 
 
-@njit(**CALL)
 def follow(part, particles):
     """Note displacement and velocity of the particles here by which the grid moves."""
+    if part.known is None:
+        return
     follows, here, state, wall = part.follows, part.here, particles.state, particles.data.wall
-    moves, place, d = particles.moves, particles.place, len(part.like)
-    for m in range(follows.size):
+    d, place = len(part.like), particles.place
+    for m in each(follows.shape[0]):
         n = follows[m]
-        alone = moves[n] == 1 and state.solid_mass[n] == 0.0
+        alone = (particles.moves[n] == 1) & (state.solid_mass[n] == 0.0)
         for c in range(d):
-            here[m, c] = place[n, c] if alone else state.D[n, c]
-            here[m, d + c] = wall[n, c] if alone else state.v[n, c]
+            here[m, c] = np.where(alone, place[n, c], state.D[n, c])
+            here[m, d + c] = np.where(alone, wall[n, c], state.v[n, c])
 
 
-@njit(**CALL)
 def move(part):
     """a^k of the grid where it is now."""
-    if part.known.shape[0] > 0:
+    if part.known is not None:
         part.grid.move(part.known, part.metrics)
         part.form.force.follow(part)
 
 
-@njit(**CALL)
 def swing(part):
     """Velocity of the grid and J_t."""
-    if part.known.shape[0] > 0:
+    if part.known is not None:
         part.grid.swing(part.known, part.metrics)
 
 
-@njit(**CALL)
 def turn(part, particles):
     """Add how area vectors at constraints turn."""
     part.axis.turn(part, particles.of_normals)
 
 
-@njit(**CALL)
-def store(part, particles, s):
-    """Gases store nothing."""
-
-
-@njit(**CALL)
-def rates(part, s, f, gain):
-    """Fill a gas's part of f, from that of a completed s; what comes in goes to ``gain``."""
+def rates(part, gain, y, f):
+    """Fill a gas's part of f, from that of a completed y; what comes in goes to ``gain``."""
     d = len(part.like)
-    q, own = ghosted(part, s, d + 3), owned(part, f, d + 3)
-    part.volume(part.of_volume, q.ctypes.data, own.ctypes.data)
+    q, own = ghosted(part, y, d + 3), owned(part, f, d + 3)
+    invoke("gas_rates", part.of_volume, q, own)
     part.axis.add(part, q, own, gain)
     part.dissipation.add(part, q, own, gain)
     part.faces.add(part, q, own, gain)
-    supply(part, owned(part, s, d + 3), own, gain)
+    q = owned(part, y, d + 3)
+    part.form.force.add(part, q, own, gain)
+    if part.forcing is not None:
+        supply(part, q, own, gain)
 
 
-@njit(**CALL)
 def supply(part, q, rates, gain):
-    """Add a constant force and the case's forcing; q, rates: of the owned nodes."""
-    forcing, masses, d = part.forcing, part.masses, len(part.like)
-    mass, impulse, energy, inside = gain.mass, gain.impulse, gain.energy, gain.energy.size - 1
-    part.form.force.add(part, q, rates, gain)
-    for c in range(d + 2):
-        for i in range(forcing.shape[1]):
-            supplied = q[i, 0] * forcing[c, i]
+    """Add the case's forcing; q, rates: of the owned nodes."""
+    masses, sums = part.masses, [variable(0.0) for _ in range(len(part.like) + 2)]
+    for i in each(masses.shape[0]):
+        for c, total in enumerate(sums):
+            supplied = q[i, 0] * part.forcing[c, i]
             rates[i, 1 + c] += supplied
-            if c == 0:
-                mass[part.column] += masses[i] * supplied
-            elif c <= d:
-                impulse[c - 1] += masses[i] * supplied
-            else:
-                energy[inside] += masses[i] * supplied
+            total.value += masses[i] * supplied
+    mass, *impulse, energy = (total.value for total in sums)
+    gain.mass[part.column] += mass
+    for c, number in enumerate(impulse):
+        gain.impulse[c] += number
+    gain.energy[-1] += energy
 
 
-@njit(**CALL)
-def monitor(part, s, found):
+def monitor(part, found, y):
     """Note extremes and sums of a part: see fsipetsc.scheme.block_monitor."""
-    if part.known.shape[0] > 0:
+    if part.known is not None:
         part.grid.find_places(part.X, part.places)
-    metrics = part.axis.bounds(part.metrics)
-    q = owned(part, s, len(part.like) + 3)
-    gas_monitor(part, q, metrics)
+    q = owned(part, y, len(part.like) + 3)
+    gas_monitor(part, q, part.axis.bounds(part.metrics))
     note(part, found)
     part.form.force.note(part, q, found)
-
-
-#: what is called of a gas: fsipetsc.scheme.part.PartCalls, without ``part``
-FUNCTIONS = follow, move, swing, add_normals, turn, store, rates, monitor

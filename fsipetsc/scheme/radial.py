@@ -1,4 +1,4 @@
-"""What a gas around an axis (kappa = 1) or a centre (2) has beside its fluxes. Compiled.
+"""What a gas around an axis (kappa = 1) or a centre (2) has beside its fluxes.
 
 Fluxes through the areas a^k = (b^k_1, A b^k_2), A = |r|^kappa, do not know that pressure and
 viscous stress act around the axis, too. With S of fsipetsc.blocks.radial_grid, the momentum along r
@@ -15,9 +15,8 @@ at each node.
 
 from typing import Any, NamedTuple
 
-
-from fsipetsc.operators.loops import njit
-from fsipetsc.operators.loops import INNER_CALL, column_of, dot, node, put_part, scale
+from fsipetsc.kernels.procedure import each
+from fsipetsc.operators.loops import add, column_of, dot, node, put_column, scale
 from fsipetsc.scheme.normals import Columns, add_areas, slope_at, turn_plane
 from fsipetsc.scheme.part import Nothing, ghosted_node
 from fsipetsc.scheme.rows import Array
@@ -37,16 +36,16 @@ class Straight(Nothing):
 
 class Radial(NamedTuple):
     """grid: fsipetsc.blocks.radial_grid. room: ((d + 1)^2, N) for u/T and -1/T, and the fluxes of
-    hoops along each axis.
+    hoops along each axis; None in a gas without viscosity.
     """
 
     grid: Any
-    room: Array
+    room: Array | None
 
     def add(self, part, q, rates, gain):
         """See the head of this file; q: (N, d + 3) ghosted, rates: (M, d + 3)."""
         add_pressure(part, self.grid.source, q, rates)
-        if part.laws.mu > 0.0:
+        if self.room is not None:
             add_viscous(part, self, q, rates)
 
     def turn(self, part, table):
@@ -57,45 +56,47 @@ class Radial(NamedTuple):
         return self.grid.bounds
 
 
-@njit(**INNER_CALL)
 def add_pressure(part, source, q, rates):
     """p S."""
-    gas, like, patch = part.laws, part.like, part.patch
-    d, like_q = len(like), (*like, 0.0, 0.0, 0.0)
-    for i in range(rates.shape[0]):
-        n = ghosted_node(i, patch)
-        rates[i, 1 + d] += gas.primitive(node(like_q, q, n))[1] * source[n]
+    d, like_q = len(part.like), (*part.like, 0.0, 0.0, 0.0)
+    for i in each(rates.shape[0]):
+        n = ghosted_node(i, part.patch)
+        rates[i, 1 + d] += part.laws.primitive(node(like_q, q, n))[1] * source[n]
 
 
-@njit(**INNER_CALL)
 def add_viscous(part, radial, q, rates):
     """What viscous stresses around the axis do."""
-    gas, like, metrics, patch = part.laws, part.like, part.metrics, part.patch
+    find_hoops(part, radial, q)
+    gas, like, metrics, patch = part.laws, (0.0,) * len(part.like), part.metrics, part.patch
     d, like_z, like_q = len(like), (*like, 0.0), (*like, 0.0, 0.0, 0.0)
     source, room, of_axes = radial.grid.source, radial.room, (part.S, part.weight, patch)
-    kappa = len(radial.grid.hoops)
-    for n in range(source.size):
-        w = gas.primitive(node(like_q, q, n))
-        mu = gas.mu * gas.transport.viscosity(w[2])
-        stress = -2.0 / 3.0 * mu * w[2 + d] * source[n] / q[n, 0]
-        put_part(room.T, n, 0, gas.entropy_variables(w))
-        for k in range(d):
-            a = column_of(like, metrics, k * d, n)
-            power = stress * dot(a, gas.velocity(w))
-            put_part(room.T, n, (k + 1) * (d + 1), (*scale(stress, a), power))
-    for i in range(rates.shape[0]):
+    for i in each(rates.shape[0]):
         n = ghosted_node(i, patch)
         w = gas.primitive(node(like_q, q, n))
-        u, T, spread = gas.velocity(w), w[2], 0.0
+        u, T, spread, fluxes = gas.velocity(w), w[2], 0.0, like_z
         for k in range(d):
             a = column_of(like, metrics, k * d, n)
             slope = slope_at(like_z, n, k, *of_axes, Columns(room, 0))
             flux = slope_at(like_z, n, k, *of_axes, Columns(room, (k + 1) * (d + 1)), 1.0)
-            spread += dot(a, u) * slope[-1]
-            for c in range(d):
-                spread += a[c] * slope[c]
-            for c in range(d + 1):
-                rates[i, 2 + c] += flux[c]
+            spread, fluxes = spread + dot(a, u) * slope[-1] + dot(a, slope[:-1]), add(fluxes, flux)
         div, e = T / q[n, 0] * spread, u[-1] * source[n] / q[n, 0]
         mu = gas.mu * gas.transport.viscosity(T)
-        rates[i, 1 + d] -= mu * (2.0 * e / kappa - 2.0 / 3.0 * (div + e)) * source[n]
+        push = mu * (2.0 * e / len(radial.grid.hoops) - 2.0 / 3.0 * (div + e)) * source[n]
+        fluxes = (*fluxes[: d - 1], fluxes[d - 1] - push, fluxes[d])
+        for c in range(d + 1):
+            rates[i, 2 + c] += fluxes[c]
+
+
+def find_hoops(part, radial, q):
+    """Fill the room."""
+    gas, like, room = part.laws, part.like, radial.room
+    d, like_q = len(like), (*like, 0.0, 0.0, 0.0)
+    for n in each(radial.grid.source.size, vector=True):
+        w = gas.primitive(node(like_q, q, n))
+        mu = gas.mu * gas.transport.viscosity(w[2])
+        stress = -2.0 / 3.0 * mu * w[2 + d] * radial.grid.source[n] / q[n, 0]
+        put_column(room, n, 0, gas.entropy_variables(w))
+        for k in range(d):
+            a = column_of(like, part.metrics, k * d, n)
+            power = stress * dot(a, gas.velocity(w))
+            put_column(room, n, (k + 1) * (d + 1), (*scale(stress, a), power))

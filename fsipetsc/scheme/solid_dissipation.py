@@ -25,10 +25,9 @@ import numpy as np
 from fsipetsc.kernels.procedure import each, variable, when
 from fsipetsc.operators.loops import along, column, column_of, dot, mean, part_of, scale, sub
 from fsipetsc.operators.undivided import Differences
+from fsipetsc.scheme.gas_dissipation import largest, sense
 from fsipetsc.scheme.rows import Array
 
-#: s up to which there is no shock, and how fast alpha rises from there
-NO_SHOCK, RISE = 0.03, 2.5
 #: e of s, over the speed of sound
 SMALL = 0.02
 #: usual strength at shocks
@@ -116,29 +115,6 @@ def rows_of(part):
     for z in each(n2):
         for y in each(n1):
             yield f0 + g0 * (f1 + y + g1 * (f2 + z)), n0 * (y + n1 * z), n0
-
-
-def sense(waves, alpha, stride, length):
-    """alpha of all nodes along an axis of so many. waves: with s of a node as ``steepness``."""
-    for line in each(alpha.size // (stride * length)):
-        first = line * (stride * length)
-        begin, beyond = first + stride, first + stride * length
-        end = np.maximum(begin, beyond - stride)
-        for i in each(first, begin, vector=True):
-            alpha[i] = 0.0
-        for i in each(begin, end, vector=True):
-            steep = RISE * (waves.steepness(i, stride) - NO_SHOCK)
-            alpha[i] = np.minimum(1.0, np.maximum(0.0, steep))
-        for i in each(end, beyond, vector=True):
-            alpha[i] = 0.0
-
-
-def largest(alpha, i, stride, weights):
-    """The largest alpha of the nodes of a difference."""
-    found = alpha[i]
-    for m in range(1, len(weights)):
-        found = np.maximum(found, alpha[i + m * stride])
-    return found
 
 
 def lose(part, term, q, k, stride):
