@@ -84,7 +84,8 @@ class GasPart(BlockPart):
         )
         potential = self.volume.potential
         potential[:] = -dot(self.equations.force, self.X)[: potential.size]
-        around = Radial(self.grid.record, np.zeros(((d + 1) ** 2, self.X.shape[1])))
+        room = np.zeros(((d + 1) ** 2, self.X.shape[1])) if self.block.material.mu else None
+        around = Radial(self.grid.record, room)
         all_known = known if part.comm.size == 1 else self.gather.whole
         record = GasRecord(
             **self._common(about),

@@ -14,11 +14,13 @@ from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.loops import dot
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
+from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.part import Nothing, normals
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, solid_damping
-from fsipetsc.scheme.solid_record import SolidRecord, measure, monitor, rates, store
+from fsipetsc.scheme.solid_monitor import measure, monitor, sums_of
+from fsipetsc.scheme.solid_record import SolidRecord, rates, store
 from fsipetsc.scheme.solid_volume import SolidVolume, solid_text
-from fsipetsc.scheme.solid_work import solid_work, sums_of
+from fsipetsc.scheme.solid_work import solid_work
 
 Array = NDArray[Any]
 
@@ -128,7 +130,7 @@ class SolidPart(BlockPart):
             loses=bool(self._loses),
             inertia=self.inertia,
             prestress=self.prestress if self.prestress.size else None,
-            work=self._work,
+            room=np.zeros((MONITORED + sums_of(d)) * part.patch.own[0]),
             masses=self._masses,
             F=self._F,
             sums=np.zeros(sums_of(d) + 1),
