@@ -2,7 +2,6 @@
 fsipetsc.scheme.faces.
 """
 
-import ctypes
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from fsipetsc.blocks.problem import Meeting
 from fsipetsc.blocks.values import checked, checked_one, datum
 from fsipetsc.errors import InputError
 from fsipetsc.parallel.block_layout import Part
-from fsipetsc.scheme.faces import DRAGS, GasFaces, SolidFaces
+from fsipetsc.scheme.faces import DRAGS, GasFaces, SolidFaces, Turned
 from fsipetsc.scheme.part import Nothing
 
 Array = NDArray[Any]
@@ -31,14 +30,13 @@ class FaceTerms:
     In three dimensions, and around an axis or a centre, the pressure p_ref under which a solid is
     free of strain is no part of its stress: -p_ref cof F would not be at rest with a gas. Faces to
     gas, and those with a traction of their own, get p_ref n(x) instead; in three dimensions n is in
-    the curl form that the gas has, which `turn` finds.
+    the curl form that the gas has.
     """
 
     def __init__(self, problem: Any, part: Part, order: int, X: Array) -> None:
         k, d, self._jumps = part.k, problem.dimension, problem.jumps
         block = problem.blocks[k]
         self._d, self._gas, self.p_ref = d, block.kind == "fluid", _left_out(problem, k)
-        self._turned: list[tuple[slice, TurnedFace]] = []
         self._faces: list[tuple[Any, Array, slice]] = []
         acting = []
         for (axis, side), condition in problem.faces_of(k).items():
@@ -60,11 +58,13 @@ class FaceTerms:
             self.record = GasFaces(*nodes, flags, np.zeros((n, d + 2)), *numbers)
         else:
             vectors = np.zeros((2, n, d))
-            self.record = SolidFaces(*nodes, flags, vectors[0], *numbers[1:], vectors[1], X)
+            self.record = SolidFaces(*nodes, flags, vectors[0], *numbers[1:], vectors[1], X, ())
         self._spacing = np.zeros(n)  # from nodes of faces to those beside
-        end = 0
+        end, turned = 0, []
         for (axis, side, condition), (_, own, *_) in zip(acting, listed, strict=True):
             where, end = slice(end, end + own.size), end + own.size
+            if d == 3 and not self._gas:
+                turned.append(_turned(problem, part, order, axis, side, where))
             if not own.size:
                 continue
             places, stride = problem.places(k, part.numbers[own]), int(np.prod(block.shape[:axis]))
@@ -74,8 +74,9 @@ class FaceTerms:
             if isinstance(condition, Open) and condition.order == 1:
                 low, high = (block.face_positions(axis, at) for at in (0, 1))
                 self.record.width[where] = np.linalg.norm(high - low, axis=0).mean()
-            if d == 3 and not self._gas:
-                self._turned.append((where, TurnedFace(problem, part, order, axis, side)))
+        if turned:
+            self._cubes, faces = zip(*turned)  # what addresses of the faces point to
+            self.record = self.record._replace(turned=faces)
 
     def refresh(self, t: float) -> None:
         """Fill the record with data at time t [s]. InputError."""
@@ -113,42 +114,25 @@ class FaceTerms:
             raise InputError(f"{where} is {length[n]:.4g} at {place_text(X[n])}: {wanted}")
         return length
 
-    def turn(self, q: Array, library: ctypes.CDLL) -> None:
-        """Area vectors of a solid's faces where it is now, in three dimensions; q: (ghosted, 7);
-        library: has the functions of fsipetsc/blocks/cube.c.
-        """
-        for at, face in self._turned:
-            self.record.normal[at] = face.areas(q, library)
 
-
-class TurnedFace:
-    """Area vectors of a rank's nodes of a solid's face in three dimensions, where it is now: in the
-    curl form, with derivatives within the face only, and the bits that a gas there has.
-    """
-
-    def __init__(self, problem: Any, part: Part, order: int, axis: int, side: int) -> None:
-        shape, ghosted = problem.blocks[part.k].shape, part.ghosted
-        sizes = zip(ghosted, part.patch.first, part.patch.own, strict=True)
-        where = [(begin + first, begin + first + own) for (begin, _), first, own in sizes]
-        where[axis] = (shape[axis] - 1, shape[axis]) if side else (0, 1)
-        self._axis, self._sign = axis, 1.0 if side else -1.0
-        self._wide = wide = Wide(problem, part.k, order, where)
-        index = [
-            np.clip(np.arange(*ends) - begin, 0, end - begin - 1)
-            for ends, (begin, end) in zip(wide.wide, ghosted, strict=True)
-        ]
-        places = np.meshgrid(*index, indexing="ij")
-        self._at = np.ravel_multi_index(places, part.patch.ghosted, order="F").ravel(order="F")
-        self._areas = np.zeros((3, int(np.prod([end - begin for begin, end in where]))))
-        self._cube = Cube(wide, np.zeros((13, self._areas.shape[1])))
-
-    def areas(self, q: Array, library: ctypes.CDLL) -> Array:
-        """(n, 3) outward; q: (ghosted, 7)."""
-        self._cube.library = library
-        np.add(self._wide.y, q[self._at, :3].T, out=self._cube.x)
-        self._areas[:] = 0.0
-        self._cube.add_face(self._axis, 0, 1.0, 0.0, self._areas)
-        return self._sign * self._areas.T
+def _turned(problem: Any, part: Part, order: int, axis: int, side: int, nodes: slice) -> Any:
+    """A face of a solid in three dimensions, of which this rank may have no nodes, and its cube."""
+    shape, ghosted = problem.blocks[part.k].shape, part.ghosted
+    sizes = zip(ghosted, part.patch.first, part.patch.own, strict=True)
+    where = [(begin + first, begin + first + own) for (begin, _), first, own in sizes]
+    where[axis] = (shape[axis] - 1, shape[axis]) if side else (0, 1)
+    wide = Wide(problem, part.k, order, where)
+    index = [
+        np.clip(np.arange(*ends) - begin, 0, end - begin - 1)
+        for ends, (begin, end) in zip(wide.wide, ghosted, strict=True)
+    ]
+    places = np.meshgrid(*index, indexing="ij")
+    at = np.ravel_multi_index(places, part.patch.ghosted, order="F").ravel(order="F")
+    cube = Cube(wide, np.zeros((13, int(np.prod([end - begin for begin, end in where])))))
+    cube.name_faces([(axis, 0)])
+    of_cube = cube.x, wide.y, at, cube.of_faces
+    sign, count = 1.0 if side else -1.0, nodes.stop - nodes.start
+    return cube, Turned(cube.address, *of_cube, 3 * axis, sign, nodes.start, count)
 
 
 def _left_out(problem: Any, k: int) -> float:

@@ -73,9 +73,7 @@ class Scheme:
     ) -> None:
         self.problem, self._instant, layout = state.problem, state.instant, state.layout
         problem = self.problem
-        self.dimension = d = problem.dimension
-        #: area vectors of solids in three dimensions, and how they turn, are found from Python
-        self.alone = alone and d < 3
+        self.alone = alone
         particles, blocks = particles_of(problem), problem.blocks
 
         def make() -> dict[int, GasPart | SolidPart]:
@@ -93,11 +91,9 @@ class Scheme:
         self._came = gain_of(problem)
         self._found = self._memory(state, max(1.0, form.shock * PACE_AT_SHOCKS[order]))
         self._at_faces = {k: self.particles.faces_at(k) for k in self.parts}
-        #: of gases, the faces whose area vectors are wanted: axis, index along it
-        self._turning = {
-            gas.part.k: turned_faces(self._at_faces[gas.part.k], gas.part.patch)
-            for gas in self._gases
-        }
+        for gas in self._gases if problem.dimension == 3 else ():
+            faces = self._at_faces[gas.part.k]
+            gas.grid.name_faces(turned_faces(faces, gas.part.patch))
         self._compile(state, announce)
         self._phases: dict[Any, Calls] = {}
         self.steady = problem.steady_data
@@ -264,16 +260,9 @@ class Scheme:
         y.begin()
         self._do("turn", y.array)
         if particles.slips:
-            for gas in self._gases if self.dimension == 3 else ():
-                faces = self._at_faces[gas.part.k]
-                if gas.moves:
-                    turning = gas.grid.turning(self._turning[gas.part.k])
-                    faces.add(turning, particles.areas.table)
             particles.areas.exchange()
         self._do("turned", y.array)
         y.end()
-        for solid in self._solids:
-            solid.faces.turn(y.ghosted(solid.part.k), solid.code.library)
         self._do("rates", y.array, f)
         particles.sums.exchange()
         self._do("end", y.array, f)

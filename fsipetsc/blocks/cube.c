@@ -233,7 +233,7 @@ void cube_swing(const struct cube *c) {
 
 /* Add factor times a^i of the places x + sign v to planes a, on the nodes of the range with index
    ``at`` along axis i: that takes derivatives within the face only. */
-void cube_face(const struct cube *c, long i, long at, double factor, double sign, double *a) {
+static void cube_face(const struct cube *c, long i, long at, double factor, double sign, double *a) {
   const int j = (i + 1) % 3, k = (i + 2) % 3;
   struct box face = {{c->first[0], c->first[1], c->first[2]}, {c->end[0], c->end[1], c->end[2]}};
   face.lo[i] = c->first[i] + at;

@@ -23,7 +23,7 @@ class _Cube(ctypes.Structure):
 
 
 def cube_text() -> str:
-    """The C code of cube_move, cube_swing, cube_faces, cube_turn and cube_face."""
+    """The C code of cube_move, cube_swing, cube_faces and cube_turn."""
     return c_source("fsipetsc.blocks", "cube.c")
 
 
@@ -33,12 +33,10 @@ class Cube:
     x, v: (3, wide nodes) places less those of linear maps, and velocities. metrics: (13, N) a^1,
     a^2, a^3, velocity, J_t of the range. volume: (N,) det D x. of_faces: (9, N) a^1, a^2, a^3 on
     faces, by cube_faces, or how they change in time, by cube_turn. address: of the struct in C.
-    library: has the functions of cube.c, once it is set; ``add_face`` alone needs it.
     """
 
     def __init__(self, wide: Wide, metrics: Array) -> None:
         nodes = wide.y.shape[1]
-        self.library: ctypes.CDLL | None = None
         self.x, self.v = wide.y.copy(), np.zeros((3, nodes))
         self.volume, self.of_faces = np.zeros(metrics.shape[1]), np.zeros((9, metrics.shape[1]))
         half, q = [0.5 / weight for weight in wide.weight], np.zeros((9, nodes))
@@ -66,14 +64,3 @@ class Cube:
         """
         self._faces = np.array([*faces], np.int64).reshape(-1, 2)
         self._struct.faces, self._struct.count = self._faces.ctypes.data, len(self._faces)
-
-    def add_face(self, i: int, at: int, factor: float, sign: float, areas: Array) -> None:
-        """Add factor times a^i of the places x + sign v to ``areas``, (3, N), or to three rows of
-        (9, N) from 3 i on, at the nodes of the range whose index along axis i is ``at``.
-        """
-        row = areas[3 * i] if len(areas) == 9 else areas[0]
-        assert self.library is not None
-        self.library.cube_face(
-            *(ctypes.c_void_p(self.address), _NUMBER(i), _NUMBER(at)),
-            *(ctypes.c_double(factor), ctypes.c_double(sign), ctypes.c_void_p(row.ctypes.data)),
-        )

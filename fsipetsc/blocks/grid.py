@@ -143,11 +143,6 @@ def find_jacobian(of):
         of.J[i] = of.grid.jacobian(metrics, of.J.size, i, of.reference[i])
 
 
-def turn(of):
-    """How areas of the grid turn on faces, in three dimensions."""
-    of.grid.turn()
-
-
 class GridMotion:
     """Positions and metrics of a range of nodes of gas block k (of a rank: the ghosted).
 
@@ -183,11 +178,10 @@ class GridMotion:
         self._calls = dict[Any, Procedure]()
 
     def procedures(self, code: Code) -> None:
-        """Record what ``move``, ``positions``, ``jacobian`` and ``turning`` call; in three
-        dimensions the text of the code must have fsipetsc/blocks/cube.c.
+        """Record what ``move``, ``positions`` and ``jacobian`` call; in three dimensions the text
+        of the code must have fsipetsc/blocks/cube.c.
         """
-        turns = (turn,) if isinstance(self.record, CubeMotion) else ()
-        for function in (move, find_places, find_jacobian, *turns):
+        for function in (move, find_places, find_jacobian):
             self._calls[function] = code.procedure(
                 f"grid_{function.__name__}", function, self._known
             )
@@ -199,18 +193,10 @@ class GridMotion:
         self._calls[move]()
 
     def name_faces(self, faces: Iterable[tuple[int, int]]) -> None:
-        """Which faces of the range ``turning`` and its record's ``turn`` take, in three dimensions:
-        (axis, index along it) each.
+        """Which faces of the range the record's ``turn`` takes, in three dimensions: (axis, index
+        along it) each.
         """
         self._cube.name_faces(faces)
-
-    def turning(self, faces: Iterable[tuple[int, int]]) -> Array:
-        """How a^1, a^2, a^3 (9, N) change in time after `swing` in three dimensions, on these
-        faces; elsewhere 0.
-        """
-        self.name_faces(faces)
-        self._calls[turn]()
-        return self._cube.of_faces
 
     def positions(self) -> Array:
         """x (d, N) [m] after the last `move`."""

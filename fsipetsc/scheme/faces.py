@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.equations.tensors import add_unit, outer
-from fsipetsc.kernels.procedure import each, variable, when
+from fsipetsc.kernels.procedure import each, invoke, variable, when
 from fsipetsc.operators.loops import (
     add,
     along,
@@ -88,12 +88,45 @@ class GasFaces(NamedTuple):
         pass_faces(part, self, q, rates, gain)
 
 
+class Turned(NamedTuple):
+    """A solid's face in three dimensions, whose area vectors where it is now have the curl form,
+    with derivatives within the face only, and the bits that a gas there has.
+
+    address: of its fsipetsc.blocks.cube.Cube, with x: (3, W) places less those of linear maps, y:
+    (3, W) these at rest, at: (W,) the nodes, and areas: (9, n), of which rows from ``row`` on are
+    wanted. sign: of the outward normal. begin, nodes: which nodes of the faces it has, perhaps none
+    on this rank.
+    """
+
+    address: int
+    x: Array
+    y: Array
+    at: Array
+    areas: Array
+    row: int
+    sign: float
+    begin: int
+    nodes: int
+
+
+def turn_face(face, q, normal):
+    """Find the outward area vectors of the nodes of a face."""
+    with when(face.nodes > 0):
+        for i in each(face.at.shape[0]):
+            for c in range(3):
+                face.x[c, i] = face.y[c, i] + q[face.at[i], c]
+        invoke("cube_faces", face.address)
+        for i in each(face.nodes):
+            for c in range(3):
+                normal[face.begin + i, c] = face.sign * face.areas[face.row + c, i]
+
+
 class SolidFaces(NamedTuple):
     """The same of a solid block.
 
     traction: (n, d) per area at rest, pressure: (n,) that follows the face. absorbs: 1 where waves
     leave, stress: (n,) pulls there. normal: (n, d) area vectors of the face as it is, in three
-    dimensions. X: (d, ghosted) places in the reference map.
+    dimensions, which `turned` find. X: (d, ghosted) places in the reference map.
     """
 
     at: Array
@@ -110,9 +143,12 @@ class SolidFaces(NamedTuple):
     heat: Array
     normal: Array
     X: Array
+    turned: tuple[Turned, ...]
 
     def add(self, part, q, rates, gain):
         """Add all that loads a solid; returns its work."""
+        for face in self.turned:
+            turn_face(face, q, self.normal)
         return load_faces(part, self, q, rates, gain)
 
 

@@ -36,12 +36,6 @@ class Faces(NamedTuple):
     weight: Array
     column: Array
 
-    def add(self, areas: Array, table: Array) -> None:
-        """As ``add_areas``, in three dimensions, with areas that numpy has found."""
-        for c in range(3):
-            area = areas[3 * self.axis + c, self.node]
-            np.add.at(table, (self.row, self.column + c), self.weight * area)
-
 
 def listed(part: Any, rows: list[tuple[int, int, int, float, int]]) -> Faces:
     """From (row, number of the node in the block, axis, sign, column)."""

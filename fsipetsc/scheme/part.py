@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from fsipetsc.kernels.procedure import each, either, when
+from fsipetsc.kernels.procedure import each, either, pick, when
 from fsipetsc.scheme.block_monitor import CONVECTION, MONITORED
 from fsipetsc.scheme.normals import add_areas
 from fsipetsc.scheme.rows import Array
@@ -64,16 +64,22 @@ def fill_halo(s, begin, dof, patch, halo):
     """Copy a whole block, with its other end beyond each end of a periodic axis."""
     (n0, n1, n2), (g0, g1, g2), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
     to = halo.reshape(-1)
-    for line in each(dof * g2 * g1):
-        c, z, y = line // (g2 * g1), line // g1 % g2, line % g1
-        row = begin + ((c * n2 + (z - f2) % n2) * n1 + (y - f1) % n1) * n0
-        at = line * g0
-        for i in each(n0, vector=True):
-            to[at + f0 + i] = s[row + i]
-        for i in each(f0):
-            to[at + i] = s[row + n0 - f0 + i]
-        for i in each(g0 - f0 - n0):
-            to[at + f0 + n0 + i] = s[row + i]
+    for layer in each(dof * g2):
+        c, z = layer // g2, layer % g2
+        for y in each(g1):
+            row = begin + ((c * n2 + wrapped(z - f2, n2)) * n1 + wrapped(y - f1, n1)) * n0
+            at = (layer * g1 + y) * g0
+            for i in each(n0, vector=True):
+                to[at + f0 + i] = s[row + i]
+            for i in each(f0):
+                to[at + i] = s[row + n0 - f0 + i]
+            for i in each(g0 - f0 - n0):
+                to[at + f0 + n0 + i] = s[row + i]
+
+
+def wrapped(i, n):
+    """i, at most n beyond either end of n nodes, on the other side."""
+    return pick(i < 0, i + n, pick(i < n, i, i - n))
 
 
 def fill_images(part):

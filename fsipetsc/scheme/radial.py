@@ -26,7 +26,10 @@ class Straight(Nothing):
     """Neither axis nor centre."""
 
     def turn(self, part, table):
-        """Add how area vectors at constraints turn, in two dimensions; in one they do not."""
+        """Add how area vectors at constraints turn; in one dimension they do not."""
+        if len(part.like) == 3 and part.known is not None:
+            part.grid.turn()
+            add_areas(part.at_particles, 3, part.grid.turning, table)
         turn_plane(part, table)
 
     def bounds(self, metrics):
