@@ -19,7 +19,7 @@ from fsipetsc.materials.solid_pressure import ConstantPressure, Gruneisen
 
 
 class Elastic(NamedTuple):
-    """The solid as formulas, for numbers, arrays and compiled loops. law: the pressure p of
+    """The solid as formulas, for numbers, arrays and symbols. law: the pressure p of
     J = x_X, T, m0 and alpha; the rest is as in ``Solid``."""
 
     law: Any
