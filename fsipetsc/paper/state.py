@@ -56,11 +56,6 @@ _WITHOUT = {
 }
 
 
-def _do(procedures: list[Procedure]) -> None:
-    for procedure in procedures:
-        procedure()
-
-
 class PaperState(State):
     """Solution and everything that belongs to it; all methods are collective on ``comm``.
 
@@ -126,20 +121,23 @@ class PaperState(State):
         self.planning = code.procedure("plan_next", plan_next, self.plan)
         (library,) = libraries(self.comm, [code.text], announce)
         code.load(library)
-        self._batch = Calls(library, [(procedure, ()) for procedure in self._of_step()])
-
-    def _of_step(self) -> list[Procedure]:
-        """All of a step, in order, on one rank."""
+        numbers = (steps.RATES_ALONE, *range(steps.STAGES))
+        stages = {n: [one for layer in self.here for one in layer.stage(n)] for n in numbers}
+        completing = [self._does["forget"], *(layer.does["complete"] for layer in self.here)]
         fulfil = [one for interface in self.interfaces for one in interface.coupling()]
         fulfil += [layer.does["close"] for layer in self.layers if not layer.is_gas]
-        found = []
-        for number in range(steps.STAGES):
-            found += fulfil if number > 0 else []
-            found += [one for layer in self.layers for one in layer.stage(number)]
-        found += [*fulfil, self._does["forget"]]
-        found += [layer.does["complete"] for layer in self.layers]
-        found += [interface.does["note"] for interface in self.interfaces]
-        return [*found, self._does["finish"], self.planning]
+        of_step = list(stages[0])  # it begins with the completed solution
+        for n in range(1, steps.STAGES):
+            of_step += [*fulfil, *stages[n]]
+        noted = [interface.does["note"] for interface in self.interfaces]
+        of_step += [*fulfil, *completing, *noted, self._does["finish"], self.planning]
+
+        def calls(procedures: list[Procedure]) -> Calls:
+            return Calls(library, [(procedure, ()) for procedure in procedures])
+
+        #: what is called between exchanges; on one rank a step, and others of its batch
+        self._stages = {n: calls(procedures) for n, procedures in stages.items()}
+        self._completing, self._batch = calls(completing), calls(of_step)
 
     # data
 
@@ -287,16 +285,13 @@ class PaperState(State):
         self.evaluations += 1
         self._load(y)
         self._fulfil()
-        for layer in self.here:
-            _do(layer.stage(steps.RATES_ALONE))
+        self._stages[steps.RATES_ALONE]()
         f[:] = self.k
 
     def _complete(self) -> None:
         """Project the stage, which is the new solution, let boundaries move, and monitor it."""
         self._fulfil()
-        self._does["forget"]()
-        for layer in self.here:
-            layer.does["complete"]()
+        self._completing()
         for interface in self.interfaces:
             interface.note()
         if self.comm.size > 1:
@@ -355,8 +350,7 @@ class PaperState(State):
                 self._fulfil()
                 if ends():
                     return True
-            for layer in self.here:
-                _do(layer.stage(number))
+            self._stages[number]()
         if not steady:
             self.set_data(t + dt)
         self._complete()
