@@ -62,21 +62,19 @@ def add_end_terms(op, b, y, g, begin, end, A, B):
                 g[at + MARGIN] += b[inside] * total
 
 
-def narrow_gas(op, gas, layer, u, T, scratch, out, begin, end, A, B):
-    """Add to the rates of a gas at the points begin .. end-1; u, T as the gradients see them;
-    scratch: four rows."""
-    (b, kappa), rows, shift = scratch[:2], scratch[2:], layer.halo_lo
-    at = rows, out, 2, shift, begin, end, A, B
-    scale = -1.0 / (layer.h * layer.h)
+def narrow_gas(op, gas, layer, w, u, first_b, out, begin, end, A, B):
+    """Add to the rates of a gas at the points begin .. end-1; in scratch w, rows u and u + 1 are u
+    and T as the gradients see them, and there is room in five rows from first_b on."""
+    mu, mu_u, kappa, g, sums = (w[first_b + c] for c in range(5))
+    scale, shift = -1.0 / (layer.h * layer.h), layer.halo_lo
     first = named(np.maximum(A, begin - 2 * op.p))
     last = named(np.minimum(B + 1, end + 2 * op.p))
     for i in each(first, last, vector=True):
-        b[i], kappa[i] = gas.viscosity(T[i]), gas.conductivity(T[i])
-    add_remainder(op, scale, b, u, rows, out, 1, shift, begin, end, A, B)
-    for i in each(first, last, vector=True):
-        b[i] *= u[i]
-    add_remainder(op, scale, b, u, *at)
-    add_remainder(op, scale, kappa, T, *at)
+        viscosity, T = gas.viscosity(w[u + 1, i]), w[u + 1, i]
+        mu[i], mu_u[i], kappa[i] = viscosity, viscosity * w[u, i], gas.conductivity(T)
+    for k in each(3):  # of the momentum, by u; of the energy, by u and T
+        b, y, c = w[first_b + k], w[u + k // 2], 1 + (k + 1) // 2
+        add_remainder(op, scale, b, y, (g, sums), out, c, shift, begin, end, A, B)
 
 
 def narrow_solid(op, solid, layer, T, stretch, scratch, out, begin, end, A, B):

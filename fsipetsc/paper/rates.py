@@ -28,7 +28,7 @@ from fsipetsc.paper.narrow import MARGIN, narrow_gas, narrow_solid
 from fsipetsc.paper.stencils import derivative
 
 #: rows of scratch, and by how much they are longer than there are points
-ROWS, MORE = 17, 2 * MARGIN
+ROWS, MORE = 18, 2 * MARGIN
 
 
 def own_range(layer):
@@ -123,7 +123,7 @@ def _gas_rates(part, layer, s, per_h, a, b, A, B):
             u[ghost], T[ghost] = gradient_values(part, ghost, side)
     derivative(op, w, 3, 5, 2, f0, f1, A, B, per_h)  # u_X, T_X
     if op.narrow:
-        narrow_gas(op, gas, layer, u, T, [w[c] for c in range(13, 17)], out, a, b, A, B)
+        narrow_gas(op, gas, layer, w, 3, 13, out, a, b, A, B)
     if apart:
         with when(seen):
             u[ghost], T[ghost] = own_u.value, own_T.value
