@@ -541,9 +541,14 @@ class Procedure:
         self._function = getattr(library, self.name)
         self.address = ctypes.cast(self._function, ctypes.c_void_p).value
         self.structure = ctypes.addressof(self._structure)
+        nothing = ctypes.c_void_p(None), ctypes.c_long(0)
+        self._alone = ctypes.c_void_p(self.structure), *nothing, *nothing
 
     def __call__(self, *vectors: np.ndarray) -> None:
         """Do it; vectors: flat arrays of doubles."""
+        if not vectors:
+            self._function(*self._alone)
+            return
         given = [ctypes.c_void_p(self.structure)]
         for vector in (*vectors, *[_NONE] * (2 - len(vectors))):
             given += [ctypes.c_void_p(vector.ctypes.data), ctypes.c_long(vector.size)]

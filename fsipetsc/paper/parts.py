@@ -199,8 +199,9 @@ class Layer:
         self.fill_halos()
 
     def fill_halos(self) -> None:
-        """PETSc's ghost exchange."""
-        self._dm.localToLocal(self._vec, self._vec)
+        """PETSc's ghost exchange; who has a whole layer has no halos."""
+        if self._comm.size > 1:
+            self._dm.localToLocal(self._vec, self._vec)
 
     def destroy(self) -> None:
         """Destroy its vector, its DMDA and the communicator of that."""
