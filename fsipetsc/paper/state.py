@@ -61,8 +61,8 @@ class PaperState(State):
 
     records, shares: of the layers (fsipetsc.paper.layout); solution (world Vec). evaluations of the
     right-hand side are counted. layers: all (fsipetsc.paper.parts); here: those that this rank has
-    a part of. opt: options in force; announce: told of what is compiled. InputError where grid, order and number of ranks do not fit,
-    or the problem is not of the paper's form.
+    a part of. opt: options in force; announce: told of what is compiled. InputError where grid,
+    order and number of ranks do not fit, or the problem is not of the paper's form.
     """
 
     KINDS: Mapping[str, str] = MappingProxyType({"latest": "any", "lo": "whole", "hi": "whole"})
