@@ -77,7 +77,6 @@ def linear_modes(state: BlockState, axis: int, n: int) -> tuple[Complex, list[Co
     axis: of the blocks, along which all columns are alike: 0 for flat layers, 1 for rings.
     """
     d, layout = state.problem.dimension, state.layout
-    state.compile(lambda text: None)
     state.set_initial()
     start = state.y.array.copy()
     f = np.empty_like(start)

@@ -154,7 +154,6 @@ def compiled_state(case: Any, opt: Mapping[str, Any], comm: Comm) -> Any:
     from fsipetsc.stepping.solve import build_problem, make_state
 
     state = make_state(build_problem(case, opt, comm), dict(opt), comm)
-    state.compile(lambda text: None)
     state.set_initial()
     return state
 

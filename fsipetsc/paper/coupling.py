@@ -123,7 +123,8 @@ def temperatures(op, face, jump, f, s):
     beta, d = op.closure[0], face.by_h
     T_f, T_s = variable(gas_at(face, f, 0)[1]), variable(s[0, 2])
     rest_f = d * sum(beta[j] * gas_at(face, f, j)[1] for j in range(1, op.n))
-    rest_s, d_f, d_s = -d * sum(beta[j] * s[j, 2] for j in range(1, op.n)), d * beta[0], -d * beta[0]
+    rest_s = -d * sum(beta[j] * s[j, 2] for j in range(1, op.n))
+    d_f, d_s = d * beta[0], -d * beta[0]
     k_s, jump_T, jump_flux = face.solid.kappa_e / gradients(op, face, f, s)[3], jump[2], jump[3]
     for _ in each(REFINEMENTS):
         used = face.gas.conductivity(T_f.value)
@@ -131,7 +132,7 @@ def temperatures(op, face, jump, f, s):
             k_s * d_s - used * d_f
         )
         gas, solid = (-jump_flux / used - rest_f) / d_f, (jump_flux / k_s - rest_s) / d_s
-        gas = np.where(used > 0.0, np.where(k_s > 0.0, both, gas), T_f.value)
+        gas = np.where(used > 0.0, np.where(k_s > 0.0, both, gas), T_f.value)  # if it conducts
         solid = np.where(k_s > 0.0, np.where(used > 0.0, both + jump_T, solid), T_s.value)
         T_f.value, T_s.value = gas, solid
         stop(~(np.absolute(face.gas.conductivity(gas) - used) > AGREED * used))

@@ -274,9 +274,7 @@ def open_end(part, layer, side, n, nodes):
     in_, out = rho0 * (1.0 + y) ** (1.0 / gas.gamma), rho + (p0 + sound - p) / c2
     rho_G = np.where(n * u_G >= 0.0, out, in_)
     slow = rho_G, u_G, gas.law.temperature_of(rho_G, p0 + sound)
-    return choose(
-        n * u1 >= np.sqrt(c2), (rho, u, T), choose(n * u0 <= -c0, (rho0, u0, T0), slow)
-    )
+    return choose(n * u1 >= np.sqrt(c2), (rho, u, T), choose(n * u0 <= -c0, (rho0, u0, T0), slow))
 
 
 def open_gradients(gas, layer, side, n, nodes):

@@ -55,8 +55,7 @@ def add_end_terms(op, b, y, g, begin, end, A, B):
             at = edge + step * t
             with when((begin - q <= at) & (at < end)):
                 differences = (
-                    sum(v * y[edge + step * k + j] for j, v in enumerate(weights))
-                    for k in range(T)
+                    sum(v * y[edge + step * k + j] for j, v in enumerate(weights)) for k in range(T)
                 )
                 total = sum(v * one for v, one in zip(row, differences, strict=True))
                 g[at + MARGIN] += b[inside] * total

@@ -340,8 +340,9 @@ class PaperState(State):
     def _advance(
         self, t: float, dt: float, steady: bool, ends: Callable[[], Any] = lambda: None
     ) -> bool:
-        """A step of the length that batch has; ends: called with each stage that fulfils the conditions, and with the completed
-        one. Where it returns something, the step ends, and returns True.
+        """A step of the length that batch has, dt [s]; ends: called with each stage that fulfils
+        the conditions, and with the completed one. Where it returns something, the step ends, and
+        returns True.
         """
         for number, fraction in enumerate(FRACTIONS):
             if not steady:
