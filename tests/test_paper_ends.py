@@ -1,32 +1,65 @@
 """Ends in the paper's method: beside a gas no mode grows; a right end is a left one in a mirror."""
 
-from functools import lru_cache
+from functools import cache, lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from numba import njit
 
 from fsipetsc import boundaries as kinds
 from fsipetsc.analysis.spectra import CENTRAL
+from fsipetsc.kernels import build
+from fsipetsc.kernels.procedure import Code
+from fsipetsc.kernels.unit import unit
 from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.operators import OPERATORS
 from fsipetsc.operators.narrow import STIFFNESS, STIFFNESS_OF_WIDE, remainder
-from fsipetsc.paper import ends
+from fsipetsc.paper.ends import Ends, close_solid, fill_ghost, gradient_values
 from fsipetsc.paper.laws import Gas, law_of
 from fsipetsc.paper.layout import RECORD
-from fsipetsc.paper.stencils import packed
+from fsipetsc.paper.stencils import stencils
 
 
-def from_python(function):
-    """A function that only compiled code calls, made callable."""
-    return njit(error_model="numpy")(lambda *arguments: function(*arguments))
+class Part(NamedTuple):
+    """What the ends of a layer take; seen: u, T for gradients at both ends."""
+
+    op: Any
+    ends: Ends
+    law: Any
+    layers: Any
+    local: Any
+    owned: Any
+    seen: Any
 
 
-fill_ghost, gradient_values, close_solid = map(
-    from_python, (ends.fill_ghost, ends.gradient_values, ends.close_solid)
-)
+def fill_both(part):
+    """Fill the ghost points at both ends, and find what gradients see there."""
+    for side in range(2):
+        fill_ghost(part, side)
+    for side in range(2):
+        ghost = part.layers[0].hi if side else part.layers[0].lo
+        part.seen[side, 0], part.seen[side, 1] = gradient_values(part, ghost, side)
+
+
+def compiled(function, law, layer, q, order):
+    """The procedure for these points of a layer, and its part."""
+    facts = Ends(*(tuple(layer[f"end_{name}"].tolist()) for name in ("kind", "degree", "thermal")))
+    records = np.array([layer], RECORD)
+    part = Part(stencils(order), facts, law, records, q, q, np.zeros((2, 2)))
+    code = Code(unit({}, []))
+    found = code.procedure("ends", function, part)
+    name = build.name_of(code.text)
+    code.load(loaded(name, code.text))
+    return found, part
+
+
+@cache
+def loaded(name, text):
+    return build.loaded(build.kept(name) or build.keep(name, build.made(text)))
+
+
 #: a gas with rho = c = T = 1, on N points with h = 1
 GAMMA, N, STEP = 1.4, 24, 1e-3
 R, CV = 1 / GAMMA, 1 / GAMMA / (GAMMA - 1)
@@ -47,22 +80,24 @@ def filled(kind, mach, mu, kappa, of_end, delta):
     """The derivative, (5, N, 3 N), of what the rates see, rho, u, T, and u, T for gradients, with
     respect to rho, u, T; between two ends beyond which the gas flows with ``mach``."""
     gas = Gas(PerfectGas(GAMMA, R), ConstantTransport(), mu, kappa, GAMMA, 0.0)
-    layer, op = record(N, 1.0), packed(4)[0]
+    layer = record(N, 1.0)
     layer["end_kind"], layer["end_x"] = kind, N - 1 - delta
     if kind == kinds.OPEN:
         layer["end_data"] = R, 1.0, mach, of_end
     else:
         layer["end_data"][:, :3], layer["end_degree"] = (1.0, mach, 1.0), 1 + of_end // 2
 
+    fill, part = compiled(fill_both, gas, layer, np.zeros((N, 3)), 4)
+
     def seen(v):
         rho, u, T = v.reshape(3, N)
-        q = np.stack([rho, rho * u, gas.total_energy(rho, u, T)], axis=-1)
-        for side in range(2):
-            fill_ghost(op, gas, layer, q, side, False)
+        q = part.local
+        q[:] = np.stack([rho, rho * u, gas.total_energy(rho, u, T)], axis=-1)
+        fill()
         u, T = gas.velocity_and_temperature(*q.T)
         found = np.array([q[:, 0], u, T, u, T])
         for side in range(2):
-            found[3:, -side] = gradient_values(gas, layer, q, (N - 1) * side, side)
+            found[3:, -side] = part.seen[side]
         return found.ravel()
 
     base, near = np.repeat([1.0, mach, 1.0], N), np.arange(3 * N) % N
@@ -144,7 +179,9 @@ def test_a_right_end_of_a_solid_is_a_left_end_in_a_mirror(kind, thermal, heat):
         layer["end_kind"][side], layer["end_thermal"][side] = kind, thermal
         layer["end_data"][side, 0] = 0.7 * (1 - 2 * side) if kind == kinds.CLAMPED else -9e4
         layer["end_heat"][side] = heat
-        close_solid(packed(6)[0], solid, layer, q)
+        close, part = compiled(close_solid, solid, layer, q.copy(), 6)
+        close()
+        q[:] = part.owned
     np.testing.assert_allclose(right, left[::-1] * mirror, rtol=1e-13)
     assert np.array_equal(left[1:], before[1:]) and (left[0] != before[0]).any()
     assert np.isfinite(left[0]).all()

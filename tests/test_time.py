@@ -47,7 +47,8 @@ def test_every_method_has_its_order(method, tmp_path):
 
 #: boundaries cross cells in all but the last; with forcing and without
 CROSSING = {
-    "rod": "-fsi_h 0.05 -ts_max_time 0.05 -fsi_output_dt 0.05",
+    # at an open end beside a viscous gas at rest round-off decides what the gradients see of u
+    "rod": "-fluid_mu 0 -fsi_h 0.05 -ts_max_time 0.05 -fsi_output_dt 0.05",
     "mms": "-fsi_h 0.05 -fsi_order 6 -ts_max_time 0.2 -fsi_output_dt 0.1",
     f"{REPOSITORY}/runs/piston.py": "-fsi_order 2 -ts_max_time 0.02 -fsi_output_dt 0.01",
     "box": "-fsi_h 0.05 -ts_max_time 0.1",

@@ -28,19 +28,22 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from mpi4py import MPI
 from scipy.linalg import orth
 
-from fsipetsc.operators.loops import njit
 from fsipetsc.analysis.spectra import CENTRAL, Real, step_limit
 from fsipetsc.cases.common import gas_of, solid_of
+from fsipetsc.kernels.procedure import Code, each
+from fsipetsc.kernels.unit import unit
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.operators import operator
 from fsipetsc.operators.narrow import remainder
 from fsipetsc.operators.sbp import row_length
-from fsipetsc.paper.coupling import KINDS, Face, couple
+from fsipetsc.paper.coupling import Face, couple
 from fsipetsc.paper.laws import law_of
-from fsipetsc.paper.stencils import CALL, packed
+from fsipetsc.paper.stencils import Stencils, stencils
+from fsipetsc.process.libraries import libraries
 
 #: step of the numerical differentiation, relative to the size of each variable
 STEP = 2.0**-7
@@ -191,7 +194,8 @@ def of_paper(state: Constant, order: int, n: int, h: float, coupling: str) -> Re
     places = np.broadcast_to(-h * state.stretch * np.arange(rows), rho.shape)
     f = np.stack([rho, rho * u, gas.total_energy(rho, u, T)], axis=-1)
     s = np.stack([v, sigma, Ts, places], axis=-1)
-    couple_all(packed(order), Face(KINDS[coupling], gas, solid, 1.0, h), np.zeros(4), f, s)
+    face = Face(coupling, gas, solid, True, h)
+    couple_all(Interfaces(stencils(order), face, np.zeros(4), f, s))
     u, T = gas.velocity_and_temperature(*np.moveaxis(f, -1, 0))
     after = np.stack([f[..., 0], u, T, *np.moveaxis(s, -1, 0)[:3]], axis=1)
     after = after.reshape(8, size, size)
@@ -202,12 +206,29 @@ def of_paper(state: Constant, order: int, n: int, h: float, coupling: str) -> Re
     return jacobian
 
 
-@njit(**CALL)
-def couple_all(ops, face, jump, f, s):
-    """The treatment of one interface for many rows, in place: f (m, rows, 3) of the gas, s (m,
-    rows, 4) of the solid."""
-    for m in range(len(f)):
-        couple(ops[0], face, jump, f[m], s[m])
+class Interfaces(NamedTuple):
+    """The rows of many interfaces of one kind: f (m, rows, 3) of the gas, s (m, rows, 4) of the
+    solid."""
+
+    op: Stencils
+    face: Face
+    jump: Real
+    f: Real
+    s: Real
+
+
+def couple_all(interfaces: Interfaces) -> None:
+    """Apply the treatment of all interfaces, in place."""
+
+    def couple_each(of):
+        """Couple the rows of interfaces."""
+        for m in each(of.f.shape[0]):
+            couple(of.op, of.face, of.jump, of.f[m], of.s[m])
+
+    code = Code(unit({}, []))
+    call = code.procedure("couple_each", couple_each, interfaces)
+    code.load(libraries(MPI.COMM_SELF, [code.text])[0])
+    call()
 
 
 def one_particle(state: Constant, n: int) -> Real:

@@ -14,13 +14,15 @@ vectors. It runs once, on stand-ins of what the records have, and what it does i
 Numbers that differ from node to node are Symbols (fsipetsc.kernels.symbols), and formulas of them
 are recorded as in a kernel. Whole numbers that are known only later, as sizes and places in
 arrays, are an Index. What is known when the procedure is recorded, as bools, None, and how long
-tuples are, decides what is printed: ``if`` and ``range`` of it are plain Python.
+tuples are, decides what is printed: ``if`` and ``range`` of it are plain Python. So are facts: dataclasses,
+whose numbers become constants of the text.
 
     each(n), each(a, b)     a loop; vector=True: its passes do not depend on one another
     when(c), otherwise()    what is done if a condition holds, and else
     stop(c)                 ends the innermost loop
     variable(0.0)           a number that changes: its ``value`` is read and set
     pick(c, a, b)           one of two whole numbers; either(c, a, b): one of two arrays
+    named(i)                a whole number, computed once
     invoke("name", …)       calls a function in C
 
 The text depends on kinds alone, not on sizes or values: arrays and numbers of the records are
@@ -32,6 +34,7 @@ import inspect
 import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import is_dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -273,6 +276,14 @@ def either(condition: Any, a: "Array", b: "Array") -> "Array":
     return Array(name, a.dtype, (pick(condition, a.size, b.size),))
 
 
+def named(index: Any) -> Index:
+    """The same whole number, under a name of its own."""
+    record, index = _recording(), _index(index)
+    name = record.new("n")
+    record.line(f"const long {name} = {index.text};", (), index.needs)
+    return Index(name)
+
+
 def whole(value: Any) -> Index:
     """The whole number that a number is."""
     record = _recording()
@@ -429,15 +440,26 @@ def _read(base: str, dtype: Any, place: Index, text: str = "") -> Any:
 
 
 class _Fields:
-    """One row of an array of records: its fields by their names."""
+    """One row of an array of records: its fields by their names; those of several numbers are
+    arrays.
+    """
 
     def __init__(self, base: str, dtype: Any, offset: Any) -> None:
-        self._base, self._dtype, self._offset = base, dtype, _index(offset)
+        vars(self).update(_base=base, _dtype=dtype, _offset=_index(offset))
+
+    def _array(self, name: str) -> Array:
+        kind, first = self._dtype.fields[name][:2]
+        number, shape = kind.subdtype or (kind, (1,))
+        start = f"{self._base} + {self._dtype.itemsize} * {self._offset.text} + {first}"
+        base = f"(({_KINDS[number.kind]} *)({start}))"
+        return Array(base, number, shape, Index("0", self._offset.needs))
 
     def __getattr__(self, name: str) -> Any:
-        kind, first = self._dtype.fields[name][:2]
-        place = f"(const char *){self._base} + {self._dtype.itemsize} * {self._offset.text} + {first}"
-        return _read("", kind, self._offset, f"*(const {_KINDS[kind.kind]} *)({place})")
+        found = self._array(name)
+        return found if self._dtype.fields[name][0].subdtype else found[0]
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        self._array(name)[0] = value
 
 
 # --- what is printed
@@ -470,10 +492,12 @@ class Procedure:
         """What stands for a record, or a part of one, while the procedure is recorded."""
         if value is None or isinstance(value, (bool, str, Symbol)) or callable(value):
             return value
+        if is_dataclass(value):  # facts, which are known
+            return value
         if isinstance(value, np.ndarray):
             if not value.flags.c_contiguous:
                 raise ValueError(f"{name} is not contiguous")
-            kind = "const char" if value.dtype.names else _KINDS[value.dtype.kind]
+            kind = "char" if value.dtype.names else _KINDS[value.dtype.kind]
             base = self._field(name, f"{kind} *", value)
             shape = [
                 Index(self._field(f"{name}_n{k}", "long ", length))
@@ -537,9 +561,14 @@ class Procedure:
         self._function = getattr(library, self.name)
         self.address = ctypes.cast(self._function, ctypes.c_void_p).value
         self.structure = ctypes.addressof(self._structure)
+        nothing = ctypes.c_void_p(None), ctypes.c_long(0)
+        self._alone = ctypes.c_void_p(self.structure), *nothing, *nothing
 
     def __call__(self, *vectors: np.ndarray) -> None:
         """Do it; vectors: flat arrays of doubles."""
+        if not vectors:
+            self._function(*self._alone)
+            return
         given = [ctypes.c_void_p(self.structure)]
         for vector in (*vectors, *[_NONE] * (2 - len(vectors))):
             given += [ctypes.c_void_p(vector.ctypes.data), ctypes.c_long(vector.size)]

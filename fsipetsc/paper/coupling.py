@@ -1,5 +1,5 @@
 """What holds at an interface: three treatments, each of the rows of both sides that a condition can
-reach. Compiled.
+reach.
 
 Rows are counted from the interface into each material: f[j] = (rho, rho u, e)_j of the gas, s[j] =
 (u, sigma, T, x)_j of the solid. A treatment changes both in place so that (2.6)-(2.8b) hold up to
@@ -49,64 +49,61 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.operators.loops import njit
-from fsipetsc.paper.stencils import INNER, weight
+from fsipetsc.kernels.procedure import each, stop, variable
+from fsipetsc.paper.ends import choose
+from fsipetsc.paper.stencils import weight
 
-PROJECTION, ENERGY, TRADITIONAL = 0, 1, 2
-KINDS = {"projection": PROJECTION, "energy": ENERGY, "traditional": TRADITIONAL}
-#: rows, as no literals
-FIRST, SECOND = np.int64(0), np.int64(1)
 #: the conductivity at the interface has the temperature that it leads to, but for this fraction, or
 #: after so many attempts
 AGREED, REFINEMENTS = 1e-15, 20
 
 
 class Face(NamedTuple):
-    """An interface. n: 1 if the gas lies right of the solid, else -1; h: spacing [m] on both
-    sides."""
+    """An interface. kind: a value of -fsi_coupling; right: whether the gas lies right of the solid;
+    h: spacing [m] on both sides."""
 
-    kind: int
+    kind: str
     gas: Any
     solid: Any
-    n: float
+    right: bool
     h: float
 
+    @property
+    def by_h(self):
+        """n/h: n = 1 if the gas lies right of the solid, else -1."""
+        return (1.0 if self.right else -1.0) / self.h
 
-@njit(**INNER)
+
 def couple(op, face, jump, f, s):
     """Apply the treatment that the interface has."""
-    if face.kind == TRADITIONAL:
+    if face.kind == "traditional":
         traditional(op, face, jump, f, s)
         return
-    if face.kind == PROJECTION:
+    if face.kind == "projection":
         T_f, T_s = temperatures(op, face, jump, f, s)
-        put_gas(face, f, FIRST, f[0, 0], f[0, 1] / f[0, 0], T_f)
+        put_gas(face, f, 0, f[0, 0], f[0, 1] / f[0, 0], T_f)
         s[0, 2] = T_s
-    for _ in range(REFINEMENTS):
-        used = face.gas.conductivity(gas_at(face, f, FIRST)[1])
+    for _ in each(REFINEMENTS):
+        used = face.gas.conductivity(gas_at(face, f, 0)[1])
         T_f = project(op, face, jump, f, s)
-        if not abs(face.gas.conductivity(T_f) - used) > AGREED * used:
-            return
+        stop(~(np.absolute(face.gas.conductivity(T_f) - used) > AGREED * used))
 
 
-@njit(**INNER)
 def gas_at(face, f, j):
     """(u, T) in row j."""
     return face.gas.velocity_and_temperature(f[j, 0], f[j, 1], f[j, 2])
 
 
-@njit(**INNER)
 def put_gas(face, f, j, rho, u, T):
     """Let the gas in row j be of this density, velocity and temperature."""
     f[j, 0], f[j, 1], f[j, 2] = rho, rho * u, face.gas.total_energy(rho, u, T)
 
 
-@njit(**INNER)
 def gradients(op, face, f, s):
     """(u_X, T_X) of the gas and (T_X, x_X) of the solid, and sum_j a_0/a_j d_j^2."""
-    d, u_X, Tf_X, Ts_X, x_X, squares = face.n / face.h, 0.0, 0.0, 0.0, 0.0, 0.0
+    d, u_X, Tf_X, Ts_X, x_X, squares = face.by_h, 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(op.n):
-        d_j, (u, T) = d * op.closure[0, j], gas_at(face, f, j)
+        d_j, (u, T) = d * op.closure[0][j], gas_at(face, f, j)
         u_X += d_j * u
         Tf_X += d_j * T
         Ts_X -= d_j * s[j, 2]
@@ -115,7 +112,6 @@ def gradients(op, face, f, s):
     return u_X, Tf_X, Ts_X, x_X, squares
 
 
-@njit(**INNER)
 def temperatures(op, face, jump, f, s):
     """(T_f, T_s) at the interface by continuity of temperature and heat flux, (4.21).
 
@@ -124,41 +120,35 @@ def temperatures(op, face, jump, f, s):
     temperature. The gas conducts with the kappa of its new temperature: where that depends on T,
     the temperatures are found again with it.
     """
-    beta, rest_f, rest_s, d = op.closure[0], 0.0, 0.0, face.n / face.h
-    T_f, T_s = gas_at(face, f, FIRST)[1], s[0, 2]
-    for j in range(1, op.n):
-        rest_f += beta[j] * gas_at(face, f, j)[1]
-        rest_s += beta[j] * s[j, 2]
-    rest_f, rest_s, d_f, d_s = d * rest_f, -d * rest_s, d * beta[0], -d * beta[0]
-    k_s, k_f = face.solid.kappa_e / gradients(op, face, f, s)[3], face.gas.conductivity(T_f)
-    for _ in range(REFINEMENTS):
-        if k_s > 0.0 and k_f > 0.0:
-            T_f = (jump[3] - k_s * (rest_s + d_s * jump[2]) + k_f * rest_f) / (
-                k_s * d_s - k_f * d_f
-            )
-            T_s = T_f + jump[2]
-        elif k_s > 0.0:
-            T_s = (jump[3] / k_s - rest_s) / d_s
-        elif k_f > 0.0:
-            T_f = (-jump[3] / k_f - rest_f) / d_f
-        used, k_f = k_f, face.gas.conductivity(T_f)
-        if not abs(k_f - used) > AGREED * used:
-            break
-    return T_f, T_s
+    beta, d = op.closure[0], face.by_h
+    T_f, T_s = variable(gas_at(face, f, 0)[1]), variable(s[0, 2])
+    rest_f = d * sum(beta[j] * gas_at(face, f, j)[1] for j in range(1, op.n))
+    rest_s = -d * sum(beta[j] * s[j, 2] for j in range(1, op.n))
+    d_f, d_s = d * beta[0], -d * beta[0]
+    k_s, jump_T, jump_flux = face.solid.kappa_e / gradients(op, face, f, s)[3], jump[2], jump[3]
+    for _ in each(REFINEMENTS):
+        used = face.gas.conductivity(T_f.value)
+        both = (jump_flux - k_s * (rest_s + d_s * jump_T) + used * rest_f) / (
+            k_s * d_s - used * d_f
+        )
+        gas, solid = (-jump_flux / used - rest_f) / d_f, (jump_flux / k_s - rest_s) / d_s
+        gas = np.where(used > 0.0, np.where(k_s > 0.0, both, gas), T_f.value)  # if it conducts
+        solid = np.where(k_s > 0.0, np.where(used > 0.0, both + jump_T, solid), T_s.value)
+        T_f.value, T_s.value = gas, solid
+        stop(~(np.absolute(face.gas.conductivity(gas) - used) > AGREED * used))
+    return T_f.value, T_s.value
 
 
-@njit(**INNER)
 def residuals(op, face, jump, f, s):
     """What the four conditions are off by, as a tuple."""
     u_X, Tf_X, Ts_X, x_X, _ = gradients(op, face, f, s)
-    u, T = gas_at(face, f, FIRST)
+    u, T = gas_at(face, f, 0)
     p_s, p_f = face.solid.pressure(s[0, 2], x_X), face.gas.law.pressure(f[0, 0], T)
     stress = s[0, 1] - p_s + p_f - face.gas.viscosity(T) * u_X
     flux = face.solid.kappa_e / x_X * Ts_X - face.gas.conductivity(T) * Tf_X
     return s[0, 0] - u - jump[0], stress - jump[1], s[0, 2] - T - jump[2], flux - jump[3]
 
 
-@njit(**INNER)
 def multipliers(S11, S12, S22, S23, S24, S33, S34, S44, r1, r2, r3, r4):
     """(l1, l2, l3, l4) with S l = r; S symmetric and positive definite, S13 = S14 = 0. Cholesky
     without roots."""
@@ -174,21 +164,20 @@ def multipliers(S11, S12, S22, S23, S24, S33, S34, S44, r1, r2, r3, r4):
     return r1 / S11 - v12 * l2, l2, l3, l4
 
 
-@njit(**INNER)
 def project(op, face, jump, f, s):
     """Project orthogonally, with the conductivity of the gas as it is: all unknowns in *energy*,
     else all but the temperatures, which are as they should be. Returns the gas's new temperature
     at the interface."""
-    gas, solid, beta, d, a_0 = face.gas, face.solid, op.closure[0], face.n / face.h, op.norm[0]
+    gas, solid, beta, d, a_0 = face.gas, face.solid, op.closure[0], face.by_h, op.norm[0]
     _, _, _, x_X, squares = gradients(op, face, f, s)
     # the state that the weights belong to
-    rho, (u, T), T_s = f[1, 0], gas_at(face, f, SECOND), s[0, 2]
+    rho, (u, T), T_s = f[1, 0], gas_at(face, f, 1), s[0, 2]
     bulk, p_T = gas.law.bulk_modulus(rho, T), gas.law.pressure_by_temperature(rho, T)
     K, c, tau_f, tau_s = solid.K, solid.pressure_by_temperature(T_s, x_X), 0.0, 0.0
-    if face.kind == ENERGY:
+    if face.kind == "energy":
         K = (solid.K + solid.stiffness(T_s, x_X)) / x_X
         tau_f, tau_s = T / (rho * gas.law.heat_capacity(rho, T)), T / (solid.alpha * solid.m0)
-    T_f = gas_at(face, f, FIRST)[1]
+    T_f = gas_at(face, f, 0)[1]
     mu, kappa, k_s = gas.viscosity(T_f), gas.conductivity(T_f), solid.kappa_e / x_X
     r1, r2, r3, r4 = residuals(op, face, jump, f, s)
     # S without the factor 1/a_0: the multipliers come out as l/a_0
@@ -198,35 +187,34 @@ def project(op, face, jump, f, s):
     S23, S24 = -c * tau_s - p_T * tau_f, d_0 * (c * k_s * tau_s - p_T * kappa * tau_f)
     S33, S34 = tau_s + tau_f, d_0 * (kappa * tau_f - k_s * tau_s)
     S44 = (k_s * k_s * tau_s + kappa * kappa * tau_f) * squares
-    held = face.kind == PROJECTION
-    if held or kappa <= 0.0 or k_s <= 0.0:  # T may jump
-        S23, S33, S34, r3 = 0.0, 1.0, 0.0, 0.0
-    if held or (kappa <= 0.0 and k_s <= 0.0):
-        S24, S44, r4 = 0.0, 1.0, 0.0
+    if face.kind == "projection":
+        S23, S33, S34, r3, S24, S44, r4 = 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0
+    else:
+        some, none = (kappa <= 0.0) | (k_s <= 0.0), (kappa <= 0.0) & (k_s <= 0.0)
+        # where T may jump, and where no heat flows
+        S23, S33, S34, r3 = choose(some, (0.0, 1.0, 0.0, 0.0), (S23, S33, S34, r3))
+        S24, S44, r4 = choose(none, (0.0, 1.0, 0.0), (S24, S44, r4))
     l1, l2, l3, l4 = multipliers(S11, S12, S22, S23, S24, S33, S34, S44, r1, r2, r3, r4)
     s[0, 0] -= l1 / solid.m0
     s[0, 1] -= K * l2
-    here = 1.0
     for j in range(op.n):
-        d_j, w = d * beta[j], a_0 / weight(op, j)
+        d_j, w, here = d * beta[j], a_0 / weight(op, j), 1.0 if j == 0 else 0.0
         rho_j, (u, T) = f[j, 0], gas_at(face, f, j)
         u += w * (here * l1 + mu * d_j * l2) / rho
         T += w * tau_f * (here * (l3 - p_T * l2) + kappa * d_j * l4)
         s[j, 2] += w * tau_s * (here * (c * l2 - l3) + k_s * d_j * l4)
-        here = 0.0
         put_gas(face, f, j, rho_j, u, T)
-    u, T_f = gas_at(face, f, FIRST)
+    u, T_f = gas_at(face, f, 0)
     u_X = gradients(op, face, f, s)[0]
     p_0 = gas.viscosity(T_f) * u_X - s[0, 1] + solid.pressure(s[0, 2], x_X) + jump[1]  # (4.24)
-    put_gas(face, f, FIRST, gas.law.density(p_0, T_f), u, T_f)
+    put_gas(face, f, 0, gas.law.density(p_0, T_f), u, T_f)
     return T_f
 
 
-@njit(**INNER)
 def traditional(op, face, jump, f, s):
     """The solid moves the gas, the gas loads the solid."""
     T_f, T_s = temperatures(op, face, jump, f, s)
-    put_gas(face, f, FIRST, f[0, 0], s[0, 0] - jump[0], T_f)
+    put_gas(face, f, 0, f[0, 0], s[0, 0] - jump[0], T_f)
     u_X, _, _, x_X, _ = gradients(op, face, f, s)
     stress = face.gas.viscosity(T_f) * u_X - face.gas.law.pressure(f[0, 0], T_f)
     s[0, 1] = face.solid.pressure(T_s, x_X) + stress + jump[1]

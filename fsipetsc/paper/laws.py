@@ -1,4 +1,4 @@
-"""The materials of a case as NamedTuples, whose scalar methods compiled loops call.
+"""The materials of a case as NamedTuples of formulas.
 
 Their laws are those of fsipetsc.materials: ``gas.law.pressure(rho, T)``.
 """
@@ -42,7 +42,7 @@ class Gas(NamedTuple):
 
 
 def law_of(material: Fluid | Solid) -> Gas | Elastic:
-    """What compiled code takes of the material of a layer. InputError for a gas's body force of
+    """What procedures take of the material of a layer. InputError for a gas's body force of
     more than one dimension."""
     if not isinstance(material, Fluid):
         return material.elastic

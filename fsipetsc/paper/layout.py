@@ -24,7 +24,7 @@ MOST_CELLS = 50_000_000
 SPARE = 16
 
 _I, _F = np.int64, np.float64
-#: What compiled code knows of a layer. X = anchor + (i - anchor_index) h.
+#: What procedures know of a layer. X = anchor + (i - anchor_index) h.
 RECORD = np.dtype(
     [
         ("number", _I),  # of the layer, from the left

@@ -1,5 +1,4 @@
 """What makes viscous stress and conduction narrow: terms of undivided differences for the rates.
-Compiled.
 
 D acts twice on u and T, with b = mu', kappa or kappa_e / x_X between. The narrow second derivative
 of fsipetsc.operators.narrow is D2(b) = D b D - H^-1 R(b), R(b) = sum_q Delta_q^T mean_q(b) Delta_q,
@@ -15,72 +14,72 @@ values at i .. i+q. At either end the first T differences of each order are left
 term ``end`` (T, T) of their own stands instead, with b at point T.
 """
 
+import numpy as np
 
-from fsipetsc.operators.loops import njit
-from fsipetsc.paper.stencils import INNER, U, weight
+from fsipetsc.kernels.procedure import each, named, when
+from fsipetsc.paper.stencils import near_ends
 
 #: where the sum of the differences that begin at point 0 stands: they may begin before the rank's
 #: points
 MARGIN = 8
 
 
-@njit(**INNER)
-def add_remainder(op, scale, b, y, g, out, c, shift, begin, end, A, B):
-    """out[i - shift, c] += scale H^-1 R(b) y at the points i = begin .. end-1; g: scratch, longer
-    by 2 MARGIN."""
-    T = op.ends
-    for level in range(op.p):
+def add_remainder(op, scale, b, y, scratch, out, c, shift, begin, end, A, B):
+    """out[i - shift, c] += scale H^-1 R(b) y at the points i = begin .. end-1; scratch: two rows,
+    longer by 2 MARGIN."""
+    T, (g, sums) = len(op.end), scratch
+    sums[begin:end] = 0.0
+    for level, means in enumerate(op.means):
         q = op.p + 1 + level
-        count = 2 * op.p - q + 1
-        skipped = (q + 1 - count) // 2
-        weights, means = op.differences[q - 1], op.means[level]
-        for i in range(begin - q, end):
-            mean, difference = 0.0, 0.0
-            if A + T <= i < B + 1 - T - q:
-                for k in range(count):
-                    mean += means[U(k)] * b[U(i + skipped + k)]
-                for k in range(q + 1):
-                    difference += weights[U(k)] * y[U(i + k)]
-            g[U(i + MARGIN)] = mean * difference
+        skipped, weights = (q + 1 - len(means)) // 2, op.differences[q - 1]
+        g[begin - q + MARGIN : end + MARGIN] = 0.0
+        first, last = np.maximum(begin - q, A + T), np.minimum(end, B + 1 - T - q)
+        for i in each(first, last, vector=True):
+            mean = sum(v * b[i + skipped + k] for k, v in enumerate(means))
+            g[i + MARGIN] = mean * sum(v * y[i + k] for k, v in enumerate(weights))
         if level == 0:
-            for side in range(2):
-                edge, step, inside = (A, 1, A + T) if side == 0 else (B - q, -1, B - T)
-                for t in range(T):
-                    at = edge + step * t
-                    if begin - q <= at < end:
-                        total = 0.0
-                        for k in range(T):
-                            difference = 0.0
-                            for j in range(q + 1):
-                                difference += weights[j] * y[edge + step * k + j]
-                            total += op.end[t, k] * difference
-                        g[at + MARGIN] += b[inside] * total
-        for i in range(begin, end):
-            total = 0.0
-            for k in range(q + 1):
-                total += weights[U(k)] * g[U(i - k + MARGIN)]
-            out[U(i - shift), c] += scale / weight(op, min(i - A, B - i)) * total
+            add_end_terms(op, b, y, g, begin, end, A, B)
+        for i in each(begin, end, vector=True):
+            sums[i] += sum(v * g[i - k + MARGIN] for k, v in enumerate(weights))
+    for r, i, _, _ in near_ends(op, begin, end, A, B):
+        sums[i] *= 1.0 / op.norm[r]
+    for i in each(begin, end, vector=True):
+        out[i - shift, c] += scale * sums[i]
 
 
-@njit(**INNER)
-def narrow_gas(op, gas, layer, u, T, b, kappa, g, out, begin, end, A, B):
-    """Add to the rates of a gas at the points begin .. end-1; u, T as the gradients see them."""
+def add_end_terms(op, b, y, g, begin, end, A, B):
+    """Add b_T c L L^T Delta_{p+1} y to the differences g at both ends."""
+    T, q, weights = len(op.end), op.p + 1, op.differences[op.p]
+    for edge, step, inside in ((A, 1, A + T), (B - q, -1, B - T)):
+        for t, row in enumerate(op.end):
+            at = edge + step * t
+            with when((begin - q <= at) & (at < end)):
+                differences = (
+                    sum(v * y[edge + step * k + j] for j, v in enumerate(weights)) for k in range(T)
+                )
+                total = sum(v * one for v, one in zip(row, differences, strict=True))
+                g[at + MARGIN] += b[inside] * total
+
+
+def narrow_gas(op, gas, layer, w, u, first_b, out, begin, end, A, B):
+    """Add to the rates of a gas at the points begin .. end-1; in scratch w, rows u and u + 1 are u
+    and T as the gradients see them, and there is room in five rows from first_b on."""
+    mu, mu_u, kappa, g, sums = (w[first_b + c] for c in range(5))
     scale, shift = -1.0 / (layer.h * layer.h), layer.halo_lo
-    first, last = max(A, begin - 2 * op.p), min(B + 1, end + 2 * op.p)
-    for i in range(first, last):
-        b[i], kappa[i] = gas.viscosity(T[i]), gas.conductivity(T[i])
-    add_remainder(op, scale, b, u, g, out, 1, shift, begin, end, A, B)
-    for i in range(first, last):
-        b[i] *= u[i]
-    add_remainder(op, scale, b, u, g, out, 2, shift, begin, end, A, B)
-    add_remainder(op, scale, kappa, T, g, out, 2, shift, begin, end, A, B)
+    first = named(np.maximum(A, begin - 2 * op.p))
+    last = named(np.minimum(B + 1, end + 2 * op.p))
+    for i in each(first, last, vector=True):
+        viscosity, T = gas.viscosity(w[u + 1, i]), w[u + 1, i]
+        mu[i], mu_u[i], kappa[i] = viscosity, viscosity * w[u, i], gas.conductivity(T)
+    for k in each(3):  # of the momentum, by u; of the energy, by u and T
+        b, y, c = w[first_b + k], w[u + k // 2], 1 + (k + 1) // 2
+        add_remainder(op, scale, b, y, (g, sums), out, c, shift, begin, end, A, B)
 
 
-@njit(**INNER)
-def narrow_solid(op, solid, layer, T, stretch, b, g, out, begin, end, A, B):
-    """Add to the rates of a solid at the points begin .. end-1."""
+def narrow_solid(op, solid, layer, T, stretch, scratch, out, begin, end, A, B):
+    """Add to the rates of a solid at the points begin .. end-1; scratch: three rows."""
     scale = -1.0 / (layer.h * layer.h * solid.alpha * solid.m0)
-    reach = min(op.reach, 2 * op.p)
-    for i in range(max(A, begin - reach), min(B + 1, end + reach)):
+    b, reach = scratch[0], min(op.reach, 2 * op.p)
+    for i in each(np.maximum(A, begin - reach), np.minimum(B + 1, end + reach), vector=True):
         b[i] = solid.kappa_e * stretch[i]
-    add_remainder(op, scale, b, T, g, out, 2, layer.halo_lo, begin, end, A, B)
+    add_remainder(op, scale, b, T, scratch[1:], out, 2, layer.halo_lo, begin, end, A, B)

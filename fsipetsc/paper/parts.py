@@ -5,7 +5,6 @@ and the rates read its local vector. All ranks know its record and its material.
 """
 
 from collections.abc import Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,11 +12,13 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc import given
-from fsipetsc.operators.boxed import Box
+from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.paper import rates, steps
 from fsipetsc.paper.coupling import Face
+from fsipetsc.paper.ends import Ends
 from fsipetsc.paper.laws import law_of
 from fsipetsc.paper.layout import DOF
+from fsipetsc.paper.stencils import Stencils
 from fsipetsc.stepping.verdicts import Seen
 
 Array = np.ndarray
@@ -27,10 +28,12 @@ class Layer:
     """Layer number k, and this rank's points of it.
 
     layer: what the case says; law: its material; record: of records, that of it alone. numbers, X,
-    local, owned, forcing: of the points of this rank, local with halos; box: what compiled
-    functions take; ranks: that own the first and the last point. Collective, as are all methods on
-    ranks that have points.
+    local, owned, forcing: of the points of this rank, local with halos; part: what procedures take,
+    does: these, by name, once they are recorded; ranks: that own the first and the last point.
+    Collective, as are all methods on ranks that have points.
     """
+
+    does: dict[str, Procedure]
 
     def __init__(
         self,
@@ -38,9 +41,10 @@ class Layer:
         layer: Any,
         records: Array,
         share: Sequence[tuple[int, int, int]],
-        op: Array,
+        op: Stencils,
         memory: Sequence[Array],
         at: int,
+        batch: Array,
     ) -> None:
         self.layer, self.op, self.records = layer, op, records
         self.law = law = law_of(layer.material)
@@ -54,17 +58,12 @@ class Layer:
         self._place = slice(at, at + dof * count)  # in this rank's part of a solution
         self.local = np.zeros((before + count + after, dof))
         self.owned = self.local[before : before + count]
-        self.forcing = np.zeros((count, dof))
-        scratch = np.zeros((rates.ROWS, len(self.local) + rates.MORE))
-        points = self.local, self.owned, *map(self.of, memory), self.forcing, scratch
-        self.box = Box(steps.Part(op, law, records, *points))
-        stage, complete = (
-            (steps.gas_stage, steps.complete_gas)
-            if self.is_gas
-            else (steps.solid_stage, steps.complete_solid)
-        )
-        # rates and next stage of (number, dt); what follows a step, of (steps.Steps,)
-        self.stage, self.complete = partial(stage, self.box), partial(complete, self.box)
+        self.forcing = np.zeros((count, dof)) if layer.forcing is not None else None
+        self._scratch = np.zeros((rates.ROWS, len(self.local) + rates.MORE))
+        points = self.local, self.owned, *map(self.of, memory), self.forcing, self._scratch
+        said = ("end_kind", "end_degree", "end_thermal")
+        ends = Ends(*(tuple(record[name].tolist()) for name in said))
+        self.part = steps.Part(op, ends, law, records, *points, batch)
         self._vec = PETSc.Vec().createWithArray(self.local, comm=MPI.COMM_SELF)
         self._comm = comm.Split(0 if self.present else MPI.UNDEFINED, comm.rank)
         # of the interface of a gas, among those that have points
@@ -82,6 +81,19 @@ class Layer:
                 comm=self._comm,
             )
 
+    def record_on(self, code: Code, place: str, of_steps: steps.Steps) -> None:
+        """Record the procedures of the layer, which stands at a place: left, solid or right."""
+        self.does = steps.of_layer(code, place, self.part, of_steps)
+
+    def stage(self, number: int) -> list[Procedure]:
+        """What finds the rates of a stage, which fulfils the conditions but for the ghost point,
+        and makes the next one. In the first stage, which is the completed solution, it is filled.
+        """
+        filled = number == 0 or not self.is_gas
+        names = [*([] if filled else ["fill"]), "rates"]
+        names += [] if number == steps.RATES_ALONE else [f"advance_{number}"]
+        return [self.does[name] for name in names]
+
     def of(self, array: Array) -> Array:
         """View, shape (owned points, unknowns), of this layer in this rank's part of a solution."""
         return array[self._place].reshape(-1, self.local.shape[1])
@@ -94,7 +106,7 @@ class Layer:
 
     def rows_from(self, side: int) -> Array:
         """Numbers, among the points that this rank owns, of those that D reaches from an end."""
-        inward = np.arange(int(self.op[0]["n"]))
+        inward = np.arange(self.op.n)
         rows = self.record["hi"] - inward if side else self.record["lo"] + inward
         return rows - self.record["own_lo"]
 
@@ -130,9 +142,8 @@ class Layer:
             x = self.X[self.active] - self.record["anchor"] + self.record["x_interface"]
             out[self.active] = np.stack([rho, u, T, self.law.law.pressure(rho, T), x], axis=-1)
             return out
-        x_X = np.empty(len(self.local))
-        steps.stretch(self.box, x_X)
-        x_X = x_X[self.record["halo_lo"] :][: len(out)] / self.record["h"]
+        self.does["stretch"]()
+        x_X = self._scratch[1, self.record["halo_lo"] :][: len(out)] / self.record["h"]
         out[:, :4], out[:, 4] = self.owned, self.law.pressure(self.owned[:, 2], x_X)
         return out
 
@@ -180,7 +191,7 @@ class Layer:
         """After interfaces are coupled: the outer ends of a solid; all ranks of a gas hear of its
         frame, (4.20), (4.25) and PETSc fills the halos."""
         if not self.is_gas:
-            steps.close(self.box)
+            self.does["close"]()
         elif self._comm.size > 1:
             told = np.array([self.record["s"], self.record["x_interface"]])
             self._comm.Bcast(told, self._owner)
@@ -188,8 +199,9 @@ class Layer:
         self.fill_halos()
 
     def fill_halos(self) -> None:
-        """PETSc's ghost exchange."""
-        self._dm.localToLocal(self._vec, self._vec)
+        """PETSc's ghost exchange; who has a whole layer has no halos."""
+        if self._comm.size > 1:
+            self._dm.localToLocal(self._vec, self._vec)
 
     def destroy(self) -> None:
         """Destroy its vector, its DMDA and the communicator of that."""
@@ -201,40 +213,52 @@ class Layer:
 
 class Interface:
     """Interface number k. jump: prescribed jumps; side: 1 if the gas lies right of the solid, else
-    0; here: whether this rank owns gas and solid beside it; notes: (steps.NOTES, interfaces)."""
+    0; here: whether this rank owns gas and solid beside it; notes: (steps.NOTES, interfaces); does:
+    its procedures by name, once they are recorded."""
+
+    does: dict[str, Procedure]
 
     def __init__(
-        self, comm: MPI.Comm, k: int, kind: int, gas: Layer, solid: Layer, notes: Array
+        self, comm: MPI.Comm, k: int, kind: str, gas: Layer, solid: Layer, notes: Array
     ) -> None:
         self.side = side = int(gas.number > solid.number)
         self.jump, self._noted, self._tag, self._comm = np.zeros(4), notes[:, k], k, comm
-        face = Face(kind, gas.law, solid.law, 2.0 * side - 1.0, float(solid.record["h"]))
+        face = Face(kind, gas.law, solid.law, side == 1, float(solid.record["h"]))
         self._points = points = gas.owned, solid.owned
         self._at = at = gas.rows_from(1 - side), solid.rows_from(side)
         self._rows = rows = tuple(np.zeros((len(at[0]), q.shape[1])) for q in points)
         memory = gas.records, *points, *at, *rows, self.jump, notes, k
-        self.box = Box(steps.Sides(solid.op, face, *memory))
+        self._sides = steps.Sides(solid.op, face, *memory)
         # the rank with the last point of a layer has all of the rows, see parallel.block_shares
         self._owners = gas.ranks[1 - side], solid.ranks[side]
         self.here = [owner == comm.rank for owner in self._owners]
+
+    def record_on(self, code: Code) -> None:
+        """Record the procedures of the interface."""
+        self.does = steps.of_interface(code, ("left", "right")[self.side], self._sides)
+
+    def coupling(self) -> list[Procedure]:
+        """What couples the two sides, which this rank owns."""
+        return [self.does[name] for name in ("take", "couple", "put")]
 
     def couple(self) -> None:
         """Couple the two sides in the stage. If they have different owners, these swap rows, and
         each solves the same small system."""
         if all(self.here):
-            steps.couple_here(self.box)
+            for procedure in self.coupling():
+                procedure()
         elif any(self.here):
             mine, other = (0, 1) if self.here[0] else (1, 0)
             points, at, rows = self._points[mine], self._at[mine], self._rows
             rows[mine][:] = points[at]
             owner = self._owners[other]
             self._comm.Sendrecv(rows[mine], owner, self._tag, rows[other], owner, self._tag)
-            steps.couple(self.box)
+            self.does["couple"]()
             points[at] = rows[mine]
 
     def note(self) -> None:
         """Let the owner of the solid note the interface."""
         if self.here[1]:
-            steps.note(self.box)
+            self.does["note"]()
         else:
             self._noted[:] = -np.inf

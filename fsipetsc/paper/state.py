@@ -27,17 +27,18 @@ from fsipetsc import given
 from fsipetsc.blocks.values import names_of
 from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.errors import InputError
-from fsipetsc.operators.boxed import Box
+from fsipetsc.kernels.calls import Calls, calling_code
+from fsipetsc.kernels.procedure import Procedure
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import steps
-from fsipetsc.paper.coupling import KINDS
 from fsipetsc.paper.layout import DOF, check_form, make_records, share_out
 from fsipetsc.paper.parts import Interface, Layer
-from fsipetsc.paper.stencils import packed
+from fsipetsc.paper.stencils import stencils
 from fsipetsc.problem import Problem, SolidLayer
-from fsipetsc.process.together import agree, together, wait_asleep
-from fsipetsc.scheme.batch import DT, MADE, TIME
-from fsipetsc.scheme.plan import CAPACITY, FLAGS, LIMITS, SAID_STOP, step_record
+from fsipetsc.process.libraries import libraries
+from fsipetsc.process.together import agree, together
+from fsipetsc.scheme.batch import ALLOWED, DT, MADE, TIME, plan_next
+from fsipetsc.scheme.plan import BAD, CAPACITY, FLAGS, LIMITS, SAID_STOP, step_record
 from fsipetsc.stepping.state import FAULT, State, as_numbers, whole
 from fsipetsc.stepping.verdicts import Seen, crushed, first_bad
 
@@ -60,15 +61,21 @@ class PaperState(State):
 
     records, shares: of the layers (fsipetsc.paper.layout); solution (world Vec). evaluations of the
     right-hand side are counted. layers: all (fsipetsc.paper.parts); here: those that this rank has
-    a part of. opt: options in force. InputError where grid, order and number of ranks do not fit,
-    or the problem is not of the paper's form.
+    a part of. opt: options in force; announce: told of what is compiled. InputError where grid,
+    order and number of ranks do not fit, or the problem is not of the paper's form.
     """
 
     KINDS: Mapping[str, str] = MappingProxyType({"latest": "any", "lo": "whole", "hi": "whole"})
     fault: InputError | None = None
     _kept: tuple[Array, ...] = ()  # what the last call of ``step`` began with
 
-    def __init__(self, comm: MPI.Comm, problem: Problem, opt: Mapping[str, Any]) -> None:
+    def __init__(
+        self,
+        comm: MPI.Comm,
+        problem: Problem,
+        opt: Mapping[str, Any],
+        announce: Callable[[str], None] = lambda text: None,
+    ) -> None:
         for name, without in _WITHOUT.items():
             if opt[name] not in without:
                 raise InputError(
@@ -77,9 +84,10 @@ class PaperState(State):
                 )
         check_form(problem)
         order, self.h = opt["fsi_order"], opt["fsi_h"]
-        self.comm, self.problem, self.op, self._opt = comm, problem, OPERATORS[order], opt
+        self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
         self.evaluations = 0
-        self.records = make_records(problem, self.op, self.h, max(2 * self.op.reach, 6))
+        op = stencils(order, opt["fsi_viscous"] == "narrow")
+        self.records = make_records(problem, self.op, self.h, op.halo)
         self.shares = share_out(comm, problem, self.op, self.records, opt["fsi_partition"])
         dof = [DOF[layer.kind] for layer in problem.layers]
         begins = np.cumsum([0, *(dof * (self.records["own_hi"] - self.records["own_lo"]))])
@@ -87,35 +95,49 @@ class PaperState(State):
         self.solution = PETSc.Vec().createWithArray(self._y, comm=comm)
         self.results, noted = np.zeros(FLAGS + LIMITS), len(problem.interfaces) * steps.NOTES
         record = step_record(len(problem.interfaces), dof.count(DOF["fluid"]))
-        journal, latest = self._lay_journal(record, CAPACITY)
-        self._notes, of_batch = latest[:noted], (self.results, self.batch, journal, latest)
-        self._steps = Box(steps.Steps(self.records, *of_batch, latest[noted:]))
-        op = packed(order, opt["fsi_viscous"] == "narrow")
+        _, latest = self._lay_journal(record, CAPACITY)
+        self._notes = latest[:noted]
         self.layers = [
-            Layer(comm, layer, self.records[k:][:1], share, op, memory, int(begins[k]))
+            Layer(comm, layer, self.records[k:][:1], share, op, memory, int(begins[k]), self.batch)
             for k, (layer, share) in enumerate(zip(problem.layers, self.shares, strict=True))
         ]
         self.here = [layer for layer in self.layers if layer.present]
-        kind, notes = KINDS[opt["fsi_coupling"]], self._notes.reshape(steps.NOTES, -1)
+        kind, notes = opt["fsi_coupling"], self._notes.reshape(steps.NOTES, -1)
         self.interfaces = [
             Interface(comm, k, kind, *(self.layers[n] for n in pair), notes)
             for k, pair in enumerate(problem.interfaces)
         ]
-        solid = next(layer.number for layer in self.layers if not layer.is_gas)
-        beside = {layer.number - solid: layer.box for layer in self.layers}
-        self._chain = beside.get(-1), beside[0], beside.get(1)
-        boxes = {interface.side: interface.box for interface in self.interfaces}
-        self._faces = boxes.get(0), boxes.get(1)
+        self._load_procedures(steps.Steps(self.records, self.results, latest[noted:]), announce)
 
-    def compile(self, announce: Callable[[str], None]) -> None:
-        """Compile the kernels: rank 0 first, with a state of its own; the others find them on the
-        disk."""
-        if self.comm.rank == 0:
-            with announced(announce), PaperState(MPI.COMM_SELF, self.problem, self._opt) as alone:
-                steps.batch(*alone._chain, alone._faces, alone._steps, 0.0)
-                alone.plan_next()
-                alone.save()
-        wait_asleep(self.comm)
+    def _load_procedures(self, of_steps: steps.Steps, announce: Callable[[str], None]) -> None:
+        """Record all procedures, the same ones on all ranks, and make machine code of them."""
+        code = calling_code()
+        solid = next(layer.number for layer in self.layers if not layer.is_gas)
+        for layer in self.layers:
+            layer.record_on(code, ("left", "solid", "right")[layer.number - solid + 1], of_steps)
+        for interface in self.interfaces:
+            interface.record_on(code)
+        self._does = steps.of_step(code, of_steps)
+        self.planning = code.procedure("plan_next", plan_next, self.plan)
+        (library,) = libraries(self.comm, [code.text], announce)
+        code.load(library)
+        numbers = (steps.RATES_ALONE, *range(steps.STAGES))
+        stages = {n: [one for layer in self.here for one in layer.stage(n)] for n in numbers}
+        completing = [self._does["forget"], *(layer.does["complete"] for layer in self.here)]
+        fulfil = [one for interface in self.interfaces for one in interface.coupling()]
+        fulfil += [layer.does["close"] for layer in self.layers if not layer.is_gas]
+        of_step = list(stages[0])  # it begins with the completed solution
+        for n in range(1, steps.STAGES):
+            of_step += [*fulfil, *stages[n]]
+        noted = [interface.does["note"] for interface in self.interfaces]
+        of_step += [*fulfil, *completing, *noted, self._does["finish"], self.planning]
+
+        def calls(procedures: list[Procedure]) -> Calls:
+            return Calls(library, [(procedure, ()) for procedure in procedures])
+
+        #: what is called between exchanges; on one rank a step, and others of its batch
+        self._stages = {n: calls(procedures) for n, procedures in stages.items()}
+        self._completing, self._batch = calls(completing), calls(of_step)
 
     # data
 
@@ -160,7 +182,7 @@ class PaperState(State):
             for k, interface in enumerate(self.interfaces):
                 interface.jump[:] = given.jumps(problem, k, t)
         for part in self.here:
-            if part.layer.forcing is not None:
+            if part.forcing is not None:
                 values = given.fields(part.layer, "forcing", part.X, t, part.active)
                 part.forcing[:] = 0.0
                 part.forcing[part.active] = np.stack(values, axis=-1)[part.active]
@@ -263,21 +285,18 @@ class PaperState(State):
         self.evaluations += 1
         self._load(y)
         self._fulfil()
-        for layer in self.here:
-            layer.stage(steps.RATES_ALONE, 0.0)
+        self._stages[steps.RATES_ALONE]()
         f[:] = self.k
 
     def _complete(self) -> None:
         """Project the stage, which is the new solution, let boundaries move, and monitor it."""
         self._fulfil()
-        steps.forget(self._steps)
-        for layer in self.here:
-            layer.complete(self._steps)
+        self._completing()
         for interface in self.interfaces:
             interface.note()
         if self.comm.size > 1:
             self._tell()
-        steps.finish(self._steps)
+        self._does["finish"]()
 
     def _tell(self) -> None:
         """Let all ranks learn what each has found: the largest number counts."""
@@ -303,12 +322,13 @@ class PaperState(State):
         and its completion.
 
         The others of its batch follow. steady: the data do not depend on time; on one rank all
-        steps are one compiled call then.
+        steps are one call of C then.
         """
+        self.batch[DT] = dt
         changed = self._y, self.records, self.results, self.batch
         self._kept = tuple(array.copy() for array in changed)
         if steady and self.comm.size == 1:
-            steps.batch(*self._chain, self._faces, self._steps, dt)
+            self._batch.batch(self.results[BAD:], self.batch[ALLOWED:])
             self.evaluations += steps.STAGES * max(1, int(self.batch[MADE]))
             return
         more = True
@@ -320,8 +340,9 @@ class PaperState(State):
     def _advance(
         self, t: float, dt: float, steady: bool, ends: Callable[[], Any] = lambda: None
     ) -> bool:
-        """A step; ends: called with each stage that fulfils the conditions, and with the completed
-        one. Where it returns something, the step ends, and returns True.
+        """A step of the length that batch has, dt [s]; ends: called with each stage that fulfils
+        the conditions, and with the completed one. Where it returns something, the step ends, and
+        returns True.
         """
         for number, fraction in enumerate(FRACTIONS):
             if not steady:
@@ -330,8 +351,7 @@ class PaperState(State):
                 self._fulfil()
                 if ends():
                     return True
-            for layer in self.here:
-                layer.stage(number, dt)
+            self._stages[number]()
         if not steady:
             self.set_data(t + dt)
         self._complete()

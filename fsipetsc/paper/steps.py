@@ -1,225 +1,223 @@
-"""What is done in a stage and after a step, a compiled function each; on one rank a batch of
-steps calls them.
+"""What is done in a stage and after a step: procedures, of which a step is a list.
 
-On several ranks fsipetsc.paper.state calls the same functions in the same order, with PETSc's
-exchange between: both make the same numbers. The rod with its default options takes 45 us a step
-in a batch and 170 us without. What the functions take is in boxes (fsipetsc.operators.boxed); a gas
-that there is not is None.
+On several ranks fsipetsc.paper.state calls them in the same order, with PETSc's exchange between:
+both make the same numbers. On one rank C makes all calls of a batch of steps. Those of layers take
+a Part, and those after a step Steps, too; those of interfaces take Sides.
 """
 
-from collections import namedtuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.operators.loops import njit
+from fsipetsc.kernels.procedure import Code, Procedure, each, number, variable, when
 from fsipetsc.paper import coupling, ends, rates, sums
-from fsipetsc.paper.rates import outer_side, own_range
-from fsipetsc.paper.stencils import CALL, INNER, OLD, U, derivative
-from fsipetsc.scheme.batch import DT, plan_next
-from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, SAID_STOP, STOP, TOO_SHORT
+from fsipetsc.paper.layout import DOF
+from fsipetsc.paper.stencils import Stencils, derivative
+from fsipetsc.scheme.batch import DT
+from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP, TOO_SHORT
+from fsipetsc.scheme.rows import Array
 
 #: of the method; the number of a stage of which only the rates are wanted
 STAGES, RATES_ALONE = 4, -1
 #: numbers of an interface that are noted
 NOTES = 8
 
-#: a rank's part of a layer. ops, layers: records, (1,); law: Gas or Elastic; local: the points of
-#: the stage with halos, of which ``owned`` is a view; y, total, k, forcing: the completed solution,
-#: the sum of the stages, rates and what is added to these, (owned, unknowns)
-Part = namedtuple("Part", "ops law layers local owned y total k forcing scratch")
-#: an interface: record of the gas; owned points of both sides, and which of them are the rows f, s;
-#: prescribed jumps; what is noted of all, (NOTES, interfaces), and its own number
-Sides = namedtuple("Sides", "ops face gases q_gas q_solid at_gas at_solid f s jump notes number")
-#: of all layers: records; results, batch, journal and latest: see fsipetsc.scheme.plan; sums: the
-#: end of latest, from the masses of gases on
-Steps = namedtuple("Steps", "records results batch journal latest sums")
+
+class Part(NamedTuple):
+    """A rank's part of a layer. op, ends: facts; law: Gas or Elastic; layers: the record, (1,).
+
+    local: the points of the stage with halos, (points, unknowns), of which ``owned`` is a view; y,
+    total, k, forcing: the completed solution, the sum of the stages, rates and what is added to
+    these, if anything, (owned, unknowns). batch: fsipetsc.scheme.batch.
+    """
+
+    op: Stencils
+    ends: ends.Ends
+    law: Any
+    layers: Array
+    local: Array
+    owned: Array
+    y: Array
+    total: Array
+    k: Array
+    forcing: Array | None
+    scratch: Array
+    batch: Array
+
+
+class Sides(NamedTuple):
+    """An interface. gases: the record of the gas, (1,); q_gas, q_solid: owned points of both sides;
+    at_gas, at_solid: which of them are the rows f, s; jump: what is prescribed; notes: what is
+    noted of all, (NOTES, interfaces), of this one in the column ``number``.
+    """
+
+    op: Stencils
+    face: coupling.Face
+    gases: Array
+    q_gas: Array
+    q_solid: Array
+    at_gas: Array
+    at_solid: Array
+    f: Array
+    s: Array
+    jump: Array
+    notes: Array
+    number: int
+
+
+class Steps(NamedTuple):
+    """Of all layers: records; results: see fsipetsc.scheme.plan; sums: the end of what is noted of
+    a step, from the masses of gases on."""
+
+    records: Array
+    results: Array
+    sums: Array
 
 
 # conditions
 
 
-@njit(**INNER)
-def move(q, at, rows, back):
-    """Take rows from the points of one side of an interface, or put them back."""
-    for j in range(len(at)):
-        for c in range(rows.shape[1]):
-            if back:
-                q[at[j], c] = rows[j, c]
-            else:
-                rows[j, c] = q[at[j], c]
+def take(of):
+    """Take the rows of both sides of an interface from their points."""
+    for j in range(of.op.n):
+        for c in range(DOF["fluid"]):
+            of.f[j, c] = of.q_gas[of.at_gas[j], c]
+        for c in range(DOF["solid"]):
+            of.s[j, c] = of.q_solid[of.at_solid[j], c]
 
 
-@njit(**CALL)
+def put(of):
+    """Put the rows of both sides of an interface back."""
+    for j in range(of.op.n):
+        for c in range(DOF["fluid"]):
+            of.q_gas[of.at_gas[j], c] = of.f[j, c]
+        for c in range(DOF["solid"]):
+            of.q_solid[of.at_solid[j], c] = of.s[j, c]
+
+
 def couple(of):
     """Couple the rows of both sides; the frame of the gas follows."""
     gas, f, s = of.gases[0], of.f, of.s
-    coupling.couple(of.ops[0], of.face, of.jump, f, s)
+    coupling.couple(of.op, of.face, of.jump, f, s)
     gas.s, gas.x_interface = f[0, 1] / f[0, 0], s[0, 3]
 
 
-@njit(**CALL)
-def couple_here(of):
-    """Couple both sides, which this rank owns."""
-    if of is None:
-        return
-    move(of.q_gas, of.at_gas, of.f, False)
-    move(of.q_solid, of.at_solid, of.s, False)
-    couple(of)
-    move(of.q_gas, of.at_gas, of.f, True)
-    move(of.q_solid, of.at_solid, of.s, True)
-
-
-@njit(**CALL)
-def close(of):
-    """Apply the conditions at the outer ends of a solid."""
-    ends.close_solid(of.ops[0], of.law, of.layers[0], of.owned)
+def note(of):
+    """Note x, u, sigma, T and the residuals of the four conditions of an interface."""
+    s, notes, k = of.s, of.notes, of.number
+    found = coupling.residuals(of.op, of.face, of.jump, of.f, s)
+    for row, value in enumerate((s[0, 3], s[0, 0], s[0, 1], s[0, 2], *found)):
+        notes[row, k] = value
 
 
 # stages
 
 
-@njit(**INNER)
-def advance(of, number, dt):
-    """What a stage of the classical method does with its rates k: the next stage, and the sum that
-    becomes the solution."""
-    if number == RATES_ALONE:
-        return
-    y, k, stage, total = of.y.ravel(), of.k.ravel(), of.owned.ravel(), of.total.ravel()
-    a = dt if number == 2 else 0.5 * dt
-    b = dt / 3.0 if 0 < number < 3 else dt / 6.0
-    for i in range(y.size):
-        j = U(i)
-        if number == 3:
-            stage[j] = total[j] + b * k[j]
-        else:
-            total[j] = (y[j] if number == 0 else total[j]) + b * k[j]
-            stage[j] = y[j] + a * k[j]
+def fill(of):
+    """Fill the ghost point of a gas."""
+    ends.fill_ghost(of, ends.outer_side(of.ends))
 
 
-@njit(**CALL)
-def gas_stage(of, number, dt):
-    """A stage, which fulfils the conditions, but for the ghost point: that of the first one, which
-    is the completed solution, is filled."""
-    if of is None:
-        return
-    op, law, layer, q = of.ops[0], of.law, of.layers[0], of.local
-    if number != 0:
-        ends.fill_ghost(op, law, layer, q, outer_side(layer), OLD)
-    rates.gas_rates(op, law, layer, q, of.forcing, of.scratch, of.k)
-    advance(of, number, dt)
+def advance(stage: int) -> Callable[[Part], None]:
+    """What makes the next stage, and the sum that becomes the solution, of the rates k of a stage
+    of the classical method.
+    """
 
+    def advance_stage(of):
+        """Make the next stage and the sum of stages."""
+        y, k, q, total = (v.reshape(-1) for v in (of.y, of.k, of.owned, of.total))
+        dt = of.batch[DT]
+        a, b = dt if stage == 2 else 0.5 * dt, dt / (3.0 if 0 < stage < 3 else 6.0)
+        for i in each(y.size, vector=True):
+            found = (y[i] if stage == 0 else total[i]) + b * k[i]
+            if stage == 3:
+                q[i] = found
+            else:
+                total[i], q[i] = found, y[i] + a * k[i]
 
-@njit(**CALL)
-def solid_stage(of, number, dt):
-    """The same of a solid."""
-    rates.elastic_rates(of.ops[0], of.law, of.layers[0], of.local, of.forcing, of.scratch, of.k)
-    advance(of, number, dt)
+    return advance_stage
 
 
 # after a step
 
 
-@njit(**CALL)
 def forget(steps):
     """Forget flags, limits and integrals of the step before."""
-    for flag in range(STOP):
-        steps.results[flag] = 0.0
-    for k in range(len(steps.sums)):
-        steps.sums[k] = 0.0
+    steps.results[:STOP] = 0.0
+    steps.sums[:] = 0.0
 
 
-@njit(**INNER)
 def keep(of):
-    """The stage is the solution."""
-    y, stage = of.y.ravel(), of.owned.ravel()
-    for i in range(y.size):
-        y[U(i)] = stage[U(i)]
+    """Let the stage be the solution."""
+    y, stage = of.y.reshape(-1), of.owned.reshape(-1)
+    for i in each(y.size, vector=True):
+        y[i] = stage[i]
 
 
-@njit(**CALL)
 def complete_gas(of, steps):
     """Fill the ghost point, let the boundary move over the grid, monitor the points."""
-    if of is None:
-        return
-    op, layer, q, results = of.ops[0], of.layers[0], of.local, steps.results
-    side = outer_side(layer)
-    ends.fill_ghost(op, of.law, layer, q, side, OLD)
-    if not ends.move_boundary(op, of.law, layer, q, side):
-        results[EXHAUSTED] = 1.0 + layer.number
-    if ends.distance(layer, side) <= layer.least - 2 + 1e-9:
-        results[TOO_SHORT] = 1.0 + layer.number
-    if not sums.monitor_gas(op, of.law, layer, q, steps.sums):
-        results[BAD] = 1.0
+    layer, side = of.layers[0], ends.outer_side(of.ends)
+    ends.fill_ghost(of, side)
+    ends.move_boundary(of, side, steps.results)
+    with when(ends.distance(layer, side) <= number(layer.least - 2) + 1e-9):
+        steps.results[TOO_SHORT] = 1.0 + number(layer.number)
+    sums.monitor_gas(of, steps)
     keep(of)
 
 
-@njit(**CALL)
 def complete_solid(of, steps):
     """Monitor the points."""
-    if not sums.monitor_solid(of.ops[0], of.law, of.layers[0], of.local, steps.sums):
-        steps.results[BAD] = 1.0
+    sums.monitor_solid(of, steps)
     keep(of)
 
 
-@njit(**CALL)
-def stretch(of, out):
-    """out = h x_X of a solid, at the active ones of this rank's points with halos."""
-    a, b, A, B = own_range(of.layers[0])
-    x = of.scratch[0]
-    for i in range(len(of.local)):
-        x[i] = of.local[i, 3]
-    derivative(of.ops[0], x, out, a, b, A, B, 1.0)
+def stretch(of):
+    """scratch[1] = h x_X of a solid, at the active ones of this rank's points with halos."""
+    a, b, A, B = rates.own_range(of.layers[0])
+    q, x = of.local, of.scratch[0]
+    for i in each(q.shape[0], vector=True):
+        x[i] = q[i, 3]
+    derivative(of.op, of.scratch, 0, 1, 1, a, b, A, B, 1.0)
 
 
-@njit(**CALL)
-def note(of):
-    """x, u, sigma, T and the residuals of the four conditions of an interface."""
-    if of is None:
-        return
-    s, notes, k = of.s, of.notes, of.number
-    notes[0, k], notes[1, k], notes[2, k], notes[3, k] = s[0, 3], s[0, 0], s[0, 1], s[0, 2]
-    found = coupling.residuals(of.ops[0], of.face, of.jump, of.f, s)
-    notes[4, k], notes[5, k], notes[6, k], notes[7, k] = found
-
-
-@njit(**CALL)
 def finish(steps):
-    """The bound on the next step, from the rates of all ranks.
+    """Find the bound on the next step, from the rates of all ranks.
 
     1/dt at Courant number 1 is the 4-norm of the largest rates of convection and diffusion: the
     smaller of the two steps alone is too long.
     """
     results, records = steps.results, steps.records
-    convection, diffusion = 0.0, 0.0
-    for k in range(len(records)):
-        convection = max(convection, records[k].rates[0])
-        diffusion = max(diffusion, records[k].rates[1])
-    results[RATE] = np.sqrt(np.sqrt(convection**4 + diffusion**4))
+    convection, diffusion = variable(), variable()
+    for k in each(records.shape[0]):
+        sums.larger(convection, records[k].rates[0])
+        sums.larger(diffusion, records[k].rates[1])
+    results[RATE] = np.sqrt(np.sqrt(convection.value**4 + diffusion.value**4))
     results[STOP] = results[SAID_STOP]
 
 
-@njit(**CALL)
-def batch(left, solid, right, faces, steps, dt):
-    """A step dt from the completed solution, and the others of its batch."""
-    more = True
-    while more:
-        for number in range(STAGES):
-            if number > 0:
-                couple_here(faces[0])
-                couple_here(faces[1])
-                close(solid)
-            gas_stage(left, number, dt)
-            solid_stage(solid, number, dt)
-            gas_stage(right, number, dt)
-        couple_here(faces[0])
-        couple_here(faces[1])
-        close(solid)
-        forget(steps)
-        complete_gas(left, steps)
-        complete_solid(solid, steps)
-        complete_gas(right, steps)
-        note(faces[0])
-        note(faces[1])
-        finish(steps)
-        more = plan_next(steps.batch, steps.results, steps.journal, steps.latest)
-        dt = steps.batch[DT]
+# all of them
+
+
+def of_layer(code: Code, place: str, of: Part, steps: Steps) -> dict[str, Procedure]:
+    """Record those of a layer that stands at a place: left, solid or right."""
+    gas = place != "solid"
+    functions = {
+        **({"fill": fill} if gas else {"close": ends.close_solid, "stretch": stretch}),
+        "rates": rates.gas_rates if gas else rates.elastic_rates,
+        **{f"advance_{stage}": advance(stage) for stage in range(STAGES)},
+    }
+    found = {name: code.procedure(f"{name}_{place}", f, of) for name, f in functions.items()}
+    complete = complete_gas if gas else complete_solid
+    return {**found, "complete": code.procedure(f"complete_{place}", complete, of, steps)}
+
+
+def of_interface(code: Code, place: str, of: Sides) -> dict[str, Procedure]:
+    """Record those of the interface of the gas at a place."""
+    functions = {"take": take, "couple": couple, "put": put, "note": note}
+    return {name: code.procedure(f"{name}_{place}", f, of) for name, f in functions.items()}
+
+
+def of_step(code: Code, steps: Steps) -> dict[str, Procedure]:
+    """Record those of a step."""
+    return {f.__name__: code.procedure(f.__name__, f, steps) for f in (forget, finish)}

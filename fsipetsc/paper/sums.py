@@ -1,4 +1,4 @@
-"""What is monitored after a step: bounds on the next one, and integrals. Compiled.
+"""What is monitored after a step: bounds on the next one, and integrals.
 
 Bounds are the largest numbers of all points, whoever owns them; sums over ranks may differ by
 round-off, and nothing that is computed on depends on them. Quadrature with the norm of the
@@ -12,74 +12,118 @@ count.
 
 import numpy as np
 
-from fsipetsc.operators.loops import njit
-from fsipetsc.paper.ends import beyond_boundary
-from fsipetsc.paper.rates import outer_side, own_range
-from fsipetsc.paper.stencils import INNER, weight
+from fsipetsc.kernels.procedure import each, variable, when
+from fsipetsc.paper.ends import beyond_boundary, outer_side
+from fsipetsc.paper.rates import own_range
+from fsipetsc.paper.stencils import near_ends
+from fsipetsc.scheme.plan import BAD
 
 #: of the points 0 to 3: coefficients of delta, delta^2 ... in the integral from the ghost point (0)
 #: to the boundary (delta) of the cubic through them
 STRIP = np.array([[24, -22, 8, -1], [0, 36, -20, 3], [0, -18, 16, -3], [0, 4, -4, 1]]) / 24.0
 
 
-@njit(**INNER)
-def monitor_gas(op, gas, layer, q, sums):
-    """Fill rates, by the largest |u-s| + c and max(mu', kappa/cv)/rho, and add to sums; whether all
-    points are physical. q: (points with halos, 3)."""
+def larger(found, x):
+    """Let a variable be x if this is larger; what is not a number is never."""
+    found.value = np.where(x > found.value, x, found.value)
+
+
+def smaller(found, x):
+    """Let a variable be x if this is smaller."""
+    found.value = np.where(x < found.value, x, found.value)
+
+
+def monitor_gas(part, steps):
+    """Fill rates, by the largest |u-s| + c and max(mu', kappa/cv)/rho, and add to sums; note if a
+    point is not physical."""
+    op, gas, layer, q, sums = part.op, part.law, part.layers[0], part.local, steps.sums
     a, b, A, B = own_range(layer)
-    side = outer_side(layer)
-    strip, ghost = beyond_boundary(layer, side), (A if side == 0 else B)
-    fastest, diffusivity, least, finite = 0.0, 0.0, np.inf, 0.0
-    mass, momentum, energy = 0.0, 0.0, 0.0
-    for i in range(a, b):
-        rho, m, e = q[i, 0], q[i, 1], q[i, 2]
-        u, T = gas.velocity_and_temperature(rho, m, e)
-        speed = abs(u - layer.s) + np.sqrt(gas.law.sound_speed_squared(rho, T))
+    speeds, diffusivities, temperatures, s = *(part.scratch[c] for c in range(3)), layer.s
+    for i in each(a, b, vector=True):
+        rho = q[i, 0]
+        u, T = gas.velocity_and_temperature(rho, q[i, 1], q[i, 2])
+        sound = np.sqrt(gas.law.sound_speed_squared(rho, T))
         heat = gas.conductivity(T) / gas.law.heat_capacity(rho, T)
-        fastest = max(fastest, speed)
-        diffusivity = max(diffusivity, max(gas.viscosity(T), heat) / rho)
-        least = min(least, min(rho, T))
-        finite += rho + m + e + T + speed
-        w = weight(op, min(i - A, B - i))
-        k = abs(i - ghost)
-        if k < 4:
-            for power in range(4):
-                w -= STRIP[k, power] * strip ** (power + 1)
-        mass += w * rho
-        momentum += w * m
-        energy += w * e
-    sums[layer.number // 2] += layer.h * mass  # every other layer is a gas
-    sums[-2] += layer.h * energy
-    sums[-1] += layer.h * momentum
-    layer.rates[0] = fastest / layer.h
-    layer.rates[1] = op.diffusion * diffusivity / (layer.h * layer.h)
-    return least > 0.0 and np.isfinite(finite)
+        diffusivity = np.maximum(gas.viscosity(T), heat) / rho
+        speeds[i], diffusivities[i] = np.absolute(u - s) + sound, diffusivity
+        temperatures[i] = T
+    fastest, diffusivity, least, finite = (variable(v) for v in (0.0, 0.0, np.inf, 0.0))
+    totals = mass, momentum, energy = [variable() for _ in range(3)]
+    for i in each(a, b):
+        rho, m, e = (q[i, c] for c in range(3))
+        speed, other, T = speeds[i], diffusivities[i], temperatures[i]
+        larger(fastest, speed)
+        larger(diffusivity, other)
+        smaller(least, np.where(T < rho, T, rho))
+        finite.value += rho + m + e + T + speed
+        add(totals, 1.0, (rho, m, e))
+    for r, i, _, _ in near_ends(op, a, b, A, B):
+        add(totals, op.norm[r] - 1.0, [q[i, c] for c in range(3)])
+    side = outer_side(part.ends)
+    strip, ghost, step = beyond_boundary(layer, side), (A, B)[side], 1 - 2 * side
+    for k in range(4):
+        i, weight = ghost + step * k, 0.0
+        for coefficient in STRIP[k, ::-1]:
+            weight = (weight + float(coefficient)) * strip
+        with when((a <= i) & (i < b)):
+            add(totals, -weight, [q[i, c] for c in range(3)])
+    h = layer.h
+    sums[layer.number // 2] += h * mass.value  # every other layer is a gas
+    sums[-2] += h * energy.value
+    sums[-1] += h * momentum.value
+    layer.rates[0] = fastest.value / h
+    layer.rates[1] = op.diffusion * diffusivity.value / (h * h)
+    note_bad(steps, (least.value > 0.0) & (np.absolute(finite.value) < np.inf))
 
 
-@njit(**INNER)
-def monitor_solid(op, solid, layer, q, sums):
+def add(totals, weight, values):
+    """Add to sums."""
+    for total, value in zip(totals, values, strict=True):
+        total.value += weight * value
+
+
+def note_bad(steps, good):
+    """Note where a state is not good."""
+    with when(~good):
+        steps.results[BAD] = 1.0
+
+
+def monitor_solid(part, steps):
     """The same, by the largest speed of waves and kappa_e/(alpha m0 x_X), in Lagrangian
-    coordinates. q: (points with halos, 4)."""
+    coordinates."""
+    op, solid, layer, q, sums = part.op, part.law, part.layers[0], part.local, steps.sums
     a, b, A, B = own_range(layer)
-    stiffest, softest, shortest, coldest = 0.0, np.inf, np.inf, np.inf
-    per_h, finite = 1.0 / layer.h, 0.0
-    momentum, kinetic, heat = 0.0, 0.0, 0.0
-    for i in range(a, b):
-        u, sigma, T, w = q[i, 0], q[i, 1], q[i, 2], weight(op, min(i - A, B - i))
-        j = max(i, A + 1)
-        x_X = (q[j, 3] - q[j - 1, 3]) * per_h
+    moduli, stretches, per_h = part.scratch[0], part.scratch[1], 1.0 / layer.h
+
+    def measure(i, j):
+        sigma, T, x_X = q[i, 1], q[i, 2], (q[j, 3] - q[j - 1, 3]) * per_h
         p = solid.pressure(T, x_X)
-        modulus = solid.wave_modulus(T, p, min(sigma, p), x_X)
-        stiffest, softest = max(stiffest, modulus), min(softest, modulus)
-        shortest, coldest = min(shortest, x_X), min(coldest, T)
-        finite += x_X + u * u + sigma + T + modulus
-        momentum += w * u
-        kinetic += 0.5 * w * u * u
-        heat += w * T
-    m0_h = solid.m0 * layer.h
-    sums[-2] += m0_h * (kinetic + solid.alpha * heat)
-    sums[-1] += m0_h * momentum
-    diffusivity = solid.kappa_e / (shortest * solid.alpha * solid.m0)
-    layer.rates[0] = np.sqrt(stiffest / solid.m0) / layer.h
-    layer.rates[1] = op.diffusion * diffusivity / (layer.h * layer.h)
-    return min(shortest, coldest) > 0.0 and softest >= 0.0 and np.isfinite(finite)
+        modulus = solid.wave_modulus(T, p, np.minimum(sigma, p), x_X)
+        moduli[i], stretches[i] = modulus, x_X
+
+    for i in each(np.maximum(a, A + 1), b, vector=True):
+        measure(i, i)
+    with when((a == A) & (a < b)):
+        measure(A, A + 1)
+    stiffest, softest, shortest, coldest = (variable(v) for v in (0.0, np.inf, np.inf, np.inf))
+    finite, totals = variable(), [variable() for _ in range(3)]
+    for i in each(a, b):
+        (u, sigma, T), modulus, x_X = (q[i, c] for c in range(3)), moduli[i], stretches[i]
+        larger(stiffest, modulus)
+        smaller(softest, modulus)
+        smaller(shortest, x_X)
+        smaller(coldest, T)
+        finite.value += x_X + u * u + sigma + T + modulus
+        add(totals, 1.0, (u, 0.5 * u * u, T))
+    for r, i, _, _ in near_ends(op, a, b, A, B):
+        u, T = q[i, 0], q[i, 2]
+        add(totals, op.norm[r] - 1.0, (u, 0.5 * u * u, T))
+    h, (momentum, kinetic, heat) = layer.h, totals
+    m0_h = solid.m0 * h
+    sums[-2] += m0_h * (kinetic.value + solid.alpha * heat.value)
+    sums[-1] += m0_h * momentum.value
+    diffusivity = solid.kappa_e / (shortest.value * solid.alpha * solid.m0)
+    layer.rates[0] = np.sqrt(stiffest.value / solid.m0) / h
+    layer.rates[1] = op.diffusion * diffusivity / (h * h)
+    physical = (shortest.value > 0.0) & (coldest.value > 0.0) & (softest.value >= 0.0)
+    note_bad(steps, physical & (np.absolute(finite.value) < np.inf))

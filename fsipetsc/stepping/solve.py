@@ -84,7 +84,7 @@ def make_state(
         raise InputError(
             "-fsi_check: nothing is conserved here, neither the mass of a gas nor the energy"
         )
-    return PaperState(comm, problem, opt)
+    return PaperState(comm, problem, opt, announce)
 
 
 def block_form(opt: Mapping[str, Any]) -> BlockForm:
