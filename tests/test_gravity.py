@@ -1,9 +1,296 @@
-"""A constant force on a gas, in plain Python and a process of its own: plain_gravity.py."""
+"""A constant force on a gas.
 
-from helpers import REPOSITORY, run
+Rates are those of the oracle (block_oracle.py); a gas of uniform temperature stays at rest, with a
+solid that carries it; energy stays with potential energy.
+"""
+
+from itertools import product
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import test_block_oracle as flat
+import test_radial as radial
+from block_ledgers import Steps, problem_of, solid
+from oracle_engine import Engine
+from oracle_formulas import Gas, Solid, spread
+
+from fsipetsc import FluidLayer, Problem, Wall
+from fsipetsc.blockrun.block_state import BlockForm
+from fsipetsc.blocks.conditions import Free, Slip
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.errors import InputError
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.paper.state import PaperState
+from fsipetsc.scheme.conservation_check import Drifts
+
+FORCES = {1: (0.7,), 2: (0.3, -0.7), 3: (0.3, -0.7, 0.2)}
+SMOOTH, DAMPED = {"dissipation": 0.3}, {"dissipation": 0.3, "shock": 0.7}
+STIFFENED = {"gamma": 3.0, "R": 0.7, "p_inf": 2.0}
+LINKED = {"shock": 1.0}
 
 
-def test_in_plain_python(tmp_path):
-    here = "-p", "no:cacheprovider", "-c", REPOSITORY / "pyproject.toml"
-    done = run("-m", "pytest", "-q", *here, REPOSITORY / "tests" / "plain_gravity.py", cwd=tmp_path)
-    assert done.returncode == 0, done.stdout + done.stderr
+def shape_of(name, order):
+    return flat.SHAPES[name](flat.NODES[order])
+
+
+def gas_in(d, **numbers):
+    return Gas(force=FORCES[d], **numbers)
+
+
+def dimension(name):
+    return {"line": 1, "three": 3}.get(name, 2)
+
+
+def at_rest(oracle, T=0.9, noise=0.2):
+    """A gas of uniform temperature at rest, with J of any size."""
+    q, rng = {}, np.random.default_rng(1)
+    for k, b in enumerate(oracle.blocks):
+        m = b.material
+        rho = 1.3 * np.exp(np.tensordot(m.force, b.X, 1) / (m.R * T))
+        U = [1.0 + 0.0 * rho, rho, *(0.0 * b.X), rho * m.cv * T + m.p_inf]
+        q[b.name] = oracle.start(k) * rng.uniform(1.0 - noise, 1.0 + noise, rho.shape) * np.array(U)
+    return q
+
+
+def growth(oracle, rates):
+    """The largest rate of energy, where pressures are about 1, and of all others."""
+    return max(np.abs(r[1:] / oracle.start(k)).max() for k, r in enumerate(rates.values()))
+
+
+@pytest.mark.parametrize(
+    ("shape", "order", "options"),
+    [
+        *product(("line", "periodic"), (2, 4), ({}, SMOOTH, DAMPED, LINKED)),
+        *product(("line",), (6, 8), ({}, DAMPED)),
+        ("square", 4, {}),
+        ("disk", 6, DAMPED),
+        ("three", 2, DAMPED),
+    ],
+)
+def test_rates_are_the_oracles(shape, order, options):
+    d = dimension(shape)
+    both = gas_in(d, mu=0.02, kappa=0.03), Solid("log", heat="elastic", force=FORCES[d])
+    flat.check(shape, both, order, size=0.2, **options)
+
+
+@pytest.mark.parametrize("centre", ["", "gas"])
+@pytest.mark.parametrize("options", [{}, SMOOTH, DAMPED], ids=str)
+def test_rates_around_an_axis(centre, options, monkeypatch):
+    monkeypatch.setattr(flat, "check_sums", lambda *of_a_problem_without_force: None)
+    both = Gas(force=(0.4, 0.0)), Solid("log", force=(0.4, 0.0))
+    radial.test_rates_are_the_oracles(centre, 2, 1, 4, both, options)
+
+
+@pytest.mark.parametrize(
+    ("shape", "order", "options", "numbers"),
+    [
+        *product(("line", "disk"), (2, 4, 6, 8), ({}, DAMPED), ({},)),
+        ("square", 4, SMOOTH, STIFFENED),
+        ("square", 4, LINKED, STIFFENED),
+        ("ring", 4, DAMPED, {"mu": 0.02, "kappa": 0.03}),
+        ("three", 2, DAMPED, STIFFENED),
+    ],
+)
+def test_a_gas_of_one_temperature_stays_at_rest(shape, order, options, numbers):
+    """Joined blocks, bent grids; also where the sensor of shocks sees steep gradients."""
+    gas = gas_in(dimension(shape), **numbers)
+    oracle = flat.made(shape_of(shape, order), gas, None, order, **options)
+    found = growth(oracle, Engine(oracle).rates(at_rest(oracle)))
+    assert found < 1e-12 * flat.NODES[order]
+
+
+def test_rest_around_an_axis():
+    shape = {"gas inside": radial.shell(2, flat.NODES[4], "gas")["gas inside"]}
+    oracle = radial.radial(shape, Gas(force=(0.7, 0.0)), None, 4, 1, **DAMPED)
+    state = at_rest(oracle)
+    engine = radial.engine_of(oracle, 1, "gas")
+    rates = engine.rates(radial.half_of(state, "gas"))["gas inside"]
+    assert np.abs(rates[1:]).max() < 1e-12
+
+
+@pytest.mark.parametrize("d", [1, 2])
+def test_what_auto_stands_for_keeps_rest(d):
+    f = np.array(FORCES[d])
+
+    def still(*X):
+        rho = np.exp(sum(map(np.multiply, f, X)))
+        return [rho, *np.zeros((d, *X[0].shape)), 1.0 + 0.0 * rho]
+
+    shape = {"gas": flat.shapes.box((0.0,) * d, (1.0,) * d, *[9] * d)}
+    gas = Fluid(0.0, 0.0, 1.4, 1.0, force=tuple(f))
+    problem = problem_of(shape, {"gas": Slip()}, gas, None, gas={"initial": still})
+    with Steps(problem, 4, BlockForm()) as run:
+        run.step(1e-2, 3)
+        fields = run.fields(0)
+        assert run.invariants["potential"]
+    assert np.abs(fields[:, 1 : 1 + d]).max() < 1e-13
+
+
+def test_the_divergence_form_keeps_rest_to_its_order():
+    """So that what is tested above is no matter of course; the force is there."""
+    found = []
+    for nodes in (12, 24):
+        oracle = flat.made(flat.shapes.line(nodes), gas_in(1), None, 4, form="divergence")
+        found.append(growth(oracle, Engine(oracle).rates(at_rest(oracle, noise=0.0))))
+    assert 1e-6 < found[1] < 0.4 * found[0] < 0.1
+
+
+@pytest.mark.parametrize("order", [2, 4, 6])
+def test_small_motions_do_not_grow(order):
+    """In a column, whose force is made node by node by the divergence form, they do."""
+
+    def fastest(form):
+        shape = {"gas": flat.shapes.box((0.0,), (1.2,), 16)}
+        oracle = flat.made(shape, gas_in(1), None, order, form=form)
+        engine, q = Engine(oracle), at_rest(oracle)["gas"]
+        columns = []
+        for k, n in np.ndindex(q[1:].shape):
+            sides = [q.copy(), q.copy()]
+            for sign, side in zip((1.0, -1.0), sides, strict=True):
+                side[1 + k, n] += sign * 1e-5 * q[0, n]
+            up, down = (engine.rates({"gas": side})["gas"][1:] for side in sides)
+            columns.append((up - down).reshape(-1) / (2e-5 * q[0, n]))
+        return np.linalg.eigvals(np.array(columns).T).real.max()
+
+    assert fastest("entropy") < 1e-6
+    assert order > 2 or fastest("divergence") > 1e-4
+
+
+@pytest.mark.parametrize("options", [{}, SMOOTH, DAMPED, LINKED], ids=str)
+@pytest.mark.parametrize(
+    ("shape", "order", "numbers"),
+    [("line", 8, {}), ("line", 4, STIFFENED), ("square", 4, {}), ("three", 2, STIFFENED)],
+)
+def test_energy_stays_with_potential_energy(shape, order, options, numbers):
+    """At random states of a gas whose grid is at rest; entropy stays, or grows by dissipation."""
+    d = dimension(shape)
+    oracle = flat.made(shape_of(shape, order), gas_in(d, **numbers), None, order, **options)
+    q = oracle.complete(oracle.random_state(np.random.default_rng(0)))
+    rates = Engine(oracle).rates(q)
+    found, size = flat.derivatives(oracle, q, rates)
+    for k, (b, r) in enumerate(zip(oracle.blocks, rates.values())):
+        found["energy"] -= (oracle.W[k] * r[1] * (spread(FORCES[d], d) * b.X).sum(axis=0)).sum()
+    assert abs(found["mass"]) < 1e-13 * size
+    assert abs(found["energy"]) < 1e-13 * size
+    if options:
+        assert found["entropy"] > 1e-4 * size  # of what is far apart little diffuses: 1 + eta
+    else:
+        assert abs(found["entropy"]) < 1e-13 * size
+
+
+@pytest.mark.parametrize("order", [2, 4])
+@pytest.mark.parametrize("d", [1, 2])
+def test_a_solid_carries_the_gas(d, order):
+    """And its own weight: both are at rest exactly, as the stress of the solid is linear."""
+    n, m0, T = flat.NODES[order], 2.0, 0.9
+    f = np.array(FORCES[d]) * ([0.0] * (d - 1) + [1.0])
+    lower, upper = (0.0,) * d, (1.0,) * d
+    shape = {
+        "gas": flat.shapes.box(lower, upper, *[n] * d),
+        "solid": flat.shapes.box((*lower[1:], 1.0), (*upper[1:], 1.6), *[n] * d),
+    }
+    gas, carrier = Gas(force=tuple(f)), Solid(m0=m0, heat="elastic", force=tuple(f))
+    p = 1.3 * gas.R * T * np.exp(f[-1] / (gas.R * T))
+
+    def stress(X):
+        carried = np.multiply.outer(np.eye(d), -p - m0 * f[-1] * (X[-1] - 1.0))
+        return carried.reshape(-1, *X[0].shape)
+
+    oracle = flat.made(shape, gas, carrier, order, stress=stress)
+    q = at_rest(SimpleNamespace(blocks=oracle.blocks[:1], start=oracle.start), T)
+    q["solid"] = np.zeros((2 * d + 1, *oracle.blocks[1].X.shape[1:]))
+    q["solid"][-1] = carrier.alpha * T
+    rates = Engine(oracle).rates(q)
+    assert np.abs(rates["gas"][1:]).max() < 1e-12 * n
+    assert np.abs(rates["solid"][d:]).max() < 1e-12 * n
+    assert p > 0.5
+
+
+def tall(n=7, **options):
+    """Two blocks of gas in motion, in a box on a bent grid."""
+    shape = flat.shapes.warped(flat.shapes.boxes(n, (0.0, 1.0, 2.0), (0.0, 1.0), None))
+    gas = Fluid(0.0, 0.0, 1.4, 1.0, force=FORCES[2])
+    return problem_of(shape, {"gas": Slip()}, gas, None, **options)
+
+
+@pytest.mark.parametrize("convection", ["entropy", "divergence"])
+def test_ledgers(convection):
+    """The series of a run have potential energy and the work of the force."""
+    problem = tall()
+    with Steps(problem, form=BlockForm(convection, 1.0, 1.0)) as run:
+        before = run.latest.copy()
+        run.step(2e-2, 10)
+        after, work = run.latest, run._came("force_work")[0]
+        assert run.invariants["potential"] == (convection == "entropy")
+        notes = [note for note in run.first_notes() if "node by node" in note]
+        assert len(notes) == (0 if convection == "entropy" else 2)
+    assert before["potential_energy"] == pytest.approx(-(0.3 * 1.0 - 0.7 * 0.5) * 2.05, rel=0.2)
+    change = after["potential_energy"] - before["potential_energy"]
+    assert abs(change) > 1e-3
+    exact = 1e-13 * before["energy"]
+    assert abs(after["energy"] - before["energy"] - work) < exact
+    assert (abs(change + work) < exact) == (convection == "entropy")
+
+
+@pytest.mark.parametrize("heat", ["elastic", "coupled"])
+@pytest.mark.parametrize("d", [1, 2])
+def test_a_solid_that_falls(d, heat):
+    shape = {"solid": flat.shapes.box((0.0,) * d, (1.0,) * d, *[7] * d)}
+    problem = problem_of(shape, {"solid": Free()}, None, solid(d, heat, -0.8))
+    with Steps(problem) as run:
+        before = run.latest.copy()
+        run.step(1e-2, 5)
+        after = run.latest
+        assert run.invariants["potential"]
+    change = [after[name] - before[name] for name in ("energy", "potential_energy")]
+    assert abs(change[1]) > 1e-3
+    assert abs(sum(change)) < 1e-13 * before["energy"]
+
+
+def test_the_papers_method_holds_no_energy_with_a_force():
+    """It has the force node by node, and books no work."""
+
+    def column(force):
+        fluid = Fluid(0.0, 0.0, 1.4, 287.0, force=force)
+        layer = FluidLayer("air", fluid, (0.0, 1.0), lambda X: (1.2 + 0.0 * X, 0.0, 300.0))
+        return Problem((layer,), left=Wall(0.0), right=Wall(1.0))
+
+    assert column(0.0).invariants["energy"]
+    assert not column(-9.81).invariants["energy"]
+    (note,) = PaperState.first_notes(SimpleNamespace(problem=column(-9.81)))
+    assert "the force on 'air' is added node by node" in note
+    assert PaperState.first_notes(SimpleNamespace(problem=column(0.0))) == []
+
+
+def test_where_potential_energy_must_stay():
+    held = tall().invariants
+    assert held["potential"]
+    moved = Slip(x=lambda X, Y, t: (X, Y))
+    blocks, faces = tall().blocks, dict(tall().outer_faces)
+    named = {(blocks[k].name, *face): Slip() for k, *face in faces}
+    named[next(iter(named))] = moved
+    assert not BlockProblem(blocks, named).invariants["potential"]
+    forced = {"forcing": lambda X, Y, t: (0.0 * X,) * 4}
+    assert not tall(gas=forced).invariants["potential"]
+    series = {
+        name: np.array([value])
+        for name, value in {
+            **{"dt": 1.0, "energy": 3.0, "energy_in": 0.5, "force_work": 0.5},
+            "potential_energy": -1.5,
+        }.items()
+    }
+    initial = {"energy": 2.5, "potential_energy": -1.0}
+    laws = {"masses": [], "energy": True, "potential": True, "heat_capacity": 0.0}
+    found = Drifts(laws, initial).go_on(series)
+    assert found["energy with potential energy"] == pytest.approx(0.0, abs=1e-15)
+    series["potential_energy"] += 1e-3
+    found = Drifts(laws, initial).go_on(series)
+    assert found["energy with potential energy"] == pytest.approx(1e-3 / 2.5)
+
+
+def test_a_force_across_an_axis_is_refused():
+    shape = {"gas inside": radial.shell(2, flat.NODES[4], "gas")["gas inside"]}
+    oracle = radial.radial(shape, Gas(force=(0.7, 0.1)), None, 4, 1)
+    with pytest.raises(InputError, match=r"the force \(0.7, 0.1\) is across the axis"):
+        radial.engine_of(oracle, 1, "gas")

@@ -11,21 +11,7 @@ from typing import Any
 import numpy as np
 
 
-def njit(**how: Any) -> Any:
-    """Nothing: what is still to become a procedure runs in plain Python."""
-    return lambda function: function
-
-
-def register_jitable(function: Any) -> Any:
-    """Nothing."""
-    return function
-
-
-LOOP: dict[str, Any] = {}
-CALL = MERGED_CALL = INNER_LOOP = INNER_CALL = INLINED_CALL = EXACT_LOOP = LOOP
-
-
-def by_length(name: str, arguments: str, body: Callable[[int], str], inline: str = "never") -> Any:
+def by_length(name: str, arguments: str, body: Callable[[int], str]) -> Any:
     """A function of tuples, by its source for tuples of length n."""
     made: dict[int, Any] = {}
 
@@ -85,8 +71,8 @@ def choose(condition: Any, a: Any, b: Any) -> Any:
 #: rows[c][i], as a tuple
 load = by_length("load", "rows, i", numbers("rows[@][i]"))
 store = by_length("store", "rows, i, values", _lines("rows[@][i] = values[@]"))
-#: array[c, a:b] for each c of like, made where it is used: else numba counts references to views
-rows = by_length("rows", "like, array, a, b", numbers("array[@, a:b]"), inline="always")
+#: array[c, a:b] for each c of like
+rows = by_length("rows", "like, array, a, b", numbers("array[@, a:b]"))
 #: array[c, n] for each c of like: the numbers of one node of an array by components
 column = by_length("column", "like, array, n", numbers("array[@, n]"))
 #: the same from array[first, n] on

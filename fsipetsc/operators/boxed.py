@@ -1,2 +1,0 @@
-def Box(record):
-    return record
