@@ -22,10 +22,7 @@ RUNS = {
 
 @pytest.fixture(scope="module")
 def bodies(tmp_path_factory):
-    """bodies(name, ranks): a result, held to balances of mass, momentum and energy.
-
-    On several ranks: for one alone numba compiles all of a stage once more, as one function.
-    """
+    """bodies(name, ranks): a result, held to balances of mass, momentum and energy."""
     folder = tmp_path_factory.mktemp("bodies")
 
     @cache

@@ -21,7 +21,7 @@ _MOVING = f"{_PRESSED} -layers_moving yes -fsi_order 8 -fsi_h 0.025 -ts_max_time
 _ELSEWHERE = "-fsi_partition balanced"
 _SHOCK = "-shock_problem strong -fsi_dissipation 1 -fsi_shock 1 -fsi_order 4 -fsi_h 0.02"
 _SHOCK += f" {_ELSEWHERE} -ts_max_time 0.1 -fsi_output_dt 0.1"
-#: numba compiles for each sequence of layers, and once more for several ranks: few of them
+#: each sequence of layers is compiled by itself: few of them
 RUNS = {
     "rod": ("rod", _ROD),
     "rod elsewhere": ("rod", f"{_ROD} {_ELSEWHERE}"),

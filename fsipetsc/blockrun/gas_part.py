@@ -12,8 +12,8 @@ from fsipetsc.blockrun.particle_system import ParticleSystem
 from fsipetsc.blocks.grid import GridMotion
 from fsipetsc.blocks.particles import Particle
 from fsipetsc.blocks.values import block_values
+from fsipetsc.equations.vectors import dot
 from fsipetsc.kernels.procedure import Code
-from fsipetsc.operators.loops import dot
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.scheme.block_monitor import room_of, sums_of

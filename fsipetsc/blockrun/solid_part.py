@@ -10,8 +10,8 @@ from fsipetsc.blockrun.columns import loses, spins
 from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.blocks.values import block_values, prestress_of
 from fsipetsc.equations.tensors import add_unit, apply, cofactor
+from fsipetsc.equations.vectors import dot
 from fsipetsc.kernels.procedure import Code
-from fsipetsc.operators.loops import dot
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED

@@ -22,9 +22,10 @@ from fsipetsc.blocks.faces import face_nodes
 from fsipetsc.blocks.hull import Hull, end_weights
 from fsipetsc.blocks.metrics import Wide, slopes_along
 from fsipetsc.checks import Array
+from fsipetsc.equations.vectors import add, dot, scale, sub
+from fsipetsc.kernels.arrays import column, column_of
 from fsipetsc.kernels.procedure import each, when
 from fsipetsc.kernels.symbols import exact
-from fsipetsc.operators.loops import add, column, column_of, dot, scale, sub
 
 
 class Faces(NamedTuple):

@@ -24,9 +24,10 @@ from fsipetsc.blocks.metrics import Wide, slopes_across, slopes_along
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array
 from fsipetsc.equations.tensors import cofactor, determinant
+from fsipetsc.equations.vectors import dot
+from fsipetsc.kernels.arrays import column
 from fsipetsc.kernels.procedure import each, pick
 from fsipetsc.kernels.symbols import exact
-from fsipetsc.operators.loops import column, dot
 
 
 class RadialMotion(NamedTuple):

@@ -52,7 +52,7 @@ from fsipetsc.equations.means import (
     near_mean,
 )
 from fsipetsc.equations.tensors import add_unit, apply, outer, trace, transpose
-from fsipetsc.operators.loops import add, along, dot, last_times, mean, scale
+from fsipetsc.equations.vectors import add, along, dot, last_times, mean, scale
 
 
 class Gas(NamedTuple):

@@ -15,10 +15,7 @@ These series, cut in terms of Chebyshev polynomials (C. Lanczos, Applied Analysi
 'economization'), are polynomials for z <= NEAR whose errors are below 4e-17.
 """
 
-from typing import Any
-
 import numpy as np
-
 
 #: distance up to which two numbers are near: within 18 % of each other
 NEAR = 0.03
@@ -27,11 +24,6 @@ _A0, _A1, _A2 = 1.0, -0.0833333333333038, 0.015277777766281236
 _A3, _A4, _A5 = -0.003158067145849683, 0.0006880007798053454, -0.00015131755901776796
 _B0, _B1, _B2 = 1.0, -0.1666666666665971, 0.03333333330625483
 _B3, _B4, _B5 = -0.007142853286583752, 0.00158705313550121, -0.00035335621566035354
-
-
-def select(condition: Any, a: Any, b: Any) -> Any:
-    """a where a condition holds, else b."""
-    return np.where(condition, a, b)
 
 
 def distance(a, b, per_a, per_b):
@@ -51,15 +43,15 @@ def near_harmonic_mean(a, b, z):
 
 def logarithm_of_ratio(a, b, z):
     """ln(a/b) if z > NEAR, else 1."""
-    return np.log(select(z > NEAR, a / b, np.e))
+    return np.log(np.where(z > NEAR, a / b, np.e))
 
 
 def logarithmic_mean(a, b, z):
     """The logarithmic mean of any two positive numbers, of distance z."""
-    return select(z > NEAR, (a - b) / logarithm_of_ratio(a, b, z), near_mean(a, b, z))
+    return np.where(z > NEAR, (a - b) / logarithm_of_ratio(a, b, z), near_mean(a, b, z))
 
 
 def harmonic_mean(a, b, z):
     """1 / (the logarithmic mean of 1/a and 1/b)."""
-    far = a * b * (logarithm_of_ratio(a, b, z) / select(z > NEAR, a - b, 1.0))
-    return select(z > NEAR, far, near_harmonic_mean(a, b, z))
+    far = a * b * (logarithm_of_ratio(a, b, z) / np.where(z > NEAR, a - b, 1.0))
+    return np.where(z > NEAR, far, near_harmonic_mean(a, b, z))

@@ -44,7 +44,7 @@ from fsipetsc.equations.tensors import (
     outer,
     transpose,
 )
-from fsipetsc.operators.loops import add, add_last, along, dot, last_times, mean, scale
+from fsipetsc.equations.vectors import add, add_last, along, dot, last_times, mean, scale
 
 
 class Solid(NamedTuple):

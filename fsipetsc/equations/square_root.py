@@ -12,7 +12,7 @@ from math import isqrt
 
 import numpy as np
 
-from fsipetsc.operators.loops import along, by_length, scale
+from fsipetsc.equations.vectors import along, scale
 
 #: rotations in one, two and three dimensions
 ROTATIONS = 0, 1, 18
@@ -20,26 +20,16 @@ ROTATIONS = 0, 1, 18
 LEAST = 1e-14
 
 
-def _upper(n: int) -> str:
-    """Source of the entries 11, 22, 33, 12, 13, 23, of which there may be fewer."""
-    d = isqrt(n)
-    pairs = (0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)
-    entries = (f"A[{i * d + j}]" if max(i, j) < d else "0.0 * A[0]" for i, j in pairs)
-    return f" return ({', '.join(entries)})"
+def upper(A):
+    """The entries 11, 22, 33, 12, 13, 23, zeros where A has fewer."""
+    d, pairs = isqrt(len(A)), ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+    return tuple(A[i * d + j] if max(i, j) < d else 0.0 * A[0] for i, j in pairs)
 
 
-def _sum_of_squares(n: int) -> str:
-    """Source of a x x^T + b y y^T + c z z^T, of as many entries as A has; n is 3 where that is one,
-    because vectors have three numbers.
-    """
-    d = isqrt(n)
-    terms = "a * x[{0}] * x[{1}] + b * y[{0}] * y[{1}] + c * z[{0}] * z[{1}]"
-    entries = (terms.format(min(i, j), max(i, j)) for i in range(d) for j in range(d))
-    return f" return ({', '.join(entries)},)"
-
-
-upper = by_length("upper", "A", _upper)
-sum_of_squares = by_length("sum_of_squares", "A, a, b, c, x, y, z", _sum_of_squares)
+def sum_of_squares(d, a, b, c, x, y, z):
+    """The first d rows and columns of a x x^T + b y y^T + c z z^T, of vectors of three numbers."""
+    pairs = [(min(i, j), max(i, j)) for i in range(d) for j in range(d)]
+    return tuple(a * x[i] * x[j] + b * y[i] * y[j] + c * z[i] * z[j] for i, j in pairs)
 
 
 def tangent(p, q, pq):
@@ -58,9 +48,9 @@ def square_root(A):
     """The symmetric tensor U with U U = A, of the symmetric one A of d*d numbers; eigenvalues below
     0 count as 0.
     """
-    p, q, r, pq, pr, qr = upper(A)
+    d, (p, q, r, pq, pr, qr) = isqrt(len(A)), upper(A)
     x, y, z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-    for _ in range(ROTATIONS[isqrt(len(A)) - 1]):
+    for _ in range(ROTATIONS[d - 1]):
         t = tangent(p, q, pq)
         c = 1.0 / np.sqrt(1.0 + t * t)
         s = t * c
@@ -68,4 +58,4 @@ def square_root(A):
         p, q, r, pq, pr, qr = q + t * pq, r, p - t * pq, s * pr + c * qr, 0.0, c * pr - s * qr
         x, y, z = along(scale(s, x), c, y), z, along(scale(c, x), -s, y)
     least = LEAST * np.maximum(np.maximum(p, q), r)
-    return sum_of_squares(A, root(p, least), root(q, least), root(r, least), x, y, z)
+    return sum_of_squares(d, root(p, least), root(q, least), root(r, least), x, y, z)

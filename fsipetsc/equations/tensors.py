@@ -1,142 +1,157 @@
 """Tensors as flat tuples of d*d numbers, row by row: F = (F_11, F_12, …, F_dd), d = 1, 2, 3.
 
-d follows from the length; each function is written out for it, as those of
-fsipetsc.operators.loops.
+d follows from the length. Sums are added in the order of their indices.
 """
 
-from collections.abc import Callable
-from itertools import product as product_of
 from math import isqrt
 from typing import Any
 
 import numpy as np
 
-from fsipetsc.operators.loops import by_length
+from fsipetsc.equations.vectors import Vector, dot, total
 
-Entry = Callable[[int, int, int], str]
-
-
-def _tensor(entry: Entry) -> Callable[[int], str]:
-    """Source of a tensor with the entry (i, j) for dimension d."""
-
-    def body(n: int) -> str:
-        d = isqrt(n)
-        return " return (" + "".join(f"{entry(i, j, d)}," for i in range(d) for j in range(d)) + ")"
-
-    return body
+Tensor = tuple[Any, ...]
 
 
-def _cofactor(i: int, j: int, d: int) -> str:
-    """Entry of the cofactor matrix: of F^-T times the determinant."""
-    if d == 1:
-        return "1.0 + 0.0 * F[0]"
-    if d == 2:
-        return f"{'-' if i != j else ''}F[{(1 - i) * 2 + 1 - j}]"
+def rows(F: Tensor) -> list[Vector]:
+    """The rows of a tensor."""
+    d = isqrt(len(F))
+    return [F[i * d : (i + 1) * d] for i in range(d)]
+
+
+def columns(F: Tensor) -> list[Vector]:
+    """The columns of a tensor."""
+    d = isqrt(len(F))
+    return [F[j::d] for j in range(d)]
+
+
+def trace(F: Tensor) -> Any:
+    """F_ii."""
+    return total(F[:: isqrt(len(F)) + 1])
+
+
+def transpose(F: Tensor) -> Tensor:
+    """F^T."""
+    return tuple(entry for column in columns(F) for entry in column)
+
+
+def column_sums(F: Tensor) -> Vector:
+    """The sum of each column."""
+    return tuple(total(column) for column in columns(F))
+
+
+def apply(F: Tensor, a: Vector) -> Vector:
+    """F a."""
+    return tuple(dot(row, a) for row in rows(F))
+
+
+def apply_transposed(F: Tensor, a: Vector) -> Vector:
+    """F^T a."""
+    return tuple(dot(column, a) for column in columns(F))
+
+
+def outer(a: Vector, b: Vector) -> Tensor:
+    """a b^T, of two vectors."""
+    return tuple(p * q for p in a for q in b)
+
+
+def product(F: Tensor, G: Tensor) -> Tensor:
+    """F G."""
+    return tuple(dot(row, column) for row in rows(F) for column in columns(G))
+
+
+def transposed_product(F: Tensor, G: Tensor) -> Tensor:
+    """F^T G."""
+    return tuple(dot(of_F, of_G) for of_F in columns(F) for of_G in columns(G))
+
+
+def product_transposed(F: Tensor, G: Tensor) -> Tensor:
+    """F G^T."""
+    return tuple(dot(of_F, of_G) for of_F in rows(F) for of_G in rows(G))
+
+
+def add_unit(c: Any, F: Tensor) -> Tensor:
+    """F + c times the unit tensor."""
+    step = isqrt(len(F)) + 1
+    return tuple(F[n] if n % step else F[n] + c for n in range(len(F)))
+
+
+def diagonal(around: Vector, first: Any, other: Any) -> Tensor:
+    """diag(first, other) or diag(first, other, other), by the length of around."""
+    between = (0.0 * first,) * (len(around) + 1)
+    return (first, *(*between, other) * len(around))
+
+
+def cofactor(F: Tensor) -> Tensor:
+    """det F times F^-T."""
+    if len(F) == 1:
+        return (1.0 + 0.0 * F[0],)
+    if len(F) == 4:
+        return (F[3], -F[2], -F[1], F[0])
+    return tuple(_cofactor(F, i, j) for i in range(3) for j in range(3))
+
+
+def _cofactor(F: Tensor, i: int, j: int) -> Any:
+    """An entry in three dimensions."""
     k, l, m, n = (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3
-    return f"F[{3 * k + m}] * F[{3 * l + n}] - F[{3 * k + n}] * F[{3 * l + m}]"
+    return F[3 * k + m] * F[3 * l + n] - F[3 * k + n] * F[3 * l + m]
 
 
-def _determinant(n: int) -> str:
-    if n == 1:
-        return " return F[0]"
-    if n == 4:
-        return " return F[0] * F[3] - F[1] * F[2]"
-    return " return " + " + ".join(f"F[{j}] * ({_cofactor(0, j, 3)})" for j in range(3))
+def determinant(F: Tensor) -> Any:
+    """det F."""
+    if len(F) == 1:
+        return F[0]
+    if len(F) == 4:
+        return F[0] * F[3] - F[1] * F[2]
+    return total(F[j] * _cofactor(F, 0, j) for j in range(3))
 
 
-#: lines that find j = det F - 1 in two dimensions
-_TWO = " a, b = F[0] - 1.0, F[3] - 1.0\n j = a + b + (a * b - F[1] * F[2])\n"
+# without cancellation near the unit tensor
 
 
-def _determinant_excess(n: int) -> str:
-    if n == 1:
-        return " return F[0] - 1.0"
-    if n == 4:
-        return _TWO + " return j"
-    return """
- a, b, c = F[0] - 1.0, F[4] - 1.0, F[8] - 1.0
- bc, ca, ab = b * c - F[5] * F[7], c * a - F[2] * F[6], a * b - F[1] * F[3]
- cubic = a * bc + F[1] * (F[5] * F[6] - F[3] * c) + F[2] * (F[3] * F[7] - b * F[6])
- return a + b + c + (bc + ca + ab) + cubic"""
+def determinant_excess(F: Tensor) -> Any:
+    """det F - 1."""
+    if len(F) == 1:
+        return F[0] - 1.0
+    if len(F) == 4:
+        a, b = F[0] - 1.0, F[3] - 1.0
+        return a + b + (a * b - F[1] * F[2])
+    a, b, c = F[0] - 1.0, F[4] - 1.0, F[8] - 1.0
+    bc, ca, ab = b * c - F[5] * F[7], c * a - F[2] * F[6], a * b - F[1] * F[3]
+    cubic = a * bc + F[1] * (F[5] * F[6] - F[3] * c) + F[2] * (F[3] * F[7] - b * F[6])
+    return a + b + c + (bc + ca + ab) + cubic
 
 
-def _strain_entry(i: int, j: int, d: int) -> str:
-    """Entry of F^T F - 1, F the sum of the unit tensor and what is small."""
-    terms = [f"F[{k * d + i}] * F[{k * d + j}]" for k in range(d)]
-    if i == j:
-        terms[i] = f"(F[{i * d + i}] - 1.0) * (F[{i * d + i}] + 1.0)"
-    return " + ".join(terms)
+def twice_strain(F: Tensor) -> Tensor:
+    """F^T F - 1, twice the strain of Green."""
+    d = isqrt(len(F))
+    return tuple(_twice_strain(F, i, j) for i in range(d) for j in range(d))
 
 
-def _shear_excess(n: int) -> str:
-    """In three dimensions minus the second and the third invariant of G = F^T F - 1."""
-    if n == 1:
-        return " return 0.0 * F[0]"
-    if n == 4:
-        return _TWO + " c, s = a - b, F[1] + F[2]\n return c * c + s * s - j * j"
-    entries = [(i, j) for i in range(3) for j in range(i, 3)]
-    lines = [f" g{i}{j} = {_strain_entry(i, j, 3)}" for i, j in entries]
-    pairs = [f"(g{i}{i} * g{j}{j} - g{i}{j} * g{i}{j})" for i, j in entries if i < j]
-    third = "g00 * (g11 * g22 - g12 * g12) + g01 * (g12 * g02 - g01 * g22)"
-    third += " + g02 * (g01 * g12 - g11 * g02)"
-    return "\n".join([*lines, f" return -({' + '.join(pairs)} + ({third}))"])
+def _twice_strain(F: Tensor, i: int, j: int) -> Any:
+    """An entry: F_ki F_kj summed over k, but F_ii^2 - 1 as a product."""
+    pairs = zip(columns(F)[i], columns(F)[j], strict=True)
+    return total((a - 1.0) * (b + 1.0) if i == j == k else a * b for k, (a, b) in enumerate(pairs))
 
 
-def _diagonal(hoops: int) -> str:
-    """Source of diag(first, other, …) with so many others."""
-    d = hoops + 1
-    entries = ["first"] + (["0.0 * first"] * d + ["other"]) * hoops
-    return f" return ({', '.join(entries)})"
+def shear_excess(F: Tensor) -> Any:
+    """|F|^2 - d - (det F^2 - 1), which is of second order.
+
+    In three dimensions minus the second and the third invariant of G = F^T F - 1.
+    """
+    if len(F) == 1:
+        return 0.0 * F[0]
+    if len(F) == 4:
+        j = determinant_excess(F)
+        c, s = (F[0] - 1.0) - (F[3] - 1.0), F[1] + F[2]
+        return c * c + s * s - j * j
+    xx, xy, xz, yy, yz, zz = (_twice_strain(F, i, j) for i in range(3) for j in range(i, 3))
+    second = (xx * yy - xy * xy) + (xx * zz - xz * xz) + (yy * zz - yz * yz)
+    third = xx * (yy * zz - yz * yz) + xy * (yz * xz - xy * zz) + xz * (xy * yz - yy * xz)
+    return -(second + third)
 
 
-def _contraction(name: str, arguments: str, indices: str) -> Callable[..., Any]:
-    """A function of vectors and tensors by its indices, as "ik,kj->ij" for a product."""
-    given, result = indices.split("->")
-    factors = list(zip(arguments.split(", "), given.split(",")))
-    summed = sorted(set(given) - set(result) - {","})
-
-    def term(values: dict[str, int], d: int) -> str:
-        """The product of the entries at values of all indices."""
-        at = {name: [values[index] for index in of] for name, of in factors}
-        return " * ".join(f"{name}[{k[0] * d + k[1] if k[1:] else k[0]}]" for name, k in at.items())
-
-    def body(n: int) -> str:
-        d, entries = isqrt(n) if any(len(of) == 2 for _, of in factors) else n, []
-        for of_result in product_of(range(d), repeat=len(result)):
-            at = [(*of_result, *k) for k in product_of(range(d), repeat=len(summed))]
-            terms = [term(dict(zip([*result, *summed], values)), d) for values in at]
-            entries.append(" + ".join(terms))
-        return f" return ({', '.join(entries)},)" if result else f" return {entries[0]}"
-
-    return by_length(name, arguments, body)
-
-
-determinant = by_length("determinant", "F", _determinant)
-#: det F times F^-T
-cofactor = by_length("cofactor", "F", _tensor(_cofactor))
-#: det F - 1, F^T F - 1 (twice the strain of Green) and |F|^2 - d - (det F^2 - 1), which is of
-#: second order, without cancellation near the unit tensor
-determinant_excess = by_length("determinant_excess", "F", _determinant_excess)
-twice_strain = by_length("twice_strain", "F", _tensor(_strain_entry))
-shear_excess = by_length("shear_excess", "F", _shear_excess)
-#: F + c times the unit tensor
-add_unit = by_length(
-    "add_unit", "c, F", _tensor(lambda i, j, d: f"F[{i * d + j}]" + " + c" * (i == j))
-)
-#: diag(first, other) or diag(first, other, other), by the length of around
-diagonal = by_length("diagonal", "around, first, other", _diagonal)
-trace = _contraction("trace", "F", "ii->")
-transpose = _contraction("transpose", "F", "ji->ij")
-column_sums = _contraction("column_sums", "F", "ij->j")
-#: F a and F^T a
-apply = _contraction("apply", "F, a", "ij,j->i")
-apply_transposed = _contraction("apply_transposed", "F, a", "ij,i->j")
-#: a b^T, from two vectors
-outer = _contraction("outer", "a, b", "i,j->ij")
-#: F G, F^T G and F G^T
-product = _contraction("product", "F, G", "ik,kj->ij")
-transposed_product = _contraction("transposed_product", "F, G", "ki,kj->ij")
-product_transposed = _contraction("product_transposed", "F, G", "ik,jk->ij")
+# bounds
 
 
 def largest_eigenvalue(B):

@@ -14,8 +14,8 @@ vectors. It runs once, on stand-ins of what the records have, and what it does i
 Numbers that differ from node to node are Symbols (fsipetsc.kernels.symbols), and formulas of them
 are recorded as in a kernel. Whole numbers that are known only later, as sizes and places in
 arrays, are an Index. What is known when the procedure is recorded, as bools, None, and how long
-tuples are, decides what is printed: ``if`` and ``range`` of it are plain Python. So are facts: dataclasses,
-whose numbers become constants of the text.
+tuples are, decides what is printed: ``if`` and ``range`` of it are plain Python. So are facts:
+dataclasses, whose numbers become constants of the text.
 
     each(n), each(a, b)     a loop; vector=True: its passes do not depend on one another
     when(c), otherwise()    what is done if a condition holds, and else
@@ -526,9 +526,7 @@ class Procedure:
         _find_wanted(top, wanted)
         uses = uses_of(wanted)
         fused = fused_products(record, uses)
-        names = {
-            s.number: s.text for s in record.symbols if s.operation == "given" and s.uniform
-        }
+        names = {s.number: s.text for s in record.symbols if s.operation == "given" and s.uniform}
         _print(top, lines, "  ", record, uses, fused, names)
         found = set(re.findall(r"\w+", "\n".join(lines)))
         self._used = [name for name in self._values if name in found]
@@ -654,8 +652,8 @@ def invoke(name: str, *given: Any) -> None:
     texts, needs = [], []
     for one in given:
         place = _index(one._offset if isinstance(one, Array) else one)
-        pointer = f"{one._base} + {place.text}" if isinstance(one, Array) else f"(void *){place.text}"
-        texts.append(pointer)
+        start = f"{one._base} + " if isinstance(one, Array) else "(void *)"
+        texts.append(start + place.text)
         needs += place.needs
     record = _recording()
     record.line(f"{name}({', '.join(texts)});", (), tuple(needs))

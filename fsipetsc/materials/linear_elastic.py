@@ -16,7 +16,7 @@ from fsipetsc.equations.tensors import (
     trace,
     transpose,
 )
-from fsipetsc.operators.loops import add, along, dot, scale
+from fsipetsc.equations.vectors import add, along, dot, scale
 
 
 class LinearElastic(NamedTuple):

@@ -25,7 +25,7 @@ from fsipetsc.equations.tensors import (
     outer,
     shear_excess,
 )
-from fsipetsc.operators.loops import along, scale
+from fsipetsc.equations.vectors import along, scale
 
 
 class Log(NamedTuple):

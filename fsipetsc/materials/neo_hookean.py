@@ -24,7 +24,7 @@ from fsipetsc.equations.tensors import (
     outer,
     shear_excess,
 )
-from fsipetsc.operators.loops import along, scale
+from fsipetsc.equations.vectors import along, scale
 
 
 class NeoHookean(NamedTuple):

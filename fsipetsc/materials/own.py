@@ -9,7 +9,6 @@ made of functions here.
 import inspect
 from collections.abc import Callable, Mapping
 from functools import reduce
-from math import isqrt
 from types import FunctionType
 from typing import Any, NamedTuple
 
@@ -17,13 +16,13 @@ import numpy as np
 
 from fsipetsc.checks import described
 from fsipetsc.equations.tensors import apply
+from fsipetsc.equations.vectors import scale, sub, zeros
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.symbols import NotRecorded, Record, Symbol
 from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.neo_hookean import NeoHookean
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.solid_pressure import ConstantPressure
-from fsipetsc.operators.loops import by_length, numbers, scale, sub, zeros
 
 Formula = Callable[..., Any]
 #: step of differences, relative to rho and T
@@ -63,27 +62,26 @@ class _Gas:
         return np.nan * T
 
 
-#: F with F[n] raised by step
-bumped = by_length("bumped", "F, n, step", numbers("F[@] + step * (n == @)"))
-#: a + c |P - Q|
-add_slopes = by_length("add_slopes", "a, c, P, Q", numbers("a[@] + c * abs(P[@] - Q[@])"))
+def bumped(F, n, step):
+    """F with F[n] raised by step."""
+    return tuple(entry + step * (n == m) for m, entry in enumerate(F))
 
 
-def _rows(entry: str) -> Callable[[int], str]:
-    """Source of a tensor; @: the number of an entry, I, J: of its row and its column."""
-
-    def body(n: int) -> str:
-        d = isqrt(n)
-        of = (entry.replace("I", str(m // d)).replace("J", str(m % d)) for m in range(n))
-        entries = (text.replace("@", str(m)) for m, text in enumerate(of))
-        return f" return ({', '.join(entries)},)"
-
-    return body
+def pulled(F, k, step, N):
+    """F with step N added to its row k."""
+    d = len(N)
+    return tuple(entry + step * N[m % d] * (k == m // d) for m, entry in enumerate(F))
 
 
-#: F with step N added to its row k, and Q with v added to its column k
-pulled = by_length("pulled", "F, k, step, N", _rows("F[@] + step * N[J] * (k == I)"))
-add_column = by_length("add_column", "Q, k, v", _rows("Q[@] + v[I] * (k == J)"))
+def add_column(Q, k, v):
+    """Q with v added to its column k."""
+    d = len(v)
+    return tuple(entry + v[m // d] * (k == m % d) for m, entry in enumerate(Q))
+
+
+def add_slopes(a, c, P, Q):
+    """a + c |P - Q|, entry by entry."""
+    return tuple(entry + c * abs(p - q) for entry, p, q in zip(a, P, Q, strict=True))
 
 
 class _Solid:
@@ -156,7 +154,7 @@ def gas_law(**formulas: Formula) -> Any:
 
     pressure, internal_energy, temperature, density and temperature_of are needed; the others follow
     from these, but for the entropy, which is not a number if it is not given. InputError for other
-    names or arguments, or what cannot be compiled.
+    names or arguments, or what cannot be recorded.
     """
     return _law_of(GAS, formulas)
 
@@ -227,10 +225,9 @@ def check_solid_law(law: Any, d: int) -> None:
 
 def _law_of(kind: Kind, formulas: Mapping[str, Formula]) -> Any:
     """A law without numbers, of functions."""
-    plain = {name: getattr(formula, "py_func", formula) for name, formula in formulas.items()}
-    _check(kind.maker, kind, plain, "")
+    _check(kind.maker, kind, formulas, "")
     methods = _formulas(kind.derived)
-    for name, formula in plain.items():
+    for name, formula in formulas.items():
         methods[name] = _method(formula)
         if kind is not SOLID:  # whose number of arguments depends on the dimension
             count = len(inspect.signature(formula).parameters)

@@ -20,7 +20,7 @@ from fsipetsc.equations.tensors import (
     trace,
     twice_strain,
 )
-from fsipetsc.operators.loops import add, along, dot, scale
+from fsipetsc.equations.vectors import add, along, dot, scale
 
 
 class StVenantKirchhoff(NamedTuple):

@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fsipetsc.equations.vectors import along, scale
 from fsipetsc.operators.bands import Band
-from fsipetsc.operators.loops import along, scale
 
 Array = NDArray[np.float64]
 #: usual size of dissipation: differences of order q, half that of the scheme, count sigma / 4^q

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fsipetsc.boundaries import CLAMPED, FREE, GIVEN_FLUX, GIVEN_T, INTERFACE_END, OPEN, WALL
+from fsipetsc.equations.vectors import choose
 from fsipetsc.kernels.procedure import each, named, number, pick, stop, when, whole
 from fsipetsc.scheme.plan import EXHAUSTED
 
@@ -52,11 +53,6 @@ class Ends:
 def outer_side(ends: Ends) -> int:
     """Where the embedded boundary of a gas stands: 0 left, 1 right."""
     return 1 if ends.kind[0] == INTERFACE_END else 0
-
-
-def choose(condition, a, b):
-    """The numbers a if the condition holds, else b."""
-    return tuple(np.where(condition, x, y) for x, y in zip(a, b, strict=True))
 
 
 def distance(layer, side):

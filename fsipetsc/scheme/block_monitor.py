@@ -12,8 +12,9 @@ depend on who owns the nodes; nothing else takes them.
 
 import numpy as np
 
+from fsipetsc.equations.vectors import dot, sub
+from fsipetsc.kernels.arrays import column, column_of, node
 from fsipetsc.kernels.procedure import each, variable
-from fsipetsc.operators.loops import column, column_of, dot, node, sub
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.rows import ROW, TILE, Array, aligned, moments
 

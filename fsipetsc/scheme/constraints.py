@@ -7,16 +7,12 @@ gas and b of the solid are lists of variables where constraints change them.
 import numpy as np
 
 from fsipetsc.blocks.particles import SLIPS
+from fsipetsc.equations.vectors import add, choose, dot, per, scale, sub
+from fsipetsc.kernels.arrays import node, part_of, put_part
 from fsipetsc.kernels.procedure import each, number, otherwise, pick, variable, when
-from fsipetsc.operators.loops import add, dot, node, part_of, per, put_part, scale, sub
 
 #: a pivot below this part of its size before elimination belongs to a constraint that others imply
 REDUNDANT = 1e-9
-
-
-def select(condition, a, b):
-    """The tuple a if a condition holds, else b."""
-    return tuple(np.where(condition, x, y) for x, y in zip(a, b, strict=True))
 
 
 def value_of(variables):
@@ -43,7 +39,7 @@ def solve(all, p, one, M, M_s, a, b):
     def of(k):
         """G and S of a constraint; of what sticks their sum and S, which does not matter then."""
         G, S = vectors(like, normals, p, k)
-        return select(sticks, add(G, S), G), S
+        return choose(sticks, add(G, S), G), S
 
     for k in each(K):
         G, S = of(k)
@@ -129,7 +125,7 @@ def slide_one(all, gain, p, one):
 def velocity(like, U, p, M):
     """u of the gas of particle p; 0 if it has none."""
     nothing = (0.0,) * len(like)
-    return select(M > 0.0, per(part_of(like, U, p, 1), U[p, 0]), nothing)
+    return choose(M > 0.0, per(part_of(like, U, p, 1), U[p, 0]), nothing)
 
 
 def powers(all, p, one, force, u, v, w):
@@ -159,7 +155,7 @@ def book(all, gain, p, one, v, w, force, force_s, power, of_solid):
                 impulse[c] += push[c]
             slips = all.table.constraint[p, k] == SLIPS
             at = pick(slips, one.moves_gas, one.moves_solid)
-            energies[at] += dot(push, select(slips, w, v))
+            energies[at] += dot(push, choose(slips, w, v))
     with otherwise():
         for c in range(len(like)):
             impulse[c] += force[c] + force_s[c]

@@ -31,21 +31,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.equations.tensors import add_unit, outer
+from fsipetsc.equations.vectors import add, along, choose, dot, last_times, mean, per, scale, sub
+from fsipetsc.kernels.arrays import column_of, node, part_of
 from fsipetsc.kernels.procedure import each, invoke, variable, when
-from fsipetsc.operators.loops import (
-    add,
-    along,
-    choose,
-    column_of,
-    dot,
-    last_times,
-    mean,
-    node,
-    part_of,
-    per,
-    scale,
-    sub,
-)
 from fsipetsc.scheme.normals import slope_at, turned
 
 Array = NDArray[Any]

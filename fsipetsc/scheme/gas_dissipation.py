@@ -51,20 +51,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.equations.vectors import add, along, choose, dot, mean, scale, sub
+from fsipetsc.kernels.arrays import column, column_of, node, put_column
 from fsipetsc.kernels.procedure import each, variable, when
-from fsipetsc.operators.loops import (
-    add,
-    along,
-    choose,
-    column,
-    column_of,
-    dot,
-    mean,
-    node,
-    put_column,
-    scale,
-    sub,
-)
 from fsipetsc.operators.undivided import Differences, difference
 from fsipetsc.scheme.gas_forms import state_like
 from fsipetsc.scheme.part import clear

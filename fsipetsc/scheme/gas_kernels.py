@@ -12,8 +12,8 @@ import numpy as np
 
 from fsipetsc.equations.means import NEAR
 from fsipetsc.equations.tensors import outer
+from fsipetsc.equations.vectors import add, along, mean, scale, sub
 from fsipetsc.kernels.kernel import OWNED, PLANES, ROWS, Kernel, interlaced
-from fsipetsc.operators.loops import add, along, mean, scale, sub
 
 
 def gas_kernels(gas: Any, d: int, form: Any, viscous: bool) -> list[Kernel]:

@@ -14,14 +14,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fsipetsc.equations.vectors import along, per, scale
+from fsipetsc.kernels.arrays import column_of
 from fsipetsc.kernels.procedure import Index, each, pick, variable, when
-from fsipetsc.operators.loops import along, by_length, column_of, per, scale
 
 Array = NDArray[Any]
-#: c times a vector of two numbers turned to the right; a vector of another length as it is
-turned = by_length(
-    "turned", "c, a", lambda d: " return (c * a[1], -c * a[0])" if d == 2 else " return a"
-)
+
+
+def turned(c, a):
+    """c times a vector of two numbers turned to the right; a vector of another length as it is."""
+    return (c * a[1], -c * a[0]) if len(a) == 2 else a
 
 
 class Faces(NamedTuple):

@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from fsipetsc.equations.vectors import dot
+from fsipetsc.kernels.arrays import node
 from fsipetsc.kernels.procedure import each, stop, variable, when
-from fsipetsc.operators.loops import dot, node
 from fsipetsc.scheme.constraints import value_of, velocity
 from fsipetsc.scheme.particle_records import SOLID
 

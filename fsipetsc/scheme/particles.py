@@ -33,13 +33,13 @@ and weigh_heat before impose_conditions where stored energies matter.
 
 import numpy as np
 
+from fsipetsc.equations.vectors import add, along, choose, dot, per, scale, sub
+from fsipetsc.kernels.arrays import node, part_of, put_part
 from fsipetsc.kernels.procedure import each, otherwise, variable, when
-from fsipetsc.operators.loops import add, along, dot, node, part_of, per, put_part, scale, sub
 from fsipetsc.scheme.constraints import (
     book,
     powers,
     right_sides,
-    select,
     slide,
     solve,
     value_of,
@@ -120,22 +120,22 @@ def obeyed(all, p, one, of_gas, of_solid):
     (V, M, P, E), (M_s, D, P_s, E_s) = of_gas, of_solid
     like, data, d, given = all.like, all.data, len(all.like), one.given_solid == 1
     moved = (one.clamped == 1) | given
-    D = select(M_s > 0.0, per(D, M_s), D)
-    D = select(one.placed == 1, node(like, data.clamp, p), D)
-    D = select(given, node(like, data.solid, p), D)
-    P_s = select(one.clamped == 1, scale(M_s, node(like, data.clamp_velocity, p)), P_s)
-    P_s = select(given, scale(M_s, part_of(like, data.solid, p, d)), P_s)
-    P = select(one.at_wall == 1, scale(M, node(like, data.wall, p)), P)
+    D = choose(M_s > 0.0, per(D, M_s), D)
+    D = choose(one.placed == 1, node(like, data.clamp, p), D)
+    D = choose(given, node(like, data.solid, p), D)
+    P_s = choose(one.clamped == 1, scale(M_s, node(like, data.clamp_velocity, p)), P_s)
+    P_s = choose(given, scale(M_s, part_of(like, data.solid, p, d)), P_s)
+    P = choose(one.at_wall == 1, scale(M, node(like, data.wall, p)), P)
     # what sticks
     sticks, before = one.sticks == 1, kinetic(P_s, M_s)
-    v = select(moved, per(P_s, M_s), per(add(P, P_s), M + M_s))
-    P, P_s = select(sticks, scale(M, v), P), select(sticks, scale(M_s, v), P_s)
+    v = choose(moved, per(P_s, M_s), per(add(P, P_s), M + M_s))
+    P, P_s = choose(sticks, scale(M, v), P), choose(sticks, scale(M_s, v), P_s)
     change = np.where(sticks & ~moved, kinetic(P_s, M_s) - before, 0.0)
     E, E_s = E - change, E_s + change
     # a gas that is given
     given, (rho, *rho_u, of_data) = one.given_gas == 1, part_of((*like, 0.0, 0.0), data.gas, p, 0)
     M, E = np.where(given, V * rho, M), np.where(given, V * of_data, E)
-    return (V, M, select(given, scale(V, tuple(rho_u)), P), E), (M_s, D, P_s, E_s)
+    return (V, M, choose(given, scale(V, tuple(rho_u)), P), E), (M_s, D, P_s, E_s)
 
 
 # normals, and what members store
@@ -256,8 +256,8 @@ def accelerate(all, gain, p, one):
     M, M_s, v = state.mass[p], state.solid_mass[p], node(like, state.v, p)
     u, w = velocity(like, state.U, p, M), node(like, all.data.wall, p)
     nothing = (0.0,) * len(like)
-    a_g = select(M > 0.0, per(along(R_m, -R, u), M), nothing)
-    a_s = select(M_s > 0.0, per(F, M_s), nothing)
+    a_g = choose(M > 0.0, per(along(R_m, -R, u), M), nothing)
+    a_s = choose(M_s > 0.0, per(F, M_s), nothing)
     a, b = (list(map(variable, x)) for x in told(all, p, one, M, M_s, a_g, a_s))
     with when(one.count > 0):
         right_sides(all, p, one, u, v, w, node(like, all.data.wall_rate, p))
@@ -276,10 +276,10 @@ def accelerate(all, gain, p, one):
 def told(all, p, one, M, M_s, a, b):
     """Accelerations of the gas and of the solid as clamps, walls and what sticks have them."""
     clamped = one.clamped == 1
-    b = select(clamped, node(all.like, all.data.clamp_rate, p), b)
-    a = select(one.at_wall == 1, node(all.like, all.data.wall_rate, p), a)
-    both = select(clamped, b, per(add(scale(M, a), scale(M_s, b)), M + M_s))
-    return select(one.sticks == 1, both, a), select(one.sticks == 1, both, b)
+    b = choose(clamped, node(all.like, all.data.clamp_rate, p), b)
+    a = choose(one.at_wall == 1, node(all.like, all.data.wall_rate, p), a)
+    both = choose(clamped, b, per(add(scale(M, a), scale(M_s, b)), M + M_s))
+    return choose(one.sticks == 1, both, a), choose(one.sticks == 1, both, b)
 
 
 def give_rates(all, gain, y, f):

@@ -22,8 +22,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.equations.vectors import along, dot, mean, scale, sub
+from fsipetsc.kernels.arrays import column, column_of, part_of
 from fsipetsc.kernels.procedure import each, variable, when
-from fsipetsc.operators.loops import along, column, column_of, dot, mean, part_of, scale, sub
 from fsipetsc.operators.undivided import Differences
 from fsipetsc.scheme.gas_dissipation import largest, sense
 from fsipetsc.scheme.rows import Array

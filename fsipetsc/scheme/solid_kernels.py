@@ -16,8 +16,8 @@ from fsipetsc.equations.tensors import (
     product_transposed,
     transposed_product,
 )
+from fsipetsc.equations.vectors import add, along, dot, scale, total
 from fsipetsc.kernels.kernel import OWNED, PLANES, Kernel, Layout
-from fsipetsc.operators.loops import add, along, dot, scale, total
 
 #: planes of a tile, and of the derivatives of a row
 TILE = Layout("step", given=True)

@@ -3,8 +3,9 @@
 import numpy as np
 
 from fsipetsc.equations.tensors import add_unit
+from fsipetsc.equations.vectors import add, dot
+from fsipetsc.kernels.arrays import column, column_of, part_of
 from fsipetsc.kernels.procedure import each, invoke, variable, when, whole
-from fsipetsc.operators.loops import add, column, column_of, dot, part_of
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.block_monitor import MONITORED, begin, collect
 from fsipetsc.scheme.part import ghosted, ghosted_node, note, owned
