@@ -5,7 +5,7 @@ what was expected.
 import sys
 
 import pytest
-from helpers import message, run, solve
+from helpers import message, solve
 
 import fsipetsc
 from fsipetsc.cases import BUILT_IN, load_case

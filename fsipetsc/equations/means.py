@@ -19,7 +19,6 @@ from typing import Any
 
 import numpy as np
 
-
 #: distance up to which two numbers are near: within 18 % of each other
 NEAR = 0.03
 #: polynomials of degree 5 in z that are A and B for z <= NEAR

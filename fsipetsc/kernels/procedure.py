@@ -14,8 +14,8 @@ vectors. It runs once, on stand-ins of what the records have, and what it does i
 Numbers that differ from node to node are Symbols (fsipetsc.kernels.symbols), and formulas of them
 are recorded as in a kernel. Whole numbers that are known only later, as sizes and places in
 arrays, are an Index. What is known when the procedure is recorded, as bools, None, and how long
-tuples are, decides what is printed: ``if`` and ``range`` of it are plain Python. So are facts: dataclasses,
-whose numbers become constants of the text.
+tuples are, decides what is printed: ``if`` and ``range`` of it are plain Python. So are facts:
+dataclasses, whose numbers become constants of the text.
 
     each(n), each(a, b)     a loop; vector=True: its passes do not depend on one another
     when(c), otherwise()    what is done if a condition holds, and else
@@ -654,8 +654,8 @@ def invoke(name: str, *given: Any) -> None:
     texts, needs = [], []
     for one in given:
         place = _index(one._offset if isinstance(one, Array) else one)
-        pointer = f"{one._base} + {place.text}" if isinstance(one, Array) else f"(void *){place.text}"
-        texts.append(pointer)
+        array = isinstance(one, Array)
+        texts.append(f"{one._base} + {place.text}" if array else f"(void *){place.text}")
         needs += place.needs
     record = _recording()
     record.line(f"{name}({', '.join(texts)});", (), tuple(needs))

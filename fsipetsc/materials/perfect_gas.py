@@ -5,8 +5,6 @@ from typing import NamedTuple
 import numpy as np
 
 
-
-
 class PerfectGas(NamedTuple):
     """gamma: ratio of the specific heats [-], R: gas constant over molar mass [J/(kg K)].
 

@@ -4,7 +4,7 @@ the monitor finds. The records are those of fsipetsc.scheme.gas_record and solid
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fsipetsc.kernels.procedure import each, either, pick, when
 from fsipetsc.scheme.block_monitor import CONVECTION, MONITORED
@@ -87,7 +87,7 @@ def fill_images(part):
     is behind, with signs; around an axis or a centre.
     """
     values, signs = part.halo, part.signs
-    (g0, g1, _), (f0, f1, _) = part.patch.ghosted, part.patch.first
+    (g0, _, _), (f0, f1, _) = part.patch.ghosted, part.patch.first
     rows, n = (f0, 1) if len(part.like) == 1 else (f1, g0)
     for c in each(signs.shape[0]):
         for i in each(rows * n):

@@ -8,8 +8,8 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.errors import FsiError
-from fsipetsc.output.structure import check_array
 from fsipetsc.kernels.procedure import Procedure
+from fsipetsc.output.structure import check_array
 from fsipetsc.scheme.batch import ALLOWED, Plan
 from fsipetsc.scheme.plan import BATCH
 
