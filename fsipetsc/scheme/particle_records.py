@@ -17,7 +17,8 @@ class Table(NamedTuple):
     have. kind: (rows,) GAS or SOLID. at: (own,) where the first unknown of a member stands in the
     world's vector, apart: (own,) how far its unknowns are apart there. weight: (rows,) H of a gas
     member, M_s of a solid one; alpha: (rows,) specific heat of solids. inertia: (own,) M_s of
-    members whose work is booked, else 0. constraint: (p, K) kinds of constraints. facts: (p,) records of FACTS, see fsipetsc.blocks.particles.
+    members whose work is booked, else 0. constraint: (p, K) kinds of constraints. facts: (p,)
+    records of FACTS, see fsipetsc.blocks.particles.
     """
 
     begin: Array
