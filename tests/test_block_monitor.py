@@ -6,11 +6,12 @@ import block_shapes as shapes
 import numpy as np
 import pytest
 from block_ledgers import CLOSED, N, Steps, gas, problem_of, solid
+from recorded import recorded
 
 from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme import plan
-from fsipetsc.scheme.batch import LONGEST, MADE, TIME, plan_next
+from fsipetsc.scheme.batch import ALLOWED, LONGEST, MADE, TIME, Plan, plan_next
 from fsipetsc.stepping.ledgers import Ledgers
 from fsipetsc.stepping.report import remarks
 
@@ -198,11 +199,14 @@ def planned(target, allowed, *, rate=10.0, fixed=0.0, end=None, flag=plan.STOP):
     results[plan.RATE] = rate
     dt = fixed or 0.8 / rate
     batch[:] = 0.0, dt, dt, target, 0.8, fixed, allowed, 0.0, 0.0, 3.0
+    note = recorded(plan_next, Plan(batch, results, journal, latest))
     for step in range(40):
         results[flag] = float(step == end)
-        if not plan_next(batch, results, journal, latest):
+        note()
+        if not batch[ALLOWED]:
             break
-    assert not plan_next(batch, results, journal, latest), "it has ended"
+    note()
+    assert not batch[ALLOWED], "it has ended"
     rows = journal[3 : 3 + int(batch[MADE])]
     assert not journal[:3].any() and not journal[3 + len(rows) :].any()
     assert (rows[:, 2:] == latest).all() and batch[LONGEST] == rows[:, 1].max()

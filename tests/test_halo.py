@@ -11,11 +11,13 @@ from fsipetsc.parallel.block_shares import Extent, share_out
 from fsipetsc.parallel.halo import Halo, Reach
 
 comm, checked = MPI.COMM_WORLD, 0
-LINES = ((20,), (False,)), ((20,), (True,))
-BLOCKS = *LINES, ((24, 14), (True, False)), ((12, 12, 14), (False,) * 3)
+BLOCKS = (
+    *(((20,), (False,)), ((20,), (True,)), ((24, 14), (True, False))),
+    ((12, 12, 14), (False,) * 3),
+)
 for tag, (shape, periodic) in enumerate(BLOCKS):
-    halos = (3, True, False), (2, False, False), (3, True, not periodic[-1])
-    for width, corners, centred in halos:
+    forms = (3, True, False), (2, False, False), (3, True, not periodic[-1])
+    for width, corners, centred in forms:
         share = share_out([Extent("fluid", shape, periodic, 4, 3, 3)], comm.size)[0]
         if comm.rank not in share.ranks:
             continue

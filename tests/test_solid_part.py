@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fsipetsc.blockrun.block_state import BlockForm
-from fsipetsc.blockrun.solid_part import SolidPart
+from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Free
 from fsipetsc.blocks.maps import rectangle
@@ -20,7 +19,6 @@ from fsipetsc.kernels.procedure import Code
 from fsipetsc.kernels.unit import unit
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
 from fsipetsc.scheme.solid_monitor import note_ends
 
 BOX = rectangle((0.0, 0.0), (1.0, 2.0))
@@ -44,8 +42,8 @@ def problem_of(block):
 
 def part_of(block):
     """The part of one rank, and its initial state."""
-    layout = BlockLayout(MPI.COMM_SELF, problem_of(block), 4)
-    part, q = SolidPart(layout, layout.parts[0], 4, BlockForm()), BlockVector(layout).owned(0)
+    state = BlockState(MPI.COMM_SELF, problem_of(block), 4)
+    part, q = state.scheme.parts[0], state.y.owned(0)
     part.initial(0.0, q)
     return part, q
 

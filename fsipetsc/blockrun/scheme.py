@@ -125,12 +125,10 @@ class Scheme:
         comm, found = state.comm, self._found
         codes = together(comm, lambda: [part.record(about) for part in self.parts.values()])
         self._calling = calling_code()
-        of_found = (
-            *(stages.begin_step, stages.begin_monitor, stages.note_extremes),
-            *(stages.note_gained, stages.end_step),
-        )
         record = self._calling.procedure
-        self._does = {f.__name__: record(f.__name__, f, found) for f in of_found}
+        of_found = stages.begin_monitor, stages.note_extremes, stages.note_gained
+        of_step = stages.begin_step, *of_found, stages.end_step
+        self._does = {f.__name__: record(f.__name__, f, found) for f in of_step}
         self._does["begin_rates"] = record("begin_rates", stages.begin_rates, self._came)
         self._does["plan_next"] = state.planning = record("plan_next", plan_next, found.plan)
         self._advance = [

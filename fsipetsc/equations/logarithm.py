@@ -1,4 +1,4 @@
-"""x - 1 - ln x without cancellation near 1, where the energy of a solid is of second order.
+"""x - 1 - ln x without cancellation near 1: the energy of a solid is of second order in x - 1.
 
 With f = x - 1 and s = f / (2 + f)
 

@@ -652,8 +652,8 @@ def invoke(name: str, *given: Any) -> None:
     texts, needs = [], []
     for one in given:
         place = _index(one._offset if isinstance(one, Array) else one)
-        start = f"{one._base} + " if isinstance(one, Array) else "(void *)"
-        texts.append(start + place.text)
+        array = isinstance(one, Array)
+        texts.append(f"{one._base} + {place.text}" if array else f"(void *){place.text}")
         needs += place.needs
     record = _recording()
     record.line(f"{name}({', '.join(texts)});", (), tuple(needs))

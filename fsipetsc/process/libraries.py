@@ -10,6 +10,7 @@ import os
 import tempfile
 import time
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 
 from fsipetsc.errors import FileError, FsiError
 from fsipetsc.kernels import build
@@ -43,9 +44,11 @@ def _made(
     if comm.rank == 0:
         announce(f"compiling the kernels of this case ({_counted(len(makers))})")
     try:
-        for name in (name for name, rank in makers.items() if rank == comm.rank):
-            mine[name] = build.made(texts[name])
-            build.keep(name, mine[name])
+        names = [name for name, rank in makers.items() if rank == comm.rank]
+        with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:  # who wait for compilers
+            for name, library in zip(names, pool.map(build.made, map(texts.get, names))):
+                mine[name] = library
+                build.keep(name, library)
     except FsiError as error:
         fault = error
     wait_asleep(comm)  # who compiles may have this rank's core
