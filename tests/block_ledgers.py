@@ -21,7 +21,7 @@ CLOSED = {"gas": Slip(), "solid": Roller()}
 class Steps(BlockState):
     """A problem in time by RK4, on one rank. came: what has come in, as columns of ``gained``.
 
-    apart: without the kernel that makes several steps in one call, which compiles for long.
+    apart: one rank calls what several do, phase by phase.
     """
 
     def __init__(self, problem, order=2, form=BlockForm(), apart=True):  # noqa: B008

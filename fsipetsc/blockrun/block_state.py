@@ -54,9 +54,9 @@ class BlockState(State):
     rows, latest_numbers: the same as numbers. rates: (blocks, 2), largest ones of convection and
     diffusion [1/s]; extremes: what the monitor finds. h: size of the smallest cells [m].
     recorded: nodes to be recorded at each step. orders: block -> what brings its nodes into the
-    order in which they are saved. announce: called with a message when several ranks wait for
-    kernels. loose: gases on which a constant force acts node by node. apart: one rank calls what
-    several do. InputError where blocks, order and ranks do not fit.
+    order in which they are saved. announce: called on rank 0, with a message, before and after
+    kernels are compiled. loose: gases on which a constant force acts node by node. apart: one rank
+    calls what several do. InputError where blocks, order and ranks do not fit.
     """
 
     def __init__(

@@ -57,7 +57,7 @@ def gained(problem: Any) -> np.dtype:
 
 
 def gain_of(problem: Any) -> Gain:
-    """What comes in, for compiled code."""
+    """What comes in, as procedures have it."""
     kind = gained(problem)
     numbers, at = np.zeros(kind.itemsize // 8), slices(kind)
     some = "mass_in", "lost_energy", "force_work"

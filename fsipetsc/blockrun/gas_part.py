@@ -1,4 +1,4 @@
-"""A rank's part of a gas block: its record for compiled code, its moving grid, what is saved."""
+"""A rank's part of a gas block: its record for procedures, its moving grid, what is saved."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -53,7 +53,7 @@ class SolidPart(BlockPart):
         return J
 
     def _dissipation(self) -> Any:
-        """For compiled code: the term of all nodes, and after it that of shocks."""
+        """What adds the term of all nodes, and after it that of shocks."""
         order, form = self._order, self._form
         sigma = sigma_of(form.dissipation, self._problem.joined) / 4.0 ** (order // 2)
         terms = (2, 0.0, AT_SHOCKS * form.shock), (order, sigma, -sigma * (form.shock > 0.0))

@@ -1,6 +1,6 @@
 """An elastic ring around a gas that is compressed on one side: curved blocks.
 
-    python -m fsipetsc FILE.py                                 # ten seconds; the first time minutes
+    python -m fsipetsc FILE.py                                 # ten seconds; more the first time
     mpiexec -n 2 python -m fsipetsc FILE.py -ring_density 500  # on two ranks, with an option
     python -m fsipetsc FILE.py -help                           # all options
     python -m fsipetsc plot NAME.h5 -o pictures                # draw the result

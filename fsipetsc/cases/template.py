@@ -1,6 +1,6 @@
 """A plate oscillates between two gases in a closed tube: gas | solid | gas.
 
-    python -m fsipetsc FILE.py                                # a second; the first time a minute
+    python -m fsipetsc FILE.py                                # a second; a few the first time
     mpiexec -n 2 python -m fsipetsc FILE.py -plate_speed 5    # on two ranks, with an option
     python -m fsipetsc FILE.py -help                          # all options
     python -m fsipetsc plot NAME.h5 -o pictures               # draw the result

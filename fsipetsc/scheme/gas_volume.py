@@ -1,4 +1,4 @@
-"""The rates of a gas block as a compiled function: fsipetsc/scheme/gas.c with its kernels."""
+"""The rates of a gas block as a function in C: fsipetsc/scheme/gas.c with its kernels."""
 
 import ctypes
 from collections.abc import Sequence

@@ -64,8 +64,8 @@ def make_state(
 ) -> PaperState | BlockState:
     """The state that the options in force ask for. Collective.
 
-    announce: called with a message when several ranks wait for kernels. InputError where grid,
-    order and ranks do not fit.
+    announce: called on rank 0, with a message, before and after kernels are compiled. InputError
+    where grid, order and ranks do not fit, or a law cannot be recorded.
     """
     if isinstance(problem, BlockProblem):
         form = block_form(opt)
