@@ -20,10 +20,11 @@ Array = NDArray[Any]
 
 
 class Recorded(NamedTuple):
-    """What procedures of parts take beside the parts. particles: fsipetsc.scheme.particle_records,
-    of system; gain, found: fsipetsc.scheme.part and steps. at_particles: block -> its faces at
-    constraints. begins: name -> where a series begins in the record of a step. alone: a rank has
-    all blocks, and fills halos by itself. ends: of interfaces in one dimension.
+    """What procedures of parts take beside the parts. particles: the record of the particle system,
+    see fsipetsc.scheme.particle_records; gain, found: see fsipetsc.scheme.part and steps.
+    at_particles: block -> its faces at constraints. begins: name -> where a series begins in the
+    record of a step. alone: one rank has all blocks, and C fills its halos. ends: the solid ends of
+    interfaces in one dimension.
     """
 
     particles: Any
@@ -37,7 +38,7 @@ class Recorded(NamedTuple):
 
 
 class BlockPart:
-    """One part of a block. code: its procedures, does: name -> each of them.
+    """One part of a block. code: has its procedures; does: name -> procedure.
 
     X: (d, ghosted nodes) places in the reference map. names: of what is saved of a node.
     """
@@ -78,11 +79,11 @@ class BlockPart:
             raise InputError(words, collective=False) from error
 
     def _record(self, about: Recorded) -> Code:
-        """As `record`, with all errors."""
+        """Record them; an error need not say whose law it is."""
         raise NotImplementedError
 
     def _procedures(self, text: str, record: Any, about: Recorded, names: Any) -> Code:
-        """Procedures by their names, with what they take beside the part's record."""
+        """Record functions, by names, with what their parameters name beside the part's record."""
         self.code, self.does = Code(text), dict[str, Procedure]()
         takes = {"particles": about.particles, "gain": about.gain, "found": about.found}
         for name, function in names.items():

@@ -45,7 +45,7 @@ Array = NDArray[Any]
 #: number of -1.6 at Courant number 0.8, of 2.785 that the classical method bears; next to the ends
 #: of 8/4 more
 PACE_AT_SHOCKS = {2: 1.0, 4: 1.0, 6: 1.0, 8: 4.0 / 3.0}
-#: phases of a rank that has all blocks
+#: phases of a rank that has all blocks, in their order
 COMPLETE = "weigh share move tell store impose follow swing"
 RATES = "turn turned rates end"
 
@@ -155,8 +155,8 @@ class Scheme:
         self._refresh(t)
 
     def stretch(self, t: float, y: BlockVector) -> None:
-        """Let J of gases be that of the grid where the solids have it, at fixed density, velocity
-        and temperature; at walls the gas has their velocity, at its temperature.
+        """Let grids of gases follow the solids, and J be that of the grid, at the same density,
+        velocity and temperature. Gas at walls then gets their velocity, at the same temperature.
         """
         self._refresh(t)
         self._share(y)
@@ -183,7 +183,8 @@ class Scheme:
     # phases: what is called between exchanges
 
     def _calls(self, phase: str, y: Array, f: Array) -> list[Any]:
-        """Calls of a phase: procedures, each with the world vectors that it takes."""
+        """The calls of a phase: procedures, each with the world vectors that it takes."""
+        # *name: that of each part; [name] * flag: only where the problem needs it
         particles, does = self.particles, self._does
         names: list[Any] = {
             "weigh": ["weigh"],
@@ -208,7 +209,7 @@ class Scheme:
         return found + ([(does["weigh"], (f,))] if phase == "rates" else [])
 
     def _do(self, phase: str, y: Array, f: Array | None = None) -> None:
-        """Make the calls of a phase, or of several."""
+        """Make the calls of a phase, or of several with blanks between; f: y if not given."""
         f = y if f is None else f
         key = phase, y.ctypes.data, f.ctypes.data
         if key not in self._phases:
@@ -296,8 +297,8 @@ class Scheme:
         return ends(y)
 
     def steps(self, t: float, dt: float) -> tuple[bool, float, float]:
-        """The steps of a batch from t [s] on, the first of dt [s]: whether all ended well, and
-        the time that is reached; or begin and length of a step that is to be made anew.
+        """Make the steps of a batch from t [s] on, the first of dt [s]. Returns whether all ended
+        well, and the time that is reached; else begin and length of the step to be made anew.
         """
         self._refresh(t)
         found, does = self._found, self._does

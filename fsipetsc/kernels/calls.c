@@ -14,7 +14,7 @@ void run_calls(const struct call *calls, long count) {
     c->procedure(c->of, c->y, c->y_size, c->f, c->f_size);
 }
 
-/* Run them again and again: while nothing is bad, and steps are allowed. */
+/* The calls of one step, once, and again while nothing is bad and more steps are allowed. */
 void run_batch(const struct call *calls, long count, const double *bad, const double *allowed) {
   do run_calls(calls, count);
   while (*bad == 0.0 && *allowed != 0.0);

@@ -20,7 +20,7 @@ class _Call(ctypes.Structure):
 
 
 def calling_code() -> Code:
-    """Code whose library `Calls` takes; more procedures may be recorded on it."""
+    """Code with the functions of calls.c, whose library `Calls` needs; procedures can be added."""
     return Code(unit({}, [], c_source("fsipetsc.kernels", "calls.c")))
 
 
@@ -44,6 +44,6 @@ class Calls:
             self._library.run_calls(self._calls, _NUMBER(self._count))
 
     def batch(self, bad: np.ndarray, allowed: np.ndarray) -> None:
-        """Make all calls, again and again: while the number ``bad`` is 0, and ``allowed`` not."""
+        """Make all calls, once, and again while the number ``bad`` is 0 and ``allowed`` is not."""
         numbers = (_POINTER(number.ctypes.data) for number in (bad, allowed))
         self._library.run_batch(self._calls, _NUMBER(self._count), *numbers)

@@ -13,9 +13,9 @@ vectors. It runs once, on stand-ins of what the records have, and what it does i
 
 Numbers that differ from node to node are Symbols (fsipetsc.kernels.symbols), and formulas of them
 are recorded as in a kernel. Whole numbers that are known only later, as sizes and places in
-arrays, are an Index. What is known when the procedure is recorded, as bools, None, and how long
-tuples are, decides what is printed: ``if`` and ``range`` of it are plain Python. So are facts:
-dataclasses, whose numbers become constants of the text.
+arrays, are an Index. Bools, None and the lengths of tuples are known when the procedure is
+recorded: ``if`` and ``range`` of them are plain Python, and decide what is printed. So it is with
+dataclasses, which hold facts: their numbers become constants of the text.
 
     each(n), each(a, b)     a loop; vector=True: its passes do not depend on one another
     when(c), otherwise()    what is done if a condition holds, and else
@@ -155,7 +155,7 @@ class _Block:
 
 
 class _Line(NamedTuple):
-    """A line with {0}, {1} … where symbols stand, these, and those that its places need."""
+    """A line of C. form: has {0}, {1} … where values stand; needs: symbols that places have."""
 
     form: str
     values: tuple[Symbol, ...]
@@ -183,7 +183,7 @@ class _Recording(Record):
     def symbol(
         self, key: Any, text: str, needs: tuple[Symbol, ...] = (), operation: str = "given"
     ) -> Symbol:
-        """A symbol that is what ``text`` says; "holds": a condition."""
+        """A symbol that C computes as ``text``; the operation "holds" makes it a condition."""
         symbol = self._one(key, operation, needs)
         symbol.text, symbol.uniform = text, False
         return symbol
@@ -216,7 +216,7 @@ def _recording() -> _Recording:
 
 
 def each(*ends: Any, vector: bool = False) -> Iterator[Index]:
-    """The numbers of a loop from 0, or the first of two ends, to below the last."""
+    """A loop whose number goes from 0, or from the first of two ends, to below the last end."""
     record = _recording()
     first, last = map(_index, ends if len(ends) == 2 else (0, *ends))
     i = record.new("i")
@@ -231,7 +231,7 @@ def each(*ends: Any, vector: bool = False) -> Iterator[Index]:
 
 @contextmanager
 def when(condition: Any) -> Iterator[None]:
-    """What is done within is done if a condition holds."""
+    """C does what is recorded within if a condition holds."""
     record = _recording()
     if isinstance(condition, (bool, np.bool_)):
         raise refuse("the condition is known when it is recorded: write `if`")
@@ -244,7 +244,7 @@ def when(condition: Any) -> Iterator[None]:
 
 @contextmanager
 def otherwise() -> Iterator[None]:
-    """What is done within is done if the condition of the `when` just before does not hold."""
+    """C does what is recorded within if the condition of the `when` just before does not hold."""
     record = _recording()
     record.open("else")
     yield
@@ -267,7 +267,7 @@ def pick(condition: Any, a: Any, b: Any) -> Index:
 
 
 def either(condition: Any, a: "Array", b: "Array") -> "Array":
-    """a if the condition holds, else b; flat."""
+    """The array a if the condition holds, else b; as a flat array."""
     record, name = _recording(), _recording().new("p")
     places = [_index(one._offset) for one in (a, b)]
     first, other = (f"{one._base} + {at.text}" for one, at in zip((a, b), places, strict=True))
@@ -277,7 +277,7 @@ def either(condition: Any, a: "Array", b: "Array") -> "Array":
 
 
 def named(index: Any) -> Index:
-    """The same whole number, under a name of its own."""
+    """The same whole number, which C computes once and keeps under a name."""
     record, index = _recording(), _index(index)
     name = record.new("n")
     record.line(f"const long {name} = {index.text};", (), index.needs)
@@ -285,7 +285,7 @@ def named(index: Any) -> Index:
 
 
 def whole(value: Any) -> Index:
-    """The whole number that a number is."""
+    """A number whose value is whole, as an Index."""
     record = _recording()
     name = record.new("n")
     record.line(f"const long {name} = (long){{0}};", (value,))
@@ -299,7 +299,7 @@ def number(index: Any) -> Any:
 
 
 class Variable:
-    """A number that changes; value: what it is where it is read."""
+    """A number that changes. value: the number at that place of the procedure; it can be set."""
 
     def __init__(self, first: Any) -> None:
         self._record, self._name = _recording(), _recording().new("v")
@@ -317,7 +317,7 @@ class Variable:
 
 
 def variable(first: Any = 0.0) -> Variable:
-    """A number that changes, and what it is at first."""
+    """A number that changes; first: what it is before that."""
     return Variable(first)
 
 
@@ -351,11 +351,11 @@ class Array(NDArrayOperatorsMixin):
         return Array(self._base, self.dtype, shape, self._offset)
 
     def turned(self) -> "Array":
-        """An array of two axes by its second index first, as its transpose."""
+        """The transpose of an array of two axes."""
         return _Turned(self)
 
     def _place(self, at: Any) -> tuple[Any, tuple[Any, ...]]:
-        """Offset and shape of what an index, or several, name."""
+        """Offset and shape of the number, or the part, at an index or at several."""
         at = at if isinstance(at, tuple) else (at,)
         offset, shape = self._offset, list(self.shape)
         if len(at) > len(shape):
@@ -466,7 +466,7 @@ class _Fields:
 
 
 class Procedure:
-    """A recorded procedure; ``text``: in C. Called with world vectors once its code is loaded."""
+    """A recorded procedure. text: it in C. It can be called once its code is loaded."""
 
     def __init__(self, name: str, function: Callable[..., None], *records: Any) -> None:
         self.name, self._values = name, dict[str, Any]()
@@ -563,7 +563,7 @@ class Procedure:
         self._alone = ctypes.c_void_p(self.structure), *nothing, *nothing
 
     def __call__(self, *vectors: np.ndarray) -> None:
-        """Do it; vectors: flat arrays of doubles."""
+        """Run the function in C; vectors: at most two flat arrays of doubles."""
         if not vectors:
             self._function(*self._alone)
             return
@@ -574,7 +574,7 @@ class Procedure:
 
 
 def _find_wanted(block: _Block, wanted: list[Symbol]) -> None:
-    """All symbols that lines of a block, and of those within, need."""
+    """Add the symbols that lines of a block need, and of the blocks within it."""
     for item in block.items:
         if isinstance(item, _Line):
             wanted += [*item.values, *item.needs]
@@ -623,7 +623,7 @@ def _named(symbol: Symbol, names: dict[int, str]) -> str:
 
 
 class Code:
-    """The procedures of one translation unit, after a text with what they and others need."""
+    """The procedures of one translation unit, which begins with a text that they need."""
 
     def __init__(self, text: str) -> None:
         self._text, self.procedures = text, list[Procedure]()

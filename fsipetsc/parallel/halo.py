@@ -44,8 +44,8 @@ class Reach:
         return tuple(found)
 
     def needs(self, rank: int) -> tuple[Numbers, Numbers]:
-        """Places in a rank's ghosted array, and numbers in the block, of the nodes that are sent to
-        it, or that it has twice; in the order of the places.
+        """Places in a rank's ghosted array, and numbers in the block, of the nodes that others send
+        to it, or that it owns and has once more (of a periodic axis); in the order of the places.
         """
         spans, own = self.ghosted(rank), self.share.part(rank)
         index = [np.arange(a, b) for a, b in spans]
@@ -98,7 +98,7 @@ class Halo:
                 self._requests.append(comm.Send_init([out, MPI.DOUBLE], rank, tag))
 
     def begin(self, own: Array) -> None:
-        """Send this rank's numbers (dof, M); they may change after this."""
+        """Start to send this rank's numbers (dof, M), and copy them; they may change after this."""
         for rows, out in self._sent:
             np.take(own, rows, axis=1, out=out, mode="clip")
         if self._requests:
@@ -109,7 +109,7 @@ class Halo:
             self.local[:, places] = own[:, rows]
 
     def end(self) -> None:
-        """Wait for those of others."""
+        """Wait for the numbers of others, and put them into the ghosted array."""
         if self._requests:
             MPI.Request.Waitall(self._requests)
             for places, into in self._received:

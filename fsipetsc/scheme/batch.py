@@ -12,9 +12,10 @@ from fsipetsc.kernels.procedure import each, when, whole
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, STOP, TOO_SHORT
 from fsipetsc.scheme.rows import Array
 
-#: TIME before a step or, once it is made, after it; DT, its length; NEXT, the time after it;
-#: TARGET, the next time that must be hit; COURANT number; FIXED, the step that is given, or 0;
-#: steps ALLOWED and MADE; the LONGEST of these; FIRST row of the journal to be filled
+#: places in the numbers of a batch: TIME before a step or, once it is made, after it; DT, its
+#: length; NEXT, the time after it; TARGET, the next time that must be hit; COURANT number; FIXED,
+#: the step that is given, or 0; steps ALLOWED and MADE; the LONGEST of these; FIRST row of the
+#: journal to be filled
 TIME, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, LONGEST, FIRST = range(10)
 
 #: a step may be longer than its bound by this fraction, so that round-off costs no extra step
@@ -23,7 +24,7 @@ SLACK = 1e-9
 
 def longest_step(courant, fixed, rate):
     """Bound on a step [s]: the one that is given (-ts_dt), or, if that is 0, the Courant number
-    times 1/``rate``; no number if the rate is 0.
+    times 1/``rate``; nan if the rate is 0.
     """
     return np.where(fixed != 0.0, fixed, courant / np.where(rate > 0.0, rate, np.nan))
 
@@ -51,8 +52,8 @@ class Plan(NamedTuple):
 
 
 def plan_next(plan):
-    """Note the step just made in batch and journal, plan the next one; if none follows, no steps
-    are allowed then. The same on all ranks.
+    """Note the step just made in batch and journal, and plan the next one; where none follows,
+    ALLOWED becomes 0. All ranks find the same.
     """
     batch, results, journal, latest = plan.batch, plan.results, plan.journal, plan.latest
     allowed, t, dt, made = batch[ALLOWED], batch[NEXT], batch[DT], batch[MADE]

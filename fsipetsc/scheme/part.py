@@ -39,13 +39,13 @@ class Gain(NamedTuple):
 
 
 def owned(part, s, dof):
-    """(M, dof), this part of a world vector s, which has planes."""
+    """(M, dof), the numbers of this part in a world vector s, which has planes: a transpose."""
     n = part.patch.own[0] * part.patch.own[1] * part.patch.own[2]
     return s[part.begin : part.begin + n * dof].reshape(dof, n).turned()
 
 
 def ghosted(part, s, dof):
-    """(N, dof), the same with its halo, which a rank that has all blocks fills here."""
+    """(N, dof), the same with its halo. Where one rank has all blocks, that is filled here."""
     with when(part.wraps == 1):
         fill_halo(s, part.begin, dof, part.patch, part.halo)
         fill_images(part)
@@ -108,8 +108,8 @@ def clear(numbers):
 
 
 def note(part, found):
-    """Put the extremes and sums of the monitor where they belong; found:
-    fsipetsc.scheme.steps.Found.
+    """Put what the monitor found of a part into the extremes of its block and the record of the
+    step; found: fsipetsc.scheme.steps.Found.
     """
     begin, seen, sums, columns = 1 + MONITORED * part.block, part.seen, part.sums, part.columns
     extremes, latest = found.extremes, found.latest

@@ -20,8 +20,8 @@ G_c is the sum of the area vectors of gas faces, S_c minus that of those at a so
 S_c is the sum over walls: what they push comes in from outside. Sticking gas and solid are one body
 of mass M + M_s. A body whose motion is given counts as infinitely heavy.
 
-What comes in is added to ``gain``, see fsipetsc.scheme.part.Gain. Constraints tell it by their
-forces, data that replace unknowns by the change.
+What comes in is added to ``gain``, see fsipetsc.scheme.part.Gain. Of constraints that is what their
+forces do, of data that replace unknowns it is the change of these.
 
     weigh, exchange, end_sums, impose_conditions     complete the unknowns
     weigh, exchange, end_rates                       complete their rates
@@ -51,7 +51,7 @@ from fsipetsc.scheme.particle_records import GAS, SOLID
 
 
 def weigh(all, y):
-    """Rows of this rank's members: H q of a gas, (M_s D, M_s v, M_s e) of a solid; or of rates."""
+    """Rows of this rank's members: H q of gas, (M_s D, M_s v, M_s e) of a solid; or their rates."""
     table, rows, d = all.table, all.rows, len(all.like)
     for r in each(table.at.shape[0]):
         weight, own = table.weight[r], Unknowns(table, r, y)
@@ -142,12 +142,12 @@ def obeyed(all, p, one, of_gas, of_solid):
 
 
 def end_normals(all):
-    """Normals of particles from the rows of all members, which are cleared."""
+    """Add up the area vectors of all members of each particle, and clear those of the members."""
     gather(all, all.normals)
 
 
 def end_turning(all):
-    """How normals of particles turn, from the rows of all members, which are cleared."""
+    """Add up how area vectors of all members of each particle turn, and clear the members' part."""
     gather(all, all.turning)
 
 
@@ -213,7 +213,7 @@ def impose_conditions(all, gain, y):
 
 
 def sum_up(gain):
-    """Let the numbers of what came in have the sum of energies."""
+    """Add up the energies that came in."""
     gain.total[0] = 0.0
     for c in each(gain.energy.shape[0]):
         gain.total[0] += gain.energy[c]
@@ -274,7 +274,7 @@ def accelerate(all, gain, p, one):
 
 
 def told(all, p, one, M, M_s, a, b):
-    """Accelerations of the gas and of the solid as clamps, walls and what sticks have them."""
+    """Accelerations of gas and solid where clamps and walls prescribe them, or the two stick."""
     clamped = one.clamped == 1
     b = choose(clamped, node(all.like, all.data.clamp_rate, p), b)
     a = choose(one.at_wall == 1, node(all.like, all.data.wall_rate, p), a)

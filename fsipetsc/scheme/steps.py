@@ -82,7 +82,7 @@ def begin_rates(gain):
 
 
 def note_extremes(found):
-    """Put the extremes of all ranks where they belong.
+    """From the extremes of all ranks find the bound on the next step, and whether a state is bad.
 
     extremes: (1 + MONITORED blocks,), what a rank says of stopping, and those of each block. rates:
     (blocks, 2). latest: begins with the least J and the departure of J of each block. The bound on
@@ -103,10 +103,11 @@ def note_extremes(found):
 
 
 def note_gained(found, y):
-    """Put what came in, the auxiliary unknowns, into the last columns of ``latest``.
+    """Move what came in during a step from auxiliary unknowns to the last columns of ``latest``.
 
-    The monitor leaves minus the energy E of solids where what they lost of it will be. So E stays
-    in an auxiliary unknown, which after the next step is W + E, W the work: W + E - E' is lost.
+    What a step loses of the energy of solids is W + E - E', with W the work on them, E before and
+    E' after it. The auxiliary unknown has E and gets W; the monitor writes -E' into the column.
+    Their sum is the loss, and with that subtracted the unknown has E', for the next step.
     """
     count, latest = found.gain.numbers.size, found.latest
     first = latest.size - count
@@ -117,8 +118,8 @@ def note_gained(found, y):
 
 
 def end_step(found):
-    """If all is well, the stage is the solution, and the next step is planned; else the solution is
-    what it was.
+    """If all is well, the stage becomes the solution, and the next step is planned; else the
+    solution goes back to what it was before the step.
     """
     now, batch = found.now, found.plan.batch
     with when(found.results[BAD] == 0.0):
