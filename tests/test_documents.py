@@ -5,9 +5,11 @@ import io
 import json
 import re
 import shlex
+from collections import namedtuple
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
 from helpers import REPOSITORY, compute, run
 
@@ -65,6 +67,24 @@ def test_options_links_and_files_exist(name):
     assert not [path for path in named if not (REPOSITORY / path).exists()]
     prose = FENCED.sub("", text).splitlines()
     assert not [line for line in prose if len(line) > 100 and not line.startswith("|")]
+
+
+def test_the_kernel_and_the_procedure_of_the_page_of_code_are_those_that_are_printed():
+    """But for their structs, from which they copy into locals; without blanks and ends of lines."""
+    from fsipetsc.kernels.procedure import Code
+    from fsipetsc.materials.fluid import Fluid
+    from fsipetsc.scheme.gas_forms import convection_of
+    from fsipetsc.scheme.gas_volume import gas_text
+    from fsipetsc.scheme.steps import advance
+
+    gas, x = Fluid(0.0, 0.0, 1.4, 287.0).equations(2), np.zeros(9)
+    of = namedtuple("Found", "y total now")
+    kernels = gas_text(gas, 2, convection_of("entropy", gas), False)
+    procedure = Code("").procedure("advance_1", advance(1), of(x, x, x)).text
+    told = [text for language, text in FENCED.findall(TEXTS["code.md"]) if language == "c"]
+    for page, text in zip(told, (kernels, procedure), strict=True):
+        lines = re.sub(r"\n  [^\n=]*= (in\.\w+|s->\w+);", "", text)
+        assert "".join(page.split("{", 1)[1].split()) in "".join(lines.split())
 
 
 def test_every_page_is_in_the_site():
