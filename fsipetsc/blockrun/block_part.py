@@ -22,8 +22,8 @@ Array = NDArray[Any]
 class Recorded(NamedTuple):
     """What procedures of parts take beside the parts. particles: fsipetsc.scheme.particle_records,
     of system; gain, found: fsipetsc.scheme.part and steps. at_particles: block -> its faces at
-    constraints. begins: name -> where a series begins in the record of a step. alone: a rank has
-    all blocks, and fills halos by itself. ends: of interfaces in one dimension.
+    constraints. begins: name -> where a series begins in the record of a step. ends: of interfaces
+    in one dimension.
     """
 
     particles: Any
@@ -32,7 +32,6 @@ class Recorded(NamedTuple):
     found: Any
     at_particles: Any
     begins: Any
-    alone: bool
     ends: Any
 
 
@@ -99,7 +98,6 @@ class BlockPart:
             "block": part.k,
             "begin": part.begin,
             "halo": part.local if part.has_halo else np.empty((part.dof, 0)),
-            "wraps": int(about.alone and part.has_halo),
             "signs": part.signs,
             "X": self.X,
             "metrics": self.metrics,
