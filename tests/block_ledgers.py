@@ -21,11 +21,12 @@ CLOSED = {"gas": Slip(), "solid": Roller()}
 class Steps(BlockState):
     """A problem in time by RK4, on one rank. came: what has come in, as columns of ``gained``.
 
-    apart: one rank calls what several do, phase by phase.
+    apart: each stage is a call of its own, as where data depend on time.
     """
 
-    def __init__(self, problem, order=2, form=BlockForm(), apart=True):  # noqa: B008
-        super().__init__(MPI.COMM_SELF, problem, order, form, apart=apart)
+    def __init__(self, problem, order=2, form=BlockForm(), apart=False):  # noqa: B008
+        super().__init__(MPI.COMM_SELF, problem, order, form)
+        self.scheme.steady &= not apart
         self.t, self._at = 0.0, slices(gained(problem))
         self.came = np.zeros(self.layout.auxiliary)
         self.set_initial()

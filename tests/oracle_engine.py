@@ -78,7 +78,7 @@ class Engine:
         self.problem = BlockProblem(tuple(map(block_of, p.blocks)), faces, **options)
         # dissipation 0: on where blocks are joined
         form = BlockForm(p.form, p.dissipation / 0.3 or -1.0, p.shock)
-        self.state = Apart(MPI.COMM_SELF, self.problem, p.order, form, apart=True)
+        self.state = Apart(MPI.COMM_SELF, self.problem, p.order, form)
         self.y, self.f = self.state.y, BlockVector(self.state.layout)
 
     def _get(self, vector):

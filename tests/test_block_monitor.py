@@ -177,7 +177,7 @@ def test_a_step_that_ends_badly_is_made_in_parts():
     """From the state before it. Steps in one call also hand on what a rank says of stopping."""
     shape = {"gas": shapes.box((0.0,), (1.0,), 21)}
     problem = problem_of(shape, CLOSED, gas(1), None)
-    with Steps(problem, apart=False) as run, Steps(problem) as other:
+    with Steps(problem) as run, Steps(problem, apart=True) as other:
         start = run.y.array.copy()
         assert run._steps(0.0, 0.5) == (False, 0.0, 0.5) and run.results[plan.BAD] == 1.0
         assert np.array_equal(run.y.array, start)

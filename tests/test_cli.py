@@ -97,7 +97,7 @@ def test_who_lacks_a_package_is_told_how_to_get_it(line, package, here):
     (here / "mine.py").write_text("from fsipetsc.problem import Problem\nimport mpi4py\n")
     words = f"needs the Python package {package}", "scripts/setup"
     said = message(run("-c", WITHOUT, *line.split()), 2, *words)
-    assert ("mine.py, line 1: case file mine.py: " in said) == ("mine.py" in line), said
+    assert ("mine.py, line 2: case file mine.py: " in said) == ("mine.py" in line), said
 
 
 def no_such_type() -> None:

@@ -53,7 +53,7 @@ def test_conditions_keep_a_state_of_rest(d, symmetry):
     more = {"along": along, "cells": (8, 8)[: d - 1], "h": 0.125, "low": 0.5, "symmetry": symmetry}
     problem = gases.stack(d, (T, T), upper=upper, **more)
     form = BlockForm("entropy", -1.0, 0.0)
-    with BlockState(MPI.COMM_SELF, problem, 4, form, apart=True) as state:
+    with BlockState(MPI.COMM_SELF, problem, 4, form) as state:
         scheme, first = state.scheme, BlockVector(state.layout)
         scheme.initial(0.0, state.y)
         first.array[:] = state.y.array

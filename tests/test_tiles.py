@@ -81,9 +81,8 @@ class Cut:
 def test_bits_do_not_depend_on_tiles_parts_and_calls(name, monkeypatch):
     cut, expected = Cut(name), None
     for tile, depth, parts in CUTS:
-        monkeypatch.setattr(gas_volume, "TILE", tile)
+        monkeypatch.setitem(gas_volume.TILES, cut.d, tile)
         monkeypatch.setattr(gas_volume, "DEPTH", depth)
-        monkeypatch.setattr(gas_volume, "ROW", tile + 2 * gas_volume.MARGIN)
         found = cut.rates([c if n > 1 else 1 for c, n in zip(parts, cut.n)])
         expected = expected or found
         for one, other in zip(expected, found):

@@ -189,7 +189,7 @@ def test_shear_beside_a_wall_along_which_the_gas_slips():
     with Steps(BlockProblem((layer,), faces)) as run:
         f = np.zeros_like(run.y.array)
         run.right_hand_side(run.y.array.copy(), f)
-        rates = f[: f.size - run.layout.auxiliary].reshape(-1, 5)
+        rates = f[: f.size - run.layout.auxiliary].reshape(5, -1).T
         assert np.abs(rates[:, 2]).max() < 1e-13
         run.step(1e-3, 3)
         came = run.gained()

@@ -23,8 +23,7 @@ class Recorded(NamedTuple):
     """What procedures of parts take beside the parts. particles: the record of the particle system,
     see fsipetsc.scheme.particle_records; gain, found: see fsipetsc.scheme.part and steps.
     at_particles: block -> its faces at constraints. begins: name -> where a series begins in the
-    record of a step. alone: one rank has all blocks, and C fills its halos. ends: the solid ends of
-    interfaces in one dimension.
+    record of a step. ends: the solid ends of interfaces in one dimension.
     """
 
     particles: Any
@@ -33,7 +32,6 @@ class Recorded(NamedTuple):
     found: Any
     at_particles: Any
     begins: Any
-    alone: bool
     ends: Any
 
 
@@ -100,7 +98,6 @@ class BlockPart:
             "block": part.k,
             "begin": part.begin,
             "halo": part.local if part.has_halo else np.empty((part.dof, 0)),
-            "wraps": int(about.alone and part.has_halo),
             "signs": part.signs,
             "X": self.X,
             "metrics": self.metrics,

@@ -48,15 +48,15 @@ class BlockForm(NamedTuple):
 class BlockState(State):
     """Solution and everything that belongs to it; all methods are collective on ``comm``.
 
-    y: this rank's part of the solution, with a vector for each block, and stage, that of a stage;
+    y: this rank's part of the solution, and stage, that of a stage;
     ``solution`` is the memory of y as a world vector. results: flags and limits as in
     fsipetsc.scheme.plan. journal, latest: records of steps, with this rank's shares of integrals;
     rows, latest_numbers: the same as numbers. rates: (blocks, 2), largest ones of convection and
     diffusion [1/s]; extremes: what the monitor finds. h: size of the smallest cells [m].
     recorded: nodes to be recorded at each step. orders: block -> what brings its nodes into the
     order in which they are saved. announce: called on rank 0, with a message, before and after
-    kernels are compiled. loose: gases on which a constant force acts node by node. apart: one rank
-    calls what several do. InputError where blocks, order and ranks do not fit.
+    kernels are compiled. loose: gases on which a constant force acts node by node. InputError where
+    blocks, order and ranks do not fit.
     """
 
     def __init__(
@@ -68,13 +68,12 @@ class BlockState(State):
         partition: str = "auto",
         recorded: Sequence[Recorded] = (),
         announce: Callable[[str], None] = lambda text: None,
-        apart: bool = False,
     ) -> None:
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
         self.h = float(problem.spacing)
         self.shocks, self.loose = form.shock > 0.0, loose_gases(problem, form.convection)
         self.lossy, auxiliary = lossy(problem), gained(problem).itemsize // 8
-        self.layout = BlockLayout(comm, problem, order, self.shocks, partition, auxiliary)
+        self.layout = BlockLayout(comm, problem, order, self.shocks, partition, auxiliary, announce)
         self.y, self.stage = BlockVector(self.layout), BlockVector(self.layout)
         size = (self.layout.local_size, None)
         self.solution = PETSc.Vec().createWithArray(self.y.array, size=size, comm=comm)
@@ -88,7 +87,7 @@ class BlockState(State):
         self._before, self.retries = np.empty_like(self.y.array), 0
         self._tried = 1  # in how many parts the last step was made
         self._noted: set[int] = set()  # solids of which it was said that they are beyond their law
-        self.scheme = Scheme(self, order, form, comm.size == 1 and not apart, announce)
+        self.scheme = Scheme(self, order, form, announce)
         self.evaluations, self._t = 0, 0.0
         parts = self.scheme.parts.items()
         self.orders = {k: NaturalOrder(part.part, len(part.names)) for k, part in parts}
@@ -173,7 +172,7 @@ class BlockState(State):
         """
         more = True
         while more:
-            if self.scheme.alone and self.scheme.steady and not self.recorded:
+            if self.scheme.steady and not self.recorded:
                 ended_well, t, dt = self._steps(t, dt)
                 if ended_well:
                     break
@@ -270,12 +269,8 @@ class BlockState(State):
 
     def _find_extremes(self, now: BlockVector) -> None:
         """Bounds of all ranks, and this rank's shares of the integrals of a completed stage."""
-        now.fill_halos()
-        self.scheme.monitor(now)
-        self.extremes[0] = self.results[SAID_STOP] if self.fault is None else FAULT
-        if self.comm.size > 1:
-            self.comm.Allreduce(MPI.IN_PLACE, self.extremes, MPI.MAX)
-        self.scheme.note_extremes()
+        said = float(self.results[SAID_STOP]) if self.fault is None else FAULT
+        self.scheme.monitor(now, said)
 
     def instant(self) -> float:
         """A time [s] in which little happens, for differences in time: a power of two, so that it
@@ -346,7 +341,7 @@ class BlockState(State):
 
     def destroy(self) -> None:
         """Free messages, vectors, DMDAs and communicators, in this order."""
-        self.scheme.particles.destroy()
+        self.scheme.destroy()
         for order in self.orders.values():
             order.destroy()
         self.solution.destroy()

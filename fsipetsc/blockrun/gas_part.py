@@ -21,7 +21,7 @@ from fsipetsc.scheme.gas_dissipation import gas_damping
 from fsipetsc.scheme.gas_forms import convection_of
 from fsipetsc.scheme.gas_record import GasRecord, follow, monitor, move, rates, swing, turn
 from fsipetsc.scheme.gas_volume import GasVolume, gas_text
-from fsipetsc.scheme.part import Nothing, normals
+from fsipetsc.scheme.part import Nothing, images, normals
 from fsipetsc.scheme.radial import Radial, Straight
 
 Array = NDArray[Any]
@@ -72,7 +72,7 @@ class GasPart(BlockPart):
         number = [block.kind for block in self._problem.blocks[: self.part.k]].count("fluid")
         names = *(f"momentum_{x}" for x in "xyz"[: self._d]), "energy", "entropy", *spins(self._d)
         sums = about.begins["mass"] + number, *(about.begins[name] for name in names)
-        part, d, known = self.part, self._d, self.gather.local
+        part, d = self.part, self._d
         bands, form, force = part.bands, self._form, self.convection.force
         sigma, shock = sigma_of(form.dissipation, self._problem.joined), form.shock
         damping: Any = Nothing()
@@ -86,7 +86,6 @@ class GasPart(BlockPart):
         potential[:] = -dot(self.equations.force, self.X)[: potential.size]
         room = np.zeros(((d + 1) ** 2, self.X.shape[1])) if self.block.material.mu else None
         around = Radial(self.grid.record, room)
-        all_known = known if part.comm.size == 1 else self.gather.whole
         record = GasRecord(
             **self._common(about),
             columns=np.array(sums),
@@ -102,14 +101,15 @@ class GasPart(BlockPart):
             room=room_of(d),
             masses=self.weights,
             follows=self._particles,
-            here=known,
-            known=all_known if self.moves else None,
+            rows=self.gather.rows,
+            known=self.gather.whole if self.moves else None,
             grid=self.grid.record,
             reference=self.reference,
             sums=np.zeros(sums_of(d)),
         )
         text = gas_text(self.equations, d, self.convection, self.viscous)
-        names = {f.__name__: f for f in (follow, move, swing, normals, turn, rates, monitor)}
+        moving = (follow, move, swing, turn) if self.moves else ()
+        names = {f.__name__: f for f in (*moving, images, normals, rates, monitor)}
         code = self._procedures(text, record, about, names)
         self.grid.procedures(code)
         return code

@@ -16,7 +16,7 @@ from fsipetsc.blockrun.prescribed import Prescribed
 from fsipetsc.blocks.particles import ROLLS, Particle
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.kernels.unit import unit
-from fsipetsc.parallel.block_layout import BlockLayout
+from fsipetsc.parallel.block_layout import PARTICLES_TAG, BlockLayout
 from fsipetsc.parallel.particle_exchange import ParticleExchange
 from fsipetsc.scheme import normals as of_faces
 from fsipetsc.scheme import particle_records as records
@@ -61,7 +61,8 @@ class ParticleSystem:
         most = max([1, *(len(p.constraints) for p in particles)])
         columns = max(d + 3, 2 * d + 1), 2 * most * d, 1
         self.sums, self.areas, self.stored = [
-            ParticleExchange(layout.comm, number, owners, n, tag) for tag, n in enumerate(columns)
+            ParticleExchange(layout.library, layout.comm, tag, number, owners, n)
+            for tag, n in enumerate(columns, PARTICLES_TAG)
         ]
         self._mine, self.nodes, self.telling = self.sums.mine, {}, {}
         stored = np.array([p.stores for p in self._particles], bool)
@@ -141,7 +142,7 @@ class ParticleSystem:
             weight[rows] = part.weights(nodes) * (inertia[k][nodes] if k in inertia else 1.0)
             at[rows], apart[rows] = part.at(self._nodes_at(rows)), part.numbers.size
             booked[rows] = weight[rows] * loses(layout.problem, k)
-        self.sums.exchange()
+        self.sums()
         constraint = np.zeros((count, most), np.int64)
         for p, particle in enumerate(self._particles):
             constraint[p, : len(particle.constraints)] = [c.kind for c in particle.constraints]

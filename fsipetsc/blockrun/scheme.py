@@ -5,10 +5,10 @@
     rates      volume terms of each block, what passes open faces, forcing; then the constraints
                of the particles
 
-What there is to do is procedures of parts and particles (fsipetsc.kernels.procedure), in phases
-between which ranks exchange numbers. A rank that has all blocks makes all phases in one call, and
-many steps where no data depend on time. `y` is a fsipetsc.parallel.block_layout.BlockVector; `f` an
-array of the same layout.
+A phase is a list of calls: procedures of parts and particles (fsipetsc.kernels.procedure), and
+exchanges between ranks, which C makes, too (fsipetsc.parallel.exchange). C makes all calls of a
+phase, and those of many steps where no data depend on time. `y` is a
+fsipetsc.parallel.block_layout.BlockVector; `f` an array of the same layout.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ from fsipetsc.blocks.values import block_values
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.calls import Calls, calling_code
 from fsipetsc.parallel.block_layout import BlockVector
+from fsipetsc.parallel.exchange import Reduction
 from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import together
 from fsipetsc.scheme import steps as stages
 from fsipetsc.scheme.batch import ALLOWED, plan_next
-from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
 from fsipetsc.scheme.normals import turned_faces
 from fsipetsc.scheme.plan import BAD
 
@@ -45,17 +45,13 @@ Array = NDArray[Any]
 #: number of -1.6 at Courant number 0.8, of 2.785 that the classical method bears; next to the ends
 #: of 8/4 more
 PACE_AT_SHOCKS = {2: 1.0, 4: 1.0, 6: 1.0, 8: 4.0 / 3.0}
-#: phases of a rank that has all blocks, in their order
-COMPLETE = "weigh share move tell store impose follow swing"
-RATES = "turn turned rates end"
 
 
 class Scheme:
     """Right-hand side of the problem of a state on this rank's parts of its blocks. Making one is
     collective. InputError.
 
-    form: fsipetsc.blockrun.block_state.BlockForm, of convection and dissipation. alone: there is
-    one rank, which may make stages in one call.
+    form: fsipetsc.blockrun.block_state.BlockForm, of convection and dissipation.
 
     What comes in from outside is integrated in auxiliary unknowns, in the order of
     fsipetsc.blockrun.columns.gained. steady: no data of conditions, forcing, jumps depend on time.
@@ -68,12 +64,10 @@ class Scheme:
         state: BlockState,
         order: int,
         form: Any,
-        alone: bool,
         announce: Callable[[str], None] = lambda text: None,
     ) -> None:
         self.problem, self._instant, layout = state.problem, state.instant, state.layout
         problem = self.problem
-        self.alone = alone
         particles, blocks = particles_of(problem), problem.blocks
 
         def make() -> dict[int, GasPart | SolidPart]:
@@ -119,12 +113,12 @@ class Scheme:
             self._found,
             self._at_faces,
             {name: at.start for name, at in columns.items()},
-            self.alone,
             list(state.interface_ends()),
         )
         comm, found = state.comm, self._found
         codes = together(comm, lambda: [part.record(about) for part in self.parts.values()])
         self._calling = calling_code()
+        self._layout = state.layout
         record = self._calling.procedure
         of_found = stages.begin_monitor, stages.note_extremes, stages.note_gained
         of_step = stages.begin_step, *of_found, stages.end_step
@@ -140,6 +134,7 @@ class Scheme:
         for code, library in zip(codes, made, strict=True):
             code.load(library)
         self._does |= self.particles.does
+        self._does["reduce"] = Reduction(state.layout.library, comm, state.extremes)
         self._does["weigh_heat"]()
         for gas in self._gases:
             gas.begin()
@@ -159,7 +154,7 @@ class Scheme:
         velocity and temperature. Gas at walls then gets their velocity, at the same temperature.
         """
         self._refresh(t)
-        self._share(y)
+        self._do("share", y.array)
         for gas in self._gases:
             gas.stretch(y.owned(gas.part.k))
             gas.impose_velocities(y.owned(gas.part.k), *self.particles.at_walls(gas.part.k))
@@ -180,94 +175,92 @@ class Scheme:
             self.fault = self.fault or error
         self._filled = (instant,)
 
-    # phases: what is called between exchanges
+    # phases: procedures, and exchanges between them
 
     def _calls(self, phase: str, y: Array, f: Array) -> list[Any]:
-        """The calls of a phase: procedures, each with the world vectors that it takes."""
-        # *name: that of each part; [name] * flag: only where the problem needs it
-        particles, does = self.particles, self._does
-        names: list[Any] = {
-            "weigh": ["weigh"],
-            "share": ["end_sums", "*follow"],
-            "move": ["*move", *["*normals"] * particles.slips],
-            "tell": ["end_normals"] * particles.slips + ["begin_stored"] * particles.stores,
-            "store": ["*store"] * particles.stores,
-            "impose": ["weigh_heat"] * particles.stores + ["impose_conditions"],
-            "follow": ["*follow"] * particles.slips,
-            "swing": ["*swing"],
-            "turn": ["begin_rates", *["*turn"] * particles.slips],
-            "turned": ["end_turning"] * particles.slips,
-            "rates": ["*rates"],
-            "end": ["end_rates"],
-            "monitor": ["*monitor"],
-        }[phase]
-        found = []
-        for name in names:
-            of = [part.does.get(name[1:]) for part in self.parts.values()]
-            procedures = [p for p in of if p is not None] if name[0] == "*" else [does[name]]
-            found += [(procedure, (y, f)[: len(procedure.vectors)]) for procedure in procedures]
-        return found + ([(does["weigh"], (f,))] if phase == "rates" else [])
+        """The calls of a phase, with the world vectors that each takes. It reads as the method."""
+        particles, parts = self.particles, self.parts.values()
+        slips, stores, found = particles.slips, particles.stores, list[Any]()
 
-    def _do(self, phase: str, y: Array, f: Array | None = None) -> None:
-        """Make the calls of a phase, or of several with blanks between; f: y if not given."""
+        def call(*names: str, of: tuple[Array, ...] = (y, f)) -> None:
+            for name in names:
+                found.append((self._does[name], of[: len(self._does[name].vectors)]))
+
+        def each(name: str) -> None:
+            does = (part.does[name] for part in parts if name in part.does)
+            found.extend((procedure, (y, f)[: len(procedure.vectors)]) for procedure in does)
+
+        def exchange(one: Any) -> None:
+            if not one.empty:
+                found.append((one, (y,)[: len(one.vectors)]))
+
+        def halos() -> None:
+            for part in self._layout.parts.values():
+                exchange(part.halo)
+            each("images")
+
+        def follow() -> None:
+            each("follow")
+            for gas in self._gases:
+                exchange(gas.gather)
+
+        if phase == "share":
+            call("weigh")
+            exchange(particles.sums)
+            call("end_sums")
+            follow()
+            each("move")
+        if phase == "impose":
+            if slips:
+                each("normals")
+                exchange(particles.areas)
+                call("end_normals")
+            if stores:
+                call("begin_stored")
+                halos()
+                each("store")
+                exchange(particles.stored)
+                call("weigh_heat")
+            call("impose_conditions")
+            if slips:  # the conditions have changed velocities
+                follow()
+            each("swing")
+        if phase == "rates":
+            call("begin_rates")
+            if slips:
+                each("turn")
+                exchange(particles.areas)
+                call("end_turning")
+            halos()
+            each("rates")
+            call("weigh", of=(f,))
+            exchange(particles.sums)
+            call("end_rates")
+        if phase == "monitor":
+            halos()
+            each("monitor")
+        if phase == "reduce":
+            call("reduce")
+        return found
+
+    def _do(self, phases: str, y: Array, f: Array | None = None) -> None:
+        """Make the calls of phases, whose names have blanks between; f: y if not given."""
         f = y if f is None else f
-        key = phase, y.ctypes.data, f.ctypes.data
+        key = phases, y.ctypes.data, f.ctypes.data
         if key not in self._phases:
-            calls = [call for one in phase.split() for call in self._calls(one, y, f)]
+            calls = [call for phase in phases.split() for call in self._calls(phase, y, f)]
             self._phases[key] = Calls(self._calling.library, calls)
         self._phases[key]()
 
     def complete(self, t: float, y: BlockVector) -> None:
         """Impose on y, in place, all conditions of its particles. Collective."""
         self._refresh(t)
-        if self.alone:
-            self._do(COMPLETE, y.array)
-            return
-        particles, of = self.particles, y.array
-        self._share(y)
-        if particles.slips:
-            particles.areas.exchange()
-        self._do("tell", of)
-        if particles.stores:
-            y.fill_halos()
-            self._do("store", of)
-            particles.stored.exchange()
-        self._do("impose follow", of)
-        if particles.slips:  # the conditions have changed velocities
-            self._gather()
-        self._do("swing", of)
-
-    def _share(self, y: BlockVector) -> None:
-        """Add up what members have, and let the grids follow the displacement of solids and walls.
-        Collective.
-        """
-        self._do("weigh", y.array)
-        self.particles.sums.exchange()
-        self._do("share", y.array)
-        self._gather()
-        self._do("move", y.array)
-
-    def _gather(self) -> None:
-        """Ranks of a gas tell each other by what its grid moves. Collective."""
-        for gas in self._gases:
-            gas.gather.gather()
+        self._do("share impose", y.array)
 
     def rates(self, t: float, y: BlockVector, f: Array) -> None:
         """f = dy/dt for a completed y. Collective."""
         self._refresh(t)
-        if self.alone:
-            self._do(RATES, y.array, f)
-            return
-        particles = self.particles
-        y.begin()
-        self._do("turn", y.array)
-        if particles.slips:
-            particles.areas.exchange()
-        self._do("turned", y.array)
-        y.end()
         self._do("rates", y.array, f)
-        particles.sums.exchange()
-        self._do("end", y.array, f)
 
     def step(
         self,
@@ -305,12 +298,13 @@ class Scheme:
         if "batch" not in self._phases:
             calls: list[Any] = [(does["begin_step"], ())]
             for number, now in enumerate((found.y, *[found.stage] * (stages.STAGES - 1))):
-                for phase in (*COMPLETE.split(), *RATES.split()):
+                for phase in ("share", "impose", "rates"):
                     calls += self._calls(phase, now, found.k)
                 calls.append((self._advance[number], (found.stage, found.k)))
-            for phase in COMPLETE.split():
-                calls += self._calls(phase, found.stage, found.stage)
+            for phase in ("share", "impose"):
+                calls += self._calls(phase, found.stage, found.k)
             calls += [(does["begin_monitor"], ()), *self._calls("monitor", found.stage, found.k)]
+            calls += [(does["reduce"], ())] * (self._layout.comm.size > 1)
             calls += [(does["note_extremes"], ()), (does["note_gained"], (found.stage,))]
             self._phases["batch"] = Calls(self._calling.library, [*calls, (does["end_step"], ())])
         found.now[:] = t, dt
@@ -318,22 +312,27 @@ class Scheme:
         self._phases["batch"].batch(results[BAD:], batch[ALLOWED:])
         return bool(results[BAD] == 0.0), float(found.now[0]), float(found.now[1])
 
-    def monitor(self, y: BlockVector) -> None:
-        """Put extremes and shares of the integrals of this rank's nodes, and what is recorded of
-        interfaces, where the state has it. y: the solution, completed, whose halos are filled.
+    def monitor(self, y: BlockVector, stop: float) -> None:
+        """Put extremes of all ranks, shares of the integrals of this rank's nodes, and what is
+        recorded of interfaces, where the state has it; fill halos. y: the solution, completed;
+        stop: what this rank says of stopping. Collective.
         """
-        found, blocks = self._found, len(self.problem.blocks)
-        found.extremes[:], found.latest[:] = 0.0, 0.0
-        found.extremes[1:].reshape(blocks, MONITORED)[:, LEAST_J] = -np.inf
+        self._does["begin_monitor"]()
         self._do("monitor", y.array)
-
-    def note_extremes(self) -> None:
-        """Put the extremes of all ranks where the state has them."""
+        self._found.extremes[0] = stop
+        if self._layout.comm.size > 1:
+            self._do("reduce", y.array)
         self._does["note_extremes"]()
 
     def note_gained(self, y: BlockVector) -> None:
         """Put what came in into the record of the step."""
         self._does["note_gained"](y.array)
+
+    def destroy(self) -> None:
+        """Release the messages, before the layout."""
+        self.particles.destroy()
+        for gas in self._gases:
+            gas.gather.destroy()
 
     def forget(self) -> None:
         """Clear what gases remember of a bad state: no NaN may stay there for another step."""

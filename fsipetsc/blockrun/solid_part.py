@@ -15,7 +15,7 @@ from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
-from fsipetsc.scheme.part import Nothing, normals
+from fsipetsc.scheme.part import Nothing, images, normals
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, solid_damping
 from fsipetsc.scheme.solid_monitor import measure, monitor, sums_of
 from fsipetsc.scheme.solid_record import SolidRecord, rates, store
@@ -139,7 +139,7 @@ class SolidPart(BlockPart):
             rows_of_stored=rows,
         )
         text = solid_text(self.equations, d, self.prestress.size > 0)
-        functions = {f.__name__: f for f in (normals, store, rates, monitor, measure)}
+        functions = {f.__name__: f for f in (images, normals, store, rates, monitor, measure)}
         return self._procedures(text, self._record_of_part, about, functions)
 
     def normals(self, rows: Any, axis: int, side: int) -> Array:

@@ -12,7 +12,7 @@ Nodes of a block are numbered n = i_0 + N_0 (i_1 + N_1 i_2), and so are those of
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import prod
 from typing import Any
@@ -27,14 +27,15 @@ from fsipetsc.operators.bands import NO_AXIS, Band, Patch
 from fsipetsc.operators.coefficients import AXIS
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_shares import Extent, share_out
+from fsipetsc.parallel.exchange import Exchange, exchange_library
 from fsipetsc.parallel.halo import Halo, Reach
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 Spans = Sequence[tuple[int, int]]
 AXES = 3
-#: of messages of halos, and the number of the block
-HALO_TAG = 16
+#: of messages of particles; of halos and of faces, and the number of the block
+PARTICLES_TAG, HALO_TAG, GATHER_TAG = 0, 1 << 10, 1 << 13
 
 
 @dataclass(frozen=True)
@@ -105,7 +106,7 @@ class BlockLayout:
     ``share_out`` has it. auxiliary: unknowns of each rank after those of nodes.
 
     shares: of each block, known to all ranks. parts: of this rank, by block, in their order.
-    local_size: of this rank's part of the world vector.
+    local_size: of this rank's part of the world vector. library: of exchanges.
     InputError where a block has too few nodes for the operator, or there are too many ranks.
     """
 
@@ -117,8 +118,10 @@ class BlockLayout:
         shocks: bool = False,
         partition: str = "auto",
         auxiliary: int = 0,
+        announce: Callable[[str], None] = lambda text: None,
     ) -> None:
         self.comm, self.problem, self.order = comm, problem, order
+        self.library = exchange_library(comm, announce)
         d, blocks = problem.dimension, problem.blocks
         self.shapes = [tuple(int(n) for n in block.shape) for block in blocks]
         self.dofs = [d + 3 if block.kind == "fluid" else 2 * d + 1 for block in blocks]
@@ -199,7 +202,9 @@ class BlockLayout:
             numbers=numbers,
             comm=comm,
             dm=dm,
-            halo=Halo(self.comm, reach, patch, numbers, local, HALO_TAG + k),
+            halo=Halo(
+                *(self.library, self.comm, HALO_TAG + k, reach, patch, numbers, local, begin)
+            ),
             signs=np.where(np.isin(np.arange(dof), odd), -1.0, 1.0)[: dof * images],
         )
 
@@ -235,20 +240,9 @@ class BlockVector:
 
     def fill_halos(self) -> None:
         """Fill the ghosted arrays. Collective."""
-        self.begin()
-        self.end()
-
-    def begin(self) -> None:
-        """Begin to fill the ghosted arrays."""
         for part in self._layout.parts.values():
             if part.has_halo:
-                part.halo.begin(self.owned(part.k).T)
-
-    def end(self) -> None:
-        """End it."""
-        for part in self._layout.parts.values():
-            if part.has_halo:
-                part.halo.end()
+                part.halo(self.array)
                 fill_images(part)
 
     def ghosted(self, k: int) -> Array:
@@ -265,28 +259,26 @@ def fill_images(part: Part) -> None:
         lines[:, :rows] = part.signs[:, None, None] * lines[:, rows : 2 * rows][:, ::-1]
 
 
-class FaceGather:
+class FaceGather(Exchange):
     """Numbers of nodes of block k, from the ranks that own the nodes to all of the block.
 
-    nodes: of these those that this rank owns. local: (own nodes, columns), to be filled. whole:
-    (nodes, columns), the same on every rank. Collective on the ranks of the block.
+    nodes: of these those that this rank owns. whole: (all nodes, columns), of which ``rows`` are to
+    be filled for these before the exchange. Making one is collective on the ranks of the block.
     """
 
     def __init__(self, layout: BlockLayout, k: int, nodes: Numbers, columns: int) -> None:
-        self._comm = layout.parts[k].comm
-        owners = layout.shares[k].owners(nodes) if nodes.size else nodes
-        self.nodes = nodes[owners == layout.comm.rank]
-        self.local = np.empty((self.nodes.size, columns))
-        self.whole, self._received = np.empty((2, nodes.size, columns))
-        by_rank = [np.flatnonzero(owners == rank) for rank in layout.shares[k].ranks]
-        self._order = np.concatenate(by_rank)
-        self._counts = [columns * rows.size for rows in by_rank]
-
-    def gather(self) -> None:
-        """Fill ``whole``."""
-        into = [self._received, self._counts, MPI.DOUBLE]
-        self._comm.Allgatherv([self.local, MPI.DOUBLE], into)
-        self.whole[self._order] = self._received
+        share, me = layout.shares[k], layout.comm.rank
+        owners = share.owners(nodes) if nodes.size else nodes
+        self.rows = np.flatnonzero(owners == me)
+        self.nodes, self.whole = nodes[self.rows], np.zeros((nodes.size, columns))
+        places = np.arange(nodes.size * columns).reshape(nodes.size, columns)
+        own, others = places[self.rows].ravel(), [rank for rank in share.ranks if rank != me]
+        received = {rank: places[owners == rank].ravel() for rank in others}
+        received = {rank: of_rank for rank, of_rank in received.items() if of_rank.size}
+        sent = {rank: own for rank in others if own.size}
+        none, numbers = np.zeros(0, np.int64), self.whole.reshape(-1)
+        about = layout.library, layout.comm, GATHER_TAG + k
+        super().__init__(*about, sent, received, (none, none), numbers, numbers)
 
 
 class NaturalOrder:

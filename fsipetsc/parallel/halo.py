@@ -1,20 +1,19 @@
 """Halos of a block: each rank gets from the others the nodes beside its own.
 
-The ghosted array has planes, a component after the other. Ranks send each other one message an
-exchange, with all nodes that one has and the other needs: all ranks know these from the shares.
+The ghosted array has planes, a component after the other. All ranks know from the shares which
+nodes each of them needs, so each can say what it sends.
 """
 
+import ctypes
 from collections.abc import Sequence
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 
 from fsipetsc.operators.bands import Patch
 from fsipetsc.parallel.block_shares import Share
+from fsipetsc.parallel.exchange import Array, Exchange, Numbers
 
-Array = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 Spans = Sequence[tuple[int, int]]
 
 
@@ -61,62 +60,45 @@ class Reach:
         return order, numbers.ravel(order="F")[order]
 
 
-class Halo:
-    """Fills the ghosted array of a rank's part of a block. Making one is on all of its ranks.
+class Halo(Exchange):
+    """Fills the ghosted array of a rank's part of a block from the world vector. Making one is on
+    all of its ranks.
 
     numbers: (M,) of the nodes that this rank owns. local: (dof, N), the ghosted array. comm, tag:
-    of the messages, by the ranks of ``reach``.
+    of the messages, by the ranks of ``reach``. begin: of the block's numbers in the world vector.
     """
 
     def __init__(
-        self, comm: MPI.Comm, reach: Reach, patch: Patch, numbers: Numbers, local: Array, tag: int
+        self,
+        library: ctypes.CDLL,
+        comm: MPI.Comm,
+        tag: int,
+        reach: Reach,
+        patch: Patch,
+        numbers: Numbers,
+        local: Array,
+        begin: int,
     ) -> None:
-        me, dof = comm.rank, len(local)
-        self.local = local
-        cuts = zip(patch.first, patch.own, strict=True)
-        inner = tuple(slice(first, first + own) for first, own in list(cuts)[::-1])
-        self._inner = local.reshape(dof, *patch.ghosted[::-1])[(slice(None), *inner)]
+        self.local, me, (dof, N), M = local, comm.rank, local.shape, numbers.size
+
+        def planes(places: Numbers, size: int) -> Numbers:
+            return (np.arange(dof)[:, None] * size + places).ravel()
+
         places, wanted = reach.needs(me)
         owners = reach.share.owners(wanted) if wanted.size else wanted
-        mine = owners == me
-        self._twice = places[mine], np.searchsorted(numbers, wanted[mine])
-        self._sent: list[tuple[Numbers, Array]] = []
-        self._received: list[tuple[Numbers, Array]] = []
-        self._requests: list[MPI.Prequest] = []
+        sent, received = dict[int, Numbers](), dict[int, Numbers]()
         for rank in reach.share.ranks:
-            if rank == me:
-                continue
-            if (owners == rank).any():
-                into = np.empty((dof, int((owners == rank).sum())))
-                self._received.append((places[owners == rank], into))
-                self._requests.append(comm.Recv_init([into, MPI.DOUBLE], rank, tag))
-            other = reach.needs(rank)[1]
+            other = reach.needs(rank)[1] if rank != me else wanted[:0]
             other = other[reach.share.owners(other) == me] if other.size else other
             if other.size:
-                out = np.empty((dof, other.size))
-                self._sent.append((np.searchsorted(numbers, other), out))
-                self._requests.append(comm.Send_init([out, MPI.DOUBLE], rank, tag))
-
-    def begin(self, own: Array) -> None:
-        """Start to send this rank's numbers (dof, M), and copy them; they may change after this."""
-        for rows, out in self._sent:
-            np.take(own, rows, axis=1, out=out, mode="clip")
-        if self._requests:
-            MPI.Prequest.Startall(self._requests)
-        self._inner[:] = own.reshape(self._inner.shape)
-        places, rows = self._twice
-        if places.size:
-            self.local[:, places] = own[:, rows]
-
-    def end(self) -> None:
-        """Wait for the numbers of others, and put them into the ghosted array."""
-        if self._requests:
-            MPI.Request.Waitall(self._requests)
-            for places, into in self._received:
-                self.local[:, places] = into
-
-    def destroy(self) -> None:
-        """Release the messages; none may be under way."""
-        for request in self._requests:
-            request.Free()
-        self._requests = []
+                sent[rank] = planes(np.searchsorted(numbers, other), M)
+            if rank != me and (owners == rank).any():
+                received[rank] = planes(places[owners == rank], N)
+        cuts = zip(patch.first, patch.own, strict=True)
+        inner = np.meshgrid(*(np.arange(a, a + n) for a, n in cuts), indexing="ij")
+        inside = np.ravel_multi_index(inner, patch.ghosted, order="F").ravel(order="F")
+        twice = np.searchsorted(numbers, wanted[owners == me])
+        of = planes(np.concatenate([np.arange(M), twice]), M)
+        to = planes(np.concatenate([inside, places[owners == me]]), N)
+        target = local.reshape(-1)
+        super().__init__(library, comm, tag, sent, received, (of, to), None, target, begin)

@@ -16,17 +16,19 @@ from fsipetsc.equations.vectors import dot, sub
 from fsipetsc.kernels.arrays import column, column_of, node
 from fsipetsc.kernels.procedure import each, variable
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
-from fsipetsc.scheme.rows import ROW, TILE, Array, aligned, moments
+from fsipetsc.scheme.rows import Array, aligned, moments
 
 #: extremes of a block: 1 if a state is unphysical, largest rates of convection and of diffusion
 #: [1/s], minus the least J, largest |J - det D x| / J
 UNPHYSICAL, CONVECTION, DIFFUSION, LEAST_J, J_ERROR = range(5)
 MONITORED = 5
+#: columns of a tile
+COLUMNS = 64
 
 
 def room_of(d: int) -> Array:
     """Memory of the monitor of a gas."""
-    return aligned((MONITORED + sums_of(d)) * ROW)
+    return aligned((MONITORED + sums_of(d)) * COLUMNS)
 
 
 def sums_of(d: int) -> int:
@@ -41,15 +43,15 @@ def gas_monitor(part, q, metrics):
     """
     patch = part.patch
     (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
-    begin(part.room, ROW)
+    begin(part.room, COLUMNS)
     for z in each(n2):
         for y in each(n1):
             row, own = f0 + g0 * (y + f1 + g1 * (z + f2)), n0 * (y + n1 * z)
-            for tile in each((n0 + (TILE - 1)) // TILE):
-                x = tile * TILE
-                for i in each(np.minimum(TILE, n0 - x), vector=True):
+            for tile in each((n0 + (COLUMNS - 1)) // COLUMNS):
+                x = tile * COLUMNS
+                for i in each(np.minimum(COLUMNS, n0 - x), vector=True):
                     measure(part, q, metrics, own + x + i, row + x + i, i)
-    collect(part.room, ROW, ROW, part.seen, part.sums)
+    collect(part.room, COLUMNS, COLUMNS, part.seen, part.sums)
 
 
 def measure(part, q, metrics, own, n, i):
@@ -65,11 +67,11 @@ def measure(part, q, metrics, own, n, i):
     bad = np.where((convection < np.inf) & (diffusion < np.inf) & positive, 0.0, 1.0)
     apart = abs(here[0] - J) / abs(J)
     for c, number in enumerate((bad, convection, diffusion, -here[0] / of_map, apart)):
-        raise_to(room, c * ROW + i, number)
+        raise_to(room, c * COLUMNS + i, number)
     turns = moment(column(part.like, part.places, n), here[2:-1])
     densities = (*here[1:], here[0] * gas.entropy_density(w), *turns)
     for c, number in enumerate(densities, MONITORED):
-        room[c * ROW + i] += mass * number
+        room[c * COLUMNS + i] += mass * number
 
 
 def moment(x, p):

@@ -20,6 +20,7 @@ enum {
   NUMBERS = W + (VISCOUS ? SLOPES : 0), /* what is kept of a node */
 };
 
+struct tile;
 struct axis { /* of a patch: its band; owned nodes begin … end - 1 of size with the halo */
   const double *S, *weight;
   long reach, begin, end, size, stride;
@@ -33,7 +34,12 @@ struct gas {
   long layers, depth, before;     /* layers of depth rows are kept, with rows before the tile's */
   double *rows, *high;            /* of these rows: NUMBERS; sums of upper nodes of pairs */
   double *low, *slope;            /* of the row at work: sums of lower nodes of pairs; D_k z */
-  double *gain, *loss;            /* (1 + reach) rows: weights of pairs along a row, by distance */
+  const double *gain, *loss;      /* (1 + reach) rows: weights of pairs along the first axis, by
+                                     distance: S over the weight of the upper node, of the lower
+                                     one; MARGIN zeros, those of all nodes, MARGIN zeros */
+  double *gains, *losses;         /* the same along another axis, one for all nodes of a row */
+  const struct tile *tiles;
+  long count;
 };
 /* Pairs along a row: their lower nodes are begin … end - 1. */
 struct span { long distance, begin, end; };
@@ -68,18 +74,9 @@ static void fill_row(double *row, double value, long n) {
   for (long i = 0; i < n; ++i) row[i] = value;
 }
 
-/* Weights of a tile's pairs along the first axis: S over the weight of the upper node (gain), and
-   over that of the lower one (loss). */
-static void weigh_first(const struct gas *g, const struct tile *t) {
-  const struct axis *x = &g->first;
-  for (long k = 1; k <= x->reach; ++k) {
-    double *gain = g->gain + k * ROW + MARGIN - t->x0, *loss = g->loss + k * ROW + MARGIN - t->x0;
-    for (long i = t->x0 - MARGIN; i < t->x1 + MARGIN; ++i) {
-      const int pair = 0 <= i && i + k < x->size;
-      gain[i] = pair ? x->S[k * x->size + i] / x->weight[i + k] : 0.0;
-      loss[i] = pair ? x->S[k * x->size + i] / x->weight[i] : 0.0;
-    }
-  }
+/* Where the weights of pairs of distance k begin whose lower node is x. */
+static long weight_of(const struct gas *g, long k, long x) {
+  return k * (g->first.size + 2 * MARGIN) + MARGIN + x;
 }
 
 /* Find the primitive variables of all rows of a layer that the tile reads; clear their sums. */
@@ -105,10 +102,9 @@ static void slopes_of_row(const struct gas *g, const struct tile *t, long layer,
   double *here = row_of(g, t, layer, j) + x0, *slope = g->slope + MARGIN - t->x0 + x0;
   clear_row(slope, SLOPES, n);
   for (long k = 1; k <= g->first.reach; ++k) {
-    const double *loss = g->loss + k * ROW + MARGIN - t->x0 + x0;
-    const double *gain = g->gain + k * ROW + MARGIN - t->x0 + x0 - k;
-    gas_slope(.below = here - k, .here = here, .above = here + k, .before = gain, .after = loss,
-              .slope = slope, .p = g->p, .n = n);
+    gas_slope(.below = here - k, .here = here, .above = here + k, .p = g->p, .n = n,
+              .before = g->gain + weight_of(g, k, x0 - k), .after = g->loss + weight_of(g, k, x0),
+              .slope = slope);
   }
   for (int m = 1; m < D; ++m) {
     const int sweep = m == D - 1;
@@ -120,11 +116,11 @@ static void slopes_of_row(const struct gas *g, const struct tile *t, long layer,
       const double after = i + k < axis->size ? S[i] / axis->weight[i] : 0.0;
       if (before == 0.0 && after == 0.0) continue;
       const long back = before != 0.0 ? k : 0, on = after != 0.0 ? k : 0;
-      fill_row(g->gain + MARGIN, before, n);
-      fill_row(g->loss + MARGIN, after, n);
+      fill_row(g->gains, before, n);
+      fill_row(g->losses, after, n);
       gas_slope(.below = row_of(g, t, layer - back * sweep, j - back * !sweep) + x0, .here = here,
                 .above = row_of(g, t, layer + on * sweep, j + on * !sweep) + x0,
-                .before = g->gain + MARGIN, .after = g->loss + MARGIN,
+                .before = g->gains, .after = g->losses,
                 .slope = slope + m * (D + 1) * ROW, .p = g->p, .n = n);
     }
   }
@@ -181,33 +177,12 @@ static void pairs_across(const struct gas *g, const struct tile *t, long layer, 
   for (long k = 1; k <= axis->reach && i + k < axis->size; ++k) {
     const double s = axis->S[k * axis->size + i];
     if (s == 0.0 || i + k < axis->begin) continue;
-    fill_row(g->gain + MARGIN, s / axis->weight[i + k], n);
-    fill_row(g->loss + MARGIN, s / axis->weight[i], n);
+    fill_row(g->gains, s / axis->weight[i + k], n);
+    fill_row(g->losses, s / axis->weight[i], n);
     const long there = layer + k * sweep, beside = j + k * !sweep;
     add_pairs(g, sweep ? D - 1 : 1, row_of(g, t, layer, j) + t->x0,
-              row_of(g, t, there, beside) + t->x0, node, node + k * axis->stride, g->gain + MARGIN,
-              g->loss + MARGIN, g->low + MARGIN, high_of(g, t, there, beside) + t->x0, n);
-  }
-}
-
-/* Find the spans of pairs along a row of which a node is in the tile, by distance. A few pairs of
-   weight 0 are taken along where that saves a span. */
-static void find_spans(const struct gas *g, struct tile *t) {
-  const struct axis *x = &g->first;
-  t->count = 0;
-  for (long k = 1; k <= x->reach; ++k) {
-    const double *S = x->S + k * x->size;
-    const long end = least(t->x1, x->size - k);
-    long zeros = GAP;
-    for (long i = most(t->x0 - k, 0); i < end; ++i) {
-      if (S[i] == 0.0) {
-        ++zeros;
-        continue;
-      }
-      if (zeros >= GAP) t->spans[t->count++] = (struct span){k, i, i + 1};
-      t->spans[t->count - 1].end = i + 1;
-      zeros = 0;
-    }
+              row_of(g, t, there, beside) + t->x0, node, node + k * axis->stride, g->gains,
+              g->losses, g->low + MARGIN, high_of(g, t, there, beside) + t->x0, n);
   }
 }
 
@@ -217,7 +192,7 @@ static void pairs_along(const struct gas *g, const struct tile *t, long layer, l
   double *low = g->low + MARGIN - t->x0;
   for (long m = 0; m < t->count; ++m) {
     const long k = t->spans[m].distance, a = t->spans[m].begin, b = t->spans[m].end;
-    const long node = node_of(g, a, j, layer), at = k * ROW + MARGIN - t->x0 + a;
+    const long node = node_of(g, a, j, layer), at = weight_of(g, k, a);
     add_pairs(g, 0, row + a, row + a + k, node, node + k, g->gain + at, g->loss + at, low + a,
               high + a + k, b - a);
   }
@@ -249,9 +224,7 @@ static void sweep_layer(const struct gas *g, double *rates, const struct tile *t
 
 /* Find the rates of a tile. Layers are loaded ahead of those whose viscous fluxes are found, and
    these ahead of those whose rates are found. */
-static void sweep(const struct gas *g, const double *q, double *rates, struct tile *t) {
-  weigh_first(g, t);
-  find_spans(g, t);
+static void sweep(const struct gas *g, const double *q, double *rates, const struct tile *t) {
   const long ahead = g->last.reach, behind = VISCOUS * ahead;
   long completed = most(g->last.begin - ahead, 0), loaded = most(completed - behind, 0);
   for (long layer = completed; layer < g->last.end; ++layer) {
@@ -266,24 +239,7 @@ static void sweep(const struct gas *g, const double *q, double *rates, struct ti
   }
 }
 
-/* Where piece m of ``count`` begins: at a multiple of 8 nodes after the beginning. */
-static long piece(long begin, long end, long m, long count) {
-  const long size = ((end - begin + count - 1) / count + 7) / 8 * 8;
-  return least(begin + m * size, end);
-}
-
 /* Fill the rates of the owned nodes; q: the unknowns with a halo. */
 void gas_rates(const struct gas *g, const double *q, double *rates) {
-  const struct axis *x = &g->first, *y = &g->inner;
-  const long wide = (x->end - x->begin + TILE - 1) / TILE;
-  const long deep = (y->end - y->begin + DEPTH - 1) / DEPTH;
-  for (long m = 0; m < deep; ++m) {
-    for (long k = 0; k < wide; ++k) {
-      struct tile t = {.x0 = piece(x->begin, x->end, k, wide),
-                       .x1 = piece(x->begin, x->end, k + 1, wide),
-                       .y0 = y->begin + m * DEPTH,
-                       .y1 = least(y->begin + (m + 1) * DEPTH, y->end)};
-      if (t.x0 < t.x1) sweep(g, q, rates, &t);
-    }
-  }
+  for (long m = 0; m < g->count; ++m) sweep(g, q, rates, g->tiles + m);
 }

@@ -18,11 +18,11 @@ class GasRecord(NamedTuple):
     faces: fsipetsc.scheme.faces. block: its number, begin: of its unknowns in the world vector. X,
     places: (d, N) of the reference map, and where the monitor finds the nodes. metrics: (d d + d +
     1, N), a^1 … a^d, velocity of the grid, J_t, and around an axis A before it. halo: (d + 3, N),
-    its nodes with a halo, or (d + 3, 0); wraps: 1 if it is filled by fsipetsc.scheme.part. S,
-    weight: of three bands. masses: (M,) weights of its own nodes.
+    its nodes with a halo, or (d + 3, 0) without. S, weight: of three bands. masses: (M,) weights of
+    its own nodes.
 
-    follows: (n,) particles by which its grid moves, here: (n, 2d) their displacement and velocity,
-    known: (m, 2d) those of all ranks, None where a grid rests; grid: see fsipetsc.blocks.grid.
+    known: (m, 2d) displacements and velocities by which its grid moves, None where it rests;
+    follows: (n,) particles here that have them, rows: (n,) where; grid: see fsipetsc.blocks.grid.
     at_particles: faces at constraints, see fsipetsc.scheme.normals. reference: (M,) J of the
     reference map. forcing: (d + 2, M), or None. column: of its mass in what comes in; columns: of
     its sums in the record of a step, level: of the potential energy. axis: fsipetsc.scheme.radial;
@@ -42,7 +42,6 @@ class GasRecord(NamedTuple):
     begin: int
     column: int
     halo: Array
-    wraps: int
     signs: Array
     X: Array
     places: Array
@@ -54,7 +53,7 @@ class GasRecord(NamedTuple):
     room: Array
     masses: Array
     follows: Array
-    here: Array
+    rows: Array
     known: Array | None
     grid: Any
     at_particles: Any
@@ -68,29 +67,25 @@ class GasRecord(NamedTuple):
 
 def follow(part, particles):
     """Note displacement and velocity of the particles here by which the grid moves."""
-    if part.known is None:
-        return
-    follows, here, state, wall = part.follows, part.here, particles.state, particles.data.wall
+    follows, known, state, wall = part.follows, part.known, particles.state, particles.data.wall
     d, place = len(part.like), particles.place
     for m in each(follows.shape[0]):
-        n = follows[m]
+        n, row = follows[m], part.rows[m]
         alone = (particles.moves[n] == 1) & (state.solid_mass[n] == 0.0)
         for c in range(d):
-            here[m, c] = np.where(alone, place[n, c], state.D[n, c])
-            here[m, d + c] = np.where(alone, wall[n, c], state.v[n, c])
+            known[row, c] = np.where(alone, place[n, c], state.D[n, c])
+            known[row, d + c] = np.where(alone, wall[n, c], state.v[n, c])
 
 
 def move(part):
     """a^k of the grid where it is now."""
-    if part.known is not None:
-        part.grid.move(part.known, part.metrics)
-        part.form.force.follow(part)
+    part.grid.move(part.known, part.metrics)
+    part.form.force.follow(part)
 
 
 def swing(part):
     """Velocity of the grid and J_t."""
-    if part.known is not None:
-        part.grid.swing(part.known, part.metrics)
+    part.grid.swing(part.known, part.metrics)
 
 
 def turn(part, particles):

@@ -11,11 +11,12 @@ from fsipetsc.kernels.kernel import numbers_of
 from fsipetsc.kernels.unit import c_source, unit
 from fsipetsc.operators.bands import Band, Patch
 from fsipetsc.scheme.gas_kernels import gas_kernels
-from fsipetsc.scheme.rows import MARGIN, TILE, Array, aligned
+from fsipetsc.scheme.rows import Array, aligned
 
-#: most rows of a tile in three dimensions; nodes of a row, with those beside the tile
-DEPTH = 8
-ROW = TILE + 2 * MARGIN
+#: most nodes of a tile along the first axis, by dimension; in three most rows along the second one
+TILES, DEPTH = {1: 232, 2: 72, 3: 72}, 8
+#: nodes beside a tile that it reaches, at most
+MARGIN = 24
 #: zeros between two nodes with pairs of one distance that make two spans of them; most spans
 GAP, SPANS = 16, 64
 _POINTER, _NUMBER = ctypes.c_void_p, ctypes.c_long
@@ -33,6 +34,8 @@ class _Gas(ctypes.Structure):
         *((name, _POINTER) for name in ("p", "metrics", "potential", "supplied")),
         *((name, _NUMBER) for name in ("N", "J_t", "layers", "depth", "before")),
         *((name, _POINTER) for name in ("rows", "high", "low", "slope", "gain", "loss")),
+        *((name, _POINTER) for name in ("gains", "losses", "tiles")),
+        ("count", _NUMBER),
     ]
 
 
@@ -44,7 +47,7 @@ def gas_text(gas: Any, d: int, form: Any, viscous: bool) -> str:
         "VISCOUS": int(viscous),
         "FORCE": int(len(form.force.sums((0.0,) * d)) > d + 2),
         "TELLS_FAR": int(any(kernel.name == "gas_far" for kernel in kernels)),
-        **{"ROW": ROW, "TILE": TILE, "MARGIN": MARGIN, "DEPTH": DEPTH, "GAP": GAP, "SPANS": SPANS},
+        **{"ROW": TILES[d] + 2 * MARGIN, "MARGIN": MARGIN, "SPANS": SPANS},
     }
     cube = [cube_text()] if d == 3 else []
     return unit(constants, kernels, c_source("fsipetsc.scheme", "gas.c"), *cube)
@@ -83,10 +86,12 @@ class GasVolume:
             "high": layers * depth * sums,
             "low": sums,
             "slope": d * (d + 1),
-            "gain": 1 + reach[0],
-            "loss": 1 + reach[0],
+            "gains": 1,
+            "losses": 1,
         }
-        memory = {name: aligned(count * ROW) for name, count in room.items()}
+        memory = {n: aligned(count * (TILES[d] + 2 * MARGIN)) for n, count in room.items()}
+        memory["gain"], memory["loss"] = _weights(bands[0])
+        memory["tiles"] = _tiles(d, bands[0].S, patch, inner)
         memory["p"] = np.array([*numbers_of(gas), 0.0])
         memory |= {"metrics": metrics, "potential": self.potential, "supplied": self.supplied}
         self._bands = [(np.ascontiguousarray(b.S), np.ascontiguousarray(b.weight)) for b in bands]
@@ -104,6 +109,7 @@ class GasVolume:
             layers=layers,
             depth=depth,
             before=far * reach[inner],
+            count=len(memory["tiles"]),
         )
         self.address = ctypes.addressof(self._struct)
 
@@ -117,3 +123,54 @@ class GasVolume:
         return _Axis(
             S.ctypes.data, weight.ctypes.data, len(S) - 1, begin, begin + patch.own[k], size, stride
         )
+
+
+def _weights(band: Band) -> tuple[Array, Array]:
+    """gain and loss of fsipetsc/scheme/gas.c: S over the weights of the upper and the lower nodes
+    of pairs, after MARGIN zeros and before others.
+    """
+    reach, n = len(band.S) - 1, len(band.weight)
+    gain, loss = np.zeros((2, reach + 1, n + 2 * MARGIN))
+    for k in range(1, min(reach + 1, n)):
+        S = band.S[k, : n - k]
+        gain[k, MARGIN : MARGIN + n - k] = S / band.weight[k:]
+        loss[k, MARGIN : MARGIN + n - k] = S / band.weight[: n - k]
+    return gain, loss
+
+
+def _tiles(d: int, S: Array, patch: Patch, inner: int) -> Array:
+    """Records of all tiles: x0, x1, y0, y1, how many spans, these."""
+    tiles, deep = [], DEPTH if d == 3 else 1
+    for y0, y1 in _pieces(patch.first[inner], patch.own[inner], deep, deep):
+        for x0, x1 in _pieces(patch.first[0], patch.own[0], TILES[d], 8):
+            spans = _spans(S, x0, x1)
+            assert len(spans) <= SPANS, "more spans than a tile has room for"
+            numbers = [x0, x1, y0, y1, len(spans), *(number for span in spans for number in span)]
+            tiles.append(numbers + [0] * (5 + 3 * SPANS - len(numbers)))
+    return np.array(tiles, np.int64)
+
+
+def _pieces(begin: int, count: int, most: int, multiple: int) -> list[tuple[int, int]]:
+    """First node and first beyond of pieces of so many nodes, about equal, ``most`` at most; all
+    but the last have a multiple of some number.
+    """
+    size = -(-count // -(-count // most))
+    size += -size % multiple
+    ends = range(begin, begin + count, size)
+    return [(a, min(a + size, begin + count)) for a in ends]
+
+
+def _spans(S: Array, x0: int, x1: int) -> list[tuple[int, int, int]]:
+    """Distance, first lower node and first beyond of the pairs along a row of which a node is in a
+    tile. A few pairs of weight 0 are taken along where that saves a span.
+    """
+    spans = []
+    for k in range(1, len(S)):
+        first = max(x0 - k, 0)
+        lower = first + np.flatnonzero(S[k, first : min(x1, S.shape[1] - k)])
+        for i in lower.tolist():
+            if spans and spans[-1][0] == k and i - spans[-1][2] < GAP:
+                spans[-1] = k, spans[-1][1], i + 1
+            else:
+                spans.append((k, i, i + 1))
+    return spans

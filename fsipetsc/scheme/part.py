@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from fsipetsc.kernels.procedure import each, either, pick, when
+from fsipetsc.kernels.procedure import each, either
 from fsipetsc.scheme.block_monitor import CONVECTION, MONITORED
 from fsipetsc.scheme.normals import add_areas
 from fsipetsc.scheme.rows import Array
@@ -45,10 +45,7 @@ def owned(part, s, dof):
 
 
 def ghosted(part, s, dof):
-    """(N, dof), the same with its halo. Where one rank has all blocks, that is filled here."""
-    with when(part.wraps == 1):
-        fill_halo(s, part.begin, dof, part.patch, part.halo)
-        fill_images(part)
+    """(N, dof), the same with its halo, which an exchange has filled, if the part has one."""
     n = part.patch.ghosted[0] * part.patch.ghosted[1] * part.patch.ghosted[2]
     own = s[part.begin : part.begin + n * dof]
     return either(part.halo.shape[1] > 0, part.halo.reshape(-1), own).reshape(dof, n).turned()
@@ -60,29 +57,7 @@ def ghosted_node(i, patch):
     return f0 + i % n0 + g0 * (f1 + i // n0 % n1 + g1 * (f2 + i // (n0 * n1)))
 
 
-def fill_halo(s, begin, dof, patch, halo):
-    """Copy a whole block, with its other end beyond each end of a periodic axis."""
-    (n0, n1, n2), (g0, g1, g2), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
-    to = halo.reshape(-1)
-    for layer in each(dof * g2):
-        c, z = layer // g2, layer % g2
-        for y in each(g1):
-            row = begin + ((c * n2 + wrapped(z - f2, n2)) * n1 + wrapped(y - f1, n1)) * n0
-            at = (layer * g1 + y) * g0
-            for i in each(n0, vector=True):
-                to[at + f0 + i] = s[row + i]
-            for i in each(f0):
-                to[at + i] = s[row + n0 - f0 + i]
-            for i in each(g0 - f0 - n0):
-                to[at + f0 + n0 + i] = s[row + i]
-
-
-def wrapped(i, n):
-    """i, at most n beyond either end of n nodes, on the other side."""
-    return pick(i < 0, i + n, pick(i < n, i, i - n))
-
-
-def fill_images(part):
+def images(part):
     """Let what the halo has before the first owned node along its last axis be the images of what
     is behind, with signs; around an axis or a centre.
     """

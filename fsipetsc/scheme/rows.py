@@ -1,13 +1,10 @@
-"""Sizes of tiles, whose rows are vector code, and memory for them."""
+"""Memory for rows of nodes."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: nodes of a row of a tile: MARGIN, TILE at most, MARGIN
-TILE, MARGIN = 72, 24
-ROW = TILE + 2 * MARGIN
 
 
 def moments(d: int) -> int:

@@ -7,7 +7,7 @@ from fsipetsc.equations.vectors import add, dot
 from fsipetsc.kernels.arrays import column, column_of, part_of
 from fsipetsc.kernels.procedure import each, invoke, variable, when, whole
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
-from fsipetsc.scheme.block_monitor import MONITORED, begin, collect
+from fsipetsc.scheme.block_monitor import MONITORED, begin, collect, moment
 from fsipetsc.scheme.part import ghosted, ghosted_node, note, owned
 from fsipetsc.scheme.rows import moments
 from fsipetsc.scheme.solid_dissipation import rows_of
@@ -93,12 +93,6 @@ def prestress_energy(part, F, node):
     zeros = (0.0,) * len(part.like) ** 2
     S, strain = column(zeros, part.prestress, node), F[: len(zeros)]
     return dot(S, add_unit(-1.0, strain)) / part.laws.m0
-
-
-def moment(x, p):
-    """x cross p: none, one or three numbers."""
-    pairs = {1: (), 2: ((0, 1),), 3: ((1, 2), (2, 0), (0, 1))}[len(x)]
-    return tuple(x[a] * p[b] - x[b] * p[a] for a, b in pairs)
 
 
 def note_potential(part, q, found):

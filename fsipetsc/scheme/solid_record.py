@@ -31,7 +31,6 @@ class SolidRecord(NamedTuple):
     block: int
     begin: int
     halo: Array
-    wraps: int
     signs: Array
     loses: bool
     X: Array

@@ -10,7 +10,7 @@ import numpy as np
 
 from fsipetsc.kernels.procedure import each, otherwise, variable, when
 from fsipetsc.scheme.batch import DT, Plan, plan_next
-from fsipetsc.scheme.block_monitor import MONITORED
+from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
 from fsipetsc.scheme.part import clear, copy
 from fsipetsc.scheme.plan import BAD, RATE, SAID_STOP, STOP
 from fsipetsc.scheme.rows import Array
@@ -73,6 +73,8 @@ def begin_step(found):
 def begin_monitor(found):
     """Forget what was found of the step before."""
     clear(found.latest)
+    for i in each(found.extremes.size):  # a least J is found as the largest -J
+        found.extremes[i] = np.where((i - 1) % MONITORED == LEAST_J, -np.inf, 0.0)
     found.extremes[0] = found.results[SAID_STOP]
 
 

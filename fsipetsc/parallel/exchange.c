@@ -1,0 +1,44 @@
+/* Exchanges of numbers between ranks, as procedures: see fsipetsc/parallel/exchange.py. MPI's
+   functions and handles come from mpi4py, so that no header of MPI is needed. */
+
+struct run { long from, to, count; }; /* numbers side by side */
+struct copies { const struct run *runs; long count; double *buffer; };
+struct exchange {
+  int (*start_all)(int, void *), (*wait_all)(int, void *, void *);
+  void *requests, *statuses;
+  long messages;                /* requests: those of what is received and of what is sent */
+  const double *source;         /* or 0: the world vector, from the number ``begin`` on */
+  long begin;
+  double *target;
+  struct copies sent, received; /* to a buffer, and from one */
+  struct copies own;            /* from source to target */
+};
+
+static void copy_runs(const struct copies *c, const double *of, double *to) {
+  for (const struct run *r = c->runs; r < c->runs + c->count; ++r)
+    for (long i = 0; i < r->count; ++i) to[r->to + i] = of[r->from + i];
+}
+
+void exchange(const struct exchange *e, double *y, long y_size, double *f, long f_size) {
+  (void)y_size, (void)f, (void)f_size;
+  const double *source = e->source ? e->source : y + e->begin;
+  copy_runs(&e->sent, source, e->sent.buffer);
+  if (e->messages) e->start_all((int)e->messages, e->requests);
+  copy_runs(&e->own, source, e->target);
+  if (e->messages) e->wait_all((int)e->messages, e->requests, e->statuses);
+  copy_runs(&e->received, e->received.buffer, e->target);
+}
+
+/* The largest of all ranks' numbers, one by one, in place. */
+struct reduction {
+  int (*all_reduce)(const void *, void *, int, long, long, long);
+  long type, operation, comm;
+  double *numbers, *room;
+  long count;
+};
+
+void reduce(const struct reduction *r, double *y, long y_size, double *f, long f_size) {
+  (void)y, (void)y_size, (void)f, (void)f_size;
+  memcpy(r->room, r->numbers, r->count * sizeof(double));
+  r->all_reduce(r->room, r->numbers, (int)r->count, r->type, r->operation, r->comm);
+}
