@@ -1,7 +1,6 @@
 """What a rank has of layers and interfaces, and what it exchanges of them with other ranks.
 
-A layer lives on the ranks that own points of it: a DMDA on their communicator knows who owns which,
-and the rates read its local vector. All ranks know its record and its material.
+A layer lives on the ranks that own points of it. All ranks know its record and its material.
 """
 
 from collections.abc import Sequence
@@ -9,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from petsc4py import PETSc
 
 from fsipetsc import given
 from fsipetsc.kernels.procedure import Code, Procedure
@@ -19,6 +17,7 @@ from fsipetsc.paper.ends import Ends
 from fsipetsc.paper.laws import law_of
 from fsipetsc.paper.layout import DOF
 from fsipetsc.paper.stencils import Stencils
+from fsipetsc.parallel.exchange import Exchange
 from fsipetsc.stepping.verdicts import Seen
 
 Array = np.ndarray
@@ -64,22 +63,46 @@ class Layer:
         said = ("end_kind", "end_degree", "end_thermal")
         ends = Ends(*(tuple(record[name].tolist()) for name in said))
         self.part = steps.Part(op, ends, law, records, *points, batch)
-        self._vec = PETSc.Vec().createWithArray(self.local, comm=MPI.COMM_SELF)
-        self._comm = comm.Split(0 if self.present else MPI.UNDEFINED, comm.rank)
-        # of the interface of a gas, among those that have points
-        self._owner = len(share) - 1 if record["end_kind"][0] >= 0 else 0
-        if self.present:
-            sizes = np.array([end - begin for _, begin, end in share], PETSc.IntType)
-            self._dm = PETSc.DMDA().create(
-                dim=1,
-                dof=dof,
-                sizes=(int(record["n"]),),
-                proc_sizes=(len(share),),
-                ownership_ranges=(sizes,),
-                boundary_type=PETSc.DM.BoundaryType.NONE,
-                stencil_width=int(record["halo"]),
-                comm=self._comm,
+        self._share = share
+        #: rank of the interface of a gas, which knows its frame
+        self._owner = share[-1 if record["end_kind"][0] >= 0 else 0][0]
+        self.exchanges: list[Exchange] = []
+
+    def connect(self, library: Any, comm: MPI.Comm) -> None:
+        """Make the exchanges of this layer: of its frame, (4.20), (4.25), if it is a gas, and of
+        halos. Collective.
+        """
+        if not self.present or len(self._share) == 1:
+            return
+        tag, me = 16 + 2 * self.number, comm.rank
+        none = np.zeros(0, np.int64), np.zeros(0, np.int64)
+        if self.is_gas:
+            numbers = self.records.view(np.float64)
+            names = "s", "x_interface"
+            frame = np.array([self.records.dtype.fields[name][1] // 8 for name in names])
+            others = [rank for rank, *_ in self._share if rank != self._owner]
+            sent = dict.fromkeys(others, frame) if me == self._owner else {}
+            received = {} if me == self._owner else {self._owner: frame}
+            self.exchanges.append(
+                Exchange(library, comm, tag, sent, received, none, numbers, numbers)
             )
+        first, dof = int(self.record["own_lo"] - self.record["halo_lo"]), self.local.shape[1]
+
+        def places(begin: int, end: int) -> Array:
+            return np.arange(dof * (begin - first), dof * (end - first))
+
+        n, halo = int(self.record["n"]), int(self.record["halo"])
+        spans = {rank: (a, b, max(a - halo, 0), min(b + halo, n)) for rank, a, b in self._share}
+        a, b, low, high = spans.pop(me)
+        sent, received = {}, {}
+        for rank, (begin, end, from_, to) in spans.items():
+            if max(a, from_) < min(b, to):
+                sent[rank] = places(max(a, from_), min(b, to))
+            if max(begin, low) < min(end, high):
+                received[rank] = places(max(begin, low), min(end, high))
+        local = self.local.reshape(-1)
+        halos = Exchange(library, comm, tag + 1, sent, received, none, local, local)
+        self.exchanges.append(halos)
 
     def record_on(self, code: Code, place: str, of_steps: steps.Steps) -> None:
         """Record the procedures of the layer, which stands at a place: left, solid or right."""
@@ -187,28 +210,19 @@ class Layer:
 
     # stages
 
-    def exchange(self) -> None:
-        """After interfaces are coupled: the outer ends of a solid; all ranks of a gas hear of its
-        frame, (4.20), (4.25) and PETSc fills the halos."""
-        if not self.is_gas:
-            self.does["close"]()
-        elif self._comm.size > 1:
-            told = np.array([self.record["s"], self.record["x_interface"]])
-            self._comm.Bcast(told, self._owner)
-            self.record["s"], self.record["x_interface"] = told
-        self.fill_halos()
+    def exchange(self) -> list[Any]:
+        """After interfaces are coupled: the outer ends of a solid, and all exchanges."""
+        return [*([] if self.is_gas else [self.does["close"]]), *self.exchanges]
 
     def fill_halos(self) -> None:
-        """PETSc's ghost exchange; who has a whole layer has no halos."""
-        if self._comm.size > 1:
-            self._dm.localToLocal(self._vec, self._vec)
+        """Fill the halos of the stage; who has a whole layer has none."""
+        for exchange in self.exchanges:
+            exchange()
 
     def destroy(self) -> None:
-        """Destroy its vector, its DMDA and the communicator of that."""
-        self._vec.destroy()
-        if self.present:
-            self._dm.destroy()
-            self._comm.Free()
+        """Release the messages."""
+        for exchange in self.exchanges:
+            exchange.destroy()
 
 
 class Interface:
@@ -222,11 +236,14 @@ class Interface:
         self, comm: MPI.Comm, k: int, kind: str, gas: Layer, solid: Layer, notes: Array
     ) -> None:
         self.side = side = int(gas.number > solid.number)
-        self.jump, self._noted, self._tag, self._comm = np.zeros(4), notes[:, k], k, comm
+        self.jump, self._tag, self._comm = np.zeros(4), k, comm
         face = Face(kind, gas.law, solid.law, side == 1, float(solid.record["h"]))
         self._points = points = gas.owned, solid.owned
         self._at = at = gas.rows_from(1 - side), solid.rows_from(side)
-        self._rows = rows = tuple(np.zeros((len(at[0]), q.shape[1])) for q in points)
+        n, widths = len(at[0]), [q.shape[1] for q in points]
+        self._rows = np.zeros(n * sum(widths))
+        cut = n * widths[0]
+        rows = self._rows[:cut].reshape(n, -1), self._rows[cut:].reshape(n, -1)
         memory = gas.records, *points, *at, *rows, self.jump, notes, k
         self._sides = steps.Sides(solid.op, face, *memory)
         # the rank with the last point of a layer has all of the rows, see parallel.block_shares
@@ -237,28 +254,37 @@ class Interface:
         """Record the procedures of the interface."""
         self.does = steps.of_interface(code, ("left", "right")[self.side], self._sides)
 
-    def coupling(self) -> list[Procedure]:
-        """What couples the two sides, which this rank owns."""
-        return [self.does[name] for name in ("take", "couple", "put")]
+    def connect(self, library: Any) -> None:
+        """Make the exchanges of the rows of both sides, if they have different owners: these swap
+        rows, and each solves the same small system. Collective.
+        """
+        self._swap: list[Exchange] = []
+        if self.here[0] == self.here[1]:
+            return
+        mine, cut = self.here.index(True), self._at[0].size * self._points[0].shape[1]
+        rows = np.arange(cut), np.arange(cut, self._rows.size)
+        width = self._points[mine].shape[1]
+        at = (self._at[mine][:, None] * width + np.arange(width)).ravel()
+        points, owner = self._points[mine].reshape(-1), self._owners[1 - mine]
+        swapped = {owner: at}, {owner: rows[1 - mine]}, (at, rows[mine]), points, self._rows
+        back = {}, {}, (rows[mine], at), self._rows, points
+        about = library, self._comm, self._tag
+        self._swap = [Exchange(*about, *swapped), Exchange(*about, *back)]
 
-    def couple(self) -> None:
-        """Couple the two sides in the stage. If they have different owners, these swap rows, and
-        each solves the same small system."""
+    def coupling(self) -> list[Any]:
+        """What couples the two sides in the stage."""
         if all(self.here):
-            for procedure in self.coupling():
-                procedure()
-        elif any(self.here):
-            mine, other = (0, 1) if self.here[0] else (1, 0)
-            points, at, rows = self._points[mine], self._at[mine], self._rows
-            rows[mine][:] = points[at]
-            owner = self._owners[other]
-            self._comm.Sendrecv(rows[mine], owner, self._tag, rows[other], owner, self._tag)
-            self.does["couple"]()
-            points[at] = rows[mine]
+            return [self.does[name] for name in ("take", "couple", "put")]
+        if not any(self.here):
+            return []
+        taken, put = self._swap
+        return [taken, self.does["couple"], put]
 
-    def note(self) -> None:
-        """Let the owner of the solid note the interface."""
-        if self.here[1]:
-            self.does["note"]()
-        else:
-            self._noted[:] = -np.inf
+    def note(self) -> list[Procedure]:
+        """What notes the interface: the owner of the solid does."""
+        return [self.does["note"]] if self.here[1] else []
+
+    def destroy(self) -> None:
+        """Release the messages."""
+        for exchange in self._swap:
+            exchange.destroy()

@@ -6,7 +6,7 @@ One evaluation of the right-hand side:
                     it, and each of them solves the same small system      (Thm 4.1, Sec. 4.2)
     2  frames       the owner of a gas's interface point tells the layer its velocity s and its
                     place x_I                                              (4.20), (4.25)
-    3  halos        DMDA fills the local vectors: twice the reach of D, because D acts twice
+    3  halos        neighbours fill the local arrays: twice the reach of D, because D acts twice
     4  points       ghost points (4.26), then the rates of all points      (4.19), (4.20)
 
 Interfaces come before halos, so that neighbours of an owner get rows that fulfil the conditions.
@@ -28,12 +28,12 @@ from fsipetsc.blocks.values import names_of
 from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.calls import Calls, calling_code
-from fsipetsc.kernels.procedure import Procedure
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import steps
 from fsipetsc.paper.layout import DOF, check_form, make_records, share_out
 from fsipetsc.paper.parts import Interface, Layer
 from fsipetsc.paper.stencils import stencils
+from fsipetsc.parallel.exchange import Reduction, exchange_library
 from fsipetsc.problem import Problem, SolidLayer
 from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import agree, together
@@ -107,7 +107,18 @@ class PaperState(State):
             Interface(comm, k, kind, *(self.layers[n] for n in pair), notes)
             for k, pair in enumerate(problem.interfaces)
         ]
-        self._load_procedures(steps.Steps(self.records, self.results, latest[noted:]), announce)
+        told = np.zeros(steps.TOLD * len(self.records) + noted + self.results.size)
+        self._connect(exchange_library(comm, announce), told)
+        of_steps = steps.Steps(self.records, self.results, self._notes, latest[noted:], told)
+        self._load_procedures(of_steps, announce)
+
+    def _connect(self, library: Any, told: Array) -> None:
+        """Make all exchanges. Collective."""
+        for layer in self.layers:
+            layer.connect(library, self.comm)
+        for interface in self.interfaces:
+            interface.connect(library)
+        self._all_hear = Reduction(library, self.comm, told)
 
     def _load_procedures(self, of_steps: steps.Steps, announce: Callable[[str], None]) -> None:
         """Record all procedures, the same ones on all ranks, and make machine code of them."""
@@ -124,19 +135,23 @@ class PaperState(State):
         numbers = (steps.RATES_ALONE, *range(steps.STAGES))
         stages = {n: [one for layer in self.here for one in layer.stage(n)] for n in numbers}
         completing = [self._does["forget"], *(layer.does["complete"] for layer in self.here)]
+        completing += [one for interface in self.interfaces for one in interface.note()]
+        if self.comm.size > 1:
+            completing += [self._does["tell"], self._all_hear, self._does["hear"]]
+        completing.append(self._does["finish"])
         fulfil = [one for interface in self.interfaces for one in interface.coupling()]
-        fulfil += [layer.does["close"] for layer in self.layers if not layer.is_gas]
+        fulfil += [one for layer in self.here for one in layer.exchange()]
         of_step = list(stages[0])  # it begins with the completed solution
         for n in range(1, steps.STAGES):
             of_step += [*fulfil, *stages[n]]
-        noted = [interface.does["note"] for interface in self.interfaces]
-        of_step += [*fulfil, *completing, *noted, self._does["finish"], self.planning]
+        of_step += [*fulfil, *completing, self.planning]
 
-        def calls(procedures: list[Procedure]) -> Calls:
+        def calls(procedures: list[Any]) -> Calls:
             return Calls(library, [(procedure, ()) for procedure in procedures])
 
-        #: what is called between exchanges; on one rank a step, and others of its batch
         self._stages = {n: calls(procedures) for n, procedures in stages.items()}
+        #: what lets the stage fulfil all conditions but for ghost points, which are filled later
+        self._fulfil = calls(fulfil)
         self._completing, self._batch = calls(completing), calls(of_step)
 
     # data
@@ -273,13 +288,6 @@ class PaperState(State):
         for layer in self.here:
             layer.owned[:] = layer.of(y)
 
-    def _fulfil(self) -> None:
-        """Let the stage fulfil all conditions but for ghost points, which are filled later."""
-        for interface in self.interfaces:
-            interface.couple()
-        for layer in self.here:
-            layer.exchange()
-
     def right_hand_side(self, y: Array, f: Array) -> None:
         """f = dy/dt of this rank's part, at the projected y, for the data set last."""
         self.evaluations += 1
@@ -292,25 +300,6 @@ class PaperState(State):
         """Project the stage, which is the new solution, let boundaries move, and monitor it."""
         self._fulfil()
         self._completing()
-        for interface in self.interfaces:
-            interface.note()
-        if self.comm.size > 1:
-            self._tell()
-        self._does["finish"]()
-
-    def _tell(self) -> None:
-        """Let all ranks learn what each has found: the largest number counts."""
-        records, notes, results = self.records, self._notes, self.results
-        told = np.column_stack([records["rates"], *(records[name] for name in FRAME)])
-        told[records["present"] == 0] = -np.inf
-        shared = np.concatenate([told.ravel(), notes, results])
-        # the largest of numbers and what is none would depend on their order
-        shared[np.isnan(shared)] = np.inf
-        self.comm.Allreduce(MPI.IN_PLACE, shared, MPI.MAX)
-        told.flat, notes[:], results[:] = np.split(shared, np.cumsum([told.size, notes.size]))
-        records["rates"] = told[:, :2]
-        for c, name in enumerate(FRAME, 2):
-            records[name] = told[:, c]
 
     def finish(self) -> None:
         """Complete a step whose raw result PETSc has left in the solution."""
@@ -321,13 +310,13 @@ class PaperState(State):
         """A step dt [s] of the classical Runge-Kutta method from the completed solution at t [s],
         and its completion.
 
-        The others of its batch follow. steady: the data do not depend on time; on one rank all
-        steps are one call of C then.
+        The others of its batch follow. steady: the data do not depend on time; all steps are one
+        call of C then.
         """
         self.batch[DT] = dt
         changed = self._y, self.records, self.results, self.batch
         self._kept = tuple(array.copy() for array in changed)
-        if steady and self.comm.size == 1:
+        if steady:
             self._batch.batch(self.results[BAD:], self.batch[ALLOWED:])
             self.evaluations += steps.STAGES * max(1, int(self.batch[MADE]))
             return
@@ -438,7 +427,7 @@ class PaperState(State):
             layer.fill_halos()
 
     def destroy(self) -> None:
-        """Free vectors, DMDAs and communicators."""
-        for layer in self.layers:
-            layer.destroy()
+        """Free messages and the vector."""
+        for one in (*self.layers, *self.interfaces):
+            one.destroy()
         self.solution.destroy()

@@ -1,8 +1,8 @@
 """What is done in a stage and after a step: procedures, of which a step is a list.
 
-On several ranks fsipetsc.paper.state calls them in the same order, with PETSc's exchange between:
-both make the same numbers. On one rank C makes all calls of a batch of steps. Those of layers take
-a Part, and those after a step Steps, too; those of interfaces take Sides.
+Where there are several ranks, exchanges stand between them in the list (fsipetsc.paper.parts). C
+makes all calls of a batch of steps. Procedures of layers take a Part, and those after a step Steps,
+too; those of interfaces take Sides.
 """
 
 from collections.abc import Callable
@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.kernels.procedure import Code, Procedure, each, number, variable, when
+from fsipetsc.kernels.procedure import Code, Procedure, each, number, variable, when, whole
 from fsipetsc.paper import coupling, ends, rates, sums
 from fsipetsc.paper.layout import DOF
 from fsipetsc.paper.stencils import Stencils, derivative
@@ -22,6 +22,8 @@ from fsipetsc.scheme.rows import Array
 STAGES, RATES_ALONE = 4, -1
 #: numbers of an interface that are noted
 NOTES = 8
+#: numbers of a layer that ranks tell each other after a step
+TOLD = 6
 
 
 class Part(NamedTuple):
@@ -67,12 +69,16 @@ class Sides(NamedTuple):
 
 
 class Steps(NamedTuple):
-    """Of all layers: records; results: see fsipetsc.scheme.plan; sums: the end of what is noted of
-    a step, from the masses of gases on."""
+    """Of all layers: records; results: see fsipetsc.scheme.plan; notes: what is noted of
+    interfaces, sums: of a step after this, from the masses of gases on. told: room for what ranks
+    tell each other, TOLD numbers of each layer, notes, results.
+    """
 
     records: Array
     results: Array
+    notes: Array
     sums: Array
+    told: Array
 
 
 # conditions
@@ -143,8 +149,9 @@ def advance(stage: int) -> Callable[[Part], None]:
 
 
 def forget(steps):
-    """Forget flags, limits and integrals of the step before."""
+    """Forget flags, limits and integrals of the step before; notes are those of the owners."""
     steps.results[:STOP] = 0.0
+    steps.notes[:] = -np.inf
     steps.sums[:] = 0.0
 
 
@@ -179,6 +186,44 @@ def stretch(of):
     for i in each(q.shape[0], vector=True):
         x[i] = q[i, 3]
     derivative(of.op, of.scratch, 0, 1, 1, a, b, A, B, 1.0)
+
+
+def of_layers(record):
+    """What ranks that own points of a layer tell the others: TOLD numbers."""
+    frame = number(record.lo), number(record.hi), record.s, record.x_interface
+    return record.rates[0], record.rates[1], *frame
+
+
+def tell(steps):
+    """Fill what this rank tells the others. The largest number counts, so what is none is inf: the
+    largest of numbers and of what is none would depend on their order.
+    """
+    records, told = steps.records, steps.told
+    layers = records.shape[0]
+    for k in each(layers):
+        for c, value in enumerate(of_layers(records[k])):
+            told[TOLD * k + c] = np.where(records[k].present == 1, value, -np.inf)
+    after = told[TOLD * layers :]
+    for array, first in ((steps.notes, 0), (steps.results, steps.notes.size)):
+        for i in each(array.size):
+            after[first + i] = array[i]
+    for i in each(told.size):
+        told[i] = np.where(told[i] == told[i], told[i], np.inf)
+
+
+def hear(steps):
+    """Take what all ranks have told."""
+    records, told = steps.records, steps.told
+    layers = records.shape[0]
+    for k in each(layers):
+        record, of_layer = records[k], told[TOLD * k :]
+        record.rates[0], record.rates[1] = of_layer[0], of_layer[1]
+        record.lo, record.hi = whole(of_layer[2]), whole(of_layer[3])
+        record.s, record.x_interface = of_layer[4], of_layer[5]
+    after = told[TOLD * layers :]
+    for array, first in ((steps.notes, 0), (steps.results, steps.notes.size)):
+        for i in each(array.size):
+            array[i] = after[first + i]
 
 
 def finish(steps):
@@ -220,4 +265,5 @@ def of_interface(code: Code, place: str, of: Sides) -> dict[str, Procedure]:
 
 def of_step(code: Code, steps: Steps) -> dict[str, Procedure]:
     """Record those of a step."""
-    return {f.__name__: code.procedure(f.__name__, f, steps) for f in (forget, finish)}
+    functions = forget, tell, hear, finish
+    return {f.__name__: code.procedure(f.__name__, f, steps) for f in functions}
