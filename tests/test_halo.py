@@ -8,11 +8,13 @@ import numpy as np
 from mpi4py import MPI
 from fsipetsc.operators.bands import Patch
 from fsipetsc.parallel.block_shares import Extent, share_out
-from fsipetsc.parallel.exchange import exchange_library
+from fsipetsc.kernels.unit import unit
+from fsipetsc.parallel.exchange import exchange_text
+from fsipetsc.process.libraries import libraries
 from fsipetsc.parallel.halo import Halo, Reach
 
 comm, checked = MPI.COMM_WORLD, 0
-library = exchange_library(comm)
+library = libraries(comm, [unit({}, [], exchange_text())])[0]
 BLOCKS = (
     *(((20,), (False,)), ((20,), (True,)), ((24, 14), (True, False))),
     ((12, 12, 14), (False,) * 3),
@@ -31,7 +33,8 @@ for tag, (shape, periodic) in enumerate(BLOCKS):
         index = np.meshgrid(*(np.arange(a, b) for a, b in own), indexing="ij")
         numbers = np.ravel_multi_index(index, shape, order="F").ravel(order="F")
         local = np.full((2, int(np.prod(patch.ghosted))), -1.0)
-        halo = Halo(library, comm, tag, reach, patch, numbers, local, 3)
+        halo = Halo(comm, tag, reach, patch, numbers, local, 3)
+        halo.load(library)
         for turn in range(3):
             halo(np.array([7.0, 7.0, 7.0, *(numbers + 1000.0 * turn), *(-2.0 - numbers)]))
         index = np.meshgrid(*(np.arange(a, b) for a, b in ghosted), indexing="ij")

@@ -73,7 +73,7 @@ class BlockState(State):
         self.h = float(problem.spacing)
         self.shocks, self.loose = form.shock > 0.0, loose_gases(problem, form.convection)
         self.lossy, auxiliary = lossy(problem), gained(problem).itemsize // 8
-        self.layout = BlockLayout(comm, problem, order, self.shocks, partition, auxiliary, announce)
+        self.layout = BlockLayout(comm, problem, order, self.shocks, partition, auxiliary)
         self.y, self.stage = BlockVector(self.layout), BlockVector(self.layout)
         size = (self.layout.local_size, None)
         self.solution = PETSc.Vec().createWithArray(self.y.array, size=size, comm=comm)

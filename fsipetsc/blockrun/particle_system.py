@@ -61,7 +61,7 @@ class ParticleSystem:
         most = max([1, *(len(p.constraints) for p in particles)])
         columns = max(d + 3, 2 * d + 1), 2 * most * d, 1
         self.sums, self.areas, self.stored = [
-            ParticleExchange(layout.library, layout.comm, tag, number, owners, n)
+            ParticleExchange(layout.comm, tag, number, owners, n)
             for tag, n in enumerate(columns, PARTICLES_TAG)
         ]
         self._mine, self.nodes, self.telling = self.sums.mine, {}, {}
@@ -142,7 +142,6 @@ class ParticleSystem:
             weight[rows] = part.weights(nodes) * (inertia[k][nodes] if k in inertia else 1.0)
             at[rows], apart[rows] = part.at(self._nodes_at(rows)), part.numbers.size
             booked[rows] = weight[rows] * loses(layout.problem, k)
-        self.sums()
         constraint = np.zeros((count, most), np.int64)
         for p, particle in enumerate(self._particles):
             constraint[p, : len(particle.constraints)] = [c.kind for c in particle.constraints]
@@ -162,7 +161,7 @@ class ParticleSystem:
             kind=kind,
             at=at,
             apart=apart,
-            weight=weight.copy(),
+            weight=weight.copy(),  # of others: once `begin` is called
             alpha=alpha,
             inertia=booked,
             constraint=constraint,
@@ -187,6 +186,15 @@ class ParticleSystem:
                     if block == k and node in row_of:
                         found.append((row_of[node], node, axis, sign if side else -sign, column))
         return of_faces.listed(self._layout.parts[k], found)
+
+    def begin(self) -> None:
+        """Learn weights of the members of others, and mean specific heats, once procedures and
+        exchanges are loaded. Collective.
+        """
+        self.sums.table[:, 0] = self.table.weight
+        self.sums()
+        self.table.weight[:] = self.sums.table[:, 0]
+        self.does["weigh_heat"]()
 
     def at_walls(self, k: int) -> tuple[Array, Array]:
         """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""

@@ -29,7 +29,7 @@ from fsipetsc.blocks.values import block_values
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.calls import Calls, calling_code
 from fsipetsc.parallel.block_layout import BlockVector
-from fsipetsc.parallel.exchange import Reduction
+from fsipetsc.parallel.exchange import Reduction, exchange_text
 from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import together
 from fsipetsc.scheme import steps as stages
@@ -117,7 +117,7 @@ class Scheme:
         )
         comm, found = state.comm, self._found
         codes = together(comm, lambda: [part.record(about) for part in self.parts.values()])
-        self._calling = calling_code()
+        self._calling = calling_code(exchange_text())
         self._layout = state.layout
         record = self._calling.procedure
         of_found = stages.begin_monitor, stages.note_extremes, stages.note_gained
@@ -134,8 +134,13 @@ class Scheme:
         for code, library in zip(codes, made, strict=True):
             code.load(library)
         self._does |= self.particles.does
-        self._does["reduce"] = Reduction(state.layout.library, comm, state.extremes)
-        self._does["weigh_heat"]()
+        self._does["reduce"] = Reduction(comm, state.extremes)
+        halos = (part.halo for part in self._layout.parts.values())
+        particles = self.particles.sums, self.particles.areas, self.particles.stored
+        gathers = (gas.gather for gas in self._gases)
+        for exchange in (*halos, *particles, *gathers, self._does["reduce"]):
+            exchange.load(self._calling.library)
+        self.particles.begin()
         for gas in self._gases:
             gas.begin()
 

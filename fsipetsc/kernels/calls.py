@@ -19,9 +19,9 @@ class _Call(ctypes.Structure):
     ]
 
 
-def calling_code() -> Code:
+def calling_code(*texts: str) -> Code:
     """Code with the functions of calls.c, whose library `Calls` needs; procedures can be added."""
-    return Code(unit({}, [], c_source("fsipetsc.kernels", "calls.c")))
+    return Code(unit({}, [], c_source("fsipetsc.kernels", "calls.c"), *texts))
 
 
 class Calls:

@@ -68,7 +68,7 @@ class Layer:
         self._owner = share[-1 if record["end_kind"][0] >= 0 else 0][0]
         self.exchanges: list[Exchange] = []
 
-    def connect(self, library: Any, comm: MPI.Comm) -> None:
+    def connect(self, comm: MPI.Comm) -> None:
         """Make the exchanges of this layer: of its frame, (4.20), (4.25), if it is a gas, and of
         halos. Collective.
         """
@@ -84,7 +84,7 @@ class Layer:
             sent = dict.fromkeys(others, frame) if me == self._owner else {}
             received = {} if me == self._owner else {self._owner: frame}
             self.exchanges.append(
-                Exchange(library, comm, tag, sent, received, none, numbers, numbers)
+                Exchange(comm, tag, sent, received, none, numbers, numbers)
             )
         first, dof = int(self.record["own_lo"] - self.record["halo_lo"]), self.local.shape[1]
 
@@ -101,7 +101,7 @@ class Layer:
             if max(begin, low) < min(end, high):
                 received[rank] = places(max(begin, low), min(end, high))
         local = self.local.reshape(-1)
-        halos = Exchange(library, comm, tag + 1, sent, received, none, local, local)
+        halos = Exchange(comm, tag + 1, sent, received, none, local, local)
         self.exchanges.append(halos)
 
     def record_on(self, code: Code, place: str, of_steps: steps.Steps) -> None:
@@ -254,11 +254,11 @@ class Interface:
         """Record the procedures of the interface."""
         self.does = steps.of_interface(code, ("left", "right")[self.side], self._sides)
 
-    def connect(self, library: Any) -> None:
+    def connect(self) -> None:
         """Make the exchanges of the rows of both sides, if they have different owners: these swap
         rows, and each solves the same small system. Collective.
         """
-        self._swap: list[Exchange] = []
+        self.exchanges: list[Exchange] = []
         if self.here[0] == self.here[1]:
             return
         mine, cut = self.here.index(True), self._at[0].size * self._points[0].shape[1]
@@ -268,8 +268,8 @@ class Interface:
         points, owner = self._points[mine].reshape(-1), self._owners[1 - mine]
         swapped = {owner: at}, {owner: rows[1 - mine]}, (at, rows[mine]), points, self._rows
         back = {}, {}, (rows[mine], at), self._rows, points
-        about = library, self._comm, self._tag
-        self._swap = [Exchange(*about, *swapped), Exchange(*about, *back)]
+        about = self._comm, self._tag
+        self.exchanges = [Exchange(*about, *swapped), Exchange(*about, *back)]
 
     def coupling(self) -> list[Any]:
         """What couples the two sides in the stage."""
@@ -277,7 +277,7 @@ class Interface:
             return [self.does[name] for name in ("take", "couple", "put")]
         if not any(self.here):
             return []
-        taken, put = self._swap
+        taken, put = self.exchanges
         return [taken, self.does["couple"], put]
 
     def note(self) -> list[Procedure]:
@@ -286,5 +286,5 @@ class Interface:
 
     def destroy(self) -> None:
         """Release the messages."""
-        for exchange in self._swap:
+        for exchange in self.exchanges:
             exchange.destroy()

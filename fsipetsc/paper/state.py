@@ -33,7 +33,7 @@ from fsipetsc.paper import steps
 from fsipetsc.paper.layout import DOF, check_form, make_records, share_out
 from fsipetsc.paper.parts import Interface, Layer
 from fsipetsc.paper.stencils import stencils
-from fsipetsc.parallel.exchange import Reduction, exchange_library
+from fsipetsc.parallel.exchange import Reduction, exchange_text
 from fsipetsc.problem import Problem, SolidLayer
 from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import agree, together
@@ -108,21 +108,21 @@ class PaperState(State):
             for k, pair in enumerate(problem.interfaces)
         ]
         told = np.zeros(steps.TOLD * len(self.records) + noted + self.results.size)
-        self._connect(exchange_library(comm, announce), told)
+        self._connect(told)
         of_steps = steps.Steps(self.records, self.results, self._notes, latest[noted:], told)
         self._load_procedures(of_steps, announce)
 
-    def _connect(self, library: Any, told: Array) -> None:
+    def _connect(self, told: Array) -> None:
         """Make all exchanges. Collective."""
         for layer in self.layers:
-            layer.connect(library, self.comm)
+            layer.connect(self.comm)
         for interface in self.interfaces:
-            interface.connect(library)
-        self._all_hear = Reduction(library, self.comm, told)
+            interface.connect()
+        self._all_hear = Reduction(self.comm, told)
 
     def _load_procedures(self, of_steps: steps.Steps, announce: Callable[[str], None]) -> None:
         """Record all procedures, the same ones on all ranks, and make machine code of them."""
-        code = calling_code()
+        code = calling_code(exchange_text())
         solid = next(layer.number for layer in self.layers if not layer.is_gas)
         for layer in self.layers:
             layer.record_on(code, ("left", "solid", "right")[layer.number - solid + 1], of_steps)
@@ -132,6 +132,9 @@ class PaperState(State):
         self.planning = code.procedure("plan_next", plan_next, self.plan)
         (library,) = libraries(self.comm, [code.text], announce)
         code.load(library)
+        parts = *self.layers, *self.interfaces
+        for exchange in (*(one for part in parts for one in part.exchanges), self._all_hear):
+            exchange.load(library)
         numbers = (steps.RATES_ALONE, *range(steps.STAGES))
         stages = {n: [one for layer in self.here for one in layer.stage(n)] for n in numbers}
         completing = [self._does["forget"], *(layer.does["complete"] for layer in self.here)]

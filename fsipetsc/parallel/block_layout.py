@@ -12,7 +12,7 @@ Nodes of a block are numbered n = i_0 + N_0 (i_1 + N_1 i_2), and so are those of
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import prod
 from typing import Any
@@ -27,7 +27,7 @@ from fsipetsc.operators.bands import NO_AXIS, Band, Patch
 from fsipetsc.operators.coefficients import AXIS
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_shares import Extent, share_out
-from fsipetsc.parallel.exchange import Exchange, exchange_library
+from fsipetsc.parallel.exchange import Exchange
 from fsipetsc.parallel.halo import Halo, Reach
 
 Array = NDArray[np.float64]
@@ -106,7 +106,7 @@ class BlockLayout:
     ``share_out`` has it. auxiliary: unknowns of each rank after those of nodes.
 
     shares: of each block, known to all ranks. parts: of this rank, by block, in their order.
-    local_size: of this rank's part of the world vector. library: of exchanges.
+    local_size: of this rank's part of the world vector.
     InputError where a block has too few nodes for the operator, or there are too many ranks.
     """
 
@@ -118,10 +118,8 @@ class BlockLayout:
         shocks: bool = False,
         partition: str = "auto",
         auxiliary: int = 0,
-        announce: Callable[[str], None] = lambda text: None,
     ) -> None:
         self.comm, self.problem, self.order = comm, problem, order
-        self.library = exchange_library(comm, announce)
         d, blocks = problem.dimension, problem.blocks
         self.shapes = [tuple(int(n) for n in block.shape) for block in blocks]
         self.dofs = [d + 3 if block.kind == "fluid" else 2 * d + 1 for block in blocks]
@@ -202,9 +200,7 @@ class BlockLayout:
             numbers=numbers,
             comm=comm,
             dm=dm,
-            halo=Halo(
-                *(self.library, self.comm, HALO_TAG + k, reach, patch, numbers, local, begin)
-            ),
+            halo=Halo(self.comm, HALO_TAG + k, reach, patch, numbers, local, begin),
             signs=np.where(np.isin(np.arange(dof), odd), -1.0, 1.0)[: dof * images],
         )
 
@@ -277,7 +273,7 @@ class FaceGather(Exchange):
         received = {rank: of_rank for rank, of_rank in received.items() if of_rank.size}
         sent = {rank: own for rank in others if own.size}
         none, numbers = np.zeros(0, np.int64), self.whole.reshape(-1)
-        about = layout.library, layout.comm, GATHER_TAG + k
+        about = layout.comm, GATHER_TAG + k
         super().__init__(*about, sent, received, (none, none), numbers, numbers)
 
 

@@ -7,15 +7,14 @@ sends what is known before: an exchange is made of places in flat arrays.
 
 import ctypes
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fsipetsc.kernels.unit import c_source, unit
-from fsipetsc.process.libraries import libraries
+from fsipetsc.kernels.unit import c_source
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -41,12 +40,9 @@ class _Reduction(ctypes.Structure):
     ]
 
 
-def exchange_library(
-    comm: MPI.Comm, announce: Callable[[str], None] = lambda text: None
-) -> ctypes.CDLL:
-    """The functions of exchange.c. Collective."""
-    text = unit({}, [], c_source("fsipetsc.parallel", "exchange.c"))
-    return libraries(comm, [text], announce)[0]
+def exchange_text() -> str:
+    """The C code of exchanges and reductions."""
+    return c_source("fsipetsc.parallel", "exchange.c")
 
 
 class Exchange:
@@ -60,7 +56,6 @@ class Exchange:
 
     def __init__(
         self,
-        library: ctypes.CDLL,
         comm: MPI.Comm,
         tag: int,
         sent: Mapping[int, Numbers],
@@ -101,10 +96,13 @@ class Exchange:
             *copies,
         )
         self.empty = not self._requests and not own[0].size
-        self._function = library.exchange
-        self.address = ctypes.cast(library.exchange, _POINTER).value
         self.structure = ctypes.addressof(self._struct)
         self.vectors = ["y"] if source is None else []
+
+    def load(self, library: ctypes.CDLL) -> None:
+        """Take the function from a library with ``exchange_text``."""
+        self._function = library.exchange
+        self.address = ctypes.cast(library.exchange, _POINTER).value
 
     def __call__(self, *vectors: Array) -> None:
         """Exchange; vectors: the world vector, if that is the source."""
@@ -124,14 +122,17 @@ class Exchange:
 class Reduction:
     """Replaces an array by the largest numbers of all ranks, one by one."""
 
-    def __init__(self, library: ctypes.CDLL, comm: MPI.Comm, numbers: Array) -> None:
+    def __init__(self, comm: MPI.Comm, numbers: Array) -> None:
         room = np.empty_like(numbers)
         self._kept = numbers, room, comm
         handles = map(_handle, (MPI.DOUBLE, MPI.MAX, comm))
         of_numbers = numbers.ctypes.data, room.ctypes.data, numbers.size
         self._struct = _Reduction(_of_mpi("MPI_Allreduce"), *handles, *of_numbers)
-        self.address = ctypes.cast(library.reduce, _POINTER).value
         self.structure, self.vectors = ctypes.addressof(self._struct), list[str]()
+
+    def load(self, library: ctypes.CDLL) -> None:
+        """Take the function from a library with ``exchange_text``."""
+        self.address = ctypes.cast(library.reduce, _POINTER).value
 
 
 _NO = np.zeros(0, np.int64)

@@ -4,7 +4,6 @@ The ghosted array has planes, a component after the other. All ranks know from t
 nodes each of them needs, so each can say what it sends.
 """
 
-import ctypes
 from collections.abc import Sequence
 
 import numpy as np
@@ -70,7 +69,6 @@ class Halo(Exchange):
 
     def __init__(
         self,
-        library: ctypes.CDLL,
         comm: MPI.Comm,
         tag: int,
         reach: Reach,
@@ -101,4 +99,4 @@ class Halo(Exchange):
         of = planes(np.concatenate([np.arange(M), twice]), M)
         to = planes(np.concatenate([inside, places[owners == me]]), N)
         target = local.reshape(-1)
-        super().__init__(library, comm, tag, sent, received, (of, to), None, target, begin)
+        super().__init__(comm, tag, sent, received, (of, to), None, target, begin)

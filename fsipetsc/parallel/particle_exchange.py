@@ -6,8 +6,6 @@ same order as the others. So the ranks that own points of an interface exchange 
 needs, and no sum is made by messages.
 """
 
-import ctypes
-
 import numpy as np
 from mpi4py import MPI
 
@@ -27,13 +25,7 @@ class ParticleExchange(Exchange):
     """
 
     def __init__(
-        self,
-        library: ctypes.CDLL,
-        comm: MPI.Comm,
-        tag: int,
-        particles: Numbers,
-        owners: Numbers,
-        columns: int,
+        self, comm: MPI.Comm, tag: int, particles: Numbers, owners: Numbers, columns: int
     ) -> None:
         particles, owners = np.asarray(particles, np.int64), np.asarray(owners, np.int64)
         self.mine = np.flatnonzero(owners == comm.rank)
@@ -55,4 +47,4 @@ class ParticleExchange(Exchange):
         received = {rank: places(self.row[members]) for rank, members in of_rank.items()}
         none = np.zeros(0, np.int64)
         numbers = self.table.reshape(-1)
-        super().__init__(library, comm, tag, sent, received, (none, none), numbers, numbers)
+        super().__init__(comm, tag, sent, received, (none, none), numbers, numbers)
