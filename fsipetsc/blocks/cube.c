@@ -15,11 +15,13 @@
    stay in fast memory. */
 
 #define ROOM 1024 /* most nodes of a row that are taken at once */
+#define MOST_PAIRS 16
 
 struct cube {
   const double *S[3], *half[3]; /* pairs of the axes (1 + reach, size), 1/2 over the weights */
   long reach[3], size[3];       /* size: of the wide range, all nodes that derivatives need */
   long first[3], end[3];        /* the range itself in it */
+  long inner[2];                /* nodes along the first axis that have the same pairs */
   double P[9];                  /* periods: P_kc */
   const double *x, *v;          /* (3, wide nodes) the y above, called x below; velocities */
   double *q;                    /* (3, 3, wide nodes) q_k, by k and n */
@@ -37,29 +39,75 @@ static long wide_of(const struct cube *c, long x, long y, long z) {
 }
 static long wide_nodes(const struct cube *c) { return c->size[0] * c->size[1] * c->size[2]; }
 
-/* out = D f along the first axis, of n nodes from x on. */
-static NOINLINE void derive_along(const struct cube *c, const double *restrict f, long x, long n,
-                                  double *restrict out) {
-  const long size = c->size[0];
-  memset(out, 0, n * sizeof *out);
-  for (long k = 1; k <= c->reach[0]; ++k) {
-    const double *restrict S = c->S[0] + k * size;
-    const long both = least(most(x, k), x + n), ahead = most(least(x + n, size - k), both);
-    for (long i = x; i < least(both, size - k); ++i) out[i - x] += S[i] * (f[i + k] - f[i]);
-#pragma omp simd
-    for (long i = both; i < ahead; ++i)
-      out[i - x] += S[i] * (f[i + k] - f[i]) + S[i - k] * (f[i] - f[i - k]);
-    for (long i = ahead; i < x + n; ++i) out[i - x] += S[i - k] * (f[i] - f[i - k]);
+/* A pair of nodes on both sides, ``far`` numbers away: its weights. */
+struct pair { long far; double behind, ahead; };
+
+/* Find the pairs of the node i along an axis, nearest first, and how many there are. */
+static long pairs_of(const struct cube *c, int axis, long i, struct pair *pairs) {
+  const long size = c->size[axis];
+  const long step = axis == 0 ? 1 : axis == 1 ? c->size[0] : c->size[0] * c->size[1];
+  long count = 0;
+  for (long k = 1; k <= c->reach[axis]; ++k) {
+    const double ahead = i + k < size ? c->S[axis][k * size + i] : 0.0;
+    const double behind = i >= k ? c->S[axis][k * size + i - k] : 0.0;
+    if (ahead != 0.0 || behind != 0.0) pairs[count++] = (struct pair){k * step, behind, ahead};
   }
-#pragma omp simd
-  for (long i = 0; i < n; ++i) out[i] *= c->half[0][x + i];
+  return count;
 }
 
-static NOINLINE void add_rows(double *restrict out, const double *behind, const double *here,
-                              const double *ahead, double s_behind, double s, long n) {
+/* out = factor (out + that of a pair), without out if it is the first. */
+static NOINLINE void add_pair(const double *f, struct pair p, double factor, int first,
+                              double *restrict out, long n) {
+  const double *before = p.behind != 0.0 ? f - p.far : f, *after = p.ahead != 0.0 ? f + p.far : f;
 #pragma omp simd
-  for (long i = 0; i < n; ++i)
-    out[i] += s * (ahead[i] - here[i]) + s_behind * (here[i] - behind[i]);
+  for (long i = 0; i < n; ++i) {
+    const double more = p.ahead * (after[i] - f[i]) + p.behind * (f[i] - before[i]);
+    out[i] = factor * (first ? more : out[i] + more);
+  }
+}
+
+/* The same of two pairs that have both nodes, first ones. */
+static NOINLINE void set_pairs(const double *f, struct pair p, struct pair r, double factor,
+                               double *restrict out, long n) {
+  const double *p0 = f - p.far, *p1 = f + p.far, *r0 = f - r.far, *r1 = f + r.far;
+#pragma omp simd
+  for (long i = 0; i < n; ++i) {
+    const double one = p.ahead * (p1[i] - f[i]) + p.behind * (f[i] - p0[i]);
+    const double two = r.ahead * (r1[i] - f[i]) + r.behind * (f[i] - r0[i]);
+    out[i] = factor * (one + two);
+  }
+}
+
+/* out = factor D f of n nodes with the same pairs. */
+static void add_up(const double *f, const struct pair *pairs, long count, double factor,
+                   double *out, long n) {
+  long m = 0;
+  if (count >= 2 && pairs[0].behind != 0.0 && pairs[0].ahead != 0.0 && pairs[1].behind != 0.0 &&
+      pairs[1].ahead != 0.0) {
+    set_pairs(f, pairs[0], pairs[1], count == 2 ? factor : 1.0, out, n);
+    m = 2;
+  }
+  for (; m < count; ++m) add_pair(f, pairs[m], m == count - 1 ? factor : 1.0, m == 0, out, n);
+}
+
+/* D f of the node i along the first axis. */
+static double slope_of(const struct cube *c, const double *f, long i) {
+  struct pair pairs[MOST_PAIRS];
+  const long count = pairs_of(c, 0, i, pairs);
+  double sum = 0.0;
+  for (const struct pair *p = pairs; p < pairs + count; ++p)
+    sum += (p->ahead != 0.0 ? p->ahead * (f[i + p->far] - f[i]) : 0.0) +
+           (p->behind != 0.0 ? p->behind * (f[i] - f[i - p->far]) : 0.0);
+  return c->half[0][i] * sum;
+}
+
+/* out = D f along the first axis, of n nodes from x on: those with the same pairs together. */
+static void derive_along(const struct cube *c, const double *f, long x, long n, double *out) {
+  struct pair pairs[MOST_PAIRS];
+  const long a = least(most(c->inner[0], x), x + n), b = most(least(c->inner[1], x + n), a);
+  for (long i = x; i < a; ++i) out[i - x] = slope_of(c, f, i);
+  if (a < b) add_up(f + a, pairs, pairs_of(c, 0, a, pairs), c->half[0][a], out + a - x, b - a);
+  for (long i = b; i < x + n; ++i) out[i - x] = slope_of(c, f, i);
 }
 
 /* out = D f along an axis, of the n nodes from (x, y, z) on along the first axis. */
@@ -69,19 +117,9 @@ static void derive(const struct cube *c, int axis, const double *f, long x, long
     derive_along(c, f + wide_of(c, 0, y, z), x, n, out);
     return;
   }
-  const long i = axis == 1 ? y : z, size = c->size[axis],
-             step = axis == 1 ? c->size[0] : c->size[0] * c->size[1];
-  const double *here = f + wide_of(c, x, y, z), half = c->half[axis][i];
-  memset(out, 0, n * sizeof *out);
-  for (long k = 1; k <= c->reach[axis]; ++k) {
-    const double s = i + k < size ? c->S[axis][k * size + i] : 0.0;
-    const double s_behind = i >= k ? c->S[axis][k * size + i - k] : 0.0;
-    if (s == 0.0 && s_behind == 0.0) continue;
-    add_rows(out, i >= k ? here - k * step : here, here, i + k < size ? here + k * step : here,
-             s_behind, s, n);
-  }
-#pragma omp simd
-  for (long j = 0; j < n; ++j) out[j] *= half;
+  struct pair pairs[MOST_PAIRS];
+  const long i = axis == 1 ? y : z, count = pairs_of(c, axis, i, pairs);
+  add_up(f + wide_of(c, x, y, z), pairs, count, c->half[axis][i], out, n);
 }
 
 /* The part of a box whose rows begin at x and have at most ROOM nodes. */
@@ -181,17 +219,21 @@ static double determinant(const double *P, double (*G)[ROOM], long i) {
   return xx * (yy * zz - yz * zy) + xy * (yz * zx - yx * zz) + xz * (yx * zy - yy * zx);
 }
 
-/* Find a^1, a^2, a^3 and det D x of the range. */
+/* Find a^1, a^2, a^3 of the range. */
 void cube_move(const struct cube *c) {
   const struct box range = {{c->first[0], c->first[1], c->first[2]},
                             {c->end[0], c->end[1], c->end[2]}};
-  const long n = c->end[0] - c->first[0], W = wide_nodes(c);
   for (int k = 0; k < 3; ++k) {
     const struct box wide = reached(c, &range, (k + 1) % 3, (k + 2) % 3);
     potentials(c, k, 0.0, &wide);
   }
   memset(c->metrics, 0, 9 * c->N * sizeof(double));
   for (int i = 0; i < 3; ++i) areas(c, i, 1.0, &range, c->metrics + 3 * i * c->N);
+}
+
+/* Find det D x of the range. */
+void cube_volumes(const struct cube *c) {
+  const long n = c->end[0] - c->first[0], W = wide_nodes(c);
   double G[9][ROOM], *volume = c->volume;
   for (long z = c->first[2]; z < c->end[2]; ++z) {
     for (long y = c->first[1]; y < c->end[1]; ++y) {

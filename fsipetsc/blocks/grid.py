@@ -58,8 +58,13 @@ class LineMotion(NamedTuple):
         for i in each(self.low.shape[0], vector=True):
             places[0, i] = X[0, i] + self.between(i, *ends)
 
+    def find_volumes(self):
+        """Find what ``jacobian`` takes, after `move`, beside the metrics: nothing."""
+
     def jacobian(self, metrics, N, node, reference):
-        """det(D x) of a node, after `move`; metrics: flat; reference: that of the reference map."""
+        """det(D x) of a node, after `find_volumes`; metrics: flat; reference: that of the reference
+        map.
+        """
         at_low, at_high = self.hull.ends(self.hull.moved)
         return reference + (at_high - at_low)
 
@@ -107,8 +112,12 @@ class CubeMotion(NamedTuple):
                 n = self.inner[i]
                 places[c, i] = X[c, i] + (self.x[c, n] - self.y[c, n])
 
+    def find_volumes(self):
+        """Fill volume, after `move`."""
+        invoke("cube_volumes", self.address)
+
     def jacobian(self, metrics, N, node, reference):
-        """det(D x) of a node."""
+        """det(D x) of a node, after `find_volumes`."""
         return self.volume[node]
 
 
@@ -139,6 +148,7 @@ def find_places(of):
 def find_jacobian(of):
     """det(D x) of its nodes."""
     metrics = of.metrics.reshape(-1)
+    of.grid.find_volumes()
     for i in each(of.J.size, vector=True):
         of.J[i] = of.grid.jacobian(metrics, of.J.size, i, of.reference[i])
 

@@ -73,6 +73,9 @@ class PlaneMotion(NamedTuple):
         """places = X + the displacement (2, N)."""
         plane_places(self, X, places)
 
+    def find_volumes(self):
+        """Nothing: the metrics have them."""
+
     def jacobian(self, metrics, N, node, reference):
         """det(D x): the metrics are D x."""
         x, y, z, t = (metrics[node + k * N] for k in range(4))

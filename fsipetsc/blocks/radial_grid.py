@@ -79,6 +79,9 @@ class RadialMotion(NamedTuple):
                 n = self.inner[i]
                 places[c, i] = X[c, i] + (self.x[c, n] - self.y[c, n])
 
+    def find_volumes(self):
+        """Nothing: `move` has found them."""
+
     def jacobian(self, metrics, N, node, reference):
         """J of the grid at a node."""
         return self.volume[node]

@@ -15,8 +15,12 @@ struct exchange {
 };
 
 static void copy_runs(const struct copies *c, const double *of, double *to) {
-  for (const struct run *r = c->runs; r < c->runs + c->count; ++r)
-    for (long i = 0; i < r->count; ++i) to[r->to + i] = of[r->from + i];
+  for (const struct run *r = c->runs; r < c->runs + c->count; ++r) {
+    if (r->count > 8)
+      memcpy(to + r->to, of + r->from, r->count * sizeof *to);
+    else
+      for (long i = 0; i < r->count; ++i) to[r->to + i] = of[r->from + i];
+  }
 }
 
 void exchange(const struct exchange *e, double *y, long y_size, double *f, long f_size) {

@@ -126,6 +126,7 @@ def monitor(part, found, y):
     """Note extremes and sums of a part: see fsipetsc.scheme.block_monitor."""
     if part.known is not None:
         part.grid.find_places(part.X, part.places)
+        part.grid.find_volumes()
     q = owned(part, y, len(part.like) + 3)
     gas_monitor(part, q, part.axis.bounds(part.metrics))
     note(part, found)
