@@ -51,6 +51,10 @@ MISSING = (
 )
 
 
+#: compilers at work
+_running: set[subprocess.Popen[bytes]] = set()
+
+
 @cache
 def compiler() -> tuple[str, ...]:
     """The command of the C compiler. InputError if there is none."""
@@ -185,12 +189,21 @@ def kept(name: str) -> Path | None:
 
 
 def made(text: str) -> bytes:
-    """The bytes of the library of a text in C; it takes seconds. InputError if that fails."""
-    with tempfile.TemporaryDirectory(prefix="fsipetsc-") as place:
-        source, result = os.path.join(place, "kernels.c"), os.path.join(place, "kernels.so")
-        Path(source).write_text(text)
-        _run((*compiler(), *flags(), source, "-o", result, "-lm"), "compiling kernels")
-        return Path(result).read_bytes()
+    """The bytes of the library of a text in C; it takes seconds. InputError, FileError."""
+    try:
+        with tempfile.TemporaryDirectory(prefix="fsipetsc-") as place:
+            source, result = os.path.join(place, "kernels.c"), os.path.join(place, "kernels.so")
+            Path(source).write_text(text)
+            _run((*compiler(), *flags(), source, "-o", result, "-lm"), "compiling kernels")
+            return Path(result).read_bytes()
+    except OSError as error:
+        raise FileError(f"compiling kernels failed: {error.filename}: {error.strerror}") from error
+
+
+def end_compilers() -> None:
+    """End those that are at work."""
+    for process in tuple(_running):
+        process.kill()
 
 
 def keep(name: str, library: bytes) -> Path:
@@ -231,13 +244,25 @@ def _run(command: tuple[str, ...], doing: str) -> bytes:
     With close_fds=False Python starts it without a copy of this process, which MPI could not bear.
     """
     try:
-        ended = subprocess.run(
-            command, stdin=subprocess.DEVNULL, capture_output=True, close_fds=False
+        ended = subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            close_fds=False,
         )
     except OSError as error:
         raise InputError(f"{doing} failed: {command[0]}: {error.strerror}") from error
+    _running.add(ended)
+    try:
+        out, said = ended.communicate()
+    except BaseException:
+        ended.kill()
+        raise
+    finally:
+        _running.discard(ended)
     if ended.returncode != 0:
-        lines = ended.stderr.decode(errors="replace").strip().splitlines() or ["no message"]
+        lines = said.decode(errors="replace").strip().splitlines() or ["no message"]
         first = next((line for line in lines if "error" in line), lines[0])
         raise InputError(f"{doing} failed: {first} (the command was: {shlex.join(command)})")
-    return ended.stdout
+    return out
