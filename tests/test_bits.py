@@ -163,7 +163,11 @@ def test_other_numbers_sizes_and_ranks_need_no_other_library(case, tmp_path):
     first, second = (f"{case} -fsi_h {h}" for h in SIZES[case])
 
     def run(lines, ranks=1):
-        do([f"{line} -ts_max_steps 1 -fsi_quiet -fsi_output run.h5" for line in lines], tmp_path, ranks)
+        do(
+            [f"{line} -ts_max_steps 1 -fsi_quiet -fsi_output run.h5" for line in lines],
+            tmp_path,
+            ranks,
+        )
         return sorted(path.name for path in (tmp_path / "cache").iterdir())
 
     do([f"compile {first} -fsi_quiet"], tmp_path)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from helpers import message, solve
 
 import fsipetsc
 from fsipetsc.blocks.block import Block
@@ -196,7 +197,7 @@ def test_an_option_that_needs_a_formula_of_the_gas(name, tmp_path):
 GASES = {
     "no formula 'viscosity'": {"viscosity": GAS["pressure"]},
     "density(p): expected density(p, T)": {"density": lambda p: p},
-    "AttributeError: 'Symbol' object has no attribute 'nowhere'": {"density": lambda p, T: T.nowhere},
+    "AttributeError: 'Symbol' object has no": {"density": lambda p, T: T.nowhere},
     "it returns a tuple of 2 numbers: expected a number": {"density": lambda p, T: (p, T)},
     "it returns a condition: expected a number": {"density": lambda p, T: p > T},
 }

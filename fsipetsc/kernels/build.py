@@ -51,6 +51,8 @@ MISSING = (
 )
 
 
+#: whether this process says that it cannot keep libraries; of several ranks the first one does
+tells = True
 #: compilers at work
 _running: set[subprocess.Popen[bytes]] = set()
 
@@ -159,7 +161,7 @@ def folder() -> Path:
         place.mkdir(mode=0o700, parents=True, exist_ok=True)
         found = place.stat()
     except OSError as error:
-        return _temporary(place, error)
+        return _temporary(place, error.strerror)
     if found.st_mode & (stat.S_IWGRP | stat.S_IWOTH) or found.st_uid != os.getuid():
         raise InputError(
             f"others can write to {place}, where compiled kernels are kept: take that right away "
@@ -174,7 +176,9 @@ def _temporary(place: Path, why: object) -> Path:
     """A folder for this process alone, with a warning."""
     made = Path(tempfile.mkdtemp(prefix="fsipetsc-"))
     atexit.register(shutil.rmtree, made, True)
-    print(f"fsipetsc: warning: cannot keep compiled kernels in {place} ({why})", file=sys.stderr)
+    if tells:
+        words = f"cannot keep compiled kernels in {place} ({why})"
+        print(f"fsipetsc: warning: {words}", file=sys.stderr)
     return made
 
 

@@ -25,6 +25,7 @@ def libraries(
     announce: called on rank 0 before and after somebody compiles. InputError where there is no
     compiler, or it fails; FileError.
     """
+    build.tells = comm.rank == 0
     names = together(comm, lambda: [build.name_of(text) for text in texts])
     lacking = {name for name in names if build.kept(name) is None}
     #: name -> the rank that compiles it: the lowest one that lacks it
