@@ -24,7 +24,7 @@ _P4, _P5 = -1.65339022054652515390e-06, 4.13813679705723846039e-08
 
 def exp(x: Any) -> Any:
     """e^x = 2^k e^r with |r| < 0.35: e^r = 1 + r + r c / (2 - c), c = r - r^2 P(r^2)."""
-    x = np.clip(np.asarray(x, float), -740.0, 720.0)
+    x = np.clip(np.asarray(x, float), -750.0, 720.0)
     k = np.rint(x * 1.4426950408889634)
     high, low = x - k * _LN2, k * _LN2_LOW
     r = high - low
