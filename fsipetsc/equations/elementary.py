@@ -43,7 +43,7 @@ def log(x: Any) -> Any:
         s, half = f / (2.0 + f), 0.5 * f * f
     value = k * _LN2 - ((half - (s * (half + remainder(s * s)) + k * _LN2_LOW)) - f)
     known = np.where(np.asarray(x) == 0.0, -np.inf, np.where(np.asarray(x) == np.inf, x, np.nan))
-    return np.where(f > -1.0, value, known)[()]
+    return np.where((f > -1.0) & (f < 1.0), value, known)[()]
 
 
 def power(a: Any, b: Any) -> Any:
