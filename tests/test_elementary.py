@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from helpers import REPOSITORY
 
+from fsipetsc.equations import elementary
+
 FLAGS = (
     *("-std=gnu11", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"),
     *("-fopenmp-simd", "-fPIC", "-shared"),
@@ -209,3 +211,17 @@ def test_same_bits(fast, folder, other, command):
             different = one.view(np.int64) != two.view(np.int64)
             different &= ~(np.isnan(one) & np.isnan(two))
             assert not different.any(), (name, [x[different.argmax()].hex() for x in given])
+
+
+def test_functions_of_cases_are_right():
+    """Those of arrays, in numpy; their bits: test_bits.py."""
+    x, a = np.concatenate([between(-700, 700), between(-1, 1)]), np.exp(between(-300, 300))
+    for found, wanted in (
+        (elementary.exp(x), np.exp(x.astype(LONG))),
+        (elementary.log(a), np.log(a.astype(LONG))),
+        (elementary.power(a[:9] ** 0.01, 0.7), (a[:9] ** 0.01).astype(LONG) ** LONG(0.7)),
+    ):
+        assert np.max(abs(found - wanted) / np.spacing(abs(wanted).astype(float))) < MOST + SLACK
+    assert np.max(abs(elementary.tanh(x) - np.tanh(x))) < 3e-16
+    assert np.array_equal(elementary.exp(np.array([0.0, -1e3, 1e3, NAN])), [1, 0, INF, NAN], True)
+    assert np.array_equal(elementary.log([1.0, 0.0, INF, -1.0]), [0, -INF, INF, NAN], True)

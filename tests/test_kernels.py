@@ -4,11 +4,15 @@ import ctypes
 import math
 import os
 import shutil
+import signal
 import stat
+import subprocess
+import sys
+import time
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, message, mpirun, run
+from helpers import REPOSITORY, environment, launch, message, mpirun, run
 
 from fsipetsc.equations.gas import Gas
 from fsipetsc.errors import InputError
@@ -288,6 +292,107 @@ def test_ranks_agree_on_who_compiles(kind, tmp_path):
     told = [(tmp_path / f"told{rank}").read_text().strip() for rank in range(3)]
     failed, found = ["2 True"] * 3, ["True 2 2", "True 2 0", "True 2 0"]
     assert told == (failed if kind == "failing" else found), done.stderr
+
+
+#: a compiler that answers questions, and does not compile
+COMPILER = """#!/bin/sh
+case "$*" in *-dM*) exec cc "$@";; esac
+{}
+"""
+RUN = "-m", "fsipetsc", "blast", "-fsi_h", "0.0625", "-ts_max_steps", "1"
+
+
+def compiler_that(does, folder):
+    """The environment of a compiler of this shell code, and of an empty cache."""
+    (folder / "compiler").write_text(COMPILER.format(does))
+    (folder / "compiler").chmod(0o755)
+    return {"CC": str(folder / "compiler"), "FSIPETSC_CACHE": str(folder / "cache")}
+
+
+def ranks_of(n, folder, env, *words):
+    """A command on n ranks."""
+    return launch(["mpiexec", "-n", str(n), sys.executable, *words], folder, env)
+
+
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_a_compiler_that_fails_ends_all_ranks_once(ranks, tmp_path):
+    does = "echo 'a note' >&2; echo 'kernels.c:7: error: no such luck' >&2; exit 1"
+    done = ranks_of(ranks, tmp_path, compiler_that(does, tmp_path), *RUN)
+    message(done, 2, "compiling kernels failed: kernels.c:7: error: no such luck (the command was")
+
+
+def test_a_compiler_that_leaves_nothing_is_told(tmp_path):
+    done = ranks_of(1, tmp_path, compiler_that("exit 0", tmp_path), *RUN)
+    message(done, 4, "compiling kernels failed: ", "kernels.so: No such file or directory")
+
+
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_a_home_that_cannot_be_written_costs_a_warning(ranks, tmp_path):
+    """One; what is compiled is sent, and the run goes on."""
+    env = {"HOME": "/proc/none", "XDG_CACHE_HOME": "", "FSIPETSC_CACHE": ""}
+    line = "rod -fsi_h 0.1 -ts_max_steps 1"
+    done = ranks_of(ranks, tmp_path, env, "-m", "fsipetsc", *line.split())
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("warning: cannot keep compiled kernels in /proc/none/.cache") == 1
+
+
+def test_two_runs_at_once_with_an_empty_cache(tmp_path):
+    env = {**environment(), "FSIPETSC_CACHE": str(tmp_path / "cache")}
+    line = "-m fsipetsc rod -fsi_h 0.1 -ts_max_steps 1 -fsi_quiet -fsi_output".split()
+    command = [sys.executable, *line]
+    both = [subprocess.Popen([*command, f"{k}.h5"], cwd=tmp_path, env=env) for k in range(2)]
+    assert [process.wait() for process in both] == [0, 0]
+    names = [path.name for path in (tmp_path / "cache").iterdir()]
+    assert sorted(name.count(".") for name in names) == [0, 1], "a note on the target, a library"
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("within", ["the program", "a program of one's own"])
+def test_a_signal_during_compilation_is_answered_at_once(number, within, tmp_path):
+    """No thread waits for compilers. (The compiler here takes longer than a test may.)"""
+    does = f"touch {tmp_path}/started; exec sleep 60"
+    words = RUN
+    if within != "the program":
+        words = "-c", "import fsipetsc; fsipetsc.run('blast', h=0.0625, output='x.h5', max_time=1)"
+    process = subprocess.Popen(
+        [sys.executable, *words],
+        cwd=tmp_path,
+        env={**environment(), **compiler_that(does, tmp_path)},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    while not (tmp_path / "started").exists():
+        assert process.poll() is None
+        time.sleep(0.01)
+    process.send_signal(number)
+    status = process.wait(timeout=30)
+    if within == "the program":
+        said = os.read(process.stderr.fileno(), 1000).decode()
+        assert f"fsipetsc: error: stopped by {number.name}\n" in said
+        assert status == 128 + number
+    else:
+        assert status == -number
+    process.stderr.close()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("ranks", [2, 4])
+def test_twenty_cold_starts(ranks, tmp_path):
+    """None hangs."""
+    for k in range(20):
+        env = {"FSIPETSC_CACHE": str(tmp_path / f"cache{k}")}
+        command = "-m", "fsipetsc", "compile", "rod", "-fsi_h", "0.1"
+        done = ranks_of(ranks, tmp_path, env, *command)
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.splitlines()[-1] == "the kernels of rod are ready"
+
+
+def test_help_of_compile(tmp_path):
+    done = run("-m", "fsipetsc", "compile", "rod", "-help", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "compile CASE [-option value ...]" in done.stdout and "-rod_gravity" in done.stdout
+    assert "-log_view" in done.stdout
 
 
 # bits

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from helpers import message, solve
 
 import fsipetsc
 from fsipetsc.blocks.block import Block
@@ -196,8 +197,9 @@ def test_an_option_that_needs_a_formula_of_the_gas(name, tmp_path):
 GASES = {
     "no formula 'viscosity'": {"viscosity": GAS["pressure"]},
     "density(p): expected density(p, T)": {"density": lambda p: p},
-    "gas_law: density: AttributeError": {"density": lambda p, T: T.nowhere},
-    "gas_law: density returns": {"density": lambda p, T: (p, T)},
+    "AttributeError: 'Symbol' object has no": {"density": lambda p, T: T.nowhere},
+    "it returns a tuple of 2 numbers: expected a number": {"density": lambda p, T: (p, T)},
+    "it returns a condition: expected a number": {"density": lambda p, T: p > T},
 }
 BODIES = {
     "law is 'rubber': expected 'log', 'neo-hookean', 'svk', 'linear'": {"law": "rubber"},
@@ -217,7 +219,13 @@ WRONG = {
     "stress is not the derivative of energy": lambda: elastic(
         energy=lambda F: 1.001 * LOG.energy(F)
     ),
-    "expected a tuple of 4 numbers": lambda: elastic(lambda F: F[:3], energy=lambda F: F[0]),
+    "it returns a tuple of 3 numbers: expected a tuple of 4 numbers": lambda: elastic(
+        lambda F: F[:3], energy=lambda F: F[0]
+    ),
+    "energy: <lambda>, ": lambda: elastic(energy=lambda F: F),
+    "solid_law: stress: <genexpr>, ": lambda: elastic(
+        lambda F: tuple(f / 0.0 for f in F), energy=lambda F: F[0]
+    ),
     "G_0 is 1, s is 0.2: expected G_0 of at most 4 s": lambda: mie_gruneisen(1.0, 0.2, 1.0, 300.0),
     "sutherland: S is -111: expected a number not below 0": lambda: sutherland(273.0, -111.0),
     "gruneisen is 1 beside pressing": lambda: Solid(**ROCK, gruneisen=1.0, pressing=MIE),
@@ -234,6 +242,65 @@ def test_what_is_wrong_with_a_material(said):
 
 
 @pytest.mark.long
+class Doubtful(NamedTuple):
+    """A law of numbers of its own, one of whose formulas is wrong."""
+
+    R: float
+
+    def viscosity(self, T):
+        """A pair."""
+        return T, self.R
+
+    def conductivity(self, T):
+        """A number."""
+        return T
+
+
+LAW_FILE = """
+import numpy as np
+from fsipetsc import Fluid
+from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.conditions import Slip
+from fsipetsc.blocks.maps import rectangle
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.materials.own import transport_law
+
+SUMMARY, OPTIONS, DEFAULTS = "a law", (), {{"fsi_h": 0.1, "ts_max_time": 1.0}}
+
+
+def viscosity(T):
+    {}
+
+
+def build(opt):
+    gas = Fluid(0.1, 0.1, 1.4, 1.0, transport=transport_law(viscosity))
+    block = Block("gas", gas, rectangle(0, 1), (10,), lambda X: (1.0, 0.0, 1.0))
+    return BlockProblem((block,), {{("gas", 0, 0): Slip(), ("gas", 0, 1): Slip()}})
+"""
+BAD_FORMULAS = {
+    "return T if T > 1 else 1.0": "it branches on a value",
+    "return T, T": "it returns a tuple of 2 numbers: expected a number",
+    "return np.sinc(T)": "np.sinc cannot be recorded",
+    "return T / 0.0": "it divides by a constant 0",
+}
+
+
+@pytest.mark.parametrize("formula", BAD_FORMULAS)
+def test_a_bad_formula_of_a_law_is_one_message(formula, tmp_path):
+    """With the law, the formula and the line."""
+    text = LAW_FILE.format(formula)
+    (tmp_path / "own.py").write_text(text)
+    said = message(solve("own.py", cwd=tmp_path), 2, BAD_FORMULAS[formula])
+    before, _ = text.split("def viscosity" if "returns" in said else formula)
+    where = f"own.py:{before.count(chr(10)) + 1}: "
+    assert "transport_law: viscosity: viscosity, " in said and where in said
+
+
+def test_formulas_of_a_class_are_checked_as_well():
+    with pytest.raises(InputError, match=r"viscosity: viscosity, .*:\d+: it returns a tuple of 2"):
+        Fluid(1.0, 1.0, 1.4, 1.0, transport=Doubtful(1.0))
+
+
 def test_a_perfect_gas_of_functions_in_the_case_box(tmp_path):
     case, options = load_case("box"), {"h": 0.05, "max_time": 0.5, "convection": "divergence"}
     problem = case.build(defaults(case))

@@ -11,6 +11,7 @@ from fsipetsc import BlockProblem, Option
 from fsipetsc.blocks.conditions import Free, NoSlip, Roller, Slip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases.common import Opt, at_rest, elastic_of, gas_of, materials, stack
+from fsipetsc.equations.elementary import exp, power
 
 SUMMARY = "a pressure pulse under an elastic plate, in two dimensions"
 
@@ -38,8 +39,8 @@ def build(opt: Opt) -> BlockProblem:
             p = np.where(squared < 1.0, 1.0 + opt["blast_height"], 1.0)
             T = np.where(squared < 1.0, 2.0, 1.0)
             return [p / T, 0.0 * X, 0.0 * X, T]
-        p = 1.0 + opt["blast_height"] * np.exp(-squared)
-        rho = p ** (1.0 / gas.gamma)
+        p = 1.0 + opt["blast_height"] * exp(-squared)
+        rho = power(p, 1.0 / gas.gamma)
         return [rho, 0.0 * X, 0.0 * X, p / rho]
 
     return stack(

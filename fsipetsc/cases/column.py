@@ -4,10 +4,9 @@ The outer solids are clamped, so nothing leaves: the mass of both gases, the tot
 the impulse of the two ends, the momentum stay what they are, to round-off.
 """
 
-import numpy as np
-
 from fsipetsc import FluidLayer, Option, Problem, SolidLayer, clamped
 from fsipetsc.cases.common import Opt, constant, gas_of, line_at_rest, materials, solid_of
+from fsipetsc.equations.elementary import exp, power
 
 SUMMARY = "solid | gas | solid | gas | solid: a pulse runs through five layers"
 
@@ -24,9 +23,9 @@ def build(opt: Opt) -> Problem:
     gas, solid = gas_of(opt), solid_of(opt)
 
     def pulse(X):
-        p = 1 + opt["column_pulse"] * np.exp(-(((X - 1.5) / 0.12) ** 2))
-        rho = p ** (1 / gas.gamma)
-        return [rho, 0 * X, rho ** (gas.gamma - 1)]
+        p = 1 + opt["column_pulse"] * exp(-(((X - 1.5) / 0.12) ** 2))
+        rho = power(p, 1 / gas.gamma)
+        return [rho, 0 * X, power(rho, gas.gamma - 1)]
 
     still, rest = constant(1.0, 0.0, 1.0), line_at_rest(-1.0, 1.0)
     layers = (

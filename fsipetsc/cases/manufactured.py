@@ -28,6 +28,7 @@ import numpy as np
 
 from fsipetsc.cases.common import Opt, gas_of
 from fsipetsc.checks import Array
+from fsipetsc.equations.elementary import log
 from fsipetsc.materials.solid import ElasticSolid
 
 Where = Sequence[Any]
@@ -118,6 +119,11 @@ def cofactor(F: Array) -> Array:
     return F[after][:, after] * F[before][:, before] - F[after][:, before] * F[before][:, after]
 
 
+def _log(J: Array) -> Array:
+    """ln J; the imaginary part is that of a small step."""
+    return log(J.real) + 1j * (J.imag / J.real) if np.iscomplexobj(J) else log(J)
+
+
 def unit(F: Array) -> Array:
     """The unit matrix, as F (d, d, …)."""
     return np.broadcast_to(np.eye(len(F)).reshape(F.shape[:2] + (1,) * (F.ndim - 2)), F.shape)
@@ -131,9 +137,9 @@ def stress(solid: ElasticSolid, F: Array) -> Array:
     """
     law, mu, lam, one, J = solid.law, solid.mu_e, solid.lambda_e, unit(F), determinant(F)
     if law == "log":
-        return mu * F + ((2.0 * mu + lam) * np.log(J) - mu * J) * cofactor(F)
+        return mu * F + ((2.0 * mu + lam) * _log(J) - mu * J) * cofactor(F)
     if law == "neo-hookean":
-        return mu * F + (lam * np.log(J) - mu) / J * cofactor(F)
+        return mu * F + (lam * _log(J) - mu) / J * cofactor(F)
     if law == "svk":
         E = 0.5 * (np.einsum("ki...,kj...->ij...", F, F) - one)
         S = lam * np.einsum("kk...->...", E) * one + 2.0 * mu * E

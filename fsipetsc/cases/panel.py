@@ -22,6 +22,7 @@ from fsipetsc import BlockProblem, Fluid, InputError, Option
 from fsipetsc.blocks.conditions import Clamped, Free, Given, Hinge, NoSlip, Open, Outflow, Slip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases.common import Opt, materials, stack
+from fsipetsc.equations.elementary import tanh
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import above_one
@@ -67,7 +68,7 @@ def build(opt: Opt) -> BlockProblem:
 
     def flow(X, Y, t=0.0):
         """With viscosity a boundary layer, hot at the wall as Crocco and Busemann have it."""
-        along = M * np.tanh(2.0 * Y / opt["panel_layer"]) if mu > 0 else M + 0.0 * X
+        along = M * tanh(2.0 * Y / opt["panel_layer"]) if mu > 0 else M + 0.0 * X
         T = 1.0 + 0.5 * (GAMMA - 1.0) * PRANDTL**0.5 * (M * M - along * along)
         return [1.0 / T, along, 0.0 * X, T]
 

@@ -7,12 +7,11 @@ of stress under the pressure of the gas at rest. Its small motions are known exa
 command `modes`.
 """
 
-import numpy as np
-
 from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.conditions import Centre, Free, Slip
 from fsipetsc.blocks.maps import ball, rectangle
 from fsipetsc.cases.common import Opt, at_rest, cells_of, constant, elastic_of, gas_of, materials
+from fsipetsc.equations.elementary import tanh
 
 SUMMARY = "a charge in an elastic shell around a centre, or a tube around an axis"
 
@@ -46,7 +45,7 @@ def build(opt: Opt) -> BlockProblem:
 
     def charge(r):
         """The density is the same everywhere; the edge of the charge is a fifth of it wide."""
-        hot = 0.5 * (1.0 - np.tanh((r - core - WIDTH) / (0.1 * WIDTH)))
+        hot = 0.5 * (1.0 - tanh((r - core - WIDTH) / (0.1 * WIDTH)))
         return 1.0 + 0.0 * r, 0.0 * r, 1.0 + opt["shell_charge"] * hot
 
     blocks = (block("shell", solid, INNER, OUTER, at_rest()),)

@@ -17,7 +17,7 @@ _R4, _R5 = 2.222219843214978396e-01, 1.818357216161805012e-01
 _R6, _R7 = 1.531383769920937332e-01, 1.479819860510658591e-01
 
 
-def _remainder(z):
+def remainder(z):
     """R(z) of the head."""
     return z * (_R1 + z * (_R2 + z * (_R3 + z * (_R4 + z * (_R5 + z * (_R6 + z * _R7))))))
 
@@ -25,7 +25,7 @@ def _remainder(z):
 def _second_order(f):
     """f - ln(1 + f) for sqrt(1/2) < 1 + f < sqrt(2)."""
     s, half = f / (2.0 + f), 0.5 * f * f
-    return half - s * (half + _remainder(s * s))
+    return half - s * (half + remainder(s * s))
 
 
 def logarithm_rest(less: Any, x: Any) -> Any:

@@ -51,6 +51,12 @@ MISSING = (
 )
 
 
+#: whether this process says that it cannot keep libraries; of several ranks the first one does
+tells = True
+#: compilers at work
+_running: set[subprocess.Popen[bytes]] = set()
+
+
 @cache
 def compiler() -> tuple[str, ...]:
     """The command of the C compiler. InputError if there is none."""
@@ -155,7 +161,7 @@ def folder() -> Path:
         place.mkdir(mode=0o700, parents=True, exist_ok=True)
         found = place.stat()
     except OSError as error:
-        return _temporary(place, error)
+        return _temporary(place, error.strerror)
     if found.st_mode & (stat.S_IWGRP | stat.S_IWOTH) or found.st_uid != os.getuid():
         raise InputError(
             f"others can write to {place}, where compiled kernels are kept: take that right away "
@@ -170,7 +176,9 @@ def _temporary(place: Path, why: object) -> Path:
     """A folder for this process alone, with a warning."""
     made = Path(tempfile.mkdtemp(prefix="fsipetsc-"))
     atexit.register(shutil.rmtree, made, True)
-    print(f"fsipetsc: warning: cannot keep compiled kernels in {place} ({why})", file=sys.stderr)
+    if tells:
+        words = f"cannot keep compiled kernels in {place} ({why})"
+        print(f"fsipetsc: warning: {words}", file=sys.stderr)
     return made
 
 
@@ -185,12 +193,21 @@ def kept(name: str) -> Path | None:
 
 
 def made(text: str) -> bytes:
-    """The bytes of the library of a text in C; it takes seconds. InputError if that fails."""
-    with tempfile.TemporaryDirectory(prefix="fsipetsc-") as place:
-        source, result = os.path.join(place, "kernels.c"), os.path.join(place, "kernels.so")
-        Path(source).write_text(text)
-        _run((*compiler(), *flags(), source, "-o", result, "-lm"), "compiling kernels")
-        return Path(result).read_bytes()
+    """The bytes of the library of a text in C; it takes seconds. InputError, FileError."""
+    try:
+        with tempfile.TemporaryDirectory(prefix="fsipetsc-") as place:
+            source, result = os.path.join(place, "kernels.c"), os.path.join(place, "kernels.so")
+            Path(source).write_text(text)
+            _run((*compiler(), *flags(), source, "-o", result, "-lm"), "compiling kernels")
+            return Path(result).read_bytes()
+    except OSError as error:
+        raise FileError(f"compiling kernels failed: {error.filename}: {error.strerror}") from error
+
+
+def end_compilers() -> None:
+    """End those that are at work."""
+    for process in tuple(_running):
+        process.kill()
 
 
 def keep(name: str, library: bytes) -> Path:
@@ -231,13 +248,25 @@ def _run(command: tuple[str, ...], doing: str) -> bytes:
     With close_fds=False Python starts it without a copy of this process, which MPI could not bear.
     """
     try:
-        ended = subprocess.run(
-            command, stdin=subprocess.DEVNULL, capture_output=True, close_fds=False
+        ended = subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            close_fds=False,
         )
     except OSError as error:
         raise InputError(f"{doing} failed: {command[0]}: {error.strerror}") from error
+    _running.add(ended)
+    try:
+        out, said = ended.communicate()
+    except BaseException:
+        ended.kill()
+        raise
+    finally:
+        _running.discard(ended)
     if ended.returncode != 0:
-        lines = ended.stderr.decode(errors="replace").strip().splitlines() or ["no message"]
+        lines = said.decode(errors="replace").strip().splitlines() or ["no message"]
         first = next((line for line in lines if "error" in line), lines[0])
         raise InputError(f"{doing} failed: {first} (the command was: {shlex.join(command)})")
-    return ended.stdout
+    return out

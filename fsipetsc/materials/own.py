@@ -7,18 +7,19 @@ made of functions here.
 """
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
+from itertools import count, islice
 from types import FunctionType
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.checks import described
+from fsipetsc.checks import counted, described
 from fsipetsc.equations.tensors import apply
 from fsipetsc.equations.vectors import scale, sub, zeros
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.symbols import NotRecorded, Record, Symbol
+from fsipetsc.kernels.symbols import CONDITIONS, Record, Symbol
 from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.neo_hookean import NeoHookean
 from fsipetsc.materials.perfect_gas import PerfectGas
@@ -193,7 +194,10 @@ def checked_law(law: Any, what: str, kind: Kind) -> Any:
         return law
     _check(what, kind, {name: given[name] for name in names & given.keys()}, "self, ")
     numbers = tuple(float(v) if isinstance(v, (int, float)) else v for v in law)
-    return _class(cls.__name__, cls._fields, {**_formulas(kind.derived), **given})(*numbers)
+    made = _class(cls.__name__, cls._fields, {**_formulas(kind.derived), **given})(*numbers)
+    for name, form in kind.forms().items() if kind is not SOLID else ():
+        _check_recorded(f"{what}: {name}", getattr(made, name), [0] * (1 + form.count(",")))
+    return made
 
 
 def knows_entropy(law: Any) -> bool:
@@ -210,11 +214,14 @@ def check_solid_law(law: Any, d: int) -> None:
     """InputError if the stress of a law of a case has not d*d numbers or is not dW/dF."""
     if not hasattr(type(law), "of_case"):
         return
-    F = tuple((np.eye(d).ravel() + 0.03 * np.cos(np.arange(d * d))).tolist())
+    n = d * d
+    shapes = {"stress": ((n,), n), "energy": ((n,), 0), "wave_modulus": ((n,), 0)}
+    for name, shape in {**shapes, "acoustic_tensor": ((n, d), n)}.items():
+        _check_recorded(f"solid_law: {name}", getattr(law, name), *shape)
+    F = tuple((np.eye(d).ravel() + 0.03 * np.cos(np.arange(n))).tolist())
     P = law.stress(F)
-    if not (isinstance(P, tuple) and len(P) == d * d and np.isfinite(P).all()):
-        found = f"{described(P)} at F = {F}: expected a tuple of {d * d} numbers"
-        raise InputError(f"stress of a solid law is {found}")
+    if not np.isfinite(P).all():
+        raise InputError(f"stress of a solid law is {described(P)} at F = {F}")
     for k in range(len(F)) if knows_energy(law) else ():
         slope = (law.energy(bumped(F, k, STEP)) - law.energy(bumped(F, k, -STEP))) / (2.0 * STEP)
         if not abs(slope - P[k]) <= 1e-5 * max(*map(abs, P), law.wave_modulus(F)):
@@ -230,14 +237,19 @@ def _law_of(kind: Kind, formulas: Mapping[str, Formula]) -> Any:
     for name, formula in formulas.items():
         methods[name] = _method(formula)
         if kind is not SOLID:  # whose number of arguments depends on the dimension
-            count = len(inspect.signature(formula).parameters)
-            _check_recorded(f"{kind.maker}: {name}", formula, count)
+            given = [0] * len(inspect.signature(formula).parameters)
+            _check_recorded(f"{kind.maker}: {name}", formula, given)
     return _class(kind.maker, (), methods)()
 
 
 def _method(formula: Formula) -> Formula:
     """The same as a method."""
-    return lambda self, *numbers: formula(*numbers)
+
+    def method(self, *numbers):
+        return formula(*numbers)
+
+    method.formula = formula
+    return method
 
 
 def _check(what: str, kind: Kind, given: Mapping[str, Formula], first: str) -> None:
@@ -257,17 +269,46 @@ def _check(what: str, kind: Kind, given: Mapping[str, Formula], first: str) -> N
             raise InputError(f"{what}: {name}({found}): expected {form}")
 
 
-def _check_recorded(what: str, formula: Formula, count: int) -> None:
-    """InputError if a formula of so many numbers cannot be recorded, or returns no number."""
+def _check_recorded(what: str, formula: Formula, given: Sequence[int], wanted: int = 0) -> None:
+    """InputError if a formula cannot be recorded, or does not return what it should. given, wanted:
+    its arguments and what it returns: 0 for a number, else a tuple of so many numbers.
+    """
     record = Record()
+    numbers = iter(record.given(f"x{k}") for k in count())
+    arguments = [tuple(islice(numbers, n)) if n else next(numbers) for n in given]
     try:
-        found = formula(*(record.given(f"x{k}") for k in range(count)))
-    except NotRecorded as error:
+        found = formula(*arguments)
+    except InputError as error:
         raise InputError(f"{what}: {error}") from error
     except Exception as error:  # of the user's function
-        raise InputError(f"{what}: {type(error).__name__}: {error}") from error
-    if not isinstance(found, (Symbol, float, int)):
-        raise InputError(f"{what} returns {described(found)}: expected a number")
+        raise InputError(f"{what}: {_place(formula)}{type(error).__name__}: {error}") from error
+    every = found if wanted and isinstance(found, tuple) else (found,)
+    if len(every) != max(wanted, 1) or not all(map(_is_number, every)):
+        expected = f"a tuple of {wanted} number{'s' * (wanted != 1)}" if wanted else "a number"
+        raise InputError(f"{what}: {_place(formula)}it returns {_said(found)}: expected {expected}")
+
+
+def _is_number(value: Any) -> bool:
+    if isinstance(value, Symbol):
+        return value.operation not in CONDITIONS
+    return isinstance(value, (float, int)) and not isinstance(value, bool)
+
+
+def _said(value: Any) -> str:
+    """What a formula returns, in a message."""
+    if isinstance(value, Symbol):
+        return "a condition" if value.operation in CONDITIONS else "a number"
+    if isinstance(value, (tuple, list)) and all(map(_is_number, value)):
+        return f"a {type(value).__name__} of {counted(len(value), 'number')}"
+    if isinstance(value, (tuple, list)):
+        return f"a {type(value).__name__} of other things than numbers"
+    return described(value)
+
+
+def _place(formula: Any) -> str:
+    """Name, file and line of a formula, as where one is refused."""
+    code = getattr(getattr(formula, "formula", formula), "__code__", None)
+    return f"{code.co_name}, {code.co_filename}:{code.co_firstlineno}: " if code else ""
 
 
 def _class(name: str, fields: tuple[str, ...], methods: Mapping[str, Formula]) -> type:

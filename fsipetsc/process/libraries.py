@@ -9,7 +9,7 @@ import ctypes
 import os
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 from fsipetsc.errors import FileError, FsiError
@@ -25,6 +25,7 @@ def libraries(
     announce: called on rank 0 before and after somebody compiles. InputError where there is no
     compiler, or it fails; FileError.
     """
+    build.tells = comm.rank == 0
     names = together(comm, lambda: [build.name_of(text) for text in texts])
     lacking = {name for name in names if build.kept(name) is None}
     #: name -> the rank that compiles it: the lowest one that lacks it
@@ -45,10 +46,9 @@ def _made(
         announce(f"compiling the kernels of this case ({_counted(len(makers))})")
     try:
         names = [name for name, rank in makers.items() if rank == comm.rank]
-        with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:  # who wait for compilers
-            for name, library in zip(names, pool.map(build.made, map(texts.get, names))):
-                mine[name] = library
-                build.keep(name, library)
+        for name, library in zip(names, _side_by_side([texts[name] for name in names])):
+            mine[name] = library
+            build.keep(name, library)
     except FsiError as error:
         fault = error
     wait_asleep(comm)  # who compiles may have this rank's core
@@ -56,6 +56,18 @@ def _made(
     if comm.rank == 0:
         announce(f"compiled in {time.monotonic() - begin:.1f} s")
     return {name: library for of_rank in comm.allgather(mine) for name, library in of_rank.items()}
+
+
+def _side_by_side(texts: Sequence[str]) -> Iterator[bytes]:
+    """Libraries of texts. If one fails, or a signal comes, nothing waits for the others."""
+    pool = ThreadPoolExecutor(len(os.sched_getaffinity(0)))  # threads that wait for compilers
+    try:
+        yield from pool.map(build.made, texts)
+    except BaseException:
+        build.end_compilers()
+        raise
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
 
 
 def _counted(count: int) -> str:

@@ -11,7 +11,6 @@ from fsipetsc.options import groups, read_options
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.streams import say
 from fsipetsc.process.together import Comm, together
-from fsipetsc.stepping.solve import build_problem, make_state
 
 
 def sections(arguments: Sequence[str]) -> Mapping[str, Any]:
@@ -24,6 +23,8 @@ def compile(arguments: list[str], comm: Comm) -> None:
     """The command, with the arguments after its name. Collective. InputError, FileError."""
     case = together(comm, lambda: _case(arguments))
     options = read_options(case, start_petsc(arguments[1:], comm))
+    from fsipetsc.stepping.solve import build_problem, make_state  # which start PETSc if none has
+
     announce = say if comm.rank == 0 and not options["fsi_quiet"] else lambda text: None
     with make_state(build_problem(case, options, comm), options, comm, announce):
         pass
