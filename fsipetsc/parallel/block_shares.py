@@ -14,8 +14,8 @@ import numpy as np
 
 from fsipetsc.errors import RanksError
 
-#: work of a node, relative to a solid's: measured for gas in entropy form
-COST = {"fluid": 1.9, "solid": 1.0}
+#: work of a node of gas in entropy form by dimension, relative to a solid's: measured
+COST = {1: 2.0, 2: 1.3, 3: 1.9}
 #: work [nodes of a solid] that sending and receiving one message costs
 MESSAGE = 100.0
 #: "auto" cuts blocks across materials only if that makes the slowest rank faster by this factor
@@ -46,7 +46,12 @@ class Extent:
     @property
     def work(self) -> float:
         """Of all nodes."""
-        return self.size * COST[self.kind]
+        return self.size * self.cost
+
+    @property
+    def cost(self) -> float:
+        """Of a node."""
+        return COST[len(self.shape)] if self.kind == "fluid" else 1.0
 
     @property
     def longest(self) -> int:
@@ -178,7 +183,7 @@ def slowest(extents: Sequence[Extent], shares: Sequence[Share], size: int) -> fl
                 sides = 0 if whole else 2 if extent.periodic[axis] else 2 - outer
                 nodes *= end - begin + 0.5 * sides * extent.halo
                 neighbours += sides
-            work[rank] += COST[extent.kind] * nodes + MESSAGE * neighbours
+            work[rank] += extent.cost * nodes + MESSAGE * neighbours
     return float(work.max())
 
 
@@ -202,7 +207,7 @@ def _physics(extents: Sequence[Extent], size: int) -> list[Share] | None:
 
 def _whole(extents: Sequence[Extent], size: int) -> list[int]:
     """A rank for each block, of fewer ranks than blocks: gas on the lower ones."""
-    of_kinds = [[k for k, e in enumerate(extents) if e.kind == kind] for kind in COST]
+    of_kinds = [[k for k, e in enumerate(extents) if e.kind == kind] for kind in ("fluid", "solid")]
     of_kinds = [blocks for blocks in of_kinds if blocks]
     work = [sum(extents[k].work for k in blocks) for blocks in of_kinds]
     counts = _apportion(work, list(map(len, of_kinds)), size)
