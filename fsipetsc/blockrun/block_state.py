@@ -269,8 +269,9 @@ class BlockState(State):
 
     def _find_extremes(self, now: BlockVector) -> None:
         """Bounds of all ranks, and this rank's shares of the integrals of a completed stage."""
-        said = float(self.results[SAID_STOP]) if self.fault is None else FAULT
-        self.scheme.monitor(now, said)
+        if self.fault is not None:
+            self.results[SAID_STOP] = FAULT
+        self.scheme.monitor(now)
 
     def instant(self) -> float:
         """A time [s] in which little happens, for differences in time: a power of two, so that it

@@ -125,10 +125,9 @@ class Scheme:
         self._does = {f.__name__: record(f.__name__, f, found) for f in of_step}
         self._does["begin_rates"] = record("begin_rates", stages.begin_rates, self._came)
         self._does["plan_next"] = state.planning = record("plan_next", plan_next, found.plan)
-        self._advance = [
-            record(f"advance_{number}", stages.advance(number), found)
-            for number in range(stages.STAGES)
-        ]
+        self._advance = [f"advance_{number}" for number in range(stages.STAGES)]
+        for number, name in enumerate(self._advance):
+            self._does[name] = record(name, stages.advance(number), found)
         codes = [*codes, self.particles.procedures(self._came), self._calling]
         made = libraries(comm, [code.text for code in codes], announce)
         for code, library in zip(codes, made, strict=True):
@@ -182,7 +181,7 @@ class Scheme:
 
     # phases: procedures, and exchanges between them
 
-    def _calls(self, phase: str, y: Array, f: Array) -> list[Any]:
+    def _calls(self, phase: str, y: Array, f: Array, to: Array) -> list[Any]:
         """The calls of a phase, with the world vectors that each takes. It reads as the method."""
         particles, parts = self.particles, self.parts.values()
         slips, stores, found = particles.slips, particles.stores, list[Any]()
@@ -241,19 +240,23 @@ class Scheme:
             call("weigh", of=(f,))
             exchange(particles.sums)
             call("end_rates")
+        if phase in self._advance:
+            call(phase, of=(to, f))
         if phase == "monitor":
+            call("begin_monitor")
             halos()
             each("monitor")
-        if phase == "reduce":
-            call("reduce")
+            if self._layout.comm.size > 1:
+                call("reduce")
+            call("note_extremes")
         return found
 
-    def _do(self, phases: str, y: Array, f: Array | None = None) -> None:
-        """Make the calls of phases, whose names have blanks between; f: y if not given."""
-        f = y if f is None else f
-        key = phases, y.ctypes.data, f.ctypes.data
+    def _do(self, phases: str, y: Array, f: Array | None = None, to: Array | None = None) -> None:
+        """Make the calls of phases, whose names have blanks between; f, to: y if not given."""
+        vectors = y, y if f is None else f, y if to is None else to
+        key = phases, *(vector.ctypes.data for vector in vectors)
         if key not in self._phases:
-            calls = [call for phase in phases.split() for call in self._calls(phase, y, f)]
+            calls = [call for phase in phases.split() for call in self._calls(phase, *vectors)]
             self._phases[key] = Calls(self._calling.library, calls)
         self._phases[key]()
 
@@ -273,26 +276,31 @@ class Scheme:
         dt: float,
         y: BlockVector,
         stage: BlockVector,
-        ends: Callable[[BlockVector], bool] = lambda now: False,
+        ends: Callable[[BlockVector], bool] | None = None,
     ) -> bool:
         """A step of the classical Runge-Kutta method from y at t [s] to the completed one at
         t + dt. Collective. It is PETSc's ``-ts_type rk -ts_rk_type 4`` up to round-off. y, stage:
         those of the state.
 
         It begins with what follows from y alone, so that a step after a restart has the same bits.
-        ends: called with each completed stage; where it says True, the step ends, and returns True.
+        ends: if given, called with each completed stage; where it says True, the step ends, and
+        returns True.
         """
         k, now = self._found.k, y
         self._found.now[1] = dt
-        for number, instant in enumerate((t, t + 0.5 * dt, t + 0.5 * dt, t + dt)):
-            self.complete(instant, now)
-            if number > 0 and ends(now):
-                return True
-            self.rates(instant, now, k)
-            now = stage if number < stages.STAGES - 1 else y
-            self._advance[number](now.array, k)
+        for name, instant in zip(self._advance, (t, t + 0.5 * dt, t + 0.5 * dt, t + dt)):
+            self._refresh(instant)
+            to = stage if name != self._advance[-1] else y
+            if ends is None:
+                self._do(f"share impose rates {name}", now.array, k, to.array)
+            else:
+                self._do("share impose", now.array)
+                if now is not y and ends(now):
+                    return True
+                self._do(f"rates {name}", now.array, k, to.array)
+            now = to
         self.complete(t + dt, y)
-        return ends(y)
+        return ends is not None and ends(y)
 
     def steps(self, t: float, dt: float) -> tuple[bool, float, float]:
         """Make the steps of a batch from t [s] on, the first of dt [s]. Returns whether all ended
@@ -303,31 +311,23 @@ class Scheme:
         if "batch" not in self._phases:
             calls: list[Any] = [(does["begin_step"], ())]
             for number, now in enumerate((found.y, *[found.stage] * (stages.STAGES - 1))):
-                for phase in ("share", "impose", "rates"):
-                    calls += self._calls(phase, now, found.k)
-                calls.append((self._advance[number], (found.stage, found.k)))
-            for phase in ("share", "impose"):
-                calls += self._calls(phase, found.stage, found.k)
-            calls += [(does["begin_monitor"], ()), *self._calls("monitor", found.stage, found.k)]
-            calls += [(does["reduce"], ())] * (self._layout.comm.size > 1)
-            calls += [(does["note_extremes"], ()), (does["note_gained"], (found.stage,))]
+                for phase in ("share", "impose", "rates", self._advance[number]):
+                    calls += self._calls(phase, now, found.k, found.stage)
+            for phase in ("share", "impose", "monitor"):
+                calls += self._calls(phase, found.stage, found.k, found.stage)
+            calls.append((does["note_gained"], (found.stage,)))
             self._phases["batch"] = Calls(self._calling.library, [*calls, (does["end_step"], ())])
         found.now[:] = t, dt
         results, batch = found.results, found.plan.batch
         self._phases["batch"].batch(results[BAD:], batch[ALLOWED:])
         return bool(results[BAD] == 0.0), float(found.now[0]), float(found.now[1])
 
-    def monitor(self, y: BlockVector, stop: float) -> None:
+    def monitor(self, y: BlockVector) -> None:
         """Put extremes of all ranks, shares of the integrals of this rank's nodes, and what is
-        recorded of interfaces, where the state has it; fill halos. y: the solution, completed;
-        stop: what this rank says of stopping. Collective.
+        recorded of interfaces, where the state has it; fill halos. y: the solution, completed.
+        Collective.
         """
-        self._does["begin_monitor"]()
         self._do("monitor", y.array)
-        self._found.extremes[0] = stop
-        if self._layout.comm.size > 1:
-            self._do("reduce", y.array)
-        self._does["note_extremes"]()
 
     def note_gained(self, y: BlockVector) -> None:
         """Put what came in into the record of the step."""
