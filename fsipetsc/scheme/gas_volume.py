@@ -14,7 +14,7 @@ from fsipetsc.scheme.gas_kernels import gas_kernels
 from fsipetsc.scheme.rows import Array, aligned
 
 #: most nodes of a tile along the first axis, by dimension; in three most rows along the second one
-TILES, DEPTH = {1: 232, 2: 72, 3: 72}, 8
+TILES, DEPTH = {1: 232, 2: 136, 3: 72}, 8
 #: nodes beside a tile that it reaches, at most
 MARGIN = 24
 #: zeros between two nodes with pairs of one distance that make two spans of them; most spans

@@ -43,8 +43,8 @@ def box(d: int, h: float, order: int, kappa_e: float = 0.02) -> Any:
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
-    """Changes of all dimensions. Entropy is that of the gases, beside a solid that takes no heat from
-    them: then it cannot fall.
+    """Changes of all dimensions. Entropy is that of the gases, beside a solid that takes no heat
+    from them: then it cannot fall.
     """
     errors: dict[str, float] = {}
     for d in (1, 2, 3):
