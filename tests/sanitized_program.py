@@ -1,0 +1,32 @@
+"""What sanitizers watch in tests/test_sanitize.py: gas and solid in two dimensions with all that
+faces and particles need, and the paper's method in one. Or, called with the word beyond, a number
+that is stored behind an array."""
+
+import sys
+
+import numpy as np
+from test_block_oracle import DAMPED, FACES, STICKING, check
+from test_paper_rates import RUNS, measured, state_of
+
+from fsipetsc.kernels import build
+from fsipetsc.kernels.procedure import Code, each
+from fsipetsc.kernels.unit import unit
+
+
+def beyond() -> None:
+    def store(y, f):
+        for i in each(y.shape[0]):
+            y[i + 1] = 0.0
+
+    code = Code(unit({}, []))
+    call = code.procedure("store", store)
+    code.load(build.loaded(build.keep(build.name_of(code.text), build.made(code.text))))
+    call(np.ones(5), np.ones(5))
+
+
+if sys.argv[1:] == ["beyond"]:
+    beyond()
+else:
+    kinds = FACES["rolling"]
+    check("walls", STICKING, 4, lambda of: kinds.get(of, kinds.get(of[0])), 0.3, 1e-8, **DAMPED)
+    measured(state_of(**RUNS["open"]))
