@@ -192,6 +192,16 @@ def test_a_step_that_ends_badly_is_made_in_parts():
         assert run.results[plan.BAD] == 1.0
 
 
+def test_a_batch_knows_where_its_last_step_began():
+    """A state that is sound, but allows no further step, is looked into from there."""
+    shape = {"gas": shapes.box((0.0,), (1.0,), 21)}
+    with Steps(problem_of(shape, CLOSED, gas(1), None)) as run:
+        assert run._steps(0.0, 1e-3)[0]
+        first = run.y.array.copy()
+        assert run._steps(1e-3, 1e-3)[0]
+        assert np.array_equal(run.before, first) and not np.array_equal(run.y.array, first)
+
+
 def planned(target, allowed, *, rate=10.0, fixed=0.0, end=None, flag=plan.STOP):
     """Lengths of the steps of a batch from t = 0 with Courant number 0.8, by its journal."""
     batch, results = np.zeros(plan.BATCH), np.zeros(plan.FLAGS + plan.LIMITS)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from helpers import message, solve
+from recorded import recorded
 
 import fsipetsc
 from fsipetsc.blocks.block import Block
@@ -16,6 +17,7 @@ from fsipetsc.blocks.maps import rectangle
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
+from fsipetsc.kernels.procedure import each
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.own import gas_law, solid_law, transport_law
@@ -316,3 +318,39 @@ def test_a_perfect_gas_of_functions_in_the_case_box(tmp_path):
         for name in ("u", "T"):
             np.testing.assert_allclose(other[name][-1], one[name][-1], rtol=1e-8, atol=1e-8)
     assert np.ptp(own.layers[1]["u"][-1]) > 1e-3
+
+
+class Tabled(NamedTuple):
+    """A gas law whose numbers are whole, in a tuple, with a bool that chooses a formula."""
+
+    numbers: tuple
+    plain: bool
+
+    def pressure(self, rho, T):
+        return self.numbers[0] * rho * T if self.plain else 0.0 * T
+
+    def internal_energy(self, rho, T):
+        return self.numbers[1] * T
+
+    def temperature(self, rho, e):
+        return e / self.numbers[1]
+
+    def density(self, p, T):
+        return p / (self.numbers[0] * T)
+
+    def temperature_of(self, rho, p):
+        return p / (self.numbers[0] * rho)
+
+
+def test_whole_numbers_in_tuples_and_bools_of_a_law():
+    law = Fluid(0, 0, 2, 287, law=Tabled((287, 700), True)).gas_law
+    assert law.numbers == (287.0, 700.0) and law.plain is True
+    assert all(type(number) is float for number in law.numbers)
+
+    def pressure_of(part, y):
+        for i in each(y.size):
+            y[i] = part[0].pressure(2.0, y[i])
+
+    y = np.array([3.0])
+    recorded(pressure_of, (law,))(y)
+    assert y[0] == 287.0 * 2.0 * 3.0

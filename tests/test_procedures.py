@@ -173,3 +173,29 @@ def test_facts_are_known_and_fields_of_records_are_set():
     assert y.tolist() == [1.5, 2.5] and "1.5" in found.text
     assert rows["first"].tolist() == [0, 1] and rows["place"].tolist() == [0.0, 1.5]
     assert rows["data"].tolist() == [[3.0, 3.0], [3.0, 6.0]]
+
+
+def test_what_ends_before_the_end():
+    def shift(part, y):
+        """All numbers but the last one; the last two."""
+        for i in each(y[:-1].size):
+            y[i] = 2.0 * y[i]
+        y[-2:] = 7.0
+
+    y = np.arange(5.0)
+    made(shift, part())(y)
+    assert np.array_equal(y, [0.0, 2.0, 4.0, 7.0, 7.0])
+
+
+def test_arrays_and_loops_that_c_would_take_wrongly():
+    def first(part, y):
+        """Python leaves a loop that C goes on with."""
+        for i in each(y.size):
+            y[i] = 1.0
+            break
+
+    with pytest.raises(ValueError, match="break or return within a loop"):
+        made(first, part())
+    for kind in (np.float32, np.int32, bool):
+        with pytest.raises(TypeError, match="float64 and int64"):
+            made(lambda of, y: None, Part(Inner(np.zeros((2, 3)), 0.5), np.zeros(3, kind), 1, True))

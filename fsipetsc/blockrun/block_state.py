@@ -53,10 +53,10 @@ class BlockState(State):
     fsipetsc.scheme.plan. journal, latest: records of steps, with this rank's shares of integrals;
     rows, latest_numbers: the same as numbers. rates: (blocks, 2), largest ones of convection and
     diffusion [1/s]; extremes: what the monitor finds. h: size of the smallest cells [m].
-    recorded: nodes to be recorded at each step. orders: block -> what brings its nodes into the
-    order in which they are saved. announce: called on rank 0, with a message, before and after
-    kernels are compiled. loose: gases on which a constant force acts node by node. InputError where
-    blocks, order and ranks do not fit.
+    before: y where the last step began. recorded: nodes to be recorded at each step. orders: block
+    -> what brings its nodes into the order in which they are saved. announce: called on rank 0,
+    with a message, before and after kernels are compiled. loose: gases on which a constant force
+    acts node by node. InputError where blocks, order and ranks do not fit.
     """
 
     def __init__(
@@ -84,7 +84,7 @@ class BlockState(State):
         self.rows, self.latest_numbers = self._lay_journal(record, KEPT)
         self.extremes = np.zeros(1 + MONITORED * len(problem.blocks))
         self.rates = np.zeros((len(problem.blocks), 2))
-        self._before, self.retries = np.empty_like(self.y.array), 0
+        self.before, self.retries = np.empty_like(self.y.array), 0
         self._tried = 1  # in how many parts the last step was made
         self._noted: set[int] = set()  # solids of which it was said that they are beyond their law
         self.scheme = Scheme(self, order, form, announce)
@@ -192,11 +192,12 @@ class BlockState(State):
         self._t = found[1]
         self.y.fill_halos()
         self.evaluations += STAGES * max(int(self.batch[MADE] - made), int(found[0]))
+        self._tried = 1
         return found
 
     def _advance(self, t: float, dt: float) -> None:
         """Make the step; one that leaves an unphysical state is made anew in 2, 4 … parts."""
-        self._before[:], rate = self.y.array, self.results[RATE]
+        self.before[:], rate = self.y.array, self.results[RATE]
         for parts in PARTS:
             for part in range(parts):
                 self.evaluations += STAGES
@@ -206,7 +207,7 @@ class BlockState(State):
             self._monitor()
             if self.results[BAD] == 0.0 or parts == PARTS[-1]:
                 break
-            self.y.array[:], self.results[RATE] = self._before, rate
+            self.y.array[:], self.results[RATE] = self.before, rate
             self.scheme.forget()
             self.retries += 1
 
@@ -216,7 +217,7 @@ class BlockState(State):
         self.solution.stateIncrease()
         self._monitor()
         if not self._failed:
-            self._before[:] = self.y.array
+            self.before[:] = self.y.array
 
     @property
     def _failed(self) -> bool:
@@ -234,7 +235,7 @@ class BlockState(State):
         last, dt = self.y.array.copy(), float(self.batch[DT]) / self._tried
         end = float(self.batch[TIME])
         begin = end - dt * self._tried
-        self.y.array[:] = self._before
+        self.y.array[:] = self.before
         self.scheme.forget()
         self._find_extremes(self.y)
         said = "; ".join(imaginary_waves(self, begin, set())) or most_crushed(self)
@@ -317,7 +318,7 @@ class BlockState(State):
         self._t = t
         for k, part in self.layout.parts.items():
             self.y.owned(k)[:] = arrays[f"layer{k}"].reshape(-1, part.dof)[part.numbers]
-        self._before[:] = self.y.array
+        self.before[:] = self.y.array
         self._load_stage(self.y.array)  # what the scheme derives of it; it stays as it is
         self.y.fill_halos()
         agree(self.comm, self.fault)

@@ -99,7 +99,8 @@ class Scheme:
         first = slices(state.latest.dtype).get(OF_INTERFACES[0], slice(0, 0))
         ends = slice(first.start, first.start + len(OF_INTERFACES) * (first.stop - first.start))
         at_ends = state.latest_numbers[ends].reshape(len(OF_INTERFACES), -1)
-        memory = state.y.array, state.stage.array, *np.zeros((3, state.layout.local_size))
+        rates_and_total = np.zeros((2, state.layout.local_size))
+        memory = state.y.array, state.stage.array, *rates_and_total, state.before
         noted = state.extremes, state.rates, state.results, state.latest_numbers, at_ends, pace
         return stages.Found(*memory, self._came, *noted, state.plan, np.zeros(2))
 

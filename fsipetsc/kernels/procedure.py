@@ -369,13 +369,15 @@ class Array(NDArrayOperatorsMixin):
             if isinstance(one, slice):
                 if k != len(at) - 1 or one.step is not None:
                     raise refuse("a part of an array is a range of its last index that is given")
-                first = 0 if one.start is None else one.start
-                last = self.shape[k] if one.stop is None else one.stop
+                first = self._from_end(k, 0 if one.start is None else one.start)
+                last = self._from_end(k, self.shape[k] if one.stop is None else one.stop)
                 return first * steps[k] + offset, (last - first, *self.shape[k + 1 :])
-            if isinstance(one, (int, np.integer)) and one < 0:
-                one = self.shape[k] - int(-one)
-            offset = one * steps[k] + offset
+            offset = self._from_end(k, one) * steps[k] + offset
         return offset, self.shape[len(at) :]
+
+    def _from_end(self, k: int, at: Any) -> Any:
+        """An index of axis k; one below 0 counts from the end."""
+        return self.shape[k] + at if isinstance(at, (int, np.integer)) and at < 0 else at
 
     def __getitem__(self, at: Any) -> Any:
         offset, shape = self._place(at)
@@ -483,6 +485,8 @@ class Procedure:
             function(*given, *worlds)
         finally:
             _recordings.pop()
+        if record.blocks[-1] is not top:
+            raise ValueError(f"{name}: break or return within a loop of each(n): write stop(c)")
         self.vectors = vectors
         self.text = self._text(function, record, top)
         self._structure: Any = None
@@ -497,7 +501,9 @@ class Procedure:
         if isinstance(value, np.ndarray):
             if not value.flags.c_contiguous:
                 raise ValueError(f"{name} is not contiguous")
-            kind = "char" if value.dtype.names else _KINDS[value.dtype.kind]
+            kind = "char" if value.dtype.names else _KINDS.get(value.dtype.kind)
+            if kind is None or (kind != "char" and value.dtype.itemsize != 8):
+                raise TypeError(f"{name} is of {value.dtype}: arrays are of float64 and int64")
             base = self._field(name, f"{kind} *", value)
             shape = [
                 Index(self._field(f"{name}_n{k}", "long ", length))

@@ -193,11 +193,17 @@ def checked_law(law: Any, what: str, kind: Kind) -> Any:
     if cls.__module__.startswith("fsipetsc.") and names <= given.keys():
         return law
     _check(what, kind, {name: given[name] for name in names & given.keys()}, "self, ")
-    numbers = tuple(float(v) if isinstance(v, (int, float)) else v for v in law)
-    made = _class(cls.__name__, cls._fields, {**_formulas(kind.derived), **given})(*numbers)
+    made = _class(cls.__name__, cls._fields, {**_formulas(kind.derived), **given})(*_floats([*law]))
     for name, form in kind.forms().items() if kind is not SOLID else ():
         _check_recorded(f"{what}: {name}", getattr(made, name), [0] * (1 + form.count(",")))
     return made
+
+
+def _floats(of: Any) -> Any:
+    """Numbers as floats, also those in tuples; bools say what is recorded, and stay."""
+    if isinstance(of, list) or type(of) is tuple:
+        return type(of)(map(_floats, of))
+    return float(of) if isinstance(of, (int, float)) and not isinstance(of, bool) else of
 
 
 def knows_entropy(law: Any) -> bool:
