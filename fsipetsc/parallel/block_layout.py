@@ -211,7 +211,7 @@ class BlockLayout:
         return array[self.parts[k].begin : self.parts[k].end].reshape(self.dofs[k], -1).T
 
     def destroy(self) -> None:
-        """Destroy vectors and DMDAs, then their communicators. Collective."""
+        """Release the messages and DMDAs, then their communicators. Collective."""
         for part in self.parts.values():
             part.halo.destroy()
             part.dm.destroy()
