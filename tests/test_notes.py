@@ -97,7 +97,7 @@ def test_gas_that_flows_in_through_an_outflow_is_told(side):
         with BlockState(MPI.COMM_SELF, BlockProblem((block,), faces), 2) as state:
             state.check_data()
             state.y.owned(0)[:, 2] = u * state.y.owned(0)[:, 1]
-            state.y.fill_halos()
+            state.scheme.fill_halos(state.y)
             said = state.inflows()
         assert len(said) == told
         for words in said:

@@ -190,7 +190,7 @@ class BlockState(State):
         made = self.batch[MADE]
         found = self.scheme.steps(t, dt)
         self._t = found[1]
-        self.y.fill_halos()
+        self.scheme.fill_halos(self.y)
         self.evaluations += STAGES * max(int(self.batch[MADE] - made), int(found[0]))
         self._tried = 1
         return found
@@ -320,7 +320,7 @@ class BlockState(State):
             self.y.owned(k)[:] = arrays[f"layer{k}"].reshape(-1, part.dof)[part.numbers]
         self.before[:] = self.y.array
         self._load_stage(self.y.array)  # what the scheme derives of it; it stays as it is
-        self.y.fill_halos()
+        self.scheme.fill_halos(self.y)
         agree(self.comm, self.fault)
 
     # what is saved and said

@@ -201,7 +201,8 @@ class Scheme:
 
         def halos() -> None:
             for part in self._layout.parts.values():
-                exchange(part.halo)
+                if part.has_halo:
+                    exchange(part.halo)
             each("images")
 
         def follow() -> None:
@@ -243,6 +244,8 @@ class Scheme:
             call("end_rates")
         if phase in self._advance:
             call(phase, of=(to, f))
+        if phase == "halos":
+            halos()
         if phase == "monitor":
             call("begin_monitor")
             halos()
@@ -329,6 +332,10 @@ class Scheme:
         Collective.
         """
         self._do("monitor", y.array)
+
+    def fill_halos(self, y: BlockVector) -> None:
+        """Fill the ghosted arrays of all parts. Collective."""
+        self._do("halos", y.array)
 
     def note_gained(self, y: BlockVector) -> None:
         """Put what came in into the record of the step."""

@@ -36,7 +36,6 @@ class Layer:
 
     def __init__(
         self,
-        comm: MPI.Comm,
         layer: Any,
         records: Array,
         share: Sequence[tuple[int, int, int]],

@@ -98,7 +98,7 @@ class PaperState(State):
         _, latest = self._lay_journal(record, CAPACITY)
         self._notes = latest[:noted]
         self.layers = [
-            Layer(comm, layer, self.records[k:][:1], share, op, memory, int(begins[k]), self.batch)
+            Layer(layer, self.records[k:][:1], share, op, memory, int(begins[k]), self.batch)
             for k, (layer, share) in enumerate(zip(problem.layers, self.shares, strict=True))
         ]
         self.here = [layer for layer in self.layers if layer.present]

@@ -211,7 +211,7 @@ class BlockLayout:
         return array[self.parts[k].begin : self.parts[k].end].reshape(self.dofs[k], -1).T
 
     def destroy(self) -> None:
-        """Destroy vectors and DMDAs, then their communicators. Collective."""
+        """Release the messages and DMDAs, then their communicators. Collective."""
         for part in self.parts.values():
             part.halo.destroy()
             part.dm.destroy()
@@ -234,25 +234,10 @@ class BlockVector:
         """View of the auxiliary unknowns."""
         return self.array[self.array.size - self._layout.auxiliary :]
 
-    def fill_halos(self) -> None:
-        """Fill the ghosted arrays. Collective."""
-        for part in self._layout.parts.values():
-            if part.has_halo:
-                part.halo(self.array)
-                fill_images(part)
-
     def ghosted(self, k: int) -> Array:
-        """(N, dof): block k with halos, as of the last ``end``; without halos the owned part."""
+        """(N, dof): block k with halos, as they were filled last; without halos the owned part."""
         part = self._layout.parts[k]
         return part.local.T if part.has_halo else self.owned(k)
-
-
-def fill_images(part: Part) -> None:
-    """Let what a part has before its first node along the last axis be images of what is behind."""
-    d, rows = len(part.ghosted), part.patch.first[len(part.ghosted) - 1]
-    if part.signs.size:
-        lines = part.local.reshape(part.dof, part.patch.ghosted[d - 1], -1)
-        lines[:, :rows] = part.signs[:, None, None] * lines[:, rows : 2 * rows][:, ::-1]
 
 
 class FaceGather(Exchange):
