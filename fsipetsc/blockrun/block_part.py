@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fsipetsc.blame import place_in, reason
 from fsipetsc.blockrun.columns import fields_of
 from fsipetsc.blockrun.face_terms import FaceTerms
 from fsipetsc.blocks.values import block_values
@@ -71,9 +72,11 @@ class BlockPart:
             return self._record(about)
         except FsiError as error:
             raise InputError(f"{self.block}: {error}", collective=False) from error
-        except Exception as error:  # of a function of the case
-            reason = (str(error).strip() or repr(error)).splitlines()[0]
-            words = f"a law of {self.block} cannot be recorded: {reason}"
+        except Exception as error:
+            place = place_in(error)  # in the case; else it is a fault of this program
+            if not place:
+                raise
+            words = f"{place}: a law of {self.block} cannot be recorded: {reason(error)}"
             raise InputError(words, collective=False) from error
 
     def _record(self, about: Recorded) -> Code:

@@ -1,6 +1,9 @@
 /* Exchanges of numbers between ranks, as procedures: see fsipetsc/parallel/exchange.py. MPI's
    functions and handles come from mpi4py, so that no header of MPI is needed. */
 
+#include <stdio.h>
+#include <stdlib.h>
+
 struct run { long from, to, count; }; /* numbers side by side */
 struct copies { const struct run *runs; long count; double *buffer; };
 struct exchange {
@@ -23,13 +26,20 @@ static void copy_runs(const struct copies *c, const double *of, double *to) {
   }
 }
 
+/* End this rank, and with it the others, if a function of MPI failed. */
+static void check(int code) {
+  if (code == 0) return;
+  fputs("fsipetsc: error: a message between ranks failed\n", stderr);
+  abort();
+}
+
 void exchange(const struct exchange *e, double *y, long y_size, double *f, long f_size) {
   (void)y_size, (void)f, (void)f_size;
   const double *source = e->source ? e->source : y + e->begin;
   copy_runs(&e->sent, source, e->sent.buffer);
-  if (e->messages) e->start_all((int)e->messages, e->requests);
+  if (e->messages) check(e->start_all((int)e->messages, e->requests));
   copy_runs(&e->own, source, e->target);
-  if (e->messages) e->wait_all((int)e->messages, e->requests, e->statuses);
+  if (e->messages) check(e->wait_all((int)e->messages, e->requests, e->statuses));
   copy_runs(&e->received, e->received.buffer, e->target);
 }
 
@@ -44,5 +54,5 @@ struct reduction {
 void reduce(const struct reduction *r, double *y, long y_size, double *f, long f_size) {
   (void)y, (void)y_size, (void)f, (void)f_size;
   memcpy(r->room, r->numbers, r->count * sizeof(double));
-  r->all_reduce(r->room, r->numbers, (int)r->count, r->type, r->operation, r->comm);
+  check(r->all_reduce(r->room, r->numbers, (int)r->count, r->type, r->operation, r->comm));
 }
