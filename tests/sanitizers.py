@@ -21,10 +21,11 @@ from pathlib import Path
 
 from helpers import REPOSITORY, environment
 
-#: tests of what computes, in one process, and of the exchanges of several (halo)
+#: tests of what computes, in one process, and of the exchanges of several (halo). Not test_kernels:
+#: it has compilers of its own, and damages a library that is loaded
 TESTS = (
     *("block_conditions", "block_layers", "block_ledgers", "block_monitor", "block_oracle"),
-    *("gases_apart", "gravity", "kernels", "paper_ends", "paper_rates", "procedures", "radial"),
+    *("elementary", "gases_apart", "gravity", "paper_ends", "paper_rates", "procedures", "radial"),
     *("prescribed", "riemann", "sensor", "solid_laws", "solid_part", "tiles"),
     *("where_faces_meet", "halo"),
 )
