@@ -314,12 +314,15 @@ class Scheme:
         found, does = self._found, self._does
         if "batch" not in self._phases:
             calls: list[Any] = [(does["begin_step"], ())]
-            for number, now in enumerate((found.y, *[found.stage] * (stages.STAGES - 1))):
-                for phase in ("share", "impose", "rates", self._advance[number]):
-                    calls += self._calls(phase, now, found.k, found.stage)
+            now = found.y
+            for name in self._advance:
+                to = found.stage if name != self._advance[-1] else found.y
+                for phase in ("share", "impose", "rates", name):
+                    calls += self._calls(phase, now, found.k, to)
+                now = to
             for phase in ("share", "impose", "monitor"):
-                calls += self._calls(phase, found.stage, found.k, found.stage)
-            calls.append((does["note_gained"], (found.stage,)))
+                calls += self._calls(phase, now, found.k, now)
+            calls.append((does["note_gained"], (now,)))
             self._phases["batch"] = Calls(self._calling.library, [*calls, (does["end_step"], ())])
         found.now[:] = t, dt
         results, batch = found.results, found.plan.batch

@@ -120,12 +120,9 @@ def note_gained(found, y):
 
 
 def end_step(found):
-    """If all is well, the stage becomes the solution, and the next step is planned; else the
-    solution goes back to what it was before the step.
-    """
+    """If all is well, plan the next step; else let the solution be what it was before this one."""
     now, batch = found.now, found.plan.batch
     with when(found.results[BAD] == 0.0):
-        copy(found.stage, found.y)
         now[0] += now[1]
         plan_next(found.plan)
         now[1] = batch[DT]
