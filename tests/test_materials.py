@@ -354,3 +354,19 @@ def test_whole_numbers_in_tuples_and_bools_of_a_law():
     y = np.array([3.0])
     recorded(pressure_of, (law,))(y)
     assert y[0] == 287.0 * 2.0 * 3.0
+
+
+def test_derivatives_of_a_law_of_a_case_are_exact():
+    """They follow from the recorded formula: no differences of nearly equal numbers."""
+    law = gas_law(
+        pressure=lambda rho, T: rho * T / (1.0 - 0.1 * rho) - 0.3 * rho**2,
+        internal_energy=lambda rho, T: 2.5 * T + 0.01 * T**2 - 0.3 * rho,
+        temperature=lambda rho, e: e,
+        density=lambda p, T: p / T,
+        temperature_of=lambda rho, p: p / rho,
+    )
+    rho, T = np.array([0.3, 1.7]), np.array([1.2, 0.4])
+    wanted = rho * (T / (1.0 - 0.1 * rho) ** 2 - 0.6 * rho)
+    np.testing.assert_allclose(law.bulk_modulus(rho, T), wanted, rtol=1e-15)
+    np.testing.assert_allclose(law.heat_capacity(rho, T), 2.5 + 0.02 * T, rtol=1e-15)
+    np.testing.assert_allclose(law.pressure_by_temperature(1.7, 0.4), 1.7 / 0.83, rtol=1e-15)

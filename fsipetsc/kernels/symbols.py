@@ -14,7 +14,7 @@ Only changes that keep every bit are made: operations on constants are done here
 
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -271,7 +271,7 @@ def derivatives(values: Sequence[Any], by: Symbol) -> tuple[Any, ...]:
     record = by.record
     one, nothing = record.constant(1.0), record.constant(0.0)
     found: dict[int, Symbol] = {by.number: one}
-    for symbol in tuple(record.symbols):
+    for symbol in _needed(map(record.constant, values)):
         if symbol is by or all(operand.number not in found for operand in symbol.operands):
             continue
         changes = [found.get(operand.number, nothing) for operand in symbol.operands]
@@ -279,6 +279,36 @@ def derivatives(values: Sequence[Any], by: Symbol) -> tuple[Any, ...]:
         if change is not nothing:
             found[symbol.number] = change
     return tuple(found.get(record.constant(value).number, nothing) for value in values)
+
+
+def _needed(wanted: Iterable[Symbol]) -> list[Symbol]:
+    """These symbols and all that they are made of, each after its operands."""
+    found, left = dict[int, Symbol](), list(wanted)
+    while left:
+        symbol = left.pop()
+        if symbol.number not in found:
+            found[symbol.number] = symbol
+            left.extend(symbol.operands)
+    return [found[number] for number in sorted(found)]
+
+
+def replay(wanted: Sequence[Symbol], known: Mapping[Symbol, Any]) -> list[Any]:
+    """What symbols are where those that are given are ``known``: numbers, arrays, or symbols of
+    another record.
+    """
+    values = {symbol.number: value for symbol, value in known.items()}
+    with np.errstate(all="ignore"):
+        for symbol in _needed(wanted):
+            if symbol.value is not None:
+                values[symbol.number] = symbol.value
+            elif symbol.number not in values:
+                operands = (values[operand.number] for operand in symbol.operands)
+                values[symbol.number] = _FUNCTIONS[symbol.operation](*operands)
+    return [values[symbol.number] for symbol in wanted]
+
+
+#: numpy's function of an operation
+_FUNCTIONS = {name: of for of, name in reversed(OPERATIONS.items())} | {"where": np.where}
 
 
 def _change(y: Symbol, changes: list[Symbol]) -> Any:

@@ -17,9 +17,9 @@ import numpy as np
 
 from fsipetsc.checks import counted, described
 from fsipetsc.equations.tensors import apply
-from fsipetsc.equations.vectors import scale, sub, zeros
+from fsipetsc.equations.vectors import add, zeros
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.symbols import CONDITIONS, Record, Symbol
+from fsipetsc.kernels.symbols import CONDITIONS, Record, Symbol, derivatives, replay
 from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.neo_hookean import NeoHookean
 from fsipetsc.materials.perfect_gas import PerfectGas
@@ -40,18 +40,15 @@ class _Gas:
 
     def heat_capacity(self, rho, T):
         """de/dT [J/(kg K)]."""
-        dT = STEP * T
-        return (self.internal_energy(rho, T + dT) - self.internal_energy(rho, T - dT)) / (2.0 * dT)
+        return along(self, lambda law, x: law.internal_energy(*x), (rho, T), (0.0, 1.0))
 
     def bulk_modulus(self, rho, T):
         """rho dp/drho [Pa]."""
-        more, less = self.pressure(rho + STEP * rho, T), self.pressure(rho - STEP * rho, T)
-        return (more - less) / (2.0 * STEP)
+        return rho * along(self, lambda law, x: law.pressure(*x), (rho, T), (1.0, 0.0))
 
     def pressure_by_temperature(self, rho, T):
         """dp/dT [Pa/K]."""
-        dT = STEP * T
-        return (self.pressure(rho, T + dT) - self.pressure(rho, T - dT)) / (2.0 * dT)
+        return along(self, lambda law, x: law.pressure(*x), (rho, T), (0.0, 1.0))
 
     def sound_speed_squared(self, rho, T):
         """dp/drho + T/(rho^2 cv) (dp/dT)^2 [m2/s2]."""
@@ -68,41 +65,51 @@ def bumped(F, n, step):
     return tuple(entry + step * (n == m) for m, entry in enumerate(F))
 
 
-def pulled(F, k, step, N):
-    """F with step N added to its row k."""
-    d = len(N)
-    return tuple(entry + step * N[m % d] * (k == m // d) for m, entry in enumerate(F))
+def along(law, formula, numbers, direction):
+    """The derivative of formula(law, numbers) along a direction, exactly: the formula is recorded,
+    and its derivative follows from that. Numbers of the direction that are floats become constants.
+    """
+    record, known = Record(), dict[Symbol, Any]()
 
+    def given(value):
+        """What stands for a number, or for all of a tuple of them."""
+        if isinstance(value, tuple):
+            made = [given(part) for part in value]
+            return type(value)(*made) if hasattr(value, "_fields") else tuple(made)
+        if isinstance(value, (bool, str)) or value is None:
+            return value
+        symbol = record.given(f"x{len(known)}")
+        known[symbol] = value
+        return symbol
 
-def add_column(Q, k, v):
-    """Q with v added to its column k."""
-    d = len(v)
-    return tuple(entry + v[m // d] * (k == m % d) for m, entry in enumerate(Q))
-
-
-def add_slopes(a, c, P, Q):
-    """a + c |P - Q|, entry by entry."""
-    return tuple(entry + c * abs(p - q) for entry, p, q in zip(a, P, Q, strict=True))
+    step = given(0.0)
+    ways = (n if isinstance(n, float) else given(n) for n in direction)
+    moved = tuple(given(x) + step * way for x, way in zip(numbers, ways, strict=True))
+    found = formula(given(law), moved)
+    values = found if isinstance(found, tuple) else (found,)
+    slopes = replay(derivatives(values, step), known)
+    return tuple(slopes) if isinstance(found, tuple) else slopes[0]
 
 
 class _Solid:
     """What is not given of a solid law."""
 
     def wave_modulus(self, F):
-        """Upper bound of m0 c^2 [Pa]: the largest row of dP/dF, by differences."""
+        """Upper bound of m0 c^2 [Pa]: the largest row of dP/dF."""
         rows = zeros(F)
         for n in range(len(F)):
-            more, less = self.stress(bumped(F, n, STEP)), self.stress(bumped(F, n, -STEP))
-            rows = add_slopes(rows, 0.5 / STEP, more, less)
+            ways = tuple(float(m == n) for m in range(len(F)))
+            slopes = along(self, lambda law, F: law.stress(F), F, ways)
+            rows = add(rows, tuple(abs(slope) for slope in slopes))
         return reduce(np.maximum, rows)
 
     def acoustic_tensor(self, F, N):
-        """Q_ik = N_j N_l dP_ij/dF_kl [Pa], by differences."""
-        Q = zeros(F)
-        for k in range(len(N)):
-            more, less = self.stress(pulled(F, k, STEP, N)), self.stress(pulled(F, k, -STEP, N))
-            Q = add_column(Q, k, scale(0.5 / STEP, sub(apply(more, N), apply(less, N))))
-        return Q
+        """Q_ik = N_j N_l dP_ij/dF_kl [Pa]."""
+        d, columns = len(N), []
+        for k in range(d):
+            ways = tuple(N[m % d] if m // d == k else 0.0 for m in range(d * d))
+            columns.append(apply(along(self, lambda law, F: law.stress(F), F, ways), N))
+        return tuple(columns[k][i] for i in range(d) for k in range(d))
 
     def energy(self, F):
         """Nothing: heat 'elastic' is refused."""
@@ -114,14 +121,13 @@ class _Pressure:
 
     def pressure_by_temperature(self, J, T, m0, alpha):
         """dp/dT [Pa/K]."""
-        dT = STEP * (1.0 + abs(T))
-        more, less = self.pressure(J, T + dT, m0, alpha), self.pressure(J, T - dT, m0, alpha)
-        return (more - less) / (2.0 * dT)
+        way = 0.0, 1.0, 0.0, 0.0
+        return along(self, lambda law, x: law.pressure(*x), (J, T, m0, alpha), way)
 
     def stiffness(self, J, T, m0, alpha):
         """-J dp/dJ [Pa]."""
-        less = self.pressure(J - STEP * J, T, m0, alpha)
-        return (less - self.pressure(J + STEP * J, T, m0, alpha)) / (2.0 * STEP)
+        way = 1.0, 0.0, 0.0, 0.0
+        return -J * along(self, lambda law, x: law.pressure(*x), (J, T, m0, alpha), way)
 
 
 class Kind(NamedTuple):
@@ -169,8 +175,8 @@ def solid_law(**formulas: Formula) -> Any:
     """A solid law of stress(F) -> P = dW/dF [Pa], d*d numbers each, row by row.
 
     energy(F) -> W [J/m3] is needed for heat 'elastic'; wave_modulus(F) -> largest m0 c^2 [Pa] and
-    acoustic_tensor(F, N) -> d*d numbers N_j N_l dP_ij/dF_kl [Pa] are else found by differences of
-    the stress. p_ref of the solid is not added. InputError.
+    acoustic_tensor(F, N) -> d*d numbers N_j N_l dP_ij/dF_kl [Pa] else follow from the
+    stress. p_ref of the solid is not added. InputError.
     """
     return _law_of(SOLID, formulas)
 
@@ -179,7 +185,7 @@ def pressure_law(pressure: Formula, **more: Formula) -> Any:
     """The pressure of a solid, pressure(J, T, m0, alpha) -> p [Pa]. InputError.
 
     more: dp/dT and -J dp/dJ, pressure_by_temperature and stiffness of the same arguments, which the
-    paper's couplings need and else find by differences.
+    paper's couplings need; else they follow from it.
     """
     return _law_of(PRESSURE, {"pressure": pressure, **more})
 
