@@ -35,7 +35,8 @@ def test_table(tmp_path):
     # a ratio of two samples is the mean of their ratios, so is that of the medians
     assert float(rows[0]["ratio"]) == pytest.approx(one / 2.5, rel=6e-3)
     assert rows[0]["speed_up"] == "" and float(rows[1]["speed_up"]) > 0.0
-    # of the rod's 6 m in three layers, and of two blocks: all points of all ranks, four stages
-    for row, points in zip(rows, (243, 243, 48, 48), strict=True):
+    # of the rod's 6 m in three layers, and of two blocks: all points of all ranks, four stages; the
+    # rod has one or two more once its gases move, as points come and go
+    for row, points, more in zip(rows, (243, 243, 48, 48), (2, 2, 0, 0), strict=True):
         nodes = 1e3 * float(row["step_us"]) / (4 * float(row["ns_node_rhs"]))
-        assert nodes == pytest.approx(points, rel=6e-3)
+        assert (1.0 - 6e-3) * (points - more) < nodes < (1.0 + 6e-3) * (points + more)
