@@ -10,15 +10,23 @@ from fsipetsc.checks import Array
 from fsipetsc.kernels.unit import c_source
 
 _POINTER, _NUMBER = ctypes.c_void_p, ctypes.c_long
+#: pairs of a node: see struct pairs of cube.c
+MOST_PAIRS = 7
+_NUMBERS, _WEIGHTS = (np.int64, MOST_PAIRS), (np.float64, MOST_PAIRS)
+_PAIRS = np.dtype(
+    [("count", np.int64), ("even", np.int64), ("before", *_NUMBERS), ("after", *_NUMBERS)]
+    + [("behind", *_WEIGHTS), ("ahead", *_WEIGHTS)]
+)
 
 
 class _Cube(ctypes.Structure):
     _fields_ = [
-        *((name, _POINTER * 3) for name in ("S", "half")),
+        ("pairs", _POINTER * 3),
         *((name, _NUMBER * 3) for name in ("reach", "size", "first", "end")),
         ("inner", _NUMBER * 2),
         ("P", ctypes.c_double * 9),
         *((name, _POINTER) for name in ("x", "v", "q", "metrics", "volume", "faces", "of_faces")),
+        *((name, _POINTER) for name in ("moved", "other", "rows")),
         *((name, _NUMBER) for name in ("N", "count")),
     ]
 
@@ -41,20 +49,26 @@ class Cube:
         nodes = wide.y.shape[1]
         self.x, self.v = wide.y.copy(), np.zeros((3, nodes))
         self.volume, self.of_faces = np.zeros(metrics.shape[1]), np.zeros((9, metrics.shape[1]))
-        half, q = [0.5 / weight for weight in wide.weight], np.zeros((9, nodes))
-        S = [np.ascontiguousarray(of_axis) for of_axis in wide.S]
-        self._kept = half, q, metrics, S
-        pairs = list(zip(wide.where, wide.wide, strict=True))
+        steps, q = np.cumprod((1, *wide.sizes[:-1])), np.zeros((9, nodes))
+        bands = zip(wide.S, wide.weight, steps, strict=True)
+        pairs_of_axes = [_pairs(*band) for band in bands]
+        memory = {
+            "moved": np.zeros((3, nodes)),
+            "other": np.zeros((3, metrics.shape[1])),
+            "rows": np.zeros((9, wide.sizes[0])),
+        }
+        self._kept = pairs_of_axes, q, metrics, memory
+        ranges = list(zip(wide.where, wide.wide, strict=True))
         self._struct = _Cube(
-            S=(_POINTER * 3)(*(of_axis.ctypes.data for of_axis in S)),
-            half=(_POINTER * 3)(*(of_axis.ctypes.data for of_axis in half)),
-            reach=(_NUMBER * 3)(*(len(of_axis) - 1 for of_axis in S)),
+            pairs=(_POINTER * 3)(*(of_axis.ctypes.data for of_axis in pairs_of_axes)),
+            reach=(_NUMBER * 3)(*(len(of_axis) - 1 for of_axis in wide.S)),
             size=(_NUMBER * 3)(*wide.sizes),
-            first=(_NUMBER * 3)(*(begin - wide_begin for (begin, _), (wide_begin, _) in pairs)),
-            end=(_NUMBER * 3)(*(end - wide_begin for (_, end), (wide_begin, _) in pairs)),
-            inner=(_NUMBER * 2)(*_inner(S[0], half[0])),
+            first=(_NUMBER * 3)(*(begin - wide_begin for (begin, _), (wide_begin, _) in ranges)),
+            end=(_NUMBER * 3)(*(end - wide_begin for (_, end), (wide_begin, _) in ranges)),
+            inner=(_NUMBER * 2)(*_inner(pairs_of_axes[0])),
             P=(ctypes.c_double * 9)(*wide.P.ravel()),
             **{name: getattr(self, name).ctypes.data for name in ("x", "v", "volume", "of_faces")},
+            **{name: array.ctypes.data for name, array in memory.items()},
             q=q.ctypes.data,
             metrics=metrics.ctypes.data,
             N=metrics.shape[1],
@@ -69,16 +83,31 @@ class Cube:
         self._struct.faces, self._struct.count = self._faces.ctypes.data, len(self._faces)
 
 
-def _inner(S: Array, half: Array) -> tuple[int, int]:
+def _pairs(S: Array, weight: Array, step: int) -> Array:
+    """Of the nodes of an axis, with so many numbers between neighbours; S, weight: of a band."""
+    n, found = len(weight), np.zeros(len(weight), _PAIRS)
+    for i, pairs in enumerate(found):
+        pairs["even"] = 1
+        for k in range(1, len(S)):
+            ahead = S[k, i] if i + k < n else 0.0
+            behind = S[k, i - k] if i >= k else 0.0
+            if ahead or behind:
+                m, half = pairs["count"], 0.5 / weight[i]
+                pairs["before"][m], pairs["after"][m] = (
+                    k * step * (behind != 0),
+                    k * step * (ahead != 0),
+                )
+                pairs["behind"][m], pairs["ahead"][m] = half * behind, half * ahead
+                pairs["even"] &= ahead == behind
+                pairs["count"] += 1
+    return found
+
+
+def _inner(pairs: Array) -> tuple[int, int]:
     """First node and first beyond of the most nodes side by side that have the same pairs as the
     node in the middle.
     """
-    n = S.shape[1]
-    columns = np.zeros((2 * len(S) + 1, n))
-    columns[-1] = half
-    for k in range(1, min(len(S), n)):
-        columns[k, : n - k] = S[k, : n - k]
-        columns[len(S) + k, k:] = S[k, : n - k]
-    differs = np.flatnonzero((columns != columns[:, [n // 2]]).any(axis=0))
+    n = len(pairs)
+    differs = np.flatnonzero(pairs != pairs[n // 2])
     below, above = differs[differs < n // 2], differs[differs > n // 2]
     return int(below.max(initial=-1)) + 1, int(above.min(initial=n))
