@@ -133,7 +133,7 @@ def test_volumes_stay_those_of_the_grid(order):
     with Steps(BlockProblem((block,), sides | faces), order) as run:
         worst = 0.0
         for n in range(800):
-            run.scheme.step(n / 8, 1 / 8, run.y, run.stage)  # also where T is below 0
+            run.scheme.step(n / 8, 1 / 8)  # also where T is below 0
             if n % 8 == 7:
                 run.finish()
                 worst = max(worst, *run.latest["J_error"])

@@ -69,10 +69,13 @@ class Cut:
             if part.potential.size:
                 part.potential[:] = self.potential.reshape(self.n[::-1])[of_part].ravel()
             for q, out in zip(self.states, found):
-                here = np.ascontiguousarray(q.reshape(-1, *self.n[::-1])[(slice(None), *of_part)])
+                here = q.reshape(-1, *self.n[::-1])[(slice(None), *of_part)].copy()
                 rates = np.full((self.d + 3, *own[::-1]), np.nan)
-                addresses = part.address, here.ctypes.data, rates.ctypes.data
-                library.gas_rates(*map(ctypes.c_void_p, addresses))
+                inside = tuple(slice(f, f + n) for f, n in zip(patch.first, own))[::-1]
+                known = here[(slice(None), *inside)].copy()
+                here[(slice(None), *inside)] = np.nan  # a halo alone is enough
+                addresses = part.address, known.ctypes.data, here.ctypes.data, rates.ctypes.data
+                library.gas_sweep(*map(ctypes.c_void_p, addresses))
                 out[(slice(None), *(slice(*ends) for ends in box[::-1]))] = rates
         return found
 

@@ -16,6 +16,7 @@ from fsipetsc.errors import FsiError, InputError
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
+from fsipetsc.scheme.stage import Stage
 
 Array = NDArray[Any]
 
@@ -40,7 +41,12 @@ class BlockPart:
     """One part of a block. code: has its procedures; does: name -> procedure.
 
     X: (d, ghosted nodes) places in the reference map. names: of what is saved of a node.
+    added: whether something adds to the rates of nodes within the block, after its sweep.
+    reads_ghosted: whether something but sweeps reads the ghosted array.
     """
+
+    added: bool
+    reads_ghosted: bool
 
     metrics: Array
 
@@ -57,6 +63,35 @@ class BlockPart:
         rows = d + 2 if self.block.kind == "fluid" else 2 * d + 1
         forced = self.block.forcing is not None
         self._forcing = np.zeros((rows, self.owned.size * forced))
+
+    @property
+    def free(self) -> list[tuple[int, int]]:
+        """First node and first beyond along each axis of the ghosted array, of the owned nodes to
+        whose rates nothing is added after a sweep: none of them is on a face of the block.
+        """
+        patch, found = self.part.patch, []
+        for axis, (first, n) in enumerate(zip(patch.first, patch.own, strict=True)):
+            begin, end = first, first + (0 if self.added else n)
+            if axis < self._d and not self.block.periodic[axis]:
+                begin_of_block = self.part.ghosted[axis][0] + first == 0
+                end_of_block = self.part.ghosted[axis][0] + first + n == self.block.shape[axis]
+                begin, end = begin + begin_of_block, end - end_of_block
+            found.append((begin, max(begin, end)))
+        return found
+
+    @property
+    def free_nodes(self) -> Array:
+        """(M,) whether an owned node is one of ``free``."""
+        patch, axes = self.part.patch, []
+        for (begin, end), first, n in zip(self.free, patch.first, patch.own, strict=True):
+            at = np.arange(first, first + n)
+            axes.append((begin <= at) & (at < end))
+        return (axes[2][:, None, None] & axes[1][:, None] & axes[0]).reshape(-1)
+
+    def _stage(self, found: Any) -> Stage:
+        """What sweeps take of steps; found: fsipetsc.scheme.steps.Found."""
+        vectors = (part_of[self.part.begin :] for part_of in (found.y, found.total))
+        return Stage(found.stage.ctypes.data, *(vector.ctypes.data for vector in vectors))
 
     def refresh(self, t: float) -> None:
         """Data of faces and of the forcing at time t [s]. InputError."""

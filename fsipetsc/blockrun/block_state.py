@@ -48,7 +48,7 @@ class BlockForm(NamedTuple):
 class BlockState(State):
     """Solution and everything that belongs to it; all methods are collective on ``comm``.
 
-    y: this rank's part of the solution, and stage, that of a stage;
+    y: this rank's part of the solution, stages: of two stages;
     ``solution`` is the memory of y as a world vector. results: flags and limits as in
     fsipetsc.scheme.plan. journal, latest: records of steps, with this rank's shares of integrals;
     rows, latest_numbers: the same as numbers. rates: (blocks, 2), largest ones of convection and
@@ -74,7 +74,8 @@ class BlockState(State):
         self.shocks, self.loose = form.shock > 0.0, loose_gases(problem, form.convection)
         self.lossy, auxiliary = lossy(problem), gained(problem).itemsize // 8
         self.layout = BlockLayout(comm, problem, order, self.shocks, partition, auxiliary)
-        self.y, self.stage = BlockVector(self.layout), BlockVector(self.layout)
+        self.y = BlockVector(self.layout)
+        self.stages = BlockVector(self.layout), BlockVector(self.layout)
         size = (self.layout.local_size, None)
         self.solution = PETSc.Vec().createWithArray(self.y.array, size=size, comm=comm)
         self.recorded = tuple(recorded)
@@ -154,16 +155,16 @@ class BlockState(State):
         self.evaluations += 1
         f[f.size - self.layout.auxiliary :] = 0.0
         self._load_stage(y)
-        self.scheme.rates(self._t, self.stage, f)
+        self.scheme.rates(self._t, self.stages[0], f)
 
     def _load_stage(self, y: np.ndarray) -> None:
-        self.stage.array[:] = y
-        self.scheme.complete(self._t, self.stage)
+        self.stages[0].array[:] = y
+        self.scheme.complete(self._t, self.stages[0])
 
     def project(self, y: np.ndarray) -> None:
         """Let this rank's part y obey all conditions, in place."""
         self._load_stage(y)
-        y[:] = self.stage.array
+        y[:] = self.stages[0].array
 
     def step(self, t: float, dt: float, steady: bool) -> None:
         """A step dt [s] of the fused method from the completed solution at t [s].
@@ -202,7 +203,7 @@ class BlockState(State):
             for part in range(parts):
                 self.evaluations += STAGES
                 begin = t + dt * part / parts
-                self.scheme.step(begin, dt / parts, self.y, self.stage)
+                self.scheme.step(begin, dt / parts)
             self._t, self._tried = t + dt, parts
             self._monitor()
             if self.results[BAD] == 0.0 or parts == PARTS[-1]:
@@ -240,7 +241,7 @@ class BlockState(State):
         self._find_extremes(self.y)
         said = "; ".join(imaginary_waves(self, begin, set())) or most_crushed(self)
         for part in range(self._tried):
-            if self.scheme.step(begin + part * dt, dt, self.y, self.stage, self._fails):
+            if self.scheme.step(begin + part * dt, dt, self._fails):
                 break
         else:
             self.y.array[:] = last

@@ -38,6 +38,11 @@ class GasPart(BlockPart):
         self.equations = material.equations(self._d, self._problem.symmetry)
         self.viscous = bool(material.mu or material.kappa)
         self.convection = convection_of(form.convection, self.equations)
+        self._sigma = sigma_of(form.dissipation, self._problem.joined)
+        damps = self._sigma > 0.0 or form.shock > 0.0
+        around, forces = self._problem.symmetry > 0, any(self.equations.force)
+        self.added = damps or around or forces or self.block.forcing is not None
+        self.reads_ghosted = damps or around or not isinstance(self.faces.record, Nothing)
 
     def follow(self, particles: Sequence[Particle], system: ParticleSystem) -> None:
         """Let the grid follow the particles that have a solid, or are on walls that move.
@@ -74,7 +79,7 @@ class GasPart(BlockPart):
         sums = about.begins["mass"] + number, *(about.begins[name] for name in names)
         part, d = self.part, self._d
         bands, form, force = part.bands, self._form, self.convection.force
-        sigma, shock = sigma_of(form.dissipation, self._problem.joined), form.shock
+        sigma, shock = self._sigma, form.shock
         damping: Any = Nothing()
         if sigma > 0.0 or shock > 0.0:
             found = differences(d, self._order, bands, self.block.cells)
@@ -82,6 +87,7 @@ class GasPart(BlockPart):
         self.volume = GasVolume(
             self.equations, d, self.convection, self.viscous, bands, part.patch, self.metrics
         )
+        self.volume.let_advance(self._stage(about.found), self.free)
         potential = self.volume.potential
         potential[:] = -dot(self.equations.force, self.X)[: potential.size]
         room = np.zeros(((d + 1) ** 2, self.X.shape[1])) if self.block.material.mu else None

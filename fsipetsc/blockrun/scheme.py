@@ -67,6 +67,7 @@ class Scheme:
         announce: Callable[[str], None] = lambda text: None,
     ) -> None:
         self.problem, self._instant, layout = state.problem, state.instant, state.layout
+        self._layout = layout
         problem = self.problem
         particles, blocks = particles_of(problem), problem.blocks
 
@@ -83,6 +84,8 @@ class Scheme:
         for gas in self._gases:
             gas.follow(particles, self.particles)
         self._came = gain_of(problem)
+        #: the solution, and two stages: each becomes the next one
+        self._now = state.y, *state.stages, state.stages[0]
         self._found = self._memory(state, max(1.0, form.shock * PACE_AT_SHOCKS[order]))
         self._at_faces = {k: self.particles.faces_at(k) for k in self.parts}
         for gas in self._gases if problem.dimension == 3 else ():
@@ -99,10 +102,20 @@ class Scheme:
         first = slices(state.latest.dtype).get(OF_INTERFACES[0], slice(0, 0))
         ends = slice(first.start, first.start + len(OF_INTERFACES) * (first.stop - first.start))
         at_ends = state.latest_numbers[ends].reshape(len(OF_INTERFACES), -1)
-        rates_and_total = np.zeros((2, state.layout.local_size))
-        memory = state.y.array, state.stage.array, *rates_and_total, state.before
+        memory = state.y.array, np.zeros(state.layout.local_size), state.before
         noted = state.extremes, state.rates, state.results, state.latest_numbers, at_ends, pace
-        return stages.Found(*memory, self._came, *noted, state.plan, np.zeros(2))
+        now, stage = np.zeros(2), np.zeros(3)
+        return stages.Found(*memory, self._came, *noted, state.plan, now, stage, self._left())
+
+    def _left(self) -> Array:
+        """(runs, 2) of the numbers of this rank's part of a world vector with rates that something
+        adds to after a sweep.
+        """
+        left = np.ones(self._layout.local_size, bool)
+        for part in self.parts.values():
+            left[part.part.begin : part.part.end].reshape(part.part.dof, -1)[:, part.free_nodes] = 0
+        ends = np.flatnonzero(np.diff(left, prepend=False, append=False))
+        return ends.reshape(-1, 2).astype(np.int64)
 
     def _compile(self, state: BlockState, announce: Callable[[str], None]) -> None:
         """Record all procedures, and load them. Collective. InputError."""
@@ -119,23 +132,25 @@ class Scheme:
         comm, found = state.comm, self._found
         codes = together(comm, lambda: [part.record(about) for part in self.parts.values()])
         self._calling = calling_code(exchange_text())
-        self._layout = state.layout
         record = self._calling.procedure
         of_found = stages.begin_monitor, stages.note_extremes, stages.note_gained
         of_step = stages.begin_step, *of_found, stages.end_step
         self._does = {f.__name__: record(f.__name__, f, found) for f in of_step}
-        self._does["begin_rates"] = record("begin_rates", stages.begin_rates, self._came)
+        self._does["clear_gain"] = record("clear_gain", stages.clear_gain, self._came)
         self._does["plan_next"] = state.planning = record("plan_next", plan_next, found.plan)
-        self._advance = [f"advance_{number}" for number in range(stages.STAGES)]
-        for number, name in enumerate(self._advance):
-            self._does[name] = record(name, stages.advance(number), found)
+        self._stages = [f"stage_{number}" for number in range(stages.STAGES)]
+        for number, name in [(None, "rates"), *enumerate(self._stages)]:
+            self._does[f"begin_{name}"] = record(f"begin_{name}", stages.begin_stage(number), found)
+            if number is not None:
+                self._does[name] = record(name, stages.advance(number), found)
         codes = [*codes, self.particles.procedures(self._came), self._calling]
         made = libraries(comm, [code.text for code in codes], announce)
         for code, library in zip(codes, made, strict=True):
             code.load(library)
         self._does |= self.particles.does
         self._does["reduce"] = Reduction(comm, state.extremes)
-        halos = (part.halo for part in self._layout.parts.values())
+        halos = [part.halo for part in self._layout.parts.values()]
+        halos += [halo.inside for halo in halos]
         particles = self.particles.sums, self.particles.areas, self.particles.stored
         gathers = (gas.gather for gas in self._gases)
         for exchange in (*halos, *particles, *gathers, self._does["reduce"]):
@@ -182,7 +197,7 @@ class Scheme:
 
     # phases: procedures, and exchanges between them
 
-    def _calls(self, phase: str, y: Array, f: Array, to: Array) -> list[Any]:
+    def _calls(self, phase: str, y: Array, f: Array) -> list[Any]:
         """The calls of a phase, with the world vectors that each takes. It reads as the method."""
         particles, parts = self.particles, self.parts.values()
         slips, stores, found = particles.slips, particles.stores, list[Any]()
@@ -199,10 +214,11 @@ class Scheme:
             if not one.empty:
                 found.append((one, (y,)[: len(one.vectors)]))
 
-        def halos() -> None:
-            for part in self._layout.parts.values():
-                if part.has_halo:
-                    exchange(part.halo)
+        def halos(inside: bool = False) -> None:
+            for part in (part for part in parts if part.part.has_halo):
+                exchange(part.part.halo)
+                if inside or part.reads_ghosted:
+                    exchange(part.part.halo.inside)
             each("images")
 
         def follow() -> None:
@@ -231,8 +247,8 @@ class Scheme:
             if slips:  # the conditions have changed velocities
                 follow()
             each("swing")
-        if phase == "rates":
-            call("begin_rates")
+        if phase == "rates" or phase in self._stages:
+            call(f"begin_{phase}", "clear_gain")
             if slips:
                 each("turn")
                 exchange(particles.areas)
@@ -242,10 +258,10 @@ class Scheme:
             call("weigh", of=(f,))
             exchange(particles.sums)
             call("end_rates")
-        if phase in self._advance:
-            call(phase, of=(to, f))
+        if phase in self._stages:
+            call(phase, of=(f,))
         if phase == "halos":
-            halos()
+            halos(inside=True)
         if phase == "monitor":
             call("begin_monitor")
             halos()
@@ -255,9 +271,9 @@ class Scheme:
             call("note_extremes")
         return found
 
-    def _do(self, phases: str, y: Array, f: Array | None = None, to: Array | None = None) -> None:
-        """Make the calls of phases, whose names have blanks between; f, to: y if not given."""
-        vectors = y, y if f is None else f, y if to is None else to
+    def _do(self, phases: str, y: Array, f: Array | None = None) -> None:
+        """Make the calls of phases, whose names have blanks between; f: y if not given."""
+        vectors = y, y if f is None else f
         key = phases, *(vector.ctypes.data for vector in vectors)
         if key not in self._phases:
             calls = [call for phase in phases.split() for call in self._calls(phase, *vectors)]
@@ -275,34 +291,27 @@ class Scheme:
         self._do("rates", y.array, f)
 
     def step(
-        self,
-        t: float,
-        dt: float,
-        y: BlockVector,
-        stage: BlockVector,
-        ends: Callable[[BlockVector], bool] | None = None,
+        self, t: float, dt: float, ends: Callable[[BlockVector], bool] | None = None
     ) -> bool:
-        """A step of the classical Runge-Kutta method from y at t [s] to the completed one at
-        t + dt. Collective. It is PETSc's ``-ts_type rk -ts_rk_type 4`` up to round-off. y, stage:
-        those of the state.
+        """A step of the classical Runge-Kutta method from the solution at t [s] to the completed
+        one at t + dt. Collective. It is PETSc's ``-ts_type rk -ts_rk_type 4`` up to round-off.
 
         It begins with what follows from y alone, so that a step after a restart has the same bits.
         ends: if given, called with each completed stage; where it says True, the step ends, and
         returns True.
         """
-        k, now = self._found.k, y
+        y = self._now[0]
         self._found.now[1] = dt
-        for name, instant in zip(self._advance, (t, t + 0.5 * dt, t + 0.5 * dt, t + dt)):
+        instants = t, t + 0.5 * dt, t + 0.5 * dt, t + dt
+        for name, instant, now, to in zip(self._stages, instants, self._now, (*self._now[1:], y)):
             self._refresh(instant)
-            to = stage if name != self._advance[-1] else y
             if ends is None:
-                self._do(f"share impose rates {name}", now.array, k, to.array)
+                self._do(f"share impose {name}", now.array, to.array)
             else:
                 self._do("share impose", now.array)
                 if now is not y and ends(now):
                     return True
-                self._do(f"rates {name}", now.array, k, to.array)
-            now = to
+                self._do(name, now.array, to.array)
         self.complete(t + dt, y)
         return ends is not None and ends(y)
 
@@ -314,15 +323,13 @@ class Scheme:
         found, does = self._found, self._does
         if "batch" not in self._phases:
             calls: list[Any] = [(does["begin_step"], ())]
-            now = found.y
-            for name in self._advance:
-                to = found.stage if name != self._advance[-1] else found.y
-                for phase in ("share", "impose", "rates", name):
-                    calls += self._calls(phase, now, found.k, to)
-                now = to
+            y = self._now[0]
+            for name, now, to in zip(self._stages, self._now, (*self._now[1:], y)):
+                for phase in ("share", "impose", name):
+                    calls += self._calls(phase, now.array, to.array)
             for phase in ("share", "impose", "monitor"):
-                calls += self._calls(phase, now, found.k, now)
-            calls.append((does["note_gained"], (now,)))
+                calls += self._calls(phase, y.array, y.array)
+            calls.append((does["note_gained"], (y.array,)))
             self._phases["batch"] = Calls(self._calling.library, [*calls, (does["end_step"], ())])
         found.now[:] = t, dt
         results, batch = found.results, found.plan.batch
@@ -331,10 +338,10 @@ class Scheme:
 
     def monitor(self, y: BlockVector) -> None:
         """Put extremes of all ranks, shares of the integrals of this rank's nodes, and what is
-        recorded of interfaces, where the state has it; fill halos. y: the solution, completed.
-        Collective.
+        recorded of interfaces, where the state has it; fill ghosted arrays. y: the solution,
+        completed. Collective.
         """
-        self._do("monitor", y.array)
+        self._do("monitor halos", y.array)
 
     def fill_halos(self, y: BlockVector) -> None:
         """Fill the ghosted arrays of all parts. Collective."""

@@ -43,8 +43,12 @@ class SolidPart(BlockPart):
         strain = self.equations.unstrained((0.0,) * d)
         self._F = np.zeros((len(strain), part.numbers.size))
         self.prestress = prestress_of(self.block, self.X)
-        self._work = solid_work(self.equations, part.bands, part.patch)
+        self._work = solid_work(self.equations, part.bands, part.patch, order // 2)
         self._volume = SolidVolume(self.equations, self._work, self.metrics, self.prestress)
+        self._dissipation = self._damping()
+        damps = not isinstance(self._dissipation, Nothing)
+        self.added = damps or self.block.forcing is not None
+        self.reads_ghosted = damps or not isinstance(self.faces.record, Nothing) or part.signs.size > 0
 
     @property
     def reference(self) -> Array:
@@ -52,7 +56,7 @@ class SolidPart(BlockPart):
         J: Array = self.metrics[self._d**2, self.owned]
         return J
 
-    def _dissipation(self) -> Any:
+    def _damping(self) -> Any:
         """What adds the term of all nodes, and after it that of shocks."""
         order, form = self._order, self._form
         sigma = sigma_of(form.dissipation, self._problem.joined) / 4.0 ** (order // 2)
@@ -118,6 +122,8 @@ class SolidPart(BlockPart):
         own = [(number, row, X) for number, k, row, X in about.ends if k == part.k]
         found = [(*end, self._prestress_at(self.owned[[end[1]]])[0, 0]) for end in own]
         rows, nodes = about.system.telling[part.k]
+        self.reads_ghosted = self.reads_ghosted or rows.size > 0
+        self._volume.let_advance(self._stage(about.found), self.free)
         momenta = [f"momentum_{x}" for x in "xyz"[:d]]
         names = *momenta, "energy", *spins(d), "solid_energy", "lost_energy"
         begins = about.begins
@@ -126,7 +132,7 @@ class SolidPart(BlockPart):
             columns=np.array([begins[name] for name in names if name in begins]),
             of_volume=self._volume.address,
             laws=self.equations,
-            dissipation=self._dissipation(),
+            dissipation=self._dissipation,
             loses=bool(self._loses),
             inertia=self.inertia,
             prestress=self.prestress if self.prestress.size else None,
@@ -138,7 +144,7 @@ class SolidPart(BlockPart):
             stored_at=part.ghosted_rows(part.rows(nodes)),
             rows_of_stored=rows,
         )
-        text = solid_text(self.equations, d, self.prestress.size > 0)
+        text = solid_text(self.equations, d, self._order, self.prestress.size > 0)
         functions = {f.__name__: f for f in (images, normals, store, rates, monitor, measure)}
         return self._procedures(text, self._record_of_part, about, functions)
 

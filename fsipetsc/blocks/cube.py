@@ -8,14 +8,17 @@ import numpy as np
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.checks import Array
 from fsipetsc.kernels.unit import c_source
+from fsipetsc.operators.bands import Band
 
 _POINTER, _NUMBER = ctypes.c_void_p, ctypes.c_long
 #: pairs of a node: see struct pairs of cube.c
 MOST_PAIRS = 7
-_NUMBERS, _WEIGHTS = (np.int64, MOST_PAIRS), (np.float64, MOST_PAIRS)
 _PAIRS = np.dtype(
-    [("count", np.int64), ("even", np.int64), ("before", *_NUMBERS), ("after", *_NUMBERS)]
-    + [("behind", *_WEIGHTS), ("ahead", *_WEIGHTS)]
+    [
+        *((name, np.int64) for name in ("count", "even")),
+        *((name, np.int64, MOST_PAIRS) for name in ("before", "after")),
+        *((name, np.float64, MOST_PAIRS) for name in ("behind", "ahead")),
+    ]
 )
 
 
@@ -40,9 +43,9 @@ class Cube:
     """The range of nodes of a Wide in three dimensions.
 
     x, v: (3, wide nodes) places less those of linear maps, and velocities. metrics: (13, N) a^1,
-    a^2, a^3, velocity, J_t of the range. volume: (N,) det D x, by
-    cube_volumes. of_faces: (9, N) a^1, a^2, a^3 on
-    faces, by cube_faces, or how they change in time, by cube_turn. address: of the struct in C.
+    a^2, a^3, velocity, J_t of the range. volume: (N,) det D x, by cube_volumes. of_faces: (9, N) a^1, a^2,
+    a^3 on faces, by cube_faces, or how they change in time, by cube_turn. address: of the struct
+    in C.
     """
 
     def __init__(self, wide: Wide, metrics: Array) -> None:
@@ -65,7 +68,7 @@ class Cube:
             size=(_NUMBER * 3)(*wide.sizes),
             first=(_NUMBER * 3)(*(begin - wide_begin for (begin, _), (wide_begin, _) in ranges)),
             end=(_NUMBER * 3)(*(end - wide_begin for (_, end), (wide_begin, _) in ranges)),
-            inner=(_NUMBER * 2)(*_inner(pairs_of_axes[0])),
+            inner=(_NUMBER * 2)(*Band(wide.S[0], wide.weight[0]).interior(wide.order // 2)),
             P=(ctypes.c_double * 9)(*wide.P.ravel()),
             **{name: getattr(self, name).ctypes.data for name in ("x", "v", "volume", "of_faces")},
             **{name: array.ctypes.data for name, array in memory.items()},
@@ -101,13 +104,3 @@ def _pairs(S: Array, weight: Array, step: int) -> Array:
                 pairs["even"] &= ahead == behind
                 pairs["count"] += 1
     return found
-
-
-def _inner(pairs: Array) -> tuple[int, int]:
-    """First node and first beyond of the most nodes side by side that have the same pairs as the
-    node in the middle.
-    """
-    n = len(pairs)
-    differs = np.flatnonzero(pairs != pairs[n // 2])
-    below, above = differs[differs < n // 2], differs[differs > n // 2]
-    return int(below.max(initial=-1)) + 1, int(above.min(initial=n))

@@ -23,7 +23,7 @@ class Wide:
 
     where: the range, beyond the ends on periodic axes only, or to images before a centre. wide: it
     and, as far as there are nodes, as many more on each side as pairs reach. sizes: nodes of the
-    wide range along each axis. S, weight: of the bands of the axes, cut to it. P: (d, d), the
+    wide range along each axis. order: of the operators. S, weight: of the bands of the axes, cut to it. P: (d, d), the
     periods. y: (d, N), the periodic part of X.
     """
 
@@ -38,6 +38,7 @@ class Wide:
                 begin, end = max(begin, -images), min(end, n)
             self.wide.append((begin, end))
             bands.append(band.part(begin, end))
+        self.order = order
         self.S, self.weight = tuple(band.S for band in bands), tuple(band.weight for band in bands)
         self.sizes = tuple(end - begin for begin, end in self.wide)
         ranges = list(zip(self.where, self.wide))[::-1]

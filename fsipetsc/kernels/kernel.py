@@ -67,11 +67,25 @@ class Kernel:
 
     # what is read
 
-    def read(self, array: str, layout: Layout, count: int, first: int = 0) -> tuple[Symbol, ...]:
-        """The components ``first`` and so on of an item."""
+    def read(
+        self, array: str, layout: Layout, count: int, first: int = 0, far: tuple[str, int] = ("", 0)
+    ) -> tuple[Symbol, ...]:
+        """The components ``first`` and so on of an item, or of one that is far from it: an array of
+        whole numbers says how far, which one.
+        """
         self._argument(array, "const double *", layout)
-        places = (_place(array, layout, first + c, "i") for c in range(count))
+        item, (distances, number) = "i", far
+        if distances:
+            self._argument(distances, "const long *")
+            item = f"(i + {distances}[{number}])"
+        places = (_place(array, layout, first + c, item) for c in range(count))
         return tuple(self.record.given(place, layout.item == "0") for place in places)
+
+    def takes(self, *arrays: Any) -> None:
+        """Name arrays, and their layout, that a caller may give though nothing is read of them."""
+        *names, layout = arrays
+        for name in names:
+            self._argument(name, "const double *", layout)
 
     def parameters(self, equations: Any) -> Any:
         """The same equations with their floats as arguments of the kernel: the array p, in the

@@ -47,6 +47,23 @@ class Band(NamedTuple):
         chosen = np.arange(begin, end) % len(self.weight)
         return Band(np.ascontiguousarray(self.S[:, chosen]), self.weight[chosen])
 
+    def interior(self, pairs: int) -> tuple[int, int]:
+        """First node and first beyond of those around the middle that have so many pairs on each
+        side, the same on both sides and for all; equal numbers if there are none.
+        """
+        n, reach = len(self.weight), self.reach
+        columns = np.zeros((2 * reach + 1, n))
+        columns[-1] = self.weight
+        for k in range(1, min(reach + 1, n)):
+            columns[k - 1, : n - k] = columns[reach + k - 1, k:] = self.S[k, : n - k]
+        middle, nearest = n // 2, columns[:pairs, n // 2]
+        even = (columns[:reach, middle] == columns[reach:-1, middle]).all()
+        if not even or pairs > reach or not nearest.all() or columns[pairs:reach, middle].any():
+            return middle, middle
+        differs = np.flatnonzero((columns != columns[:, [middle]]).any(axis=0))
+        below, above = differs[differs < middle], differs[differs > middle]
+        return int(below.max(initial=-1)) + 1, int(above.min(initial=n))
+
 
 #: an axis that is not there: one node, no pairs
 NO_AXIS = Band(np.zeros((1, 1)), np.ones(1))

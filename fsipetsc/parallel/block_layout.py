@@ -235,7 +235,9 @@ class BlockVector:
         return self.array[self.array.size - self._layout.auxiliary :]
 
     def ghosted(self, k: int) -> Array:
-        """(N, dof): block k with halos, as they were filled last; without halos the owned part."""
+        """(N, dof): block k with halos, as they were filled last, and the owned nodes, as
+        they were copied last (fsipetsc.parallel.halo); without halos the owned part.
+        """
         part = self._layout.parts[k]
         return part.local.T if part.has_halo else self.owned(k)
 

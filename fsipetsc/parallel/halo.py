@@ -60,8 +60,9 @@ class Reach:
 
 
 class Halo(Exchange):
-    """Fills the ghosted array of a rank's part of a block from the world vector. Making one is on
-    all of its ranks.
+    """Fills what the ghosted array of a rank's part of a block has beside the nodes that the rank
+    owns, from the world vector. Making one is on all of its ranks. inside: copies the owned nodes,
+    for those who read these in the ghosted array, too.
 
     numbers: (M,) of the nodes that this rank owns. local: (dof, N), the ghosted array. comm, tag:
     of the messages, by the ranks of ``reach``. begin: of the block's numbers in the world vector.
@@ -95,8 +96,8 @@ class Halo(Exchange):
         cuts = zip(patch.first, patch.own, strict=True)
         inner = np.meshgrid(*(np.arange(a, a + n) for a, n in cuts), indexing="ij")
         inside = np.ravel_multi_index(inner, patch.ghosted, order="F").ravel(order="F")
-        twice = np.searchsorted(numbers, wanted[owners == me])
-        of = planes(np.concatenate([np.arange(M), twice]), M)
-        to = planes(np.concatenate([inside, places[owners == me]]), N)
-        target = local.reshape(-1)
-        super().__init__(comm, tag, sent, received, (of, to), None, target, begin)
+        twice = planes(np.searchsorted(numbers, wanted[owners == me]), M)
+        target, of_own = local.reshape(-1), (planes(np.arange(M), M), planes(inside, N))
+        own = twice, planes(places[owners == me], N)
+        super().__init__(comm, tag, sent, received, own, None, target, begin)
+        self.inside = Exchange(comm, tag, {}, {}, of_own, None, target, begin)

@@ -14,22 +14,24 @@
    bits of its rate. */
 
 enum {
-  W = D + 5,                            /* primitive variables of a node */
+  W = D + 5 + VISCOUS,                  /* primitive variables of a node, and J */
   FLUXES = D + 2 + (FORCE ? D : 0),     /* what is summed of a node */
   SLOPES = D * (D + 1),                 /* D_k z of all axes; viscous fluxes of all axes */
   NUMBERS = W + (VISCOUS ? SLOPES : 0), /* what is kept of a node */
 };
 
 struct tile;
-struct axis { /* of a patch: its band; owned nodes begin … end - 1 of size with the halo */
+struct axis { /* of a patch: its band; its owned nodes, of size with the halo */
   const double *S, *weight;
-  long reach, begin, end, size, stride;
+  struct owned own;
+  long reach, size, stride;
 };
 struct gas {
   struct axis first, inner, last; /* the contiguous axis, the second of three, that of the sweep */
   const double *p, *metrics;      /* parameters of the kernels; planes of N numbers */
   const double *potential;        /* of a constant force (fsipetsc.scheme.gas_force) */
   double *supplied;               /* that force on the owned nodes, over their weights */
+  struct stage stage;             /* what becomes of rates */
   long N, J_t;                    /* nodes of a plane; the plane of J_t */
   long layers, depth, before;     /* layers of depth rows are kept, with rows before the tile's */
   double *rows, *high;            /* of these rows: NUMBERS; sums of upper nodes of pairs */
@@ -62,9 +64,14 @@ static long node_of(const struct gas *g, long x, long j, long layer) {
   return x + j * g->inner.stride + layer * g->last.stride;
 }
 
+static long count_of(const struct owned *o) { return o->end - o->begin; }
 static long own_nodes(const struct gas *g) {
-  const struct axis *x = &g->first, *y = &g->inner, *z = &g->last;
-  return (x->end - x->begin) * (y->end - y->begin) * (z->end - z->begin);
+  return count_of(&g->first.own) * count_of(&g->inner.own) * count_of(&g->last.own);
+}
+static long own_of(const struct gas *g, long x, long j, long layer) {
+  const struct owned *first = &g->first.own, *inner = &g->inner.own, *last = &g->last.own;
+  return ((layer - last->begin) * count_of(inner) + j - inner->begin) * count_of(first) + x -
+         first->begin;
 }
 
 static void clear_row(double *row, long components, long n) {
@@ -79,18 +86,33 @@ static long weight_of(const struct gas *g, long k, long x) {
   return k * (g->first.size + 2 * MARGIN) + MARGIN + x;
 }
 
+/* The unknowns: planes of the owned nodes, and of all with the halo. */
+struct unknowns { const double *own, *ghosted; };
+
+/* Find the primitive variables of a row, those of owned nodes from these. */
+static void load_row(const struct gas *g, struct unknowns q, double *row, long x0, long x1, long j,
+                     long layer) {
+  const struct owned *x = &g->first.own, *y = &g->inner.own, *z = &g->last.own;
+  const int own = y->begin <= j && j < y->end && z->begin <= layer && layer < z->end;
+  const long a = own ? least(most(x->begin, x0), x1) : x1, b = own ? most(least(x->end, x1), a) : x1;
+#define LOAD(of, from, to, nodes) \
+  if ((from) < (to)) gas_load(.q = of, .w = row + (from), .p = g->p, .n = (to) - (from), .N = nodes)
+  LOAD(q.ghosted + node_of(g, x0, j, layer), x0, a, g->N);
+  LOAD(q.own + own_of(g, a, j, layer), a, b, own_nodes(g));
+  LOAD(q.ghosted + node_of(g, b, j, layer), b, x1, g->N);
+}
+
 /* Find the primitive variables of all rows of a layer that the tile reads; clear their sums. */
-static void load_layer(const struct gas *g, const double *q, const struct tile *t, long layer) {
+static void load_layer(const struct gas *g, struct unknowns q, const struct tile *t, long layer) {
   const struct axis *last = &g->last, *inner = &g->inner;
   const long far = 1 + VISCOUS, around = VISCOUS * last->reach, beside = VISCOUS * inner->reach;
-  const int within = last->begin - around <= layer && layer < last->end + around;
+  const int within = last->own.begin - around <= layer && layer < last->own.end + around;
   const long more = within ? far * inner->reach : 0;
   for (long j = most(t->y0 - more, 0); j < least(t->y1 + more, inner->size); ++j) {
     const int whole = within && t->y0 - beside <= j && j < t->y1 + beside;
     const long longer = whole ? far * g->first.reach : 0;
     const long x0 = most(t->x0 - longer, 0), x1 = least(t->x1 + longer, g->first.size);
-    gas_load(.q = q + node_of(g, x0, j, layer), .w = row_of(g, t, layer, j) + x0,
-             .p = g->p, .n = x1 - x0, .N = g->N);
+    load_row(g, q, row_of(g, t, layer, j), x0, x1, j, layer);
     clear_row(high_of(g, t, layer, j) + t->x0, FLUXES, t->x1 - t->x0);
   }
 }
@@ -127,8 +149,8 @@ static void slopes_of_row(const struct gas *g, const struct tile *t, long layer,
 }
 
 /* Find the viscous fluxes of the rows of a layer that pairs with owned nodes take. */
-static void viscous_layer(const struct gas *g, const double *q, const struct tile *t, long layer) {
-  const int owned = g->last.begin <= layer && layer < g->last.end;
+static void viscous_layer(const struct gas *g, const struct tile *t, long layer) {
+  const int owned = g->last.own.begin <= layer && layer < g->last.own.end;
   const long beside = owned ? g->inner.reach : 0;
   for (long j = most(t->y0 - beside, 0); j < least(t->y1 + beside, g->inner.size); ++j) {
     const long longer = owned && t->y0 <= j && j < t->y1 ? g->first.reach : 0;
@@ -136,7 +158,7 @@ static void viscous_layer(const struct gas *g, const double *q, const struct til
     const long node = node_of(g, x0, j, layer);
     double *row = row_of(g, t, layer, j) + x0;
     slopes_of_row(g, t, layer, j, x0, n);
-    gas_viscous(.w = row, .q = q + node, .a = g->metrics + node, .s = row + W * ROW,
+    gas_viscous(.w = row, .a = g->metrics + node, .s = row + W * ROW,
                 .slope = g->slope + MARGIN - t->x0 + x0, .p = g->p, .n = n, .N = g->N);
   }
 }
@@ -176,7 +198,7 @@ static void pairs_across(const struct gas *g, const struct tile *t, long layer, 
   const long i = sweep ? layer : j, n = t->x1 - t->x0, node = node_of(g, t->x0, j, layer);
   for (long k = 1; k <= axis->reach && i + k < axis->size; ++k) {
     const double s = axis->S[k * axis->size + i];
-    if (s == 0.0 || i + k < axis->begin) continue;
+    if (s == 0.0 || i + k < axis->own.begin) continue;
     fill_row(g->gains, s / axis->weight[i + k], n);
     fill_row(g->losses, s / axis->weight[i], n);
     const long there = layer + k * sweep, beside = j + k * !sweep;
@@ -198,10 +220,45 @@ static void pairs_along(const struct gas *g, const struct tile *t, long layer, l
   }
 }
 
+/* Store what becomes of the rates of nodes x0 … x1 - 1 of row j of a layer. */
+static void store_nodes(const struct gas *g, double *next, const struct tile *t, long layer, long j,
+                        long x0, long x1, int kind) {
+  const long node = node_of(g, x0, j, layer), own = own_of(g, x0, j, layer);
+  const struct stage *stage = &g->stage;
+  if (x0 >= x1) return;
+#define SUMS .low = g->low + MARGIN - t->x0 + x0, .high = high_of(g, t, layer, j) + x0, \
+             .J_t = g->metrics + g->J_t * g->N + node, .n = x1 - x0, .N = g->N
+#define NEXT .next = next + own, .M = own_nodes(g), .y = stage->y + own, \
+             .total = stage->total + own, .numbers = stage->numbers
+#if FORCE
+  (void)kind;
+  gas_rates(SUMS, NEXT, .supplied = g->supplied + own * (D + 1));
+#else
+  switch (kind) {
+    case RATES: gas_rates(SUMS, NEXT); break;
+    case FIRST: gas_first(SUMS, NEXT); break;
+    case MIDDLE: gas_middle(SUMS, NEXT); break;
+    case LAST: gas_last(SUMS, NEXT); break;
+  }
+#endif
+}
+
+/* Store the rates of row j of a layer and, of nodes that nothing else adds to, the next stage. */
+static void store_row(const struct gas *g, double *next, const struct tile *t, long layer, long j) {
+  const struct owned *first = &g->first.own;
+  const int kind = (int)*g->stage.numbers;
+  const int free = kind != RATES && is_free(&g->inner.own, j) && is_free(&g->last.own, layer);
+  const long a = free ? least(most(first->free_begin, t->x0), t->x1) : t->x1;
+  const long b = free ? most(least(first->free_end, t->x1), a) : t->x1;
+  store_nodes(g, next, t, layer, j, t->x0, a, RATES);
+  store_nodes(g, next, t, layer, j, a, b, kind);
+  store_nodes(g, next, t, layer, j, b, t->x1, RATES);
+}
+
 /* Add the fluxes of the pairs that begin in a layer, and store its rates if it is owned. */
-static void sweep_layer(const struct gas *g, double *rates, const struct tile *t, long layer) {
-  const struct axis *first = &g->first, *inner = &g->inner, *last = &g->last;
-  const int owned = layer >= last->begin;
+static void sweep_layer(const struct gas *g, double *next, const struct tile *t, long layer) {
+  const struct axis *inner = &g->inner;
+  const int owned = layer >= g->last.own.begin;
   for (long j = owned ? most(t->y0 - inner->reach, 0) : t->y0; j < t->y1; ++j) {
     clear_row(g->low + MARGIN, FLUXES, t->x1 - t->x0);
     if (owned && D == 3) pairs_across(g, t, layer, j, 0);
@@ -209,37 +266,30 @@ static void sweep_layer(const struct gas *g, double *rates, const struct tile *t
     if (D > 1) pairs_across(g, t, layer, j, 1);
     if (!owned) continue;
     pairs_along(g, t, layer, j);
-    const long node = node_of(g, t->x0, j, layer);
-    const long row = (layer - last->begin) * (inner->end - inner->begin) + j - inner->begin;
-    const long own = row * (first->end - first->begin) + t->x0 - first->begin;
-    gas_store(.low = g->low + MARGIN, .high = high_of(g, t, layer, j) + t->x0,
-              .J_t = g->metrics + g->J_t * g->N + node, .rates = rates + own,
-              .n = t->x1 - t->x0, .N = g->N, .M = own_nodes(g)
-#if FORCE
-              , .supplied = g->supplied + own * (D + 1)
-#endif
-    );
+    store_row(g, next, t, layer, j);
   }
 }
 
 /* Find the rates of a tile. Layers are loaded ahead of those whose viscous fluxes are found, and
    these ahead of those whose rates are found. */
-static void sweep(const struct gas *g, const double *q, double *rates, const struct tile *t) {
+static void sweep(const struct gas *g, struct unknowns q, double *next, const struct tile *t) {
   const long ahead = g->last.reach, behind = VISCOUS * ahead;
-  long completed = most(g->last.begin - ahead, 0), loaded = most(completed - behind, 0);
-  for (long layer = completed; layer < g->last.end; ++layer) {
+  long completed = most(g->last.own.begin - ahead, 0), loaded = most(completed - behind, 0);
+  for (long layer = completed; layer < g->last.own.end; ++layer) {
     for (; completed <= layer + ahead && completed < g->last.size; ++completed) {
       for (; loaded <= completed + behind && loaded < g->last.size; ++loaded)
         load_layer(g, q, t, loaded);
 #if VISCOUS
-      viscous_layer(g, q, t, completed);
+      viscous_layer(g, t, completed);
 #endif
     }
-    sweep_layer(g, rates, t, layer);
+    sweep_layer(g, next, t, layer);
   }
 }
 
-/* Fill the rates of the owned nodes; q: the unknowns with a halo. */
-void gas_rates(const struct gas *g, const double *q, double *rates) {
-  for (long m = 0; m < g->count; ++m) sweep(g, q, rates, g->tiles + m);
+/* Fill the rates of the owned nodes, or what becomes of them; own, ghosted: unknowns of these, and
+   of a halo. */
+void gas_sweep(const struct gas *g, const double *own, const double *ghosted, double *next) {
+  for (long m = 0; m < g->count; ++m)
+    sweep(g, (struct unknowns){own, ghosted}, next, g->tiles + m);
 }

@@ -1,7 +1,7 @@
 """The kernels of a gas block's rates: what is read at a node or a pair, which formula it goes
 through, where it is stored. fsipetsc/scheme/gas.c calls them.
 
-A row of a tile has the primitive variables w of its nodes and, in viscous gases, the fluxes
+A row of a tile has the primitive variables w of its nodes and, in viscous gases, J and the fluxes
 a^k . f_v of each axis k. Metrics are read where the block has them: a^1 … a^d, the velocity of the
 grid, around an axis A, then J_t.
 """
@@ -13,20 +13,25 @@ import numpy as np
 from fsipetsc.equations.means import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.equations.vectors import add, along, mean, scale, sub
-from fsipetsc.kernels.kernel import OWNED, PLANES, ROWS, Kernel, interlaced
+from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel, interlaced
+from fsipetsc.scheme.stage import KINDS, store
 
 
 def gas_kernels(gas: Any, d: int, form: Any, viscous: bool) -> list[Kernel]:
     """All kernels of a gas in d dimensions; form: fsipetsc.scheme.gas_forms."""
     sums = len(form.force.sums((0.0,) * d))
-    made = [_load(gas, d), *_pairs(gas, d, form, viscous), _store(d, sums)]
+    made = [_load(gas, d, viscous), *_pairs(gas, d, form, viscous)]
+    kinds = KINDS if sums == d + 2 else KINDS[:1]
+    made += [_store(d, sums, number, kind) for number, kind in enumerate(kinds)]
     return [*made, _slope(gas, d), _viscous(gas, d)] if viscous else made
 
 
-def _load(gas: Any, d: int) -> Kernel:
-    kernel = Kernel("gas_load", "The primitive variables w of the nodes of a row.")
+def _load(gas: Any, d: int, viscous: bool) -> Kernel:
+    kernel = Kernel("gas_load", "The primitive variables w of the nodes of a row, perhaps J.")
     q = kernel.read("q", PLANES, d + 3)
     kernel.store("w", ROWS, kernel.parameters(gas).primitive(q))
+    if viscous:
+        kernel.store("w", ROWS, q[:1], d + 5)
     return kernel
 
 
@@ -82,11 +87,12 @@ def _added(kernel: Kernel, both: tuple[Any, Any]) -> list[tuple[str, Any, Any]]:
     return [("low", low, along(low, -loss, less)), ("high", high, along(high, gain, more))]
 
 
-def _store(d: int, sums: int) -> Kernel:
-    kernel = Kernel("gas_store", "J_t, the rates of J rho, J rho u, J E, the force, of a row.")
+def _store(d: int, sums: int, number: int, kind: str) -> Kernel:
+    says = "J_t, the rates of J rho, J rho u, J E, the force, of a row, or what follows from them."
+    kernel = Kernel(f"gas_{kind}", says)
     total = add(kernel.read("low", ROWS, sums), kernel.read("high", ROWS, sums))
     (J_t,) = kernel.read("J_t", PLANES, 1)
-    kernel.store("rates", OWNED, (J_t, *total[: d + 2]))
+    store(kernel, number, (J_t, *total[: d + 2]))
     if sums > d + 2:
         kernel.store("supplied", interlaced(f"{d + 1}"), (*total[d + 2 :], 0.0))
     return kernel
@@ -108,7 +114,7 @@ def _slope(gas: Any, d: int) -> Kernel:
 def _viscous(gas: Any, d: int) -> Kernel:
     kernel = Kernel("gas_viscous", "The viscous fluxes a^k . f_v of all axes k of a row's nodes.")
     gas, w = kernel.parameters(gas), kernel.read("w", ROWS, d + 5)
-    (J,) = kernel.read("q", PLANES, 1)
+    (J,) = kernel.read("w", ROWS, 1, d + 5)
     areas = [kernel.read("a", PLANES, d, k * d) for k in range(d)]
     slopes = [kernel.read("slope", ROWS, d + 1, k * (d + 1)) for k in range(d)]
     scaled, inverse = outer(slopes[0][:-1], areas[0]), scale(slopes[0][-1], areas[0])

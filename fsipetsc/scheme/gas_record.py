@@ -13,7 +13,7 @@ from fsipetsc.scheme.rows import Array
 class GasRecord(NamedTuple):
     """A part of a gas block.
 
-    of_volume: the address of what gas_rates of fsipetsc/scheme/gas.c takes. potential, supplied: as
+    of_volume: the address of what gas_sweep of fsipetsc/scheme/gas.c takes. potential, supplied: as
     GasVolume (fsipetsc.scheme.gas_volume) has them. like: d zeros. laws: fsipetsc.equations.gas.
     faces: fsipetsc.scheme.faces. block: its number, begin: of its unknowns in the world vector. X,
     places: (d, N) of the reference map, and where the monitor finds the nodes. metrics: (d d + d +
@@ -94,10 +94,12 @@ def turn(part, particles):
 
 
 def rates(part, gain, y, f):
-    """Fill a gas's part of f, from that of a completed y; what comes in goes to ``gain``."""
+    """Fill a gas's part of f, from that of a completed y: with rates, or where nothing adds to them
+    with a stage (fsipetsc.scheme.stage). What comes in goes to ``gain``.
+    """
     d = len(part.like)
     q, own = ghosted(part, y, d + 3), owned(part, f, d + 3)
-    invoke("gas_rates", part.of_volume, q, own)
+    invoke("gas_sweep", part.of_volume, owned(part, y, d + 3), q, own)
     part.axis.add(part, q, own, gain)
     part.dissipation.add(part, q, own, gain)
     part.faces.add(part, q, own, gain)

@@ -12,6 +12,7 @@ from fsipetsc.kernels.unit import c_source, unit
 from fsipetsc.operators.bands import Band, Patch
 from fsipetsc.scheme.gas_kernels import gas_kernels
 from fsipetsc.scheme.rows import Array, aligned
+from fsipetsc.scheme.stage import Owned, Spans, Stage, no_stage
 
 #: most nodes of a tile along the first axis, by dimension; in three most rows along the second one
 TILES, DEPTH = {1: 232, 2: 136, 3: 72}, 8
@@ -23,8 +24,10 @@ _POINTER, _NUMBER = ctypes.c_void_p, ctypes.c_long
 
 
 class _Axis(ctypes.Structure):
-    _fields_ = [("S", _POINTER), ("weight", _POINTER)] + [
-        (name, _NUMBER) for name in ("reach", "begin", "end", "size", "stride")
+    _fields_ = [
+        *((name, _POINTER) for name in ("S", "weight")),
+        ("own", Owned),
+        *((name, _NUMBER) for name in ("reach", "size", "stride")),
     ]
 
 
@@ -32,6 +35,7 @@ class _Gas(ctypes.Structure):
     _fields_ = [
         *((name, _Axis) for name in ("first", "inner", "last")),
         *((name, _POINTER) for name in ("p", "metrics", "potential", "supplied")),
+        ("stage", Stage),
         *((name, _NUMBER) for name in ("N", "J_t", "layers", "depth", "before")),
         *((name, _POINTER) for name in ("rows", "high", "low", "slope", "gain", "loss")),
         *((name, _POINTER) for name in ("gains", "losses", "tiles")),
@@ -40,7 +44,7 @@ class _Gas(ctypes.Structure):
 
 
 def gas_text(gas: Any, d: int, form: Any, viscous: bool) -> str:
-    """The C code of the function gas_rates for a gas in d dimensions."""
+    """The C code of the function gas_sweep for a gas in d dimensions."""
     kernels = gas_kernels(gas, d, form, viscous)
     constants = {
         "D": d,
@@ -50,11 +54,12 @@ def gas_text(gas: Any, d: int, form: Any, viscous: bool) -> str:
         **{"ROW": TILES[d] + 2 * MARGIN, "MARGIN": MARGIN, "SPANS": SPANS},
     }
     cube = [cube_text()] if d == 3 else []
-    return unit(constants, kernels, c_source("fsipetsc.scheme", "gas.c"), *cube)
+    loops = [c_source("fsipetsc.scheme", name) for name in ("stage.c", "gas.c")]
+    return unit(constants, kernels, *loops, *cube)
 
 
 class GasVolume:
-    """What gas_rates takes of a part of a block: a struct in C, and the memory it points to.
+    """What gas_sweep takes of a part of a block: a struct in C, and the memory it points to.
 
     metrics: (rows, N), with J_t as the last row. Where a constant force acts pair by pair,
     potential: (N,) Phi of the ghosted nodes, supplied: (M (d + 1),) the force on each owned node
@@ -77,7 +82,7 @@ class GasVolume:
         far = 1 + int(viscous)
         layers = far * reach[last] + 1
         depth = (DEPTH if d == 3 else 1) + 2 * far * reach[inner]
-        numbers, sums = d + 5 + viscous * d * (d + 1), len(form.force.sums((0.0,) * d))
+        numbers, sums = d + 5 + viscous * (1 + d * (d + 1)), len(form.force.sums((0.0,) * d))
         raised = int(sums > d + 2)
         self.potential = np.zeros(raised * int(np.prod(patch.ghosted)))
         self.supplied = np.zeros(raised * int(np.prod(patch.own)) * (d + 1))
@@ -97,10 +102,8 @@ class GasVolume:
         self._bands = [(np.ascontiguousarray(b.S), np.ascontiguousarray(b.weight)) for b in bands]
         self._memory = memory
         strides = np.cumprod([1, *patch.ghosted])
-        axes = {
-            name: self._axis(k, patch, int(strides[k]))
-            for name, k in (("first", 0), ("inner", inner), ("last", last))
-        }
+        self._places = {"first": 0, "inner": inner, "last": last}
+        axes = {n: self._axis(k, patch, int(strides[k])) for n, k in self._places.items()}
         self._struct = _Gas(
             **axes,
             **{name: array.ctypes.data for name, array in memory.items()},
@@ -109,9 +112,19 @@ class GasVolume:
             layers=layers,
             depth=depth,
             before=far * reach[inner],
+            stage=no_stage(),
             count=len(memory["tiles"]),
         )
         self.address = ctypes.addressof(self._struct)
+
+    def let_advance(self, stage: Stage, free: Spans) -> None:
+        """Make stages of the nodes within ``free``, first and first beyond along each axis of the
+        ghosted array, to whose rates nothing else adds.
+        """
+        self._struct.stage = stage
+        for name, k in self._places.items():
+            own = getattr(self._struct, name).own
+            own.free_begin, own.free_end = free[k]
 
     def forget(self) -> None:
         """Clear what is remembered of a bad state: no NaN may stay there for another step."""
@@ -120,9 +133,8 @@ class GasVolume:
     def _axis(self, k: int, patch: Patch, stride: int) -> _Axis:
         S, weight = self._bands[k]
         begin, size = patch.first[k], patch.ghosted[k]
-        return _Axis(
-            S.ctypes.data, weight.ctypes.data, len(S) - 1, begin, begin + patch.own[k], size, stride
-        )
+        own = Owned(begin, begin + patch.own[k])
+        return _Axis(S.ctypes.data, weight.ctypes.data, own, len(S) - 1, size, stride)
 
 
 def _weights(band: Band) -> tuple[Array, Array]:

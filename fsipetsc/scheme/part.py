@@ -45,7 +45,9 @@ def owned(part, s, dof):
 
 
 def ghosted(part, s, dof):
-    """(N, dof), the same with its halo, which an exchange has filled, if the part has one."""
+    """(N, dof), the same with its halo, which an exchange has filled, if the part has one. The owned
+    nodes are there where part.reads_ghosted says so, else the halo alone.
+    """
     n = part.patch.ghosted[0] * part.patch.ghosted[1] * part.patch.ghosted[2]
     own = s[part.begin : part.begin + n * dof]
     return either(part.halo.shape[1] > 0, part.halo.reshape(-1), own).reshape(dof, n).turned()

@@ -30,10 +30,12 @@ struct solid {
   const long *ends;               /* (nodes,) along the first axis: the next node with others */
   long tiles, nodes, most;
   long lags[3];                   /* layers from loading to t^k, to conduction, to rates */
-  long size[2], own[2], first[3]; /* of the patch: nodes with the halo, owned ones, the first */
+  long size[2];                   /* of the patch: nodes with the halo */
+  struct owned own[3], inside[3]; /* and its owned nodes; as free ones those with PAIRS pairs */
   long row, layer, layers, step;  /* of a tile: nodes of a row, of a layer; layers; of a plane */
   const double *p, *metrics, *prestress;
-  long N, M; /* nodes of a plane of the unknowns, metrics and prestress; of one of the rates */
+  long N, M; /* nodes of a plane of the unknowns, metrics and prestress; of owned ones */
+  struct stage stage; /* what becomes of rates */
   double *unknowns, *strains, *tractions, *temperatures, *heats, *slopes;
 };
 /* n nodes from x, y, z on along the first axis. patch, own, tile: the place of the first one in
@@ -44,6 +46,12 @@ static const long *box_of(const struct solid *s, long tile, int stage, int axis)
   return s->boxes + ((tile * 4 + stage) * 3 + axis) * 2;
 }
 
+static long own_of(const struct solid *s, long x, long y, long z) {
+  const struct owned *own = s->own;
+  return ((z - own[2].begin) * (own[1].end - own[1].begin) + y - own[1].begin) *
+         (own[0].end - own[0].begin) + x - own[0].begin;
+}
+
 static struct row row_of(const struct solid *s, long tile, int stage, long y, long z) {
   const long *box = box_of(s, tile, stage, 0), x = box[0];
   const long x0 = box_of(s, tile, KNOWN, 0)[0], y0 = box_of(s, tile, KNOWN, 1)[0];
@@ -51,9 +59,16 @@ static struct row row_of(const struct solid *s, long tile, int stage, long y, lo
   return (struct row){
       .n = box[1] - x, .x = x, .y = y, .z = z, .place = place,
       .patch = (z * s->size[1] + y) * s->size[0] + x,
-      .own = ((z - s->first[2]) * s->own[1] + y - s->first[1]) * s->own[0] + x - s->first[0],
+      .own = own_of(s, x, y, z),
       .tile = place * s->layer + (y - y0) * s->row + x - x0,
   };
+}
+
+/* The part of a row of the nodes x … to - 1. */
+static struct row part_of(struct row r, long x, long to) {
+  const long on = x - r.x;
+  r.x = x, r.n = to - x, r.patch += on, r.own += on, r.tile += on;
+  return r;
 }
 
 /* Numbers between a node and a neighbour along an axis in the arrays of a tile. */
@@ -109,9 +124,56 @@ static void differentiate(const struct solid *s, const struct row *r, int kind, 
        box_of(s, t, stage, 2)[0] <= layer && layer < box_of(s, t, stage, 2)[1] &&    \
        y < box_of(s, t, stage, 1)[1]; ++y)
 
-static void take_row(const struct solid *s, const double *q, struct row r) {
-  solid_take(.q = q + r.patch, .unknowns = s->unknowns + r.tile, .step = s->step, .N = s->N,
-             .n = r.n);
+/* The unknowns: planes of the owned nodes, or 0, and of all with the halo. */
+struct unknowns { const double *own, *ghosted; };
+
+static void take(const struct solid *s, const double *q, long nodes, struct row r) {
+  if (r.n > 0)
+    solid_take(.q = q, .unknowns = s->unknowns + r.tile, .step = s->step, .N = nodes, .n = r.n);
+}
+
+static void take_row(const struct solid *s, struct unknowns q, struct row r) {
+  const struct owned *x = s->own, *y = s->own + 1, *z = s->own + 2;
+  const int own = q.own && y->begin <= r.y && r.y < y->end && z->begin <= r.z && r.z < z->end;
+  const long end = r.x + r.n, a = own ? least(most(x->begin, r.x), end) : end;
+  const long b = own ? most(least(x->end, end), a) : end;
+  const struct row before = part_of(r, r.x, a), inside = part_of(r, a, b);
+  const struct row after = part_of(r, b, end);
+  take(s, q.ghosted + before.patch, s->N, before);
+  take(s, q.own + inside.own, s->M, inside);
+  take(s, q.ghosted + after.patch, s->N, after);
+}
+
+/* Distances and weights of the pairs of a node in the interior, by axes. */
+struct inside { long far[D * PAIRS], back[D * PAIRS]; double w[D * PAIRS]; };
+
+static struct inside inside_of(const struct solid *s, const struct row *r) {
+  struct inside found;
+  for (int k = 0; k < D; ++k) {
+    const int axis = D == 2 ? 2 * k : k;
+    const double *w = s->weights + (axis * s->nodes + (axis == 0 ? r->x : axis == 1 ? r->y : r->z)) * s->most;
+    for (int m = 0; m < PAIRS; ++m) {
+      found.far[k * PAIRS + m] = away(s, r, axis, m + 1);
+      found.back[k * PAIRS + m] = away(s, r, axis, -m - 1);
+      found.w[k * PAIRS + m] = w[1 + m];
+    }
+  }
+  return found;
+}
+
+#define NEAR .far = near.far, .back = near.back, .w = near.w
+
+/* Do something with the nodes of a row: with those outside the interior, and with those within. */
+typedef void of_nodes(const struct solid *, double *, struct row, int inside, int kind);
+static void along_row(const struct solid *s, double *next, struct row r, int kind, of_nodes *does) {
+  const struct owned *x = s->inside, *y = s->inside + 1, *z = s->inside + 2;
+  const long end = r.x + r.n;
+  const int within = (D < 3 || is_free(y, r.y)) && (D < 2 || is_free(z, r.z));
+  const long a = within ? least(most(x->free_begin, r.x), end) : end;
+  const long b = within ? most(least(x->free_end, end), a) : end;
+  if (r.x < a) does(s, next, part_of(r, r.x, a), 0, kind);
+  if (a < b) does(s, next, part_of(r, a, b), 1, kind);
+  if (b < end) does(s, next, part_of(r, b, end), 0, kind);
 }
 
 static void strain_row(const struct solid *s, struct row r) {
@@ -123,13 +185,23 @@ static void strain_row(const struct solid *s, struct row r) {
   );
 }
 
-static void pull_row(const struct solid *s, struct row r) {
-  solid_pull(.unknowns = s->unknowns + r.tile, .strains = s->strains + r.tile, PLACED,
-             .temperatures = s->temperatures + r.tile, .tractions = s->tractions + r.tile
+static void pull_nodes(const struct solid *s, double *next, struct row r, int inside, int kind) {
+  (void)next, (void)kind;
 #if PRESTRESSED
-             , .prestress = s->prestress + r.patch
+#define PULLED , .prestress = s->prestress + r.patch
+#else
+#define PULLED
 #endif
-  );
+#define PULL                                                                            \
+  .unknowns = s->unknowns + r.tile, .strains = s->strains + r.tile,                     \
+  .temperatures = s->temperatures + r.tile, .tractions = s->tractions + r.tile, PLACED PULLED
+  if (inside) {
+    const struct inside near = inside_of(s, &r);
+    solid_pull_inside(PULL, NEAR);
+  } else {
+    differentiate(s, &r, PLAIN, s->unknowns, 0, 0, D, 0);
+    solid_pull(PULL, .slopes = s->slopes);
+  }
 }
 
 #if CONDUCTS
@@ -140,22 +212,54 @@ static void conduct_row(const struct solid *s, struct row r) {
 }
 #endif
 
-static void accelerate_row(const struct solid *s, double *rates, struct row r) {
-  differentiate(s, &r, FREE, s->tractions, 0, D, D, 0);
-  differentiate(s, &r, PLAIN, s->unknowns, D, 0, D, D * D);
+/* Store what becomes of the rates of nodes. */
+static void accelerate_nodes(const struct solid *s, double *next, struct row r, int inside,
+                             int kind) {
+  const struct stage *stage = &s->stage;
+  const struct inside near = inside_of(s, &r);
+  if (!inside) {
+    differentiate(s, &r, FREE, s->tractions, 0, D, D, 0);
+    differentiate(s, &r, PLAIN, s->unknowns, D, 0, D, D * D);
 #if CONDUCTS
-  differentiate(s, &r, FREE, s->heats, 0, 1, 1, 2 * D * D);
+    differentiate(s, &r, FREE, s->heats, 0, 1, 1, 2 * D * D);
 #endif
-  solid_accelerate(.unknowns = s->unknowns + r.tile, .tractions = s->tractions + r.tile,
-                   .slopes = s->slopes, PLACED, .rates = rates + r.own, .M = s->M
-#if HOOPS
-                   , .strains = s->strains + r.tile
-#endif
-  );
+  }
+#define STORE                                                                        \
+  .unknowns = s->unknowns + r.tile, .tractions = s->tractions + r.tile,              \
+  .strains = s->strains + r.tile, .heats = s->heats + r.tile, PLACED, .M = s->M,     \
+  .next = next + r.own, .y = stage->y + r.own, .total = stage->total + r.own,        \
+  .numbers = stage->numbers
+#define CASE(number, name)                    \
+  case number:                                \
+    if (inside)                               \
+      solid_##name##_inside(STORE, NEAR);     \
+    else                                      \
+      solid_##name(STORE, .slopes = s->slopes); \
+    break
+  switch (kind) {
+    CASE(RATES, rates);
+    CASE(FIRST, first);
+    CASE(MIDDLE, middle);
+    CASE(LAST, last);
+  }
 }
 
-/* Fill planes of the strains F of the owned nodes; q: the unknowns with a halo of one reach. */
-void solid_strains(const struct solid *s, const double *q, double *F) {
+/* The same of a row: only of nodes to which nothing is added, the next stage. */
+static void accelerate_row(const struct solid *s, double *next, struct row r) {
+  const struct owned *first = s->own;
+  const int kind = (int)*s->stage.numbers;
+  const int free = kind != RATES && is_free(s->own + 1, r.y) && is_free(s->own + 2, r.z);
+  const long end = r.x + r.n, a = free ? least(most(first->free_begin, r.x), end) : end;
+  const long b = free ? most(least(first->free_end, end), a) : end;
+  along_row(s, next, part_of(r, r.x, a), RATES, accelerate_nodes);
+  along_row(s, next, part_of(r, a, b), kind, accelerate_nodes);
+  along_row(s, next, part_of(r, b, end), RATES, accelerate_nodes);
+}
+
+/* Fill planes of the strains F of the owned nodes; own, ghosted: unknowns of these, or 0, and of a
+   halo of one reach, or of all nodes. */
+void solid_strains(const struct solid *s, const double *own, const double *ghosted, double *F) {
+  const struct unknowns q = {own, ghosted};
   for (long t = 0; t < s->tiles; ++t) {
     for (long z = box_of(s, t, KNOWN, 2)[0]; z < box_of(s, t, OWN, 2)[1] + s->lags[0]; ++z) {
       ROWS_OF(KNOWN, 0) take_row(s, q, row_of(s, t, KNOWN, y, layer));
@@ -169,20 +273,20 @@ void solid_strains(const struct solid *s, const double *q, double *F) {
   }
 }
 
-/* Fill the rates of the owned nodes; q: the unknowns with a halo of two interior reaches, with
-   conduction of three. */
-void solid_rates(const struct solid *s, const double *q, double *rates) {
+/* Fill the rates of the owned nodes, or what becomes of them; own, ghosted: unknowns of these, and
+   of a halo of two interior reaches, with conduction of three. */
+void solid_sweep(const struct solid *s, const double *own, const double *ghosted, double *next) {
+  const struct unknowns q = {own, ghosted};
   for (long t = 0; t < s->tiles; ++t) {
     for (long z = box_of(s, t, KNOWN, 2)[0]; z < box_of(s, t, OWN, 2)[1] + s->lags[2]; ++z) {
       ROWS_OF(KNOWN, 0) take_row(s, q, row_of(s, t, KNOWN, y, layer));
       ROWS_OF(STRAINED, s->lags[0]) {
-        strain_row(s, row_of(s, t, STRAINED, y, layer));
-        pull_row(s, row_of(s, t, STRAINED, y, layer));
+        along_row(s, next, row_of(s, t, STRAINED, y, layer), RATES, pull_nodes);
       }
 #if CONDUCTS
       ROWS_OF(HEATED, s->lags[1]) conduct_row(s, row_of(s, t, HEATED, y, layer));
 #endif
-      ROWS_OF(OWN, s->lags[2]) accelerate_row(s, rates, row_of(s, t, OWN, y, layer));
+      ROWS_OF(OWN, s->lags[2]) accelerate_row(s, next, row_of(s, t, OWN, y, layer));
     }
   }
 }

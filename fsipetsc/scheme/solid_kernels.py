@@ -6,7 +6,8 @@ tractions t^k = P A^k, temperatures, and heat fluxes A^k . h. A row has the deri
 Metrics are read where the block has them: A^1 … A^d, J0, around an axis R.
 """
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 from fsipetsc.equations.tensors import (
     add_unit,
@@ -16,18 +17,61 @@ from fsipetsc.equations.tensors import (
     product_transposed,
     transposed_product,
 )
-from fsipetsc.equations.vectors import add, along, dot, scale, total
-from fsipetsc.kernels.kernel import OWNED, PLANES, Kernel, Layout
+from fsipetsc.equations.vectors import add, along, dot, scale, sub, total
+from fsipetsc.kernels.kernel import PLANES, SHARED, Kernel, Layout
+from fsipetsc.scheme.stage import KINDS, store
 
 #: planes of a tile, and of the derivatives of a row
 TILE = Layout("step", given=True)
 ROW = Layout("WIDTH")
 
 
-def solid_kernels(solid: Any, d: int, prestressed: bool) -> list[Kernel]:
-    """All kernels of a solid in d dimensions."""
-    made = [_take(d), _strain(solid, d), _pull(solid, d, prestressed), _accelerate(solid, d)]
+def solid_kernels(solid: Any, d: int, order: int, prestressed: bool) -> list[Kernel]:
+    """All kernels of a solid in d dimensions; order: of the operators in the interior."""
+    made = [_take(d), _strain(solid, d)]
+    for slopes in Slopes(d, 0), Slopes(d, order // 2):
+        made.append(_pull(solid, d, slopes, prestressed))
+        made += [_accelerate(solid, d, slopes, number, kind) for number, kind in enumerate(KINDS)]
     return [*made, _conduct(solid, d)] if solid.kappa > 0.0 else made
+
+
+class Slopes(NamedTuple):
+    """How kernels get derivatives D_k f: from rows that have them, if pairs is 0; in the interior
+    from so many pairs of nodes on both sides, with weights w and distances far, axis by axis:
+
+        D_k f = sum_m w_km (f_(i + m) - f_(i - m))
+    """
+
+    d: int
+    pairs: int
+
+    @property
+    def of(self) -> str:
+        """What is added to the names of kernels."""
+        return "_inside" if self.pairs else ""
+
+    def read(
+        self, kernel: Kernel, f: str, first: Sequence[int], count: int, to: int
+    ) -> tuple[Any, ...]:
+        """D_k of so many planes of f for each axis k, which begin at its number of ``first``; to:
+        where the rows have them.
+        """
+        if not self.pairs:
+            return kernel.read("slopes", ROW, self.d * count, to)
+        axes = enumerate(first)
+        return tuple(D for k, plane in axes for D in self._along(kernel, f, k, plane, count))
+
+    def _along(self, kernel: Kernel, f: str, k: int, first: int, count: int) -> tuple[Any, ...]:
+        found: tuple[Any, ...] = ()
+        for m in range(self.pairs):
+            number = k * self.pairs + m
+            ahead, behind = (
+                kernel.read(f, TILE, count, first, (where, number)) for where in ("far", "back")
+            )
+            (w,) = kernel.read("w", SHARED, 1, number)
+            change = sub(ahead, behind)
+            found = along(found, w, change) if found else scale(w, change)
+        return found
 
 
 def _take(d: int) -> Kernel:
@@ -39,23 +83,32 @@ def _take(d: int) -> Kernel:
 def _strain(solid: Any, d: int) -> Kernel:
     kernel = Kernel("solid_strain", "F = 1 + 1/J0 sum_k D_k D A^k, with the stretch of hoops.")
     solid = kernel.parameters(solid)
+    kernel.store("strains", TILE, _found_strain(kernel, solid, d, Slopes(d, 0)))
+    return kernel
+
+
+def _found_strain(kernel: Kernel, solid: Any, d: int, slopes: Slopes) -> Any:
     A, (J0,) = kernel.read("metrics", PLANES, d * d), kernel.read("metrics", PLANES, 1, d * d)
-    gradient = scale(1.0 / J0, transposed_product(kernel.read("slopes", ROW, d * d), A))
+    D_D = slopes.read(kernel, "unknowns", (0,) * d, d, 0)
+    gradient = scale(1.0 / J0, transposed_product(D_D, A))
     D = kernel.read("unknowns", TILE, d) if solid.around else ()
     R = kernel.read("metrics", PLANES, 1, d * d + 1)[0] if solid.around else 0.0
-    kernel.store("strains", TILE, solid.with_hoops(add_unit(1.0, gradient), D, R))
-    return kernel
+    return solid.with_hoops(add_unit(1.0, gradient), D, R)
 
 
 def _strain_of(kernel: Kernel, solid: Any, d: int) -> Any:
     return kernel.read("strains", TILE, len(solid.unstrained((0.0,) * d)))
 
 
-def _pull(solid: Any, d: int, prestressed: bool) -> Kernel:
+def _pull(solid: Any, d: int, slopes: Slopes, prestressed: bool) -> Kernel:
     """A prestress S adds to P, and its energy S : (F - 1)/m0 is no part of what T follows from."""
-    kernel = Kernel("solid_pull", "T, and the tractions t^k = (P + S) A^k with a prestress S.")
+    says = "F, T, and the tractions t^k = (P + S) A^k with a prestress S."
+    kernel, conducts = Kernel(f"solid_pull{slopes.of}", says), solid.kappa > 0.0
+    kernel.takes("strains", "temperatures", TILE)
     solid, A = kernel.parameters(solid), kernel.read("metrics", PLANES, d * d)
-    F, v = _strain_of(kernel, solid, d), kernel.read("unknowns", TILE, d, d)
+    F, v = _found_strain(kernel, solid, d, slopes), kernel.read("unknowns", TILE, d, d)
+    if conducts or solid.around:
+        kernel.store("strains", TILE, F)
     (e,) = kernel.read("unknowns", TILE, 1, 2 * d)
     S = kernel.read("prestress", PLANES, d * d) if prestressed else ()
     if prestressed and not solid.coupled:
@@ -65,7 +118,8 @@ def _pull(solid: Any, d: int, prestressed: bool) -> Kernel:
     tractions = product_transposed(A, solid.stress_at(F, T))
     if prestressed:
         tractions = add(tractions, product_transposed(A, S))
-    kernel.store("temperatures", TILE, (T,))
+    if conducts:
+        kernel.store("temperatures", TILE, (T,))
     kernel.store("tractions", TILE, tractions)
     return kernel
 
@@ -80,21 +134,23 @@ def _conduct(solid: Any, d: int) -> Kernel:
     return kernel
 
 
-def _accelerate(solid: Any, d: int) -> Kernel:
+def _accelerate(solid: Any, d: int, slopes: Slopes, number: int, kind: str) -> Kernel:
     """From D°_k t^k, D_k v and, with conduction, D°_k A^k . h."""
-    kernel = Kernel("solid_accelerate", "(v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v).")
+    says = "(v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v), or what follows from these rates."
+    kernel = Kernel(f"solid_{kind}{slopes.of}", says)
+    kernel.takes("strains", "heats", TILE)
     conducts, solid = solid.kappa > 0.0, kernel.parameters(solid)
     per_mass = 1.0 / (kernel.read("metrics", PLANES, 1, d * d)[0] * solid.m0)
     v, t = kernel.read("unknowns", TILE, d, d), kernel.read("tractions", TILE, d * d)
-    force = column_sums(kernel.read("slopes", ROW, d * d))
-    power = dot(v, force) + dot(t, kernel.read("slopes", ROW, d * d, d * d))
+    force = column_sums(slopes.read(kernel, "tractions", range(0, d * d, d), d, 0))
+    power = dot(v, force) + dot(t, slopes.read(kernel, "unknowns", (d,) * d, d, d * d))
     if conducts:
-        power = power + total(kernel.read("slopes", ROW, d, 2 * d * d))
+        power = power + total(slopes.read(kernel, "heats", range(d), 1, 2 * d * d))
     acceleration = along(solid.force, per_mass, force)
     if solid.around:
         (e,), F = kernel.read("unknowns", TILE, 1, 2 * d), _strain_of(kernel, solid, d)
         (R,) = kernel.read("metrics", PLANES, 1, d * d + 1)
         acceleration = solid.with_hoop_force(acceleration, v, e, F, R)
     energy = per_mass * power + dot(solid.force, v)
-    kernel.store("rates", OWNED, (*v, *acceleration, energy))
+    store(kernel, number, (*v, *acceleration, energy))
     return kernel

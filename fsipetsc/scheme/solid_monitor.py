@@ -23,9 +23,9 @@ def monitor(part, found, y):
     dimension; fill F.
     """
     d = len(part.like)
-    find(part, ghosted(part, y, 2 * d + 1))
-    note(part, found)
     own = owned(part, y, 2 * d + 1)
+    find(part, own, ghosted(part, y, 2 * d + 1))
+    note(part, found)
     note_potential(part, own, found)
     if d == 1:
         note_ends(part, own, found)
@@ -33,20 +33,21 @@ def monitor(part, found, y):
 
 def measure(part, q):
     """Fill seen, sums and F of a part of a solid block; q: planes of its ghosted nodes."""
-    find(part, q.reshape(2 * len(part.like) + 1, part.metrics.shape[1]).turned())
+    find(part, None, q.reshape(2 * len(part.like) + 1, part.metrics.shape[1]).turned())
 
 
-def find(part, q):
+def find(part, known, q):
     """Fill seen, F and sums: momentum, energy, angular momentum, kinetic and elastic energy, minus
-    this; q: (N, 2d + 1).
+    this; known: (M, 2d + 1) of the owned nodes, q: (N, 2d + 1) of the halo, or None and all.
     """
     d, room, width, sums = len(part.like), part.room, part.patch.own[0], part.sums
-    invoke("solid_strains", part.of_volume, q, part.F)
+    invoke("solid_strains", part.of_volume, 0 if known is None else known, q, part.F)
     begin(room, width)
     columns = room.reshape(MONITORED + sums_of(d), width)
     for node, own, n in rows_of(part):
         for i in each(n, vector=True):
-            extremes, densities = seen_at(part, q, node + i, own + i)
+            here = (q, node + i) if known is None else (known, own + i)
+            extremes, densities = seen_at(part, *here, node + i, own + i)
             mass = part.masses[own + i]
             for c, value in enumerate(extremes):
                 columns[c, i] = np.maximum(columns[c, i], value)
@@ -56,13 +57,13 @@ def find(part, q):
     sums[-1] = -sums[sums.size - 2]
 
 
-def seen_at(part, q, node, own):
-    """Extremes at a node, and what sums have of it per mass. Convection is inf where the state is
-    none; what is no number has no J.
+def seen_at(part, q, place, node, own):
+    """Extremes at a node, and what sums have of it per mass; q: has it at ``place``. Convection is
+    inf where the state is none; what is no number has no J.
     """
     solid, metrics, d = part.laws, part.metrics, len(part.like)
     zeros = (0.0,) * d
-    displacement, v, e = part_of(zeros, q, node, 0), part_of(zeros, q, node, d), q[node, 2 * d]
+    displacement, v, e = part_of(zeros, q, place, 0), part_of(zeros, q, place, d), q[place, 2 * d]
     F = column(solid.unstrained(zeros), part.F, own)
     extra = prestress_energy(part, F, node)
     T, J = solid.temperature(v, e if solid.coupled else e - extra, F), solid.volume(F)

@@ -11,7 +11,7 @@ from fsipetsc.scheme.solid_monitor import prestress_energy
 
 class SolidRecord(NamedTuple):
     """A part of a solid block; what has the same name as in GasRecord is the same. of_volume: the
-    address of what solid_rates and solid_strains of fsipetsc/scheme/solid.c take.
+    address of what solid_sweep and solid_strains of fsipetsc/scheme/solid.c take.
 
     X: (d, N) places at rest. metrics: (d d + 1, N), A^1 … A^d and J0, then R around an axis;
     prestress: (d d, N) what P has beside, or None. inertia: (N,) J0 m0, masses: (M,) weights times
@@ -72,10 +72,12 @@ def store(part, particles, y):
 
 
 def rates(part, gain, y, f):
-    """Fill a solid's part of f, from that of a completed y; what comes in goes to ``gain``."""
+    """Fill a solid's part of f, from that of a completed y: with rates, or where nothing adds to
+    them with a stage (fsipetsc.scheme.stage). What comes in goes to ``gain``.
+    """
     dof = 2 * len(part.like) + 1
     q, own = ghosted(part, y, dof), owned(part, f, dof)
-    invoke("solid_rates", part.of_volume, q, own)
+    invoke("solid_sweep", part.of_volume, owned(part, y, dof), q, own)
     work = part.dissipation.add(part, q, own, gain)
     work += part.faces.add(part, q, own, gain)
     work += supply(part, owned(part, y, dof), own, gain)

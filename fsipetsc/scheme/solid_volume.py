@@ -10,7 +10,8 @@ from fsipetsc.kernels.kernel import numbers_of
 from fsipetsc.kernels.unit import c_source, unit
 from fsipetsc.scheme.rows import Array
 from fsipetsc.scheme.solid_kernels import solid_kernels
-from fsipetsc.scheme.solid_work import WIDTH, Work
+from fsipetsc.scheme.solid_work import WIDTH, Work, in_order
+from fsipetsc.scheme.stage import Owned, Spans, Stage, no_stage
 
 _POINTER, _NUMBER = ctypes.c_void_p, ctypes.c_long
 
@@ -19,27 +20,33 @@ class _Solid(ctypes.Structure):
     _fields_ = [
         *((name, _POINTER) for name in ("boxes", "jumps", "weights", "ends")),
         *((name, _NUMBER) for name in ("tiles", "nodes", "most")),
-        *((name, _NUMBER * n) for name, n in (("lags", 3), ("size", 2), ("own", 2), ("first", 3))),
+        *((name, _NUMBER * n) for name, n in (("lags", 3), ("size", 2))),
+        *((name, Owned * 3) for name in ("own", "inside")),
         *((name, _NUMBER) for name in ("row", "layer", "layers", "step")),
         *((name, _POINTER) for name in ("p", "metrics", "prestress")),
         *((name, _NUMBER) for name in ("N", "M")),
+        ("stage", Stage),
         *((name, _POINTER) for name in ("unknowns", "strains", "tractions", "temperatures")),
         *((name, _POINTER) for name in ("heats", "slopes")),
     ]
 
 
-def solid_text(solid: Any, d: int, prestressed: bool) -> str:
-    """The C code of solid_rates and solid_strains for a solid in d dimensions."""
+def solid_text(solid: Any, d: int, order: int, prestressed: bool) -> str:
+    """The C code of solid_sweep and solid_strains for a solid in d dimensions; order: of the
+    operators in the interior.
+    """
     constants = {
         "D": d,
         "CONDUCTS": int(solid.kappa > 0.0),
         "HOOPS": int(len(solid.around) > 0),
         "PRESTRESSED": int(prestressed),
         "WIDTH": int(WIDTH),
+        "PAIRS": order // 2,
     }
-    kernels = solid_kernels(solid, d, prestressed)
+    kernels = solid_kernels(solid, d, order, prestressed)
     cube = [cube_text()] if d == 3 else []
-    return unit(constants, kernels, c_source("fsipetsc.scheme", "solid.c"), *cube)
+    loops = [c_source("fsipetsc.scheme", name) for name in ("stage.c", "solid.c")]
+    return unit(constants, kernels, *loops, *cube)
 
 
 class SolidVolume:
@@ -72,13 +79,21 @@ class SolidVolume:
             most=work.jumps.shape[2],
             lags=(_NUMBER * 3)(*work.lags),
             size=(_NUMBER * 2)(*patch.ghosted[:2]),
-            own=(_NUMBER * 2)(*patch.own[:2]),
-            first=(_NUMBER * 3)(*patch.first),
+            own=(Owned * 3)(*(Owned(f, f + n) for f, n in zip(patch.first, patch.own))),
             row=layout.row,
             layer=layout.layer,
             layers=layout.layers,
             step=work.temps.size,
             N=metrics.shape[1],
+            inside=(Owned * 3)(*(Owned(0, 0, *ends) for ends in work.inside)),
             M=int(np.prod(patch.own)),
+            stage=no_stage(),
         )
         self.address = ctypes.addressof(self._struct)
+        self._d = len(solid.force)
+
+    def let_advance(self, stage: Stage, free: Spans) -> None:
+        """The same as of fsipetsc.scheme.gas_volume.GasVolume."""
+        self._struct.stage = stage
+        for own, ends in zip(self._struct.own, in_order(free, self._d), strict=True):
+            own.free_begin, own.free_end = ends

@@ -42,7 +42,8 @@ class Work(NamedTuple):
     (tiles, 4, 3, 2) first node and first beyond of OWN … KNOWN. jumps: (3, n, 1 + most) of each
     axis and node how many neighbours there are, and how far; weights: (2, 3, n, 1 + most)
     S_il/(2 weight_i) of these, for PLAIN and FREE, which differ at the node itself; ends: the first
-    node along the first axis, after each, for which they are others. In flat arrays
+    node along the first axis, after each, for which they are others; inside: (3, 2) first node and
+    first beyond of those of the interior. In flat arrays
     by components, of the nodes of a tile: unknowns, strains F, tractions t^k, temps T, heats
     A^k . h; of the nodes of a row: slopes.
     """
@@ -54,6 +55,7 @@ class Work(NamedTuple):
     jumps: Array
     weights: Array
     ends: Array
+    inside: Array
     unknowns: Array
     strains: Array
     tractions: Array
@@ -62,8 +64,10 @@ class Work(NamedTuple):
     slopes: Array
 
 
-def solid_work(solid: Any, bands: Any, patch: Patch) -> Work:
-    """Work for a patch with these three bands of its ghosted nodes."""
+def solid_work(solid: Any, bands: Any, patch: Patch, pairs: int) -> Work:
+    """Work for a patch with these three bands of its ghosted nodes; pairs: of a node of the
+    interior, on each side.
+    """
     d = len(solid.force)
     bands, patch = in_order(bands, d), Patch(*(in_order(of_axes, d) for of_axes in patch))
     conducts = int(solid.kappa > 0.0)
@@ -77,7 +81,7 @@ def solid_work(solid: Any, bands: Any, patch: Patch) -> Work:
     strains = len(solid.unstrained((0.0,) * d))
     memory = [np.zeros(count * STEPS[d - 1]) for count in (2 * d + 1, strains, d * d, 1, d)]
     slopes = np.zeros((2 * d * d + d) * WIDTH)
-    return Work(patch, layout, lags, boxes, *neighbours(bands), *memory, slopes)
+    return Work(patch, layout, lags, boxes, *neighbours(bands, pairs), *memory, slopes)
 
 
 def in_order(of_axes: Any, d: int) -> Any:
@@ -115,8 +119,8 @@ def reached_along(S: Array, begin: int, end: int) -> tuple[int, int]:
     return min([begin, *i[inside].tolist()]), max([end - 1, *l[inside].tolist()]) + 1
 
 
-def neighbours(bands: Any) -> tuple[Array, Array, Array]:
-    """jumps, weights and ends of Work."""
+def neighbours(bands: Any, inner: int) -> tuple[Array, Array, Array, Array]:
+    """jumps, weights, ends and inside of Work; inner: pairs of a node of the interior."""
     most = max(2 * band.reach + 1 for band in bands)
     shape = 3, max(len(band.weight) for band in bands), 1 + most + -most % 4
     jumps, weights = np.zeros(shape, np.int64), np.zeros((2, *shape))
@@ -136,4 +140,4 @@ def neighbours(bands: Any) -> tuple[Array, Array, Array]:
     for i in range(n - 2, -1, -1):
         if np.array_equal(all_of[:, i], all_of[:, i + 1]):
             ends[i] = ends[i + 1]
-    return jumps, weights, ends
+    return jumps, weights, ends, np.array([band.interior(inner) for band in bands])

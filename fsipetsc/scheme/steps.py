@@ -14,19 +14,20 @@ from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
 from fsipetsc.scheme.part import clear, copy
 from fsipetsc.scheme.plan import BAD, RATE, SAID_STOP, STOP
 from fsipetsc.scheme.rows import Array
+from fsipetsc.scheme.stage import FIRST, LAST, MIDDLE, RATES
 
 STAGES = 4
 
 
 class Found(NamedTuple):
-    """What steps take and fill: the solution y, memory for stages, a copy to go back to; gain: a
-    fsipetsc.scheme.part.Gain. The rest is that of fsipetsc.blockrun.block_state; at_ends:
-    (4, interfaces). now: (2,) time and length of the step that is made.
+    """What steps take and fill: the solution y, the sum that becomes the next one, a copy to go
+    back to; gain: a fsipetsc.scheme.part.Gain. The rest is that of fsipetsc.blockrun.block_state;
+    at_ends: (4, interfaces). now: (2,) time and length of the step that is made. stage: (3,) what
+    sweeps make of rates (fsipetsc.scheme.stage). left: (runs, 2) begin and end of the numbers of a
+    world vector of which sweeps give rates in any case.
     """
 
     y: Array
-    stage: Array
-    k: Array
     total: Array
     before: Array
     gain: Any
@@ -38,29 +39,49 @@ class Found(NamedTuple):
     pace: float
     plan: Plan
     now: Array
+    stage: Array
+    left: Array
+
+
+def begin_stage(number: int | None) -> Callable[..., None]:
+    """The procedure that says what sweeps store: stages with this number, or rates."""
+
+    def begin(found):
+        """What sweeps store from now on."""
+        dt = found.now[1]
+        kind = RATES if number is None else (FIRST, MIDDLE, MIDDLE, LAST)[number]
+        found.stage[0] = float(kind)
+        found.stage[1], found.stage[2] = factors(number or 0, dt)
+
+    return begin
+
+
+def factors(number, dt):
+    """a and b of a stage, see ``advance``."""
+    a = dt if number == 2 else 0.5 * dt
+    return a, dt / 3.0 if 0 < number < 3 else dt / 6.0
 
 
 def advance(number: int) -> Callable[..., None]:
-    """The procedure of a stage, 0 to 3: what follows from its rates k in one pass over memory. With
-    base y at first, then total,
+    """The procedure of a stage, 0 to 3: what follows from the rates k that sweeps have left in f,
+    in their place. With base y at first, then total,
 
-        stage = y + a k,   total = base + b k   a = dt/2, dt/2, dt;  b = dt/6, dt/3, dt/3
-        stage = total + dt/6 k                  after the last one: the solution
+        f = y + a k,   total = base + b k   a = dt/2, dt/2, dt;  b = dt/6, dt/3, dt/3
+        f = total + dt/6 k                  after the last one: the solution
     """
 
-    def stage(found, y, f):
+    def stage(found, f):
         """The next stage from rates, and the sum that becomes the solution."""
-        base, total, dt = found.y, found.total, found.now[1]
-        a = dt if number == 2 else 0.5 * dt
-        b = dt / 3.0 if 0 < number < 3 else dt / 6.0
-        for i in each(y.size, vector=True):
-            k = f[i]
-            sum_of_stages = (base[i] if number == 0 else total[i]) + b * k
-            if number == 3:
-                y[i] = sum_of_stages
-            else:
-                y[i] = base[i] + a * k
-                total[i] = sum_of_stages
+        base, total, (a, b) = found.y, found.total, factors(number, found.now[1])
+        for run in each(found.left.shape[0]):
+            for i in each(found.left[run, 0], found.left[run, 1], vector=True):
+                k = f[i]
+                sum_of_stages = (base[i] if number == 0 else total[i]) + b * k
+                if number == 3:
+                    f[i] = sum_of_stages
+                else:
+                    f[i] = base[i] + a * k
+                    total[i] = sum_of_stages
 
     return stage
 
@@ -78,7 +99,7 @@ def begin_monitor(found):
     found.extremes[0] = found.results[SAID_STOP]
 
 
-def begin_rates(gain):
+def clear_gain(gain):
     """Nothing has come in yet."""
     clear(gain.numbers)
 

@@ -1,0 +1,13 @@
+/* What becomes of the rates k of a row of nodes: they are stored, or what follows from them in a
+   stage of the Runge-Kutta method (fsipetsc/scheme/steps.py). */
+
+enum { RATES, FIRST, MIDDLE, LAST };
+/* numbers: RATES … LAST, a, b of fsipetsc.scheme.stage; y, total: a block's part of the solution
+   and of the sum that becomes the next one. */
+struct stage { const double *numbers, *y; double *total; };
+
+/* Nodes begin … end - 1 of an axis that a rank owns, and those of them to whose rates nothing is
+   added after a sweep. */
+struct owned { long begin, end, free_begin, free_end; };
+
+static int is_free(const struct owned *o, long i) { return o->free_begin <= i && i < o->free_end; }
