@@ -34,9 +34,15 @@ for tag, (shape, periodic) in enumerate(BLOCKS):
         numbers = np.ravel_multi_index(index, shape, order="F").ravel(order="F")
         local = np.full((2, int(np.prod(patch.ghosted))), -1.0)
         halo = Halo(comm, tag, reach, patch, numbers, local, 3)
-        halo.load(library)
+        here = np.meshgrid(*(f + np.arange(n) for f, n in zip(patch.first, patch.own)))
+        here = np.ravel_multi_index(here, patch.ghosted, order="F").ravel()
+        for exchange in (halo, halo.inside):
+            exchange.load(library)
         for turn in range(3):
-            halo(np.array([7.0, 7.0, 7.0, *(numbers + 1000.0 * turn), *(-2.0 - numbers)]))
+            y = np.array([7.0, 7.0, 7.0, *(numbers + 1000.0 * turn), *(-2.0 - numbers)])
+            halo(y)
+            assert turn or (local[:, here] == -1.0).all(), "the halo alone"
+            halo.inside(y)
         index = np.meshgrid(*(np.arange(a, b) for a, b in ghosted), indexing="ij")
         inside = [(i >= a) & (i < b) for i, (a, b) in zip(index, own)]
         known = np.all([(i >= 0) | p for i, p in zip(index, periodic)], axis=0)

@@ -48,7 +48,8 @@ class SolidPart(BlockPart):
         self._dissipation = self._damping()
         damps = not isinstance(self._dissipation, Nothing)
         self.added = damps or self.block.forcing is not None
-        self.reads_ghosted = damps or not isinstance(self.faces.record, Nothing) or part.signs.size > 0
+        loaded = not isinstance(self.faces.record, Nothing)
+        self.reads_ghosted = damps or loaded or part.signs.size > 0
 
     @property
     def reference(self) -> Array:

@@ -35,7 +35,7 @@ struct cube {
   double *q;                    /* (3, 3, wide nodes) q_k, by k and n */
   double *metrics, *volume;     /* planes of N nodes of the range; det D x */
   const long *faces;            /* (count, 2) some faces: axis i, and index of their nodes along it */
-  double *of_faces;             /* (9, N) a^i on these faces, or their rates; elsewhere 0 */
+  double *of_faces;             /* (9, N) a^i on these faces, or their rates */
   double *moved, *other, *rows; /* memory: (3, wide nodes), (3, N), (9, nodes of a row) */
   long N, count;
 };
@@ -204,15 +204,25 @@ static void areas(const struct cube *c, int i, double *a, struct task *tasks) {
   tasks[1] = (struct task){end_area, k, c->q + 3 * j * W, a};
 }
 
-/* Find a^1, a^2, a^3 of the range. */
+/* Find a^1, a^2, a^3 of the range, layer by layer: q_k is found as far ahead as it is needed. */
 void cube_move(const struct cube *c) {
   const struct box range = range_of(c);
   struct task tasks[6];
-  for (int k = 0; k < 3; ++k) {
-    potentials(c, c->x, k, reached(c, &range, (k + 1) % 3, (k + 2) % 3));
-    areas(c, k, c->metrics + 3 * k * c->N, tasks + 2 * k);
+  long found = most(range.lo[2] - c->reach[2], 0);
+  for (int k = 0; k < 3; ++k) areas(c, k, c->metrics + 3 * k * c->N, tasks + 2 * k);
+  for (long z = range.lo[2]; z < range.hi[2]; ++z) {
+    for (; found <= z + c->reach[2] && found < c->size[2]; ++found) {
+      for (int k = 0; k < 3; ++k) {
+        struct box layer = reached(c, &range, (k + 1) % 3, (k + 2) % 3);
+        if (found < layer.lo[2] || layer.hi[2] <= found) continue;
+        layer.lo[2] = found, layer.hi[2] = found + 1;
+        potentials(c, c->x, k, layer);
+      }
+    }
+    struct box layer = range;
+    layer.lo[2] = z, layer.hi[2] = z + 1;
+    do_rows(c, tasks, 6, &layer);
   }
-  do_rows(c, tasks, 6, &range);
 }
 
 /* Find the velocity of the grid and J_t, after cube_move. */
@@ -243,45 +253,56 @@ void cube_volumes(const struct cube *c) {
   }
 }
 
-/* Find a^i of the places x on a face of the range, the nodes with index ``at`` along axis i: that
-   takes derivatives within the face only. */
-static struct box cube_face(const struct cube *c, const double *x, long i, long at, double *a) {
-  const int j = (i + 1) % 3, k = (i + 2) % 3;
+/* The nodes of the range with index ``at`` along axis i. */
+static struct box face_of(const struct cube *c, long i, long at) {
   struct box face = range_of(c);
-  struct task tasks[2];
   face.lo[i] = c->first[i] + at;
   face.hi[i] = face.lo[i] + 1;
-  potentials(c, x, k, reached(c, &face, j, j));
-  potentials(c, x, j, reached(c, &face, k, k));
-  areas(c, i, a, tasks);
-  do_rows(c, tasks, 2, &face);
   return face;
+}
+
+/* Find a^i of the places x on a face: that takes derivatives within the face only. */
+static void cube_face(const struct cube *c, const double *x, long i, const struct box *face,
+                      double *a) {
+  const int j = (i + 1) % 3, k = (i + 2) % 3;
+  struct task tasks[2];
+  potentials(c, x, k, reached(c, face, j, j));
+  potentials(c, x, j, reached(c, face, k, k));
+  areas(c, i, a, tasks);
+  do_rows(c, tasks, 2, face);
 }
 
 /* Find a^i of the places x on the faces. */
 void cube_faces(const struct cube *c) {
-  memset(c->of_faces, 0, 9 * c->N * sizeof(double));
   for (long n = 0; n < c->count; ++n) {
     const long i = c->faces[2 * n];
-    cube_face(c, c->x, i, c->faces[2 * n + 1], c->of_faces + 3 * i * c->N);
+    const struct box face = face_of(c, i, c->faces[2 * n + 1]);
+    cube_face(c, c->x, i, &face, c->of_faces + 3 * i * c->N);
   }
 }
 
-/* x + sign v */
-static const double *places(const struct cube *c, double sign) {
-  for (long i = 0; i < 3 * wide_nodes(c); ++i) c->moved[i] = c->x[i] + sign * c->v[i];
+/* x + sign v of a face with the nodes that its derivatives reach. */
+static const double *places(const struct cube *c, double sign, const struct box *face, long i) {
+  const struct box b = reached(c, face, (i + 1) % 3, (i + 2) % 3);
+  const long n = b.hi[0] - b.lo[0];
+  for (long z = b.lo[2]; z < b.hi[2]; ++z)
+    for (long y = b.lo[1]; y < b.hi[1]; ++y)
+      for (int m = 0; m < 3; ++m) {
+        const long at = m * wide_nodes(c) + wide_of(c, b.lo[0], y, z);
+        for (long p = at; p < at + n; ++p) c->moved[p] = c->x[p] + sign * c->v[p];
+      }
   return c->moved;
 }
 
 /* Find how a^i changes in time on the faces: it is bilinear in the places, so half the difference of
    those of x + v and x - v. */
 void cube_turn(const struct cube *c) {
-  memset(c->of_faces, 0, 9 * c->N * sizeof(double));
   for (long n = 0; n < c->count; ++n) {
-    const long i = c->faces[2 * n], at = c->faces[2 * n + 1];
+    const long i = c->faces[2 * n];
+    const struct box b = face_of(c, i, c->faces[2 * n + 1]);
     double *a = c->of_faces + 3 * i * c->N;
-    cube_face(c, places(c, 1.0), i, at, a);
-    const struct box b = cube_face(c, places(c, -1.0), i, at, c->other);
+    cube_face(c, places(c, 1.0, &b, i), i, &b, a);
+    cube_face(c, places(c, -1.0, &b, i), i, &b, c->other);
     for (long z = b.lo[2]; z < b.hi[2]; ++z)
       for (long y = b.lo[1]; y < b.hi[1]; ++y)
         for (long x = b.lo[0]; x < b.hi[0]; ++x) {

@@ -43,9 +43,9 @@ class Cube:
     """The range of nodes of a Wide in three dimensions.
 
     x, v: (3, wide nodes) places less those of linear maps, and velocities. metrics: (13, N) a^1,
-    a^2, a^3, velocity, J_t of the range. volume: (N,) det D x, by cube_volumes. of_faces: (9, N) a^1, a^2,
-    a^3 on faces, by cube_faces, or how they change in time, by cube_turn. address: of the struct
-    in C.
+    a^2, a^3, velocity, J_t of the range. volume: (N,) det D x, by cube_volumes. of_faces: (9, N)
+    a^1, a^2, a^3 on faces, by cube_faces, or how they change in time, by cube_turn. address: of
+    the struct in C.
     """
 
     def __init__(self, wide: Wide, metrics: Array) -> None:

@@ -89,10 +89,7 @@ class CubeMotion(NamedTuple):
     def move(self, known, metrics):
         """Fill a^1, a^2, a^3 in curl form, and volume."""
         self.hull.fill(self.hull.moved, known, 0)
-        self.blend.fill(self.hull.moved, self.x)
-        x, y = self.x.reshape(-1), self.y.reshape(-1)
-        for n in each(x.size, vector=True):
-            x[n] += y[n]
+        self.blend.fill(self.hull.moved, self.x, self.y)
         invoke("cube_move", self.address)
 
     def swing(self, known, metrics):

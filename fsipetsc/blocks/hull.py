@@ -147,20 +147,20 @@ class BlendAxis(NamedTuple):
 
 
 class Blend(NamedTuple):
-    """axes: of BlendAxis; u: (d, …), missing: their room; at: of the W wide nodes in it; images:
-    numbers of those wide nodes that are images before a centre, whose component along r has the
-    other sign.
+    """axes: of BlendAxis; u: (d, …), missing: their room; rows: where rows of wide nodes along the
+    first axis begin in it; images: numbers of those wide nodes that are images before a centre,
+    whose component along r has the other sign.
     """
 
     axes: Any
     u: Array
     missing: Array
-    at: Array
+    rows: Array
     images: Array
 
-    def fill(self, values, out):
-        """out (d, W) from values (d, H) of the hull."""
-        blend(self, values, out)
+    def fill(self, values, out, base=None):
+        """out (d, W) from values (d, H) of the hull, perhaps added to a base (d, W)."""
+        blend(self, values, out, base)
 
 
 def blend_of(block: Block, wide: Wide, nodes: Array, centred: bool = False) -> Blend:
@@ -186,52 +186,60 @@ def blend_of(block: Block, wide: Wide, nodes: Array, centred: bool = False) -> B
         weights = end_weights(block, axis, index[axis], centred)
         axes.append(BlendAxis(*faces, *weights, int(np.prod(sizes[:axis])) if axis else None))
     size = int(np.prod(sizes))
-    at = np.ravel_multi_index(mesh(places)[::-1], sizes[::-1]).ravel()
+    starts = np.ravel_multi_index(mesh(places)[::-1], sizes[::-1]).ravel()
+    if (np.diff(places[0]) == 1).all():  # else, along a line from a centre, each is a row
+        starts = np.ascontiguousarray(starts.reshape(-1, len(places[0]))[:, 0])
     rows = max(-wide.wide[-1][0], 0) if centred else 0
     images = np.arange(rows * int(np.prod(wide.sizes[:-1])))
-    return Blend(tuple(axes), np.zeros((d, size)), np.zeros((2, size)), at, images)
+    return Blend(tuple(axes), np.zeros((d, size)), np.zeros((2, size)), starts, images)
 
 
-def blend(of, values, out):
+def blend(of, values, out, base):
     """See Blend.fill."""
     for c in each(values.shape[0]):
         u, f = of.u[c], values[c]
-        for m in each(u.size, vector=True):
-            u[m] = 0.0
-        for axis in of.axes:
-            find_missing(of, axis, u, f)
-            add_between(of, axis, u, c)
+        for number, axis in enumerate(of.axes):
+            find_missing(of, axis, u, f, number == 0)
+            add_between(of, axis, u, c, number == 0)
         for axis in of.axes:
             put_faces(axis, u, f)
-        for m in each(of.at.size, vector=True):
-            out[c, m] = u[of.at[m]]
+        n = out.shape[1] // of.rows.size
+        for row in each(of.rows.size):
+            first, at = of.rows[row], row * n
+            for i in each(n, vector=True):
+                more = 0.0 if base is None else base[c, at + i]
+                out[c, at + i] = more + u[first + i]
     for i in each(of.images.size):
         out[-1, of.images[i]] *= -1.0
 
 
-def find_missing(of, axis, u, f):
-    """What u lacks at the faces of an axis."""
+def find_missing(of, axis, u, f, first):
+    """What u lacks at the faces of an axis; it is 0 before the first one."""
     n, before = axis.l.shape[1], 1 if axis.before is None else axis.before
     low, high = of.missing[0], of.missing[1]
     for m in each(axis.low.size):
-        first = m // before * n * before + m % before
-        low[m] = f[axis.low[m]] - u[first]
-        high[m] = f[axis.high[m]] - u[first + (n - 1) * before]
+        at = m // before * n * before + m % before
+        low[m] = f[axis.low[m]] - (0.0 if first else u[at])
+        high[m] = f[axis.high[m]] - (0.0 if first else u[at + (n - 1) * before])
 
 
-def add_between(of, axis, u, c):
-    """u += l low + h high along an axis, of what is missing at its faces."""
+def add_between(of, axis, u, c, first):
+    """u += l low + h high along an axis, of what is missing at its faces; u is 0 before the first
+    one.
+    """
     low, high, l, h = of.missing[0], of.missing[1], axis.l[c], axis.h[c]
     n, before = axis.l.shape[1], axis.before
     if before is None:
         for a in each(axis.low.size):
             for i in each(n, vector=True):
-                u[a * n + i] += exact(l[i] * low[a] + h[i] * high[a])
+                more = exact(l[i] * low[a] + h[i] * high[a])
+                u[a * n + i] = more if first else u[a * n + i] + more
         return
     for row in each(axis.low.size // before * n):
         i, a = row % n, row // n * before
         for j in each(before, vector=True):
-            u[row * before + j] += exact(l[i] * low[a + j] + h[i] * high[a + j])
+            at, more = row * before + j, exact(l[i] * low[a + j] + h[i] * high[a + j])
+            u[at] = more if first else u[at] + more
 
 
 def put_faces(axis, u, f):

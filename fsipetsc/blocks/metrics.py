@@ -23,8 +23,8 @@ class Wide:
 
     where: the range, beyond the ends on periodic axes only, or to images before a centre. wide: it
     and, as far as there are nodes, as many more on each side as pairs reach. sizes: nodes of the
-    wide range along each axis. order: of the operators. S, weight: of the bands of the axes, cut to it. P: (d, d), the
-    periods. y: (d, N), the periodic part of X.
+    wide range along each axis. order: of the operators. S, weight: of the bands of the axes, cut to
+    it. P: (d, d), the periods. y: (d, N), the periodic part of X.
     """
 
     def __init__(self, problem: BlockProblem, k: int, order: int, where: Range) -> None:

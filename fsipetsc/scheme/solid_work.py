@@ -17,12 +17,12 @@ Array = NDArray[Any]
 #: kinds of derivatives: D_k and D°_k
 PLAIN, FREE = range(2)
 #: most nodes of a tile along the first axis, and along the second one of three, for d = 1, 2, 3
-TILES = ((1024, 1), (128, 1), (64, 16))
+TILES = ((1024, 1), (128, 1), (64, 32))
 #: longest pairs of all operators; nodes of a row with all that they reach
 REACH = 7
 WIDTH = 1024 + 6 * REACH
 #: numbers between components of the nodes of a tile, for d = 1, 2, 3
-STEPS = 1096, 29 * 170 + 6, 29 * 58 * 106 + 12
+STEPS = 1096, 29 * 170 + 6, 29 * 74 * 106 + 12
 #: what is known of a tile's nodes: rates; heats; F, T and t^k; unknowns
 OWN, NEAR, STRAINED, KNOWN = range(4)
 
