@@ -9,9 +9,9 @@ from mpi4py import MPI
 from fsipetsc.operators.bands import Patch
 from fsipetsc.parallel.block_shares import Extent, share_out
 from fsipetsc.kernels.unit import unit
-from fsipetsc.parallel.exchange import exchange_text
+from fsipetsc.parallel.exchange import Exchange, exchange_text
 from fsipetsc.process.libraries import libraries
-from fsipetsc.parallel.halo import Halo, Reach
+from fsipetsc.parallel.halo import Reach, exchange_of, halo_of
 
 comm, checked = MPI.COMM_WORLD, 0
 library = libraries(comm, [unit({}, [], exchange_text())])[0]
@@ -33,21 +33,23 @@ for tag, (shape, periodic) in enumerate(BLOCKS):
         index = np.meshgrid(*(np.arange(a, b) for a, b in own), indexing="ij")
         numbers = np.ravel_multi_index(index, shape, order="F").ravel(order="F")
         local = np.full((2, int(np.prod(patch.ghosted))), -1.0)
-        halo = Halo(comm, tag, reach, patch, numbers, local, 3)
+        of_part = halo_of(reach, comm.rank, patch, numbers, 2, 3, 0)
+        halo = exchange_of(comm, tag, [of_part], local.reshape(-1))
+        inside = Exchange(comm, tag, {}, {}, of_part.inside, None, local.reshape(-1))
         here = np.meshgrid(*(f + np.arange(n) for f, n in zip(patch.first, patch.own)))
         here = np.ravel_multi_index(here, patch.ghosted, order="F").ravel()
-        for exchange in (halo, halo.inside):
+        for exchange in (halo, inside):
             exchange.load(library)
         for turn in range(3):
             y = np.array([7.0, 7.0, 7.0, *(numbers + 1000.0 * turn), *(-2.0 - numbers)])
             halo(y)
             assert turn or (local[:, here] == -1.0).all(), "the halo alone"
-            halo.inside(y)
+            inside(y)
         index = np.meshgrid(*(np.arange(a, b) for a, b in ghosted), indexing="ij")
-        inside = [(i >= a) & (i < b) for i, (a, b) in zip(index, own)]
+        within = [(i >= a) & (i < b) for i, (a, b) in zip(index, own)]
         known = np.all([(i >= 0) | p for i, p in zip(index, periodic)], axis=0)
         if not corners:
-            known &= sum((~i).astype(int) for i in inside) <= 1
+            known &= sum((~i).astype(int) for i in within) <= 1
         wrapped = [i % n for i, n in zip(index, shape)]
         wanted = np.ravel_multi_index(wrapped, shape, order="F").astype(float)
         found = local.reshape(2, *(b - a for a, b in ghosted[::-1])).T

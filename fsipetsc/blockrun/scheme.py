@@ -149,8 +149,7 @@ class Scheme:
             code.load(library)
         self._does |= self.particles.does
         self._does["reduce"] = Reduction(comm, state.extremes)
-        halos = [part.halo for part in self._layout.parts.values()]
-        halos += [halo.inside for halo in halos]
+        halos = self._layout.halos, *(part.inside for part in self._layout.parts.values())
         particles = self.particles.sums, self.particles.areas, self.particles.stored
         gathers = (gas.gather for gas in self._gases)
         for exchange in (*halos, *particles, *gathers, self._does["reduce"]):
@@ -215,10 +214,10 @@ class Scheme:
                 found.append((one, (y,)[: len(one.vectors)]))
 
         def halos(inside: bool = False) -> None:
-            for part in (part for part in parts if part.part.has_halo):
-                exchange(part.part.halo)
-                if inside or part.reads_ghosted:
-                    exchange(part.part.halo.inside)
+            exchange(self._layout.halos)
+            for part in parts:
+                if part.part.has_halo and (inside or part.reads_ghosted):
+                    exchange(part.part.inside)
             each("images")
 
         def follow() -> None:

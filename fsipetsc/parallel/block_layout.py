@@ -28,13 +28,13 @@ from fsipetsc.operators.coefficients import AXIS
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_shares import Extent, share_out
 from fsipetsc.parallel.exchange import Exchange
-from fsipetsc.parallel.halo import Halo, Reach
+from fsipetsc.parallel.halo import Halo, Reach, exchange_of, halo_of
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 Spans = Sequence[tuple[int, int]]
 AXES = 3
-#: of messages of particles; of halos and of faces, and the number of the block
+#: of messages of particles; of halos; of faces, and the number of the block
 PARTICLES_TAG, HALO_TAG, GATHER_TAG = 0, 1 << 10, 1 << 13
 
 
@@ -45,10 +45,10 @@ class Part:
     patch: its sizes. ghosted: first node and first beyond of the ghosted array along each axis,
     which go on beyond the ends of periodic axes. bands: pair weights of the three axes there.
     dof: unknowns of a node. begin, end: of its numbers in this rank's part of the world vector.
-    numbers: (M,) of the nodes that it owns.
-    comm: of the ranks of the block; dm: of one number a node. halo: fills local, (dof, N), the
-    ghosted array. signs: (dof,) of the unknowns of mirror images, which stand before the first
-    nodes of a block with a centre; (0,) where there are none.
+    numbers: (M,) of the nodes that it owns. comm: of the ranks of the block; dm: of one number a
+    node. local: (dof, N), the ghosted array, of halo; inside: copies the owned nodes there. signs:
+    (dof,) of the unknowns of mirror images, which stand before the first nodes of a block with a
+    centre; (0,) where there are none.
     """
 
     k: int
@@ -61,13 +61,10 @@ class Part:
     numbers: Numbers
     comm: MPI.Comm
     dm: PETSc.DMDA
+    local: Array
     halo: Halo
+    inside: Exchange
     signs: Array
-
-    @property
-    def local(self) -> Array:
-        """(dof, N), the ghosted array."""
-        return self.halo.local
 
     @property
     def has_halo(self) -> bool:
@@ -106,6 +103,7 @@ class BlockLayout:
     ``share_out`` has it. auxiliary: unknowns of each rank after those of nodes.
 
     shares: of each block, known to all ranks. parts: of this rank, by block, in their order.
+    halos: the exchange that fills what their ghosted arrays have beside the nodes that it owns.
     local_size: of this rank's part of the world vector.
     InputError where a block has too few nodes for the operator, or there are too many ranks.
     """
@@ -123,22 +121,30 @@ class BlockLayout:
         d, blocks = problem.dimension, problem.blocks
         self.shapes = [tuple(int(n) for n in block.shape) for block in blocks]
         self.dofs = [d + 3 if block.kind == "fluid" else 2 * d + 1 for block in blocks]
-        self._halos = [halo_of(problem, k, order, shocks) for k in range(len(blocks))]
+        self._widths = [width_of_halo(problem, k, order, shocks) for k in range(len(blocks))]
         extents = [self._extent(k) for k in range(len(blocks))]
         self.shares = share_out(extents, comm.size, partition)
         shared = zip(self.dofs, self.shares, strict=True)
         self._sizes = [dof * share.size(comm.rank) for dof, share in shared]
         self.auxiliary = auxiliary
         self.local_size = sum(self._sizes) + auxiliary
-        found = {k: self._place(k) for k in range(len(blocks))}
+        reaches, begins = [self._reach(k) for k in range(len(blocks))], [0]
+        for k, reach in enumerate(reaches):
+            here = self.dofs[k] * (comm.rank in reach.share.ranks)
+            nodes = prod(b - a for a, b in reach.ghosted(comm.rank)) if here else 0
+            begins.append(begins[-1] + here * nodes)
+        memory = np.ones(begins[-1])  # corners never get other numbers
+        found = {k: self._place(k, reach, memory, begins[k]) for k, reach in enumerate(reaches)}
         self.parts = {k: part for k, part in found.items() if part is not None}
+        of_parts = [part.halo for part in self.parts.values()]
+        self.halos = exchange_of(comm, HALO_TAG, of_parts, memory)
 
     def _extent(self, k: int) -> Extent:
         """A block as its partition sees it. InputError where it has too few nodes, or more numbers
         than PETSc can count.
         """
         block, shape, op = self.problem.blocks[k], self.shapes[k], OPERATORS[self.order]
-        halo, _ = self._halos[k]
+        halo, _ = self._widths[k]
         for axis, (n, closed) in enumerate(zip(shape, block.periodic, strict=True)):
             least = max(2 * op.p + 1, halo) if closed else op.min_points
             if n < least:
@@ -158,17 +164,22 @@ class BlockLayout:
         end, inner = max(op.rows + op.p, halo), max(2 * op.p, halo)
         return Extent(block.kind, shape, block.periodic, end, inner, halo)
 
-    def _place(self, k: int) -> Part | None:
-        """Make the DMDA of block k on its ranks. Collective."""
+    def _reach(self, k: int) -> Reach:
+        """Which nodes ranks need of block k."""
+        (width, corners), block = self._widths[k], self.problem.blocks[k]
+        return Reach(self.shares[k], block.periodic, width, corners, self.problem.centred(k))
+
+    def _place(self, k: int, reach: Reach, memory: Array, at: int) -> Part | None:
+        """Make the DMDA of block k on its ranks; its ghosted array begins at the number
+        ``at`` of ``memory``. Collective.
+        """
         share, block, rank = self.shares[k], self.problem.blocks[k], self.comm.rank
         here = rank in share.ranks
         place = share.ranks.index(rank) if here else 0
         comm = self.comm.Split(0 if here else MPI.UNDEFINED, place)
         if not here:
             return None
-        width, corners = self._halos[k]
         last = block.dimension - 1 if self.problem.centred(k) else -1
-        reach = Reach(share, block.periodic, width, corners, last >= 0)
         dm = PETSc.DMDA().create(
             dim=block.dimension,
             dof=1,
@@ -187,8 +198,8 @@ class BlockLayout:
         begin = sum(self._sizes[:k])
         dof, images = self.dofs[k], last >= 0 and ghosted[last][0] < 0
         odd = (last, last + block.dimension) if block.kind == "solid" else dof - 2
-        local = np.ones((dof, prod(patch.ghosted)))  # corners never get other numbers
-        numbers = _numbers(own, self.shapes[k])
+        nodes, numbers = prod(patch.ghosted), _numbers(own, self.shapes[k])
+        halo = halo_of(reach, rank, patch, numbers, dof, begin, at)
         return Part(
             k=k,
             patch=patch,
@@ -200,7 +211,9 @@ class BlockLayout:
             numbers=numbers,
             comm=comm,
             dm=dm,
-            halo=Halo(self.comm, HALO_TAG + k, reach, patch, numbers, local, begin),
+            local=memory[at : at + dof * nodes].reshape(dof, nodes),
+            halo=halo,
+            inside=Exchange(self.comm, HALO_TAG, {}, {}, halo.inside, None, memory),
             signs=np.where(np.isin(np.arange(dof), odd), -1.0, 1.0)[: dof * images],
         )
 
@@ -212,8 +225,8 @@ class BlockLayout:
 
     def destroy(self) -> None:
         """Release the messages and DMDAs, then their communicators. Collective."""
+        self.halos.destroy()
         for part in self.parts.values():
-            part.halo.destroy()
             part.dm.destroy()
         for part in self.parts.values():
             part.comm.Free()
@@ -290,7 +303,7 @@ class NaturalOrder:
             thing.destroy()
 
 
-def halo_of(problem: Any, k: int, order: int, shocks: bool) -> tuple[int, bool]:
+def width_of_halo(problem: Any, k: int, order: int, shocks: bool) -> tuple[int, bool]:
     """Width of the halo of block k, and whether its corners are needed.
 
     Where derivatives act twice, in solids and in gases with viscosity or conduction, a node needs

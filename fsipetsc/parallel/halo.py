@@ -1,10 +1,12 @@
-"""Halos of a block: each rank gets from the others the nodes beside its own.
+"""Halos of blocks: each rank gets from the others the nodes beside its own.
 
-The ghosted array has planes, a component after the other. All ranks know from the shares which
-nodes each of them needs, so each can say what it sends.
+Ghosted arrays have planes, a component after the other, and one memory, so that a rank gets what it
+needs of all blocks from another one in one message. All ranks know from the shares which nodes each
+of them needs, so each can say what it sends.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from mpi4py import MPI
@@ -59,45 +61,62 @@ class Reach:
         return order, numbers.ravel(order="F")[order]
 
 
-class Halo(Exchange):
-    """Fills what the ghosted array of a rank's part of a block has beside the nodes that the rank
-    owns, from the world vector. Making one is on all of its ranks. inside: copies the owned nodes,
-    for those who read these in the ghosted array, too.
-
-    numbers: (M,) of the nodes that this rank owns. local: (dof, N), the ghosted array. comm, tag:
-    of the messages, by the ranks of ``reach``. begin: of the block's numbers in the world vector.
+class Halo(NamedTuple):
+    """What a rank's part of a block has to do with its halo: places of numbers in the world vector
+    and in the memory of all ghosted arrays. sent: rank -> places in the world vector, received:
+    rank -> places of what comes from there; twice: from where to where nodes go that the rank owns
+    and has once more, inside: from where to where those go that it owns, where something reads
+    these in the ghosted array, too.
     """
 
-    def __init__(
-        self,
-        comm: MPI.Comm,
-        tag: int,
-        reach: Reach,
-        patch: Patch,
-        numbers: Numbers,
-        local: Array,
-        begin: int,
-    ) -> None:
-        self.local, me, (dof, N), M = local, comm.rank, local.shape, numbers.size
+    sent: Mapping[int, Numbers]
+    received: Mapping[int, Numbers]
+    twice: tuple[Numbers, Numbers]
+    inside: tuple[Numbers, Numbers]
 
-        def planes(places: Numbers, size: int) -> Numbers:
-            return (np.arange(dof)[:, None] * size + places).ravel()
 
-        places, wanted = reach.needs(me)
-        owners = reach.share.owners(wanted) if wanted.size else wanted
-        sent, received = dict[int, Numbers](), dict[int, Numbers]()
-        for rank in reach.share.ranks:
-            other = reach.needs(rank)[1] if rank != me else wanted[:0]
-            other = other[reach.share.owners(other) == me] if other.size else other
-            if other.size:
-                sent[rank] = planes(np.searchsorted(numbers, other), M)
-            if rank != me and (owners == rank).any():
-                received[rank] = planes(places[owners == rank], N)
-        cuts = zip(patch.first, patch.own, strict=True)
-        inner = np.meshgrid(*(np.arange(a, a + n) for a, n in cuts), indexing="ij")
-        inside = np.ravel_multi_index(inner, patch.ghosted, order="F").ravel(order="F")
-        twice = planes(np.searchsorted(numbers, wanted[owners == me]), M)
-        target, of_own = local.reshape(-1), (planes(np.arange(M), M), planes(inside, N))
-        own = twice, planes(places[owners == me], N)
-        super().__init__(comm, tag, sent, received, own, None, target, begin)
-        self.inside = Exchange(comm, tag, {}, {}, of_own, None, target, begin)
+def halo_of(
+    reach: Reach, me: int, patch: Patch, numbers: Numbers, dof: int, begin: int, at: int
+) -> Halo:
+    """The halo of the part of rank ``me``. numbers: (M,) of the nodes that it owns; begin: of the
+    numbers of its part in the world vector; at: of its ghosted array, (dof, N), in their memory.
+    """
+    M, N = numbers.size, int(np.prod(patch.ghosted))
+
+    def here(places: Numbers) -> Numbers:
+        return (begin + np.arange(dof)[:, None] * M + places).ravel()
+
+    def there(places: Numbers) -> Numbers:
+        return (at + np.arange(dof)[:, None] * N + places).ravel()
+
+    places, wanted = reach.needs(me)
+    owners = reach.share.owners(wanted) if wanted.size else wanted
+    sent, received = dict[int, Numbers](), dict[int, Numbers]()
+    for rank in reach.share.ranks:
+        other = reach.needs(rank)[1] if rank != me else wanted[:0]
+        other = other[reach.share.owners(other) == me] if other.size else other
+        if other.size:
+            sent[rank] = here(np.searchsorted(numbers, other))
+        if rank != me and (owners == rank).any():
+            received[rank] = there(places[owners == rank])
+    cuts = zip(patch.first, patch.own, strict=True)
+    inner = np.meshgrid(*(np.arange(a, a + n) for a, n in cuts), indexing="ij")
+    inside = np.ravel_multi_index(inner, patch.ghosted, order="F").ravel(order="F")
+    again = here(np.searchsorted(numbers, wanted[owners == me]))
+    twice = again, there(places[owners == me])
+    return Halo(sent, received, twice, (here(np.arange(M)), there(inside)))
+
+
+def exchange_of(comm: MPI.Comm, tag: int, halos: Sequence[Halo], memory: Array) -> Exchange:
+    """The exchange that fills halos of several blocks, which all ranks have in the same order, with
+    one message to each neighbour; memory: of all ghosted arrays.
+    """
+
+    def joined(of_halos: Sequence[Mapping[int, Numbers]]) -> dict[int, Numbers]:
+        ranks = sorted({rank for places in of_halos for rank in places})
+        return {r: np.concatenate([p[r] for p in of_halos if r in p]) for r in ranks}
+
+    none = np.zeros(0, np.int64)
+    own = [np.concatenate([none, *(halo.twice[k] for halo in halos)]) for k in (0, 1)]
+    sent, received = joined([h.sent for h in halos]), joined([h.received for h in halos])
+    return Exchange(comm, tag, sent, received, (own[0], own[1]), None, memory)
