@@ -121,14 +121,9 @@ def test_flags_and_compilers_do_not_change_bits(run, other, usual, tmp_path):
     assert different(usual[0](run), run_of(*RUNS[run], tmp_path / "other", **env)) == []
 
 
-#: manufactured solutions take derivatives by steps into the complex plane, whose products numpy
-#: makes in several ways
-OF_NUMPY = [run for run in RUNS if not run.startswith("three")]
-
-
 @pytest.mark.skipif(not X86, reason="another kind of processor")
 @pytest.mark.parametrize(
-    "run", [pytest.param(r, marks=() if r in ("rod", "blast", "box") else long) for r in OF_NUMPY]
+    "run", [pytest.param(r, marks=() if r in ("rod", "blast", "box") else long) for r in RUNS]
 )
 def test_loops_of_numpy_do_not_change_bits(run, usual):
     """numpy with the loops of a machine that has neither AVX2 nor AVX-512."""

@@ -31,7 +31,7 @@ def found_in(F, law="svk", T=1.0, **more):
         owned=rows,
         X=np.zeros((d, n)),
         _F=flat,
-        _strained=lambda q, some: (None, tuple(flat[:, some]), np.full(len(some), T), None, None),
+        stressed=lambda q, some: (np.full(len(some), T),),
     )
     return next(_imaginary(part, None), None)
 

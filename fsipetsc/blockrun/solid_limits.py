@@ -150,7 +150,7 @@ def _softest(part: SolidPart, q: Array, rows: Array) -> Array:
     that is not below 0; |F N| of this direction.
     """
     d, at = part.block.dimension, np.arange(rows.size)
-    _, F, T, _, _ = part._strained(q, rows)
+    F, T = tuple(part._F[:, rows]), part.stressed(q, rows)[0]
     C, N = _tangent(part, F, T), _directions(d)
     scale = np.abs(C).max(axis=(0, 1, 2, 3))
     A = np.einsum("iajbn,ma,mb->ijnm", C / scale, N, N, optimize=True)

@@ -17,7 +17,7 @@ from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.part import Nothing, images, normals
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, solid_damping
-from fsipetsc.scheme.solid_monitor import measure, monitor, sums_of
+from fsipetsc.scheme.solid_monitor import measure, monitor, stressed, sums_of
 from fsipetsc.scheme.solid_record import SolidRecord, rates, store
 from fsipetsc.scheme.solid_volume import SolidVolume, solid_text
 from fsipetsc.scheme.solid_work import solid_work
@@ -146,7 +146,8 @@ class SolidPart(BlockPart):
             rows_of_stored=rows,
         )
         text = solid_text(self.equations, d, self._order, self.prestress.size > 0)
-        functions = {f.__name__: f for f in (images, normals, store, rates, monitor, measure)}
+        names = images, normals, store, rates, monitor, measure, stressed
+        functions = {f.__name__: f for f in names}
         return self._procedures(text, self._record_of_part, about, functions)
 
     def normals(self, rows: Any, axis: int, side: int) -> Array:
@@ -156,24 +157,19 @@ class SolidPart(BlockPart):
         n = np.array(apply(cofactor(tuple(self._F[: d * d, rows])), A))
         return (n / np.linalg.norm(n, axis=0)).T
 
-    def _strained(self, q: Array, rows: Any) -> tuple[Any, Any, Array, Array, Array]:
-        """(v, F, T, J, Cauchy stress P F^T / J (d, d, n)) of owned nodes, by the last F."""
-        d, nodes, solid = self._d, self.owned[rows], self.equations
-        F, own = tuple(self._F[:, rows]), q[nodes]
-        v = tuple(own[:, d : 2 * d].T)
-        T = solid.temperature(v, own[:, 2 * d] - self._stored_by_prestress(F, nodes), F)
-        J, P = solid.volume(F), solid.stress_at(F, T) + self._prestress_at(nodes)
-        stress = np.array(
-            [
-                [sum(P[i * d + m] * F[j * d + m] for m in range(d)) for j in range(d)]
-                for i in range(d)
-            ]
-        )
-        return v, F, T, J, stress / J - self.faces.p_ref * np.eye(d)[..., None]
+    def stressed(self, q: Array, rows: Any) -> tuple[Array, Array, Array, Array]:
+        """T, p (n,), Cauchy stress (d, d, n) and that of hoops (1, n), or (0, n) without hoops, of
+        owned nodes, by the last F.
+        """
+        d, around = self._d, self._problem.symmetry > 0
+        found = np.empty((2 + d * d + around, self.owned.size))
+        self.does["stressed"](np.ascontiguousarray(q.T).reshape(-1), found.reshape(-1))
+        (T, p), stress, hoops = np.split(found[:, rows], [2, 2 + d * d])
+        return T, p, stress.reshape(d, d, -1) - self.faces.p_ref * np.eye(d)[..., None], hoops
 
     def stresses(self, q: Array, rows: Any) -> Array:
         """(n, d, d) Cauchy stress of owned nodes, by the last F."""
-        return np.moveaxis(self._strained(q, rows)[-1], -1, 0)
+        return np.moveaxis(self.stressed(q, rows)[2], -1, 0)
 
     def pushes(self, q: Array, rows: Any, axis: int, side: int) -> Array:
         """(n,) minus the normal stress on a face at owned nodes."""
@@ -185,11 +181,10 @@ class SolidPart(BlockPart):
         dimension its part sigma, and p after x; then sigma_theta of hoops.
         """
         self.monitor(q)
-        d, nodes, solid = self._d, self.owned[rows], self.equations
-        v, F, T, J, stress = self._strained(q, rows)
-        x = self.X[:, nodes] + q[nodes, :d].T
-        p, around = solid.pressure_at(J, T) + 0.0 * T, self._problem.symmetry > 0
-        hoops = [solid.hoop_stress(F, T) + p * (d == 1)] if around else []
+        d, nodes = self._d, self.owned[rows]
+        T, p, stress, hoops = self.stressed(q, rows)
+        v, x = q[nodes, d : 2 * d].T, self.X[:, nodes] + q[nodes, :d].T
+        hoops = hoops + p * (d == 1)
         if d > 1:
             return np.stack([*v, T, *stress[np.triu_indices(d)], *x, *hoops], axis=-1)
         return np.stack([*v, T, stress[0, 0] + p, *x, p, *hoops], axis=-1)

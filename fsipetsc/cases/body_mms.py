@@ -27,8 +27,11 @@ from fsipetsc.blocks.maps import Map, Places, annulus, rectangle
 from fsipetsc.blocks.problem import FaceName
 from fsipetsc.cases.common import Opt, materials
 from fsipetsc.cases.disk import centre, quarter
-from fsipetsc.cases.manufactured import QUARTER, TIME, Solution, Waves, cofactor, determinant, unit
+from fsipetsc.cases.manufactured import Solution, gradient, recorded
 from fsipetsc.checks import Array, Fields
+from fsipetsc.equations.tensors import add_unit, apply_transposed, cofactor, determinant
+from fsipetsc.equations.vectors import add, along, scale, sub
+from fsipetsc.kernels.symbols import derivatives
 
 SUMMARY = "a disk, a ring or a panel in gas on joined blocks, a manufactured solution"
 
@@ -49,117 +52,126 @@ COLUMNS, ROWS = (0.0, 1.0, 1.3, 2.5), (0.0, 0.7, 1.5)
 NEWTON_STEPS = 5
 
 
-def phase(x: float, y: float, t: float, quarters: int = 0) -> Array:
-    """Phase of cos(x X + y Y + t time); with quarters = 1 of the sine."""
-    return np.array([x, 0, y, 0, 0]) + t * TIME - quarters * QUARTER
-
-
 class Body(Solution):
-    """The solution around a body; moved(X, Y, t): (2, d, …) displacement and velocity of nodes of
-    the gas's grid.
+    """The solution around a body; grid(X, Y, t): displacements of nodes of the gas's grid, then
+    their velocities.
     """
 
-    moved: Callable[[Array, Array, float], Array]
+    grid: Callable[..., Fields]
 
     def __init__(self, opt: Opt) -> None:
         super().__init__(2, opt)
-        D = (0.06, phase(1.9, 0.7, 1.0, 1)), (0.06, phase(1.3, -1.7, 2.0))
-        drift = (0.3, phase(1.4, -0.6, -1.0, 1)), (0.2, phase(0.9, 1.5, 2.0))
-        T, rho = (1.0, [(0.15, phase(1.6, -1.1, 1.0, 1))]), (1.0, [(0.2, phase(1.2, 1.7, -1.0))])
-        self.displacement = Waves(*((0.0, [wave]) for wave in D))
-        self.temperature = Waves(T)
-        self.of_gas = Waves(rho, *((0.0, [wave]) for wave in drift), T)
+        self.material = recorded(3, lambda *at: self._with_rate(self.displacement(*at), at))
+        self._newton = recorded(5, self._nearer)
+        self._at_label, self._force_at_label = self.exact_gas, self.force_gas
+        self.exact_gas = lambda *at: self._at_label(*self.labels(*at), at[-1])
+        self.force_gas = lambda *at: self._force_at_label(*self.labels(*at), at[-1])
 
-    def grid(self, where: Any) -> tuple[Array, Array, Array]:
-        """x_X, w and w_X at labels, without eta: all gas moves with D."""
-        D = self.displacement.at(where)
-        return D.gradient + unit(D.gradient), D.rate, D.gradient_rate
+    def _with_rate(self, f: Any, at: Any) -> Any:
+        return (*f, *derivatives(f, at[-1]))
 
-    def material(self, X: Array, Y: Array, t: float) -> Array:
-        """(2, d, …) D and D_t."""
-        D = self.displacement.at((X, Y, t))
-        return np.stack([D.value, D.rate])
+    def displacement(self, *at: Any) -> Any:
+        """D."""
+        X, Y, t = at
+        return 0.06 * np.sin(1.9 * X + 0.7 * Y + t), 0.06 * np.cos(1.3 * X - 1.7 * Y + 2.0 * t)
+
+    def moved(self, *at: Any) -> Any:
+        """All gas moves with D."""
+        return self.displacement(*at)
+
+    def T(self, *at: Any) -> Any:
+        """T."""
+        X, Y, t = at
+        return 1.0 + 0.15 * np.sin(1.6 * X - 1.1 * Y + t)
+
+    def rho(self, *at: Any) -> Any:
+        """rho."""
+        X, Y, t = at
+        return 1.0 + 0.2 * np.cos(1.2 * X + 1.7 * Y - t)
+
+    def drift(self, *at: Any) -> Any:
+        """u - D_t, 0 at interfaces."""
+        X, Y, t = at
+        drift = 0.3 * np.sin(1.4 * X - 0.6 * Y - t), 0.2 * np.cos(0.9 * X + 1.5 * Y + 2.0 * t)
+        return scale(self.b(X, Y), drift)
+
+    def b(self, X: Any, Y: Any) -> Any:
+        """b."""
+        raise NotImplementedError
+
+    def _nearer(self, X: Any, Y: Any, t: Any, x: Any, y: Any) -> Any:
+        """A step of Newton's from the label (X, Y) to that of the place (x, y)."""
+        D = self.displacement(X, Y, t)
+        F, apart = add_unit(1.0, gradient(D, (X, Y))), sub(add((X, Y), D), (x, y))
+        return along((X, Y), -1.0 / determinant(F), apply_transposed(cofactor(F), apart))
 
     def labels(self, X: Array, Y: Array, t: float) -> Fields:
         """Of nodes of the gas's grid."""
-        found = np.stack([X, Y])
-        x = found + self.moved(X, Y, t)[0]
+        D = self.grid(X, Y, t)
+        x, found = (X + D[0], Y + D[1]), (X, Y)
         for _ in range(NEWTON_STEPS):
-            D = self.displacement.at((*found, t))
-            F, apart = D.gradient + unit(D.gradient), found + D.value - x
-            found = found - np.einsum("ki...,k...->i...", cofactor(F), apart) / determinant(F)
-        return tuple(found)
-
-    def exact_gas(self, *where: Any) -> list[Array]:
-        """At a node of the grid."""
-        return super().exact_gas(*self.labels(*where), where[-1])
-
-    def force_gas(self, *where: Any) -> list[Array]:
-        """At a node of the grid."""
-        return super().force_gas(*self.labels(*where), where[-1])
+            found = self._newton(*found, t, *x)
+        return found
 
 
 class Round(Body):
     """Around interfaces of some radii; gas inside the first one of two."""
 
     def __init__(self, opt: Opt) -> None:
-        super().__init__(opt)
         self.radii = RINGS[1:3] if opt["body_shape"] == "ring" else (1.0,)
+        super().__init__(opt)
 
-    def bubble(self, where: Any) -> tuple[Array, Array]:
-        """b and its gradient."""
-        R, slope = where[0] ** 2 + where[1] ** 2, 0.0
-        found = 1.0 + 0.0 * R
+    def b(self, X: Any, Y: Any) -> Any:
+        R, found = X * X + Y * Y, 1.0
         for a in (radius**2 for radius in self.radii):
-            b = (R - a) / (R + a)
-            found, slope = found * b, slope * b + found * 2.0 * a / (R + a) ** 2
-        return found, 2.0 * slope * np.stack(where[:2])
+            found = found * ((R - a) / (R + a))
+        return found
 
-    def moved(self, X: Array, Y: Array, t: float) -> Array:
+    def grid(self, X: Array, Y: Array, t: float) -> Fields:
         """Between both ends of a ray."""
-        R = np.hypot(X, Y)
+        R = np.sqrt(X * X + Y * Y)
         low, high = 1.0, BOX * R / np.maximum(abs(X), abs(Y))
         if len(self.radii) > 1:
             inside = R < MIDDLE
             low, high = np.where(inside, RINGS[0], RINGS[2]), np.where(inside, RINGS[1], RINGS[3])
         s, ends = (R - low) / (high - low), (low / R, high / R)
         inner, outer = (self.material(X * end, Y * end, t) for end in ends)
-        return (1.0 - s) * inner + s * outer
+        return add(scale(1.0 - s, inner), scale(s, outer))
 
-    def supplied(self, *where: Any) -> list[Array]:
+    def supplied(self, *at: Any) -> list[Array]:
         """The normal is along a ray."""
-        R = np.hypot(*where[:2])
+        X, Y, _ = at
+        R = np.sqrt(X * X + Y * Y)
         inner = len(self.radii) > 1 and R < MIDDLE
-        return self.jump(where, np.where(inner, 1.0, -1.0) * np.stack(where[:2]) / R)
+        return self.jump(*at, *scale(np.where(inner, 1.0, -1.0) / R, (X, Y)))
 
 
 class Panel(Body):
     """Around the panel."""
 
-    def bubble(self, where: Any) -> tuple[Array, Array]:
-        """b and its gradient."""
-        (x, y, _), (_, left, right, _), top = where, COLUMNS, ROWS[1]
-        across, above = (x - left) * (x - right), y - top
-        return across * above, np.stack([(2.0 * x - left - right) * above, across])
+    def b(self, X: Any, Y: Any) -> Any:
+        return (X - COLUMNS[1]) * (X - COLUMNS[2]) * (Y - ROWS[1])
 
-    def moved(self, X: Array, Y: Array, t: float) -> Array:
+    def grid(self, X: Array, Y: Array, t: float) -> Fields:
         """Walls and joins stay straight; what the panel bends fades towards the edges opposite."""
-        vertices = self.material(*np.meshgrid(COLUMNS, ROWS), t)
+        vertices = np.array(self.material(*np.meshgrid(COLUMNS, ROWS), t))
 
         def straight(X: Array, Y: Array) -> Array:
             along = [np.interp(X, COLUMNS, one) for one in np.eye(len(COLUMNS))]
             up = [np.interp(Y, ROWS, one) for one in np.eye(len(ROWS))]
-            return np.einsum("abji,j...,i...->ab...", vertices, up, along)
+            return np.einsum("nji,j...,i...->n...", vertices, up, along)
 
         edge = np.clip(X, *COLUMNS[1:3]), np.minimum(Y, ROWS[1])
         near = np.interp(X, COLUMNS, (0.0, 1.0, 1.0, 0.0)) * np.interp(Y, ROWS, (1.0, 1.0, 0.0))
-        return straight(X, Y) + near * (self.material(*edge, t) - straight(*edge))
+        bent = np.array(self.material(*edge, t)) - straight(*edge)
+        return tuple(straight(X, Y) + near * bent)
 
-    def supplied(self, *where: Any) -> list[Array]:
+    def supplied(self, *at: Any) -> list[Array]:
         """The face of these nodes is the top if they have one Y."""
-        (X, Y, _), top = where, np.array([[0.0], [-1.0]])
-        side = np.stack([np.sign(0.5 * sum(COLUMNS[1:3]) - X), 0.0 * X])
-        return self.jump(where, top + 0.0 * X if np.ptp(Y) < np.ptp(X) else side)
+        X, Y, _ = at
+        if np.ptp(Y) < np.ptp(X):
+            return self.jump(*at, 0.0 * X, -1.0 + 0.0 * X)
+        return self.jump(*at, np.sign(0.5 * sum(COLUMNS[1:3]) - X), 0.0 * X)
 
 
 def turned(map: Map, times: int) -> Map:
@@ -213,8 +225,8 @@ def build(opt: Opt) -> BlockProblem:
     exact: Body = (Panel if opt["body_shape"] == "panel" else Round)(opt)
     gas = exact.fluid, exact.exact_gas, exact.force_gas
     solid = exact.body, exact.exact_solid, exact.force_solid
-    walls: Any = {"x": lambda X, Y, t: np.stack([X, Y]) + exact.moved(X, Y, t)[0]}
-    of_gas = Given(exact.exact_gas, **walls, velocity=lambda *at: exact.moved(*at)[1])
+    walls: Any = {"x": lambda X, Y, t: add((X, Y), exact.grid(X, Y, t)[:2])}
+    of_gas = Given(exact.exact_gas, **walls, velocity=lambda *at: exact.grid(*at)[2:])
     of_solid = Given(exact.exact_solid)
 
     def block(name: str, map: Map) -> Block:

@@ -28,9 +28,6 @@ def build(opt: Opt) -> BlockProblem:
     d = opt["box_dimension"]
     exact = Solution(d, opt)
 
-    def wall_temperature(*where):
-        return exact.temperature.at(where).value[0]
-
     def layer(name, material, low, of, forcing):
         sides = None if opt["box_periodic"] or d == 1 else Given(of)
         start = lambda *X: of(*X, 0.0)  # noqa: E731
@@ -41,7 +38,7 @@ def build(opt: Opt) -> BlockProblem:
         opt,
         layer("gas", exact.fluid, 0.0, exact.exact_gas, exact.force_gas),
         layer("solid", exact.body, 1.0, exact.exact_solid, exact.force_solid),
-        lower=NoSlip(T=wall_temperature),
+        lower=NoSlip(T=lambda *where: exact.temperature(*where)[0]),
         upper=Given(exact.exact_solid),
         along=((0.0, 1.0),) * (d - 1),
         jumps=exact.supplied,

@@ -16,9 +16,8 @@ axes, p and q, go along them. With r = 1 in three dimensions and r = 0 else
 Two dimensions are the plane q = 0 of it, one dimension is the line p = 1/8, q = 0, each without the
 components of vectors that point out of it.
 
-Every field is a sum of waves, so that its derivatives are at hand. The forcing needs derivatives of
-the fluxes, too: they are taken by a step into the complex plane, Im f(z + i s)/s, which is exact to
-round-off for s = 1e-30. Places are (*X, t), d arrays of one shape and a time.
+Formulas run once on symbols, of which all derivatives follow (fsipetsc.kernels.symbols); what they
+are at places comes from the record. Places are (*X, t), d arrays of one shape and a time.
 """
 
 from collections.abc import Callable, Sequence
@@ -27,276 +26,226 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.cases.common import Opt, gas_of
-from fsipetsc.checks import Array
-from fsipetsc.equations.elementary import log
+from fsipetsc.equations import elementary
+from fsipetsc.equations.tensors import (
+    add_unit,
+    apply,
+    apply_transposed,
+    cofactor,
+    columns,
+    determinant,
+    product,
+    product_transposed,
+    rows,
+    trace,
+    transpose,
+    transposed_product,
+)
+from fsipetsc.equations.vectors import add, along, dot, scale, sub
+from fsipetsc.kernels.symbols import Record, derivatives, replay
 from fsipetsc.materials.solid import ElasticSolid
 
-Where = Sequence[Any]
+Numbers = Sequence[Any]
 
 #: axes of the three-dimensional solution that a problem in d dimensions has
 AXES = {1: (2,), 2: (0, 2), 3: (0, 1, 2)}
 #: (p, q) where a problem does not have these axes
 ELSEWHERE = (0.125, 0.0)
-#: a step into the complex plane
-TINY = 1e-30
-
-# phases: the factors of (p, q, eta, t) in them, and a constant
-P, Q = np.array([2.0 * np.pi, 0, 0, 0, 0]), np.array([0, 2.0 * np.pi, 0, 0, 0])
-ETA, TIME = np.array([0, 0, 1.0, 0, 0]), np.array([0, 0, 0, 1.0, 0])
-#: sin(a) = cos(a - QUARTER)
-QUARTER = np.array([0, 0, 0, 0, 0.5 * np.pi])
+TURN = 2.0 * np.pi
 
 
-class Jet(NamedTuple):
-    """Fields, with a leading axis for their number, and their rates; gradients, and rates of these,
-    with a second axis for the d coordinates.
-    """
+def recorded(count: int, formula: Callable[..., Numbers]) -> Callable[..., list[Any]]:
+    """A function of so many arrays of one shape, and of numbers, by a formula that runs once."""
+    record = Record()
+    given = [record.given(f"x{k}") for k in range(count)]
+    wanted = [record.constant(number) for number in formula(*given)]
 
-    value: Array
-    rate: Array
-    gradient: Array
-    gradient_rate: Array
+    def called(*where: Any) -> list[Any]:
+        found = replay(wanted, dict(zip(given, where, strict=True)), {"log": elementary.log})
+        return [value + 0.0 * where[0] for value in found]
 
-
-class Waves:
-    """Fields offset + sum of height cos(phase) cos(phase) ...; each is (offset, products), and each
-    product (height, phase, phase, ...). Products become sums by cos a cos b = (cos(a + b) +
-    cos(a - b)) / 2.
-    """
-
-    def __init__(self, *fields: tuple[float, Sequence[Any]]) -> None:
-        heights, phases = [], []
-        for n, (_, products) in enumerate(fields):
-            for height, first, *others in products:
-                sums = [first]
-                for other in others:
-                    sums = [old + sign * other for old in sums for sign in (1.0, -1.0)]
-                phases += sums
-                heights += [np.eye(len(fields))[n] * height / len(sums)] * len(sums)
-        self.offsets = np.array([offset for offset, _ in fields])
-        self.heights, self.phases = np.array(heights).T, np.array(phases)
-
-    def at(self, where: Where) -> Jet:
-        """The fields there; imaginary parts are those of a step into the complex plane."""
-        *along, eta, t = where
-        d, shape = len(where) - 1, np.shape(eta)
-        all_four = np.broadcast_arrays(*along, *ELSEWHERE[d - 1 :], eta, t)
-        places = np.stack([values.ravel() for values in all_four])
-        angle = _sums(self.phases[:, :4], places) + self.phases[:, 4:]
-        cosine, sine = np.cos(angle.real), np.sin(angle.real)
-        if np.iscomplexobj(angle):
-            step = 1j * angle.imag
-            cosine, sine = cosine - step * sine, sine + step * cosine
-        n, m = self.heights.shape
-        k, moving = self.phases[:, AXES[d]].T, self.heights * self.phases[:, 3]
-        by_axis = (self.heights[:, None] * k).reshape(n * d, m)
-        moving_by_axis = (moving[:, None] * k).reshape(n * d, m)
-        return Jet(
-            (_sums(self.heights, cosine) + self.offsets[:, None]).reshape(n, *shape),
-            -_sums(moving, sine).reshape(n, *shape),
-            -_sums(by_axis, sine).reshape(n, d, *shape),
-            -_sums(moving_by_axis, cosine).reshape(n, d, *shape),
-        )
+    return called
 
 
-def _sums(weights: Array, values: Array) -> Array:
-    """weights (n, m) times values (m, points); no library with threads of its own."""
-    return np.einsum("nm,mp->np", weights, values)
+def gradient(f: Numbers, X: Numbers) -> Numbers:
+    """df_i/dX_k, a tensor of vectors f."""
+    by_axis = [derivatives(f, x) for x in X]
+    return tuple(changes[i] for i in range(len(f)) for changes in by_axis)
 
 
-def determinant(F: Array) -> Array:
-    """Of F (d, d, …)."""
-    return np.einsum("k...,k...->...", F[0], cofactor(F)[0])
-
-
-def cofactor(F: Array) -> Array:
-    """det(F) F^-T, of F (d, d, …)."""
-    if len(F) == 1:
-        return np.ones_like(F)
-    if len(F) == 2:
-        return np.array([[F[1, 1], -F[1, 0]], [-F[0, 1], F[0, 0]]])
-    after, before = [1, 2, 0], [2, 0, 1]
-    return F[after][:, after] * F[before][:, before] - F[after][:, before] * F[before][:, after]
-
-
-def _log(J: Array) -> Array:
-    """ln J; the imaginary part is that of a small step."""
-    return log(J.real) + 1j * (J.imag / J.real) if np.iscomplexobj(J) else log(J)
-
-
-def unit(F: Array) -> Array:
-    """The unit matrix, as F (d, d, …)."""
-    return np.broadcast_to(np.eye(len(F)).reshape(F.shape[:2] + (1,) * (F.ndim - 2)), F.shape)
-
-
-def stress(solid: ElasticSolid, F: Array) -> Array:
-    """First Piola-Kirchhoff stress P (d, d, …) for F (d, d, …), by the name of the law.
+def stress(solid: ElasticSolid, F: Numbers) -> Numbers:
+    """First Piola-Kirchhoff stress P for F, by the name of the law.
 
     log: mu F + ((2 mu + lam) ln J - mu J) cof F; neo-hookean: mu F + (lam ln J - mu)/J cof F; svk:
     F S, S = lam tr(E) + 2 mu E, E = (F^T F - 1)/2; linear: lam tr(e) + 2 mu e, e = (F + F^T)/2 - 1.
     """
-    law, mu, lam, one, J = solid.law, solid.mu_e, solid.lambda_e, unit(F), determinant(F)
+    law, mu, lam, J = solid.law, solid.mu_e, solid.lambda_e, determinant(F)
     if law == "log":
-        return mu * F + ((2.0 * mu + lam) * _log(J) - mu * J) * cofactor(F)
+        return along(scale(mu, F), (2.0 * mu + lam) * np.log(J) - mu * J, cofactor(F))
     if law == "neo-hookean":
-        return mu * F + (lam * _log(J) - mu) / J * cofactor(F)
+        return along(scale(mu, F), (lam * np.log(J) - mu) / J, cofactor(F))
     if law == "svk":
-        E = 0.5 * (np.einsum("ki...,kj...->ij...", F, F) - one)
-        S = lam * np.einsum("kk...->...", E) * one + 2.0 * mu * E
-        return np.einsum("ik...,kj...->ij...", F, S)
-    e = 0.5 * (F + np.swapaxes(F, 0, 1)) - one
-    return lam * np.einsum("kk...->...", e) * one + 2.0 * mu * e
+        E = scale(0.5, add_unit(-1.0, transposed_product(F, F)))
+        return product(F, add_unit(lam * trace(E), scale(2.0 * mu, E)))
+    e = add_unit(-1.0, scale(0.5, add(F, transpose(F))))
+    return add_unit(lam * trace(e), scale(2.0 * mu, e))
 
 
 class State(NamedTuple):
-    """Conserved quantities U (n, …) per reference volume, their fluxes (d, n, …) along the axes,
-    and what else changes them (n, …).
+    """Conserved quantities U per reference volume, their fluxes along each axis, and what else
+    changes them.
     """
 
-    U: Array
-    flux: Array
-    source: Array
+    U: Numbers
+    flux: Sequence[Numbers]
+    source: Numbers
 
 
 class Solution:
     """The exact solution in d dimensions, of a gas and a solid without units: viscosity, both
     conductivities and the law of the solid are options.
+
+    Functions of (*X, t): exact_gas (rho, u_1 … u_d, T) and exact_solid (v_1 … v_d, T, x_1 … x_d);
+    force_gas, what drives (rho, rho u_1 … rho u_d, e) per volume at a point of the grid, and
+    force_solid (v_1 … v_d, T, x_1 … x_d); temperature.
     """
 
     def __init__(self, d: int, opt: Opt) -> None:
-        self.fluid = gas_of(opt)
+        self.d, self.fluid = d, gas_of(opt)
         self.body = ElasticSolid(1.0, 2.0, opt["solid_kappa"], 2.0, 1.5, law=opt["solid_law"])
+        self.exact_gas = recorded(d + 1, self.gas_fields)
+        self.exact_solid = recorded(d + 1, self.solid_fields)
+        self.temperature = recorded(d + 1, lambda *where: (self.T(*where),))
+        self.force_gas = recorded(d + 1, self._force_on_gas)
+        self.force_solid = recorded(d + 1, self._force_on_solid)
+        self.jump = recorded(2 * d + 1, self._jump)
 
-        def rippled(height: float, *phases: Array) -> list[Any]:
-            """height cos(phase) cos(phase) ... (1 + .2 r sin 2 pi q)."""
-            ripple = [(0.2 * height, *phases, Q - QUARTER)] if d == 3 else []
-            return [(height, *phases), *ripple]
+    # -- the fields
 
-        def vector(*parts: list[Any]) -> list[Any]:
-            return [(0.0, parts[axis]) for axis in AXES[d]]
+    def _along(self, where: Numbers) -> tuple[Any, Any, Any]:
+        """p, q and 1 + .2 r sin 2 pi q."""
+        p, q = (*where[:-2], *ELSEWHERE[self.d - 1 :])
+        return p, q, 1.0 + 0.2 * np.sin(TURN * q) if self.d == 3 else 1.0
 
-        D = vector(
-            rippled(0.06, P + TIME - QUARTER, ETA + 2 * TIME),
-            [(0.05, Q - TIME - QUARTER, P + 2 * TIME, ETA + TIME - QUARTER)],
-            rippled(0.08, P - TIME, 1.5 * ETA + TIME - QUARTER),
+    def _axes(self, *vector: Any) -> Numbers:
+        return tuple(vector[axis] for axis in AXES[self.d])
+
+    def displacement(self, *where: Any) -> Numbers:
+        """D."""
+        (p, q, ripple), (eta, t) = self._along(where), where[-2:]
+        return self._axes(
+            0.06 * np.sin(TURN * p + t) * np.cos(eta + 2.0 * t) * ripple,
+            0.05 * np.sin(TURN * q - t) * np.cos(TURN * p + 2.0 * t) * np.sin(eta + t),
+            0.08 * np.cos(TURN * p - t) * np.sin(1.5 * eta + t) * ripple,
         )
-        drift = vector(
-            [(0.6, P - TIME - QUARTER)],
-            [(0.4, Q + TIME - QUARTER)],
-            rippled(0.5, P + 2 * TIME),
+
+    def T(self, *where: Any) -> Any:
+        """T."""
+        (p, _, ripple), (eta, t) = self._along(where), where[-2:]
+        return 1.0 + 0.15 * np.sin(TURN * p + t) * np.cos(2.0 * eta - t) * ripple
+
+    def rho(self, *where: Any) -> Any:
+        """rho."""
+        (p, _, ripple), (eta, t) = self._along(where), where[-2:]
+        return 1.0 + 0.2 * np.cos(TURN * p - t) * np.sin(2.0 * eta + t) * ripple
+
+    def moved(self, *where: Any) -> Numbers:
+        """The displacement x - X of the gas's grid."""
+        *along_layers, eta, t = where
+        return scale(eta, self.displacement(*along_layers, 1.0, t))
+
+    def drift(self, *where: Any) -> Numbers:
+        """u - w, 0 at the interface."""
+        (p, q, ripple), (eta, t) = self._along(where), where[-2:]
+        drift = self._axes(
+            0.6 * np.sin(TURN * p - t),
+            0.4 * np.sin(TURN * q + t),
+            0.5 * np.cos(TURN * p + 2.0 * t) * ripple,
         )
-        T = 1.0, rippled(0.15, P + TIME - QUARTER, 2 * ETA - TIME)
-        rho = 1.0, rippled(0.2, P - TIME, 2 * ETA + TIME - QUARTER)
-        self.displacement, self.temperature = Waves(*D), Waves(T)
-        #: (rho, (u - w) / (eta (1 - eta)), T)
-        self.of_gas = Waves(rho, *drift, T)
+        return scale(eta * (1.0 - eta), drift)
+
+    def gas_fields(self, *where: Any) -> Numbers:
+        """(rho, u_1 … u_d, T)."""
+        w = derivatives(self.moved(*where), where[-1])
+        return (self.rho(*where), *add(w, self.drift(*where)), self.T(*where))
+
+    def solid_fields(self, *where: Any) -> Numbers:
+        """(v_1 … v_d, T, x_1 … x_d)."""
+        D = self.displacement(*where)
+        return (*derivatives(D, where[-1]), self.T(*where), *add(where[:-1], D))
 
     # -- the gas
 
-    def grid(self, where: Where) -> tuple[Array, Array, Array]:
-        """(x_X, w, w_X) of the gas's grid: derivatives of places, velocity, derivatives of that."""
-        eta, end = where[-2], self.displacement.at(interface(where))
-        x_X, w_X = eta * end.gradient, eta * end.gradient_rate
-        x_X[:, -1], w_X[:, -1] = end.value, end.rate
-        return x_X + unit(x_X), eta * end.rate, w_X
-
-    def bubble(self, where: Where) -> tuple[Array, Array]:
-        """What the drift of the gas is multiplied with, 0 at the interface, and its gradient."""
-        *along, eta, _ = where
-        return eta * (1.0 - eta), np.stack([*(0.0 * eta for _ in along), 1.0 - 2.0 * eta])
-
-    def gas(self, where: Where) -> State:
+    def gas(self, *where: Any) -> tuple[State, Any]:
         """J (1, rho, rho u, e) and, along each axis with its metric vector a = det(x_X) grad xi,
 
             a . (-w, rho (u - w), rho u (u - w) + p - tau, e (u - w) + p u - tau u - kappa grad T)
 
-        with tau = mu (grad u + (grad u)^T - 2/3 div u).
+        with tau = mu (grad u + (grad u)^T - 2/3 div u); and J.
         """
-        x_X, w, w_X = self.grid(where)
-        fields, (bump, slope) = self.of_gas.at(where), self.bubble(where)
-        drift = fields.value[1:-1]
-        u, u_X = w + bump * drift, w_X + bump * fields.gradient[1:-1] + drift[:, None] * slope
-        rho, T, T_X = fields.value[0], fields.value[-1], fields.gradient[-1]
+        (*X, t), fluid = where, self.fluid
+        rho, *u, T = self.gas_fields(*where)
+        past, moved = self.drift(*where), self.moved(*where)
+        x_X, w = add_unit(1.0, gradient(moved, X)), derivatives(moved, t)
         a, J = cofactor(x_X), determinant(x_X)
-        grad_u = np.einsum("ik...,jk...->ij...", u_X, a) / J
-        grad_T = np.einsum("k...,jk...->j...", T_X, a) / J
-        one, div = unit(grad_u), np.einsum("kk...->...", grad_u)
-        tau = self.fluid.mu * (grad_u + np.swapaxes(grad_u, 0, 1) - 2.0 / 3.0 * div * one)
-        e = rho * (self.fluid.cv * T + 0.5 * np.einsum("k...,k...->...", u, u))
-        force = rho * self.fluid.R * T * one - tau
-        heat = np.einsum("ij...,j...->i...", force, u) - self.fluid.kappa * grad_T
-        U = np.stack([np.ones_like(rho), rho, *(rho * u), e])
+        grad_u = scale(1.0 / J, product_transposed(gradient(u, X), a))
+        grad_T = scale(1.0 / J, apply(a, gradient((T,), X)))
+        tau = scale(fluid.mu, add(grad_u, transpose(grad_u)))
+        tau = add_unit(-2.0 / 3.0 * fluid.mu * trace(grad_u), tau)
+        e = rho * (fluid.cv * T + 0.5 * dot(u, u))
+        force = add_unit(rho * fluid.R * T, scale(-1.0, tau))
+        heat = along(apply(force, u), -fluid.kappa, grad_T)
         # -w is the flux of J, a volume that the grid sweeps over
-        others = np.concatenate([-w[None], np.zeros_like(w)[None], force, heat[None]])
-        carried = np.concatenate([np.zeros_like(rho)[None], U[1:]])
-        flux = carried[:, None] * (u - w)[None] + others
-        return State(J * U, np.einsum("nj...,jk...->kn...", flux, a), np.zeros_like(U))
+        pushes = (along(f, rho * u_i, past) for f, u_i in zip(rows(force), u, strict=True))
+        fluxes = scale(-1.0, w), scale(rho, past), *pushes, along(heat, e, past)
+        flux = [tuple(dot(f, a_k) for f in fluxes) for a_k in columns(a)]
+        return State(scale(J, (1.0, rho, *scale(rho, u), e)), flux, (0.0,) * len(fluxes)), J
 
-    def exact_gas(self, *where: Any) -> list[Array]:
-        """(rho, u_1 … u_d, T) at (*X, t)."""
-        fields, w, bump = self.of_gas.at(where).value, self.grid(where)[1], self.bubble(where)[0]
-        return [fields[0], *(w + bump * fields[1:-1]), fields[-1]]
-
-    def force_gas(self, *where: Any) -> list[Array]:
-        """What drives (rho, rho u_1 … rho u_d, e) per volume at a point of the grid at (*X, t)."""
-        return list(lack(self.gas, where)[1:] / determinant(self.grid(where)[0]))
+    def _force_on_gas(self, *where: Any) -> Numbers:
+        state, J = self.gas(*where)
+        return scale(1.0 / J, lack(state, where)[1:])
 
     # -- the solid
 
-    def solid(self, where: Where) -> State:
+    def solid(self, *where: Any) -> State:
         """m0 (v, alpha T), fluxes -(P, kappa_e J F^-1 F^-T grad T), and the work P : v_X."""
-        m, T, body = self.displacement.at(where), self.temperature.at(where), self.body
-        F = m.gradient + unit(m.gradient)
+        (*X, t), body = where, self.body
+        D, T = self.displacement(*where), self.T(*where)
+        v, F = derivatives(D, t), add_unit(1.0, gradient(D, X))
         P, c = stress(body, F), cofactor(F)
-        scaled = body.kappa_e / determinant(F) * np.einsum("ij...,j...->i...", c, T.gradient[0])
-        heat = np.einsum("ik...,i...->k...", c, scaled)
-        work = np.einsum("ik...,ik...->...", P, m.gradient_rate)
-        U = body.m0 * np.stack([*m.rate, body.alpha * T.value[0]])
-        flux = -np.concatenate([P, heat[None]])
-        source = np.concatenate([np.zeros_like(m.rate), work[None]])
-        return State(U, np.swapaxes(flux, 0, 1), source)
+        scaled = scale(body.kappa_e / determinant(F), apply(c, gradient((T,), X)))
+        heat, work = apply_transposed(c, scaled), dot(P, gradient(v, X))
+        flux = [scale(-1.0, (*t_k, h_k)) for t_k, h_k in zip(columns(P), heat, strict=True)]
+        return State(scale(body.m0, (*v, body.alpha * T)), flux, (*(0.0 for _ in v), work))
 
-    def exact_solid(self, *where: Any) -> list[Array]:
-        """(v_1 … v_d, T, x_1 … x_d) at (*X, t)."""
-        m = self.displacement.at(where)
-        return [*m.rate, self.temperature.at(where).value[0], *(np.stack(where[:-1]) + m.value)]
-
-    def force_solid(self, *where: Any) -> list[Array]:
-        """What drives (v_1 … v_d, T, x_1 … x_d) at (*X, t)."""
-        rates = lack(self.solid, where) / self.body.m0
-        return [*rates[:-1], rates[-1] / self.body.alpha, *np.zeros_like(rates[:-1])]
+    def _force_on_solid(self, *where: Any) -> Numbers:
+        *rates, heat = scale(1.0 / self.body.m0, lack(self.solid(*where), where))
+        return (*rates, heat / self.body.alpha, *(0.0 for _ in rates))
 
     # -- both
 
-    def supplied(self, *where: Any) -> list[Array]:
+    def supplied(self, *where: Any) -> list[Any]:
         """(g_1 … g_d, g_q) at (*X, t) of the interface: traction and heat per reference area that
         the solid gets beside what the gas gives it.
         """
-        where = interface(where)
-        return self.jump(where, unit(self.displacement.at(where).gradient)[-1])
+        *beside, eta, t = where
+        normal = (*(0.0 * eta for _ in beside), 1.0 + 0.0 * eta)
+        return self.jump(*beside, 1.0 + 0.0 * eta, t, *normal)
 
-    def jump(self, where: Where, normal: Array) -> list[Array]:
-        """The same with the normal (d, …) from gas to solid."""
-        fluxes = self.gas(where).flux, self.solid(where).flux
-        below, above = (np.einsum("k...,kn...->n...", normal, flux) for flux in fluxes)
-        u = self.displacement.at(where).rate
+    def _jump(self, *given: Any) -> Numbers:
+        """The same with the normal from gas to solid, after places and time."""
+        where, normal = given[: self.d + 1], given[self.d + 1 :]
+        u = derivatives(self.displacement(*where), where[-1])
+        fluxes = self.gas(*where)[0].flux, self.solid(*where).flux
+        below, above = ([dot(normal, of_axes) for of_axes in zip(*flux)] for flux in fluxes)
         traction = below[2:-1]  # no mass goes through
-        heat = below[-1] - np.einsum("k...,k...->...", traction, u)
-        return [*(above[:-1] - traction), above[-1] - heat]
+        return *sub(above[:-1], traction), above[-1] - (below[-1] - dot(traction, u))
 
 
-def interface(where: Where) -> Where:
-    """The place with eta = 1."""
-    *along, eta, t = where
-    return *along, np.ones(np.shape(eta)), t
-
-
-def lack(state: Callable[[Where], State], where: Where) -> Array:
-    """U_t + sum over the axes of flux_k - source."""
-
-    def rate(k: int) -> State:
-        stepped = [value + 1j * TINY if i == k else value for i, value in enumerate(where)]
-        return State(*(part.imag / TINY for part in state(stepped)))
-
-    d = len(where) - 1
-    return rate(d).U + sum(rate(k).flux[k] for k in range(d)) - state(where).source
+def lack(state: State, where: Numbers) -> Numbers:
+    """U_t + sum over the axes of the derivatives of fluxes - source."""
+    *X, t = where
+    rates = derivatives(state.U, t)
+    for flux, x in zip(state.flux, X, strict=True):
+        rates = add(rates, derivatives(flux, x))
+    return sub(rates, state.source)

@@ -292,10 +292,15 @@ def _needed(wanted: Iterable[Symbol]) -> list[Symbol]:
     return [found[number] for number in sorted(found)]
 
 
-def replay(wanted: Sequence[Symbol], known: Mapping[Symbol, Any]) -> list[Any]:
+def replay(
+    wanted: Sequence[Symbol],
+    known: Mapping[Symbol, Any],
+    functions: Mapping[str, Callable[..., Any]] | None = None,
+) -> list[Any]:
     """What symbols are where those that are given are ``known``: numbers, arrays, or symbols of
-    another record.
+    another record. functions: what to take of some operations, by name, instead of numpy's.
     """
+    of = {**_FUNCTIONS, **(functions or {})}
     values = {symbol.number: value for symbol, value in known.items()}
     with np.errstate(all="ignore"):
         for symbol in _needed(wanted):
@@ -303,7 +308,7 @@ def replay(wanted: Sequence[Symbol], known: Mapping[Symbol, Any]) -> list[Any]:
                 values[symbol.number] = symbol.value
             elif symbol.number not in values:
                 operands = (values[operand.number] for operand in symbol.operands)
-                values[symbol.number] = _FUNCTIONS[symbol.operation](*operands)
+                values[symbol.number] = of[symbol.operation](*operands)
     return [values[symbol.number] for symbol in wanted]
 
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from fsipetsc.equations.tensors import add_unit
-from fsipetsc.equations.vectors import add, dot
+from fsipetsc.equations.tensors import add_unit, product_transposed
+from fsipetsc.equations.vectors import add, dot, per
 from fsipetsc.kernels.arrays import column, column_of, part_of
 from fsipetsc.kernels.procedure import each, invoke, variable, when, whole
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
@@ -55,6 +55,27 @@ def find(part, known, q):
                 columns[c, i] += mass * value
     collect(room, width, width, part.seen, sums[: sums.size - 1])
     sums[-1] = -sums[sums.size - 2]
+
+
+def stressed(part, q, out):
+    """Fill planes of the owned nodes with T, p, the Cauchy stress P F^T/J and that of hoops, by the
+    last F; q: planes of the ghosted nodes.
+    """
+    d, solid, M = len(part.like), part.laws, part.masses.shape[0]
+    zeros, q = (0.0,) * d, q.reshape(2 * d + 1, part.metrics.shape[1]).turned()
+    for node, own, n in rows_of(part):
+        for i in each(n, vector=True):
+            at, F = node + i, column(solid.unstrained(zeros), part.F, own + i)
+            v, e = part_of(zeros, q, at, d), q[at, 2 * d]
+            extra = 0.0 if solid.coupled else prestress_energy(part, F, at)
+            T, J = solid.temperature(v, e - extra, F), solid.volume(F)
+            P = solid.stress_at(F, T)
+            if part.prestress is not None:
+                P = add(P, column((0.0,) * d * d, part.prestress, at))
+            stress = per(product_transposed(P, F[: d * d]), J)
+            hoops = (solid.hoop_stress(F, T),) if solid.around else ()
+            for c, number in enumerate((T, solid.pressure_at(J, T), *stress, *hoops)):
+                out[c * M + own + i] = number
 
 
 def seen_at(part, q, place, node, own):
