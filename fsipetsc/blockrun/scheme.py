@@ -37,8 +37,9 @@ from fsipetsc.process.together import together
 from fsipetsc.scheme import steps as stages
 from fsipetsc.scheme.batch import ALLOWED, plan_next
 from fsipetsc.scheme.normals import turned_faces
-from fsipetsc.scheme.plan import BAD
+from fsipetsc.scheme.plan import BAD, SAID_STOP
 from fsipetsc.scheme.timed import OF_STAGES, TIMES, set_time
+from fsipetsc.stepping.state import FAULT
 
 if TYPE_CHECKING:
     from fsipetsc.blockrun.block_state import BlockState
@@ -365,6 +366,8 @@ class Scheme:
         """
         self._refresh(t)
         found, does = self._found, self._does
+        if self.fault is not None:
+            found.results[SAID_STOP] = FAULT
         if "batch" not in self._phases:
             calls: list[Any] = [(does["begin_step"], ())]
             y, data = self._now[0], [(code.procedures[0], ()) for code in self._data]

@@ -12,8 +12,8 @@ import numpy as np
 
 from fsipetsc.kernels.symbols import CONDITIONS, NotRecorded, Record, Symbol, needed, replay
 
-#: operations of a longer function are left to Python, for the compiler would take too long
-MOST = 4000
+#: a function of more operations is left to Python: the compiler takes 2 to 3 s for so many
+MOST = 500
 
 
 class Formula:
