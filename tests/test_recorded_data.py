@@ -11,7 +11,7 @@ from helpers import REPOSITORY, compute, computed, different, message, solve
 from mpi4py import MPI
 
 import fsipetsc
-from fsipetsc import Fluid, FluidLayer, Problem, Wall
+from fsipetsc import Fluid, FluidLayer, InputError, Problem, Wall
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blockrun.from_layers import blocks_of_line
 from fsipetsc.cases import piston
@@ -230,6 +230,15 @@ def test_conditions_that_come_to_contradict_each_other_end_the_run(ranks, tmp_pa
     message(done, 2, "NoSlip of 'gas', axis 0, side ", "no grid converges there")
     with fsipetsc.open_run(tmp_path / "run.h5") as run:
         assert len(run.series["t"]) <= 66
+
+
+def test_an_infinite_velocity_is_named():
+    """Differences of the place are finite then; the message says that the derivative is not."""
+    state = at_wall(lambda t: 0.05 + 0.1 * np.cbrt(t - 0.125))
+    state.set_initial()
+    state.scheme.check_data([0.0, 0.124, 0.126])
+    with pytest.raises(InputError, match=r"NoSlip is not finite at t = 0.125: expected a motion"):
+        state.scheme.check_data([0.0, 0.125])
 
 
 def test_energy_comes_in_as_it_did():
