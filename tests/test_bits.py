@@ -26,6 +26,7 @@ RUNS = {
     "ring": ("ring -fsi_h 0.05", 6),
     "shell": ("shell -fsi_h 0.05", 6),
     "shock": ("shock -fsi_h 0.02", 6),
+    "a wall that moves": ("piston -fsi_h 0.025", 6),
     "three dimensions, sides": (
         "box_mms -box_dimension 3 -box_periodic false -fsi_h 0.125 -fsi_order 2",
         2,
@@ -138,6 +139,7 @@ SWEEPS = {
     "rod": ["-fluid_mu {}", "-solid_modulus {}e6"],
     "blast": ["-fluid_mu {}e-3", "-solid_modulus {}0"],
     "shell": ["-solid_mu {}"],
+    "piston": ["-piston_time 0.0{}"],
     "box_mms -box_dimension 3": ["-fluid_mu {}e-2"],
     "rod -fsi_coupling projection": ["-fluid_mu {}"],
 }
@@ -145,6 +147,7 @@ SIZES = {
     "rod": ("0.1", "0.05"),
     "blast": ("0.0625", "0.05"),
     "shell": ("0.05", "0.025"),
+    "piston": ("0.025", "0.02"),
     "box_mms -box_dimension 3": ("0.125", "0.1"),
     "rod -fsi_coupling projection": ("0.1", "0.05"),
 }

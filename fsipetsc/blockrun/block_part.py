@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from fsipetsc.blame import place_in, reason
 from fsipetsc.blockrun.columns import fields_of
 from fsipetsc.blockrun.face_terms import FaceTerms
+from fsipetsc.blockrun.recorded_data import Recorder
 from fsipetsc.blocks.values import block_values
 from fsipetsc.errors import FsiError, InputError
+from fsipetsc.kernels.formula import numbers_of
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
@@ -98,6 +100,17 @@ class BlockPart:
         self.faces.refresh(t)
         if self.block.forcing is not None:
             self._forcing[:] = block_values(self.block, "forcing", self.X[:, self.owned], t)
+
+    def record_data(self, recorder: Recorder) -> None:
+        """Record the same, where it depends on time."""
+        self.faces.record_data(recorder)
+        if (forcing := self.block.forcing) is not None:
+            on_symbols = getattr(forcing, "on_symbols", forcing)
+
+            def make(x: Any, t: Any) -> Any:
+                return numbers_of(on_symbols(*x, t), len(self._forcing))
+
+            recorder.add("forcing", make, self.X[:, self.owned], None, *self._forcing)
 
     def record(self, about: Recorded) -> Code:
         """Record the procedures of this part. InputError where a law of a case cannot be recorded,

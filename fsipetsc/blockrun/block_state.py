@@ -100,6 +100,11 @@ class BlockState(State):
         return {**found, "potential": found["potential"] and not self.loose}
 
     @property
+    def asks(self) -> bool:
+        """Python is asked for data at each stage."""
+        return self.scheme.asks
+
+    @property
     def fault(self) -> InputError | None:
         """The first error of a function of the case's, on this rank."""
         return self.scheme.fault
@@ -173,7 +178,7 @@ class BlockState(State):
         """
         more = True
         while more:
-            if self.scheme.steady and not self.recorded:
+            if not self.scheme.asks and not self.recorded:
                 ended_well, t, dt = self._steps(t, dt)
                 if ended_well:
                     break
@@ -229,13 +234,15 @@ class BlockState(State):
         """Repeat the step that has failed, and let y be its first unphysical stage: NaN spreads
         from there. Steps of PETSc's other methods are repeated by the classical one; if that does
         not fail, y stays. Returns what was wrong with solids before the step, or what is wrong with
-        their waves now, or "".
+        their waves now, or "". InputError where data that depend on time were wrong.
         """
         if not self.batch[MADE]:
             return ""
         last, dt = self.y.array.copy(), float(self.batch[DT]) / self._tried
         end = float(self.batch[TIME])
         begin = end - dt * self._tried
+        halves = range(2 * self._tried + 1)
+        self.scheme.check_data([begin + 0.5 * dt * half for half in halves])
         self.y.array[:] = self.before
         self.scheme.forget()
         self._find_extremes(self.y)

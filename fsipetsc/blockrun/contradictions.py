@@ -60,6 +60,7 @@ class Contradictions:
     """Of the particles here of a problem. x: (particles, d), their places.
 
     velocity: (condition, whether it is of a gas, places, time [s]) -> what it prescribes, (n, d).
+    possible: some velocities would be refused if they were to differ.
     """
 
     def __init__(
@@ -82,6 +83,7 @@ class Contradictions:
             along = None if normals[0] is None else np.array(normals)
             self._pairs.append(_Pair(names[0], firsts[0], others[0], np.array(who), along))
         self._refused = [pair for pair in self._pairs if pair.refused]
+        self.possible = bool(self._refused)
 
     def _of_gas(self, asked: Asked) -> bool:
         return asked.face is not None and self._problem.blocks[asked.face[0]].kind == "fluid"

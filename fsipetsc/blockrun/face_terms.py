@@ -2,11 +2,13 @@
 fsipetsc.scheme.faces.
 """
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fsipetsc.blockrun.recorded_data import Make, Recorder, asked, positive
 from fsipetsc.blocks.conditions import Absorbing, Free, Open, Outflow, moves
 from fsipetsc.blocks.cube import Cube
 from fsipetsc.blocks.maps import place_text
@@ -14,6 +16,8 @@ from fsipetsc.blocks.metrics import Wide
 from fsipetsc.blocks.problem import Meeting
 from fsipetsc.blocks.values import checked, checked_one, datum
 from fsipetsc.errors import InputError
+from fsipetsc.kernels.formula import number_of, numbers_of
+from fsipetsc.kernels.symbols import NotRecorded
 from fsipetsc.parallel.block_layout import Part
 from fsipetsc.scheme.faces import DRAGS, GasFaces, SolidFaces, Turned
 from fsipetsc.scheme.part import Nothing
@@ -47,6 +51,7 @@ class FaceTerms:
             loaded = _unheld(condition) and self.p_ref not in (0.0, beyond)
             if supplied or loaded or _acts(condition):
                 acting.append((axis, side, condition))
+        self._every: list[tuple[Any, Array, slice]] = []  # those without nodes here as well
         self.record: Any = Nothing()
         if not acting:  # on all ranks of the block, for these record the same
             return
@@ -65,9 +70,11 @@ class FaceTerms:
             where, end = slice(end, end + own.size), end + own.size
             if d == 3 and not self._gas:
                 turned.append(_turned(problem, part, order, axis, side, where))
+            places = problem.places(k, part.numbers[own])
+            self._every.append((condition, places, where))
             if not own.size:
                 continue
-            places, stride = problem.places(k, part.numbers[own]), int(np.prod(block.shape[:axis]))
+            stride = int(np.prod(block.shape[:axis]))
             beside = problem.places(k, part.numbers[own] + (-stride if side else stride))
             self._spacing[where] = np.linalg.norm(places - beside, axis=1)
             self._faces.append((condition, places, where))
@@ -103,6 +110,37 @@ class FaceTerms:
                 names = *(f"traction along {x}" for x in "xyz"[:d]), "heat"
                 values = checked(self._jumps, (*X.T, t), X.T, names, f"jumps at t = {t:.6g}")
                 record.traction[at], record.heat[at] = np.stack(values[:-1], axis=-1), values[-1]
+
+    def record_data(self, recorder: Recorder) -> None:
+        """Record all that depends on time, of faces without nodes here as well."""
+        for condition, X, at in self._every:
+            for make, *targets in self._timed(condition):
+                recorder.add(condition, make, X.T, np.arange(at.start, at.stop), *targets)
+
+    def _timed(self, condition: Any) -> Iterator[tuple[Any, ...]]:
+        """What data of a condition are on symbols, and where they go."""
+        record = self.record
+
+        def of(name: str, less: float = 0.0) -> Make:
+            return lambda x, t: (asked(condition, name, x, t) - less,)
+
+        if getattr(condition, "heat_flux", None) is not None:
+            yield of("heat_flux"), record.heat
+        if isinstance(condition, (Outflow, Free)):
+            yield of("pressure", 0.0 if self._gas else self.p_ref), record.pressure
+        if callable(getattr(condition, "slip_length", None)):
+            yield _refuse_slip_length, record.width
+        if isinstance(condition, Open):
+            yield lambda x, t: (_beyond(condition, x, t),), record.outside
+        if isinstance(condition, Absorbing):
+            yield of("stress"), record.stress
+        if isinstance(condition, Meeting) and not self._gas and self._jumps is not None:
+            yield self._supplied, record.traction, record.heat
+
+    def _supplied(self, x: Any, t: Any) -> tuple[Any, Any]:
+        """Traction and heat that interfaces get, at symbols."""
+        *traction, heat = numbers_of(self._jumps(*x, t), self._d + 1)
+        return tuple(traction), heat
 
     def _slip_length(self, condition: Any, X: Array, at: slice, t: float) -> Array:
         """At the nodes of a face. InputError if the grid is too coarse for it."""
@@ -167,6 +205,18 @@ def _acts(condition: Any) -> bool:
     heated = getattr(condition, "heat_flux", None) is not None
     drags = getattr(condition, "slip_length", None) is not None
     return pressed or heated or drags or isinstance(condition, (Open, Outflow, Absorbing))
+
+
+def _refuse_slip_length(x: Any, t: Any) -> Any:
+    raise NotRecorded("a slip_length that is a function is checked against the grid")
+
+
+def _beyond(condition: Open, x: Any, t: Any) -> tuple[Any, ...]:
+    """Density, velocity and temperature beyond an open face, at symbols."""
+    rho, T = (positive(asked(condition, name, x, t)) for name in ("rho", "T"))
+    if callable(condition.u):
+        return rho, *asked(condition, "u", x, t, len(x)), T
+    return rho, *(number_of(of(*x, t)) if callable(of) else of for of in condition.u), T
 
 
 def _outside(condition: Open, X: Array, t: float) -> Array:

@@ -138,10 +138,16 @@ def _stress_alone(function: Function) -> Function:
 def _forces_alone(layer: SolidLayer) -> Function:
     """The forcing of a solid without that of its stress, which must be 0. InputError."""
 
+    allowed = 1e-9 * layer.material.K  # for round-off
+
+    def on_symbols(X: Any, t: Any) -> Any:
+        u, sigma, T, x = layer.forcing(X, t)
+        return u, T + np.where(np.abs(sigma) > allowed, np.nan, 0.0), x
+
     @wraps(layer.forcing)
     def called(X: Array, t: float) -> Any:
         u, sigma, T, x = layer.forcing(X, t)
-        if np.any(np.abs(sigma) > 1e-9 * layer.material.K):  # but for round-off
+        if np.any(np.abs(sigma) > allowed):
             raise InputError(
                 f"forcing of layer '{layer.name}' at t = {t:.6g}: sigma has a right-hand side, but "
                 "follows from x here: expected 0, or -fsi_coupling projection",
@@ -149,6 +155,7 @@ def _forces_alone(layer: SolidLayer) -> Function:
             )
         return u, T, x
 
+    called.on_symbols = on_symbols
     return called
 
 
@@ -217,7 +224,8 @@ def _condition(end: Any, layer: FluidLayer | SolidLayer, side: int) -> new.Condi
 def _of_place(function: Function, name: str, side: int, then: Function) -> Function:
     """A function of t at an end as one of X and t: what is wrong is said of the end.
 
-    Its `of_time` is the same as a function of t alone, whose values need not be checked again.
+    Its `of_time` is the same as a function of t alone, whose values need not be checked again, and
+    `on_symbols` the same as it is recorded, unchecked.
     """
 
     def of_time(t: float) -> Any:
@@ -226,7 +234,11 @@ def _of_place(function: Function, name: str, side: int, then: Function) -> Funct
     def called(X: Array, t: float) -> Any:
         return of_time(t)
 
-    called.__wrapped__, called.of_time = function, of_time
+    def on_symbols(X: Any, t: Any) -> Any:
+        found = function(t)
+        return then(found if name == "values" else [found])
+
+    called.__wrapped__, called.of_time, called.on_symbols = function, of_time, on_symbols
     return called
 
 

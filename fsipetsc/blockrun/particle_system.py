@@ -77,14 +77,15 @@ class ParticleSystem:
         n = here.size
         sums = *np.zeros((3, n)), np.zeros((n, d + 2)), *np.zeros((2, n, d)), *np.zeros((4, n))
         self.state = records.State(*sums, U_t=np.zeros((n, d + 2)), acceleration=np.zeros((n, d)))
-        self.prescribed = Prescribed(layout.problem, self._particles, instant)
+        data = Prescribed(layout.problem, self._particles, instant, particles, here)
+        self.prescribed = data
         moves = np.zeros(n, np.int64)
-        moves[self.prescribed.moving] = 1
+        moves[data.moving] = 1
         self.record = records.Particles(
             like=(0.0,) * d,
             table=self.table,
             laws=layout.problem.gas_laws.laws,
-            data=self.prescribed.data,
+            data=data.data,
             state=self.state,
             stored=self.stored.table,
             rows=self.sums.table,
@@ -99,7 +100,7 @@ class ParticleSystem:
             pi=np.zeros(most),
             pivots=np.zeros(most),
             moves=moves,
-            place=self.prescribed.displaced,
+            place=data.displaced,
             auxiliary=layout.auxiliary,
         )
         self.does: dict[str, Procedure] = {}

@@ -2,7 +2,7 @@
 unknowns.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,14 @@ from numpy.typing import NDArray
 
 from fsipetsc.blame import place_of
 from fsipetsc.blockrun.contradictions import Contradictions, Note
+from fsipetsc.blockrun.recorded_data import (
+    Make,
+    Recorder,
+    given_gas,
+    given_solid,
+    motion,
+    temperature,
+)
 from fsipetsc.blocks.conditions import Given, moves
 from fsipetsc.blocks.particles import Particle
 from fsipetsc.blocks.values import datum, names_of
@@ -45,17 +53,23 @@ class Prescribed:
     """Data of conditions. Functions of the case are asked for all particles of a condition at once.
 
     instant: gives a short time [s], a step for differences in time.
-    data: the arrays of the last instant. moving: particles on walls that move, by which the grid
-    goes along; displaced: (particles, d) by how much. by_differences: some data are differences in
-    time.
+    every: all particles of the problem, of which ``particles`` are those with the numbers ``here``;
+    else they are all. data: the arrays of the last instant. moving: particles on walls that move,
+    by which the grid goes along; displaced: (particles, d) by how much. by_differences: some data
+    are differences in time. doubtful: conditions may come to contradict each other.
     """
 
     def __init__(
-        self, problem: Any, particles: Sequence[Particle], instant: Callable[[], float]
+        self,
+        problem: Any,
+        particles: Sequence[Particle],
+        instant: Callable[[], float],
+        every: Sequence[Particle] = (),
+        here: Array | None = None,
     ) -> None:
         self._instant, self._d, self._laws = instant, problem.dimension, problem.gas_laws.laws
-        numbers = (problem.gas_laws.number_at(p.members) for p in particles)
-        self._law_of = np.fromiter(numbers, np.int64)
+        self._number = problem.gas_laws.number_at
+        self._law_of = np.fromiter((self._number(p.members) for p in particles), np.int64)
         n, d = len(particles), problem.dimension
         several = np.zeros((n, d + 2)), np.zeros((n, 2 * d))
         self.data = Data(*np.zeros((5, n, d)), *np.zeros((2, n)), *several)
@@ -64,11 +78,14 @@ class Prescribed:
         self._x = np.array(places).reshape(n, d)
         self.displaced = np.zeros_like(self._x)
         self._groups = {name: _grouped(particles, name) for name in NAMES}
+        self._every = every or particles
+        self._here = np.arange(n) if here is None else here
         found = [c for group in self._groups.values() for c, _ in group]
         self.by_differences = any(moves(c) or getattr(c, "velocity", None) for c in found)
         walls = [who for name in WALLS for c, who in self._groups[name] if moves(c)]
         self.moving = np.unique(np.concatenate([np.empty(0, np.int64), *walls]))
         self._contradictions = Contradictions(problem, particles, self._x, self._velocity)
+        self.doubtful = self._contradictions.possible
         self._t = 0.0
 
     def notes(self) -> list[Note]:
@@ -79,10 +96,7 @@ class Prescribed:
         """Data at time t [s]. InputError."""
         self._t = t
         out, x, d, groups = self.data, self._x, self._d, self._groups
-        walls = groups["slip"] + groups["wall"]
-        walls.sort(key=lambda group: moves(group[0]))  # the last one holds
-        walls += [(c, who) for c, who in groups["given_gas"] if moves(c)]
-        for condition, who in walls:
+        for condition, who in _walls(groups):
             place, out.wall[who], out.wall_rate[who] = self._motion(condition, x[who], t)
             self.displaced[who] = place - x[who]
         for condition, who in groups["clamp"]:
@@ -102,6 +116,33 @@ class Prescribed:
             out.solid[who] = np.concatenate([place - x[who], v], axis=1)
             out.T_solid[who] = T[:, 0]
         self._contradictions.refuse(out, t, self._instant())
+
+    def record_data(self, recorder: Recorder) -> None:
+        """Record all that depends on time, of conditions anywhere: all ranks have one text."""
+        number = np.full(len(self._every), -1)
+        number[self._here] = np.arange(len(self._here))
+        groups = {name: _grouped(self._every, name) for name in NAMES}
+        out, d = self.data, self._d
+
+        def add(condition: Any, who: Array, make: Make, *targets: Array) -> None:
+            own = number[who][number[who] >= 0]
+            recorder.add(condition, make, self._x[own].T, own, *targets)
+
+        for condition, who in _walls(groups):
+            add(condition, who, motion(condition), self.displaced, out.wall, out.wall_rate)
+        for condition, who in groups["clamp"]:
+            targets = out.clamp, out.clamp_velocity, out.clamp_rate
+            add(condition, who, motion(condition), *targets)
+        for name, T in (("warm_gas", out.T), ("warm_solid", out.T_solid)):
+            for condition, who in groups[name]:
+                add(condition, who, temperature(condition), T)
+        for condition, who in groups["given_gas"]:
+            law_of = [self._number(self._every[p].members) for p in who]
+            for law in np.unique(law_of):
+                make = given_gas(condition, self._laws[law])
+                add(condition, who[law_of == law], make, out.gas)
+        for condition, who in groups["given_solid"]:
+            add(condition, who, given_solid(condition, d), out.solid, out.T_solid)
 
     def _velocity(self, condition: Any, gas: bool, X: Array, t: float) -> Array:
         """(n, d), that of a condition of a gas or a solid, also where another one decides."""
@@ -197,6 +238,12 @@ def _differences(
     rate = sum(w * value for w, value in zip(first, values, strict=True)) / s
     bend = sum(w * value for w, value in zip(second, values, strict=True)) / (s * s)
     return values[before], rate, bend
+
+
+def _walls(groups: Mapping[str, Any]) -> list[tuple[Any, Array]]:
+    """Conditions that say how walls move, and their particles; the last one of several holds."""
+    walls = sorted(groups["slip"] + groups["wall"], key=lambda group: moves(group[0]))
+    return walls + [(c, who) for c, who in groups["given_gas"] if moves(c)]
 
 
 def _grouped(particles: Sequence[Particle], name: str) -> list[tuple[Any, Array]]:

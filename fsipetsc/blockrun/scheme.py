@@ -13,16 +13,18 @@ fsipetsc.parallel.block_layout.BlockVector; `f` an array of the same layout.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.block_part import Recorded
 from fsipetsc.blockrun.columns import OF_INTERFACES, gain_of, slices
 from fsipetsc.blockrun.gas_part import GasPart
 from fsipetsc.blockrun.particle_system import ParticleSystem
+from fsipetsc.blockrun.recorded_data import Recorder
 from fsipetsc.blockrun.solid_part import SolidPart
 from fsipetsc.blocks.particles import particles_of
 from fsipetsc.blocks.values import block_values
@@ -35,7 +37,9 @@ from fsipetsc.process.together import together
 from fsipetsc.scheme import steps as stages
 from fsipetsc.scheme.batch import ALLOWED, plan_next
 from fsipetsc.scheme.normals import turned_faces
-from fsipetsc.scheme.plan import BAD
+from fsipetsc.scheme.plan import BAD, SAID_STOP
+from fsipetsc.scheme.timed import OF_STAGES, TIMES, set_time
+from fsipetsc.stepping.state import FAULT
 
 if TYPE_CHECKING:
     from fsipetsc.blockrun.block_state import BlockState
@@ -55,6 +59,8 @@ class Scheme:
 
     What comes in from outside is integrated in auxiliary unknowns, in the order of
     fsipetsc.blockrun.columns.gained. steady: no data of conditions, forcing, jumps depend on time.
+    asks: some do, and not all of these are recorded: Python is asked at each stage. not_recorded:
+    why, on this rank.
     fault: the first error of a function of the case's on this rank, after `initial`. The rank goes
     on with the data before it, so that others do not wait for its messages; all end after the step.
     """
@@ -91,9 +97,9 @@ class Scheme:
         for gas in self._gases if problem.dimension == 3 else ():
             faces = self._at_faces[gas.part.k]
             gas.grid.name_faces(turned_faces(faces, gas.part.patch))
+        self.steady = problem.steady_data
         self._compile(state, announce)
         self._phases: dict[Any, Calls] = {}
-        self.steady = problem.steady_data
         self.fault: InputError | None = None
         self._filled: tuple[Any] | None = None  # the instant that the data are of
 
@@ -104,7 +110,7 @@ class Scheme:
         at_ends = state.latest_numbers[ends].reshape(len(OF_INTERFACES), -1)
         memory = state.y.array, np.zeros(state.layout.local_size), state.before
         noted = state.extremes, state.rates, state.results, state.latest_numbers, at_ends, pace
-        now, stage = np.zeros(2), np.zeros(3)
+        now, stage = np.zeros((2, 3))
         return stages.Found(*memory, self._came, *noted, state.plan, now, stage, self._left())
 
     def _left(self) -> Array:
@@ -143,10 +149,14 @@ class Scheme:
             self._does[f"begin_{name}"] = record(f"begin_{name}", stages.begin_stage(number), found)
             if number is not None:
                 self._does[name] = record(name, stages.advance(number), found)
-        codes = [*codes, self.particles.procedures(self._came), self._calling]
+        for name, part_of_step in TIMES.items():
+            self._does[name] = record(name, set_time(part_of_step), found.now)
+        self._record_data(comm)
+        codes = [*codes, *self._data, self.particles.procedures(self._came), self._calling]
         made = libraries(comm, [code.text for code in codes], announce)
         for code, library in zip(codes, made, strict=True):
             code.load(library)
+        self._check_recorded(comm)
         self._does |= self.particles.does
         self._does["reduce"] = Reduction(comm, state.extremes)
         halos = self._layout.halos, *(part.inside for part in self._layout.parts.values())
@@ -157,6 +167,34 @@ class Scheme:
         self.particles.begin()
         for gas in self._gases:
             gas.begin()
+
+    def _record_data(self, comm: Any) -> None:
+        """Record data that depend on time, if all can be. Collective."""
+        having = () if self.steady else (*self.parts.values(), self.particles.prescribed)
+        self._recorders = [Recorder() for _ in having]
+        for part, recorder in zip(having, self._recorders, strict=True):
+            part.record_data(recorder)
+        self.not_recorded = [why for recorder in self._recorders for why in recorder.refused]
+        self.asks = comm.allreduce(bool(self.not_recorded), MPI.LOR)
+        recorders = [] if self.asks else self._recorders
+        codes = [recorder.code(self._found.now) for recorder in recorders]
+        self._data = [code for code in codes if code is not None]
+
+    def _check_recorded(self, comm: Any) -> None:
+        """Let Python be asked if recorded data are not finite at t = 0, as those of a wall that
+        begins with an infinite acceleration. So it is after a restart, too. Collective.
+        """
+        if not self.steady and not self.asks:
+            self._fill(0.0)
+            bad = [recorder.faulty() for recorder in self._recorders]
+            self.not_recorded = [f"{what}: it is not finite at t = 0" for what in bad if what]
+            self.asks = comm.allreduce(bool(self.not_recorded), MPI.LOR)
+
+    def _fill(self, t: float) -> None:
+        """Let C fill the recorded data at time t [s]."""
+        self._found.now[stages.AT] = t
+        for code in self._data:
+            code.procedures[0]()
 
     def initial(self, t: float, y: BlockVector) -> None:
         """Fill y with the data of the case at time t [s]. InputError for what its functions return,
@@ -180,6 +218,13 @@ class Scheme:
 
     def _refresh(self, t: float) -> None:
         """Data of the case at time t [s]. InputError the first time; later ones are kept."""
+        if self.asks or self._filled is None or self.particles.prescribed.doubtful:
+            self._ask(t)
+        if not self.asks:
+            self._fill(t)
+
+    def _ask(self, t: float) -> None:
+        """Ask Python for the data at time t [s]. InputError the first time."""
         differs = self.particles.prescribed.by_differences
         instant = None if self.steady else (t, self._instant() if differs else 0.0)
         if self._filled is not None and self._filled[0] == instant:
@@ -320,20 +365,41 @@ class Scheme:
         """
         self._refresh(t)
         found, does = self._found, self._does
+        if self.fault is not None:
+            found.results[SAID_STOP] = FAULT
         if "batch" not in self._phases:
             calls: list[Any] = [(does["begin_step"], ())]
-            y = self._now[0]
-            for name, now, to in zip(self._stages, self._now, (*self._now[1:], y)):
+            y, data = self._now[0], [(code.procedures[0], ()) for code in self._data]
+            of_stages = zip(self._stages, self._now, (*self._now[1:], y), OF_STAGES, strict=True)
+            for name, now, to, time in of_stages:
+                if data and time:
+                    calls += [(does[time], ()), *data]
                 for phase in ("share", "impose", name):
                     calls += self._calls(phase, now.array, to.array)
             for phase in ("share", "impose", "monitor"):
                 calls += self._calls(phase, y.array, y.array)
             calls.append((does["note_gained"], (y.array,)))
             self._phases["batch"] = Calls(self._calling.library, [*calls, (does["end_step"], ())])
-        found.now[:] = t, dt
+        found.now[:2] = t, dt
         results, batch = found.results, found.plan.batch
         self._phases["batch"].batch(results[BAD:], batch[ALLOWED:])
         return bool(results[BAD] == 0.0), float(found.now[0]), float(found.now[1])
+
+    def check_data(self, times: Sequence[float]) -> None:
+        """InputError where recorded data are wrong at some of these times [s]. Collective."""
+
+        def check() -> None:
+            for t in times:
+                self.particles.prescribed.refresh(t)
+                for part in self.parts.values():
+                    part.refresh(t)
+                self._fill(t)
+                for what in filter(None, (recorder.faulty() for recorder in self._recorders)):
+                    why = "expected a motion with a finite acceleration"
+                    raise InputError(f"{what} is not finite at t = {t:.6g}: {why}")
+
+        if self._data and not self.asks:
+            together(self._layout.comm, check)
 
     def monitor(self, y: BlockVector) -> None:
         """Put extremes of all ranks, shares of the integrals of this rank's nodes, and what is

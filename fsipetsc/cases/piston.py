@@ -5,7 +5,9 @@ smoothly that the gas is compressed nearly without a loss. The layer is pushed o
 mass of each gas stays what it is to round-off, and the energy of all grows by the work of the wall.
 """
 
-from math import cos, pi, sin
+from math import pi
+
+import numpy as np
 
 from fsipetsc import FluidLayer, Option, Problem, SolidLayer, Wall
 from fsipetsc.cases.common import Opt, constant, gas_of, line_at_rest, materials, solid_of
@@ -28,13 +30,13 @@ def build(opt: Opt) -> Problem:
     still = constant(P0 / (gas.R * T0), 0.0, T0)
 
     def phase(t):
-        return 0.5 * pi * min(max(t, 0.0), time) / time
+        return 0.5 * pi * np.minimum(t, time) / time
 
     def place(t):
-        return STROKE * sin(phase(t)) ** 2
+        return STROKE * np.sin(phase(t)) ** 2
 
     def velocity(t):
-        return STROKE * pi / time * sin(phase(t)) * cos(phase(t))
+        return STROKE * pi / time * np.sin(phase(t)) * np.cos(phase(t))
 
     layers = (
         FluidLayer("driven", gas, (0.0, 1.0), still),

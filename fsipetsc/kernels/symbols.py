@@ -15,6 +15,7 @@ Only changes that keep every bit are made: operations on constants are done here
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -266,22 +267,36 @@ _CHANGES: dict[str, Callable[..., Any]] = {
 }
 
 
-def derivatives(values: Sequence[Any], by: Symbol) -> tuple[Any, ...]:
-    """The derivative of each symbol (or number) of ``values`` by one symbol, by forward mode."""
+#: operations whose slopes may be infinite
+_STEEP = frozenset(
+    {"/", "sqrt", "cbrt", "log", "log1p", "log2", "log10", "pow", "arcsin", "arccos"}
+)
+
+
+def derivatives(values: Sequence[Any], by: Symbol, still: bool = False) -> tuple[Any, ...]:
+    """The derivative of each symbol (or number) of ``values`` by one symbol, by forward mode.
+
+    still: what is made of numbers that do not change does not change either, though its slope may
+    be infinite there, as that of the root of np.maximum(t, 0) before t = 0.
+    """
     record = by.record
     one, nothing = record.constant(1.0), record.constant(0.0)
     found: dict[int, Symbol] = {by.number: one}
-    for symbol in _needed(map(record.constant, values)):
+    for symbol in needed(map(record.constant, values)):
         if symbol is by or all(operand.number not in found for operand in symbol.operands):
             continue
         changes = [found.get(operand.number, nothing) for operand in symbol.operands]
         change = record.constant(_change(symbol, changes))
+        moving = [part for part in changes if part is not nothing]
+        if still and symbol.operation in _STEEP and all(part.value is None for part in moving):
+            rests = reduce(np.logical_and, [part == 0.0 for part in moving])
+            change = record.constant(np.where(rests, 0.0, change))
         if change is not nothing:
             found[symbol.number] = change
     return tuple(found.get(record.constant(value).number, nothing) for value in values)
 
 
-def _needed(wanted: Iterable[Symbol]) -> list[Symbol]:
+def needed(wanted: Iterable[Symbol]) -> list[Symbol]:
     """These symbols and all that they are made of, each after its operands."""
     found, left = dict[int, Symbol](), list(wanted)
     while left:
@@ -298,15 +313,18 @@ def replay(
     functions: Mapping[str, Callable[..., Any]] | None = None,
 ) -> list[Any]:
     """What symbols are where those that are given are ``known``: numbers, arrays, or symbols of
-    another record. functions: what to take of some operations, by name, instead of numpy's.
+    another record. Constants and results of operations may be among them. functions: what to take
+    of some operations, by name, instead of numpy's.
     """
     of = {**_FUNCTIONS, **(functions or {})}
     values = {symbol.number: value for symbol, value in known.items()}
     with np.errstate(all="ignore"):
-        for symbol in _needed(wanted):
+        for symbol in needed(wanted):
+            if symbol.number in values:
+                continue
             if symbol.value is not None:
                 values[symbol.number] = symbol.value
-            elif symbol.number not in values:
+            else:
                 operands = (values[operand.number] for operand in symbol.operands)
                 values[symbol.number] = of[symbol.operation](*operands)
     return [values[symbol.number] for symbol in wanted]

@@ -17,14 +17,16 @@ from fsipetsc.scheme.rows import Array
 from fsipetsc.scheme.stage import FIRST, LAST, MIDDLE, RATES
 
 STAGES = 4
+#: place of the time in ``now`` of which the recorded data are
+AT = 2
 
 
 class Found(NamedTuple):
     """What steps take and fill: the solution y, the sum that becomes the next one, a copy to go
     back to; gain: a fsipetsc.scheme.part.Gain. The rest is that of fsipetsc.blockrun.block_state;
-    at_ends: (4, interfaces). now: (2,) time and length of the step that is made. stage: (3,) what
-    sweeps make of rates (fsipetsc.scheme.stage). left: (runs, 2) begin and end of the numbers of a
-    world vector of which sweeps give rates in any case.
+    at_ends: (4, interfaces). now: (3,) time and length of the step that is made, time of recorded
+    data. stage: (3,) what sweeps make of rates (fsipetsc.scheme.stage). left: (runs, 2) begin and
+    end of the numbers of a world vector of which sweeps give rates in any case.
     """
 
     y: Array

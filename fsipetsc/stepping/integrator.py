@@ -108,7 +108,7 @@ class Integrator:
         self.stop_signal = 0
         self._fused = opt["ts_type"] == FUSED
         self.batch_limit = 1  # most steps in one call
-        if self._fused and self._steady:
+        if self._fused and not state.asks:
             most = MOST_POINTS[state.problem.dimension] // state.points
             watched = PETSc.Options().hasName("ts_monitor")
             self.batch_limit = max(1, min(1 if watched else MOST_STEPS, most))

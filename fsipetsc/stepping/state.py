@@ -40,6 +40,11 @@ class State:
         return bool(self.batch[ALLOWED] != 0.0)
 
     @property
+    def asks(self) -> bool:
+        """Python is asked for data at each stage: no steps are made together."""
+        return not self.problem.steady_data
+
+    @property
     def invariants(self) -> Mapping[str, Any]:
         """What must not change, as JSON has it: see fsipetsc.scheme.conservation_check."""
         return self.problem.invariants

@@ -1,0 +1,253 @@
+"""Data that depend on time: recorded where they can be, else Python is asked."""
+
+import re
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import timed
+from block_ledgers import Steps
+from helpers import REPOSITORY, compute, computed, different, message, solve
+from mpi4py import MPI
+
+import fsipetsc
+from fsipetsc import Fluid, FluidLayer, InputError, Problem, Wall
+from fsipetsc.blockrun.block_state import BlockState
+from fsipetsc.blockrun.from_layers import blocks_of_line
+from fsipetsc.cases import piston
+from fsipetsc.kernels.symbols import Record, derivatives, replay
+
+CASE = str(REPOSITORY / "tests" / "timed.py")
+KINDS = "wall", "ends", "open"
+USUAL = {option.name: option.default for option in timed.OPTIONS} | timed.DEFAULTS
+
+
+def state_of(problem, order=2):
+    """Of a problem on this rank."""
+    return BlockState(MPI.COMM_SELF, problem, order)
+
+
+def of_kind(kind, **options):
+    return state_of(timed.build(USUAL | {"timed_kind": kind} | options))
+
+
+def at_wall(x, velocity=None, T=None):
+    """Of a gas with a wall that moves, in one dimension."""
+    gas = Fluid(0.01, 0.01, 1.4, 1.0)
+    layer = FluidLayer("gas", gas, (0.0, 1.0), lambda X: (1.0 + 0.0 * X, 0.0 * X, 1.0 + 0.0 * X))
+    problem = Problem((layer,), Wall(x, T, velocity=velocity), Wall(1.0))
+    return state_of(blocks_of_line(problem, 0.1, 2))
+
+
+def data_of(state):
+    """All arrays of data."""
+    parts = state.scheme.parts.values()
+    faces = [of for part in parts for of in part.faces.record if isinstance(of, np.ndarray)]
+    forcing = [part._forcing for part in parts]
+    prescribed = state.scheme.particles.prescribed
+    return [*prescribed.data, prescribed.displaced, *faces, *forcing]
+
+
+def asked_and_recorded(state, t):
+    """The data at time t as Python has them, and as they are recorded."""
+    assert not state.asks, state.scheme.not_recorded
+    state.set_initial()
+    state.scheme.complete(t, state.y)
+    recorded = [array.copy() for array in data_of(state)]
+    state.scheme.particles.prescribed.refresh(t)
+    for part in state.scheme.parts.values():
+        part.refresh(t)
+    return [array.copy() for array in data_of(state)], recorded
+
+
+@pytest.mark.parametrize("t", [0.0, 0.3, 1.7])
+@pytest.mark.parametrize("kind", KINDS)
+def test_recorded_data_are_those_of_python(kind, t):
+    """But for derivatives of motions that are not given, to a few times round-off."""
+    state = of_kind(kind)
+    asked, recorded = asked_and_recorded(state, t)
+    data = state.scheme.particles.prescribed.data
+    rates = {data._fields.index(name) for name in ("wall", "wall_rate", "clamp_rate")}
+    changed = 0
+    for number, (one, other) in enumerate(zip(asked, recorded, strict=True)):
+        rtol = 1e-3 if number in rates else 1e-15
+        size = np.abs(one).max(initial=1.0)  # places are about 1
+        np.testing.assert_allclose(other, one, rtol=rtol, atol=rtol * size)
+        changed += bool(np.abs(one).max(initial=0.0) > 0.0)
+    assert changed > 2
+
+
+@pytest.mark.parametrize("t", [0.0, 1e-3, 0.4, 2.0])
+def test_velocity_and_acceleration_of_a_wall_are_exact_derivatives(t):
+    a, w = 0.1, 7.0
+    x, v = (lambda t: a * np.sin(w * t)), (lambda t: a * w * np.cos(w * t))
+    for velocity in (None, v):
+        state = at_wall(x, velocity, lambda t: 1.0 + 0.1 * t)
+        _, _ = asked_and_recorded(state, t)
+        state.scheme.complete(t, state.y)
+        prescribed = state.scheme.particles.prescribed
+        (p,) = prescribed.moving
+        found = (array[p, 0] for array in (prescribed.displaced, *prescribed.data[:2]))
+        wanted = x(t), v(t), -w * w * x(t)
+        np.testing.assert_allclose(list(found), wanted, rtol=1e-15, atol=2e-16)
+        np.testing.assert_allclose(prescribed.data.T[p], 1.0 + 0.1 * t, rtol=1e-15)
+
+
+def test_the_wall_of_the_piston():
+    """Its functions of layers, as of time alone."""
+    problem = piston.build({option.name: option.default for option in piston.OPTIONS})
+    state = state_of(blocks_of_line(problem, 0.05, 2))
+    for t in (0.0, 3e-3, 0.0199, 0.03):
+        asked, recorded = asked_and_recorded(state, t)
+        for number, (one, other) in enumerate(zip(asked, recorded, strict=True)):
+            if number != 1:  # the acceleration, differences of the velocity
+                np.testing.assert_allclose(other, one, rtol=1e-15, atol=1e-15)
+
+
+def test_what_rests_has_no_derivative():
+    """Where numbers do not change, an infinite slope does not matter."""
+    record = Record()
+    t = record.given("t")
+    bump = np.exp(-1.0 / np.maximum(t - 1.0, 0.0)) + np.sqrt(np.maximum(t - 1.0, 0.0))
+    (rate,) = derivatives([bump], t, still=True)
+    values = replay([rate], {t: np.array([0.5, 1.0, 2.0])})[0]
+    np.testing.assert_allclose(values, [0.0, 0.0, np.exp(-1.0) + 0.5], rtol=1e-15)
+
+
+# what cannot be recorded
+
+NOT_RECORDED = {
+    "if": (lambda t: 0.1 * t if t > 0.0 else 0.0, "it branches on a value"),
+    "float": (lambda t: 0.1 * float(t), "take numpy's functions"),
+    "table": (lambda t: np.interp(t, [0.0, 1.0], [0.0, 0.1]), "np.interp cannot be recorded"),
+    "an infinite acceleration at first": (lambda t: 0.1 * t**1.5, "not finite at t = 0"),
+}
+
+
+@pytest.mark.parametrize("name", NOT_RECORDED)
+def test_python_is_asked_for_other_functions(name):
+    """The wall goes where it should."""
+    x, why = NOT_RECORDED[name]
+    state = at_wall(x, T=lambda t: 1.0)
+    assert state.asks and why in state.scheme.not_recorded[0]
+    state.set_initial()
+    state.scheme.complete(0.3, state.y)
+    prescribed = state.scheme.particles.prescribed
+    assert prescribed.displaced[prescribed.moving[0], 0] == x(0.3)
+
+
+def test_data_of_place_alone_are_asked_for_once():
+    asked = []
+    state = at_wall(lambda t: 0.1 * np.sin(t), T=lambda t: asked.append(t) or 1.2)
+    assert not state.asks
+    state.set_initial()
+    before = len(asked)
+    for t in (0.1, 0.2):
+        state.scheme.complete(t, state.y)
+    assert len(asked) == before
+
+
+def test_another_amplitude_and_frequency_is_the_same_text():
+    """And the right numbers."""
+    texts = []
+    for size, rate in ((0.02, 9.0), (0.013, 4.7)):
+        state = of_kind("wall", timed_size=size, timed_rate=rate)
+        texts.append([code.text for code in state.scheme._data])
+        asked, recorded = asked_and_recorded(state, 0.7)
+        np.testing.assert_allclose(recorded[-2], asked[-2], rtol=1e-15)
+    assert texts[0] == texts[1] and texts[0]
+
+
+# runs
+
+#: name -> options of the case
+RUNS = {kind: f"-timed_kind {kind}" for kind in (*KINDS, "lid")} | {"table": "-timed_how table"}
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """A folder with the result of each run on one rank, of 40 steps and more."""
+    folder = tmp_path_factory.mktemp("whole")
+    compute(1, folder, {name: (CASE, f"{line} -ts_dt 2e-3") for name, line in RUNS.items()})
+    return folder
+
+
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_ranks_do_not_change_bits(ranks, made, tmp_path):
+    compute(ranks, tmp_path, {name: (CASE, f"{line} -ts_dt 2e-3") for name, line in RUNS.items()})
+    for name in RUNS:
+        assert different(made / f"{name}.h5", tmp_path / f"{name}.h5", same_ranks=False) == []
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_batches_do_not_change_bits(name, made, tmp_path):
+    """Steps in one call of C, those that are calls of their own, and stages that are, as with nodes
+    that are recorded."""
+    words = CASE, *RUNS[name].split(), "-ts_dt", 2e-3
+    for more in (("-ts_monitor", "ascii:seen.txt"), ("-fsi_probes", "0.5,0.5")):
+        other = computed(tmp_path, f"{name}.h5", *words, *more)
+        with fsipetsc.open_run(made / f"{name}.h5") as whole:
+            for a, b in zip(whole.layers, other.layers, strict=True):
+                assert all(np.array_equal(a[field], b[field]) for field in a.fields)
+            assert np.array_equal(whole.series["energy"], other.series["energy"])
+
+
+@pytest.mark.parametrize("name", ["wall", "open", "table"])
+def test_restarts_do_not_change_bits(name, made, tmp_path):
+    line = f"{RUNS[name]} -ts_dt 2e-3"
+    compute(1, tmp_path, {"cut": (CASE, f"{line} -ts_max_steps 17 -fsi_checkpoint_steps 17")})
+    restart = "-fsi_restart cut.checkpoint.h5 -ts_max_steps 1000000"
+    compute(1, tmp_path, {"cut": (CASE, restart)})
+    assert different(made / f"{name}.h5", tmp_path / "cut.h5", same_ranks=True) == []
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize(
+    ("how", "kind", "said"),
+    [
+        ("bad", "wall", "T = nan at X = "),
+        ("cold", "wall", "T = -0.9"),
+        ("cold", "ends", "expected a number above 0"),
+        ("bad", "open", "expected a number above 0"),
+    ],
+)
+def test_bad_data_end_the_run_with_what_is_bad(how, kind, said, ranks, tmp_path):
+    """As where Python is asked: file, line, which datum, when."""
+    words = "-timed_kind", kind, "-timed_how", how, "-ts_dt", 2e-3
+    done = solve(CASE, *words, "-fsi_output", "run.h5", cwd=tmp_path, ranks=ranks)
+    error = message(done, 2, "timed.py, line ", said)
+    assert re.search(r"at t = 0\.02\d*", error)
+    with fsipetsc.open_run(tmp_path / "run.h5") as run:
+        assert 9 <= len(run.series["t"]) <= 11
+        assert all(a < b for a, b in pairwise(run.series["t"]))
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_conditions_that_come_to_contradict_each_other_end_the_run(ranks, tmp_path):
+    """As soon as velocities differ: not at t = 0, but after the first batch at the latest."""
+    words = "-timed_kind", "torn", "-ts_dt", 1e-3, "-ts_max_time", 1.0
+    done = solve(CASE, *words, "-fsi_output", "run.h5", cwd=tmp_path, ranks=ranks)
+    message(done, 2, "NoSlip of 'gas', axis 0, side ", "no grid converges there")
+    with fsipetsc.open_run(tmp_path / "run.h5") as run:
+        assert len(run.series["t"]) <= 66
+
+
+def test_an_infinite_velocity_is_named():
+    """Differences of the place are finite then; the message says that the derivative is not."""
+    state = at_wall(lambda t: 0.05 + 0.1 * np.cbrt(t - 0.125))
+    state.set_initial()
+    state.scheme.check_data([0.0, 0.124, 0.126])
+    with pytest.raises(InputError, match=r"NoSlip is not finite at t = 0.125: expected a motion"):
+        state.scheme.check_data([0.0, 0.125])
+
+
+def test_energy_comes_in_as_it_did():
+    """The work of a wall that moves is what the gas gets: with batches, and without."""
+    found = []
+    for apart in (False, True):
+        run = Steps(timed.build(USUAL | {"timed_kind": "wall"}), apart=apart)
+        before = run.integrals()
+        run.step(1e-3, 50)
+        np.testing.assert_allclose(run.integrals() - before, run.gained(), rtol=0, atol=1e-13)
+        found.append(run.gained())
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-6, atol=1e-9)
