@@ -1,27 +1,129 @@
 """What can stand at the outer ends of the chain of layers.
 
-In the paper's method (fsipetsc.paper.ends) a gas ends at an embedded boundary at a fixed Eulerian
-position x: the moving grid reaches over it to one ghost point outside. A solid ends at a material
-point.
+An end says what it gives to the paper's method, and which condition of a block it is. In the
+paper's method (fsipetsc.paper.ends) a gas ends at an embedded boundary at a fixed Eulerian position
+x: the moving grid reaches over it to one ghost point outside. A solid ends at a material point.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from fsipetsc import checks
+from fsipetsc.blocks import conditions
+from fsipetsc.blocks.values import NOWHERE, checked, checked_one
 from fsipetsc.errors import InputError
 
-#: what is asked of the heat at an end
-INSULATED, GIVEN_T, GIVEN_FLUX = 0, 1, 2
-INTERFACE_END = -1
-WALL, OPEN, DIRICHLET = 0, 1, 2
-CLAMPED, FREE, ABSORBING = 10, 11, 12
 #: a number, or a function of time
 Timed = float | Callable[[float], float]
 
 
+class Boundary:
+    """What stands at an outer end.
+
+    of: kind of layer that it is for. given: what is given there, by name, beside heat and the
+    place. passes: whether gas or waves go through it. degree: of the formulas of an embedded
+    boundary; None: by the order of the operator.
+    """
+
+    of = "fluid"
+    given: tuple[str, ...] = ()
+    passes = False
+    degree: int | None = 2
+
+    @property
+    def heated(self) -> str:
+        """Which of T and heat_flux is given, by name; "" where the end is insulated."""
+        names = "T", "heat_flux"
+        return next((name for name in names if getattr(self, name, None) is not None), "")
+
+    @property
+    def in_time(self) -> bool:
+        """Whether something that is given is a function of time."""
+        return any(map(callable, vars(self).values()))
+
+    @property
+    def closed(self) -> bool:
+        """Whether neither mass nor energy goes through."""
+        driven = self.heated or self.in_time or any(getattr(self, name) for name in self.given)
+        return not (self.passes or driven)
+
+    def condition(self, gas: Any, side: int) -> conditions.Condition:
+        """The condition of a block that this is at the left (0) or right (1) end; gas: the law of
+        a gas that ends there.
+        """
+        raise NotImplementedError
+
+    def data(self, side: int, t: float) -> Sequence[float]:
+        """All of ``given`` at time t [s], which the paper's formulas take. InputError."""
+        return [number for name in self.given for number in self.at(name, side, t)]
+
+    def heat(self, side: int, t: float) -> float:
+        """The temperature [K] or heat flux [W/m2] that is given, 0 where none is. InputError."""
+        return self.at(self.heated, side, t)[0] if self.heated else 0.0
+
+    def at(self, name: str, side: int, t: float) -> Sequence[float]:
+        """What is given by name, as numbers: rho, u, T if it is `values`, else one.
+
+        InputError, perhaps on this rank alone; rho and T must be above 0.
+        """
+        given = getattr(self, name)
+        if not callable(given):
+            return (given,)
+        where = f"{name} of the {('left', 'right')[side]} end at t = {t:.6g}"
+        if name == "values":
+            found = checked(given, (t,), NOWHERE, ("rho", "u", "T"), where)
+        else:
+            found = [checked_one(given, (t,), NOWHERE, name, where)]
+        return [float(value[0]) for value in found]
+
+    def of_place(
+        self, name: str, side: int, then: Callable[[Sequence[float]], Any] = lambda found: found[0]
+    ) -> Any:
+        """What is given by name as a condition has it; then: of its numbers.
+
+        A function of t becomes one of X and t. Its `of_time` is the same as a function of t alone,
+        whose values need not be checked again, and `on_symbols` the same as it is recorded,
+        unchecked.
+        """
+        given = getattr(self, name)
+        if not callable(given):
+            return None if given is None else then((given,))
+
+        def of_time(t: float) -> Any:
+            return then(self.at(name, side, t))
+
+        def called(X: checks.Array, t: float) -> Any:
+            return of_time(t)
+
+        def on_symbols(X: Any, t: Any) -> Any:
+            found = given(t)
+            return then(found if name == "values" else [found])
+
+        called.__dict__.update(__wrapped__=given, of_time=of_time, on_symbols=on_symbols)
+        return called
+
+    def _warm(self, side: int) -> dict[str, Any]:
+        """The heat, as conditions take it."""
+        return {name: self.of_place(name, side) for name in ("T", "heat_flux")}
+
+    def _check(self, needed: str) -> None:
+        """InputError if what is given is neither a number within its range nor a function; numbers
+        become floats.
+        """
+        owner = type(self).__name__
+        given = {name: getattr(self, name) for name in (needed, "T", "heat_flux")}
+        if given["T"] is not None and given["heat_flux"] is not None:
+            expected = "expected one of them, or neither for an insulated end"
+            raise InputError(f"{owner}: T and heat_flux are given: {expected}")
+        for name, value in given.items():
+            if not callable(value) and (name == needed or value is not None):
+                bound = checks.POSITIVE if name == "T" else checks.ANY
+                object.__setattr__(self, name, checks.number(value, f"{owner}: {name}", bound))
+
+
 @dataclass(frozen=True)
-class Wall:
+class Wall(Boundary):
     """No-slip wall at the Eulerian position x [m]: adiabatic, of temperature T [K], or with a heat
     flux [W/m2] into the gas.
 
@@ -36,11 +138,9 @@ class Wall:
     T: Timed | None = None
     heat_flux: Timed | None = None
     velocity: Callable[[float], float] | None = None
-    kind = WALL
-    degree = 2
 
     def __post_init__(self) -> None:
-        _check(self, "Wall", "x", "x")
+        self._check("x")
         checks.function(self.velocity, "Wall: velocity", "velocity(t) [m/s]", optional=True)
         if self.velocity is not None and not self.moves:
             expected = "expected a function x(t) [m], too"
@@ -51,9 +151,14 @@ class Wall:
         """The wall does not stay where it is."""
         return callable(self.x)
 
+    def condition(self, gas: Any, side: int) -> conditions.NoSlip:
+        x = self.of_place("x", side, list) if self.moves else None
+        velocity = self.of_place("velocity", side, list)
+        return conditions.NoSlip(**self._warm(side), x=x, velocity=velocity)
+
 
 @dataclass(frozen=True)
-class Open:
+class Open(Boundary):
     """Open end at x [m] towards gas of pressure p0 [Pa], temperature T0 [K] and velocity u0 [m/s];
     see docs/open-end.md.
 
@@ -65,8 +170,8 @@ class Open:
     T0: float
     u0: float = 0.0
     order: int = 1
-    kind = OPEN
-    degree = 2
+    given = "p0", "T0", "u0", "order"
+    passes = True
 
     def __post_init__(self) -> None:
         positive, any_ = checks.POSITIVE, checks.ANY
@@ -75,19 +180,25 @@ class Open:
             expected = "expected 0 or 1, the order of the conditions in the viscosity"
             raise InputError(f"Open(order={self.order!r}): {expected}")
 
+    def condition(self, gas: Any, side: int) -> conditions.Open:
+        rho = float(gas.density(self.p0, self.T0))
+        return conditions.Open(rho, (self.u0,), self.T0, self.order)
+
 
 @dataclass(frozen=True)
-class Dirichlet:
+class Dirichlet(Boundary):
     """Given rho, u, T at x [m]: values(t) -> (rho, u, T) in kg/m3, m/s, K; see docs/open-end.md.
 
-    degree: of the embedded-boundary formula, 2 to 5; None: see ``degree_of``. InputError for what
-    is not valid.
+    degree: of the embedded-boundary formula, 2 to 5; None: one more than the closures are exact
+    to, 2, 3, 4, 5 for the orders 2, 4, 6, 8: a degree less spoils the order, one more gains
+    nothing. InputError for what is not valid.
     """
 
     x: float
     values: Callable[[float], tuple[float, float, float]]
     degree: int | None = None
-    kind = DIRICHLET
+    given = ("values",)
+    passes = True
 
     def __post_init__(self) -> None:
         checks.numbers(self, "Dirichlet", {"x": checks.ANY})
@@ -96,93 +207,61 @@ class Dirichlet:
             expected = "expected 2, 3, 4, 5, or None: by -fsi_order"
             raise InputError(f"Dirichlet(degree={self.degree!r}): {expected}")
 
+    def condition(self, gas: Any, side: int) -> conditions.Given:
+        return conditions.Given(self.of_place("values", side, list))
 
-@dataclass(frozen=True)
-class SolidEnd:
-    """Outer end of a solid. kind CLAMPED: velocity value [m/s]; FREE, ABSORBING: stress sigma - p
-    = value [Pa].
 
-    Insulated, or of temperature T [K], or with a heat flux [W/m2] into the solid. All numbers or
-    functions of t [s]. InputError for what is neither.
+@dataclass(frozen=True, kw_only=True)
+class SolidEnd(Boundary):
+    """Outer end of a solid: clamped(…), free(…) or absorbing(…).
+
+    Insulated, or of temperature T [K], or with a heat flux [W/m2] into the solid. All data are
+    numbers or functions of t [s]; InputError for what is neither.
     """
 
-    kind: int
-    value: Timed
     T: Timed | None = None
     heat_flux: Timed | None = None
-    degree = 0
+    of = "solid"
 
     def __post_init__(self) -> None:
-        name = {CLAMPED: "clamped", FREE: "free", ABSORBING: "absorbing"}[self.kind]
-        _check(self, name, "value", "velocity" if self.kind == CLAMPED else "stress")
+        self._check(*self.given)
 
 
-Boundary = Wall | Open | Dirichlet | SolidEnd
-
-
-def clamped(
-    velocity: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
-) -> SolidEnd:
+@dataclass(frozen=True)
+class clamped(SolidEnd):
     """Solid end that moves with a given velocity [m/s]; see SolidEnd."""
-    return SolidEnd(CLAMPED, velocity, T, heat_flux)
+
+    velocity: Timed = 0.0
+    given = ("velocity",)
+
+    def condition(self, gas: Any, side: int) -> conditions.Clamped:
+        velocity = self.of_place("velocity", side, tuple)
+        if not callable(velocity):
+            velocity = None if self.velocity == 0.0 else lambda X, t: (self.velocity,)
+        return conditions.Clamped(velocity=velocity, **self._warm(side))
 
 
-def free(
-    stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
-) -> SolidEnd:
+@dataclass(frozen=True)
+class free(SolidEnd):
     """Solid end under a given stress sigma - p [Pa]; see SolidEnd."""
-    return SolidEnd(FREE, stress, T, heat_flux)
+
+    stress: Timed = 0.0
+    given = ("stress",)
+
+    def condition(self, gas: Any, side: int) -> conditions.Free:
+        pressure = self.of_place("stress", side, lambda found: -found[0])
+        return conditions.Free(pressure, **self._warm(side))
 
 
-def absorbing(
-    stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
-) -> SolidEnd:
+@dataclass(frozen=True)
+class absorbing(SolidEnd):
     """Solid end that lets elastic waves out, towards a solid at rest under this sigma - p [Pa]; see
     SolidEnd.
     """
-    return SolidEnd(ABSORBING, stress, T, heat_flux)
 
+    stress: Timed = 0.0
+    given = ("stress",)
+    passes = True
 
-def _check(end: Wall | SolidEnd, owner: str, needed: str, argument: str) -> None:
-    """InputError if what is given is neither a number within its range nor a function; numbers
-    become floats. argument: what a user calls the needed one.
-    """
-    if end.T is not None and end.heat_flux is not None:
-        expected = "expected one of them, or neither for an insulated end"
-        raise InputError(f"{owner}: T and heat_flux are given: {expected}")
-    for name in (needed, "T", "heat_flux"):
-        value, bound = getattr(end, name), checks.POSITIVE if name == "T" else checks.ANY
-        if not callable(value) and (name == needed or value is not None):
-            said = f"{owner}: {argument if name == needed else name}"
-            object.__setattr__(end, name, checks.number(value, said, bound))
-
-
-def degree_of(end: Boundary, order: int) -> int:
-    """Degree of the formulas of an end with the operator of this interior order.
-
-    Unless the end says: 2, 3, 4, 5 for the orders 2, 4, 6, 8, one more than the closures are exact
-    to. A degree less spoils the order, one more gains nothing.
-    """
-    return order // 2 + 1 if end.degree is None else end.degree
-
-
-def heat_of(end: Boundary) -> tuple[int, Timed]:
-    """(INSULATED, GIVEN_T or GIVEN_FLUX, what is given) at an end."""
-    for kind, name in ((GIVEN_T, "T"), (GIVEN_FLUX, "heat_flux")):
-        value = getattr(end, name, None)
-        if value is not None:
-            return kind, value
-    return INSULATED, 0.0
-
-
-def in_time(end: Boundary) -> bool:
-    """Whether something that is given at an end is a function of time."""
-    return any(map(callable, vars(end).values()))
-
-
-def closes(end: Boundary) -> bool:
-    """Whether neither mass nor energy goes through an end."""
-    if heat_of(end)[0] != INSULATED or in_time(end):
-        return False
-    solid = isinstance(end, SolidEnd) and end.kind != ABSORBING and end.value == 0.0
-    return solid or isinstance(end, Wall)
+    def condition(self, gas: Any, side: int) -> conditions.Absorbing:
+        return conditions.Absorbing(self.of_place("stress", side), **self._warm(side))

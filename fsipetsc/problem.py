@@ -11,18 +11,16 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from fsipetsc.blame import place_of_caller
-from fsipetsc.boundaries import Boundary, Dirichlet, Open, SolidEnd, Wall, closes, in_time
+from fsipetsc.blame import place_of, place_of_caller
+from fsipetsc.blocks.values import NOWHERE, block_values, checked
+from fsipetsc.boundaries import Boundary
 from fsipetsc.checks import Array, Fields, check_name, described, extent, function
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
 
 #: what can stand at the outer end of a layer
-ENDS: dict[str, tuple[tuple[type, ...], str]] = {
-    "fluid": ((Wall, Open, Dirichlet), "Wall, Open or Dirichlet"),
-    "solid": ((SolidEnd,), "clamped(…), free(…) or absorbing(…)"),
-}
+ENDS = {"fluid": "Wall, Open or Dirichlet", "solid": "clamped(…), free(…) or absorbing(…)"}
 
 
 @dataclass(frozen=True)
@@ -58,6 +56,18 @@ class _Layer:
     def __str__(self) -> str:
         return f"layer '{self.name}'"
 
+    def values(self, what: str, X: Array, t: float, active: slice = slice(None)) -> list[Array]:
+        """Values of initial, exact or forcing at points X (n,); see fsipetsc.blocks.values.
+
+        They count at the active points only: what a function gives for points that the grid holds
+        in reserve may be anything of the right shape. InputError, perhaps on this rank alone.
+        """
+        return block_values(self, what, X[None], t, active)
+
+    def first_values(self, X: Array, active: slice = slice(None)) -> list[Array]:
+        """The initial data. InputError, perhaps on this rank alone."""
+        return self.values("initial", X, 0.0, active)
+
 
 @dataclass(frozen=True)
 class FluidLayer(_Layer):
@@ -88,6 +98,15 @@ class SolidLayer(_Layer):
     material_class = Solid
     fields = ("u", "sigma", "T", "x", "p")
     unknowns = fields[:-1]
+
+    def first_values(self, X: Array, active: slice = slice(None)) -> list[Array]:
+        """The initial data; x must rise. InputError, perhaps on this rank alone."""
+        found = super().first_values(X, active)
+        if not np.all(rises := np.diff(found[3][active]) > 0):
+            at = f"after X = {X[active][np.argmin(rises)]:.6g}: expected positions [m]"
+            where = f"{place_of(self.initial)}: initial of {self}"
+            raise InputError(f"{where}: x does not rise with X {at}", collective=False)
+        return found
 
     def cells(self, h: float) -> int:
         """Cells of a spacing h [m]. InputError where it does not fit."""
@@ -143,10 +162,10 @@ class Problem:
                 what = f"two layers are named '{name}'"
                 raise InputError(f"Problem: {what}: expected a name for each, for results")
         for end, layer in ((self.left, layers[0]), (self.right, layers[-1])):
-            fitting, words = ENDS[layer.kind]
-            if not isinstance(end, fitting):
-                what = f"at the outer end of the {layer.kind} {layer} stands {described(end)}"
-                raise InputError(f"{what}: expected {words}")
+            if getattr(end, "of", None) != layer.kind:
+                stands = f"{type(end).__name__}(…)" if isinstance(end, Boundary) else described(end)
+                what = f"at the outer end of the {layer.kind} {layer} stands {stands}"
+                raise InputError(f"{what}: expected {ENDS[layer.kind]}")
         for a, b in zip(layers, layers[1:]):
             if abs(a.X[1] - b.X[0]) > 1e-12 * max(abs(a.X[1]), a.X[1] - a.X[0]):
                 places = f"one ends at X = {a.X[1]:.10g}, the other begins at {b.X[0]:.10g}"
@@ -156,6 +175,18 @@ class Problem:
     def unit(self, name: str) -> str:
         """The unit after a number in a message: " m", or nothing without dimensions."""
         return f" {name}" if self.units == "SI" else ""
+
+    def end(self, k: int, side: int) -> Boundary | None:
+        """What stands at the left (0) or right (1) end of layer k, None where a layer does."""
+        outer = {(0, 0): self.left, (len(self.layers) - 1, 1): self.right}
+        return outer.get((k, side))
+
+    def jumps_at(self, k: int, t: float) -> list[float]:
+        """The prescribed jumps at interface k at time t [s]. InputError."""
+        names = "g_u", "g_stress", "g_T", "g_flux"
+        where = f"jumps at interface {k} at t = {t:.6g}"
+        assert self.jumps is not None
+        return [float(g[0]) for g in checked(self.jumps, (k, t), NOWHERE, names, where)]
 
     @property
     def interfaces(self) -> tuple[tuple[int, int], ...]:
@@ -173,7 +204,7 @@ class Problem:
     def steady_data(self) -> bool:
         """No boundary data, jump or forcing that depends on time."""
         forced = self.jumps is not None or any(layer.forcing for layer in self.layers)
-        return not forced and not any(in_time(end) for end in (self.left, self.right))
+        return not forced and not (self.left.in_time or self.right.in_time)
 
     @property
     def invariants(self) -> dict[str, Any]:
@@ -186,10 +217,10 @@ class Problem:
         if self.jumps is not None or any(layer.forcing for layer in self.layers):
             return {}
         ends = (0, self.left), (len(self.layers) - 1, self.right)
-        open_at = {k for k, end in ends if not isinstance(end, (Wall, SolidEnd))}
+        open_at = {k for k, end in ends if end.passes}
         fluids = [(k, v) for k, v in enumerate(self.layers) if isinstance(v, FluidLayer)]
         pulled = any(np.any(layer.material.force) for layer in self.layers)
         return {
             "masses": [[v.name, [i]] for i, (k, v) in enumerate(fluids) if k not in open_at],
-            "energy": closes(self.left) and closes(self.right) and not pulled,
+            "energy": self.left.closed and self.right.closed and not pulled,
         }

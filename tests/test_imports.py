@@ -7,7 +7,7 @@ from helpers import REPOSITORY
 PACKAGE = REPOSITORY / "fsipetsc"
 #: folders and files of the package: each imports from those to its right alone
 ORDER = """__main__ → cli api → verify bench → analysis → stepping blockrun paper → output → process
-→ cases → usage → options → given mesh_files → scheme → parallel → blocks → problem → boundaries
+→ cases → usage → options → mesh_files → scheme → parallel → problem → boundaries → blocks
 → materials → operators → equations → kernels → blame checks → errors → __init__"""
 RANK = {name: rank for rank, names in enumerate(ORDER.split("→")) for name in names.split()}
 #: these three make a run, and know each other

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from fsipetsc import boundaries as kinds
 from fsipetsc.analysis.spectra import CENTRAL
+from fsipetsc.boundaries import Dirichlet, Open, absorbing, clamped, free
 from fsipetsc.kernels import build
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.kernels.unit import unit
@@ -43,9 +43,8 @@ def fill_both(part):
         part.seen[side, 0], part.seen[side, 1] = gradient_values(part, ghost, side)
 
 
-def compiled(function, law, layer, q, order):
-    """The procedure for these points of a layer, and its part."""
-    facts = Ends(*(tuple(layer[f"end_{name}"].tolist()) for name in ("kind", "degree", "thermal")))
+def compiled(function, law, layer, q, order, facts):
+    """The procedure for these points of a layer, and its part. facts: what its ends are."""
     records = np.array([layer], RECORD)
     part = Part(stencils(order), facts, law, records, q, q, np.zeros((2, 2)))
     code = Code(unit({}, []))
@@ -81,13 +80,10 @@ def filled(kind, mach, mu, kappa, of_end, delta):
     respect to rho, u, T; between two ends beyond which the gas flows with ``mach``."""
     gas = Gas(PerfectGas(GAMMA, R), ConstantTransport(), mu, kappa, GAMMA, 0.0)
     layer = record(N, 1.0)
-    layer["end_kind"], layer["end_x"] = kind, N - 1 - delta
-    if kind == kinds.OPEN:
-        layer["end_data"] = R, 1.0, mach, of_end
-    else:
-        layer["end_data"][:, :3], layer["end_degree"] = (1.0, mach, 1.0), 1 + of_end // 2
+    layer["end_x"], facts = N - 1 - delta, Ends((kind,) * 2, (1 + of_end // 2,) * 2, ("", ""))
+    layer["end_data"] = (R, 1.0, mach, of_end) if kind is Open else (1.0, mach, 1.0, 0.0)
 
-    fill, part = compiled(fill_both, gas, layer, np.zeros((N, 3)), 4)
+    fill, part = compiled(fill_both, gas, layer, np.zeros((N, 3)), 4, facts)
 
     def seen(v):
         rho, u, T = v.reshape(3, N)
@@ -119,7 +115,7 @@ def assert_stable(kind, order, mach, mu, kappa, of_end, delta, narrow, bound):
     op = OPERATORS[order]
     D, none = op.matrix(N), np.zeros((N, N))
     D2 = D @ D - narrow * remainder(op.interior, np.ones(N)) / op.norm_weights(N)[:, None]
-    of_gas = (mu, kappa) if kind == kinds.OPEN else (0.0, 0.0)  # given data do not depend on them
+    of_gas = (mu, kappa) if kind is Open else (0.0, 0.0)  # given data do not depend on them
     seen = filled(kind, mach, *of_gas, of_end, delta)
     ghost = seen[:3].reshape(3 * N, 3 * N)
     A = np.block([[mach * D, D, none], [R * D, mach * D, R * D], [none, R / CV * D, mach * D]])
@@ -132,13 +128,13 @@ def assert_stable(kind, order, mach, mu, kappa, of_end, delta, narrow, bound):
 
 
 @pytest.mark.parametrize("order", OPERATORS)
-@pytest.mark.parametrize("kind", [kinds.OPEN, kinds.DIRICHLET], ids=["open", "given"])
+@pytest.mark.parametrize("kind", [Open, Dirichlet], ids=["open", "given"])
 def test_no_mode_grows_between_ends(order, kind):
     for mach in (0.01, 0.3, 0.95, 1.5):  # one end with outflow, one with inflow
         for nu in (0.0, 0.01, 0.6, 10.0):
             for mu, kappa in BOTH if nu > 0 else ((0, 0),):
                 numbers = kind, order, mach, mu * nu, kappa * CV * nu
-                if kind == kinds.DIRICHLET:
+                if kind is Dirichlet:
                     for delta in (0.0, 0.5, 0.8):
                         assert_stable(*numbers, order, delta, 0, 1e-8)
                     continue
@@ -148,7 +144,7 @@ def test_no_mode_grows_between_ends(order, kind):
                     assert_stable(*numbers, of_open, 0.3, narrow, 5e-5 if slow else 1e-12)
 
 
-@pytest.mark.parametrize("kind", [kinds.OPEN, kinds.DIRICHLET], ids=["open", "given"])
+@pytest.mark.parametrize("kind", [Open, Dirichlet], ids=["open", "given"])
 def test_a_right_end_of_a_gas_is_a_left_end_in_a_mirror(kind):
     numbers, sign = (0.02, 0.03, 1, 0.3), np.array([1, -1, 1, -1, 1])
     for mach in (0.3, 1.5):
@@ -159,15 +155,15 @@ def test_a_right_end_of_a_gas_is_a_left_end_in_a_mirror(kind):
 
 
 @pytest.mark.parametrize(
-    ("kind", "thermal", "heat"),
+    ("kind", "heated", "heat"),
     [
-        (kinds.CLAMPED, kinds.INSULATED, 0.0),
-        (kinds.FREE, kinds.GIVEN_T, 320.0),
-        (kinds.ABSORBING, kinds.GIVEN_FLUX, 1e3),
+        (clamped, "", 0.0),
+        (free, "T", 320.0),
+        (absorbing, "heat_flux", 1e3),
     ],
     ids=["clamped", "free", "absorbing"],
 )
-def test_a_right_end_of_a_solid_is_a_left_end_in_a_mirror(kind, thermal, heat):
+def test_a_right_end_of_a_solid_is_a_left_end_in_a_mirror(kind, heated, heat):
     solid = law_of(Solid(K=1e5, kappa_e=0.5, m0=2700.0, alpha=1.0, gruneisen=0.3))
     X, mirror = 0.01 * np.arange(40), np.array([-1.0, 1.0, 1.0, -1.0])
     fields = np.cos(2 * X), -1e5 + 1e4 * np.sin(3 * X), 300 + 30 * np.sin(X), X + 0.1 * np.sin(X)
@@ -175,11 +171,10 @@ def test_a_right_end_of_a_solid_is_a_left_end_in_a_mirror(kind, thermal, heat):
     right, before = left[::-1] * mirror, left.copy()
     for side, q in enumerate((left, right)):
         layer = record(40, 0.01)
-        layer["end_kind"] = kinds.INTERFACE_END
-        layer["end_kind"][side], layer["end_thermal"][side] = kind, thermal
-        layer["end_data"][side, 0] = 0.7 * (1 - 2 * side) if kind == kinds.CLAMPED else -9e4
+        facts = Ends(*(pair[:: 1 - 2 * side] for pair in ((kind, None), (0, 0), (heated, ""))))
+        layer["end_data"][side, 0] = 0.7 * (1 - 2 * side) if kind is clamped else -9e4
         layer["end_heat"][side] = heat
-        close, part = compiled(close_solid, solid, layer, q.copy(), 6)
+        close, part = compiled(close_solid, solid, layer, q.copy(), 6, facts)
         close()
         q[:] = part.owned
     np.testing.assert_allclose(right, left[::-1] * mirror, rtol=1e-13)

@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blocks.conditions import Given
 from fsipetsc.scheme.part import Gain
 
 #: letters of axes, of positions and of velocities
@@ -34,7 +33,7 @@ def loses(problem: Any, k: int) -> bool:
     block, conditions = problem.blocks[k], problem.faces_of(k).values()
     stores = block.kind == "solid" and block.material.heat == "elastic"
     driven = stores and (block.forcing is not None or block.material.pressing is not None)
-    return stores and not driven and not any(isinstance(c, Given) for c in conditions)
+    return stores and not driven and not any(getattr(c, "all_given", False) for c in conditions)
 
 
 def lossy(problem: Any) -> bool:

@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blocks.conditions import Given, moves
+from fsipetsc.blocks.conditions import moves
 from fsipetsc.blocks.maps import place_text
-from fsipetsc.blocks.particles import HOLDING, Asked, Particle
+from fsipetsc.blocks.particles import Asked, Particle
 from fsipetsc.blocks.values import datum
 from fsipetsc.errors import InputError
 from fsipetsc.scheme.particle_records import Data
@@ -52,7 +52,7 @@ class _Pair(NamedTuple):
         """Whether two velocities make a singularity."""
         if self.name in WARM.values():
             return False
-        given = any(isinstance(one.condition, Given) for one in (self.first, self.other))
+        given = any(one.condition.all_given for one in (self.first, self.other))
         return not given and (self.other.normal is None or _has_motion(self.other.condition))
 
 
@@ -100,7 +100,7 @@ class Contradictions:
                 if name == warm:
                     meant = getattr(condition, "T", None) is not None and "given" not in mover
                 else:
-                    meant = isinstance(condition, HOLDING)
+                    meant = condition.holds
                     meant &= _has_motion(decides) or _has_motion(condition)
                 if meant:
                     yield name, next(o for o in particle.asked if o.condition is decides), other
@@ -159,8 +159,8 @@ class Contradictions:
 
 def _has_motion(condition: Any) -> bool:
     """Whether data say how it moves."""
-    given = isinstance(condition, Given)
-    return given or moves(condition) or getattr(condition, "velocity", None) is not None
+    moving = moves(condition) or getattr(condition, "velocity", None) is not None
+    return condition.all_given or moving
 
 
 def _velocities(data: Data, name: str, who: Array) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.recorded_data import Make, Recorder, asked, positive
-from fsipetsc.blocks.conditions import Absorbing, Free, Open, Outflow, moves
+from fsipetsc.blocks.conditions import Absorbing, Condition, Effect, Free, Open, Outflow
 from fsipetsc.blocks.cube import Cube
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.metrics import Wide
@@ -19,7 +19,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.kernels.formula import number_of, numbers_of
 from fsipetsc.kernels.symbols import NotRecorded
 from fsipetsc.parallel.block_layout import Part
-from fsipetsc.scheme.faces import DRAGS, GasFaces, SolidFaces, Turned
+from fsipetsc.scheme.faces import GasFaces, Group, SolidFaces, Turned
 from fsipetsc.scheme.part import Nothing
 
 Array = NDArray[Any]
@@ -42,31 +42,28 @@ class FaceTerms:
         block = problem.blocks[k]
         self._d, self._gas, self.p_ref = d, block.kind == "fluid", _left_out(problem, k)
         self._faces: list[tuple[Any, Array, slice]] = []
-        acting = []
-        for (axis, side), condition in problem.faces_of(k).items():
-            met = isinstance(condition, Meeting)
-            interface = met and problem.is_interface(k, axis, side)
-            supplied = interface and not self._gas and self._jumps is not None
-            beyond = _left_out(problem, condition.block) if met else 0.0
-            loaded = _unheld(condition) and self.p_ref not in (0.0, beyond)
-            if supplied or loaded or _acts(condition):
-                acting.append((axis, side, condition))
+        acting = _acting(problem, k)
         self._every: list[tuple[Any, Array, slice]] = []  # those without nodes here as well
         self.record: Any = Nothing()
         if not acting:  # on all ranks of the block, for these record the same
             return
-        listed = [_nodes_of(problem, part, axis, side) for axis, side, _ in acting]
+        effects = _effects(problem, block.kind)
+        acting.sort(key=lambda face: effects.index(face[3]))  # nodes of a group lie together
+        listed = [_nodes_of(problem, part, axis, side) for axis, side, *_ in acting]
         nodes = [np.concatenate(values) for values in zip(*listed, strict=True)]
         n = nodes[0].size
-        flags, numbers = np.zeros(n, np.int64), np.zeros((4, n))
+        numbers, vectors = np.zeros((3, n)), np.zeros((2, n, d))
+        which = [effects.index(face[3]) for face in acting]
+        of_nodes = np.repeat(which, [own.size for _, own, *_ in listed])
+        begins = np.searchsorted(of_nodes, range(len(effects) + 1)).tolist()
+        groups = tuple(map(Group, effects, begins, np.diff(begins).tolist()))
         if self._gas:
-            self.record = GasFaces(*nodes, flags, np.zeros((n, d + 2)), *numbers)
+            self.record = GasFaces(*nodes, np.zeros((n, d + 2)), *numbers, groups)
         else:
-            vectors = np.zeros((2, n, d))
-            self.record = SolidFaces(*nodes, flags, vectors[0], *numbers[1:], vectors[1], X, ())
+            self.record = SolidFaces(*nodes, vectors[0], *numbers, vectors[1], X, (), groups)
         self._spacing = np.zeros(n)  # from nodes of faces to those beside
         end, turned = 0, []
-        for (axis, side, condition), (_, own, *_) in zip(acting, listed, strict=True):
+        for (axis, side, condition, _), (_, own, *_) in zip(acting, listed, strict=True):
             where, end = slice(end, end + own.size), end + own.size
             if d == 3 and not self._gas:
                 turned.append(_turned(problem, part, order, axis, side, where))
@@ -94,18 +91,16 @@ class FaceTerms:
             if isinstance(condition, (Outflow, Free)):
                 record.pressure[at] = datum(condition, "pressure", X, t)
             if self._gas:
-                record.opens[at] = isinstance(condition, (Open, Outflow))
                 if getattr(condition, "slip_length", None) is not None:
-                    record.opens[at], record.goes[at] = DRAGS, moves(condition)
                     record.width[at] = self._slip_length(condition, X, at, t)
                 if isinstance(condition, Open):
-                    record.outside[at], record.pressure[at] = _outside(condition, X, t), -1.0
+                    record.outside[at] = _outside(condition, X, t)
                 continue
             if _unheld(condition) and self.p_ref != 0.0:
                 pressed = record.pressure[at] if isinstance(condition, Free) else 0.0
                 record.pressure[at] = pressed - self.p_ref
             if isinstance(condition, Absorbing):
-                record.absorbs[at], record.stress[at] = 1, datum(condition, "stress", X, t)
+                record.stress[at] = datum(condition, "stress", X, t)
             if isinstance(condition, Meeting) and self._jumps is not None:
                 names = *(f"traction along {x}" for x in "xyz"[:d]), "heat"
                 values = checked(self._jumps, (*X.T, t), X.T, names, f"jumps at t = {t:.6g}")
@@ -199,12 +194,30 @@ def _nodes_of(problem: Any, part: Part, axis: int, side: int) -> tuple[Array, ..
     return at, own, np.full(own.size, axis), signs, ones / weight, across, column
 
 
-def _acts(condition: Any) -> bool:
-    """Whether a condition adds to rates."""
-    pressed = isinstance(condition, Free) and condition.pressure != 0.0
-    heated = getattr(condition, "heat_flux", None) is not None
-    drags = getattr(condition, "slip_length", None) is not None
-    return pressed or heated or drags or isinstance(condition, (Open, Outflow, Absorbing))
+def _acting(problem: Any, k: int) -> list[tuple[int, int, Any, Effect]]:
+    """Axis, side, what stands there and what it adds to rates, of faces of block k where it does.
+
+    Also interfaces where a solid gets something from outside, and faces that p_ref loads.
+    """
+    found, p_ref, solid = [], _left_out(problem, k), problem.blocks[k].kind == "solid"
+    for (axis, side), condition in problem.faces_of(k).items():
+        met = isinstance(condition, Meeting)
+        interface = met and problem.is_interface(k, axis, side)
+        supplied = interface and solid and problem.jumps is not None
+        beyond = _left_out(problem, condition.block) if met else 0.0
+        loaded = _unheld(condition) and p_ref not in (0.0, beyond)
+        effect = None if met else condition.effect
+        if effect is None and (supplied or loaded):
+            effect = Effect(Condition)
+        if effect is not None:
+            found.append((axis, side, condition, effect))
+    return found
+
+
+def _effects(problem: Any, kind: str) -> list[Effect]:
+    """All that faces of blocks of a kind add to rates: blocks of one kind have one text."""
+    numbers = [k for k, block in enumerate(problem.blocks) if block.kind == kind]
+    return list(dict.fromkeys(effect for k in numbers for *_, effect in _acting(problem, k)))
 
 
 def _refuse_slip_length(x: Any, t: Any) -> Any:

@@ -8,12 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc import given
-from fsipetsc.blocks import conditions as new
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.boundaries import CLAMPED, FREE, Dirichlet, Open, SolidEnd, Wall
+from fsipetsc.boundaries import Wall
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
 from fsipetsc.materials.line_solid import Solid
@@ -34,15 +32,16 @@ def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
     blocks, notes = [], list(problem.notes)
     for layer in problem.layers:
         cells = max(1, round((layer.X[1] - layer.X[0]) / h))
-        given.initial(layer, np.linspace(*layer.X, cells + 1), slice(None))  # checks it
+        layer.first_values(np.linspace(*layer.X, cells + 1))  # checks it
         if isinstance(layer, SolidLayer):
             blocks.append(_solid(layer, h))
         else:
             least = operator(order).min_points - 1
             blocks.append(_gas(layer, _gas_grid(problem, layer, notes), max(cells, least)))
+    ends = zip((0, 1), (problem.left, problem.right), (blocks[0], blocks[-1]), strict=True)
     faces = {
-        (blocks[0].name, 0, 0): _condition(problem.left, problem.layers[0], 0),
-        (blocks[-1].name, 0, 1): _condition(problem.right, problem.layers[-1], 1),
+        (block.name, 0, side): end.condition(getattr(block.material, "gas_law", None), side)
+        for side, end, block in ends
     }
     jumps = None if problem.jumps is None else _jumps(problem)
     return BlockProblem(tuple(blocks), faces, jumps, notes=tuple(notes), units=problem.units)
@@ -106,31 +105,21 @@ def _solid(layer: SolidLayer, h: float) -> Block:
         _elastic(layer.material, -float(found[0]) if uniform else 0.0),
         rectangle(*layer.X),
         (layer.cells(h),),
-        _without_stress(layer.initial),
+        _picked(layer.initial, lambda u, sigma, T, x: (u, T, x)),
         forcing=layer.forcing and _forces_alone(layer),
-        exact=exact and _without_stress(exact),
-        exact_stress=exact and _stress_alone(exact),
+        exact=exact and _picked(exact, lambda u, sigma, T, x: (u, T, x)),
+        exact_stress=exact and _picked(exact, lambda u, sigma, T, x: (sigma,)),
         prestress=None if uniform else stress,
     )
 
 
-def _without_stress(function: Function) -> Function:
-    """(u, sigma, T, x) of a solid as (v, T, x): its stress follows from x."""
+def _picked(function: Function, pick: Function) -> Function:
+    """What pick takes of u, sigma, T, x of a solid: the stress of a block follows from x."""
 
     @wraps(function)
     def called(*where: Any) -> Any:
-        u, _, T, x = function(*where)
-        return u, T, x
-
-    return called
-
-
-def _stress_alone(function: Function) -> Function:
-    """(u, sigma, T, x) of a solid as (sigma,)."""
-
-    @wraps(function)
-    def called(*where: Any) -> Any:
-        return (function(*where)[1],)
+        u, sigma, T, x = function(*where)
+        return pick(u, sigma, T, x)
 
     return called
 
@@ -189,57 +178,7 @@ def _prestress(layer: SolidLayer) -> Function:
     return found
 
 
-# ends and interfaces
-
-
-def _condition(end: Any, layer: FluidLayer | SolidLayer, side: int) -> new.Condition:
-    """What stands at an outer end."""
-
-    def datum(name: str, then: Function = lambda found: found[0]) -> Any:
-        """A number, or a function of t as one of X and t; then: of the numbers that it returns."""
-        value = getattr(end, name)
-        return _of_place(value, name, side, then) if callable(value) else value
-
-    if isinstance(end, Open):
-        rho = float(layer.material.gas_law.density(end.p0, end.T0))
-        return new.Open(rho, (end.u0,), end.T0, end.order)
-    if isinstance(end, Dirichlet):
-        return new.Given(datum("values", list))
-    heat = {name: datum(name) for name in ("T", "heat_flux")}
-    if isinstance(end, Wall):
-        x = datum("x", list) if end.moves else None
-        return new.NoSlip(**heat, x=x, velocity=datum("velocity", list))
-    assert isinstance(end, SolidEnd)
-    if end.kind == CLAMPED:
-        if not callable(end.value) and end.value == 0.0:
-            return new.Clamped(**heat)
-        velocity = datum("value", list) if callable(end.value) else lambda X, t: (end.value,)
-        return new.Clamped(velocity=velocity, **heat)
-    if end.kind == FREE:
-        stress = datum("value", lambda found: -found[0])
-        return new.Free(stress if callable(stress) else -stress, **heat)
-    return new.Absorbing(datum("value"), **heat)
-
-
-def _of_place(function: Function, name: str, side: int, then: Function) -> Function:
-    """A function of t at an end as one of X and t: what is wrong is said of the end.
-
-    Its `of_time` is the same as a function of t alone, whose values need not be checked again, and
-    `on_symbols` the same as it is recorded, unchecked.
-    """
-
-    def of_time(t: float) -> Any:
-        return then(given.at_end(function, name, side, t))
-
-    def called(X: Array, t: float) -> Any:
-        return of_time(t)
-
-    def on_symbols(X: Any, t: Any) -> Any:
-        found = function(t)
-        return then(found if name == "values" else [found])
-
-    called.__wrapped__, called.of_time, called.on_symbols = function, of_time, on_symbols
-    return called
+# interfaces
 
 
 def _jumps(problem: Problem) -> Function:
@@ -250,7 +189,7 @@ def _jumps(problem: Problem) -> Function:
     def supplied(X: Array, t: float) -> Array:
         found, nearest = np.zeros((2, *np.shape(X))), np.abs(X[..., None] - places).argmin(axis=-1)
         for k in np.unique(nearest).tolist():
-            u, stress, T, flux = given.jumps(problem, k, t)
+            u, stress, T, flux = problem.jumps_at(k, t)
             if u != 0.0 or T != 0.0:
                 raise InputError(
                     f"jumps at interface {k} at t = {t:.6g}: g_u = {u:g}, g_T = {T:g}: expected 0 "

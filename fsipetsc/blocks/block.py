@@ -4,7 +4,7 @@ Nodes of axis k are xi_k = i/cells_k, i = 0 … cells_k, or 0 … cells_k - 1 wh
 periodic. Axis 0 is the fastest in memory: node number n = i_0 + N_0 (i_1 + N_1 i_2).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -20,6 +20,8 @@ from fsipetsc.errors import InputError
 Range = Sequence[tuple[int, int]]
 #: cells along an axis that are sampled for the sign of the Jacobian when a block is made
 _SAMPLED = 32
+#: pieces along an axis by which the size of a block is estimated
+_PIECES = 32
 
 
 @dataclass(frozen=True)
@@ -212,3 +214,21 @@ def determinant(edges: Array) -> Array:
 def mesh(axes: Sequence[Array]) -> tuple[Array, ...]:
     """Coordinates of a grid, arrays of shape (…, n_1, n_0), in the order of the axes."""
     return tuple(np.meshgrid(*axes[::-1], indexing="ij")[::-1])
+
+
+def size_of(block: Block, symmetry: int = 0) -> float:
+    """About the volume of a block, or of a sector of unit angle, where r is the last coordinate:
+    the sum over a few pieces, by the means of their edges.
+    """
+    d = block.dimension
+    index = [np.unique(np.linspace(0, c, min(c, _PIECES) + 1).astype(int)) for c in block.cells]
+    X, axes = block.places(mesh(index)), range(d, 0, -1)
+    edges = [_means(np.diff(X, axis=axis), {*axes} - {axis}) for axis in axes]
+    return float(np.abs(determinant(np.array(edges)) * _means(X, axes)[-1] ** symmetry).sum())
+
+
+def _means(values: Array, axes: Iterable[int]) -> Array:
+    """Of neighbours along axes."""
+    for axis in axes:
+        values = 0.5 * (np.delete(values, -1, axis=axis) + np.delete(values, 0, axis=axis))
+    return values

@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blocks.conditions import Clamped, Given, NoSlip, Open, Roller, Slip, moves, slides
+from fsipetsc.blocks.conditions import Clamped, moves, slides, warms
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.problem import BlockProblem, Meeting
 from fsipetsc.errors import InputError
@@ -38,8 +38,6 @@ SLIPS, ROLLS = 0, 1
 CONCAVE = -0.5
 #: rollers whose unit normals have at least this scalar product are one
 SMOOTH = 0.8
-#: conditions that hold what is at their faces
-HOLDING = (NoSlip, Slip, Given, Clamped, Roller)
 
 Array = NDArray[Any]
 
@@ -145,7 +143,7 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
     slips = [] if sticks else slips
     for face, met in found:
         gas = blocks[members[face.member][0]].kind == "fluid"
-        if slides(met) or isinstance(met, Roller) or (sticks and isinstance(met, NoSlip)):
+        if slides(met) or met.part == "roller" or (sticks and met.part == "wall"):
             (slips if gas else rolls).append((face, met))
         _take_over(particle, met, gas, (members[face.member][0], face.axis, face.side))
     hinge = None if problem.hinges.isdisjoint(members) else Clamped()
@@ -187,8 +185,7 @@ def _asked(
     """
     asked = [] if hinge is None else [Asked(hinge, None, None)]
     for face, met in found:
-        warm = getattr(met, "T", None) is not None and not isinstance(met, Open)
-        if warm or isinstance(met, HOLDING):
+        if warms(met) or met.holds:
             normal = directions[face][0] if face in directions else None
             name = particle.members[face.member][0], face.axis, face.side
             asked.append(Asked(met, name, normal))
@@ -203,7 +200,7 @@ def _check_sliding(
     """
     held = particle.clamp is not None or particle.given_solid is not None
     for face, met in found if particle.sticks and not held else ():
-        if isinstance(met, NoSlip) and not slides(met):
+        if met.part == "wall" and not slides(met):
             k, node = particle.members[face.member]
             wall = f"NoSlip of '{problem.blocks[k].name}', axis {face.axis}, side {face.side},"
             place = place_text(problem.places(k, np.array([node]))[0])
@@ -215,15 +212,15 @@ def _check_sliding(
 
 def _take_over(particle: Particle, met: Any, gas: bool, face: tuple[int, int, int]) -> None:
     """What a condition says beside a direction; of two of a kind that which prescribes motion."""
-    name = {NoSlip: "wall", Slip: "slip", Clamped: "clamp"}.get(type(met), "")
+    name = "" if met.part == "roller" else met.part
     name = "slip" if name == "wall" and (particle.sticks or slides(met)) else name
-    if isinstance(met, Given):
+    if met.all_given:
         name = "given_gas" if gas else "given_solid"
     elif name and (known := getattr(particle, name)):
         moving, moved = (c.x or c.velocity for c in (met, known))
         name = name if moving and not moved else ""
-    warm = getattr(met, "T", None) is not None and not isinstance(met, Open)
-    for taken in (name, ("warm_gas" if gas else "warm_solid") if warm else ""):
+    warm = "warm_gas" if gas else "warm_solid"
+    for taken in (name, warm if warms(met) else ""):
         if taken:
             setattr(particle, taken, met)
             particle.faces[taken] = face

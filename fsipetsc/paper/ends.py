@@ -14,9 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsipetsc.boundaries import CLAMPED, FREE, GIVEN_FLUX, GIVEN_T, INTERFACE_END, OPEN, WALL
+from fsipetsc.boundaries import Boundary, Open, Wall, clamped, free
 from fsipetsc.equations.vectors import choose
 from fsipetsc.kernels.procedure import each, named, number, pick, stop, when, whole
+from fsipetsc.problem import Problem
 from fsipetsc.scheme.plan import EXHAUSTED
 
 #: nodes that a formula may use, ghost point included
@@ -42,17 +43,30 @@ ETA_NARROW[2, 0] = 0.2289158450015872, -0.4914033185443774, 0.1207498614024324, 
 
 @dataclass(frozen=True)
 class Ends:
-    """What a case says of the ends of a layer, left and right, as fsipetsc.paper.layout has it:
-    facts of a procedure."""
+    """What a case says of the ends of a layer, left and right: facts of a procedure.
 
-    kind: tuple[int, int]
-    degree: tuple[int, int]
-    thermal: tuple[int, int]
+    kind: the class of what stands there, None at an interface. degree: of the formulas of an
+    embedded boundary. heated: "T" or "heat_flux" where that is given, else "".
+    """
+
+    kind: tuple[type[Boundary] | None, ...]
+    degree: tuple[int, ...]
+    heated: tuple[str, ...]
+
+
+def ends_of(problem: Problem, k: int, order: int) -> Ends:
+    """The ends of layer k, with the operator of this interior order."""
+    found = [problem.end(k, side) for side in (0, 1)]
+    return Ends(
+        tuple(None if end is None else type(end) for end in found),
+        tuple(0 if end is None else end.degree or order // 2 + 1 for end in found),
+        tuple("" if end is None else end.heated for end in found),
+    )
 
 
 def outer_side(ends: Ends) -> int:
     """Where the embedded boundary of a gas stands: 0 left, 1 right."""
-    return 1 if ends.kind[0] == INTERFACE_END else 0
+    return 1 if ends.kind[0] is None else 0
 
 
 def distance(layer, side):
@@ -98,17 +112,17 @@ def ghost_values(part, layer, ghost, side, new):
     """(rho, u, T) of the ghost point."""
     kind, nodes, n = part.ends.kind[side], fetch(part, ghost, side), 2.0 * side - 1.0
     if new:
-        degree = {WALL: NEW_WALL, OPEN: NEW_OPEN}.get(kind, NEW_DIRICHLET)
+        degree = {Wall: NEW_WALL, Open: NEW_OPEN}.get(kind, NEW_DIRICHLET)
         for values in nodes:  # without data the highest difference is left, which vanishes
             values[0] = dirichlet_ghost(0.0, values, [0.0] * NODES, degree + 1, 1.0)
-    formula = {WALL: wall, OPEN: open_end}.get(kind, given_data)
+    formula = {Wall: wall, Open: open_end}.get(kind, given_data)
     return formula(part, layer, side, n, nodes)
 
 
 def gradient_values(part, ghost, side):
     """(u, T) for the gradients in viscous stress and conduction at a ghost point that is filled."""
     layer, (rho, u, T) = part.layers[0], fetch(part, ghost, side)
-    if part.ends.kind[side] == OPEN:
+    if part.ends.kind[side] is Open:
         return open_gradients(part.law, layer, side, 2.0 * side - 1.0, (rho, u, T))
     degree, data = part.ends.degree[side], layer.end_data[side]
     weights, _ = lagrange(beyond_boundary(layer, side), degree)
@@ -337,7 +351,7 @@ def close_solid(part):
     """
     layer = part.layers[0]
     for side in range(2):
-        if part.ends.kind[side] != INTERFACE_END:
+        if part.ends.kind[side] is not None:
             end = layer.hi if side else layer.lo
             with when((layer.own_lo <= end) & (end < layer.own_hi)):
                 close_end(part, layer, side, named(end - layer.own_lo))
@@ -345,19 +359,19 @@ def close_solid(part):
 
 def close_end(part, layer, side, i):
     """The same of the end that is point i of those that this rank owns."""
-    solid, q, kind, thermal = part.law, part.owned, part.ends.kind[side], part.ends.thermal[side]
+    solid, q, kind, heated = part.law, part.owned, part.ends.kind[side], part.ends.heated[side]
     step, n, beta = 1 - 2 * side, 2.0 * side - 1.0, part.op.closure[0]
     given, heat, d = layer.end_data[side, 0], layer.end_heat[side], -n / layer.h
     x_X = sum(d * v * q[i + step * j, 3] for j, v in enumerate(beta))
     rest = sum(v * q[i + step * j, 2] for j, v in enumerate(beta) if j > 0)
-    slope = n * heat * x_X / (solid.kappa_e * d) if thermal == GIVEN_FLUX else 0.0
-    imposed = heat if thermal == GIVEN_T else (slope - rest) / beta[0]
+    slope = n * heat * x_X / (solid.kappa_e * d) if heated == "heat_flux" else 0.0
+    imposed = heat if heated == "T" else (slope - rest) / beta[0]
     T = np.where(solid.kappa_e > 0.0, imposed, q[i, 2])
     u, sigma, p = q[i, 0], q[i, 1], solid.pressure(T, x_X)
     q[i, 2] = T
-    if kind == CLAMPED:
+    if kind is clamped:
         q[i, 0] = given
-    elif kind == FREE:
+    elif kind is free:
         q[i, 1] = given + p
     else:
         Z = np.sqrt(solid.wave_modulus(T, p, given + p, x_X) * solid.m0)

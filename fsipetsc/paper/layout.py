@@ -4,13 +4,15 @@ The solution is one world vector; its part on a rank is the concatenation of the
 layers, each interlaced (gas rho, rho u, e; solid u, sigma, T, x).
 """
 
+from collections.abc import Mapping
+
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.boundaries import INSULATED, INTERFACE_END, Wall, degree_of, heat_of
+from fsipetsc.boundaries import Wall
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import SBPOperator, row_length
-from fsipetsc.paper.ends import NEW_DIRICHLET
+from fsipetsc.paper.ends import NEW_DIRICHLET, ends_of
 from fsipetsc.parallel.block_shares import share_line
 from fsipetsc.problem import Problem
 
@@ -43,13 +45,11 @@ RECORD = np.dtype(
         ("anchor", _F),
         ("s", _F),  # velocity of a gas's frame, that of its interface point
         ("x_interface", _F),  # x of a gas's interface
-        # the ends: -1 where an interface stands, else a kind of fsipetsc.boundaries
-        ("end_kind", _I, (2,)),
-        ("end_degree", _I, (2,)),
+        ("outer", _I),  # which end of a gas is its boundary, 0 or 1
+        # of what stands at the ends (fsipetsc.boundaries)
         ("end_x", _F, (2,)),  # of a boundary
         ("end_data", _F, (2, 4)),
-        ("end_thermal", _I, (2,)),  # INSULATED, GIVEN_T or GIVEN_FLUX, at the end of a solid,
-        ("end_heat", _F, (2,)),  # and the temperature or heat flux that is given
+        ("end_heat", _F, (2,)),  # the temperature or heat flux at the end of a solid
         ("rates", _F, (2,)),  # after a step, see fsipetsc.paper.sums
     ],
     align=True,
@@ -65,7 +65,7 @@ def check_form(problem: Problem) -> None:
     elif len(layers) > 3 or sum(layer.kind == "solid" for layer in layers) > 1:
         reason = "a gas lies between two solids"
     for k, end in ((0, problem.left), (-1, problem.right)):
-        if not reason and isinstance(end, Wall) and (end.moves or heat_of(end)[0] != INSULATED):
+        if not reason and isinstance(end, Wall) and (end.moves or end.heated):
             doing = "moves" if end.moves else "gives or takes heat"
             reason = f"the wall of layer '{layers[k].name}' {doing}"
     if reason:
@@ -73,6 +73,28 @@ def check_form(problem: Problem) -> None:
             f"{reason}: the paper's couplings are of a solid between gases in rigid frames: take "
             "-fsi_coupling conservative"
         )
+
+
+def check_ends(problem: Problem, x: Mapping[tuple[int, int], float], h: float) -> None:
+    """InputError if the outer end of a gas in a rigid frame is not where its X says, to within a
+    cell of h [m].
+
+    x: (solid layer, end 0 or 1) -> initial position of its end point [m].
+    """
+    last = len(problem.layers) - 1
+    for k, side, end in ((0, 0, problem.left), (last, 1, problem.right)):
+        layer = problem.layers[k]
+        if layer.kind != "fluid":
+            continue
+        x_I, X_I = x[(1, 0) if side == 0 else (last - 1, 1)], layer.X[1 - side]
+        wanted, kind = layer.X[side] - X_I + x_I, type(end).__name__
+        if abs(end.x - wanted) > h:
+            raise InputError(
+                f"{layer.place}{layer}: its {kind} stands at x = {end.x:g}, but "
+                f"X[{side}] = {layer.X[side]:g} is x = {wanted:g}, as the interface X = {X_I:g} "
+                f"begins at x = {x_I:g}: expected the same x, so X[{side}] = "
+                f"{end.x - x_I + X_I:g} or the {kind} at x = {wanted:g}"
+            )
 
 
 def make_records(problem: Problem, op: SBPOperator, h: float, halo: int) -> Array:
@@ -90,16 +112,11 @@ def make_records(problem: Problem, op: SBPOperator, h: float, halo: int) -> Arra
                 f"{width:.3g} cells with -fsi_h {h:g}; {MOST_CELLS} are too many"
             )
         record["number"], record["h"], record["halo"] = k, h, halo
-        record["end_kind"] = INTERFACE_END
-        for side, end in ((0, problem.left), (1, problem.right)):
-            if k == (0, len(records) - 1)[side]:
-                record["end_kind"][side] = end.kind
-                record["end_degree"][side] = degree_of(end, op.order)
-                record["end_thermal"][side] = heat_of(end)[0]
-                record["end_x"][side] = getattr(end, "x", 0.0)
+        record["outer"] = k > 0
+        record["end_x"] = [getattr(problem.end(k, side), "x", 0.0) for side in (0, 1)]
         if fluid:
             # the ghost point is the first one at or beyond the boundary
-            cells, degree = int(np.ceil(width - 1e-9)), record["end_degree"].max()
+            cells, degree = int(np.ceil(width - 1e-9)), max(ends_of(problem, k, op.order).degree)
             room = max(SPARE + max(1, cells // 8), cells // 3)
             # the treatment of the interface must not change the points of a boundary's formulas; a
             # new point takes one more than the degree of its extrapolation

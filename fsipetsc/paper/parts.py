@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc import given
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.paper import rates, steps
 from fsipetsc.paper.coupling import Face
@@ -26,10 +25,10 @@ Array = np.ndarray
 class Layer:
     """Layer number k, and this rank's points of it.
 
-    layer: what the case says; law: its material; record: of records, that of it alone. numbers, X,
-    local, owned, forcing: of the points of this rank, local with halos; part: what procedures take,
-    does: these, by name, once they are recorded; ranks: that own the first and the last point.
-    Collective, as are all methods on ranks that have points.
+    layer, ends: what the case says; law: its material; record: of records, that of it alone.
+    numbers, X, local, owned, forcing: of the points of this rank, local with halos; part: what
+    procedures take, does: these, by name, once they are recorded; ranks: that own the first and the
+    last point. Collective, as are all methods on ranks that have points.
     """
 
     does: dict[str, Procedure]
@@ -37,6 +36,7 @@ class Layer:
     def __init__(
         self,
         layer: Any,
+        ends: Ends,
         records: Array,
         share: Sequence[tuple[int, int, int]],
         op: Stencils,
@@ -59,12 +59,10 @@ class Layer:
         self.forcing = np.zeros((count, dof)) if layer.forcing is not None else None
         self._scratch = np.zeros((rates.ROWS, len(self.local) + rates.MORE))
         points = self.local, self.owned, *map(self.of, memory), self.forcing, self._scratch
-        said = ("end_kind", "end_degree", "end_thermal")
-        ends = Ends(*(tuple(record[name].tolist()) for name in said))
         self.part = steps.Part(op, ends, law, records, *points, batch)
         self._share = share
         #: rank of the interface of a gas, which knows its frame
-        self._owner = share[-1 if record["end_kind"][0] >= 0 else 0][0]
+        self._owner = share[0 if record["outer"] else -1][0]
         self.exchanges: list[Exchange] = []
 
     def connect(self, comm: MPI.Comm) -> None:
@@ -137,9 +135,9 @@ class Layer:
 
         Returns (number, end) -> x [m] of the ends of a solid that this rank owns.
         """
-        fields = given.initial(self.layer, self.X, self.active)
+        fields = self.layer.first_values(self.X, self.active)
         if self.layer.exact is not None:  # what is wrong with it is not found out at the end
-            given.fields(self.layer, "exact", self.X, 0.0, self.active)
+            self.layer.values("exact", self.X, 0.0, self.active)
         if self.is_gas:
             rho, u, T = fields
             with np.errstate(all="ignore"):  # what comes of it is monitored
@@ -172,8 +170,8 @@ class Layer:
     def powers(self, t: float, power: int) -> Array:
         """(unknowns,): h sum |error|^power at t [s] over active points without ghosts; InputError,
         here alone perhaps."""
-        exact = np.array(given.fields(self.layer, "exact", self.X, t, self.active))
-        ghosts = self.is_gas * (self.record["end_kind"] >= 0)
+        exact = np.array(self.layer.values("exact", self.X, t, self.active))
+        ghosts = self.is_gas * (np.arange(2) == self.record["outer"])
         first, last = self.record["lo"] + ghosts[0], self.record["hi"] - ghosts[1]
         counted = (self.numbers >= first) & (self.numbers <= last)
         apart = self.saved()[counted, : len(exact)].T - exact[:, counted]

@@ -21,7 +21,7 @@ rates need values within twice the reach of D. The loops work on a row of scratc
 
 import numpy as np
 
-from fsipetsc.boundaries import DIRICHLET, OPEN
+from fsipetsc.boundaries import Dirichlet, Open
 from fsipetsc.kernels.procedure import each, named, variable, when
 from fsipetsc.paper.ends import gradient_values, outer_side
 from fsipetsc.paper.narrow import MARGIN, narrow_gas, narrow_solid
@@ -115,7 +115,7 @@ def _gas_rates(part, layer, s, per_h, a, b, A, B):
     rho, m, e, u, T, u_X, T_X, f, g, h, f_X, g_X, h_X = (w[c] for c in range(13))
     primitive_rows(gas, q, rho, m, e, u, T, v0, v1)
     side = outer_side(part.ends)
-    (ghost, end), apart = ((A, B), (B, A))[side], part.ends.kind[side] in (OPEN, DIRICHLET)
+    (ghost, end), apart = ((A, B), (B, A))[side], part.ends.kind[side] in (Open, Dirichlet)
     if apart:  # u and T of the ghost point are others for the gradients
         own_u, own_T, seen = variable(), variable(), (v0 <= ghost) & (ghost < v1)
         with when(seen):

@@ -23,14 +23,13 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc import given
 from fsipetsc.blocks.values import names_of
-from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.calls import Calls, calling_code
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import steps
-from fsipetsc.paper.layout import DOF, check_form, make_records, share_out
+from fsipetsc.paper.ends import ends_of
+from fsipetsc.paper.layout import DOF, check_ends, check_form, make_records, share_out
 from fsipetsc.paper.parts import Interface, Layer
 from fsipetsc.paper.stencils import stencils
 from fsipetsc.parallel.exchange import Reduction, exchange_text
@@ -97,9 +96,11 @@ class PaperState(State):
         record = step_record(len(problem.interfaces), dof.count(DOF["fluid"]))
         _, latest = self._lay_journal(record, CAPACITY)
         self._notes = latest[:noted]
+        ends = [ends_of(problem, k, order) for k in range(len(dof))]
+        of_layers = problem.layers, ends, self.shares
         self.layers = [
-            Layer(layer, self.records[k:][:1], share, op, memory, int(begins[k]), self.batch)
-            for k, (layer, share) in enumerate(zip(problem.layers, self.shares, strict=True))
+            Layer(layer, ends, self.records[k:][:1], share, op, memory, int(begins[k]), self.batch)
+            for k, (layer, ends, share) in enumerate(zip(*of_layers, strict=True))
         ]
         self.here = [layer for layer in self.layers if layer.present]
         kind, notes = opt["fsi_coupling"], self._notes.reshape(steps.NOTES, -1)
@@ -192,16 +193,16 @@ class PaperState(State):
 
     def _set_data(self, t: float) -> None:
         problem, records = self.problem, self.records
-        for k, side in ((0, 0), (len(records) - 1, 1)):
-            values = given.end_data(problem, side, t)
+        for k, side, end in ((0, 0, problem.left), (-1, 1, problem.right)):
+            values = end.data(side, t)
             records[k]["end_data"][side, : len(values)] = values
-            records[k]["end_heat"][side] = given.end_heat(problem, side, t)
+            records[k]["end_heat"][side] = end.heat(side, t)
         if problem.jumps is not None:
             for k, interface in enumerate(self.interfaces):
-                interface.jump[:] = given.jumps(problem, k, t)
+                interface.jump[:] = problem.jumps_at(k, t)
         for part in self.here:
             if part.forcing is not None:
-                values = given.fields(part.layer, "forcing", part.X, t, part.active)
+                values = part.layer.values("forcing", part.X, t, part.active)
                 part.forcing[:] = 0.0
                 part.forcing[part.active] = np.stack(values, axis=-1)[part.active]
 
@@ -216,7 +217,7 @@ class PaperState(State):
 
         found = self.comm.allgather(together(self.comm, set_layers))
         ends = {end: x for mine in found for layer in mine for end, x in layer.items()}
-        given.check_ends(self.problem, ends, self.h)
+        check_ends(self.problem, ends, self.h)
         self.set_data(0.0)
         agree(self.comm, self.fault)
 
@@ -406,7 +407,7 @@ class PaperState(State):
             lo, hi, x = (arrays[name][k].item() for name in ("lo", "hi", "x_interface"))
             fits = lo == now["lo"], hi == now["hi"]
             if layer.is_gas:  # the end at its boundary moves over the grid
-                side = int(now["end_kind"][0] == INTERFACE_END)
+                side = int(now["outer"])
                 beyond = hi - lo - abs(now["end_x"][side] - x) / now["h"]
                 fits = fits[1 - side], 0 <= lo, hi < now["n"], -1e-6 < beyond < 1.0 + 1e-6
             if not all(fits):

@@ -120,7 +120,7 @@ def check(
         return
     k = int(flags[EXHAUSTED] or flags[TOO_SHORT]) - 1
     record, m = state.records[k], state.problem.unit("m")
-    side = 0 if record["end_kind"][0] >= 0 else 1
+    side = int(record["outer"])
     what = f"fluid layer '{state.problem.layers[k].name}' has used up its points"
     if not flags[EXHAUSTED]:
         needs = f"the {state.op.name} operator needs {int(record['least'])} points"

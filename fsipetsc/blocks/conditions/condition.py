@@ -1,0 +1,148 @@
+"""What all conditions at faces have: their data, checked, and what others need to know of them.
+
+Data are numbers, or functions of place and time: f(*X, t), X the face's nodes in the reference map.
+InputError for what is no datum.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import Any, NamedTuple
+
+from fsipetsc.checks import ANY, POSITIVE, function, number
+from fsipetsc.errors import InputError
+
+#: f(*X, t) -> an array, or several
+Function = Callable[..., Any]
+#: a number or f(*X, t) -> an array
+Datum = float | Function | None
+
+#: what functions return
+_FUNCTIONS = {"x": "d positions", "velocity": "d velocities", "values": "the unknowns"}
+_VECTORS = "u", "shift"
+
+
+class FaceNode(NamedTuple):
+    """What a formula is given at a node of a face, as symbols.
+
+    n: outward area vector per unit of the reference coordinates, size: |n|; g: n . v of the grid's
+    velocity v; wall: v where the face goes with the grid, else 0. The others are data of the
+    condition there: beyond: (rho, p, u, T) outside; pressure; width: of the gas behind the face, or
+    the slip length; rise: outward derivative of the outward velocity, None where order is 0.
+    """
+
+    n: Any
+    size: Any
+    g: Any
+    wall: Any
+    beyond: Any
+    pressure: Any
+    width: Any
+    rise: Any
+
+
+@dataclass(frozen=True)
+class Effect:
+    """What a condition adds to rates, without its data: faces of one effect share a loop.
+
+    by: the class with its formula, if it has one. heated: heat comes in. moves: the face goes with
+    the grid. first_order: viscosity and conduction matter to what leaves.
+    """
+
+    by: Any
+    heated: bool = False
+    moves: bool = False
+    first_order: bool = False
+
+
+class Condition:
+    """What stands at a face. Makes data floats and tuples of floats.
+
+    of: kinds of block that it is for. ranges: what data must be that may be numbers, by name.
+    part: what it is to a particle (fsipetsc.blocks.particles): "wall", "slip", "clamp" or "roller".
+    holds: it prescribes motion; all_given: all unknowns. imposes_T: T is that of the face, where it
+    is given. passes: "gas" or "waves" where these go through. knows_inflow: it says which gas comes
+    in. free_velocity: velocity may be given without x. Formulas, None where there is none: leaving
+    (gas, w, face): mass, momentum and energy that leave a gas of the state w; traction(gas, w,
+    face): the force on it; pull(solid, F, T, N, v, stress): that on a solid per area at rest.
+    """
+
+    of = frozenset({"fluid", "solid"})
+    ranges = {"T": POSITIVE, "heat_flux": ANY}  # noqa: RUF012
+    part = passes = ""
+    holds = all_given = free_velocity = False
+    imposes_T = knows_inflow = True
+    leaving = traction = pull = None
+
+    def __post_init__(self) -> None:
+        name, given = type(self).__name__, set()
+        for field in fields(self):  # type: ignore[arg-type]
+            key, value, what = field.name, getattr(self, field.name), f"{name}: {field.name}"
+            if value is None and field.default is None:
+                continue
+            given.add(key)
+            if key in _FUNCTIONS:
+                function(value, what, f"{key}(*X, t) -> {_FUNCTIONS[key]}")
+            elif key in self.ranges and not callable(value):
+                object.__setattr__(self, key, number(value, what, self.ranges[key]))
+            elif key in _VECTORS and not callable(value):
+                items = enumerate(value if isinstance(value, (tuple, list)) else (value,))
+                found = (v if callable(v) else number(v, f"{what}[{k}]") for k, v in items)
+                object.__setattr__(self, key, tuple(found))
+        if {"T", "heat_flux"} <= given:
+            raise InputError(f"{name}: T and heat_flux are both given: expected one, or neither")
+        if "velocity" in given and "x" not in given and not self.free_velocity:
+            raise InputError(f"{name}: velocity is given, and x is not: expected both, or x alone")
+
+    @property
+    def acts(self) -> bool:
+        """Whether it adds anything but heat to the rates at its faces."""
+        return any((self.leaving, self.traction, self.pull))
+
+    @property
+    def effect(self) -> Effect | None:
+        """What it adds to them."""
+        acts, heated = self.acts, getattr(self, "heat_flux", None) is not None
+        by = type(self) if acts else Condition
+        first_order = getattr(self, "order", 0) == 1
+        return Effect(by, heated, acts and moves(self), first_order) if acts or heated else None
+
+
+class OfGas(Condition):
+    """A condition of a gas alone."""
+
+    of = frozenset({"fluid"})
+
+
+class OfSolid(Condition):
+    """A condition of a solid alone."""
+
+    of = frozenset({"solid"})
+
+
+def moves(condition: Any) -> bool:
+    """Whether a face moves by given data."""
+    return getattr(condition, "x", None) is not None
+
+
+def slides(condition: Any) -> bool:
+    """Whether it is a wall that holds a gas across itself alone."""
+    slips = getattr(condition, "slip_length", None) is not None
+    return slips or getattr(condition, "part", "") == "slip"
+
+
+def warms(condition: Any) -> bool:
+    """Whether it prescribes the temperature at its face."""
+    return getattr(condition, "T", None) is not None and condition.imposes_T
+
+
+def steady(condition: Any) -> bool:
+    """Whether no data of a condition depend on time."""
+    data = vars(condition).values()
+    return not any(callable(v) for d in data for v in (d if isinstance(d, tuple) else (d,)))
+
+
+def conserves_energy(condition: Any) -> bool:
+    """Whether neither heat nor work passes a face."""
+    names = "T", "heat_flux", "x", "velocity"
+    given = any(getattr(condition, name, None) is not None for name in names)
+    return not (given or condition.passes) and getattr(condition, "pressure", 0.0) == 0.0

@@ -1,0 +1,35 @@
+"""A gas that flows out: F(U_in).
+
+With a pressure p_b beyond and a Mach number m < 1 through the face it is that of Lax and
+Friedrichs, with U_out of density and velocity of U_in and of pressure p + (1 - m^2)(p_b - p); m = 0
+where gas flows in.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fsipetsc.blocks.conditions.condition import Datum, FaceNode, OfGas
+from fsipetsc.blocks.conditions.flow import mixed_flux, surface_flux
+from fsipetsc.checks import NONNEGATIVE
+from fsipetsc.equations.vectors import choose, dot
+
+
+@dataclass(frozen=True)
+class Outflow(OfGas):
+    """Gas flows out, against a pressure [Pa] where slower than sound; 0 where it nowhere is."""
+
+    pressure: Datum = 0.0
+    ranges = OfGas.ranges | {"pressure": NONNEGATIVE}
+    passes = "gas"
+    knows_inflow = False
+
+    @staticmethod
+    def leaving(gas, w, face: FaceNode):
+        """F(U_in), or that of Lax and Friedrichs; see above."""
+        n, g, pressure = face.n, face.g, face.pressure
+        m = np.maximum((dot(n, gas.velocity(w)) - g) / face.size, 0.0) / gas.speed_of_sound(w)
+        p = w[1] + np.maximum(1.0 - m * m, 0.0) * (pressure - w[1])
+        held = gas.state(w[0], gas.velocity(w), gas.law.temperature_of(w[0], p))
+        fast = surface_flux(gas, w, n, g)
+        return choose(pressure == 0.0, fast, mixed_flux(gas, w, held, n, g))

@@ -1,0 +1,58 @@
+"""Walls of a gas, to which it sticks or along which it slips.
+
+Where a gas slips with the length l of Navier, its nodes get (0, t, t . w), t = mu/l (u - w) |n|
+without its part along n, from a wall of velocity w.
+"""
+
+from dataclasses import dataclass
+
+from fsipetsc.blocks.conditions.condition import Datum, FaceNode, Function, OfGas
+from fsipetsc.checks import POSITIVE
+from fsipetsc.equations.vectors import along, dot, scale, sub
+
+
+@dataclass(frozen=True)
+class NoSlip(OfGas):
+    """Wall that the gas sticks to: adiabatic, of temperature T [K], or with heat flux [W/m2] in.
+
+    At rest, or where x(*X, t) -> d positions [m] says; velocity(*X, t) -> d velocities [m/s] is
+    found by differences of x if it is not given.
+
+    slip_length [m]: the gas slips along the wall with this length times the slope of its velocity
+    (Navier), so that it may meet a wall, or a solid, that moves along this one.
+    """
+
+    T: Datum = None
+    heat_flux: Datum = None
+    x: Function | None = None
+    velocity: Function | None = None
+    slip_length: Datum = None
+    ranges = OfGas.ranges | {"slip_length": POSITIVE}
+    part = "wall"
+    holds = True
+
+    @property
+    def acts(self) -> bool:
+        """Whether the gas slips."""
+        return self.slip_length is not None
+
+    @staticmethod
+    def traction(gas, w, face: FaceNode):
+        """t; see above."""
+        past = sub(gas.velocity(w), face.wall)
+        past = along(past, -dot(past, face.n) / (face.size * face.size), face.n)
+        return scale(-gas.mu * gas.transport.viscosity(w[2]) * face.size / face.width, past)
+
+
+@dataclass(frozen=True)
+class Slip(OfGas):
+    """Wall along which the gas slips without heat, or a plane of symmetry; moves as a NoSlip.
+
+    Faces of one name are one wall, also around an edge; without names, those that go on smoothly.
+    """
+
+    x: Function | None = None
+    velocity: Function | None = None
+    name: str = ""
+    part = "slip"
+    holds = True
