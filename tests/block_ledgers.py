@@ -47,20 +47,21 @@ class Steps(BlockState):
 
     def gained(self):
         """The same, of what has come in."""
-        mass = self._came("mass_in").sum() if "mass_in" in self._at else 0.0
-        impulse = (self._came(f"impulse_{x}")[0] for x in "xyz"[: self.problem.dimension])
-        return np.array([mass, *impulse, self._came("energy_in")[0]])
+        mass = self.of_faces("mass_in").sum() if "mass_in" in self._at else 0.0
+        impulse = (self.of_faces(f"impulse_{x}")[0] for x in "xyz"[: self.problem.dimension])
+        return np.array([mass, *impulse, self.of_faces("energy_in")[0]])
 
     def lost(self):
         """Of the kinetic and elastic energy of solids, where that is known."""
-        return self._came("lost_energy")[0] if self.lossy else 0.0
+        return self.of_faces("lost_energy")[0] if self.lossy else 0.0
 
     def face_energies(self):
         """Name of a face -> energy that has come in there, heat among it."""
-        both = zip(self._came("energy_face"), self._came("heat_face"), strict=True)
+        both = zip(self.of_faces("energy_face"), self.of_faces("heat_face"), strict=True)
         return dict(zip(self.problem.face_names, both, strict=True))
 
-    def _came(self, name):
+    def of_faces(self, name):
+        """What has come in, by the name of its columns."""
         return self.came[self._at[name]]
 
 

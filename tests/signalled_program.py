@@ -25,9 +25,7 @@ from fsipetsc.process.launch import start_mpi, start_petsc
 # as the program does; to import PETSc would start it with signals of its own
 start_petsc([], start_mpi())
 
-from fsipetsc.output import checkpoint_file, pieces
-from fsipetsc.output.writer import RunWriter
-from fsipetsc.stepping import run
+from fsipetsc.output import checkpoint_file, pieces, writer
 
 places, seen = json.loads(sys.argv.pop(1)), Counter()
 
@@ -63,10 +61,10 @@ def put_signalled(path: Path, content: bytes) -> None:
 
 
 put, checkpoint_file.put = checkpoint_file.put, put_signalled
-signalled(RunWriter, "_begin", "begin", "begun")
-signalled(run._Run, "_frame", "frame")
-signalled(RunWriter, "_view", "fill")
-signalled(RunWriter, "_publish", "piece")
+signalled(writer.RunWriter, "__init__", "begin", "begun")
+signalled(writer.RunWriter, "write_frame", "frame")
+signalled(writer, "view", "fill")
+signalled(pieces, "publish", "piece")
 signalled(pieces, "join", "join")
 signalled(pieces, "clear", "clear")
 if __name__ == "__main__":

@@ -69,10 +69,9 @@ sys.exit(max(cli.main(shlex.split(line)) for line in sys.argv[1:]))
 
 
 def do(lines: list[str], folder: Path, ranks: int = 1, **env: str) -> None:
-    """Do command lines with libraries of their own, in folder/cache if nothing else is said."""
+    """Do command lines in a folder."""
     folder.mkdir(exist_ok=True)
     start = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
-    env = {"FSIPETSC_CACHE": str(folder / "cache"), **env}
     done = launch([*start, sys.executable, "-c", LINES, *lines], folder, env)
     assert (done.returncode, done.stderr) == (0, ""), done.stderr
 
@@ -161,15 +160,14 @@ def test_other_numbers_sizes_and_ranks_need_no_other_library(case, tmp_path):
     first, second = (f"{case} -fsi_h {h}" for h in SIZES[case])
 
     def run(lines, ranks=1):
-        do(
-            [f"{line} -ts_max_steps 1 -fsi_quiet -fsi_output run.h5" for line in lines],
-            tmp_path,
-            ranks,
-        )
-        return sorted(path.name for path in (tmp_path / "cache").iterdir())
+        some = [f"{line} -ts_max_steps 1 -fsi_quiet -fsi_output run.h5" for line in lines]
+        do(some, tmp_path, ranks, **own)
+        return sorted(path.name for path in cache.iterdir())
 
-    do([f"compile {first} -fsi_quiet"], tmp_path)
-    made = sorted(path.name for path in (tmp_path / "cache").iterdir())
+    cache = tmp_path / "cache"
+    own = {"FSIPETSC_CACHE": str(cache)}
+    do([f"compile {first} -fsi_quiet"], tmp_path, **own)
+    made = sorted(path.name for path in cache.iterdir())
     assert made
     sweep = [f"{first} {line.format(n)}" for line in SWEEPS[case] for n in range(1, 6)]
     assert run([*sweep, second]) == made

@@ -29,7 +29,7 @@ def bounds_of(run, k):
     areas = metrics[: d * d].reshape(d, d, -1) * np.reshape(cells, (d, 1, 1))
     squares = (areas**2).sum(axis=1)
     if run.problem.blocks[k].kind == "solid":
-        F, v = tuple(part._F), tuple(q[:, d : 2 * d].T)
+        F, v = tuple(part.F), tuple(q[:, d : 2 * d].T)
         T = equations.temperature(v, q[:, 2 * d], F)
         nodes = zip(zip(*F), T, strict=True)
         c2 = np.array([equations.wave_modulus_at(*node) for node in nodes]) / equations.m0
@@ -59,7 +59,7 @@ def test_what_bounds_a_step(shock):
         assert run.latest["least_J"][0] == pytest.approx(least, rel=1e-14)
         assert np.abs(part.metrics[4:6]).max() > 0.01  # its grid moves
         run.y.owned(0)[5] *= 0.9  # its J departs from the grid, its density does not
-        run._monitor()
+        run.scheme.monitor(run.y)
         assert run.latest["J_error"][0] == pytest.approx(0.1, rel=1e-6)
 
 
@@ -179,14 +179,14 @@ def test_a_step_that_ends_badly_is_made_in_parts():
     problem = problem_of(shape, CLOSED, gas(1), None)
     with Steps(problem) as run, Steps(problem, apart=True) as other:
         start = run.y.array.copy()
-        assert run._steps(0.0, 0.5) == (False, 0.0, 0.5) and run.results[plan.BAD] == 1.0
+        assert run.scheme.steps(0.0, 0.5) == (False, 0.0, 0.5) and run.results[plan.BAD] == 1.0
         assert np.array_equal(run.y.array, start)
         run.step(0.5)
         assert run.results[plan.BAD] == 0.0 and run.retries > 0
         other.step(0.5 / 2**run.retries, 2**run.retries)
         assert np.array_equal(run.y.array, other.y.array) and other.retries == 0
         run.results[plan.SAID_STOP] = 2.0
-        assert run._steps(0.5, 1e-3)[0], "it stops"
+        assert run.scheme.steps(0.5, 1e-3)[0], "it stops"
         assert run.results[plan.STOP] == 2.0 and run.results[plan.BAD] == 0.0
         run.step(1e3)
         assert run.results[plan.BAD] == 1.0
@@ -196,9 +196,9 @@ def test_a_batch_knows_where_its_last_step_began():
     """A state that is sound, but allows no further step, is looked into from there."""
     shape = {"gas": shapes.box((0.0,), (1.0,), 21)}
     with Steps(problem_of(shape, CLOSED, gas(1), None)) as run:
-        assert run._steps(0.0, 1e-3)[0]
+        assert run.scheme.steps(0.0, 1e-3)[0]
         first = run.y.array.copy()
-        assert run._steps(1e-3, 1e-3)[0]
+        assert run.scheme.steps(1e-3, 1e-3)[0]
         assert np.array_equal(run.before, first) and not np.array_equal(run.y.array, first)
 
 

@@ -112,7 +112,7 @@ def test_a_body_without_a_header_is_refused():
         bodies.append(image.getvalue())
     for body in bodies:
         with pytest.raises(FileError, match=r"^a\.h5: the file is damaged: "):
-            unpack(checkpoint_file._head(body) + body, "a.h5")
+            unpack(checkpoint_file.head_of(body) + body, "a.h5")
 
 
 @pytest.mark.parametrize("coupling", ["conservative", "projection"])

@@ -91,18 +91,18 @@ BROKEN = """
 import sys
 from mpi4py import MPI
 from fsipetsc.cli import main
-from fsipetsc.stepping import run
+from fsipetsc.output.writer import RunWriter
 
-frame = run._Run._frame
+write = RunWriter.write_frame
 
 
-def broken(self, t):
+def broken(self, t, fields):
     if t > 0.0035 and MPI.COMM_WORLD.rank == int(sys.argv[1]):
         raise MemoryError
-    frame(self, t)
+    write(self, t, fields)
 
 
-run._Run._frame = broken
+RunWriter.write_frame = broken
 sys.exit(main("rod -fsi_h 0.1 -fsi_output_dt 0.001 -ts_max_time 0.01 -fsi_quiet".split()))
 """
 

@@ -221,7 +221,7 @@ def test_ledgers(convection):
     with Steps(problem, form=BlockForm(convection, 1.0, 1.0)) as run:
         before = run.latest.copy()
         run.step(2e-2, 10)
-        after, work = run.latest, run._came("force_work")[0]
+        after, work = run.latest, run.of_faces("force_work")[0]
         assert run.invariants["potential"] == (convection == "entropy")
         notes = [note for note in run.first_notes() if "node by node" in note]
         assert len(notes) == (0 if convection == "entropy" else 2)

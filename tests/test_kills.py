@@ -65,7 +65,11 @@ KILLS = [
 ]
 
 
-@pytest.mark.parametrize(("case", "kills"), [("rod", KILLS), ("blast", KILLS[3:])])
+#: of two dimensions: pieces in the making, and the one file; other places are no different
+IN_PLANE = KILLS[3], KILLS[4], KILLS[7]
+
+
+@pytest.mark.parametrize(("case", "kills"), [("rod", KILLS), ("blast", IN_PLANE)])
 def test_a_run_that_is_killed_goes_on(case, kills, tmp_path):
     """Each time on another number of ranks: the same bits."""
     done = cycles(tmp_path, case, kills)

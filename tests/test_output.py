@@ -31,7 +31,7 @@ def left(tmp_path, monkeypatch):
     """What a run leaves that is killed before it joins its pieces, of four frames each."""
     monkeypatch.setattr(writer, "FRAMES", 4)
     with monkeypatch.context() as patch:
-        patch.setattr(writer.RunWriter, "_conclude", lambda *_: None)
+        patch.setattr(writer.RunWriter, "finish", lambda of, *_, **__: (of.flush(), of.close()))
         made(tmp_path / "run.h5")
     assert len(pieces.pieces(tmp_path / "run.parts")) == 4
     return tmp_path / "run.h5"

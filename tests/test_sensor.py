@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fsipetsc.blockrun.notes import MOST, _steepest
+from fsipetsc.blockrun.notes import MOST, steepest
 from fsipetsc.equations.gas import Gas
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.stiffened_gas import stiffened_gas
@@ -91,4 +91,4 @@ def test_a_burst_in_water_needs_no_capturing():
     for burst, noted in ((1e6, False), (2e8, True)):
         p = np.array([1e5, 1e5, burst])
         K = WATER.bulk_modulus(1000.0, WATER.temperature_of(1000.0, p))
-        assert (_steepest(part, p, K).max() > MOST[0]) == noted
+        assert (steepest(part, p, K).max() > MOST[0]) == noted

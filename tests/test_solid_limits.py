@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from helpers import message, solve
 
-from fsipetsc.blockrun.solid_limits import AT_ONCE, _imaginary
+from fsipetsc.blockrun.solid_limits import AT_ONCE, imaginary
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.solid_pressure import Gruneisen
 from fsipetsc.stepping.verdicts import advice, crushed
@@ -30,10 +30,10 @@ def found_in(F, law="svk", T=1.0, **more):
         part=SimpleNamespace(k=0, numbers=rows),
         owned=rows,
         X=np.zeros((d, n)),
-        _F=flat,
+        F=flat,
         stressed=lambda q, some: (np.full(len(some), T),),
     )
-    return next(_imaginary(part, None), None)
+    return next(imaginary(part, None), None)
 
 
 def stretched(stretch, d=1, across=1.0, turned=0.0):

@@ -120,7 +120,7 @@ def last_notes(state: BlockState) -> list[str]:
             K = part.equations.law.bulk_modulus(w[0], w[2])
             values = np.array([w[2], *u, K / w[0]])[:, part.owned]
         ranges[k] = np.stack([values.max(axis=1), -values.min(axis=1)], axis=1)
-        found = [] if state.shocks else [(0, _steepest(part, w[1], K), part.owned)]
+        found = [] if state.shocks else [(0, steepest(part, w[1], K), part.owned)]
         for kind, change, at in [*found, *_at_walls(problem, part, w[2], u)]:
             if change.size and change.max() > changes[k, kind, 0]:
                 changes[k, kind] = change.max(), *part.X[:, at[change.argmax()]]
@@ -183,7 +183,7 @@ def _strides(part: GasPart) -> list[int]:
     return np.cumprod([1, *part.part.patch.ghosted])[: part.block.dimension].tolist()
 
 
-def _steepest(part: GasPart, p: Array, K: Array) -> Array:
+def steepest(part: GasPart, p: Array, K: Array) -> Array:
     """|p1 - p0|/max(K0, K1) from each owned node to the next, the largest of all axes."""
     at, change = part.owned, np.zeros(part.owned.size)
     for stride, size in zip(_strides(part), part.part.patch.ghosted):

@@ -57,7 +57,7 @@ def imaginary_waves(state: BlockState, t: float, noted: set[int]) -> list[str]:
 
     t: time of the state [s]. noted: the blocks of which it was said before; more are added.
     """
-    every = _first_of_all(state, _imaginary, noted)
+    every = _first_of_all(state, imaginary, noted)
     noted.update(found.block for found in every)
     when, words = f"t = {t:.6g}{state.problem.unit('s')}", "waves have become imaginary"
     return [
@@ -119,7 +119,7 @@ def _found(part: SolidPart, order: Array, rows: Array, values: Sequence[Array]) 
 
 def _shortest(part: SolidPart, q: Array) -> Iterator[Found]:
     """The node with the least stretch, if it is crushed, and what pushes it together [Pa]."""
-    d, F = part.block.dimension, part._F
+    d, F = part.block.dimension, part.F
     good = np.flatnonzero(np.isfinite(F).all(axis=0))
     least = np.linalg.svd(F[: d * d, good].T.reshape(-1, d, d), compute_uv=False)[:, -1]
     stretch = np.min([least, *F[d * d :, good]], axis=0)
@@ -130,12 +130,12 @@ def _shortest(part: SolidPart, q: Array) -> Iterator[Found]:
     yield from _found(part, stretch[few], rows, push)
 
 
-def _imaginary(part: SolidPart, q: Array) -> Iterator[Found]:
+def imaginary(part: SolidPart, q: Array) -> Iterator[Found]:
     """The node where m0 c^2 is most below 0, and its stretch along these waves."""
     d = part.block.dimension
-    F = part._F[: d * d].T.reshape(-1, d, d)
+    F = part.F[: d * d].T.reshape(-1, d, d)
     strain = np.abs(np.einsum("nki,nkj->nij", F, F) - np.eye(d)).max(axis=(1, 2))
-    strain = np.maximum(strain, np.abs(part._F[d * d :].T - 1.0).max(axis=1, initial=0.0))
+    strain = np.maximum(strain, np.abs(part.F[d * d :].T - 1.0).max(axis=1, initial=0.0))
     rows = np.flatnonzero(strain > SMALL)
     if not rows.size:
         return
@@ -150,7 +150,7 @@ def _softest(part: SolidPart, q: Array, rows: Array) -> Array:
     that is not below 0; |F N| of this direction.
     """
     d, at = part.block.dimension, np.arange(rows.size)
-    F, T = tuple(part._F[:, rows]), part.stressed(q, rows)[0]
+    F, T = tuple(part.F[:, rows]), part.stressed(q, rows)[0]
     C, N = _tangent(part, F, T), _directions(d)
     scale = np.abs(C).max(axis=(0, 1, 2, 3))
     A = np.einsum("iajbn,ma,mb->ijnm", C / scale, N, N, optimize=True)

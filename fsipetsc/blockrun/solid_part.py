@@ -41,7 +41,7 @@ class SolidPart(BlockPart):
         self._masses = self.weights * self.inertia[self.owned]
         self._loses = int(loses(self._problem, part.k))
         strain = self.equations.unstrained((0.0,) * d)
-        self._F = np.zeros((len(strain), part.numbers.size))
+        self.F = np.zeros((len(strain), part.numbers.size))
         self.prestress = prestress_of(self.block, self.X)
         self._work = solid_work(self.equations, part.bands, part.patch, order // 2)
         self._volume = SolidVolume(self.equations, self._work, self.metrics, self.prestress)
@@ -92,7 +92,7 @@ class SolidPart(BlockPart):
         for c in range(self._d):
             q[:, c] = (places[c] - X[c]) * np.where(X[c] == self.X[c], 1.0, -1.0)
         self.monitor(q)
-        return tuple(self._F)
+        return tuple(self.F)
 
     def _stored_by_prestress(self, F: Any, at: Array) -> Any:
         """Energy per mass [J/kg] of ghosted nodes with heat 'elastic': S : (F - 1)/m0."""
@@ -106,7 +106,7 @@ class SolidPart(BlockPart):
 
     def volume_ratio(self) -> Array:
         """(M,) det F of the owned nodes, by the last F."""
-        ratio: Array = self.equations.volume(tuple(self._F))
+        ratio: Array = self.equations.volume(tuple(self.F))
         return ratio
 
     def monitor(self, q: Array) -> tuple[Array, Array]:
@@ -139,7 +139,7 @@ class SolidPart(BlockPart):
             prestress=self.prestress if self.prestress.size else None,
             room=np.zeros((MONITORED + sums_of(d)) * part.patch.own[0]),
             masses=self._masses,
-            F=self._F,
+            F=self.F,
             sums=np.zeros(sums_of(d) + 1),
             interfaces=np.array(found, float).reshape(-1, 4),
             stored_at=part.ghosted_rows(part.rows(nodes)),
@@ -154,7 +154,7 @@ class SolidPart(BlockPart):
         """(n, d) unit normals out of the solid of a face as it is at owned nodes, by the last F."""
         d = self._d
         A = tuple(self.metrics[axis * d : (axis + 1) * d, self.owned[rows]] * (2 * side - 1))
-        n = np.array(apply(cofactor(tuple(self._F[: d * d, rows])), A))
+        n = np.array(apply(cofactor(tuple(self.F[: d * d, rows])), A))
         return (n / np.linalg.norm(n, axis=0)).T
 
     def stressed(self, q: Array, rows: Any) -> tuple[Array, Array, Array, Array]:

@@ -49,13 +49,14 @@ def unpack(content: bytes, name: str) -> tuple[dict[str, Any], Arrays]:
     if not content.startswith(_MAGIC):
         raise FileError(f"{name}: is not a checkpoint of fsipetsc")
     head, body = content[:_HEAD], content[_HEAD:]
-    if head != _head(body):
+    if head != head_of(body):
         raise FileError(f"{name}: the checkpoint is damaged, or of another version of fsipetsc")
     with damage(name), h5py.File(io.BytesIO(body), "r") as file:
         return json.loads(file["header"].asstr()[()]), Arrays(name, file)
 
 
-def _head(body: bytes) -> bytes:
+def head_of(body: bytes) -> bytes:
+    """What a checkpoint begins with: version, checksum and length of what follows."""
     sha = hashlib.sha256(body).hexdigest()
     return f"{_MAGIC.decode()}{VERSION}\n{sha}\n{len(body)}".encode().ljust(_HEAD, b"\0")
 
@@ -106,7 +107,7 @@ def write(
             file[f"arrays/{name}"] = array
     try:
         check_place(path)  # something else may have come there meanwhile
-        put(target, _head(image.getvalue()) + image.getvalue())
+        put(target, head_of(image.getvalue()) + image.getvalue())
     except FileError as error:
         raise CheckpointError(f"the checkpoint cannot be written: {error}") from None
     except OSError as error:

@@ -116,7 +116,7 @@ class RunWriter:
             self._together(lambda: open(self._draft, "r+b").close())
             self._together(lambda: viewer.create(str(self._draft), mode="a", comm=self._comm))
             for name, _, local in parts:
-                self._together(partial(self._view, viewer, name, local))
+                self._together(partial(view, self._comm, viewer, name, local))
             self._together(viewer.destroy)
             self._grids_written = True
         self._number = self._on_root(self._publish)
@@ -255,28 +255,11 @@ class RunWriter:
             first = self.nframes - len(self._times), self.rows
             pieces.lay_out(self._draft, numbers, shapes, first)
 
-    def _view(self, viewer: PETSc.Viewer, name: str, local: Array) -> None:
-        """Write this rank's part of a dataset. Collective."""
-        # a Vec of the world, of local length zero where the rank owns nothing: that of a part of
-        # the ranks would lose data
-        width = local.shape[1] if local.ndim > 1 else 1
-        vec = PETSc.Vec().createWithArray(
-            np.ascontiguousarray(local), size=(local.size, None), bsize=width, comm=self._comm
-        )
-        group, dataset = name.split("/")
-        vec.setName(dataset)
-        viewer.pushGroup(f"/{group}")
-        vec.view(viewer)
-        viewer.popGroup()
-        vec.destroy()
-
     def _publish(self) -> int:
         """Give the piece its name, if there is one; the number of the next."""
         if not self._frames and not self._new_rows:
             return self._number
-        with open(self._draft, "rb") as file:
-            os.fsync(file.fileno())
-        os.replace(self._draft, self._draft.with_suffix(".h5"))
+        pieces.publish(self._draft)
         self.rows += sum(map(len, self._new_rows))
         self._new_rows.clear()
         return self._number + 1
@@ -289,6 +272,22 @@ class RunWriter:
             pieces.clear(self.folder)
         if join and self._about["header"].get("dimension", 1) > 1:
             xdmf.write(self.path)
+
+
+def view(comm: MPI.Comm, viewer: PETSc.Viewer, name: str, local: Array) -> None:
+    """Write this rank's part of a dataset of the piece in the making. Collective."""
+    # a Vec of the world, of local length zero where the rank owns nothing: that of a part of
+    # the ranks would lose data
+    width = local.shape[1] if local.ndim > 1 else 1
+    vec = PETSc.Vec().createWithArray(
+        np.ascontiguousarray(local), size=(local.size, None), bsize=width, comm=comm
+    )
+    group, dataset = name.split("/")
+    vec.setName(dataset)
+    viewer.pushGroup(f"/{group}")
+    vec.view(viewer)
+    viewer.popGroup()
+    vec.destroy()
 
 
 def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
