@@ -23,7 +23,7 @@ take energy, so that growth comes from the interface or from the equations.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -32,7 +32,7 @@ from mpi4py import MPI
 from scipy.linalg import orth
 
 from fsipetsc.cases.common import gas_of, solid_of
-from fsipetsc.kernels.procedure import Code, each
+from fsipetsc.kernels.procedure import Code
 from fsipetsc.kernels.unit import unit
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
@@ -43,7 +43,7 @@ from fsipetsc.paper.coupling import Face, couple
 from fsipetsc.paper.laws import law_of
 from fsipetsc.paper.stencils import Stencils, stencils
 from fsipetsc.process.libraries import libraries
-from fsipetsc.studies.spectra import CENTRAL, Real, step_limit
+from fsipetsc.studies.spectra import Real, derivatives, step_limit
 
 #: step of the numerical differentiation, relative to the size of each variable
 STEP = 2.0**-7
@@ -184,31 +184,33 @@ def of_paper(state: Constant, order: int, n: int, h: float, coupling: str) -> Re
     """Derivative, (6n, 6n), of the interface treatment at the constant state, by the solver's own
     code, on the rows next to the interface."""
     rows, gas, solid = row_length(operator(order)), law_of(state.gas), law_of(state.solid)
-    size = 6 * rows
     constant = np.repeat([state.rho, 0.0, state.T, 0.0, state.stress, state.T], rows)
-    steps = STEP * np.repeat(state.scales, rows)
-    multiples = np.array([-4, -3, -2, -1, 1, 2, 3, 4])
-    # change m of variable c stands in row (m, c)
-    changed = constant + multiples[:, None, None] * np.diag(steps)
-    rho, u, T, v, sigma, Ts = np.moveaxis(changed.reshape(8 * size, 6, rows), 1, 0)
-    places = np.broadcast_to(-h * state.stretch * np.arange(rows), rho.shape)
-    f = np.stack([rho, rho * u, gas.total_energy(rho, u, T)], axis=-1)
-    s = np.stack([v, sigma, Ts, places], axis=-1)
-    face = Face(coupling, gas, solid, True, h)
-    couple_all(Interfaces(stencils(order), face, np.zeros(4), f, s))
-    u, T = gas.velocity_and_temperature(*np.moveaxis(f, -1, 0))
-    after = np.stack([f[..., 0], u, T, *np.moveaxis(s, -1, 0)[:3]], axis=1)
-    after = after.reshape(8, size, size)
+    face, x = Face(coupling, gas, solid, True, h), -h * state.stretch * np.arange(rows)
+    interface = Interface(
+        stencils(order), face, np.zeros(4), np.empty((rows, 3)), np.empty((rows, 4))
+    )
+    treat = treatment_of(interface)
+
+    def treated(i: int, change: float) -> Real:
+        """What the treatment makes of the constant state with a change of number i."""
+        y = constant.copy()
+        y[i] += change
+        rho, u, T, *of_solid = y.reshape(6, rows)
+        interface.f[:] = np.stack([rho, rho * u, gas.total_energy(rho, u, T)], axis=-1)
+        interface.s[:] = np.stack([*of_solid, x], axis=-1)
+        treat()
+        u, T = gas.velocity_and_temperature(*interface.f.T)
+        return np.concatenate([interface.f[:, 0], u, T, *interface.s.T[:3]])
+
     near, beyond = np.arange(rows), n - 1 - np.arange(rows)
     index = np.concatenate([c * n + (near if c < 3 else beyond) for c in range(6)])
     jacobian = np.eye(6 * n)
-    jacobian[np.ix_(index, index)] = np.tensordot(CENTRAL, after[4:] - after[3::-1], 1).T / steps
+    jacobian[np.ix_(index, index)] = derivatives(treated, STEP * np.repeat(state.scales, rows))
     return jacobian
 
 
-class Interfaces(NamedTuple):
-    """The rows of many interfaces of one kind: f (m, rows, 3) of the gas, s (m, rows, 4) of the
-    solid."""
+class Interface(NamedTuple):
+    """The rows of an interface: f (rows, 3) of the gas, s (rows, 4) of the solid."""
 
     op: Stencils
     face: Face
@@ -217,18 +219,17 @@ class Interfaces(NamedTuple):
     s: Real
 
 
-def couple_all(interfaces: Interfaces) -> None:
-    """Apply the treatment of all interfaces, in place."""
+def treatment_of(interface: Interface) -> Callable[[], object]:
+    """A function, compiled, that applies the treatment of an interface in place."""
 
-    def couple_each(of):
-        """Couple the rows of interfaces."""
-        for m in each(of.f.shape[0]):
-            couple(of.op, of.face, of.jump, of.f[m], of.s[m])
+    def couple_rows(of):
+        """Couple the rows of an interface."""
+        couple(of.op, of.face, of.jump, of.f, of.s)
 
     code = Code(unit({}, []))
-    call = code.procedure("couple_each", couple_each, interfaces)
+    call = code.procedure("couple_rows", couple_rows, interface)
     code.load(libraries(MPI.COMM_SELF, [code.text])[0])
-    call()
+    return call
 
 
 def one_particle(state: Constant, n: int) -> Real:

@@ -24,7 +24,7 @@ from fsipetsc.blocks.conditions import Condition
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import InputError
-from fsipetsc.studies.spectra import CENTRAL, Complex, Real
+from fsipetsc.studies.spectra import Complex, Real, derivatives
 
 #: least disturbance, as a fraction of what there is
 NUDGE = 0.005
@@ -118,14 +118,15 @@ def linear_modes(state: BlockState, axis: int, n: int) -> tuple[Complex, list[Co
     for sizes, i, mass in of_blocks:
         sizes[:, i : i + d] = (slowest * mass)[:, None]
     nudges = NUDGE * np.concatenate([sizes.ravel() for sizes, _, _ in of_blocks])
-    found = np.zeros((2, len(scales), len(scales)), complex)
-    unknowns = ((k, *at) for k, shape in enumerate(shapes) for at in np.ndindex(*shape))
-    for i, (k, j, c) in enumerate(unknowns):
-        for multiple, weight in enumerate(CENTRAL, 1):
-            for sign in (1, -1):
-                y = start.copy()
-                block(k, y)[j, 0, c] += sign * multiple * nudges[i]
-                found[:, :, i] += sign * weight / nudges[i] * (part @ evaluate(y))
+    unknowns = [(k, *at) for k, shape in enumerate(shapes) for at in np.ndindex(*shape)]
+
+    def disturbed(i: int, change: float) -> Complex:
+        """The same of all columns where unknown i of column 0 is changed, (2, N)."""
+        y, (k, j, c) = start.copy(), unknowns[i]
+        block(k, y)[j, 0, c] += change
+        return part @ evaluate(y)
+
+    found = derivatives(disturbed, nudges)
     rates, projection = (of * scales / scales[:, None] for of in (found[0], found[1].real))
     rest, values = evaluate(start) / scales
     moving = np.abs(rest @ projection.T).max() > AT_REST * np.abs(rates).max()
