@@ -14,8 +14,8 @@ import numpy as np
 
 import fsipetsc
 from fsipetsc import Fluid, FluidLayer, Problem, Solid, SolidLayer, Wall
-from fsipetsc.analysis.stability_linear import Constant
 from fsipetsc.errors import FsiError
+from fsipetsc.studies.stability_linear import Constant
 
 #: m0 over the density of the gas, K over its pressure
 MASSES, STIFFNESSES = (1e-3, 1e-1, 1.0, 1e2, 1e4), (1e-2, 1.0, 1e2, 1e3)

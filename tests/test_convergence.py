@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from helpers import message, solve
 
-from fsipetsc.analysis.convergence_table import Study
+from fsipetsc.studies.convergence_table import Study
 
 
 def table(folder, *words, name="mms", ranks=1):

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from helpers import message, program, rows_of, solve
 
-from fsipetsc.analysis.panel_modes import crossing, fit_modes, unit_of
 from fsipetsc.errors import ComputationError
-from fsipetsc.verify.entry import reference
+from fsipetsc.studies.panel_modes import crossing, fit_modes, unit_of
+from fsipetsc.studies.verify.data import reference
 
 #: a thick and light panel on a coarse grid: a second or two each
 COARSE = "-fsi_h 0.0625 -panel_thickness 0.1 -panel_height 0.5 -flutter_machs 2"

@@ -6,15 +6,15 @@ from helpers import REPOSITORY
 
 PACKAGE = REPOSITORY / "fsipetsc"
 #: folders and files of the package: each imports from those to its right alone
-ORDER = """__main__ → cli api → verify bench → analysis → stepping blockrun paper → output → process
+ORDER = """__main__ → cli api → studies → stepping blockrun paper → output → process
 → cases → usage → options → mesh_files → scheme → parallel → problem → boundaries → blocks
 → materials → operators → equations → kernels → blame checks → errors → __init__"""
 RANK = {name: rank for rank, names in enumerate(ORDER.split("→")) for name in names.split()}
 #: these three make a run, and know each other
 RUN = {"stepping", "blockrun", "paper"}
 #: who knows MPI, PETSc: who starts them, computes or writes with them, reads PETSc's options
-MPI = RUN | {"cli", "api", "verify", "analysis", "bench", "output", "process", "parallel"}
-PETSC = RUN | {"analysis", "bench", "output", "process", "options"}
+MPI = RUN | {"cli", "api", "studies", "output", "process", "parallel"}
+PETSC = RUN | {"studies", "output", "process", "options"}
 PETSC |= {"parallel/block_layout.py"}  # has the DMDAs
 
 

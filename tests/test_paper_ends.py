@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from fsipetsc.analysis.spectra import CENTRAL
 from fsipetsc.boundaries import Dirichlet, Open, absorbing, clamped, free
 from fsipetsc.kernels import build
 from fsipetsc.kernels.procedure import Code
@@ -20,6 +19,7 @@ from fsipetsc.paper.ends import Ends, close_solid, fill_ghost, gradient_values
 from fsipetsc.paper.laws import Gas, law_of
 from fsipetsc.paper.layout import RECORD
 from fsipetsc.paper.stencils import stencils
+from fsipetsc.studies.spectra import CENTRAL
 
 
 class Part(NamedTuple):

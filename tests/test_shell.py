@@ -5,10 +5,6 @@ import pytest
 from helpers import computed, message, on_ranks, rows_of, solve
 from mpi4py import MPI
 
-from fsipetsc.analysis.modes import media_of
-from fsipetsc.analysis.ring_theory import Medium, mode_near
-from fsipetsc.analysis.spectra import step_limit
-from fsipetsc.analysis.wave_modes import linear_modes, radial_modes
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Centre, Free, Slip
@@ -20,6 +16,10 @@ from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.scheme.plan import RATE
+from fsipetsc.studies.modes import media_of
+from fsipetsc.studies.ring_theory import Medium, mode_near
+from fsipetsc.studies.spectra import step_limit
+from fsipetsc.studies.wave_modes import linear_modes, radial_modes
 
 #: of angular number 2, by another program: with gas, and in a vacuum
 IN_GAS = 0.117577100308, 1.720096919386, 2.088655435371

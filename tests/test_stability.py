@@ -8,14 +8,14 @@ from helpers import message, rows_of, solve
 from mpi4py import MPI
 from ratios import sandwich
 
-from fsipetsc.analysis.spectra import CENTRAL, step_limit
-from fsipetsc.analysis.stability_linear import Constant, assemble, measure
 from fsipetsc.cases import load_case
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.operators import OPERATORS, operator
 from fsipetsc.options import defaults
 from fsipetsc.paper.state import PaperState
+from fsipetsc.studies.spectra import CENTRAL, step_limit
+from fsipetsc.studies.stability_linear import Constant, assemble, measure
 
 ORDERS = pytest.mark.parametrize("order", OPERATORS)
 N = 16  # points of a layer, enough for all orders

@@ -8,9 +8,10 @@ import pytest
 from helpers import REPOSITORY, message, mpirun, program, rows_of, solve
 
 from fsipetsc.cases import superseismic as case
-from fsipetsc.verify import ENTRIES
-from fsipetsc.verify.entry import Bound, Compared, Row, problem, reference
-from fsipetsc.verify.viscous_tube import main_vortex, triple_point
+from fsipetsc.studies.verdicts import Bound, Compared, Row
+from fsipetsc.studies.verify import ENTRIES
+from fsipetsc.studies.verify.data import problem, reference
+from fsipetsc.studies.verify.viscous_tube import main_vortex, triple_point
 
 
 def test_orders_and_verdicts():
@@ -117,7 +118,7 @@ def test_references_are_those_of_the_literature():
 def test_entries_say_all_that_another_code_needs(tmp_path):
     """So do their pages."""
     for name in ENTRIES:
-        entry = importlib.import_module(f"fsipetsc.verify.{name}")
+        entry = importlib.import_module(f"fsipetsc.studies.verify.{name}")
         assert entry.SOURCE and entry.BOUNDS and entry.FULL
         title, _, *text = problem(name).splitlines()
         assert title.startswith("# ") and 5 < len(text) <= 40
@@ -132,7 +133,7 @@ SMALL = """
 import pytest
 from mpi4py.MPI import COMM_WORLD
 from fsipetsc.errors import RanksError
-from fsipetsc.verify.command import on_as_many
+from fsipetsc.studies.verify.command import on_as_many
 
 def run(ranks):
     tried.append(ranks.size)

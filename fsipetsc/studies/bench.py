@@ -1,0 +1,194 @@
+"""The command ``python -m fsipetsc bench``: what a time step costs.
+
+Measured are the falling rod and a gas beneath a solid (fsipetsc.studies.square), for orders, grids,
+forms and numbers of ranks. A sample is some whole steps as a run makes them, but for output. Those
+of all numbers of ranks and of other programs are taken in turn; ranks without a part sleep. A time
+is the median of its samples, a ratio that of pairs taken one after the other.
+"""
+
+import os
+import subprocess
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from itertools import product
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from fsipetsc.cases import load_case
+from fsipetsc.errors import InputError
+from fsipetsc.options import RUN, defaults, read_table
+from fsipetsc.options.option import Option
+from fsipetsc.process.launch import start_petsc
+from fsipetsc.process.together import Comm, together
+from fsipetsc.studies import square
+from fsipetsc.studies.tables import csv_target, listed_in, printer, save_csv
+
+#: form -> -fsi_convection, whether there is viscosity, words for the other program
+FORMS = {
+    "entropy": ("entropy", False, ""),
+    "divergence": ("divergence", False, "-form div"),
+    "viscous": ("entropy", True, "-visc 1"),
+    "divergence-viscous": ("divergence", True, "-form div -visc 1"),
+}
+COLUMNS = "problem order form n ranks step_us ns_node_rhs other_us ratio speed_up".split()
+#: in the words of a program, where the number of steps stands
+STEPS = "STEPS"
+_WHAT = "0: the rod; 1, 2, 3: gas | solid in that number of dimensions"
+OPTIONS = (
+    Option("bench_problems", "ints", (0, 1, 2, 3), "", _WHAT, check=listed_in((0, 1, 2, 3))),
+    Option("bench_orders", "ints", (4,), "", "operators' orders", check=listed_in((2, 4, 6, 8))),
+    Option("bench_form", str, "all", "", "form of gas | solid", ("all", *FORMS)),
+    Option("bench_rod", "ints", (480, 3840, 100_000), "", "points of the rod", check="positive"),
+    Option("bench_line", "ints", (240, 2000, 50_000), "", "nodes of a block", check="positive"),
+    Option("bench_square", "ints", (64, 128, 256), "", "nodes of an axis in 2-D", check="positive"),
+    Option("bench_cube", "ints", (32, 64), "", "nodes of an axis in 3-D", check="positive"),
+    Option("bench_ranks", "ints", None, "", "numbers of ranks; else 1, 2, 4 …", check="positive"),
+    Option("bench_seconds", float, 0.2, "s", "approximate length of a sample", check="positive"),
+    Option("bench_repeats", int, 5, "", "samples; their median counts", check="positive"),
+    Option("bench_rod_program", str, None, "", "folder of another program for the rod"),
+    Option("bench_square_program", str, None, "", "folder of another program for gas | solid, 2-D"),
+    Option("fsi_output", str, "bench", "", "base name of the table NAME.csv"),
+)
+SECTIONS = {
+    "Benchmark": OPTIONS,
+    "Run": tuple(option for option in RUN if option.name in ("fsi_quiet", "fsi_partition")),
+}
+
+
+def targets(opt: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
+    """All that the options ask for: the first columns of a row, a case, options of its run; another
+    program and its words. The rod's 6 m have 1 m of solid."""
+    of_dimension = {1: "bench_line", 2: "bench_square", 3: "bench_cube"}
+    forms = FORMS if opt["bench_form"] == "all" else (opt["bench_form"],)
+    for problem, order in product(opt["bench_problems"], opt["bench_orders"]):
+        for points in opt["bench_rod"] if problem == 0 else ():
+            own = {"fsi_order": order, "fsi_h": 1.0 / max(1, round(points / 6))}
+            words = order, repr(own["fsi_h"]), 3, "-q", "-n", STEPS
+            yield ("rod", order, "", points), load_case("rod"), own, "rod", words
+        for form, n in product(forms, opt[of_dimension[problem]]) if problem else ():
+            convection, viscous, more = FORMS[form]
+            own = {"fsi_order": order, "fsi_h": 1.0 / n, "fsi_convection": convection}
+            own |= {"square_dimension": problem, "square_viscous": viscous}
+            about, program = (f"{problem}-D", order, form, n), "plane" if problem == 2 else ""
+            yield about, square, own, program, (order, n, n, STEPS, "-q", *more.split())
+
+
+def bench(arguments: list[str], comm: Comm) -> None:
+    """The command, with the arguments after its name. Collective on comm.
+
+    InputError for options, ranks that do not fit, another program that does not run; FileError.
+    """
+    opt = read_table(SECTIONS, start_petsc(arguments, comm))
+    path, say = csv_target(opt["fsi_output"]), printer(comm, opt)
+    counts = sorted({*(opt["bench_ranks"] or [1 << k for k in range(16) if 1 << k <= comm.size])})
+    if comm.size < (most := counts[-1]):
+        raise InputError(f"-bench_ranks {most}: put mpiexec -n {most} before the command")
+    teams = {n: comm.Split(int(comm.rank >= n), comm.rank) for n in counts}
+    folders = ("rod", opt["bench_rod_program"]), ("plane", opt["bench_square_program"])
+    given = {name: folder for name, folder in folders if folder and comm.rank == 0}
+    rows: list[Sequence[object]] = []
+    programs = together(comm, lambda: {name: executable(name, given[name]) for name in given})
+    say(f"load of the machine: {os.getloadavg()[0]:.1f}")
+    say(" ".join(f"{name:>11}" for name in COLUMNS))
+    for about, case, own, name, words in targets(opt):
+        options = {**defaults(case), "fsi_partition": opt["fsi_partition"], **own}
+        other = (programs[name], *words) if name in programs else ()
+        for row in measured(case, options, opt, comm, teams, other):
+            rows.append([*about, *row])
+            say(" ".join(f"{value!s:>11}" for value in rows[-1]))
+    together(comm, lambda: None if comm.rank else save_csv(path, COLUMNS, rows))
+    say(f"the table is in {path}")
+
+
+def measured(
+    case: Any,
+    options: Mapping[str, Any],
+    opt: Mapping[str, Any],
+    comm: Comm,
+    teams: Mapping[int, Comm],
+    other: Sequence[object],
+) -> list[Sequence[object]]:
+    """The last columns for each number of ranks, on rank 0. Collective. InputError where ranks do
+    not fit. other: another program and its words; empty where there is none.
+    """
+
+    def on(ranks: int, action: Callable[[], Any]) -> Any:
+        """What an action gives on the first ranks, None on the others, which sleep meanwhile."""
+        return together(comm, action if comm.rank < ranks else lambda: None, asleep=True)
+
+    states = {n: on(n, partial(compiled_state, case, options, teams[n])) for n in teams}
+
+    def sample(n: int, count: int) -> Any:
+        return on(n, lambda: step_time(states[n], options, count))
+
+    sample(min(teams), 2)  # for what is made once
+    step = comm.bcast(sample(min(teams), 10))
+    steps = min(20_000, max(6, round(1e6 * opt["bench_seconds"] / (step or 1.0))))
+    times: dict[int, list[float]] = {n: [] for n in teams}
+    beside = []
+    for _ in range(opt["bench_repeats"]):
+        for n, own in times.items():
+            own.append(sample(n, steps))
+        beside.append(on(1, lambda: time_of(other, steps) if other else None))
+    rows: list[Sequence[object]] = []
+    for n, own in times.items() if comm.rank == 0 else ():
+        of_node = 1e3 * median(own) / (4 * states[n].points)  # four stages
+        row = [n, f"{median(own):.4g}", f"{of_node:.3g}", "", "", ""]
+        if other:
+            row[3:5] = f"{median(beside):.4g}", _ratio(own, beside)
+        if n > 1 and 1 in times:
+            row[5] = _ratio(times[1], own)
+        rows.append(row)
+    for state in filter(None, states.values()):
+        state.destroy()
+    return rows
+
+
+def _ratio(a: list[float], b: list[float]) -> str:
+    return f"{median(x / y for x, y in zip(a, b, strict=True)):.3g}"
+
+
+def compiled_state(case: Any, opt: Mapping[str, Any], comm: Comm) -> Any:
+    """The state of a problem, compiled. Collective; InputError where it does not fit."""
+    from fsipetsc.stepping.solve import build_problem, make_state
+
+    state = make_state(build_problem(case, opt, comm), dict(opt), comm)
+    state.set_initial()
+    return state
+
+
+def step_time(state: Any, opt: Mapping[str, Any], count: int) -> float:
+    """Time [µs] of a step, the average of the first ``count``. Collective."""
+    from mpi4py import MPI
+
+    from fsipetsc.stepping.integrator import Integrator
+
+    integrator = Integrator(state, {**opt, "ts_max_steps": count}, [opt["ts_max_time"]])
+    integrator.start()
+    state.comm.Barrier()
+    integrator.run()
+    return 1e6 * state.comm.allreduce(integrator.wall_time, MPI.MAX) / integrator.steps
+
+
+def executable(name: str, folder: str) -> Path:
+    """The other program of this name in a folder. InputError.
+
+    ``rod ORDER H T -q -n STEPS`` makes steps of the falling rod from rest; the fifth word that it
+    prints is µs a step. ``plane ORDER N N STEPS -q [-form div] [-visc 1]`` makes those of a gas and
+    a solid of N by N points; µs a step follow the word ``median``.
+    """
+    path = Path(folder).resolve() / name
+    if not os.access(path, os.X_OK):
+        raise InputError(f"{folder}: no {name} that can be run there: build it first")
+    return path
+
+
+def time_of(command: Sequence[object], steps: int) -> float:
+    """Time of a step [µs] by a program with these words, of so many steps. InputError."""
+    words = [str(steps if word == STEPS else word) for word in command]
+    try:
+        said = subprocess.run(words, capture_output=True, text=True, check=True).stdout.split()
+        return float(said[said.index("median") + 1] if "median" in said else said[4])
+    except (OSError, subprocess.CalledProcessError, IndexError, ValueError) as error:
+        raise InputError(f"{' '.join(words)} does not answer as it should: {error}") from None

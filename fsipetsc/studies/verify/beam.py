@@ -1,0 +1,61 @@
+"""Free vibration of a clamped and of a hinged beam in vacuum."""
+
+import numpy as np
+from mpi4py import MPI
+
+from fsipetsc import Block, BlockProblem
+from fsipetsc.blockrun.block_state import BlockState
+from fsipetsc.blocks.conditions import Clamped, Free, Hinge
+from fsipetsc.blocks.maps import rectangle
+from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.studies.verdicts import Compared, Measured, Solve, expect
+from fsipetsc.studies.verify.data import reference
+
+ACROSS = 16  # cells
+QUANTITIES = "clamped, d = 0.05", "hinged, d = 0.02"
+
+
+def first_frequency(order: int, h: float, thickness: float, hinged: bool) -> float:
+    """omega [1/s] of the slowest motion that bends the beam. InputError."""
+    beam = ElasticSolid(1.0, 0.0, 0.0, 1.0, 1.0, law="linear", heat="elastic")
+    where = rectangle((0.0, -0.5 * thickness), (1.0, 0.5 * thickness))
+    block = Block("beam", beam, where, (round(1 / h), ACROSS), lambda X, Y: (0, 0, 1, X, Y))
+    ends = Free() if hinged else Clamped()
+    faces = {("beam", axis, side): Free() if axis else ends for axis in (0, 1) for side in (0, 1)}
+    points = tuple(("beam", (x, 0.0), Hinge()) for x in (0.0, 1.0)) if hinged else ()
+    problem = BlockProblem((block,), faces, points=points)
+    with BlockState(MPI.COMM_SELF, problem, order) as state:
+        state.set_initial()
+        rest, owned, size = state.y.array.copy(), state.layout.owned, 1e-3
+        f, nodes = np.empty_like(rest), len(owned(0, rest))
+        K = np.empty((2 * nodes, 2 * nodes))
+        for i in range(2 * nodes):
+            y = rest.copy()
+            owned(0, y)[i // 2, i % 2] += size  # of displacements, velocities, energy
+            state.project(y)
+            state.right_hand_side(y, f)  # linear, and 0 at rest
+            K[:, i] = -owned(0, f)[:, 2:4].ravel() / size
+    squares = np.linalg.eigvals(K).real
+    # displacements that the conditions forbid do nothing: zeros
+    return float(np.sqrt(squares[squares > 1e-11 * squares.max()].min()))
+
+
+def measure(solve: Solve, order: int, h: float) -> Measured:
+    """Relative errors."""
+    table, errors = reference("beam"), {}
+    for ends, thickness in (("clamped", 0.05), ("hinged", 0.02)):
+        found = first_frequency(order, h, thickness, ends == "hinged") / np.sqrt(thickness**2 / 6.0)
+        row = np.argmin(np.abs(table["d"] - thickness))
+        errors[f"{ends}, d = {thickness:g}"] = Compared(found, table[ends][row])
+    return Measured(errors)
+
+
+SOURCE = "verify/beams.py (Timoshenko; Euler and Bernoulli in the thin limit)"
+QUICK = {4: (1 / 20,)}
+FULL = dict.fromkeys((2, 4, 6), (1 / 20, 1 / 40))
+# measured: 6.2e-3, 1.8e-3 at order 2, h = 1/40; at most 1.4e-4, 5.1e-5 at the others, h = 1/20
+BOUNDS = {
+    **expect(QUANTITIES, (2,), error=0.01),
+    **expect(QUANTITIES[:1], (4, 6), error=2e-4),
+    **expect(QUANTITIES[1:], (4, 6), error=1e-4),
+}

@@ -1,0 +1,189 @@
+"""The command `verify`: cases against references that other codes can be tested with, too."""
+
+from collections.abc import Callable
+from functools import partial
+from importlib import import_module
+from itertools import count, takewhile
+from pathlib import Path
+from typing import Any
+
+from fsipetsc.cases import case_of, load_case
+from fsipetsc.errors import ComputationError, InputError, RanksError
+from fsipetsc.options import RUN, Option, defaults, read_table
+from fsipetsc.output.file_layout import writing
+from fsipetsc.output.reader import open_run
+from fsipetsc.process.launch import start_petsc
+from fsipetsc.process.together import Comm, together, wait_asleep
+from fsipetsc.studies.tables import csv_target, printer, results_folder, save_csv, text_table
+from fsipetsc.studies.verdicts import Bound, Compared, Measured, Row, Solve
+from fsipetsc.studies.verify import ENTRIES
+from fsipetsc.studies.verify.data import problem
+
+OPTIONS = (
+    Option("verify_level", str, "quick", "", "how many grids and orders", ("quick", "full")),
+    Option("verify_docs", str, None, "", "folder for a page and a picture of each entry"),
+    Option("fsi_output", str, "verify", "", "base name of the table NAME.csv and the pictures"),
+)
+SECTIONS: dict[str, tuple[Option, ...]] = {
+    "Verification": OPTIONS,
+    "Run": tuple(option for option in RUN if option.name == "fsi_quiet"),
+}
+HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "verdict")
+COLUMNS = "case quantity order h ranks value reference source error rate verdict".split()
+
+
+def verify(arguments: list[str], comm: Comm) -> None:
+    """The command, with the arguments after its name. Collective on comm.
+
+    Raises InputError; ComputationError at the end where a row falls short; FileError.
+    """
+    names = list(takewhile(lambda word: not word.startswith("-"), arguments))
+    opt = read_table(SECTIONS, start_petsc(arguments[len(names) :], comm))
+    for name in names:
+        if name not in ENTRIES:
+            raise InputError(f"verify: there is no entry {name!r}: expected {', '.join(ENTRIES)}")
+    path, say = csv_target(opt["fsi_output"]), printer(comm, opt)
+    rows: list[Row] = []
+    lines: list[Any] = []
+    for name in names or ENTRIES:
+        entry = import_module(f"fsipetsc.studies.verify.{name}")
+        say(f"{_title(name)} ({name}); reference: {entry.SOURCE}")
+        found, last = run_entry(name, entry, opt["verify_level"], comm, path.parent)
+        show = partial(_show, name, entry.SOURCE, found, last, opt, path)
+        lines += [line for row in found for line in _csv_lines(row, comm.size, entry.SOURCE)]
+        save = partial(save_csv, path, COLUMNS, lines)  # and again after each entry
+        for action in (show, save):
+            together(comm, action if comm.rank == 0 else lambda: None)
+        told = text_table(HEAD, [row.cells for row in found])
+        say((told if found else "only with -verify_level full") + "\n")
+        rows += found
+    wait_asleep(comm)
+    hold, free = (sum(row.verdict == word for row in rows) for word in ("holds", "no bound"))
+    short = len(rows) - hold - free
+    say(f"{hold} of {len(rows)} rows hold, {free} have no bound; saved {path}")
+    if short:
+        raise ComputationError(f"{short} of {len(rows)} rows fall short of their bounds")
+
+
+def run_entry(
+    name: str, entry: Any, level: str, comm: Comm, beside: Path
+) -> tuple[list[Row], Measured | None]:
+    """Rows of an entry, and what its last run gave. Collective; FsiError. beside: where results are
+    kept for a while.
+    """
+    rows: list[Row] = []
+    measured = None
+    with results_folder(comm, beside, "verify-") as folder:
+        solve = _solver(comm, folder)
+        for order, spacings in getattr(entry, level.upper()).items():
+            found = [entry.measure(solve, order, h) for h in spacings]
+            measured = found[-1]
+            for quantity in measured.errors:
+                numbers = tuple(one.errors[quantity] for one in found)
+                bound = entry.BOUNDS.get((quantity, order), Bound())
+                rows.append(Row(name, quantity, order, tuple(spacings), numbers, bound))
+    return rows, measured
+
+
+def _solver(comm: Comm, folder: Path) -> Solve:
+    """See fsipetsc.studies.verdicts.Solve."""
+    from fsipetsc.stepping.run import run_case
+
+    numbers = count()
+
+    def solve(what: Any, order: int, h: float, end: float | None = None, **options: Any) -> Any:
+        case = load_case(what) if isinstance(what, str) else case_of(what)
+        opt = {**defaults(case), "fsi_order": order, "fsi_h": h, "fsi_quiet": True}
+        if end is not None:
+            opt |= {"ts_max_time": end, "fsi_output_dt": end}
+        opt |= {**options, "fsi_output": str(folder / f"{next(numbers)}.h5")}
+        on_as_many(comm, lambda ranks: run_case(case, opt, ranks))
+        return open_run(opt["fsi_output"])
+
+    return solve
+
+
+def on_as_many(comm: Comm, run: Callable[[Comm], None]) -> None:
+    """run(ranks) on all ranks of comm or, where these are too many, on the first of them.
+    Collective; FsiError.
+    """
+    for size in range(comm.size, 0, -1):
+        ranks = comm.Split(int(comm.rank >= size), comm.rank)
+        try:
+            action = partial(run, ranks) if comm.rank < size else lambda: None
+            return together(comm, action, asleep=True)
+        except RanksError:
+            if size == 1:
+                raise
+        finally:
+            ranks.Free()
+
+
+def _title(name: str) -> str:
+    return problem(name).split("\n")[0].removeprefix("# ")
+
+
+def _csv_lines(row: Row, ranks: int, source: str) -> list[tuple[Any, ...]]:
+    """One line for each grid, under COLUMNS; norms of errors have no value and no reference."""
+    lines = []
+    for k, (h, found, error) in enumerate(zip(row.spacings, row.found, row.errors)):
+        observed = row.observed[k - 1] if k else ""
+        about = row.entry, row.quantity, row.order, h, ranks
+        pair = found[:2] if isinstance(found, Compared) else ()
+        value, reference = [f"{v:.12g}" for v in pair] or ("", "")
+        lines.append((*about, value, reference, source, error, observed, row.verdict))
+    return lines
+
+
+def _show(
+    name: str, source: str, rows: list[Row], last: Measured | None, opt: Any, path: Path
+) -> None:
+    """The picture, and FOLDER/NAME.md with problem, table and picture if wanted. FileError."""
+    where = path.with_name(f"{path.stem}-{name}.png")
+    if opt["verify_docs"]:
+        folder = Path(opt["verify_docs"])
+        where = folder / f"{name}.png"
+        about = f"Reference: {source}. Level: {opt['verify_level']}."
+        lines = [problem(name), about, ""]
+        if rows:
+            table = [f"| {' | '.join(cells)} |" for cells in (HEAD, *(row.cells for row in rows))]
+            lines += [table[0], "|---|---:|---|---|---|---|", *table[1:]]
+            lines += ["", f"![{_title(name)}]({name}.png)", ""]
+        else:
+            lines += ["Only `-verify_level full` runs this.", ""]
+        with writing(folder / f"{name}.md", "the page"):
+            (folder / f"{name}.md").write_text("\n".join(lines), encoding="utf-8")
+    if rows:
+        picture(_title(name), rows, last, where)
+
+
+def picture(title: str, rows: list[Row], last: Measured | None, path: Path) -> None:
+    """Ours over the reference, of the last run, and errors over the grid spacing. FileError."""
+    from matplotlib import colormaps
+    from matplotlib.figure import Figure
+
+    curve = last.curve if last else None
+    figure = Figure(figsize=(12.0 if curve else 8.0, 4.2), layout="constrained")
+    axes = figure.subplots(1, 2 if curve else 1, squeeze=False)[0]
+    if curve:
+        thick = {"color": "0.6", "linewidth": 3, "label": "reference"}
+        axes[0].plot(curve.x_reference, curve.reference, **thick)
+        axes[0].plot(curve.x, curve.ours, ".", markersize=4, label="computed")
+        axes[0].set(xlabel=curve.labels[0], ylabel=curve.labels[1])
+        axes[0].legend(frameon=False)
+    names, orders = (list(dict.fromkeys(of)) for of in zip(*[row[1:3] for row in rows]))
+    for row in rows:
+        k, mark = names.index(row.quantity), "os^v"[orders.index(row.order)]
+        label = row.quantity if row.order == orders[0] else None
+        color = colormaps["tab20"]((2 * k + k // 10) % 20)
+        axes[-1].loglog(row.spacings, row.errors, f"{mark}-", color=color, label=label)
+    for order, mark in zip(orders, "os^v"):
+        axes[-1].plot([], [], mark, color="black", label=f"order {order}")
+    axes[-1].set(xlabel="grid spacing h", ylabel="error")
+    spacings = sorted({h for row in rows for h in row.spacings})
+    axes[-1].set_xticks([], minor=True)
+    axes[-1].set_xticks(spacings, [f"{h:.3g}" for h in spacings])
+    axes[-1].legend(frameon=False, fontsize="x-small", loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    figure.suptitle(title, fontsize="medium")
+    with writing(path):
+        figure.savefig(path, dpi=75)
