@@ -9,7 +9,8 @@ from test_block_oracle import DAMPED, FACES, STICKING, check
 from test_paper_rates import RUNS, measured, state_of
 
 from fsipetsc.kernels import build
-from fsipetsc.kernels.procedure import Code, each
+from fsipetsc.kernels.loops import each
+from fsipetsc.kernels.procedure import Code
 from fsipetsc.kernels.unit import unit
 
 

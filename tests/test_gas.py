@@ -8,7 +8,7 @@ from recorded import recorded
 
 from fsipetsc.equations.gas import Gas
 from fsipetsc.equations.logarithm import logarithm_rest
-from fsipetsc.kernels.procedure import each
+from fsipetsc.kernels.loops import each
 from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.stiffened_gas import stiffened_gas

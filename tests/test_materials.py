@@ -17,7 +17,7 @@ from fsipetsc.blocks.maps import rectangle
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.procedure import each
+from fsipetsc.kernels.loops import each
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.own import gas_law, solid_law, transport_law

@@ -8,17 +8,8 @@ import pytest
 
 from fsipetsc.errors import InputError
 from fsipetsc.kernels import build
-from fsipetsc.kernels.procedure import (
-    Code,
-    each,
-    number,
-    otherwise,
-    pick,
-    stop,
-    variable,
-    when,
-    whole,
-)
+from fsipetsc.kernels.loops import each, number, otherwise, pick, stop, variable, when, whole
+from fsipetsc.kernels.procedure import Code
 from fsipetsc.kernels.symbols import exact
 from fsipetsc.kernels.unit import unit
 

@@ -19,7 +19,8 @@ from fsipetsc.blocks.plane_grid import plane_motion
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.blocks.radial_grid import radial_motion
 from fsipetsc.checks import Array
-from fsipetsc.kernels.procedure import Code, Procedure, each, invoke
+from fsipetsc.kernels.loops import each, invoke
+from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.kernels.symbols import exact
 
 

@@ -19,7 +19,7 @@ from fsipetsc.blocks.block import Block, mesh
 from fsipetsc.blocks.faces import face_nodes
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.checks import Array
-from fsipetsc.kernels.procedure import each, pick, when
+from fsipetsc.kernels.loops import each, pick, when
 from fsipetsc.kernels.symbols import exact
 
 

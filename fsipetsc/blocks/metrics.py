@@ -14,7 +14,7 @@ from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array
 from fsipetsc.equations.tensors import cofactor
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.procedure import each, pick, when
+from fsipetsc.kernels.loops import each, pick, when
 from fsipetsc.kernels.symbols import exact
 
 

@@ -24,7 +24,7 @@ from fsipetsc.blocks.metrics import Wide, slopes_along
 from fsipetsc.checks import Array
 from fsipetsc.equations.vectors import add, dot, scale, sub
 from fsipetsc.kernels.arrays import column, column_of
-from fsipetsc.kernels.procedure import each, when
+from fsipetsc.kernels.loops import each, when
 from fsipetsc.kernels.symbols import exact
 
 

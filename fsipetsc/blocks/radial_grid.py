@@ -26,7 +26,7 @@ from fsipetsc.checks import Array
 from fsipetsc.equations.tensors import cofactor, determinant
 from fsipetsc.equations.vectors import dot
 from fsipetsc.kernels.arrays import column
-from fsipetsc.kernels.procedure import each, pick
+from fsipetsc.kernels.loops import each, pick
 from fsipetsc.kernels.symbols import exact
 
 

@@ -50,7 +50,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.equations.vectors import choose
-from fsipetsc.kernels.procedure import each, stop, variable
+from fsipetsc.kernels.loops import each, stop, variable
 from fsipetsc.paper.stencils import weight
 
 #: the conductivity at the interface has the temperature that it leads to, but for this fraction, or

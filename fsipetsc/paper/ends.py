@@ -16,7 +16,7 @@ import numpy as np
 
 from fsipetsc.boundaries import Boundary, Open, Wall, clamped, free
 from fsipetsc.equations.vectors import choose
-from fsipetsc.kernels.procedure import each, named, number, pick, stop, when, whole
+from fsipetsc.kernels.loops import each, named, number, pick, stop, when, whole
 from fsipetsc.problem import Problem
 from fsipetsc.scheme.plan import EXHAUSTED
 

@@ -16,7 +16,7 @@ term ``end`` (T, T) of their own stands instead, with b at point T.
 
 import numpy as np
 
-from fsipetsc.kernels.procedure import each, named, when
+from fsipetsc.kernels.loops import each, named, when
 from fsipetsc.paper.stencils import near_ends
 
 #: where the sum of the differences that begin at point 0 stands: they may begin before the rank's

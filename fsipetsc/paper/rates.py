@@ -22,7 +22,7 @@ rates need values within twice the reach of D. The loops work on a row of scratc
 import numpy as np
 
 from fsipetsc.boundaries import Dirichlet, Open
-from fsipetsc.kernels.procedure import each, named, variable, when
+from fsipetsc.kernels.loops import each, named, variable, when
 from fsipetsc.paper.ends import gradient_values, outer_side
 from fsipetsc.paper.narrow import MARGIN, narrow_gas, narrow_solid
 from fsipetsc.paper.stencils import derivative

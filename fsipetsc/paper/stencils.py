@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.kernels.procedure import each, named, when
+from fsipetsc.kernels.loops import each, named, when
 from fsipetsc.operators.narrow import STIFFNESS, STIFFNESS_OF_WIDE, difference, end_term, levels
 from fsipetsc.operators.sbp import operator, row_length
 

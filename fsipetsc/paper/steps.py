@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.kernels.procedure import Code, Procedure, each, number, variable, when, whole
+from fsipetsc.kernels.loops import each, number, variable, when, whole
+from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.paper import coupling, ends, rates, sums
 from fsipetsc.paper.layout import DOF
 from fsipetsc.paper.stencils import Stencils, derivative

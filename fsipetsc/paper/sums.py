@@ -12,7 +12,7 @@ count.
 
 import numpy as np
 
-from fsipetsc.kernels.procedure import each, variable, when
+from fsipetsc.kernels.loops import each, variable, when
 from fsipetsc.paper.ends import beyond_boundary, outer_side
 from fsipetsc.paper.rates import own_range
 from fsipetsc.paper.stencils import near_ends

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fsipetsc.kernels.procedure import each, when, whole
+from fsipetsc.kernels.loops import each, when, whole
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, STOP, TOO_SHORT
 from fsipetsc.scheme.rows import Array
 

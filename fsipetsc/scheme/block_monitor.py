@@ -14,7 +14,7 @@ import numpy as np
 
 from fsipetsc.equations.vectors import dot, sub
 from fsipetsc.kernels.arrays import column, column_of, node
-from fsipetsc.kernels.procedure import each, variable
+from fsipetsc.kernels.loops import each, variable
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.rows import Array, aligned, moments
 

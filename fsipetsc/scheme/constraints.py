@@ -9,7 +9,7 @@ import numpy as np
 from fsipetsc.blocks.particles import SLIPS
 from fsipetsc.equations.vectors import add, choose, dot, per, scale, sub
 from fsipetsc.kernels.arrays import node, part_of, put_part
-from fsipetsc.kernels.procedure import each, number, otherwise, pick, variable, when
+from fsipetsc.kernels.loops import each, number, otherwise, pick, variable, when
 
 #: a pivot below this part of its size before elimination belongs to a constraint that others imply
 REDUNDANT = 1e-9

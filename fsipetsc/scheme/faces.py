@@ -16,7 +16,7 @@ from fsipetsc.blocks.conditions.condition import Effect, FaceNode
 from fsipetsc.equations.tensors import add_unit, outer
 from fsipetsc.equations.vectors import add, dot, last_times, per, scale
 from fsipetsc.kernels.arrays import column_of, node, part_of
-from fsipetsc.kernels.procedure import each, invoke, variable, when
+from fsipetsc.kernels.loops import each, invoke, variable, when
 from fsipetsc.scheme.normals import slope_at, turned
 
 Array = NDArray[Any]

@@ -53,7 +53,7 @@ import numpy as np
 
 from fsipetsc.equations.vectors import add, along, choose, dot, mean, scale, sub
 from fsipetsc.kernels.arrays import column, column_of, node, put_column
-from fsipetsc.kernels.procedure import each, variable, when
+from fsipetsc.kernels.loops import each, variable, when
 from fsipetsc.operators.undivided import Differences, difference
 from fsipetsc.scheme.gas_forms import state_like
 from fsipetsc.scheme.part import clear

@@ -28,7 +28,7 @@ c, so that by convexity c . (U*_m+1 - U*_m) > 0; in a gas at rest both are equal
 from typing import Any, NamedTuple
 
 from fsipetsc.equations.vectors import add_last, along, scale, sub
-from fsipetsc.kernels.procedure import each, variable
+from fsipetsc.kernels.loops import each, variable
 from fsipetsc.scheme.part import ghosted_node
 
 

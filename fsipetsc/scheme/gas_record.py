@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.kernels.procedure import each, invoke, variable
+from fsipetsc.kernels.loops import each, invoke, variable
 from fsipetsc.scheme.block_monitor import gas_monitor
 from fsipetsc.scheme.part import ghosted, note, owned
 from fsipetsc.scheme.rows import Array

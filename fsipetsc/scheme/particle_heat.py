@@ -4,7 +4,7 @@ import numpy as np
 
 from fsipetsc.equations.vectors import dot
 from fsipetsc.kernels.arrays import node
-from fsipetsc.kernels.procedure import each, stop, variable, when
+from fsipetsc.kernels.loops import each, stop, variable, when
 from fsipetsc.scheme.constraints import value_of, velocity
 from fsipetsc.scheme.particle_records import SOLID
 

@@ -35,7 +35,7 @@ import numpy as np
 
 from fsipetsc.equations.vectors import add, along, choose, dot, per, scale, sub
 from fsipetsc.kernels.arrays import node, part_of, put_part
-from fsipetsc.kernels.procedure import each, otherwise, variable, when
+from fsipetsc.kernels.loops import each, otherwise, variable, when
 from fsipetsc.scheme.constraints import (
     book,
     powers,

@@ -24,7 +24,7 @@ import numpy as np
 
 from fsipetsc.equations.vectors import along, dot, mean, scale, sub
 from fsipetsc.kernels.arrays import column, column_of, part_of
-from fsipetsc.kernels.procedure import each, variable, when
+from fsipetsc.kernels.loops import each, variable, when
 from fsipetsc.operators.undivided import Differences
 from fsipetsc.scheme.gas_dissipation import largest, sense
 from fsipetsc.scheme.rows import Array

@@ -5,7 +5,7 @@ import numpy as np
 from fsipetsc.equations.tensors import add_unit, product_transposed
 from fsipetsc.equations.vectors import add, dot, per
 from fsipetsc.kernels.arrays import column, column_of, part_of
-from fsipetsc.kernels.procedure import each, invoke, variable, when, whole
+from fsipetsc.kernels.loops import each, invoke, variable, when, whole
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.block_monitor import MONITORED, begin, collect, moment
 from fsipetsc.scheme.part import ghosted, ghosted_node, note, owned

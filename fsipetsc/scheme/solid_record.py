@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from fsipetsc.kernels.procedure import each, invoke, variable, when
+from fsipetsc.kernels.loops import each, invoke, variable, when
 from fsipetsc.scheme.faces import strain_at
 from fsipetsc.scheme.part import ghosted, owned
 from fsipetsc.scheme.rows import Array

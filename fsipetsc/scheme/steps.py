@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.kernels.procedure import each, otherwise, variable, when
+from fsipetsc.kernels.loops import each, otherwise, variable, when
 from fsipetsc.scheme.batch import DT, Plan, plan_next
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
 from fsipetsc.scheme.part import clear, copy

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from fsipetsc.kernels.formula import Formula
-from fsipetsc.kernels.procedure import each
+from fsipetsc.kernels.loops import each
 from fsipetsc.scheme.rows import Array
 from fsipetsc.scheme.steps import AT
 

@@ -1,0 +1,477 @@
+"""Loops over nodes, faces and members that are recorded, for procedures
+(fsipetsc.kernels.procedure).
+
+Numbers that differ from node to node are Symbols (fsipetsc.kernels.symbols), and formulas of them
+are recorded as in a kernel. Whole numbers that are known only later, as sizes and places in
+arrays, are an Index. Bools, None and the lengths of tuples are known when a procedure is
+recorded: ``if`` and ``range`` of them are plain Python, and decide what is printed. So it is with
+dataclasses, which hold facts: their numbers become constants of the text.
+
+    each(n), each(a, b)     a loop; vector=True: its passes do not depend on one another
+    when(c), otherwise()    what is done if a condition holds, and else
+    stop(c)                 ends the innermost loop
+    variable(0.0)           a number that changes: its ``value`` is read and set
+    pick(c, a, b)           one of two whole numbers; either(c, a, b): one of two arrays
+    named(i)                a whole number, computed once
+    invoke("name", …)       calls a function in C
+"""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
+
+from fsipetsc.kernels.symbols import Record, Symbol, refuse
+
+#: of arrays: what a number is in C
+KINDS = {"f": "double", "i": "long"}
+#: where a procedure takes fewer than two world vectors
+_NONE = np.zeros(0)
+
+
+class Index:
+    """A whole number that is known only when C runs: an expression in C, and the symbols in it."""
+
+    __slots__ = ("needs", "text")
+
+    def __init__(self, text: str, needs: tuple[Symbol, ...] = ()) -> None:
+        self.text, self.needs = text, needs
+
+    def __add__(self, other: Any) -> Any:
+        return self if _is(other, 0) else _made("({} + {})", self, other)
+
+    def __radd__(self, other: Any) -> Any:
+        return self if _is(other, 0) else _made("({} + {})", other, self)
+
+    def __sub__(self, other: Any) -> Any:
+        return self if _is(other, 0) else _made("({} - {})", self, other)
+
+    def __rsub__(self, other: Any) -> Any:
+        return _made("({} - {})", other, self)
+
+    def __mul__(self, other: Any) -> Any:
+        if _is(other, 0):
+            return 0
+        return self if _is(other, 1) else _made("({} * {})", self, other)
+
+    __rmul__ = __mul__
+
+    def __floordiv__(self, other: Any) -> Any:
+        return self if _is(other, 1) else _made("quotient({}, {})", self, other)
+
+    def __mod__(self, other: Any) -> Any:
+        return _made("remainder_of({}, {})", self, other)
+
+    def __neg__(self) -> Any:
+        return _made("(-{})", self)
+
+    def __eq__(self, other: Any) -> Any:
+        return _condition("{} == {}", self, other)
+
+    def __ne__(self, other: Any) -> Any:
+        return _condition("{} != {}", self, other)
+
+    def __lt__(self, other: Any) -> Any:
+        return _condition("{} < {}", self, other)
+
+    def __le__(self, other: Any) -> Any:
+        return _condition("{} <= {}", self, other)
+
+    def __gt__(self, other: Any) -> Any:
+        return _condition("{} > {}", self, other)
+
+    def __ge__(self, other: Any) -> Any:
+        return _condition("{} >= {}", self, other)
+
+    def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
+        forms = {np.minimum: "least({}, {})", np.maximum: "most({}, {})"}
+        if function in forms:
+            return _made(forms[function], *given)
+        raise refuse(f"np.{function.__name__} of a whole number cannot be recorded")
+
+    def __bool__(self) -> bool:
+        raise refuse("it branches on a number that is not known yet: write `with when(condition):`")
+
+    def __index__(self) -> int:
+        raise refuse("a number that is not known yet is no range and no length: write each(n)")
+
+    __int__ = __float__ = __index__  # type: ignore[assignment]
+
+    def __hash__(self) -> int:
+        return hash(self.text)
+
+
+def _is(value: Any, number: int) -> bool:
+    return isinstance(value, (int, np.integer)) and int(value) == number
+
+
+def _index(value: Any) -> Index:
+    if isinstance(value, Index):
+        return value
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)):
+        raise refuse(f"{value!r} is no whole number")
+    return Index(str(int(value)) if value >= 0 else f"({int(value)})")
+
+
+def _made(form: str, *given: Any) -> Index:
+    of = [_index(value) for value in given]
+    return Index(form.format(*(i.text for i in of)), tuple(n for i in of for n in i.needs))
+
+
+def _condition(form: str, a: Any, b: Any) -> Symbol:
+    found = _made(form, a, b)
+    return _recording().symbol(("holds", found.text), found.text, found.needs, "holds")
+
+
+# --- what is recorded
+
+
+class Block:
+    """Lines between braces, and what is known there: (key) -> symbol."""
+
+    def __init__(self, head: str, needs: tuple[Symbol, ...] = ()) -> None:
+        self.head, self.needs = head, needs
+        self.items: list[Any] = []
+        self.known: dict[Any, Any] = {}
+
+
+class Line(NamedTuple):
+    """A line of C. form: has {0}, {1} … where values stand; needs: symbols that places have."""
+
+    form: str
+    values: tuple[Symbol, ...]
+    needs: tuple[Symbol, ...]
+
+
+class Recording(Record):
+    """The blocks of a procedure; a symbol is known in the block that made it, and within."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.blocks = [Block("")]
+        self.stores, self.count = 0, 0
+
+    def known(self, key: Any) -> Any:
+        """What has been recorded under a key, in this block or one around it; None if nothing."""
+        of = (block.known[key] for block in self.blocks if key in block.known)
+        return next(of, None)
+
+    def _one(self, key: Any, operation: str, operands: tuple[Symbol, ...] = ()) -> Symbol:
+        found: Symbol | None = self.known(key)
+        if found is not None:
+            return found
+        symbol = Symbol(self, operation, operands)
+        self.symbols.append(symbol)
+        self.blocks[-1].known[key] = symbol
+        self.blocks[-1].items.append(symbol)
+        return symbol
+
+    def symbol(
+        self, key: Any, text: str, needs: tuple[Symbol, ...] = (), operation: str = "given"
+    ) -> Symbol:
+        """A symbol that C computes as ``text``; the operation "holds" makes it a condition."""
+        symbol = self._one(key, operation, needs)
+        symbol.text, symbol.uniform = text, False
+        return symbol
+
+    def line(self, form: str, values: Sequence[Any] = (), needs: tuple[Symbol, ...] = ()) -> None:
+        """Record a line, as a store."""
+        self.blocks[-1].items.append(Line(form, tuple(map(self.constant, values)), needs))
+
+    def new(self, letter: str) -> str:
+        """A name that nothing else has."""
+        self.count += 1
+        return f"{letter}{self.count}"
+
+    def open(self, head: str, needs: tuple[Symbol, ...] = ()) -> None:
+        self.blocks[-1].items.append(block := Block(head, needs))
+        self.blocks.append(block)
+
+    def close(self) -> None:
+        self.stores += 1  # what was stored within may be read after it
+        self.blocks.pop()
+
+
+_recordings: list[Recording] = []
+
+
+@contextmanager
+def recorded() -> Iterator[Recording]:
+    """What loops within record."""
+    _recordings.append(record := Recording())
+    try:
+        yield record
+    finally:
+        _recordings.pop()
+
+
+def _recording() -> Recording:
+    if not _recordings:
+        raise refuse("each, when, stop and variable are for procedures that are recorded")
+    return _recordings[-1]
+
+
+def each(*ends: Any, vector: bool = False) -> Iterator[Index]:
+    """A loop whose number goes from 0, or from the first of two ends, to below the last end."""
+    record = _recording()
+    first, last = map(_index, ends if len(ends) == 2 else (0, *ends))
+    i = record.new("i")
+    if vector:
+        record.line("#pragma omp simd")
+    head = f"for (long {i} = {first.text}; {i} < {last.text}; ++{i})"
+    record.stores += 1  # what is read in the first pass may be stored before the next one
+    record.open(head, (*first.needs, *last.needs))
+    yield Index(i)
+    record.close()
+
+
+@contextmanager
+def when(condition: Any) -> Iterator[None]:
+    """C does what is recorded within if a condition holds."""
+    record = _recording()
+    if isinstance(condition, (bool, np.bool_)):
+        raise refuse("the condition is known when it is recorded: write `if`")
+    name = record.new("c")
+    record.line(f"const int {name} = {{0}};", (condition,))
+    record.open(f"if ({name})")
+    yield
+    record.close()
+
+
+@contextmanager
+def otherwise() -> Iterator[None]:
+    """C does what is recorded within if the condition of the `when` just before does not hold."""
+    record = _recording()
+    record.open("else")
+    yield
+    record.close()
+
+
+def stop(condition: Any) -> None:
+    """End the innermost loop if a condition holds."""
+    _recording().line("if ({0}) break;", (condition,))
+
+
+def pick(condition: Any, a: Any, b: Any) -> Index:
+    """a if the condition holds, else b; both are whole numbers."""
+    record = _recording()
+    name, a, b = record.new("n"), _index(a), _index(b)
+    record.line(
+        f"const long {name} = {{0}} ? {a.text} : {b.text};", (condition,), (*a.needs, *b.needs)
+    )
+    return Index(name)
+
+
+def either(condition: Any, a: "Array", b: "Array") -> "Array":
+    """The array a if the condition holds, else b; as a flat array."""
+    record, name = _recording(), _recording().new("p")
+    places = [_index(one._offset) for one in (a, b)]
+    first, other = (f"{one._base} + {at.text}" for one, at in zip((a, b), places, strict=True))
+    needs = (*places[0].needs, *places[1].needs)
+    record.line(f"double *const {name} = {{0}} ? {first} : {other};", (condition,), needs)
+    return Array(name, a.dtype, (pick(condition, a.size, b.size),))
+
+
+def named(index: Any) -> Index:
+    """The same whole number, which C computes once and keeps under a name."""
+    record, index = _recording(), _index(index)
+    name = record.new("n")
+    record.line(f"const long {name} = {index.text};", (), index.needs)
+    return Index(name)
+
+
+def whole(value: Any) -> Index:
+    """A number whose value is whole, as an Index."""
+    record = _recording()
+    name = record.new("n")
+    record.line(f"const long {name} = (long){{0}};", (value,))
+    return Index(name)
+
+
+def number(index: Any) -> Any:
+    """A whole number as one of the numbers that formulas take."""
+    found = _index(index)
+    return _recording().symbol(("number", found.text), f"(double){found.text}", found.needs)
+
+
+class Variable:
+    """A number that changes. value: the number at that place of the procedure; it can be set."""
+
+    def __init__(self, first: Any) -> None:
+        self._record, self._name = _recording(), _recording().new("v")
+        self._record.line(f"double {self._name} = {{0}};", (first,))
+
+    @property
+    def value(self) -> Any:
+        key = "variable", self._name, self._record.stores
+        return self._record.symbol(key, self._name)
+
+    @value.setter
+    def value(self, number: Any) -> None:
+        self._record.line(f"{self._name} = {{0}};", (number,))
+        self._record.stores += 1
+
+
+def variable(first: Any = 0.0) -> Variable:
+    """A number that changes; first: what it is before that."""
+    return Variable(first)
+
+
+class Array(NDArrayOperatorsMixin):
+    """The stand-in of an array, or of a part of one: numbers that lie behind one another."""
+
+    def __init__(self, base: str, dtype: Any, shape: Sequence[Any], offset: Any = 0) -> None:
+        self._base, self.dtype, self._offset = base, dtype, offset
+        self.shape = tuple(shape)
+
+    @property
+    def size(self) -> Any:
+        """How many numbers it has."""
+        total: Any = 1
+        for length in self.shape:
+            total = length * total
+        return total
+
+    def __len__(self) -> int:
+        if isinstance(self.shape[0], int):
+            return self.shape[0]
+        raise refuse("the length of an array is not known yet: write its shape[0]")
+
+    def reshape(self, *shape: Any) -> "Array":
+        """The same numbers in rows of other lengths; -1: as many as there are."""
+        shape = tuple(shape[0]) if len(shape) == 1 and isinstance(shape[0], tuple) else shape
+        if -1 in [s for s in shape if isinstance(s, int)]:
+            if len(shape) > 1:
+                raise refuse("reshape knows -1 alone")
+            shape = (self.size,)
+        return Array(self._base, self.dtype, shape, self._offset)
+
+    def turned(self) -> "Array":
+        """The transpose of an array of two axes."""
+        return _Turned(self)
+
+    def _place(self, at: Any) -> tuple[Any, tuple[Any, ...]]:
+        """Offset and shape of the number, or the part, at an index or at several."""
+        at = at if isinstance(at, tuple) else (at,)
+        offset, shape = self._offset, list(self.shape)
+        if len(at) > len(shape):
+            raise refuse(f"{len(at)} numbers for an array of {len(shape)} axes")
+        step: Any = 1
+        steps = []
+        for length in reversed(self.shape):
+            steps.insert(0, step)
+            step = length * step
+        for k, one in enumerate(at):
+            if isinstance(one, slice):
+                if k != len(at) - 1 or one.step is not None:
+                    raise refuse("a part of an array is a range of its last index that is given")
+                first = self._from_end(k, 0 if one.start is None else one.start)
+                last = self._from_end(k, self.shape[k] if one.stop is None else one.stop)
+                return first * steps[k] + offset, (last - first, *self.shape[k + 1 :])
+            offset = self._from_end(k, one) * steps[k] + offset
+        return offset, self.shape[len(at) :]
+
+    def _from_end(self, k: int, at: Any) -> Any:
+        """An index of axis k; one below 0 counts from the end."""
+        return self.shape[k] + at if isinstance(at, (int, np.integer)) and at < 0 else at
+
+    def __getitem__(self, at: Any) -> Any:
+        offset, shape = self._place(at)
+        if shape:
+            return Array(self._base, self.dtype, shape, offset)
+        if self.dtype.names:
+            return _Fields(self._base, self.dtype, offset)
+        return _read(self._base, self.dtype, _index(offset))
+
+    def __setitem__(self, at: Any, value: Any) -> None:
+        offset, shape = self._place(at)
+        if shape:
+            part = Array(self._base, self.dtype, shape, offset)
+            for i in each(part.size, vector=True):
+                part.reshape(-1)[i] = value
+            return
+        record, place = _recording(), _index(offset)
+        text = f"{self._base}[{place.text}] = "
+        if KINDS[self.dtype.kind] == "long":
+            value = _index(value)
+            record.line(f"{text}{value.text};", (), (*place.needs, *value.needs))
+        else:
+            record.line(f"{text}{{0}};", (value,), place.needs)
+        record.stores += 1
+
+    def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
+        raise refuse("an operation on a whole array: write a loop, `for i in each(n):`")
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+class _Turned(Array):
+    """The transpose of an array."""
+
+    def __init__(self, of: Array) -> None:
+        super().__init__(of._base, of.dtype, of.shape[::-1], of._offset)
+        self._of = of
+
+    def _place(self, at: Any) -> tuple[Any, tuple[Any, ...]]:
+        if not isinstance(at, tuple) or len(at) != 2:
+            raise refuse("a transpose takes two numbers")
+        return self._of._place(at[::-1])
+
+    def reshape(self, *shape: Any) -> Array:
+        raise refuse("a transpose has no other shape")
+
+
+def _read(base: str, dtype: Any, place: Index, text: str = "") -> Any:
+    """The number at a place of an array."""
+    record = _recording()
+    text = text or f"{base}[{place.text}]"
+    if KINDS[dtype.kind] == "double":
+        return record.symbol(("read", text, record.stores), text, place.needs)
+    key = "whole", text, record.stores
+    found = record.known(key)
+    if found is not None:
+        return found
+    name = record.new("n")
+    record.line(f"const long {name} = {text};", (), place.needs)
+    record.blocks[-1].known[key] = Index(name)
+    return Index(name)
+
+
+class _Fields:
+    """One row of an array of records: its fields by their names; those of several numbers are
+    arrays.
+    """
+
+    def __init__(self, base: str, dtype: Any, offset: Any) -> None:
+        vars(self).update(_base=base, _dtype=dtype, _offset=_index(offset))
+
+    def _array(self, name: str) -> Array:
+        kind, first = self._dtype.fields[name][:2]
+        number, shape = kind.subdtype or (kind, (1,))
+        start = f"{self._base} + {self._dtype.itemsize} * {self._offset.text} + {first}"
+        base = f"(({KINDS[number.kind]} *)({start}))"
+        return Array(base, number, shape, Index("0", self._offset.needs))
+
+    def __getattr__(self, name: str) -> Any:
+        found = self._array(name)
+        return found if self._dtype.fields[name][0].subdtype else found[0]
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        self._array(name)[0] = value
+
+
+def invoke(name: str, *given: Any) -> None:
+    """Call a function in C of the same translation unit: a whole number is an address, an array a
+    pointer to its first number.
+    """
+    texts, needs = [], []
+    for one in given:
+        place = _index(one._offset if isinstance(one, Array) else one)
+        array = isinstance(one, Array)
+        texts.append(f"{one._base} + {place.text}" if array else f"(void *){place.text}")
+        needs += place.needs
+    record = _recording()
+    record.line(f"{name}({', '.join(texts)});", (), tuple(needs))
+    record.stores += 1
