@@ -103,6 +103,15 @@ def test_periodic_blocks(d, tmp_path):
     assert on_ranks(tmp_path, line, 1, 2, 4).summary["steps"] > 1
 
 
+def test_short_parts_of_solids_that_conduct(tmp_path):
+    """Heat needs three reaches: a part with an end has as many nodes that no other needs rows of
+    the closure."""
+    line = "box_mms -box_dimension 1 -ts_max_time 0.02 -fsi_output_dt 0.01 -fsi_h"
+    assert on_ranks(tmp_path, f"{line} 0.0666667", 1, 4).layers[1]["T"].shape[1] == 16
+    refused = solve(*f"{line} 0.0833333".split(), cwd=tmp_path, ranks=4)  # 13 nodes on two ranks
+    message(refused, 2, "4 ranks", "3 is the largest number that works")
+
+
 def test_the_largest_number_of_ranks_works_and_one_more_is_refused(tmp_path):
     args = "rod -fsi_h 0.125 -rod_top 3 -ts_max_steps 10".split()
     refused = solve(*args, cwd=tmp_path, ranks=4)

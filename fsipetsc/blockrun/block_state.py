@@ -48,7 +48,7 @@ class BlockForm(NamedTuple):
 class BlockState(State):
     """Solution and everything that belongs to it; all methods are collective on ``comm``.
 
-    y: this rank's part of the solution, stages: of two stages;
+    y: this rank's part of the solution, stages: two vectors for stages;
     ``solution`` is the memory of y as a world vector. results: flags and limits as in
     fsipetsc.scheme.plan. journal, latest: records of steps, with this rank's shares of integrals;
     rows, latest_numbers: the same as numbers. rates: (blocks, 2), largest ones of convection and

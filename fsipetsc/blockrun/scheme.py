@@ -306,6 +306,10 @@ class Scheme:
             call(phase, of=(f,))
         if phase == "halos":
             halos(inside=True)
+        if phase == "inside":  # of those that have halos already
+            for part in parts:
+                if part.part.has_halo and not part.reads_ghosted:
+                    exchange(part.part.inside)
         if phase == "monitor":
             call("begin_monitor")
             halos()
@@ -334,6 +338,10 @@ class Scheme:
         self._refresh(t)
         self._do("rates", y.array, f)
 
+    def _steps_of_stages(self) -> list[tuple[str, BlockVector, BlockVector]]:
+        """The phase of each stage, of which vector it takes the rates, and where it goes."""
+        return list(zip(self._stages, self._now, (*self._now[1:], self._now[0]), strict=True))
+
     def step(
         self, t: float, dt: float, ends: Callable[[BlockVector], bool] | None = None
     ) -> bool:
@@ -347,7 +355,7 @@ class Scheme:
         y = self._now[0]
         self._found.now[1] = dt
         instants = t, t + 0.5 * dt, t + 0.5 * dt, t + dt
-        for name, instant, now, to in zip(self._stages, instants, self._now, (*self._now[1:], y)):
+        for (name, now, to), instant in zip(self._steps_of_stages(), instants, strict=True):
             self._refresh(instant)
             if ends is None:
                 self._do(f"share impose {name}", now.array, to.array)
@@ -370,8 +378,7 @@ class Scheme:
         if "batch" not in self._phases:
             calls: list[Any] = [(does["begin_step"], ())]
             y, data = self._now[0], [(code.procedures[0], ()) for code in self._data]
-            of_stages = zip(self._stages, self._now, (*self._now[1:], y), OF_STAGES, strict=True)
-            for name, now, to, time in of_stages:
+            for (name, now, to), time in zip(self._steps_of_stages(), OF_STAGES, strict=True):
                 if data and time:
                     calls += [(does[time], ()), *data]
                 for phase in ("share", "impose", name):
@@ -406,7 +413,7 @@ class Scheme:
         recorded of interfaces, where the state has it; fill ghosted arrays. y: the solution,
         completed. Collective.
         """
-        self._do("monitor halos", y.array)
+        self._do("monitor inside", y.array)
 
     def fill_halos(self, y: BlockVector) -> None:
         """Fill the ghosted arrays of all parts. Collective."""

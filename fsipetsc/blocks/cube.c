@@ -34,7 +34,7 @@ struct cube {
   const double *x, *v;          /* (3, wide nodes) the y above, called x below; velocities */
   double *q;                    /* (3, 3, wide nodes) q_k, by k and n */
   double *metrics, *volume;     /* planes of N nodes of the range; det D x */
-  const long *faces;            /* (count, 2) some faces: axis i, and index of their nodes along it */
+  const long *faces;            /* (count, 2) some faces: axis i, index of their nodes along it */
   double *of_faces;             /* (9, N) a^i on these faces, or their rates */
   double *moved, *other, *rows; /* memory: (3, wide nodes), (3, N), (9, nodes of a row) */
   long N, count;
@@ -68,7 +68,7 @@ struct task {
   double *out;
 };
 /* A task of n nodes of a row with the same pairs: ``at`` is the first one in the wide range,
-   ``place`` that in the range. Its code stands once for each number of pairs that compilers unroll. */
+   ``place`` that in the range. Its code stands once for each number of pairs, which is unrolled. */
 #define TASK(name)                                                                             \
   static NOINLINE void name(const struct cube *c, const struct task *t, const struct pairs *p, \
                             long at, long place, long n) {                                     \
@@ -82,8 +82,8 @@ struct task {
     name##_of(c, t, p, at, place, n, MOST_PAIRS, 0);                                           \
   }
 #define ROW_OF(name)                                                                              \
-  INLINE void name##_of(const struct cube *c, const struct task *t, const struct pairs *p, long at, \
-                        long place, long n, int count, int even)
+  INLINE void name##_of(const struct cube *c, const struct task *t, const struct pairs *p,         \
+                        long at, long place, long n, int count, int even)
 
 /* Do tasks with each row of a box. */
 static void do_rows(const struct cube *c, const struct task *tasks, int count,
@@ -97,7 +97,8 @@ static void do_rows(const struct cube *c, const struct task *tasks, int count,
       for (const struct task *t = tasks; t < tasks + count; ++t) {
         const long inner = least(most(c->inner[0], b->lo[0]), b->hi[0]);
         for (long x = b->lo[0], to; x < b->hi[0]; x = to) {
-          to = t->axis != 0 ? b->hi[0] : x != inner ? x + 1 : most(least(c->inner[1], b->hi[0]), x + 1);
+          const long same = x != inner ? x + 1 : most(least(c->inner[1], b->hi[0]), x + 1);
+          to = t->axis != 0 ? b->hi[0] : same;
           const long i = t->axis == 0 ? x : t->axis == 1 ? y : z;
           t->of_row(c, t, c->pairs[t->axis] + i, wide + x, place + x, to - x);
         }
@@ -294,8 +295,8 @@ static const double *places(const struct cube *c, double sign, const struct box 
   return c->moved;
 }
 
-/* Find how a^i changes in time on the faces: it is bilinear in the places, so half the difference of
-   those of x + v and x - v. */
+/* Find how a^i changes in time on the faces: it is bilinear in the places, so half the difference
+   of those of x + v and x - v. */
 void cube_turn(const struct cube *c) {
   for (long n = 0; n < c->count; ++n) {
     const long i = c->faces[2 * n];

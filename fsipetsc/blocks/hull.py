@@ -159,7 +159,9 @@ class Blend(NamedTuple):
     images: Array
 
     def fill(self, values, out, base=None):
-        """out (d, W) from values (d, H) of the hull, perhaps added to a base (d, W)."""
+        """out (d, W) from values (d, H) of the hull, added to a base (d, W) if there is one: then
+        without images.
+        """
         blend(self, values, out, base)
 
 

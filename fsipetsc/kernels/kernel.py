@@ -81,9 +81,8 @@ class Kernel:
         places = (_place(array, layout, first + c, item) for c in range(count))
         return tuple(self.record.given(place, layout.item == "0") for place in places)
 
-    def takes(self, *arrays: Any) -> None:
-        """Name arrays, and their layout, that a caller may give though nothing is read of them."""
-        *names, layout = arrays
+    def takes(self, layout: Layout, *names: str) -> None:
+        """Name arrays of a layout that a caller may give though nothing is read of them."""
         for name in names:
             self._argument(name, "const double *", layout)
 

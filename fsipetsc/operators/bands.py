@@ -49,7 +49,8 @@ class Band(NamedTuple):
 
     def interior(self, pairs: int) -> tuple[int, int]:
         """First node and first beyond of those around the middle that have so many pairs on each
-        side, the same on both sides and for all; equal numbers if there are none.
+        side, the same on both sides and for all; equal numbers if there are none. The middle of
+        a rank's part of a block is in the interior: it is longer than twice a closure.
         """
         n, reach = len(self.weight), self.reach
         columns = np.zeros((2 * reach + 1, n))

@@ -161,7 +161,9 @@ class BlockLayout:
         if prod(shape) * self.dofs[k] > np.iinfo(PETSc.IntType).max:
             nodes = " by ".join(map(str, shape))
             raise InputError(f"block '{block.name}' has {nodes} nodes: PETSc cannot count them")
-        end, inner = max(op.rows + op.p, halo), max(2 * op.p, halo)
+        # what others need of derivatives must be no row of the closure, which reaches farther
+        beyond = max(op.p, halo - op.p)
+        end, inner = max(op.rows + beyond, halo), max(2 * op.p, halo)
         return Extent(block.kind, shape, block.periodic, end, inner, halo)
 
     def _reach(self, k: int) -> Reach:

@@ -94,7 +94,8 @@ static void load_row(const struct gas *g, struct unknowns q, double *row, long x
                      long layer) {
   const struct owned *x = &g->first.own, *y = &g->inner.own, *z = &g->last.own;
   const int own = y->begin <= j && j < y->end && z->begin <= layer && layer < z->end;
-  const long a = own ? least(most(x->begin, x0), x1) : x1, b = own ? most(least(x->end, x1), a) : x1;
+  const struct range in = within(x->begin, x->end, (struct range){own ? x0 : x1, x1});
+  const long a = in.begin, b = in.end;
 #define LOAD(of, from, to, nodes) \
   if ((from) < (to)) gas_load(.q = of, .w = row + (from), .p = g->p, .n = (to) - (from), .N = nodes)
   LOAD(q.ghosted + node_of(g, x0, j, layer), x0, a, g->N);
@@ -248,11 +249,11 @@ static void store_row(const struct gas *g, double *next, const struct tile *t, l
   const struct owned *first = &g->first.own;
   const int kind = (int)*g->stage.numbers;
   const int free = kind != RATES && is_free(&g->inner.own, j) && is_free(&g->last.own, layer);
-  const long a = free ? least(most(first->free_begin, t->x0), t->x1) : t->x1;
-  const long b = free ? most(least(first->free_end, t->x1), a) : t->x1;
-  store_nodes(g, next, t, layer, j, t->x0, a, RATES);
-  store_nodes(g, next, t, layer, j, a, b, kind);
-  store_nodes(g, next, t, layer, j, b, t->x1, RATES);
+  const struct range of = {free ? t->x0 : t->x1, t->x1};
+  const struct range in = within(first->free_begin, first->free_end, of);
+  store_nodes(g, next, t, layer, j, t->x0, in.begin, RATES);
+  store_nodes(g, next, t, layer, j, in.begin, in.end, kind);
+  store_nodes(g, next, t, layer, j, in.end, t->x1, RATES);
 }
 
 /* Add the fluxes of the pairs that begin in a layer, and store its rates if it is owned. */

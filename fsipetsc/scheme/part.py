@@ -45,8 +45,8 @@ def owned(part, s, dof):
 
 
 def ghosted(part, s, dof):
-    """(N, dof), the same with its halo, which an exchange has filled, if the part has one; without
-    the owned nodes where nothing but sweeps reads it (fsipetsc.blockrun.block_part).
+    """(N, dof), the same with its halo, which an exchange has filled, if the part has one; its
+    owned nodes are old ones where nothing but sweeps reads it (fsipetsc.blockrun.block_part).
     """
     n = part.patch.ghosted[0] * part.patch.ghosted[1] * part.patch.ghosted[2]
     own = s[part.begin : part.begin + n * dof]

@@ -135,10 +135,10 @@ static void take(const struct solid *s, const double *q, long nodes, struct row 
 static void take_row(const struct solid *s, struct unknowns q, struct row r) {
   const struct owned *x = s->own, *y = s->own + 1, *z = s->own + 2;
   const int own = q.own && y->begin <= r.y && r.y < y->end && z->begin <= r.z && r.z < z->end;
-  const long end = r.x + r.n, a = own ? least(most(x->begin, r.x), end) : end;
-  const long b = own ? most(least(x->end, end), a) : end;
-  const struct row before = part_of(r, r.x, a), inside = part_of(r, a, b);
-  const struct row after = part_of(r, b, end);
+  const long end = r.x + r.n;
+  const struct range in = within(x->begin, x->end, (struct range){own ? r.x : end, end});
+  const struct row before = part_of(r, r.x, in.begin), inside = part_of(r, in.begin, in.end);
+  const struct row after = part_of(r, in.end, end);
   take(s, q.ghosted + before.patch, s->N, before);
   take(s, q.own + inside.own, s->M, inside);
   take(s, q.ghosted + after.patch, s->N, after);
@@ -151,7 +151,8 @@ static struct inside inside_of(const struct solid *s, const struct row *r) {
   struct inside found;
   for (int k = 0; k < D; ++k) {
     const int axis = D == 2 ? 2 * k : k;
-    const double *w = s->weights + (axis * s->nodes + (axis == 0 ? r->x : axis == 1 ? r->y : r->z)) * s->most;
+    const long i = axis == 0 ? r->x : axis == 1 ? r->y : r->z;
+    const double *w = s->weights + (axis * s->nodes + i) * s->most;
     for (int m = 0; m < PAIRS; ++m) {
       found.far[k * PAIRS + m] = away(s, r, axis, m + 1);
       found.back[k * PAIRS + m] = away(s, r, axis, -m - 1);
@@ -163,17 +164,16 @@ static struct inside inside_of(const struct solid *s, const struct row *r) {
 
 #define NEAR .far = near.far, .back = near.back, .w = near.w
 
-/* Do something with the nodes of a row: with those outside the interior, and with those within. */
+/* Call a function for the nodes of a row: those before, within and after the interior. */
 typedef void of_nodes(const struct solid *, double *, struct row, int inside, int kind);
 static void along_row(const struct solid *s, double *next, struct row r, int kind, of_nodes *does) {
   const struct owned *x = s->inside, *y = s->inside + 1, *z = s->inside + 2;
   const long end = r.x + r.n;
-  const int within = (D < 3 || is_free(y, r.y)) && (D < 2 || is_free(z, r.z));
-  const long a = within ? least(most(x->free_begin, r.x), end) : end;
-  const long b = within ? most(least(x->free_end, end), a) : end;
-  if (r.x < a) does(s, next, part_of(r, r.x, a), 0, kind);
-  if (a < b) does(s, next, part_of(r, a, b), 1, kind);
-  if (b < end) does(s, next, part_of(r, b, end), 0, kind);
+  const int may_be = (D < 3 || is_free(y, r.y)) && (D < 2 || is_free(z, r.z));
+  const struct range of = {may_be ? r.x : end, end}, in = within(x->free_begin, x->free_end, of);
+  if (r.x < in.begin) does(s, next, part_of(r, r.x, in.begin), 0, kind);
+  if (in.begin < in.end) does(s, next, part_of(r, in.begin, in.end), 1, kind);
+  if (in.end < end) does(s, next, part_of(r, in.end, end), 0, kind);
 }
 
 static void strain_row(const struct solid *s, struct row r) {
@@ -244,16 +244,17 @@ static void accelerate_nodes(const struct solid *s, double *next, struct row r, 
   }
 }
 
-/* The same of a row: only of nodes to which nothing is added, the next stage. */
+/* Store rates of a row of nodes, but the next stage of those to whose rates nothing is added. */
 static void accelerate_row(const struct solid *s, double *next, struct row r) {
   const struct owned *first = s->own;
   const int kind = (int)*s->stage.numbers;
   const int free = kind != RATES && is_free(s->own + 1, r.y) && is_free(s->own + 2, r.z);
-  const long end = r.x + r.n, a = free ? least(most(first->free_begin, r.x), end) : end;
-  const long b = free ? most(least(first->free_end, end), a) : end;
-  along_row(s, next, part_of(r, r.x, a), RATES, accelerate_nodes);
-  along_row(s, next, part_of(r, a, b), kind, accelerate_nodes);
-  along_row(s, next, part_of(r, b, end), RATES, accelerate_nodes);
+  const long end = r.x + r.n;
+  const struct range of = {free ? r.x : end, end};
+  const struct range in = within(first->free_begin, first->free_end, of);
+  along_row(s, next, part_of(r, r.x, in.begin), RATES, accelerate_nodes);
+  along_row(s, next, part_of(r, in.begin, in.end), kind, accelerate_nodes);
+  along_row(s, next, part_of(r, in.end, end), RATES, accelerate_nodes);
 }
 
 /* Fill planes of the strains F of the owned nodes; own, ghosted: unknowns of these, or 0, and of a

@@ -104,7 +104,7 @@ def _pull(solid: Any, d: int, slopes: Slopes, prestressed: bool) -> Kernel:
     """A prestress S adds to P, and its energy S : (F - 1)/m0 is no part of what T follows from."""
     says = "F, T, and the tractions t^k = (P + S) A^k with a prestress S."
     kernel, conducts = Kernel(f"solid_pull{slopes.of}", says), solid.kappa > 0.0
-    kernel.takes("strains", "temperatures", TILE)
+    kernel.takes(TILE, "strains", "temperatures")
     solid, A = kernel.parameters(solid), kernel.read("metrics", PLANES, d * d)
     F, v = _found_strain(kernel, solid, d, slopes), kernel.read("unknowns", TILE, d, d)
     if conducts or solid.around:
@@ -138,7 +138,7 @@ def _accelerate(solid: Any, d: int, slopes: Slopes, number: int, kind: str) -> K
     """From D°_k t^k, D_k v and, with conduction, D°_k A^k . h."""
     says = "(v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v), or what follows from these rates."
     kernel = Kernel(f"solid_{kind}{slopes.of}", says)
-    kernel.takes("strains", "heats", TILE)
+    kernel.takes(TILE, "strains", "heats")
     conducts, solid = solid.kappa > 0.0, kernel.parameters(solid)
     per_mass = 1.0 / (kernel.read("metrics", PLANES, 1, d * d)[0] * solid.m0)
     v, t = kernel.read("unknowns", TILE, d, d), kernel.read("tractions", TILE, d * d)

@@ -43,9 +43,8 @@ class Work(NamedTuple):
     axis and node how many neighbours there are, and how far; weights: (2, 3, n, 1 + most)
     S_il/(2 weight_i) of these, for PLAIN and FREE, which differ at the node itself; ends: the first
     node along the first axis, after each, for which they are others; inside: (3, 2) first node and
-    first beyond of those of the interior. In flat arrays
-    by components, of the nodes of a tile: unknowns, strains F, tractions t^k, temps T, heats
-    A^k . h; of the nodes of a row: slopes.
+    first beyond of those of the interior. In flat arrays by components, of the nodes of a tile:
+    unknowns, strains F, tractions t^k, temps T, heats A^k . h; of the nodes of a row: slopes.
     """
 
     patch: Patch

@@ -10,4 +10,11 @@ struct stage { const double *numbers, *y; double *total; };
    added after a sweep. */
 struct owned { long begin, end, free_begin, free_end; };
 
+/* Nodes of a range that are within begin … end - 1; an empty range at its end if none are. */
+struct range { long begin, end; };
+static struct range within(long begin, long end, struct range r) {
+  const long a = least(most(begin, r.begin), r.end);
+  return (struct range){a, most(least(end, r.end), a)};
+}
+
 static int is_free(const struct owned *o, long i) { return o->free_begin <= i && i < o->free_end; }

@@ -7,7 +7,8 @@ A stage of the classical Runge-Kutta method, from the solution y and the sum ``t
     LAST     next = total + b k    the new solution
 
 Where nothing else adds to the rates of nodes, their sweep makes the stage at once: k needs no
-memory. fsipetsc.scheme.steps does the same with the other nodes, after all is added.
+memory. ``advance`` of fsipetsc.scheme.steps, which has a and b, does the same with the other nodes,
+after all is added.
 """
 
 import ctypes
@@ -50,8 +51,8 @@ def store(kernel: Kernel, kind: int, k: Sequence[Any]) -> None:
     """Let a kernel store what becomes of the rates k of its nodes; all kinds of a kernel take the
     same arguments.
     """
-    kernel.takes("y", "total", OWNED)
-    kernel.takes("numbers", SHARED)
+    kernel.takes(OWNED, "y", "total")
+    kernel.takes(SHARED, "numbers")
     if kind == RATES:
         kernel.store("next", OWNED, k)
         return
