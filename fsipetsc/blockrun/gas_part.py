@@ -16,12 +16,12 @@ from fsipetsc.equations.vectors import dot
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
+from fsipetsc.scheme import gas_record as does
 from fsipetsc.scheme.block_monitor import room_of, sums_of
 from fsipetsc.scheme.gas_dissipation import gas_damping
 from fsipetsc.scheme.gas_forms import convection_of
-from fsipetsc.scheme.gas_record import GasRecord, follow, monitor, move, rates, swing, turn
 from fsipetsc.scheme.gas_volume import GasVolume, gas_text
-from fsipetsc.scheme.part import Nothing, images, normals
+from fsipetsc.scheme.part import Nothing, images
 from fsipetsc.scheme.radial import Radial, Straight
 
 Array = NDArray[Any]
@@ -92,7 +92,7 @@ class GasPart(BlockPart):
         potential[:] = -dot(self.equations.force, self.X)[: potential.size]
         room = np.zeros(((d + 1) ** 2, self.X.shape[1])) if self.block.material.mu else None
         around = Radial(self.grid.record, room)
-        record = GasRecord(
+        record = does.GasRecord(
             **self._common(about),
             columns=np.array(sums),
             laws=self.equations,
@@ -114,8 +114,10 @@ class GasPart(BlockPart):
             sums=np.zeros(sums_of(d)),
         )
         text = gas_text(self.equations, d, self.convection, self.viscous)
-        moving = (follow, move, swing, turn) if self.moves else ()
-        names = {f.__name__: f for f in (*moving, images, normals, rates, monitor)}
+        moves = does.follow, does.move, does.swing, does.turn, does.finish
+        moving = moves if self.moves else ()
+        every = *moving, images, does.normals, does.rates, does.monitor
+        names = {f.__name__: f for f in every}
         code = self._procedures(text, record, about, names)
         self.grid.procedures(code)
         return code

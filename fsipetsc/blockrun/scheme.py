@@ -298,6 +298,7 @@ class Scheme:
                 exchange(particles.areas)
                 call("end_turning")
             halos()
+            each("finish")
             each("rates")
             call("weigh", of=(f,))
             exchange(particles.sums)
@@ -313,6 +314,7 @@ class Scheme:
         if phase == "monitor":
             call("begin_monitor")
             halos()
+            each("finish")
             each("monitor")
             if self._layout.comm.size > 1:
                 call("reduce")

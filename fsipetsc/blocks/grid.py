@@ -37,17 +37,24 @@ class LineMotion(NamedTuple):
     high: Array
 
     def move(self, known, metrics):
-        """Fill a^k, which is 1."""
+        """Fill what constraints at faces take of where the grid is: a^k, which is 1."""
         self.hull.fill(self.hull.moved, known, 0)
         metrics[0, :] = 1.0
 
     def swing(self, known, metrics):
-        """Fill the velocity of the grid and J_t, after `move`."""
+        """Fill what they take of how it moves, after `move`: its velocity and J_t."""
         self.hull.fill(self.hull.moving, known, 1)
         at_low, at_high = self.hull.ends(self.hull.moving)
         for i in each(self.low.shape[0], vector=True):
             metrics[1, i] = self.between(i, at_low, at_high)
             metrics[2, i] = at_high - at_low
+
+    def finish(self, metrics):
+        """Fill what rates take beside that, after `swing`: nothing."""
+
+    def on_faces(self, metrics):
+        """a^k on the faces at constraints, after `move`."""
+        return metrics
 
     def between(self, i, at_low, at_high):
         """What is blended from both ends, at a node."""
@@ -73,8 +80,8 @@ class LineMotion(NamedTuple):
 class CubeMotion(NamedTuple):
     """A grid in three dimensions. blend: on the W wide nodes; y: (3, W), of a Wide; inner: (N,) of
     the range among the wide nodes. x, v: (3, W) places less those of linear maps, velocities,
-    volume: (N,) det D x, turning: (9, N) how a^k changes in time on faces that were named, all of a
-    Cube with this address.
+    volume: (N,) det D x, of_faces: (9, N) a^k on faces that were named, then how they change in
+    time, all of a Cube with this address.
     """
 
     hull: Any
@@ -84,23 +91,33 @@ class CubeMotion(NamedTuple):
     x: Array
     v: Array
     volume: Array
-    turning: Array
+    of_faces: Array
     address: int
 
     def move(self, known, metrics):
-        """Fill a^1, a^2, a^3 in curl form, and volume."""
+        """Places, and a^k on faces."""
         self.hull.fill(self.hull.moved, known, 0)
         self.blend.fill(self.hull.moved, self.x, self.y)
-        invoke("cube_move", self.address)
+        invoke("cube_faces", self.address)
 
     def swing(self, known, metrics):
-        """Velocity of the grid and J_t."""
+        """Velocities."""
         self.hull.fill(self.hull.moving, known, 3)
         self.blend.fill(self.hull.moving, self.v)
+
+    def finish(self, metrics):
+        """a^1, a^2, a^3 in curl form, velocity of the grid and J_t: the most work, which is done
+        when no rank waits for it.
+        """
+        invoke("cube_move", self.address)
         invoke("cube_swing", self.address)
 
+    def on_faces(self, metrics):
+        """a^k there."""
+        return self.of_faces
+
     def turn(self):
-        """Fill turning, after `swing`."""
+        """Let of_faces be how a^k changes, after `swing`."""
         invoke("cube_turn", self.address)
 
     def find_places(self, X, places):
@@ -136,6 +153,7 @@ class Known(NamedTuple):
 def move(of):
     """Areas of the grid where it is now."""
     of.grid.move(of.known, of.metrics)
+    of.grid.finish(of.metrics)
 
 
 def find_places(of):

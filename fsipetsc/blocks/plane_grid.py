@@ -69,6 +69,13 @@ class PlaneMotion(NamedTuple):
         self.hull.fill(self.hull.moving, known, 2)
         plane_velocities(self, metrics)
 
+    def finish(self, metrics):
+        """Nothing."""
+
+    def on_faces(self, metrics):
+        """a^k."""
+        return metrics
+
     def find_places(self, X, places):
         """places = X + the displacement (2, N)."""
         plane_places(self, X, places)

@@ -72,6 +72,13 @@ class RadialMotion(NamedTuple):
         self.hull.fill(self.hull.moving, known, len(self.like))
         radial_velocities(self, metrics)
 
+    def finish(self, metrics):
+        """Nothing."""
+
+    def on_faces(self, metrics):
+        """a^k."""
+        return metrics
+
     def find_places(self, X, places):
         """X + the displacement."""
         for c in range(len(self.like)):

@@ -6,6 +6,7 @@ import numpy as np
 
 from fsipetsc.kernels.loops import each, invoke, variable
 from fsipetsc.scheme.block_monitor import gas_monitor
+from fsipetsc.scheme.normals import add_areas
 from fsipetsc.scheme.part import ghosted, note, owned
 from fsipetsc.scheme.rows import Array
 
@@ -78,14 +79,25 @@ def follow(part, particles):
 
 
 def move(part):
-    """a^k of the grid where it is now."""
+    """Where the grid is now, and a^k of its faces."""
     part.grid.move(part.known, part.metrics)
     part.form.force.follow(part)
 
 
+def normals(part, particles):
+    """Add area vectors of faces to the table of members at constraints."""
+    areas = part.metrics if part.known is None else part.grid.on_faces(part.metrics)
+    add_areas(part.at_particles, len(part.like), areas, particles.of_normals)
+
+
 def swing(part):
-    """Velocity of the grid and J_t."""
+    """Velocity of the grid."""
     part.grid.swing(part.known, part.metrics)
+
+
+def finish(part):
+    """The metrics that rates take."""
+    part.grid.finish(part.metrics)
 
 
 def turn(part, particles):

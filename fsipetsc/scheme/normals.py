@@ -6,7 +6,7 @@ velocity of the grid it turns by
     2-D      (D_2 y', -D_2 x') on faces of axis 1,   (-D_1 y', D_1 x') on those of axis 2
 
 which takes derivatives within the face only. In 1-D it does not turn. In 3-D a^k is bilinear in
-places, and turns by 1/2 (a^k(x + x') - a^k(x - x')): see GridMotion.turning.
+places, and turns by 1/2 (a^k(x + x') - a^k(x - x')): see cube_turn of fsipetsc/blocks/cube.c.
 """
 
 from typing import Any, NamedTuple

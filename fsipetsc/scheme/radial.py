@@ -30,7 +30,7 @@ class Straight(Nothing):
         """Add how area vectors at constraints turn; in one dimension they do not."""
         if len(part.like) == 3 and part.known is not None:
             part.grid.turn()
-            add_areas(part.at_particles, 3, part.grid.turning, table)
+            add_areas(part.at_particles, 3, part.grid.of_faces, table)
         turn_plane(part, table)
 
     def bounds(self, metrics):
