@@ -3,8 +3,9 @@
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.blockrun.block_state import BlockForm, BlockState
+from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blockrun.columns import gained, slices
+from fsipetsc.blockrun.solution import BlockForm
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Roller, Slip
 from fsipetsc.blocks.maps import nodes

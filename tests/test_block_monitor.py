@@ -8,7 +8,7 @@ import pytest
 from block_ledgers import CLOSED, N, Steps, gas, problem_of, solid
 from recorded import recorded
 
-from fsipetsc.blockrun.block_state import BlockForm
+from fsipetsc.blockrun.solution import BlockForm
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme import plan
 from fsipetsc.scheme.batch import ALLOWED, LONGEST, MADE, TIME, Plan, plan_next

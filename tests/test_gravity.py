@@ -16,7 +16,7 @@ from oracle_engine import Engine
 from oracle_formulas import Gas, Solid, spread
 
 from fsipetsc import FluidLayer, Problem, Wall
-from fsipetsc.blockrun.block_state import BlockForm
+from fsipetsc.blockrun.solution import BlockForm
 from fsipetsc.blocks.conditions import Free, Slip
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import InputError

@@ -5,7 +5,8 @@ import pytest
 from helpers import computed, message, on_ranks, rows_of, solve
 from mpi4py import MPI
 
-from fsipetsc.blockrun.block_state import BlockForm, BlockState
+from fsipetsc.blockrun.block_state import BlockState
+from fsipetsc.blockrun.solution import BlockForm
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Centre, Free, Slip
 from fsipetsc.blocks.maps import ball, off_axis, rectangle

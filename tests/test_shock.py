@@ -5,7 +5,7 @@ import pytest
 from block_ledgers import Steps
 from helpers import assert_same_fields, compute, solve
 
-from fsipetsc.blockrun.block_state import BlockForm
+from fsipetsc.blockrun.solution import BlockForm
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Slip
 from fsipetsc.blocks.maps import rectangle

@@ -12,7 +12,8 @@ from helpers import message, solve
 from fsipetsc.blockrun.solid_limits import AT_ONCE, imaginary
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.solid_pressure import Gruneisen
-from fsipetsc.stepping.verdicts import advice, crushed
+from fsipetsc.state import crushed
+from fsipetsc.stepping.verdicts import advice
 
 MU, LAMBDA = 1.0, 2.0
 

@@ -1,136 +1,43 @@
-"""The state of a run of blocks: solution, scheme, what is known after a step, what is saved.
-
-It has the names that stepping.run, stepping.integrator and the writer ask for: ``solution``,
-``results``, ``journal``, ``right_hand_side``, ``finish``, ``save`` …; the equations are those of
-fsipetsc.blockrun.scheme.
+"""The state of a run of blocks: what stepping and the writer ask for, ``right_hand_side``,
+``step``, ``finish``, ``capture`` …; the equations are those of fsipetsc.blockrun.scheme.
 """
 
-import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
-from mpi4py import MPI
-from petsc4py import PETSc
 
-from fsipetsc.blockrun.columns import gained, lossy, step_record
-from fsipetsc.blockrun.law_checks import loose_gases
 from fsipetsc.blockrun.notes import first_notes, inflows, last_notes
-from fsipetsc.blockrun.recorded_nodes import Recorded, here_of, note_nodes
+from fsipetsc.blockrun.recorded_nodes import here_of, note_nodes
 from fsipetsc.blockrun.saved import errors_of, grids, header, seen
-from fsipetsc.blockrun.scheme import Scheme
 from fsipetsc.blockrun.solid_limits import imaginary_waves, most_crushed
-from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.errors import InputError
-from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder
+from fsipetsc.blockrun.solution import BlockSolution
+from fsipetsc.parallel.block_layout import BlockVector
 from fsipetsc.process.together import agree, together
 from fsipetsc.scheme.batch import DT, MADE, TIME
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
-from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP
+from fsipetsc.scheme.plan import BAD, RATE, SAID_STOP
 from fsipetsc.scheme.steps import STAGES
-from fsipetsc.stepping.state import FAULT, State, as_numbers, whole
+from fsipetsc.state import FAULT, as_numbers, whole
 
 #: of how many parts a step is made, one after the other, until its state is physical
 PARTS = 1, 2, 4, 8, 16
-#: records of steps that are kept before they are written
-KEPT = 4096
 
 
-class BlockForm(NamedTuple):
-    """convection: "auto", "entropy" or "divergence"; dissipation, shock: times the usual size."""
+class BlockState(BlockSolution):
+    """A run's solution on blocks: its steps, checkpoints, and what is said of it; all methods are
+    collective on ``comm``.
 
-    convection: str = "auto"
-    dissipation: float = 0.0
-    shock: float = 0.0
-
-
-class BlockState(State):
-    """Solution and everything that belongs to it; all methods are collective on ``comm``.
-
-    y: this rank's part of the solution, stages: two vectors for stages;
-    ``solution`` is the memory of y as a world vector. results: flags and limits as in
-    fsipetsc.scheme.plan. journal, latest: records of steps, with this rank's shares of integrals;
-    rows, latest_numbers: the same as numbers. rates: (blocks, 2), largest ones of convection and
-    diffusion [1/s]; extremes: what the monitor finds. h: size of the smallest cells [m].
-    before: y where the last step began. recorded: nodes to be recorded at each step. orders: block
-    -> what brings its nodes into the order in which they are saved. announce: called on rank 0,
-    with a message, before and after kernels are compiled. loose: gases on which a constant force
-    acts node by node. InputError where blocks, order and ranks do not fit.
+    retries: steps that were made anew in parts.
     """
 
-    def __init__(
-        self,
-        comm: MPI.Comm,
-        problem: BlockProblem,
-        order: int,
-        form: BlockForm = BlockForm(),  # noqa: B008
-        partition: str = "auto",
-        recorded: Sequence[Recorded] = (),
-        announce: Callable[[str], None] = lambda text: None,
-    ) -> None:
-        self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
-        self.h = float(problem.spacing)
-        self.shocks, self.loose = form.shock > 0.0, loose_gases(problem, form.convection)
-        self.lossy, auxiliary = lossy(problem), gained(problem).itemsize // 8
-        self.layout = BlockLayout(comm, problem, order, self.shocks, partition, auxiliary)
-        self.y = BlockVector(self.layout)
-        self.stages = BlockVector(self.layout), BlockVector(self.layout)
-        size = (self.layout.local_size, None)
-        self.solution = PETSc.Vec().createWithArray(self.y.array, size=size, comm=comm)
-        self.recorded = tuple(recorded)
+    def __init__(self, *arguments: Any, **more: Any) -> None:
+        super().__init__(*arguments, **more)
         self._recorded_here = here_of(self)
-        record = step_record(problem, len(problem.interfaces), len(self.recorded))
-        self.results = np.zeros(FLAGS + LIMITS)
-        self.rows, self.latest_numbers = self._lay_journal(record, KEPT)
-        self.extremes = np.zeros(1 + MONITORED * len(problem.blocks))
-        self.rates = np.zeros((len(problem.blocks), 2))
-        self.before, self.retries = np.empty_like(self.y.array), 0
+        self.retries = 0
         self._tried = 1  # in how many parts the last step was made
         self._noted: set[int] = set()  # solids of which it was said that they are beyond their law
-        self.scheme = Scheme(self, order, form, announce)
         self.evaluations, self._t = 0, 0.0
-        parts = self.scheme.parts.items()
-        self.orders = {k: NaturalOrder(part.part, len(part.names)) for k, part in parts}
-
-    @property
-    def invariants(self) -> dict[str, Any]:
-        """Those of the problem that hold in this form (fsipetsc.scheme.gas_force)."""
-        found = self.problem.invariants
-        return {**found, "potential": found["potential"] and not self.loose}
-
-    @property
-    def asks(self) -> bool:
-        """Python is asked for data at each stage."""
-        return self.scheme.asks
-
-    @property
-    def fault(self) -> InputError | None:
-        """The first error of a function of the case's, on this rank."""
-        return self.scheme.fault
-
-    def interface_ends(self) -> Iterator[tuple[int, int, int, float]]:
-        """Of interfaces in one dimension with the solid's end here: number, block, row, X."""
-        interfaces = self.problem.interfaces if self.problem.dimension == 1 else ()
-        for number, (_, k) in enumerate(interfaces):
-            part, nodes = self.layout.parts.get(k), self.problem.interface_nodes(number)
-            if part is not None and nodes[0] in part.numbers:
-                X = float(self.problem.places(k, nodes)[0, 0])
-                yield number, k, int(part.rows(nodes[:1])[0]), X
-
-    @property
-    def points(self) -> int:
-        """Nodes of all blocks."""
-        return sum(int(np.prod(shape)) for shape in self.layout.shapes)
-
-    @property
-    def places(self) -> list[float]:
-        """Positions x [m] of the interfaces, in one dimension. Collective."""
-        found = np.zeros(len(self.problem.interfaces) * (self.problem.dimension == 1))
-        for number, k, row, X in self.interface_ends():
-            found[number] = X + self.y.owned(k)[row, 0]
-        self.comm.Allreduce(MPI.IN_PLACE, found)
-        return found.tolist()
 
     # set-up
 
@@ -230,7 +137,7 @@ class BlockState(State):
         """The run cannot go on from the state that was monitored last."""
         return bool(self.results[BAD]) or not self.results[RATE] < np.inf
 
-    def go_to_fault(self) -> str:
+    def go_to_fault(self, unphysical: Callable[[], Any]) -> str:
         """Repeat the step that has failed, and let y be its first unphysical stage: NaN spreads
         from there. Steps of PETSc's other methods are repeated by the classical one; if that does
         not fail, y stays. Returns what was wrong with solids before the step, or what is wrong with
@@ -282,14 +189,6 @@ class BlockState(State):
             self.results[SAID_STOP] = FAULT
         self.scheme.monitor(now)
 
-    def instant(self) -> float:
-        """A time [s] in which little happens, for differences in time: a power of two, so that it
-        is the same in most steps, and data need not be asked for again where the next step begins.
-        """
-        rate = float(self.results[RATE])
-        _, power = math.frexp(0.25 / rate if 0.0 < rate < np.inf else 1e-3 * self.h)
-        return math.ldexp(0.25, power)
-
     # checkpoints
 
     def capture(self) -> dict[str, np.ndarray] | None:
@@ -339,20 +238,3 @@ class BlockState(State):
     def notes_at(self, t: float) -> list[str]:
         """Notes on the solution, whose fields have just been saved, at t [s]. Collective."""
         return [f"note: {line}" for line in imaginary_waves(self, t, self._noted)]
-
-    def fields(self, k: int) -> np.ndarray:
-        """(M, columns) of ``fields_of``: what is saved of this rank's nodes of block k."""
-        return self.scheme.parts[k].fields(self.y.ghosted(k))
-
-    def save(self) -> dict[int, np.ndarray]:
-        """What is saved of this rank's nodes: number of a block -> (local, columns), to be copied
-        before the next call (RunWriter.write_frame). Collective."""
-        return {k: order.reorder(self.fields(k)) for k, order in sorted(self.orders.items())}
-
-    def destroy(self) -> None:
-        """Free messages, vectors, DMDAs and communicators, in this order."""
-        self.scheme.destroy()
-        for order in self.orders.values():
-            order.destroy()
-        self.solution.destroy()
-        self.layout.destroy()

@@ -2,22 +2,17 @@
 resolve at the end.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import chain
 from operator import itemgetter
-from typing import TYPE_CHECKING
 
 import numpy as np
 from mpi4py import MPI
 
+from fsipetsc.blockrun.gas_part import GasPart
+from fsipetsc.blockrun.solution import BlockSolution
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.scheme.gas_forms import CONSERVED
-
-if TYPE_CHECKING:
-    from fsipetsc.blockrun.block_state import BlockState
-    from fsipetsc.blockrun.gas_part import GasPart
 
 Array = np.ndarray
 #: the part of the larger of two pressures by which they may differ at an interface
@@ -41,7 +36,7 @@ _WORDS = (
 )
 
 
-def first_notes(state: BlockState) -> list[str]:
+def first_notes(state: BlockSolution) -> list[str]:
     """Hinges that do not hold; forces that do not keep rest; where conditions contradict each
     other, where walls are not at the ends of their blocks, and where pressure jumps at an
     interface.
@@ -84,12 +79,13 @@ def first_notes(state: BlockState) -> list[str]:
     return notes
 
 
-def loose_forces(state: BlockState) -> list[str]:
+def loose_forces(state: BlockSolution) -> list[str]:
     """A note for each gas on which a constant force acts node by node."""
     return [
         f"note: the force on '{gas.name}' is added node by node: a gas at rest stays so to the "
         "order of the scheme only, and small motions may grow"
-        + "; -fsi_convection entropy keeps rest" * isinstance(gas.material.gas_law, CONSERVED)
+        + "; -fsi_convection entropy keeps rest"
+        * isinstance(gas.material.gas_law, CONSERVED)
         for gas in state.loose
     ]
 
@@ -102,7 +98,7 @@ def weak_hinges(problem: BlockProblem, order: int) -> list[str]:
     return [words] if problem.hinges and order == 8 else []
 
 
-def last_notes(state: BlockState) -> list[str]:
+def last_notes(state: BlockSolution) -> list[str]:
     """Where a wave is as steep as the grid, or a layer at a wall as thin as a cell, in a gas.
 
     Of a state whose halos are filled. Collective.
@@ -143,7 +139,7 @@ def last_notes(state: BlockState) -> list[str]:
     return notes + [f"note: at the end {said}" for said in inflows(state)]
 
 
-def inflows(state: BlockState) -> list[str]:
+def inflows(state: BlockSolution) -> list[str]:
     """Where gas flows in through an Outflow, which has no data for it: the fastest one of each
     block. Collective.
     """

@@ -1,20 +1,15 @@
 """Nodes that are recorded at each step: -fsi_points, on interfaces, and -fsi_probes, anywhere."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fsipetsc.blockrun.columns import point_names
+from fsipetsc.blockrun.solution import BlockSolution
+from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import InputError
 from fsipetsc.options.option import floats
-
-if TYPE_CHECKING:
-    from fsipetsc.blockrun.block_state import BlockState
-    from fsipetsc.blocks.problem import BlockProblem
 
 Array = np.ndarray
 
@@ -100,7 +95,7 @@ def _face_of(problem: BlockProblem, k: int, node: int) -> tuple[int, int] | None
     return next((f for f in there if node in problem.face_nodes(k, *f)), None)
 
 
-def here_of(state: BlockState) -> list[tuple[int, Recorded, int]]:
+def here_of(state: BlockSolution) -> list[tuple[int, Recorded, int]]:
     """(number, node, its place among those that this rank owns) of the recorded nodes here."""
     found = []
     for i, node in enumerate(state.recorded):
@@ -110,7 +105,7 @@ def here_of(state: BlockState) -> list[tuple[int, Recorded, int]]:
     return found
 
 
-def note_nodes(state: BlockState, here: Sequence[tuple[int, Recorded, int]]) -> None:
+def note_nodes(state: BlockSolution, here: Sequence[tuple[int, Recorded, int]]) -> None:
     """Write into the record of a step what is known of nodes here, of the completed state, whose
     halos are filled: place, velocity, temperature, pressure; traction on the solid at an interface,
     else 0.

@@ -2,23 +2,19 @@
 nodes, errors against exact solutions.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from fsipetsc.blockrun.columns import PLACES, VELOCITIES, fields_of
+from fsipetsc.blockrun.solution import BlockSolution
 from fsipetsc.blocks.values import block_values, checked, names_of
 from fsipetsc.process.together import together
-from fsipetsc.stepping.verdicts import Seen
-
-if TYPE_CHECKING:
-    from fsipetsc.blockrun.block_state import BlockState
+from fsipetsc.state import Seen
 
 
-def header(state: BlockState) -> dict[str, Any]:
+def header(state: BlockSolution) -> dict[str, Any]:
     """What a result file says of blocks, interfaces, and nodes recorded at each step."""
     d = state.problem.dimension
     blocks = [
@@ -40,7 +36,7 @@ def header(state: BlockState) -> dict[str, Any]:
     }
 
 
-def grids(state: BlockState) -> list[dict[str, Any]]:
+def grids(state: BlockSolution) -> list[dict[str, Any]]:
     """What the writer must know: see RunWriter."""
     found = []
     for k, shape in enumerate(state.layout.shapes):
@@ -51,7 +47,7 @@ def grids(state: BlockState) -> list[dict[str, Any]]:
     return found
 
 
-def seen(state: BlockState) -> Iterator[Seen]:
+def seen(state: BlockSolution) -> Iterator[Seen]:
     """Values at this rank's nodes, block by block."""
     problem, d = state.problem, state.problem.dimension
     for k, part in state.scheme.parts.items():
@@ -65,7 +61,7 @@ def seen(state: BlockState) -> Iterator[Seen]:
         yield Seen(k, numbers, values, x, problem.places(k, numbers))
 
 
-def errors_of(state: BlockState, t: float, norm: str) -> dict[str, dict[str, float]] | None:
+def errors_of(state: BlockSolution, t: float, norm: str) -> dict[str, dict[str, float]] | None:
     """Errors at time t [s]: kind of block -> name -> (sum w |difference|^p)^(1/p), and "combined".
 
     norm: "L1" or "L2", p = 1 or 2. w: H times J of the reference map. All blocks of a kind are

@@ -12,21 +12,17 @@ the smallest eigenvalue when that is small.
 Nodes with hardly any strain are left out, so that solids of small strain cost next to nothing.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterator, Sequence
 from itertools import product
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.blockrun.solid_part import SolidPart
+from fsipetsc.blockrun.solution import BlockSolution
 from fsipetsc.equations.tensors import determinant
 from fsipetsc.materials.own import STEP, bumped
-from fsipetsc.stepping import verdicts
-
-if TYPE_CHECKING:
-    from fsipetsc.blockrun.block_state import BlockState
-    from fsipetsc.blockrun.solid_part import SolidPart
+from fsipetsc.state import CRUSHED, crushed
 
 Array = np.ndarray
 #: entries of F^T F - 1 below which the waves of a law are those at rest
@@ -52,7 +48,7 @@ class Found(NamedTuple):
     values: tuple[float, ...]
 
 
-def imaginary_waves(state: BlockState, t: float, noted: set[int]) -> list[str]:
+def imaginary_waves(state: BlockSolution, t: float, noted: set[int]) -> list[str]:
     """A line for each solid whose waves have become imaginary somewhere, by the last F. Collective.
 
     t: time of the state [s]. noted: the blocks of which it was said before; more are added.
@@ -67,7 +63,7 @@ def imaginary_waves(state: BlockState, t: float, noted: set[int]) -> list[str]:
     ]
 
 
-def most_crushed(state: BlockState) -> str:
+def most_crushed(state: BlockSolution) -> str:
     """Which solid is crushed most, and by how much pressure, by the last F; "" if none is.
     Collective.
     """
@@ -75,10 +71,10 @@ def most_crushed(state: BlockState) -> str:
     if found is None:
         return ""
     K = state.problem.layers[found.block].material.K
-    return verdicts.crushed(_where(state, found), found.order, *found.values, K)
+    return crushed(_where(state, found), found.order, *found.values, K)
 
 
-def _where(state: BlockState, found: Found) -> str:
+def _where(state: BlockSolution, found: Found) -> str:
     """The place of a node, in words."""
     block, shape = state.problem.layers[found.block], state.layout.shapes[found.block]
     node = ", ".join(map(str, np.unravel_index(found.number, shape[::-1])[::-1]))
@@ -88,7 +84,7 @@ def _where(state: BlockState, found: Found) -> str:
 
 
 def _first_of_all(
-    state: BlockState,
+    state: BlockSolution,
     look: Callable[[SolidPart, Array], Iterator[Found]],
     but: Collection[int] = (),
 ) -> Collection[Found]:
@@ -123,7 +119,7 @@ def _shortest(part: SolidPart, q: Array) -> Iterator[Found]:
     good = np.flatnonzero(np.isfinite(F).all(axis=0))
     least = np.linalg.svd(F[: d * d, good].T.reshape(-1, d, d), compute_uv=False)[:, -1]
     stretch = np.min([least, *F[d * d :, good]], axis=0)
-    few = stretch < verdicts.CRUSHED
+    few = stretch < CRUSHED
     rows, push = good[few], []
     if rows.size:
         push = [-np.linalg.eigvalsh(part.stresses(q, rows)).min(axis=-1)]

@@ -17,7 +17,7 @@ from fsipetsc.paper.laws import law_of
 from fsipetsc.paper.layout import DOF
 from fsipetsc.paper.stencils import Stencils
 from fsipetsc.parallel.exchange import Exchange
-from fsipetsc.stepping.verdicts import Seen
+from fsipetsc.state import Seen
 
 Array = np.ndarray
 
@@ -80,9 +80,7 @@ class Layer:
             others = [rank for rank, *_ in self._share if rank != self._owner]
             sent = dict.fromkeys(others, frame) if me == self._owner else {}
             received = {} if me == self._owner else {self._owner: frame}
-            self.exchanges.append(
-                Exchange(comm, tag, sent, received, none, numbers, numbers)
-            )
+            self.exchanges.append(Exchange(comm, tag, sent, received, none, numbers, numbers))
         first, dof = int(self.record["own_lo"] - self.record["halo_lo"]), self.local.shape[1]
 
         def places(begin: int, end: int) -> Array:

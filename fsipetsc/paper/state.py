@@ -15,7 +15,6 @@ the results, bit for bit.
 """
 
 from collections.abc import Callable, Mapping
-from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -38,8 +37,7 @@ from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import agree, together
 from fsipetsc.scheme.batch import ALLOWED, DT, MADE, TIME, plan_next
 from fsipetsc.scheme.plan import BAD, CAPACITY, FLAGS, LIMITS, SAID_STOP, step_record
-from fsipetsc.stepping.state import FAULT, State, as_numbers, whole
-from fsipetsc.stepping.verdicts import Seen, crushed, first_bad
+from fsipetsc.state import FAULT, Seen, State, as_numbers, crushed, whole
 
 Array = np.ndarray
 #: times of the stages, in steps
@@ -350,7 +348,7 @@ class PaperState(State):
         self._complete()
         return bool(ends())
 
-    def go_to_fault(self) -> str:
+    def go_to_fault(self, unphysical: Callable[[], Any]) -> str:
         """Repeat the steps since the last call of ``step`` up to the first unphysical stage: NaN
         spreads from there. Steps of PETSc's methods are not repeated.
         """
@@ -364,8 +362,9 @@ class PaperState(State):
         while more:
             said = self._crushed()
             t, dt = self.batch[[TIME, DT]].tolist()
-            bad = partial(first_bad, self)
-            more = not self._advance(t, dt, self.problem.steady_data, bad) and self.plan_next()
+            more = (
+                not self._advance(t, dt, self.problem.steady_data, unphysical) and self.plan_next()
+            )
         return said
 
     def _crushed(self) -> str:

@@ -12,7 +12,7 @@ Nodes of a block are numbered n = i_0 + N_0 (i_1 + N_1 i_2), and so are those of
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import prod
 from typing import Any
@@ -218,6 +218,15 @@ class BlockLayout:
             inside=Exchange(self.comm, HALO_TAG, {}, {}, halo.inside, None, memory),
             signs=np.where(np.isin(np.arange(dof), odd), -1.0, 1.0)[: dof * images],
         )
+
+    def interface_ends(self) -> Iterator[tuple[int, int, int, float]]:
+        """Of interfaces in one dimension with the solid's end here: number, block, row, X."""
+        interfaces = self.problem.interfaces if self.problem.dimension == 1 else ()
+        for number, (_, k) in enumerate(interfaces):
+            part, nodes = self.parts.get(k), self.problem.interface_nodes(number)
+            if part is not None and nodes[0] in part.numbers:
+                X = float(self.problem.places(k, nodes)[0, 0])
+                yield number, k, int(part.rows(nodes[:1])[0]), X
 
     def owned(self, k: int, array: Array) -> Array:
         """View, (M, dof), of block k in this rank's part of a world vector; M may be 0."""

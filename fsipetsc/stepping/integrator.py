@@ -19,9 +19,9 @@ from fsipetsc.output.quantities import GAINS
 from fsipetsc.process.together import agree
 from fsipetsc.scheme.batch import LONGEST, MADE, NEXT, TIME, longest_step, next_step
 from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP, shares
+from fsipetsc.state import FAULT, State
 from fsipetsc.stepping import verdicts
 from fsipetsc.stepping.signals import CHECKPOINT
-from fsipetsc.stepping.state import FAULT, State
 
 #: the value of -ts_type that stands for the project's own method
 FUSED = "fused"

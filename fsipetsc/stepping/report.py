@@ -12,7 +12,7 @@ from mpi4py import MPI
 from fsipetsc.checks import counted, duration
 from fsipetsc.output.info import error_rows, summary_rows, table
 from fsipetsc.process.streams import say
-from fsipetsc.stepping.state import State
+from fsipetsc.state import State
 
 #: wall seconds before the first line of progress; with -fsi_progress or on a terminal; the most
 FIRST, SOON, RAREST = 10.0, 2.0, 60.0

@@ -22,8 +22,8 @@ from fsipetsc.output import checkpoint_file
 from fsipetsc.output.file_layout import beside, damage
 from fsipetsc.output.structure import ANYTHING, COUNT, MEASURE, NUMBER, TEXT, check
 from fsipetsc.process.together import together
+from fsipetsc.state import State
 from fsipetsc.stepping import integrator, ledgers
-from fsipetsc.stepping.state import State
 
 FREE = OF_A_RUN | {
     *("fsi_output", "fsi_output_dt", "fsi_output_times", "ts_max_time", "ts_max_steps"),

@@ -17,6 +17,7 @@ from fsipetsc.output.checkpoint_file import CheckpointError
 from fsipetsc.output.pieces import Kept
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.process.streams import say
+from fsipetsc.state import State
 from fsipetsc.stepping import restart
 from fsipetsc.stepping.integrator import Integrator, saved_times
 from fsipetsc.stepping.ledgers import Ledgers
@@ -24,7 +25,6 @@ from fsipetsc.stepping.report import Reporter, bound_of_step
 from fsipetsc.stepping.restart import Past
 from fsipetsc.stepping.signals import signals_noted
 from fsipetsc.stepping.solve import build_problem, make_state
-from fsipetsc.stepping.state import State
 from fsipetsc.stepping.verdicts import cold_layers
 
 SET_UP, LOOP, OUTPUT = "set-up", "time loop", "output"

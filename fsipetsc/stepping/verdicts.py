@@ -1,9 +1,8 @@
 """What is said of a state that cannot be gone on from, of steps that are too long, of °C."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from functools import partial
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -11,9 +10,7 @@ from mpi4py import MPI
 from fsipetsc.errors import ComputationError
 from fsipetsc.scheme.batch import longest_step
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, TOO_SHORT
-
-if TYPE_CHECKING:
-    from fsipetsc.stepping.state import State
+from fsipetsc.state import Seen, State
 
 #: Courant number beyond which steps are said to be long: the classical method, on a periodic grid,
 #: is unstable beyond 1.6 to 2.8 (orders 8 to 2)
@@ -22,22 +19,8 @@ FAR = 1.5
 COLD = 100.0
 #: the square of a larger number is none
 TOO_LARGE = 1e150
-#: a smaller stretch is that of a solid that is crushed
-CRUSHED = 0.1
 #: fields that must be above 0; others need only be finite
 POSITIVE = "rho", "T", "J", "x_X", "m0 c^2"
-
-
-class Seen(NamedTuple):
-    """What a rank sees of a layer. numbers: of the points, (n,), as they count over all ranks;
-    values: field -> (n,), those first of which others are made; x, X: (n, d) places.
-    """
-
-    layer: int
-    numbers: np.ndarray
-    values: Mapping[str, np.ndarray]
-    x: np.ndarray
-    X: np.ndarray
 
 
 def described(state: State, t: float, step: int) -> str:
@@ -58,16 +41,6 @@ def described(state: State, t: float, step: int) -> str:
         what = f"waves have become imaginary, their {what}: the law has no meaning here,"
     where = f"in layer '{state.problem.layers[k].name}' at {place('xyz', x)} ({place('XYZ', X)})"
     return f"{what} {where}, {when}"
-
-
-def crushed(where: str, stretch: float, push: float, K: float) -> str:
-    """What is said of a solid of this stretch, under a pressure of push [Pa]; "" if it is not
-    crushed.
-    """
-    pressed = f" under a pressure of {push / K:.3g} K, K = 2 mu_e + lambda_e" if K > 0.0 else ""
-    said = f"the solid is crushed in {where}: its stretch is {stretch:.3g}{pressed}"
-    helps = "; a stiffer solid or less pressure helps, shorter steps do not"
-    return said + helps if stretch < CRUSHED else ""
 
 
 def first_bad(state: State) -> tuple[Any, ...] | None:
@@ -112,7 +85,7 @@ def check(
     flags: flags and limits of the step; beyond: what ``beyond_bound`` said; opt: options in force.
     """
     if flags[BAD] or not flags[RATE] < np.inf:
-        cause = state.go_to_fault()
+        cause = state.go_to_fault(partial(first_bad, state))
         about = described(state, t, step), *state.inflows(), beyond
         said = filter(None, (*about, cause or advice(state, opt)))
         raise ComputationError("; ".join(said))

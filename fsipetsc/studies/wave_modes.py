@@ -19,7 +19,8 @@ import numpy as np
 from mpi4py import MPI
 from scipy.linalg import orth
 
-from fsipetsc.blockrun.block_state import BlockForm, BlockState
+from fsipetsc.blockrun.block_state import BlockState
+from fsipetsc.blockrun.solution import BlockForm
 from fsipetsc.blocks.conditions import Condition
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.blocks.problem import BlockProblem

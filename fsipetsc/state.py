@@ -1,8 +1,8 @@
 """What the states of both methods have in common: see BlockState and PaperState."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
@@ -15,6 +15,20 @@ from fsipetsc.scheme.plan import BATCH
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
 FAULT = 1000.0
+#: a smaller stretch is that of a solid that is crushed
+CRUSHED = 0.1
+
+
+class Seen(NamedTuple):
+    """What a rank sees of a layer. numbers: of the points, (n,), as they count over all ranks;
+    values: field -> (n,), those first of which others are made; x, X: (n, d) places.
+    """
+
+    layer: int
+    numbers: np.ndarray
+    values: Mapping[str, np.ndarray]
+    x: np.ndarray
+    X: np.ndarray
 
 
 class State:
@@ -62,9 +76,10 @@ class State:
         """Notes on the solution at a time [s] at which it is saved. Collective."""
         return []
 
-    def go_to_fault(self) -> str:
+    def go_to_fault(self, unphysical: Callable[[], Any]) -> str:
         """Go to where a failed step became unphysical, if that can be found. Returns what the
-        state before the step says of the cause, or "". Collective.
+        state before the step says of the cause, or "". unphysical: tells, of the values that are
+        seen now, whether they are. Collective.
         """
         return ""
 
@@ -123,6 +138,16 @@ def whole(comm: MPI.Comm, size: int, numbers: np.ndarray, values: np.ndarray) ->
     comm.Gatherv(sent, [received, counts, MPI.DOUBLE])
     found[np.concatenate(every)] = received
     return found
+
+
+def crushed(where: str, stretch: float, push: float, K: float) -> str:
+    """What is said of a solid of this stretch, under a pressure of push [Pa]; "" if it is not
+    crushed.
+    """
+    pressed = f" under a pressure of {push / K:.3g} K, K = 2 mu_e + lambda_e" if K > 0.0 else ""
+    said = f"the solid is crushed in {where}: its stretch is {stretch:.3g}{pressed}"
+    helps = "; a stiffer solid or less pressure helps, shorter steps do not"
+    return said + helps if stretch < CRUSHED else ""
 
 
 def as_numbers(record: np.void) -> np.ndarray:
