@@ -152,7 +152,7 @@ def test_another_amplitude_and_frequency_is_the_same_text():
     texts = []
     for size, rate in ((0.02, 9.0), (0.013, 4.7)):
         state = of_kind("wall", timed_size=size, timed_rate=rate)
-        texts.append([code.text for code in state.scheme._data])
+        texts.append([code.text for code in state.scheme.compiled.data])
         asked, recorded = asked_and_recorded(state, 0.7)
         np.testing.assert_allclose(recorded[-2], asked[-2], rtol=1e-15)
     assert texts[0] == texts[1] and texts[0]

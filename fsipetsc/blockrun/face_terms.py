@@ -2,20 +2,19 @@
 fsipetsc.scheme.faces.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.recorded_data import Make, Recorder, asked, positive
-from fsipetsc.blocks.conditions import Absorbing, Condition, Effect, Free, Open, Outflow
+from fsipetsc.blockrun.recorded_data import Recorder, asked, positive
+from fsipetsc.blocks.conditions import Condition, Effect
 from fsipetsc.blocks.cube import Cube
-from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.blocks.problem import Meeting
 from fsipetsc.blocks.values import checked, checked_one, datum
-from fsipetsc.errors import InputError
 from fsipetsc.kernels.formula import number_of, numbers_of
 from fsipetsc.kernels.symbols import NotRecorded
 from fsipetsc.parallel.block_layout import Part
@@ -23,6 +22,8 @@ from fsipetsc.scheme.faces import GasFaces, Group, SolidFaces, Turned
 from fsipetsc.scheme.part import Nothing
 
 Array = NDArray[Any]
+#: data that are vectors; those that must be above 0
+VECTORS, ABOVE_0 = ("u",), ("rho", "T")
 
 
 class FaceTerms:
@@ -63,7 +64,7 @@ class FaceTerms:
             self.record = SolidFaces(*nodes, vectors[0], *numbers, vectors[1], X, (), groups)
         self._spacing = np.zeros(n)  # from nodes of faces to those beside
         end, turned = 0, []
-        for (axis, side, condition, _), (_, own, *_) in zip(acting, listed, strict=True):
+        for (axis, side, condition, effect), (_, own, *_) in zip(acting, listed, strict=True):
             where, end = slice(end, end + own.size), end + own.size
             if d == 3 and not self._gas:
                 turned.append(_turned(problem, part, order, axis, side, where))
@@ -75,7 +76,7 @@ class FaceTerms:
             beside = problem.places(k, part.numbers[own] + (-stride if side else stride))
             self._spacing[where] = np.linalg.norm(places - beside, axis=1)
             self._faces.append((condition, places, where))
-            if isinstance(condition, Open) and condition.order == 1:
+            if effect.first_order:
                 low, high = (block.face_positions(axis, at) for at in (0, 1))
                 self.record.width[where] = np.linalg.norm(high - low, axis=0).mean()
         if turned:
@@ -84,27 +85,25 @@ class FaceTerms:
 
     def refresh(self, t: float) -> None:
         """Fill the record with data at time t [s]. InputError."""
-        record, d = self.record, self._d
         for condition, X, at in self._faces:
-            if getattr(condition, "heat_flux", None) is not None:
-                record.heat[at] = datum(condition, "heat_flux", X, t)
-            if isinstance(condition, (Outflow, Free)):
-                record.pressure[at] = datum(condition, "pressure", X, t)
-            if self._gas:
-                if getattr(condition, "slip_length", None) is not None:
-                    record.width[at] = self._slip_length(condition, X, at, t)
-                if isinstance(condition, Open):
-                    record.outside[at] = _outside(condition, X, t)
+            if isinstance(condition, Meeting):
+                self._supply(X, at, t)
                 continue
-            if _unheld(condition) and self.p_ref != 0.0:
-                pressed = record.pressure[at] if isinstance(condition, Free) else 0.0
-                record.pressure[at] = pressed - self.p_ref
-            if isinstance(condition, Absorbing):
-                record.stress[at] = datum(condition, "stress", X, t)
-            if isinstance(condition, Meeting) and self._jumps is not None:
-                names = *(f"traction along {x}" for x in "xyz"[:d]), "heat"
-                values = checked(self._jumps, (*X.T, t), X.T, names, f"jumps at t = {t:.6g}")
-                record.traction[at], record.heat[at] = np.stack(values[:-1], axis=-1), values[-1]
+            data = {c: _column(condition, names, X, t) for c, names in _columns(condition)}
+            condition.check_on_grid(data, X, self._spacing[at], t)
+            for column, values in data.items():
+                getattr(self.record, column)[at] = values
+            if condition.loaded and self.p_ref != 0.0:
+                self.record.pressure[at] = data.get("pressure", 0.0) - self.p_ref
+
+    def _supply(self, X: Array, at: slice, t: float) -> None:
+        """What an interface supplies from outside, at time t [s], and p_ref of its solid."""
+        if not self._gas and self.p_ref != 0.0:
+            self.record.pressure[at] = -self.p_ref
+        if not self._gas and self._jumps is not None:
+            names = *(f"traction along {x}" for x in "xyz"[: self._d]), "heat"
+            values = checked(self._jumps, (*X.T, t), X.T, names, f"jumps at t = {t:.6g}")
+            self.record.traction[at], self.record.heat[at] = np.stack(values[:-1], -1), values[-1]
 
     def record_data(self, recorder: Recorder) -> None:
         """Record all that depends on time, of faces without nodes here as well."""
@@ -114,38 +113,21 @@ class FaceTerms:
 
     def _timed(self, condition: Any) -> Iterator[tuple[Any, ...]]:
         """What data of a condition are on symbols, and where they go."""
-        record = self.record
-
-        def of(name: str, less: float = 0.0) -> Make:
-            return lambda x, t: (asked(condition, name, x, t) - less,)
-
-        if getattr(condition, "heat_flux", None) is not None:
-            yield of("heat_flux"), record.heat
-        if isinstance(condition, (Outflow, Free)):
-            yield of("pressure", 0.0 if self._gas else self.p_ref), record.pressure
-        if callable(getattr(condition, "slip_length", None)):
-            yield _refuse_slip_length, record.width
-        if isinstance(condition, Open):
-            yield lambda x, t: (_beyond(condition, x, t),), record.outside
-        if isinstance(condition, Absorbing):
-            yield of("stress"), record.stress
-        if isinstance(condition, Meeting) and not self._gas and self._jumps is not None:
-            yield self._supplied, record.traction, record.heat
+        if isinstance(condition, Meeting):
+            if not self._gas and self._jumps is not None:
+                yield self._supplied, self.record.traction, self.record.heat
+            return
+        if condition.for_grids:
+            yield _refuse, self.record.width
+        for column, names in _columns(condition):
+            loaded = column == "pressure" and condition.loaded
+            less = self.p_ref if loaded else 0.0
+            yield partial(_recorded, condition, names, less), getattr(self.record, column)
 
     def _supplied(self, x: Any, t: Any) -> tuple[Any, Any]:
         """Traction and heat that interfaces get, at symbols."""
         *traction, heat = numbers_of(self._jumps(*x, t), self._d + 1)
         return tuple(traction), heat
-
-    def _slip_length(self, condition: Any, X: Array, at: slice, t: float) -> Array:
-        """At the nodes of a face. InputError if the grid is too coarse for it."""
-        length, least = datum(condition, "slip_length", X, t), self._spacing[at]
-        short = np.flatnonzero(~(length >= least))
-        if short.size:
-            n, where = short[0], f"slip_length of {type(condition).__name__} at t = {t:.6g}"
-            wanted = f"expected the distance {least[n]:.4g} of the nodes beside the wall, or more"
-            raise InputError(f"{where} is {length[n]:.4g} at {place_text(X[n])}: {wanted}")
-        return length
 
 
 def _turned(problem: Any, part: Part, order: int, axis: int, side: int, nodes: slice) -> Any:
@@ -175,9 +157,49 @@ def _left_out(problem: Any, k: int) -> float:
     return block.material.p_ref if solid and (block.dimension == 3 or problem.symmetry) else 0.0
 
 
-def _unheld(condition: Any) -> bool:
-    """Whether the traction on a face is not that of a clamp or a roller."""
-    return isinstance(condition, (Meeting, Free, Absorbing))
+def _columns(condition: Condition) -> list[tuple[str, tuple[str, ...]]]:
+    """The columns of the record that a condition fills, and the data in them."""
+    given = condition.at_faces.items()
+    return [(c, names) for c, names in given if getattr(condition, names[0], None) is not None]
+
+
+def _column(condition: Condition, names: Sequence[str], X: Array, t: float) -> Array:
+    """(n,), or (n, m) of several data, side by side, at time t [s]. InputError."""
+    found = [_values(condition, name, X, t) for name in names]
+    return found[0] if len(found) == 1 else np.column_stack(found)
+
+
+def _values(condition: Condition, name: str, X: Array, t: float) -> Array:
+    """(n,), or (n, d) of a vector, which may be a tuple of data. InputError."""
+    of = getattr(condition, name)
+    if name not in VECTORS:
+        return datum(condition, name, X, t)
+    if callable(of):
+        return datum(condition, name, X, t, "uvw"[: X.shape[1]])
+    where = f"{name} of {type(condition).__name__} at t = {t:.6g}"
+    each = (
+        checked_one(one, (*X.T, t), X.T, c, where) if callable(one) else np.full(len(X), one)
+        for one, c in zip(of, "uvw")
+    )
+    return np.stack(list(each), axis=-1)
+
+
+def _recorded(condition: Condition, names: Sequence[str], less: float, x: Any, t: Any) -> Any:
+    """The same at symbols, less a number; what must be above 0 and is not is no number."""
+    found: list[Any] = []
+    for name in names:
+        of = getattr(condition, name)
+        if name in VECTORS:
+            one_by_one = (number_of(u(*x, t)) if callable(u) else u for u in of)
+            found += asked(condition, name, x, t, len(x)) if callable(of) else one_by_one
+        else:
+            value = asked(condition, name, x, t)
+            found.append(positive(value) if name in ABOVE_0 else value)
+    return (tuple(found),) if len(found) > 1 else (found[0] - less,)
+
+
+def _refuse(x: Any, t: Any) -> Any:
+    raise NotRecorded("a slip_length that is a function is checked against the grid")
 
 
 def _nodes_of(problem: Any, part: Part, axis: int, side: int) -> tuple[Array, ...]:
@@ -205,9 +227,9 @@ def _acting(problem: Any, k: int) -> list[tuple[int, int, Any, Effect]]:
         interface = met and problem.is_interface(k, axis, side)
         supplied = interface and solid and problem.jumps is not None
         beyond = _left_out(problem, condition.block) if met else 0.0
-        loaded = _unheld(condition) and p_ref not in (0.0, beyond)
+        pressed = (met or condition.loaded) and p_ref not in (0.0, beyond)
         effect = None if met else condition.effect
-        if effect is None and (supplied or loaded):
+        if effect is None and (supplied or pressed):
             effect = Effect(Condition)
         if effect is not None:
             found.append((axis, side, condition, effect))
@@ -218,30 +240,3 @@ def _effects(problem: Any, kind: str) -> list[Effect]:
     """All that faces of blocks of a kind add to rates: blocks of one kind have one text."""
     numbers = [k for k, block in enumerate(problem.blocks) if block.kind == kind]
     return list(dict.fromkeys(effect for k in numbers for *_, effect in _acting(problem, k)))
-
-
-def _refuse_slip_length(x: Any, t: Any) -> Any:
-    raise NotRecorded("a slip_length that is a function is checked against the grid")
-
-
-def _beyond(condition: Open, x: Any, t: Any) -> tuple[Any, ...]:
-    """Density, velocity and temperature beyond an open face, at symbols."""
-    rho, T = (positive(asked(condition, name, x, t)) for name in ("rho", "T"))
-    if callable(condition.u):
-        return rho, *asked(condition, "u", x, t, len(x)), T
-    return rho, *(number_of(of(*x, t)) if callable(of) else of for of in condition.u), T
-
-
-def _outside(condition: Open, X: Array, t: float) -> Array:
-    """(n, d + 2) density, velocity and temperature beyond an open face."""
-    d, u = X.shape[1], condition.u
-    if callable(u):
-        u = datum(condition, "u", X, t, "uvw"[:d])
-    else:
-        where = f"u of Open at t = {t:.6g}"
-        called = (
-            checked_one(of, (*X.T, t), X.T, c, where) if callable(of) else np.full(len(X), of)
-            for of, c in zip(u, "uvw")
-        )
-        u = np.stack(list(called), axis=-1)
-    return np.column_stack([datum(condition, "rho", X, t), u, datum(condition, "T", X, t)])

@@ -18,7 +18,7 @@ from fsipetsc.blockrun.recorded_data import (
     motion,
     temperature,
 )
-from fsipetsc.blocks.conditions import Given, moves
+from fsipetsc.blocks.conditions import moves
 from fsipetsc.blocks.particles import Particle
 from fsipetsc.blocks.values import datum, names_of
 from fsipetsc.errors import InputError
@@ -146,7 +146,7 @@ class Prescribed:
 
     def _velocity(self, condition: Any, gas: bool, X: Array, t: float) -> Array:
         """(n, d), that of a condition of a gas or a solid, also where another one decides."""
-        if isinstance(condition, Given):
+        if condition.all_given:
             names = names_of("fluid" if gas else "solid", "values", self._d)
             return datum(condition, "values", X, t, names)[:, gas : gas + self._d]
         return self._motion(condition, X, t)[1]

@@ -33,7 +33,7 @@ class Scheme:
 
     vectors: the solution, and two for stages. The rest is that of fsipetsc.blockrun.compiled.
 
-    parts, particles: those that are compiled.
+    compiled: what phases call; parts, particles: those of it.
     fault: the first error of a function of the case's on this rank, after `initial`. The rank goes
     on with the data before it, so that others do not wait for its messages; all end after the step.
     """
@@ -53,7 +53,7 @@ class Scheme:
         self._now = *vectors, vectors[1]
         self._results = found.results
         made = Compiled(layout, order, form, found, columns, self._instant, announce)
-        self._compiled, self._phases = made, Phases(made)
+        self.compiled, self._phases = made, Phases(made)
         self.parts, self.particles = made.parts, made.particles
         self._found, self.steady = made.found, made.steady
         self.fault: InputError | None = None
@@ -62,17 +62,17 @@ class Scheme:
     @property
     def asks(self) -> bool:
         """Python is asked for data at each stage."""
-        return self._compiled.asks
+        return self.compiled.asks
 
     @property
     def not_recorded(self) -> list[str]:
         """Why, on this rank."""
-        return self._compiled.not_recorded
+        return self.compiled.not_recorded
 
     @property
     def planning(self) -> Any:
         """The procedure that plans the next step."""
-        return self._compiled.does["plan_next"]
+        return self.compiled.does["plan_next"]
 
     def _instant(self) -> float:
         """A time [s] in which little happens, for differences in time: a power of two, so that it
@@ -98,7 +98,7 @@ class Scheme:
         """
         self._refresh(t)
         self._phases.do("share", y.array)
-        for gas in self._compiled.gases:
+        for gas in self.compiled.gases:
             gas.stretch(y.owned(gas.part.k))
             gas.impose_velocities(y.owned(gas.part.k), *self.particles.at_walls(gas.part.k))
 
@@ -107,7 +107,7 @@ class Scheme:
         if self.asks or self._filled is None or self.particles.prescribed.doubtful:
             self._ask(t)
         if not self.asks:
-            self._compiled.fill(t)
+            self.compiled.fill(t)
 
     def _ask(self, t: float) -> None:
         """Ask Python for the data at time t [s]. InputError the first time."""
@@ -184,14 +184,14 @@ class Scheme:
                 self.particles.prescribed.refresh(t)
                 for part in self.parts.values():
                     part.refresh(t)
-                self._compiled.fill(t)
+                self.compiled.fill(t)
                 for what in filter(
-                    None, (recorder.faulty() for recorder in self._compiled.recorders)
+                    None, (recorder.faulty() for recorder in self.compiled.recorders)
                 ):
                     why = "expected a motion with a finite acceleration"
                     raise InputError(f"{what} is not finite at t = {t:.6g}: {why}")
 
-        if self._compiled.data and not self.asks:
+        if self.compiled.data and not self.asks:
             together(self._layout.comm, check)
 
     def monitor(self, y: BlockVector) -> None:
@@ -207,13 +207,13 @@ class Scheme:
 
     def note_gained(self, y: BlockVector) -> None:
         """Put what came in into the record of the step."""
-        self._compiled.does["note_gained"](y.array)
+        self.compiled.does["note_gained"](y.array)
 
     def destroy(self) -> None:
         """Release the messages, before the layout."""
-        self._compiled.destroy()
+        self.compiled.destroy()
 
     def forget(self) -> None:
         """Clear what gases remember of a bad state: no NaN may stay there for another step."""
-        for gas in self._compiled.gases:
+        for gas in self.compiled.gases:
             gas.volume.forget()

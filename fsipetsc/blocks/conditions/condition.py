@@ -4,8 +4,9 @@ Data are numbers, or functions of place and time: f(*X, t), X the face's nodes i
 InputError for what is no datum.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from fsipetsc.checks import ANY, POSITIVE, function, number
@@ -64,12 +65,15 @@ class Condition:
     in. free_velocity: velocity may be given without x. Formulas, None where there is none: leaving
     (gas, w, face): mass, momentum and energy that leave a gas of the state w; traction(gas, w,
     face): the force on it; pull(solid, F, T, N, v, stress): that on a solid per area at rest.
+    at_faces: column of the record of faces (fsipetsc.scheme.faces) -> names of the data in it.
+    loaded: the face has a traction of its own, from which p_ref of the solid is taken.
     """
 
     of = frozenset({"fluid", "solid"})
     ranges = {"T": POSITIVE, "heat_flux": ANY}  # noqa: RUF012
     part = passes = ""
-    holds = all_given = free_velocity = False
+    at_faces: Mapping[str, tuple[str, ...]] = MappingProxyType({"heat": ("heat_flux",)})
+    holds = all_given = free_velocity = loaded = False
     imposes_T = knows_inflow = True
     leaving = traction = pull = None
 
@@ -97,6 +101,16 @@ class Condition:
     def acts(self) -> bool:
         """Whether it adds anything but heat to the rates at its faces."""
         return any((self.leaving, self.traction, self.pull))
+
+    def check_on_grid(self, data: Mapping[str, Any], X: Any, spacing: Any, t: float) -> None:
+        """InputError where the grid is too coarse for data (n,) of a face at time t [s]; X: (n, d)
+        places, spacing: (n,) distance of the nodes beside it.
+        """
+
+    @property
+    def for_grids(self) -> bool:
+        """Whether ``check_on_grid`` is to be asked at each instant."""
+        return False
 
     @property
     def effect(self) -> Effect | None:

@@ -7,6 +7,7 @@ can be, what passes is that of Lax and Friedrichs (fsipetsc.blocks.conditions.fl
 """
 
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -37,6 +38,7 @@ class Open(OfGas):
     ranges = OfGas.ranges | {"rho": POSITIVE}
     passes = "gas"
     imposes_T = False
+    at_faces = MappingProxyType({"outside": ("rho", "u", "T")})
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -6,6 +6,7 @@ where gas flows in.
 """
 
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -22,6 +23,7 @@ class Outflow(OfGas):
     pressure: Datum = 0.0
     ranges = OfGas.ranges | {"pressure": NONNEGATIVE}
     passes = "gas"
+    at_faces = MappingProxyType({"pressure": ("pressure",)})
     knows_inflow = False
 
     @staticmethod

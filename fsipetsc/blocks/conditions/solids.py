@@ -7,6 +7,7 @@
 """
 
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from fsipetsc.blocks.conditions.condition import Datum, Function, OfSolid
 from fsipetsc.checks import ANY
@@ -36,6 +37,8 @@ class Free(OfSolid):
     T: Datum = None
     heat_flux: Datum = None
     ranges = OfSolid.ranges | {"pressure": ANY}
+    at_faces = MappingProxyType({**OfSolid.at_faces, "pressure": ("pressure",)})
+    loaded = True
 
     @property
     def acts(self) -> bool:
@@ -57,6 +60,8 @@ class Absorbing(OfSolid):
     T: Datum = None
     heat_flux: Datum = None
     ranges = OfSolid.ranges | {"stress": ANY}
+    at_faces = MappingProxyType({**OfSolid.at_faces, "stress": ("stress",)})
+    loaded = True
     passes = "waves"
 
     @staticmethod

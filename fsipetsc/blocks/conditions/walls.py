@@ -4,11 +4,18 @@ Where a gas slips with the length l of Navier, its nodes get (0, t, t . w), t = 
 without its part along n, from a wall of velocity w.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
 
 from fsipetsc.blocks.conditions.condition import Datum, FaceNode, Function, OfGas
+from fsipetsc.blocks.maps import place_text
 from fsipetsc.checks import POSITIVE
 from fsipetsc.equations.vectors import along, dot, scale, sub
+from fsipetsc.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -28,6 +35,7 @@ class NoSlip(OfGas):
     velocity: Function | None = None
     slip_length: Datum = None
     ranges = OfGas.ranges | {"slip_length": POSITIVE}
+    at_faces = MappingProxyType({**OfGas.at_faces, "width": ("slip_length",)})
     part = "wall"
     holds = True
 
@@ -35,6 +43,22 @@ class NoSlip(OfGas):
     def acts(self) -> bool:
         """Whether the gas slips."""
         return self.slip_length is not None
+
+    @property
+    def for_grids(self) -> bool:
+        """A slip length that is a function may become too short."""
+        return callable(self.slip_length)
+
+    def check_on_grid(self, data: Mapping[str, Any], X: Any, spacing: Any, t: float) -> None:
+        """A slip length is no shorter than a cell."""
+        if self.slip_length is None:
+            return
+        length = data["width"]
+        short = np.flatnonzero(~(length >= spacing))
+        if short.size:
+            n, where = short[0], f"slip_length of NoSlip at t = {t:.6g}"
+            wanted = f"expected the distance {spacing[n]:.4g} of the nodes beside the wall, or more"
+            raise InputError(f"{where} is {length[n]:.4g} at {place_text(X[n])}: {wanted}")
 
     @staticmethod
     def traction(gas, w, face: FaceNode):
