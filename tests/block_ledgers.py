@@ -27,7 +27,7 @@ class Steps(BlockState):
 
     def __init__(self, problem, order=2, form=BlockForm(), apart=False):  # noqa: B008
         super().__init__(MPI.COMM_SELF, problem, order, form)
-        self.scheme.asks |= apart
+        self.scheme.compiled.asks |= apart
         self.t, self._at = 0.0, slices(gained(problem))
         self.came = np.zeros(self.layout.auxiliary)
         self.set_initial()
