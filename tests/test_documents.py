@@ -87,6 +87,22 @@ def test_the_kernel_and_the_procedure_of_the_page_of_code_are_those_that_are_pri
         assert "".join(page.split("{", 1)[1].split()) in "".join(lines.split())
 
 
+def test_where_to_add_something_is_true():
+    """Of each row the files are there, and what is named beside them stands in one of them."""
+    lines = TEXTS["code.md"].split("## To add …")[1].splitlines()
+    rows = [line.split("|")[1:4] for line in lines if line.startswith("| a")]
+    assert len(rows) >= 10
+    for what, write, register in rows:
+        told = re.findall(r"`([^`]+)`", write + register)
+        paths = [REPOSITORY / name for name in told if name.startswith("fsipetsc/")]
+        files = [f for p in paths for f in (p.glob("*.py") if p.is_dir() else [p])]
+        texts = [file.read_text() for file in files]
+        for name in told if paths else ():  # a law of one's own is in the case alone
+            word = name.removeprefix("-")
+            found = name.startswith(("fsipetsc/", "runs")) or any(word in text for text in texts)
+            assert found, f"{what}: {name}"
+
+
 def test_every_page_is_in_the_site():
     listed = set(re.findall(r": ([\w-]+\.md)", (REPOSITORY / "mkdocs.yml").read_text()))
     assert listed == set(TEXTS) - {"README.md"} | {"index.md", "tutorial.md"}

@@ -1,17 +1,17 @@
 """The layout of the code: imports go one way, and only who has to knows PETSc and MPI."""
 
 import ast
+from graphlib import TopologicalSorter
 
 from helpers import REPOSITORY
 
 PACKAGE = REPOSITORY / "fsipetsc"
 #: folders and files of the package: each imports from those to its right alone
-ORDER = """__main__ → cli api → studies → stepping blockrun paper → output → process
+ORDER = """__main__ → cli api → studies → stepping → blockrun → paper → state → output → process
 → cases → usage → options → mesh_files → scheme → parallel → problem → boundaries → blocks
 → materials → operators → equations → kernels → blame checks → errors → __init__"""
 RANK = {name: rank for rank, names in enumerate(ORDER.split("→")) for name in names.split()}
-#: these three make a run, and know each other
-RUN = {"stepping", "blockrun", "paper"}
+RUN = {"stepping", "blockrun", "paper", "state"}
 #: who knows MPI, PETSc: who starts them, computes or writes with them, reads PETSc's options
 MPI = RUN | {"cli", "api", "studies", "output", "process", "parallel"}
 PETSC = RUN | {"studies", "output", "process", "options"}
@@ -19,14 +19,8 @@ PETSC |= {"parallel/block_layout.py"}  # has the DMDAs
 
 
 def imports(path):
-    """Modules of all imports, those within functions too, but not those for type checkers alone."""
-    waiting = [ast.parse(path.read_text())]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
-            waiting += node.orelse
-            continue
-        waiting += ast.iter_child_nodes(node)
+    """Modules of all imports, those within functions and for type checkers alone, too."""
+    for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -58,7 +52,20 @@ def test_imports_go_one_way():
             package, first = (*name.split("."), "")[:2]
             if package == "fsipetsc":
                 there = first if first in RANK else "__init__"  # what the package itself offers
-                beside = here == there or {here, there} <= RUN
-                assert beside or RANK[there] > RANK[here], f"{path} imports {name}"
+                assert here == there or RANK[there] > RANK[here], f"{path} imports {name}"
             allowed = {"mpi4py": MPI, "petsc4py": PETSC}.get(package, known_as)
             assert known_as & allowed, f"{path} imports {name}"
+
+
+def test_files_import_one_way():
+    """No circle of files, also within a folder; what the package offers from its top is not one."""
+    files = {".".join(path.relative_to(REPOSITORY).with_suffix("").parts): path for path in FILES}
+    files = {name.removesuffix(".__init__"): path for name, path in files.items()}
+    del files["fsipetsc"]
+    takes = {}
+    for name, path in files.items():
+        found = ast.walk(ast.parse(path.read_text()))
+        froms = [node for node in found if isinstance(node, ast.ImportFrom)]
+        several = {f"{node.module}.{x.name}" for node in froms for x in node.names}
+        takes[name] = (several | {node.module for node in froms}) & set(files) - {name}
+    TopologicalSorter(takes).prepare()  # CycleError names the files of a circle
