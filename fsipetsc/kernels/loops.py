@@ -18,205 +18,22 @@ dataclasses, which hold facts: their numbers become constants of the text.
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from fsipetsc.kernels.symbols import Record, Symbol, refuse
+from fsipetsc.kernels.recording import Index, index_of, recording
+from fsipetsc.kernels.symbols import refuse
 
 #: of arrays: what a number is in C
 KINDS = {"f": "double", "i": "long"}
-#: where a procedure takes fewer than two world vectors
-_NONE = np.zeros(0)
-
-
-class Index:
-    """A whole number that is known only when C runs: an expression in C, and the symbols in it."""
-
-    __slots__ = ("needs", "text")
-
-    def __init__(self, text: str, needs: tuple[Symbol, ...] = ()) -> None:
-        self.text, self.needs = text, needs
-
-    def __add__(self, other: Any) -> Any:
-        return self if _is(other, 0) else _made("({} + {})", self, other)
-
-    def __radd__(self, other: Any) -> Any:
-        return self if _is(other, 0) else _made("({} + {})", other, self)
-
-    def __sub__(self, other: Any) -> Any:
-        return self if _is(other, 0) else _made("({} - {})", self, other)
-
-    def __rsub__(self, other: Any) -> Any:
-        return _made("({} - {})", other, self)
-
-    def __mul__(self, other: Any) -> Any:
-        if _is(other, 0):
-            return 0
-        return self if _is(other, 1) else _made("({} * {})", self, other)
-
-    __rmul__ = __mul__
-
-    def __floordiv__(self, other: Any) -> Any:
-        return self if _is(other, 1) else _made("quotient({}, {})", self, other)
-
-    def __mod__(self, other: Any) -> Any:
-        return _made("remainder_of({}, {})", self, other)
-
-    def __neg__(self) -> Any:
-        return _made("(-{})", self)
-
-    def __eq__(self, other: Any) -> Any:
-        return _condition("{} == {}", self, other)
-
-    def __ne__(self, other: Any) -> Any:
-        return _condition("{} != {}", self, other)
-
-    def __lt__(self, other: Any) -> Any:
-        return _condition("{} < {}", self, other)
-
-    def __le__(self, other: Any) -> Any:
-        return _condition("{} <= {}", self, other)
-
-    def __gt__(self, other: Any) -> Any:
-        return _condition("{} > {}", self, other)
-
-    def __ge__(self, other: Any) -> Any:
-        return _condition("{} >= {}", self, other)
-
-    def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
-        forms = {np.minimum: "least({}, {})", np.maximum: "most({}, {})"}
-        if function in forms:
-            return _made(forms[function], *given)
-        raise refuse(f"np.{function.__name__} of a whole number cannot be recorded")
-
-    def __bool__(self) -> bool:
-        raise refuse("it branches on a number that is not known yet: write `with when(condition):`")
-
-    def __index__(self) -> int:
-        raise refuse("a number that is not known yet is no range and no length: write each(n)")
-
-    __int__ = __float__ = __index__  # type: ignore[assignment]
-
-    def __hash__(self) -> int:
-        return hash(self.text)
-
-
-def _is(value: Any, number: int) -> bool:
-    return isinstance(value, (int, np.integer)) and int(value) == number
-
-
-def _index(value: Any) -> Index:
-    if isinstance(value, Index):
-        return value
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)):
-        raise refuse(f"{value!r} is no whole number")
-    return Index(str(int(value)) if value >= 0 else f"({int(value)})")
-
-
-def _made(form: str, *given: Any) -> Index:
-    of = [_index(value) for value in given]
-    return Index(form.format(*(i.text for i in of)), tuple(n for i in of for n in i.needs))
-
-
-def _condition(form: str, a: Any, b: Any) -> Symbol:
-    found = _made(form, a, b)
-    return _recording().symbol(("holds", found.text), found.text, found.needs, "holds")
-
-
-# --- what is recorded
-
-
-class Block:
-    """Lines between braces, and what is known there: (key) -> symbol."""
-
-    def __init__(self, head: str, needs: tuple[Symbol, ...] = ()) -> None:
-        self.head, self.needs = head, needs
-        self.items: list[Any] = []
-        self.known: dict[Any, Any] = {}
-
-
-class Line(NamedTuple):
-    """A line of C. form: has {0}, {1} … where values stand; needs: symbols that places have."""
-
-    form: str
-    values: tuple[Symbol, ...]
-    needs: tuple[Symbol, ...]
-
-
-class Recording(Record):
-    """The blocks of a procedure; a symbol is known in the block that made it, and within."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.blocks = [Block("")]
-        self.stores, self.count = 0, 0
-
-    def known(self, key: Any) -> Any:
-        """What has been recorded under a key, in this block or one around it; None if nothing."""
-        of = (block.known[key] for block in self.blocks if key in block.known)
-        return next(of, None)
-
-    def _one(self, key: Any, operation: str, operands: tuple[Symbol, ...] = ()) -> Symbol:
-        found: Symbol | None = self.known(key)
-        if found is not None:
-            return found
-        symbol = Symbol(self, operation, operands)
-        self.symbols.append(symbol)
-        self.blocks[-1].known[key] = symbol
-        self.blocks[-1].items.append(symbol)
-        return symbol
-
-    def symbol(
-        self, key: Any, text: str, needs: tuple[Symbol, ...] = (), operation: str = "given"
-    ) -> Symbol:
-        """A symbol that C computes as ``text``; the operation "holds" makes it a condition."""
-        symbol = self._one(key, operation, needs)
-        symbol.text, symbol.uniform = text, False
-        return symbol
-
-    def line(self, form: str, values: Sequence[Any] = (), needs: tuple[Symbol, ...] = ()) -> None:
-        """Record a line, as a store."""
-        self.blocks[-1].items.append(Line(form, tuple(map(self.constant, values)), needs))
-
-    def new(self, letter: str) -> str:
-        """A name that nothing else has."""
-        self.count += 1
-        return f"{letter}{self.count}"
-
-    def open(self, head: str, needs: tuple[Symbol, ...] = ()) -> None:
-        self.blocks[-1].items.append(block := Block(head, needs))
-        self.blocks.append(block)
-
-    def close(self) -> None:
-        self.stores += 1  # what was stored within may be read after it
-        self.blocks.pop()
-
-
-_recordings: list[Recording] = []
-
-
-@contextmanager
-def recorded() -> Iterator[Recording]:
-    """What loops within record."""
-    _recordings.append(record := Recording())
-    try:
-        yield record
-    finally:
-        _recordings.pop()
-
-
-def _recording() -> Recording:
-    if not _recordings:
-        raise refuse("each, when, stop and variable are for procedures that are recorded")
-    return _recordings[-1]
 
 
 def each(*ends: Any, vector: bool = False) -> Iterator[Index]:
     """A loop whose number goes from 0, or from the first of two ends, to below the last end."""
-    record = _recording()
-    first, last = map(_index, ends if len(ends) == 2 else (0, *ends))
+    record = recording()
+    first, last = map(index_of, ends if len(ends) == 2 else (0, *ends))
     i = record.new("i")
     if vector:
         record.line("#pragma omp simd")
@@ -230,7 +47,7 @@ def each(*ends: Any, vector: bool = False) -> Iterator[Index]:
 @contextmanager
 def when(condition: Any) -> Iterator[None]:
     """C does what is recorded within if a condition holds."""
-    record = _recording()
+    record = recording()
     if isinstance(condition, (bool, np.bool_)):
         raise refuse("the condition is known when it is recorded: write `if`")
     name = record.new("c")
@@ -243,7 +60,7 @@ def when(condition: Any) -> Iterator[None]:
 @contextmanager
 def otherwise() -> Iterator[None]:
     """C does what is recorded within if the condition of the `when` just before does not hold."""
-    record = _recording()
+    record = recording()
     record.open("else")
     yield
     record.close()
@@ -251,13 +68,13 @@ def otherwise() -> Iterator[None]:
 
 def stop(condition: Any) -> None:
     """End the innermost loop if a condition holds."""
-    _recording().line("if ({0}) break;", (condition,))
+    recording().line("if ({0}) break;", (condition,))
 
 
 def pick(condition: Any, a: Any, b: Any) -> Index:
     """a if the condition holds, else b; both are whole numbers."""
-    record = _recording()
-    name, a, b = record.new("n"), _index(a), _index(b)
+    record = recording()
+    name, a, b = record.new("n"), index_of(a), index_of(b)
     record.line(
         f"const long {name} = {{0}} ? {a.text} : {b.text};", (condition,), (*a.needs, *b.needs)
     )
@@ -266,8 +83,8 @@ def pick(condition: Any, a: Any, b: Any) -> Index:
 
 def either(condition: Any, a: "Array", b: "Array") -> "Array":
     """The array a if the condition holds, else b; as a flat array."""
-    record, name = _recording(), _recording().new("p")
-    places = [_index(one._offset) for one in (a, b)]
+    record, name = recording(), recording().new("p")
+    places = [index_of(one._offset) for one in (a, b)]
     first, other = (f"{one._base} + {at.text}" for one, at in zip((a, b), places, strict=True))
     needs = (*places[0].needs, *places[1].needs)
     record.line(f"double *const {name} = {{0}} ? {first} : {other};", (condition,), needs)
@@ -276,7 +93,7 @@ def either(condition: Any, a: "Array", b: "Array") -> "Array":
 
 def named(index: Any) -> Index:
     """The same whole number, which C computes once and keeps under a name."""
-    record, index = _recording(), _index(index)
+    record, index = recording(), index_of(index)
     name = record.new("n")
     record.line(f"const long {name} = {index.text};", (), index.needs)
     return Index(name)
@@ -284,7 +101,7 @@ def named(index: Any) -> Index:
 
 def whole(value: Any) -> Index:
     """A number whose value is whole, as an Index."""
-    record = _recording()
+    record = recording()
     name = record.new("n")
     record.line(f"const long {name} = (long){{0}};", (value,))
     return Index(name)
@@ -292,15 +109,15 @@ def whole(value: Any) -> Index:
 
 def number(index: Any) -> Any:
     """A whole number as one of the numbers that formulas take."""
-    found = _index(index)
-    return _recording().symbol(("number", found.text), f"(double){found.text}", found.needs)
+    found = index_of(index)
+    return recording().symbol(("number", found.text), f"(double){found.text}", found.needs)
 
 
 class Variable:
     """A number that changes. value: the number at that place of the procedure; it can be set."""
 
     def __init__(self, first: Any) -> None:
-        self._record, self._name = _recording(), _recording().new("v")
+        self._record, self._name = recording(), recording().new("v")
         self._record.line(f"double {self._name} = {{0}};", (first,))
 
     @property
@@ -383,7 +200,7 @@ class Array(NDArrayOperatorsMixin):
             return Array(self._base, self.dtype, shape, offset)
         if self.dtype.names:
             return _Fields(self._base, self.dtype, offset)
-        return _read(self._base, self.dtype, _index(offset))
+        return _read(self._base, self.dtype, index_of(offset))
 
     def __setitem__(self, at: Any, value: Any) -> None:
         offset, shape = self._place(at)
@@ -392,10 +209,10 @@ class Array(NDArrayOperatorsMixin):
             for i in each(part.size, vector=True):
                 part.reshape(-1)[i] = value
             return
-        record, place = _recording(), _index(offset)
+        record, place = recording(), index_of(offset)
         text = f"{self._base}[{place.text}] = "
         if KINDS[self.dtype.kind] == "long":
-            value = _index(value)
+            value = index_of(value)
             record.line(f"{text}{value.text};", (), (*place.needs, *value.needs))
         else:
             record.line(f"{text}{{0}};", (value,), place.needs)
@@ -425,7 +242,7 @@ class _Turned(Array):
 
 def _read(base: str, dtype: Any, place: Index, text: str = "") -> Any:
     """The number at a place of an array."""
-    record = _recording()
+    record = recording()
     text = text or f"{base}[{place.text}]"
     if KINDS[dtype.kind] == "double":
         return record.symbol(("read", text, record.stores), text, place.needs)
@@ -445,7 +262,7 @@ class _Fields:
     """
 
     def __init__(self, base: str, dtype: Any, offset: Any) -> None:
-        vars(self).update(_base=base, _dtype=dtype, _offset=_index(offset))
+        vars(self).update(_base=base, _dtype=dtype, _offset=index_of(offset))
 
     def _array(self, name: str) -> Array:
         kind, first = self._dtype.fields[name][:2]
@@ -468,10 +285,10 @@ def invoke(name: str, *given: Any) -> None:
     """
     texts, needs = [], []
     for one in given:
-        place = _index(one._offset if isinstance(one, Array) else one)
+        place = index_of(one._offset if isinstance(one, Array) else one)
         array = isinstance(one, Array)
         texts.append(f"{one._base} + {place.text}" if array else f"(void *){place.text}")
         needs += place.needs
-    record = _recording()
+    record = recording()
     record.line(f"{name}({', '.join(texts)});", (), tuple(needs))
     record.stores += 1

@@ -19,142 +19,31 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
-from petsc4py import PETSc
 
-from fsipetsc.blocks.values import names_of
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.calls import Calls, calling_code
-from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import steps
-from fsipetsc.paper.ends import ends_of
-from fsipetsc.paper.layout import DOF, check_ends, check_form, make_records, share_out
-from fsipetsc.paper.parts import Interface, Layer
-from fsipetsc.paper.stencils import stencils
-from fsipetsc.parallel.exchange import Reduction, exchange_text
-from fsipetsc.problem import Problem, SolidLayer
-from fsipetsc.process.libraries import libraries
+from fsipetsc.paper.layout import DOF, check_ends
+from fsipetsc.paper.solution import PaperSolution
 from fsipetsc.process.together import agree, together
-from fsipetsc.scheme.batch import ALLOWED, DT, MADE, TIME, plan_next
-from fsipetsc.scheme.plan import BAD, CAPACITY, FLAGS, LIMITS, SAID_STOP, step_record
-from fsipetsc.state import FAULT, Seen, State, as_numbers, crushed, whole
+from fsipetsc.scheme.batch import ALLOWED, DT, MADE, TIME
+from fsipetsc.scheme.plan import BAD, SAID_STOP
+from fsipetsc.state import FAULT, as_numbers, crushed, whole
 
 Array = np.ndarray
 #: times of the stages, in steps
 FRACTIONS = 0.0, 0.5, 0.5, 1.0
 #: of the record of a layer: what all ranks learn after a step, beside its rates
 FRAME = "lo", "hi", "s", "x_interface"
-#: what the paper's method has of options that choose between methods
-_WITHOUT = {
-    "fsi_mapping": ("auto", "rigid"),
-    "fsi_dissipation": (0.0, -1.0),
-    "fsi_shock": (0.0,),
-    "fsi_convection": ("auto", "divergence"),
-}
 
 
-class PaperState(State):
-    """Solution and everything that belongs to it; all methods are collective on ``comm``.
-
-    records, shares: of the layers (fsipetsc.paper.layout); solution (world Vec). evaluations of the
-    right-hand side are counted. layers: all (fsipetsc.paper.parts); here: those that this rank has
-    a part of. opt: options in force; announce: told of what is compiled. InputError where grid,
-    order and number of ranks do not fit, or the problem is not of the paper's form.
+class PaperState(PaperSolution):
+    """A run in the paper's method: its data, steps and checkpoints; all methods are collective on
+    ``comm``.
     """
 
     KINDS: Mapping[str, str] = MappingProxyType({"latest": "any", "lo": "whole", "hi": "whole"})
     fault: InputError | None = None
     _kept: tuple[Array, ...] = ()  # what the last call of ``step`` began with
-
-    def __init__(
-        self,
-        comm: MPI.Comm,
-        problem: Problem,
-        opt: Mapping[str, Any],
-        announce: Callable[[str], None] = lambda text: None,
-    ) -> None:
-        for name, without in _WITHOUT.items():
-            if opt[name] not in without:
-                raise InputError(
-                    f"-{name} {opt[name]}: -fsi_coupling {opt['fsi_coupling']} has none: "
-                    "take -fsi_coupling conservative"
-                )
-        check_form(problem)
-        order, self.h = opt["fsi_order"], opt["fsi_h"]
-        self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
-        self.evaluations = 0
-        op = stencils(order, opt["fsi_viscous"] == "narrow")
-        self.records = make_records(problem, self.op, self.h, op.halo)
-        self.shares = share_out(comm, problem, self.op, self.records, opt["fsi_partition"])
-        dof = [DOF[layer.kind] for layer in problem.layers]
-        begins = np.cumsum([0, *(dof * (self.records["own_hi"] - self.records["own_lo"]))])
-        memory = self._y, _, self.k = np.zeros((3, int(begins[-1])))
-        self.solution = PETSc.Vec().createWithArray(self._y, comm=comm)
-        self.results, noted = np.zeros(FLAGS + LIMITS), len(problem.interfaces) * steps.NOTES
-        record = step_record(len(problem.interfaces), dof.count(DOF["fluid"]))
-        _, latest = self._lay_journal(record, CAPACITY)
-        self._notes = latest[:noted]
-        ends = [ends_of(problem, k, order) for k in range(len(dof))]
-        of_layers = problem.layers, ends, self.shares
-        self.layers = [
-            Layer(layer, ends, self.records[k:][:1], share, op, memory, int(begins[k]), self.batch)
-            for k, (layer, ends, share) in enumerate(zip(*of_layers, strict=True))
-        ]
-        self.here = [layer for layer in self.layers if layer.present]
-        kind, notes = opt["fsi_coupling"], self._notes.reshape(steps.NOTES, -1)
-        self.interfaces = [
-            Interface(comm, k, kind, *(self.layers[n] for n in pair), notes)
-            for k, pair in enumerate(problem.interfaces)
-        ]
-        told = np.zeros(steps.TOLD * len(self.records) + noted + self.results.size)
-        self._connect(told)
-        of_steps = steps.Steps(self.records, self.results, self._notes, latest[noted:], told)
-        self._load_procedures(of_steps, announce)
-
-    def _connect(self, told: Array) -> None:
-        """Make all exchanges. Collective."""
-        for layer in self.layers:
-            layer.connect(self.comm)
-        for interface in self.interfaces:
-            interface.connect()
-        self._all_hear = Reduction(self.comm, told)
-
-    def _load_procedures(self, of_steps: steps.Steps, announce: Callable[[str], None]) -> None:
-        """Record all procedures, the same ones on all ranks, and make machine code of them."""
-        code = calling_code(exchange_text())
-        solid = next(layer.number for layer in self.layers if not layer.is_gas)
-        for layer in self.layers:
-            layer.record_on(code, ("left", "solid", "right")[layer.number - solid + 1], of_steps)
-        for interface in self.interfaces:
-            interface.record_on(code)
-        self._does = steps.of_step(code, of_steps)
-        self.planning = code.procedure("plan_next", plan_next, self.plan)
-        (library,) = libraries(self.comm, [code.text], announce)
-        code.load(library)
-        parts = *self.layers, *self.interfaces
-        for exchange in (*(one for part in parts for one in part.exchanges), self._all_hear):
-            exchange.load(library)
-        numbers = (steps.RATES_ALONE, *range(steps.STAGES))
-        stages = {n: [one for layer in self.here for one in layer.stage(n)] for n in numbers}
-        completing = [self._does["forget"], *(layer.does["complete"] for layer in self.here)]
-        completing += [one for interface in self.interfaces for one in interface.note()]
-        if self.comm.size > 1:
-            completing += [self._does["tell"], self._all_hear, self._does["hear"]]
-        completing.append(self._does["finish"])
-        fulfil = [one for interface in self.interfaces for one in interface.coupling()]
-        fulfil += [one for layer in self.here for one in layer.exchange()]
-        of_step = list(stages[0])  # it begins with the completed solution
-        for n in range(1, steps.STAGES):
-            of_step += [*fulfil, *stages[n]]
-        of_step += [*fulfil, *completing, self.planning]
-
-        def calls(procedures: list[Any]) -> Calls:
-            return Calls(library, [(procedure, ()) for procedure in procedures])
-
-        self._stages = {n: calls(procedures) for n, procedures in stages.items()}
-        #: what lets the stage fulfil all conditions but for ghost points, which are filled later
-        self._fulfil = calls(fulfil)
-        self._completing, self._batch = calls(completing), calls(of_step)
 
     # data
 
@@ -211,7 +100,7 @@ class PaperState(State):
         """
 
         def set_layers() -> list[dict[tuple[int, int], float]]:
-            return [part.set_initial(part.of(self._y)) for part in self.here]
+            return [part.set_initial(part.of(self.y)) for part in self.here]
 
         found = self.comm.allgather(together(self.comm, set_layers))
         ends = {end: x for mine in found for layer in mine for end, x in layer.items()}
@@ -228,84 +117,24 @@ class PaperState(State):
         self.check_data()
         self.finish()
 
-    # what is said of it
-
-    @property
-    def rates(self) -> Array:
-        """(layers, 2): the largest rates of convection and diffusion [1/s] of each layer."""
-        return self.records["rates"]
-
-    @property
-    def places(self) -> list[float]:
-        """Positions x [m] of the interfaces."""
-        return self.latest["x_interface"].tolist()
-
-    @property
-    def points(self) -> int:
-        """Active points of all layers."""
-        return sum(int(r["hi"] - r["lo"]) + 1 for r in self.records)
-
-    def header(self) -> dict[str, Any]:
-        """What a result file says of layers, and of points that are recorded: none."""
-        layers = zip(self.problem.layers, self.records["n"].tolist(), strict=True)
-        about = [
-            {"name": v.name, "kind": v.kind, "fields": list(v.fields), "shape": [n]}
-            for v, n in layers
-        ]
-        return {"layers": about, "points": ()}
-
-    def grids(self) -> list[dict[str, Any]]:
-        """What the writer must know of the points of each layer: see RunWriter."""
-        return [{"n": int(p.record["n"]), "X": p.X} for p in self.layers]
-
-    def save(self) -> dict[int, Array]:
-        """What is saved of this rank's points, (local, 5) by layer."""
-        return {layer.number: layer.saved() for layer in self.here}
-
-    def errors(self, t: float, norm: str = "L2") -> dict[str, dict[str, float]] | None:
-        """Errors at time t [s]: kind of layer -> name -> (h sum |difference|^p)^(1/p), and
-        "combined" over the unknowns.
-
-        norm: "L1" or "L2", p = 1 or 2. Active points without ghosts of all layers of a kind. None
-        without an exact solution. Collective; InputError if the exact solution cannot be had.
-        """
-        if any(layer.exact is None for layer in self.problem.layers):
-            return None
-        power = {"L1": 1, "L2": 2}[norm]
-        names = {"fluid": names_of("fluid", "exact", 1), "solid": SolidLayer.unknowns}
-        sums = {kind: np.zeros(len(names[kind])) for kind in names}
-        found = together(self.comm, lambda: [part.powers(t, power) for part in self.here])
-        for part, own in zip(self.here, found, strict=True):
-            sums[part.layer.kind] += own
-        return self._norms(sums, names, power)
-
-    def seen(self) -> list[Seen]:
-        """Values at this rank's active points."""
-        return [part.seen() for part in self.here]
-
     # steps
-
-    def _load(self, y: Array) -> None:
-        """Let the stage be this rank's part y."""
-        for layer in self.here:
-            layer.owned[:] = layer.of(y)
 
     def right_hand_side(self, y: Array, f: Array) -> None:
         """f = dy/dt of this rank's part, at the projected y, for the data set last."""
         self.evaluations += 1
         self._load(y)
-        self._fulfil()
-        self._stages[steps.RATES_ALONE]()
+        self.fulfil()
+        self.stages[steps.RATES_ALONE]()
         f[:] = self.k
 
     def _complete(self) -> None:
         """Project the stage, which is the new solution, let boundaries move, and monitor it."""
-        self._fulfil()
-        self._completing()
+        self.fulfil()
+        self.completing()
 
     def finish(self) -> None:
         """Complete a step whose raw result PETSc has left in the solution."""
-        self._load(self._y)
+        self._load(self.y)
         self._complete()
 
     def step(self, t: float, dt: float, steady: bool) -> None:
@@ -316,10 +145,10 @@ class PaperState(State):
         call of C then.
         """
         self.batch[DT] = dt
-        changed = self._y, self.records, self.results, self.batch
+        changed = self.y, self.records, self.results, self.batch
         self._kept = tuple(array.copy() for array in changed)
         if steady:
-            self._batch.batch(self.results[BAD:], self.batch[ALLOWED:])
+            self.whole_step.batch(self.results[BAD:], self.batch[ALLOWED:])
             self.evaluations += steps.STAGES * max(1, int(self.batch[MADE]))
             return
         more = True
@@ -339,10 +168,10 @@ class PaperState(State):
             if not steady:
                 self.set_data(t + fraction * dt)
             if number > 0:  # it begins with the completed solution
-                self._fulfil()
+                self.fulfil()
                 if ends():
                     return True
-            self._stages[number]()
+            self.stages[number]()
         if not steady:
             self.set_data(t + dt)
         self._complete()
@@ -354,7 +183,7 @@ class PaperState(State):
         """
         if not self._kept:
             return ""
-        self._y[:], records, self.results[:], self.batch[:] = self._kept
+        self.y[:], records, self.results[:], self.batch[:] = self._kept
         for name in FRAME:
             self.records[name] = records[name]
         self._begin()
@@ -383,7 +212,7 @@ class PaperState(State):
         and the results of the last step. Collective."""
         arrays = {}
         for layer in self.layers:
-            size, own = int(layer.record["n"]), layer.of(self._y)
+            size, own = int(layer.record["n"]), layer.of(self.y)
             arrays[f"layer{layer.number}"] = whole(self.comm, size, layer.numbers, own)
         if self.comm.rank > 0:
             return None
@@ -420,17 +249,11 @@ class PaperState(State):
         self.set_data(t)
         agree(self.comm, self.fault)
         for layer in self.here:
-            layer.of(self._y)[:] = arrays[f"layer{layer.number}"][layer.numbers]
+            layer.of(self.y)[:] = arrays[f"layer{layer.number}"][layer.numbers]
         self._begin()
 
     def _begin(self) -> None:
         """Let the stage be the solution, which is completed: it fulfils the conditions."""
-        self._load(self._y)
+        self._load(self.y)
         for layer in self.here:
             layer.fill_halos()
-
-    def destroy(self) -> None:
-        """Free messages and the vector."""
-        for one in (*self.layers, *self.interfaces):
-            one.destroy()
-        self.solution.destroy()

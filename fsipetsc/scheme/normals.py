@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from fsipetsc.equations.vectors import along, per, scale
 from fsipetsc.kernels.arrays import column_of
-from fsipetsc.kernels.loops import Index, each, pick, variable, when
+from fsipetsc.kernels.loops import each, pick, variable, when
+from fsipetsc.kernels.recording import Index
 
 Array = NDArray[Any]
 
