@@ -126,11 +126,13 @@ NOT_RECORDED = {
 
 @pytest.mark.parametrize("name", NOT_RECORDED)
 def test_python_is_asked_for_other_functions(name):
-    """The wall goes where it should."""
+    """The wall goes where it should, and a note says why they are asked for."""
     x, why = NOT_RECORDED[name]
     state = at_wall(x, T=lambda t: 1.0)
     assert state.asks and why in state.scheme.not_recorded[0]
     state.set_initial()
+    state.finish()
+    assert any("in each stage" in note and why in note for note in state.first_notes())
     state.scheme.complete(0.3, state.y)
     prescribed = state.scheme.particles.prescribed
     assert prescribed.displaced[prescribed.moving[0], 0] == x(0.3)

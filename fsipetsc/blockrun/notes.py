@@ -37,8 +37,8 @@ _WORDS = (
 
 
 def first_notes(state: BlockSolution) -> list[str]:
-    """Hinges that do not hold; forces that do not keep rest; where conditions contradict each
-    other, where walls are not at the ends of their blocks, and where pressure jumps at an
+    """Hinges that do not hold; forces that do not keep rest; why Python is asked for data in each
+    stage; where conditions contradict each other, where walls are not at the ends of their blocks, and where pressure jumps at an
     interface.
 
     Of the completed initial data, whose halos are filled. Collective.
@@ -65,6 +65,9 @@ def first_notes(state: BlockSolution) -> list[str]:
         if distance > AWAY * state.h
     ]
     notes += weak_hinges(problem, state.op.order) + loose_forces(state)
+    why = [one for some in state.comm.allgather(state.scheme.not_recorded) for one in some]
+    slow = "note: Python is asked for data in each stage of a step, which takes longer: "
+    notes += [slow + why[0]] if why else []
     said = chain(*state.comm.allgather(state.scheme.particles.prescribed.notes()))
     first = {pair: words for pair, _, words in sorted(said, key=itemgetter(1), reverse=True)}
     notes += sorted(f"note: {words}" for words in first.values())
