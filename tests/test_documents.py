@@ -108,6 +108,16 @@ def test_every_page_is_in_the_site():
     assert listed == set(TEXTS) - {"README.md"} | {"index.md", "tutorial.md"}
 
 
+def test_the_page_of_results_has_all_series():
+    from fsipetsc.scheme.observables import TABLE
+
+    lines = TEXTS["results.md"].splitlines()
+    for one in TABLE:
+        first, *more = one.names(3)
+        name, what = f"`{first}`" + ", …" * bool(more), one.what.replace("|", "∣")
+        assert f"| {name} | {one.unit} | {one.of or 'run'} | {what} |" in lines
+
+
 def test_the_page_of_options_has_the_table():
     """Names, types and defaults."""
     from fsipetsc.cases import load_case

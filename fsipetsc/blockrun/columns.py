@@ -1,13 +1,23 @@
 """What is saved and recorded of blocks in d dimensions: names of fields and of series."""
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
 
+from fsipetsc.scheme.observables import (
+    EXTREME,
+    GAIN,
+    INTEGRAL,
+    PLACE,
+    PLACES,
+    STEP,
+    TABLE,
+    VELOCITIES,
+    of_blocks,
+    record,
+)
 from fsipetsc.scheme.part import Gain
-
-#: letters of axes, of positions and of velocities
-PLACES, VELOCITIES = "xyz", "uvw"
 
 
 def fields_of(kind: str, d: int, symmetry: int = 0) -> tuple[str, ...]:
@@ -42,17 +52,18 @@ def lossy(problem: Any) -> bool:
 
 
 def gained(problem: Any) -> np.dtype:
-    """What came in from outside in a step, column by column: the mass of each block of gas; what
-    the step lost of the kinetic and elastic energy of solids, where that is known; the work of
-    constant forces, where there are any; the impulse; the energy through each face of
-    ``face_names``; what of it was heat; all of the energy.
-    """
-    gases, faces = _gases(problem), len(problem.outer_faces) + 1
-    masses = [("mass_in", "f8", (gases,))] if gases else []
-    lost = [("lost_energy", "f8")] * lossy(problem) + [("force_work", "f8")] * problem.pulled
-    impulses = [(f"impulse_{x}", "f8") for x in PLACES[: problem.dimension]]
-    through = [(name, "f8", (faces,)) for name in ("energy_face", "heat_face")]
-    return np.dtype([*masses, *lost, *impulses, *through, ("energy_in", "f8")])
+    """What came in from outside in a step, column by column."""
+    return _record(problem, (GAIN,))
+
+
+def _record(problem: Any, kinds: Collection[str], interfaces: int = 0, points: int = 0) -> np.dtype:
+    """The columns of these kinds that the problem has."""
+    d, faces = problem.dimension, len(problem.outer_faces) + 1
+    has = {"lossy": lossy(problem), "pulled": problem.pulled}
+    has |= {name: d == k for k, name in enumerate(("line", "plane", "space"), 1)}
+    names = of_blocks([name for name, there in has.items() if there], d, kinds)
+    counts = {"layer": len(problem.blocks), "gas": _gases(problem), "interface": interfaces}
+    return np.dtype(record(list(names), {**counts, "point": points, "face": faces}))
 
 
 def gain_of(problem: Any) -> Gain:
@@ -84,33 +95,12 @@ OF_INTERFACES = "x_interface", "u_interface", "sigma_interface", "T_interface"
 
 def point_names(d: int) -> tuple[str, ...]:
     """Recorded of chosen nodes: place [m], velocity [m/s], T [K], pressure, traction [Pa]."""
-    names = *PLACES[:d], *VELOCITIES[:d], "T", "p", *(f"t_{x}" for x in PLACES[:d])
-    return tuple(f"{name}_point" for name in names)
-
-
-def spins(d: int) -> tuple[str, ...]:
-    """Names of angular momentum about the origin: none in one dimension, that about z in two."""
-    axes = ("_x", "_y", "_z") if d == 3 else ("",) * (d - 1)
-    return tuple(f"angular_momentum{axis}" for axis in axes)
+    return tuple(name for one in TABLE if one.of == "point" for name in one.names(d))
 
 
 def step_record(problem: Any, interfaces: int = 0, points: int = 0) -> np.dtype:
-    """Recorded of a step.
-
-    Time after it, its length; of each block the least J, and the largest |J - det D x| / J of a
-    gas; then shares of the ranks, to be added up: integrals, where its losses are known the kinetic
-    and elastic energy of solids, the potential energy of constant forces, in one dimension
-    OF_INTERFACES, ``point_names`` of so many nodes, and what came in.
+    """Recorded of a step with so many interfaces in one dimension and nodes that are recorded; from
+    the integrals on these are shares of the ranks, to be added up.
     """
-    blocks, gases, d = len(problem.blocks), _gases(problem), problem.dimension
-    masses = [("mass", "f8", (gases,))] if gases else []
-    momenta = [(f"momentum_{x}", "f8") for x in PLACES[:d]]
-    energies = ["solid_energy"] * lossy(problem) + ["potential_energy"] * problem.pulled
-    more = [(name, "f8") for name in (*spins(d), *energies)]
-    integrals = [*masses, ("energy", "f8"), *momenta, ("entropy", "f8"), *more]
-    came = gained(problem)
-    rest = [(name, came[name].base, came[name].shape) for name in came.names]
-    lines = [(name, "f8", (interfaces,)) for name in OF_INTERFACES] if d == 1 and interfaces else []
-    lines += [(name, "f8", (points,)) for name in point_names(d)] if points else []
-    extremes = [(name, "f8", (blocks,)) for name in ("least_J", "J_error")]
-    return np.dtype([("t", "f8"), ("dt", "f8"), *extremes, *integrals, *lines, *rest])
+    kinds = STEP, EXTREME, INTEGRAL, PLACE, GAIN
+    return _record(problem, kinds, interfaces, points)

@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.block_part import BlockPart, Recorded
-from fsipetsc.blockrun.columns import spins
 from fsipetsc.blockrun.particle_system import ParticleSystem
 from fsipetsc.blocks.grid import GridMotion
 from fsipetsc.blocks.particles import Particle
@@ -17,7 +16,7 @@ from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.scheme import gas_record as does
-from fsipetsc.scheme.block_monitor import room_of, sums_of
+from fsipetsc.scheme.block_monitor import gas_integrals, room_of, sums_of
 from fsipetsc.scheme.gas_dissipation import gas_damping
 from fsipetsc.scheme.gas_forms import convection_of
 from fsipetsc.scheme.gas_volume import GasVolume, gas_text
@@ -75,7 +74,7 @@ class GasPart(BlockPart):
 
     def _record(self, about: Recorded) -> Code:
         number = [block.kind for block in self._problem.blocks[: self.part.k]].count("fluid")
-        names = *(f"momentum_{x}" for x in "xyz"[: self._d]), "energy", "entropy", *spins(self._d)
+        _, *names = gas_integrals(self._d)
         sums = about.begins["mass"] + number, *(about.begins[name] for name in names)
         part, d = self.part, self._d
         bands, form, force = part.bands, self._form, self.convection.force

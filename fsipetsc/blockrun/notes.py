@@ -38,8 +38,8 @@ _WORDS = (
 
 def first_notes(state: BlockSolution) -> list[str]:
     """Hinges that do not hold; forces that do not keep rest; why Python is asked for data in each
-    stage; where conditions contradict each other, where walls are not at the ends of their blocks, and where pressure jumps at an
-    interface.
+    stage; where conditions contradict each other, where walls are not at the ends of their blocks,
+    and where pressure jumps at an interface.
 
     Of the completed initial data, whose halos are filled. Collective.
     """

@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blockrun.columns import PLACES, VELOCITIES, fields_of
+from fsipetsc.blockrun.columns import fields_of
 from fsipetsc.blockrun.solution import BlockSolution
 from fsipetsc.blocks.values import block_values, checked, names_of
 from fsipetsc.process.together import together
+from fsipetsc.scheme.observables import PLACES, VELOCITIES
 from fsipetsc.state import Seen
 
 

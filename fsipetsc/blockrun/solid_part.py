@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.block_part import BlockPart, Recorded
-from fsipetsc.blockrun.columns import loses, spins
+from fsipetsc.blockrun.columns import loses
 from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.blocks.values import block_values, prestress_of
 from fsipetsc.equations.tensors import add_unit, apply, cofactor
@@ -17,7 +17,7 @@ from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.part import Nothing, images, normals
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, solid_damping
-from fsipetsc.scheme.solid_monitor import measure, monitor, stressed, sums_of
+from fsipetsc.scheme.solid_monitor import measure, monitor, solid_integrals, stressed, sums_of
 from fsipetsc.scheme.solid_record import SolidRecord, rates, store
 from fsipetsc.scheme.solid_volume import SolidVolume, solid_text
 from fsipetsc.scheme.solid_work import solid_work
@@ -125,9 +125,7 @@ class SolidPart(BlockPart):
         rows, nodes = about.system.telling[part.k]
         self.reads_ghosted = self.reads_ghosted or rows.size > 0
         self._volume.let_advance(self._stage(about.found), self.free)
-        momenta = [f"momentum_{x}" for x in "xyz"[:d]]
-        names = *momenta, "energy", *spins(d), "solid_energy", "lost_energy"
-        begins = about.begins
+        names, begins = (*solid_integrals(d), "lost_energy"), about.begins
         self._record_of_part = SolidRecord(
             **self._common(about),
             columns=np.array([begins[name] for name in names if name in begins]),

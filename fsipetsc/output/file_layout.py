@@ -43,6 +43,7 @@ from fsipetsc.output.structure import (
     check,
     one_of,
 )
+from fsipetsc.scheme.observables import SERIES
 
 FORMAT, VERSION = "fsipetsc result", 4
 LIBVER = ("v110", "v110")
@@ -89,8 +90,6 @@ ABOUT = {
     },
     "errors": {str: {str: MEASURE}},
 }
-#: what the columns of a series are of, where its name does not end with it
-_COLUMNS = {"mass": "gas", "mass_in": "gas", "least_J": "layer", "J_error": "layer"}
 
 
 @contextmanager
@@ -205,11 +204,8 @@ def _least_fields(kind: str, d: int) -> tuple[str, ...]:
 
 
 def columns_kind(series: str) -> str:
-    """What the columns of a series are of, a name of ``columns_of``; another word where it has
-    none.
-    """
-    last = "interface" if series.startswith("residual_") else series.split("_")[-1]
-    return _COLUMNS.get(series, last)
+    """What the columns of a series are of, a name of ``columns_of``; "" where it has none."""
+    return SERIES[series].of if series in SERIES else ""
 
 
 def columns_of(header: Mapping[str, Any]) -> dict[str, list[str]]:

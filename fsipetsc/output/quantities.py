@@ -8,37 +8,20 @@ import numpy as np
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
 from fsipetsc.output.reader import Run
+from fsipetsc.scheme.observables import GAIN, INTEGRAL, SERIES
 
-#: unit -> fields and series that have it
+#: unit -> fields that have it
 _FIELDS = {
-    "1": "J least_J J_error",
-    "K": "T T_interface T_point residual_T",
-    "Pa": "p sigma sigma_theta s_xx s_xy s_yy s_xz s_yz s_zz sigma_interface residual_stress "
-    "p_point t_x_point t_y_point t_z_point",
-    "W m-2": "residual_flux",
+    "1": "J",
+    "K": "T",
+    "Pa": "p sigma sigma_theta s_xx s_xy s_yy s_xz s_yz s_zz",
     "kg m-3": "rho",
-    "m": "x y z x_interface x_point y_point z_point",
-    "m s-1": "u v w u_interface residual_u u_point v_point w_point",
-    "s": "t dt",
+    "m": "x y z",
+    "m s-1": "u v w",
 }
-#: the same of integrals; in one dimension they are per area [m-2], in two per depth [m-1]
-_INTEGRALS = {
-    "J": "energy energy_in energy_face heat_face solid_energy lost_energy potential_energy "
-    "force_work",
-    "J s": "angular_momentum angular_momentum_x angular_momentum_y angular_momentum_z",
-    "J K-1": "entropy",
-    "N s": "momentum momentum_x momentum_y momentum_z impulse_x impulse_y impulse_z",
-    "kg": "mass mass_in",
-}
+_UNITS = {name: unit for unit, names in _FIELDS.items() for name in names.split()}
 #: series of what a step brought, not of what there is after it
-GAINS = (
-    *("impulse_x", "impulse_y", "impulse_z", "mass_in", "energy_in", "lost_energy"),
-    *("energy_face", "heat_face", "force_work"),
-)
-_UNITS, _UNITS_OF_INTEGRALS = (
-    {name: unit for unit, names in table.items() for name in names.split()}
-    for table in (_FIELDS, _INTEGRALS)
-)
+GAINS = [name for name, one in SERIES.items() if one.kind == GAIN]
 
 
 def unit_of(name: str, run: Run | None = None) -> str:
@@ -46,10 +29,11 @@ def unit_of(name: str, run: Run | None = None) -> str:
 
     Those of integrals are per area in one dimension, and so on, where the run is given.
     """
-    unit = _UNITS.get(name) or _UNITS_OF_INTEGRALS.get(name, "")
+    one = SERIES.get(name)
+    unit = one.unit if one else _UNITS.get(name, "")
     if run is not None and not is_si(run):
         return unit and "1"
-    if run is not None and name in _UNITS_OF_INTEGRALS:
+    if run is not None and one and one.kind in (INTEGRAL, GAIN):
         # around an axis integrals are per length, around a centre per nothing
         space = run.dimension + int(run.header.get("symmetry", 0))
         unit += {1: " m-2", 2: " m-1", 3: ""}[space]
@@ -106,25 +90,12 @@ class Quantity(NamedTuple):
 
 
 #: series of interfaces -> label; residuals: by how much a condition is missed
-AT_INTERFACES = {
-    "x_interface": "displacement of the interface",
-    "u_interface": "velocity u",
-    "sigma_interface": "stress σ",
-    "T_interface": "temperature T",
-    "residual_u": "|residual|, velocity",
-    "residual_stress": "|residual|, stress",
-    "residual_T": "|residual|, temperature",
-    "residual_flux": "|residual|, heat flux",
-}
-#: series of integrals -> label; of a change it is drawn less what it is at the start
+AT_INTERFACES = {name: one.label for name, one in SERIES.items() if one.of == "interface"}
+#: series of the whole -> label; of a change it is drawn less what it is at the start
 LEDGERS = {
-    "mass": "change of mass",
-    "energy": "change of energy",
-    "momentum": "momentum",
-    **{f"momentum_{x}": f"change of momentum {x}" for x in "xyz"},
-    "entropy": "change of entropy",
-    "least_J": "least J",
-    "J_error": "departure of J",
+    name: one.label.replace("*", name[-1])
+    for name, one in SERIES.items()
+    if one.label and one.of != "interface"
 }
 
 

@@ -16,7 +16,8 @@ from fsipetsc.equations.vectors import dot, sub
 from fsipetsc.kernels.arrays import column, column_of, node
 from fsipetsc.kernels.loops import each, variable
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
-from fsipetsc.scheme.rows import Array, aligned, moments
+from fsipetsc.scheme.observables import PLACES
+from fsipetsc.scheme.rows import Array, aligned
 
 #: extremes of a block: 1 if a state is unphysical, largest rates of convection and of diffusion
 #: [1/s], minus the least J, largest |J - det D x| / J
@@ -32,8 +33,8 @@ def room_of(d: int) -> Array:
 
 
 def sums_of(d: int) -> int:
-    """Sums that are monitored: mass, momentum, energy, entropy, angular momentum."""
-    return d + 3 + moments(d)
+    """How many integrals there are."""
+    return len(gas_integrals(d))
 
 
 def gas_monitor(part, q, metrics):
@@ -68,10 +69,36 @@ def measure(part, q, metrics, own, n, i):
     apart = abs(here[0] - J) / abs(J)
     for c, number in enumerate((bad, convection, diffusion, -here[0] / of_map, apart)):
         raise_to(room, c * COLUMNS + i, number)
-    turns = moment(column(part.like, part.places, n), here[2:-1])
-    densities = (*here[1:], here[0] * gas.entropy_density(w), *turns)
-    for c, number in enumerate(densities, MONITORED):
-        room[c * COLUMNS + i] += mass * number
+    found = gas_densities(gas, here, w, column(part.like, part.places, n))
+    for c, name in enumerate(gas_integrals(d), MONITORED):
+        room[c * COLUMNS + i] += mass * found[name]
+
+
+def gas_integrals(d):
+    """Names of the integrals of a gas, in the order of its sums."""
+    return "mass", *along_axes("momentum", d), "energy", "entropy", *turning(d)
+
+
+def gas_densities(gas, here, w, x):
+    """name -> what the integral has of a node, per volume of the reference coordinates."""
+    d, (J, rho, *momentum, energy) = len(x), here
+    return {
+        "mass": rho,
+        **dict(zip(along_axes("momentum", d), momentum, strict=True)),
+        "energy": energy,
+        "entropy": J * gas.entropy_density(w),
+        **dict(zip(turning(d), moment(x, momentum), strict=True)),
+    }
+
+
+def along_axes(name, d):
+    """Names of the components of a vector."""
+    return [f"{name}_{x}" for x in PLACES[:d]]
+
+
+def turning(d):
+    """Names of the components of angular momentum about the origin: none in one dimension."""
+    return along_axes("angular_momentum", 3) if d == 3 else ["angular_momentum"] * (d - 1)
 
 
 def moment(x, p):

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from fsipetsc.scheme.observables import SERIES, record
+
 # where what stands among the results of a completed step
 #: flags: 1 + number of a layer that has run off its grid, or that is too short
 EXHAUSTED, TOO_SHORT = 0, 1
@@ -25,14 +27,8 @@ def shares(record: np.dtype) -> tuple[str, ...]:
 def step_record(interfaces: int, fluids: int) -> np.dtype:
     """What is noted of a step in the paper's method: doubles, as they are written to the file.
 
-    Time after the step and its length, the state of interfaces, and the integrals. What a problem
-    without interfaces or without a fluid has none of is not there.
+    What a problem without interfaces or without a fluid has none of is not there.
     """
-    columns = [f"{name}_interface" for name in ("x", "u", "sigma", "T")]
-    columns += [f"residual_{name}" for name in ("u", "stress", "T", "flux")]
-    several = [(name, interfaces) for name in columns] + [("mass", fluids)]
-    return np.dtype(
-        [("t", "f8"), ("dt", "f8")]
-        + [(name, "f8", (count,)) for name, count in several if count]
-        + [("energy", "f8"), ("momentum", "f8")]
-    )
+    at_interfaces = [name for name, one in SERIES.items() if one.of == "interface"]
+    names = "t", "dt", *at_interfaces, "mass", "energy", "momentum"
+    return np.dtype(record(names, {"interface": interfaces, "gas": fluids}))

@@ -6,12 +6,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-
-def moments(d: int) -> int:
-    """Components of angular momentum in d dimensions."""
-    return d * (d - 1) // 2
-
-
 def aligned(size: int) -> Array:
     """(size,) zeros that begin at a multiple of 64 bytes, as vector loads like it."""
     raw = np.zeros(size + 8)

@@ -7,15 +7,19 @@ from fsipetsc.equations.vectors import add, dot, per
 from fsipetsc.kernels.arrays import column, column_of, part_of
 from fsipetsc.kernels.loops import each, invoke, variable, when, whole
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
-from fsipetsc.scheme.block_monitor import MONITORED, begin, collect, moment
+from fsipetsc.scheme.block_monitor import MONITORED, along_axes, begin, collect, moment, turning
 from fsipetsc.scheme.part import ghosted, ghosted_node, note, owned
-from fsipetsc.scheme.rows import moments
 from fsipetsc.scheme.solid_dissipation import rows_of
 
 
+def solid_integrals(d):
+    """Names of the integrals of a solid, in the order of its sums; then comes minus the last."""
+    return *along_axes("momentum", d), "energy", *turning(d), "solid_energy"
+
+
 def sums_of(d: int) -> int:
-    """Sums that are monitored: momentum, energy, angular momentum, kinetic and elastic energy."""
-    return d + 1 + moments(d) + 1
+    """How many integrals there are."""
+    return len(solid_integrals(d))
 
 
 def monitor(part, found, y):
@@ -47,12 +51,12 @@ def find(part, known, q):
     for node, own, n in rows_of(part):
         for i in each(n, vector=True):
             here = (q, node + i) if known is None else (known, own + i)
-            extremes, densities = seen_at(part, *here, node + i, own + i)
+            extremes, found = seen_at(part, *here, node + i, own + i)
             mass = part.masses[own + i]
             for c, value in enumerate(extremes):
                 columns[c, i] = np.maximum(columns[c, i], value)
-            for c, value in enumerate(densities, MONITORED):
-                columns[c, i] += mass * value
+            for c, name in enumerate(solid_integrals(d), MONITORED):
+                columns[c, i] += mass * found[name]
     collect(room, width, width, part.seen, sums[: sums.size - 1])
     sums[-1] = -sums[sums.size - 2]
 
@@ -79,8 +83,8 @@ def stressed(part, q, out):
 
 
 def seen_at(part, q, place, node, own):
-    """Extremes at a node, and what sums have of it per mass; q: has it at ``place``. Convection is
-    inf where the state is none; what is no number has no J.
+    """Extremes at a node, and name -> what integrals have of it per mass; q: has it at ``place``.
+    Convection is inf where the state is none; what is no number has no J.
     """
     solid, metrics, d = part.laws, part.metrics, len(part.like)
     zeros = (0.0,) * d
@@ -103,7 +107,13 @@ def seen_at(part, q, place, node, own):
     bad, least = np.where(fastest < np.inf, 0.0, 1.0), -np.where(J < np.inf, J, np.inf)
     energy = 0.5 * dot(v, v) + solid.energy(F) / solid.m0 + extra if part.loses else 0.0
     x = add(column(zeros, part.X, node), displacement)
-    return (bad, fastest, diffusion, least, 0.0), (*v, e, *moment(x, v), energy)
+    densities = {
+        **dict(zip(along_axes("momentum", d), v, strict=True)),
+        "energy": e,
+        **dict(zip(turning(d), moment(x, v), strict=True)),
+        "solid_energy": energy,
+    }
+    return (bad, fastest, diffusion, least, 0.0), densities
 
 
 def prestress_energy(part, F, node):

@@ -12,12 +12,11 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.blockrun.columns import point_names
 from fsipetsc.errors import InputError, clear_frames
 from fsipetsc.output import structure
-from fsipetsc.output.quantities import GAINS
 from fsipetsc.process.together import agree
 from fsipetsc.scheme.batch import LONGEST, MADE, NEXT, TIME, longest_step, next_step
+from fsipetsc.scheme.observables import INTEGRAL, SERIES
 from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP, shares
 from fsipetsc.state import FAULT, State
 from fsipetsc.stepping import verdicts
@@ -41,8 +40,6 @@ KEPT = {
     "initial": {str: structure.ANYTHING},
     "beyond": structure.TEXT,
 }
-#: what is noted of a step alone, not of a state; of interfaces so in one dimension on blocks
-OF_STEPS = (*GAINS, "x_interface", "u_interface")
 #: most profiles of a run
 MOST = 10_000_000
 
@@ -69,9 +66,8 @@ def saved_times(
 
 
 def integrals(state: State) -> list[str]:
-    """Names of what is recorded that a state has, of which the values at t = 0 are kept."""
-    without = *OF_STEPS, *point_names(3)
-    return [name for name in shares(state.latest.dtype) if name not in without]
+    """Names of what is recorded of which the values at t = 0 are kept."""
+    return [name for name in state.latest.dtype.names if SERIES[name].kind == INTEGRAL]
 
 
 class Integrator:
