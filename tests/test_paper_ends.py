@@ -15,9 +15,9 @@ from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.operators import OPERATORS
 from fsipetsc.operators.narrow import STIFFNESS, STIFFNESS_OF_WIDE, remainder
-from fsipetsc.paper.ends import Ends, close_solid, fill_ghost, gradient_values
 from fsipetsc.paper.laws import Gas, law_of
 from fsipetsc.paper.layout import RECORD
+from fsipetsc.paper.outer_ends import Ends, close_solid, fill_ghost, gradient_values
 from fsipetsc.paper.stencils import stencils
 from fsipetsc.studies.spectra import CENTRAL
 

@@ -12,7 +12,8 @@ from mpi4py import MPI
 from fsipetsc.boundaries import Wall
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import SBPOperator, row_length
-from fsipetsc.paper.ends import NEW_DIRICHLET, ends_of
+from fsipetsc.paper.ends.end import GasEnd
+from fsipetsc.paper.outer_ends import ends_of
 from fsipetsc.parallel.block_shares import share_line
 from fsipetsc.problem import Problem
 
@@ -120,7 +121,7 @@ def make_records(problem: Problem, op: SBPOperator, h: float, halo: int) -> Arra
             room = max(SPARE + max(1, cells // 8), cells // 3)
             # the treatment of the interface must not change the points of a boundary's formulas; a
             # new point takes one more than the degree of its extrapolation
-            nodes = max(degree, NEW_DIRICHLET + 1)
+            nodes = max(degree, GasEnd.new + 1)
             least = max(op.min_points, nodes + 2, degree + 1 + row_length(op))
         else:
             cells, room, least = layer.cells(h), 0, max(4, op.min_points)

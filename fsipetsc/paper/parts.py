@@ -12,9 +12,9 @@ from mpi4py import MPI
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.paper import rates, steps
 from fsipetsc.paper.coupling import Face
-from fsipetsc.paper.ends import Ends
 from fsipetsc.paper.laws import law_of
 from fsipetsc.paper.layout import DOF
+from fsipetsc.paper.outer_ends import Ends
 from fsipetsc.paper.stencils import Stencils
 from fsipetsc.parallel.exchange import Exchange
 from fsipetsc.state import Seen

@@ -14,8 +14,8 @@ from fsipetsc.errors import InputError
 from fsipetsc.kernels.calls import Calls, calling_code
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import steps
-from fsipetsc.paper.ends import ends_of
 from fsipetsc.paper.layout import DOF, check_form, make_records, share_out
+from fsipetsc.paper.outer_ends import ends_of
 from fsipetsc.paper.parts import Interface, Layer
 from fsipetsc.paper.stencils import stencils
 from fsipetsc.parallel.exchange import Reduction, exchange_text

@@ -12,7 +12,7 @@ import numpy as np
 
 from fsipetsc.kernels.loops import each, number, variable, when, whole
 from fsipetsc.kernels.procedure import Code, Procedure
-from fsipetsc.paper import coupling, ends, rates, sums
+from fsipetsc.paper import coupling, embedded, outer_ends, rates, sums
 from fsipetsc.paper.layout import DOF
 from fsipetsc.paper.stencils import Stencils, derivative
 from fsipetsc.scheme.batch import DT
@@ -36,7 +36,7 @@ class Part(NamedTuple):
     """
 
     op: Stencils
-    ends: ends.Ends
+    ends: outer_ends.Ends
     law: Any
     layers: Array
     local: Array
@@ -123,7 +123,7 @@ def note(of):
 
 def fill(of):
     """Fill the ghost point of a gas."""
-    ends.fill_ghost(of, ends.outer_side(of.ends))
+    outer_ends.fill_ghost(of, outer_ends.outer_side(of.ends))
 
 
 def advance(stage: int) -> Callable[[Part], None]:
@@ -165,10 +165,10 @@ def keep(of):
 
 def complete_gas(of, steps):
     """Fill the ghost point, let the boundary move over the grid, monitor the points."""
-    layer, side = of.layers[0], ends.outer_side(of.ends)
-    ends.fill_ghost(of, side)
-    ends.move_boundary(of, side, steps.results)
-    with when(ends.distance(layer, side) <= number(layer.least - 2) + 1e-9):
+    layer, side = of.layers[0], outer_ends.outer_side(of.ends)
+    outer_ends.fill_ghost(of, side)
+    outer_ends.move_boundary(of, side, steps.results)
+    with when(embedded.distance(layer, side) <= number(layer.least - 2) + 1e-9):
         steps.results[TOO_SHORT] = 1.0 + number(layer.number)
     sums.monitor_gas(of, steps)
     keep(of)
@@ -249,7 +249,7 @@ def of_layer(code: Code, place: str, of: Part, steps: Steps) -> dict[str, Proced
     """Record those of a layer that stands at a place: left, solid or right."""
     gas = place != "solid"
     functions = {
-        **({"fill": fill} if gas else {"close": ends.close_solid, "stretch": stretch}),
+        **({"fill": fill} if gas else {"close": outer_ends.close_solid, "stretch": stretch}),
         "rates": rates.gas_rates if gas else rates.elastic_rates,
         **{f"advance_{stage}": advance(stage) for stage in range(STAGES)},
     }

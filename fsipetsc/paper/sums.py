@@ -13,7 +13,8 @@ count.
 import numpy as np
 
 from fsipetsc.kernels.loops import each, variable, when
-from fsipetsc.paper.ends import beyond_boundary, outer_side
+from fsipetsc.paper.embedded import beyond_boundary
+from fsipetsc.paper.outer_ends import outer_side
 from fsipetsc.paper.rates import own_range
 from fsipetsc.paper.stencils import near_ends
 from fsipetsc.scheme.plan import BAD
