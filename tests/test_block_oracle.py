@@ -33,8 +33,8 @@ from oracle_formulas import (
 from fsipetsc.kernels import build
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.kernels.unit import unit
+from fsipetsc.particles.constraints import eliminate
 from fsipetsc.scheme import gas_volume, solid_work
-from fsipetsc.scheme.constraints import eliminate
 
 #: inviscid gas that slips along solids with an energy of their own; viscous, conducting gas and
 #: solid

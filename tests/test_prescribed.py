@@ -6,8 +6,8 @@ from numpy.polynomial import Polynomial
 
 from fsipetsc import Fluid, FluidLayer, InputError, Problem, Wall
 from fsipetsc.blockrun.from_layers import blocks_of_line
-from fsipetsc.blockrun.prescribed import Prescribed
-from fsipetsc.blocks.particles import particles_of
+from fsipetsc.particles.members import particles_of
+from fsipetsc.particles.prescribed import Prescribed
 
 STEP = 1 / 64
 

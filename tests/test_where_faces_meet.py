@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from block_ledgers import Steps
 
-from fsipetsc.blockrun.prescribed import Prescribed
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import (
     Clamped,
@@ -18,11 +17,12 @@ from fsipetsc.blocks.conditions import (
     Slip,
 )
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.particles import ROLLS, SLIPS, particles_of
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.particles.members import ROLLS, SLIPS, particles_of
+from fsipetsc.particles.prescribed import Prescribed
 
 GAS = Fluid(0.02, 0.03, 1.4, 1.0)
 SOLID = ElasticSolid(1.0, 2.0, 0.05, 2.0, 1.5, 0.3, "log", "elastic")

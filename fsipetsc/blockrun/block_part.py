@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from fsipetsc.blame import place_in, reason
 from fsipetsc.blockrun.columns import fields_of
 from fsipetsc.blockrun.face_terms import FaceTerms
-from fsipetsc.blockrun.recorded_data import Recorder
 from fsipetsc.blocks.values import block_values
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.kernels.formula import numbers_of
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
+from fsipetsc.scheme.recorded_data import Recorder
 from fsipetsc.scheme.stage import Stage
 
 Array = NDArray[Any]
@@ -25,7 +25,7 @@ Array = NDArray[Any]
 
 class Recorded(NamedTuple):
     """What procedures of parts take beside the parts. particles: the record of the particle system,
-    see fsipetsc.scheme.particle_records; gain, found: see fsipetsc.scheme.part and steps.
+    see fsipetsc.particles.records; gain, found: see fsipetsc.scheme.part and steps.
     at_particles: block -> its faces at constraints. begins: name -> where a series begins in the
     record of a step. ends: the solid ends of interfaces in one dimension.
     """

@@ -35,20 +35,9 @@ def fields_of(kind: str, d: int, symmetry: int = 0) -> tuple[str, ...]:
     return (*u, "T", *stresses, *x, *hoops) if d > 1 else ("u", "T", "sigma", "x", "p", *hoops)
 
 
-def loses(problem: Any, k: int) -> bool:
-    """Whether it is known what a step in time loses of the kinetic and elastic energy of block k.
-
-    A solid with heat 'elastic' whose motion no data replace and no pressure of its heat drives.
-    """
-    block, conditions = problem.blocks[k], problem.faces_of(k).values()
-    stores = block.kind == "solid" and block.material.heat == "elastic"
-    driven = stores and (block.forcing is not None or block.material.pressing is not None)
-    return stores and not driven and not any(getattr(c, "all_given", False) for c in conditions)
-
-
 def lossy(problem: Any) -> bool:
-    """Whether it is known of any block: see ``loses``."""
-    return any(loses(problem, k) for k in range(len(problem.blocks)))
+    """Whether it is known of any block what a step loses."""
+    return any(problem.loses(k) for k in range(len(problem.blocks)))
 
 
 def gained(problem: Any) -> np.dtype:

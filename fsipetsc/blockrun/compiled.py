@@ -10,18 +10,18 @@ from numpy.typing import NDArray
 from fsipetsc.blockrun.block_part import Recorded
 from fsipetsc.blockrun.columns import slices
 from fsipetsc.blockrun.gas_part import GasPart
-from fsipetsc.blockrun.particle_system import ParticleSystem
-from fsipetsc.blockrun.recorded_data import Recorder
 from fsipetsc.blockrun.solid_part import SolidPart
-from fsipetsc.blocks.particles import particles_of
 from fsipetsc.kernels.calls import calling_code
 from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.parallel.exchange import Reduction, exchange_text
+from fsipetsc.particles.members import particles_of
+from fsipetsc.particles.system import ParticleSystem
 from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import together
 from fsipetsc.scheme import steps as stages
 from fsipetsc.scheme.batch import plan_next
 from fsipetsc.scheme.normals import turned_faces
+from fsipetsc.scheme.recorded_data import Recorder
 from fsipetsc.scheme.timed import TIMES, set_time
 
 Array = NDArray[Any]

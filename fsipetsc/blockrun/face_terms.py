@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.recorded_data import Recorder, asked, positive
 from fsipetsc.blocks.conditions import Condition, Effect
 from fsipetsc.blocks.cube import Cube
 from fsipetsc.blocks.metrics import Wide
@@ -20,6 +19,7 @@ from fsipetsc.kernels.symbols import NotRecorded
 from fsipetsc.parallel.block_layout import Part
 from fsipetsc.scheme.faces import GasFaces, Group, SolidFaces, Turned
 from fsipetsc.scheme.part import Nothing
+from fsipetsc.scheme.recorded_data import Recorder, asked, positive
 
 Array = NDArray[Any]
 #: data that are vectors; those that must be above 0

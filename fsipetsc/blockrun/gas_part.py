@@ -7,14 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.block_part import BlockPart, Recorded
-from fsipetsc.blockrun.particle_system import ParticleSystem
 from fsipetsc.blocks.grid import GridMotion
-from fsipetsc.blocks.particles import Particle
 from fsipetsc.blocks.values import block_values
 from fsipetsc.equations.vectors import dot
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
+from fsipetsc.particles.members import Particle
+from fsipetsc.particles.system import ParticleSystem
 from fsipetsc.scheme import gas_record as does
 from fsipetsc.scheme.block_monitor import gas_integrals, room_of, sums_of
 from fsipetsc.scheme.gas_dissipation import gas_damping

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.block_part import BlockPart, Recorded
-from fsipetsc.blockrun.columns import loses
 from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.blocks.values import block_values, prestress_of
 from fsipetsc.equations.tensors import add_unit, apply, cofactor
@@ -39,7 +38,7 @@ class SolidPart(BlockPart):
         self.metrics = solid_metrics(self._problem, part.k, order, part.ghosted)
         self.inertia = self.metrics[d * d] * self.equations.m0
         self._masses = self.weights * self.inertia[self.owned]
-        self._loses = int(loses(self._problem, part.k))
+        self._loses = int(self._problem.loses(part.k))
         strain = self.equations.unstrained((0.0,) * d)
         self.F = np.zeros((len(strain), part.numbers.size))
         self.prestress = prestress_of(self.block, self.X)

@@ -298,6 +298,16 @@ class BlockProblem:
     def _put(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)
 
+    def loses(self, k: int) -> bool:
+        """Whether it is known what a step in time loses of the kinetic and elastic energy of block
+        k: a solid with heat 'elastic' whose motion no data replace and no pressure of its heat
+        drives.
+        """
+        block, conditions = self.blocks[k], self.faces_of(k).values()
+        stores = block.kind == "solid" and block.material.heat == "elastic"
+        driven = stores and (block.forcing is not None or block.material.pressing is not None)
+        return stores and not driven and not any(getattr(c, "all_given", False) for c in conditions)
+
     def _check_blocks(self) -> None:
         """InputError unless blocks have names of their own and one number of dimensions."""
         blocks = self.blocks

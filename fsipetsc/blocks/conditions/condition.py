@@ -59,7 +59,7 @@ class Condition:
     """What stands at a face. Makes data floats and tuples of floats.
 
     of: kinds of block that it is for. ranges: what data must be that may be numbers, by name.
-    part: what it is to a particle (fsipetsc.blocks.particles): "wall", "slip", "clamp" or "roller".
+    part: what it is to a particle (fsipetsc.particles.members), "wall", "slip", "clamp", "roller".
     holds: it prescribes motion; all_given: all unknowns. imposes_T: T is that of the face, where it
     is given. passes: "gas" or "waves" where these go through. knows_inflow: it says which gas comes
     in. free_velocity: velocity may be given without x. Formulas, None where there is none: leaving

@@ -36,7 +36,7 @@ import numpy as np
 from fsipetsc.equations.vectors import add, along, choose, dot, per, scale, sub
 from fsipetsc.kernels.arrays import node, part_of, put_part
 from fsipetsc.kernels.loops import each, otherwise, variable, when
-from fsipetsc.scheme.constraints import (
+from fsipetsc.particles.constraints import (
     book,
     powers,
     right_sides,
@@ -45,9 +45,9 @@ from fsipetsc.scheme.constraints import (
     value_of,
     velocity,
 )
+from fsipetsc.particles.heat import share_heat, warm_solids
+from fsipetsc.particles.records import GAS, SOLID
 from fsipetsc.scheme.part import clear
-from fsipetsc.scheme.particle_heat import share_heat, warm_solids
-from fsipetsc.scheme.particle_records import GAS, SOLID
 
 
 def weigh(all, y):

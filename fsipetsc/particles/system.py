@@ -2,7 +2,7 @@
 ranks, prescribed data.
 
 Owners of the members of a particle send each other what is extensive of them; each adds it up in
-the same order and solves the same small system. See fsipetsc.scheme.particles for what is solved.
+the same order and solves the same small system: see fsipetsc.particles.procedures.
 """
 
 from collections.abc import Callable, Sequence
@@ -11,17 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.columns import loses
-from fsipetsc.blockrun.prescribed import Prescribed
-from fsipetsc.blocks.particles import ROLLS, Particle
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.kernels.unit import unit
 from fsipetsc.parallel.block_layout import PARTICLES_TAG, BlockLayout
-from fsipetsc.parallel.particle_exchange import ParticleExchange
+from fsipetsc.particles import procedures as of
+from fsipetsc.particles import records
+from fsipetsc.particles.heat import weigh_heat
+from fsipetsc.particles.members import ROLLS, Particle
+from fsipetsc.particles.messages import ParticleExchange
+from fsipetsc.particles.prescribed import Prescribed
 from fsipetsc.scheme import normals as of_faces
-from fsipetsc.scheme import particle_records as records
-from fsipetsc.scheme import particles as kernels
-from fsipetsc.scheme.particle_heat import weigh_heat
 
 Array = NDArray[Any]
 
@@ -110,8 +109,8 @@ class ParticleSystem:
         loaded, and before anything else, ``does["weigh_heat"]()`` is to be called.
         """
         code, record = Code(unit({}, [])), self.record
-        alone = kernels.weigh, kernels.end_normals, kernels.end_turning, kernels.begin_stored
-        taking = kernels.end_sums, kernels.impose_conditions, kernels.end_rates
+        alone = of.weigh, of.end_normals, of.end_turning, of.begin_stored
+        taking = of.end_sums, of.impose_conditions, of.end_rates
         takes = {f: (record,) for f in (*alone, weigh_heat)} | {f: (record, gain) for f in taking}
         for function, given in takes.items():
             name = function.__name__
@@ -142,7 +141,7 @@ class ParticleSystem:
             nodes = part.ghosted_rows(part.rows(self._nodes_at(rows)))
             weight[rows] = part.weights(nodes) * (inertia[k][nodes] if k in inertia else 1.0)
             at[rows], apart[rows] = part.at(self._nodes_at(rows)), part.numbers.size
-            booked[rows] = weight[rows] * loses(layout.problem, k)
+            booked[rows] = weight[rows] * layout.problem.loses(k)
         constraint = np.zeros((count, most), np.int64)
         for p, particle in enumerate(self._particles):
             constraint[p, : len(particle.constraints)] = [c.kind for c in particle.constraints]
@@ -217,7 +216,7 @@ class ParticleSystem:
 
 
 def _flags(p: Particle) -> list[bool]:
-    """FLAGS of fsipetsc.scheme.particle_records, but for the first one."""
+    """FLAGS of fsipetsc.particles.records, but for the first one."""
     found = [
         not (p.wall or p.given_gas or (p.sticks and (p.clamp or p.given_solid))),
         not (p.clamp or p.given_solid),

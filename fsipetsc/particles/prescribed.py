@@ -9,8 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blame import place_of
-from fsipetsc.blockrun.contradictions import Contradictions, Note
-from fsipetsc.blockrun.recorded_data import (
+from fsipetsc.blocks.conditions import moves
+from fsipetsc.blocks.values import datum, names_of
+from fsipetsc.errors import InputError
+from fsipetsc.particles.contradictions import Contradictions, Note
+from fsipetsc.particles.members import Particle
+from fsipetsc.particles.records import Data
+from fsipetsc.scheme.recorded_data import (
     Make,
     Recorder,
     given_gas,
@@ -18,11 +23,6 @@ from fsipetsc.blockrun.recorded_data import (
     motion,
     temperature,
 )
-from fsipetsc.blocks.conditions import moves
-from fsipetsc.blocks.particles import Particle
-from fsipetsc.blocks.values import datum, names_of
-from fsipetsc.errors import InputError
-from fsipetsc.scheme.particle_records import Data
 
 Array = NDArray[Any]
 #: conditions of a particle that have data; those by which the gas's grid moves

@@ -18,7 +18,7 @@ class Table(NamedTuple):
     world's vector, apart: (own,) how far its unknowns are apart there. weight: (rows,) H of a gas
     member, M_s of a solid one; alpha: (rows,) specific heat of solids. inertia: (own,) M_s of
     members whose work is booked, else 0. constraint: (p, K) kinds of constraints. facts: (p,)
-    records of FACTS, see fsipetsc.blocks.particles.
+    records of FACTS, see fsipetsc.particles.members.
     """
 
     begin: Array

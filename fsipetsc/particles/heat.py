@@ -5,8 +5,8 @@ import numpy as np
 from fsipetsc.equations.vectors import dot
 from fsipetsc.kernels.arrays import node
 from fsipetsc.kernels.loops import each, stop, variable, when
-from fsipetsc.scheme.constraints import value_of, velocity
-from fsipetsc.scheme.particle_records import SOLID
+from fsipetsc.particles.constraints import value_of, velocity
+from fsipetsc.particles.records import SOLID
 
 
 def weigh_heat(all):

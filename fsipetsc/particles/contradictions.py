@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from fsipetsc.blocks.conditions import moves
 from fsipetsc.blocks.maps import place_text
-from fsipetsc.blocks.particles import Asked, Particle
 from fsipetsc.blocks.values import datum
 from fsipetsc.errors import InputError
-from fsipetsc.scheme.particle_records import Data
+from fsipetsc.particles.members import Asked, Particle
+from fsipetsc.particles.records import Data
 
 Array = NDArray[Any]
 #: parts of the larger one by which velocities differ, as vectors and along a normal, which is that
@@ -37,7 +37,7 @@ Note = tuple[Any, tuple[float, ...], str]
 
 
 class _Pair(NamedTuple):
-    """What decides, by the name that fsipetsc.blocks.particles.Particle has for it, and another
+    """What decides, by the name that fsipetsc.particles.members.Particle has for it, and another
     condition, at particles ``who``. normals: (who, d) where they hold along a normal alone.
     """
 

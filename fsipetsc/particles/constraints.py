@@ -1,4 +1,4 @@
-"""Constraints of a particle, by Gauss's principle: see fsipetsc.scheme.particles.
+"""Constraints of a particle, by Gauss's principle: see fsipetsc.particles.procedures.
 
 one: what is known of a particle, its facts; p: its number. Accelerations, or velocities, a of the
 gas and b of the solid are lists of variables where constraints change them.
@@ -6,10 +6,10 @@ gas and b of the solid are lists of variables where constraints change them.
 
 import numpy as np
 
-from fsipetsc.blocks.particles import SLIPS
 from fsipetsc.equations.vectors import add, choose, dot, per, scale, sub
 from fsipetsc.kernels.arrays import node, part_of, put_part
 from fsipetsc.kernels.loops import each, number, otherwise, pick, variable, when
+from fsipetsc.particles.members import SLIPS
 
 #: a pivot below this part of its size before elimination belongs to a constraint that others imply
 REDUNDANT = 1e-9
