@@ -104,7 +104,7 @@ class Boundary:
         return called
 
     def _warm(self, side: int) -> dict[str, Any]:
-        """The heat, as conditions take it."""
+        """T and heat_flux, as conditions take them."""
         return {name: self.of_place(name, side) for name in ("T", "heat_flux")}
 
     def _check(self, needed: str) -> None:

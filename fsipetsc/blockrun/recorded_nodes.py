@@ -38,7 +38,7 @@ def chosen(problem: BlockProblem, points: Sequence[float], probes: str | None) -
 
 
 def _places(text: str | None, d: int) -> list[Array]:
-    """Of "X,Y;X,Y". InputError."""
+    """The places (d,) that "X,Y;X,Y" names. InputError."""
     pieces = text.split(";") if text else ()
     found = [np.array(floats(piece, "fsi_probes", "m")) for piece in pieces]
     if any(place.size != d for place in found):

@@ -66,7 +66,7 @@ class Scheme:
 
     @property
     def not_recorded(self) -> list[str]:
-        """Why, on this rank."""
+        """Why data cannot be recorded, on this rank."""
         return self.compiled.not_recorded
 
     @property

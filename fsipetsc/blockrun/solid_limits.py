@@ -182,7 +182,7 @@ def _directions(d: int) -> Array:
 
 
 def _coefficients(A: Array) -> list[Array]:
-    """I_1, … of (d, d, …)."""
+    """The coefficients I_1, … of the characteristic polynomial of A, (d, d, …)."""
     d = len(A)
     found = [np.trace(A)]
     if d == 3:

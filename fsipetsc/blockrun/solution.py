@@ -125,7 +125,7 @@ class BlockSolution(State):
 
     @property
     def points(self) -> int:
-        """Nodes of all blocks."""
+        """The number of nodes of all blocks."""
         return sum(int(np.prod(shape)) for shape in self.layout.shapes)
 
     @property

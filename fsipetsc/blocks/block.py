@@ -228,7 +228,7 @@ def size_of(block: Block, symmetry: int = 0) -> float:
 
 
 def _means(values: Array, axes: Iterable[int]) -> Array:
-    """Of neighbours along axes."""
+    """The means of neighbours along axes."""
     for axis in axes:
         values = 0.5 * (np.delete(values, -1, axis=axis) + np.delete(values, 0, axis=axis))
     return values

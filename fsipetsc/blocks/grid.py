@@ -95,13 +95,13 @@ class CubeMotion(NamedTuple):
     address: int
 
     def move(self, known, metrics):
-        """Places, and a^k on faces."""
+        """Find where nodes are, and a^k on faces."""
         self.hull.fill(self.hull.moved, known, 0)
         self.blend.fill(self.hull.moved, self.x, self.y)
         invoke("cube_faces", self.address)
 
     def swing(self, known, metrics):
-        """Velocities."""
+        """Find the velocities of nodes."""
         self.hull.fill(self.hull.moving, known, 3)
         self.blend.fill(self.hull.moving, self.v)
 
@@ -113,7 +113,7 @@ class CubeMotion(NamedTuple):
         invoke("cube_swing", self.address)
 
     def on_faces(self, metrics):
-        """a^k there."""
+        """The array that has a^k on faces."""
         return self.of_faces
 
     def turn(self):
@@ -121,7 +121,7 @@ class CubeMotion(NamedTuple):
         invoke("cube_turn", self.address)
 
     def find_places(self, X, places):
-        """X + the displacement."""
+        """Find where the nodes are."""
         for c in range(3):
             for i in each(self.inner.size, vector=True):
                 n = self.inner[i]
@@ -157,12 +157,12 @@ def move(of):
 
 
 def find_places(of):
-    """Where its nodes are."""
+    """Find where the nodes are."""
     of.grid.find_places(of.X, of.places)
 
 
 def find_jacobian(of):
-    """det(D x) of its nodes."""
+    """Find det(D x) of the nodes."""
     metrics = of.metrics.reshape(-1)
     of.grid.find_volumes()
     for i in each(of.J.size, vector=True):

@@ -60,7 +60,7 @@ class PlaneMotion(NamedTuple):
     rise: Array
 
     def move(self, known, metrics):
-        """Fill a^1, a^2."""
+        """Fill a^1 and a^2."""
         self.hull.fill(self.hull.moved, known, 0)
         plane_metrics(self, metrics)
 
@@ -70,10 +70,10 @@ class PlaneMotion(NamedTuple):
         plane_velocities(self, metrics)
 
     def finish(self, metrics):
-        """Nothing."""
+        """Do nothing: `move` has found all metrics."""
 
     def on_faces(self, metrics):
-        """a^k."""
+        """The array that has a^k."""
         return metrics
 
     def find_places(self, X, places):
@@ -81,7 +81,7 @@ class PlaneMotion(NamedTuple):
         plane_places(self, X, places)
 
     def find_volumes(self):
-        """Nothing: the metrics have them."""
+        """Do nothing: the metrics have the volumes."""
 
     def jacobian(self, metrics, N, node, reference):
         """det(D x): the metrics are D x."""
@@ -125,7 +125,7 @@ def plane_metrics(plane, metrics):
 
 
 def plane_velocities(plane, metrics):
-    """v and J_t."""
+    """Fill v and J_t."""
     find_faces(plane, plane.hull.moving)
     differentiate_faces(plane, plane.hull.moving)
     n, like = plane.along.low.shape[0], (0.0, 0.0)
@@ -200,11 +200,11 @@ class Row:
         self.start, self.stop = self._across(ends[0], ends[2]), self._across(ends[1], ends[3])
 
     def _across(self, S, N):
-        """l_j S + h_j N."""
+        """The part l_j S + h_j N of the blend."""
         return exact(add(scale(self.l, S), scale(self.h, N)))
 
     def _along(self, i, W, E):
-        """l_i W + h_i E."""
+        """The part l_i W + h_i E of the blend."""
         along = self.plane.along
         return exact(add(scale(along.low[i], W), scale(along.high[i], E)))
 

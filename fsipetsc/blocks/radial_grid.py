@@ -73,10 +73,10 @@ class RadialMotion(NamedTuple):
         radial_velocities(self, metrics)
 
     def finish(self, metrics):
-        """Nothing."""
+        """Do nothing: `move` has found all metrics."""
 
     def on_faces(self, metrics):
-        """a^k."""
+        """The array that has a^k."""
         return metrics
 
     def find_places(self, X, places):
@@ -87,7 +87,7 @@ class RadialMotion(NamedTuple):
                 places[c, i] = X[c, i] + (self.x[c, n] - self.y[c, n])
 
     def find_volumes(self):
-        """Nothing: `move` has found them."""
+        """Do nothing: `move` has found the volumes."""
 
     def jacobian(self, metrics, N, node, reference):
         """J of the grid at a node."""
@@ -128,7 +128,7 @@ def differentiate_flat(grid):
 
 
 def radial_metrics(grid, metrics):
-    """See RadialMotion.move."""
+    """Fill a^k, A, source and volume: see RadialMotion.move."""
     d, area, slopes, inner = len(grid.like), grid.area, grid.slopes, grid.inner
     last, entries = d - 1, (0.0,) * d * d
     grid.blend.fill(grid.hull.moved, grid.x)
@@ -169,7 +169,7 @@ def find_flat(grid):
 
 
 def radial_velocities(grid, metrics):
-    """See RadialMotion.swing."""
+    """Fill v and J_t: see RadialMotion.swing."""
     d, kappa, v, area = len(grid.like), len(grid.hoops), grid.v, grid.area
     last, entries = d - 1, (0.0,) * d * d
     grid.blend.fill(grid.hull.moving, v)
@@ -190,7 +190,7 @@ def radial_velocities(grid, metrics):
 
 
 def bound_steps(grid, metrics):
-    """See RadialMotion.bound."""
+    """Bound the step of each node: see RadialMotion.bound."""
     d, area, copied, bounds = len(grid.like), grid.area, metrics.reshape(-1), grid.bounds
     for m in each(copied.size, vector=True):
         bounds.reshape(-1)[m] = copied[m]

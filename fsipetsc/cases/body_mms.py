@@ -106,7 +106,7 @@ class Body(Solution):
         return along((X, Y), -1.0 / determinant(F), apply_transposed(cofactor(F), apart))
 
     def labels(self, X: Array, Y: Array, t: float) -> Fields:
-        """Of nodes of the gas's grid."""
+        """The labels of the nodes of the gas's grid, by Newton's method."""
         D = self.grid(X, Y, t)
         x, found = (X + D[0], Y + D[1]), (X, Y)
         for _ in range(NEWTON_STEPS):
@@ -128,7 +128,7 @@ class Round(Body):
         return found
 
     def grid(self, X: Array, Y: Array, t: float) -> Fields:
-        """Between both ends of a ray."""
+        """Nodes between both ends of a ray."""
         R = np.sqrt(X * X + Y * Y)
         low, high = 1.0, BOX * R / np.maximum(abs(X), abs(Y))
         if len(self.radii) > 1:
@@ -147,7 +147,7 @@ class Round(Body):
 
 
 class Panel(Body):
-    """Around the panel."""
+    """A gas around a panel."""
 
     def b(self, X: Any, Y: Any) -> Any:
         return (X - COLUMNS[1]) * (X - COLUMNS[2]) * (Y - ROWS[1])

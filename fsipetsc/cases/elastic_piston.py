@@ -45,7 +45,7 @@ def build(opt: Opt) -> BlockProblem:
         return f.deriv()(to) + g.deriv()(fro), 1.0, X + f(to) + g(fro)
 
     def pressure(X, t):
-        """Of the rod."""
+        """The pressure of the rod."""
         return P - C * (g.deriv()(np.maximum(t + X / C, 0.0)) - f.deriv()(t - X / C))
 
     def gas(X, t=0.0):

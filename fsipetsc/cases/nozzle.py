@@ -33,7 +33,7 @@ START = 0.2
 
 
 def radius(z: Array) -> Array:
-    """Of the wall's inner side."""
+    """The radius of the wall's inner side."""
     return WIDE - (WIDE - THROAT) * np.sin(np.pi * z / LENGTH) ** 4
 
 

@@ -239,7 +239,7 @@ class RadialGas(Gas):
     """
 
     def of_grid(self, like):
-        """As many numbers as v has."""
+        """A velocity of zeros, as many numbers as v has."""
         return (*like, 0.0)
 
     def volume_flux(self, a_l, v_l, a_r, v_r):

@@ -92,7 +92,7 @@ def cofactor(F: Tensor) -> Tensor:
 
 
 def _cofactor(F: Tensor, i: int, j: int) -> Any:
-    """An entry in three dimensions."""
+    """An entry of the cofactor in three dimensions."""
     k, l, m, n = (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3
     return F[3 * k + m] * F[3 * l + n] - F[3 * k + n] * F[3 * l + m]
 

@@ -88,7 +88,7 @@ def flags() -> tuple[str, ...]:
 
 
 def _own_flags() -> list[str]:
-    """Those of CFLAGS. InputError."""
+    """The flags of CFLAGS. InputError."""
     own = shlex.split(os.environ.get("CFLAGS", ""))
     for name, given in (("CC", shlex.split(os.environ.get("CC", ""))[1:]), ("CFLAGS", own)):
         for flag in given:
@@ -235,7 +235,7 @@ def _write(path: Path, content: bytes) -> None:
 
 @cache
 def loaded(path: Path) -> ctypes.CDLL:
-    """The library in a file. FileError."""
+    """Load the library in a file. FileError."""
     try:
         return ctypes.CDLL(str(path))
     except OSError as error:

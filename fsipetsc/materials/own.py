@@ -56,7 +56,7 @@ class _Gas:
         return self.bulk_modulus(rho, T) / rho + T * slope * slope / self.heat_capacity(rho, T)
 
     def entropy(self, rho, T):
-        """Not a number."""
+        """No number: the law has none."""
         return np.nan * T
 
 
@@ -112,7 +112,7 @@ class _Solid:
         return tuple(columns[k][i] for i in range(d) for k in range(d))
 
     def energy(self, F):
-        """Nothing: heat 'elastic' is refused."""
+        """None: heat 'elastic' is refused."""
         return 0.0
 
 
@@ -255,7 +255,7 @@ def _law_of(kind: Kind, formulas: Mapping[str, Formula]) -> Any:
 
 
 def _method(formula: Formula) -> Formula:
-    """The same as a method."""
+    """The same law as a method."""
 
     def method(self, *numbers):
         return formula(*numbers)

@@ -97,7 +97,7 @@ class ElasticSolid:
         return kind(*self._in(symmetry + d, True), force, (0.0,) * symmetry, p_ref)
 
     def _in(self, d: int, without_p_ref: bool) -> tuple[Any, ...]:
-        """Laws and constants of the equations."""
+        """The laws and constants that the equations take."""
         law, coupled = self.solid_law, self.heat == "coupled"
         if without_p_ref and isinstance(self.law, str):
             law = law._replace(p_ref=0.0)

@@ -109,7 +109,7 @@ def summary_rows(summary: Mapping[str, Any], unit: str) -> Rows:
 
 
 def error_rows(errors: Mapping[str, Any]) -> Rows:
-    """Errors by kind of layer."""
+    """The rows of a table of errors, by kind of layer."""
     return [(kind, _text(values)) for kind, values in errors.items()]
 
 

@@ -57,7 +57,7 @@ def clear(folder: Path) -> None:
 
 
 def text_of(about: Mapping[str, Any]) -> bytes:
-    """What header.json has."""
+    """The text of header.json."""
     return json.dumps({"format": layout.FORMAT, "version": layout.VERSION, **about}).encode()
 
 
@@ -124,7 +124,7 @@ class Contents:
             raise ValueError("the times of its frames are not ascending numbers")
 
     def _add(self, path: Path) -> None:
-        """See what a file holds."""
+        """Note what a file holds."""
         with self._opened(path) as file:
             if [*file.attrs.get("first", (0, 0))] != [self.nframes, self.rows]:
                 raise ValueError(f"what comes before {path.name} is missing")

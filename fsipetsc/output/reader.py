@@ -181,7 +181,7 @@ class Layer(Mapping[str, Array]):
 
     @property
     def size(self) -> str:
-        """Of its grid, in words."""
+        """The size of its grid, in words."""
         return f"{' by '.join(map(str, self.shape[::-1]))} points"
 
     @property

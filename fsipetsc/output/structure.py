@@ -33,7 +33,7 @@ def _is_number(value: Any) -> bool:
 
 
 def one_of(*values: Any) -> Kind:
-    """One of these."""
+    """A value that is one of these."""
     words = f"one of {', '.join(map(str, values))}"
     return Kind(words, lambda value: any(type(v) is type(value) and v == value for v in values))
 

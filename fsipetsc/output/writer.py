@@ -226,7 +226,7 @@ class RunWriter:
 
     @property
     def _draft(self) -> Path:
-        """The piece in the making."""
+        """The piece that is being written."""
         return pieces.file_of(self.folder, self._number, ".new")
 
     def _take(self) -> None:

@@ -101,7 +101,7 @@ def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
 
 
 def gas_rates(part):
-    """(4.20)."""
+    """Add the rates of (4.20)."""
     layer = part.layers[0]
     a, b, A, B = own_range(layer)
     start_with(part.forcing, part.k)
@@ -145,7 +145,7 @@ def solid_rows(q, u, sigma, T, x, a, b):
 
 
 def solid_fluxes(solid, sigma, T, x_X, T_X, stretch, net, conducted, a, b):
-    """1/x_X, sigma - p, kappa_e/x_X T_X."""
+    """The fluxes 1/x_X, sigma - p, kappa_e/x_X T_X."""
     for i in each(a, b, vector=True):
         r = 1.0 / x_X[i]
         stretch[i], net[i] = r, sigma[i] - solid.pressure(T[i], x_X[i])
@@ -163,7 +163,7 @@ def put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, a, b, shift)
 
 
 def elastic_rates(part):
-    """(4.19)."""
+    """Add the rates of (4.19)."""
     layer = part.layers[0]
     a, b, A, B = own_range(layer)
     start_with(part.forcing, part.k)

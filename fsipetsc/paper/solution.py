@@ -147,7 +147,7 @@ class PaperSolution(State):
 
     @property
     def points(self) -> int:
-        """Active points of all layers."""
+        """The number of active points of all layers."""
         return sum(int(r["hi"] - r["lo"]) + 1 for r in self.records)
 
     def header(self) -> dict[str, Any]:

@@ -265,6 +265,6 @@ def of_interface(code: Code, place: str, of: Sides) -> dict[str, Procedure]:
 
 
 def of_step(code: Code, steps: Steps) -> dict[str, Procedure]:
-    """Record those of a step."""
+    """Record the procedures of a step."""
     functions = forget, tell, hear, finish
     return {f.__name__: code.procedure(f.__name__, f, steps) for f in functions}

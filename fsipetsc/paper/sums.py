@@ -78,7 +78,7 @@ def monitor_gas(part, steps):
 
 
 def add(totals, weight, values):
-    """Add to sums."""
+    """Add numbers to sums."""
     for total, value in zip(totals, values, strict=True):
         total.value += weight * value
 

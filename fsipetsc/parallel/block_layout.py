@@ -250,12 +250,12 @@ class BlockVector:
         self.array, self._layout = np.zeros(layout.local_size), layout
 
     def owned(self, k: int) -> Array:
-        """View (M, dof) of block k."""
+        """A view (M, dof) of the owned unknowns of block k."""
         return self._layout.owned(k, self.array)
 
     @property
     def auxiliary(self) -> Array:
-        """View of the auxiliary unknowns."""
+        """A view of the auxiliary unknowns."""
         return self.array[self.array.size - self._layout.auxiliary :]
 
     def ghosted(self, k: int) -> Array:
@@ -309,7 +309,7 @@ class NaturalOrder:
         return found
 
     def destroy(self) -> None:
-        """Before the layout."""
+        """Free PETSc's objects, before the layout."""
         for thing in (self._own, self._there, self._dm):
             thing.destroy()
 

@@ -40,17 +40,17 @@ class Extent:
 
     @property
     def size(self) -> int:
-        """Nodes."""
+        """The number of nodes."""
         return prod(self.shape)
 
     @property
     def work(self) -> float:
-        """Of all nodes."""
+        """The cost of all nodes."""
         return self.size * self.cost
 
     @property
     def cost(self) -> float:
-        """Of a node."""
+        """The cost of a node."""
         return COST[len(self.shape)] if self.kind == "fluid" else 1.0
 
     @property
@@ -67,7 +67,7 @@ class Extent:
 
     @property
     def cap(self) -> int:
-        """Parts that there can be."""
+        """How many parts there can be."""
         return prod(self.most(a) for a in range(len(self.shape)))
 
     def allows(self, axis: int, cuts: Sequence[int]) -> bool:
@@ -101,7 +101,7 @@ class Share:
 
     @property
     def grid(self) -> tuple[int, ...]:
-        """Parts per axis."""
+        """How many parts there are along each axis."""
         return tuple(len(cuts) - 1 for cuts in self.cuts)
 
     def part(self, rank: int) -> tuple[tuple[int, int], ...]:
@@ -110,7 +110,7 @@ class Share:
         return tuple((cuts[i], cuts[i + 1]) for cuts, i in zip(self.cuts, place, strict=True))
 
     def size(self, rank: int) -> int:
-        """Nodes of a rank."""
+        """The number of nodes."""
         return prod(b - a for a, b in self.part(rank)) if rank in self.ranks else 0
 
     def owners(self, nodes: np.ndarray) -> np.ndarray:

@@ -164,7 +164,7 @@ def _has_motion(condition: Any) -> bool:
 
 
 def _velocities(data: Data, name: str, who: Array) -> Array:
-    """(who, d), of what decides."""
+    """(who, d): the velocities by that condition which decides."""
     d = data.wall.shape[1]
     if name == "given_gas":
         return data.gas[who, 1 : 1 + d] / data.gas[who, :1]

@@ -247,7 +247,7 @@ def _walls(groups: Mapping[str, Any]) -> list[tuple[Any, Array]]:
 
 
 def _grouped(particles: Sequence[Particle], name: str) -> list[tuple[Any, Array]]:
-    """Conditions and their particles."""
+    """(condition, numbers of its particles), for each condition."""
     found: dict[int, tuple[Any, list[int]]] = {}
     for p, particle in enumerate(particles):
         condition = getattr(particle, name)

@@ -122,7 +122,7 @@ class ParticleSystem:
         return np.flatnonzero(self._members[self._mine, 0] == k)
 
     def _nodes_at(self, rows: Array) -> Array:
-        """Their nodes."""
+        """The nodes of these rows of the tables."""
         return self._members[self._mine[rows], 1]
 
     def _table(

@@ -245,7 +245,7 @@ def place_at(like, X, q, n):
 
 
 class Velocity(NamedTuple):
-    """Of a node of gas."""
+    """The velocity of the gas at a node, for differences."""
 
     gas: Any
     q: Array
@@ -266,7 +266,7 @@ class Flat(NamedTuple):
 
 
 class Displacement(NamedTuple):
-    """Of a solid's node."""
+    """The displacement of a solid's node, for differences."""
 
     q: Array
 

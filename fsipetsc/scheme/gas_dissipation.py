@@ -82,7 +82,7 @@ class GasDamping(NamedTuple):
     sums: Array
 
     def add(self, part, q, rates, gain):
-        """Both terms."""
+        """Add both terms to the rates."""
         gas_dissipation(part, self, q, rates)
 
 
@@ -144,7 +144,7 @@ class GasWaves(NamedTuple):
     k: int
 
     def steepness(self, i, stride):
-        """s of a node."""
+        """The steepness s of a node."""
         gas, like = self.gas, (0.0,) * len(self.gas.force)
         like_w = (*like, 0.0, 0.0, 0.0)
         a = column_of(like, self.metrics, self.k * len(like), i)
@@ -159,7 +159,7 @@ class GasWaves(NamedTuple):
         return np.maximum(s, bend(before, behind, size))
 
     def modulus(self, w):
-        """K of a state."""
+        """The modulus K of a state."""
         return self.gas.law.bulk_modulus(w[0], w[2])
 
 

@@ -50,7 +50,7 @@ class NoForce(NamedTuple):
         return (*like, 0.0, 0.0)
 
     def rise(self, potential, i, j):
-        """Phi_j - Phi_i."""
+        """The difference Phi_j - Phi_i."""
         return 0.0
 
     def near(self, gas, F, l, r, a_l, a_r, rise):
@@ -78,7 +78,7 @@ class NoForce(NamedTuple):
         return F, 0.0
 
     def lifted(self, potential, i, F, level):
-        """Phi_i F_rho - Phi_m F_rho."""
+        """The energy Phi_i F_rho - Phi_m F_rho that mass takes up."""
         return 0.0
 
     def jump(self, gas, l, r, rise):
@@ -213,7 +213,7 @@ def add_pair_force(part, q, rates, gain):
 
 
 def add_node_force(part, q, rates, gain):
-    """J rho b."""
+    """Add J rho b of each node."""
     force = part.laws.force
 
     def of_node(i):

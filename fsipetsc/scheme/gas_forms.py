@@ -55,5 +55,5 @@ def convection_of(option: str, gas: Any) -> DivergenceForm | EntropyForm:
 
 
 def state_like(like):
-    """As many numbers as primitive variables."""
+    """A tuple of as many numbers as there are primitive variables."""
     return (*like, 0.0, 0.0, 0.0, 0.0, 0.0)

@@ -91,12 +91,12 @@ def normals(part, particles):
 
 
 def swing(part):
-    """Velocity of the grid."""
+    """Find the velocity of the grid."""
     part.grid.swing(part.known, part.metrics)
 
 
 def finish(part):
-    """The metrics that rates take."""
+    """Find the metrics that rates take."""
     part.grid.finish(part.metrics)
 
 

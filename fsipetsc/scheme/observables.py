@@ -31,7 +31,7 @@ class Observable(NamedTuple):
     label: str = ""
 
     def names(self, d: int) -> list[str]:
-        """Of the series in d dimensions."""
+        """The names of the series in d dimensions."""
         axes = zip(PLACES[:d], VELOCITIES[:d], strict=True)
         found = (self.name.replace("*", x).replace("@", u) for x, u in axes)
         return list(dict.fromkeys(found))

@@ -16,7 +16,7 @@ class Nothing(NamedTuple):
     """What adds nothing to rates: no dissipation, closed faces."""
 
     def add(self, part, q, rates, gain):
-        """No work."""
+        """Add nothing; the work is 0."""
         return 0.0
 
 
@@ -73,13 +73,13 @@ def images(part):
 
 
 def copy(of, to):
-    """to = of."""
+    """Copy numbers."""
     for i in each(of.size, vector=True):
         to[i] = of[i]
 
 
 def clear(numbers):
-    """Zeros."""
+    """Set numbers to 0."""
     for i in each(numbers.size, vector=True):
         numbers[i] = 0.0
 

@@ -24,7 +24,7 @@ from fsipetsc.scheme.rows import Array
 
 
 class Straight(Nothing):
-    """Neither axis nor centre."""
+    """A problem without an axis or a centre."""
 
     def turn(self, part, table):
         """Add how area vectors at constraints turn; in one dimension they do not."""
@@ -61,7 +61,7 @@ class Radial(NamedTuple):
 
 
 def add_pressure(part, source, q, rates):
-    """p S."""
+    """Add p S to the rates."""
     d, like_q = len(part.like), (*part.like, 0.0, 0.0, 0.0)
     for i in each(rates.shape[0]):
         n = ghosted_node(i, part.patch)
@@ -92,7 +92,7 @@ def add_viscous(part, radial, q, rates):
 
 
 def find_hoops(part, radial, q):
-    """Fill the room."""
+    """Fill the room with entropy variables, and with the viscous stress of hoops."""
     gas, like, room = part.laws, part.like, radial.room
     d, like_q = len(like), (*like, 0.0, 0.0, 0.0)
     for n in each(radial.grid.source.size, vector=True):

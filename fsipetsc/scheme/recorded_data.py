@@ -108,7 +108,7 @@ def motion(condition: Any) -> Make:
 
 
 def temperature(condition: Any) -> Make:
-    """The temperature of a wall."""
+    """What records the temperature of a wall."""
     return lambda x, t: (positive(asked(condition, "T", x, t)),)
 
 

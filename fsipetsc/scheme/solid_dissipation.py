@@ -65,7 +65,7 @@ class SolidWaves(NamedTuple):
     small: float
 
     def steepness(self, i, stride):
-        """s of a node."""
+        """The steepness s of a node."""
         nodes, like = (i - stride, i, i + stride), (0.0,) * self.d
         below, here, above = (part_of(like, self.q, n, self.d) for n in nodes)
         rise, fall = sub(above, here), sub(here, below)

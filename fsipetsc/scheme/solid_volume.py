@@ -93,7 +93,7 @@ class SolidVolume:
         self._d = len(solid.force)
 
     def let_advance(self, stage: Stage, free: Spans) -> None:
-        """The same as of fsipetsc.scheme.gas_volume.GasVolume."""
+        """Let sweeps store stages, as GasVolume of fsipetsc.scheme.gas_volume does."""
         self._struct.stage = stage
         for own, ends in zip(self._struct.own, in_order(free, self._d), strict=True):
             own.free_begin, own.free_end = ends

@@ -98,7 +98,7 @@ def tiles_of(patch: Patch, d: int) -> list[Any]:
 
 
 def boxes_of(bands: tuple[Band, ...], own: Any, conducts: int) -> list[Any]:
-    """OWN … KNOWN of a tile."""
+    """The boxes OWN … KNOWN of a tile."""
 
     def reached(box: Any) -> Any:
         return [reached_along(b.S, *ends) for b, ends in zip(bands, box, strict=True)]

@@ -27,7 +27,7 @@ KINDS = "rates", "first", "middle", "last"
 
 
 class Stage(ctypes.Structure):
-    """struct stage of fsipetsc/scheme/stage.c."""
+    """The struct stage of fsipetsc/scheme/stage.c."""
 
     _fields_ = [(name, ctypes.c_void_p) for name in ("numbers", "y", "total")]
 
@@ -37,12 +37,12 @@ _ALWAYS_RATES = np.zeros(3)
 
 
 def no_stage() -> Stage:
-    """Of sweeps that store rates."""
+    """The stage of sweeps that store rates."""
     return Stage(_ALWAYS_RATES.ctypes.data, None, None)
 
 
 class Owned(ctypes.Structure):
-    """struct owned of fsipetsc/scheme/stage.c."""
+    """The struct owned of fsipetsc/scheme/stage.c."""
 
     _fields_ = [(name, ctypes.c_long) for name in ("begin", "end", "free_begin", "free_end")]
 

@@ -102,7 +102,7 @@ def begin_monitor(found):
 
 
 def clear_gain(gain):
-    """Nothing has come in yet."""
+    """Set to 0 what has come in."""
     clear(gain.numbers)
 
 

@@ -47,7 +47,7 @@ def set_time(part: float) -> Callable[..., None]:
     """The procedure that lets data be those at a part of the step."""
 
     def at(now):
-        """The time of data."""
+        """Set the time of data."""
         now[AT] = now[0] + part * now[1]
 
     return at

@@ -114,7 +114,7 @@ class Integrator:
 
     @property
     def complete(self) -> bool:
-        """The end time is reached."""
+        """Whether the end time is reached."""
         return not self._targets
 
     @property
@@ -189,7 +189,7 @@ class Integrator:
             self.wall_time += time.perf_counter() - self._begun
 
     def _solve(self) -> None:
-        """One TSSolve, to the end."""
+        """Integrate to the end, in one TSSolve."""
         rates = None if self._fused else self.state.solution.duplicate()
         ts = self._create(rates)
         ts.setTime(self.t)

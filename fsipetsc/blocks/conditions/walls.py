@@ -62,7 +62,7 @@ class NoSlip(OfGas):
 
     @staticmethod
     def traction(gas, w, face: FaceNode):
-        """t; see above."""
+        """The force t on the gas; see above."""
         past = sub(gas.velocity(w), face.wall)
         past = along(past, -dot(past, face.n) / (face.size * face.size), face.n)
         return scale(-gas.mu * gas.transport.viscosity(w[2]) * face.size / face.width, past)
