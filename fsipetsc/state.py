@@ -43,6 +43,8 @@ class State:
 
     #: of arrays in a checkpoint, where not all must be finite: what is recorded may be no number
     KINDS: Mapping[str, str] = MappingProxyType({"latest": "any"})
+    #: when -> what says something of a state then
+    NOTES: Mapping[str, Sequence[Callable[[Any], Sequence[str]]]] = MappingProxyType({})
     comm: MPI.Comm
     problem: Any
     results: np.ndarray
@@ -72,9 +74,11 @@ class State:
         self.plan = Plan(self.batch, self.results, rows, latest)
         return rows, latest
 
-    def notes_at(self, t: float) -> list[str]:
-        """Notes on the solution at a time [s] at which it is saved. Collective."""
-        return []
+    def notes(self, when: str) -> list[str]:
+        """What is to be said of the solution: at the "begin", when it is "saved", at the "end", and
+        where it has "failed". Collective.
+        """
+        return [said for say in self.NOTES.get(when, ()) for said in say(self)]
 
     def go_to_fault(self, unphysical: Callable[[], Any]) -> str:
         """Go to where a failed step became unphysical, if that can be found. Returns what the

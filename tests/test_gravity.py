@@ -21,7 +21,7 @@ from fsipetsc.blocks.conditions import Free, Slip
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.paper.state import PaperState
+from fsipetsc.paper.state import loose_forces
 from fsipetsc.scheme.conservation_check import Drifts
 
 FORCES = {1: (0.7,), 2: (0.3, -0.7), 3: (0.3, -0.7, 0.2)}
@@ -223,7 +223,7 @@ def test_ledgers(convection):
         run.step(2e-2, 10)
         after, work = run.latest, run.of_faces("force_work")[0]
         assert run.invariants["potential"] == (convection == "entropy")
-        notes = [note for note in run.first_notes() if "node by node" in note]
+        notes = [note for note in run.notes("begin") if "node by node" in note]
         assert len(notes) == (0 if convection == "entropy" else 2)
     assert before["potential_energy"] == pytest.approx(-(0.3 * 1.0 - 0.7 * 0.5) * 2.05, rel=0.2)
     change = after["potential_energy"] - before["potential_energy"]
@@ -258,9 +258,9 @@ def test_the_papers_method_holds_no_energy_with_a_force():
 
     assert column(0.0).invariants["energy"]
     assert not column(-9.81).invariants["energy"]
-    (note,) = PaperState.first_notes(SimpleNamespace(problem=column(-9.81)))
+    (note,) = loose_forces(SimpleNamespace(problem=column(-9.81)))
     assert "the force on 'air' is added node by node" in note
-    assert PaperState.first_notes(SimpleNamespace(problem=column(0.0))) == []
+    assert loose_forces(SimpleNamespace(problem=column(0.0))) == []
 
 
 def test_where_potential_energy_must_stay():

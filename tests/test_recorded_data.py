@@ -132,7 +132,7 @@ def test_python_is_asked_for_other_functions(name):
     assert state.asks and why in state.scheme.not_recorded[0]
     state.set_initial()
     state.finish()
-    assert any("in each stage" in note and why in note for note in state.first_notes())
+    assert any("in each stage" in note and why in note for note in state.notes("begin"))
     state.scheme.complete(0.3, state.y)
     prescribed = state.scheme.particles.prescribed
     assert prescribed.displaced[prescribed.moving[0], 0] == x(0.3)

@@ -3,11 +3,12 @@
 """
 
 from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from fsipetsc.blockrun.notes import first_notes, inflows, last_notes
+from fsipetsc.blockrun.notes import NOTES
 from fsipetsc.blockrun.recorded_nodes import here_of, note_nodes
 from fsipetsc.blockrun.saved import errors_of, grids, header, seen
 from fsipetsc.blockrun.solid_limits import imaginary_waves, most_crushed
@@ -24,22 +25,35 @@ from fsipetsc.state import FAULT, as_numbers, whole
 PARTS = 1, 2, 4, 8, 16
 
 
+def new_imaginary_waves(state: "BlockState") -> list[str]:
+    """Solids whose waves have become imaginary, each once."""
+    return imaginary_waves(state, state.time, state.told)
+
+
 class BlockState(BlockSolution):
     """A run's solution on blocks: its steps, checkpoints, and what is said of it; all methods are
     collective on ``comm``.
 
-    retries: steps that were made anew in parts.
+    retries: steps that were made anew in parts. told: solids of which it was said that they are
+    beyond their law.
     """
+
+    NOTES = MappingProxyType({**NOTES, "saved": (new_imaginary_waves,)})
 
     def __init__(self, *arguments: Any, **more: Any) -> None:
         super().__init__(*arguments, **more)
         self._recorded_here = here_of(self)
         self.retries = 0
         self._tried = 1  # in how many parts the last step was made
-        self._noted: set[int] = set()  # solids of which it was said that they are beyond their law
+        self.told: set[int] = set()
         self.evaluations, self._t = 0, 0.0
 
     # set-up
+
+    @property
+    def time(self) -> float:
+        """That of the solution, or of the next evaluation of the right-hand side [s]."""
+        return self._t
 
     def check_data(self) -> None:
         """Ask the case's functions for all data at t = 0. InputError."""
@@ -232,9 +246,4 @@ class BlockState(BlockSolution):
 
     # what is saved and said
 
-    first_notes, last_notes, inflows, errors = first_notes, last_notes, inflows, errors_of
-    header, grids, seen = header, grids, seen
-
-    def notes_at(self, t: float) -> list[str]:
-        """Notes on the solution, whose fields have just been saved, at t [s]. Collective."""
-        return [f"note: {line}" for line in imaginary_waves(self, t, self._noted)]
+    header, grids, seen, errors = header, grids, seen, errors_of

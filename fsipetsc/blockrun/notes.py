@@ -1,5 +1,5 @@
-"""What may not be meant in a run on blocks: notes on initial data, and on what the grid does not
-resolve at the end.
+"""What may not be meant in a run on blocks: notes on the completed initial data, and on what the
+grid does not resolve at the end. NOTES says when each is asked for; all are collective.
 """
 
 from collections.abc import Iterator
@@ -36,19 +36,41 @@ _WORDS = (
 )
 
 
-def first_notes(state: BlockSolution) -> list[str]:
-    """Hinges that do not hold; forces that do not keep rest; why Python is asked for data in each
-    stage; where conditions contradict each other, where walls are not at the ends of their blocks,
-    and where pressure jumps at an interface.
-
-    Of the completed initial data, whose halos are filled. Collective.
-    """
-    problem, blocks = state.problem, state.problem.layers
-    away, m, Pa = np.zeros(len(blocks)), problem.unit("m"), problem.unit("Pa")
-    pushes = np.zeros((len(problem.interfaces), 2, 2))  # of gas and solid: the sum, number of nodes
+def walls_away(state: BlockSolution) -> list[str]:
+    """Walls that are not at the ends of their blocks."""
+    blocks, m = state.problem.layers, state.problem.unit("m")
+    away = np.zeros(len(blocks))
     for k, part in state.scheme.parts.items():
         if part.block.kind == "fluid":
             away[k] = state.scheme.particles.walls_away(k)
+    state.comm.Allreduce(MPI.IN_PLACE, away, MPI.MAX)
+    return [
+        f"a wall of '{block.name}' is {distance:.3g}{m} from the end of its block at t = 0: the "
+        "grid of the gas is stretched to it"
+        for block, distance in zip(blocks, away.tolist(), strict=True)
+        if distance > AWAY * state.h
+    ]
+
+
+def asked_data(state: BlockSolution) -> list[str]:
+    """Why Python is asked for data in each stage of a step."""
+    why = [one for some in state.comm.allgather(state.scheme.not_recorded) for one in some]
+    words = "Python is asked for data in each stage of a step, which takes longer"
+    return [f"{words}: {why[0]}"] if why else []
+
+
+def contradictions(state: BlockSolution) -> list[str]:
+    """Conditions that contradict each other: the worst place of each pair."""
+    said = chain(*state.comm.allgather(state.scheme.particles.prescribed.notes()))
+    first = {pair: words for pair, _, words in sorted(said, key=itemgetter(1), reverse=True)}
+    return sorted(first.values())
+
+
+def pressure_jumps(state: BlockSolution) -> list[str]:
+    """Interfaces at which the pressures of both sides differ; halos are filled."""
+    problem, blocks, Pa = state.problem, state.problem.layers, state.problem.unit("Pa")
+    pushes = np.zeros((len(problem.interfaces), 2, 2))  # of gas and solid: the sum, number of nodes
+    for k, part in state.scheme.parts.items():
         for face, met in problem.faces_of(k).items():
             if problem.is_interface(k, *face):
                 pair = (met.block, k) if part.block.kind == "solid" else (k, met.block)
@@ -56,36 +78,21 @@ def first_notes(state: BlockSolution) -> list[str]:
                 rows = part.part.rows(nodes[np.isin(nodes, part.part.numbers)])
                 found = part.pushes(state.y.ghosted(k), rows, *face)
                 pushes[problem.interfaces.index(pair), pair.index(k)] += found.sum(), found.size
-    state.comm.Allreduce(MPI.IN_PLACE, away, MPI.MAX)
     state.comm.Allreduce(MPI.IN_PLACE, pushes)
-    notes = [
-        f"note: a wall of '{block.name}' is {distance:.3g}{m} from the end of its block at "
-        f"t = 0: the grid of the gas is stretched to it"
-        for block, distance in zip(blocks, away.tolist(), strict=True)
-        if distance > AWAY * state.h
-    ]
-    notes += weak_hinges(problem, state.op.order) + loose_forces(state)
-    why = [one for some in state.comm.allgather(state.scheme.not_recorded) for one in some]
-    slow = "note: Python is asked for data in each stage of a step, which takes longer: "
-    notes += [slow + why[0]] if why else []
-    said = chain(*state.comm.allgather(state.scheme.particles.prescribed.notes()))
-    first = {pair: words for pair, _, words in sorted(said, key=itemgetter(1), reverse=True)}
-    notes += sorted(f"note: {words}" for words in first.values())
     means = (pushes[..., 0] / pushes[..., 1]).tolist()
-    for (gas, solid), (p, push) in zip(problem.interfaces, means, strict=True):
-        if abs(p - push) > JUMP * max(abs(p), abs(push)):
-            notes.append(
-                f"note: at t = 0 '{blocks[gas].name}' has a pressure of {p:.4g}{Pa} where it meets "
-                f"'{blocks[solid].name}', which pushes with {push:.4g}{Pa} (means of the "
-                "interface): waves start there"
-            )
-    return notes
+    return [
+        f"at t = 0 '{blocks[gas].name}' has a pressure of {p:.4g}{Pa} where it meets "
+        f"'{blocks[solid].name}', which pushes with {push:.4g}{Pa} (means of the interface): "
+        "waves start there"
+        for (gas, solid), (p, push) in zip(problem.interfaces, means, strict=True)
+        if abs(p - push) > JUMP * max(abs(p), abs(push))
+    ]
 
 
 def loose_forces(state: BlockSolution) -> list[str]:
     """A note for each gas on which a constant force acts node by node."""
     return [
-        f"note: the force on '{gas.name}' is added node by node: a gas at rest stays so to the "
+        f"the force on '{gas.name}' is added node by node: a gas at rest stays so to the "
         "order of the scheme only, and small motions may grow"
         + "; -fsi_convection entropy keeps rest"
         * isinstance(gas.material.gas_law, CONSERVED)
@@ -93,15 +100,15 @@ def loose_forces(state: BlockSolution) -> list[str]:
     ]
 
 
-def weak_hinges(problem: BlockProblem, order: int) -> list[str]:
-    """A note if there are hinges and the order is 8, whose derivative hardly sees a motion of a
-    single point at an end (tests/test_operators.py).
+def weak_hinges(state: BlockSolution) -> list[str]:
+    """Hinges of order 8, whose derivative hardly sees a motion of a single point at an end
+    (tests/test_operators.py).
     """
-    words = "note: with -fsi_order 8 a hinge hardly holds its point; take 6 or less"
-    return [words] if problem.hinges and order == 8 else []
+    words = "with -fsi_order 8 a hinge hardly holds its point; take 6 or less"
+    return [words] if state.problem.hinges and state.op.order == 8 else []
 
 
-def last_notes(state: BlockSolution) -> list[str]:
+def unresolved(state: BlockSolution) -> list[str]:
     """Where a wave is as steep as the grid, or a layer at a wall as thin as a cell, in a gas.
 
     Of a state whose halos are filled. Collective.
@@ -136,10 +143,10 @@ def last_notes(state: BlockSolution) -> list[str]:
         what, where, advice = _WORDS[kind]
         place = ", ".join(f"{name} = {x:.4g}" for name, x in zip("XYZ", X))
         notes.append(
-            f"note: at the end {what} in '{blocks[k].name}' changes by {100 * value:.0f} % "
+            f"at the end {what} in '{blocks[k].name}' changes by {100 * value:.0f} % "
             f"{where}, at {place}{problem.unit('m')}: {advice}"
         )
-    return notes + [f"note: at the end {said}" for said in inflows(state)]
+    return notes
 
 
 def inflows(state: BlockSolution) -> list[str]:
@@ -177,6 +184,11 @@ def inflows(state: BlockSolution) -> list[str]:
     return said
 
 
+def inflows_at_end(state: BlockSolution) -> list[str]:
+    """The same, when the run ends."""
+    return [f"at the end {said}" for said in inflows(state)]
+
+
 def _strides(part: GasPart) -> list[int]:
     """How far neighbours along each axis are apart in the ghosted array."""
     return np.cumprod([1, *part.part.patch.ghosted])[: part.block.dimension].tolist()
@@ -209,3 +221,11 @@ def _at_walls(
             change, normal = u[:, beside] - u[:, at], a / np.linalg.norm(a, axis=0)
             along = change - normal * (normal * change).sum(axis=0)
             yield 2, np.linalg.norm(along, axis=0), at
+
+
+#: when -> what may be said then
+NOTES = {
+    "begin": (walls_away, weak_hinges, loose_forces, asked_data, contradictions, pressure_jumps),
+    "end": (unresolved, inflows_at_end),
+    "failed": (inflows,),
+}

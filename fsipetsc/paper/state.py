@@ -36,34 +36,29 @@ FRACTIONS = 0.0, 0.5, 0.5, 1.0
 FRAME = "lo", "hi", "s", "x_interface"
 
 
+def loose_forces(state: PaperSolution) -> list[str]:
+    """Forces that do not keep rest. Of blocks more may be said: here frames are cut where walls
+    are, and the couplings bring stresses together.
+    """
+    return [
+        f"the force on '{layer.name}' is added node by node: a gas at rest stays so to the order "
+        "of the scheme only, and small motions may grow; -fsi_coupling conservative keeps rest"
+        for layer in state.problem.layers
+        if layer.kind == "fluid" and any(layer.material.force)
+    ]
+
+
 class PaperState(PaperSolution):
     """A run in the paper's method: its data, steps and checkpoints; all methods are collective on
     ``comm``.
     """
 
     KINDS: Mapping[str, str] = MappingProxyType({"latest": "any", "lo": "whole", "hi": "whole"})
+    NOTES = MappingProxyType({"begin": (loose_forces,)})
     fault: InputError | None = None
     _kept: tuple[Array, ...] = ()  # what the last call of ``step`` began with
 
     # data
-
-    def first_notes(self) -> list[str]:
-        """Forces that do not keep rest. Else nothing: frames are cut where walls are, and the
-        couplings bring stresses together.
-        """
-        return [
-            f"note: the force on '{layer.name}' is added node by node: a gas at rest stays so to "
-            "the order of the scheme only, and small motions may grow; -fsi_coupling conservative "
-            "keeps rest"
-            for layer in self.problem.layers
-            if layer.kind == "fluid" and any(layer.material.force)
-        ]
-
-    def last_notes(self) -> list[str]:
-        """No notes."""
-        return []
-
-    inflows = last_notes
 
     def set_data(self, t: float) -> None:
         """Evaluate boundary data, jumps and forcing at time t [s] for the next evaluation of the

@@ -3,7 +3,7 @@
 import shlex
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -49,6 +49,11 @@ class Reporter:
         """Print a line."""
         if self._speaks:
             say(text)
+
+    def notes(self, said: Iterable[str]) -> None:
+        """Print each as a note."""
+        for text in said:
+            self.line(f"note: {text}")
 
     def begin(self) -> None:
         """Say what is going to be computed."""

@@ -126,8 +126,7 @@ class _Run:
     def _frame(self, t: float) -> None:
         with stage(OUTPUT):
             self.writer.write_frame(t, self.state.save())
-            for line in self.state.notes_at(t):
-                self.report.line(line)
+            self.report.notes(self.state.notes("saved"))
         self.saved_at = t
         if self.checks:
             self._series()
@@ -189,8 +188,7 @@ class _Run:
                 self._frame(self.integrator.t)
             self._flush()  # so that the summary knows what it took
             found = self.state.errors(self.integrator.t, self.opt["fsi_norm"])
-            for line in self.state.last_notes():
-                self.report.line(line)
+            self.report.notes(self.state.notes("end"))
         except (ComputationError, InputError, CheckpointError) as error:
             failure, self.checks = error, False
             self._flush()
@@ -222,9 +220,7 @@ class _Run:
         with stage(SET_UP):
             if self.past is None:
                 integrator.start()
-                said = [f"note: {line}" for line in state.problem.notes]
-                for line in [*said, *state.first_notes(), *cold_layers(state)]:
-                    report.line(line)
+                report.notes([*state.problem.notes, *state.notes("begin"), *cold_layers(state)])
                 self.ledgers.begin(integrator.initial)
             else:
                 header = self.past.header
@@ -236,7 +232,7 @@ class _Run:
         report.start(integrator.t, integrator.steps)
         if integrator.beyond:
             note = "explicit methods are unstable far beyond it"
-            report.line(f"note: {integrator.beyond}; {note}")
+            report.notes([f"{integrator.beyond}; {note}"])
 
     def _rescue(self, error: BaseException) -> None:
         """Write what was computed before an error that all ranks have met at the same place.

@@ -86,7 +86,7 @@ def check(
     """
     if flags[BAD] or not flags[RATE] < np.inf:
         cause = state.go_to_fault(partial(first_bad, state))
-        about = described(state, t, step), *state.inflows(), beyond
+        about = described(state, t, step), *state.notes("failed"), beyond
         said = filter(None, (*about, cause or advice(state, opt)))
         raise ComputationError("; ".join(said))
     if not flags[EXHAUSTED] and not flags[TOO_SHORT]:
@@ -124,7 +124,7 @@ def cold_layers(state: State) -> list[str]:
         hottest[part.layer] = np.max(part.values["T"], initial=-np.inf)
     state.comm.Allreduce(MPI.IN_PLACE, hottest, MPI.MAX)
     return [
-        f"note: '{layer.name}' is nowhere warmer than T = {T:.6g} K: "
+        f"'{layer.name}' is nowhere warmer than T = {T:.6g} K: "
         "temperatures are in K; is this one in °C?"
         for layer, T in zip(problem.layers, hottest.tolist(), strict=True)
         if problem.units == "SI" and T < COLD
