@@ -9,7 +9,6 @@ from mpi4py import MPI
 
 from fsipetsc.errors import FsiError
 from fsipetsc.kernels.procedure import Procedure
-from fsipetsc.output.structure import check_array
 from fsipetsc.scheme.batch import ALLOWED, Plan
 from fsipetsc.scheme.plan import BATCH
 
@@ -41,8 +40,6 @@ class State:
     which all learn after the step.
     """
 
-    #: of arrays in a checkpoint, where not all must be finite: what is recorded may be no number
-    KINDS: Mapping[str, str] = MappingProxyType({"latest": "any"})
     #: when -> what says something of a state then
     NOTES: Mapping[str, Sequence[Callable[[Any], Sequence[str]]]] = MappingProxyType({})
     comm: MPI.Comm
@@ -100,24 +97,6 @@ class State:
             combined = float(total.sum() ** (1 / power))
             found[kind] = {**dict(zip(names[kind], roots, strict=True)), "combined": combined}
         return found
-
-    def kept_shapes(self) -> dict[str, tuple[int, ...]]:
-        """Name -> shape of each array that ``capture`` gives."""
-        raise NotImplementedError
-
-    def check_kept(self, arrays: Mapping[str, np.ndarray]) -> None:
-        """ValueError or FileError if arrays of a checkpoint are not what ``capture`` gives. Layers
-        may have another number of points.
-        """
-        for name, shape in self.kept_shapes().items():
-            array = arrays[name]
-            if name.startswith("layer") and array.ndim == len(shape):
-                shape = *array.shape[:-1], shape[-1]
-            kind = self.KINDS.get(name, "finite")
-            check_array(array, shape, f"its array {name}", kind)
-
-    def check_places(self, arrays: Mapping[str, np.ndarray]) -> None:
-        """ValueError if what arrays say of places in the grids cannot be. Here they say nothing."""
 
     def __enter__(self) -> Any:
         return self

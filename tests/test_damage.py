@@ -97,13 +97,6 @@ def test_one_changed_byte_crashes_no_reader(first, every, least, whole, tmp_path
 
 
 OTHERS = None, "text", '{"layers": [3]}', np.zeros((2, 2, 2)), np.full(5, 1j)
-#: of headers: what would be allocated by it, or is no list of names
-CRAFTED = {
-    "notes": 3,
-    "created": ["today"],
-    "interfaces": "text",
-    "layers": [{"name": "a", "kind": "fluid", "fields": ["x"], "shape": [10**9, 10**9]}] * 3,
-}
 
 
 @pytest.mark.parametrize("name", ["about", "time", "series", "series/t", "layer1/X", "layer1/T"])
@@ -115,15 +108,3 @@ def test_datasets(name, whole, changed):
             unknown = np.nan * file[name][...]
         fates.append(readable(changed(name, unknown)))
     assert sum(fates) == (name in ("series", "layer1/T")), fates
-
-
-def test_texts(about, changed):
-    """Entries of header, summary and errors are another thing."""
-
-    def with_entry(part, key, value):
-        return readable(changed("about", json.dumps({**about, part: {**about[part], key: value}})))
-
-    parts = [(part, key) for part in ("header", "summary", "errors") for key in about[part]]
-    fates = [with_entry(*entry, value) for entry in parts for value in (3, {"a": None})]
-    assert 5 < sum(fates) < len(fates) - 5
-    assert not any(with_entry("header", key, value) for key, value in CRAFTED.items())

@@ -223,14 +223,6 @@ class BlockState(BlockSolution):
         # "behind": the auxiliary unknowns, by the name that files have
         return {**arrays, "behind": total, "results": self.results.copy(), "latest": latest}
 
-    def kept_shapes(self) -> dict[str, tuple[int, ...]]:
-        """Name -> shape of each array that ``capture`` gives."""
-        layout = self.layout
-        blocks = enumerate(zip(layout.shapes, layout.dofs, strict=True))
-        layers = {f"layer{k}": (*shape[::-1], dof) for k, (shape, dof) in blocks}
-        results, latest = self.results.shape, as_numbers(self.latest).shape
-        return {**layers, "behind": (layout.auxiliary,), "results": results, "latest": latest}
-
     def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> None:
         """Be at time t [s] what arrays tell of, which all ranks know. InputError."""
         self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]

@@ -33,63 +33,10 @@ from typing import Any
 import h5py
 
 from fsipetsc.errors import FileError
-from fsipetsc.output.structure import (
-    COUNT,
-    FLAG,
-    MEASURE,
-    NUMBER,
-    TEXT,
-    TIME,
-    check,
-    one_of,
-)
 from fsipetsc.scheme.observables import SERIES
 
 FORMAT, VERSION = "fsipetsc result", 4
 LIBVER = ("v110", "v110")
-#: what is known of a run: entries of header.json and of `about` (fsipetsc.output.structure)
-ABOUT = {
-    "header": {
-        "case": TEXT,
-        "options": {"fsi_order": one_of(2, 4, 6, 8), "fsi_h": NUMBER, "fsi_norm?": TEXT},
-        "ranks": COUNT,
-        "layers": [
-            {
-                "name": TEXT,
-                "kind": one_of("fluid", "solid"),
-                "fields": [TEXT],
-                "shape": [COUNT],
-                "periodic?": [FLAG],
-            }
-        ],
-        "dimension?": one_of(1, 2, 3),
-        "symmetry?": one_of(0, 1, 2),
-        "interfaces?": [TEXT],
-        "interface_faces?": [(COUNT, COUNT, one_of(0, 1))],
-        "faces?": [TEXT],
-        "points?": [(TEXT, [NUMBER])],
-        "laws?": {
-            "masses?": [(TEXT, [COUNT])],
-            "momentum?": TEXT,
-            "energy?": FLAG,
-            "entropy?": FLAG,
-            "inertia?": NUMBER,
-            "heat_capacity?": MEASURE,
-        },
-        "versions?": {str: TEXT},
-        **dict.fromkeys(("created?", "run?", "units?"), TEXT),
-        "notes?": [TEXT],
-    },
-    "summary": {
-        **dict.fromkeys(("status?", "message?", "bound?"), TEXT),
-        **dict.fromkeys(("steps?", "rejected_steps?", "rhs_evaluations?", "points?"), COUNT),
-        **dict.fromkeys(("J_error?", "lost_energy?"), MEASURE),
-        **dict.fromkeys(("t?", "wall_time?"), TIME),
-        "departures?": {str: MEASURE},
-        "interfaces?": {str: MEASURE},
-    },
-    "errors": {str: {str: MEASURE}},
-}
 
 
 @contextmanager
@@ -161,46 +108,6 @@ def put(path: Path, content: bytes) -> None:
         with suppress(OSError):
             draft.unlink()
         raise
-
-
-def check_about(about: Mapping[str, Any]) -> None:
-    """ValueError with what is wrong unless the entries of ABOUT are there and fit together."""
-    check(about, ABOUT, "what is known of the run")
-    header, summary = about["header"], about["summary"]
-    layers, laws, d = header["layers"], header.get("laws", {}), header.get("dimension", 1)
-    counts = {name: len(of) for name, of in columns_of(header).items()}
-    for layer in layers:
-        what, fields = f"layer '{layer['name']}'", layer["fields"]
-        if len(layer["shape"]) != d or len(layer.get("periodic", layer["shape"])) != d:
-            raise ValueError(f"{what} does not have {d} axes")
-        least = _least_fields(layer["kind"], d)
-        if len({*fields}) != len(fields) or not {*least} <= {*fields}:
-            raise ValueError(f"{what} has the fields {', '.join(fields)}: expected {least}")
-    faces = header.get("interface_faces", [])
-    fits = all(solid < len(layers) and axis < d for solid, axis, _ in faces)
-    fits = fits and (d != 2 or len(faces) == counts["interface"])
-    fits = fits and d + header.get("symmetry", 0) <= 3
-    fits = fits and all(k < counts["gas"] for _, of in laws.get("masses", []) for k in of)
-    fits = fits and {*laws.get("momentum", "")} <= {*"xyz"[:d]}
-    if not fits or (laws and not {"masses", "energy"} <= {*laws}):
-        raise ValueError("its interfaces, symmetry or laws do not fit its layers")
-    initial = {name: value for name, value in summary.items() if name.startswith("initial_")}
-    for name, value in initial.items():
-        of = columns_kind(name.removeprefix("initial_"))
-        check(value, (MEASURE,) * counts[of] if of in counts else MEASURE, f"'{name}' of summary")
-    kept = [f"momentum_{x}" for x in laws.get("momentum", "")]
-    kept += [name for name in ("energy", "entropy") if laws.get(name)]
-    kept += ["mass"] if laws.get("masses") else []
-    if missing := [name for name in kept if initial and f"initial_{name}" not in initial]:
-        raise ValueError(f"its summary has no 'initial_{missing[0]}'")
-
-
-def _least_fields(kind: str, d: int) -> tuple[str, ...]:
-    """What a layer has among its fields at least."""
-    u, x = tuple("uvw"[:d]), tuple("xyz"[:d])
-    if kind == "fluid":
-        return ("rho", *u, "T", "p", *(x if d > 1 else ()))
-    return (*u, "T", "s_xx", *x) if d > 1 else ("u", "T", "sigma", "x", "p")
 
 
 def columns_kind(series: str) -> str:

@@ -21,7 +21,7 @@ import numpy as np
 from fsipetsc.checks import Array, counted
 from fsipetsc.errors import FileError
 from fsipetsc.output.checkpoint_file import is_one
-from fsipetsc.output.file_layout import beside, check_about, columns, damage
+from fsipetsc.output.file_layout import beside, columns, damage
 from fsipetsc.output.pieces import Contents, pieces, read_about
 
 if TYPE_CHECKING:
@@ -74,7 +74,6 @@ class Run:
 
     def _take(self, about: Mapping[str, Any], files: Sequence[Path]) -> None:
         """What is known of the run, and its files."""
-        check_about(about)
         self.header: dict[str, Any] = about["header"]
         self.case: str = self.header["case"]
         self.options: dict[str, Any] = self.header["options"]

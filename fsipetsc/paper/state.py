@@ -22,7 +22,7 @@ import numpy as np
 
 from fsipetsc.errors import InputError
 from fsipetsc.paper import steps
-from fsipetsc.paper.layout import DOF, check_ends
+from fsipetsc.paper.layout import check_ends
 from fsipetsc.paper.solution import PaperSolution
 from fsipetsc.process.together import agree, together
 from fsipetsc.scheme.batch import ALLOWED, DT, MADE, TIME
@@ -53,7 +53,6 @@ class PaperState(PaperSolution):
     ``comm``.
     """
 
-    KINDS: Mapping[str, str] = MappingProxyType({"latest": "any", "lo": "whole", "hi": "whole"})
     NOTES = MappingProxyType({"begin": (loose_forces,)})
     fault: InputError | None = None
     _kept: tuple[Array, ...] = ()  # what the last call of ``step`` began with
@@ -214,27 +213,6 @@ class PaperState(PaperSolution):
         frames = {name: self.records[name].copy() for name in FRAME}
         latest = as_numbers(self.latest).copy()
         return {**arrays, **frames, "results": self.results.copy(), "latest": latest}
-
-    def kept_shapes(self) -> dict[str, tuple[int, ...]]:
-        """Name -> shape of each array that ``capture`` gives."""
-        sizes = zip(self.problem.layers, self.records["n"].tolist(), strict=True)
-        layers = {f"layer{k}": (n, DOF[layer.kind]) for k, (layer, n) in enumerate(sizes)}
-        frames = dict.fromkeys(FRAME, self.records.shape)
-        results, latest = self.results.shape, as_numbers(self.latest).shape
-        return {**layers, **frames, "results": results, "latest": latest}
-
-    def check_places(self, arrays: Mapping[str, Array]) -> None:
-        """ValueError if the active points of a checkpoint are not those of its interfaces."""
-        for k, layer in enumerate(self.layers):
-            now = layer.record
-            lo, hi, x = (arrays[name][k].item() for name in ("lo", "hi", "x_interface"))
-            fits = lo == now["lo"], hi == now["hi"]
-            if layer.is_gas:  # the end at its boundary moves over the grid
-                side = int(now["outer"])
-                beyond = hi - lo - abs(now["end_x"][side] - x) / now["h"]
-                fits = fits[1 - side], 0 <= lo, hi < now["n"], -1e-6 < beyond < 1.0 + 1e-6
-            if not all(fits):
-                raise ValueError(f"its arrays lo, hi and x_interface do not fit at layer {k}")
 
     def restore(self, arrays: Mapping[str, Array], t: float) -> None:
         """Be at time t [s] what arrays, known on all ranks, tell of. InputError."""

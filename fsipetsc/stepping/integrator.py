@@ -13,7 +13,6 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.errors import InputError, clear_frames
-from fsipetsc.output import structure
 from fsipetsc.process.together import agree
 from fsipetsc.scheme.batch import LONGEST, MADE, NEXT, TIME, longest_step, next_step
 from fsipetsc.scheme.observables import INTEGRAL, SERIES
@@ -32,14 +31,8 @@ CHECKED = 256
 MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}
 #: most steps in a batch; between batches signals are answered and progress is shown
 MOST_STEPS = 64
-#: what a checkpoint keeps as it is -> what it must be (fsipetsc.output.structure)
-KEPT = {
-    "steps": structure.COUNT,
-    "t": structure.TIME,
-    "wall_time": structure.TIME,
-    "initial": {str: structure.ANYTHING},
-    "beyond": structure.TEXT,
-}
+#: what a checkpoint keeps as it is
+KEPT = "steps", "t", "wall_time", "initial", "beyond"
 #: most profiles of a run
 MOST = 10_000_000
 

@@ -5,16 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.output.structure import COUNT, MEASURE
 from fsipetsc.scheme.conservation_check import Drifts
 
-#: what a checkpoint keeps as it is -> what it must be (fsipetsc.output.structure)
-KEPT = {
-    "steps": COUNT,
-    "departures": {str: MEASURE},
-    "J_error": MEASURE,
-    "energies": (MEASURE, MEASURE, MEASURE),
-}
+#: what a checkpoint keeps as it is
+KEPT = "steps", "departures", "J_error", "energies"
 #: a part of the run's energy that may be round-off: of a smaller one no share is told
 ROUND_OFF = 1e-12
 

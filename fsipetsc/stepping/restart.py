@@ -19,28 +19,14 @@ from petsc4py import PETSc
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import OF_A_RUN, PETSC_OPTIONS, groups, read_table
 from fsipetsc.output import checkpoint_file
-from fsipetsc.output.file_layout import beside, damage
-from fsipetsc.output.structure import ANYTHING, COUNT, MEASURE, NUMBER, TEXT, check
+from fsipetsc.output.file_layout import beside
 from fsipetsc.process.together import together
 from fsipetsc.state import State
-from fsipetsc.stepping import integrator, ledgers
 
 FREE = OF_A_RUN | {
     *("fsi_output", "fsi_output_dt", "fsi_output_times", "ts_max_time", "ts_max_steps"),
     *("fsi_checkpoint", "fsi_checkpoint_steps", "fsi_checkpoint_wall"),
     *("fsi_partition", "fsi_norm", "fsi_check"),
-}
-#: what the header of a checkpoint has (fsipetsc.output.structure)
-HEADER = {
-    "case": TEXT,
-    "options": {str: ANYTHING},
-    "problem": [{"name": TEXT, "kind": TEXT}],
-    "columns": [(TEXT, [COUNT])],
-    "run": {"run": TEXT, "created": TEXT},
-    "memory": {**integrator.KEPT, "evaluations": COUNT},
-    "ledgers": {**ledgers.KEPT, "drifts": {str: MEASURE}},
-    "saved_at": NUMBER,
-    "result": (COUNT, COUNT),
 }
 STEPS = ({option.name for option in PETSC_OPTIONS} | {"fsi_cfl"}) - FREE
 AUTO = "auto"
@@ -89,11 +75,7 @@ def find_past(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> Past | Non
 
     def read() -> Past:
         try:
-            past = Past(path, *checkpoint_file.read(path), [])
-            with damage(path):
-                check(past.header, HEADER, "its header")
-                check_values(case, past)
-            return past
+            return Past(path, *checkpoint_file.read(path), [])
         except FileError as error:
             hint = "; without it -fsi_restart auto begins anew" if auto else ""
             raise FileError(f"{error}{hint}") from None
@@ -105,15 +87,6 @@ def find_past(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> Past | Non
             f"-fsi_restart: {past.path} is a checkpoint of the case {other}, not of {case.NAME}"
         )
     return past
-
-
-def check_values(case: Any, past: Past) -> None:
-    """ValueError if an option of a checkpoint of this case has a value that it cannot have."""
-    try:
-        if past.header["case"] == case.NAME:
-            groups(case, inherited=past.options)
-    except InputError as error:
-        raise ValueError(str(error)) from None
 
 
 def check_options(past: Past, opt: Mapping[str, Any], given: Mapping[str, str]) -> None:
@@ -162,14 +135,12 @@ def columns_of(state: State) -> list[list[Any]]:
 
 def check_problem(past: Past, state: State) -> None:
     """InputError if the problem, or what is recorded of a step, is not that of the checkpoint;
-    FileError if its arrays or integrals are not what such a state has.
+    FileError if it has no array of a layer.
     """
     when = f"when the checkpoint {past.path} was written"
     now, before = described(state.problem), past.header["problem"]
     if len(now) != len(before):
         raise InputError(f"-fsi_restart: the case had {len(before)} layers {when}, now {len(now)}")
-    with damage(past.path):
-        state.check_kept(past.arrays)
     grids = [about["shape"][::-1] for about in state.header()["layers"]]
     for number, nodes in enumerate(grids):  # X is rounded, and can be the same for another number
         layer = {**now[number], "nodes": nodes}
@@ -181,13 +152,6 @@ def check_problem(past: Past, state: State) -> None:
             raise InputError(f"-fsi_restart: {now_is}, and was {other.get(name)} {when}")
     if columns_of(state) != past.header["columns"]:
         raise InputError(f"-fsi_restart: other quantities of steps were recorded {when}")
-    shapes = {name: state.latest[name].shape for name in integrator.integrals(state)}
-    initial = {name: (MEASURE,) * shape[0] if shape else MEASURE for name, shape in shapes.items()}
-    with damage(past.path):
-        check(past.header["memory"]["initial"], initial, "'initial' of memory")
-        state.check_places(past.arrays)
-        if past.header["memory"]["t"] < past.header["saved_at"]:
-            raise ValueError("'saved_at' of its header is later than its time")
 
 
 def check_place(
