@@ -18,7 +18,7 @@ from fsipetsc.options import Option, groups
 from fsipetsc.output.reader import open_run
 from fsipetsc.process.together import Comm, together, wait_asleep
 from fsipetsc.studies.convergence_figure import convergence_figure
-from fsipetsc.studies.convergence_table import COST, SAMPLES, Study, differences, unresolved
+from fsipetsc.studies.convergence_table import COST, SAMPLES, Study, differences
 from fsipetsc.studies.tables import begin, listed_in, printer, results_folder
 from fsipetsc.usage import PROGRAM
 
@@ -119,15 +119,14 @@ def _run_order(
         for name in COST:
             table.cost[name][i, j] = run.summary[name]
 
-    def compare() -> list[str]:
-        """Differences of neighbouring grids; which layers are not resolved."""
+    def compare() -> None:
+        """Differences of neighbouring grids."""
         if table.exact or len(paths) < 2:
-            return []
+            return
         found = differences([open_run(path) for path in paths.values()], table.norm)
         for j, k, errors in zip(paths, list(paths)[1:], found):
             if k == j + 1:
                 table.put(i, j, errors)
-        return unresolved(table, i)
 
     say("")
     for j, h in enumerate(table.hs):
@@ -139,6 +138,6 @@ def _run_order(
             table.failures[table.orders[i], h] = str(error)
         together(comm, lambda: None if comm.rank or j not in paths else keep(j))  # noqa: B023
         say(table.row(i, j))
-    notes = together(comm, lambda: [] if comm.rank else compare())
+    together(comm, lambda: None if comm.rank else compare())
     if table.errors:
-        say("\n".join([table.table(i), *notes]))
+        say(table.table(i))

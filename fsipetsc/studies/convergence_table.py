@@ -8,6 +8,7 @@ its unit in layers of its kind.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -21,20 +22,16 @@ from fsipetsc.output.differences import common_nodes, summed
 from fsipetsc.output.quantities import unit_of
 from fsipetsc.output.reader import Run
 from fsipetsc.studies.tables import save_csv, text_table, texts
+from fsipetsc.studies.verdicts import ROUND_OFF, Expected, closures
 
 #: names of the cost in the summary of a result
 COST = "points", "steps", "rhs_evaluations", "wall_time"
 #: orders that are looked for where grids are compared with each other
 LEAST, MOST = -4.0, 16.0
-#: a relative difference of grids that is none
-ROUND_OFF = 1e-12
 #: times at which series are compared
 SAMPLES = 10
 #: series that are of the steps or of the method, not of the solution
 NO_SOLUTION = "t", "dt", "least_J", "J_error", "lost_energy"
-#: a relative difference of the two finest grids that is too much, and one that is little enough
-#: whatever the order; the part of the order that is too little
-COARSE, FINE, SLOW = 0.1, 1e-3, 0.5
 
 
 @dataclass
@@ -105,17 +102,21 @@ class Study:
         return f"{start}{points:>8.0f} points{steps:>8.0f} steps{time:>9.2f} s"
 
     def table(self, i: int) -> str:
-        """Of order i: a line for each error, with its observed orders after it."""
+        """Of order i: a line for each error, its observed orders, and a verdict.
+
+        The order expected is that of smooth solutions; what has come down to round-off holds.
+        """
         names = [f"{h:g}" for h in self.hs]
         if not self.exact:
             names = [f"{a}-{b}" for a, b in zip(names, names[1:])]
         head = [operator(self.orders[i]).name, "h =", *names, *["order"] * (len(names) - 1)]
-        rows = []
+        expected, rows = Expected(closures(self.orders[i]), ROUND_OFF), []
         for (group, name), errors in self.errors.items():
             rates = self.rates(group, name)[i, 1 : len(names)]
             numbers = [*texts(errors[i, : len(names)], ".1e"), *texts(rates, ".2f")]
-            rows.append([group, "all" if name == "combined" else name, *numbers])
-        return text_table(head, rows)
+            verdict = expected.verdict(rates[-1] if len(rates) else nan, errors[i, len(names) - 1])
+            rows.append([group, "all" if name == "combined" else name, *numbers, verdict])
+        return text_table([*head, "verdict"], rows)
 
     def save(self, path: Path) -> Path:
         """Write a line per run: order, grid, cost, errors, observed orders. FileError."""
@@ -210,23 +211,3 @@ def _range(values: np.ndarray) -> float:
         return 0.0
     largest, span = float(np.abs(known).max()), float(np.ptp(known))
     return span if span > 1e-9 * largest else largest
-
-
-def unresolved(study: Study, i: int) -> list[str]:
-    """A line for each layer whose grids differ by much, or come together slowly."""
-    lines, op = [], operator(study.orders[i])
-    expected = study.orders[i] // 2 + 1  # closures have half the order
-    for group in sorted({group for group, _ in study.errors} - {"series"}):
-        fields = {name: e[i, -2] for (of, name), e in study.errors.items() if of == group}
-        last, rate = fields.pop("combined"), study.rates(group)[i, -2]
-        worst = max(fields, key=lambda name: np.nan_to_num(fields[name]))
-        if last > COARSE:
-            part = f"{100 * fields[worst]:.0f} %"
-            why = f"in {worst} the two finest grids differ by {part} of its range"
-        elif last > FINE and not rate >= SLOW * expected:
-            seen = f"of order {rate:.1f}" if np.isfinite(rate) else "of no order"
-            why = f"its grids come together {seen}, {worst} last, where {op.name} has {expected}"
-        else:
-            continue
-        lines.append(f"layer '{group}' is not resolved: {why}")
-    return lines

@@ -1,5 +1,7 @@
 """The command `verify`: cases against references that other codes can be tested with, too."""
 
+import textwrap
+from collections import Counter
 from collections.abc import Callable
 from functools import partial
 from importlib import import_module
@@ -15,7 +17,7 @@ from fsipetsc.output.reader import open_run
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import Comm, together, wait_asleep
 from fsipetsc.studies.tables import csv_target, printer, results_folder, save_csv, text_table
-from fsipetsc.studies.verdicts import Bound, Compared, Measured, Row, Solve
+from fsipetsc.studies.verdicts import HEAD, Compared, Measured, Row, Solve, tally
 from fsipetsc.studies.verify import ENTRIES
 from fsipetsc.studies.verify.data import problem
 
@@ -28,7 +30,6 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
     "Verification": OPTIONS,
     "Run": tuple(option for option in RUN if option.name == "fsi_quiet"),
 }
-HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "verdict")
 COLUMNS = "case quantity order h ranks value reference source error rate verdict".split()
 
 
@@ -47,9 +48,9 @@ def verify(arguments: list[str], comm: Comm) -> None:
     lines: list[Any] = []
     for name in names or ENTRIES:
         entry = import_module(f"fsipetsc.studies.verify.{name}")
-        say(f"{_title(name)} ({name}); reference: {entry.SOURCE}")
+        say(f"{_title(name)} ({name})\nreference: {entry.SOURCE}\nexpected: {entry.WHY}")
         found, last = run_entry(name, entry, opt["verify_level"], comm, path.parent)
-        show = partial(_show, name, entry.SOURCE, found, last, opt, path)
+        show = partial(_show, name, entry, found, last, opt, path)
         lines += [line for row in found for line in _csv_lines(row, comm.size, entry.SOURCE)]
         save = partial(save_csv, path, COLUMNS, lines)  # and again after each entry
         for action in (show, save):
@@ -58,11 +59,10 @@ def verify(arguments: list[str], comm: Comm) -> None:
         say((told if found else "only with -verify_level full") + "\n")
         rows += found
     wait_asleep(comm)
-    hold, free = (sum(row.verdict == word for row in rows) for word in ("holds", "no bound"))
-    short = len(rows) - hold - free
-    say(f"{hold} of {len(rows)} rows hold, {free} have no bound; saved {path}")
-    if short:
-        raise ComputationError(f"{short} of {len(rows)} rows fall short of their bounds")
+    counts = Counter(row.verdict for row in rows)
+    say(f"{tally(counts)} of {len(rows)} rows; saved {path}")
+    if short := counts["falls short"]:
+        raise ComputationError(f"{short} of {len(rows)} rows fall short of what is expected")
 
 
 def run_entry(
@@ -80,8 +80,8 @@ def run_entry(
             measured = found[-1]
             for quantity in measured.errors:
                 numbers = tuple(one.errors[quantity] for one in found)
-                bound = entry.BOUNDS.get((quantity, order), Bound())
-                rows.append(Row(name, quantity, order, tuple(spacings), numbers, bound))
+                expected = entry.expected(quantity, order, spacings[-1])
+                rows.append(Row(name, quantity, order, tuple(spacings), numbers, expected))
     return rows, measured
 
 
@@ -136,18 +136,18 @@ def _csv_lines(row: Row, ranks: int, source: str) -> list[tuple[Any, ...]]:
 
 
 def _show(
-    name: str, source: str, rows: list[Row], last: Measured | None, opt: Any, path: Path
+    name: str, entry: Any, rows: list[Row], last: Measured | None, opt: Any, path: Path
 ) -> None:
     """The picture, and FOLDER/NAME.md with problem, table and picture if wanted. FileError."""
     where = path.with_name(f"{path.stem}-{name}.png")
     if opt["verify_docs"]:
         folder = Path(opt["verify_docs"])
         where = folder / f"{name}.png"
-        about = f"Reference: {source}. Level: {opt['verify_level']}."
-        lines = [problem(name), about, ""]
+        lines = [problem(name), f"Reference: {entry.SOURCE}. Level: {opt['verify_level']}.", ""]
+        lines += [*textwrap.wrap(f"Expected: {entry.WHY}.", 100), ""]
         if rows:
             table = [f"| {' | '.join(cells)} |" for cells in (HEAD, *(row.cells for row in rows))]
-            lines += [table[0], "|---|---:|---|---|---|---|", *table[1:]]
+            lines += [table[0], "|---|---:|---|---|---|---|---|", *table[1:]]
             lines += ["", f"![{_title(name)}]({name}.png)", ""]
         else:
             lines += ["Only `-verify_level full` runs this.", ""]
