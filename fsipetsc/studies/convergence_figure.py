@@ -1,17 +1,20 @@
 """The picture of a convergence study: errors over the grid spacing, and over time."""
 
-from collections.abc import Sequence
+from __future__ import annotations
+
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fsipetsc.checks import counted
 from fsipetsc.operators.sbp import operator
-from fsipetsc.output.plots.style import ORDERS, STYLE, Axes, save, set_title
-from fsipetsc.studies.convergence_table import Study
+from fsipetsc.output.plots.style import ORDERS, STYLE, save, set_title
+
+if TYPE_CHECKING:
+    from fsipetsc.studies.convergence import Study
 
 
-def convergence_figure(study: Study, path: Path) -> list[Path]:
+def convergence_figure(study: Study, about: str, units: str, path: Path) -> list[Path]:
     """Figs. 6 and 7 of the paper: a panel for fluid and solid each, or for each layer and the
     series, with the order of the last refinement in brackets; one over the wall time.
 
@@ -22,39 +25,36 @@ def convergence_figure(study: Study, path: Path) -> list[Path]:
         from matplotlib.figure import Figure
     except ImportError:
         return []
-    if not study.errors:
+    rows = [row for row in study.rows if row.quantity.endswith("/combined")]
+    if not rows:
         return []
+    kinds = [*dict.fromkeys(row.quantity for row in rows)]
     with matplotlib.rc_context(STYLE):
-        kinds = list(dict.fromkeys(kind for kind, _ in study.errors))
-        count = len(kinds) + 1
-        figure = Figure(figsize=(3.4 * count, 3.8))
-        *of_kinds, last = figure.subplots(1, count, sharey=True, squeeze=False)[0]
-        for axes, kind in zip(of_kinds, kinds):
-            rates = study.rates(kind)[:, -1 if study.exact else -2]
-            names = [f"  ({rate:.1f})" if np.isfinite(rate) else "" for rate in rates]
-            hs = np.tile(study.hs, (len(study.orders), 1))
-            _curves(axes, study, hs, study.errors[kind, "combined"], names)
-            axes.set_title(kind, loc="left")
-            axes.set_xlabel("grid spacing h" + "  [m]" * (study.units == "SI"))
+        figure = Figure(figsize=(3.4 * (len(kinds) + 1), 3.8))
+        *panels, last = figure.subplots(1, len(kinds) + 1, sharey=True, squeeze=False)[0]
+        for order in study.orders:
+            color, marker = ORDERS[order]
+            style = {"color": color, "marker": marker, "markersize": 4}
+            own = [row for row in rows if row.order == order]
+            for row in own:
+                rate = row.observed[-1] if row.observed else np.nan
+                label = operator(order).name + (f"  ({rate:.1f})" if np.isfinite(rate) else "")
+                axes = panels[kinds.index(row.quantity)]
+                # a logarithmic axis has no place for 0
+                errors = np.where(np.array(row.errors) > 0, row.errors, np.nan)
+                axes.loglog(study.hs[: len(errors)], errors, label=label, **style)
+            if own:
+                largest = np.fmax.reduce([row.errors for row in own])
+                times = [study.costs.get((order, h), [np.nan])[-1] for h in study.hs]
+                last.loglog(times[: len(largest)], largest, **style)
+        for axes, kind in zip(panels, kinds):
+            axes.set_title(kind.removesuffix("/combined"), loc="left")
+            axes.set_xlabel("grid spacing h" + "  [m]" * (units == "SI"))
             axes.set_xticks(study.hs, [f"{h:.4g}" for h in study.hs], fontsize=8)
-            axes.minorticks_off()
+            axes.set_xticks([], minor=True)
             axes.legend(loc="lower right")
-        largest = np.fmax.reduce([study.errors[kind, "combined"] for kind in kinds])
-        _curves(last, study, study.cost["wall_time"], largest, [""] * len(study.orders))
         last.set_title("the largest of these", loc="left")
-        last.set_xlabel(f"wall time on {counted(study.ranks, 'rank')}  [s]")
-        what = "error" if study.exact else "relative difference\nfrom the next grid"
-        of_kinds[0].set_ylabel(f"{what} in {study.norm}, all unknowns")
-        set_title(figure, f"{study.case}, errors at {study.time}")
+        last.set_xlabel("wall time  [s]")
+        panels[0].set_ylabel(f"{'errors' if study.exact else 'differences'}, all unknowns")
+        set_title(figure, about)
         return [save(figure, path)]
-
-
-def _curves(
-    axes: Axes, study: Study, x: np.ndarray, errors: np.ndarray, names: Sequence[str]
-) -> None:
-    """A curve for each order; names: what follows that of its operator."""
-    for order, along, values, name in zip(study.orders, x, errors, names):
-        color, marker = ORDERS[order]
-        values = np.where(values > 0, values, np.nan)  # a logarithmic axis has no place for 0
-        label = operator(order).name + name
-        axes.loglog(along, values, color=color, marker=marker, markersize=4, label=label)

@@ -1,19 +1,29 @@
-"""What `verify` measures, what is expected of it, and verdicts: rows of its table."""
+"""Rows of the tables of `verify` and `convergence`: errors on grids, observed orders, verdicts."""
 
-from collections.abc import Callable, Mapping
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from itertools import groupby
 from math import log, nan
 from typing import Any, NamedTuple
 
+import numpy as np
+from scipy.optimize import brentq
+
 from fsipetsc.checks import Array
+from fsipetsc.operators.sbp import operator
+from fsipetsc.studies.tables import text_table
 
 #: how far an observed order may be below what is expected
 SLACK = 0.4
-#: columns of a table of rows
-HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "expected", "verdict")
-#: verdict -> of several rows
-TALLY = {"converges": "converge", "holds": "hold", "falls short": "fall short"}
 #: errors, relative ones, that may be round-off
 ROUND_OFF = 1e-12
+#: orders that are looked for where grids are compared with each other
+LEAST, MOST = -4.0, 16.0
+#: verdict -> of several rows
+VERDICTS = {"converges": "converge", "holds": "hold", "falls short": "fall short"}
+#: columns of a table of rows, and of one where order and grids are told above it
+HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "expected", "verdict")
+SHORT_HEAD = (HEAD[0], *HEAD[3:])
 #: solve(case, order, h, end=None, **options) runs a case, given by its name or as a problem, to its
 #: end or to another time, and returns its opened result; collective
 Solve = Callable[..., Any]
@@ -79,11 +89,6 @@ def round_off(steps: float) -> float:
     return steps * 2.0**-52
 
 
-def tally(counts: Mapping[str, int]) -> str:
-    """How often there is each verdict."""
-    return ", ".join(f"{counts.get(word, 0)} {text}" for word, text in TALLY.items())
-
-
 def closures(order: int) -> int:
     """The order of errors with operators of this order, where the solution is smooth: the closures
     are exact to a degree of half of it, and errors have one order more."""
@@ -100,7 +105,10 @@ def kinked(order: int, smoothness: float = 1.0) -> float:
 
 
 class Row(NamedTuple):
-    """A quantity at an order on each grid: errors, or the numbers that are compared."""
+    """A quantity at an order on each grid: errors, or the numbers that are compared.
+
+    between: the numbers are differences of each grid from the next finer one.
+    """
 
     entry: str
     quantity: str
@@ -108,6 +116,7 @@ class Row(NamedTuple):
     spacings: tuple[float, ...]
     found: tuple[float | Compared, ...]
     expected: Expected
+    between: bool = False
 
     @property
     def errors(self) -> tuple[float, ...]:
@@ -116,12 +125,16 @@ class Row(NamedTuple):
 
     @property
     def observed(self) -> tuple[float, ...]:
-        """Orders between neighbouring grids; nan where an error is 0, or both are round-off."""
-        pairs = zip(self.spacings, self.spacings[1:], self.errors, self.errors[1:])
-        return tuple(
-            log(a / b) / log(h / k) if min(a, b) > 0.0 and max(a, b) > ROUND_OFF else nan
-            for h, k, a, b in pairs
-        )
+        """Orders between neighbouring errors; nan where one is 0, or both are round-off."""
+        h, found = self.spacings, []
+        for k, (a, b) in enumerate(zip(self.errors, self.errors[1:])):
+            if not (min(a, b) > 0.0 and max(a, b) > ROUND_OFF):
+                found.append(nan)
+            elif self.between:
+                found.append(order_of_differences(log(a / b), *h[k : k + 3]))
+            else:
+                found.append(log(a / b) / log(h[k] / h[k + 1]))
+        return tuple(found)
 
     @property
     def verdict(self) -> str:
@@ -134,3 +147,31 @@ class Row(NamedTuple):
         numbers = (self.spacings, ".4g"), (self.errors, ".2e"), (self.observed, ".2f")
         lists = [", ".join(format(v, spec) for v in values) for values, spec in numbers]
         return self.quantity, str(self.order), *lists, str(self.expected), self.verdict
+
+
+def told(rows: Sequence[Row]) -> str:
+    """A table for each order."""
+    tables = []
+    for (order, _), group in groupby(rows, lambda row: (row.order, row.spacings)):
+        cells = [row.cells for row in group]
+        body = text_table(SHORT_HEAD, [(cell[0], *cell[3:]) for cell in cells])
+        tables.append(f"{operator(order).name}, h = {cells[0][2]}\n{body}")
+    return "\n\n".join(tables)
+
+
+def tally(rows: Sequence[Row]) -> str:
+    """How often there is each verdict."""
+    counts = Counter(row.verdict for row in rows)
+    return ", ".join(f"{counts[word]} {text}" for word, text in VERDICTS.items())
+
+
+def order_of_differences(ratio: float, first: float, second: float, third: float) -> float:
+    """p with (first^p - second^p) / (second^p - third^p) = exp(ratio); NaN where there is none."""
+
+    def found(p: float) -> float:
+        a, b = np.log(first / second), np.log(second / third)
+        one, two = (np.expm1(p * a), -np.expm1(-p * b)) if p else (a, b)
+        return float(np.log(one / two))
+
+    there = found(LEAST) <= ratio <= found(MOST)
+    return brentq(lambda p: found(p) - ratio, LEAST, MOST) if there else nan

@@ -1,7 +1,6 @@
 """The command `verify`: cases against references that other codes can be tested with, too."""
 
 import textwrap
-from collections import Counter
 from collections.abc import Callable
 from functools import partial
 from importlib import import_module
@@ -16,8 +15,8 @@ from fsipetsc.output.file_layout import writing
 from fsipetsc.output.reader import open_run
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import Comm, together, wait_asleep
-from fsipetsc.studies.tables import csv_target, printer, results_folder, save_csv, text_table
-from fsipetsc.studies.verdicts import HEAD, Compared, Measured, Row, Solve, tally
+from fsipetsc.studies.tables import csv_target, printer, results_folder, save_csv
+from fsipetsc.studies.verdicts import HEAD, Compared, Measured, Row, Solve, tally, told
 from fsipetsc.studies.verify import ENTRIES
 from fsipetsc.studies.verify.data import problem
 
@@ -55,13 +54,11 @@ def verify(arguments: list[str], comm: Comm) -> None:
         save = partial(save_csv, path, COLUMNS, lines)  # and again after each entry
         for action in (show, save):
             together(comm, action if comm.rank == 0 else lambda: None)
-        told = text_table(HEAD, [row.cells for row in found])
-        say((told if found else "only with -verify_level full") + "\n")
+        say((told(found) if found else "only with -verify_level full") + "\n")
         rows += found
     wait_asleep(comm)
-    counts = Counter(row.verdict for row in rows)
-    say(f"{tally(counts)} of {len(rows)} rows; saved {path}")
-    if short := counts["falls short"]:
+    say(f"{tally(rows)} of {len(rows)} rows; saved {path}")
+    if short := sum(row.verdict == "falls short" for row in rows):
         raise ComputationError(f"{short} of {len(rows)} rows fall short of what is expected")
 
 
@@ -143,8 +140,8 @@ def _show(
     if opt["verify_docs"]:
         folder = Path(opt["verify_docs"])
         where = folder / f"{name}.png"
-        lines = [problem(name), f"Reference: {entry.SOURCE}. Level: {opt['verify_level']}.", ""]
-        lines += [*textwrap.wrap(f"Expected: {entry.WHY}.", 100), ""]
+        about = f"Reference: {entry.SOURCE}. Level: {opt['verify_level']}. Expected: {entry.WHY}."
+        lines = [problem(name), *textwrap.wrap(about, 100), ""]
         if rows:
             table = [f"| {' | '.join(cells)} |" for cells in (HEAD, *(row.cells for row in rows))]
             lines += [table[0], "|---|---:|---|---|---|---|---|", *table[1:]]

@@ -36,10 +36,7 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
 SOURCE = "verify/elastic_piston.py, after Banks, Henshaw, Schwendeman (2012)"
 QUICK = {4: (1 / 20, 1 / 40)}
 FULL = {order: (1 / 40, 1 / 80, 1 / 160, 1 / 320) for order in (2, 4, 6, 8)}
-WHY = (
-    "third derivatives jump at the fronts, so orders are 3.5 p/(p + 1) in the mean square, at most"
-    " s + 1; errors: those of cgmp"
-)
+WHY = "3.5 p/(p + 1) in the mean square, as third derivatives jump at fronts; errors of cgmp"
 
 
 def expected(quantity: str, order: int, h: float) -> Expected:

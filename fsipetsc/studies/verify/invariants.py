@@ -68,7 +68,7 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
 SOURCE = "conservation laws and the second law"
 QUICK = {4: (1 / 16,)}
 FULL = {k: (1 / 16, 1 / 24) for k in (2, 4, 6)}
-WHY = "round-off of 1000 steps; entropy of the gases never falls"
+WHY = "round-off of 1000 steps"
 
 
 def expected(quantity: str, order: int, h: float) -> Expected:
