@@ -10,12 +10,15 @@ from fsipetsc.studies.verdicts import Expected, Row
 
 
 def table(folder, *words, name="mms", ranks=1):
-    """The lines of the table that the command writes."""
+    """(quantity, order) -> lines of the table that the command writes, from coarse to fine."""
     done = solve("convergence", *words, cwd=folder, ranks=ranks)
     assert (done.returncode, done.stderr) == (0, "")
+    found = {}
     with (folder / f"{name}-convergence.csv").open() as file:
         next(file)
-        return list(csv.DictReader(file))
+        for line in csv.DictReader(file):
+            found.setdefault((line["quantity"], line["order"]), []).append(line)
+    return found
 
 
 def test_orders_of_differences_of_any_grids():
@@ -39,11 +42,12 @@ def test_grids_of_a_case_are_compared_with_each_other(tmp_path):
         "    return replace(problem, layers=bare)\n"
     )
     words = "bare.py -fsi_orders 4 -fsi_hs 0.1,0.05,0.025".split()
-    _, between, last = table(tmp_path, *words, name="bare", ranks=2)
+    found = table(tmp_path, *words, name="bare", ranks=2)
     for layer in ("left", "solid", "right"):
-        assert 2.7 < float(between[f"order {layer}/combined"]) < 5.0, layer
-        assert between[f"{layer}/T"] and not last[f"{layer}/T"]
-    assert float(between["order series/u_interface"]) > 2.5
+        coarse, fine = found[f"{layer}/combined", "4"]
+        assert not coarse["rate"] and 2.7 < float(fine["rate"]) < 5.0, layer
+        assert fine["verdict"] == "converges" and fine["h"] == "0.05"
+    assert float(found["series/u_interface", "4"][1]["rate"]) > 2.5
     left = {path.name for path in tmp_path.iterdir()} - {"__pycache__"}
     assert left == {"bare.py", "bare-convergence.csv", "bare-convergence.png"}
 
@@ -57,12 +61,12 @@ def test_what_blocks_do_not_resolve_is_said(tmp_path):
 
 
 def test_command(tmp_path):
-    lines = table(tmp_path, *"mms -fsi_orders 2,6 -fsi_hs 0.025,0.05,0.05".split())
-    grids = [(order, h) for order in ("2", "6") for h in ("0.05", "0.025")]
-    assert [(line["order"], line["h"]) for line in lines] == grids
-    for line, fluid, solid in ((lines[1], 1.9, 1.8), (lines[3], 4.3, 4.1)):
-        assert float(line["order fluid/combined"]) > fluid
-        assert float(line["order solid/combined"]) > solid
+    found = table(tmp_path, *"mms -fsi_orders 2,6 -fsi_hs 0.025,0.05,0.05".split())
+    for order, fluid, solid in (("2", 1.9, 1.8), ("6", 4.3, 4.1)):
+        for kind, rate in (("fluid", fluid), ("solid", solid)):
+            coarse, fine = found[f"{kind}/combined", order]
+            assert (coarse["h"], fine["h"]) == ("0.05", "0.025") and float(fine["rate"]) > rate
+            assert fine["verdict"] == "converges" and int(fine["points"]) == 150
 
 
 def test_a_run_that_fails_is_one_line_of_the_table(tmp_path):
@@ -70,7 +74,8 @@ def test_a_run_that_fails_is_one_line_of_the_table(tmp_path):
     done = solve(*line.split(), cwd=tmp_path)
     assert done.returncode == 3 and "  failed: " in done.stdout
     assert done.stderr.count("\n") == 1 and "failed; order " in done.stderr
-    assert (tmp_path / "mms-convergence.csv").read_text().count("\n") == 6
+    assert (tmp_path / "mms-convergence.csv").read_text().count("\n") == 2
+    assert not (tmp_path / "mms-convergence.png").exists()
 
 
 @pytest.mark.parametrize(

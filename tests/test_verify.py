@@ -6,10 +6,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from helpers import REPOSITORY, message, mpirun, program, rows_of, solve
+from scipy.optimize import brentq
 
 from fsipetsc.cases import superseismic as case
 from fsipetsc.studies.verdicts import Compared, Expected, Row, kinked
-from fsipetsc.studies.verify import ENTRIES
+from fsipetsc.studies.verify import ENTRIES, panel_flutter
 from fsipetsc.studies.verify.data import problem, reference
 from fsipetsc.studies.verify.viscous_tube import main_vortex, triple_point
 
@@ -50,6 +51,19 @@ def test_the_order_where_derivatives_jump():
             moved = np.fft.ifft(np.fft.fft(start) * np.exp(-1j * speed)).real
             errors.append(np.sqrt(np.mean((moved - start) ** 2)))
         assert np.log2(errors[1] / errors[2]) == pytest.approx(kinked(p, 3.5), abs=0.15), p
+
+
+def test_the_order_in_clamped_corners():
+    """Stress r^(l - 1) where a clamped face meets a free one at a right angle, Poisson's ratio 1/3:
+    sin^2(l pi/2) = ((k + 1)^2 - 4 l^2)/(4 k), k = 5/3 (M. L. Williams, J. Appl. Mech. 19 (1952)
+    526). Frequencies have the order 2 l."""
+    k = 3 - 4 / 3
+    found = brentq(
+        lambda l: np.sin(l * np.pi / 2) ** 2 - ((k + 1) ** 2 - 4 * l * l) / (4 * k), 0.5, 1
+    )
+    assert panel_flutter.expected("clamped, theory", 4, 0.1).order == pytest.approx(
+        2 * found, abs=0.01
+    )
 
 
 #: reference -> program and its function

@@ -24,10 +24,10 @@ from fsipetsc.operators.sbp import operator
 from fsipetsc.options import Option, groups
 from fsipetsc.output.reader import Run, open_run
 from fsipetsc.process.together import Comm, together, wait_asleep
-from fsipetsc.studies.convergence_figure import convergence_figure
 from fsipetsc.studies.grids import SAMPLES, differences
-from fsipetsc.studies.tables import begin, listed_in, printer, results_folder, save_csv, texts
-from fsipetsc.studies.verdicts import ROUND_OFF, Expected, Row, kinked, told
+from fsipetsc.studies.pictures import convergence_picture
+from fsipetsc.studies.tables import begin, listed_in, printer, results_folder, save_csv
+from fsipetsc.studies.verdicts import COLUMNS, ROUND_OFF, Expected, Row, kinked, told
 from fsipetsc.usage import PROGRAM
 
 #: what -fsi_h is multiplied with for the grids of a study: in one dimension with an exact solution,
@@ -59,21 +59,6 @@ class Study:
     costs: dict[tuple[int, float], list[float]] = field(default_factory=dict)
     failures: list[str] = field(default_factory=list)
 
-    def save(self, path: Path, about: str) -> Path:
-        """Write a line per run: order, grid, cost, errors, observed orders. FileError."""
-        names = [*dict.fromkeys(row.quantity for row in self.rows)]
-        of = {(row.order, row.quantity): row for row in self.rows}
-        lines = []
-        for order, (j, h) in product(self.orders, enumerate(self.hs)):
-            numbers = [*self.costs.get((order, h), [nan] * len(COST))]
-            found = [of.get((order, name)) for name in names]
-            numbers += [row.errors[j] if row and j < len(row.errors) else nan for row in found]
-            rates = [(nan, *row.observed, nan) if row else (nan,) * (j + 1) for row in found]
-            numbers += [rate[j] for rate in rates]
-            lines.append([order, operator(order).name, repr(h), *texts(numbers, ".9g")])
-        head = ["order", "operator", "h", *COST, *names, *(f"order {name}" for name in names)]
-        return save_csv(path, head, lines, about)
-
 
 def convergence(arguments: list[str], comm: Comm) -> None:
     """The command, with the arguments after its name. Collective on comm.
@@ -93,13 +78,20 @@ def convergence(arguments: list[str], comm: Comm) -> None:
         for order in orders:
             say("")
             own = _run_order(case, {**opt, "fsi_order": order}, comm, study, folder, say)
-            say(f"\n{told(own)}")
+            if own:
+                say(f"\n{told(own)}")
             study.rows += own
     if study.rows and len(hs) < 2:
         say("\none grid shows no order: -fsi_hs takes several, as in -fsi_hs 0.05,0.025")
     if comm.rank == 0:
-        picture = path.with_suffix(".png")
-        files = [study.save(path, about), *convergence_figure(study, about, units, picture)]
+        source = "exact solution" if exact else "next grid"
+        lines = [
+            [*line, *study.costs.get((row.order, h), [""] * len(COST))]
+            for row in study.rows
+            for h, line in zip(hs, row.lines(comm.size, source))
+        ]
+        save_csv(path, [*COLUMNS, *COST], lines, about)
+        files = [path, *convergence_picture(study, about, path.with_suffix(".png"))]
         say("\nresults in " + ", ".join(map(str, files)))
     wait_asleep(comm)
     if study.failures:

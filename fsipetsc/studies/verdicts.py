@@ -26,6 +26,8 @@ VERDICTS = {"converges": "converge", "holds": "hold", "falls short": "fall short
 #: columns of a table of rows, and of one where order and grids are told above it
 HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "expected", "verdict")
 SHORT_HEAD = (HEAD[0], *HEAD[3:])
+#: columns of their CSV file
+COLUMNS = "case quantity order h ranks value reference source error rate verdict".split()
 #: solve(case, order, h, end=None, **options) runs a case, given by its name or as a problem, to its
 #: end or to another time, and returns its opened result; collective
 Solve = Callable[..., Any]
@@ -106,6 +108,11 @@ def kinked(order: int, smoothness: float = 1.0) -> float:
     return min(closures(order), smoothness * order / (order + 1))
 
 
+def of_order(rule: Callable[[int], float]) -> Callable[[str, int, float], Expected]:
+    """`expected` of an entry all of whose quantities should have an order: rule(order)."""
+    return lambda quantity, order, h: Expected(rule(order))
+
+
 class Row(NamedTuple):
     """A quantity at an order on each grid: errors, or the numbers that are compared.
 
@@ -144,6 +151,15 @@ class Row(NamedTuple):
         if self.between and not self.errors[-1] <= RESOLVED:
             return "falls short"
         return self.expected.verdict(self.observed[-1] if self.observed else nan, self.errors[-1])
+
+    def lines(self, ranks: int, source: str) -> list[list[object]]:
+        """Of a CSV file, under COLUMNS: one for each grid; norms of errors have no value and no
+        reference."""
+        found, about, rates = [], [self.entry, self.quantity, self.order], ("", *self.observed)
+        for h, one, error, rate in zip(self.spacings, self.found, self.errors, rates):
+            pair = [f"{v:.12g}" for v in one[:2]] if isinstance(one, Compared) else ["", ""]
+            found.append([*about, h, ranks, *pair, source, error, rate, self.verdict])
+        return found
 
     @property
     def cells(self) -> tuple[str, ...]:

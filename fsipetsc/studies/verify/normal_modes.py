@@ -14,7 +14,7 @@ from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.stiffened_gas import stiffened_gas
 from fsipetsc.options import defaults
 from fsipetsc.stepping.solve import build_problem
-from fsipetsc.studies.verdicts import Array, Compared, Expected, Measured, Solve, closures
+from fsipetsc.studies.verdicts import Array, Compared, Measured, Solve, closures, of_order
 from fsipetsc.studies.verify.data import reference
 from fsipetsc.studies.wave_modes import linearise, radial_modes
 
@@ -94,8 +94,4 @@ SOURCE = "verify/modes.py (determinants)"
 QUICK = {4: (1 / 16, 1 / 24)}
 FULL = {4: (1 / 16, 1 / 32), 6: (1 / 24, 1 / 32)}
 WHY = "order s + 1, at least: closures are exact to degree s"
-
-
-def expected(quantity: str, order: int, h: float) -> Expected:
-    """The same of all."""
-    return Expected(closures(order))
+expected = of_order(closures)

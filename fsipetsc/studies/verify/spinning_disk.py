@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fsipetsc.studies.verdicts import Curve, Expected, Measured, Solve
+from fsipetsc.studies.verdicts import Curve, Measured, Solve, of_order
 from fsipetsc.studies.verify.data import joined, largest, reference, smooth
 
 DENSITIES = (0.5, 2.0, 20.0)
@@ -34,8 +34,4 @@ SOURCE = "verify/disk.py (reduced to the radius; spectral Galerkin method)"
 QUICK = {4: (0.05, 0.025)}
 FULL = {4: (0.1, 0.05, 0.025), 6: (0.05, 0.025)}
 WHY = "order s in the maximum, the degree to which closures are exact where blocks are joined"
-
-
-def expected(quantity: str, order: int, h: float) -> Expected:
-    """The same of all."""
-    return Expected(order // 2)
+expected = of_order(lambda order: order // 2)

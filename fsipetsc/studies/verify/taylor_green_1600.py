@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fsipetsc.studies.verdicts import Compared, Curve, Expected, Measured, Solve
+from fsipetsc.studies.verdicts import Compared, Curve, Measured, Solve, of_order
 from fsipetsc.studies.verify.data import reference
 from fsipetsc.studies.verify.taylor_green import PERIOD, cube
 
@@ -27,8 +27,4 @@ SOURCE = "spectral_Re1600_512.gdiag (workshop on high-order CFD methods, case C3
 QUICK = {}
 FULL = {4: (PERIOD / 16, PERIOD / 32)}
 WHY = "order p; these grids are far from what turbulence needs"
-
-
-def expected(quantity: str, order: int, h: float) -> Expected:
-    """That of a flow that is resolved."""
-    return Expected(order)
+expected = of_order(float)

@@ -7,7 +7,7 @@ import numpy as np
 from fsipetsc import Block, BlockProblem, Fluid
 from fsipetsc.blocks.conditions import Given
 from fsipetsc.checks import Array
-from fsipetsc.studies.verdicts import Curve, Expected, Measured, Solve, closures
+from fsipetsc.studies.verdicts import Curve, Measured, Solve, closures, of_order
 from fsipetsc.studies.verify.data import joined, reference, root_mean_square, smooth
 
 GRIDS = 1 / 4, 1 / 8, 1 / 16
@@ -68,8 +68,4 @@ SOURCE = "verify/gas.py (momentum along the radius)"
 QUICK = {4: GRIDS[:2]}
 FULL = {**{order: GRIDS for order in (2, 4, 6)}, 8: (1 / 8, 1 / 16, 1 / 32)}
 WHY = "order s + 1; with 2/1 that of the dissipation, which takes first differences"
-
-
-def expected(quantity: str, order: int, h: float) -> Expected:
-    """The same of all quantities."""
-    return Expected(1.0 if order == 2 else closures(order))
+expected = of_order(lambda order: closures(order) if order > 2 else 1.0)
