@@ -128,8 +128,9 @@ def test_units_in_the_last_place():
     b = a.copy()
     b[0, 2] = np.nextafter(np.nextafter(2.0, 3.0), 3.0)
     found = difference("", a, b, times)
-    told = found.largest, found.ulp, found.scale, found.place
-    assert told == (2 * np.spacing(2.0), 2.0, 1e300, "t = 0, point 2")
+    told = found.largest, found.scale, found.place
+    assert told == (2 * np.spacing(2.0), 1e300, "t = 0, point 2")
+    assert difference("", a[:1], b[:1], times[:1]).ulp == 2.0
     b[1, 1] = np.nan
     assert difference("", a, b, times).largest == np.inf
 
@@ -171,3 +172,16 @@ def test_round_off_is_told_beside_what_has_its_unit():
         found.append(difference(name, *(np.array([value]) for value in pair), times))
     scales = {one.name: one.scale for one in _on_one_scale(found)}
     assert list(scales.values()) == [3.0, 3.0, 300.0, 5.0, 5.0, 0.2]
+
+
+def test_what_is_at_rest_is_compared_with_what_makes_its_unit():
+    """Velocities that are round-off with sqrt(p/rho), an impulse with sqrt(m E); small ones with
+    themselves."""
+    times, found = np.array([0.0]), []
+    pairs = {"gas: p": 4.0, "gas: rho": 1.0, "gas: u": 1e-17, "rod: u": 1e-9, "rod: s_xx": 1e-16}
+    pairs |= {"mass": 4.0, "energy": 9.0, "impulse_x": 1e-17}
+    for name, value in pairs.items():
+        found.append(difference(name, np.array([value]), np.array([1.5 * value]), times))
+    scales = {one.name: one.scale for one in _on_one_scale(found)}
+    known = {"gas: u": 2.0, "rod: u": 1.5e-9, "rod: s_xx": 6.0, "impulse_x": 9.0}
+    assert {name: scales[name] for name in known} == pytest.approx(known, rel=1e-15)

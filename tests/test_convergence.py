@@ -6,27 +6,30 @@ import numpy as np
 import pytest
 from helpers import message, solve
 
-from fsipetsc.studies.convergence_table import Study
+from fsipetsc.studies.verdicts import Expected, Row
 
 
 def table(folder, *words, name="mms", ranks=1):
-    """The lines of the table that the command writes."""
+    """(quantity, order) -> lines of the table that the command writes, from coarse to fine."""
     done = solve("convergence", *words, cwd=folder, ranks=ranks)
     assert (done.returncode, done.stderr) == (0, "")
+    found = {}
     with (folder / f"{name}-convergence.csv").open() as file:
         next(file)
-        return list(csv.DictReader(file))
+        for line in csv.DictReader(file):
+            found.setdefault((line["quantity"], line["order"]), []).append(line)
+    return found
 
 
 def test_orders_of_differences_of_any_grids():
     """Of errors c h^p; log h for p = 0."""
     for hs in ((0.4, 0.2, 0.1), (2.0, 1.0, 2 / 3)):
         for p in (-1.0, 0.0, 0.5, 7.0):
-            study = Study("box", 1.0, (4,), hs, exact=False)
-            for j, (a, b) in enumerate(zip(hs, hs[1:])):
-                difference = abs(a**p - b**p) if p else np.log(a / b)
-                study.put(0, j, {"gas": {"combined": difference}})
-            np.testing.assert_allclose(study.rates("gas"), [[np.nan, p, np.nan]], atol=1e-9)
+            found = [abs(a**p - b**p) if p else np.log(a / b) for a, b in zip(hs, hs[1:])]
+            found = [0.1 * difference for difference in found]
+            row = Row("box", "gas/rho", 4, hs, tuple(found), Expected(p), between=True)
+            assert row.observed == pytest.approx((p,), abs=1e-9)
+            assert row.verdict == ("converges" if found[-1] < 0.1 else "falls short")
 
 
 def test_grids_of_a_case_are_compared_with_each_other(tmp_path):
@@ -39,11 +42,12 @@ def test_grids_of_a_case_are_compared_with_each_other(tmp_path):
         "    return replace(problem, layers=bare)\n"
     )
     words = "bare.py -fsi_orders 4 -fsi_hs 0.1,0.05,0.025".split()
-    _, between, last = table(tmp_path, *words, name="bare", ranks=2)
+    found = table(tmp_path, *words, name="bare", ranks=2)
     for layer in ("left", "solid", "right"):
-        assert 2.7 < float(between[f"order {layer}/combined"]) < 5.0, layer
-        assert between[f"{layer}/T"] and not last[f"{layer}/T"]
-    assert float(between["order series/u_interface"]) > 2.5
+        coarse, fine = found[f"{layer}/combined", "4"]
+        assert not coarse["rate"] and 2.7 < float(fine["rate"]) < 5.0, layer
+        assert fine["verdict"] == "converges" and fine["h"] == "0.05"
+    assert float(found["series/u_interface", "4"][1]["rate"]) > 2.5
     left = {path.name for path in tmp_path.iterdir()} - {"__pycache__"}
     assert left == {"bare.py", "bare-convergence.csv", "bare-convergence.png"}
 
@@ -53,16 +57,16 @@ def test_what_blocks_do_not_resolve_is_said(tmp_path):
     words = "blast -fsi_hs 0.125,0.0625,0.03125 -ts_max_time 0.05"
     done = solve("convergence", *words.split(), cwd=tmp_path, ranks=2)
     assert (done.returncode, done.stderr) == (0, "")
-    assert "is not resolved: " in done.stdout
+    assert "falls short" in done.stdout
 
 
 def test_command(tmp_path):
-    lines = table(tmp_path, *"mms -fsi_orders 2,6 -fsi_hs 0.025,0.05,0.05".split())
-    grids = [(order, h) for order in ("2", "6") for h in ("0.05", "0.025")]
-    assert [(line["order"], line["h"]) for line in lines] == grids
-    for line, fluid, solid in ((lines[1], 1.9, 1.8), (lines[3], 4.3, 4.1)):
-        assert float(line["order fluid/combined"]) > fluid
-        assert float(line["order solid/combined"]) > solid
+    found = table(tmp_path, *"mms -fsi_orders 2,6 -fsi_hs 0.025,0.05,0.05".split())
+    for order, fluid, solid in (("2", 1.9, 1.8), ("6", 4.3, 4.1)):
+        for kind, rate in (("fluid", fluid), ("solid", solid)):
+            coarse, fine = found[f"{kind}/combined", order]
+            assert (coarse["h"], fine["h"]) == ("0.05", "0.025") and float(fine["rate"]) > rate
+            assert fine["verdict"] == "converges" and int(fine["points"]) == 150
 
 
 def test_a_run_that_fails_is_one_line_of_the_table(tmp_path):
@@ -70,7 +74,8 @@ def test_a_run_that_fails_is_one_line_of_the_table(tmp_path):
     done = solve(*line.split(), cwd=tmp_path)
     assert done.returncode == 3 and "  failed: " in done.stdout
     assert done.stderr.count("\n") == 1 and "failed; order " in done.stderr
-    assert (tmp_path / "mms-convergence.csv").read_text().count("\n") == 6
+    assert (tmp_path / "mms-convergence.csv").read_text().count("\n") == 2
+    assert not (tmp_path / "mms-convergence.png").exists()
 
 
 @pytest.mark.parametrize(

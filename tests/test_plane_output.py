@@ -161,7 +161,10 @@ def test_displacement_of_all_faces_of_a_curved_block(axis, side):
     block = block({name: values[None] for name, values in fields.items()})
     line = InterfaceLine("gas | body", 1, block, axis, side)
     X, Y, x, y = (v[-side, :] if axis == 1 else v[:, -side] for v in (X, Y, x, y))
-    assert np.array_equal(line.x[0], x)
+    assert np.array_equal(line.x[0], x) and np.array_equal(line.X, X)
+    nodes = {0: 17, 1: 21}[axis]
+    assert line.s.shape == (nodes,) and line.s[0] == 0.0
+    assert line.s[-1] == pytest.approx(np.hypot(np.diff(X), np.diff(Y)).sum(), rel=1e-12)
     if axis == 0:
         tangent = 0.2 * (1 + side), 1.5
     else:
@@ -199,7 +202,7 @@ def test_recorded_nodes_are_those_of_the_frames_and_the_box_is_closed(box):
         for name in ("x", "y", "u", "v", "T"):
             expected = getattr(line, name)[-1, columns]
             assert np.array_equal(last[f"{name}_point"][here], expected), name
-        dx, dy = (np.gradient(v[-1], line.X, edge_order=2) for v in (line.x, line.y))
+        dx, dy = (np.gradient(v[-1], line.s, edge_order=2) for v in (line.x, line.y))
         size = (1 - 2 * k) * np.hypot(dx, dy)  # the plate is above the first interface
         for name, row in (("t_x", ("s_xx", "s_xy")), ("t_y", ("s_xy", "s_yy"))):
             x, y = (frame[s][-k] for s in row)

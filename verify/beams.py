@@ -10,7 +10,9 @@ Beams with a thickness d, by Timoshenko: w is the deflection, t the turn of a cr
 
     S (w'' - t') = m w_tt,   D t'' + S (w' - t) = m d^2/12 t_tt.
 
-In plane strain with lambda_e = 0, S = 5/6 mu d and D = mu d^3/6. Frequencies are over sqrt(D/m).
+In plane strain with lambda_e = 0, S = shear mu d and D = mu d^3/6. The coefficient shear is 5/6
+(Timoshenko, Reissner), or pi^2/12 (R. D. Mindlin, J. Appl. Mech. 18 (1951) 31). Frequencies are
+over sqrt(D/m).
 """
 
 import numpy as np
@@ -57,9 +59,9 @@ def thin_beam():
     return brentq(lambda b: np.cos(b) - 1 / np.cosh(b), 4.0, 5.0, xtol=1e-15, rtol=1e-15) ** 2
 
 
-def clamped_beam(d):
+def clamped_beam(d, shear=5 / 6):
     """First frequency of Timoshenko's beam."""
-    S, inertia = 5.0 / d**2, d**2 / 12.0
+    S, inertia = 6.0 * shear / d**2, d**2 / 12.0
 
     def misfit(w):
         # w, t ~ exp(m x): (S m^2 + w^2) W = S m t,  (m^2 - S + inertia w^2) t = -S m W
@@ -77,9 +79,9 @@ def clamped_beam(d):
     return brentq(misfit, grid[found[-1]], grid[found[-1] + 1], xtol=1e-12, rtol=1e-15)
 
 
-def hinged_beam(d):
+def hinged_beam(d, shear=5 / 6):
     """First frequency of Timoshenko's beam, which bends as sin(pi x)."""
-    S, inertia, square = 5.0 / d**2, d**2 / 12.0, np.pi**2
+    S, inertia, square = 6.0 * shear / d**2, d**2 / 12.0, np.pi**2
     # (S k^2 - w^2)(k^2 + S - inertia w^2) = S^2 k^2 with k = pi
     a, b, c = inertia, -(square + S + inertia * S * square), S * square**2
     return np.sqrt(2 * c / (-b + np.sqrt(b * b - 4 * a * c)))
@@ -249,8 +251,12 @@ def onset(panel, flow="exact"):
 def columns():
     """Of beam.csv."""
     d = [0.1, 0.05, 0.02, 0.01]
-    clamped, hinged = ([beam(v) for v in d] for beam in (clamped_beam, hinged_beam))
-    return {"d": [*d, 0.0], "clamped": [*clamped, thin_beam()], "hinged": [*hinged, np.pi**2]}
+    made = {"d": [*d, 0.0]}
+    beams = {"clamped": (clamped_beam, thin_beam()), "hinged": (hinged_beam, np.pi**2)}
+    for ends, (beam, limit) in beams.items():
+        made[ends] = [*(beam(v) for v in d), limit]
+        made[f"{ends} pi^2/12"] = [*(beam(v, np.pi**2 / 12) for v in d), limit]
+    return made
 
 
 def flutter_columns():

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-FOLDER = Path(__file__).parent.parent / "fsipetsc" / "verify" / "references"
+FOLDER = Path(__file__).parent.parent / "fsipetsc/studies/verify/references"
 
 
 def save(name, columns, *about):

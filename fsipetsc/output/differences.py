@@ -11,6 +11,16 @@ from fsipetsc.checks import Array
 from fsipetsc.output.quantities import GAINS, unit_of
 from fsipetsc.output.reader import Layer, Run, open_run
 
+#: unit -> those whose products, one over the other, are its square
+MADE_OF = {
+    "m s-1": (("Pa",), ("kg m-3",)),
+    "N s": (("kg", "J"), ()),
+    "J s": (("kg", "J", "m", "m"), ()),
+    "W m-2": (("Pa", "Pa", "Pa"), ("kg m-3",)),
+}
+#: a scale is less than this part of another one with its unit only where it is round-off
+ROUND_OFF = 1e-12
+
 
 @dataclass(frozen=True)
 class Difference:
@@ -19,17 +29,26 @@ class Difference:
     name       "layer: field", or the name of the series
     largest    largest absolute difference; inf where one of the two is no number; 0.0: the same
                bits, but for the sign of 0
-    ulp        largest difference in units in the last place of the larger one of the two values
     scale      largest absolute value of the two results, in the common part; ``compare`` takes the
-               largest of all fields of the layer, or series, with this unit, but for times
+               largest of all fields of the layer, or series, with this unit, but for times; where
+               that is round-off, the largest of all with this unit, or of what makes it (MADE_OF)
     place      where `largest` is, in words
     """
 
     name: str
     largest: float
-    ulp: float
     scale: float
     place: str
+
+    @property
+    def relative(self) -> float:
+        """`largest` over the scale."""
+        return self.largest / self.scale if self.scale else self.largest
+
+    @property
+    def ulp(self) -> float:
+        """`largest` in units in the last place of the scale."""
+        return self.largest / float(np.spacing(self.scale))
 
 
 @dataclass(frozen=True)
@@ -75,14 +94,22 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Co
 
 def _on_one_scale(found: list[Difference]) -> Iterator[Difference]:
     """The same differences, with one scale for all that has one unit: a component of a vector that
-    is round-off, or a small loss of energy, is no scale of its own.
+    is round-off, or a small loss of energy, is no scale of its own. Nor is a velocity that is
+    round-off of sqrt(p/rho), as of a gas at rest.
     """
     scales: dict[tuple[str, str], float] = {}
+    largest: dict[str, float] = {}
     keys = [_sort_of(one.name) for one in found]
     for key, one in zip(keys, found, strict=True):
         scales[key] = max(scales.get(key, 0.0), one.scale)
+        largest[key[1]] = max(largest.get(key[1], 0.0), one.scale)
+    for unit, (above, below) in MADE_OF.items():
+        product, divisor = (math.prod(largest.get(one, 0.0) for one in of) for of in (above, below))
+        if divisor:
+            largest[unit] = max(largest.get(unit, 0.0), math.sqrt(product / divisor))
     for key, one in zip(keys, found, strict=True):
-        yield replace(one, scale=scales[key])
+        own, every = scales[key], largest[key[1]]
+        yield replace(one, scale=own if own > ROUND_OFF * every else every)
 
 
 def _sort_of(name: str) -> tuple[str, str]:
@@ -100,12 +127,11 @@ def difference(name: str, a: Array, b: Array, times: Array) -> Difference:
     gap = np.where(np.isnan(gap), np.inf, gap)
     scale = max(float(np.abs(v[np.isfinite(v)]).max(initial=0.0)) for v in (a, b))
     if not gap.any():
-        return Difference(name, 0.0, 0.0, scale, "")
-    ulp = gap / np.spacing(np.fmax(np.abs(a), np.abs(b)))
+        return Difference(name, 0.0, scale, "")
     where = np.unravel_index(np.argmax(gap), gap.shape)
     point = f", point {', '.join(map(str, where[1:]))}" if len(where) > 1 else ""
     place = f"t = {times[where[0]]:.6g}{point}"
-    return Difference(name, float(gap[where]), float(ulp[~np.isnan(ulp)].max()), scale, place)
+    return Difference(name, float(gap[where]), scale, place)
 
 
 def diff(first: str, second: str) -> str:
@@ -118,8 +144,7 @@ def table(comparison: Comparison) -> str:
     different = [found for found in comparison.differences if found.largest > 0.0]
     lines = [f"{'':30}{'largest':>12}{'relative':>12}{'ulp':>12}"] if different else []
     for found in different:
-        relative = f"{found.largest / found.scale:.2e}" if found.scale else ""
-        numbers = f"{found.largest:12.3e}{relative:>12}{found.ulp:12.3g}"
+        numbers = f"{found.largest:12.3e}{found.relative:12.2e}{found.ulp:12.3g}"
         lines.append(f"{found.name:30}{numbers}   {found.place}")
     count = len(comparison.differences)
     equal = f"{count - len(different)} of {count} fields and series are equal, bit for bit"

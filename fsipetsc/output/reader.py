@@ -240,12 +240,11 @@ class Layer(Mapping[str, Array]):
 class InterfaceLine:
     """The face of the solid at an interface in two dimensions: where it is, and how it moves.
 
-    All but X and Y are (nframes, n).
+    All but s, X and Y are (nframes, n).
 
     name, solid    of the interface; number of the block that is the solid
-    X              (n,) [m] length along the face in the reference map; X where that is a straight
-                   line along X
-    Y              (n,) [m] reference height
+    s              (n,) [m] arc length along the face in the reference map, from its first node
+    X, Y           (n,) [m] reference position
     x, y, u, v, T  position, velocity and temperature of the solid
     displacement   [m] y - Y; of a face that is not flat along X, along the normal of the reference
                    into the solid
@@ -257,15 +256,14 @@ class InterfaceLine:
             return taken
 
         self.name, self.solid = name, solid
-        X, Y = (row(layer.places[..., k]) for k in range(2))
-        length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(X), np.diff(Y)))])
-        flat = bool(np.ptp(Y) <= 1e-12 * length[-1] and X[-1] > X[0])
-        self.X, self.Y = length + X[0] * flat, Y
+        self.X, self.Y = X, Y = [row(layer.places[..., k]) for k in range(2)]
+        self.s = s = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(X), np.diff(Y)))])
+        flat = bool(np.ptp(Y) <= 1e-12 * s[-1] and X[-1] > X[0])
         self.x, self.y, self.u, self.v, self.T = (row(layer[name]) for name in ("x", "y", *"uvT"))
         # along the face, into the solid is to the left (1) or to the right (-1)
         left = 1.0 if (axis == 0) == (side == 1) else -1.0
-        order: Any = min(2, len(length) - 1)
-        X_s, Y_s = (np.gradient(values, length, edge_order=order) for values in (X, Y))
+        order: Any = min(2, len(s) - 1)
+        X_s, Y_s = (np.gradient(values, s, edge_order=order) for values in (X, Y))
         up = self.y - Y
         self.displacement = up if flat else left * (X_s * up - Y_s * (self.x - X))
 

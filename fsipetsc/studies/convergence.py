@@ -1,11 +1,17 @@
 """The command `convergence CASE`: a case over orders and grids, errors, observed orders and cost.
 
 A case with an exact solution in all of its layers is compared with that, any other case with itself
-(fsipetsc.studies.convergence_table). All ranks share each run. What is left is a table on the
-terminal and as CSV, and a picture: error against grid spacing and against time.
+(fsipetsc.studies.grids). All ranks share each run. What is left is a table on the terminal and as
+CSV, and a picture: error against grid spacing and against time.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from itertools import product
+from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -14,23 +20,44 @@ import numpy as np
 from fsipetsc.cases import load_case
 from fsipetsc.checks import counted
 from fsipetsc.errors import ComputationError, InputError
+from fsipetsc.operators.sbp import operator
 from fsipetsc.options import Option, groups
-from fsipetsc.output.reader import open_run
+from fsipetsc.output.reader import Run, open_run
 from fsipetsc.process.together import Comm, together, wait_asleep
-from fsipetsc.studies.convergence_figure import convergence_figure
-from fsipetsc.studies.convergence_table import COST, SAMPLES, Study, differences, unresolved
-from fsipetsc.studies.tables import begin, listed_in, printer, results_folder
+from fsipetsc.studies.grids import SAMPLES, differences
+from fsipetsc.studies.pictures import convergence_picture
+from fsipetsc.studies.tables import begin, listed_in, printer, results_folder, save_csv
+from fsipetsc.studies.verdicts import COLUMNS, ROUND_OFF, Expected, Row, kinked, told
 from fsipetsc.usage import PROGRAM
 
 #: what -fsi_h is multiplied with for the grids of a study: in one dimension with an exact solution,
 #: in one without, and in more dimensions
 FACTORS = (4, 2, 1, 1 / 2, 1 / 4), (2, 1, 1 / 2), (2, 1, 2 / 3)
+#: names of the cost in the summary of a result
+COST = "points", "steps", "rhs_evaluations", "wall_time"
 _ORDERS = "instead of -fsi_order; default: all, or the case's own if it has no exact solution"
 _SPACINGS = "grid spacings; default: 4, 2, 1, 1/2, 1/4 times -fsi_h; not so many in 2-D and 3-D"
 OPTIONS = (
     Option("fsi_orders", "ints", None, "", _ORDERS, check=listed_in((2, 4, 6, 8))),
     Option("fsi_hs", "floats", None, "m", _SPACINGS, check="positive"),
 )
+
+
+@dataclass
+class Study:
+    """Runs of a case over orders and grids.
+
+    hs: grid spacings [m], coarse to fine. exact: errors are from the exact solution, and quantities
+    are KIND/NAME; else grids are compared with the next finer one, and quantities are LAYER/NAME or
+    series/NAME. costs: (order, h) -> numbers of COST [wall_time: s, of the time loop].
+    """
+
+    orders: tuple[int, ...]
+    hs: tuple[float, ...]
+    exact: bool = True
+    rows: list[Row] = field(default_factory=list)
+    costs: dict[tuple[int, float], list[float]] = field(default_factory=dict)
+    failures: list[str] = field(default_factory=list)
 
 
 def convergence(arguments: list[str], comm: Comm) -> None:
@@ -41,24 +68,35 @@ def convergence(arguments: list[str], comm: Comm) -> None:
     case = together(comm, lambda: _case(arguments))
     name, instead = f"{case.NAME}-convergence", {"fsi_order": "fsi_orders"}
     opt, _, path = begin(case, arguments[1:], comm, OPTIONS, name, instead)
-    table, say = _empty_table(case, opt, comm), printer(comm, opt)
-    what = "errors" if table.exact else "relative differences between neighbouring grids"
-    ranks = counted(comm.size, "rank")
-    say(f"{case.NAME} to {table.time} on {ranks}: {table.norm} {what} and observed orders")
+    orders, hs, exact, units = _plan(case, opt, comm)
+    time = f"t = {opt['ts_max_time']:g}" + " s" * (units == "SI")
+    what = "errors" if exact else "relative differences from the next grid"
+    about = f"{case.NAME}, {what} in {opt['fsi_norm']} at {time}, {counted(comm.size, 'rank')}"
+    say, study = printer(comm, opt), Study(orders, hs, exact)
+    say(about)
     with results_folder(comm, path.parent, "convergence-") as folder:
-        for i in range(len(table.orders)):
-            _run_order(case, opt, comm, table, i, folder, say)
-    if table.errors and len(table.hs) < 2:
+        for order in orders:
+            say("")
+            own = _run_order(case, {**opt, "fsi_order": order}, comm, study, folder, say)
+            if own:
+                say(f"\n{told(own)}")
+            study.rows += own
+    if study.rows and len(hs) < 2:
         say("\none grid shows no order: -fsi_hs takes several, as in -fsi_hs 0.05,0.025")
     if comm.rank == 0:
-        files = [table.save(path), *convergence_figure(table, path.with_suffix(".png"))]
+        source = "exact solution" if exact else "next grid"
+        lines = [
+            [*line, *study.costs.get((row.order, h), [""] * len(COST))]
+            for row in study.rows
+            for h, line in zip(hs, row.lines(comm.size, source))
+        ]
+        save_csv(path, [*COLUMNS, *COST], lines, about)
+        files = [path, *convergence_picture(study, about, path.with_suffix(".png"))]
         say("\nresults in " + ", ".join(map(str, files)))
     wait_asleep(comm)
-    if table.failures:
-        (order, h), text = next(iter(table.failures.items()))
-        runs = counted(len(table.orders) * len(table.hs), "run")
-        first = f"order {order}, h = {h:g}: {text}"
-        raise ComputationError(f"{len(table.failures)} of {runs} failed; {first}")
+    if study.failures:
+        runs = counted(len(orders) * len(hs), "run")
+        raise ComputationError(f"{len(study.failures)} of {runs} failed; {study.failures[0]}")
 
 
 def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
@@ -74,8 +112,11 @@ def _case(arguments: Sequence[str]) -> Any:
     return load_case(arguments[0])
 
 
-def _empty_table(case: Any, opt: Mapping[str, Any], comm: Comm) -> Study:
-    """Orders and grids, each of which is laid out once. Collective; InputError."""
+def _plan(
+    case: Any, opt: Mapping[str, Any], comm: Comm
+) -> tuple[tuple[int, ...], tuple[float, ...], bool, str]:
+    """Orders, spacings, coarse to fine, whether the solution is known, and units. Each grid is laid
+    out once. Collective; InputError."""
     from fsipetsc.stepping.solve import build_problem, make_state
 
     problem = build_problem(case, opt, comm)
@@ -90,55 +131,53 @@ def _empty_table(case: Any, opt: Mapping[str, Any], comm: Comm) -> Study:
             "and that takes three, as in -fsi_hs 0.1,0.05,0.025"
         )
     orders = tuple(dict.fromkeys(orders))
-    for order in orders:
-        for h in hs:
-            own = {**opt, "fsi_order": order, "fsi_h": h}
-            try:
-                make_state(build_problem(case, own, comm), own, comm).destroy()
-            except InputError as error:
-                raise InputError(f"order {order}, h = {h:g}: {error}") from None
-    about = comm.size, opt["fsi_norm"], problem.units, exact
-    return Study(case.NAME, opt["ts_max_time"], orders, hs, *about)
+    for order, h in product(orders, hs):
+        own = {**opt, "fsi_order": order, "fsi_h": h}
+        try:
+            make_state(build_problem(case, own, comm), own, comm).destroy()
+        except InputError as error:
+            raise InputError(f"order {order}, h = {h:g}: {error}") from None
+    return orders, hs, exact, problem.units
 
 
 def _run_order(
-    case: Any, opt: Mapping[str, Any], comm: Comm, table: Study, i: int, folder: Path, say: Any
-) -> None:
-    """Run all grids of order i, fill the table and say what is in it. Collective; InputError where
-    grids have no node in common; FileError."""
+    case: Any, opt: Mapping[str, Any], comm: Comm, study: Study, folder: Path, say: Any
+) -> list[Row]:
+    """Run all grids of an order: its rows; costs and failures go to the study. Collective;
+    InputError where grids have no node in common; FileError."""
     from fsipetsc.stepping.run import run_case
 
-    times = (table.t,) if table.exact else tuple(table.t * np.arange(1, SAMPLES + 1) / SAMPLES)
+    order, end = opt["fsi_order"], opt["ts_max_time"]
+    times = (end,) if study.exact else tuple(end * np.arange(1, SAMPLES + 1) / SAMPLES)
     own = {**opt, "fsi_quiet": True, "fsi_output_dt": None, "fsi_output_times": times}
-    paths: dict[int, str] = {}
-
-    def keep(j: int) -> None:
-        """What a run has cost, and its errors."""
-        run = open_run(paths[j])
-        table.put(i, j, run.errors if table.exact else {})
-        for name in COST:
-            table.cost[name][i, j] = run.summary[name]
-
-    def compare() -> list[str]:
-        """Differences of neighbouring grids; which layers are not resolved."""
-        if table.exact or len(paths) < 2:
-            return []
-        found = differences([open_run(path) for path in paths.values()], table.norm)
-        for j, k, errors in zip(paths, list(paths)[1:], found):
-            if k == j + 1:
-                table.put(i, j, errors)
-        return unresolved(table, i)
-
-    say("")
-    for j, h in enumerate(table.hs):
-        own |= {"fsi_order": table.orders[i], "fsi_h": h, "fsi_output": f"{folder}/{i}-{j}.h5"}
+    runs: dict[float, Run] = {}
+    for h in study.hs:
+        path = f"{folder}/{order}-{h!r}.h5"
         try:
-            run_case(case, dict(own), comm)
-            paths[j] = own["fsi_output"]
+            run_case(case, {**own, "fsi_h": h, "fsi_output": path}, comm)
+            runs[h] = together(comm, partial(open_run, path))
+            cost = study.costs[order, h] = [runs[h].summary[name] for name in COST]
+            outcome = f"{cost[0]:>8.0f} points{cost[1]:>8.0f} steps{cost[3]:>9.2f} s"
         except ComputationError as error:
-            table.failures[table.orders[i], h] = str(error)
-        together(comm, lambda: None if comm.rank or j not in paths else keep(j))  # noqa: B023
-        say(table.row(i, j))
-    notes = together(comm, lambda: [] if comm.rank else compare())
-    if table.errors:
-        say("\n".join([table.table(i), *notes]))
+            study.failures.append(f"order {order}, h = {h:g}: {error}")
+            outcome = f"  failed: {error}"
+        say(f"{operator(order).name}  h = {h:<9.6g}{outcome}")
+    errors = {h: run.errors for h, run in runs.items()}
+    if not study.exact:
+        between = together(comm, lambda: [*differences([*runs.values()], opt["fsi_norm"])])
+        errors = {
+            h: found
+            for h, next_h, found in zip(runs, [*runs][1:], between)
+            if study.hs.index(next_h) == study.hs.index(h) + 1
+        }
+    names = dict.fromkeys((k, name) for of in errors.values() for k in of for name in of[k])
+    grids = study.hs[: None if study.exact else -1]
+    part = {"L1": 1.0, "L2": 0.5}[opt["fsi_norm"]]
+    # closures err by order s at a fixed number of nodes
+    rate = kinked(order, part) if opt["fsi_shock"] > 0.0 else order // 2 + part
+    expected = Expected(rate, None if study.exact else ROUND_OFF)
+    return [
+        Row(case.NAME, f"{k}/{name}", order, study.hs, found, expected, not study.exact)
+        for k, name in names
+        for found in [tuple(errors[h][k][name] if h in errors else nan for h in grids)]
+    ]

@@ -5,7 +5,6 @@ import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from math import isfinite
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -106,11 +105,6 @@ def printer(comm: Comm, opt: Mapping[str, Any]) -> Callable[[str], None]:
     """Prints on rank 0, and nothing with -fsi_quiet."""
     quiet = opt["fsi_quiet"] or comm.rank > 0
     return (lambda text: None) if quiet else (lambda text: print(text, flush=True))
-
-
-def texts(values: Iterable[float], spec: str) -> list[str]:
-    """Numbers for a table; nothing where there is none."""
-    return [format(value, spec) if isfinite(value) else "" for value in values]
 
 
 def listed_in(allowed: Sequence[int]) -> Callable[[Sequence[int]], str | None]:

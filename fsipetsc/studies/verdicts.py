@@ -1,14 +1,33 @@
-"""What `verify` measures, what is expected of it, and verdicts: rows of its table."""
+"""Rows of the tables of `verify` and `convergence`: errors on grids, observed orders, verdicts."""
 
-from collections.abc import Callable, Iterable, Mapping
-from itertools import product
-from math import inf, isclose, log, nan
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from itertools import groupby
+from math import log, nan
 from typing import Any, NamedTuple
 
-from fsipetsc.checks import Array
+import numpy as np
+from scipy.optimize import brentq
 
+from fsipetsc.checks import Array
+from fsipetsc.operators.sbp import operator
+from fsipetsc.studies.tables import text_table
+
+#: how far an observed order may be below what is expected
+SLACK = 0.4
 #: errors, relative ones, that may be round-off
 ROUND_OFF = 1e-12
+#: relative differences of grids that resolve a solution are smaller
+RESOLVED = 0.1
+#: orders that are looked for where grids are compared with each other
+LEAST, MOST = -4.0, 16.0
+#: verdict -> of several rows
+VERDICTS = {"converges": "converge", "holds": "hold", "falls short": "fall short"}
+#: columns of a table of rows, and of one where order and grids are told above it
+HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "expected", "verdict")
+SHORT_HEAD = (HEAD[0], *HEAD[3:])
+#: columns of their CSV file
+COLUMNS = "case quantity order h ranks value reference source error rate verdict".split()
 #: solve(case, order, h, end=None, **options) runs a case, given by its name or as a problem, to its
 #: end or to another time, and returns its opened result; collective
 Solve = Callable[..., Any]
@@ -49,37 +68,64 @@ class Measured(NamedTuple):
     curve: Curve | None = None
 
 
-class Bound(NamedTuple):
-    """What is expected of a quantity: the order observed between the two finest grids is at least
-    `order`, the error on the finest grid at most `error`, and that on a grid of spacing h `at`[h].
+class Expected(NamedTuple):
+    """What theory, or somebody else, says of a quantity; None where they say nothing.
+
+    order: of the errors between the two finest grids; error: at most, on the finest grid.
     """
 
-    order: float = -inf
-    error: float = inf
-    at: Mapping[float, float] = {}
+    order: float | None = None
+    error: float | None = None
 
-    def largest(self, h: float, finest: bool) -> float:
-        """The error allowed on a grid."""
-        known = [error for spacing, error in self.at.items() if isclose(spacing, h)]
-        return min([*known, self.error if finest else inf])
+    def __str__(self) -> str:
+        said = (self.order, "order {:.3g}"), (self.error, "error {:.2g}")
+        return " or ".join(text.format(value) for value, text in said if value is not None)
+
+    def verdict(self, observed: float, error: float) -> str:
+        """ "converges", "holds", or "falls short" of both."""
+        if self.order is not None and observed >= self.order - SLACK:
+            return "converges"
+        return "holds" if self.error is not None and error <= self.error else "falls short"
 
 
-def expect(
-    names: Iterable[str], orders: Iterable[int], *bound: float, **more: Any
-) -> dict[tuple[str, int], Bound]:
-    """One bound for quantities at some orders; bound, more: as of Bound."""
-    return dict.fromkeys(product(names, orders), Bound(*bound, **more))
+def round_off(steps: float) -> float:
+    """The largest relative error of a number that is rounded once in each of so many steps."""
+    return steps * 2.0**-52
+
+
+def closures(order: int) -> int:
+    """The order of errors with operators of this order, where the solution is smooth: the closures
+    are exact to a degree of half of it, and errors have one order more."""
+    return order // 2 + 1
+
+
+def kinked(order: int, smoothness: float = 1.0) -> float:
+    """The order of errors with operators of order p where waves are s times differentiable in the
+    norm of the errors: s p/(p + 1), from the dispersion of the shortest of them (P. Brenner, V.
+    Thomee, L. Wahlbin, Besov Spaces and Applications to Difference Methods, 1975), at most that of
+    closures. In the mean s is 1 for a jump, in the maximum for a kink.
+    """
+    return min(closures(order), smoothness * order / (order + 1))
+
+
+def of_order(rule: Callable[[int], float]) -> Callable[[str, int, float], Expected]:
+    """`expected` of an entry all of whose quantities should have an order: rule(order)."""
+    return lambda quantity, order, h: Expected(rule(order))
 
 
 class Row(NamedTuple):
-    """A quantity at an order on each grid: errors, or the numbers that are compared."""
+    """A quantity at an order on each grid: errors, or the numbers that are compared.
+
+    between: the numbers are differences of each grid from the next finer one.
+    """
 
     entry: str
     quantity: str
     order: int
     spacings: tuple[float, ...]
     found: tuple[float | Compared, ...]
-    bound: Bound
+    expected: Expected
+    between: bool = False
 
     @property
     def errors(self) -> tuple[float, ...]:
@@ -88,32 +134,64 @@ class Row(NamedTuple):
 
     @property
     def observed(self) -> tuple[float, ...]:
-        """Orders between neighbouring grids; nan where an error is 0, or both are round-off."""
-        pairs = zip(self.spacings, self.spacings[1:], self.errors, self.errors[1:])
-        return tuple(
-            log(a / b) / log(h / k) if min(a, b) > 0.0 and max(a, b) > ROUND_OFF else nan
-            for h, k, a, b in pairs
-        )
+        """Orders between neighbouring errors; nan where one is 0, or both are round-off."""
+        h, found = self.spacings, []
+        for k, (a, b) in enumerate(zip(self.errors, self.errors[1:])):
+            if not (min(a, b) > 0.0 and max(a, b) > ROUND_OFF):
+                found.append(nan)
+            elif self.between:
+                found.append(order_of_differences(log(a / b), *h[k : k + 3]))
+            else:
+                found.append(log(a / b) / log(h[k] / h[k + 1]))
+        return tuple(found)
 
     @property
     def verdict(self) -> str:
-        """What falls short, "holds", or "no bound" where nothing is promised."""
-        if self.bound == Bound():
-            return "no bound"
-        short = []
-        seen = self.observed[-1] if self.observed else nan
-        if self.bound.order > -inf and not seen >= self.bound.order:
-            found = f"{self.observed[-1]:.2f}" if self.observed else "unknown"
-            short.append(f"order {found} < {self.bound.order:g}")
-        for h, error in zip(self.spacings, self.errors):
-            largest = self.bound.largest(h, h == self.spacings[-1])
-            if not error <= largest:
-                short.append(f"error {error:.2e} > {largest:.2e}")
-        return "; ".join(short) or "holds"
+        """That of what is expected; differences that are not small fall short in any case."""
+        if self.between and not self.errors[-1] <= RESOLVED:
+            return "falls short"
+        return self.expected.verdict(self.observed[-1] if self.observed else nan, self.errors[-1])
+
+    def lines(self, ranks: int, source: str) -> list[list[object]]:
+        """Of a CSV file, under COLUMNS: one for each grid; norms of errors have no value and no
+        reference."""
+        found, about, rates = [], [self.entry, self.quantity, self.order], ("", *self.observed)
+        for h, one, error, rate in zip(self.spacings, self.found, self.errors, rates):
+            pair = [f"{v:.12g}" for v in one[:2]] if isinstance(one, Compared) else ["", ""]
+            found.append([*about, h, ranks, *pair, source, error, rate, self.verdict])
+        return found
 
     @property
     def cells(self) -> tuple[str, ...]:
-        """Of a table: quantity, order, spacings, errors, observed orders, verdict."""
+        """Under HEAD."""
         numbers = (self.spacings, ".4g"), (self.errors, ".2e"), (self.observed, ".2f")
         lists = [", ".join(format(v, spec) for v in values) for values, spec in numbers]
-        return self.quantity, str(self.order), *lists, self.verdict
+        return self.quantity, str(self.order), *lists, str(self.expected), self.verdict
+
+
+def told(rows: Sequence[Row]) -> str:
+    """A table for each order."""
+    tables = []
+    for (order, _), group in groupby(rows, lambda row: (row.order, row.spacings)):
+        cells = [row.cells for row in group]
+        body = text_table(SHORT_HEAD, [(cell[0], *cell[3:]) for cell in cells])
+        tables.append(f"{operator(order).name}, h = {cells[0][2]}\n{body}")
+    return "\n\n".join(tables)
+
+
+def tally(rows: Sequence[Row]) -> str:
+    """How often there is each verdict."""
+    counts = Counter(row.verdict for row in rows)
+    return ", ".join(f"{counts[word]} {text}" for word, text in VERDICTS.items())
+
+
+def order_of_differences(ratio: float, first: float, second: float, third: float) -> float:
+    """p with (first^p - second^p) / (second^p - third^p) = exp(ratio); NaN where there is none."""
+
+    def found(p: float) -> float:
+        a, b = np.log(first / second), np.log(second / third)
+        one, two = (np.expm1(p * a), -np.expm1(-p * b)) if p else (a, b)
+        return float(np.log(one / two))
+
+    there = found(LEAST) <= ratio <= found(MOST)
+    return brentq(lambda p: found(p) - ratio, LEAST, MOST) if there else nan

@@ -42,8 +42,8 @@ def panels(run: Run) -> dict[str, list[Panel]]:
     if run.dimension == 2 and run.nframes > 1:
         lines = [run.interface(k) for k in range(len(run.interfaces))]
         for line in sorted(lines, key=lambda line: -np.nanmax(np.abs(line.displacement))):
-            points = [round(part * (len(line.X) - 1)) for part in INTERFACE_POINTS]
-            curves = {f"X = {line.X[point]:.3g}": line.displacement[:, point] for point in points}
+            points = [round(part * (len(line.s) - 1)) for part in INTERFACE_POINTS]
+            curves = {f"s = {line.s[point]:.3g}": line.displacement[:, point] for point in points}
             interfaces.append(Panel(f"deflection,\n{line.name}", "m", run.time, curves))
     t = run.series.get("t", np.empty(0))
     if len(t) < 2:

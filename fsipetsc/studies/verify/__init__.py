@@ -3,8 +3,8 @@
 An entry is a module of this folder whose name stands in ENTRIES, with
   measure      measure(solve, order, h) -> Measured (fsipetsc.studies.verdicts)
   QUICK, FULL  what the levels take: order -> grid spacings, coarse to fine
-  BOUNDS       (quantity, order) -> Bound
-  SOURCE       str, of the reference
+  expected     expected(quantity, order, h) -> Expected, for operators of an order, finest grid h
+  SOURCE, WHY  str: of the reference; why this is expected, which no run of this program says
 Its problem is in problems/NAME.md, exact enough to repeat it in another code. The references in the
 folder `references` come from the independent programs in the repository's folder `verify`.
 """

@@ -1,5 +1,6 @@
 """The command `verify`: cases against references that other codes can be tested with, too."""
 
+import textwrap
 from collections.abc import Callable
 from functools import partial
 from importlib import import_module
@@ -14,8 +15,9 @@ from fsipetsc.output.file_layout import writing
 from fsipetsc.output.reader import open_run
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import Comm, together, wait_asleep
-from fsipetsc.studies.tables import csv_target, printer, results_folder, save_csv, text_table
-from fsipetsc.studies.verdicts import Bound, Compared, Measured, Row, Solve
+from fsipetsc.studies.pictures import verify_picture
+from fsipetsc.studies.tables import csv_target, printer, results_folder, save_csv
+from fsipetsc.studies.verdicts import COLUMNS, HEAD, Measured, Row, Solve, tally, told
 from fsipetsc.studies.verify import ENTRIES
 from fsipetsc.studies.verify.data import problem
 
@@ -28,8 +30,6 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
     "Verification": OPTIONS,
     "Run": tuple(option for option in RUN if option.name == "fsi_quiet"),
 }
-HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "verdict")
-COLUMNS = "case quantity order h ranks value reference source error rate verdict".split()
 
 
 def verify(arguments: list[str], comm: Comm) -> None:
@@ -47,22 +47,19 @@ def verify(arguments: list[str], comm: Comm) -> None:
     lines: list[Any] = []
     for name in names or ENTRIES:
         entry = import_module(f"fsipetsc.studies.verify.{name}")
-        say(f"{_title(name)} ({name}); reference: {entry.SOURCE}")
+        say(f"{_title(name)} ({name})\nreference: {entry.SOURCE}\nexpected: {entry.WHY}")
         found, last = run_entry(name, entry, opt["verify_level"], comm, path.parent)
-        show = partial(_show, name, entry.SOURCE, found, last, opt, path)
-        lines += [line for row in found for line in _csv_lines(row, comm.size, entry.SOURCE)]
+        show = partial(_show, name, entry, found, last, opt, path)
+        lines += [line for row in found for line in row.lines(comm.size, entry.SOURCE)]
         save = partial(save_csv, path, COLUMNS, lines)  # and again after each entry
         for action in (show, save):
             together(comm, action if comm.rank == 0 else lambda: None)
-        told = text_table(HEAD, [row.cells for row in found])
-        say((told if found else "only with -verify_level full") + "\n")
+        say((told(found) if found else "only with -verify_level full") + "\n")
         rows += found
     wait_asleep(comm)
-    hold, free = (sum(row.verdict == word for row in rows) for word in ("holds", "no bound"))
-    short = len(rows) - hold - free
-    say(f"{hold} of {len(rows)} rows hold, {free} have no bound; saved {path}")
-    if short:
-        raise ComputationError(f"{short} of {len(rows)} rows fall short of their bounds")
+    say(f"{tally(rows)} of {len(rows)} rows; saved {path}")
+    if short := sum(row.verdict == "falls short" for row in rows):
+        raise ComputationError(f"{short} of {len(rows)} rows fall short of what is expected")
 
 
 def run_entry(
@@ -80,8 +77,8 @@ def run_entry(
             measured = found[-1]
             for quantity in measured.errors:
                 numbers = tuple(one.errors[quantity] for one in found)
-                bound = entry.BOUNDS.get((quantity, order), Bound())
-                rows.append(Row(name, quantity, order, tuple(spacings), numbers, bound))
+                expected = entry.expected(quantity, order, spacings[-1])
+                rows.append(Row(name, quantity, order, tuple(spacings), numbers, expected))
     return rows, measured
 
 
@@ -123,67 +120,23 @@ def _title(name: str) -> str:
     return problem(name).split("\n")[0].removeprefix("# ")
 
 
-def _csv_lines(row: Row, ranks: int, source: str) -> list[tuple[Any, ...]]:
-    """One line for each grid, under COLUMNS; norms of errors have no value and no reference."""
-    lines = []
-    for k, (h, found, error) in enumerate(zip(row.spacings, row.found, row.errors)):
-        observed = row.observed[k - 1] if k else ""
-        about = row.entry, row.quantity, row.order, h, ranks
-        pair = found[:2] if isinstance(found, Compared) else ()
-        value, reference = [f"{v:.12g}" for v in pair] or ("", "")
-        lines.append((*about, value, reference, source, error, observed, row.verdict))
-    return lines
-
-
 def _show(
-    name: str, source: str, rows: list[Row], last: Measured | None, opt: Any, path: Path
+    name: str, entry: Any, rows: list[Row], last: Measured | None, opt: Any, path: Path
 ) -> None:
     """The picture, and FOLDER/NAME.md with problem, table and picture if wanted. FileError."""
     where = path.with_name(f"{path.stem}-{name}.png")
     if opt["verify_docs"]:
         folder = Path(opt["verify_docs"])
         where = folder / f"{name}.png"
-        about = f"Reference: {source}. Level: {opt['verify_level']}."
-        lines = [problem(name), about, ""]
+        about = f"Reference: {entry.SOURCE}. Level: {opt['verify_level']}. Expected: {entry.WHY}."
+        lines = [problem(name), *textwrap.wrap(about, 100), ""]
         if rows:
             table = [f"| {' | '.join(cells)} |" for cells in (HEAD, *(row.cells for row in rows))]
-            lines += [table[0], "|---|---:|---|---|---|---|", *table[1:]]
+            lines += [table[0], "|---|---:|---|---|---|---|---|", *table[1:]]
             lines += ["", f"![{_title(name)}]({name}.png)", ""]
         else:
             lines += ["Only `-verify_level full` runs this.", ""]
         with writing(folder / f"{name}.md", "the page"):
             (folder / f"{name}.md").write_text("\n".join(lines), encoding="utf-8")
     if rows:
-        picture(_title(name), rows, last, where)
-
-
-def picture(title: str, rows: list[Row], last: Measured | None, path: Path) -> None:
-    """Ours over the reference, of the last run, and errors over the grid spacing. FileError."""
-    from matplotlib import colormaps
-    from matplotlib.figure import Figure
-
-    curve = last.curve if last else None
-    figure = Figure(figsize=(12.0 if curve else 8.0, 4.2), layout="constrained")
-    axes = figure.subplots(1, 2 if curve else 1, squeeze=False)[0]
-    if curve:
-        thick = {"color": "0.6", "linewidth": 3, "label": "reference"}
-        axes[0].plot(curve.x_reference, curve.reference, **thick)
-        axes[0].plot(curve.x, curve.ours, ".", markersize=4, label="computed")
-        axes[0].set(xlabel=curve.labels[0], ylabel=curve.labels[1])
-        axes[0].legend(frameon=False)
-    names, orders = (list(dict.fromkeys(of)) for of in zip(*[row[1:3] for row in rows]))
-    for row in rows:
-        k, mark = names.index(row.quantity), "os^v"[orders.index(row.order)]
-        label = row.quantity if row.order == orders[0] else None
-        color = colormaps["tab20"]((2 * k + k // 10) % 20)
-        axes[-1].loglog(row.spacings, row.errors, f"{mark}-", color=color, label=label)
-    for order, mark in zip(orders, "os^v"):
-        axes[-1].plot([], [], mark, color="black", label=f"order {order}")
-    axes[-1].set(xlabel="grid spacing h", ylabel="error")
-    spacings = sorted({h for row in rows for h in row.spacings})
-    axes[-1].set_xticks([], minor=True)
-    axes[-1].set_xticks(spacings, [f"{h:.3g}" for h in spacings])
-    axes[-1].legend(frameon=False, fontsize="x-small", loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    figure.suptitle(title, fontsize="medium")
-    with writing(path):
-        figure.savefig(path, dpi=75)
+        verify_picture(_title(name), rows, last.curve if last else None, where)

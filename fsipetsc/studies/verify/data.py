@@ -29,6 +29,11 @@ def largest(errors: Any) -> float:
     return float(np.abs(errors).max())
 
 
+def root_mean_square(errors: Any) -> float:
+    """The norm of the mean."""
+    return float(np.sqrt(np.mean(np.abs(errors) ** 2)))
+
+
 def joined(frames: Iterable[Mapping[str, Array]]) -> dict[str, Array]:
     """The fields of several blocks as one array each."""
     parts = list(frames)

@@ -1,6 +1,6 @@
 """Riemann problems of a gas and an elastic rod."""
 
-from fsipetsc.studies.verdicts import Compared, Curve, Measured, Solve, expect
+from fsipetsc.studies.verdicts import Compared, Curve, Expected, Measured, Solve
 from fsipetsc.studies.verify.data import reference
 
 #: of each problem: its name, end time, options of the case
@@ -32,4 +32,9 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
 SOURCE = "verify/riemann_problems.py (Rankine and Hugoniot, iteration)"
 QUICK = {4: (0.01, 0.005)}
 FULL = {order: (0.01, 0.005, 0.0025) for order in (2, 4, 6)}
-BOUNDS = expect((f"{name}, {what}" for name in PROBLEMS for what in "up"), (2, 4, 6), error=0.01)
+WHY = "shocks are captured to first order, within a cell: h of the length 1 of the gas"
+
+
+def expected(quantity: str, order: int, h: float) -> Expected:
+    """A plateau has no order of its own."""
+    return Expected(1.0, h if quantity.endswith("p") else None)

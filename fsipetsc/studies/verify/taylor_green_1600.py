@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fsipetsc.studies.verdicts import Compared, Curve, Measured, Solve, expect
+from fsipetsc.studies.verdicts import Compared, Curve, Measured, Solve, of_order
 from fsipetsc.studies.verify.data import reference
 from fsipetsc.studies.verify.taylor_green import PERIOD, cube
 
@@ -26,5 +26,5 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
 SOURCE = "spectral_Re1600_512.gdiag (workshop on high-order CFD methods, case C3.5)"
 QUICK = {}
 FULL = {4: (PERIOD / 16, PERIOD / 32)}
-# h is far from what turbulence needs: measured 1.0 and 0.9 on the two coarse grids
-BOUNDS = expect(SPANS, (4,), 0.8)
+WHY = "order p; these grids are far from what turbulence needs"
+expected = of_order(float)
