@@ -66,8 +66,8 @@ def first_notes(state: BlockState) -> list[str]:
     notes = [
         f"note: a wall of '{block.name}' is {distance:.3g}{m} from the end of its block at "
         f"t = 0: the grid of the gas is stretched to it"
-        for block, distance in zip(blocks, away.tolist(), strict=True)
-        if distance > AWAY * state.h
+        for block, distance, h in zip(blocks, away.tolist(), problem.spacings, strict=True)
+        if distance > AWAY * h
     ]
     notes += weak_hinges(problem, state.op.order) + loose_forces(state)
     said = chain(*state.comm.allgather(state.scheme.particles.prescribed.notes()))

@@ -56,11 +56,9 @@ RECORD = np.dtype(
 def check_form(problem: Problem) -> None:
     """InputError for a problem that is not of the paper's form: a solid, with a gas on one side of
     it or on both, whose outer end insulates and stays where it is."""
-    layers, reason = problem.layers, ""
-    own = [layer for layer in layers if layer.cells]
-    if own:
-        reason = f"{own[0]} has a spacing of its own"
-    elif not problem.interfaces:
+    layers = problem.layers
+    reason = next((f"{layer} has a spacing of its own" for layer in layers if layer.cells), "")
+    if not problem.interfaces:
         reason = "there is no interface"
     elif len(layers) > 3 or sum(layer.kind == "solid" for layer in layers) > 1:
         reason = "a gas lies between two solids"
