@@ -5,13 +5,14 @@ never sees a vector of PETSc's or a rank.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, InitVar, dataclass, field
 from math import ceil, floor
 from typing import Any, ClassVar
 
 import numpy as np
 
 from fsipetsc.blame import place_of, place_of_caller
+from fsipetsc.blocks.spacing import cells_of, own_cells
 from fsipetsc.blocks.values import NOWHERE, block_values, checked
 from fsipetsc.boundaries import Boundary
 from fsipetsc.checks import Array, Fields, check_name, described, extent, function
@@ -25,8 +26,9 @@ ENDS = {"fluid": "Wall, Open or Dirichlet", "solid": "clamped(…), free(…) or
 
 @dataclass(frozen=True)
 class _Layer:
-    """What a layer of gas and one of a solid have. fields: names of what is saved of it; unknowns:
-    of a solid, what all functions return. material_class: what its material must be.
+    """What a layer of gas and one of a solid have. cells: between its ends, or h: their size [m],
+    to which the nearest that fits is taken; None: by -fsi_h. fields: names of what is saved of it;
+    unknowns: of a solid, what all functions return. material_class: what its material must be.
     """
 
     name: str
@@ -35,10 +37,13 @@ class _Layer:
     initial: Callable[[Array], Fields]
     forcing: Callable[[Array, float], Fields] | None = None
     exact: Callable[[Array, float], Fields] | None = None
+    _: KW_ONLY
+    cells: int | None = None
+    h: InitVar[float | None] = None
     material_class: ClassVar[type]
     fields: ClassVar[tuple[str, ...]]
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, h: float | None) -> None:
         kind, wanted = type(self).__name__, self.material_class
         check_name(self.name, kind)
         what = f"{kind} '{self.name}'"
@@ -46,6 +51,7 @@ class _Layer:
             found = described(self.material)
             raise InputError(f"{what}: material is {found}: expected a {wanted.__name__}")
         object.__setattr__(self, "X", extent(self.X, what))
+        object.__setattr__(self, "cells", own_cells(self.cells, h, self.X, what))
         object.__setattr__(self, "place", place_of_caller())  # for what shows later
         form = f"initial(X) -> ({', '.join(self.fields[:-1])})"
         function(self.initial, f"{what}: initial", form)
@@ -67,6 +73,10 @@ class _Layer:
     def first_values(self, X: Array, active: slice = slice(None)) -> list[Array]:
         """The initial data. InputError, perhaps on this rank alone."""
         return self.values("initial", X, 0.0, active)
+
+    def fitting(self, h: float) -> int:
+        """Cells of the size h [m] that -fsi_h says. InputError."""
+        return cells_of(self.X, h, f"-fsi_h {h:g}: {self}")
 
 
 @dataclass(frozen=True)
@@ -108,16 +118,16 @@ class SolidLayer(_Layer):
             raise InputError(f"{where}: x does not rise with X {at}", collective=False)
         return found
 
-    def cells(self, h: float) -> int:
-        """Cells of a spacing h [m]. InputError where it does not fit."""
-        length = self.X[1] - self.X[0]
-        width, cells = length / h, max(1, round(length / h))
+    def fitting(self, h: float) -> int:
+        """The same, which end at its interfaces. InputError where they do not."""
+        length, cells = self.X[1] - self.X[0], super().fitting(h)
+        width = length / h
         if abs(width - cells) > 1e-6 * max(1.0, width):
-            fine, coarse = (length / max(1, n) for n in (ceil(width), floor(width)))
+            near = sorted({max(1, floor(width)), ceil(width)})
             raise InputError(
-                f"-fsi_h {h:.10g} misses an interface: {self} of length {length:g} "
-                f"would have {width:.6g} cells; the nearest spacings that fit are {fine:.10g} and "
-                f"{coarse:.10g}"
+                f"-fsi_h {h:.10g} misses an interface: {self} of length {length:g} would have "
+                f"{width:.6g} cells; {' and '.join(f'{length / n:.10g}' for n in near)} would fit, "
+                "or the layer may have cells=… of its own"
             )
         return cells
 

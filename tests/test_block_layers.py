@@ -58,6 +58,15 @@ def test_a_panel_in_a_wall():
     assert [seen(found, k) for k in range(4)] == [dict(zip(places, faces)) for faces in wanted]
 
 
+def test_cells_of_a_layer_of_its_own():
+    """Their number, or the size to which the nearest is taken; others have those of all layers."""
+    found = fit(LOW, solid((0.5, 1.0), cells=9), order=2)
+    assert [block.cells for block in found.blocks] == [(8, 4), (8, 9)]
+    assert [block.cells for block in fit(gas((0.0, 1.0), h=0.3)).blocks] == [(8, 3)]
+    for more in ({"cells": 20}, {"h": 0.051}):
+        assert [block.cells for block in line(**more).blocks] == [(8,), (20,)]
+
+
 def fit(*stack, **more):
     given = {"lower": new.NoSlip(), "upper": new.Free(), "along": ((0.0, 1.0),), "h": 0.125}
     return layers(*stack, **given | more)
@@ -69,6 +78,11 @@ WRONG = {
     "one or more of Layer": lambda: fit(),
     "ends at 0.5, 'solid' begins at 0.6": lambda: fit(LOW, solid((0.6, 1.0))),
     "neither cells nor h": lambda: fit(LOW, h=None),
+    "cells and h are given": lambda: gas((0.0, 0.5), cells=8, h=0.1),
+    "h is 0: expected a number above 0": lambda: solid((0.0, 0.5), h=0.0),
+    "'solid': cells is 2.5": lambda: line(cells=2.5),
+    "'solid': h is True": lambda: line(h=True),
+    "'solid' of length 1 would have 1e.20 cells": lambda: line(h=1e-20),
     "one for each of along": lambda: fit(LOW, h=None, cells=(8, 8)),
     "0.125 apart from 0 to 1": lambda: fit(LOW, solid((0.5, 1.0), span=[(0.1, 0.6)])),
     "span: expected": lambda: fit(LOW, solid((0.5, 1.0), span=SPAN * 2)),

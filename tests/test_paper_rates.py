@@ -214,11 +214,12 @@ def test_what_the_paper_has_not_is_refused():
         with pytest.raises(InputError, match=words):
             PaperState(MPI.COMM_SELF, case.build(opt), {**opt, **changed})
     problem, end = case.build(opt), clamped()
-    _, rod, above = problem.layers
+    below, rod, above = problem.layers
     lid = replace(rod, name="lid", X=(6.0, 7.0))
     for changed, words in (
         ({"left": Wall(0.0, T=300.0)}, "gives or takes heat"),
         ({"left": Wall(lambda t: 0.0 * t)}, "the wall of layer 'below' moves"),
+        ({"layers": (below, replace(rod, cells=20), above)}, "'rod' has a spacing of its own"),
         ({"layers": (rod,), "left": end, "right": end}, "no interface"),
         ({"layers": (rod, above, lid), "left": end, "right": end}, "a gas lies between two solids"),
     ):

@@ -26,18 +26,18 @@ Function = Callable[..., Any]
 def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
     """A Problem in one dimension as blocks.
 
-    h: spacing [m]; order: of the operators. InputError where h does not fit a solid, or for what
-    only the paper's method has.
+    h: spacing [m] of layers without cells of their own; order: of the operators. InputError where
+    h does not fit a solid, or for what only the paper's method has.
     """
-    blocks, notes = [], list(problem.notes)
+    blocks, notes, least = [], list(problem.notes), operator(order).min_points - 1
     for layer in problem.layers:
-        cells = max(1, round((layer.X[1] - layer.X[0]) / h))
+        cells = layer.cells or layer.fitting(h)
         layer.first_values(np.linspace(*layer.X, cells + 1))  # checks it
         if isinstance(layer, SolidLayer):
-            blocks.append(_solid(layer, h))
+            blocks.append(_solid(layer, cells))
         else:
-            least = operator(order).min_points - 1
-            blocks.append(_gas(layer, _gas_grid(problem, layer, notes), max(cells, least)))
+            cells = layer.cells or max(cells, least)
+            blocks.append(_gas(layer, _gas_grid(problem, layer, notes), cells))
     ends = zip((0, 1), (problem.left, problem.right), (blocks[0], blocks[-1]), strict=True)
     faces = {
         (block.name, 0, side): end.condition(getattr(block.material, "gas_law", None), side)
@@ -96,7 +96,7 @@ def _gas(layer: FluidLayer, grid: tuple[float, float], cells: int) -> Block:
 # solids
 
 
-def _solid(layer: SolidLayer, h: float) -> Block:
+def _solid(layer: SolidLayer, cells: int) -> Block:
     stress, exact = _prestress(layer), layer.exact
     (found,) = stress(np.linspace(*layer.X, 101))
     uniform = np.ptp(found) == 0.0
@@ -104,7 +104,7 @@ def _solid(layer: SolidLayer, h: float) -> Block:
         layer.name,
         _elastic(layer.material, -float(found[0]) if uniform else 0.0),
         rectangle(*layer.X),
-        (layer.cells(h),),
+        (cells,),
         _picked(layer.initial, lambda u, sigma, T, x: (u, T, x)),
         forcing=layer.forcing and _forces_alone(layer),
         exact=exact and _picked(exact, lambda u, sigma, T, x: (u, T, x)),

@@ -47,8 +47,8 @@ def walls_away(state: BlockSolution) -> list[str]:
     return [
         f"a wall of '{block.name}' is {distance:.3g}{m} from the end of its block at t = 0: the "
         "grid of the gas is stretched to it"
-        for block, distance in zip(blocks, away.tolist(), strict=True)
-        if distance > AWAY * state.h
+        for block, distance, h in zip(blocks, away.tolist(), state.problem.spacings, strict=True)
+        if distance > AWAY * h
     ]
 
 

@@ -61,7 +61,7 @@ class BlockSolution(State):
         announce: Callable[[str], None] = lambda text: None,
     ) -> None:
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
-        self.h = float(problem.spacing)
+        self.h = float(min(problem.spacings))
         self.shocks, self.loose = form.shock > 0.0, loose_gases(problem, form.convection)
         self.lossy, auxiliary = lossy(problem), gained(problem).itemsize // 8
         self.layout = BlockLayout(comm, problem, order, self.shocks, partition, auxiliary)

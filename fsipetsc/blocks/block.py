@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blocks.maps import Map, Nodes, place_text
+from fsipetsc.blocks.spacing import whole
 from fsipetsc.checks import Array, check_name, described, function
 from fsipetsc.equations import tensors
 from fsipetsc.errors import InputError
@@ -155,8 +156,7 @@ class Block:
     def _check_axes(self) -> None:
         """InputError for wrong cells or periodic; both become tuples."""
         cells = self.cells if isinstance(self.cells, (tuple, list)) else (self.cells,)
-        whole = (isinstance(c, (int, np.integer)) and c is not True and c > 0 for c in cells)
-        if not (1 <= len(cells) <= 3 and all(whole)):
+        if not (1 <= len(cells) <= 3 and all(map(whole, cells))):
             wanted = "expected 1, 2 or 3 whole numbers above 0"
             raise InputError(f"{self}: cells is {described(self.cells)}: {wanted}")
         periodic = tuple(self.periodic) or (False,) * len(cells)

@@ -7,7 +7,7 @@ joined.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import InitVar, dataclass, replace
 from itertools import product
 from typing import Any
 
@@ -15,6 +15,7 @@ from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Condition, Periodic
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.blocks.spacing import cells_of, own_cells
 from fsipetsc.checks import POSITIVE, described, extent, number
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator
@@ -31,11 +32,12 @@ _SAME = 1e-6
 class Layer:
     """A flat layer; InputError as of Block.
 
-    across: (low, high) of it along the last axis [m]. cells: across it; None: by the spacing h of
-    ``layers``. span: (low, high) for each axis along the layers, None for one that it reaches over
-    all of; None: over all of all. sides: what stands at its sides, one condition or one for each
-    (axis, side); None: those of ``layers``. beside: what its lower or upper face is where the layer
-    there has ended. initial, forcing, exact: as of Block.
+    across: (low, high) of it along the last axis [m]. cells: across it, or h: their size [m], to
+    which the nearest that fits is taken; None: by the h of ``layers``. span: (low, high) for each
+    axis along the layers, None for one that it reaches over all of; None: over all of all. sides:
+    what stands at its sides, one condition or one for each (axis, side); None: those of ``layers``.
+    beside: what its lower or upper face is where the layer there has ended. initial, forcing,
+    exact: as of Block.
     """
 
     name: str
@@ -48,10 +50,12 @@ class Layer:
     beside: Condition | None = None
     forcing: Callable[..., Any] | None = None
     exact: Callable[..., Any] | None = None
+    h: InitVar[float | None] = None
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, h: float | None) -> None:
         what = f"layer {described(self.name)}"
         object.__setattr__(self, "across", extent(self.across, what))
+        object.__setattr__(self, "cells", own_cells(self.cells, h, self.across, what))
         if self.span is not None:
             span = tuple(None if ends is None else extent(ends, what) for ends in self.span)
             object.__setattr__(self, "span", span)
@@ -107,7 +111,7 @@ def _cells(ends: Extent, h: float | None, what: str) -> int:
     """Cells of the spacing h [m]. InputError where it is none."""
     if h is None:
         raise InputError(f"{what}: neither cells nor h is given: expected one of them")
-    return max(1, round((ends[1] - ends[0]) / number(h, "layers: h", POSITIVE)))
+    return cells_of(ends, number(h, "layers: h", POSITIVE), what)
 
 
 def _complete(layer: Layer, below: Layer | None, axes: int, rows: int, sides: Any) -> Layer:

@@ -223,10 +223,10 @@ class BlockProblem:
         return sorted(f for f, met in faces if isinstance(met, Meeting) and met.block == gas)
 
     @cached_property
-    def spacing(self) -> float:
-        """The smallest mean size of the cells of a block [m]."""
+    def spacings(self) -> list[float]:
+        """The mean size of the cells of each block [m]."""
         d = self.dimension
-        return min((size_of(b) / np.prod(b.cells)) ** (1.0 / d) for b in self.blocks)
+        return [(size_of(b) / np.prod(b.cells)) ** (1.0 / d) for b in self.blocks]
 
     @property
     def _forced(self) -> bool:

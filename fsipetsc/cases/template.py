@@ -63,6 +63,7 @@ def build(opt):
 
     # Layers from left to right: name, material, begin and end [m], initial data.
     # With exact=function(X, t) the run prints errors; forcing=function(X, t) adds right-hand sides.
+    # A thin layer takes cells=16, or h=0.001 [m], of its own; the others keep the spacing fsi_h.
     layers = (
         FluidLayer("left", air, (0.0, LEFT), left_gas),
         SolidLayer("plate", plate, (LEFT, RIGHT), solid),

@@ -20,9 +20,6 @@ from fsipetsc.problem import Problem
 Array = np.ndarray
 #: kind of layer -> unknowns of a point
 DOF = {"fluid": 3, "solid": 4}
-#: cells of a layer, with the spare ones: the unknowns of a few such layers can still be counted in
-#: 32 bits
-MOST_CELLS = 50_000_000
 #: points by which a gas may grow, beside an eighth of its own
 SPARE = 16
 
@@ -60,7 +57,8 @@ RECORD = np.dtype(
 def check_form(problem: Problem) -> None:
     """InputError for a problem that is not of the paper's form: a solid, with a gas on one side of
     it or on both, whose outer end insulates and stays where it is."""
-    layers, reason = problem.layers, ""
+    layers = problem.layers
+    reason = next((f"{layer} has a spacing of its own" for layer in layers if layer.cells), "")
     if not problem.interfaces:
         reason = "there is no interface"
     elif len(layers) > 3 or sum(layer.kind == "solid" for layer in layers) > 1:
@@ -71,8 +69,8 @@ def check_form(problem: Problem) -> None:
             reason = f"the wall of layer '{layers[k].name}' {doing}"
     if reason:
         raise InputError(
-            f"{reason}: the paper's couplings are of a solid between gases in rigid frames: take "
-            "-fsi_coupling conservative"
+            f"{reason}: the paper's couplings are of a solid between gases in rigid frames, on "
+            "grids of one spacing: take -fsi_coupling conservative"
         )
 
 
@@ -106,25 +104,21 @@ def make_records(problem: Problem, op: SBPOperator, h: float, halo: int) -> Arra
     records = np.zeros(len(problem.layers), RECORD)
     for k, layer in enumerate(problem.layers):
         record, fluid = records[k], layer.kind == "fluid"
-        width = (layer.X[1] - layer.X[0]) / h
-        if not width + SPARE < MOST_CELLS:
-            raise InputError(
-                f"layer '{layer.name}' of length {layer.X[1] - layer.X[0]:g} would have "
-                f"{width:.3g} cells with -fsi_h {h:g}; {MOST_CELLS} are too many"
-            )
+        cells = layer.fitting(h)
         record["number"], record["h"], record["halo"] = k, h, halo
         record["outer"] = k > 0
         record["end_x"] = [getattr(problem.end(k, side), "x", 0.0) for side in (0, 1)]
         if fluid:
             # the ghost point is the first one at or beyond the boundary
-            cells, degree = int(np.ceil(width - 1e-9)), max(ends_of(problem, k, op.order).degree)
+            cells = int(np.ceil((layer.X[1] - layer.X[0]) / h - 1e-9))
+            degree = max(ends_of(problem, k, op.order).degree)
             room = max(SPARE + max(1, cells // 8), cells // 3)
             # the treatment of the interface must not change the points of a boundary's formulas; a
             # new point takes one more than the degree of its extrapolation
             nodes = max(degree, GasEnd.new + 1)
             least = max(op.min_points, nodes + 2, degree + 1 + row_length(op))
         else:
-            cells, room, least = layer.cells(h), 0, max(4, op.min_points)
+            room, least = 0, max(4, op.min_points)
         first = room if k == 0 else 0  # spare points are on the outer side
         at_right = fluid and k == 0  # the anchor is the interface
         record["n"], record["least"] = cells + 1 + room, least

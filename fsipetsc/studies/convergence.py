@@ -8,11 +8,12 @@ CSV, and a picture: error against grid spacing and against time.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import partial
+from dataclasses import dataclass, field, replace
+from functools import partial, wraps
 from itertools import product
 from math import nan
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import Option, groups
 from fsipetsc.output.reader import Run, open_run
+from fsipetsc.problem import Problem
 from fsipetsc.process.together import Comm, together, wait_asleep
 from fsipetsc.studies.grids import SAMPLES, differences
 from fsipetsc.studies.pictures import convergence_picture
@@ -68,6 +70,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
     case = together(comm, lambda: _case(arguments))
     name, instead = f"{case.NAME}-convergence", {"fsi_order": "fsi_orders"}
     opt, _, path = begin(case, arguments[1:], comm, OPTIONS, name, instead)
+    case = _refining(case, opt["fsi_h"])
     orders, hs, exact, units = _plan(case, opt, comm)
     time = f"t = {opt['ts_max_time']:g}" + " s" * (units == "SI")
     what = "errors" if exact else "relative differences from the next grid"
@@ -110,6 +113,25 @@ def _case(arguments: Sequence[str]) -> Any:
         usage = f"{PROGRAM} convergence CASE [-option value ...]"
         raise InputError(f"the command convergence wants a case, such as mms or pulse: {usage}")
     return load_case(arguments[0])
+
+
+def _refining(case: Any, h: float) -> Any:
+    """The case, in which layers in one dimension whose own cells are the same for any -fsi_h are
+    refined with it; h [m]: the -fsi_h to which these cells belong.
+    """
+
+    @wraps(case.build)
+    def build(opt: Any) -> Any:
+        found = case.build(opt)
+        if not isinstance(found, Problem):
+            return found
+        layers, usual = list(found.layers), case.build(type(opt)({**opt, "fsi_h": h})).layers
+        for k, (now, before) in enumerate(zip(layers, usual)):
+            if now.cells and now.cells == before.cells:
+                layers[k] = replace(now, cells=max(1, round(now.cells * h / opt["fsi_h"])))
+        return replace(found, layers=layers)
+
+    return SimpleNamespace(**{**vars(case), "build": build})
 
 
 def _plan(

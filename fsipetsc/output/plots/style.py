@@ -86,9 +86,11 @@ def set_title(figure: Figure, title: str) -> Text:
 def of_run(run: Run, what: str) -> str:
     """What is shown, then case, order, grid spacing, ranks, and whether the run has ended."""
     order = operator(run.options["fsi_order"]).name
-    h = f"{run.options['fsi_h']:g}{' m' * is_si(run)}"
+    said = run.options["fsi_h"]
+    sizes = [layer.h or said for layer in run.layers] if run.dimension == 1 else [said]
+    h = " to ".join(dict.fromkeys(f"{size:.4g}" for size in (min(sizes), max(sizes))))
     ranks = counted(run.summary["ranks"], "rank") + ", unfinished" * (not run.complete)
-    return f"{run.case}, {what}  (order {order}, h = {h}, {ranks})"
+    return f"{run.case}, {what}  (order {order}, h = {h}{' m' * is_si(run)}, {ranks})"
 
 
 def labelled(run: Run, label: str, unit: str) -> str:
