@@ -4,6 +4,7 @@ import os
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from helpers import computed, message, on_ranks, solve
 
@@ -16,7 +17,8 @@ def written(folder, name, *words, ranks=1):
     assert (made.returncode, made.stderr, made.stdout.count("wrote")) == (0, "", 1)
     assert f"python -m fsipetsc {name}" in made.stdout
     text, stem = (folder / name).read_text(), name.removesuffix(".py")
-    source = Path(cases.__file__).with_name("block_template.py" if words else "template.py")
+    name_of = "".join(["template", *words]).replace("-", "_")
+    source = Path(cases.__file__).with_name(f"{name_of}.py")
     template = source.read_text().replace("FILE.py", name).replace("NAME.", f"{stem}.")
     assert text == template and f"{stem}.h5" in text
     return text
@@ -44,6 +46,49 @@ def test_blocks(tmp_path):
     assert 1e-3 < moved.mean() < 6e-3 and moved.max() < 2e-2
 
 
+def test_water(tmp_path):
+    """The front of pressure has the speed of the file's own words, and the height that
+    docs/water.md derives."""
+    text = written(tmp_path, "my_water.py", "-water")
+    told = float(re.search(r"as short as here has (\d+) m/s", text)[1])
+    line = "my_water.py -fsi_order 2 -fsi_h 0.03 -fsi_check 1e-9"
+    result = computed(tmp_path, "a.h5", *line.split())
+    water, rise = result.blocks["water"], 1.841e5
+    p = np.average(water["p"] - 1e6, axis=1, weights=water.Y)
+    assert p[-1, :25].mean() == pytest.approx(rise, rel=0.015)
+    front = [np.interp(-0.5 * rise, -line, water.X) for line in p]
+    crossed = [k for k, X in enumerate(front) if 0.4 < X < 1.1]
+    speed = np.polyfit(result.time[crossed], np.take(front, crossed), 1)[0]
+    assert len(crossed) > 20 and speed == pytest.approx(told, rel=0.01)
+
+
+def test_plate(tmp_path):
+    """Without air the plate goes to twice its static deflection and is back after a period."""
+    text = written(tmp_path, "my_plate.py", "-plate")
+    line = "my_plate.py -plate_air false -ts_max_time 3.8e-4"
+    result = computed(tmp_path, "a.h5", *line.split())
+    t, way = result.series["t"], result.series["y_point"][:, 0]
+    w, period = map(float, re.search(r"= ([\d.]+) um,.* a period of ([\d.]+) ms", text).groups())
+    assert way.max() == pytest.approx(2 * 1.034 * 1e-6 * w, rel=0.03)
+    back = t > 0.7e-3 * period
+    assert t[back][way[back].argmin()] == pytest.approx(1e-3 * period, rel=0.03)
+    line = "my_plate.py -ts_max_time 2e-5 -fsi_check 1e-9"
+    result = computed(tmp_path, "b.h5", *line.split(), ranks=2)
+    assert result.complete and result.blocks["air"]["v"][-1].max() > 0.01
+
+
+@pytest.mark.long
+def test_channel(tmp_path):
+    """The pressure falls in the middle as the file's own words say; it is steady."""
+    text = written(tmp_path, "my_flow.py", "-channel")
+    result = computed(tmp_path, "a.h5", "my_flow.py", "-fsi_check", 1e-9)
+    gas = result.blocks["gas"]
+    p = np.interp([0.01, 0.03], gas.X, gas["p"][-1].mean(axis=0))
+    told = float(re.search(r"the run has ([\d.]+) kPa/m", text)[1])
+    assert (p[0] - p[1]) / 0.02 == pytest.approx(1e3 * told, rel=1e-3)
+    assert np.ptp(gas["u"][-2:], axis=0).max() < 1e-6
+
+
 @pytest.mark.parametrize(
     ("name", "status", "said"),
     [
@@ -52,11 +97,12 @@ def test_blocks(tmp_path):
         ("rod.py", 2, "'rod' is the name of a built-in case"),
         ("numpy.py", 2, "a Python module, which this file would hide"),
         ("run.h5", 2, "expected one that ends in .py"),
+        ("two.py -blocks -water", 2, "-blocks and -water are given: expected one of them"),
     ],
 )
 def test_a_name_that_would_not_do(name, status, said, tmp_path):
     (tmp_path / "mine.py").write_text("precious")
     (tmp_path / "link.py").symlink_to("nowhere")
-    message(solve("new", name, cwd=tmp_path), status, said)
+    message(solve("new", *name.split(), cwd=tmp_path), status, said)
     assert (tmp_path / "mine.py").read_text() == "precious"
     assert sorted(os.listdir(tmp_path)) == ["link.py", "mine.py"]

@@ -125,6 +125,9 @@ ACCEPTED = {
     "all walls move": alone("gas", moving(1, -1), north=moving(1, -1)),
     "open ends": alone("gas", Outflow(1.0), north=moving(0, -1), east=Open(1.0, (0.0, 0.0), 1.0)),
     "a clamp along rollers": alone("solid", Roller(), north=moving(0, 1, kind=Clamped)),
+    "a hinge in the middle of a roller": alone(
+        "solid", Roller(), (("solid", (0.0, 0.5), Hinge()),)
+    ),
     "a solid that slides, with drag": stacked(NoSlip(slip_length=1.0), Roller()),
     "a clamped solid": stacked(NoSlip(), Clamped()),
     "equal temperatures": alone("gas", NoSlip(T=300.0), north=NoSlip(T=300.0)),

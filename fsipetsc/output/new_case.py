@@ -13,10 +13,10 @@ from fsipetsc.usage import PROGRAM
 
 
 def new(name: str, given: Mapping[str, str]) -> str:
-    """Write the template of layers, or of blocks, as the file `name`; how it is run.
+    """Write the template of layers, or that of the option given, as the file `name`; how it is run.
 
-    InputError for a name that could not be run, or would hide something else; FileError where there
-    is a file, which is left; OSError where none can be written.
+    InputError for a name that could not be run, or would hide something else, and for two options;
+    FileError where there is a file, which is left; OSError where none can be written.
     """
     path, stem = Path(name), Path(name).stem
     if path.suffix != ".py":
@@ -28,7 +28,9 @@ def new(name: str, given: Mapping[str, str]) -> str:
     if taken:
         expected = f"expected another name, such as my_{stem}.py"
         raise InputError(f"new: '{stem}' is the name of {taken}: {expected}")
-    template = "block_template.py" if "-blocks" in given else "template.py"
+    if len(given) > 1:
+        raise InputError(f"new: {' and '.join(given)} are given: expected one of them")
+    template = "".join(["template", *(option.replace("-", "_") for option in given), ".py"])
     text = Path(cases.__file__).with_name(template).read_text(encoding="utf-8")
     if re.fullmatch(r"[\w./-]+", name):  # as it may stand in the examples
         text = text.replace("FILE.py", name).replace("NAME.", f"{stem}.")

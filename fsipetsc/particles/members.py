@@ -152,7 +152,8 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
     several = max(len(slips) + len(rolls), len(found) + (hinge is not None)) > 1
     for face, _ in [*slips, *rolls] if several else ():
         normal, place, within = problem.face_normal(*members[face.member], face.axis, face.side)
-        directions[face] = normal, (within - place) / np.linalg.norm(within - place)
+        into = within - place  # 0 in the middle of a face, where no other wall is
+        directions[face] = normal, into / (np.linalg.norm(into) or 1.0)
 
     def one_wall(one: tuple[Face, Any], other: tuple[Face, Any]) -> bool:
         """By the names of walls if both have one; else unless one goes into the other's gas."""
