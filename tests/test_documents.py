@@ -39,13 +39,14 @@ FENCED = re.compile(r"^```(\w*)$(.*?)^```$", re.S | re.M)
 
 @cache
 def known_options() -> frozenset[str]:
-    """Names of options that -help of all cases and commands tells."""
+    """Names of options that -help of all cases, those of runs/ too, and commands tells."""
     from fsipetsc.cases import BUILT_IN
     from fsipetsc.cli import COMMANDS, main
 
     with contextlib.redirect_stdout(io.StringIO()) as said:
-        for name in (*BUILT_IN, *COMMANDS, "convergence mms"):
-            assert main([*name.split(), "-help"]) == 0
+        files = [[str(path)] for path in (REPOSITORY / "runs").glob("*.py")]
+        for words in (*map(str.split, (*BUILT_IN, *COMMANDS, "convergence mms")), *files):
+            assert main([*words, "-help"]) == 0
     return frozenset(re.findall(r"(?<![\w-])-([A-Za-z]\w*)", said.getvalue())) | {"n", "m", "help"}
 
 
@@ -166,7 +167,8 @@ def test_code_runs(page, here, monkeypatch):
 def words_of(name):
     """What a file of options says to run: the words after `python -m fsipetsc`."""
     command = r"python -m fsipetsc (.*?)(?: &&.*)?$"
-    return shlex.split(re.search(command, OPTIONS_FILES[name], re.M)[1])
+    case, *words = shlex.split(re.search(command, OPTIONS_FILES[name], re.M)[1])
+    return [str(REPOSITORY / case) if case.endswith(".py") else case, *words]
 
 
 def test_each_case_has_an_options_file():
