@@ -41,7 +41,7 @@ FENCED = re.compile(r"^```(\w*)$(.*?)^```$", re.S | re.M)
 
 @cache
 def known_options() -> frozenset[str]:
-    """Names of options that -help of all cases and commands tells."""
+    """Names of options that -help of all cases, those of runs/ too, and commands tells."""
     from fsipetsc.cases import BUILT_IN
     from fsipetsc.cli import COMMANDS, main
 
@@ -194,7 +194,8 @@ def test_code_runs(page, here, monkeypatch):
 def words_of(name):
     """What a file of options says to run: the words after `python -m fsipetsc`."""
     command = r"python -m fsipetsc (.*?)(?: &&.*)?$"
-    return shlex.split(re.search(command, OPTIONS_FILES[name], re.M)[1])
+    case, *words = shlex.split(re.search(command, OPTIONS_FILES[name], re.M)[1])
+    return [str(REPOSITORY / case) if case.endswith(".py") else case, *words]
 
 
 def test_each_case_has_an_options_file():

@@ -223,6 +223,18 @@ def test_without_a_folder_there_is_a_warning_and_another_one(cache, monkeypatch,
         shutil.rmtree(place)
 
 
+def test_a_folder_that_can_only_be_read_is_read(cache, monkeypatch, capsys):
+    """What is new is compiled for this process alone, with one warning."""
+    text, name = simple()
+    path = build.keep(name, build.made(text))
+    monkeypatch.setattr(build.os, "access", lambda place, how: False)
+    monkeypatch.setattr(build, "_instead", [])
+    assert build.kept(name) == path and not capsys.readouterr().err
+    for other in ("a.so", "b.so"):
+        assert build.keep(other, b"new").parent != cache and build.kept(other)
+    assert capsys.readouterr().err.count("warning: cannot keep compiled kernels") == 1
+
+
 def test_a_compiler_that_fails_is_told_with_its_first_error(cache):
     with pytest.raises(InputError, match=r"compiling kernels failed: .*kernels.c:1:.*error.*cc"):
         build.made("this is no C\n")

@@ -53,6 +53,8 @@ MISSING = (
 
 #: whether this process says that it cannot keep libraries; of several ranks the first one does
 tells = True
+#: a folder of this process, in the place of one that can only be read
+_instead: list[Path] = []
 #: compilers at work
 _running: set[subprocess.Popen[bytes]] = set()
 
@@ -152,7 +154,7 @@ def _hash(*parts: bytes) -> bytes:
 @cache
 def folder() -> Path:
     """Where libraries are kept: the user's folder, or one for this process, with a warning, where
-    nothing can be written. InputError for a folder that others can write to.
+    there can be none. InputError for a folder that others can write to.
     """
     given = os.environ.get("FSIPETSC_CACHE")
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
@@ -167,8 +169,6 @@ def folder() -> Path:
             f"others can write to {place}, where compiled kernels are kept: take that right away "
             "(chmod go-w), or name another folder by the variable FSIPETSC_CACHE"
         )
-    if not os.access(place, os.W_OK | os.X_OK):
-        return _temporary(place, "permission denied")
     return place
 
 
@@ -184,12 +184,12 @@ def _temporary(place: Path, why: object) -> Path:
 
 def kept(name: str) -> Path | None:
     """The library of this name, if it is there and whole."""
-    path = folder() / name
-    try:
-        content = path.read_bytes()
-    except OSError:
-        return None
-    return path if content[-32:] == _hash(content[:-32]) else None
+    for path in (place / name for place in (folder(), *_instead)):
+        with suppress(OSError):
+            content = path.read_bytes()
+            if content[-32:] == _hash(content[:-32]):
+                return path
+    return None
 
 
 def made(text: str) -> bytes:
@@ -212,13 +212,18 @@ def end_compilers() -> None:
 
 def keep(name: str, library: bytes) -> Path:
     """Put the bytes of a library where it is kept; whoever reads it meanwhile has the old one or
-    the new one. FileError.
+    the new one. Where the folder can only be read, in one for this process. FileError.
     """
+    place = folder()
+    if not os.access(place, os.W_OK | os.X_OK):
+        if not _instead:
+            _instead.append(_temporary(place, "it cannot be written"))
+        place = _instead[0]
     try:
-        _write(folder() / name, library + _hash(library))
+        _write(place / name, library + _hash(library))
     except OSError as error:
-        raise FileError(f"cannot keep compiled kernels in {folder()}: {error.strerror}") from error
-    return folder() / name
+        raise FileError(f"cannot keep compiled kernels in {place}: {error.strerror}") from error
+    return place / name
 
 
 def _write(path: Path, content: bytes) -> None:
