@@ -87,7 +87,7 @@ def texts() -> dict[str, str]:
 def pages_that_name(word: str) -> list[str]:
     """Links to the pages that name an option, with its dash, or a case or command, in code."""
     found = re.compile(rf"(`|fsipetsc |scripts/run |(?<!\w)(?=-)){word}\b")
-    names = (name for name, text in texts().items() if found.search(text))
+    names = (name for name, text in texts().items() if word in text and found.search(text))
     return [f"[{name.removesuffix('.md')}]({name})" for name in names]
 
 
