@@ -51,14 +51,6 @@ def notebook_page() -> tuple[str, dict[str, bytes]]:
     return "\n\n".join(parts) + "\n", pictures
 
 
-def public_names() -> dict[str, list[str]]:
-    """Heading -> full names, from the tables of commands.md."""
-    parts = (DOCS / "commands.md").read_text().split(PUBLIC)[1].split("\n### ")[1:]
-    headings = (part.partition("\n")[0] for part in parts)
-    links = (PUBLIC_ROW.sub(with_links, part) for part in parts)
-    return {heading: re.findall(r"`\]\[(.*?)\]", part) for heading, part in zip(headings, links)}
-
-
 def with_links(row: re.Match[str]) -> str:
     """The first cell of a row of public names, a module perhaps and names, with links to these."""
     module, colon, names = row[1].rpartition(": ")
@@ -66,11 +58,21 @@ def with_links(row: re.Match[str]) -> str:
     return f"| {module}{colon}" + re.sub(r"`(\w+)`", rf"[`\1`][{path}.\1]", names) + " |"
 
 
+def public_names() -> dict[tuple[str, str], list[str]]:
+    """(heading, sentence) -> full names, from the tables of commands.md."""
+    found = {}
+    for part in texts()["commands.md"].split(PUBLIC)[1].split("\n### ")[1:]:
+        heading, _, about, tables = part.split("\n", 3)
+        links = PUBLIC_ROW.sub(with_links, tables)
+        found[heading, about] = re.findall(r"`\]\[(.*?)\]", links)
+    return found
+
+
 def reference_pages() -> dict[str, str]:
     """Pages of public names by file, to which mkdocstrings adds the docstrings."""
     pages = {}
-    for heading, names in public_names().items():
-        parts = [f"# {heading}", "d is the number of dimensions; [cases](cases.md) have examples."]
+    for (heading, about), names in public_names().items():
+        parts = [f"# {heading}", about]
         for name in names:
             members = MEMBERS.get(name, "").replace(" ", ", ")
             parts.append(f"::: {name}\n    options:\n      members: [{members}]")
