@@ -81,8 +81,8 @@ def layers(
 ) -> BlockProblem:
     """The blocks of flat layers that lie one above the other, along the last axis.
 
-    Where a layer ends, all layers are cut into blocks, so that faces conform. Neighbours meet,
-    whatever they are of.
+    Where a layer ends, all layers are cut into blocks, so that faces conform. Neighbours meet, be
+    they of gas or of a solid.
 
     Args:
         stack: the layers, from below.

@@ -27,7 +27,7 @@ class Fluid:
         force: body force per mass [m/s2], a number in one dimension, else d numbers.
 
     Raises:
-        InputError: a number is out of range, or a law is none.
+        InputError: a number is out of range, or a law is of the wrong kind.
     """
 
     mu: float

@@ -42,7 +42,7 @@ class ElasticSolid:
             -p cof F to the stress.
 
     Raises:
-        InputError: a number is out of range, or a law is none.
+        InputError: a number is out of range, or a law is of the wrong kind.
     """
 
     mu_e: float

@@ -46,7 +46,7 @@ class Periodic(Condition):
         shift: d numbers [m]: the other face is this one moved by them.
 
     Raises:
-        InputError: shift has no numbers.
+        InputError: shift is not made of numbers.
     """
 
     shift: Any
