@@ -1,5 +1,5 @@
-"""What MkDocs makes when it builds the site (scripts/docs): the front page, the page of the
-tutorial, links.
+"""What MkDocs makes when it builds the site (scripts/docs): the front page, the tutorial, pages of
+public names and of the options of cases and commands, links.
 """
 
 from __future__ import annotations
@@ -7,10 +7,23 @@ from __future__ import annotations
 import base64
 import json
 import re
+from collections.abc import Iterable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 DOCS = Path(__file__).resolve().parent
+PUBLIC, PUBLIC_ROW = "\n## What is public\n", re.compile(r"^\| (`.*?) \|", re.M)
+#: public class -> its attributes and methods that have a text of their own
+MEMBERS = {
+    "fsipetsc.Run": "at interface to_xarray close",
+    "fsipetsc.output.reader.Layer": "size frame",
+    "fsipetsc.output.differences.Comparison": "equal",
+    "fsipetsc.Fluid": "sound_speed internal_energy cv",
+    "fsipetsc.Solid": "pressure sound_speed",
+    "fsipetsc.materials.solid.ElasticSolid": "K",
+    "fsipetsc.mesh_files.Grid": "faces",
+}
 
 
 def front_page() -> str:
@@ -38,6 +51,91 @@ def notebook_page() -> tuple[str, dict[str, bytes]]:
     return "\n\n".join(parts) + "\n", pictures
 
 
+def with_links(row: re.Match[str]) -> str:
+    """The first cell of a row of public names, a module perhaps and names, with links to these."""
+    module, colon, names = row[1].rpartition(": ")
+    path = module.strip("`") or "fsipetsc"
+    return f"| {module}{colon}" + re.sub(r"`(\w+)`", rf"[`\1`][{path}.\1]", names) + " |"
+
+
+def public_names() -> dict[tuple[str, str], list[str]]:
+    """(heading, sentence) -> full names, from the tables of commands.md."""
+    found = {}
+    for part in texts()["commands.md"].split(PUBLIC)[1].split("\n### ")[1:]:
+        heading, _, about, tables = part.split("\n", 3)
+        links = PUBLIC_ROW.sub(with_links, tables)
+        found[heading, about] = re.findall(r"`\]\[(.*?)\]", links)
+    return found
+
+
+def reference_pages() -> dict[str, str]:
+    """Pages of public names by file, to which mkdocstrings adds the docstrings."""
+    pages = {}
+    for (heading, about), names in public_names().items():
+        parts = [f"# {heading}", about]
+        for name in names:
+            members = MEMBERS.get(name, "").replace(" ", ", ")
+            parts.append(f"::: {name}\n    options:\n      members: [{members}]")
+        pages[f"reference-{heading.split()[0].lower()}.md"] = "\n\n".join(parts) + "\n"
+    return pages
+
+
+@cache
+def texts() -> dict[str, str]:
+    """The pages of docs by name."""
+    return {path.name: path.read_text() for path in sorted(DOCS.glob("*.md"))}
+
+
+def pages_that_name(word: str) -> list[str]:
+    """Links to the pages that name an option, with its dash, or a case or command, in code."""
+    found = re.compile(rf"(`|fsipetsc |scripts/run |(?<!\w)(?=-)){word}\b")
+    names = (name for name, text in texts().items() if word in text and found.search(text))
+    return [f"[{name.removesuffix('.md')}]({name})" for name in names]
+
+
+def options_page() -> str:
+    """The options of built-in cases and of commands, from the tables that -help prints."""
+    from fsipetsc.cases import BUILT_IN, load_case
+    from fsipetsc.cli import COMMANDS
+    from fsipetsc.options import COMMON, PETSC_OPTIONS, REQUIRED
+
+    shared = {option.name for option in COMMON + PETSC_OPTIONS}
+    parts = [
+        "# Options of cases and commands",
+        "Beside these, a case takes [the options of every run](options.md); its own defaults of "
+        "them, and all options of a command, are what `-help` prints.",
+    ]
+
+    def add(name: str, summary: str, options: Iterable[Any]) -> None:
+        rows, known = [], pages_that_name(name)
+        for o in options:
+            if o.name not in shared:
+                choices = f": {', '.join(map(str, o.choices))}" if o.choices else ""
+                default = "" if o.default in (None, REQUIRED) else o.default
+                pages = ", ".join(pages_that_name(f"-{o.name}") or known)
+                about = f"{default} | {o.unit} | {o.help}{choices} | {pages}"
+                rows.append(f"| `-{o.name}` | {o.kind} | {about} |")
+        head = "| option | type | default | unit | meaning | pages |\n|---|---|---|---|---|---|"
+        about = f"{summary[:1].upper()}{summary[1:]}. Pages: {', '.join(known)}."
+        if rows:
+            parts.extend([f"## {name}", about, "\n".join([head, *rows])])
+
+    for name in BUILT_IN:
+        case = load_case(name)
+        add(name, case.SUMMARY, case.OPTIONS)
+    for name, command in COMMANDS.items():
+        if not command.by_one and name != "compile":
+            sections = command.find("SECTIONS") or command.find("sections")([])
+            found = (of for title, of in sections.items() if not title.startswith("Case "))
+            add(name, command.summary, (option for of in found for option in of))
+    return "\n\n".join(parts) + "\n"
+
+
+def made_pages() -> dict[str, str]:
+    """Pages that are no files of docs, but for the tutorial, by name."""
+    return {"index.md": front_page(), "options-cases.md": options_page(), **reference_pages()}
+
+
 def inside(markdown: str) -> str:
     """Links to files that are not pages become their names: the site has no copy of the code. The
     notebook is a page.
@@ -50,10 +148,13 @@ def on_files(files: Any, config: Any) -> Any:
     from mkdocs.structure.files import File
 
     tutorial, pictures = notebook_page()
-    for name, content in {"index.md": front_page(), "tutorial.md": tutorial, **pictures}.items():
+    for name, content in {**made_pages(), "tutorial.md": tutorial, **pictures}.items():
         files.append(File.generated(config, name, content=content))
     return files
 
 
-def on_page_markdown(markdown: str, **_: Any) -> str:
+def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
+    if page.file.src_uri == "commands.md":
+        before, public = markdown.split(PUBLIC)
+        markdown = before + PUBLIC + PUBLIC_ROW.sub(with_links, public)
     return inside(markdown)

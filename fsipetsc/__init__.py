@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from fsipetsc.output.reader import Run, open_run
     from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 #: what is public, with the modules that docs/commands.md names; all else may change. Written out,
 #: so that type checkers see it
 __all__ = [

@@ -17,22 +17,29 @@ from fsipetsc.process.together import Comm, together
 
 
 def run(case: Any, *, comm: Comm | None = None, **options: Any) -> Run:
-    """Solve a case and return its result, opened. Collective on ``comm``; needs PETSc and MPI.
+    """Solve a case and return its result, opened.
 
-    case      name of a built-in case, path of a case file, a :class:`fsipetsc.problem.Problem` or
-              :class:`fsipetsc.blocks.problem.BlockProblem`, or anything with what a case file
-              defines (``build(opt)``, ``OPTIONS`` …)
-    comm      mpi4py communicator; None: COMM_WORLD
-    options   those of the command line, ``fsi_`` and ``ts_`` may be left out: ``order=6,
-              h=0.025``; lists where it has commas; None for the default. ``quiet=False`` prints
-              what a run prints.
-              The result is ``output``, by default CASE.h5 in the working directory
+    All ranks of `comm` must call it. It needs PETSc and MPI. Options, modules and settings of PETSc
+    are left as they were found, so that several runs in one process do not know of each other.
 
-    Raises the exceptions of :mod:`fsipetsc.errors`: InputError for what is not valid,
-    ComputationError where the computation fails, FileError; after a SIGINT, SIGTERM or SIGHUP
-    KeyboardInterrupt, which no ``except FsiError`` takes, with the result written. Options,
-    modules and settings of PETSc are left as they were found, so that several runs in one process
-    do not know of each other.
+    Args:
+        case: name of a built-in case, path of a case file, a `Problem` or `BlockProblem`, or an
+            object with what a case file defines: `build(opt)`, `OPTIONS` …
+        comm: mpi4py communicator; None: COMM_WORLD.
+        options: those of the command line, without the dash; `fsi_` and `ts_` may be left out, as
+            in `order=6, h=0.025`. A list stands for a value with commas, None for the default.
+            `quiet=False` prints what a run prints. The result is the file `output`, by default
+            CASE.h5 in the working directory.
+
+    Returns:
+        The result.
+
+    Raises:
+        InputError: an option, the case or the number of ranks is not valid.
+        ComputationError: the computation failed; what was computed is in the result file.
+        FileError: a file could not be read or written.
+        KeyboardInterrupt: a SIGINT, SIGTERM or SIGHUP came; the result is written. It is no
+            `FsiError`.
     """
     comm = start_mpi() if comm is None else comm
     with left_as_found():

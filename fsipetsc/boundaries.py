@@ -124,14 +124,20 @@ class Boundary:
 
 @dataclass(frozen=True)
 class Wall(Boundary):
-    """No-slip wall at the Eulerian position x [m]: adiabatic, of temperature T [K], or with a heat
-    flux [W/m2] into the gas.
+    """A wall that a gas sticks to: insulated, of a given temperature, or with a given heat flux.
 
-    x, T, heat_flux: numbers or functions of t [s], from t = 0 to the end of the run. velocity:
-    function of t, [m/s], of a wall that moves: the derivative of x; else it is taken from
-    differences of x(t). A wall that moves, or does not insulate, needs a stretched gas layer, and
-    makes it one. Heat matters only to a gas that conducts it. InputError for what is of the wrong
-    kind.
+    All data are numbers, or functions of t [s] from 0 to the end of the run. A wall that moves, or
+    does not insulate, needs `-fsi_coupling conservative`. Heat matters only to a gas that conducts.
+
+    Args:
+        x: position [m].
+        T: temperature [K]; None: it is not given.
+        heat_flux: heat flux into the gas [W/m2]; None: it is not given.
+        velocity: function of t, velocity of a wall that moves [m/s], the derivative of x; None: it
+            follows from x.
+
+    Raises:
+        InputError: T and heat_flux are both given, or something is of the wrong kind.
     """
 
     x: Timed
@@ -159,10 +165,17 @@ class Wall(Boundary):
 
 @dataclass(frozen=True)
 class Open(Boundary):
-    """Open end at x [m] towards gas of pressure p0 [Pa], temperature T0 [K] and velocity u0 [m/s];
-    see docs/open-end.md.
+    """An open end of a gas, through which waves leave; [how](open-end.md).
 
-    order: of the conditions in viscosity and conduction, 0 or 1. Raises InputError for another one.
+    Args:
+        x: position [m].
+        p0: pressure of the gas beyond [Pa].
+        T0: its temperature [K].
+        u0: its velocity [m/s].
+        order: order of the conditions in viscosity and conduction, 0 or 1.
+
+    Raises:
+        InputError: a number is out of range.
     """
 
     x: float
@@ -187,11 +200,17 @@ class Open(Boundary):
 
 @dataclass(frozen=True)
 class Dirichlet(Boundary):
-    """Given rho, u, T at x [m]: values(t) -> (rho, u, T) in kg/m3, m/s, K; see docs/open-end.md.
+    """An end of a gas at which all unknowns are given; [how many are imposed](open-end.md).
 
-    degree: of the embedded-boundary formula, 2 to 5; None: one more than the closures are exact
-    to, 2, 3, 4, 5 for the orders 2, 4, 6, 8: a degree less spoils the order, one more gains
-    nothing. InputError for what is not valid.
+    Args:
+        x: position [m].
+        values: `values(t)` returns rho [kg/m3], u [m/s], T [K] at t [s].
+        degree: of the formula of the embedded boundary in the paper's method, 2 to 5. None: one
+            more than the closures are exact to, 2, 3, 4, 5 for the orders 2, 4, 6, 8. A degree less
+            spoils the order, one more gains nothing.
+
+    Raises:
+        InputError: something is not valid.
     """
 
     x: float
@@ -213,10 +232,16 @@ class Dirichlet(Boundary):
 
 @dataclass(frozen=True, kw_only=True)
 class SolidEnd(Boundary):
-    """Outer end of a solid: clamped(…), free(…) or absorbing(…).
+    """An outer end of a solid: `clamped(…)`, `free(…)` or `absorbing(…)`.
 
-    Insulated, or of temperature T [K], or with a heat flux [W/m2] into the solid. All data are
-    numbers or functions of t [s]; InputError for what is neither.
+    All data are numbers, or functions of t [s]. Without T and heat_flux the end is insulated.
+
+    Args:
+        T: temperature [K]; None: it is not given.
+        heat_flux: heat flux into the solid [W/m2]; None: it is not given.
+
+    Raises:
+        InputError: T and heat_flux are both given, or something is of the wrong kind.
     """
 
     T: Timed | None = None
@@ -229,7 +254,14 @@ class SolidEnd(Boundary):
 
 @dataclass(frozen=True)
 class clamped(SolidEnd):
-    """Solid end that moves with a given velocity [m/s]; see SolidEnd."""
+    """An end of a solid that moves with a given velocity. T and heat_flux: see `SolidEnd`.
+
+    Args:
+        velocity: velocity [m/s], a number or a function of t [s].
+
+    Raises:
+        InputError: something is of the wrong kind.
+    """
 
     velocity: Timed = 0.0
     given = ("velocity",)
@@ -243,7 +275,15 @@ class clamped(SolidEnd):
 
 @dataclass(frozen=True)
 class free(SolidEnd):
-    """Solid end under a given stress sigma - p [Pa]; see SolidEnd."""
+    """An end of a solid under a given stress. T and heat_flux: see `SolidEnd`.
+
+    Args:
+        stress: sigma - p [Pa], a number or a function of t [s]; under an outer pressure p0 it
+            is -p0.
+
+    Raises:
+        InputError: something is of the wrong kind.
+    """
 
     stress: Timed = 0.0
     given = ("stress",)
@@ -255,8 +295,13 @@ class free(SolidEnd):
 
 @dataclass(frozen=True)
 class absorbing(SolidEnd):
-    """Solid end that lets elastic waves out, towards a solid at rest under this sigma - p [Pa]; see
-    SolidEnd.
+    """An end of a solid that lets elastic waves out. T and heat_flux: see `SolidEnd`.
+
+    Args:
+        stress: sigma - p of the solid at rest beyond [Pa], a number or a function of t [s].
+
+    Raises:
+        InputError: something is of the wrong kind.
     """
 
     stress: Timed = 0.0

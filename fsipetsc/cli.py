@@ -81,10 +81,15 @@ HELP_FLAGS, _VERSION_FLAGS = {"-h", "-help", "--help"}, {"--version", "-version"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the program with the arguments after its name; returns the exit status.
+    """Run the program, as the command line does.
 
-    None stands for sys.argv: then the process is the program's own. With arguments given, it is
-    somebody else's, such as a notebook's: each run leaves it as it was.
+    Args:
+        argv: the arguments after the program's name, as `["rod", "-fsi_order", "6"]`. None stands
+            for `sys.argv`: then the process is the program's own. With arguments given, it is
+            somebody else's, such as a notebook's: each run leaves it as it was.
+
+    Returns:
+        The exit status; errors are printed, not raised.
     """
     if argv is None:
         return _main(sys.argv[1:])

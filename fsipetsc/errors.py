@@ -7,8 +7,10 @@ from contextlib import suppress
 class FsiError(Exception):
     """An error that is explained to the user in one message, without a traceback.
 
-    collective: True if every rank raises it at the same place (then the program ends in order),
-    False if one rank may be alone with it (then the other ranks are stopped).
+    Args:
+        message: what is wrong, and what would be valid.
+        collective: True if every rank raises it at the same place (then the program ends in order),
+            False if one rank may be alone with it (then the other ranks are stopped).
     """
 
     status = 1
@@ -19,7 +21,7 @@ class FsiError(Exception):
 
 
 class InputError(FsiError):
-    """Bad input: an option, a case file, a result file, the number of ranks."""
+    """Bad input: an option, a case file, the number of ranks. Exit status 2."""
 
     status = 2
 
@@ -29,13 +31,13 @@ class RanksError(InputError):
 
 
 class ComputationError(FsiError):
-    """The computation failed: names field, layer, x, t and step."""
+    """The computation failed; the message names field, layer, x, t and step. Exit status 3."""
 
     status = 3
 
 
 class FileError(FsiError):
-    """A file could not be read or written."""
+    """A file could not be read or written. Exit status 4."""
 
     status = 4
 

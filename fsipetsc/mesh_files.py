@@ -32,15 +32,28 @@ FLAT = 1e-9
 
 
 class Grid(NamedTuple):
-    """What a file holds. zones: name -> its nodes [m], a map for Block. patches: name of a boundary
-    -> its faces, as BlockProblem names them.
+    """What a file of a mesh holds.
+
+    Attributes:
+        zones: name -> its nodes [m], a map for `Block`; its `cells` are those of the block.
+        patches: name of a boundary -> its faces, as `BlockProblem` names them.
     """
 
     zones: dict[str, Nodes]
     patches: dict[str, tuple[FaceName, ...]]
 
     def faces(self, conditions: Mapping[str, Any]) -> dict[FaceName, Any]:
-        """Conditions of faces for BlockProblem, from those of patches. InputError for others."""
+        """Conditions of faces for `BlockProblem`.
+
+        Args:
+            conditions: name of a patch -> its condition.
+
+        Returns:
+            Face -> condition.
+
+        Raises:
+            InputError: there is no such patch.
+        """
         for name in conditions:
             if name not in self.patches:
                 known = ", ".join(map(repr, self.patches)) or "none"
@@ -52,8 +65,16 @@ def read_cgns(path: str | Path) -> Grid:
     """The structured zones of a CGNS file in two or three dimensions, in metres.
 
     A patch has the name of its family, else that of its boundary condition. Plane zones in space
-    lose the coordinate that is constant. A left-handed zone gets its axis 0 reversed. InputError
-    for a file that is none of this kind, naming the zone.
+    lose the coordinate that is constant. A left-handed zone gets its axis 0 reversed.
+
+    Args:
+        path: a CGNS file in its HDF5 form.
+
+    Returns:
+        The zones and the patches.
+
+    Raises:
+        InputError: the file cannot be read, or a zone, which is named, is of another kind.
     """
     grid = Grid({}, {})
     try:

@@ -81,13 +81,26 @@ class _Layer:
 
 @dataclass(frozen=True)
 class FluidLayer(_Layer):
-    """A layer of gas between X[0] and X[1]: one end is an interface, the other an embedded
-    boundary.
+    """A layer of gas in one dimension.
 
-    material: a Fluid. initial(X) -> (rho, u, T); exact(X, t) -> the same; forcing(X, t) ->
-    right-hand sides of (rho, rho u, e).
-    The coupling decides how the grid moves, see docs/cases.md; mapping, of older case files,
-    changes nothing. InputError for what is of the wrong kind.
+    X are coordinates of a grid that moves; the [coupling](cases.md#one-dimension-layers-and-ends)
+    decides how. Functions get an array of coordinates, (n,) [m], and t [s]; each number that they
+    return is an array of that shape or a float.
+
+    Args:
+        name: name of the layer, without |.
+        material: a `Fluid`.
+        X: (left, right) at the start [m].
+        initial: `initial(X)` returns rho [kg/m3], u [m/s], T [K].
+        forcing: `forcing(X, t)` returns the right-hand sides of rho [kg/(m3 s)], rho u [N/m3] and
+            the energy per volume e [W/m3]; None: 0.
+        exact: `exact(X, t)` returns what `initial` does, where an exact solution is known.
+        cells: number of cells between its ends; None: by h.
+        h: size of the cells [m], to which the nearest that fits is taken; None: -fsi_h.
+        mapping: of older case files; it changes nothing.
+
+    Raises:
+        InputError: something is of the wrong kind.
     """
 
     mapping: str | None = None
@@ -98,10 +111,23 @@ class FluidLayer(_Layer):
 
 @dataclass(frozen=True)
 class SolidLayer(_Layer):
-    """A solid between the Lagrangian coordinates X[0] and X[1].
+    """A layer of an elastic solid in one dimension, in Lagrangian coordinates X.
 
-    material: a Solid. initial(X) -> (u, sigma, T, x); exact(X, t) -> the same; forcing(X, t) ->
-    right-hand sides of the same. InputError for what is of the wrong kind.
+    Functions get an array of coordinates, (n,) [m], and t [s]; each number that they return is an
+    array of that shape or a float.
+
+    Args:
+        name: name of the layer, without |.
+        material: a `Solid`.
+        X: (left, right) [m]; the length is a multiple of `-fsi_h`.
+        initial: `initial(X)` returns u [m/s], sigma [Pa], T [K], x [m]; x rises with X.
+        forcing: `forcing(X, t)` returns the right-hand sides of the same, per second; None: 0.
+        exact: `exact(X, t)` returns what `initial` does, where an exact solution is known.
+        cells: number of cells between its ends; None: by h.
+        h: size of the cells [m], to which the nearest that fits is taken; None: -fsi_h.
+
+    Raises:
+        InputError: something is of the wrong kind.
     """
 
     kind = "solid"
@@ -137,13 +163,22 @@ Layer = FluidLayer | SolidLayer
 
 @dataclass(frozen=True)
 class Problem:
-    """Layers that alternate between fluid and solid, left to right; one alone is enough.
+    """A problem in one dimension: layers of gas and solid in turn, from left to right.
 
-    left, right: the conditions at the outer ends. jumps(k, t) -> (g_u, g_stress, g_T, g_flux) at
-    interface k: u_s-u_f, sigma-p_s+p_f-mu' u_X, T_s-T_f, kappa_e/x_X T_X-kappa T_X; None where all
-    are zero. notes: lines about the exact solution or the data that the result should carry.
-    units: "SI", or "none" for a problem without dimensions. InputError for what does not fit
-    together.
+    Args:
+        layers: one or more of `FluidLayer` and `SolidLayer`, with different names.
+        left: the condition at the left end: `Wall`, `Open` or `Dirichlet` of a gas, `clamped`,
+            `free` or `absorbing` of a solid.
+        right: that at the right end.
+        jumps: `jumps(k, t)` returns what is prescribed at interface k, counted from the left, at
+            t [s], solid less gas: the jumps of velocity [m/s], stress [Pa], temperature [K] and
+            heat flux [W/m2], which are u_s - u_f, sigma - p_s + p_f - mu' u_X, T_s - T_f,
+            kappa_e/x_X T_X - kappa T_X. None: all are 0.
+        notes: lines about the exact solution or the data, which the result carries.
+        units: "SI", or "none" for a problem without dimensions.
+
+    Raises:
+        InputError: the parts do not fit together.
     """
 
     layers: tuple[Layer, ...]

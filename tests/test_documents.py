@@ -1,13 +1,17 @@
 """What README, docs/ and runs/ say: names and links exist, code runs, numbers are measured."""
 
 import contextlib
+import importlib
+import inspect
 import io
 import json
 import re
+import runpy
 import shlex
 from collections import namedtuple
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -39,6 +43,11 @@ OWN_CASES = {path.relative_to(REPOSITORY).as_posix(): path for path in REPOSITOR
 FENCED = re.compile(r"^```(\w*)$(.*?)^```$", re.S | re.M)
 
 
+def slug(heading):
+    """The anchor of a heading."""
+    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+
+
 @cache
 def known_options() -> frozenset[str]:
     """Names of options that -help of all cases, those of runs/ too, and commands tells."""
@@ -63,7 +72,7 @@ def test_options_links_and_files_exist(name):
     for target, anchor in re.findall(r"\]\(([\w./-]*)(?:#([\w-]*))?\)", text):
         assert (folder / target).exists(), target
         headings = re.findall(r"^#+ (.*)$", TEXTS.get(Path(target).name or name, ""), re.M)
-        anchors = [re.sub(r"[^\w\- ]", "", h.lower()).replace(" ", "-") for h in headings]
+        anchors = list(map(slug, headings))
         assert not anchor or anchor in anchors, f"{target}#{anchor}"
     named = re.findall(r"(?<![\w/.])((?:scripts|runs|docs|tests|fsipetsc)/[\w./-]*\w)", text)
     assert not [path for path in named if not (REPOSITORY / path).exists()]
@@ -105,9 +114,51 @@ def test_where_to_add_something_is_true():
             assert found, f"{what}: {name}"
 
 
+@cache
+def hooks():
+    """docs/hooks.py, which makes pages of the site."""
+    return SimpleNamespace(**runpy.run_path(str(DOCS / "hooks.py")))
+
+
 def test_every_page_is_in_the_site():
     listed = set(re.findall(r": ([\w-]+\.md)", (REPOSITORY / "mkdocs.yml").read_text()))
-    assert listed == set(TEXTS) - {"README.md"} | {"index.md", "tutorial.md"}
+    assert listed == set(TEXTS) - {"README.md"} | {"tutorial.md", *hooks().made_pages()}
+
+
+def test_the_site_has_all_public_names_with_all_arguments():
+    """Docstrings tell arguments, or attributes of what users do not make themselves."""
+    import fsipetsc
+    from fsipetsc.blocks import conditions
+
+    names = {name for found in hooks().public_names().values() for name in found}
+    assert {f"fsipetsc.{n}" for n in fsipetsc.__all__} - names == {"fsipetsc.__version__"}
+    kinds = {n for n in conditions.__all__ if n[0].isupper()} - {"Condition", "Effect"}
+    assert {f"{conditions.__name__}.{n}" for n in kinds} <= names
+    for name in names - {"fsipetsc.REQUIRED"}:
+        module, _, last = name.rpartition(".")
+        made = getattr(importlib.import_module(module), last)
+        text = inspect.getdoc(made)
+        if "Attributes:" in text or "Exit status" in text or module.endswith("elementary"):
+            continue  # what users do not make, and what a sentence tells
+        arguments = re.split(r"^(?:Returns|Raises):$", text.partition("Args:\n")[2], flags=re.M)[0]
+        told = set(re.findall(r"^    (\w+): ", arguments, re.M))
+        told |= {"T", "heat_flux"} if "see `SolidEnd`" in text else set()
+        assert told == set(inspect.signature(made).parameters), name
+
+
+def test_each_option_has_a_page_that_names_it():
+    """In the section that the table of options names; a case and a command have pages, too."""
+    row = r"^\| `-(\w+)` \| \w+ \|.*\[.*\]\(([\w.-]*)#?([\w-]*)\) \|$"
+    rows = re.findall(row, TEXTS["options.md"], re.M)
+    assert len(rows) == len(re.findall(r"^\| `-\w+` \| \w+ \|", TEXTS["options.md"], re.M))
+    for name, page, anchor in rows:
+        text = re.sub(r"^\| `-.*\n", "", TEXTS[page or "options.md"], flags=re.M)
+        sections = {part.partition("\n")[0]: part for part in re.split(r"^#+ ", text, flags=re.M)}
+        slugs = {slug(heading): part for heading, part in sections.items()}
+        assert re.search(rf"-{name}\b", slugs[anchor] if anchor else text), name
+    made = hooks().options_page()
+    assert re.findall(r"^\| `-\w+`.*\) \|$", made, re.M) == re.findall(r"^\| `-.*$", made, re.M)
+    assert "Pages: ." not in made
 
 
 def test_the_page_of_results_has_all_series():

@@ -37,7 +37,23 @@ def test_versions_agree():
     assert fsipetsc.__version__ == version
     citation = (REPOSITORY / "CITATION.cff").read_text()
     assert re.search(r"^version: (.*)$", citation, re.M)[1] == version
-    assert f"## {version}" in (REPOSITORY / "CHANGELOG.md").read_text()
+    date = re.search(r"^date-released: (.*)$", citation, re.M)[1]
+    assert f"## {version} – {date}\n" in (REPOSITORY / "CHANGELOG.md").read_text()
+
+
+def test_the_environment_of_conda_has_what_the_extras_name():
+    """With the same least versions, or later ones."""
+    table = PROJECT[PROJECT.index("\ndependencies = ") : PROJECT.index("[dependency-groups]")]
+    table = re.sub("(?m)^(docs|compiler) = .*", "", table)
+    least, found = (
+        {name: tuple(map(int, version.split("."))) for name, version in re.findall(form, text)}
+        for form, text in (
+            (r'"([\w-]+)>=([\d.]+)"', table),
+            (r"- ([\w-]+)>=([\d.]+)", (REPOSITORY / "environment.yml").read_text()),
+        )
+    )
+    assert {"numpy", "petsc4py", "matplotlib", "pytest"} <= least.keys() <= found.keys()
+    assert all(found[name] >= version for name, version in least.items())
 
 
 def test_syntax():

@@ -27,16 +27,32 @@ _PIECES = 32
 
 @dataclass(frozen=True)
 class Block:
-    """A block of gas or of a solid. InputError for what is wrong with it.
+    """A block of gas or of a solid: a logical line, square or cube of nodes.
 
-    material: a Fluid or an ElasticSolid. map: fsipetsc.blocks.maps; of a solid it gives material
-    coordinates X, of a gas the grid before anything moves. cells: of each axis. initial(*X) ->
-    (rho, u_1..u_d, T) of a gas, (v_1..v_d, T, x_1..x_d) of a solid. exact(*X, t) -> the same.
-    forcing(*X, t) -> right-hand sides of (rho, rho u_1..u_d, e) of a gas, per volume, and of the
-    unknowns of initial of a solid. periodic: which axes close in themselves and have no faces.
-    exact_stress(*X, t) -> stresses of a solid as results have them, to be compared as well.
-    prestress(*X) -> d*d numbers, row by row: stress [Pa] that a solid has beside that of its law
-    for all time. Its energy is S : (F - 1) with heat 'elastic', else its work becomes heat.
+    Functions get d arrays of coordinates of one shape [m], and t [s] where they depend on time;
+    each number that they return is an array of that shape or a float.
+
+    Args:
+        name: name of the block, without |.
+        material: a `Fluid` or an `ElasticSolid`.
+        map: a function of [0, 1]^d, as `fsipetsc.blocks.maps` has them. Of a solid it gives
+            material coordinates X [m], of a gas the grid before anything moves.
+        cells: number of cells along each axis.
+        initial: `initial(*X)` returns rho [kg/m3], d velocities [m/s], T [K] of a gas; d velocities
+            [m/s], T [K], d positions [m] of a solid.
+        forcing: `forcing(*X, t)` returns the right-hand sides of density, momenta and energy of a
+            gas, per volume and second; of the unknowns of `initial` of a solid, per second;
+            None: 0.
+        exact: `exact(*X, t)` returns what `initial` does, where an exact solution is known.
+        periodic: of each axis, whether it closes in itself and so has no faces; (): none.
+        prestress: `prestress(*X)` returns d*d numbers, row by row: a stress [Pa] that a solid has
+            beside that of its law for all time. Its energy is S : (F - 1) with heat "elastic", else
+            its work becomes heat.
+        exact_stress: `exact_stress(*X, t)` returns the stresses of a solid [Pa] as results have
+            them, to be compared as well.
+
+    Raises:
+        InputError: something is of the wrong kind, or the map is not smooth or is left-handed.
     """
 
     name: str

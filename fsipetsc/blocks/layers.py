@@ -30,14 +30,26 @@ _SAME = 1e-6
 
 @dataclass(frozen=True)
 class Layer:
-    """A flat layer; InputError as of Block.
+    """A flat layer, for `layers`.
 
-    across: (low, high) of it along the last axis [m]. cells: across it, or h: their size [m], to
-    which the nearest that fits is taken; None: by the h of ``layers``. span: (low, high) for each
-    axis along the layers, None for one that it reaches over all of; None: over all of all. sides:
-    what stands at its sides, one condition or one for each (axis, side); None: those of ``layers``.
-    beside: what its lower or upper face is where the layer there has ended. initial, forcing,
-    exact: as of Block.
+    Args:
+        name: name of its block, or the beginning of the names of its blocks.
+        material: a `Fluid` or an `ElasticSolid`.
+        across: (low, high) along the last axis [m].
+        initial: as of `Block`.
+        cells: number of cells across it; None: by h.
+        h: size of the cells across it [m], to which the nearest that fits is taken; None: the h of
+            `layers`.
+        span: (low, high) [m] for each axis along the layers, None for one that it reaches over all
+            of; None: it reaches over all of them.
+        sides: what stands at its sides: a condition, or (axis, side) -> condition; None: those of
+            `layers`.
+        beside: condition of its lower or upper face where the layer there has ended.
+        forcing: as of `Block`.
+        exact: as of `Block`.
+
+    Raises:
+        InputError: across or span is no interval.
     """
 
     name: str
@@ -72,14 +84,28 @@ def layers(
     sides: Sides | None = None,
     **more: Any,
 ) -> BlockProblem:
-    """The blocks of layers from below; two neighbours of different kinds, or of the same, meet.
+    """The blocks of flat layers that lie one above the other, along the last axis.
 
-    along: (low, high) of each axis along the layers [m], none in one dimension. cells: along each;
-    or h: spacing [m] that gives these, and those across layers that say none; order: of the
-    operators, whose least number of cells these then have. lower, upper: what stands at the lowest
-    and the topmost layer. sides: at the sides of layers that have none of their own; None: they go
-    on periodically. more: jumps, notes, units, as of BlockProblem. InputError where these do not
-    fit together.
+    Where a layer ends, all layers are cut into blocks, so that faces conform. Neighbours meet, be
+    they of gas or of a solid.
+
+    Args:
+        stack: the layers, from below.
+        lower: condition at the lower face of the lowest layer.
+        upper: condition at the upper face of the topmost layer.
+        along: (low, high) of each axis along the layers [m]; () in one dimension.
+        cells: number of cells along each of these axes; None: by h.
+        h: spacing [m] for cells that are not given.
+        order: order of the operators, whose least number of cells layers then have.
+        sides: what stands at the sides of layers that have none of their own; None: they go on
+            periodically.
+        more: `jumps`, `notes`, `units`, as of `BlockProblem`.
+
+    Returns:
+        The problem.
+
+    Raises:
+        InputError: the layers do not fit together.
     """
     if not stack or not all(isinstance(layer, Layer) for layer in stack):
         raise InputError("layers: expected one or more of Layer")

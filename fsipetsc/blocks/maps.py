@@ -21,10 +21,15 @@ Map = Callable[[Places], Sequence[Any]]
 
 @dataclass(frozen=True, eq=False)
 class Nodes:
-    """A grid of nodes, places (n_0, 1), (n_1, n_0, 2) or (n_2, n_1, n_0, 3) [m]; defined at these
-    only. InputError.
+    """A map that is defined at the nodes of a grid only. `nodes` is another name of it.
 
     On a periodic axis the last nodes are the first ones, a period on.
+
+    Args:
+        places: (n_0, 1), (n_1, n_0, 2) or (n_2, n_1, n_0, 3) coordinates of nodes [m].
+
+    Raises:
+        InputError: the array has another shape.
     """
 
     places: Array
@@ -51,7 +56,18 @@ nodes = Nodes
 
 
 def rectangle(lower: Any, upper: Any) -> Map:
-    """The interval, rectangle or box between two corners [m], numbers or d numbers. InputError."""
+    """An interval, rectangle or box between two corners.
+
+    Args:
+        lower: d coordinates [m], or a number in one dimension.
+        upper: the same of the opposite corner.
+
+    Returns:
+        A map for `Block`.
+
+    Raises:
+        InputError: a coordinate of upper is not above that of lower.
+    """
     low, high = _point(lower, "rectangle: lower"), _point(upper, "rectangle: upper")
     if len(low) != len(high) or not all(a < b for a, b in zip(low, high)):
         wanted = "expected each coordinate of upper above that of lower"
@@ -60,21 +76,51 @@ def rectangle(lower: Any, upper: Any) -> Map:
 
 
 def ball(radius: float, cells: int) -> Map:
-    """Nodes (i + 1/2) h from the middle to a radius [m]: of a block with Centre(). InputError."""
+    """The nodes r = (i + 1/2) h from the middle to a radius, of a block in one dimension with
+    `Centre()`.
+
+    Args:
+        radius: radius [m].
+        cells: number of cells of the block.
+
+    Returns:
+        A map for `Block`.
+
+    Raises:
+        InputError: a number is not above 0.
+    """
     return off_axis(rectangle(0.0, number(radius, "ball: radius", POSITIVE)), cells)
 
 
 def off_axis(map: Map, cells: int) -> Map:
-    """A map that has r = 0 where its last coordinate is 0, with nodes half a cell beside: of a
-    block with Centre() and so many cells along its last axis. InputError.
+    """A map whose first nodes are half a cell from r = 0, of a block with `Centre()`.
+
+    Args:
+        map: a map that has r = 0 where its last logical coordinate is 0.
+        cells: number of cells of the block along its last axis.
+
+    Returns:
+        A map for `Block`.
+
+    Raises:
+        InputError: cells is not above 0.
     """
     n = number(cells, "off_axis: cells", POSITIVE)
     return lambda xi: map((*xi[:-1], (0.5 + n * xi[-1]) / (n + 0.5)))
 
 
 def corners(*points: Any) -> Map:
-    """Multilinear between 2^d corners [m], axis 0 fastest: (0, 0), (1, 0), (0, 1), (1, 1).
-    InputError.
+    """A multilinear map between corners.
+
+    Args:
+        points: 2^d corners of d coordinates [m], axis 0 fastest: those at (0, 0), (1, 0), (0, 1),
+            (1, 1) in two dimensions.
+
+    Returns:
+        A map for `Block`.
+
+    Raises:
+        InputError: there are not 2^d points of d numbers.
     """
     found = [_point(point, f"corners: point {k}") for k, point in enumerate(points)]
     d = len(found[0]) if found else 0
@@ -95,9 +141,21 @@ def corners(*points: Any) -> Map:
 def annulus(
     inner: float, outer: float, angles: Any = (0.0, 2.0 * np.pi), centre: Any = (0.0, 0.0)
 ) -> Map:
-    """Ring or part of one: axis 0 along the radius [m], axis 1 along the angle. InputError.
+    """A ring or a part of one: axis 0 along the radius, axis 1 along the angle.
 
-    The whole ring is periodic along axis 1: Block(…, periodic=(False, True)).
+    The whole ring is periodic along axis 1: `Block(…, periodic=(False, True))`.
+
+    Args:
+        inner: inner radius [m], above 0.
+        outer: outer radius [m].
+        angles: angles where it begins and ends [rad].
+        centre: coordinates of the centre [m].
+
+    Returns:
+        A map for `Block`.
+
+    Raises:
+        InputError: the radii or the angles do not rise, or the angle is more than 2 pi.
     """
     a, b = number(inner, "annulus: inner", POSITIVE), number(outer, "annulus: outer", POSITIVE)
     (begin, end), (x, y) = _point(angles, "annulus: angles"), _point(centre, "annulus: centre")
@@ -113,10 +171,21 @@ def annulus(
 
 
 def transfinite(*faces: tuple[Callable[..., Any], Callable[..., Any]]) -> Map:
-    """Gordon–Hall map between 2 d faces: for each axis those at xi_k = 0 and 1. InputError.
+    """A map between 2 d curved faces, of two or three dimensions.
 
-    Each face is a function of the d - 1 other logical coordinates that gives d arrays. In 2-D:
-    transfinite((left, right), (lower, upper)), left and right of xi_1, lower and upper of xi_0.
+    Source: W. J. Gordon and C. A. Hall, Int. J. Numer. Methods Eng. 7 (1973) 461-477.
+
+    Args:
+        faces: for each axis k the pair of faces at xi_k = 0 and 1. Each is a function of the d - 1
+            other logical coordinates, arrays of one shape, and returns d arrays of coordinates [m].
+            In two dimensions: (left, right), (lower, upper), with left and right functions of xi_1,
+            lower and upper of xi_0.
+
+    Returns:
+        A map for `Block`.
+
+    Raises:
+        InputError: faces do not meet at an edge, or there are not two for each axis.
     """
     d = len(faces)
     if d not in (2, 3) or any(not isinstance(pair, tuple) or len(pair) != 2 for pair in faces):
@@ -153,7 +222,18 @@ def transfinite(*faces: tuple[Callable[..., Any], Callable[..., Any]]) -> Map:
 
 
 def stretched(map: Map, *functions: Callable[[Array], Array] | None) -> Map:
-    """X(s_0(xi_0), …): a function of [0, 1] onto itself for each axis, or None. InputError."""
+    """A map with other spacings: X(s_0(xi_0), …).
+
+    Args:
+        map: a map X(xi).
+        functions: for each axis a smooth function s of [0, 1] onto itself, of arrays, or None.
+
+    Returns:
+        A map for `Block`.
+
+    Raises:
+        InputError: a function does not take 0 to 0 and 1 to 1.
+    """
     for k, s in enumerate(functions):
         ends = [0.0, 1.0] if s is None else [float(s(np.array(end))) for end in (0.0, 1.0)]
         if not np.allclose(ends, (0.0, 1.0), rtol=0.0, atol=1e-12):

@@ -26,16 +26,27 @@ from fsipetsc.operators.bands import Band, band, centred_band
 
 @dataclass(frozen=True, eq=False)
 class BlockProblem:
-    """Blocks and the conditions at their faces. InputError for what does not fit together.
+    """Blocks and the conditions at their faces.
 
-    faces: (block name, axis, side) -> condition, for each face that no other one meets; or pairs of
-    these. jumps(*X, t) -> (traction per axis [Pa], heat [W/m2]) per reference area that interfaces
-    supply from outside, or None. points: (block name, place X, Hinge()) for points of solids' faces
-    that are held. notes: lines for the summary. units: "SI" or "".
+    Faces are (name of a block, axis, side), side 0 at xi = 0 and 1 at xi = 1. Those whose nodes are
+    at the same places meet: gas and gas, solid and solid are joined, gas and solid have an
+    interface.
 
-    symmetry: 1 if the last coordinate is the distance from an axis, in one dimension or two; 2 if
-    that of one dimension is the distance from a centre. Integrals are then those of a sector of
-    unit angle, or of unit solid angle.
+    Args:
+        blocks: one or more blocks, in one, two or three dimensions.
+        faces: face -> condition (`fsipetsc.blocks.conditions`) for each face that meets no other
+            one; or pairs of these.
+        jumps: `jumps(*X, t)` returns d tractions [Pa] and heat [W/m2] per reference area, which
+            interfaces supply from outside; None: 0.
+        points: (name of a block, place X, `Hinge()`) for points of solids' faces that are held.
+        notes: lines that the result carries.
+        units: "SI", or "" for a problem without dimensions.
+        symmetry: 1 if the last coordinate is the distance from an axis, in one or two dimensions;
+            2 if that of one dimension is the distance from a centre. Integrals are then those of a
+            sector of unit angle, or of unit solid angle.
+
+    Raises:
+        InputError: a face has no condition, blocks overlap, or something else does not fit.
     """
 
     blocks: tuple[Block, ...]

@@ -15,13 +15,19 @@ from fsipetsc.materials.perfect_gas import PerfectGas
 
 @dataclass(frozen=True)
 class Fluid:
-    """A gas; perfect, unless another law is given.
+    """A gas, which obeys the compressible Navier–Stokes equations; perfect without another law.
 
-    mu: shear viscosity [Pa s]; kappa: heat conductivity [W/(m K)]; gamma: ratio of the specific
-    heats, above 1; R: gas constant over molar mass [J/(kg K)]. law: None for the perfect gas of
-    gamma and R, stiffened_gas(…), own.gas_law(…); transport: None for constants, sutherland(…),
-    power_law(…), own.transport_law(…); force: body force per mass [m/s2], a number in one dimension
-    or a tuple. InputError for what is no number, out of range or no law.
+    Args:
+        mu: shear viscosity [Pa s].
+        kappa: heat conductivity [W/(m K)].
+        gamma: ratio of the specific heats, above 1.
+        R: gas constant over molar mass [J/(kg K)].
+        law: None for the perfect gas of gamma and R; or what `stiffened_gas` or `gas_law` returns.
+        transport: None for constants; or what `sutherland`, `power_law` or `transport_law` returns.
+        force: body force per mass [m/s2], a number in one dimension, else d numbers.
+
+    Raises:
+        InputError: a number is out of range, or a law is of the wrong kind.
     """
 
     mu: float
@@ -57,11 +63,15 @@ class Fluid:
         return self.R / (self.gamma - 1.0)
 
     def sound_speed(self, T: Any, rho: Any = 1.0) -> Any:
-        """Speed of sound [m/s] at T [K] and rho [kg/m3], which a perfect gas does not need."""
+        """Speed of sound [m/s] at T [K] and rho [kg/m3], numbers or arrays of one shape. A perfect
+        gas does not need rho.
+        """
         return np.sqrt(self.gas_law.sound_speed_squared(rho, T))
 
     def internal_energy(self, rho: Any, T: Any) -> Any:
-        """Internal energy per mass [J/kg] at rho [kg/m3] and T [K]."""
+        """Internal energy per mass [J/kg] at rho [kg/m3] and T [K], numbers or arrays of one
+        shape.
+        """
         return self.gas_law.internal_energy(rho, T)
 
     def equations(self, d: int, symmetry: int = 0) -> Gas:

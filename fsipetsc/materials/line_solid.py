@@ -50,12 +50,23 @@ class Elastic(NamedTuple):
 
 @dataclass(frozen=True)
 class Solid:
-    """Linear elastic material, with the pressure p = gruneisen * rho * epsilon, or another law's.
+    """The elastic material of a layer in one dimension, whose stress sigma grows as K ln x_X.
 
-    K: 2 mu_e + lambda_e [Pa]; kappa_e: heat conductivity [W/(m K)]; m0: density in the reference
-    configuration [kg/m3]; alpha: specific heat [J/(kg K)]; force: body force per mass [m/s2];
-    gruneisen: [-]; pressing: None, mie_gruneisen(…) or own.pressure_law(…). InputError for what is
-    no number or out of range, and for gruneisen beside another law.
+    It also has a pressure p, which is 0 unless a law is given: the stress is sigma - p.
+
+    Source: B. Sjögreen and J. W. Banks, Commun. Comput. Phys. 13 (2013), (3.1) and (4.19).
+
+    Args:
+        K: 2 mu_e + lambda_e [Pa].
+        kappa_e: heat conductivity [W/(m K)].
+        m0: density in the reference state [kg/m3].
+        alpha: specific heat [J/(kg K)].
+        force: body force per mass [m/s2].
+        gruneisen: G of the pressure p = G rho alpha T; 0: p = 0.
+        pressing: another law of the pressure, as `mie_gruneisen` and `pressure_law` return it.
+
+    Raises:
+        InputError: a number is out of range, or gruneisen is given beside pressing.
     """
 
     K: float
@@ -88,10 +99,12 @@ class Solid:
         return Elastic(self.pressure_law, *numbers)
 
     def pressure(self, T: Any, x_X: Any = 1.0) -> Any:
-        """p [Pa] at temperature T [K] and strain x_X."""
+        """The pressure p [Pa] at T [K] and the stretch x_X, numbers or arrays of one shape."""
         return self.elastic.pressure(T, x_X)
 
     def sound_speed(self, x_X: float = 1.0, T: float = 0.0, sigma: float = 0.0) -> float:
-        """Speed of small waves in Lagrangian coordinates [m/s], without conduction."""
+        """Speed of small waves in Lagrangian coordinates [m/s], without conduction, at the stretch
+        x_X, the temperature T [K] and the stress sigma [Pa].
+        """
         solid = self.elastic
         return float(solid.wave_modulus(T, solid.pressure(T, x_X), sigma, x_X) / self.m0) ** 0.5

@@ -157,35 +157,81 @@ def _formulas(cls: type) -> dict[str, Formula]:
 
 
 def gas_law(**formulas: Formula) -> Any:
-    """A gas law of functions of numbers, with the names and arguments of PerfectGas.
+    """A gas law of your own, made of functions of numbers.
 
-    pressure, internal_energy, temperature, density and temperature_of are needed; the others follow
-    from these, but for the entropy, which is not a number if it is not given. InputError for other
-    names or arguments, or what cannot be recorded.
+    [Materials](materials.md#a-gas-or-transport-law-of-your-own) says what they may use.
+
+    Args:
+        formulas: needed are `pressure(rho, T)` [Pa], `internal_energy(rho, T)` [J/kg],
+            `temperature(rho, e)` [K], `density(p, T)` [kg/m3], `temperature_of(rho, p)` [K].
+            Without `entropy(rho, T)` [J/(kg K)] the law has no entropy. These follow if they are
+            missing: `energy_density(rho, T)` [J/m3], `heat_capacity(rho, T)` [J/(kg K)],
+            `bulk_modulus(rho, T)`, rho dp/drho at constant T [Pa],
+            `pressure_by_temperature(rho, T)` [Pa/K], `sound_speed_squared(rho, T)` [m2/s2].
+
+    Returns:
+        A law for `Fluid(law=…)`.
+
+    Raises:
+        InputError: a formula is missing, has another name or other arguments, or cannot be
+            recorded.
     """
     return _law_of(GAS, formulas)
 
 
 def transport_law(viscosity: Formula, conductivity: Formula | None = None) -> Any:
-    """viscosity(T) = mu(T)/mu, conductivity(T) = kappa(T)/kappa or the same. InputError."""
+    """A law of viscosity and conductivity of your own.
+
+    Args:
+        viscosity: `viscosity(T)` returns mu(T)/mu at T [K].
+        conductivity: `conductivity(T)` returns kappa(T)/kappa; None: the same function.
+
+    Returns:
+        A law for `Fluid(transport=…)`.
+
+    Raises:
+        InputError: a formula has other arguments or cannot be recorded.
+    """
     return _law_of(TRANSPORT, {"viscosity": viscosity, "conductivity": conductivity or viscosity})
 
 
 def solid_law(**formulas: Formula) -> Any:
-    """A solid law of stress(F) -> P = dW/dF [Pa], d*d numbers each, row by row.
+    """A solid law of your own, made of functions of numbers.
 
-    energy(F) -> W [J/m3] is needed for heat 'elastic'; wave_modulus(F) -> largest m0 c^2 [Pa] and
-    acoustic_tensor(F, N) -> d*d numbers N_j N_l dP_ij/dF_kl [Pa] else follow from the
-    stress. p_ref of the solid is not added. InputError.
+    [Materials](materials.md#a-stress-of-your-own) says what they may use, and has an example. F and
+    P are d*d numbers, row by row. p_ref of the solid is not added.
+
+    Args:
+        formulas: `stress(F)` returns P = dW/dF [Pa] and is needed. `energy(F)` returns W [J/m3]; it
+            is needed for `heat="elastic"`. `wave_modulus(F)`, the largest m0 c^2 [Pa], and
+            `acoustic_tensor(F, N)`, the d*d numbers N_j N_l dP_ij/dF_kl [Pa], follow from the
+            stress if they are missing.
+
+    Returns:
+        A law for `ElasticSolid(law=…)`.
+
+    Raises:
+        InputError: a formula is missing, has another name or other arguments, or cannot be
+            recorded.
     """
     return _law_of(SOLID, formulas)
 
 
 def pressure_law(pressure: Formula, **more: Formula) -> Any:
-    """The pressure of a solid, pressure(J, T, m0, alpha) -> p [Pa]. InputError.
+    """A law of the pressure of a solid of your own.
 
-    more: dp/dT and -J dp/dJ, pressure_by_temperature and stiffness of the same arguments, which the
-    paper's couplings need; else they follow from it.
+    Args:
+        pressure: `pressure(J, T, m0, alpha)` returns p [Pa]: J is the volume over that at rest,
+            T [K] the temperature, m0 [kg/m3] the density at rest, alpha [J/(kg K)] the specific
+            heat.
+        more: of the same arguments `pressure_by_temperature`, dp/dT [Pa/K], and `stiffness`,
+            -J dp/dJ [Pa]; they follow from the pressure if they are missing.
+
+    Returns:
+        A law for `Solid(pressing=…)` and `ElasticSolid(pressing=…)`.
+
+    Raises:
+        InputError: a formula has another name or other arguments, or cannot be recorded.
     """
     return _law_of(PRESSURE, {"pressure": pressure, **more})
 

@@ -27,7 +27,22 @@ class PowerLaw(NamedTuple):
 
 
 def power_law(T_ref: float, n: float, n_kappa: float | None = None) -> PowerLaw:
-    """The law with checked numbers; n_kappa: n if it is not given. InputError."""
+    """Powers of the temperature: mu(T)/mu = (T/T_ref)^n, and so for kappa.
+
+    Source of n of gases: F. M. White, Viscous Fluid Flow (1974), Tables 1-2 and 1-3; air: 0.67 and
+    0.81.
+
+    Args:
+        T_ref: temperature at which mu and kappa are those of the material [K].
+        n: power of the viscosity.
+        n_kappa: power of the conductivity; None: n.
+
+    Returns:
+        A law for `Fluid(transport=…)`.
+
+    Raises:
+        InputError: a number is out of range.
+    """
     return PowerLaw(
         number(T_ref, "power_law: T_ref", POSITIVE, "K"),
         number(n, "power_law: n", ANY),

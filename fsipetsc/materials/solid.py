@@ -21,16 +21,28 @@ HEATS = ("coupled", "elastic")
 
 @dataclass(frozen=True)
 class ElasticSolid:
-    """A hyperelastic solid: plane strain in two dimensions, but around an axis, uniaxial strain in
-    one.
+    """A hyperelastic solid of blocks, with heat conduction.
 
-    mu_e, lambda_e: Lamé's constants [Pa]; kappa_e: heat conductivity [W/(m K)]; m0: density at rest
-    [kg/m3]; alpha: specific heat [J/(kg K)]; p_ref: pressure under which it is free of strain [Pa].
-    law: "log", "neo-hookean", "svk", "linear" or own.solid_law(…), which knows its own constants.
-    heat: "coupled" (the work of stresses becomes heat) or "elastic" (beside an elastic energy).
-    force: body force per mass [m/s2], a number in one dimension or a tuple. pressing: None,
-    gruneisen(…), mie_gruneisen(…) or own.pressure_law(…), which adds -p cof F to the stress.
-    InputError for what is no number, out of range or no law.
+    In two dimensions the strain is plane, but around an axis; in one it is uniaxial.
+    [Materials](materials.md) has the stresses with their sources.
+
+    Args:
+        mu_e: Lamé's constant of shear [Pa].
+        lambda_e: Lamé's other constant [Pa].
+        kappa_e: heat conductivity [W/(m K)].
+        m0: density in the reference state [kg/m3].
+        alpha: specific heat [J/(kg K)].
+        p_ref: pressure under which the solid is free of strain [Pa].
+        law: "log", "neo-hookean", "svk", "linear", or what `solid_law` returns, which knows its own
+            constants.
+        heat: "coupled": the work of stresses becomes heat; "elastic": the elastic energy is stored
+            beside the heat.
+        force: body force per mass [m/s2], a number in one dimension, else d numbers.
+        pressing: None, or what `gruneisen`, `mie_gruneisen` or `pressure_law` returns, which adds
+            -p cof F to the stress.
+
+    Raises:
+        InputError: a number is out of range, or a law is of the wrong kind.
     """
 
     mu_e: float

@@ -81,12 +81,40 @@ class MieGruneisen(NamedTuple):
 
 
 def gruneisen(G: float) -> Gruneisen:
-    """The law with a checked number; InputError."""
+    """Grüneisen's pressure of a solid: p = G rho alpha T, rho = m0/J.
+
+    Args:
+        G: Grüneisen's number.
+
+    Returns:
+        A law for `ElasticSolid(pressing=…)`.
+
+    Raises:
+        InputError: G is below 0.
+    """
     return Gruneisen(number(G, "gruneisen: G", NONNEGATIVE))
 
 
 def mie_gruneisen(c_0: float, s: float, G_0: float, T_0: float) -> MieGruneisen:
-    """The law with checked numbers; G_0 at most 4 s, so that compression stiffens. InputError."""
+    """Mie and Grüneisen's pressure of a solid, about the Hugoniot u_s = c_0 + s u_p of shocks.
+
+    With eta = 1 - J, for -1/s < eta < 1/s, and p_H = m0 c_0^2 eta/(1 - s eta)^2:
+    p = p_H (1 - G_0 eta/2) + G_0 m0 alpha (T - T_0).
+
+    Source: M. A. Meyers, Dynamic Behavior of Materials (1994), chapters 4 and 5.
+
+    Args:
+        c_0: speed of weak shocks [m/s].
+        s: slope of the Hugoniot.
+        G_0: Grüneisen's number at rest, at most 4 s, so that compression stiffens.
+        T_0: temperature ahead of the shocks [K].
+
+    Returns:
+        A law for `Solid(pressing=…)` and `ElasticSolid(pressing=…)`.
+
+    Raises:
+        InputError: a number is out of range.
+    """
     law = MieGruneisen(
         number(c_0, "mie_gruneisen: c_0", POSITIVE, "m/s"),
         number(s, "mie_gruneisen: s", NONNEGATIVE),

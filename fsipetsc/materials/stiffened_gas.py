@@ -64,7 +64,21 @@ class StiffenedGas(NamedTuple):
 
 
 def stiffened_gas(gamma: float, cv: float, p_inf: float) -> StiffenedGas:
-    """The law with checked numbers; InputError for what is out of range."""
+    """A stiffened gas, for a liquid: p = (gamma - 1) rho cv T - p_inf, e = cv T + p_inf/rho.
+
+    Source: F. H. Harlow and A. A. Amsden, Fluid Dynamics, LA-4700 (1971).
+
+    Args:
+        gamma: ratio of the specific heats, above 1.
+        cv: specific heat at constant volume [J/(kg K)].
+        p_inf: stiffness [Pa].
+
+    Returns:
+        A law for `Fluid(law=…)`.
+
+    Raises:
+        InputError: a number is out of range.
+    """
     return StiffenedGas(
         number(gamma, "stiffened_gas: gamma", "above 1"),
         number(cv, "stiffened_gas: cv", POSITIVE, "J/(kg K)"),

@@ -9,8 +9,8 @@ from typing import Any
 from fsipetsc.blame import call
 from fsipetsc.errors import InputError
 
-#: default of an option that the case or the user must give
 REQUIRED = ...
+"""Default of an option that the case or the user must give."""
 INT_MAX = 2**31 - 1
 _BOOLS = dict.fromkeys(("", "true", "yes", "1", "on"), True)
 _BOOLS |= dict.fromkeys(("false", "no", "0", "off"), False)
@@ -34,13 +34,20 @@ def above_one(value: float) -> str | None:
 
 @dataclass(frozen=True)
 class Option:
-    """One option.
+    """One option of a case or of the program.
 
-    name: without the dash, as in "solid_kappa". kind: int, float, str, bool, "ints" or "floats"
-    (comma-separated). default: a value, None (not set) or REQUIRED. unit: "" or "-" if there is
-    none. choices: the only values allowed. check: "positive", "nonnegative" or a function of the
-    value that returns None or True if it is fine and otherwise says what is expected, as in "a
-    number below 1", or False. TypeError where this is not so.
+    Args:
+        name: name without the dash, as in "solid_kappa".
+        kind: int, float, str, bool, "ints" or "floats"; the last two are lists with commas.
+        default: a value, None (not set) or `REQUIRED`.
+        unit: as in "kg/m3"; "" or "-" if there is none.
+        help: one line that `-help` prints.
+        choices: the only values that are allowed.
+        check: "positive", "nonnegative", or a function of the value. It returns None or True if the
+            value is fine; else it returns what is expected, as in "a number below 1", or False.
+
+    Raises:
+        TypeError: one of these is not as described.
     """
 
     name: str

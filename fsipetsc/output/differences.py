@@ -24,15 +24,16 @@ ROUND_OFF = 1e-12
 
 @dataclass(frozen=True)
 class Difference:
-    """Of one field or series.
+    """How far one field or series of two results is apart.
 
-    name       "layer: field", or the name of the series
-    largest    largest absolute difference; inf where one of the two is no number; 0.0: the same
-               bits, but for the sign of 0
-    scale      largest absolute value of the two results, in the common part; ``compare`` takes the
-               largest of all fields of the layer, or series, with this unit, but for times; where
-               that is round-off, the largest of all with this unit, or of what makes it (MADE_OF)
-    place      where `largest` is, in words
+    Attributes:
+        name: "layer: field", or the name of the series.
+        largest: largest absolute difference, in the unit of the field; inf where one of the two is
+            no number; 0.0: the same bits, but for the sign of 0.
+        scale: largest absolute value of the two results, in the common part; `compare` takes the
+            largest of all fields of the layer, or series, with this unit, but for times; where that
+            is round-off, the largest of all with this unit, or of what makes it.
+        place: where `largest` is, in words.
     """
 
     name: str
@@ -53,7 +54,13 @@ class Difference:
 
 @dataclass(frozen=True)
 class Comparison:
-    """notes: what cannot be compared; options: name -> the two values, where they differ."""
+    """What differs between two results.
+
+    Attributes:
+        differences: of each field and series that both have.
+        notes: what cannot be compared.
+        options: name -> the two values, of the options that differ.
+    """
 
     differences: tuple[Difference, ...]
     notes: tuple[str, ...]
@@ -61,19 +68,27 @@ class Comparison:
 
     @property
     def equal(self) -> bool:
-        """Every number that the two have is in both, with the same bits."""
+        """Whether every number that one of the two has is in both, with the same bits."""
         return not self.notes and all(found.largest == 0.0 for found in self.differences)
 
 
 def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Comparison:
-    """All fields in the frames, and all series in the steps, that two results have at equal times.
+    """Compare all fields in the frames, and all series in the steps, that two results have at equal
+    times.
 
-    Where no time is in both, nothing is compared. Where the steps differ, gains per step (GAINS)
-    are compared as sums since the first common time.
+    Where no time is in both, nothing is compared. Where the steps differ, gains per step such as
+    `energy_in` are compared as sums since the first common time. Layers with different grids are
+    compared at common nodes where both are active; a note says how many there are.
 
-    Layers with different grids: at common nodes where both are active; a note says how many.
+    Args:
+        first: path of a result.
+        second: path of the other one.
 
-    Raises FileError if one of them cannot be read.
+    Returns:
+        The differences, what could not be compared, and which options differ.
+
+    Raises:
+        FileError: one of them cannot be read.
     """
     with open_run(first) as a, open_run(second) as b:
         notes: list[str] = []

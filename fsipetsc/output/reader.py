@@ -29,28 +29,32 @@ if TYPE_CHECKING:
 
 
 class Run:
-    """A result. Fields are read from the file when they are asked for, and then kept.
+    """A result, as `open_run` and `run` return it.
 
-    case, options       name of the case; dict of every option in force
-    header              what was known at the start: versions, ranks, created, …
-    summary             steps, rhs_evaluations, wall_time (s) … of the whole run, part: since its
-                        last restart; points, ranks, versions …; unfinished: the header's
-    errors              layer kind -> name -> error at the end, L2 or as -fsi_norm says; empty where
-                        no exact solution is known
-    complete            whether the run came to its end; if not, summary["status"] may say why
-    time, nframes       (nframes,) times of the saved frames
-    layers              tuple of :class:`Layer`, from left to right
-    dimension           1, 2 or 3; in two `interface` has the lines between gas and solid
-    blocks              name -> the same
-    interfaces          their names, from left to right
-    points              recorded at each step (-fsi_points, -fsi_probes): tuple of (name of the
-                        interface or block, (X, …))
-    faces               of blocks those that no other one meets, and "through no face": the columns
-                        of the series "energy_face" and "heat_face"
-    series              name -> (nsteps,) or (nsteps, m), one row per time step: "t", "dt",
-                        "x_interface", …
+    Fields are read from the file when they are asked for, and then kept. No file stays open. As a
+    context manager it does nothing.
 
-    No file stays open. As a context manager it does nothing.
+    Attributes:
+        case: name of the case.
+        options: name -> value of every option in force.
+        header: what was known at the start: versions, ranks, created …
+        summary: steps, rhs_evaluations, wall_time [s] … of the whole run. Of a run that has not
+            ended it has only versions and ranks.
+        errors: layer kind -> name -> error at the end, in the norm of `-fsi_norm`; empty where no
+            exact solution is known.
+        complete: whether the run came to its end; if not, `summary["status"]` may say why.
+        time: (nframes,) times of the saved frames [s].
+        nframes: how many frames are saved.
+        layers: the layers from left to right, or the blocks in the order of the case.
+        blocks: name -> the same layers.
+        dimension: 1, 2 or 3.
+        interfaces: names of the interfaces, from left to right.
+        points: of each node that is recorded at each step (`-fsi_points`, `-fsi_probes`) the name
+            of the interface or block, and (X, …) [m].
+        faces: of blocks the faces that no other one meets, and "through no face": the columns of
+            the series `energy_face` and `heat_face`.
+        series: name -> (nsteps,) or (nsteps, m), a row for each time step: `t`, `dt`,
+            `x_interface` …; `python -m fsipetsc info` tells their units.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -103,14 +107,27 @@ class Run:
             raise FileError(f"{self.path}: no frame is saved in it")
 
     def at(self, t: float) -> int:
-        """Number of the frame saved nearest to time t. FileError if there is no frame."""
+        """Number of the frame saved nearest to time t.
+
+        Args:
+            t: time [s].
+
+        Raises:
+            FileError: no frame is saved.
+        """
         self._need_frames()
         return int(np.argmin(np.abs(self.time - t)))
 
     def interface(self, k: int | str) -> InterfaceLine:
-        """Interface k, counted from below, or its name, of a run in two dimensions.
+        """The line of an interface of a run in two dimensions.
 
-        KeyError or IndexError if there is none; FileError if no frame is saved.
+        Args:
+            k: its number, counted from below, or its name.
+
+        Raises:
+            KeyError: there is no interface of this name.
+            IndexError: there is no interface of this number.
+            FileError: no frame is saved.
         """
         names = list(self.interfaces) if self.dimension == 2 else []
         if isinstance(k, str) and k not in names:
@@ -123,7 +140,16 @@ class Run:
         return InterfaceLine(names[number], solid, self.layers[solid], axis, side)
 
     def to_xarray(self) -> xarray.Dataset:
-        """All frames and series with dimensions, coordinates and units; see `output.as_xarray`."""
+        """All frames and series as an xarray Dataset, with dimensions, coordinates and units.
+
+        Fields are variables "LAYER.FIELD" of the dimensions time and X_LAYER (in two dimensions
+        time, Y_LAYER, X_LAYER). Series are "series.NAME" of the dimension step. A blank in the name
+        of a layer is written as _.
+
+        Raises:
+            ImportError: xarray is not installed.
+            FileError: the result is damaged.
+        """
         from fsipetsc.output.as_xarray import to_xarray
 
         return to_xarray(self)
@@ -145,18 +171,29 @@ class Run:
 
 
 class Layer(Mapping[str, Array]):
-    """A layer or block of a run in d dimensions; `layer[name]` is (nframes, n_{d-1}, …, n_0), NaN
-    outside the active part.
+    """A layer or block of a result in d dimensions: a mapping from names of fields to arrays.
 
-    name, kind           kind is "fluid" or "solid"
-    fields               of a gas rho, u, v, w, T, p, J, x, y, z; of a solid u, v, w, T, stresses,
-                         x, y, z, as far as there are dimensions; in one u, sigma, T, x, p
-    shape                (n_{d-1}, …, n_0)
-    X, Y, Z              places in the reference map, of the same shape; where X depends on axis 0
-                         alone, Y on axis 1 …, (n_0,), (n_1,), …; with the points in reserve
-    places, periodic     (…, d) the same as they are; whether axis 0, 1, … is periodic
-    h                    mean spacing [m] of X along axis 0
-    x, y, z              (nframes, …) positions
+    `layer[name]` has the shape (nframes, n_{d-1}, …, n_0); axis 0 is the last one. Units are those
+    of the SI: rho [kg/m3], u, v, w [m/s], T [K], p and stresses [Pa], x, y, z [m]; J, the volume of
+    the gas's grid over that at rest, has none. In the paper's method the points in reserve are NaN.
+    KeyError for a field that there is not; FileError where the file is damaged.
+
+    Attributes:
+        name: name of the layer.
+        kind: "fluid" or "solid".
+        fields: names: of a gas rho, u, v, w, T, p, J, x, y, z; of a solid u, v, w, T, stresses,
+            x, y, z, as far as there are dimensions; of layers u, sigma, T, x, p.
+        shape: (n_{d-1}, …, n_0).
+        X: places in the reference map [m], of this shape. Where X depends on axis 0 alone, Y on
+            axis 1 and Z on axis 2, they are (n_0,), (n_1,), (n_2,).
+        Y: see X.
+        Z: see X.
+        places: (…, d) the same places.
+        periodic: whether axis 0, 1 … is periodic.
+        h: mean spacing of X along axis 0 [m].
+        x: (nframes, …) positions [m].
+        y: see x.
+        z: see x.
     """
 
     def __init__(self, run: Run, number: int, entry: Mapping[str, Any]) -> None:
@@ -180,7 +217,7 @@ class Layer(Mapping[str, Array]):
 
     @property
     def size(self) -> str:
-        """The size of its grid, in words."""
+        """The size of its grid in words, as "65 by 33 points"."""
         return f"{' by '.join(map(str, self.shape[::-1]))} points"
 
     @property
@@ -195,9 +232,14 @@ class Layer(Mapping[str, Array]):
         return tuple(found)
 
     def frame(self, number: int) -> dict[str, Array]:
-        """All fields of one frame, name -> of `shape`: much cheaper than whole fields of a run.
+        """All fields of one frame, name -> array of `shape`. It reads less than whole fields.
 
-        FileError if no frame is saved.
+        Args:
+            number: of the frame; negative ones count from the last frame.
+
+        Raises:
+            IndexError: there is no such frame.
+            FileError: no frame is saved, or the file is damaged.
         """
         self._run._need_frames()
         first = range(self._run.nframes)[number]
@@ -240,14 +282,21 @@ class Layer(Mapping[str, Array]):
 class InterfaceLine:
     """The face of the solid at an interface in two dimensions: where it is, and how it moves.
 
-    All but s, X and Y are (nframes, n).
+    `Run.interface` returns it.
 
-    name, solid    of the interface; number of the block that is the solid
-    s              (n,) [m] arc length along the face in the reference map, from its first node
-    X, Y           (n,) [m] reference position
-    x, y, u, v, T  position, velocity and temperature of the solid
-    displacement   [m] y - Y; of a face that is not flat along X, along the normal of the reference
-                   into the solid
+    Attributes:
+        name: name of the interface.
+        solid: number of the block that is the solid.
+        s: (n,) arc length along the face in the reference map, from its first node [m].
+        X: (n,) reference position along X [m].
+        Y: (n,) reference position along Y [m].
+        x: (nframes, n) position of the solid along x [m].
+        y: (nframes, n) position of the solid along y [m].
+        u: (nframes, n) velocity of the solid along x [m/s].
+        v: (nframes, n) velocity of the solid along y [m/s].
+        T: (nframes, n) temperature of the solid [K].
+        displacement: (nframes, n) y - Y [m]; of a face that is not flat along X, the displacement
+            along the normal of the reference into the solid.
     """
 
     def __init__(self, name: str, solid: int, layer: Layer, axis: int, side: int) -> None:
@@ -276,7 +325,17 @@ def _short(places: list[Array]) -> list[Array]:
 
 
 def open_run(path: str | os.PathLike[str]) -> Run:
-    """Open a result. FileError if there is none, it is not one of fsipetsc, or it is damaged."""
+    """Open the result of a run, finished or not. It needs numpy and h5py only.
+
+    Args:
+        path: NAME.h5; also of a run that goes on or was killed, whose pieces are in NAME.parts.
+
+    Returns:
+        The result.
+
+    Raises:
+        FileError: there is no such file, it is no result of fsipetsc, or it is damaged.
+    """
     return Run(path)
 
 

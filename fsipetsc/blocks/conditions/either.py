@@ -8,8 +8,17 @@ from fsipetsc.blocks.conditions.condition import Condition, Function
 
 @dataclass(frozen=True)
 class Given(Condition):
-    """All unknowns are given: values(*X, t) -> (rho, u_1..u_d, T) of a gas, (v_1..v_d, T, x_1..x_d)
-    of a solid. The face of a gas is at rest, or moved as a NoSlip.
+    """A face of a gas or a solid at which all unknowns are given.
+
+    Args:
+        values: `values(*X, t)` returns rho [kg/m3], d velocities [m/s], T [K] of a gas; d
+            velocities [m/s], T [K], d positions [m] of a solid.
+        x: `x(*X, t)` returns d positions [m] of a face of a gas that moves; None: it is at rest.
+        velocity: `velocity(*X, t)` returns d velocities [m/s], the derivative of x; None: it
+            follows from x.
+
+    Raises:
+        InputError: velocity is given without x, or something is of the wrong kind.
     """
 
     values: Function
@@ -21,16 +30,23 @@ class Given(Condition):
 
 @dataclass(frozen=True)
 class Centre(Condition):
-    """No face: beyond the first node, half a spacing from r = 0, is the block's mirror image. At
-    side 0 of the last axis, in a problem with an axis or a centre.
+    """An axis or a centre, r = 0. It stands at side 0 of the last axis, where `symmetry` is 1 or 2.
+
+    The first node is half a spacing from it. Beyond it is the block's mirror image.
     """
 
 
 @dataclass(frozen=True)
 class Periodic(Condition):
-    """The face goes on at another one, also Periodic: this one moved by shift (d numbers) [m].
+    """A face that goes on at another one, which is `Periodic`, too.
 
-    A block that is periodic in itself has no faces there: Block(…, periodic=(True, False)).
+    A block that is periodic in itself has no faces there: `Block(…, periodic=(True, False))`.
+
+    Args:
+        shift: d numbers [m]: the other face is this one moved by them.
+
+    Raises:
+        InputError: shift is not made of numbers.
     """
 
     shift: Any

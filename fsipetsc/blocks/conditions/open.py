@@ -25,10 +25,18 @@ LONGEST = 0.25
 
 @dataclass(frozen=True)
 class Open(OfGas):
-    """Gas of density rho [kg/m3], velocity u (d data, or u(*X, t) -> d arrays) [m/s] and
-    temperature T [K] outside; waves pass by characteristics.
+    """An open face of a gas: waves along the normal leave, oblique ones [in part](open-end.md).
 
-    order: 1 where viscosity and conduction matter to them: see docs/open-end.md.
+    Data are numbers, or functions of the coordinates X of the face's nodes and of t [s].
+
+    Args:
+        rho: density of the gas beyond [kg/m3].
+        u: its velocity [m/s]: d data, or `u(*X, t)`, which returns d arrays.
+        T: its temperature [K].
+        order: order of the conditions in viscosity and conduction, 0 or 1.
+
+    Raises:
+        InputError: a number is out of range, or something is of the wrong kind.
     """
 
     rho: Datum

@@ -18,7 +18,15 @@ from fsipetsc.equations.vectors import choose, dot
 
 @dataclass(frozen=True)
 class Outflow(OfGas):
-    """Gas flows out, against a pressure [Pa] where slower than sound; 0 where it nowhere is."""
+    """A face through which gas flows out.
+
+    Args:
+        pressure: pressure beyond [Pa], a number or a function of (*X, t), which is imposed where
+            the flow is slower than sound; 0 where it nowhere is.
+
+    Raises:
+        InputError: the pressure is below 0 or of the wrong kind.
+    """
 
     pressure: Datum = 0.0
     ranges = OfGas.ranges | {"pressure": NONNEGATIVE}

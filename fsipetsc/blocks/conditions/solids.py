@@ -16,9 +16,18 @@ from fsipetsc.equations.vectors import along, scale
 
 @dataclass(frozen=True)
 class Clamped(OfSolid):
-    """The solid is held where it is, or moved to x(*X, t) -> d positions [m]; heat as of a NoSlip.
+    """A face of a solid that is held, or moves as given.
 
-    With velocity(*X, t) -> d velocities [m/s] alone it moves so from where it is at first.
+    Args:
+        x: `x(*X, t)` returns d positions [m]; None: by the velocity, or at rest.
+        T: temperature [K], a number or a function of (*X, t); None: it is not given.
+        heat_flux: heat flux into the solid [W/m2], likewise; without T and heat_flux the face is
+            insulated.
+        velocity: `velocity(*X, t)` returns d velocities [m/s]; without x the face moves so from
+            where it is at first.
+
+    Raises:
+        InputError: T and heat_flux are both given, or something is of the wrong kind.
     """
 
     x: Function | None = None
@@ -31,7 +40,17 @@ class Clamped(OfSolid):
 
 @dataclass(frozen=True)
 class Free(OfSolid):
-    """A pressure [Pa] that follows the face of the solid; heat as of a NoSlip."""
+    """A face of a solid under a pressure that follows it.
+
+    Args:
+        pressure: pressure [Pa], a number or a function of (*X, t).
+        T: temperature [K], likewise; None: it is not given.
+        heat_flux: heat flux into the solid [W/m2], likewise; without T and heat_flux the face is
+            insulated.
+
+    Raises:
+        InputError: T and heat_flux are both given, or something is of the wrong kind.
+    """
 
     pressure: Datum = 0.0
     T: Datum = None
@@ -48,12 +67,23 @@ class Free(OfSolid):
 
 @dataclass(frozen=True)
 class Absorbing(OfSolid):
-    """The solid goes on beyond the face, under a stress [Pa], a tension if above 0: waves along the
-    normal n pass, of pressure and of shear; of oblique ones a part is reflected. The traction per
-    area at rest is stress n - Z v, Z = sqrt(m0 Q) with the acoustic tensor Q along n at the strain
-    there; unstrained, Z has m0 c_p along n and m0 c_s across. Heat as of a NoSlip.
+    """A face beyond which the solid goes on: waves along the normal n leave, of pressure and of
+    shear; of oblique ones a part is reflected.
+
+    The traction per area at rest is stress n - Z v, Z = sqrt(m0 Q) with the acoustic tensor Q along
+    n at the strain there; unstrained, Z has m0 c_p along n and m0 c_s across.
 
     Source: Lysmer and Kuhlemeyer, J. Eng. Mech. Div. ASCE 95 (1969) 859-877.
+
+    Args:
+        stress: normal stress of the solid beyond [Pa], a tension if above 0, a number or a function
+            of (*X, t).
+        T: temperature [K], likewise; None: it is not given.
+        heat_flux: heat flux into the solid [W/m2], likewise; without T and heat_flux the face is
+            insulated.
+
+    Raises:
+        InputError: T and heat_flux are both given, or something is of the wrong kind.
     """
 
     stress: Datum = 0.0
@@ -72,8 +102,15 @@ class Absorbing(OfSolid):
 
 @dataclass(frozen=True)
 class Roller(OfSolid):
-    """The solid slides along the face's plane without friction; or a plane of symmetry. Heat as of
-    a NoSlip.
+    """A face of a solid that slides in its plane without friction; also a plane of symmetry.
+
+    Args:
+        T: temperature [K], a number or a function of (*X, t); None: it is not given.
+        heat_flux: heat flux into the solid [W/m2], likewise; without T and heat_flux the face is
+            insulated.
+
+    Raises:
+        InputError: T and heat_flux are both given, or something is of the wrong kind.
     """
 
     T: Datum = None
@@ -84,4 +121,6 @@ class Roller(OfSolid):
 
 @dataclass(frozen=True)
 class Hinge(OfSolid):
-    """A point of a solid's face that is held, among a problem's points; the solid may turn."""
+    """A point of a solid's face that is held, in `points` of a `BlockProblem`; the solid may turn
+    about it.
+    """

@@ -20,13 +20,23 @@ from fsipetsc.errors import InputError
 
 @dataclass(frozen=True)
 class NoSlip(OfGas):
-    """Wall that the gas sticks to: adiabatic, of temperature T [K], or with heat flux [W/m2] in.
+    """A wall that a gas sticks to: insulated, of a given temperature, or with a given heat flux.
 
-    At rest, or where x(*X, t) -> d positions [m] says; velocity(*X, t) -> d velocities [m/s] is
-    found by differences of x if it is not given.
+    Data are numbers, or functions of the coordinates X of the face's nodes and of t [s].
 
-    slip_length [m]: the gas slips along the wall with this length times the slope of its velocity
-    (Navier), so that it may meet a wall, or a solid, that moves along this one.
+    Args:
+        T: temperature [K]; None: it is not given.
+        heat_flux: heat flux into the gas [W/m2]; None: it is not given.
+        x: `x(*X, t)` returns d positions [m] of a wall that moves; None: it is at rest.
+        velocity: `velocity(*X, t)` returns d velocities [m/s], the derivative of x; None: it
+            follows from x.
+        slip_length: length [m] with which the gas slips along the wall: its velocity there is this
+            length times its slope (Navier). So it may meet a wall, or a solid, that moves along
+            this one. None: it sticks.
+
+    Raises:
+        InputError: T and heat_flux are both given, velocity without x, or something is of the wrong
+            kind.
     """
 
     T: Datum = None
@@ -70,9 +80,17 @@ class NoSlip(OfGas):
 
 @dataclass(frozen=True)
 class Slip(OfGas):
-    """Wall along which the gas slips without heat, or a plane of symmetry; moves as a NoSlip.
+    """A wall along which a gas slips without heat, or a plane of symmetry.
 
-    Faces of one name are one wall, also around an edge; without names, those that go on smoothly.
+    Args:
+        x: `x(*X, t)` returns d positions [m] of a wall that moves; None: it is at rest.
+        velocity: `velocity(*X, t)` returns d velocities [m/s], the derivative of x; None: it
+            follows from x.
+        name: faces of one name are one wall, also around an edge; without names, those that go on
+            smoothly are one.
+
+    Raises:
+        InputError: velocity is given without x, or something is of the wrong kind.
     """
 
     x: Function | None = None
