@@ -12,8 +12,12 @@ from fsipetsc.kernels.symbols import Symbol
 class Piecewise:
     """A piecewise polynomial of SciPy as a function of numbers, arrays and symbols: recorded.
 
-    of: CubicSpline(t, x), PchipInterpolator(t, x), or another PPoly, with one number for each t.
-    InputError for anything else, and where the function is called outside of the table.
+    Args:
+        of: `CubicSpline(t, x)`, `PchipInterpolator(t, x)`, or another `PPoly`, with one number for
+            each t.
+
+    Raises:
+        InputError: it is anything else, or the function is called outside of the table.
     """
 
     def __init__(self, of: PPoly) -> None:
