@@ -37,16 +37,25 @@ OPTIONS_FILES = {
 FENCED = re.compile(r"^```(\w*)$(.*?)^```$", re.S | re.M)
 
 
+#: texts of the templates and of the cases that stand in runs/
+CASE_FILES = [
+    path.read_text()
+    for path in (*(REPOSITORY / "runs").glob("*.py"), *(REPOSITORY / "fsipetsc").glob("cases/temp*"))
+]
+
+
 @cache
 def known_options() -> frozenset[str]:
-    """Names of options that -help of all cases and commands tells."""
+    """Names of options that -help of all cases and commands tells, and of those of CASE_FILES."""
     from fsipetsc.cases import BUILT_IN
     from fsipetsc.cli import COMMANDS, main
 
     with contextlib.redirect_stdout(io.StringIO()) as said:
         for name in (*BUILT_IN, *COMMANDS, "convergence mms"):
             assert main([*name.split(), "-help"]) == 0
-    return frozenset(re.findall(r"(?<![\w-])-([A-Za-z]\w*)", said.getvalue())) | {"n", "m", "help"}
+    told = re.findall(r"(?<![\w-])-([A-Za-z]\w*)", said.getvalue())
+    of_files = re.findall(r'Option\(\s*"(\w+)"', "\n".join(CASE_FILES))
+    return frozenset(told) | frozenset(of_files) | {"n", "m", "help"}
 
 
 @pytest.mark.parametrize("name", TEXTS)
