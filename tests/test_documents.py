@@ -40,7 +40,8 @@ FENCED = re.compile(r"^```(\w*)$(.*?)^```$", re.S | re.M)
 #: texts of the templates and of the cases that stand in runs/
 CASE_FILES = [
     path.read_text()
-    for path in (*(REPOSITORY / "runs").glob("*.py"), *(REPOSITORY / "fsipetsc").glob("cases/temp*"))
+    for pattern in ("runs/*.py", "fsipetsc/cases/template*.py")
+    for path in REPOSITORY.glob(pattern)
 ]
 
 
@@ -212,6 +213,12 @@ def test_options_files_run(often, tmp_path):
         runs[ranks][name] = (case, " ".join([*given, *words[2:], limit]))
     results = compute(1, tmp_path, runs[1]) | compute(2, tmp_path, runs[2])
     assert {name: result.summary["steps"] for name, result in results.items()} == steps
+
+
+def test_cases_of_runs_run(tmp_path):
+    """A few steps of each."""
+    paths = (REPOSITORY / "runs").glob("*.py")
+    compute(1, tmp_path, {path.stem: (str(path), "-ts_max_steps 3") for path in paths})
 
 
 def test_petscs_own_options_behave_as_in_its_examples(tmp_path):
