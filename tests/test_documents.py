@@ -48,16 +48,26 @@ def slug(heading):
     return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
 
 
+#: texts of the templates and of the cases that stand in runs/
+CASE_FILES = [
+    path.read_text()
+    for pattern in ("runs/*.py", "fsipetsc/cases/template*.py")
+    for path in REPOSITORY.glob(pattern)
+]
+
+
 @cache
 def known_options() -> frozenset[str]:
-    """Names of options that -help of all cases, those of runs/ too, and commands tells."""
+    """Names of options that -help of cases and commands tells, and of those of CASE_FILES."""
     from fsipetsc.cases import BUILT_IN
     from fsipetsc.cli import COMMANDS, main
 
     with contextlib.redirect_stdout(io.StringIO()) as said:
         for name in (*BUILT_IN, *COMMANDS, "convergence mms", *map(str, OWN_CASES.values())):
             assert main([*name.split(), "-help"]) == 0
-    return frozenset(re.findall(r"(?<![\w-])-([A-Za-z]\w*)", said.getvalue())) | {"n", "m", "help"}
+    told = re.findall(r"(?<![\w-])-([A-Za-z]\w*)", said.getvalue())
+    of_files = re.findall(r'Option\(\s*"(\w+)"', "\n".join(CASE_FILES))
+    return frozenset(told) | frozenset(of_files) | {"n", "m", "help"}
 
 
 @pytest.mark.parametrize("name", TEXTS)
@@ -285,6 +295,12 @@ def test_options_files_run(often, tmp_path):
         runs[ranks][name] = (str(OWN_CASES.get(case, case)), " ".join(words))
     results = compute(1, tmp_path, runs[1]) | compute(2, tmp_path, runs[2])
     assert {name: result.summary["steps"] for name, result in results.items()} == steps
+
+
+def test_cases_of_runs_run(tmp_path):
+    """A few steps of each."""
+    paths = (REPOSITORY / "runs").glob("*.py")
+    compute(1, tmp_path, {path.stem: (str(path), "-ts_max_steps 3") for path in paths})
 
 
 def test_petscs_own_options_behave_as_in_its_examples(tmp_path):
