@@ -334,3 +334,16 @@ def test_speed_that_the_readme_tells():
     steps = {row[0]: row[2] for row in reversed(rows) if len(row) == 5}
     paper, blocks = steps["rod, the paper's method"], steps["gas, solid, divergence"]
     assert f"{paper} µs a step with the paper's method, {blocks} µs on blocks" in readme
+
+
+def test_what_two_ranks_gain():
+    """The page on clusters has it of performance.md."""
+    rows = [row.strip("| ").split(" | ") for row in TEXTS["performance.md"].splitlines()]
+    known = set()
+    for row in (row for row in rows if row[0] == "4/2"):
+        step, last = float(row[3]), float(row[-1])
+        # in one dimension the last column is the time on two ranks; in three, steps are in ms
+        known |= {f"{step:g} | {gain:.2f}" for gain in (last, step / last)}
+        known.add(f"{1e3 * step:g} | {last:.2f}")
+    told = re.findall(r"\| \d+ \| ([\d.]+ \| [\d.]+) \|$", TEXTS["cluster.md"], re.M)
+    assert len(told) == 10 and set(told) <= known

@@ -57,7 +57,7 @@ def test_the_environment_of_conda_has_what_the_extras_name():
 
 
 def test_syntax():
-    for path in REPOSITORY.glob("scripts/*"):
+    for path in (path for path in REPOSITORY.glob("scripts/**/*") if path.is_file()):
         if path.read_text().startswith("#!/usr/bin/env python3"):
             compile(path.read_text(), path, "exec")
         else:

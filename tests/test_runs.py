@@ -52,3 +52,23 @@ def test_heat_through_three_layers(tmp_path):
     rest = (t > 0.05) & (t < 0.14)
     rate = -np.polyfit(t[rest], np.log(np.abs(flux[rest].sum(axis=1))), 1)[0]
     assert rate == pytest.approx(rate_of_conduction(280.5, 3e4), rel=2e-5)
+
+
+# runs/ramp.py and docs/shocks.md
+
+
+def test_a_flow_over_a_ramp(tmp_path):
+    """The pressures behind the shock and the fan are those of theory; wall heating and the
+    over-expansion are as high as on finer grids.
+    """
+    words = "-ramp_wall rigid -fsi_h 0.0625"
+    run = compute(1, tmp_path, {"ramp": (CASES["ramp"], words)})["ramp"]
+    p_2, T_2, p_3 = 1.7065786, 1.1701513, 1.0026427
+    on, behind = (run.blocks[f"gas {k}"] for k in (1, 2))
+    middle = (on.X[0] > 0.5) & (on.X[0] < 0.9)
+    p, T, p_behind = 1.4 * on["p"][-1], on["T"][-1], 1.4 * behind["p"][-1, 0]
+    assert p[0, middle].mean() == pytest.approx(p_2, rel=2e-3)
+    assert T[0, middle].mean() / T_2 - 1.0 == pytest.approx(0.0095, abs=0.001)
+    assert T[3, middle].mean() == pytest.approx(T_2, rel=5e-3)
+    assert p_behind.min() / p_3 - 1.0 == pytest.approx(-0.064, abs=0.002)
+    assert p_behind[8:].mean() == pytest.approx(p_3, rel=0.01)
