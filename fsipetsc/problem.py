@@ -11,8 +11,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from fsipetsc import checks
 from fsipetsc.blame import place_of, place_of_caller
-from fsipetsc.blocks.spacing import cells_of, own_cells
 from fsipetsc.blocks.values import NOWHERE, block_values, checked
 from fsipetsc.boundaries import Boundary
 from fsipetsc.checks import Array, Fields, check_name, described, extent, function
@@ -51,7 +51,7 @@ class _Layer:
             found = described(self.material)
             raise InputError(f"{what}: material is {found}: expected a {wanted.__name__}")
         object.__setattr__(self, "X", extent(self.X, what))
-        object.__setattr__(self, "cells", own_cells(self.cells, h, self.X, what))
+        object.__setattr__(self, "cells", checks.own_cells(self.cells, h, self.X, what))
         object.__setattr__(self, "place", place_of_caller())  # for what shows later
         form = f"initial(X) -> ({', '.join(self.fields[:-1])})"
         function(self.initial, f"{what}: initial", form)
@@ -76,7 +76,7 @@ class _Layer:
 
     def fitting(self, h: float) -> int:
         """Cells of the size h [m] that -fsi_h says. InputError."""
-        return cells_of(self.X, h, f"-fsi_h {h:g}: {self}")
+        return checks.cells_of(self.X, h, f"-fsi_h {h:g}: {self}")
 
 
 @dataclass(frozen=True)
@@ -158,9 +158,6 @@ class SolidLayer(_Layer):
         return cells
 
 
-Layer = FluidLayer | SolidLayer
-
-
 @dataclass(frozen=True)
 class Problem:
     """A problem in one dimension: layers of gas and solid in turn, from left to right.
@@ -181,7 +178,7 @@ class Problem:
         InputError: the parts do not fit together.
     """
 
-    layers: tuple[Layer, ...]
+    layers: tuple[FluidLayer | SolidLayer, ...]
     left: Boundary
     right: Boundary
     jumps: Callable[[int, float], tuple[float, float, float, float]] | None = None
@@ -202,10 +199,9 @@ class Problem:
             what = "the layers must alternate between fluid and solid, and be one at least"
             raise InputError(f"{what}; got {kinds}")
         names = [layer.name for layer in layers]
-        for name in names:
-            if names.count(name) > 1:
-                what = f"two layers are named '{name}'"
-                raise InputError(f"Problem: {what}: expected a name for each, for results")
+        if twice := [name for name in names if names.count(name) > 1]:
+            what = f"two layers are named '{twice[0]}'"
+            raise InputError(f"Problem: {what}: expected a name for each, for results")
         for end, layer in ((self.left, layers[0]), (self.right, layers[-1])):
             if getattr(end, "of", None) != layer.kind:
                 stands = f"{type(end).__name__}(…)" if isinstance(end, Boundary) else described(end)

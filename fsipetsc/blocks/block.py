@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blocks.maps import Map, Nodes, place_text
-from fsipetsc.blocks.spacing import whole
-from fsipetsc.checks import Array, check_name, described, function
+from fsipetsc.checks import Array, check_name, described, function, whole
 from fsipetsc.equations import tensors
 from fsipetsc.errors import InputError
 

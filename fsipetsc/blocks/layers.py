@@ -15,8 +15,7 @@ from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Condition, Periodic
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.blocks.spacing import cells_of, own_cells
-from fsipetsc.checks import POSITIVE, described, extent, number
+from fsipetsc.checks import POSITIVE, cells_of, described, extent, number, own_cells
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator
 
