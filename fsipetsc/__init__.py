@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from fsipetsc.blocks.block import Block
     from fsipetsc.blocks.problem import BlockProblem
     from fsipetsc.boundaries import Dirichlet, Open, SolidEnd, Wall, absorbing, clamped, free
+    from fsipetsc.equations.piecewise import Piecewise
     from fsipetsc.errors import ComputationError, FileError, FsiError, InputError
     from fsipetsc.materials.fluid import Fluid
     from fsipetsc.materials.line_solid import Solid
@@ -27,9 +28,9 @@ __version__ = "0.1.0"
 #: so that type checkers see it
 __all__ = [
     "REQUIRED", "Block", "BlockProblem", "ComputationError", "Dirichlet", "FileError", "Fluid",
-    "FluidLayer", "FsiError", "InputError", "Open", "Option", "Problem", "Run", "Solid",
-    "SolidEnd", "SolidLayer", "Wall", "__version__", "absorbing", "clamped", "compare", "free",
-    "open_run", "run",
+    "FluidLayer", "FsiError", "InputError", "Open", "Option", "Piecewise", "Problem", "Run",
+    "Solid", "SolidEnd", "SolidLayer", "Wall", "__version__", "absorbing", "clamped", "compare",
+    "free", "open_run", "run",
 ]  # fmt: skip
 #: module -> what it has of these; imported when it is asked for
 _HOMES = {
@@ -37,6 +38,7 @@ _HOMES = {
     "blocks.block": ("Block",),
     "blocks.problem": ("BlockProblem",),
     "boundaries": ("Dirichlet", "Open", "SolidEnd", "Wall", "absorbing", "clamped", "free"),
+    "equations.piecewise": ("Piecewise",),
     "errors": ("ComputationError", "FileError", "FsiError", "InputError"),
     "options": ("REQUIRED", "Option"),
     "output.differences": ("compare",),

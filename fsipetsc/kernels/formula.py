@@ -31,9 +31,10 @@ class Formula:
         each = [n for one in found for n in (one if isinstance(one, tuple) else (one,))]
         self._wanted = [record.constant(one) for one in each]
         every = needed(self._wanted)
-        if len(every) > MOST:
-            raise NotRecorded(f"it has {len(every)} operations: expected {MOST} at most")
         self._constants = [symbol for symbol in every if symbol.value is not None]
+        count = len(every) - len(self._constants)
+        if count > MOST:
+            raise NotRecorded(f"it has {count} operations: expected {MOST} at most")
         self.numbers = np.array([symbol.value for symbol in self._constants], float)
         self.in_time = self._t in set(every)
         of_place = {symbol.number for symbol in self._x}

@@ -1,0 +1,92 @@
+"""Cases of the pages on channels, gravity and walls that move by a table, against theory."""
+
+import numpy as np
+import pytest
+from helpers import REPOSITORY, compute, message, on_ranks, solve
+from scipy.interpolate import CubicSpline, PchipInterpolator
+
+from fsipetsc import InputError, Piecewise
+from fsipetsc.kernels.symbols import Record, derivatives, replay
+
+RUNS = REPOSITORY / "runs"
+GRAVITY, MOVING = (str(RUNS / f"{name}.py") for name in ("gravity", "moving_wall"))
+
+
+@pytest.mark.parametrize("kind", [CubicSpline, PchipInterpolator])
+def test_piecewise_is_the_interpolant_of_scipy(kind):
+    """Called and recorded, with its first two derivatives; at the points, too."""
+    t = np.linspace(0.0, 1.0, 12) ** 2
+    known = kind(t, np.sin(3.0 * t))
+    made, at = Piecewise(known), np.append(t, np.linspace(0.0, 1.0, 101))
+    record = Record()
+    now = record.given("t")
+    place = made(now)
+    (velocity,) = derivatives([place], now)
+    (rate,) = derivatives([velocity], now)
+    found = replay([place, velocity, rate], {now: at})
+    for order, values in enumerate(found):
+        np.testing.assert_allclose(values, known(at, order), rtol=1e-12, atol=1e-12)
+    assert np.array_equal(found[0], made(at))
+    assert np.allclose(made.derivative()(at), known(at, 1), rtol=1e-12, atol=1e-12)
+    assert made(0.25) == made(np.array([0.25]))[0]
+
+
+def test_a_table_ends():
+    made = Piecewise(CubicSpline([1.0, 2.0, 4.0], [0.0, 1.0, 0.0]))
+    assert np.isfinite(made(4.0 + 1e-10))
+    for t in (0.9, np.array([2.0, 4.1])):
+        with pytest.raises(InputError, match=r"expected a number in 1 to 4, the table"):
+            made(t)
+    now = Record().given("t")
+    assert np.isnan(replay([made(now)], {now: 4.1})[0])
+
+
+@pytest.mark.parametrize("what", [np.sin, CubicSpline([0.0, 1.0, 2.0], np.eye(3))])
+def test_what_is_no_table_is_refused(what):
+    with pytest.raises(InputError, match=r"expected CubicSpline\(t, x\) or the like"):
+        Piecewise(what)
+
+
+def pressure_error(run, A=0.1, P=0.01, p0=1e5):
+    """Largest error of the pressure on the piston, of its greatest change: that of a simple wave"""
+    gas, phase = run.layers[0], np.pi * run.time / P
+    v = 4.0 * np.pi * A / P * np.sin(phase) ** 3 * np.cos(phase)
+    exact = p0 * (1.0 + 0.2 * v / np.sqrt(1.4 * 287.0 * 300.0)) ** 7
+    return np.abs(gas["p"][:, 0] - exact).max() / np.abs(exact - p0).max()
+
+
+def test_a_wall_that_moves_by_a_table(tmp_path):
+    """Splines of more samples come near the exact motion; a table that is too long to be recorded
+    is called. Lines are no motion of a wall: their velocity jumps."""
+    runs = {f"spline{n}": (MOVING, f"-wall_samples {n}") for n in (13, 25, 101)}
+    runs |= {way: (MOVING, f"-wall_way {way}") for way in ("exact", "pchip", "lines")}
+    error = {name: pressure_error(run) for name, run in compute(1, tmp_path, runs).items()}
+    assert error["exact"] < 3e-5 and error["spline101"] < 3e-5
+    assert 0.05 < error["spline25"] / error["spline13"] < 0.2 and error["spline25"] < 1e-3
+    assert error["spline25"] < 0.1 * error["pchip"] and error["pchip"] < 0.6 * error["lines"]
+
+
+def test_a_table_that_is_too_short(tmp_path):
+    done = solve(MOVING, "-ts_max_time", 0.02, "-fsi_h", 0.1, cwd=tmp_path)
+    message(done, 2, "expected a number in 0 to 0.01, the table")
+
+
+def test_air_on_a_floor_stays_at_rest(tmp_path):
+    run = on_ranks(tmp_path, f"{GRAVITY} -gravity_wave 0 -fsi_h 500", 1, 2)
+    assert all(np.abs(layer["u"]).max() < 1e-11 for layer in run.layers)
+
+
+def test_a_wave_of_air_under_gravity(tmp_path):
+    """Lamb's: errors fall with the third order; without gravity the period would be another one."""
+    runs = {f"{h}": (GRAVITY, f"-fsi_h {h}") for h in (500, 250)}
+    coarse, fine = (run.errors["fluid"]["u"] for run in compute(1, tmp_path, runs).values())
+    assert fine < 5e-5 and coarse > 6.0 * fine
+
+
+def test_a_floor_that_gets_its_weight_at_once(tmp_path):
+    words = "-gravity_sudden true -gravity_wave 0 -ts_max_time 3.5"
+    (run,) = compute(1, tmp_path, {"floor": (GRAVITY, words)}).values()
+    top, t = run.series["x_interface"][:, 0], run.series["t"]
+    assert top.min() == pytest.approx(-9.81 * 5e3**2 / 4e7, rel=1e-3)
+    back = t > 2.5
+    assert t[back][top[back].argmax()] == pytest.approx(4 * 5e3 / np.sqrt(4e7), rel=3e-3)
