@@ -34,6 +34,8 @@ OPTIONS_FILES = {
     path.relative_to(REPOSITORY).as_posix(): path.read_text()
     for path in sorted((REPOSITORY / "runs").rglob("*.opts"))
 }
+#: cases of one's own
+OWN_CASES = {path.relative_to(REPOSITORY).as_posix(): path for path in REPOSITORY.glob("runs/*.py")}
 FENCED = re.compile(r"^```(\w*)$(.*?)^```$", re.S | re.M)
 
 
@@ -52,7 +54,7 @@ def known_options() -> frozenset[str]:
     from fsipetsc.cli import COMMANDS, main
 
     with contextlib.redirect_stdout(io.StringIO()) as said:
-        for name in (*BUILT_IN, *COMMANDS, "convergence mms"):
+        for name in (*BUILT_IN, *COMMANDS, "convergence mms", *map(str, OWN_CASES.values())):
             assert main([*name.split(), "-help"]) == 0
     told = re.findall(r"(?<![\w-])-([A-Za-z]\w*)", said.getvalue())
     of_files = re.findall(r'Option\(\s*"(\w+)"', "\n".join(CASE_FILES))
@@ -191,7 +193,8 @@ def test_each_case_has_an_options_file():
         assert f"-options_file {name}" in " ".join(words_of(name))
         if (case := words_of(name)[0]) != "convergence":
             words = dict(re.findall(r"^-(\w+) *([^#\n]*)", text, re.M))
-            load_case(case).build(read_options(load_case(case), words))
+            module = load_case(str(OWN_CASES.get(case, case)))
+            module.build(read_options(module, words))
     assert set(BUILT_IN) <= {words_of(name)[0] for name in OPTIONS_FILES}
 
 
@@ -210,7 +213,8 @@ def test_options_files_run(often, tmp_path):
         given = [line.split(" #")[0] for line in text.splitlines() if line.startswith("-")]
         limit = "" if steps[name] == count else "-ts_max_steps 3"
         ranks = 1 if steps[name] > 3 else 2
-        runs[ranks][name] = (case, " ".join([*given, *words[2:], limit]))
+        words = [*given, *words[2:], limit]
+        runs[ranks][name] = (str(OWN_CASES.get(case, case)), " ".join(words))
     results = compute(1, tmp_path, runs[1]) | compute(2, tmp_path, runs[2])
     assert {name: result.summary["steps"] for name, result in results.items()} == steps
 

@@ -3,13 +3,16 @@
 import numpy as np
 import pytest
 from helpers import REPOSITORY, compute, message, on_ranks, solve
+from scipy.integrate import solve_bvp
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from fsipetsc import InputError, Piecewise
 from fsipetsc.kernels.symbols import Record, derivatives, replay
 
 RUNS = REPOSITORY / "runs"
-GRAVITY, MOVING = (str(RUNS / f"{name}.py") for name in ("gravity", "moving_wall"))
+CHANNEL, GRAVITY, MOVING = (
+    str(RUNS / f"{name}.py") for name in ("channel", "gravity", "moving_wall")
+)
 
 
 @pytest.mark.parametrize("kind", [CubicSpline, PchipInterpolator])
@@ -72,7 +75,7 @@ def test_a_table_that_is_too_short(tmp_path):
 
 
 def test_air_on_a_floor_stays_at_rest(tmp_path):
-    run = on_ranks(tmp_path, f"{GRAVITY} -gravity_wave 0 -fsi_h 500", 1, 2)
+    run = on_ranks(tmp_path, f"{GRAVITY} -gravity_wave 0 -fsi_h 500 -ts_max_time 9", 1, 2)
     assert all(np.abs(layer["u"]).max() < 1e-11 for layer in run.layers)
 
 
@@ -84,9 +87,69 @@ def test_a_wave_of_air_under_gravity(tmp_path):
 
 
 def test_a_floor_that_gets_its_weight_at_once(tmp_path):
-    words = "-gravity_sudden true -gravity_wave 0 -ts_max_time 3.5"
+    words = f"-options_file {RUNS}/gravity.opts"
     (run,) = compute(1, tmp_path, {"floor": (GRAVITY, words)}).values()
     top, t = run.series["x_interface"][:, 0], run.series["t"]
     assert top.min() == pytest.approx(-9.81 * 5e3**2 / 4e7, rel=1e-3)
     back = t > 2.5
     assert t[back][top[back].argmax()] == pytest.approx(4 * 5e3 / np.sqrt(4e7), rel=3e-3)
+
+
+def over_height(values):
+    """The mean over Y of fields (ny, ...) in a channel of the height 1, order 4/2."""
+    n = len(values)
+    ends = np.array([17.0, 59.0, 43.0, 49.0]) / 48.0
+    weights = np.concatenate([ends, np.ones(n - 8), ends[::-1]]) / (n - 1)
+    return np.tensordot(weights, values, 1)
+
+
+def alternating(p):
+    """The part of a field that changes its sign from node to node along X: fourth differences."""
+    return np.abs(np.diff(p, 4, axis=1)).max() / 16.0
+
+
+@pytest.mark.long
+def test_a_channel_with_ends(tmp_path):
+    """The fall of the pressure in its middle; a profile at the inflow does not oscillate."""
+    U, mu = 0.1, 0.005
+    words = "-ts_max_time 40 -fsi_dissipation -1 -channel_inflow "
+    runs = {name: (CHANNEL, words + name) for name in ("profile", "uniform", "slip", "given")}
+    wrong = {}
+    for name, run in compute(1, tmp_path, runs).items():
+        entry, channel = run.blocks["entry"], run.blocks["channel"]
+        middle = (channel.X > 1.99) & (channel.X < 3.01)
+        rho, u, p = (channel[field][-1][:, middle] for field in ("rho", "u", "p"))
+        wrong[name] = alternating(p) / U**2, alternating(entry["p"][-1]) / U**2
+        if name == "profile":
+            mean, total = over_height(u), over_height(p + rho * u * u)
+            assert total[0] - total[-1] == pytest.approx(12.0 * mu * mean.mean(), rel=6e-3)
+            exact = 6.0 * np.multiply.outer(channel.Y * (1.0 - channel.Y), mean)
+            assert np.abs(u - exact).max() < 0.01 * U
+    assert wrong["profile"][1] < 0.05 * wrong["uniform"][1] < 0.05
+    assert all(wrong["profile"][0] < 0.5 * wrong[name][0] for name in ("uniform", "slip", "given"))
+    assert wrong["slip"][1] < 0.2 * wrong["uniform"][1]
+
+
+@pytest.mark.long
+def test_a_channel_without_ends(tmp_path):
+    """Poiseuille's flow with the heat of friction, by equations that SciPy solves."""
+    words = "-channel_inflow periodic -ts_max_time 120 -fsi_output_dt 120"
+    (run,) = compute(1, tmp_path, {"periodic": (CHANNEL, words)}).values()
+    (block,), U, mu, R = run.layers, 0.1, 0.005, 1.0 / 1.4
+    u, T, Y = block["u"][-1][:, 0], block["T"][-1][:, 0], block.Y
+    kappa, force = mu / (0.72 * 0.4), 12.0 * mu * U
+
+    def slopes(y, w, p):  # of u, mu u', T, kappa T', the mass below y
+        rho = p[0] / (R * w[2])
+        return np.array([w[1] / mu, -rho * force, w[3] / kappa, -(w[1] ** 2) / mu, rho])
+
+    def ends(low, high, p):
+        known = low[0], high[0], low[2] - 1.0, high[2] - 1.0, low[4], high[4] - 1.0
+        return np.array(known)
+
+    y = np.linspace(0.0, 1.0, 101)
+    guess = np.array([6.0 * U * y * (1.0 - y), 6.0 * mu * U * (1.0 - 2.0 * y), 1 + 0 * y, 0 * y, y])
+    found = solve_bvp(slopes, ends, y, guess, p=[R], tol=1e-9)
+    assert found.success and found.sol(0.5)[2] - 1.0 > 2e-3
+    assert np.abs(u - found.sol(Y)[0]).max() < 2.5e-4 * U
+    assert np.abs(T - found.sol(Y)[2]).max() < 5e-5
