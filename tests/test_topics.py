@@ -108,7 +108,6 @@ def alternating(p):
     return np.abs(np.diff(p, 4, axis=1)).max() / 16.0
 
 
-@pytest.mark.long
 def test_a_channel_with_ends(tmp_path):
     """The fall of the pressure in its middle; a profile at the inflow does not oscillate."""
     U, mu = 0.1, 0.005
