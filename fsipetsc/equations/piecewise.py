@@ -8,16 +8,12 @@ from scipy.interpolate import PPoly
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.symbols import Symbol
 
-#: part of the length of a table by which round-off may lead beyond it
-SLACK = 1e-9
-
 
 class Piecewise:
-    """A piecewise polynomial of SciPy as a function of a number, an array or a symbol: it can be
-    recorded, with exact derivatives.
+    """A piecewise polynomial of SciPy as a function of numbers, arrays and symbols: recorded.
 
-    of: CubicSpline(t, x), PchipInterpolator(t, x), or another PPoly whose values are numbers.
-    InputError for another one, and where the function is called outside of the table.
+    of: CubicSpline(t, x), PchipInterpolator(t, x), or another PPoly, with one number for each t.
+    InputError for anything else, and where the function is called outside of the table.
     """
 
     def __init__(self, of: PPoly) -> None:
@@ -32,23 +28,21 @@ class Piecewise:
 
     def __call__(self, t: Any) -> Any:
         """The value at t."""
-        ends, c = self.of.x, self.of.c
-        slack, recorded = SLACK * (ends[-1] - ends[0]), isinstance(t, Symbol)
-        inside = (t >= ends[0] - slack) & (t <= ends[-1] + slack)
-        if recorded:
-            left, *c = ends[0], *c[:, 0]
-            for row in zip(ends[1:-1], *self.of.c[:, 1:]):
-                left, *c = (np.where(t >= row[0], new, old) for old, new in zip((left, *c), row))
+        ends, pieces = self.of.x, np.vstack([self.of.x[:-1], self.of.c])  # begin, coefficients
+        first, last, value = ends[0], ends[-1], 0.0
+        slack = 1e-9 * (last - first)  # to which round-off may lead
+        inside = (t >= first - slack) & (t <= last + slack)
+        if isinstance(t, Symbol):
+            begin, *c = pieces[:, 0]
+            for piece in pieces[:, 1:].T:
+                begin, *c = (np.where(t >= piece[0], *one) for one in zip(piece, (begin, *c)))
+        elif np.all(inside):
+            begin, *c = pieces[:, np.clip(np.searchsorted(ends, t, "right") - 1, 0, len(ends) - 2)]
         else:
-            k = np.clip(np.searchsorted(ends, t, "right") - 1, 0, len(ends) - 2)
-            left, c = ends[k], c[:, k]
-        value = 0.0
+            wrong = np.ravel(t)[np.argmin(np.ravel(inside))]
+            wanted = f"expected a number in {first:g} to {last:g}, the table"
+            raise InputError(f"Piecewise: t = {wrong:.9g}: {wanted}")
         for number in c:
-            value = value * (t - left) + number
-        if recorded:
-            return np.where(inside, value, t * np.nan)  # nor is its derivative a number
-        if not np.all(inside):
-            where = np.ravel(t)[np.argmin(np.ravel(inside))]
-            said = f"expected a number in {ends[0]:g} to {ends[-1]:g}, the table"
-            raise InputError(f"Piecewise: t = {where:.9g}: {said}")
-        return value
+            value = value * (t - begin) + number
+        # outside neither the value nor its derivatives are numbers
+        return np.where(inside, value, t * np.nan) if isinstance(t, Symbol) else value
