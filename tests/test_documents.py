@@ -54,10 +54,10 @@ def known_options() -> frozenset[str]:
     from fsipetsc.cli import COMMANDS, main
 
     with contextlib.redirect_stdout(io.StringIO()) as said:
-        for name in (*BUILT_IN, *COMMANDS, "convergence mms", *map(str, OWN_CASES.values())):
+        for name in (*BUILT_IN, *COMMANDS, "convergence mms"):
             assert main([*name.split(), "-help"]) == 0
     told = re.findall(r"(?<![\w-])-([A-Za-z]\w*)", said.getvalue())
-    of_files = re.findall(r'Option\(\s*"(\w+)"', "\n".join(CASE_FILES))
+    of_files = re.findall(r'Option\(\s*(?:\*\()?"(\w+)"', "\n".join(CASE_FILES))
     return frozenset(told) | frozenset(of_files) | {"n", "m", "help"}
 
 
