@@ -66,7 +66,7 @@ def known_options() -> frozenset[str]:
         for name in (*BUILT_IN, *COMMANDS, "convergence mms", *map(str, OWN_CASES.values())):
             assert main([*name.split(), "-help"]) == 0
     told = re.findall(r"(?<![\w-])-([A-Za-z]\w*)", said.getvalue())
-    of_files = re.findall(r'Option\(\s*"(\w+)"', "\n".join(CASE_FILES))
+    of_files = re.findall(r'Option\(\s*(?:\*\()?"(\w+)"', "\n".join(CASE_FILES))
     return frozenset(told) | frozenset(of_files) | {"n", "m", "help"}
 
 
