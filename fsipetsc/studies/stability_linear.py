@@ -23,7 +23,7 @@ take energy, so that growth comes from the interface or from the equations.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -189,7 +189,14 @@ def of_paper(state: Constant, order: int, n: int, h: float, coupling: str) -> Re
     interface = Interface(
         stencils(order), face, np.zeros(4), np.empty((rows, 3)), np.empty((rows, 4))
     )
-    treat = treatment_of(interface)
+
+    def couple_rows(of):
+        """Couple the rows of an interface."""
+        couple(of.op, of.face, of.jump, of.f, of.s)
+
+    code = Code(unit({}, []))
+    treat = code.procedure("couple_rows", couple_rows, interface)
+    code.load(libraries(MPI.COMM_SELF, [code.text])[0])
 
     def treated(i: int, change: float) -> Real:
         """What the treatment makes of the constant state with a change of number i."""
@@ -217,19 +224,6 @@ class Interface(NamedTuple):
     jump: Real
     f: Real
     s: Real
-
-
-def treatment_of(interface: Interface) -> Callable[[], object]:
-    """A function, compiled, that applies the treatment of an interface in place."""
-
-    def couple_rows(of):
-        """Couple the rows of an interface."""
-        couple(of.op, of.face, of.jump, of.f, of.s)
-
-    code = Code(unit({}, []))
-    call = code.procedure("couple_rows", couple_rows, interface)
-    code.load(libraries(MPI.COMM_SELF, [code.text])[0])
-    return call
 
 
 def one_particle(state: Constant, n: int) -> Real:
