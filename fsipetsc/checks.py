@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from fsipetsc.errors import InputError
 
-#: what functions of a case take, and return for several unknowns
+#: what functions of a case take, and what they return for several unknowns
 Array = NDArray[Any]
-Fields = Sequence[Array]
+Fields = Sequence[Array | float]
 
 POSITIVE, NONNEGATIVE, ANY = "above 0", "not below 0", ""
 #: name of a number -> what it must be: "" for any, "above …" or "not below …"

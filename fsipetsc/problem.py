@@ -4,7 +4,7 @@ All functions take arrays of Lagrangian coordinates X and, where they depend on 
 never sees a vector of PETSc's or a rank.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import ceil, floor
 from typing import Any, ClassVar
@@ -136,11 +136,11 @@ class Problem:
     together.
     """
 
-    layers: tuple[Layer, ...]
+    layers: Sequence[Layer]
     left: Boundary
     right: Boundary
-    jumps: Callable[[int, float], tuple[float, float, float, float]] | None = None
-    notes: tuple[str, ...] = ()
+    jumps: Callable[[int, float], Sequence[Any]] | None = None
+    notes: Sequence[str] = ()
     units: str = "SI"
     dimension: int = field(default=1, init=False)
 

@@ -38,11 +38,11 @@ class BlockProblem:
     unit angle, or of unit solid angle.
     """
 
-    blocks: tuple[Block, ...]
+    blocks: Sequence[Block]
     faces: Mapping[FaceName, Condition] | Iterable[tuple[FaceName, Condition]]
     jumps: Callable[..., Any] | None = None
-    points: tuple[tuple[str, Any, Hinge], ...] = ()
-    notes: tuple[str, ...] = ()
+    points: Sequence[tuple[str, Any, Hinge]] = ()
+    notes: Sequence[str] = ()
     units: str = "SI"
     symmetry: int = 0
     hinges: frozenset[tuple[int, int]] = field(default=frozenset(), init=False)
@@ -174,7 +174,7 @@ class BlockProblem:
     # what a run asks for
 
     @property
-    def layers(self) -> tuple[Block, ...]:
+    def layers(self) -> Sequence[Block]:
         """The blocks, under the name that a run has for those of either method."""
         return self.blocks
 
