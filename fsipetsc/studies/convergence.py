@@ -5,22 +5,22 @@ A case with an exact solution in all of its layers is compared with that, any ot
 terminal and as CSV, and a picture: error against grid spacing and against time.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fsipetsc.cases import load_case
+from fsipetsc.cases import case_after, options_after
 from fsipetsc.checks import counted
 from fsipetsc.errors import ComputationError, InputError
-from fsipetsc.options import Option, groups
+from fsipetsc.options import Option
 from fsipetsc.output.reader import open_run
 from fsipetsc.process.together import Comm, together, wait_asleep
 from fsipetsc.studies.convergence_figure import convergence_figure
 from fsipetsc.studies.convergence_table import COST, SAMPLES, Study, differences, unresolved
 from fsipetsc.studies.tables import begin, listed_in, printer, results_folder
-from fsipetsc.usage import PROGRAM
 
 #: what -fsi_h is multiplied with for the grids of a study: in one dimension with an exact solution,
 #: in one without, and in more dimensions
@@ -38,7 +38,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
 
     Raises InputError; ComputationError at the end if a run has failed; FileError.
     """
-    case = together(comm, lambda: _case(arguments))
+    case = together(comm, lambda: case_after("convergence", arguments))
     name, instead = f"{case.NAME}-convergence", {"fsi_order": "fsi_orders"}
     opt, _, path = begin(case, arguments[1:], comm, OPTIONS, name, instead)
     table, say = _empty_table(case, opt, comm), printer(comm, opt)
@@ -61,17 +61,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
         raise ComputationError(f"{len(table.failures)} of {runs} failed; {first}")
 
 
-def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
-    """Heading -> options for -help: those of the case that is named, or of the command alone."""
-    named = arguments and not arguments[0].startswith("-")
-    return groups(_case(arguments), OPTIONS) if named else {"Study": OPTIONS}
-
-
-def _case(arguments: Sequence[str]) -> Any:
-    if not arguments or arguments[0].startswith("-"):
-        usage = f"{PROGRAM} convergence CASE [-option value ...]"
-        raise InputError(f"the command convergence wants a case, such as mms or pulse: {usage}")
-    return load_case(arguments[0])
+sections = partial(options_after, "convergence", extra=OPTIONS)
 
 
 def _empty_table(case: Any, opt: Mapping[str, Any], comm: Comm) -> Study:
