@@ -15,7 +15,7 @@ from fsipetsc.blocks.values import NOWHERE, checked, checked_one
 from fsipetsc.errors import InputError
 
 #: a number, or a function of time
-Timed = float | Callable[[float], float]
+Timed = float | Callable[[float], Any]
 
 
 class Boundary:
@@ -143,7 +143,7 @@ class Wall(Boundary):
     x: Timed
     T: Timed | None = None
     heat_flux: Timed | None = None
-    velocity: Callable[[float], float] | None = None
+    velocity: Callable[[float], Any] | None = None
 
     def __post_init__(self) -> None:
         self._check("x")
@@ -214,7 +214,7 @@ class Dirichlet(Boundary):
     """
 
     x: float
-    values: Callable[[float], tuple[float, float, float]]
+    values: Callable[[float], Sequence[Any]]
     degree: int | None = None
     given = ("values",)
     passes = True

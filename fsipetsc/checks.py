@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from fsipetsc.errors import InputError
 
-#: what functions of a case take, and return for several unknowns
+#: what functions of a case take, and what they return for several unknowns
 Array = NDArray[Any]
-Fields = Sequence[Array]
+Fields = Sequence[Array | float]
 
 #: cells of a layer: the unknowns of a few such layers can still be counted in 32 bits
 MOST_CELLS = 50_000_000

@@ -58,6 +58,9 @@ COMMANDS = {
     "compile": Command("CASE [-option value ...]",
         "compile the kernels that a case needs, and do nothing else",
         "stepping.compile"),
+    "geometry": Command("CASE [-option value ...] [-o FILE]",
+        "print and draw blocks, faces, conditions and spacing of a case, and do nothing else",
+        "stepping.geometry"),
     "convergence": Command("CASE [-option value ...]",
         "print errors of a case, or differences between its grids, observed orders and cost",
         "studies.convergence"),
@@ -116,7 +119,9 @@ def _main(arguments: list[str]) -> int:
                 given = start_petsc(arguments[1:], world)
                 from fsipetsc.stepping.run import run_given
 
-                run_given(case, given, world)
+                if check := given.get("fsi_check") == "":  # it has no value
+                    del given["fsi_check"]
+                run_given(case, given, world, check)
         print(end="", flush=True)  # while an error can still be answered
     except BrokenPipeError:  # the reader, a pager or head, has seen enough
         abandon(1)

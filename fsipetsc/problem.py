@@ -4,7 +4,7 @@ All functions take arrays of Lagrangian coordinates X and, where they depend on 
 never sees a vector of PETSc's or a rank.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, InitVar, dataclass, field
 from math import ceil, floor
 from typing import Any, ClassVar
@@ -178,11 +178,11 @@ class Problem:
         InputError: the parts do not fit together.
     """
 
-    layers: tuple[FluidLayer | SolidLayer, ...]
+    layers: Sequence[FluidLayer | SolidLayer]
     left: Boundary
     right: Boundary
-    jumps: Callable[[int, float], tuple[float, float, float, float]] | None = None
-    notes: tuple[str, ...] = ()
+    jumps: Callable[[int, float], Sequence[Any]] | None = None
+    notes: Sequence[str] = ()
     units: str = "SI"
     dimension: int = field(default=1, init=False)
 

@@ -49,11 +49,11 @@ class BlockProblem:
         InputError: a face has no condition, blocks overlap, or something else does not fit.
     """
 
-    blocks: tuple[Block, ...]
+    blocks: Sequence[Block]
     faces: Mapping[FaceName, Condition] | Iterable[tuple[FaceName, Condition]]
     jumps: Callable[..., Any] | None = None
-    points: tuple[tuple[str, Any, Hinge], ...] = ()
-    notes: tuple[str, ...] = ()
+    points: Sequence[tuple[str, Any, Hinge]] = ()
+    notes: Sequence[str] = ()
     units: str = "SI"
     symmetry: int = 0
     hinges: frozenset[tuple[int, int]] = field(default=frozenset(), init=False)
@@ -185,7 +185,7 @@ class BlockProblem:
     # what a run asks for
 
     @property
-    def layers(self) -> tuple[Block, ...]:
+    def layers(self) -> Sequence[Block]:
         """The blocks, under the name that a run has for those of either method."""
         return self.blocks
 

@@ -24,7 +24,8 @@ from typing import Any
 
 from fsipetsc.blame import call
 from fsipetsc.errors import InputError
-from fsipetsc.options import Option, groups
+from fsipetsc.options import Option, groups, is_option
+from fsipetsc.usage import PROGRAM
 
 BUILT_IN = (
     *("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock", "plane_mms", "blast"),
@@ -59,6 +60,25 @@ def load_case(name_or_path: str, also: Sequence[str] = ()) -> ModuleType:
     hint = f"; did you mean '{near[0]}'?" if near else "."
     known = f"There are {', '.join(BUILT_IN)}, and any case file (.py)"
     raise InputError(f"unknown case '{name_or_path}'{hint} {known}")
+
+
+def case_after(command: str, arguments: Sequence[str]) -> ModuleType:
+    """The case that comes first among the arguments of a command. InputError."""
+    if not arguments or is_option(arguments[0]):
+        usage = f"{PROGRAM} {command} CASE [-option value ...]"
+        raise InputError(f"{command}: CASE is missing: {usage}")
+    return load_case(arguments[0])
+
+
+def options_after(
+    command: str, arguments: Sequence[str], extra: Sequence[Option] = ()
+) -> dict[str, tuple[Option, ...]]:
+    """Heading -> options that -help lists of a command with a case: of the case, if one is named;
+    extra: those of the command.
+    """
+    if arguments and not is_option(arguments[0]):
+        return groups(case_after(command, arguments), extra)
+    return {"This command": tuple(extra)} if extra else {}
 
 
 def case_of(problem: Any, **defaults: Any) -> SimpleNamespace:

@@ -72,7 +72,8 @@ CHECKPOINTS = (
 )  # fmt: skip
 RUN = (
     Option("fsi_check", float, None, "",
-        "stop if mass, momentum, energy or entropy departs from its law by this fraction",
+        "stop if mass, momentum, energy or entropy departs from its law by this fraction; "
+        "without a value: check the case, and do not run it",
         check="positive"),
     Option("fsi_partition", str, "auto", "", "which ranks own which layers", PARTITIONS),
     Option("fsi_norm", str, "L2", "",

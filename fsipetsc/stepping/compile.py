@@ -2,26 +2,20 @@
 else, as on a login node whose compute nodes have no compiler.
 """
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from functools import partial
 
-from fsipetsc.cases import load_case
-from fsipetsc.errors import InputError
-from fsipetsc.options import groups, read_options
+from fsipetsc.cases import case_after, options_after
+from fsipetsc.options import read_options
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.streams import say
 from fsipetsc.process.together import Comm, together
 
-
-def sections(arguments: Sequence[str]) -> Mapping[str, Any]:
-    """The options that -help lists: those of the case, if one is named."""
-    named = arguments and not arguments[0].startswith("-")
-    return groups(_case(arguments)) if named else {}
+sections = partial(options_after, "compile")
 
 
 def compile(arguments: list[str], comm: Comm) -> None:
     """The command, with the arguments after its name. Collective. InputError, FileError."""
-    case = together(comm, lambda: _case(arguments))
+    case = together(comm, lambda: case_after("compile", arguments))
     options = read_options(case, start_petsc(arguments[1:], comm))
     from fsipetsc.stepping.solve import build_problem, make_state  # which start PETSc if none has
 
@@ -29,11 +23,3 @@ def compile(arguments: list[str], comm: Comm) -> None:
     with make_state(build_problem(case, options, comm), options, comm, announce):
         pass
     announce(f"the kernels of {case.NAME} are ready")
-
-
-def _case(arguments: Sequence[str]) -> Any:
-    """The case that comes first."""
-    if not arguments or arguments[0].startswith("-"):
-        usage = "python -m fsipetsc compile CASE [-option value ...]"
-        raise InputError(f"compile: CASE is missing: {usage}")
-    return load_case(arguments[0])

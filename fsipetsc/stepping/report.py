@@ -12,6 +12,8 @@ from mpi4py import MPI
 from fsipetsc.checks import counted, duration
 from fsipetsc.output.info import error_rows, summary_rows, table
 from fsipetsc.process.streams import say
+from fsipetsc.scheme.batch import longest_step
+from fsipetsc.scheme.plan import RATE
 from fsipetsc.state import State
 
 #: wall seconds before the first line of progress; with -fsi_progress or on a terminal; the most
@@ -64,6 +66,13 @@ class Reporter:
             f"{state.points} points on {counted(self._size, 'rank')}, "
             f"to t = {self._opt['ts_max_time']:g}{self._s}"
         )
+
+    def first_step(self) -> str:
+        """How long it is, and how many like it the run would make."""
+        opt, rate = self._opt, float(self._state.results[RATE])
+        dt = float(longest_step(opt["fsi_cfl"], opt["ts_dt"] or 0.0, rate))
+        count = f"{opt['ts_max_time'] / dt:,.0f} like it to the end"
+        return f"first step: {dt:.3g}{self._s}, by {bound_of_step(self._state, opt)}; {count}"
 
     def start(self, t: float, steps: int) -> None:
         """The time loop begins: what is done and left is reckoned from here."""

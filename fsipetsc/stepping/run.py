@@ -14,6 +14,8 @@ from petsc4py import PETSc
 from fsipetsc.errors import ComputationError, FileError, FsiError, InputError, Interrupted
 from fsipetsc.options import read_options
 from fsipetsc.output.checkpoint_file import CheckpointError
+from fsipetsc.output.geometry import geometry_rows
+from fsipetsc.output.info import table
 from fsipetsc.output.pieces import Kept
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.process.streams import say
@@ -35,23 +37,32 @@ def stage(name: str) -> AbstractContextManager[Any]:
     return PETSc.Log.Stage(name) if PETSc.Log.isActive() else nullcontext()
 
 
-def run_given(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> dict[str, Any]:
+def run_given(
+    case: Any, given: Mapping[str, str], comm: MPI.Comm, check: bool = False
+) -> dict[str, Any]:
     """Run the case with the options that the user gave, from its beginning or a checkpoint.
 
-    Returns the options in force. Collective; raises what ``run_case`` raises.
+    Returns the options in force. check: as of ``run_case``. Collective; raises what that raises.
     """
     past = restart.find_past(case, given, comm)
     options = read_options(case, given, inherited=None if past is None else past.options)
     if past is not None:
         restart.check_options(past, options, given)
-    run_case(case, options, comm, past)
+    run_case(case, options, comm, past, check)
     return options
 
 
-def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | None = None) -> None:
+def run_case(
+    case: Any,
+    options: dict[str, Any],
+    comm: MPI.Comm,
+    past: Past | None = None,
+    check: bool = False,
+) -> None:
     """Build the case's problem, integrate it and write its result. Collective on comm.
 
-    past: a checkpoint to go on from. Raises InputError, ComputationError (after writing what was
+    past: a checkpoint to go on from. check: do what comes before the first step, and say what was
+    found instead of writing a result. Raises InputError, ComputationError (after writing what was
     computed), FileError, Interrupted.
     """
     with stage(SET_UP):
@@ -64,9 +75,32 @@ def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | No
                 restart.check_problem(past, state)
             state.check_data()  # before there is a file
             state.check_motion(options["ts_max_time"])
+            if check:
+                _check_start(state, options, Reporter(comm, case.NAME, options, state))
+                return
             run = _Run(case, options, comm, state, past)
         with closing(run.writer), signals_noted(run.integrator.heed):
             run.go()
+
+
+def _check_start(state: State, opt: Mapping[str, Any], report: Reporter) -> None:
+    """Set the initial data, and print what the case is made of, notes, and the first step."""
+    problem, times = state.problem, (opt["fsi_output_dt"], opt["fsi_output_times"])
+    saved = saved_times(opt["ts_max_time"], *times, problem.unit("s"))
+    (integrator := Integrator(state, opt, saved)).start()
+    report.begin()
+    shown = table(geometry_rows(problem, opt["fsi_h"]))
+    beyond = [integrator.beyond] * bool(integrator.beyond)
+    report.line(shown)
+    report.notes(first_notes(state))
+    report.line(report.first_step())
+    report.notes(beyond)
+    report.line("checked, and not run")
+
+
+def first_notes(state: State) -> list[str]:
+    """What is said of the initial solution. Collective."""
+    return [*state.problem.notes, *state.notes("begin"), *cold_layers(state)]
 
 
 class _Run:
@@ -220,7 +254,7 @@ class _Run:
         with stage(SET_UP):
             if self.past is None:
                 integrator.start()
-                report.notes([*state.problem.notes, *state.notes("begin"), *cold_layers(state)])
+                report.notes(first_notes(state))
                 self.ledgers.begin(integrator.initial)
             else:
                 header = self.past.header

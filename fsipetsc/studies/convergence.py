@@ -7,7 +7,7 @@ CSV, and a picture: error against grid spacing and against time.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial, wraps
 from itertools import product
@@ -18,11 +18,11 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.cases import load_case
+from fsipetsc.cases import case_after, options_after
 from fsipetsc.checks import counted
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.operators.sbp import operator
-from fsipetsc.options import Option, groups
+from fsipetsc.options import Option
 from fsipetsc.output.reader import Run, open_run
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import Comm, together, wait_asleep
@@ -30,7 +30,6 @@ from fsipetsc.studies.grids import SAMPLES, differences
 from fsipetsc.studies.pictures import convergence_picture
 from fsipetsc.studies.tables import begin, listed_in, printer, results_folder, save_csv
 from fsipetsc.studies.verdicts import COLUMNS, ROUND_OFF, Expected, Row, kinked, told
-from fsipetsc.usage import PROGRAM
 
 #: what -fsi_h is multiplied with for the grids of a study: in one dimension with an exact solution,
 #: in one without, and in more dimensions
@@ -67,7 +66,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
 
     Raises InputError; ComputationError at the end if a run has failed; FileError.
     """
-    case = together(comm, lambda: _case(arguments))
+    case = together(comm, lambda: case_after("convergence", arguments))
     name, instead = f"{case.NAME}-convergence", {"fsi_order": "fsi_orders"}
     opt, _, path = begin(case, arguments[1:], comm, OPTIONS, name, instead)
     case = _refining(case, opt["fsi_h"])
@@ -102,17 +101,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
         raise ComputationError(f"{len(study.failures)} of {runs} failed; {study.failures[0]}")
 
 
-def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
-    """Heading -> options for -help: those of the case that is named, or of the command alone."""
-    named = arguments and not arguments[0].startswith("-")
-    return groups(_case(arguments), OPTIONS) if named else {"Study": OPTIONS}
-
-
-def _case(arguments: Sequence[str]) -> Any:
-    if not arguments or arguments[0].startswith("-"):
-        usage = f"{PROGRAM} convergence CASE [-option value ...]"
-        raise InputError(f"the command convergence wants a case, such as mms or pulse: {usage}")
-    return load_case(arguments[0])
+sections = partial(options_after, "convergence", extra=OPTIONS)
 
 
 def _refining(case: Any, h: float) -> Any:

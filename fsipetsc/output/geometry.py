@@ -1,0 +1,210 @@
+"""What a case is made of, as a table and a picture: blocks or layers, their nodes and spacing, what
+stands at their faces.
+"""
+
+from collections.abc import Sequence
+from dataclasses import fields
+from itertools import product
+from math import ceil
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fsipetsc.blocks.block import mesh
+from fsipetsc.blocks.conditions import Periodic
+from fsipetsc.blocks.faces import Meeting
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.checks import Array
+from fsipetsc.output.info import Rows
+from fsipetsc.output.plots import style
+from fsipetsc.problem import Problem
+
+#: lines of nodes that are looked at, along each axis
+LINES = 24
+MATERIALS = {"fluid": "gas", "solid": "solid"}
+#: what is at a face -> how it is drawn, the last ones on top
+FACES: dict[str, dict[str, Any]] = {
+    "condition": {"linewidth": 2.0},
+    "join": {"color": style.BLACK, "linewidth": 1.2, "linestyle": (0, (4, 3))},
+    "interface": {"color": style.BLACK, "linewidth": 2.0},
+}
+LONGEST = 16  # letters of a condition with its data in a picture; of a longer one the name is shown
+
+
+class Outline(NamedTuple):
+    """A block, or a layer of the paper's method. material: "gas" or "solid".
+
+    lines: of each axis the places (d, …, nodes) [m] along lines of nodes, at some nodes of the
+    other axes in their order, the first and last ones among these. sides: (axis, side) -> which of
+    FACES is there, and its text; nothing on a periodic axis.
+    """
+
+    name: str
+    material: str
+    shape: tuple[int, ...]
+    lines: list[Array]
+    sides: dict[tuple[int, int], tuple[str, str]]
+
+    @property
+    def spacing(self) -> list[tuple[float, float]]:
+        """Least and largest distance of neighbours along each axis [m], on the lines."""
+        apart = (np.linalg.norm(np.diff(line), axis=0) for line in self.lines)
+        return [(float(h.min()), float(h.max())) for h in apart]
+
+    def edges(self, axis: int, side: int) -> list[Array]:
+        """The lines (d, n) around a face; in two dimensions the face itself."""
+        found, axes = [], range(len(self.lines))
+        for along in (k for k in axes if k != axis):
+            ends = ([-side] if k == axis else [0, -1] for k in axes if k != along)
+            found += [self.lines[along][(slice(None), *at)] for at in product(*ends)]
+        return found
+
+
+def outlines(problem: Problem | BlockProblem, h: float) -> list[Outline]:
+    """Those of all blocks, or of layers with the spacing h [m]. InputError where h does not fit."""
+    of = _of_block if isinstance(problem, BlockProblem) else _of_layer
+    return [of(problem, k, h) for k in range(len(problem.layers))]
+
+
+def _some(n: int) -> Array:
+    """Numbers of about LINES of n nodes, at equal steps but for the last one."""
+    return np.union1d(np.arange(0, n, ceil(n / LINES)), [n - 1])
+
+
+def _of_block(problem: BlockProblem, k: int, h: float) -> Outline:
+    block, lines, sides = problem.blocks[k], [], {}
+    some = [_some(n + 1) for n in block.cells]
+    for axis, n in enumerate(block.cells):
+        X = problem.places_at(k, mesh([*some[:axis], np.arange(n + 1), *some[axis + 1 :]]))
+        X = X.transpose(0, *range(block.dimension, 0, -1))
+        lines.append(np.moveaxis(X, axis + 1, -1))
+    for face, met in problem.faces_of(k).items():
+        if isinstance(met, Meeting):
+            other = problem.blocks[met.block]
+            kind = "join" if other.kind == block.kind else "interface"
+            shifted = isinstance(problem.faces.get((block.name, *face)), Periodic)
+            text = f"{'periodic' if shifted else kind} with {other.name}"
+            sides[face] = "condition" if shifted else kind, text
+        else:
+            sides[face] = "condition", condition_text(met)
+    return Outline(block.name, MATERIALS[block.kind], block.shape, lines, sides)
+
+
+def _of_layer(problem: Problem, k: int, h: float) -> Outline:
+    """A layer of the paper's method, whose nodes are counted from its interface."""
+    layer, sides = problem.layers[k], {}
+    gas, (begin, end) = layer.kind == "fluid", layer.X
+    steps = h * np.arange(1 + (ceil((end - begin) / h - 1e-9) if gas else layer.cells(h)))
+    X = end - steps[::-1] if gas and k == 0 else begin + steps
+    for side in (0, 1):
+        if (stands := problem.end(k, side)) is not None:
+            sides[0, side] = "condition", condition_text(stands)
+        else:
+            other = problem.layers[k + 2 * side - 1].name
+            sides[0, side] = "interface", f"interface with {other}"
+    return Outline(layer.name, MATERIALS[layer.kind], X.shape, [X[None]], sides)
+
+
+def condition_text(condition: Any) -> str:
+    """A condition with what is given, as "NoSlip(T=300)"; functions of place and time are f."""
+
+    def short(value: Any) -> str:
+        if isinstance(value, (tuple, list)):
+            return f"({', '.join(map(short, value))})"
+        return "f" if callable(value) else f"{value:g}" if isinstance(value, float) else str(value)
+
+    values = [(f, getattr(condition, f.name)) for f in fields(condition)]
+    given = (f"{f.name}={short(value)}" for f, value in values if value != f.default)
+    return f"{type(condition).__name__}({', '.join(given)})"
+
+
+def geometry_rows(problem: Problem | BlockProblem, h: float) -> Rows:
+    """The table. InputError where the spacing h [m] of layers does not fit."""
+
+    def span(sizes: Sequence[float]) -> str:
+        least, most = min(sizes), max(sizes)
+        return f"spacing {least:.4g}" + f" to {most:.4g}" * (most > 1.000001 * least) + m
+
+    rows, nodes, every, m = [], 0, [], problem.unit("m")
+    for one in outlines(problem, h):
+        nodes += int(np.prod(one.shape))
+        sizes = " x ".join(map(str, one.shape))
+        rows.append((one.name, f"{one.material}, {sizes} nodes"))
+        for axis, ends in enumerate(one.spacing):
+            stands = [one.sides[axis, side][1] for side in (0, 1) if (axis, side) in one.sides]
+            text = f"from {' to '.join(stands)}" if stands else "periodic"
+            rows.append((f"  axis {axis}", f"{span(ends)}; {text}"))
+            every += ends
+    return [*rows, ("all", f"{nodes:,} nodes, {span(every)}")]
+
+
+# the picture
+
+
+def draw_geometry(target: Path, found: Sequence[Outline], title: str, axes: Sequence[str]) -> Path:
+    """Write it; axes: labels of the coordinates. FileError."""
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
+    with rc_context(style.STYLE):
+        figure = Figure(figsize=(10.8, 3.4 if len(axes) == 1 else 7.0))
+        view = figure.add_subplot(projection="3d" if len(axes) == 3 else None)
+        for one in found:
+            _draw_block(view, one if len(axes) > 1 else _strip(one))
+        view.set(**{f"{axis}label": label for axis, label in zip("xyz", axes)})
+        view.grid(visible=False)
+        view.use_sticky_edges = False
+        view.margins(0.08)
+        if len(axes) == 1:
+            view.yaxis.set_visible(False)
+            view.spines["left"].set_visible(False)
+        else:
+            view.set_aspect("equal", anchor="N")
+        style.legend_above(view, "right")
+        style.set_title(figure, title)
+        return style.save(figure, target)
+
+
+def _strip(one: Outline) -> Outline:
+    """A block in one dimension as one of two."""
+    x, y = one.lines[0][0], np.array([0.0, 0.5, 1.0])
+    along = np.stack(np.meshgrid(x, y[::2]))
+    across = np.stack(np.meshgrid(x[_some(x.size)], y, indexing="ij"))
+    return one._replace(lines=[along, across])
+
+
+def _draw_block(view: style.Axes, one: Outline) -> None:
+    """Faces with their conditions; grid lines, or in three dimensions the edges."""
+    color, d = style.BLUE if one.material == "gas" else style.RED, len(one.lines)
+    X = one.lines[0]
+    near = [X[(slice(None), *((n - k) // 2 for n in X.shape[1:]))] for k in (0, 1)]
+    centre = np.mean(near, axis=0)
+    view.text(*centre, one.name, color=color, weight="bold", ha="center", va="center", zorder=9)
+    if d == 2:
+        thin = [line for lines in one.lines for line in np.moveaxis(lines, 1, 0)]
+        view.contourf(*X, 0.0 * X[0], [-1, 1], colors=[color], alpha=0.15)
+    else:
+        thin = [line for axis, side in product(range(3), (0, 1)) for line in one.edges(axis, side)]
+    width = 0.5 if d == 2 else 1.0
+    for line in thin:
+        view.plot(*line, color=color, linewidth=width, alpha=0.6, label=one.material)
+    for face, (kind, text) in one.sides.items():
+        look = {"color": color, "zorder": 3 + list(FACES).index(kind), **FACES[kind]}
+        for line in (edges := one.edges(*face)):
+            view.plot(*line, label="" if kind == "condition" else kind, **look)
+        if kind == "condition":
+            place = np.mean([line[:, line.shape[1] // 2] for line in edges], axis=0)
+            shown = text if len(text) <= LONGEST else text.split("(")[0]
+            _write(view, shown, place, place - centre)
+
+
+def _write(view: style.Axes, text: str, place: Array, outwards: Array) -> None:
+    """What stands at a face, in two dimensions outside of the block and along the face."""
+    look = {"fontsize": 7, "ha": "center", "va": "center", "zorder": 9}
+    if place.size == 3:
+        view.text(*place, text, **look)
+    else:
+        look["rotation"] = 90 * (abs(outwards[0]) > abs(outwards[1]))
+        beside = 8.0 * outwards / np.linalg.norm(outwards)
+        view.annotate(text, place, beside, textcoords="offset points", **look)

@@ -1,0 +1,44 @@
+"""The command ``python -m fsipetsc geometry CASE``: blocks or layers of a case, as a table and a
+picture. Nothing is compiled or run.
+"""
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from fsipetsc.cases import case_after, options_after
+from fsipetsc.options import Option, read_options
+from fsipetsc.output.geometry import draw_geometry, geometry_rows, outlines
+from fsipetsc.output.info import table
+from fsipetsc.output.plots.page import PICTURES
+from fsipetsc.process.launch import start_petsc
+from fsipetsc.process.streams import say
+from fsipetsc.process.together import Comm, together
+
+_OPTIONS = (
+    Option("o", str, None, "", "file of the picture; CASE-geometry.png if not given",
+        check=lambda name: name.endswith(PICTURES) or f"a name with {' or '.join(PICTURES)}"),
+)  # fmt: skip
+sections = partial(options_after, "geometry", extra=_OPTIONS)
+
+
+def geometry(arguments: list[str], comm: Comm) -> None:
+    """The command, with the arguments after its name. Collective. InputError, FileError."""
+    case = together(comm, lambda: case_after("geometry", arguments))
+    opt = read_options(case, start_petsc(arguments[1:], comm), _OPTIONS)
+    from fsipetsc.stepping.solve import build_problem  # which starts PETSc if none has
+
+    problem = build_problem(case, opt, comm)
+    together(comm, lambda: _show(case, problem, opt) if comm.rank == 0 else None)
+
+
+def _show(case: Any, problem: Any, opt: dict[str, Any]) -> None:
+    """Print the table, and draw the picture. InputError, FileError."""
+    found, rows = outlines(problem, opt["fsi_h"]), geometry_rows(problem, opt["fsi_h"])
+    d, target = problem.dimension, Path(opt["o"] or f"{case.NAME}-geometry.png")
+    axes = [*"XYZ"[: d - 1], "r" if getattr(problem, "symmetry", 0) else "XYZ"[d - 1]]
+    labels = [f"{x} [m]" if problem.unit("m") else x for x in axes]
+    drawn = draw_geometry(target, found, f"{case.NAME}: {rows[-1][1]}", labels)
+    if not opt["fsi_quiet"]:
+        say(table(rows))
+        say(f"picture in {drawn}")
