@@ -27,16 +27,33 @@ USUAL = {"u", "T", "p", "rho", "sigma", "strain", "xt", "interfaces", "ledgers",
 IN_PLANE = {"p", "rho", "u", "v", "T", "s_xx", "s_yy", "s_xy", "interfaces", "ledgers", "steps"}
 
 
-def test_colours_are_white_at_rest_and_end_where_values_do():
-    values = np.linspace(-1.0, 3.0, 101)
-    scale = style.colours("fluid", values, np.zeros(3))
-    assert (scale["vmin"], scale["vmax"]) == (-3.0, 3.0)
+def test_colours_end_where_values_do_and_are_white_at_rest():
+    values, maps = np.linspace(-1.0, 3.0, 101), ("signed", "plain")
+
+    def ends(values, rest):
+        scale = style.colours(values, rest, maps)
+        return scale["cmap"], scale["vmin"], scale["vmax"]
+
+    assert ends(values, None) == ("plain", -1.0, 3.0)
+    assert ends(values, 0.0) == ("signed", -3.0, 3.0)
+    assert ends(values, 1.0) == ("signed", -1.0, 3.0)
+    assert ends(values, 0.1) == ends(values, 0.0), "white is 0, where that is about the same"
+    assert ends(values + 1.0, 0.0) == ("plain", 0.0, 4.0), "all have one sign"
     spiked = np.append(np.tile(values, 10), 100.0)  # few points are far beyond the others
-    assert style.colours("fluid", spiked, np.zeros(3))["vmax"] == pytest.approx(3.0)
-    thrown = style.colours("solid", values - 1.0, np.full(3, 2.0), moving=True)
-    assert (thrown["vmin"], thrown["vmax"]) == (-2.0, 2.0)  # not -2 to 6 with white at 2
+    assert ends(spiked, 0.0)[2] == pytest.approx(3.0)
     noise = 300.0 + 1e-13 * values  # what is almost constant has no stripes
-    assert style.colours("solid", noise, noise)["vmax"] > 301.0
+    assert ends(noise, None)[1] < 299.0 and ends(noise, None)[2] > 301.0
+    assert ends(np.full(3, np.nan), 0.0) == ("signed", -1.0, 1.0)
+
+
+def test_more_points_lie_on_a_cubic_and_keep_the_old_ones():
+    x = np.linspace(0.0, 1.0, 5)
+    values = np.stack([x**3 - x, x], axis=-1)
+    found = style.refined(values, 13, 0, degree=3)
+    X = np.linspace(0.0, 1.0, 13)
+    assert np.allclose(found, np.stack([X**3 - X, X], axis=-1), atol=1e-15)
+    assert np.array_equal(found[::3], values)
+    assert np.array_equal(style.refined(values[:1], 3, 0, degree=3), values[[0, 0, 0]])
 
 
 @pytest.fixture(scope="module")
@@ -107,6 +124,35 @@ def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results):
     assert np.ptp(run.layers[1]["p"]) > 1  # Pa: the solid's own pressure counts
 
 
+class Near(quantities.Quantity):
+    """Temperatures that vary by little."""
+
+    def values(self, kind, fields):
+        return 300.0 + 1e-9 * fields["T"]
+
+
+def test_what_varies_by_little_is_drawn_less_a_number_that_is_named(results):
+    """Not with 1e-7+3e2 at the axis."""
+    run, axes = results["rod"], Figure().subplots()
+    view = fields.View(run, Near("T", {"fluid": "T", "solid": "T"}), range(run.nframes))
+    view.draw(axes, 3)
+    assert axes.get_ylabel() == "T less 300  [K]"
+    for line, layer in zip(axes.lines, run.layers, strict=True):
+        assert np.allclose(line.get_ydata(), 1e-9 * layer["T"][3], atol=1e-12, equal_nan=True)
+
+
+def test_units_are_those_of_the_largest_in_the_run(results):
+    run = results["rod"]  # 6 m, 0.6 s, about 150 kPa
+    units = [style.prefixed(run, unit) for unit in ("m", "s", "Pa", "K")]
+    assert units == [(1.0, "m"), (1e-3, "ms"), (1e3, "kPa"), (1.0, "K")]
+    figure = figure_of(run, "p")
+    assert figure.axes[0].get_ylabel().endswith("[kPa]") and style.moment(run, 2) == "t = 100 ms"
+    figure.canvas.draw()
+    ticks = [text.get_text() for text in figure.axes[0].get_yticklabels()]
+    assert all(re.fullmatch(r"\d{2,3}", tick) for tick in ticks), ticks
+    assert style.prefixed(run, "s", "step") == (1e-6, "µs")
+
+
 def lifted(layer):
     """A block in three dimensions, of which the middle plane is this layer's."""
 
@@ -124,21 +170,30 @@ def test_maps_are_on_the_grid_as_it_is_in_three_dimensions_in_the_middle(results
     quantity, last = quantities.chosen(run, ["p"])[0], run.nframes - 1
     view, axes = fields.View(run, quantity, [0, last]), Figure().subplots()
     pictures = view.draw(axes, last)
-    edges = [line.get_xydata() for line in axes.lines]
-    boxes = SimpleNamespace(layers=[*map(lifted, run.layers)], dimension=3, header=run.header)
-    view3 = fields.View(boxes, quantity, [0, last])
-    pictures3 = view3.draw(Figure().subplots(), last)
-    assert view.labels == ("x", "y") and view3.labels == ("x", "z")
-    for layer, name in zip(run.layers, ("p", "s_xx"), strict=True):
+    edges = [line.get_xydata() for line in axes.lines if line.get_linewidth() > 0.5]
+    boxes = type("Boxes", (), {"dimension": 3, "header": run.header})()
+    boxes.layers = [*map(lifted, run.layers)]
+    view3, axes3 = fields.View(boxes, quantity, [0, last]), Figure().subplots()
+    pictures3 = view3.draw(axes3, last)
+    assert [of.get_ylabel() for of in (axes, axes3)] == ["y", "z"]
+    for layer in run.layers:
         of = layer.frame(last)
+        expected = of["p"] if layer.kind == "fluid" else 0.5 * (of["s_xx"] + of["s_yy"])
         for drawn in (pictures[layer.kind], pictures3[layer.kind]):
-            assert np.array_equal(drawn.get_coordinates(), np.stack([of["x"], of["y"]], -1))
-            assert np.array_equal(drawn.get_array().reshape(layer.shape), of[name])
+            shape = drawn.get_coordinates().shape[:2]
+            steps = [(n - 1) // (m - 1) for n, m in zip(shape, layer.shape)]
+            assert min(steps) >= 2, "there are points between"
+            nodes = tuple(slice(None, None, step) for step in steps)
+            places = np.stack([of["x"], of["y"]], -1)
+            assert np.array_equal(drawn.get_coordinates()[nodes], places)
+            assert np.array_equal(drawn.get_array().reshape(shape)[nodes], expected)
     for row in (0, -1):
         face = np.stack([of["x"][row], of["y"][row]], axis=-1)
-        assert any(np.array_equal(edge, face) for edge in edges)
+        on = [all(np.isin(face.view(complex), edge.view(complex))) for edge in edges]
+        assert sum(on) == 2, "in white and in black"
     assert axes.get_ylim()[1] > of["y"].max() and axes.get_aspect() == 1.0
     assert pictures["fluid"].get_cmap() != pictures["solid"].get_cmap()
+    assert [view.scales[kind]["cmap"] for kind in view.scales] == ["viridis", "PuOr_r"]
     assert view.scales == fields.View(run, quantity, [last]).scales, "the pulse does not set them"
     assert run.layers[0].frame(0)["p"].max() > view.scales["fluid"]["vmax"]
 
@@ -213,7 +268,7 @@ def test_report(results, tmp_path):
     text = (tmp_path / "rod.html").read_text()
     (found,) = re.findall(r"const film = (\[.*?\]), times = (\[.*?\]);", text)
     assert len(json.loads(found[0])) == run.nframes
-    assert json.loads(found[1])[:2] == ["t = 0 s", "t = 50 ms"]
+    assert json.loads(found[1])[:2] == ["t = 0 ms", "t = 50 ms"]
     assert all(f"-{name}" in text for name in run.options)
     told = [text.index(word) for word in ("<summary>summary", "time steps", "<summary>options")]
     assert told == sorted(told)

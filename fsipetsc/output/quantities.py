@@ -79,6 +79,10 @@ _LABELS = {
 }
 
 
+#: fields of blocks whose mean is drawn beside the pressure
+_NORMAL = "s_xx", "s_yy", "s_zz", "sigma_theta"
+
+
 class Quantity(NamedTuple):
     """What can be drawn: a name, and kind of layer -> label."""
 
@@ -94,12 +98,18 @@ class Quantity(NamedTuple):
         """What is shown of gases, then of solids if that is something else."""
         return "; ".join(dict.fromkeys(self.labels.values()))
 
+    def signed(self, kind: str) -> bool:
+        """Whether its sign means something: not of pressures, densities and temperatures."""
+        return "stress" in self.labels[kind] or self.name not in ("p", "rho", "T")
+
     def values(self, kind: str, fields: Mapping[str, Array]) -> Array:
         """From the fields of a layer of this kind and X; beside the pressure of gases stands what
-        a solid pushes with.
+        a solid pushes with, in one dimension, or the mean of its normal stresses.
         """
+        if self.name == "p" and kind == "solid" and "sigma" in fields:
+            return fields["p"] - fields["sigma"]
         if self.name == "p" and kind == "solid":
-            return fields["p"] - fields["sigma"] if "sigma" in fields else fields["s_xx"]
+            return np.mean([fields[name] for name in _NORMAL if name in fields], axis=0)
         if self.name == "strain":  # by differences of second order
             return np.gradient(fields["x"], fields["X"], axis=-1, edge_order=2) - 1.0
         return fields[self.name]
@@ -135,7 +145,7 @@ def there(run: Run) -> list[Quantity]:
     for name, label in _LABELS.items():
         labels = {kind: label for kind in ("fluid", "solid") if name in stored.get(kind, ())}
         if "solid" in stored and name == "p":
-            labels["solid"] = f"{'p − σ' if run.dimension == 1 else 'stress σ_xx'} in solids"
+            labels["solid"] = f"{'p − σ' if run.dimension == 1 else 'mean stress'} in solids"
         if "solid" in stored and name == "strain" and run.dimension == 1:
             labels["solid"] = label
         found += [Quantity(name, labels)] * bool(labels)

@@ -5,13 +5,13 @@ In three dimensions the maps are those of the plane in the middle of the blocks'
 """
 
 from collections.abc import Mapping, Sequence
-from itertools import chain
+from itertools import chain, product
 from typing import Any
 
 import numpy as np
 
 from fsipetsc.output.plots import style
-from fsipetsc.output.plots.style import Axes, FigureBase, extremes, labelled, shaded
+from fsipetsc.output.plots.style import Axes, FigureBase, extremes, refined, shaded
 from fsipetsc.output.quantities import Quantity, unit_of, written
 from fsipetsc.output.reader import Layer, Run
 
@@ -22,6 +22,11 @@ ABOVE = 0.4  # inches, of what stands above and below a panel
 BAR = 0.72  # inches, of a colour bar with its label
 MARGIN = 0.02  # of the extent, around it
 THIN = 0.2  # height over width; what is thinner is drawn higher than it is
+NEAR = 1e-4  # span of values over their size; of those that span less something is taken
+ALIKE = 0.1  # span over that of both; gas and solid that have more share their colours
+FINE = 240  # points of a map across a panel
+LINES = 40  # of the grid in a solid as long as a panel
+SIDES = ((0, 0), (0, -1), (1, 0), (1, -1))  # axis and index of an edge
 WIDE = 1.25  # width over height; of what is wider, two panels stand beside each other, else three
 
 
@@ -29,73 +34,129 @@ class View:
     """A quantity of a run at some frames, and what all of its panels have in common.
 
     layers   those that have the quantity
+    base     what is taken from all values where these vary by little, else 0
     scales   kind of layer -> colours of its maps, for frames after the first one
     limits   (left, right), (lower, upper) of a panel
-    labels   of its two axes
     ratio    its width over its height
     """
 
     def __init__(self, run: Run, quantity: Quantity, frames: Sequence[int]) -> None:
-        self.run, self.quantity, self.frames = run, quantity, list(frames)
+        self.run, self.quantity, self.frames, self.base = run, quantity, list(frames), 0.0
         self.layers = [layer for layer in run.layers if layer.kind in quantity.labels]
         known = [[self.at(layer, k) for k in self.frames] for layer in self.layers]
-        self.scales = self._scales([[values for *_, values in of] for of in known])
-        ranges = np.array([extremes(*along) for along in zip(*chain(*known))])[:2]
-        last = "r" if run.header.get("symmetry") else "xyz"[run.dimension - 1]
-        last = labelled(run, last, "m")
+        *ranges, (low, high) = np.array([extremes(*along) for along in zip(*chain(*known))])
+        size = max(abs(low), abs(high))
+        if style.NOTHING * size < high - low < NEAR * size:
+            self.base = round(float(low), int(-np.log10(high - low)) - 1)
+        self.scales = self._scales([[of[-1] - self.base for of in some] for some in known])
         if run.dimension == 1:
-            low, high = ranges[1]
-            margin = 2 * MARGIN * (high - low) or 0.1 * abs(low) or 1.0
-            self.limits = [ranges[0], np.array([low - margin, high + margin])]
-            label = labelled(run, quantity.title, quantity.unit)
-            self.labels, self.ratio = (last, label.replace("; ", ",\n")), 1.6
+            margin = 2 * MARGIN * (high - low) or 0.1 * size or 1.0
+            vertical = np.array([low - margin, high + margin]) - self.base
+            self.limits, self.ratio = [ranges[0], vertical], 1.6
             return
         margin = MARGIN * np.ptp(ranges, axis=1).max() * np.array([-1.0, 1.0])
         self.limits = [*(ranges + margin)]
-        self.labels = labelled(run, "x", "m"), last
         self.ratio = float(np.ptp(self.limits[0]) / np.ptp(self.limits[1]))
 
     def at(self, layer: Layer, frame: int) -> list[Array]:
-        """Places of a frame, horizontal ones and of maps vertical ones, and values. Of three
-        dimensions what lies in the middle of the second axis.
+        """Places of a frame, horizontal ones and of maps vertical ones, and values less the base.
+        Of three dimensions what lies in the middle of the second axis.
         """
         fields = {"X": layer.X, **layer.frame(frame)}
         found = [fields[x] for x in ("x", "xy", "xz")[self.run.dimension - 1]]
-        found.append(self.quantity.values(layer.kind, fields))
+        found.append(self.quantity.values(layer.kind, fields) - self.base)
         return [v[:, v.shape[1] // 2] if v.ndim == 3 else v for v in found]
 
+    def label(self, name: str) -> str:
+        """With what is taken from the values."""
+        return f"{name} less {self.base:.12g}" if self.base else name
+
     def _scales(self, values: list[list[Array]]) -> dict[str, dict[str, Any]]:
-        """A kind of layer has colours of its own: what comes through to a solid may be little."""
-        unit, last = self.quantity.unit, [layer.frame(-1) for layer in self.run.layers]
-        same = [v for frame in last for k, v in frame.items() if written(unit_of(k)) == unit]
-        beside = max(map(abs, extremes(*same)))
+        """Kinds of layers whose values are alike share their colours; what comes through to a solid
+        may be little.
+        """
+        quantity, last = self.quantity, [layer.frame(-1) for layer in self.run.layers]
+        same = (v for of in last for k, v in of.items() if written(unit_of(k)) == quantity.unit)
+        beside, of = max(map(abs, extremes(*same))), dict[str, list[Array]]()
+        for layer, some in zip(self.layers, values):
+            of.setdefault(layer.kind, []).extend(some[1:] or some)
+        whole, signs = [*chain(*of.values())], {*map(quantity.signed, of)}
+        alike = min(np.ptp(extremes(*v)) for v in of.values()) > ALIKE * np.ptp(extremes(*whole))
         scales = {}
-        for kind in dict.fromkeys(layer.kind for layer in self.layers):
-            some = [k for k, layer in enumerate(self.layers) if layer.kind == kind]
-            later = [np.ravel(v) for k in some for v in values[k][1:] or values[k]]
-            start = [np.ravel(self.at(self.layers[k], 0)[-1]) for k in some]
-            moving = self.quantity.name in ("u", "v", "w")
-            shown, first = np.concatenate(later), np.concatenate(start)
-            scales[kind] = style.colours(kind, shown, first, beside, moving)
+        for kind in of:
+            like, shown = ("fluid", whole) if alike and len(signs) == 1 else (kind, of[kind])
+            plain = style.PLAIN.get(f"{like} {quantity.name}", style.PLAIN[like])
+            start = [self.at(layer, 0)[-1] for layer in self.layers if layer.kind == kind]
+            rest = self.rest(start) if quantity.signed(kind) else None
+            maps = style.SIGNED[like], plain
+            scales[kind] = style.colours(
+                np.concatenate([*map(np.ravel, shown)]), rest, maps, beside
+            )
         return scales
+
+    def rest(self, start: list[Array]) -> float:
+        """What is white: 0, or of stresses what most points have at the start, in two digits."""
+        stress = unit_of(self.quantity.name) == "Pa"
+        return float(f"{np.nanmedian(np.concatenate([*map(np.ravel, start)])):.2g}") * stress
 
     def draw(self, axes: Axes, frame: int) -> dict[str, Any]:
         """Draw one frame; kind of layer -> what there is to make a colour bar of."""
-        pictures = {}
-        axes.set(xlim=self.limits[0], ylim=self.limits[1], xlabel=self.labels[0])
-        style.label_y(axes, self.labels[1])
+        pictures, solids, run = {}, [], self.run
+        names = ["x", "", "xyz"[run.dimension - 1]]
+        if run.header.get("symmetry"):
+            names[2 - 2 * (run.dimension == 1)] = "r"
+        axes.set(xlim=self.limits[0], ylim=self.limits[1])
+        style.set_unit(run, axes.xaxis, names[0], "m")
+        if run.dimension == 1:
+            title = self.label(self.quantity.title).replace("; ", ",\n")
+            style.label_y(axes, run, title, self.quantity.unit)
+        else:
+            style.label_y(axes, run, names[2], "m")
+            axes.set_aspect("equal" if self.ratio <= 1 / THIN else "auto")
         for layer in self.layers:
             found = self.at(layer, frame)
-            if self.run.dimension == 1:
+            if run.dimension == 1:
                 axes.plot(*found, color=style.COLORS[layer.kind], label=layer.kind)
                 continue
-            for axis in layer.rings if self.run.dimension == 2 else ():  # it ends where it begins
+            for axis in layer.rings if run.dimension == 2 else ():  # it ends where it begins
                 found = [np.append(v, v.take([0], axis), axis) for v in found]
-            pictures[layer.kind] = shaded(axes, *found, self.scales[layer.kind])
+            pictures[layer.kind] = shaded(axes, *self.finer(*found), self.scales[layer.kind])
             if layer.kind == "solid":
-                outline(axes, *found[:2])
-            axes.set_aspect("equal" if self.ratio <= 1 / THIN else "auto")
+                solids.append(found[:2])
+        self.outline(axes, solids)
         return pictures
+
+    def finer(self, x: Array, y: Array, *values: Array) -> list[Array]:
+        """With more points where cells are large, between which edges are curves and not lines."""
+        for axis, cells in enumerate(np.array(x.shape) - 1):
+            points = 1 + cells * int(np.ceil(FINE * self.length(x, y, axis) / max(1, cells)))
+            x, y = (refined(v, points, axis, degree=3) for v in (x, y))
+            values = tuple(refined(v, points, axis, degree=1) for v in values)
+        return [x, y, *values]
+
+    def length(self, x: Array, y: Array, axis: int) -> float:
+        """Of the longest line along an axis, over the width of a panel."""
+        steps = np.hypot(np.diff(x, axis=axis), np.diff(y, axis=axis))
+        return float(steps.sum(axis).max() / np.ptp(self.limits, axis=1).max())
+
+    def outline(self, axes: Axes, solids: list[list[Array]]) -> None:
+        """The edges of solids, thin between two blocks, and lines in them, which show how they are
+        deformed.
+        """
+        edges = [[v.take([side], axis) for v in of] for of in solids for axis, side in SIDES]
+        places = [frozenset(zip(*map(np.ravel, edge))) for edge in edges]
+        for edge, place in zip(edges, places):
+            outer = places.count(place) == 1
+            x, y = map(np.ravel, self.finer(*edge))
+            for color, width in style.OUTLINE if outer else (("black", 0.3),):
+                axes.plot(x, y, color=color, linewidth=width)
+        for of, axis in product(solids, (0, 1)):
+            count = int(LINES * self.length(*of, axis))
+            if count > 1:
+                lines = [refined(v, count + 1, axis, degree=3) for v in of]
+                lines = [v.take(range(1, count), axis) for v in lines]
+                x, y = (np.moveaxis(v, axis, 1) for v in lines)
+                axes.plot(x, y, color="black", linewidth=0.3, alpha=0.5)
 
 
 def frames_of(run: Run, quantity: Quantity, times: Sequence[float] = ()) -> list[int]:
@@ -129,15 +190,22 @@ def draw(figure: FigureBase, view: View) -> None:
 
 
 def draw_bars(figure: FigureBase, view: View, pictures: Mapping[str, Any], axes: Any) -> None:
-    """A colour bar above the panels for each kind of layer."""
-    wide = isinstance(axes, list)
+    """A colour bar above the panels for each kind of layer, or for both."""
+    wide, run, scales = isinstance(axes, list), view.run, view.scales
     size = {"aspect": 50, "shrink": 0.7} if wide else {"aspect": 25}
-    for kind, picture in pictures.items():
-        bar = figure.colorbar(picture, ax=axes, location="top", pad=0.02, **size)
-        label, title = view.quantity.labels[kind], view.quantity.title
-        if len(pictures) > 1 and label == title:  # of both kinds
+    both = len(scales) > 1 and scales["fluid"] == scales["solid"]
+    for kind in [*pictures][: 1 if both else 2]:
+        bar = figure.colorbar(pictures[kind], ax=axes, location="top", pad=0.02, **size)
+        label, unit, scale = view.quantity.labels[kind], view.quantity.unit, scales[kind]
+        if both:
+            label = view.quantity.title
+        elif len(scales) > 1 and label == view.quantity.title:  # of both kinds
             label = f"{'gas' if kind == 'fluid' else 'solid'}: {label}"
-        bar.set_label(labelled(view.run, label, view.quantity.unit), loc="left")
+        white = 0.5 * (scale["vmin"] + scale["vmax"])
+        if scale["cmap"] in style.SIGNED.values() and abs(white) > 1e-9 * scale["vmax"]:
+            label += f", white: {style.number(white / style.prefixed(run, unit, kind)[0])}"
+        style.set_unit(run, bar.ax.xaxis, view.label(label), unit, kind)
+        bar.set_label(bar.ax.get_xlabel(), loc="left")
         bar.outline.set_visible(False)
         bar.ax.locator_params(nbins=6 if wide else 4)
 
@@ -152,25 +220,18 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
         for layer in view.layers:
             values = np.array([view.at(layer, frame)[-1] for frame in view.frames])
             x, values = without_gaps(layer, values)
-            x, values, t = between(x, values, np.broadcast_to(run.time[:, None], x.shape))
+            found = x, np.broadcast_to(run.time[:, None], x.shape), values
+            x, t, values = (refined(v, max(len(v), 500), 0, degree=1) for v in found)
             pictures[layer.kind] = shaded(axes, x, t, values, view.scales[layer.kind])
         for x in x_interface[some].T:
-            for color, width in (("white", 1.8), ("black", 0.8)):
+            for color, width in style.OUTLINE:
                 axes.plot(x, run.series["t"][some], color=color, linewidth=width)
         draw_bars(figure, view, pictures, axes)
         style.time_axis(axes, run, "y")
-        axes.set(xlim=view.limits[0], ylim=run.time[[0, -1]], xlabel=view.labels[0], ylabel="")
-    grid[0].set_ylabel("t")
+        axes.set(xlim=view.limits[0], ylim=run.time[[0, -1]], ylabel="")
+        style.set_unit(run, axes.xaxis, "r" if run.header.get("symmetry") else "x", "m")
+    style.set_unit(run, grid[0].yaxis, "t", "s")
     grid[0].locator_params(axis="x", nbins=4)
-
-
-def between(*arrays: Array) -> list[Array]:
-    """Arrays (nframes, n) with frames between the frames, linearly: triangles would show."""
-    count = len(arrays[0])
-    at = np.linspace(0, count - 1, max(count, 500))
-    begin = np.minimum(at.astype(int), count - 2)
-    part = (at - begin)[:, None]
-    return [(1 - part) * values[begin] + part * values[begin + 1] for values in arrays]
 
 
 def without_gaps(layer: Layer, values: Array) -> tuple[Array, Array]:
@@ -188,17 +249,3 @@ def without_gaps(layer: Layer, values: Array) -> tuple[Array, Array]:
         else:
             x[row] = np.where(np.isfinite(x[row]), x[row], layer.X)
     return x, values
-
-
-def outline(axes: Axes, x: Array, y: Array) -> None:
-    """The edges of a solid, and some lines of its grid across it, which show how it is deformed."""
-    edges = [(x[0], y[0]), (x[-1], y[-1]), (x[:, 0], y[:, 0]), (x[:, -1], y[:, -1])]
-    closed = [np.array_equal(edges[k], edges[k + 1]) for k in (0, 2)]
-    for edge, skip in zip(edges, np.repeat(closed, 2)):
-        if not skip:
-            axes.plot(*edge, color="black", linewidth=0.8)
-    longer = int(np.argmax(x.shape))
-    step = max(1, (x.shape[longer] - 1) // 8)
-    for line in range(step, x.shape[longer] - 1, step):
-        across = x.take(line, longer), y.take(line, longer)
-        axes.plot(*across, color="black", linewidth=0.3, alpha=0.5)

@@ -69,7 +69,9 @@ def pictures(run: Run, times: Sequence[float] = ()) -> dict[str, Callable[[Figur
         found["xt"] = "space and time", _over_time(run, chosen(run, ()))
     for name, panels in series.panels(run).items():
         if panels:
-            found[name] = name, _curves(run, panels)
+            bound = run.summary.get("bound") if name == "steps" else None
+            title = f"steps, bounded by {bound} at the end" if bound else name
+            found[name] = title, _curves(run, panels)
     return {
         name: partial(_draw, run=run, title=title, drawings=[drawing])
         for name, (title, drawing) in found.items()

@@ -104,7 +104,8 @@ def draw(figure: FigureBase, run: Run, panels: list[Panel], columns: int) -> Non
             axes.set_ylim(bottom=max(axes.get_ylim()[0], axes.get_ylim()[1] / SPAN))
         if panel.label == "time step":
             axes.set_ylim(bottom=0.0)
-        style.label_y(axes, style.labelled(run, panel.label, panel.unit))
+        kind = "step" if panel.label == "time step" else "fluid"
+        style.label_y(axes, run, panel.label, panel.unit, kind)
         if len(panel.curves) > 1 or panel.logarithmic:
             style.legend_above(axes)  # else its one name says nothing
         style.time_axis(axes, run)
