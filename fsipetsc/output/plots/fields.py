@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.output.plots import style
-from fsipetsc.output.plots.style import Axes, FigureBase, extremes, refined, shaded
+from fsipetsc.output.plots.style import Axes, FigureBase, Wanted, extremes, labelled, shaded
 from fsipetsc.output.quantities import Quantity, unit_of, written
 from fsipetsc.output.reader import Layer, Run
 
@@ -22,141 +22,147 @@ ABOVE = 0.4  # inches, of what stands above and below a panel
 BAR = 0.72  # inches, of a colour bar with its label
 MARGIN = 0.02  # of the extent, around it
 THIN = 0.2  # height over width; what is thinner is drawn higher than it is
-NEAR = 1e-4  # span of values over their size; of those that span less something is taken
-ALIKE = 0.1  # span over that of both; gas and solid that have more share their colours
-FINE = 240  # points of a map across a panel
+NEAR = 1e-4  # of values that span less of their size, one is subtracted
+STREAM = 150  # points along each side of a panel, between which streamlines go
+CORNERS = slice(-1), slice(1, None)  # of cells, along an axis
 LINES = 40  # of the grid in a solid as long as a panel
-SIDES = ((0, 0), (0, -1), (1, 0), (1, -1))  # axis and index of an edge
 WIDE = 1.25  # width over height; of what is wider, two panels stand beside each other, else three
 
 
 class View:
     """A quantity of a run at some frames, and what all of its panels have in common.
 
-    layers   those that have the quantity
-    base     what is taken from all values where these vary by little, else 0
+    layers   those that have the quantity, and in two and three dimensions solids
+    base     what is subtracted from values that vary by little, else 0
     scales   kind of layer -> colours of its maps, for frames after the first one
+    bars     kind of layer -> label of its colour bar, which other kinds may share
     limits   (left, right), (lower, upper) of a panel
+    labels   of its two axes
     ratio    its width over its height
     """
 
-    def __init__(self, run: Run, quantity: Quantity, frames: Sequence[int]) -> None:
-        self.run, self.quantity, self.frames, self.base = run, quantity, list(frames), 0.0
-        self.layers = [layer for layer in run.layers if layer.kind in quantity.labels]
+    def __init__(
+        self, run: Run, quantity: Quantity, frames: Sequence[int], wanted: Wanted = style.USUAL
+    ) -> None:
+        self.run, self.quantity, self.wanted, self.base = run, quantity, wanted, 0.0
+        kinds = {*quantity.labels, *["solid"][: run.dimension - 1]}
+        self.layers = [layer for layer in run.layers if layer.kind in kinds]
+        self.frames = list(frames)
         known = [[self.at(layer, k) for k in self.frames] for layer in self.layers]
         *ranges, (low, high) = np.array([extremes(*along) for along in zip(*chain(*known))])
-        size = max(abs(low), abs(high))
+        size = max(-low, high)
         if style.NOTHING * size < high - low < NEAR * size:
             self.base = round(float(low), int(-np.log10(high - low)) - 1)
-        self.scales = self._scales([[of[-1] - self.base for of in some] for some in known])
+        self.scales, self.bars = dict[str, dict[str, Any]](), dict[str, str]()
+        self._colour([[at[-1] - self.base for at in of] for of in known])
+        last = "r" if run.header.get("symmetry") else "xyz"[run.dimension - 1]
+        last = labelled(run, last, "m")
         if run.dimension == 1:
-            margin = 2 * MARGIN * (high - low) or 0.1 * size or 1.0
-            vertical = np.array([low - margin, high + margin]) - self.base
-            self.limits, self.ratio = [ranges[0], vertical], 1.6
+            margin = 2 * MARGIN * (high - low) or 0.1 * abs(low) or 1.0
+            self.limits = [ranges[0], np.array([low - margin, high + margin]) - self.base]
+            self.labels, self.ratio = (last, self.label(quantity.title).replace("; ", ",\n")), 1.6
             return
         margin = MARGIN * np.ptp(ranges, axis=1).max() * np.array([-1.0, 1.0])
         self.limits = [*(ranges + margin)]
+        self.labels = labelled(run, "x", "m"), last
         self.ratio = float(np.ptp(self.limits[0]) / np.ptp(self.limits[1]))
 
-    def at(self, layer: Layer, frame: int) -> list[Array]:
-        """Places of a frame, horizontal ones and of maps vertical ones, and values less the base.
-        Of three dimensions what lies in the middle of the second axis.
+    def at(self, layer: Layer, frame: int, more: str = "") -> list[Array]:
+        """Places of a frame, horizontal ones and of maps vertical ones, more fields, and values. Of
+        three dimensions what lies in the middle of the second axis.
         """
         fields = {"X": layer.X, **layer.frame(frame)}
-        found = [fields[x] for x in ("x", "xy", "xz")[self.run.dimension - 1]]
-        found.append(self.quantity.values(layer.kind, fields) - self.base)
+        found = [fields[x] for x in ("x", "xy", "xz")[self.run.dimension - 1] + more]
+        if layer.kind in self.quantity.labels:
+            found.append(self.quantity.values(layer.kind, fields) - self.base)
+        else:
+            found.append(np.full_like(found[0], np.nan))
+        for axis in layer.rings if self.run.dimension == 2 else ():  # it ends where it begins
+            found = [np.append(v, v.take([0], axis), axis) for v in found]
         return [v[:, v.shape[1] // 2] if v.ndim == 3 else v for v in found]
 
     def label(self, name: str) -> str:
-        """With what is taken from the values."""
-        return f"{name} less {self.base:.12g}" if self.base else name
+        """With what is subtracted, and the unit."""
+        less = f" less {self.base:.12g}" if self.base else ""
+        return labelled(self.run, name + less, self.quantity.unit)
 
-    def _scales(self, values: list[list[Array]]) -> dict[str, dict[str, Any]]:
-        """Kinds of layers whose values are alike share their colours; what comes through to a solid
-        may be little.
-        """
+    def _colour(self, values: list[list[Array]]) -> None:
+        """Make scales and bars, one for all kinds of layers whose values have a sign, or none."""
         quantity, last = self.quantity, [layer.frame(-1) for layer in self.run.layers]
-        same = (v for of in last for k, v in of.items() if written(unit_of(k)) == quantity.unit)
-        beside, of = max(map(abs, extremes(*same))), dict[str, list[Array]]()
-        for layer, some in zip(self.layers, values):
-            of.setdefault(layer.kind, []).extend(some[1:] or some)
-        whole, signs = [*chain(*of.values())], {*map(quantity.signed, of)}
-        alike = min(np.ptp(extremes(*v)) for v in of.values()) > ALIKE * np.ptp(extremes(*whole))
-        scales = {}
-        for kind in of:
-            like, shown = ("fluid", whole) if alike and len(signs) == 1 else (kind, of[kind])
-            plain = style.PLAIN.get(f"{like} {quantity.name}", style.PLAIN[like])
-            start = [self.at(layer, 0)[-1] for layer in self.layers if layer.kind == kind]
-            rest = self.rest(start) if quantity.signed(kind) else None
-            maps = style.SIGNED[like], plain
-            scales[kind] = style.colours(
-                np.concatenate([*map(np.ravel, shown)]), rest, maps, beside
-            )
-        return scales
-
-    def rest(self, start: list[Array]) -> float:
-        """What is white: 0, or of stresses what most points have at the start, in two digits."""
-        stress = unit_of(self.quantity.name) == "Pa"
-        return float(f"{np.nanmedian(np.concatenate([*map(np.ravel, start)])):.2g}") * stress
+        same = [v for of in last for k, v in of.items() if written(unit_of(k)) == quantity.unit]
+        for sign in {*map(quantity.signed, quantity.labels)}:
+            kinds = [kind for kind in quantity.labels if quantity.signed(kind) == sign]
+            some = [k for k, layer in enumerate(self.layers) if layer.kind in kinds]
+            later = [np.ravel(v) for k in some for v in values[k][1:] or values[k]]
+            start = [np.ravel(self.at(self.layers[k], 0)[-1]) for k in some]
+            # stresses are what they are at rest where nothing happens
+            rest = np.nanmedian(np.concatenate(start)) if quantity.unit == "Pa" else 0.0
+            name, beside = quantity.name if "fluid" in kinds else "solid", extremes(*same)
+            white = float(f"{rest:.2g}") if sign else None
+            scale = style.colours(np.concatenate(later), white, name, max(map(abs, beside)))
+            label = "; ".join(dict.fromkeys(quantity.labels[kind] for kind in kinds))
+            white = 0.5 * (scale["vmin"] + scale["vmax"])
+            if scale["cmap"] in style.SIGNED.values() and abs(white) > 1e-9 * scale["vmax"]:
+                label += f", white: {white:.2g}".replace("-", "\u2212")
+            self.bars[kinds[0]] = label
+            self.scales |= dict.fromkeys(kinds, scale)
 
     def draw(self, axes: Axes, frame: int) -> dict[str, Any]:
         """Draw one frame; kind of layer -> what there is to make a colour bar of."""
-        pictures, solids, run = {}, [], self.run
-        names = ["x", "", "xyz"[run.dimension - 1]]
-        if run.header.get("symmetry"):
-            names[2 - 2 * (run.dimension == 1)] = "r"
-        axes.set(xlim=self.limits[0], ylim=self.limits[1])
-        style.set_unit(run, axes.xaxis, names[0], "m")
-        if run.dimension == 1:
-            title = self.label(self.quantity.title).replace("; ", ",\n")
-            style.label_y(axes, run, title, self.quantity.unit)
-        else:
-            style.label_y(axes, run, names[2], "m")
-            axes.set_aspect("equal" if self.ratio <= 1 / THIN else "auto")
+        pictures, solids = {}, []
+        axes.set(xlim=self.limits[0], ylim=self.limits[1], xlabel=self.labels[0])
+        style.label_y(axes, self.labels[1])
+        plane = self.run.dimension > 1
+        axes.set_aspect("equal" if plane and self.ratio <= 1 / THIN else "auto")
         for layer in self.layers:
             found = self.at(layer, frame)
-            if run.dimension == 1:
+            if not plane:
                 axes.plot(*found, color=style.COLORS[layer.kind], label=layer.kind)
                 continue
-            for axis in layer.rings if run.dimension == 2 else ():  # it ends where it begins
-                found = [np.append(v, v.take([0], axis), axis) for v in found]
-            pictures[layer.kind] = shaded(axes, *self.finer(*found), self.scales[layer.kind])
-            if layer.kind == "solid":
-                solids.append(found[:2])
-        self.outline(axes, solids)
+            solids += [found[:2]] * (layer.kind == "solid")
+            if scale := self.scales.get(layer.kind):
+                pictures[layer.kind] = shaded(axes, *found, scale)
+                levels = np.linspace(scale["vmin"], scale["vmax"], self.wanted.contours + 2)[1:-1]
+                low, high = extremes(found[-1])
+                if (levels := levels[(low < levels) & (levels < high)]).size:
+                    axes.contour(*found, levels, colors="black", linewidths=0.4)
+        self._outline(axes, solids)
+        if self.wanted.streamlines and plane:
+            self._streamlines(axes, frame)
         return pictures
 
-    def finer(self, x: Array, y: Array, *values: Array) -> list[Array]:
-        """With more points where cells are large, between which edges are curves and not lines."""
-        for axis, cells in enumerate(np.array(x.shape) - 1):
-            points = 1 + cells * int(np.ceil(FINE * self.length(x, y, axis) / max(1, cells)))
-            x, y = (refined(v, points, axis, degree=3) for v in (x, y))
-            values = tuple(refined(v, points, axis, degree=1) for v in values)
-        return [x, y, *values]
-
-    def length(self, x: Array, y: Array, axis: int) -> float:
-        """Of the longest line along an axis, over the width of a panel."""
-        steps = np.hypot(np.diff(x, axis=axis), np.diff(y, axis=axis))
-        return float(steps.sum(axis).max() / np.ptp(self.limits, axis=1).max())
-
-    def outline(self, axes: Axes, solids: list[list[Array]]) -> None:
-        """The edges of solids, thin between two blocks, and lines in them, which show how they are
-        deformed.
+    def _outline(self, axes: Axes, solids: list[list[Array]]) -> None:
+        """The edges of solids, those between two blocks thin, and a fine grid, which shows how they
+        are deformed.
         """
-        edges = [[v.take([side], axis) for v in of] for of in solids for axis, side in SIDES]
-        places = [frozenset(zip(*map(np.ravel, edge))) for edge in edges]
+        edges = [[v.take(end, k) for v in of] for of, k, end in product(solids, (0, 1), (0, -1))]
+        places = [frozenset(zip(*edge)) for edge in edges]
         for edge, place in zip(edges, places):
-            outer = places.count(place) == 1
-            x, y = map(np.ravel, self.finer(*edge))
-            for color, width in style.OUTLINE if outer else (("black", 0.3),):
-                axes.plot(x, y, color=color, linewidth=width)
-        for of, axis in product(solids, (0, 1)):
-            count = int(LINES * self.length(*of, axis))
-            if count > 1:
-                lines = [refined(v, count + 1, axis, degree=3) for v in of]
-                lines = [v.take(range(1, count), axis) for v in lines]
-                x, y = (np.moveaxis(v, axis, 1) for v in lines)
-                axes.plot(x, y, color="black", linewidth=0.3, alpha=0.5)
+            for color, width in style.OUTLINE if places.count(place) == 1 else style.OUTLINE[2:]:
+                axes.plot(*edge, color=color, linewidth=width)
+        for (x, y), axis in product(solids, (0, 1)):
+            steps = np.hypot(np.diff(x, axis=axis), np.diff(y, axis=axis))
+            lines = max(1.0, LINES * steps.sum(axis).max() / np.ptp(self.limits, axis=1).max())
+            nodes = range(0, x.shape[axis], max(1, round(x.shape[axis] / lines)))[1:]
+            grid = [np.moveaxis(v.take(nodes, axis), axis, 1) for v in (x, y)]
+            axes.plot(*grid, color="black", linewidth=0.3, alpha=0.5)
+
+    def _streamlines(self, axes: Axes, frame: int) -> None:
+        """Lines along the velocities of gases, as they are at a frame."""
+        from matplotlib.tri import LinearTriInterpolator, Triangulation
+
+        x, y = (np.linspace(*bounds, STREAM) for bounds in self.limits)
+        flow = np.full((2, STREAM, STREAM), np.nan)
+        for layer in self.layers:
+            if layer.kind == "fluid":
+                *at, u, v, _ = self.at(layer, frame, "uv" if self.run.dimension == 2 else "uw")
+                n = np.arange(u.size).reshape(u.shape)
+                a, b, c, d = (n[i, j].ravel() for i, j in product(CORNERS, CORNERS))
+                mesh = Triangulation(*map(np.ravel, at), np.r_[np.c_[a, b, c], np.c_[b, d, c]])
+                for of, values in zip(flow, (u, v)):
+                    found = LinearTriInterpolator(mesh, values.ravel())(*np.meshgrid(x, y))
+                    np.copyto(of, found.data, where=~found.mask)
+        axes.streamplot(x, y, *flow, color="white", linewidth=0.5, arrowsize=0.5)
 
 
 def frames_of(run: Run, quantity: Quantity, times: Sequence[float] = ()) -> list[int]:
@@ -171,7 +177,7 @@ def sizes(view: View, count: int) -> tuple[int, float, float]:
     rows = -(-count // columns)
     ratio = min(view.ratio, 1 / THIN)
     width = min(WIDTH / columns - 0.4, HIGHEST * ratio)
-    bars = BAR * len(view.scales) * (view.run.dimension > 1)
+    bars = BAR * len(view.bars) * (view.run.dimension > 1)
     return columns, width, rows * (width / ratio + ABOVE) + bars + 0.45
 
 
@@ -190,22 +196,12 @@ def draw(figure: FigureBase, view: View) -> None:
 
 
 def draw_bars(figure: FigureBase, view: View, pictures: Mapping[str, Any], axes: Any) -> None:
-    """A colour bar above the panels for each kind of layer, or for both."""
-    wide, run, scales = isinstance(axes, list), view.run, view.scales
+    """Colour bars above the panels."""
+    wide = isinstance(axes, list)
     size = {"aspect": 50, "shrink": 0.7} if wide else {"aspect": 25}
-    both = len(scales) > 1 and scales["fluid"] == scales["solid"]
-    for kind in [*pictures][: 1 if both else 2]:
+    for kind, label in view.bars.items() if pictures else ():
         bar = figure.colorbar(pictures[kind], ax=axes, location="top", pad=0.02, **size)
-        label, unit, scale = view.quantity.labels[kind], view.quantity.unit, scales[kind]
-        if both:
-            label = view.quantity.title
-        elif len(scales) > 1 and label == view.quantity.title:  # of both kinds
-            label = f"{'gas' if kind == 'fluid' else 'solid'}: {label}"
-        white = 0.5 * (scale["vmin"] + scale["vmax"])
-        if scale["cmap"] in style.SIGNED.values() and abs(white) > 1e-9 * scale["vmax"]:
-            label += f", white: {style.number(white / style.prefixed(run, unit, kind)[0])}"
-        style.set_unit(run, bar.ax.xaxis, view.label(label), unit, kind)
-        bar.set_label(bar.ax.get_xlabel(), loc="left")
+        bar.set_label(view.label(label), loc="left")
         bar.outline.set_visible(False)
         bar.ax.locator_params(nbins=6 if wide else 4)
 
@@ -215,22 +211,24 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
     grid = figure.subplots(1, len(quantities), sharex=True, sharey=True, squeeze=False)[0]
     x_interface = run.series.get("x_interface", np.empty((0, 0)))
     some = slice(None, None, max(1, len(x_interface) // style.MAX_POINTS))
+    t = np.linspace(*run.time[[0, -1]], max(run.nframes, 500))
     for axes, quantity in zip(grid, quantities):
         view, pictures = View(run, quantity, range(run.nframes)), {}
         for layer in view.layers:
             values = np.array([view.at(layer, frame)[-1] for frame in view.frames])
-            x, values = without_gaps(layer, values)
-            found = x, np.broadcast_to(run.time[:, None], x.shape), values
-            x, t, values = (refined(v, max(len(v), 500), 0, degree=1) for v in found)
-            pictures[layer.kind] = shaded(axes, x, t, values, view.scales[layer.kind])
+            found = [
+                np.transpose([np.interp(t, run.time, row) for row in of.T])  # triangles would show
+                for of in without_gaps(layer, values)
+            ]
+            found.insert(1, np.broadcast_to(t[:, None], found[0].shape))
+            pictures[layer.kind] = shaded(axes, *found, view.scales[layer.kind])
         for x in x_interface[some].T:
-            for color, width in style.OUTLINE:
+            for color, width in style.OUTLINE[:2]:
                 axes.plot(x, run.series["t"][some], color=color, linewidth=width)
         draw_bars(figure, view, pictures, axes)
         style.time_axis(axes, run, "y")
-        axes.set(xlim=view.limits[0], ylim=run.time[[0, -1]], ylabel="")
-        style.set_unit(run, axes.xaxis, "r" if run.header.get("symmetry") else "x", "m")
-    style.set_unit(run, grid[0].yaxis, "t", "s")
+        axes.set(xlim=view.limits[0], ylim=run.time[[0, -1]], xlabel=view.labels[0], ylabel="")
+    grid[0].set_ylabel(labelled(run, "t", "s"))
     grid[0].locator_params(axis="x", nbins=4)
 
 
