@@ -43,8 +43,9 @@ class Command(NamedTuple):
 COMMANDS = {
     "info": Command("RUN.h5", "print what a result holds: case, options, times, layers, summary",
         "output.info"),
-    "plot": Command("RUN.h5 [-o DIR|FILE] [-fields p,T] [-times 0,0.5] [-all] [-animate]",
-        "draw a result on a page (PNG, PDF, SVG or JPG as FILE ends), all pictures, a film (GIF)",
+    "plot": Command("RUN.h5 [-o DIR|FILE] [-fields p,T] [-times 0,0.5] [-contours 20] "
+        "[-streamlines] [-probes x,y;x,y] [-all] [-animate]",
+        "draw a result on a page (PNG, PDF, SVG or JPG as FILE ends), all pictures, a film",
         "output.plots.page"),
     "report": Command("RUN.h5 [-o DIR]",
         "make one HTML page of a result: film, pictures, options, summary",

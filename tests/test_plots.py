@@ -2,6 +2,8 @@
 
 import json
 import re
+import shutil
+import subprocess
 from itertools import combinations, product
 from types import SimpleNamespace
 
@@ -14,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 from PIL import Image
+from scipy.interpolate import griddata
 
 from fsipetsc.cli import main
 from fsipetsc.output import quantities
@@ -24,19 +27,29 @@ RUNS = {
     "blast": ("blast", "-fsi_h 0.125 -ts_max_time 0.6 -fsi_output_dt 0.05"),
 }
 USUAL = {"u", "T", "p", "rho", "sigma", "strain", "xt", "interfaces", "ledgers", "steps"}
-IN_PLANE = {"p", "rho", "u", "v", "T", "s_xx", "s_yy", "s_xy", "interfaces", "ledgers", "steps"}
+IN_PLANE = {"p", "rho", "u", "v", "T", "s_xx", "s_yy", "s_xy", "schlieren"}
+IN_PLANE |= {"interfaces", "ledgers", "steps"}
 
 
-def test_colours_are_white_at_rest_and_end_where_values_do():
+def test_colours_end_where_values_do_and_are_white_at_rest():
     values = np.linspace(-1.0, 3.0, 101)
-    scale = style.colours("fluid", values, np.zeros(3))
-    assert (scale["vmin"], scale["vmax"]) == (-3.0, 3.0)
+
+    def ends(values, rest):
+        scale = style.colours(values, rest)
+        return scale["cmap"], scale["vmin"], scale["vmax"]
+
+    assert ends(values, None) == ("viridis", -1.0, 3.0)
+    assert ends(values, 0.0) == ("RdBu_r", -3.0, 3.0)
+    assert ends(values, 1.0) == ("RdBu_r", -1.0, 3.0)
+    assert ends(values, 0.1) == ends(values, 0.0), "white is 0, where that is about the same"
+    assert ends(values + 1.0, 0.0) == ("viridis", 0.0, 4.0), "all have one sign"
     spiked = np.append(np.tile(values, 10), 100.0)  # few points are far beyond the others
-    assert style.colours("fluid", spiked, np.zeros(3))["vmax"] == pytest.approx(3.0)
-    thrown = style.colours("solid", values - 1.0, np.full(3, 2.0), moving=True)
-    assert (thrown["vmin"], thrown["vmax"]) == (-2.0, 2.0)  # not -2 to 6 with white at 2
+    assert ends(spiked, 0.0)[2] == pytest.approx(3.0)
     noise = 300.0 + 1e-13 * values  # what is almost constant has no stripes
-    assert style.colours("solid", noise, noise)["vmax"] > 301.0
+    assert ends(noise, None)[1] < 299.0 and ends(noise, None)[2] > 301.0
+    assert ends(np.full(3, np.nan), 0.0) == ("RdBu_r", -1.0, 1.0)
+    assert style.colours(values, 0.0, "solid")["cmap"] == "PuOr_r"
+    assert style.colours(values, None, "T")["cmap"] == "inferno"
 
 
 @pytest.fixture(scope="module")
@@ -107,6 +120,23 @@ def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results):
     assert np.ptp(run.layers[1]["p"]) > 1  # Pa: the solid's own pressure counts
 
 
+class Near(quantities.Quantity):
+    """Temperatures that vary by little."""
+
+    def values(self, kind, fields):
+        return 300.0 + 1e-9 * fields["T"]
+
+
+def test_what_varies_by_little_is_drawn_less_a_number_that_is_named(results):
+    """Not with 1e-7+3e2 at the axis."""
+    run, axes = results["rod"], Figure().subplots()
+    view = fields.View(run, Near("T", {"fluid": "T", "solid": "T"}), range(run.nframes))
+    view.draw(axes, 3)
+    assert axes.get_ylabel() == "T less 300  [K]"
+    for line, layer in zip(axes.lines, run.layers, strict=True):
+        assert np.allclose(line.get_ydata(), 1e-9 * layer["T"][3], atol=1e-12, equal_nan=True)
+
+
 def lifted(layer):
     """A block in three dimensions, of which the middle plane is this layer's."""
 
@@ -124,23 +154,76 @@ def test_maps_are_on_the_grid_as_it_is_in_three_dimensions_in_the_middle(results
     quantity, last = quantities.chosen(run, ["p"])[0], run.nframes - 1
     view, axes = fields.View(run, quantity, [0, last]), Figure().subplots()
     pictures = view.draw(axes, last)
-    edges = [line.get_xydata() for line in axes.lines]
-    boxes = SimpleNamespace(layers=[*map(lifted, run.layers)], dimension=3, header=run.header)
-    view3 = fields.View(boxes, quantity, [0, last])
-    pictures3 = view3.draw(Figure().subplots(), last)
-    assert view.labels == ("x", "y") and view3.labels == ("x", "z")
-    for layer, name in zip(run.layers, ("p", "s_xx"), strict=True):
+    edges = [line.get_xydata() for line in axes.lines if line.get_linewidth() > 0.5]
+    boxes = type("Boxes", (), {"dimension": 3, "header": run.header})()
+    boxes.layers = [*map(lifted, run.layers)]
+    view3, axes3 = fields.View(boxes, quantity, [0, last]), Figure().subplots()
+    pictures3 = view3.draw(axes3, last)
+    assert [of.get_ylabel() for of in (axes, axes3)] == ["y", "z"]
+    for layer in run.layers:
         of = layer.frame(last)
+        expected = of["p"] if layer.kind == "fluid" else 0.5 * (of["s_xx"] + of["s_yy"])
         for drawn in (pictures[layer.kind], pictures3[layer.kind]):
             assert np.array_equal(drawn.get_coordinates(), np.stack([of["x"], of["y"]], -1))
-            assert np.array_equal(drawn.get_array().reshape(layer.shape), of[name])
+            assert np.array_equal(drawn.get_array().reshape(layer.shape), expected)
     for row in (0, -1):
         face = np.stack([of["x"][row], of["y"][row]], axis=-1)
-        assert any(np.array_equal(edge, face) for edge in edges)
+        assert sum(np.array_equal(edge, face) for edge in edges) == 2, "in white and in black"
     assert axes.get_ylim()[1] > of["y"].max() and axes.get_aspect() == 1.0
     assert pictures["fluid"].get_cmap() != pictures["solid"].get_cmap()
+    assert [view.scales[kind]["cmap"] for kind in view.scales] == ["viridis", "PuOr_r"]
+    assert view.bars == {"fluid": "pressure p", "solid": "mean stress in solids, white: −1"}
     assert view.scales == fields.View(run, quantity, [last]).scales, "the pulse does not set them"
     assert run.layers[0].frame(0)["p"].max() > view.scales["fluid"]["vmax"]
+
+
+def test_contours_streamlines_and_the_solid_beside_what_only_a_gas_has(results):
+    run, axes, drawn = results["blast"], Figure().subplots(), []
+    wanted = style.Wanted(contours=5, streamlines=True)
+    quantity, last = quantities.chosen(run, ["rho"])[0], run.nframes - 1
+    view = fields.View(run, quantity, [last], wanted)
+    axes.contour = axes.streamplot = lambda *data, **_: drawn.append(data)
+    pictures = view.draw(axes, last)
+    assert [*pictures] == ["fluid"] and axes.get_ylim()[1] > run.layers[1].frame(last)["y"].max()
+    assert len(axes.lines) > 20, "edges and a fine grid"
+    scale, gas = view.scales["fluid"], run.layers[0].frame(last)
+    (*_, values, levels), (x, y, *flow) = drawn
+    between = scale["vmin"] + (scale["vmax"] - scale["vmin"]) * np.arange(1, 6) / 6
+    assert np.array_equal(values, gas["rho"]) and np.allclose(levels, between)
+    pairs = (gas["x"], gas["y"]), np.meshgrid(x, y)
+    nodes, at = (np.column_stack([*map(np.ravel, pair)]) for pair in pairs)
+    for name, found in zip("uv", flow):
+        inside = np.isfinite(found.ravel())
+        expected = griddata(nodes, gas[name].ravel(), at[inside])  # with other triangles
+        away = np.abs(found.ravel()[inside] - expected)
+        assert inside.mean() > 0.7 and np.nanmean(away) < 0.02 * np.abs(gas[name]).max()
+
+
+def test_schlieren_are_of_the_gradient_in_space(results):
+    """On a grid that is curved and skewed; of a quadratic density it is exact but at edges."""
+    xi, eta = np.meshgrid(np.linspace(0, 1, 41), np.linspace(0, 1, 31))
+    x, y = xi + 0.3 * eta + 0.1 * eta**2, eta - 0.2 * xi
+    found = quantities.Quantity("schlieren", {}).values("fluid", {"x": x, "y": y, "rho": 3 * x + y})
+    assert np.allclose(found**2, np.sqrt(10.0), rtol=1e-12)
+    (quantity,) = quantities.chosen(results["blast"], ["schlieren"])
+    assert quantity.labels == {"fluid": "schlieren, √|∇ρ|"} and not quantity.signed("fluid")
+
+
+def test_probes_are_the_nearest_nodes_in_the_saved_frames(results, capsys, tmp_path):
+    run = results["blast"]
+    wanted = quantities.chosen(run, ["p", "u"])
+    p, u = series.probed(run, wanted, [(0.49, 0.26), (0.5, 1.2)])
+    gas, plate = run.layers
+    stress = 0.5 * (plate["s_xx"] + plate["s_yy"])
+    assert np.array_equal(p.curves["at 0.49, 0.26"], gas["p"][:, 2, 4])
+    assert np.array_equal(p.curves["at 0.5, 1.2"], stress[:, -2, 4]), plate.Y
+    assert np.array_equal(u.curves["at 0.49, 0.26"], gas["u"][:, 2, 4]) and u.t is run.time
+    words = "-all -fields p -probes 0.5,0.5;0.5,1.2 -contours 9 -streamlines -o".split()
+    assert main(["plot", run.path, *words, str(tmp_path)]) == 0
+    written = {path.name for path in tmp_path.iterdir()}
+    names = ("p", "probes", "interfaces", "ledgers", "steps")
+    assert written == {f"blast-{name}.png" for name in names}
+    capsys.readouterr()
 
 
 def test_ledgers_steps_and_residuals(results):
@@ -169,7 +252,7 @@ def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
         assert target.read_bytes().startswith(begins)
     text = (tmp_path / "x" / "a.svg").read_text()
     assert "temperature T" in text and "stress" in text and "velocity" not in text
-    assert "t = 100 ms" in text and "t = 500 ms" in text
+    assert "t = 0.1 s" in text and "t = 0.5 s" in text
     capsys.readouterr()
     assert main(["plot", results["rod"].path, "-all", "-o", str(tmp_path / "run1.0")]) == 0
     written = capsys.readouterr().out.split()
@@ -186,6 +269,9 @@ def test_plot_says_what_it_cannot_do(results, capsys, here):
         ("-all -o x.png", "expected a directory"),
         ("-o x.bmp", "or a file that ends with .png"),
         ("-animate -o x.png", "or a file that ends with .gif"),
+        ("-contours -1", "bad value '-1' for -contours"),
+        ("-probes a,b", "bad value 'a,b' for -probes: expected numbers"),
+        ("-probes 1,2", "-probes: expected 1 number for each place"),
     ):
         assert main(["plot", results["rod"].path, *words.split()]) == 2
         assert said in capsys.readouterr().err and list(here.iterdir()) == []
@@ -194,12 +280,20 @@ def test_plot_says_what_it_cannot_do(results, capsys, here):
 def test_film_and_a_file_where_a_directory_should_be(results, tmp_path, capsys):
     run = results["blast"]
     assert main(["plot", run.path, "-animate", "-o", str(tmp_path)]) == 0
+    films = {".gif", ".mp4"} if shutil.which("ffmpeg") else {".gif"}
+    assert {path.suffix for path in tmp_path.iterdir()} == films
     with Image.open(tmp_path / "blast.gif") as moving:
         assert moving.n_frames == run.nframes
         first = np.asarray(moving.convert("RGB"))
         moving.seek(moving.n_frames - 1)
         last = np.asarray(moving.convert("RGB"))
     assert first.shape == last.shape and (first != last).any(axis=-1).mean() > 0.1
+    if ".mp4" in films:
+        raw = ["-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+        given = ["ffmpeg", "-i", str(tmp_path / "blast.mp4"), *raw]
+        found = subprocess.run(given, check=True, capture_output=True).stdout
+        frames = np.frombuffer(found, np.uint8).reshape(run.nframes, *first.shape).astype(float)
+        assert abs(frames[-1] - last).mean() < 5 < abs(frames[-1] - first).mean()
     (tmp_path / "text").write_text("a text")
     assert main(["plot", run.path, "-o", str(tmp_path / "text")]) == 4
     said = capsys.readouterr().err
@@ -213,7 +307,7 @@ def test_report(results, tmp_path):
     text = (tmp_path / "rod.html").read_text()
     (found,) = re.findall(r"const film = (\[.*?\]), times = (\[.*?\]);", text)
     assert len(json.loads(found[0])) == run.nframes
-    assert json.loads(found[1])[:2] == ["t = 0 s", "t = 50 ms"]
+    assert json.loads(found[1])[:2] == ["t = 0 s", "t = 0.05 s"]
     assert all(f"-{name}" in text for name in run.options)
     told = [text.index(word) for word in ("<summary>summary", "time steps", "<summary>options")]
     assert told == sorted(told)

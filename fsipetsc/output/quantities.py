@@ -16,6 +16,7 @@ _FIELDS = {
     "K": "T",
     "Pa": "p sigma sigma_theta s_xx s_xy s_yy s_xz s_yz s_zz",
     "kg m-3": "rho",
+    "kg½ m-2": "schlieren",
     "m": "x y z",
     "m s-1": "u v w",
 }
@@ -56,11 +57,16 @@ _LABELS = {
     "T": "temperature T",
     "p": "pressure p",
     "rho": "density ρ",
+    "schlieren": "schlieren, √|∇ρ|",
     "sigma": "stress σ",
     "sigma_theta": "hoop stress σ_θ",
     "strain": "strain ∂x/∂X − 1",
     **{f"s_{xy}": f"stress σ_{xy}" for xy in ("xx", "yy", "zz", "xy", "yz", "xz")},
 }
+
+
+#: fields of blocks whose mean is drawn beside the pressure
+_NORMAL = "s_xx", "s_yy", "s_zz", "sigma_theta"
 
 
 class Quantity(NamedTuple):
@@ -78,15 +84,30 @@ class Quantity(NamedTuple):
         """What is shown of gases, then of solids if that is something else."""
         return "; ".join(dict.fromkeys(self.labels.values()))
 
+    def signed(self, kind: str) -> bool:
+        """Whether its sign means something: not of pressures, densities and temperatures."""
+        return "stress" in self.labels[kind] or self.name not in ("p", "rho", "T", "schlieren")
+
     def values(self, kind: str, fields: Mapping[str, Array]) -> Array:
         """From the fields of a layer of this kind and X; beside the pressure of gases stands what
-        a solid pushes with.
+        a solid pushes with, in one dimension, or the mean of its normal stresses.
         """
+        if self.name == "p" and kind == "solid" and "sigma" in fields:
+            return fields["p"] - fields["sigma"]
         if self.name == "p" and kind == "solid":
-            return fields["p"] - fields["sigma"] if "sigma" in fields else fields["s_xx"]
+            return np.mean([fields[name] for name in _NORMAL if name in fields], axis=0)
+        if self.name == "schlieren":
+            return np.sqrt(np.linalg.norm(_gradient(fields["rho"], fields), axis=-1))
         if self.name == "strain":  # by differences of second order
             return np.gradient(fields["x"], fields["X"], axis=-1, edge_order=2) - 1.0
         return fields[self.name]
+
+
+def _gradient(values: Array, fields: Mapping[str, Array]) -> Array:
+    """(…, d) in space, of values on a curved grid, by differences of second order."""
+    places = [fields[x] for x in "xyz" if x in fields]
+    along = [np.stack(np.gradient(v, edge_order=2), axis=-1) for v in (*places, values)]
+    return np.linalg.solve(np.stack(along[:-1], axis=-1), along[-1][..., None])[..., 0]
 
 
 #: series of interfaces -> label; residuals: by how much a condition is missed
@@ -105,8 +126,10 @@ def there(run: Run) -> list[Quantity]:
     found = []
     for name, label in _LABELS.items():
         labels = {kind: label for kind in ("fluid", "solid") if name in stored.get(kind, ())}
+        if name == "schlieren" and run.dimension > 1 and "fluid" in stored:
+            labels["fluid"] = label
         if "solid" in stored and name == "p":
-            labels["solid"] = f"{'p − σ' if run.dimension == 1 else 'stress σ_xx'} in solids"
+            labels["solid"] = f"{'p − σ' if run.dimension == 1 else 'mean stress'} in solids"
         if "solid" in stored and name == "strain" and run.dimension == 1:
             labels["solid"] = label
         found += [Quantity(name, labels)] * bool(labels)

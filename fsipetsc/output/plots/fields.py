@@ -5,13 +5,13 @@ In three dimensions the maps are those of the plane in the middle of the blocks'
 """
 
 from collections.abc import Mapping, Sequence
-from itertools import chain
+from itertools import chain, product
 from typing import Any
 
 import numpy as np
 
 from fsipetsc.output.plots import style
-from fsipetsc.output.plots.style import Axes, FigureBase, extremes, labelled, shaded
+from fsipetsc.output.plots.style import Axes, FigureBase, Wanted, extremes, labelled, shaded
 from fsipetsc.output.quantities import Quantity, unit_of, written
 from fsipetsc.output.reader import Layer, Run
 
@@ -22,80 +22,147 @@ ABOVE = 0.4  # inches, of what stands above and below a panel
 BAR = 0.72  # inches, of a colour bar with its label
 MARGIN = 0.02  # of the extent, around it
 THIN = 0.2  # height over width; what is thinner is drawn higher than it is
+NEAR = 1e-4  # of values that span less of their size, one is subtracted
+STREAM = 150  # points along each side of a panel, between which streamlines go
+CORNERS = slice(-1), slice(1, None)  # of cells, along an axis
+LINES = 40  # of the grid in a solid as long as a panel
 WIDE = 1.25  # width over height; of what is wider, two panels stand beside each other, else three
 
 
 class View:
     """A quantity of a run at some frames, and what all of its panels have in common.
 
-    layers   those that have the quantity
+    layers   those that have the quantity, and in two and three dimensions solids
+    base     what is subtracted from values that vary by little, else 0
     scales   kind of layer -> colours of its maps, for frames after the first one
+    bars     kind of layer -> label of its colour bar, which other kinds may share
     limits   (left, right), (lower, upper) of a panel
     labels   of its two axes
     ratio    its width over its height
     """
 
-    def __init__(self, run: Run, quantity: Quantity, frames: Sequence[int]) -> None:
-        self.run, self.quantity, self.frames = run, quantity, list(frames)
-        self.layers = [layer for layer in run.layers if layer.kind in quantity.labels]
+    def __init__(
+        self, run: Run, quantity: Quantity, frames: Sequence[int], wanted: Wanted = style.USUAL
+    ) -> None:
+        self.run, self.quantity, self.wanted, self.base = run, quantity, wanted, 0.0
+        kinds = {*quantity.labels, *["solid"][: run.dimension - 1]}
+        self.layers = [layer for layer in run.layers if layer.kind in kinds]
+        self.frames = list(frames)
         known = [[self.at(layer, k) for k in self.frames] for layer in self.layers]
-        self.scales = self._scales([[values for *_, values in of] for of in known])
-        ranges = np.array([extremes(*along) for along in zip(*chain(*known))])[:2]
+        *ranges, (low, high) = np.array([extremes(*along) for along in zip(*chain(*known))])
+        size = max(-low, high)
+        if style.NOTHING * size < high - low < NEAR * size:
+            self.base = round(float(low), int(-np.log10(high - low)) - 1)
+        self.scales, self.bars = dict[str, dict[str, Any]](), dict[str, str]()
+        self._colour([[at[-1] - self.base for at in of] for of in known])
         last = "r" if run.header.get("symmetry") else "xyz"[run.dimension - 1]
         last = labelled(run, last, "m")
         if run.dimension == 1:
-            low, high = ranges[1]
             margin = 2 * MARGIN * (high - low) or 0.1 * abs(low) or 1.0
-            self.limits = [ranges[0], np.array([low - margin, high + margin])]
-            label = labelled(run, quantity.title, quantity.unit)
-            self.labels, self.ratio = (last, label.replace("; ", ",\n")), 1.6
+            self.limits = [ranges[0], np.array([low - margin, high + margin]) - self.base]
+            self.labels, self.ratio = (last, self.label(quantity.title).replace("; ", ",\n")), 1.6
             return
         margin = MARGIN * np.ptp(ranges, axis=1).max() * np.array([-1.0, 1.0])
         self.limits = [*(ranges + margin)]
         self.labels = labelled(run, "x", "m"), last
         self.ratio = float(np.ptp(self.limits[0]) / np.ptp(self.limits[1]))
 
-    def at(self, layer: Layer, frame: int) -> list[Array]:
-        """Places of a frame, horizontal ones and of maps vertical ones, and values. Of three
-        dimensions what lies in the middle of the second axis.
+    def at(self, layer: Layer, frame: int, more: str = "") -> list[Array]:
+        """Places of a frame, horizontal ones and of maps vertical ones, more fields, and values. Of
+        three dimensions what lies in the middle of the second axis.
         """
         fields = {"X": layer.X, **layer.frame(frame)}
-        found = [fields[x] for x in ("x", "xy", "xz")[self.run.dimension - 1]]
-        found.append(self.quantity.values(layer.kind, fields))
+        found = [fields[x] for x in ("x", "xy", "xz")[self.run.dimension - 1] + more]
+        if layer.kind in self.quantity.labels:
+            found.append(self.quantity.values(layer.kind, fields) - self.base)
+        else:
+            found.append(np.full_like(found[0], np.nan))
+        for axis in layer.rings if self.run.dimension == 2 else ():  # it ends where it begins
+            found = [np.append(v, v.take([0], axis), axis) for v in found]
         return [v[:, v.shape[1] // 2] if v.ndim == 3 else v for v in found]
 
-    def _scales(self, values: list[list[Array]]) -> dict[str, dict[str, Any]]:
-        """A kind of layer has colours of its own: what comes through to a solid may be little."""
-        unit, last = self.quantity.unit, [layer.frame(-1) for layer in self.run.layers]
-        same = [v for frame in last for k, v in frame.items() if written(unit_of(k)) == unit]
-        beside = max(map(abs, extremes(*same)))
-        scales = {}
-        for kind in dict.fromkeys(layer.kind for layer in self.layers):
-            some = [k for k, layer in enumerate(self.layers) if layer.kind == kind]
+    def label(self, name: str) -> str:
+        """With what is subtracted, and the unit."""
+        less = f" less {self.base:.12g}" if self.base else ""
+        return labelled(self.run, name + less, self.quantity.unit)
+
+    def _colour(self, values: list[list[Array]]) -> None:
+        """Make scales and bars, one for all kinds of layers whose values have a sign, or none."""
+        quantity, last = self.quantity, [layer.frame(-1) for layer in self.run.layers]
+        same = [v for of in last for k, v in of.items() if written(unit_of(k)) == quantity.unit]
+        for sign in {*map(quantity.signed, quantity.labels)}:
+            kinds = [kind for kind in quantity.labels if quantity.signed(kind) == sign]
+            some = [k for k, layer in enumerate(self.layers) if layer.kind in kinds]
             later = [np.ravel(v) for k in some for v in values[k][1:] or values[k]]
             start = [np.ravel(self.at(self.layers[k], 0)[-1]) for k in some]
-            moving = self.quantity.name in ("u", "v", "w")
-            shown, first = np.concatenate(later), np.concatenate(start)
-            scales[kind] = style.colours(kind, shown, first, beside, moving)
-        return scales
+            # stresses are what they are at rest where nothing happens
+            rest = np.nanmedian(np.concatenate(start)) if quantity.unit == "Pa" else 0.0
+            name, beside = quantity.name if "fluid" in kinds else "solid", extremes(*same)
+            white = float(f"{rest:.2g}") if sign else None
+            scale = style.colours(np.concatenate(later), white, name, max(map(abs, beside)))
+            label = "; ".join(dict.fromkeys(quantity.labels[kind] for kind in kinds))
+            white = 0.5 * (scale["vmin"] + scale["vmax"])
+            if scale["cmap"] in style.SIGNED.values() and abs(white) > 1e-9 * scale["vmax"]:
+                label += f", white: {white:.2g}".replace("-", "\u2212")
+            self.bars[kinds[0]] = label
+            self.scales |= dict.fromkeys(kinds, scale)
 
     def draw(self, axes: Axes, frame: int) -> dict[str, Any]:
         """Draw one frame; kind of layer -> what there is to make a colour bar of."""
-        pictures = {}
+        pictures, solids = {}, []
         axes.set(xlim=self.limits[0], ylim=self.limits[1], xlabel=self.labels[0])
         style.label_y(axes, self.labels[1])
+        plane = self.run.dimension > 1
+        axes.set_aspect("equal" if plane and self.ratio <= 1 / THIN else "auto")
         for layer in self.layers:
             found = self.at(layer, frame)
-            if self.run.dimension == 1:
+            if not plane:
                 axes.plot(*found, color=style.COLORS[layer.kind], label=layer.kind)
                 continue
-            for axis in layer.rings if self.run.dimension == 2 else ():  # it ends where it begins
-                found = [np.append(v, v.take([0], axis), axis) for v in found]
-            pictures[layer.kind] = shaded(axes, *found, self.scales[layer.kind])
-            if layer.kind == "solid":
-                outline(axes, *found[:2])
-            axes.set_aspect("equal" if self.ratio <= 1 / THIN else "auto")
+            solids += [found[:2]] * (layer.kind == "solid")
+            if scale := self.scales.get(layer.kind):
+                pictures[layer.kind] = shaded(axes, *found, scale)
+                levels = np.linspace(scale["vmin"], scale["vmax"], self.wanted.contours + 2)[1:-1]
+                low, high = extremes(found[-1])
+                if (levels := levels[(low < levels) & (levels < high)]).size:
+                    axes.contour(*found, levels, colors="black", linewidths=0.4)
+        self._outline(axes, solids)
+        if self.wanted.streamlines and plane:
+            self._streamlines(axes, frame)
         return pictures
+
+    def _outline(self, axes: Axes, solids: list[list[Array]]) -> None:
+        """The edges of solids, those between two blocks thin, and a fine grid, which shows how they
+        are deformed.
+        """
+        edges = [[v.take(end, k) for v in of] for of, k, end in product(solids, (0, 1), (0, -1))]
+        places = [frozenset(zip(*edge)) for edge in edges]
+        for edge, place in zip(edges, places):
+            for color, width in style.OUTLINE if places.count(place) == 1 else style.OUTLINE[2:]:
+                axes.plot(*edge, color=color, linewidth=width)
+        for (x, y), axis in product(solids, (0, 1)):
+            steps = np.hypot(np.diff(x, axis=axis), np.diff(y, axis=axis))
+            lines = max(1.0, LINES * steps.sum(axis).max() / np.ptp(self.limits, axis=1).max())
+            nodes = range(0, x.shape[axis], max(1, round(x.shape[axis] / lines)))[1:]
+            grid = [np.moveaxis(v.take(nodes, axis), axis, 1) for v in (x, y)]
+            axes.plot(*grid, color="black", linewidth=0.3, alpha=0.5)
+
+    def _streamlines(self, axes: Axes, frame: int) -> None:
+        """Lines along the velocities of gases, as they are at a frame."""
+        from matplotlib.tri import LinearTriInterpolator, Triangulation
+
+        x, y = (np.linspace(*bounds, STREAM) for bounds in self.limits)
+        flow = np.full((2, STREAM, STREAM), np.nan)
+        for layer in self.layers:
+            if layer.kind == "fluid":
+                *at, u, v, _ = self.at(layer, frame, "uv" if self.run.dimension == 2 else "uw")
+                n = np.arange(u.size).reshape(u.shape)
+                a, b, c, d = (n[i, j].ravel() for i, j in product(CORNERS, CORNERS))
+                mesh = Triangulation(*map(np.ravel, at), np.r_[np.c_[a, b, c], np.c_[b, d, c]])
+                for of, values in zip(flow, (u, v)):
+                    found = LinearTriInterpolator(mesh, values.ravel())(*np.meshgrid(x, y))
+                    np.copyto(of, found.data, where=~found.mask)
+        axes.streamplot(x, y, *flow, color="white", linewidth=0.5, arrowsize=0.5)
 
 
 def frames_of(run: Run, quantity: Quantity, times: Sequence[float] = ()) -> list[int]:
@@ -110,7 +177,7 @@ def sizes(view: View, count: int) -> tuple[int, float, float]:
     rows = -(-count // columns)
     ratio = min(view.ratio, 1 / THIN)
     width = min(WIDTH / columns - 0.4, HIGHEST * ratio)
-    bars = BAR * len(view.scales) * (view.run.dimension > 1)
+    bars = BAR * len(view.bars) * (view.run.dimension > 1)
     return columns, width, rows * (width / ratio + ABOVE) + bars + 0.45
 
 
@@ -129,15 +196,12 @@ def draw(figure: FigureBase, view: View) -> None:
 
 
 def draw_bars(figure: FigureBase, view: View, pictures: Mapping[str, Any], axes: Any) -> None:
-    """A colour bar above the panels for each kind of layer."""
+    """Colour bars above the panels."""
     wide = isinstance(axes, list)
     size = {"aspect": 50, "shrink": 0.7} if wide else {"aspect": 25}
-    for kind, picture in pictures.items():
-        bar = figure.colorbar(picture, ax=axes, location="top", pad=0.02, **size)
-        label, title = view.quantity.labels[kind], view.quantity.title
-        if len(pictures) > 1 and label == title:  # of both kinds
-            label = f"{'gas' if kind == 'fluid' else 'solid'}: {label}"
-        bar.set_label(labelled(view.run, label, view.quantity.unit), loc="left")
+    for kind, label in view.bars.items() if pictures else ():
+        bar = figure.colorbar(pictures[kind], ax=axes, location="top", pad=0.02, **size)
+        bar.set_label(view.label(label), loc="left")
         bar.outline.set_visible(False)
         bar.ax.locator_params(nbins=6 if wide else 4)
 
@@ -147,30 +211,25 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
     grid = figure.subplots(1, len(quantities), sharex=True, sharey=True, squeeze=False)[0]
     x_interface = run.series.get("x_interface", np.empty((0, 0)))
     some = slice(None, None, max(1, len(x_interface) // style.MAX_POINTS))
+    t = np.linspace(*run.time[[0, -1]], max(run.nframes, 500))
     for axes, quantity in zip(grid, quantities):
         view, pictures = View(run, quantity, range(run.nframes)), {}
         for layer in view.layers:
             values = np.array([view.at(layer, frame)[-1] for frame in view.frames])
-            x, values = without_gaps(layer, values)
-            x, values, t = between(x, values, np.broadcast_to(run.time[:, None], x.shape))
-            pictures[layer.kind] = shaded(axes, x, t, values, view.scales[layer.kind])
+            found = [
+                np.transpose([np.interp(t, run.time, row) for row in of.T])  # triangles would show
+                for of in without_gaps(layer, values)
+            ]
+            found.insert(1, np.broadcast_to(t[:, None], found[0].shape))
+            pictures[layer.kind] = shaded(axes, *found, view.scales[layer.kind])
         for x in x_interface[some].T:
-            for color, width in (("white", 1.8), ("black", 0.8)):
+            for color, width in style.OUTLINE[:2]:
                 axes.plot(x, run.series["t"][some], color=color, linewidth=width)
         draw_bars(figure, view, pictures, axes)
         style.time_axis(axes, run, "y")
         axes.set(xlim=view.limits[0], ylim=run.time[[0, -1]], xlabel=view.labels[0], ylabel="")
-    grid[0].set_ylabel("t")
+    grid[0].set_ylabel(labelled(run, "t", "s"))
     grid[0].locator_params(axis="x", nbins=4)
-
-
-def between(*arrays: Array) -> list[Array]:
-    """Arrays (nframes, n) with frames between the frames, linearly: triangles would show."""
-    count = len(arrays[0])
-    at = np.linspace(0, count - 1, max(count, 500))
-    begin = np.minimum(at.astype(int), count - 2)
-    part = (at - begin)[:, None]
-    return [(1 - part) * values[begin] + part * values[begin + 1] for values in arrays]
 
 
 def without_gaps(layer: Layer, values: Array) -> tuple[Array, Array]:
@@ -188,17 +247,3 @@ def without_gaps(layer: Layer, values: Array) -> tuple[Array, Array]:
         else:
             x[row] = np.where(np.isfinite(x[row]), x[row], layer.X)
     return x, values
-
-
-def outline(axes: Axes, x: Array, y: Array) -> None:
-    """The edges of a solid, and some lines of its grid across it, which show how it is deformed."""
-    edges = [(x[0], y[0]), (x[-1], y[-1]), (x[:, 0], y[:, 0]), (x[:, -1], y[:, -1])]
-    closed = [np.array_equal(edges[k], edges[k + 1]) for k in (0, 2)]
-    for edge, skip in zip(edges, np.repeat(closed, 2)):
-        if not skip:
-            axes.plot(*edge, color="black", linewidth=0.8)
-    longer = int(np.argmax(x.shape))
-    step = max(1, (x.shape[longer] - 1) // 8)
-    for line in range(step, x.shape[longer] - 1, step):
-        across = x.take(line, longer), y.take(line, longer)
-        axes.plot(*across, color="black", linewidth=0.3, alpha=0.5)

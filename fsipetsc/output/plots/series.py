@@ -2,13 +2,17 @@
 dimensions the deflection of interfaces, too.
 """
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from itertools import product
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.checks import counted
+from fsipetsc.errors import InputError
 from fsipetsc.output.plots import style
 from fsipetsc.output.plots.style import FigureBase
-from fsipetsc.output.quantities import AT_INTERFACES, LEDGERS, unit_of, written
+from fsipetsc.output.quantities import AT_INTERFACES, LEDGERS, Quantity, unit_of, written
 from fsipetsc.output.reader import Run
 from fsipetsc.scheme.conservation_check import Drifts
 
@@ -70,6 +74,21 @@ def panels(run: Run) -> dict[str, list[Panel]]:
     at, dt = envelope(t, run.series["dt"], len(t) // 4)
     steps.append(Panel("time step", "s", at, {"dt": dt}))
     return found
+
+
+def probed(run: Run, quantities: Sequence[Quantity], places: Sequence[Any]) -> list[Panel]:
+    """What nodes nearest to places of the reference map have in the saved frames. InputError."""
+    if any(len(at) != run.dimension for at in places):
+        raise InputError(f"-probes: expected {counted(run.dimension, 'number')} for each place")
+    panels = [Panel(q.title, q.unit, run.time, {}) for q in quantities if places]
+    for (panel, q), at in product(zip(panels, quantities), places):
+        layers = [layer for layer in run.layers if layer.kind in q.labels]
+        away = [np.linalg.norm(layer.places - at, axis=-1) for layer in layers]
+        layer, near = min(zip(layers, away), key=lambda of: of[1].min())
+        frames = ({"X": layer.X, **layer.frame(k)} for k in range(run.nframes))
+        values = [q.values(layer.kind, of).flat[np.argmin(near)] for of in frames]
+        panel.curves["at " + ", ".join(f"{x:.4g}" for x in at)] = np.array(values)
+    return panels
 
 
 def departures(run: Run) -> dict[str, Array]:

@@ -5,8 +5,9 @@ The colours are those of Okabe and Ito, which eyes that do not tell red from gre
 
 import os
 import textwrap
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -28,8 +29,11 @@ Array = np.ndarray
 BLUE, RED, GREEN, ORANGE, BLACK = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#222222"
 PURPLE = "#cc79a7"
 COLORS = {"fluid": BLUE, "solid": RED}
-#: colour maps, white where nothing happens
-MAPS = {"fluid": "RdBu_r", "solid": "PuOr_r"}
+#: colour maps of what has a sign, white where nothing happens, and of what has none
+SIGNED = {"": "RdBu_r", "solid": "PuOr_r"}
+PLAIN = {"": "viridis", "rho": "cividis", "T": "inferno", "schlieren": "gray_r", "solid": "cividis"}
+#: of lines on maps, seen on any colour; the last one is within solids
+OUTLINE = ("white", 1.8), ("black", 0.8), ("black", 0.3)
 #: colours and line styles of curves in one panel, in turn
 CURVES = {
     "color": [BLACK, ORANGE, BLUE, GREEN, PURPLE] * 4,
@@ -38,11 +42,14 @@ CURVES = {
 #: colour and marker of an order of accuracy
 ORDERS = {2: (GREEN, "s"), 4: (BLUE, "o"), 6: (RED, "^"), 8: (BLACK, "D")}
 MAX_POINTS = 5000  # of a line
+LONGEST = 28  # letters in a legend
 WIDEST = 20  # letters in a line of the label of a vertical axis
 #: what varies by less than this part of the values of its unit is round-off
 NOTHING = 1e-10
-#: the largest value may be so much more than the 99.8th percentile before colours end there
+#: values may span so much more than 99.8 % of them before colours end with these
 ROBUST = 1.25
+#: of the span of values at least so much is on either side of white
+BESIDE = 0.05
 
 STYLE: dict[Any, Any] = {
     "font.size": 9,
@@ -55,6 +62,7 @@ STYLE: dict[Any, Any] = {
     "axes.linewidth": 0.8,
     "axes.formatter.limits": (-2, 4),
     "axes.formatter.use_mathtext": True,
+    "axes.formatter.useoffset": False,
     "grid.color": "#dddddd",
     "grid.linewidth": 0.6,
     "lines.linewidth": 1.2,
@@ -68,6 +76,19 @@ STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "pdf.fonttype": 42,
 }
+
+
+class Wanted(NamedTuple):
+    """What the options of `plot` ask for; contours: how many lines, probes: places."""
+
+    fields: Sequence[str] = ()
+    times: Sequence[float] = ()
+    contours: int = 0
+    streamlines: bool = False
+    probes: Sequence[Sequence[float]] = ()
+
+
+USUAL = Wanted()
 
 
 def save(figure: Figure, target: str | os.PathLike[str]) -> Path:
@@ -99,26 +120,16 @@ def labelled(run: Run, label: str, unit: str) -> str:
 
 
 def moment(run: Run, frame: int) -> str:
-    """When a frame is, as titles say it: in ms or µs in short runs."""
-    from matplotlib.ticker import EngFormatter
-
-    if not is_si(run):
-        return f"t = {run.time[frame]:.4g}"
-    number = EngFormatter("s", useMathText=False)
-    return f"t = {number.format_data(float(f'{run.time[frame]:.4g}'))}"
+    """When a frame is, as titles say it."""
+    return f"t = {run.time[frame]:.4g}{' s' * is_si(run)}"
 
 
 def time_axis(axes: Axes, run: Run, which: str = "x") -> None:
-    """An axis over the whole run, with prefixes of seconds at its numbers."""
-    from matplotlib.ticker import EngFormatter
-
-    axis = getattr(axes, f"{which}axis")
-    axis.set_label_text("t")
+    """An axis over the whole run."""
     axes.locator_params(axis=which, nbins=4 if which == "x" else 8)
-    if is_si(run):
-        axis.set_major_formatter(EngFormatter("s", useMathText=False))
     times = np.concatenate([run.time, run.series.get("t", [])])
-    axes.set(**{f"{which}lim": (times.min(), times.max())})
+    limits = (times.min(), times.max())
+    axes.set(**{f"{which}lim": limits, f"{which}label": labelled(run, "t", "s")})
 
 
 def panels(figure: FigureBase, count: int, columns: int, **more: Any) -> Array:
@@ -149,26 +160,28 @@ def extremes(*arrays: Array) -> tuple[float, float]:
 
 
 def colours(
-    kind: str, values: Array, start: Array, beside: float = 0.0, moving: bool = False
+    values: Array, rest: float | None, name: str = "", beside: float = 0.0
 ) -> dict[str, Any]:
-    """Arguments of pcolormesh for values; white is the median of the values at the start, or 0 if
-    these are velocities (moving) that stay closer to 0 than to that median.
+    """Arguments of pcolormesh for values. Those on both sides of `rest` get a map of SIGNED, white
+    there; others, and all where `rest` is None, one of PLAIN. name: of the map.
 
-    Colours end at the 99.8th percentile of the departures from white where a few points go far
-    beyond. beside: size of what has the same unit, beside which round-off is nothing.
+    Colours end where 99.8 % of the values do, where a few go far beyond. beside: size of what
+    has the same unit, beside which round-off is nothing.
     """
     low, high = extremes(values)
-    known = start[np.isfinite(start)]
-    rest = float(np.median(known)) if known.size else low
-    if moving and max(-low, high) < max(rest - low, high - rest):
-        rest = 0.0
-    away = np.abs(values[np.isfinite(values)] - rest)
-    most = float(away.max(initial=0.0))
-    half = float(np.percentile(away, 99.8)) if away.size else 0.0
-    half = half if most > ROBUST * half > 0 else most
-    if high - low <= NOTHING * max(abs(low), abs(high), beside):
-        half = 0.1 * max(abs(low), abs(high), beside) or 1.0
-    return {"cmap": MAPS[kind], "vmin": rest - half, "vmax": rest + half}
+    inner = np.nanpercentile(values, [0.1, 99.9]) if low < high else (low, high)
+    if high - low > ROBUST * (inner[1] - inner[0]) > 0:
+        low, high = float(inner[0]), float(inner[1])
+    size, middle = max(-low, high, beside), 0.5 * (low + high)
+    if high - low <= NOTHING * size:
+        low, high = middle - (0.1 * size or 1.0), middle + (0.1 * size or 1.0)
+    if rest is not None:
+        rest *= abs(rest) > BESIDE * (high - low)
+        if min(rest - low, high - rest) > BESIDE * (high - low):
+            half = max(rest - low, high - rest)
+            cmap = SIGNED.get(name, SIGNED[""])
+            return {"cmap": cmap, "vmin": rest - half, "vmax": rest + half}
+    return {"cmap": PLAIN.get(name, PLAIN[""]), "vmin": low, "vmax": high}
 
 
 def shaded(axes: Axes, x: Array, y: Array, values: Array, scale: dict[str, Any]) -> Any:
@@ -182,8 +195,9 @@ def legend_above(axes: Axes, side: str = "left") -> None:
     """A legend above a panel, at this side of it, of five entries at most."""
     entries: dict[str, Any] = dict(zip(*reversed(axes.get_legend_handles_labels())))
     names = list(entries)[:5]
+    shown = [textwrap.shorten(name, LONGEST, placeholder=" …") for name in names]
     if names:
         corner = (0, 1) if side == "left" else (1, 1)
         place = {"loc": f"lower {side}", "bbox_to_anchor": corner, "borderaxespad": 0.1}
-        columns = 1 if max(map(len, names)) > 12 else 2
-        axes.legend([entries[name] for name in names], names, ncol=columns, **place)
+        columns = 1 if max(map(len, shown)) > 12 else 2
+        axes.legend([entries[name] for name in names], shown, ncol=columns, **place)
