@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from fsipetsc.output.file_layout import columns_kind, columns_of
-from fsipetsc.output.quantities import unit_of
-from fsipetsc.output.reader import Run
+from fsipetsc.output.units import unit_of
 
 if TYPE_CHECKING:
     import xarray
 
 
-def to_xarray(run: Run) -> xarray.Dataset:
-    """All frames and series of a result.
+def to_xarray(run: Any) -> xarray.Dataset:
+    """All frames and series of a result, a Run of fsipetsc.output.reader.
 
     Fields are variables "LAYER.FIELD" of the dimensions time and X_LAYER (in two dimensions time,
     Y_LAYER, X_LAYER), with the reference coordinates, of a curved block "LAYER.X" …; the positions

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fsipetsc.checks import Array
-from fsipetsc.output.quantities import GAINS, unit_of
+from fsipetsc.output.quantities import GAINS
 from fsipetsc.output.reader import Layer, Run, open_run
+from fsipetsc.output.units import unit_of
 
 #: unit -> those whose products, one over the other, are its square
 MADE_OF = {

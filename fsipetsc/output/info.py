@@ -9,8 +9,8 @@ import numpy as np
 from fsipetsc.checks import duration
 from fsipetsc.options.option import INT_MAX
 from fsipetsc.output.file_layout import damage
-from fsipetsc.output.quantities import is_si, unit_of
 from fsipetsc.output.reader import Layer, Run, open_run
+from fsipetsc.output.units import is_si, unit_of
 
 Rows = list[tuple[str, str]]
 

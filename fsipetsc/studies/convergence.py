@@ -8,7 +8,7 @@ CSV, and a picture: error against grid spacing and against time.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial, wraps
 from itertools import product
 from math import nan
@@ -29,7 +29,7 @@ from fsipetsc.process.together import Comm, together, wait_asleep
 from fsipetsc.studies.grids import SAMPLES, differences
 from fsipetsc.studies.pictures import convergence_picture
 from fsipetsc.studies.tables import begin, listed_in, printer, results_folder, save_csv
-from fsipetsc.studies.verdicts import COLUMNS, ROUND_OFF, Expected, Row, kinked, told
+from fsipetsc.studies.verdicts import COLUMNS, ROUND_OFF, Expected, Row, Study, kinked, told
 
 #: what -fsi_h is multiplied with for the grids of a study: in one dimension with an exact solution,
 #: in one without, and in more dimensions
@@ -42,23 +42,6 @@ OPTIONS = (
     Option("fsi_orders", "ints", None, "", _ORDERS, check=listed_in((2, 4, 6, 8))),
     Option("fsi_hs", "floats", None, "m", _SPACINGS, check="positive"),
 )
-
-
-@dataclass
-class Study:
-    """Runs of a case over orders and grids.
-
-    hs: grid spacings [m], coarse to fine. exact: errors are from the exact solution, and quantities
-    are KIND/NAME; else grids are compared with the next finer one, and quantities are LAYER/NAME or
-    series/NAME. costs: (order, h) -> numbers of COST [wall_time: s, of the time loop].
-    """
-
-    orders: tuple[int, ...]
-    hs: tuple[float, ...]
-    exact: bool = True
-    rows: list[Row] = field(default_factory=list)
-    costs: dict[tuple[int, float], list[float]] = field(default_factory=dict)
-    failures: list[str] = field(default_factory=list)
 
 
 def convergence(arguments: list[str], comm: Comm) -> None:

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from fsipetsc.operators.sbp import operator
 from fsipetsc.output.plots.style import ORDERS, STYLE, save, set_title
-from fsipetsc.studies.verdicts import Curve, Row
-
-if TYPE_CHECKING:
-    from fsipetsc.studies.convergence import Study
+from fsipetsc.studies.verdicts import Curve, Row, Study
 
 
 def convergence_picture(study: Study, about: str, path: Path) -> list[Path]:

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import groupby
 from math import log, nan
 from typing import Any, NamedTuple
@@ -195,3 +196,20 @@ def order_of_differences(ratio: float, first: float, second: float, third: float
 
     there = found(LEAST) <= ratio <= found(MOST)
     return brentq(lambda p: found(p) - ratio, LEAST, MOST) if there else nan
+
+
+@dataclass
+class Study:
+    """Runs of a case over orders and grids.
+
+    hs: grid spacings [m], coarse to fine. exact: errors are from the exact solution, and quantities
+    are KIND/NAME; else grids are compared with the next finer one, and quantities are LAYER/NAME or
+    series/NAME. costs: (order, h) -> numbers of COST [wall_time: s, of the time loop].
+    """
+
+    orders: tuple[int, ...]
+    hs: tuple[float, ...]
+    exact: bool = True
+    rows: list[Row] = field(default_factory=list)
+    costs: dict[tuple[int, float], list[float]] = field(default_factory=dict)
+    failures: list[str] = field(default_factory=list)

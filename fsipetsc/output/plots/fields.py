@@ -12,8 +12,9 @@ import numpy as np
 
 from fsipetsc.output.plots import style
 from fsipetsc.output.plots.style import Axes, FigureBase, Wanted, extremes, labelled, shaded
-from fsipetsc.output.quantities import Quantity, unit_of, written
+from fsipetsc.output.quantities import Quantity
 from fsipetsc.output.reader import Layer, Run
+from fsipetsc.output.units import unit_of, written
 
 Array = np.ndarray
 WIDTH = 10.2  # inches, of all panels beside each other

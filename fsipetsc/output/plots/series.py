@@ -12,8 +12,9 @@ from fsipetsc.checks import counted
 from fsipetsc.errors import InputError
 from fsipetsc.output.plots import style
 from fsipetsc.output.plots.style import FigureBase
-from fsipetsc.output.quantities import AT_INTERFACES, LEDGERS, Quantity, unit_of, written
+from fsipetsc.output.quantities import AT_INTERFACES, LEDGERS, Quantity
 from fsipetsc.output.reader import Run
+from fsipetsc.output.units import unit_of, written
 from fsipetsc.scheme.conservation_check import Drifts
 
 Array = np.ndarray

@@ -14,8 +14,8 @@ import numpy as np
 from fsipetsc.checks import counted
 from fsipetsc.operators.sbp import operator
 from fsipetsc.output.file_layout import writing
-from fsipetsc.output.quantities import is_si
 from fsipetsc.output.reader import Run
+from fsipetsc.output.units import is_si
 
 if TYPE_CHECKING:  # results are read without matplotlib, too
     from matplotlib.axes import Axes
