@@ -152,7 +152,7 @@ def test_what_is_public_is_there_and_told():
     assert sorted(fsipetsc.__all__) == sorted(dir(fsipetsc))
     for name in fsipetsc.__all__:
         found = getattr(fsipetsc, name)
-        assert f"`{name}`" in page or f"`{name}(" in page, name
+        assert f"{name}`" in page or f"`{name}(" in page, name
         assert found is ... or isinstance(found, str) or found.__doc__, name
     for name in re.findall(r"^\| `(fsipetsc\.[\w.]+)`", page, re.M):
         assert importlib.import_module(name).__doc__, name
