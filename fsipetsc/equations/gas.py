@@ -24,10 +24,10 @@ Any other gas law wants the mean flux {a . f} - g {U}.
 
 The body force has the potential Phi = - b . x. With F it enters pair by pair: J s of a node i is
 
-    S_i = - sum_l S_il {a} rho^ (Phi_l - Phi_i)/2 / weight_i,    and its power S_i . u_i
+    Q_i = - sum_l S_il {a} rho^ (Phi_l - Phi_i)/2 / weight_i,    and its power Q_i . u_i
 
 In a perfect or stiffened gas of uniform temperature R T (rho_l - rho_i) = p_l - p_i, so that where
-p_l - p_i = - rho^ (Phi_l - Phi_i), F and S cancel in each pair but for a p_i: such a gas stays at
+p_l - p_i = - rho^ (Phi_l - Phi_i), F and Q cancel in each pair but for a p_i: such a gas stays at
 rest. It has rho proportional to exp(-Phi/(R T)), as in nature. The mass flux of a pair is rho^ V,
 which moves rho Phi: on a grid at rest energy and rho Phi together are kept. The entropy gets
 nothing, s . z = 0. For discontinuous Galerkin methods: M. Waruszewski et al., J. Comput. Phys. 468,

@@ -28,8 +28,8 @@ a and g, so neighbours have one flux, through
 
     A_m = sum alpha_il S_il a_il,   G_m = sum alpha_il S_il g_il   over all pairs with i <= m < l.
 
-To it comes the flux of Lax and Friedrichs, S/2 max(|A . u - G| + c |A|) (U_m - U_m+1), which makes
-entropy grow. With alpha = 1 everywhere this is a scheme of finite volumes of first order.
+To it comes the flux of Lax and Friedrichs, beta/2 max(|A . u - G| + c |A|) (U_m - U_m+1), which
+makes entropy grow. With alpha = 1 everywhere this is a scheme of finite volumes of first order.
 
 alpha of a pair is the largest of its nodes and of those between. At a node j
 
