@@ -60,9 +60,9 @@ def test_a_panel_in_a_wall():
 
 def test_cells_of_a_layer_of_its_own():
     """Their number, or the size to which the nearest is taken; others have those of all layers."""
-    found = fit(LOW, solid((0.5, 1.0), cells=9), order=2)
-    assert [block.cells for block in found.blocks] == [(8, 4), (8, 9)]
-    assert [block.cells for block in fit(gas((0.0, 1.0), h=0.3)).blocks] == [(8, 3)]
+    for more, rows in (({}, 4), ({"cells": 9}, 9), ({"h": 0.17}, 3)):
+        found = fit(LOW, solid((0.5, 1.0), **more))
+        assert [block.cells for block in found.blocks] == [(8, 4), (8, rows)]
     for more in ({"cells": 20}, {"h": 0.051}):
         assert [block.cells for block in line(**more).blocks] == [(8,), (20,)]
 
