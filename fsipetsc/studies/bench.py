@@ -97,8 +97,8 @@ def bench(arguments: list[str], comm: Comm) -> None:
         for row in measured(case, options, opt, comm, teams, other):
             rows.append([*about, *row])
             say(" ".join(f"{value!s:>11}" for value in rows[-1]))
-    together(comm, lambda: None if comm.rank else save_csv(path, COLUMNS, rows))
-    say(f"the table is in {path}")
+    save_csv(comm, path, COLUMNS, rows)
+    say(f"saved {path}")
 
 
 def measured(

@@ -25,10 +25,10 @@ from fsipetsc.operators.sbp import operator
 from fsipetsc.options import Option
 from fsipetsc.output.reader import Run, open_run
 from fsipetsc.problem import Problem
-from fsipetsc.process.together import Comm, together, wait_asleep
+from fsipetsc.process.together import Comm, together
 from fsipetsc.studies.grids import SAMPLES, differences
 from fsipetsc.studies.pictures import convergence_picture
-from fsipetsc.studies.tables import begin, listed_in, printer, results_folder, save_csv
+from fsipetsc.studies.tables import begin, listed_in, on_first, printer, results_folder, save_csv
 from fsipetsc.studies.verdicts import COLUMNS, ROUND_OFF, Expected, Row, Study, kinked, told
 
 #: what -fsi_h is multiplied with for the grids of a study: in one dimension with an exact solution,
@@ -68,17 +68,16 @@ def convergence(arguments: list[str], comm: Comm) -> None:
             study.rows += own
     if study.rows and len(hs) < 2:
         say("\none grid shows no order: -fsi_hs takes several, as in -fsi_hs 0.05,0.025")
-    if comm.rank == 0:
-        source = "exact solution" if exact else "next grid"
-        lines = [
-            [*line, *study.costs.get((row.order, h), [""] * len(COST))]
-            for row in study.rows
-            for h, line in zip(hs, row.lines(comm.size, source))
-        ]
-        save_csv(path, [*COLUMNS, *COST], lines, about)
-        files = [path, *convergence_picture(study, about, path.with_suffix(".png"))]
-        say("\nresults in " + ", ".join(map(str, files)))
-    wait_asleep(comm)
+    source = "exact solution" if exact else "next grid"
+    lines = [
+        [*line, *study.costs.get((row.order, h), [""] * len(COST))]
+        for row in study.rows
+        for h, line in zip(hs, row.lines(comm.size, source))
+    ]
+    save_csv(comm, path, [*COLUMNS, *COST], lines, about)
+    picture = partial(convergence_picture, study, about, path.with_suffix(".png"))
+    files = [path, *(on_first(comm, picture) or ())]
+    say("\nsaved " + ", ".join(map(str, files)))
     if study.failures:
         runs = counted(len(orders) * len(hs), "run")
         raise ComputationError(f"{len(study.failures)} of {runs} failed; {study.failures[0]}")

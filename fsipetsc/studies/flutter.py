@@ -15,7 +15,7 @@ from fsipetsc.cases import load_case
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.options import Option, groups
 from fsipetsc.output.reader import open_run
-from fsipetsc.process.together import Comm, wait_asleep
+from fsipetsc.process.together import Comm
 from fsipetsc.studies.panel_modes import crossing, fit_modes, motion_of, unit_of
 from fsipetsc.studies.tables import begin, printer, save_csv, shared, text_table
 
@@ -64,9 +64,8 @@ def flutter(arguments: list[str], comm: Comm) -> None:
     say(f"panel, {facts}: growth and angular frequency of its modes\n\n{text_table(HEAD, lines)}")
     say("\nonset of flutter: lambda, and frequency f in cycles per unit of time")
     say(onsets(runs, mass, opt["panel_ends"]))
-    if comm.rank == 0:
-        say(f"\nresults in {save_csv(path, HEAD, lines)}")
-    wait_asleep(comm)
+    save_csv(comm, path, HEAD, lines)
+    say(f"\nsaved {path}")
 
 
 def times_of(opt: Mapping[str, Any], mach: float, dynamic: float) -> tuple[float, float]:

@@ -4,7 +4,6 @@ scheme (fsipetsc.studies.wave_modes) and, where nothing conducts heat, exactly
 """
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,9 +13,9 @@ from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option, groups
-from fsipetsc.process.together import Comm, together
+from fsipetsc.process.together import Comm
 from fsipetsc.studies.ring_theory import Medium, mode_near
-from fsipetsc.studies.tables import begin, save_csv, text_table
+from fsipetsc.studies.tables import begin, on_first, printer, save_csv, text_table
 from fsipetsc.usage import PROGRAM
 
 _COUNT = Option("modes_count", int, 10, "", "how many modes, slowest first", check="positive")
@@ -42,8 +41,19 @@ def modes(arguments: list[str], comm: Comm) -> None:
     from fsipetsc.stepping.solve import build_problem
 
     opt |= _AT_REST[name]
-    problem = build_problem(case, opt, comm)
-    together(comm, lambda: None if comm.rank else _told(case, problem, opt, path), asleep=True)
+    problem, say = build_problem(case, opt, comm), printer(comm, opt)
+    found = on_first(comm, lambda: _pairs(problem, opt)) or []
+    rows, lines = [], []
+    for i, (omega, exact) in enumerate(found, 1):
+        rows.append((i, omega.real, omega.imag, *((exact.real, exact.imag) if exact else ("", ""))))
+        error = f"{abs(omega - exact) / abs(exact):.1e}" if exact else ""
+        lines.append((i, f"{omega:.10f}", f"{exact:.10f}" if exact else "", error))
+    of = f", angular number {opt['ring_angular']}" if name == "ring" else ""
+    grid = f"order {opt['fsi_order']}, h = {opt['fsi_h']:g}"
+    say(f"modes of {name}{of}, {grid}: exp(-i omega t)")
+    say(text_table(("", "omega [1/s]", "exact", "error"), lines))
+    save_csv(comm, path, ("index", "omega_re", "omega_im", "exact", "exact_im"), rows)
+    say(f"saved {path}")
 
 
 def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
@@ -52,26 +62,14 @@ def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
     return groups(load_case(name), OPTIONS[name])
 
 
-def _told(case: Any, problem: Any, opt: Mapping[str, Any], path: Path) -> None:
-    """Compute, print and save. InputError, FileError."""
+def _pairs(problem: Any, opt: Mapping[str, Any]) -> list[tuple[complex, complex | None]]:
+    """Frequencies of the scheme [1/s], and the exact ones where they are known. InputError."""
     from fsipetsc.stepping.solve import block_form
     from fsipetsc.studies.wave_modes import radial_modes
 
     n, media = opt.get("ring_angular", 0), media_of(problem)
-    rows, lines = [], []
     found = radial_modes(problem, opt["fsi_order"], n, block_form(opt))[: opt["modes_count"]]
-    for i, omega in enumerate(map(complex, found), 1):
-        exact = mode_near(media, n, omega) if media else None
-        rows.append((i, omega.real, omega.imag, *((exact.real, exact.imag) if exact else ("", ""))))
-        error = f"{abs(omega - exact) / abs(exact):.1e}" if exact else ""
-        lines.append((i, f"{omega:.10f}", f"{exact:.10f}" if exact else "", error))
-    save_csv(path, ("index", "omega_re", "omega_im", "exact", "exact_im"), rows)
-    if not opt["fsi_quiet"]:
-        grid = f"order {opt['fsi_order']}, h = {opt['fsi_h']:g}"
-        of = f", angular number {n}" if case.NAME == "ring" else ""
-        print(f"modes of {case.NAME}{of}, {grid}: exp(-i omega t)")
-        print(text_table(("", "omega [1/s]", "exact", "error"), lines))
-        print(f"saved {path}", flush=True)
+    return [(omega, mode_near(media, n, omega) if media else None) for omega in map(complex, found)]
 
 
 def media_of(problem: BlockProblem) -> tuple[Medium, ...]:

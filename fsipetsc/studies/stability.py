@@ -7,7 +7,6 @@ step of the uncoupled layers is kept; the others promise the last two.
 
 from collections.abc import Sequence
 from itertools import product
-from pathlib import Path
 
 from fsipetsc.cases.common import materials
 from fsipetsc.errors import ComputationError, InputError
@@ -15,9 +14,9 @@ from fsipetsc.operators import operator
 from fsipetsc.options import read_table
 from fsipetsc.options.option import Option
 from fsipetsc.process.launch import start_petsc
-from fsipetsc.process.together import Comm, wait_asleep
+from fsipetsc.process.together import Comm
 from fsipetsc.studies.stability_linear import Result, measure, of_options
-from fsipetsc.studies.tables import listed_in, printer, save_csv, shared, text_table
+from fsipetsc.studies.tables import csv_target, listed_in, printer, save_csv, shared, text_table
 
 ORDERS = (2, 4, 6, 8)
 THEORY = {
@@ -72,15 +71,15 @@ def stability(arguments: list[str], comm: Comm) -> None:
     states = [state.swept(*both) for both in ratios] if opt["sweep"] else [state]
     coupling, narrow = opt["fsi_coupling"], opt["fsi_viscous"] == "narrow"
     how = opt["stability_points"], opt["fsi_h"], coupling, narrow
+    path = csv_target(opt["fsi_output"] or f"stability-{coupling}")
     tasks, say = list(product(opt["fsi_orders"], states)), printer(comm, opt)
     results = shared(comm, tasks, lambda task: measure(task[1], task[0], *how))
     say(f"stability of {coupling}: {THEORY[coupling]}\nsolid | gas at rest, linearised (4.2)")
     say(f"gas    p {state.p:g} Pa; solid  p {state.solid_pressure:g} Pa, sigma {state.stress:g} Pa")
     say(f"\n{table(results)}\n")
-    if opt["sweep"] and comm.rank == 0:
-        path = Path(f"{opt['fsi_output'] or f'stability-{coupling}'}.csv")
-        say(f"saved {save_csv(path, results[0]._fields, results)}")
-    wait_asleep(comm)
+    if opt["sweep"]:
+        save_csv(comm, path, results[0]._fields, results)
+        say(f"saved {path}")
     judge(results)
 
 

@@ -53,15 +53,24 @@ def text_table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
 
 
 def save_csv(
-    path: Path, head: Sequence[str], rows: Iterable[Sequence[object]], about: str = ""
-) -> Path:
-    """Write a table; about: a first line, which begins with #. FileError."""
-    with writing(path, "the table"), path.open("w", newline="", encoding="utf-8") as file:
-        file.write(f"# {about}\n" if about else "")
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(head)
-        writer.writerows(rows)
-    return path
+    comm: Comm, path: Path, head: Sequence[str], rows: Iterable[Sequence[object]], about: str = ""
+) -> None:
+    """Write a table of rank 0; about: a first line, which begins with #. Collective; FileError."""
+
+    def write() -> None:
+        with writing(path, "the table"), path.open("w", newline="", encoding="utf-8") as file:
+            file.write(f"# {about}\n" if about else "")
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(head)
+            writer.writerows(rows)
+
+    on_first(comm, write)
+
+
+def on_first(comm: Comm, action: Callable[[], Result]) -> Result | None:
+    """action() on rank 0, while the others sleep: what it gives there, None elsewhere. Collective;
+    FsiError of rank 0 on all."""
+    return together(comm, action if comm.rank == 0 else lambda: None, asleep=True)
 
 
 def csv_target(name: str) -> Path:

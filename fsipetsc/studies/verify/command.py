@@ -14,9 +14,9 @@ from fsipetsc.options import RUN, Option, defaults, read_table
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.reader import open_run
 from fsipetsc.process.launch import start_petsc
-from fsipetsc.process.together import Comm, together, wait_asleep
+from fsipetsc.process.together import Comm, together
 from fsipetsc.studies.pictures import verify_picture
-from fsipetsc.studies.tables import csv_target, printer, results_folder, save_csv
+from fsipetsc.studies.tables import csv_target, on_first, printer, results_folder, save_csv
 from fsipetsc.studies.verdicts import COLUMNS, HEAD, Measured, Row, Solve, tally, told
 from fsipetsc.studies.verify import ENTRIES
 from fsipetsc.studies.verify.data import problem
@@ -49,14 +49,11 @@ def verify(arguments: list[str], comm: Comm) -> None:
         entry = import_module(f"fsipetsc.studies.verify.{name}")
         say(f"{_title(name)} ({name})\nreference: {entry.SOURCE}\nexpected: {entry.WHY}")
         found, last = run_entry(name, entry, opt["verify_level"], comm, path.parent)
-        show = partial(_show, name, entry, found, last, opt, path)
+        on_first(comm, partial(_show, name, entry, found, last, opt, path))
         lines += [line for row in found for line in row.lines(comm.size, entry.SOURCE)]
-        save = partial(save_csv, path, COLUMNS, lines)  # and again after each entry
-        for action in (show, save):
-            together(comm, action if comm.rank == 0 else lambda: None)
+        save_csv(comm, path, COLUMNS, lines)  # and again after each entry
         say((told(found) if found else "only with -verify_level full") + "\n")
         rows += found
-    wait_asleep(comm)
     say(f"{tally(rows)} of {len(rows)} rows; saved {path}")
     if short := sum(row.verdict == "falls short" for row in rows):
         raise ComputationError(f"{short} of {len(rows)} rows fall short of what is expected")
