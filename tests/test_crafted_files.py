@@ -24,7 +24,8 @@ NAN = float("nan")
 def whole(tmp_path_factory):
     """A folder with rod.h5 and rod.checkpoint.h5."""
     folder = tmp_path_factory.mktemp("whole")
-    words = "-fsi_h 0.05 -ts_max_steps 6 -fsi_output_dt 1e-4 -fsi_checkpoint_steps 6 -fsi_quiet"
+    words = "-fsi_coupling projection -fsi_h 0.05 -ts_max_steps 6 -fsi_output_dt 1e-4 -fsi_quiet"
+    words += " -fsi_checkpoint_steps 6"
     done = solve("rod", *words.split(), cwd=folder)
     assert (done.returncode, done.stderr) == (0, "")
     return folder
