@@ -22,7 +22,7 @@ import fsipetsc
 PROGRAM = REPOSITORY / "tests" / "signalled_program.py"
 #: case and options; steps from one checkpoint to the next
 RUNS = {
-    "rod": ("rod -fsi_h 0.05 -ts_max_time 0.9 -fsi_output_dt 0.01", 40),
+    "rod": ("rod -fsi_coupling projection -fsi_h 0.05 -ts_max_time 0.9 -fsi_output_dt 0.01", 40),
     "blast": ("blast -fsi_h 0.125 -fsi_order 2 -ts_max_time 4 -fsi_output_dt 0.04", 4),
 }
 #: said where a run ended before the place: after a signal to mpiexec fast machines make many steps

@@ -64,7 +64,8 @@ def test_what_fails_in_the_middle_leaves_the_one_before(at, tmp_path, monkeypatc
     assert target.read_bytes() == b"years of work"
 
 
-WORDS = "rod -fsi_h 0.05 -ts_max_time 1 -fsi_checkpoint_steps 20 -ts_max_steps".split()
+WORDS = "rod -fsi_coupling projection -fsi_h 0.05 -ts_max_time 1 -fsi_checkpoint_steps 20".split()
+WORDS.append("-ts_max_steps")
 NEWEST = "rod.checkpoint.h5"
 
 

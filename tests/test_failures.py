@@ -16,12 +16,15 @@ BAD_INPUT = {
     "plot a.h5 -out b": (2, ["unexpected argument '-out'"]),
     "rod -fsi_ordr 4": (2, ["-fsi_ordr", "did you mean -fsi_order?"]),
     "rod -fsi_h 0.03": (2, ["-fsi_h 0.03", "'rod'", "0.02941176", "0.03030303"]),
-    "rod -fsi_order 8 -fsi_h 0.1": (2, ["11 points", "8/4", "16", "-fsi_h", "-fsi_order"]),
-    "rod -fsi_order 8 -fsi_h 0.1 -fsi_coupling conservative": (
+    "rod -fsi_order 8 -fsi_h 0.1 -fsi_coupling projection": (
+        2,
+        ["11 points", "8/4", "16", "-fsi_h", "-fsi_order"],
+    ),
+    "rod -fsi_order 8 -fsi_h 0.1": (
         2,
         ["'rod' has 11 nodes", "at least 16: take 15 cells", "-fsi_h 0.06666666667", "-fsi_order"],
     ),
-    "rod -fsi_h 1e-9": (2, ["'below'", "cells", "-fsi_h", "too many"]),
+    "rod -fsi_h 1e-9 -fsi_coupling projection": (2, ["'below'", "cells", "-fsi_h", "too many"]),
     "rod -fsi_output .": (2, ["'.' for -fsi_output: expected the name of a file"]),
     "box -fsi_output_times 7": (2, [": 7 would not be reached", "-ts_max_time 2"]),
     "blast -fsi_coupling energy": (2, ["this case is made of blocks, ", ": expected conservative"]),
@@ -65,7 +68,9 @@ def test_what_can_hardly_be_meant_is_questioned_at_the_start(coupling, tmp_path)
 
 def test_a_layer_that_becomes_too_short(tmp_path):
     """With a wall close under the rod there is soon no room for 16 points of the 8/4 operator."""
-    line = "rod -fsi_h 0.0125 -fsi_order 8 -rod_wall 0.81 -rod_top 3".split()
+    line = (
+        "rod -fsi_coupling projection -fsi_h 0.0125 -fsi_order 8 -rod_wall 0.81 -rod_top 3".split()
+    )
     words = "'below'", "too short", "t = ", ", step ", "x = ", "needs 16 points"
     message(solve(*line, cwd=tmp_path, ranks=2), 3, *words)
     assert_readable(tmp_path / "rod.h5", "failed", 0.5)
@@ -73,9 +78,10 @@ def test_a_layer_that_becomes_too_short(tmp_path):
 
 def test_a_failure_within_a_batch_loses_nothing(tmp_path):
     """Neither steps of the series nor of the summary, as if they had been made one by one."""
+    line = "rod -fsi_coupling projection -fsi_h 0.025 -ts_max_time 0.5 -ts_dt 3e-4"
     found, words = [], ["in layer '", "at x = ", "(X = ", "t = ", ", step ", "computed before"]
     for watch in ((), ("-ts_monitor",)):  # which makes batches of one step
-        done = solve(*"rod -fsi_h 0.025 -ts_max_time 0.5 -ts_dt 3e-4".split(), *watch, cwd=tmp_path)
+        done = solve(*line.split(), *watch, cwd=tmp_path)
         message(done, 3, *words, "; -ts_dt 0.0003 s is ", " times the bound on the step at t = 0")
         assert_readable(tmp_path / "rod.h5", "failed", 0.5)
         with fsipetsc.open_run(tmp_path / "rod.h5") as result:

@@ -13,7 +13,8 @@ from kill_cycles import AT_END, PROGRAM, cycles
 
 import fsipetsc
 
-LINE = "rod -fsi_h 0.05 -ts_max_time 0.1 -fsi_output_dt 0.01 -fsi_quiet".split()
+LINE = "rod -fsi_coupling projection -fsi_h 0.05 -ts_max_time 0.1 -fsi_output_dt 0.01".split()
+LINE.append("-fsi_quiet")
 
 
 @pytest.fixture(scope="module")

@@ -12,13 +12,14 @@ from fsipetsc.output.info import info
 # the rod: positions and balances, and that nothing grows
 
 P0, T0, R = 1e5, 300.0, 8.3145 / 0.029
+PAPER = "-fsi_coupling projection"
 #: converged positions of the two interfaces at t = 0.4: lowest point of the fall nearly reached
 CONVERGED = 0.72872, 1.49300
 
 
 @pytest.mark.parametrize("order", [4, 8])
 def test_to_the_third_bounce(order, tmp_path):
-    words = f"rod -fsi_h 0.025 -fsi_order {order} -fsi_output_dt 0.1 -ts_max_time 3"
+    words = f"rod {PAPER} -fsi_h 0.025 -fsi_order {order} -fsi_output_dt 0.1 -ts_max_time 3"
     run = computed(tmp_path, "rod.h5", *words.split())
     t, x = run.series["t"], run.series["x_interface"]
     assert run.complete and run.time[-1] == t[-1] == 3.0
@@ -44,7 +45,7 @@ def test_to_the_third_bounce(order, tmp_path):
 @pytest.mark.parametrize("order", ORDERS)
 def test_what_is_at_rest_stays_at_rest(order, tmp_path):
     """Without gravity 1,700 steps add no more than round-off."""
-    words = f"rod -fsi_h 0.05 -fsi_order {order} -rod_gravity 0 -ts_max_time 0.2"
+    words = f"rod {PAPER} -fsi_h 0.05 -fsi_order {order} -rod_gravity 0 -ts_max_time 0.2"
     run = computed(tmp_path, "rest.h5", *words.split())
     at_rest = {"fluid": {"rho": P0 / (R * T0), "T": T0, "p": P0}, "solid": {"T": T0, "sigma": -P0}}
     for layer in run.layers:

@@ -204,7 +204,7 @@ def test_what_the_paper_has_not_is_refused():
         with pytest.raises(InputError, match=r"Open\(order=.*expected 0 or 1"):
             Open(0.0, 1e5, 300.0, order=wrong)
     case = load_case("rod")
-    opt = {**defaults(case), "fsi_h": 0.05}
+    opt = {**defaults(case), "fsi_coupling": "projection", "fsi_h": 0.05}
     for changed, words in (
         ({"fsi_mapping": "stretched"}, "fsi_coupling conservative"),
         ({"fsi_dissipation": 1.0}, "fsi_dissipation"),

@@ -22,8 +22,9 @@ from fsipetsc.cli import main
 from fsipetsc.output import quantities
 from fsipetsc.output.plots import fields, page, series, style
 
+PRESSED = "-fsi_coupling projection -solid_gruneisen 0.01"
 RUNS = {
-    "rod": ("rod", "-fsi_h 0.05 -ts_max_time 0.6 -fsi_output_dt 0.05 -solid_gruneisen 0.01"),
+    "rod": ("rod", f"{PRESSED} -fsi_h 0.05 -ts_max_time 0.6 -fsi_output_dt 0.05"),
     "blast": ("blast", "-fsi_h 0.125 -ts_max_time 0.6 -fsi_output_dt 0.05"),
 }
 USUAL = {"u", "T", "p", "rho", "sigma", "strain", "xt", "interfaces", "ledgers", "steps"}

@@ -12,14 +12,15 @@ from helpers import REPOSITORY, launch, message, mpirun, run
 import fsipetsc
 
 SHORT = "-fsi_quiet -fsi_h 0.1"
+PAPER = "-fsi_coupling projection"
 _OTHER = "-ts_max_time 0.004 -rod_gravity -100 -fsi_output_dt 0.001 -ts_rk_type 3bs"
 #: name of the result -> arguments of runs that end well
-WELL = {"other": f"rod {SHORT} {_OTHER}", "plain": f"rod {SHORT} -ts_max_steps 30"}
+WELL = {"other": f"rod {SHORT} {PAPER} {_OTHER}", "plain": f"rod {SHORT} {PAPER} -ts_max_steps 30"}
 #: what is run in one process, in this order: exit status, arguments
 RUNS = [
     *([0, f"{text} -fsi_output {name}.h5"] for name, text in WELL.items()),
     [2, "rod -fsi_h 0.1 -fsi_oder 4 -ts_max_steps 1"],
-    [3, f"rod {SHORT} -fsi_cfl 9 -fsi_output_dt 0.002 -fsi_output failed.h5"],
+    [3, f"rod {SHORT} {PAPER} -fsi_cfl 9 -fsi_output_dt 0.002 -fsi_output failed.h5"],
     [2, f"helped/case.py {SHORT} -ts_max_steps 5"],
     [2, "mms -options_file missing_letter.opts"],
     [2, f"rod {SHORT} -ts_max_steps 3 -log_view"],

@@ -9,10 +9,12 @@ from helpers import REPOSITORY, SUMS, compute, computed, different, message, on_
 LAYERS = str(REPOSITORY / "tests" / "layers.py")
 PISTON = str(REPOSITORY / "runs" / "piston.py")
 WALLS = str(REPOSITORY / "tests" / "walls.py")
+_PAPER = "-fsi_coupling projection"
 #: falls by more than a cell
-_ROD = "-fsi_h 0.025 -ts_max_time 0.025 -rod_gravity -100 -fsi_output_dt 0.005"
+_ROD = f"{_PAPER} -fsi_h 0.025 -ts_max_time 0.025 -rod_gravity -100 -fsi_output_dt 0.005"
 #: a step that is bound by the solid, with a pressure in it and cut in two
-_STIFF = "-fsi_h 0.05 -ts_max_time 0.004 -solid_modulus 1e9 -solid_gruneisen 0.5 -rod_gravity -1000"
+_STIFF = f"{_PAPER} -fsi_h 0.05 -ts_max_time 0.004 -solid_modulus 1e9 -solid_gruneisen 0.5"
+_STIFF += " -rod_gravity -1000"
 #: falls by four cells, through PETSc's own methods
 _FALL = "-fsi_h 0.05 -ts_max_time 0.02 -rod_gravity -1000"
 _PULSE = "-fsi_h 0.025 -fsi_order 8 -fsi_output_dt 0.001 -ts_max_time 0.003 -pulse_amplitude 1000"
@@ -26,8 +28,8 @@ RUNS = {
     "rod": ("rod", _ROD),
     "rod elsewhere": ("rod", f"{_ROD} {_ELSEWHERE}"),
     "rod stiff": ("rod", f"{_STIFF} {_ELSEWHERE}"),
-    "rod rk": ("rod", f"{_FALL} -ts_type rk"),
-    "rod rk elsewhere": ("rod", f"{_FALL} -ts_type rk {_ELSEWHERE}"),
+    "rod rk": ("rod", f"{_FALL} {_PAPER} -ts_type rk"),
+    "rod rk elsewhere": ("rod", f"{_FALL} {_PAPER} -ts_type rk {_ELSEWHERE}"),
     "rod energy": ("rod", f"{_FALL} -fsi_coupling energy"),
     "rod traditional": ("rod", f"{_FALL} -fsi_coupling traditional"),
     "layers": (LAYERS, _PRESSED),
@@ -113,7 +115,7 @@ def test_short_parts_of_solids_that_conduct(tmp_path):
 
 
 def test_the_largest_number_of_ranks_works_and_one_more_is_refused(tmp_path):
-    args = "rod -fsi_h 0.125 -rod_top 3 -ts_max_steps 10".split()
+    args = f"rod {_PAPER} -fsi_h 0.125 -rod_top 3 -ts_max_steps 10".split()
     refused = solve(*args, cwd=tmp_path, ranks=4)
     message(refused, 2, "4 ranks", "3 is the largest number that works")
     run = computed(tmp_path, "rod.h5", *args, ranks=3)

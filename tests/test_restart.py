@@ -13,12 +13,14 @@ from fsipetsc.output import checkpoint_file
 
 PISTON = str(REPOSITORY / "runs" / "piston.py")
 LAYERS = str(REPOSITORY / "tests" / "layers.py")
-_ROD = "-fsi_h 0.025 -ts_max_time 0.08 -fsi_output_dt 0.02"
+_PAPER = "-fsi_coupling projection"
+_ROD = f"{_PAPER} -fsi_h 0.025 -ts_max_time 0.08 -fsi_output_dt 0.02"
+_FALL = f"{_PAPER} -fsi_h 0.05 -ts_max_time 0.02 -rod_gravity -1000"
 #: name -> case, options, steps after which the checkpoint is written that the run goes on from
 RUNS = {
     "rod": ("rod", f"{_ROD} -fsi_check 1e-3", 400),
-    "5dp": ("rod", "-fsi_h 0.05 -ts_max_time 0.1 -ts_rk_type 5dp", 50),
-    "rk": ("rod", "-fsi_h 0.05 -ts_max_time 0.02 -rod_gravity -1000 -ts_type rk", 40),
+    "5dp": ("rod", f"{_PAPER} -fsi_h 0.05 -ts_max_time 0.1 -ts_rk_type 5dp", 50),
+    "rk": ("rod", f"{_FALL} -ts_type rk", 40),
     "mms": ("mms", "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.1 -fsi_output_dt 0.02", 8),
     "piston": (PISTON, "-ts_max_time 0.048", 300),
     "layers": (LAYERS, "-layers_gruneisen 0.2 -ts_max_time 0.2", 6),

@@ -64,6 +64,7 @@ def targets(opt: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
     for problem, order in product(opt["bench_problems"], opt["bench_orders"]):
         for points in opt["bench_rod"] if problem == 0 else ():
             own = {"fsi_order": order, "fsi_h": 1.0 / max(1, round(points / 6))}
+            own["fsi_coupling"] = "projection"  # the paper's method
             words = order, repr(own["fsi_h"]), 3, "-q", "-n", STEPS
             yield ("rod", order, "", points), load_case("rod"), own, "rod", words
         for form, n in product(forms, opt[of_dimension[problem]]) if problem else ():
