@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from fsipetsc.api import run
     from fsipetsc.blocks.block import Block
-    from fsipetsc.blocks.problem import BlockProblem
+    from fsipetsc.blocks.block_problem import BlockProblem
     from fsipetsc.boundaries import Dirichlet, Open, SolidEnd, Wall, absorbing, clamped, free
     from fsipetsc.equations.piecewise import Piecewise
     from fsipetsc.errors import ComputationError, FileError, FsiError, InputError
@@ -36,7 +36,7 @@ __all__ = [
 _HOMES = {
     "api": ("run",),
     "blocks.block": ("Block",),
-    "blocks.problem": ("BlockProblem",),
+    "blocks.block_problem": ("BlockProblem",),
     "boundaries": ("Dirichlet", "Open", "SolidEnd", "Wall", "absorbing", "clamped", "free"),
     "equations.piecewise": ("Piecewise",),
     "errors": ("ComputationError", "FileError", "FsiError", "InputError"),

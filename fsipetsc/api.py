@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from types import SimpleNamespace
 from typing import Any
 
-from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.cases import case_of, load_case
 from fsipetsc.errors import InputError
 from fsipetsc.options import table

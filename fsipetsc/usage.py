@@ -3,8 +3,8 @@
 import textwrap
 from collections.abc import Mapping, Sequence
 
+from fsipetsc.options.all_options import IN_LOOP, PASSED_ON
 from fsipetsc.options.option import INT_MAX, REQUIRED, Option
-from fsipetsc.options.tables import IN_LOOP, PASSED_ON
 
 #: how the program is called, in examples that can be copied
 PROGRAM = "python -m fsipetsc"

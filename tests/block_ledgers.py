@@ -3,13 +3,13 @@
 import numpy as np
 from mpi4py import MPI
 
+from fsipetsc.blockrun.block_solution import BlockForm
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blockrun.columns import gained, slices
-from fsipetsc.blockrun.solution import BlockForm
 from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Roller, Slip
 from fsipetsc.blocks.maps import nodes
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 

@@ -5,12 +5,12 @@ import numpy as np
 from mpi4py import MPI
 from oracle_formulas import rate_of, spread
 
+from fsipetsc.blockrun.block_solution import BlockForm
 from fsipetsc.blockrun.block_state import BlockState
-from fsipetsc.blockrun.solution import BlockForm
 from fsipetsc.blocks import conditions
 from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.maps import nodes
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.power_law import power_law
 from fsipetsc.materials.solid import ElasticSolid

@@ -6,9 +6,9 @@ from block_ledgers import Steps
 from conftest import ORDERS
 
 from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Absorbing, Clamped, Free, Hinge, NoSlip, Open, Slip
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 

@@ -8,8 +8,8 @@ from block_ledgers import Steps
 from fsipetsc import boundaries, problem
 from fsipetsc.blockrun.from_layers import blocks_of_line
 from fsipetsc.blocks import conditions as new
+from fsipetsc.blocks.block_problem import Meeting
 from fsipetsc.blocks.layers import Layer, layers
-from fsipetsc.blocks.problem import Meeting
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fsipetsc.errors import InputError
-from fsipetsc.options.tables import PARTITIONS
+from fsipetsc.options.all_options import PARTITIONS
 from fsipetsc.parallel.block_shares import Extent, share_line, share_out, slowest
 
 

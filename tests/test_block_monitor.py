@@ -8,12 +8,12 @@ import pytest
 from block_ledgers import CLOSED, N, Steps, gas, problem_of, solid
 from recorded import recorded
 
-from fsipetsc.blockrun.solution import BlockForm
+from fsipetsc.blockrun.block_solution import BlockForm
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme import plan
 from fsipetsc.scheme.batch import ALLOWED, LONGEST, MADE, TIME, Plan, plan_next
 from fsipetsc.stepping.ledgers import Ledgers
-from fsipetsc.stepping.report import remarks
+from fsipetsc.stepping.progress import remarks
 
 
 def warped(mu):

@@ -11,11 +11,11 @@ from recorded import loaded_grid, recorded
 
 from fsipetsc.blocks import maps
 from fsipetsc.blocks.block import Block, mesh
+from fsipetsc.blocks.block_problem import BlockProblem, Meeting
 from fsipetsc.blocks.conditions import Clamped, Free, Hinge, NoSlip, Open, Periodic, Slip
 from fsipetsc.blocks.grid import GridMotion
 from fsipetsc.blocks.hull import blend_of, hull_of
 from fsipetsc.blocks.metrics import Wide
-from fsipetsc.blocks.problem import BlockProblem, Meeting
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.stiffened_gas import stiffened_gas

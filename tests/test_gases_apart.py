@@ -6,8 +6,8 @@ import pytest
 from helpers import computed, on_ranks
 from mpi4py import MPI
 
+from fsipetsc.blockrun.block_solution import BlockForm
 from fsipetsc.blockrun.block_state import BlockState
-from fsipetsc.blockrun.solution import BlockForm
 from fsipetsc.blocks.conditions import Given
 from fsipetsc.parallel.block_layout import BlockVector
 

@@ -12,7 +12,7 @@ from fsipetsc.blocks.conditions import Free, NoSlip, Open, Periodic, Slip
 from fsipetsc.blocks.maps import annulus, rectangle, stretched
 from fsipetsc.cases import load_case
 from fsipetsc.options import InForce, defaults
-from fsipetsc.output.geometry import condition_text, outlines
+from fsipetsc.output.geometry_picture import condition_text, outlines
 
 AIR = Fluid(0.0, 0.0, 1.4, 287.0)
 

@@ -16,12 +16,12 @@ from oracle_engine import Engine
 from oracle_formulas import Gas, Solid, spread
 
 from fsipetsc import FluidLayer, Problem, Wall
-from fsipetsc.blockrun.solution import BlockForm
+from fsipetsc.blockrun.block_solution import BlockForm
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Free, Slip
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.paper.state import loose_forces
+from fsipetsc.paper.paper_state import loose_forces
 from fsipetsc.scheme.conservation_check import Drifts
 
 FORCES = {1: (0.7,), 2: (0.3, -0.7), 3: (0.3, -0.7, 0.2)}

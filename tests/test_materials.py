@@ -12,9 +12,9 @@ from recorded import recorded
 
 import fsipetsc
 from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Slip
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.loops import each
@@ -264,7 +264,7 @@ from fsipetsc import Fluid
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Slip
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.materials.own import transport_law
 
 SUMMARY, OPTIONS, DEFAULTS = "a law", (), {{"fsi_h": 0.1, "ts_max_time": 1.0}}

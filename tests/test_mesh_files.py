@@ -6,8 +6,8 @@ import pytest
 from helpers import REPOSITORY
 
 from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import NoSlip, Slip
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.mesh_files import read_cgns

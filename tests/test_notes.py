@@ -9,9 +9,9 @@ from mpi4py import MPI
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blockrun.notes import weak_hinges
 from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Outflow, Slip
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases import load_case
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.operators import OPERATORS

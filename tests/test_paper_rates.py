@@ -19,7 +19,7 @@ from fsipetsc.materials.own import gas_law, pressure_law
 from fsipetsc.materials.power_law import power_law
 from fsipetsc.operators import operator
 from fsipetsc.options import defaults
-from fsipetsc.paper.state import PaperState
+from fsipetsc.paper.paper_state import PaperState
 from fsipetsc.scheme.plan import RATE
 
 FROZEN = Path(__file__).with_name("paper_rates.json")

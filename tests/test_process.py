@@ -96,7 +96,7 @@ runpy.run_module("fsipetsc", run_name="__main__", alter_sys=True)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("module", ["options", "paper.outer_ends", "stepping.report"])
+@pytest.mark.parametrize("module", ["options", "paper.outer_ends", "stepping.progress"])
 def test_a_signal_while_modules_load_is_one_line(module, number, tmp_path):
     """128 + signal, before the run can be stopped in order; on two ranks the launcher says more."""
     ranks = 2 if module == "paper.outer_ends" else 1

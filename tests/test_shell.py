@@ -5,12 +5,12 @@ import pytest
 from helpers import computed, message, on_ranks, rows_of, solve
 from mpi4py import MPI
 
+from fsipetsc.blockrun.block_solution import BlockForm
 from fsipetsc.blockrun.block_state import BlockState
-from fsipetsc.blockrun.solution import BlockForm
 from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Centre, Free, Slip
 from fsipetsc.blocks.maps import ball, off_axis, rectangle
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases import ring, shell
 from fsipetsc.cases.common import at_rest
 from fsipetsc.errors import InputError

@@ -5,11 +5,11 @@ import pytest
 from block_ledgers import Steps
 from helpers import assert_same_fields, compute, solve
 
-from fsipetsc.blockrun.solution import BlockForm
+from fsipetsc.blockrun.block_solution import BlockForm
 from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Slip
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases import load_case
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.operators.bands import band

@@ -13,7 +13,7 @@ from fsipetsc.blockrun.solid_limits import AT_ONCE, imaginary
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.solid_pressure import Gruneisen
 from fsipetsc.state import crushed
-from fsipetsc.stepping.verdicts import advice
+from fsipetsc.stepping.failures import advice
 
 MU, LAMBDA = 1.0, 2.0
 

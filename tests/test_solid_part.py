@@ -8,10 +8,10 @@ from mpi4py import MPI
 
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Free
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.blocks.metrics import solid_metrics
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.blocks.values import prestress_of
 from fsipetsc.errors import InputError
 from fsipetsc.kernels import build

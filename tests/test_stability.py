@@ -13,7 +13,7 @@ from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.operators import OPERATORS, operator
 from fsipetsc.options import defaults
-from fsipetsc.paper.state import PaperState
+from fsipetsc.paper.paper_state import PaperState
 from fsipetsc.studies.spectra import CENTRAL, step_limit
 from fsipetsc.studies.stability_linear import Constant, assemble, measure
 

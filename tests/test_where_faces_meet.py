@@ -5,6 +5,7 @@ import pytest
 from block_ledgers import Steps
 
 from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import (
     Clamped,
     Free,
@@ -17,7 +18,6 @@ from fsipetsc.blocks.conditions import (
     Slip,
 )
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid

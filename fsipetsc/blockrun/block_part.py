@@ -91,7 +91,7 @@ class BlockPart:
         return (axes[2][:, None, None] & axes[1][:, None] & axes[0]).reshape(-1)
 
     def _stage(self, found: Any) -> Stage:
-        """What sweeps take of steps; found: fsipetsc.scheme.steps.Found."""
+        """What sweeps take of steps; found: fsipetsc.scheme.runge_kutta.Found."""
         vectors = (part_of[self.part.begin :] for part_of in (found.y, found.total))
         return Stage(found.stage.ctypes.data, *(vector.ctypes.data for vector in vectors))
 

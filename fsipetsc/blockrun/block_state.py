@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.blockrun.block_solution import BlockSolution
 from fsipetsc.blockrun.notes import NOTES
 from fsipetsc.blockrun.recorded_nodes import here_of, note_nodes
 from fsipetsc.blockrun.saved import errors_of, grids, header, seen
 from fsipetsc.blockrun.solid_limits import imaginary_waves, most_crushed
-from fsipetsc.blockrun.solution import BlockSolution
 from fsipetsc.parallel.block_layout import BlockVector
 from fsipetsc.process.together import agree, together
 from fsipetsc.scheme.batch import DT, MADE, TIME
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
 from fsipetsc.scheme.plan import BAD, RATE, SAID_STOP
-from fsipetsc.scheme.steps import STAGES
+from fsipetsc.scheme.runge_kutta import STAGES
 from fsipetsc.state import FAULT, as_numbers, whole
 
 #: of how many parts a step is made, one after the other, until its state is physical

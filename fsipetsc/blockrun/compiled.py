@@ -18,7 +18,7 @@ from fsipetsc.particles.members import particles_of
 from fsipetsc.particles.system import ParticleSystem
 from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import together
-from fsipetsc.scheme import steps as stages
+from fsipetsc.scheme import runge_kutta as stages
 from fsipetsc.scheme.batch import plan_next
 from fsipetsc.scheme.normals import turned_faces
 from fsipetsc.scheme.recorded_data import Recorder
@@ -32,15 +32,15 @@ STAGES = [f"stage_{number}" for number in range(stages.STAGES)]
 class Compiled:
     """What the phases of a right-hand side call. Making one is collective. InputError.
 
-    form: fsipetsc.blockrun.solution.BlockForm. found: what steps take and fill; its left is found
-    here. columns: of the record of a step, the type of `latest` there. instant: says a
-    time [s] in which little happens. announce: called on rank 0, with a message, before and after
+    form: fsipetsc.blockrun.block_solution.BlockForm. found: what steps take and fill; its left is
+    found here. columns: of the record of a step, the type of `latest` there. instant: says a time
+    [s] in which little happens. announce: called on rank 0, with a message, before and after
     kernels are compiled.
 
     parts: block -> this rank's part; gases: those of gas. does: procedures by name, also those
-    between phases (fsipetsc.scheme.steps). data: code that fills recorded data. asks: some data
-    depend on time, and not all of these are recorded: Python is asked for them. not_recorded: why,
-    on this rank.
+    between phases (fsipetsc.scheme.runge_kutta). data: code that fills recorded data. asks: some
+    data depend on time, and not all of these are recorded: Python is asked for them. not_recorded:
+    why, on this rank.
     """
 
     def __init__(

@@ -1,5 +1,5 @@
 """What passes the faces of this rank's parts of blocks: lists of nodes and their data, for
-fsipetsc.scheme.faces.
+fsipetsc.scheme.face_kernels.
 """
 
 from collections.abc import Iterator, Sequence
@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fsipetsc.blocks.block_problem import Meeting
 from fsipetsc.blocks.conditions import Condition, Effect
 from fsipetsc.blocks.cube import Cube
 from fsipetsc.blocks.metrics import Wide
-from fsipetsc.blocks.problem import Meeting
 from fsipetsc.blocks.values import checked, checked_one, datum
 from fsipetsc.kernels.formula import number_of, numbers_of
 from fsipetsc.kernels.symbols import NotRecorded
 from fsipetsc.parallel.block_layout import Part
-from fsipetsc.scheme.faces import GasFaces, Group, SolidFaces, Turned
+from fsipetsc.scheme.face_kernels import GasFaces, Group, SolidFaces, Turned
 from fsipetsc.scheme.part import Nothing
 from fsipetsc.scheme.recorded_data import Recorder, asked, positive
 

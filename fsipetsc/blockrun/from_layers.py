@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.boundaries import Wall
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError

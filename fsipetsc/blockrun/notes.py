@@ -9,9 +9,9 @@ from operator import itemgetter
 import numpy as np
 from mpi4py import MPI
 
+from fsipetsc.blockrun.block_solution import BlockSolution
 from fsipetsc.blockrun.gas_part import GasPart
-from fsipetsc.blockrun.solution import BlockSolution
-from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.scheme.gas_forms import CONSERVED
 
 Array = np.ndarray

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fsipetsc.blockrun.block_solution import BlockSolution
 from fsipetsc.blockrun.columns import point_names
-from fsipetsc.blockrun.solution import BlockSolution
-from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.errors import InputError
 from fsipetsc.options.option import floats
 

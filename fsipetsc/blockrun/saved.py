@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.blockrun.block_solution import BlockSolution
 from fsipetsc.blockrun.columns import fields_of
-from fsipetsc.blockrun.solution import BlockSolution
 from fsipetsc.blocks.values import block_values, checked, names_of
 from fsipetsc.process.together import together
 from fsipetsc.scheme.observables import PLACES, VELOCITIES

@@ -21,7 +21,7 @@ from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
 from fsipetsc.process.together import together
 from fsipetsc.scheme.batch import ALLOWED
 from fsipetsc.scheme.plan import BAD, RATE, SAID_STOP
-from fsipetsc.scheme.steps import Found
+from fsipetsc.scheme.runge_kutta import Found
 from fsipetsc.state import FAULT
 
 Array = NDArray[Any]

@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.blockrun.block_solution import BlockSolution
 from fsipetsc.blockrun.solid_part import SolidPart
-from fsipetsc.blockrun.solution import BlockSolution
 from fsipetsc.equations.tensors import determinant
 from fsipetsc.materials.own import STEP, bumped
 from fsipetsc.state import CRUSHED, crushed

@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.blocks.block import Range
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.cube import Cube
 from fsipetsc.blocks.hull import blend_of, end_weights, hull_of
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.blocks.plane_grid import plane_motion
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.blocks.radial_grid import radial_motion
 from fsipetsc.checks import Array
 from fsipetsc.kernels.loops import each, invoke

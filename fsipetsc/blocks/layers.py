@@ -12,9 +12,9 @@ from itertools import product
 from typing import Any
 
 from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Condition, Periodic
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import POSITIVE, cells_of, described, extent, number, own_cells
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator

@@ -9,8 +9,8 @@ X = y + sum_k xi_k P_k, with P_k the period of axis k, or 0.
 import numpy as np
 
 from fsipetsc.blocks.block import Range, determinant, mesh
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.maps import place_text
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array
 from fsipetsc.equations.tensors import cofactor
 from fsipetsc.errors import InputError

@@ -19,9 +19,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.hull import Hull, blend_of
 from fsipetsc.blocks.metrics import Wide, slopes_across, slopes_along
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array
 from fsipetsc.equations.tensors import cofactor, determinant
 from fsipetsc.equations.vectors import dot

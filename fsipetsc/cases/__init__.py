@@ -6,7 +6,7 @@ A case is a module with
   OPTIONS   tuple of fsipetsc.options.Option: materials, geometry
   DEFAULTS  dict, name of an option -> default that replaces the common one   (… empty)
   build     function of the options in force (name -> value) that returns a
-            fsipetsc.problem.Problem or fsipetsc.blocks.problem.BlockProblem
+            fsipetsc.problem.Problem or fsipetsc.blocks.block_problem.BlockProblem
 To add a built-in case, write its file here and add its name to BUILT_IN. Nothing is imported before
 it is needed.
 """

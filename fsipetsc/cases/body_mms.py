@@ -22,9 +22,9 @@ from typing import Any
 import numpy as np
 
 from fsipetsc import Block, BlockProblem, Option
+from fsipetsc.blocks.block_problem import FaceName
 from fsipetsc.blocks.conditions import Given
 from fsipetsc.blocks.maps import Map, Places, annulus, rectangle
-from fsipetsc.blocks.problem import FaceName
 from fsipetsc.cases.common import Opt, materials
 from fsipetsc.cases.disk import centre, quarter
 from fsipetsc.cases.manufactured import Solution, gradient, recorded

@@ -8,9 +8,9 @@ the shock has density 1.4 and pressure 1, so the unit of velocity is its speed o
 import numpy as np
 
 from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Centre, Clamped, Outflow, Slip
 from fsipetsc.blocks.maps import Map, off_axis
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases.common import SHOCKS, Opt, at_rest, beside_gas, constant, elastic_of, gas_of
 from fsipetsc.cases.riemann import GasState, shock_in_plane
 from fsipetsc.checks import Array

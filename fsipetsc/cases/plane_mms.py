@@ -1,6 +1,6 @@
 """The manufactured solution of the case box_mms in two dimensions, periodic along X."""
 
-from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.cases import box_mms
 from fsipetsc.cases.common import Opt, materials
 

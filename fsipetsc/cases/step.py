@@ -10,9 +10,9 @@ Front and top of the step are one wall: at the edge the gas may go around, which
 the sum of both normals allows. Nothing else is done there.
 """
 
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Open, Outflow, Slip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases.common import SHOCKS, Opt, constant, gas_of, stack
 from fsipetsc.options import Option, above_one
 

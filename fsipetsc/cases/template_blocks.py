@@ -20,6 +20,7 @@ it is the ring widens by 5.6 mm. It also bends into an ellipse.
 import numpy as np
 
 from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.block_problem import BlockProblem
 
 # Conditions of faces. Of a gas: NoSlip, Slip, Open, Outflow; of a solid: Clamped, Free,
 # Roller; of both: Given and Periodic.
@@ -28,7 +29,6 @@ from fsipetsc.blocks.conditions import Free, Slip
 # Maps of the unit square to a block: rectangle, corners, annulus, transfinite, nodes, or any
 # function of (xi_0, xi_1), arrays of numbers from 0 to 1, that returns X and Y and is smooth.
 from fsipetsc.blocks.maps import annulus
-from fsipetsc.blocks.problem import BlockProblem
 
 # Functions whose bits are the same on all machines, which numpy's are not.
 from fsipetsc.equations.elementary import exp, power

@@ -14,9 +14,9 @@ from itertools import pairwise, permutations
 from typing import Any
 
 from fsipetsc.errors import FileError, InputError, petsc_words
-from fsipetsc.options import tables
+from fsipetsc.options import all_options
+from fsipetsc.options.all_options import COMMON, OF_A_RUN, PETSC_OPTIONS, RUN
 from fsipetsc.options.option import REQUIRED, Option, above_one
-from fsipetsc.options.tables import COMMON, OF_A_RUN, PETSC_OPTIONS, RUN
 
 __all__ = [
     "COMMON", "OF_A_RUN", "PETSC_OPTIONS", "REQUIRED", "RUN", "InForce", "Option",
@@ -36,15 +36,16 @@ def groups(
     sections = {
         f"Case {case.NAME}": tuple(case.OPTIONS),
         "This command": tuple(extra),
-        "Discretisation": tables.DISCRETISATION,
-        "Output": tables.OUTPUT,
-        "Checkpoints": tables.CHECKPOINTS,
+        "Discretisation": all_options.DISCRETISATION,
+        "Output": all_options.OUTPUT,
+        "Checkpoints": all_options.CHECKPOINTS,
         "Run": RUN,
         "Time integration (PETSc)": PETSC_OPTIONS,
     }
-    taken = {option.name.lower() for option in COMMON + PETSC_OPTIONS} | {*tables.PASSED_ON, "help"}
+    taken = {option.name.lower() for option in COMMON + PETSC_OPTIONS}
+    taken |= {*all_options.PASSED_ON, "help"}
     for name in (option.name.lower() for option in case.OPTIONS):
-        if name in taken or name.startswith(tables.PETSCS):
+        if name in taken or name.startswith(all_options.PETSCS):
             what = f"its option -{name} exists already; give it another name"
             raise InputError(f"case {case.NAME}: {what}")
         taken.add(name)
@@ -122,7 +123,8 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
         raise kind(f"options: {said}") from None
     finally:
         put({})
-    return {tables.ALIASES.get(name, name): text for name, text in given.items() if name != "help"}
+    asked = (pair for pair in given.items() if pair[0] != "help")
+    return {all_options.ALIASES.get(name, name): text for name, text in asked}
 
 
 def present() -> dict[str, str]:
@@ -171,7 +173,7 @@ def read_options(
         if this in given and instead not in given:
             values[instead] = None
     told = {option.name: values[option.name] for option in PETSC_OPTIONS}
-    told |= {name: given.get(name) for name in tables.IN_LOOP}
+    told |= {name: given.get(name) for name in all_options.IN_LOOP}
     if PETSc.Sys.getVersion() >= (3, 25):
         told["ts_time_step"] = told.pop("ts_dt")
     for name, value in told.items():
@@ -187,7 +189,7 @@ def read_table(
     InputError for an unknown name or a bad value.
     """
     options = {option.name: option for found in sections.values() for option in found}
-    known = [*options, *tables.PASSED_ON]
+    known = [*options, *all_options.PASSED_ON]
     unknown = sorted(given.keys() - {name.lower() for name in known})
     if unknown:
         listed = ", ".join(f"-{name}{_nearest(name, known)}" for name in unknown)
@@ -203,7 +205,7 @@ def _nearest(name: str, names: Iterable[str]) -> str:
     if "=" in name:
         return " (write '-name value', without =)"
     spelt = {known.lower(): known for known in names}
-    petscs = name.lower().startswith(tables.PETSCS)
+    petscs = name.lower().startswith(all_options.PETSCS)
     best = get_close_matches(name.lower(), sorted(spelt), 1, 0.85 if petscs else 0.6)
     if best:
         return f" (did you mean -{spelt[best[0]]}?)"

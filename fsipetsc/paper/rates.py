@@ -23,7 +23,7 @@ import numpy as np
 
 from fsipetsc.boundaries import Dirichlet, Open
 from fsipetsc.kernels.loops import each, named, variable, when
-from fsipetsc.paper.narrow import MARGIN, narrow_gas, narrow_solid
+from fsipetsc.paper.narrow_terms import MARGIN, narrow_gas, narrow_solid
 from fsipetsc.paper.outer_ends import gradient_values, outer_side
 from fsipetsc.paper.stencils import derivative
 

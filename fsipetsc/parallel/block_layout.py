@@ -99,8 +99,8 @@ class Part:
 class BlockLayout:
     """Parts of all blocks on all ranks. Collective on ``comm``.
 
-    problem: fsipetsc.blocks.problem.BlockProblem. shocks: a sensor looks for them. partition: as
-    ``share_out`` has it. auxiliary: unknowns of each rank after those of nodes.
+    problem: fsipetsc.blocks.block_problem.BlockProblem. shocks: a sensor looks for them. partition:
+    as ``share_out`` has it. auxiliary: unknowns of each rank after those of nodes.
 
     shares: of each block, known to all ranks. parts: of this rank, by block, in their order.
     halos: the exchange that fills what their ghosted arrays have beside the nodes that it owns.

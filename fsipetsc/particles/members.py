@@ -28,9 +28,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fsipetsc.blocks.block_problem import BlockProblem, Meeting
 from fsipetsc.blocks.conditions import Clamped, moves, slides, warms
 from fsipetsc.blocks.maps import place_text
-from fsipetsc.blocks.problem import BlockProblem, Meeting
 from fsipetsc.errors import InputError
 
 SLIPS, ROLLS = 0, 1

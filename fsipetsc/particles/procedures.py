@@ -45,8 +45,8 @@ from fsipetsc.particles.constraints import (
     value_of,
     velocity,
 )
-from fsipetsc.particles.heat import share_heat, warm_solids
 from fsipetsc.particles.records import GAS, SOLID
+from fsipetsc.particles.shared_heat import share_heat, warm_solids
 from fsipetsc.scheme.part import clear
 
 

@@ -16,10 +16,10 @@ from fsipetsc.kernels.unit import unit
 from fsipetsc.parallel.block_layout import PARTICLES_TAG, BlockLayout
 from fsipetsc.particles import procedures as of
 from fsipetsc.particles import records
-from fsipetsc.particles.heat import weigh_heat
 from fsipetsc.particles.members import ROLLS, Particle
 from fsipetsc.particles.messages import ParticleExchange
 from fsipetsc.particles.prescribed import Prescribed
+from fsipetsc.particles.shared_heat import weigh_heat
 from fsipetsc.scheme import normals as of_faces
 
 Array = NDArray[Any]

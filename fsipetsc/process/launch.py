@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from fsipetsc.errors import InputError
 from fsipetsc.options import given_options, is_option, present, put
-from fsipetsc.options.tables import AT_START
+from fsipetsc.options.all_options import AT_START
 from fsipetsc.process.together import Comm, together
 
 

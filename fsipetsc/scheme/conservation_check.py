@@ -23,10 +23,10 @@ class Drifts:
     """Relative drifts of the invariants that must hold, piece by piece of the series: ``memory``
     has the sums of what has gone before.
 
-    invariants: which ones must hold (fsipetsc.blocks.problem.BlockProblem.invariants). initial: the
-    integrals at t = 0. memory: of the steps before the first one. Entropy counts only where it
-    decreases. Momentum is relative to the impulse that has passed, of either sign, energy to
-    itself, entropy to itself or to the heat capacity, whatever is more.
+    invariants: which ones must hold (fsipetsc.blocks.block_problem.BlockProblem.invariants).
+    initial: the integrals at t = 0. memory: of the steps before the first one. Entropy counts only
+    where it decreases. Momentum is relative to the impulse that has passed, of either sign, energy
+    to itself, entropy to itself or to the heat capacity, whatever is more.
     """
 
     def __init__(

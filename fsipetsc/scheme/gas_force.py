@@ -102,7 +102,7 @@ class NoForce(NamedTuple):
         """Add the force and its power to the rates, and to what comes in."""
 
     def note(self, part, q, found):
-        """Note the potential energy in a fsipetsc.scheme.steps.Found."""
+        """Note the potential energy in a fsipetsc.scheme.runge_kutta.Found."""
 
 
 class NodeForce(NoForce):

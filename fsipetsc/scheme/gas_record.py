@@ -16,11 +16,11 @@ class GasRecord(NamedTuple):
 
     of_volume: the address of what gas_sweep of fsipetsc/scheme/gas.c takes. potential, supplied: as
     GasVolume (fsipetsc.scheme.gas_volume) has them. like: d zeros. laws: fsipetsc.equations.gas.
-    faces: fsipetsc.scheme.faces. block: its number, begin: of its unknowns in the world vector. X,
-    places: (d, N) of the reference map, and where the monitor finds the nodes. metrics: (d d + d +
-    1, N), a^1 … a^d, velocity of the grid, J_t, and around an axis A before it. halo: (d + 3, N),
-    its nodes with a halo, or (d + 3, 0) without. S, weight: of three bands. masses: (M,) weights of
-    its own nodes.
+    faces: fsipetsc.scheme.face_kernels. block: its number, begin: of its unknowns in the world
+    vector. X, places: (d, N) of the reference map, and where the monitor finds the nodes. metrics:
+    (d d + d + 1, N), a^1 … a^d, velocity of the grid, J_t, and around an axis A before it. halo: (d
+    + 3, N), its nodes with a halo, or (d + 3, 0) without. S, weight: of three bands. masses: (M,)
+    weights of its own nodes.
 
     known: (m, 2d) displacements and velocities by which its grid moves, None where it rests;
     follows: (n,) particles here that have them, rows: (n,) where; grid: see fsipetsc.blocks.grid.

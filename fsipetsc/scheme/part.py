@@ -86,7 +86,7 @@ def clear(numbers):
 
 def note(part, found):
     """Put what the monitor found of a part into the extremes of its block and the record of the
-    step; found: fsipetsc.scheme.steps.Found.
+    step; found: fsipetsc.scheme.runge_kutta.Found.
     """
     begin, seen, sums, columns = 1 + MONITORED * part.block, part.seen, part.sums, part.columns
     extremes, latest = found.extremes, found.latest

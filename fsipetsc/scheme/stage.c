@@ -1,5 +1,5 @@
 /* What becomes of the rates k of a row of nodes: they are stored, or what follows from them in a
-   stage of the Runge-Kutta method (fsipetsc/scheme/steps.py). */
+   stage of the Runge-Kutta method (fsipetsc/scheme/runge_kutta.py). */
 
 enum { RATES, FIRST, MIDDLE, LAST };
 /* numbers: RATES … LAST, a, b of fsipetsc.scheme.stage; y, total: a block's part of the solution

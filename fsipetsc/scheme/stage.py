@@ -7,8 +7,8 @@ A stage of the classical Runge-Kutta method, from the solution y and the sum ``t
     LAST     next = total + b k    the new solution
 
 Where nothing else adds to the rates of nodes, their sweep makes the stage at once: k needs no
-memory. ``advance`` of fsipetsc.scheme.steps, which has a and b, does the same with the other nodes,
-after all is added.
+memory. ``advance`` of fsipetsc.scheme.runge_kutta, which has a and b, does the same with the other
+nodes, after all is added.
 """
 
 import ctypes

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from fsipetsc.kernels.formula import Formula
 from fsipetsc.kernels.loops import each
 from fsipetsc.scheme.rows import Array
-from fsipetsc.scheme.steps import AT
+from fsipetsc.scheme.runge_kutta import AT
 
 #: names of procedures that set the time of data -> which part of the step it is after its begin
 TIMES = {"at_begin": 0.0, "at_middle": 0.5, "at_end": 1.0}

@@ -8,7 +8,7 @@ from typing import Any
 
 from fsipetsc.cases import case_after, options_after
 from fsipetsc.options import Option, read_options
-from fsipetsc.output.geometry import draw_geometry, geometry_rows, outlines
+from fsipetsc.output.geometry_picture import draw_geometry, geometry_rows, outlines
 from fsipetsc.output.info import table
 from fsipetsc.output.plots.page import PICTURES
 from fsipetsc.process.launch import start_petsc

@@ -18,7 +18,7 @@ from fsipetsc.scheme.batch import LONGEST, MADE, NEXT, TIME, longest_step, next_
 from fsipetsc.scheme.observables import INTEGRAL, SERIES
 from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP, shares
 from fsipetsc.state import FAULT, State
-from fsipetsc.stepping import verdicts
+from fsipetsc.stepping import failures
 from fsipetsc.stepping.signals import CHECKPOINT
 
 #: the value of -ts_type that stands for the project's own method
@@ -131,10 +131,10 @@ class Integrator:
             state.set_data(self.t)  # with differences in time of the length that a step has
         state.finish()
         flags = state.results[:LAST].tolist()
-        verdicts.check(state, self.t, self.steps, flags, self.beyond, self.opt)
+        failures.check(state, self.t, self.steps, flags, self.beyond, self.opt)
         sums = {name: state.comm.allreduce(state.latest[name]) for name in integrals(state)}
         self.initial = {name: value.tolist() for name, value in sums.items()}
-        self.beyond = verdicts.beyond_bound(state, self.opt)
+        self.beyond = failures.beyond_bound(state, self.opt)
         self._pass(self.t)
         self._on_frame(self.t)
 
@@ -252,7 +252,7 @@ class Integrator:
         made = self._note_steps(ts)
         flags = self.state.results[:LAST].tolist()
         self._recorded += made - 1  # the last one only if it is sound
-        verdicts.check(self.state, self.t, self.steps, flags, self.beyond, self.opt)
+        failures.check(self.state, self.t, self.steps, flags, self.beyond, self.opt)
         self._recorded += 1
         if self._recorded == self._room:
             self._on_series()

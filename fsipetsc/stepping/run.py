@@ -14,20 +14,20 @@ from petsc4py import PETSc
 from fsipetsc.errors import ComputationError, FileError, FsiError, InputError, Interrupted
 from fsipetsc.options import read_options
 from fsipetsc.output.checkpoint_file import CheckpointError
-from fsipetsc.output.geometry import geometry_rows
+from fsipetsc.output.geometry_picture import geometry_rows
 from fsipetsc.output.info import table
 from fsipetsc.output.pieces import Kept
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.process.streams import say
 from fsipetsc.state import State
 from fsipetsc.stepping import restart
+from fsipetsc.stepping.failures import cold_layers
 from fsipetsc.stepping.integrator import Integrator, saved_times
 from fsipetsc.stepping.ledgers import Ledgers
-from fsipetsc.stepping.report import Reporter, bound_of_step
+from fsipetsc.stepping.progress import Reporter, bound_of_step
 from fsipetsc.stepping.restart import Past
 from fsipetsc.stepping.signals import signals_noted
 from fsipetsc.stepping.solve import build_problem, make_state
-from fsipetsc.stepping.verdicts import cold_layers
 
 SET_UP, LOOP, OUTPUT = "set-up", "time loop", "output"
 

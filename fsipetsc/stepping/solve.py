@@ -7,16 +7,16 @@ from typing import Any
 from mpi4py import MPI
 
 from fsipetsc.blame import call, place_of
+from fsipetsc.blockrun.block_solution import BlockForm
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blockrun.from_layers import blocks_of_line
 from fsipetsc.blockrun.law_checks import check_gas_laws
 from fsipetsc.blockrun.recorded_nodes import chosen
-from fsipetsc.blockrun.solution import BlockForm
-from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError
 from fsipetsc.options import InForce
-from fsipetsc.paper.state import PaperState
+from fsipetsc.paper.paper_state import PaperState
 from fsipetsc.problem import FluidLayer, Problem
 from fsipetsc.process.together import together
 

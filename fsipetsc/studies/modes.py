@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Centre
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option, groups

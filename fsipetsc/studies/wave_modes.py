@@ -19,11 +19,11 @@ import numpy as np
 from mpi4py import MPI
 from scipy.linalg import orth
 
+from fsipetsc.blockrun.block_solution import BlockForm
 from fsipetsc.blockrun.block_state import BlockState
-from fsipetsc.blockrun.solution import BlockForm
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Condition
 from fsipetsc.blocks.layers import Layer, layers
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import InputError
 from fsipetsc.studies.spectra import Complex, Real, derivatives
 

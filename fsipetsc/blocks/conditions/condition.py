@@ -58,15 +58,15 @@ class Effect:
 class Condition:
     """What stands at a face. Makes data floats and tuples of floats.
 
-    of: kinds of block that it is for. ranges: what data must be that may be numbers, by name.
-    part: what it is to a particle (fsipetsc.particles.members), "wall", "slip", "clamp", "roller".
-    holds: it prescribes motion; all_given: all unknowns. imposes_T: T is that of the face, where it
-    is given. passes: "gas" or "waves" where these go through. knows_inflow: it says which gas comes
+    of: kinds of block that it is for. ranges: what data must be that may be numbers, by name. part:
+    what it is to a particle (fsipetsc.particles.members), "wall", "slip", "clamp", "roller". holds:
+    it prescribes motion; all_given: all unknowns. imposes_T: T is that of the face, where it is
+    given. passes: "gas" or "waves" where these go through. knows_inflow: it says which gas comes
     in. free_velocity: velocity may be given without x. Formulas, None where there is none: leaving
     (gas, w, face): mass, momentum and energy that leave a gas of the state w; traction(gas, w,
     face): the force on it; pull(solid, F, T, N, v, stress): that on a solid per area at rest.
-    at_faces: column of the record of faces (fsipetsc.scheme.faces) -> names of the data in it.
-    loaded: the face has a traction of its own, from which p_ref of the solid is taken.
+    at_faces: column of the record of faces (fsipetsc.scheme.face_kernels) -> names of the data in
+    it. loaded: the face has a traction of its own, from which p_ref of the solid is taken.
     """
 
     of = frozenset({"fluid", "solid"})

@@ -6,10 +6,10 @@ makes the scheme unstable.)
 """
 
 from fsipetsc.boundaries import Dirichlet, Open, Wall, absorbing, clamped, free
-from fsipetsc.paper.ends.given import GivenEnd
-from fsipetsc.paper.ends.open import OpenEnd
-from fsipetsc.paper.ends.solids import AtEnd, absorbing_end, clamped_end, free_end
-from fsipetsc.paper.ends.wall import WallEnd
+from fsipetsc.paper.ends.given_end import GivenEnd
+from fsipetsc.paper.ends.open_end import OpenEnd
+from fsipetsc.paper.ends.solid_ends import AtEnd, absorbing_end, clamped_end, free_end
+from fsipetsc.paper.ends.wall_end import WallEnd
 
 #: what a case says of an end -> its formulas
 OF_GAS = {Wall: WallEnd, Open: OpenEnd, Dirichlet: GivenEnd}

@@ -10,13 +10,13 @@ from petsc4py import PETSc
 from fsipetsc.blockrun.columns import OF_INTERFACES, gain_of, gained, lossy, slices, step_record
 from fsipetsc.blockrun.law_checks import loose_gases
 from fsipetsc.blockrun.scheme import Scheme
-from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder
 from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.plan import FLAGS, LIMITS
-from fsipetsc.scheme.steps import Found
+from fsipetsc.scheme.runge_kutta import Found
 from fsipetsc.state import State
 
 #: records of steps that are kept before they are written

@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.blocks.block import mesh
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Periodic
 from fsipetsc.blocks.faces import Meeting
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array
 from fsipetsc.output.info import Rows
 from fsipetsc.output.plots import style
