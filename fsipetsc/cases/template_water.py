@@ -1,17 +1,17 @@
 """Water hammer: water flows towards the closed end of an elastic tube and stops there.
 
     python -m fsipetsc FILE.py                                 # ten seconds; more the first time
-    mpiexec -n 2 python -m fsipetsc FILE.py -tube_young 2e11   # a tube of steel
+    mpiexec -n 2 python -m fsipetsc FILE.py -tube_poisson 0    # with an option
     python -m fsipetsc plot NAME.h5 -o pictures                # draw the result
 
 X is the place along the axis, Y the distance from it. A front of pressure runs from the closed end
-at X = 0 into the tube, whose wall widens behind it. What to expect: in a thin tube it has the speed
-of Korteweg, c = c0/sqrt(1 + (K/E) (D/e)) = 375 m/s, K = rho c0^2; the thickness of the wall and
-Poisson's number make it 358 m/s, and a front that is as short as here has 356 m/s. Water that stops
-raises the pressure by rho c water_speed (Joukowsky), 0.18 MPa. docs/water.md has the theory.
+at X = 0 into the tube, which widens behind it. What to expect: in a thin tube its speed is that of
+Korteweg, c = c0/sqrt(1 + (K/E) (D/e)) = 375 m/s, K = rho c0^2; the thickness of the wall and
+Poisson's number make it 358 m/s, and a front that is as short as here has 356 m/s. The pressure
+rises by rho c water_speed (Joukowsky), 0.18 MPa. docs/water.md has the theory.
 """
 
-from fsipetsc import Block, BlockProblem, Fluid, Option
+from fsipetsc import Block, BlockProblem, Fluid, InputError, Option
 from fsipetsc.blocks.conditions import Absorbing, Centre, Free, Open, Roller, Slip
 from fsipetsc.blocks.maps import off_axis, rectangle
 from fsipetsc.equations.elementary import tanh
@@ -40,10 +40,11 @@ def build(opt):
     law = stiffened_gas(GAMMA, cv=(P0 + p_inf) / ((GAMMA - 1.0) * RHO * T0), p_inf=p_inf)
     water = Fluid(mu=0.0, kappa=0.0, gamma=GAMMA, R=462.0, law=law)  # it slips along the wall
     E, nu, e = opt["tube_young"], opt["tube_poisson"], opt["tube_thickness"]
+    if nu >= 0.5:
+        raise InputError(f"-tube_poisson {nu:g}: expected less than 0.5")
     mu = 0.5 * E / (1.0 + nu)
     more = {"p_ref": P0, "law": "neo-hookean", "heat": "elastic"}
     wall = ElasticSolid(mu, 2 * mu * nu / (1 - 2 * nu), 0.0, opt["tube_density"], 1000.0, **more)
-
     # Where the water slows down the tube widens, by as much as water that is hardly compressed
     # needs; without this, the first moment would be a sound wave across the tube.
     speed, ramp, length = opt["water_speed"], opt["water_ramp"], opt["tube_length"]
@@ -56,13 +57,12 @@ def build(opt):
     def widening(X, Y):
         return 0.0, flow(X, RADIUS**2 / Y)[2], T0, X, Y  # velocity, temperature, place
 
-    order, along = opt["fsi_order"], round(length / opt["fsi_h"])
-    inside, across = 2 * order, 2 * order - 1  # cells from the axis to the wall, and across it
-    tube = rectangle((0.0, RADIUS), (length, RADIUS + e))
+    along, inside = round(length / opt["fsi_h"]), 2 * opt["fsi_order"]  # cells, less 1 in the wall
     core = off_axis(rectangle((0.0, 0.0), (length, RADIUS)), inside)
+    tube = rectangle((0.0, RADIUS), (length, RADIUS + e))
     blocks = (
         Block("water", water, core, (along, inside), flow),
-        Block("tube", wall, tube, (along, across), widening),
+        Block("tube", wall, tube, (along, inside - 1), widening),
     )
     faces = {("water", 1, 0): Centre(), ("tube", 1, 1): Free(P0)}
     faces |= {("water", 0, 0): Slip(), ("tube", 0, 0): Roller()}  # the closed end
