@@ -21,13 +21,17 @@ from fsipetsc.blocks.maps import corners
 from fsipetsc.cases.oblique import turned_by
 from fsipetsc.cases.riemann import GasState, sound
 from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.options import above_one
 
 SUMMARY = "a supersonic flow over an elastic ramp: a shock at its foot, a fan at its crest"
 OPTIONS = (
-    Option("ramp_mach", float, 2.0, "", "Mach number of the gas that comes in"),
+    Option("ramp_mach", float, 2.0, "", "Mach number of the gas that comes in", check=above_one),
     Option("ramp_angle", float, 10.0, "degrees", "angle of the ramp", check="positive"),
     Option("ramp_wall", str, "elastic", "", "what the floor is", ("rigid", "elastic")),
-    Option("ramp_modulus", float, 200.0, "", "2 mu_e + lambda_e over the first pressure"),
+    Option(
+        *("ramp_modulus", float, 200.0, "", "2 mu_e + lambda_e over the first pressure"),
+        check="positive",
+    ),
 )
 DEFAULTS = {
     **{"fsi_h": 1 / 32, "ts_max_time": 4.0, "fsi_output_dt": 0.2},
