@@ -123,6 +123,27 @@ def test_a_pulse_in_a_ring(tmp_path):
         assert np.abs(layer["v"][-1]).max() < 1e-13, layer.name
 
 
+@pytest.mark.parametrize("case", ["shell", "nozzle"])
+def test_the_pressure_of_a_recorded_node_has_that_of_hoops(case, tmp_path):
+    """Two of them around a centre, one around an axis."""
+    place = {"shell": "1.1", "nozzle": "0.5,0.55"}[case]
+    words = "-ts_max_steps", 20, "-fsi_probes", place
+    run = computed(tmp_path, "run.h5", case, *words)
+    ((name, X),) = run.points
+    layer = run.blocks[name]
+    frame = layer.frame(-1)
+    assert layer.kind == "solid", name
+    if case == "shell":
+        at = int(np.argmin(np.abs(layer.X - X[0])))
+        hoop = frame["sigma_theta"][at] - frame["p"][at]
+        expected = -(frame["sigma"][at] - frame["p"][at] + 2.0 * hoop) / 3.0
+    else:
+        at = np.unravel_index(np.hypot(layer.X - X[0], layer.Y - X[1]).argmin(), layer.X.shape)
+        expected = -sum(frame[n][at] for n in ("s_xx", "s_yy", "sigma_theta")) / 3.0
+    assert abs(frame["sigma_theta"][at]) > 0.0
+    assert run.series["p_point"][-1, 0] == pytest.approx(expected, rel=1e-12)
+
+
 STEEL = ElasticSolid(1.0, 1.5, 0.0, 2.0, 1.0, heat="elastic")
 KAPPA = pytest.mark.parametrize("kappa", [1, 2])
 

@@ -107,8 +107,8 @@ def here_of(state: BlockSolution) -> list[tuple[int, Recorded, int]]:
 
 def note_nodes(state: BlockSolution, here: Sequence[tuple[int, Recorded, int]]) -> None:
     """Write into the record of a step what is known of nodes here, of the completed state, whose
-    halos are filled: place, velocity, temperature, pressure; traction on the solid at an interface,
-    else 0.
+    halos are filled: place, velocity, temperature; pressure, of solids minus the mean of the normal
+    stresses in the plane and of hoops; traction on the solid at an interface, else 0.
     """
     d = state.problem.dimension
     names = point_names(d)
@@ -119,7 +119,9 @@ def note_nodes(state: BlockSolution, here: Sequence[tuple[int, Recorded, int]]) 
         traction = [0.0] * d
         if part.block.kind == "solid":
             (stress,) = part.stresses(q, [row])
-            known["p"] = -float(np.trace(stress)) / d
+            of_hoops = known.get("sigma_theta", 0.0) - (known["p"] if d == 1 else 0.0)
+            normal = [*np.diag(stress), *[of_hoops] * state.problem.symmetry]
+            known["p"] = -float(np.sum(normal)) / len(normal)
             if node.face is not None:
                 traction = (stress @ part.normals([row], *node.face)[0]).tolist()
         fields = (known[name.removesuffix("_point")] for name in names[: 2 * d + 2])

@@ -112,7 +112,9 @@ TABLE = (
     Observable("*_point", "m", "position of a node that is recorded", PLACE, "point"),
     Observable("@_point", "m s-1", "its velocity", PLACE, "point"),
     Observable("T_point", "K", "its temperature", PLACE, "point"),
-    Observable("p_point", "Pa", "its pressure", PLACE, "point"),
+    Observable(
+        "p_point", "Pa", "its pressure; of a solid minus its mean normal stress", PLACE, "point"
+    ),
     Observable("t_*_point", "Pa", "traction on the solid there, at an interface", PLACE, "point"),
     Observable("mass_in", "kg", "mass that came in", GAIN, "gas"),
     Observable("lost_energy", "J", "what the step lost of `solid_energy`", GAIN, needs="lossy"),
