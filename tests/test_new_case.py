@@ -73,7 +73,7 @@ def test_plate(tmp_path):
     back = t > 0.7e-3 * period
     assert t[back][way[back].argmin()] == pytest.approx(1e-3 * period, rel=0.03)
     line = "my_plate.py -ts_max_time 2e-5 -fsi_check 1e-9"
-    result = computed(tmp_path, "b.h5", *line.split(), ranks=2)
+    result = computed(tmp_path, "b.h5", *line.split())
     assert result.complete and result.blocks["air"]["v"][-1].max() > 0.01
 
 
