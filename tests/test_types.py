@@ -8,14 +8,20 @@ from helpers import REPOSITORY, run
 from fsipetsc.cases import load_case
 from fsipetsc.options import InForce, defaults
 
+TYPED = [REPOSITORY / "tests" / f"typed_{name}.py" for name in ("layers", "blocks", "program")]
+TEMPLATES = sorted((REPOSITORY / "fsipetsc" / "cases").glob("template*.py"))
+#: their functions have no types, and are checked all the same
+UNTYPED = "--allow-untyped-defs", "--allow-untyped-calls"
+
 
 @pytest.mark.skipif(importlib.util.find_spec("mypy") is None, reason="no mypy")
-def test_cases_with_types_pass_mypy_strict(tmp_path):
+@pytest.mark.parametrize(("files", "more"), [(TYPED, ()), (TEMPLATES, UNTYPED)])
+def test_cases_pass_mypy_strict(files, more, tmp_path):
     """Without this project's settings: those that the author of a case does not have."""
-    files = [REPOSITORY / "tests" / f"typed_{name}.py" for name in ("layers", "blocks", "program")]
-    words = "--strict", "--follow-imports=silent", "--config-file=", f"--cache-dir={tmp_path}"
+    words = "--strict", *more, "--follow-imports=silent", "--config-file="
+    words = *words, f"--cache-dir={tmp_path}"
     done = run("-m", "mypy", *words, *files, cwd=tmp_path, env={"MYPYPATH": str(REPOSITORY)})
-    assert done.returncode == 0, done.stdout + done.stderr
+    assert len(files) > 2 and done.returncode == 0, done.stdout + done.stderr
 
 
 @pytest.mark.parametrize("name", ["layers", "blocks"])

@@ -39,6 +39,6 @@ def build(opt):
     cells = round(LENGTH / opt["fsi_h"]), round(HEIGHT / opt["fsi_h"])
     block = Block("gas", gas, rectangle((0.0, 0.0), (LENGTH, HEIGHT)), cells, start)
     # Faces (block, axis, side): what is beyond the ends, and the walls.
-    faces = {("gas", 0, s): Open(density(s * LENGTH), velocity, T0) for s in (0, 1)}
-    faces |= {("gas", 1, s): NoSlip(T=T0) for s in (0, 1)}
-    return BlockProblem((block,), faces)
+    ends = {("gas", 0, s): Open(density(s * LENGTH), velocity, T0) for s in (0, 1)}
+    walls = {("gas", 1, s): NoSlip(T=T0) for s in (0, 1)}
+    return BlockProblem((block,), {**ends, **walls})

@@ -37,8 +37,7 @@ def build(opt):
     lam = 2.0 * mu * POISSON / (1.0 - 2.0 * POISSON)
     # Free of stress under P0. The energy of its strain is kept beside its heat, so that the run
     # tells what time steps lose of it: "lost energy".
-    more = {"p_ref": P0, "law": "svk", "heat": "elastic"}
-    steel = ElasticSolid(mu, lam, 0.0, DENSITY, 470.0, **more)
+    steel = ElasticSolid(mu, lam, 0.0, DENSITY, 470.0, p_ref=P0, law="svk", heat="elastic")
     rho, d = P0 / (air.R * T0), opt["plate_thickness"]
 
     def quiet(X, Y):

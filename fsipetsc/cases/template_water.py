@@ -43,8 +43,8 @@ def build(opt):
     if nu >= 0.5:
         raise InputError(f"-tube_poisson {nu:g}: expected less than 0.5")
     mu = 0.5 * E / (1.0 + nu)
-    more = {"p_ref": P0, "law": "neo-hookean", "heat": "elastic"}
-    wall = ElasticSolid(mu, 2 * mu * nu / (1 - 2 * nu), 0.0, opt["tube_density"], 1000.0, **more)
+    lame, density = (mu, 2 * mu * nu / (1 - 2 * nu)), opt["tube_density"]
+    wall = ElasticSolid(*lame, 0.0, density, 1000.0, p_ref=P0, law="neo-hookean", heat="elastic")
     # Where the water slows down the tube widens, by as much as water that is hardly compressed
     # needs; without this, the first moment would be a sound wave across the tube.
     speed, ramp, length = opt["water_speed"], opt["water_ramp"], opt["tube_length"]
