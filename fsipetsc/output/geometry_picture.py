@@ -95,7 +95,7 @@ def _of_layer(problem: Problem, k: int, h: float) -> Outline:
     """A layer of the paper's method, whose nodes are counted from its interface."""
     layer, sides = problem.layers[k], {}
     gas, (begin, end) = layer.kind == "fluid", layer.X
-    steps = h * np.arange(1 + (ceil((end - begin) / h - 1e-9) if gas else layer.cells(h)))
+    steps = h * np.arange(1 + (ceil((end - begin) / h - 1e-9) if gas else layer.fitting(h)))
     X = end - steps[::-1] if gas and k == 0 else begin + steps
     for side in (0, 1):
         if (stands := problem.end(k, side)) is not None:
