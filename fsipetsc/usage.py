@@ -56,7 +56,8 @@ def _laid_out(title: str, sections: Mapping[str, Mapping[str, str]], most: int) 
     for heading, rows in sections.items():
         lines += ["", heading]
         for name, text in rows.items():
-            lines += [f"  {name}"] if len(name) > left else []
+            below = textwrap.wrap(name, WIDTH, initial_indent="  ", subsequent_indent=" " * 4)
+            lines += below if len(name) > left else []
             form.initial_indent = f"  {'' if len(name) > left else name:<{left}}  "
             lines += form.wrap(text) or [form.initial_indent.rstrip()]
     return "\n".join(lines)

@@ -12,7 +12,7 @@ import time
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, environment, launch, message, mpirun, run
+from helpers import PATIENCE, REPOSITORY, environment, launch, message, mpirun, run
 
 from fsipetsc.equations.gas import Gas
 from fsipetsc.errors import InputError
@@ -380,7 +380,7 @@ def test_a_signal_during_compilation_is_answered_at_once(number, within, tmp_pat
         assert process.poll() is None
         time.sleep(0.01)
     process.send_signal(number)
-    status = process.wait(timeout=30)
+    status = process.wait(timeout=PATIENCE)
     if within == "the program":
         said = os.read(process.stderr.fileno(), 1000).decode()
         assert f"fsipetsc: error: stopped by {number.name}\n" in said

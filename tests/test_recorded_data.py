@@ -160,6 +160,30 @@ def test_another_amplitude_and_frequency_is_the_same_text():
     assert texts[0] == texts[1] and texts[0]
 
 
+def test_a_place_that_becomes_no_number_ends_the_run(tmp_path):
+    """Also where velocity and acceleration stay finite: its derivative is that of both branches."""
+    (tmp_path / "gone.py").write_text(GONE)
+    done = solve("gone.py", cwd=tmp_path)
+    message(done, 2, "x of the left end at t = 0.2", "x = nan: expected a finite number")
+    with fsipetsc.open_run(tmp_path / "gone.h5") as run:
+        assert np.isfinite(run.layers[0]["x"][:-1]).all() and run.summary["status"] == "failed"
+
+
+#: a wall whose place is no number from 0.2 on
+GONE = """
+import numpy as np
+from fsipetsc import Fluid, FluidLayer, Problem, Wall
+
+OPTIONS, DEFAULTS = (), {"fsi_h": 0.05, "ts_max_time": 0.5}
+
+def build(opt):
+    start = lambda X: (1.0 + 0.0 * X, 0.0 * X, 1.0 + 0.0 * X)
+    layer = FluidLayer("gas", Fluid(0.0, 0.0, 1.4, 1.0), (0.0, 1.0), start)
+    wall = Wall(lambda t: np.where(t < 0.2, 0.02 * np.sin(3.0 * t) ** 2, np.nan))
+    return Problem((layer,), wall, Wall(1.0), units="none")
+"""
+
+
 # runs
 
 #: name -> options of the case

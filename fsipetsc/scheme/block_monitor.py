@@ -65,8 +65,9 @@ def measure(part, q, metrics, own, n, i):
     convection, diffusion = bounds(gas, w, 1.0 / here[0], metrics, part.per_h, n)
     J = part.grid.jacobian(part.metrics.reshape(-1), N, n, of_map)
     positive = np.minimum(np.minimum(w[0], w[2]), here[0]) > 0.0
-    bad = np.where((convection < np.inf) & (diffusion < np.inf) & positive, 0.0, 1.0)
     apart = abs(here[0] - J) / abs(J)
+    known = (convection < np.inf) & (diffusion < np.inf) & (apart < np.inf)  # so are the places
+    bad = np.where(known & positive, 0.0, 1.0)
     for c, number in enumerate((bad, convection, diffusion, -here[0] / of_map, apart)):
         raise_to(room, c * COLUMNS + i, number)
     found = gas_densities(gas, here, w, column(part.like, part.places, n))
