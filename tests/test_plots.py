@@ -200,6 +200,20 @@ def test_contours_streamlines_and_the_solid_beside_what_only_a_gas_has(results):
         assert inside.mean() > 0.7 and np.nanmean(away) < 0.02 * np.abs(gas[name]).max()
 
 
+def test_edges_between_blocks_are_thin_and_a_ring_has_no_seam(results):
+    """Two squares beside each other, and a ring."""
+    view, axes = fields.View(results["blast"], Near("p", {"fluid": "p"}), [0]), Figure().subplots()
+    x, y = np.meshgrid(np.linspace(0.0, 1.0, 4), np.linspace(0.0, 1.0, 3))
+    angle = np.append(np.linspace(0.0, 5.0, 6), 0.0)
+    ring = [np.outer(r, [1.0, 2.0]) + 9.0 for r in (np.cos(angle), np.sin(angle))]
+    view._outline(axes, [[x, y], [x + 1.0, y], ring])
+    lines = [line for line in axes.lines if line.get_alpha() is None]  # not those of the grid
+    drawn = [(line.get_linewidth(), line.get_xydata()) for line in lines]
+    thick, thin = ([xy for w, xy in drawn if w == width] for width in (0.8, 0.3))
+    assert len(thick) == 3 + 3 + 2 and len(thin) == 2
+    assert all((xy[:, 0] == 1.0).all() for xy in thin)
+
+
 def test_schlieren_are_of_the_gradient_in_space(results):
     """On a grid that is curved and skewed; of a quadratic density it is exact but at edges."""
     xi, eta = np.meshgrid(np.linspace(0, 1, 41), np.linspace(0, 1, 31))

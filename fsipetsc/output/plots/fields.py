@@ -23,9 +23,12 @@ ABOVE = 0.4  # inches, of what stands above and below a panel
 BAR = 0.72  # inches, of a colour bar with its label
 MARGIN = 0.02  # of the extent, around it
 THIN = 0.2  # height over width; what is thinner is drawn higher than it is
+ALIKE = 0.1  # span of values over the larger one; if gas and solid have more, they share colours
 NEAR = 1e-4  # of values that span less of their size, one is subtracted
+STILL = 1e-3  # of the largest speed; there are no streamlines where it is less
 STREAM = 150  # points along each side of a panel, between which streamlines go
 CORNERS = slice(-1), slice(1, None)  # of cells, along an axis
+SIDES = (0, 0), (0, -1), (1, 0), (1, -1)  # axis and index of an edge of a block
 LINES = 40  # of the grid in a solid as long as a panel
 WIDE = 1.25  # width over height; of what is wider, two panels stand beside each other, else three
 
@@ -88,20 +91,29 @@ class View:
         return labelled(self.run, name + less, self.quantity.unit)
 
     def _colour(self, values: list[list[Array]]) -> None:
-        """Make scales and bars, one for all kinds of layers whose values have a sign, or none."""
+        """Make scales and bars. Gas and solid share them where their values are alike; what comes
+        through to a solid may be little.
+        """
         quantity, last = self.quantity, [layer.frame(-1) for layer in self.run.layers]
         same = [v for of in last for k, v in of.items() if written(unit_of(k)) == quantity.unit]
-        for sign in {*map(quantity.signed, quantity.labels)}:
-            kinds = [kind for kind in quantity.labels if quantity.signed(kind) == sign]
-            some = [k for k, layer in enumerate(self.layers) if layer.kind in kinds]
-            later = [np.ravel(v) for k in some for v in values[k][1:] or values[k]]
-            start = [np.ravel(self.at(self.layers[k], 0)[-1]) for k in some]
+        labels, pairs = quantity.labels, list(zip(self.layers, values))
+        spans = [
+            max(np.ptp(extremes(*of)) for layer, of in pairs if layer.kind == kind)
+            for kind in labels
+        ]
+        alike = len({*map(quantity.signed, labels)}) == 1 and min(spans) >= ALIKE * max(spans)
+        for kinds in [[*labels]] if alike else [[kind] for kind in labels]:
+            some = [pair for pair in pairs if pair[0].kind in kinds]
+            later = [np.ravel(v) for _, of in some for v in of[1:] or of]
+            start = [np.ravel(self.at(layer, 0)[-1]) for layer, _ in some]
             # stresses are what they are at rest where nothing happens
             rest = np.nanmedian(np.concatenate(start)) if quantity.unit == "Pa" else 0.0
             name, beside = quantity.name if "fluid" in kinds else "solid", extremes(*same)
-            white = float(f"{rest:.2g}") if sign else None
+            white = float(f"{rest:.2g}") if quantity.signed(kinds[0]) else None
             scale = style.colours(np.concatenate(later), white, name, max(map(abs, beside)))
-            label = "; ".join(dict.fromkeys(quantity.labels[kind] for kind in kinds))
+            label = "; ".join(dict.fromkeys(labels[kind] for kind in kinds))
+            if not alike and label == quantity.title and len(labels) > 1:
+                label = f"{'gas' if kinds == ['fluid'] else 'solid'}: {label}"
             white = 0.5 * (scale["vmin"] + scale["vmax"])
             if scale["cmap"] in style.SIGNED.values() and abs(white) > 1e-9 * scale["vmax"]:
                 label += f", white: {white:.2g}".replace("-", "\u2212")
@@ -136,10 +148,12 @@ class View:
         """The edges of solids, those between two blocks thin, and a fine grid, which shows how they
         are deformed.
         """
-        edges = [[v.take(end, k) for v in of] for of, k, end in product(solids, (0, 1), (0, -1))]
+        edges = [[v.take(end, k) for v in of] for of, (k, end) in product(solids, SIDES)]
         places = [frozenset(zip(*edge)) for edge in edges]
         for edge, place in zip(edges, places):
-            for color, width in style.OUTLINE if places.count(place) == 1 else style.OUTLINE[2:]:
+            of = [k // len(SIDES) for k, other in enumerate(places) if other == place]
+            lines = style.OUTLINE[:2] if len(of) == 1 else style.OUTLINE[2:]
+            for color, width in lines if len({*of}) == len(of) else ():  # a seam of a ring is none
                 axes.plot(*edge, color=color, linewidth=width)
         for (x, y), axis in product(solids, (0, 1)):
             steps = np.hypot(np.diff(x, axis=axis), np.diff(y, axis=axis))
@@ -163,6 +177,8 @@ class View:
                 for of, values in zip(flow, (u, v)):
                     found = LinearTriInterpolator(mesh, values.ravel())(*np.meshgrid(x, y))
                     np.copyto(of, found.data, where=~found.mask)
+        speed = np.hypot(*flow)
+        flow[:, speed < STILL * np.nanmax(speed)] = np.nan
         axes.streamplot(x, y, *flow, color="white", linewidth=0.5, arrowsize=0.5)
 
 
@@ -184,13 +200,13 @@ def sizes(view: View, count: int) -> tuple[int, float, float]:
 
 def draw(figure: FigureBase, view: View) -> None:
     """A panel for each frame, colour bars or a legend above."""
-    count = len(view.frames)
-    grid = style.panels(figure, count, sizes(view, count)[0], sharex=True, sharey=True)
+    columns, width, _ = sizes(view, len(view.frames))
+    grid = style.panels(figure, len(view.frames), columns, sharex=True, sharey=True)
     for axes, frame in zip(grid.flat, view.frames):
         pictures = view.draw(axes, frame)
         axes.set_title(style.moment(view.run, frame), loc="left")
         axes.label_outer()
-    grid[0, 0].locator_params(axis="x", nbins=4)
+    grid[0, 0].locator_params(axis="x", nbins=min(4, int(1 + 2 * width)))
     if not pictures and len(view.scales) > 1:
         style.legend_above(grid[0, -1], side="right")
     draw_bars(figure, view, pictures, list(grid.flat))

@@ -7,7 +7,7 @@ import os
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,13 +17,7 @@ from fsipetsc.output.file_layout import writing
 from fsipetsc.output.reader import Run
 from fsipetsc.output.units import is_si
 
-if TYPE_CHECKING:  # results are read without matplotlib, too
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure, FigureBase
-    from matplotlib.text import Text
-else:
-    Axes = Figure = FigureBase = Text = Any
-
+Axes = Figure = FigureBase = Text = Any  # of matplotlib, without which results are read, too
 Array = np.ndarray
 
 BLUE, RED, GREEN, ORANGE, BLACK = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#222222"
