@@ -38,7 +38,7 @@ class View:
 
     layers   those that have the quantity, and in two and three dimensions solids
     base     what is subtracted from values that vary by little, else 0
-    scales   kind of layer -> colours of its maps, for frames after the first one
+    scales   kind of layer -> colours of its maps, for frames after the start
     bars     kind of layer -> label of its colour bar, which other kinds may share
     limits   (left, right), (lower, upper) of a panel
     labels   of its two axes
@@ -104,7 +104,8 @@ class View:
         alike = len({*map(quantity.signed, labels)}) == 1 and min(spans) >= ALIKE * max(spans)
         for kinds in [[*labels]] if alike else [[kind] for kind in labels]:
             some = [pair for pair in pairs if pair[0].kind in kinds]
-            later = [np.ravel(v) for _, of in some for v in of[1:] or of]
+            begins = int(self.frames[0] == 0)  # what is there at first goes far beyond what comes
+            later = [np.ravel(v) for _, of in some for v in of[begins:] or of]
             start = [np.ravel(self.at(layer, 0)[-1]) for layer, _ in some]
             # stresses are what they are at rest where nothing happens
             rest = np.nanmedian(np.concatenate(start)) if quantity.unit == "Pa" else 0.0
