@@ -15,6 +15,8 @@ _FIELDS = {
     "m s-1": "u v w",
 }
 _UNITS = {name: unit for unit, names in _FIELDS.items() for name in names.split()}
+
+
 class Described(Protocol):
     """A run, or what knows as much of its units."""
 
