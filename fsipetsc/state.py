@@ -40,6 +40,8 @@ class State:
     which all learn after the step.
     """
 
+    #: time of the solution that is saved [s], of which notes tell
+    time = 0.0
     #: when -> what says something of a state then
     NOTES: Mapping[str, Sequence[Callable[[Any], Sequence[str]]]] = MappingProxyType({})
     comm: MPI.Comm

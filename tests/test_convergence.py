@@ -74,6 +74,7 @@ def test_a_run_that_fails_is_one_line_of_the_table(tmp_path):
     done = solve(*line.split(), cwd=tmp_path)
     assert done.returncode == 3 and "  failed: " in done.stdout
     assert done.stderr.count("\n") == 1 and "failed; order " in done.stderr
+    assert "computed before" not in done.stderr + done.stdout, "it is removed"
     assert (tmp_path / "mms-convergence.csv").read_text().count("\n") == 2
     assert not (tmp_path / "mms-convergence.png").exists()
 

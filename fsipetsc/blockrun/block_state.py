@@ -50,11 +50,6 @@ class BlockState(BlockSolution):
 
     # set-up
 
-    @property
-    def time(self) -> float:
-        """That of the solution, or of the next evaluation of the right-hand side [s]."""
-        return self._t
-
     def check_data(self) -> None:
         """Ask the case's functions for all data at t = 0. InputError."""
         together(self.comm, lambda: self.scheme.initial(0.0, self.y))

@@ -32,6 +32,10 @@ from fsipetsc.stepping.solve import build_problem, make_state
 SET_UP, LOOP, OUTPUT = "set-up", "time loop", "output"
 
 
+#: before the place of what a run that failed has computed
+REMAINS = "; what was computed before is in "
+
+
 def stage(name: str) -> AbstractContextManager[Any]:
     """What is done within belongs to a stage of -log_view; one within another interrupts it."""
     return PETSc.Log.Stage(name) if PETSc.Log.isActive() else nullcontext()
@@ -158,6 +162,7 @@ class _Run:
     # what the integrator calls
 
     def _frame(self, t: float) -> None:
+        self.state.time = t
         with stage(OUTPUT):
             self.writer.write_frame(t, self.state.save())
             self.report.notes(self.state.notes("saved"))
@@ -236,7 +241,7 @@ class _Run:
         where = f"{self.writer.folder} (opened as {path.name})" if number else str(path)
         self.report.end(summary, found, where)
         if failure is not None:
-            failure.args = (f"{failure}; what was computed before is in {where}",)
+            failure.args = (f"{failure}{REMAINS}{where}",)
             raise failure
         if number:
             when = f"{signal.Signals(number).name} at t = {self.integrator.t:.6g}{self.unit}"

@@ -69,11 +69,15 @@ def convergence(arguments: list[str], comm: Comm) -> None:
     if study.rows and len(hs) < 2:
         say("\none grid shows no order: -fsi_hs takes several, as in -fsi_hs 0.05,0.025")
     source = "exact solution" if exact else "next grid"
-    lines = [
-        [*line, *study.costs.get((row.order, h), [""] * len(COST))]
-        for row in study.rows
-        for h, line in zip(hs, row.lines(comm.size, source))
-    ]
+    lines: list[list[object]] = []
+    told_of: set[tuple[int, float]] = set()
+    for row in study.rows:
+        for h, line in zip(hs, row.lines(comm.size, source)):
+            lines.append([*line, *study.costs.get((row.order, h), [""] * len(COST))])
+            told_of.add((row.order, h))
+    for order, h in study.costs.keys() - told_of:  # the finest grid of those that are compared
+        place = ["", order, h, comm.size]
+        lines.append([case.NAME, *place, *[""] * (len(COLUMNS) - 5), *study.costs[order, h]])
     save_csv(comm, path, [*COLUMNS, *COST], lines, about)
     picture = partial(convergence_picture, study, about, path.with_suffix(".png"))
     files = [path, *(on_first(comm, picture) or ())]
@@ -138,7 +142,7 @@ def _run_order(
 ) -> list[Row]:
     """Run all grids of an order: its rows; costs and failures go to the study. Collective;
     InputError where grids have no node in common; FileError."""
-    from fsipetsc.stepping.run import run_case
+    from fsipetsc.stepping.run import REMAINS, run_case
 
     order, end = opt["fsi_order"], opt["ts_max_time"]
     times = (end,) if study.exact else tuple(end * np.arange(1, SAMPLES + 1) / SAMPLES)
@@ -152,12 +156,15 @@ def _run_order(
             cost = study.costs[order, h] = [runs[h].summary[name] for name in COST]
             outcome = f"{cost[0]:>8.0f} points{cost[1]:>8.0f} steps{cost[3]:>9.2f} s"
         except ComputationError as error:
-            study.failures.append(f"order {order}, h = {h:g}: {error}")
-            outcome = f"  failed: {error}"
+            why, _, _ = str(error).partition(REMAINS)  # which is removed with the others
+            study.failures.append(f"order {order}, h = {h:g}: {why}")
+            outcome = f"  failed: {why}"
         say(f"{operator(order).name}  h = {h:<9.6g}{outcome}")
     errors = {h: run.errors for h, run in runs.items()}
     if not study.exact:
-        between = together(comm, lambda: [*differences([*runs.values()], opt["fsi_norm"])])
+        several = [*runs.values()] if len(runs) > 1 else []  # of fewer nothing can be compared
+        norm = opt["fsi_norm"]
+        between = together(comm, lambda: [*differences(several, norm)] if several else [])
         errors = {
             h: found
             for h, next_h, found in zip(runs, [*runs][1:], between)

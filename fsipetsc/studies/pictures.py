@@ -34,7 +34,10 @@ def convergence_picture(study: Study, about: str, path: Path) -> list[Path]:
         looks = {order: dict(zip(("color", "marker"), ORDERS[order])) for order in study.orders}
         for axes, kind in zip(panels, kinds):
             own = [row for row in rows if row.quantity == kind]
-            rates = [f"  ({row.observed[-1]:.1f})" if row.observed else "" for row in own]
+            rates = [
+                f"  ({row.observed[-1]:.1f})" if np.isfinite(row.observed[-1:]).any() else ""
+                for row in own
+            ]
             labels = [operator(row.order).name + rate for row, rate in zip(own, rates)]
             _errors(axes, own, [looks[row.order] | {"label": x} for row, x in zip(own, labels)])
             axes.set_title(kind.removesuffix("/combined"), loc="left")

@@ -71,13 +71,14 @@ def stability(arguments: list[str], comm: Comm) -> None:
     states = [state.swept(*both) for both in ratios] if opt["sweep"] else [state]
     coupling, narrow = opt["fsi_coupling"], opt["fsi_viscous"] == "narrow"
     how = opt["stability_points"], opt["fsi_h"], coupling, narrow
-    path = csv_target(opt["fsi_output"] or f"stability-{coupling}")
+    name = opt["fsi_output"] or f"stability-{coupling}"
+    path = csv_target(name) if opt["sweep"] else None
     tasks, say = list(product(opt["fsi_orders"], states)), printer(comm, opt)
     results = shared(comm, tasks, lambda task: measure(task[1], task[0], *how))
     say(f"stability of {coupling}: {THEORY[coupling]}\nsolid | gas at rest, linearised (4.2)")
     say(f"gas    p {state.p:g} Pa; solid  p {state.solid_pressure:g} Pa, sigma {state.stress:g} Pa")
     say(f"\n{table(results)}\n")
-    if opt["sweep"]:
+    if path is not None:
         save_csv(comm, path, results[0]._fields, results)
         say(f"saved {path}")
     judge(results)

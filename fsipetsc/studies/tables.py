@@ -74,9 +74,10 @@ def on_first(comm: Comm, action: Callable[[], Result]) -> Result | None:
 
 
 def csv_target(name: str) -> Path:
-    """The CSV file of a study that is called NAME, whatever suffix the name has. FileError."""
+    """The CSV file of a study that is called NAME, NAME.csv, NAME.h5 or NAME.png. FileError."""
     given = Path(name)
-    path = given.with_suffix(".csv") if given.name else given
+    bare = given.with_suffix("") if given.suffix in (".csv", ".h5", ".png") else given
+    path = bare.with_name(f"{bare.name}.csv") if given.name else given
     check_folder(path)
     if path.is_dir():
         raise FileError(f"{path}: is a directory")
