@@ -61,7 +61,7 @@ def test_what_can_hardly_be_meant_is_questioned_at_the_start(coupling, tmp_path)
     assert done.returncode == 0, done.stderr
     said = [f"'{name}' is nowhere warmer than T = 20 K: " for name in ("below", "rod", "above")]
     said.append("-fsi_cfl 4 is 4 times the bound on the step at t = 0 s")
-    assert done.stdout.count("note: ") - done.stdout.count("J has") == len(said)
+    assert done.stdout.count("note: ") == len(said)
     for note in said:
         assert f"note: {note}" in done.stdout
 
