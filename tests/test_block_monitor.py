@@ -13,7 +13,6 @@ from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme import plan
 from fsipetsc.scheme.batch import ALLOWED, LONGEST, MADE, TIME, Plan, plan_next
 from fsipetsc.stepping.ledgers import Ledgers
-from fsipetsc.stepping.progress import remarks
 
 
 def warped(mu):
@@ -114,12 +113,6 @@ def test_what_a_summary_tells_of_losses_and_volumes():
     steps["J_error"][1] = 0.001, 0.03
     again = told(steps, 2)
     assert again.lost == pytest.approx(0.0025) and again.J_error == 0.03
-    departed, lost = remarks({"J_error": again.J_error, "lost_energy": again.lost})
-    assert "J has departed by 3 %" in departed and "lost 0.25 %" in lost
-    assert remarks({"J_error": 0.0099, "lost_energy": 0.0009}) == []
-    assert remarks({"J_error": 0.0}) == [] and len(remarks({"J_error": np.nan})) == 1
-    (won,) = remarks({"J_error": 0.0, "lost_energy": -0.02})
-    assert "won 2 %" in won, "energy that comes from nowhere is no loss"
 
 
 @pytest.mark.parametrize("cuts", [(), (1,), (2, 5, 6), range(1, 60)])

@@ -217,7 +217,7 @@ def curved(xi):
 
 
 def third():
-    """Its left face is that of 'b'; no volumes overlap where they are sampled."""
+    """Its left face is that of 'b'."""
     return Block("c", GAS, maps.corners((1, 0), (2, -6), (1, 1), (2, -5)), (8, 8), nothing)
 
 
@@ -279,7 +279,6 @@ WRONG = {
         walls("a", but=[("a", 0, 1)])
     ),
     r"nearest is block 'b', face \(axis 0, side 0\), 0.01 away": lambda: two(beside(1.01)),
-    r"'a' and block 'b' overlap at \(X, Y\) = \(0.": lambda: two(beside(0.8)),
     r"has 9 nodes, block 'b'.* that it meets has 10": lambda: two(beside(cells=(8, 9))),
     r"do not conform at \(X, Y\) = \(1, 0.125\)": lambda: two(square("b", map=curved)),
     r"side 1\) meets block 'b', .* is named NoSlip\(…\), too": lambda: BlockProblem(

@@ -56,14 +56,11 @@ def test_bad_input(line, ranks, tmp_path):
 
 @pytest.mark.parametrize("coupling", ["conservative", "projection"])
 def test_what_can_hardly_be_meant_is_questioned_at_the_start(coupling, tmp_path):
-    line = f"rod -rod_T0 20 -fsi_cfl 4 -fsi_h 0.1 -ts_max_steps 1 -fsi_coupling {coupling}"
+    line = f"rod -fsi_cfl 4 -fsi_h 0.1 -ts_max_steps 1 -fsi_coupling {coupling}"
     done = solve(*line.split(), cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    said = [f"'{name}' is nowhere warmer than T = 20 K: " for name in ("below", "rod", "above")]
-    said.append("-fsi_cfl 4 is 4 times the bound on the step at t = 0 s")
-    assert done.stdout.count("note: ") - done.stdout.count("J has") == len(said)
-    for note in said:
-        assert f"note: {note}" in done.stdout
+    assert done.stdout.count("note: ") == 1
+    assert "note: -fsi_cfl 4 is 4 times the bound on the step at t = 0 s" in done.stdout
 
 
 def test_a_layer_that_becomes_too_short(tmp_path):

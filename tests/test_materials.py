@@ -243,7 +243,6 @@ def test_what_is_wrong_with_a_material(said):
     assert said in str(caught.value)
 
 
-@pytest.mark.long
 class Doubtful(NamedTuple):
     """A law of numbers of its own, one of whose formulas is wrong."""
 

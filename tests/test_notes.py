@@ -39,8 +39,6 @@ def build(opt):
         return replace(problem, left=Wall(lambda t: 0.1 + 0.0 * t, velocity=lambda t: 0.0 * t))
     if opt["changed"] == "fixed":
         return replace(problem, left=Wall(0.1))
-    if opt["changed"] == "mapping":
-        below = replace(below, mapping="rigid")
     if opt["changed"] == "heated":
         return replace(problem, left=replace(problem.left, T=1.05 * T))
     if opt["changed"] == "hot":
@@ -58,7 +56,6 @@ NOTES = {
     "nothing": [],
     "wall": ["a wall of 'driven' is 0.1 m from the end of its block at t = 0: the grid of the gas"],
     "fixed": ["layer 'driven' ends at X = 0, its Wall is at x = 0.1: the gas is stretched to it"],
-    "mapping": ["mapping of layer 'driven' is 'rigid', and changes nothing: with -fsi_coupling"],
     "sign": [f"at t = 0 'driven' {SIGN}", f"at t = 0 'behind' {SIGN}"],
     "hot": ["at the end the temperature in 'behind' changes by … at X = 2.2 m: the layer there"],
     "heated": ["at the end the temperature in 'driven' changes by … at X = 0 m: the layer there"],

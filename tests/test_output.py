@@ -1,7 +1,6 @@
 """Result files: what a run writes is what the reader reads, whatever happens in between."""
 
 import os
-import shutil
 
 import numpy as np
 import pytest
@@ -119,15 +118,6 @@ def test_a_reader_that_comes_while_pieces_are_cleared_sees_all(left, monkeypatch
 
     monkeypatch.setattr(reader, "pieces", cleared)
     assert beginning(left, whole) == (13, len(whole.series["t"]))
-
-
-def test_a_file_that_another_one_has_replaced_is_not_read(tmp_path, whole):
-    path = shutil.copy(whole.path, tmp_path / "run.h5")
-    result = fsipetsc.open_run(path)
-    os.replace(made(tmp_path / "other.h5", 3).path, path)
-    for _ in range(2):
-        with pytest.raises(FileError, match="has changed since it was opened; open it again"):
-            result.layers[0]["T"]
 
 
 def test_a_result_without_frames_says_so(left):

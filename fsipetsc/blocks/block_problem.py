@@ -17,7 +17,6 @@ from fsipetsc.blocks.conditions import Centre, Condition, Hinge, conserves_energ
 from fsipetsc.blocks.faces import FaceName, Faces, Kinds, Meeting, face_nodes, number_of, united
 from fsipetsc.blocks.gas_laws import GasLaws
 from fsipetsc.blocks.maps import place_text
-from fsipetsc.blocks.overlap import check_overlap
 from fsipetsc.checks import Array, described, function
 from fsipetsc.errors import InputError
 from fsipetsc.materials.own import knows_entropy
@@ -46,7 +45,7 @@ class BlockProblem:
             sector of unit angle, or of unit solid angle.
 
     Raises:
-        InputError: a face has no condition, blocks overlap, or something else does not fit.
+        InputError: a face has no condition, or something else does not fit.
     """
 
     blocks: Sequence[Block]
@@ -70,7 +69,6 @@ class BlockProblem:
         self._check_blocks()
         form = "jumps(*X, t) -> (traction per axis, heat)"
         function(self.jumps, "BlockProblem: jumps", form, optional=True)
-        check_overlap(blocks)
         faces = Faces(blocks, self.faces)
         self._put("faces", faces.named)
         self._check_symmetry()

@@ -28,7 +28,7 @@ from fsipetsc.options import Option, groups, is_option
 from fsipetsc.usage import PROGRAM
 
 BUILT_IN = (
-    *("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock", "plane_mms", "blast"),
+    *("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock", "blast"),
     *("panel", "wave", "tube", "oblique", "step", "fin", "cylinder", "box_mms", "ring", "disk"),
     *("shell", "nozzle", "body_mms", "elastic_piston", "superseismic", "viscous_tube"),
 )

@@ -12,13 +12,9 @@ if TYPE_CHECKING:
 
 
 def to_xarray(run: Any) -> xarray.Dataset:
-    """All frames and series of a result, a Run of fsipetsc.output.reader.
-
-    Fields are variables "LAYER.FIELD" of the dimensions time and X_LAYER (in two dimensions time,
-    Y_LAYER, X_LAYER), with the reference coordinates, of a curved block "LAYER.X" …; the positions
-    "LAYER.x" … are coordinates. Series are "series.NAME" of the dimension step, with the coordinate
-    t, and interface, gas, layer, face or point, which have names. A name of a layer is written with
-    _ in the place of blanks. Attributes: case, options; of variables units.
+    """The dataset that `Run.to_xarray` describes, of a Run. The reference coordinates of a curved
+    block are "LAYER.X" …; the positions "LAYER.x" … are coordinates, too. A series with several
+    columns has the dimension interface, gas, layer, face or point, which has names.
 
     Raises ImportError without xarray, FileError where the result is damaged.
     """

@@ -26,7 +26,6 @@ Layers = Sequence[Mapping[str, Any]]  # as in the header
 _NAMES = "names"  # attribute of the group of series: their names
 _SPARE = 1 << 16  # bytes for what HDF5 needs besides the numbers
 _AT_ONCE = 1 << 26  # bytes of frames that are copied at once
-_MOST_COMPRESSED = 1000  # a dataset that claims more than so many times its file is damaged
 
 
 class Kept(NamedTuple):
@@ -116,7 +115,6 @@ class Contents:
         self._shapes = [tuple(layer["shape"]) for layer in layers]
         self.series: dict[str, tuple[int, ...]] = {}
         self._counts: list[tuple[Path, int, int]] = []  # of frames and steps in each file
-        self._marks: dict[Path, tuple[int, ...]] = {}  # by which a file is known again
         for path in files:
             self._add(path)
         times = np.concatenate([[-np.finfo(float).tiny], self.time])
@@ -125,7 +123,7 @@ class Contents:
 
     def _add(self, path: Path) -> None:
         """Note what a file holds."""
-        with self._opened(path) as file:
+        with open_h5(path) as file:
             if [*file.attrs.get("first", (0, 0))] != [self.nframes, self.rows]:
                 raise ValueError(f"what comes before {path.name} is missing")
             time, (rows, series) = _numbers(file, "time", 1)[...], self._series(file)
@@ -183,7 +181,7 @@ class Contents:
         for path, _, count in self._counts:
             end = min(begin + count, rows)
             if begin < end:
-                with self._opened(path) as file:
+                with open_h5(path) as file:
                     for name in into:
                         with damage(str(path)):
                             values = file[f"series/{name}"][: end - begin]
@@ -197,7 +195,7 @@ class Contents:
             a, b = max(first, 0), min(end, count)  # of this file
             first, end = first - count, end - count
             if a < b:
-                with self._opened(path) as file:
+                with open_h5(path) as file:
                     rows = self._rows(file[f"layer{k}"], k, names, a, b)
                 for parts, values in zip(found, rows):
                     parts.append(values)
@@ -212,24 +210,12 @@ class Contents:
         table = group["frames"][:, a * width : b * width].reshape(-1, b - a, width)
         return [table[..., self._columns[k].index(name)].T for name in names]
 
-    def _opened(self, path: Path) -> h5py.File:
-        """A file, opened. FileNotFoundError where another one has its name now."""
-        file, now = open_h5(path), os.stat(path)
-        mark = now.st_ino, now.st_size, now.st_mtime_ns
-        if self._marks.setdefault(path, mark) != mark:
-            file.close()
-            raise FileNotFoundError(path)
-        return file
-
 
 def _numbers(file: h5py.File, name: str, ndim: int | None = None) -> h5py.Dataset:
-    """A dataset of numbers, no larger than the file can hold."""
+    """A dataset of numbers."""
     found = file[name]
     if not isinstance(found, h5py.Dataset) or found.dtype.kind not in "iuf" or not found.ndim:
         raise ValueError(f"{name} is no array of numbers")
-    size = found.size * found.dtype.itemsize
-    if size > _MOST_COMPRESSED * max(1024, os.path.getsize(file.filename)):
-        raise ValueError(f"{name} claims to have {size:.3g} bytes")
     if found.ndim != (ndim or found.ndim):
         raise ValueError(f"{name} has {found.ndim} dimensions")
     return found

@@ -1,11 +1,10 @@
-"""What is said of a state that cannot be gone on from, of steps that are too long, of °C."""
+"""What is said of a state that cannot be gone on from, and of steps that are too long."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 
 from fsipetsc.errors import ComputationError
 from fsipetsc.scheme.batch import longest_step
@@ -15,8 +14,6 @@ from fsipetsc.state import Seen, State
 #: Courant number beyond which steps are said to be long: the classical method, on a periodic grid,
 #: is unstable beyond 1.6 to 2.8 (orders 8 to 2)
 FAR = 1.5
-#: a layer that is colder than this everywhere [K] has its temperature in °C, most likely
-COLD = 100.0
 #: the square of a larger number is none
 TOO_LARGE = 1e150
 #: fields that must be above 0; others need only be finite
@@ -114,18 +111,3 @@ def beyond_bound(state: State, opt: Mapping[str, Any]) -> str:
     asked = f"-ts_dt {step:g}{s}" if opt["ts_dt"] else f"-fsi_cfl {opt['fsi_cfl']:g}"
     bound = f"the bound on the step at t = 0{s}, {1 / rate:.3g}{s}"
     return f"{asked} is {step * rate:.3g} times {bound}"
-
-
-def cold_layers(state: State) -> list[str]:
-    """A note for each layer whose temperature can hardly be in K. Collective."""
-    problem = state.problem
-    hottest = np.full(len(problem.layers), -np.inf)
-    for part in state.seen():
-        hottest[part.layer] = np.max(part.values["T"], initial=-np.inf)
-    state.comm.Allreduce(MPI.IN_PLACE, hottest, MPI.MAX)
-    return [
-        f"'{layer.name}' is nowhere warmer than T = {T:.6g} K: "
-        "temperatures are in K; is this one in °C?"
-        for layer, T in zip(problem.layers, hottest.tolist(), strict=True)
-        if problem.units == "SI" and T < COLD
-    ]

@@ -18,10 +18,6 @@ from fsipetsc.state import State
 
 #: wall seconds before the first line of progress; with -fsi_progress or on a terminal; the most
 FIRST, SOON, RAREST = 10.0, 2.0, 60.0
-#: a larger departure of J from the volume of the grid is told
-MOST_J_ERROR = 0.01
-#: and a larger part of their kinetic and elastic energy that solids have lost or won
-MOST_LOST = 0.001
 #: by kind of layer: names of the bounds by convection and by diffusion
 _BOUNDS = {"fluid": ("sound", "viscosity and conduction"), "solid": ("waves", "conduction")}
 
@@ -103,25 +99,6 @@ class Reporter:
         norm = self._opt["fsi_norm"]
         of_kinds = [(f"{norm} errors, {kind}", text) for kind, text in error_rows(errors or {})]
         self.line(table([*summary_rows(summary, self._s), *of_kinds]))
-        for note in remarks(summary):
-            self.line(note)
         self.line(f"result in {place}")
         if summary["status"] == "done":
             self.line(f"next: python -m fsipetsc plot {shlex.quote(self._opt['fsi_output'])}")
-
-
-def remarks(summary: Mapping[str, Any]) -> list[str]:
-    """A line if J has departed far from the volume of the grid; another one if steps have lost or
-    won much of the kinetic and elastic energy of solids.
-    """
-    found, J_error, lost = [], summary["J_error"], summary.get("lost_energy", 0.0)
-    if not J_error <= MOST_J_ERROR:
-        departed = f"note: J has departed by {100 * J_error:.2g} % from the volume of the grid"
-        found.append(f"{departed} (J_error)")
-    if abs(lost) > MOST_LOST:
-        what, heat = ("lost", "became heat") if lost > 0.0 else ("won", "was heat before")
-        found.append(
-            f"note: the steps have {what} {100 * abs(lost):.2g} % of the kinetic and elastic "
-            f"energy of the solids, which {heat} (lost_energy): with a smaller -fsi_cfl it is less"
-        )
-    return found

@@ -21,7 +21,6 @@ from fsipetsc.output.writer import RunWriter
 from fsipetsc.process.streams import say
 from fsipetsc.state import State
 from fsipetsc.stepping import restart
-from fsipetsc.stepping.failures import cold_layers
 from fsipetsc.stepping.integrator import Integrator, saved_times
 from fsipetsc.stepping.ledgers import Ledgers
 from fsipetsc.stepping.progress import Reporter, bound_of_step
@@ -104,7 +103,7 @@ def _check_start(state: State, opt: Mapping[str, Any], report: Reporter) -> None
 
 def first_notes(state: State) -> list[str]:
     """What is said of the initial solution. Collective."""
-    return [*state.problem.notes, *state.notes("begin"), *cold_layers(state)]
+    return [*state.problem.notes, *state.notes("begin")]
 
 
 class _Run:

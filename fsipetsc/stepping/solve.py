@@ -1,7 +1,6 @@
 """From a case and options to its problem, and the state of a run of it."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import Any
 
 from mpi4py import MPI
@@ -17,7 +16,7 @@ from fsipetsc.checks import described
 from fsipetsc.errors import InputError
 from fsipetsc.options import InForce
 from fsipetsc.paper.paper_state import PaperState
-from fsipetsc.problem import FluidLayer, Problem
+from fsipetsc.problem import Problem
 from fsipetsc.process.together import together
 
 
@@ -37,24 +36,11 @@ def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem 
                 f"{place_of(case.build)}: build(opt) returns {found}: "
                 "expected a Problem or BlockProblem"
             )
-        problem = _with_notes_on_mappings(problem, opt["fsi_coupling"])
         if opt["fsi_coupling"] != "conservative":
             return problem
         return blocks_of_line(problem, opt["fsi_h"], opt["fsi_order"])
 
     return together(comm, build)
-
-
-def _with_notes_on_mappings(problem: Problem, coupling: str) -> Problem:
-    """The problem, noting each layer of gas that names a grid which the coupling does not have."""
-    there = "stretched" if coupling == "conservative" else "rigid"
-    notes = [
-        f"mapping of layer '{layer.name}' is {described(layer.mapping)}, and changes nothing: with "
-        f"-fsi_coupling {coupling} grids are {there}"
-        for layer in problem.layers
-        if isinstance(layer, FluidLayer) and layer.mapping not in (None, there)
-    ]
-    return replace(problem, notes=(*problem.notes, *notes))
 
 
 def make_state(
