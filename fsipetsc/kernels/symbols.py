@@ -316,17 +316,21 @@ def replay(
     another record. Constants and results of operations may be among them. functions: what to take
     of some operations, by name, instead of numpy's.
     """
-    of = {**_FUNCTIONS, **(functions or {})}
+    of, order = {**_FUNCTIONS, **(functions or {})}, [*needed(wanted)]
     values = {symbol.number: value for symbol, value in known.items()}
+    last = {one.number: i for i, symbol in enumerate(order) for one in symbol.operands}
+    last.update((symbol.number, len(order)) for symbol in wanted)
     with np.errstate(all="ignore"):
-        for symbol in needed(wanted):
+        for i, symbol in enumerate(order):
             if symbol.number in values:
                 continue
             if symbol.value is not None:
                 values[symbol.number] = symbol.value
-            else:
-                operands = (values[operand.number] for operand in symbol.operands)
-                values[symbol.number] = of[symbol.operation](*operands)
+                continue
+            operands = [values[operand.number] for operand in symbol.operands]
+            values[symbol.number] = of[symbol.operation](*operands)
+            for done in {one.number for one in symbol.operands if last[one.number] == i}:
+                del values[done]  # arrays of many nodes take memory
     return [values[symbol.number] for symbol in wanted]
 
 
