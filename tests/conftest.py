@@ -2,6 +2,7 @@
 
 import os
 import signal
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,11 @@ from kept_ranks import KEPT
 DEAREST = (
     *("kills", "documents", "ranks", "block_ledgers", "orders", "failures", "radial"),
     *("block_oracle", "shell", "shock", "time", "flutter", "stability", "process"),
+)
+#: files of tests with many kernels, in this process, and few nodes
+FEW_NODES = (
+    *("block_oracle", "radial", "gravity", "gases_apart", "block_ledgers", "block_conditions"),
+    *("where_faces_meet", "block_monitor"),
 )
 ORDERS = (2, 4, 6, 8)
 
@@ -40,6 +46,19 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """The dearest files first: no process is left with one of them at the end."""
     place = {name: k for k, name in enumerate(DEAREST)}
     items.sort(key=lambda item: place.get(item.path.stem.removeprefix("test_"), len(place)))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def kernels_of_few_nodes(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Kernels of FEW_NODES are compiled in an eighth of the time, without optimisation, which
+    changes no bit (tests/test_bits.py); those of other processes as always.
+    """
+    few = request.path.stem.removeprefix("test_") in FEW_NODES and "CFLAGS" not in os.environ
+    if few:
+        os.environ["CFLAGS"] = "-O0"
+    yield
+    if few:
+        del os.environ["CFLAGS"]
 
 
 @pytest.fixture

@@ -34,7 +34,7 @@ _MPI_ENVIRONMENT = {
 #: (fsipetsc.process.launch), and what makes each start compile the sources
 _DROPPED = {
     *("PETSC_OPTIONS", "OMPI_MCA_sharedfp", "OMPI_MCA_io", "OMPI_MCA_io_ompio_priority"),
-    *("OMPI_MCA_mpi_yield_when_idle", "PYTHONDONTWRITEBYTECODE"),
+    *("OMPI_MCA_mpi_yield_when_idle", "PYTHONDONTWRITEBYTECODE", "CFLAGS"),
 }
 
 Done = subprocess.CompletedProcess[str]
