@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 import fsipetsc as fsi
 from fsipetsc import Fluid, FluidLayer, Option, Problem, Solid, SolidLayer, Wall
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 SUMMARY = "a plate oscillates between two gases in a closed tube"
 OPTIONS = (
     Option("plate_speed", float, 10.0, "m/s", "speed of the plate at the start"),
