@@ -91,11 +91,13 @@ def pressure_jumps(state: BlockSolution) -> list[str]:
 
 def loose_forces(state: BlockSolution) -> list[str]:
     """A note for each gas on which a constant force acts node by node."""
+    words = (
+        "is added node by node: a gas at rest stays so to the order of the scheme only, and "
+        "small motions may grow"
+    )
+    advice = "; -fsi_convection entropy keeps rest"
     return [
-        f"the force on '{gas.name}' is added node by node: a gas at rest stays so to the "
-        "order of the scheme only, and small motions may grow"
-        + "; -fsi_convection entropy keeps rest"
-        * isinstance(gas.material.gas_law, CONSERVED)
+        f"the force on '{gas.name}' {words}" + advice * isinstance(gas.material.gas_law, CONSERVED)
         for gas in state.loose
     ]
 

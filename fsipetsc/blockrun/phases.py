@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from fsipetsc.blockrun.compiled import STAGES, Compiled
 from fsipetsc.kernels.calls import Calls
+from fsipetsc.parallel.block_layout import BlockVector
 from fsipetsc.scheme.timed import OF_STAGES
 
 Array = NDArray[Any]
@@ -149,19 +150,21 @@ class Phases:
             self._made[key] = Calls(self._of.calling.library, listed.calls)
         self._made[key]()
 
-    def batch(self, stages: Sequence[tuple[str, Array, Array]], y: Array) -> Calls:
+    def batch(
+        self, stages: Sequence[tuple[str, BlockVector, BlockVector]], solution: BlockVector
+    ) -> Calls:
         """The calls of one of many steps made together, with its monitor and the plan of the next
-        one. stages: name, whose rates it takes, where it goes; y: the solution.
+        one. stages: name, whose rates it takes, where it goes.
         """
         if "batch" not in self._made:
-            listed, does = Listed(self._of), self._of.does
+            listed, does, y = Listed(self._of), self._of.does, solution.array
             data = [(code.procedures[0], ()) for code in self._of.data]
             listed.calls.append((does["begin_step"], ()))
             for (name, now, to), time in zip(stages, OF_STAGES, strict=True):
                 if data and time:
                     listed.calls += [(does[time], ()), *data]
                 for phase in ("share", "impose", name):
-                    listed.phase(phase, now, to)
+                    listed.phase(phase, now.array, to.array)
             for phase in ("share", "impose", "monitor"):
                 listed.phase(phase, y, y)
             listed.calls += [(does["note_gained"], (y,)), (does["end_step"], ())]

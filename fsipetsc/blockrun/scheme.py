@@ -51,6 +51,8 @@ class Scheme:
         self.problem, self._layout = layout.problem, layout
         #: the solution, and two stages: each becomes the next one
         self._now = *vectors, vectors[1]
+        # the phase of each stage, of which vector it takes the rates, and where it goes
+        self._stages = list(zip(STAGES, self._now, (*self._now[1:], self._now[0]), strict=True))
         self._results = found.results
         made = Compiled(layout, order, form, found, columns, self._instant, announce)
         self.compiled, self._phases = made, Phases(made)
@@ -135,10 +137,6 @@ class Scheme:
         self._refresh(t)
         self._phases.do("rates", y.array, f)
 
-    def _steps_of_stages(self) -> list[tuple[str, BlockVector, BlockVector]]:
-        """The phase of each stage, of which vector it takes the rates, and where it goes."""
-        return list(zip(STAGES, self._now, (*self._now[1:], self._now[0]), strict=True))
-
     def step(self, t: float, dt: float, ends: Callable[[BlockVector], bool] | None = None) -> bool:
         """A step of the classical Runge-Kutta method from the solution at t [s] to the completed
         one at t + dt. Collective. It is PETSc's ``-ts_type rk -ts_rk_type 4`` up to round-off.
@@ -150,7 +148,7 @@ class Scheme:
         y = self._now[0]
         self._found.now[1] = dt
         instants = t, t + 0.5 * dt, t + 0.5 * dt, t + dt
-        for (name, now, to), instant in zip(self._steps_of_stages(), instants, strict=True):
+        for (name, now, to), instant in zip(self._stages, instants, strict=True):
             self._refresh(instant)
             if ends is None:
                 self._phases.do(f"share impose {name}", now.array, to.array)
@@ -170,9 +168,8 @@ class Scheme:
         results, batch, now = self._found.results, self._found.plan.batch, self._found.now
         if self.fault is not None:
             results[SAID_STOP] = FAULT
-        stages = [(name, at.array, to.array) for name, at, to in self._steps_of_stages()]
         now[:2] = t, dt
-        calls = self._phases.batch(stages, self._now[0].array)
+        calls = self._phases.batch(self._stages, self._now[0])
         calls.batch(results[BAD:], batch[ALLOWED:])
         return bool(results[BAD] == 0.0), float(now[0]), float(now[1])
 
@@ -185,11 +182,10 @@ class Scheme:
                 for part in self.parts.values():
                     part.refresh(t)
                 self.compiled.fill(t)
-                for what in filter(
-                    None, (recorder.faulty() for recorder in self.compiled.recorders)
-                ):
-                    why = "expected a motion with a finite acceleration"
-                    raise InputError(f"{what} is not finite at t = {t:.6g}: {why}")
+                why = "expected a motion with a finite acceleration"
+                for recorder in self.compiled.recorders:
+                    if what := recorder.faulty():
+                        raise InputError(f"{what} is not finite at t = {t:.6g}: {why}")
 
         if self.compiled.data and not self.asks:
             together(self._layout.comm, check)

@@ -25,6 +25,7 @@ class Piecewise:
             wanted = "expected CubicSpline(t, x) or the like, with one number for each t"
             raise InputError(f"Piecewise: {type(of).__name__}: {wanted}")
         self.of = of
+        self._pieces = np.vstack([of.x[:-1], of.c])  # where each begins, and its coefficients
 
     def derivative(self) -> "Piecewise":
         """Its derivative: the velocity of a place."""
@@ -32,7 +33,7 @@ class Piecewise:
 
     def __call__(self, t: Any) -> Any:
         """The value at t."""
-        ends, pieces = self.of.x, np.vstack([self.of.x[:-1], self.of.c])  # begin, coefficients
+        ends, pieces = self.of.x, self._pieces
         first, last, value = ends[0], ends[-1], 0.0
         slack = 1e-9 * (last - first)  # to which round-off may lead
         inside = (t >= first - slack) & (t <= last + slack)

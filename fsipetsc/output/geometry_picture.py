@@ -119,15 +119,15 @@ def condition_text(condition: Any) -> str:
     return f"{type(condition).__name__}({', '.join(given)})"
 
 
-def geometry_rows(problem: Problem | BlockProblem, h: float) -> Rows:
-    """The table. InputError where the spacing h [m] of layers does not fit."""
+def geometry_rows(found: Sequence[Outline], m: str) -> Rows:
+    """The table; m: what follows a length, its unit or nothing."""
 
     def span(sizes: Sequence[float]) -> str:
         least, most = min(sizes), max(sizes)
         return f"spacing {least:.4g}" + f" to {most:.4g}" * (most > 1.000001 * least) + m
 
-    rows, nodes, every, m = [], 0, [], problem.unit("m")
-    for one in outlines(problem, h):
+    rows, nodes, every = [], 0, []
+    for one in found:
         nodes += int(np.prod(one.shape))
         sizes = " x ".join(map(str, one.shape))
         rows.append((one.name, f"{one.material}, {sizes} nodes"))

@@ -34,10 +34,11 @@ def geometry(arguments: list[str], comm: Comm) -> None:
 
 def _show(case: Any, problem: Any, opt: dict[str, Any]) -> None:
     """Print the table, and draw the picture. InputError, FileError."""
-    found, rows = outlines(problem, opt["fsi_h"]), geometry_rows(problem, opt["fsi_h"])
+    found, m = outlines(problem, opt["fsi_h"]), problem.unit("m")
+    rows = geometry_rows(found, m)
     d, target = problem.dimension, Path(opt["o"] or f"{case.NAME}-geometry.png")
     axes = [*"XYZ"[: d - 1], "r" if getattr(problem, "symmetry", 0) else "XYZ"[d - 1]]
-    labels = [f"{x} [m]" if problem.unit("m") else x for x in axes]
+    labels = [f"{x} [m]" if m else x for x in axes]
     drawn = draw_geometry(target, found, f"{case.NAME}: {rows[-1][1]}", labels)
     if not opt["fsi_quiet"]:
         say(table(rows))

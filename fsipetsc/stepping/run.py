@@ -14,7 +14,7 @@ from petsc4py import PETSc
 from fsipetsc.errors import ComputationError, FileError, FsiError, InputError, Interrupted
 from fsipetsc.options import read_options
 from fsipetsc.output.checkpoint_file import CheckpointError
-from fsipetsc.output.geometry_picture import geometry_rows
+from fsipetsc.output.geometry_picture import geometry_rows, outlines
 from fsipetsc.output.info import table
 from fsipetsc.output.pieces import Kept
 from fsipetsc.output.writer import RunWriter
@@ -92,7 +92,7 @@ def _check_start(state: State, opt: Mapping[str, Any], report: Reporter) -> None
     saved = saved_times(opt["ts_max_time"], *times, problem.unit("s"))
     (integrator := Integrator(state, opt, saved)).start()
     report.begin()
-    shown = table(geometry_rows(problem, opt["fsi_h"]))
+    shown = table(geometry_rows(outlines(problem, opt["fsi_h"]), problem.unit("m")))
     beyond = [integrator.beyond] * bool(integrator.beyond)
     report.line(shown)
     report.notes(first_notes(state))

@@ -70,14 +70,15 @@ def convergence(arguments: list[str], comm: Comm) -> None:
         say("\none grid shows no order: -fsi_hs takes several, as in -fsi_hs 0.05,0.025")
     source = "exact solution" if exact else "next grid"
     lines: list[list[object]] = []
-    told_of: set[tuple[int, float]] = set()
+    compared = set()
     for row in study.rows:
         for h, line in zip(hs, row.lines(comm.size, source)):
             lines.append([*line, *study.costs.get((row.order, h), [""] * len(COST))])
-            told_of.add((row.order, h))
-    for order, h in study.costs.keys() - told_of:  # the finest grid of those that are compared
-        place = ["", order, h, comm.size]
-        lines.append([case.NAME, *place, *[""] * (len(COLUMNS) - 5), *study.costs[order, h]])
+            compared.add((row.order, h))
+    for (order, h), cost in study.costs.items():
+        if (order, h) not in compared:  # the finest grid, with which the others are compared
+            place = ["", order, h, comm.size]
+            lines.append([case.NAME, *place, *[""] * (len(COLUMNS) - 5), *cost])
     save_csv(comm, path, [*COLUMNS, *COST], lines, about)
     picture = partial(convergence_picture, study, about, path.with_suffix(".png"))
     files = [path, *(on_first(comm, picture) or ())]
