@@ -18,7 +18,8 @@ any compiler and instruction set. What depends on parameters alone is computed b
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from fsipetsc.kernels.symbols import CONDITIONS, Record, Symbol
+from fsipetsc.kernels.halves import without_halves
+from fsipetsc.kernels.symbols import CONDITIONS, Record, Symbol, uses_of
 
 
 class Layout(NamedTuple):
@@ -93,7 +94,7 @@ class Kernel:
         if isinstance(equations, float):
             self._argument("p", "const double *")
             self._parameters += 1
-            return self.record.given(f"in.p[{self._parameters - 1}]", uniform=True)
+            return self.record.given(f"in->p[{self._parameters - 1}]", uniform=True)
         if isinstance(equations, tuple):
             made = [self.parameters(part) for part in equations]
             return type(equations)(*made) if hasattr(equations, "_fields") else tuple(made)
@@ -136,7 +137,7 @@ class Kernel:
         arguments = sorted({**self._arguments, "n": "long "}.items())
         members = [f"  {kind}{name};" for name, kind in arguments]
         locals_ = [
-            f"  {kind}{'restrict ' * (kind[-1] == '*')}{name} = in.{name};"
+            f"  {kind}{'restrict ' * (kind[-1] == '*')}{name} = in->{name};"
             for name, kind in arguments
             if name != "p"
         ]
@@ -147,17 +148,16 @@ class Kernel:
                 f"struct {self.name}_in {{",
                 *members,
                 "};",
-                f"static NOINLINE {kind} {self.name}_(struct {self.name}_in in) {{",
+                f"static NOINLINE {kind} {self.name}_(const struct {self.name}_in *in) {{",
                 *locals_,
                 *(["  long counted = 0;"] if counts else []),
                 *(f"  {line}" for line in before),
-                f"  #pragma omp simd{' reduction(+ : counted)' if counts else ''}",
-                "  for (long i = 0; i < n; ++i) {",
+                f'  ITEMS("omp simd{" reduction(+ : counted)" if counts else ""}",',
                 *(f"    {line}" for line in body),
-                "  }",
+                "  )",
                 *(["  return counted;"] if counts else []),
                 "}",
-                f"#define {self.name}(...) {self.name}_((struct {self.name}_in){{__VA_ARGS__}})",
+                f"#define {self.name}(...) {self.name}_(&(struct {self.name}_in){{__VA_ARGS__}})",
                 "",
             ]
         )
@@ -188,6 +188,7 @@ def _lines(
     they were made.
     """
     wanted = [symbol for _, symbol in stores] + ([] if counted is None else [counted])
+    record, wanted = without_halves(record, wanted)
     uses = uses_of(wanted)
     fused = fused_products(record, uses)
     before, body, names = [], [], {}
@@ -202,9 +203,8 @@ def _lines(
         names[symbol.number] = f"t{symbol.number}"
         lines = before if symbol.uniform else body
         lines.append(f"const {kind} t{symbol.number} = {text};")
-    body += [f"{place} = {names[symbol.number]};" for place, symbol in stores]
-    if counted is not None:
-        body.append(f"counted += {names[counted.number]};")
+    places = [f"{place} = " for place, _ in stores] + ["counted += "] * (counted is not None)
+    body += [f"{p}{names[s.number]};" for p, s in zip(places, wanted, strict=True)]
     return before, body
 
 
@@ -220,18 +220,6 @@ def line_of(symbol: Symbol, fused: dict[int, int], names: dict[int, str]) -> str
     form = _FORMS.get(symbol.operation)
     call = f"{symbol.operation}_({', '.join(operands)})"
     return form.format(*operands) if form else call
-
-
-def uses_of(wanted: Sequence[Symbol]) -> dict[int, int]:
-    """How often each symbol is an operand, of those that are needed."""
-    uses: dict[int, int] = {}
-    left = list(wanted)
-    while left:
-        symbol = left.pop()
-        uses[symbol.number] = uses.get(symbol.number, 0) + 1
-        if uses[symbol.number] == 1:
-            left.extend(symbol.operands)
-    return uses
 
 
 def fused_products(record: Record, uses: dict[int, int]) -> dict[int, int]:

@@ -24,10 +24,10 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.kernels.kernel import fused_products, line_of, uses_of
+from fsipetsc.kernels.kernel import fused_products, line_of
 from fsipetsc.kernels.loops import KINDS, Array
 from fsipetsc.kernels.recording import Block, Index, Line, Recording, recorded
-from fsipetsc.kernels.symbols import CONDITIONS, Symbol
+from fsipetsc.kernels.symbols import CONDITIONS, Symbol, uses_of
 
 #: where a procedure takes fewer than two world vectors
 _NONE = np.zeros(0)

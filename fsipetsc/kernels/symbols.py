@@ -307,6 +307,18 @@ def needed(wanted: Iterable[Symbol]) -> list[Symbol]:
     return [found[number] for number in sorted(found)]
 
 
+def uses_of(wanted: Sequence[Symbol]) -> dict[int, int]:
+    """How often each symbol is an operand, of those that are needed."""
+    uses: dict[int, int] = {}
+    left = list(wanted)
+    while left:
+        symbol = left.pop()
+        uses[symbol.number] = uses.get(symbol.number, 0) + 1
+        if uses[symbol.number] == 1:
+            left.extend(symbol.operands)
+    return uses
+
+
 def replay(
     wanted: Sequence[Symbol],
     known: Mapping[Symbol, Any],

@@ -14,6 +14,21 @@ static inline long most(long a, long b) { return a > b ? a : b; }
 static inline long least(long a, long b) { return a < b ? a : b; }
 static inline long quotient(long a, long b) { return a / b - (a % b != 0 && (a < 0) != (b < 0)); }
 static inline long remainder_of(long a, long b) { return a - b * quotient(a, b); }
+/* A kernel's loop over items i. With vectors of eight numbers, those left over are one more vector
+   whose other lanes are neither read nor stored: gcc would take them one by one. */
+#ifdef __AVX512F__
+#define ITEMS(simd, ...) \
+  _Pragma(simd) for (long i = 0; i < (n & -8L); ++i) { __VA_ARGS__ } \
+  if (n & 7) { \
+    const long first = n & -8L; \
+    _Pragma(simd) for (long lane = 0; lane < 8; ++lane) { \
+      const long i = first + lane; \
+      if (i < n) { __VA_ARGS__ } \
+    } \
+  }
+#else
+#define ITEMS(simd, ...) _Pragma(simd) for (long i = 0; i < n; ++i) { __VA_ARGS__ }
+#endif
 """
 
 

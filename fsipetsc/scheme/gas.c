@@ -1,10 +1,11 @@
 /* Rates of a block of gas, without fluxes through its faces:
 
-       (J U)_t,i = - sum_k sum_l S_il (F^k(i, l) - {a^k . f_v}) / weight_i
+       weight_i (J U)_t,i = - sum_k sum_l S_il (F^k(i, l) - {a^k . f_v})
 
-   and J_t, and a constant force, which is summed pair by pair like the fluxes. The weights S_il of
-   pairs of nodes are those of fsipetsc.operators.bands, the fluxes those of fsipetsc.equations.gas,
-   in the kernels of fsipetsc.scheme.gas_kernels.
+   and J_t, and a constant force, which is summed pair by pair like the fluxes. The weight of a node
+   is the product of those along all axes; S_il of a pair along axis k is that of
+   fsipetsc.operators.bands times the weights along the other axes. The fluxes are those of
+   fsipetsc.equations.gas, in the kernels of fsipetsc.scheme.gas_kernels.
 
    Nodes are swept in tiles. A tile is a range along the first axis and a few rows along the second
    one of three. It is swept layer by layer along the last axis, so that its rows stay in the
@@ -36,9 +37,10 @@ struct gas {
   long layers, depth, before;     /* layers of depth rows are kept, with rows before the tile's */
   double *rows, *high;            /* of these rows: NUMBERS; sums of upper nodes of pairs */
   double *low, *slope;            /* of the row at work: sums of lower nodes of pairs; D_k z */
-  const double *gain, *loss;      /* (1 + reach) rows: weights of pairs along the first axis, by
-                                     distance: S over the weight of the upper node, of the lower
-                                     one; MARGIN zeros, those of all nodes, MARGIN zeros */
+  const double *along;            /* (1 + reach) rows: S of pairs along the first axis, by distance
+                                     and lower node: MARGIN zeros, those of all nodes, MARGIN zeros */
+  const double *per_weight;       /* 1 over the weights along the first axis */
+  const double *gain, *loss;      /* as along: S over the weight of the upper, of the lower node */
   double *gains, *losses;         /* the same along another axis, one for all nodes of a row */
   const struct tile *tiles;
   long count;
@@ -76,9 +78,6 @@ static long own_of(const struct gas *g, long x, long j, long layer) {
 
 static void clear_row(double *row, long components, long n) {
   for (long c = 0; c < components; ++c) memset(row + c * ROW, 0, n * sizeof *row);
-}
-static void fill_row(double *row, double value, long n) {
-  for (long i = 0; i < n; ++i) row[i] = value;
 }
 
 /* Where the weights of pairs of distance k begin whose lower node is x. */
@@ -119,6 +118,10 @@ static void load_layer(const struct gas *g, struct unknowns q, const struct tile
 }
 
 #if VISCOUS
+static void fill_row(double *row, double value, long n) {
+  for (long i = 0; i < n; ++i) row[i] = value;
+}
+
 /* Find D_k z of a row for each axis k. */
 static void slopes_of_row(const struct gas *g, const struct tile *t, long layer, long j, long x0,
                           long n) {
@@ -167,14 +170,14 @@ static void viscous_layer(const struct gas *g, const struct tile *t, long layer)
 
 /* Add the fluxes of n pairs of nodes along axis k, whose lower nodes are side by side. */
 static void add_pairs(const struct gas *g, int k, const double *l, const double *r, long node_l,
-                      long node_r, const double *gain, const double *loss, double *low,
-                      double *high, long n) {
+                      long node_r, double of_row, const double *of_node, double *low, double *high,
+                      long n) {
   const double *areas = g->metrics + k * D * g->N, *velocity = g->metrics + D * D * g->N;
   const long viscous = (W + k * (D + 1)) * ROW;
   (void)viscous;
 #define PAIR .l = l, .r = r, .a_l = areas + node_l, .a_r = areas + node_r, .p = g->p, .n = n, \
              .v_l = velocity + node_l, .v_r = velocity + node_r, .N = g->N, \
-             .gain = gain, .loss = loss, .low = low, .high = high
+             .of_row = &of_row, .of_node = of_node, .low = low, .high = high
 #if VISCOUS
 #define STRESS , .s_l = l + viscous, .s_r = r + viscous
 #else
@@ -200,12 +203,11 @@ static void pairs_across(const struct gas *g, const struct tile *t, long layer, 
   for (long k = 1; k <= axis->reach && i + k < axis->size; ++k) {
     const double s = axis->S[k * axis->size + i];
     if (s == 0.0 || i + k < axis->own.begin) continue;
-    fill_row(g->gains, s / axis->weight[i + k], n);
-    fill_row(g->losses, s / axis->weight[i], n);
-    const long there = layer + k * sweep, beside = j + k * !sweep;
-    add_pairs(g, sweep ? D - 1 : 1, row_of(g, t, layer, j) + t->x0,
-              row_of(g, t, there, beside) + t->x0, node, node + k * axis->stride, g->gains,
-              g->losses, g->low + MARGIN, high_of(g, t, there, beside) + t->x0, n);
+    const double beside = sweep ? g->inner.weight[j] : g->last.weight[layer];
+    const long to = layer + k * sweep, at = j + k * !sweep;
+    add_pairs(g, sweep ? D - 1 : 1, row_of(g, t, layer, j) + t->x0, row_of(g, t, to, at) + t->x0,
+              node, node + k * axis->stride, s * beside, g->first.weight + t->x0, g->low + MARGIN,
+              high_of(g, t, to, at) + t->x0, n);
   }
 }
 
@@ -213,11 +215,12 @@ static void pairs_across(const struct gas *g, const struct tile *t, long layer, 
 static void pairs_along(const struct gas *g, const struct tile *t, long layer, long j) {
   double *row = row_of(g, t, layer, j), *high = high_of(g, t, layer, j);
   double *low = g->low + MARGIN - t->x0;
+  const double of_row = g->inner.weight[j] * g->last.weight[layer];
   for (long m = 0; m < t->count; ++m) {
     const long k = t->spans[m].distance, a = t->spans[m].begin, b = t->spans[m].end;
-    const long node = node_of(g, a, j, layer), at = weight_of(g, k, a);
-    add_pairs(g, 0, row + a, row + a + k, node, node + k, g->gain + at, g->loss + at, low + a,
-              high + a + k, b - a);
+    const long node = node_of(g, a, j, layer);
+    add_pairs(g, 0, row + a, row + a + k, node, node + k, of_row, g->along + weight_of(g, k, a),
+              low + a, high + a + k, b - a);
   }
 }
 
@@ -226,8 +229,10 @@ static void store_nodes(const struct gas *g, double *next, const struct tile *t,
                         long x0, long x1, int kind) {
   const long node = node_of(g, x0, j, layer), own = own_of(g, x0, j, layer);
   const struct stage *stage = &g->stage;
+  const double of_row = 1.0 / (g->inner.weight[j] * g->last.weight[layer]);
   if (x0 >= x1) return;
-#define SUMS .low = g->low + MARGIN - t->x0 + x0, .high = high_of(g, t, layer, j) + x0, \
+#define SUMS .of_row = &of_row, .of_node = g->per_weight + x0, \
+             .low = g->low + MARGIN - t->x0 + x0, .high = high_of(g, t, layer, j) + x0, \
              .J_t = g->metrics + g->J_t * g->N + node, .n = x1 - x0, .N = g->N
 #define NEXT .next = next + own, .M = own_nodes(g), .y = stage->y + own, \
              .total = stage->total + own, .numbers = stage->numbers
@@ -271,15 +276,24 @@ static void sweep_layer(const struct gas *g, double *next, const struct tile *t,
   }
 }
 
+/* How far the last layer is that pairs take which begin in a layer. */
+static long ahead_of(const struct axis *axis, long layer) {
+  long k = axis->reach;
+  while (k > 0 && axis->S[k * axis->size + layer] == 0.0) --k;
+  return k;
+}
+
 /* Find the rates of a tile. Layers are loaded ahead of those whose viscous fluxes are found, and
-   these ahead of those whose rates are found. */
+   these ahead of those whose rates are found, no earlier than they are needed: few rows are at work
+   at a time, and fit into the fastest memory. */
 static void sweep(const struct gas *g, struct unknowns q, double *next, const struct tile *t) {
-  const long ahead = g->last.reach, behind = VISCOUS * ahead;
-  long completed = most(g->last.own.begin - ahead, 0), loaded = most(completed - behind, 0);
-  for (long layer = completed; layer < g->last.own.end; ++layer) {
-    for (; completed <= layer + ahead && completed < g->last.size; ++completed) {
-      for (; loaded <= completed + behind && loaded < g->last.size; ++loaded)
-        load_layer(g, q, t, loaded);
+  const struct axis *last = &g->last;
+  long completed = most(last->own.begin - last->reach, 0);
+  long loaded = most(completed - VISCOUS * last->reach, 0);
+  for (long layer = completed; layer < last->own.end; ++layer) {
+    for (; completed <= layer + ahead_of(last, layer) && completed < last->size; ++completed) {
+      const long far = completed + VISCOUS * ahead_of(last, completed);
+      for (; loaded <= far && loaded < last->size; ++loaded) load_layer(g, q, t, loaded);
 #if VISCOUS
       viscous_layer(g, t, completed);
 #endif

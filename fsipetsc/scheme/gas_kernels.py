@@ -13,7 +13,7 @@ import numpy as np
 from fsipetsc.equations.means import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.equations.vectors import add, along, mean, scale, sub
-from fsipetsc.kernels.kernel import PLANES, ROWS, Kernel, interlaced
+from fsipetsc.kernels.kernel import PLANES, ROWS, SHARED, Kernel, interlaced
 from fsipetsc.scheme.stage import KINDS, store
 
 
@@ -80,17 +80,21 @@ def _fluxes(
 
 
 def _added(kernel: Kernel, both: tuple[Any, Any]) -> list[tuple[str, Any, Any]]:
-    """The sums of the lower and the upper node, before and after what they lose and gain."""
-    gain, loss = kernel.read("gain", ROWS, 1)[0], kernel.read("loss", ROWS, 1)[0]
+    """The sums of the lower and the upper node, before and after what they lose and gain, times
+    the weight of the pair: that of the row, times that of the node.
+    """
+    (of_row,), (of_node,) = kernel.read("of_row", SHARED, 1), kernel.read("of_node", ROWS, 1)
     low, high = (kernel.read(name, ROWS, len(both[0])) for name in ("low", "high"))
-    less, more = both
-    return [("low", low, along(low, -loss, less)), ("high", high, along(high, gain, more))]
+    less, more = (scale(of_row * of_node, flux) for flux in both)
+    return [("low", low, sub(low, less)), ("high", high, add(high, more))]
 
 
 def _store(d: int, sums: int, number: int, kind: str) -> Kernel:
     says = "J_t, the rates of J rho, J rho u, J E, the force, of a row, or what follows from them."
     kernel = Kernel(f"gas_{kind}", says)
+    (of_row,), (of_node,) = kernel.read("of_row", SHARED, 1), kernel.read("of_node", ROWS, 1)
     total = add(kernel.read("low", ROWS, sums), kernel.read("high", ROWS, sums))
+    total = scale(of_row * of_node, total)
     (J_t,) = kernel.read("J_t", PLANES, 1)
     store(kernel, number, (J_t, *total[: d + 2]))
     if sums > d + 2:

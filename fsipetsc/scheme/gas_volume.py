@@ -37,8 +37,8 @@ class _Gas(ctypes.Structure):
         *((name, _POINTER) for name in ("p", "metrics", "potential", "supplied")),
         ("stage", Stage),
         *((name, _NUMBER) for name in ("N", "J_t", "layers", "depth", "before")),
-        *((name, _POINTER) for name in ("rows", "high", "low", "slope", "gain", "loss")),
-        *((name, _POINTER) for name in ("gains", "losses", "tiles")),
+        *((name, _POINTER) for name in ("rows", "high", "low", "slope", "along")),
+        *((name, _POINTER) for name in ("per_weight", "gain", "loss", "gains", "losses", "tiles")),
         ("count", _NUMBER),
     ]
 
@@ -95,7 +95,8 @@ class GasVolume:
             "losses": 1,
         }
         memory = {n: aligned(count * (TILES[d] + 2 * MARGIN)) for n, count in room.items()}
-        memory["gain"], memory["loss"] = _weights(bands[0])
+        memory["along"], memory["gain"], memory["loss"] = _weights(bands[0])
+        memory["per_weight"] = 1.0 / bands[0].weight
         memory["tiles"] = _tiles(d, bands[0].S, patch, inner)
         memory["p"] = np.array([*numbers_of(gas), 0.0])
         memory |= {"metrics": metrics, "potential": self.potential, "supplied": self.supplied}
@@ -137,17 +138,18 @@ class GasVolume:
         return _Axis(S.ctypes.data, weight.ctypes.data, own, len(S) - 1, size, stride)
 
 
-def _weights(band: Band) -> tuple[Array, Array]:
-    """gain and loss of fsipetsc/scheme/gas.c: S over the weights of the upper and the lower nodes
-    of pairs, after MARGIN zeros and before others.
+def _weights(band: Band) -> tuple[Array, Array, Array]:
+    """along, gain and loss of fsipetsc/scheme/gas.c: S of pairs, S over the weights of the upper
+    and of the lower nodes, after MARGIN zeros and before others.
     """
     reach, n = len(band.S) - 1, len(band.weight)
-    gain, loss = np.zeros((2, reach + 1, n + 2 * MARGIN))
+    along, gain, loss = np.zeros((3, reach + 1, n + 2 * MARGIN))
     for k in range(1, min(reach + 1, n)):
-        S = band.S[k, : n - k]
-        gain[k, MARGIN : MARGIN + n - k] = S / band.weight[k:]
-        loss[k, MARGIN : MARGIN + n - k] = S / band.weight[: n - k]
-    return gain, loss
+        S, lower = band.S[k, : n - k], slice(MARGIN, MARGIN + n - k)
+        along[k, lower] = S
+        gain[k, lower] = S / band.weight[k:]
+        loss[k, lower] = S / band.weight[: n - k]
+    return along, gain, loss
 
 
 def _tiles(d: int, S: Array, patch: Patch, inner: int) -> Array:
