@@ -143,9 +143,11 @@ class Gas(NamedTuple):
         u_l, u_r = l[3:-2], r[3:-2]
         through_l, through_r = dot(a, u_l), dot(a, u_r)
         relative = 0.5 * (through_l + through_r) - g
-        mass = rho * relative
+        mass, law = rho * relative, self.law
         momentum = along(scale(mass, mean(u_l, u_r)), 0.5 * (l[1] + r[1]), a)
-        energy = relative * (self.law.energy_density(rho, T) + 0.5 * rho * dot(u_l, u_r))
+        # rho e = rho cv T + what it is where rho = 0
+        energy = mass * (law.heat_capacity(rho, T) * T + 0.5 * dot(u_l, u_r))
+        energy = energy + relative * law.energy_density(0.0, T)
         return (mass, *momentum, energy + 0.5 * (l[1] * through_r + r[1] * through_l))
 
     def pair_distance(self, l, r):

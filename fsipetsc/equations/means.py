@@ -20,10 +20,10 @@ import numpy as np
 #: distance up to which two numbers are near: within 18 % of each other
 NEAR = 0.03
 #: polynomials of degree 5 in z that are A and B for z <= NEAR
-_A0, _A1, _A2 = 1.0, -0.0833333333333038, 0.015277777766281236
-_A3, _A4, _A5 = -0.003158067145849683, 0.0006880007798053454, -0.00015131755901776796
-_B0, _B1, _B2 = 1.0, -0.1666666666665971, 0.03333333330625483
-_B3, _B4, _B5 = -0.007142853286583752, 0.00158705313550121, -0.00035335621566035354
+_A = (1.0, -0.0833333333333038, 0.015277777766281236)
+_A += (-0.003158067145849683, 0.0006880007798053454, -0.00015131755901776796)
+_B = (1.0, -0.1666666666665971, 0.03333333330625483)
+_B += (-0.007142853286583752, 0.00158705313550121, -0.00035335621566035354)
 
 
 def distance(a, b, per_a, per_b):
@@ -33,12 +33,18 @@ def distance(a, b, per_a, per_b):
 
 def near_mean(a, b, z):
     """The logarithmic mean of a and b, of distance z <= NEAR."""
-    return 0.5 * (a + b) * (_A0 + z * (_A1 + z * (_A2 + z * (_A3 + z * (_A4 + z * _A5)))))
+    return 0.5 * (a + b) * _quintic(z, *_A)
 
 
 def near_harmonic_mean(a, b, z):
     """1 / (the logarithmic mean of 1/a and 1/b), for z <= NEAR."""
-    return 0.5 * (a + b) * (_B0 + z * (_B1 + z * (_B2 + z * (_B3 + z * (_B4 + z * _B5)))))
+    return 0.5 * (a + b) * _quintic(z, *_B)
+
+
+def _quintic(z, c0, c1, c2, c3, c4, c5):
+    """c0 + c1 z + … + c5 z^5, whose pairs of terms do not wait for one another."""
+    square = z * z
+    return (c0 + z * c1) + square * ((c2 + z * c3) + square * (c4 + z * c5))
 
 
 def logarithm_of_ratio(a, b, z):

@@ -35,6 +35,9 @@ FLAGS = (
 )
 #: of processors with vectors of 512 bits, which compilers use half of if nobody asks
 WIDE = "-mprefer-vector-width=512"
+#: of gcc and such a processor: gcc 12 tunes for one without these vectors and reads numbers twice
+#: rather than keeping them in one of the 32 registers
+TUNED = "-mtune=skylake-avx512"
 #: of gcc, which else moves selections of elementary functions so that loops are no vector code
 PLAIN = "-fno-tree-pre"
 #: flags that let results depend on the compiler
@@ -84,7 +87,8 @@ def flags() -> tuple[str, ...]:
     compiler.
     """
     known = _macros()
-    of_gcc = (PLAIN,) if b"__GNUC__" in known and b"__clang__" not in known else ()
+    gcc, vectors = b"__GNUC__" in known and b"__clang__" not in known, b"__AVX512F__" in known
+    of_gcc = (PLAIN, *([TUNED] if vectors else [])) if gcc else ()
     wide = (WIDE,) if b"__x86_64__" in known else ()
     return (*FLAGS, *of_gcc, *wide, *_own_flags())
 

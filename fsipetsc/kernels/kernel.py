@@ -57,13 +57,16 @@ _FORMS = {
 
 
 class Kernel:
-    """See the head of this file. name: of the function in C; says: a sentence on what it does."""
+    """See the head of this file. name: of the function in C; says: a sentence on what it does.
+    counted: the condition that it counts, if any.
+    """
 
     def __init__(self, name: str, says: str) -> None:
         self.name, self.says, self.record = name, says, Record()
         self._arguments: dict[str, str] = {}
         self._stores: list[tuple[str, Symbol]] = []
-        self._counted: Symbol | None = None
+        self.counted: Symbol | None = None
+        self._distances: dict[str, str] = {}
         self._parameters = 0
 
     # what is read
@@ -78,7 +81,8 @@ class Kernel:
         item, (distances, number) = "i", far
         if distances:
             self._argument(distances, "const long *")
-            item = f"(i + {distances}[{number}])"
+            self._distances[f"{distances}_{number}"] = f"in->{distances}[{number}]"
+            item = f"(i + {distances}_{number})"
         places = (_place(array, layout, first + c, item) for c in range(count))
         return tuple(self.record.given(place, layout.item == "0") for place in places)
 
@@ -119,7 +123,7 @@ class Kernel:
 
     def count(self, condition: Any) -> None:
         """Let the function return for how many items a condition holds."""
-        self._counted = self.record.constant(condition)
+        self.counted = self.record.constant(condition)
 
     def _argument(self, name: str, kind: str, layout: Layout = SHARED) -> None:
         known = self._arguments.get(name, "")
@@ -132,16 +136,16 @@ class Kernel:
 
     def text(self) -> str:
         """The function in C, behind the struct of its arguments."""
-        before, body = _lines(self.record, self._stores, self._counted)
-        kind = "long" if self._counted is not None else "void"
+        before, body = _lines(self.record, self._stores, self.counted)
+        kind = "long" if self.counted is not None else "void"
         arguments = sorted({**self._arguments, "n": "long "}.items())
         members = [f"  {kind}{name};" for name, kind in arguments]
         locals_ = [
             f"  {kind}{'restrict ' * (kind[-1] == '*')}{name} = in->{name};"
             for name, kind in arguments
-            if name != "p"
+            if name != "p" and kind != "const long *"
         ]
-        counts = self._counted is not None
+        counts = self.counted is not None
         return "\n".join(
             [
                 f"/* {self.says} */",
@@ -150,6 +154,7 @@ class Kernel:
                 "};",
                 f"static NOINLINE {kind} {self.name}_(const struct {self.name}_in *in) {{",
                 *locals_,
+                *(f"  const long {name} = {text};" for name, text in self._distances.items()),
                 *(["  long counted = 0;"] if counts else []),
                 *(f"  {line}" for line in before),
                 f'  ITEMS("omp simd{" reduction(+ : counted)" if counts else ""}",',

@@ -38,7 +38,7 @@ class Log(NamedTuple):
     def stress(self, F):
         """P [Pa]."""
         J, j, K = determinant(F), determinant_excess(F), 2.0 * self.mu_e + self.lambda_e
-        pull = K * (j - logarithm_rest(j, J)) - self.mu_e * J - self.p_ref
+        pull = K * np.log1p(j) - self.mu_e * J - self.p_ref
         return along(scale(self.mu_e, F), pull, cofactor(F))
 
     def energy(self, F):

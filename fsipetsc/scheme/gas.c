@@ -189,7 +189,7 @@ static void add_pairs(const struct gas *g, int k, const double *l, const double 
 #define RAISED
 #endif
 #if TELLS_FAR
-  if (gas_near(PAIR RAISED STRESS)) gas_far(PAIR RAISED);
+  if (gas_near(PAIR RAISED STRESS)) gas_far(PAIR RAISED STRESS);
 #else
   gas_near(PAIR RAISED STRESS);
 #endif

@@ -39,54 +39,44 @@ def _pairs(gas: Any, d: int, form: Any, viscous: bool) -> list[Kernel]:
     """The kernel of pairs that are near one another, which counts those that are not, and the
     kernel of these, if the form tells them apart.
     """
-    kernel = Kernel("gas_near", "The fluxes of pairs of near nodes, added to the sums of both.")
-    both, apart = _fluxes(kernel, gas, d, form, form.near, form.force.near)
-    far = isinstance(apart, float)
-    if not far:
-        both = tuple(tuple(np.where(apart, 0.0, number) for number in flux) for flux in both)
-        kernel.count(apart)
-    if viscous:
-        s = mean(kernel.read("s_l", ROWS, d + 1), kernel.read("s_r", ROWS, d + 1))
-        both = tuple((flux[0], *sub(flux[1 : d + 2], s), *flux[d + 2 :]) for flux in both)
-    for array, _, after in _added(kernel, both):
-        kernel.store(array, ROWS, after)
-    if far:
-        return [kernel]
-    others = Kernel("gas_far", "The fluxes of the other pairs, added to the sums of both nodes.")
-    both, apart = _fluxes(others, gas, d, form, form.any, form.force.any)
-    for array, before, after in _added(others, both):
-        chosen = zip(after, before, strict=True)
-        others.store(array, ROWS, [np.where(apart, new, old) for new, old in chosen])
-    return [kernel, others]
+    near = Kernel("gas_near", "The fluxes of pairs of near nodes, added to the sums of both.")
+    _pair(near, gas, d, form, viscous, form.near, form.force.near)
+    if near.counted is None:
+        return [near]
+    far = Kernel("gas_far", "The fluxes of the other pairs, added to the sums of both nodes.")
+    _pair(far, gas, d, form, viscous, form.any, form.force.any)
+    return [near, far]
 
 
-def _fluxes(
-    kernel: Kernel, gas: Any, d: int, form: Any, flux: Any, force: Any
-) -> tuple[tuple[Any, Any], Any]:
-    """What the lower node of a pair loses and the upper one gains, and whether the two are far
-    apart (or 0.0, if they never are).
+def _pair(
+    kernel: Kernel, gas: Any, d: int, form: Any, viscous: bool, flux: Any, force: Any
+) -> None:
+    """Let the kernel add what the lower node of a pair loses and the upper one gains, times the
+    weight of the pair: that of the row, times that of the node.
     """
     gas, grid = kernel.parameters(gas), len(gas.of_grid((0.0,) * d))
     l, r = kernel.read("l", ROWS, d + 5), kernel.read("r", ROWS, d + 5)
     a_l, a_r = kernel.read("a_l", PLANES, d), kernel.read("a_r", PLANES, d)
     v_l, v_r = kernel.read("v_l", PLANES, grid), kernel.read("v_r", PLANES, grid)
+    (of_row,), (of_node,) = kernel.read("of_row", SHARED, 1), kernel.read("of_node", ROWS, 1)
     distance = form.distance(gas, l, r)
-    apart = distance if isinstance(distance, float) else distance > NEAR
+    if not isinstance(distance, float):
+        apart, near = distance > NEAR, kernel.name == "gas_near"
+        of_node = np.where(apart, 0.0, of_node) if near else np.where(apart, of_node, 0.0)
+        kernel.count(apart)
     F, rise = flux(gas, l, r, a_l, a_r, gas.volume_flux(a_l, v_l, a_r, v_r)), 0.0
-    if len(form.force.sums((0.0,) * d)) > d + 2:
+    sums = len(form.force.sums((0.0,) * d))
+    if sums > d + 2:
         (low,), (high,) = kernel.read("potential_l", ROWS, 1), kernel.read("potential_r", ROWS, 1)
         rise = high - low
-    return force(gas, F, l, r, a_l, a_r, rise), apart
-
-
-def _added(kernel: Kernel, both: tuple[Any, Any]) -> list[tuple[str, Any, Any]]:
-    """The sums of the lower and the upper node, before and after what they lose and gain, times
-    the weight of the pair: that of the row, times that of the node.
-    """
-    (of_row,), (of_node,) = kernel.read("of_row", SHARED, 1), kernel.read("of_node", ROWS, 1)
-    low, high = (kernel.read(name, ROWS, len(both[0])) for name in ("low", "high"))
-    less, more = (scale(of_row * of_node, flux) for flux in both)
-    return [("low", low, sub(low, less)), ("high", high, add(high, more))]
+    both = force(gas, F, l, r, a_l, a_r, rise)
+    if viscous:
+        s = mean(kernel.read("s_l", ROWS, d + 1), kernel.read("s_r", ROWS, d + 1))
+        both = tuple((F[0], *sub(F[1 : d + 2], s), *F[d + 2 :]) for F in both)
+    less, more = (scale(of_row * of_node, numbers) for numbers in both)
+    low, high = (kernel.read(name, ROWS, sums) for name in ("low", "high"))
+    kernel.store("low", ROWS, sub(low, less))
+    kernel.store("high", ROWS, add(high, more))
 
 
 def _store(d: int, sums: int, number: int, kind: str) -> Kernel:
