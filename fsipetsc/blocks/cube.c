@@ -109,73 +109,76 @@ static void do_rows(const struct cube *c, const struct task *tasks, int count,
 
 /* q_k of the places f. */
 ROW_OF(potential) {
+  const struct pairs of = *p;
   const long W = wide_nodes(c);
   const double *x = t->f + at, *P = c->P + 3 * t->axis;
   double *restrict q = t->out + at;
   const double P0 = P[0], P1 = P[1], P2 = P[2];
   (void)place;
-#pragma omp simd
-  for (long i = 0; i < n; ++i) {
-    const double a = x[i], b = x[W + i], e = x[2 * W + i];
-    const double D_a = slope(x + i, p, count, even), D_b = slope(x + W + i, p, count, even);
-    const double D_e = slope(x + 2 * W + i, p, count, even);
+  ITEMS("omp simd",
+    const double a = x[i]; const double b = x[W + i]; const double e = x[2 * W + i];
+    const double D_a = slope(x + i, &of, count, even);
+    const double D_b = slope(x + W + i, &of, count, even);
+    const double D_e = slope(x + 2 * W + i, &of, count, even);
     q[i] = 0.5 * (b * D_e - e * D_b) + (b * P2 - e * P1);
     q[W + i] = 0.5 * (e * D_a - a * D_e) + (e * P0 - a * P2);
     q[2 * W + i] = 0.5 * (a * D_b - b * D_a) + (a * P1 - b * P0);
-  }
+  )
 }
 TASK(potential)
 
 /* D_j q_k, the first part of a^i. */
 ROW_OF(begin_area) {
-  const long W = wide_nodes(c);
+  const struct pairs of = *p;
+  const long W = wide_nodes(c), N = c->N;
   const double *q = t->f + at;
   double *restrict a = t->out + place;
-#pragma omp simd
-  for (long i = 0; i < n; ++i)
-    for (int m = 0; m < 3; ++m) a[m * c->N + i] = slope(q + m * W + i, p, count, even);
+  ITEMS("omp simd",
+    for (int m = 0; m < 3; ++m) a[m * N + i] = slope(q + m * W + i, &of, count, even);
+  )
 }
 TASK(begin_area)
 
 /* a^i = D_j q_k - D_k q_j with what periods add, k the axis of the task. */
 ROW_OF(end_area) {
-  const long W = wide_nodes(c);
+  const struct pairs of = *p;
+  const long W = wide_nodes(c), N = c->N;
   const double *q = t->f + at, *P_j = c->P + (t->axis + 2) % 3 * 3, *P_k = c->P + t->axis * 3;
   double *restrict a = t->out + place;
   const double more[3] = {P_j[1] * P_k[2] - P_k[1] * P_j[2], P_j[2] * P_k[0] - P_k[2] * P_j[0],
                           P_j[0] * P_k[1] - P_k[0] * P_j[1]};
-#pragma omp simd
-  for (long i = 0; i < n; ++i)
+  ITEMS("omp simd",
     for (int m = 0; m < 3; ++m)
-      a[m * c->N + i] = (a[m * c->N + i] - slope(q + m * W + i, p, count, even)) + more[m];
+      a[m * N + i] = (a[m * N + i] - slope(q + m * W + i, &of, count, even)) + more[m];
+  )
 }
 TASK(end_area)
 
 /* J_t += a^k . D_k v; the first one fills the velocity, too. */
 ROW_OF(swing) {
+  const struct pairs of = *p;
   const long W = wide_nodes(c), N = c->N, first = t->axis == 0;
   const double *v = t->f + at, *area = c->metrics + 3 * t->axis * N + place;
   double *restrict J_t = t->out + 3 * N + place, *restrict velocity = t->out + place;
-#pragma omp simd
-  for (long i = 0; i < n; ++i) {
+  ITEMS("omp simd",
     double sum = first ? 0.0 : J_t[i];
-    for (int m = 0; m < 3; ++m)
-      sum += area[m * N + i] * slope(v + m * W + i, p, count, even);
+    for (int m = 0; m < 3; ++m) sum += area[m * N + i] * slope(v + m * W + i, &of, count, even);
     J_t[i] = sum;
-  }
+  )
   for (int m = 0; m < 3 && first; ++m) memcpy(velocity + m * N, v + m * W, n * sizeof *v);
 }
 TASK(swing)
 
 /* D_k x of a row, in planes of its nodes. */
 ROW_OF(gradient) {
+  const struct pairs of = *p;
   const long W = wide_nodes(c), size = c->size[0];
   const double *x = t->f + at;
   double *restrict slopes = t->out + at % size;
   (void)place;
-#pragma omp simd
-  for (long i = 0; i < n; ++i)
-    for (int m = 0; m < 3; ++m) slopes[m * size + i] = slope(x + m * W + i, p, count, even);
+  ITEMS("omp simd",
+    for (int m = 0; m < 3; ++m) slopes[m * size + i] = slope(x + m * W + i, &of, count, even);
+  )
 }
 TASK(gradient)
 

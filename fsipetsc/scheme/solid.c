@@ -11,10 +11,10 @@
 
    The power is, pair by pair, S_il (t_i . v_l + t_l . v_i)/2: nothing is lost or won.
 
-   Tiles (fsipetsc.scheme.solid_work) are swept layer by layer: a layer is loaded, F and t^k are
-   found one reach behind, rates two reaches behind. Arrays keep as many layers as are needed, in a
-   ring. What two tiles need is found twice by the same operations: rates do not depend on tiles,
-   nor on how a block is cut. */
+   Tiles (fsipetsc.scheme.solid_work) are swept layer by layer. A layer is loaded, and its F and t^k
+   are found, when rates that need them are next: few layers are at work at a time. Arrays keep as
+   many layers as are needed, in a ring. What two tiles need is found twice by the same operations:
+   rates do not depend on tiles, nor on how a block is cut. */
 
 /* Boxes around a tile, in which rates, heats, F and t^k, unknowns are needed. */
 enum { OWN, HEATED, STRAINED, KNOWN };
@@ -29,7 +29,6 @@ struct solid {
   const double *weights;
   const long *ends;               /* (nodes,) along the first axis: the next node with others */
   long tiles, nodes, most;
-  long lags[3];                   /* layers from loading to t^k, to conduction, to rates */
   long size[2];                   /* of the patch: nodes with the halo */
   struct owned own[3], inside[3]; /* and its owned nodes; as free ones those with PAIRS pairs */
   long row, layer, layers, step;  /* of a tile: nodes of a row, of a layer; layers; of a plane */
@@ -118,11 +117,9 @@ static void differentiate(const struct solid *s, const struct row *r, int kind, 
 }
 
 #define PLACED .metrics = s->metrics + r.patch, .N = s->N, .step = s->step, .p = s->p, .n = r.n
-/* For each row of a box in layer z - lag, if that is in the box. */
-#define ROWS_OF(stage, lag)                                                          \
-  for (long layer = z - (lag), y = box_of(s, t, stage, 1)[0];                        \
-       box_of(s, t, stage, 2)[0] <= layer && layer < box_of(s, t, stage, 2)[1] &&    \
-       y < box_of(s, t, stage, 1)[1]; ++y)
+/* For each row of a box in a layer. */
+#define ROWS_OF(stage) \
+  for (long y = box_of(s, t, stage, 1)[0]; y < box_of(s, t, stage, 1)[1]; ++y)
 
 /* The unknowns: planes of the owned nodes, or 0, and of all with the halo. */
 struct unknowns { const double *own, *ghosted; };
@@ -257,15 +254,60 @@ static void accelerate_row(const struct solid *s, double *next, struct row r) {
   along_row(s, next, part_of(r, in.end, end), RATES, accelerate_nodes);
 }
 
+/* A tile, and the layers of it that are next: to be loaded, to get t^k, to get heats. */
+struct progress { struct unknowns q; long tile, load, pull, heat; };
+
+static struct progress begin(const struct solid *s, struct unknowns q, long t) {
+  return (struct progress){q, t, box_of(s, t, KNOWN, 2)[0], box_of(s, t, STRAINED, 2)[0],
+                           box_of(s, t, HEATED, 2)[0]};
+}
+
+/* The last layer that derivatives in a layer take. */
+static long last_of(const struct solid *s, long z) {
+  const long *far = s->jumps + (2 * s->nodes + z) * s->most;
+  long last = z;
+  for (long m = 1; m <= far[0]; ++m) last = most(last, z + far[m]);
+  return last;
+}
+
+/* Load what derivatives in a layer take. */
+static void load_for(const struct solid *s, struct progress *of, long z) {
+  const long t = of->tile, end = least(last_of(s, z) + 1, box_of(s, t, KNOWN, 2)[1]);
+  for (; of->load < end; ++of->load)
+    ROWS_OF(KNOWN) take_row(s, of->q, row_of(s, t, KNOWN, y, of->load));
+}
+
+/* Find the t^k that derivatives in a layer take. */
+static void pull_for(const struct solid *s, struct progress *of, long z) {
+  const long t = of->tile, end = least(last_of(s, z) + 1, box_of(s, t, STRAINED, 2)[1]);
+  for (; of->pull < end; ++of->pull) {
+    load_for(s, of, of->pull);
+    ROWS_OF(STRAINED) along_row(s, 0, row_of(s, t, STRAINED, y, of->pull), RATES, pull_nodes);
+  }
+}
+
+/* Find the heats that derivatives in a layer take. */
+static void heat_for(const struct solid *s, struct progress *of, long z) {
+#if CONDUCTS
+  const long t = of->tile, end = least(last_of(s, z) + 1, box_of(s, t, HEATED, 2)[1]);
+  for (; of->heat < end; ++of->heat) {
+    pull_for(s, of, of->heat);
+    ROWS_OF(HEATED) conduct_row(s, row_of(s, t, HEATED, y, of->heat));
+  }
+#else
+  (void)s, (void)of, (void)z;
+#endif
+}
+
 /* Fill planes of the strains F of the owned nodes; own, ghosted: unknowns of these, or 0, and of a
    halo of one reach, or of all nodes. */
 void solid_strains(const struct solid *s, const double *own, const double *ghosted, double *F) {
-  const struct unknowns q = {own, ghosted};
   for (long t = 0; t < s->tiles; ++t) {
-    for (long z = box_of(s, t, KNOWN, 2)[0]; z < box_of(s, t, OWN, 2)[1] + s->lags[0]; ++z) {
-      ROWS_OF(KNOWN, 0) take_row(s, q, row_of(s, t, KNOWN, y, layer));
-      ROWS_OF(OWN, s->lags[0]) {
-        const struct row r = row_of(s, t, OWN, y, layer);
+    struct progress of = begin(s, (struct unknowns){own, ghosted}, t);
+    for (long z = box_of(s, t, OWN, 2)[0]; z < box_of(s, t, OWN, 2)[1]; ++z) {
+      load_for(s, &of, z);
+      ROWS_OF(OWN) {
+        const struct row r = row_of(s, t, OWN, y, z);
         strain_row(s, r);
         for (int c = 0; c < D * D + HOOPS; ++c)
           memcpy(F + c * s->M + r.own, s->strains + c * s->step + r.tile, r.n * sizeof *F);
@@ -277,17 +319,12 @@ void solid_strains(const struct solid *s, const double *own, const double *ghost
 /* Fill the rates of the owned nodes, or what becomes of them; own, ghosted: unknowns of these, and
    of a halo of two interior reaches, with conduction of three. */
 void solid_sweep(const struct solid *s, const double *own, const double *ghosted, double *next) {
-  const struct unknowns q = {own, ghosted};
   for (long t = 0; t < s->tiles; ++t) {
-    for (long z = box_of(s, t, KNOWN, 2)[0]; z < box_of(s, t, OWN, 2)[1] + s->lags[2]; ++z) {
-      ROWS_OF(KNOWN, 0) take_row(s, q, row_of(s, t, KNOWN, y, layer));
-      ROWS_OF(STRAINED, s->lags[0]) {
-        along_row(s, next, row_of(s, t, STRAINED, y, layer), RATES, pull_nodes);
-      }
-#if CONDUCTS
-      ROWS_OF(HEATED, s->lags[1]) conduct_row(s, row_of(s, t, HEATED, y, layer));
-#endif
-      ROWS_OF(OWN, s->lags[2]) accelerate_row(s, next, row_of(s, t, OWN, y, layer));
+    struct progress of = begin(s, (struct unknowns){own, ghosted}, t);
+    for (long z = box_of(s, t, OWN, 2)[0]; z < box_of(s, t, OWN, 2)[1]; ++z) {
+      heat_for(s, &of, z);
+      pull_for(s, &of, z);
+      ROWS_OF(OWN) accelerate_row(s, next, row_of(s, t, OWN, y, z));
     }
   }
 }

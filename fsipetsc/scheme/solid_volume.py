@@ -20,7 +20,7 @@ class _Solid(ctypes.Structure):
     _fields_ = [
         *((name, _POINTER) for name in ("boxes", "jumps", "weights", "ends")),
         *((name, _NUMBER) for name in ("tiles", "nodes", "most")),
-        *((name, _NUMBER * n) for name, n in (("lags", 3), ("size", 2))),
+        ("size", _NUMBER * 2),
         *((name, Owned * 3) for name in ("own", "inside")),
         *((name, _NUMBER) for name in ("row", "layer", "layers", "step")),
         *((name, _POINTER) for name in ("p", "metrics", "prestress")),
@@ -77,7 +77,6 @@ class SolidVolume:
             tiles=len(work.boxes),
             nodes=work.jumps.shape[1],
             most=work.jumps.shape[2],
-            lags=(_NUMBER * 3)(*work.lags),
             size=(_NUMBER * 2)(*patch.ghosted[:2]),
             own=(Owned * 3)(*(Owned(f, f + n) for f, n in zip(patch.first, patch.own))),
             row=layout.row,

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.operators.bands import Band, Patch
+from fsipetsc.scheme.rows import aligned
 
 Array = NDArray[Any]
 #: kinds of derivatives: D_k and D°_k
@@ -21,8 +22,6 @@ TILES = ((1024, 1), (128, 1), (64, 32))
 #: longest pairs of all operators; nodes of a row with all that they reach
 REACH = 7
 WIDTH = 1024 + 6 * REACH
-#: numbers between components of the nodes of a tile, for d = 1, 2, 3
-STEPS = 1096, 29 * 170 + 6, 29 * 74 * 106 + 12
 #: what is known of a tile's nodes: rates; heats; F, T and t^k; unknowns
 OWN, NEAR, STRAINED, KNOWN = range(4)
 
@@ -38,18 +37,16 @@ class Layout(NamedTuple):
 class Work(NamedTuple):
     """What the sweeps know of a patch, and their memory. The axes are first, inner and last one.
 
-    patch: in this order. lags: layers from loading to t^k, conduction, rates. boxes:
-    (tiles, 4, 3, 2) first node and first beyond of OWN … KNOWN. jumps: (3, n, 1 + most) of each
-    axis and node how many neighbours there are, and how far; weights: (2, 3, n, 1 + most)
-    S_il/(2 weight_i) of these, for PLAIN and FREE, which differ at the node itself; ends: the first
-    node along the first axis, after each, for which they are others; inside: (3, 2) first node and
-    first beyond of those of the interior. In flat arrays by components, of the nodes of a tile:
-    unknowns, strains F, tractions t^k, temps T, heats A^k . h; of the nodes of a row: slopes.
+    patch: in this order. boxes: (tiles, 4, 3, 2) first node and first beyond of OWN … KNOWN. jumps:
+    (3, n, 1 + most) of each axis and node how many neighbours there are, and how far; weights: (2,
+    3, n, 1 + most) S_il/(2 weight_i) of these, for PLAIN and FREE, which differ at the node itself;
+    ends: the first node along the first axis, after each, for which they are others; inside: (3, 2)
+    first node and first beyond of those of the interior. In flat arrays by components, of the nodes
+    of a tile: unknowns, strains F, tractions t^k, temps T, heats A^k . h; of those of a row: slopes.
     """
 
     patch: Patch
     layout: Layout
-    lags: tuple[int, int, int]
     boxes: Array
     jumps: Array
     weights: Array
@@ -76,11 +73,12 @@ def solid_work(solid: Any, bands: Any, patch: Patch, pairs: int) -> Work:
     row, inner = (int((b[:, 1] - b[:, 0]).max()) for b in (boxes[:, KNOWN, 0], boxes[:, KNOWN, 1]))
     reach = bands[2].reach
     layout = Layout(row, row * inner, (3 + conducts) * reach + 1)
-    lags = reach, (1 + conducts) * reach, (2 + conducts) * reach
     strains = len(solid.unstrained((0.0,) * d))
-    memory = [np.zeros(count * STEPS[d - 1]) for count in (2 * d + 1, strains, d * d, 1, d)]
+    # whole vectors, an odd number: components do not compete for one place of the fast memory
+    step = 8 * (layout.layers * layout.layer // 16 * 2 + 3)
+    memory = [aligned(count * step) for count in (2 * d + 1, strains, d * d, 1, d)]
     slopes = np.zeros((2 * d * d + d) * WIDTH)
-    return Work(patch, layout, lags, boxes, *neighbours(bands, pairs), *memory, slopes)
+    return Work(patch, layout, boxes, *neighbours(bands, pairs), *memory, slopes)
 
 
 def in_order(of_axes: Any, d: int) -> Any:
