@@ -20,9 +20,9 @@ static inline long remainder_of(long a, long b) { return a - b * quotient(a, b);
 #define ITEMS(simd, ...) \
   _Pragma(simd) for (long i = 0; i < (n & -8L); ++i) { __VA_ARGS__ } \
   if (n & 7) { \
-    const long first = n & -8L; \
-    _Pragma(simd) for (long lane = 0; lane < 8; ++lane) { \
-      const long i = first + lane; \
+    const long first_ = n & -8L; \
+    _Pragma(simd) for (long lane_ = 0; lane_ < 8; ++lane_) { \
+      const long i = first_ + lane_; \
       if (i < n) { __VA_ARGS__ } \
     } \
   }
