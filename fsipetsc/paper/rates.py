@@ -22,13 +22,15 @@ rates need values within twice the reach of D. The loops work on a row of scratc
 import numpy as np
 
 from fsipetsc.boundaries import Dirichlet, Open
-from fsipetsc.kernels.loops import each, named, variable, when
+from fsipetsc.kernels.loops import each, named, pick, variable, when
 from fsipetsc.paper.narrow_terms import MARGIN, narrow_gas, narrow_solid
 from fsipetsc.paper.outer_ends import gradient_values, outer_side
 from fsipetsc.paper.stencils import derivative
 
 #: rows of scratch, and by how much they are longer than there are points
 ROWS, MORE = 18, 2 * MARGIN
+#: points whose rates are found together: their rows stay in the fastest memory
+PIECE = 192
 
 
 def own_range(layer):
@@ -40,16 +42,41 @@ def own_range(layer):
     return named(a), named(b), A, B
 
 
+def pieces(part, a, b):
+    """(first, end, scratch) of pieces of the points a .. b-1; rows of scratch begin shortly before
+    the first point.
+    """
+    rows, beside = part.scratch, part.op.halo
+    for piece in each((b - a + (PIECE - 1)) // PIECE):
+        first = named(a + piece * PIECE)
+        scratch = rows.reshape(-1)[beside - first :].reshape(rows.shape[0], rows.shape[1])
+        yield first, named(np.minimum(first + PIECE, b)), scratch
+
+
 def widened(a, b, A, B, reach):
     """(first, end) of the active points a .. b-1 and those within ``reach`` of them."""
     return named(np.maximum(A, a - reach)), named(np.minimum(B + 1, b + reach))
 
 
-def start_with(forcing, out):
-    """out = forcing, if there is any."""
-    to = out.reshape(-1)
-    for i in each(out.size, vector=True):
-        to[i] = 0.0 if forcing is None else forcing.reshape(-1)[i]
+def start_with(part, shift, a, b):
+    """Rates are forcing, or 0. Where these are all that stands before the rates of the points
+    a .. b-1, they get it with their rates.
+    """
+    to, n, count = part.k.reshape(-1), part.k.shape[0], part.k.shape[1]
+    begin, end = (n, n) if adds(part) else (pick(a < b, one - shift, n) for one in (a, b))
+    for first, last in ((0, begin), (end, n)):
+        for i in each(first * count, last * count, vector=True):
+            to[i] = 0.0 if part.forcing is None else part.forcing.reshape(-1)[i]
+
+
+def adds(part):
+    """Whether rates are added to what there is: to forcing, or to what narrow terms add."""
+    return part.forcing is not None or part.op.narrow
+
+
+def known_width(array, count):
+    """The array of so many numbers a point: with that a compiler makes vector code of its loops."""
+    return array.reshape(array.shape[0], count)
 
 
 # gas
@@ -75,13 +102,17 @@ def gas_fluxes(gas, s, rho, m, e, u, T, u_X, T_X, f, g, h, a, b):
         f[i], g[i], h[i] = mass, momentum, energy
 
 
-def put_gas(force, rho, m, f_X, g_X, h_X, out, a, b, shift):
-    """out += -(fluxes)_X and what the body force does."""
+def put(out, k, more, adds):
+    """out = more at a point, or, if it adds, out += more."""
+    for c, rate in enumerate(more):
+        out[k, c] = out[k, c] + rate if adds else rate
+
+
+def put_gas(force, rho, m, f_X, g_X, h_X, out, adds, a, b, shift):
+    """-(fluxes)_X and what the body force does."""
     for i in each(a, b, vector=True):
-        k = i - shift
-        out[k, 0] -= f_X[i]
-        out[k, 1] += force * rho[i] - g_X[i]
-        out[k, 2] += force * m[i] - h_X[i]
+        more = -f_X[i], force * rho[i] - g_X[i], force * m[i] - h_X[i]
+        put(out, i - shift, more, adds)
 
 
 def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
@@ -104,13 +135,14 @@ def gas_rates(part):
     """Add the rates of (4.20)."""
     layer = part.layers[0]
     a, b, A, B = own_range(layer)
-    start_with(part.forcing, part.k)
-    with when(a < b):
-        _gas_rates(part, layer, layer.s, 1.0 / layer.h, a, b, A, B)
+    start_with(part, layer.halo_lo, a, b)
+    for first, end, w in pieces(part, a, b):
+        _gas_rates(part, layer, w, layer.s, 1.0 / layer.h, first, end, A, B)
 
 
-def _gas_rates(part, layer, s, per_h, a, b, A, B):
-    op, gas, w, q, out = part.op, part.law, part.scratch, part.local, part.k
+def _gas_rates(part, layer, w, s, per_h, a, b, A, B):
+    op, gas = part.op, part.law
+    q, out = known_width(part.local, 3), known_width(part.k, 3)
     (f0, f1), (v0, v1) = widened(a, b, A, B, op.reach), widened(a, b, A, B, 2 * op.reach)
     rho, m, e, u, T, u_X, T_X, f, g, h, f_X, g_X, h_X = (w[c] for c in range(13))
     primitive_rows(gas, q, rho, m, e, u, T, v0, v1)
@@ -132,7 +164,7 @@ def _gas_rates(part, layer, s, per_h, a, b, A, B):
     with when((gas.kappa == 0.0) & (a <= end) & (end < b)):
         rates = -f_X[end], -g_X[end], -h_X[end]
         h_X[end] -= entropy_keeping(gas, rho[end], m[end], e[end], *rates, u_X[end])
-    put_gas(gas.force, rho, m, f_X, g_X, h_X, out, a, b, layer.halo_lo)
+    put_gas(gas.force, rho, m, f_X, g_X, h_X, out, adds(part), a, b, layer.halo_lo)
 
 
 # solid
@@ -152,27 +184,27 @@ def solid_fluxes(solid, sigma, T, x_X, T_X, stretch, net, conducted, a, b):
         conducted[i] = solid.kappa_e * r * T_X[i]
 
 
-def put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, a, b, shift):
-    """out += (u, sigma, T, x)_t."""
+def put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, adds, a, b, shift):
+    """(u, sigma, T, x)_t."""
     for i in each(a, b, vector=True):
-        k = i - shift
-        out[k, 0] += net_X[i] / solid.m0 + solid.force
-        out[k, 1] += solid.K * stretch[i] * u_X[i]
-        out[k, 2] += (net[i] * u_X[i] + conducted_X[i]) / (solid.alpha * solid.m0)
-        out[k, 3] += u[i]
+        acceleration = net_X[i] / solid.m0 + solid.force
+        warming = (net[i] * u_X[i] + conducted_X[i]) / (solid.alpha * solid.m0)
+        more = acceleration, solid.K * stretch[i] * u_X[i], warming, u[i]
+        put(out, i - shift, more, adds)
 
 
 def elastic_rates(part):
     """Add the rates of (4.19)."""
     layer = part.layers[0]
     a, b, A, B = own_range(layer)
-    start_with(part.forcing, part.k)
-    with when(a < b):
-        _elastic_rates(part, layer, 1.0 / layer.h, a, b, A, B)
+    start_with(part, layer.halo_lo, a, b)
+    for first, end, w in pieces(part, a, b):
+        _elastic_rates(part, layer, w, 1.0 / layer.h, first, end, A, B)
 
 
-def _elastic_rates(part, layer, per_h, a, b, A, B):
-    op, solid, w, q, out = part.op, part.law, part.scratch, part.local, part.k
+def _elastic_rates(part, layer, w, per_h, a, b, A, B):
+    op, solid = part.op, part.law
+    q, out = known_width(part.local, 4), known_width(part.k, 4)
     (f0, f1), (v0, v1) = widened(a, b, A, B, op.reach), widened(a, b, A, B, 2 * op.reach)
     sigma, x, T, x_X, T_X, u, net, conducted, u_X, net_X, conducted_X = (w[c] for c in range(11))
     stretch = w[11]
@@ -182,4 +214,4 @@ def _elastic_rates(part, layer, per_h, a, b, A, B):
     derivative(op, w, 5, 8, 3, a, b, A, B, per_h)  # u_X, net_X, conducted_X
     if op.narrow:
         narrow_solid(op, solid, layer, T, stretch, [w[c] for c in (12, 13, 14)], out, a, b, A, B)
-    put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, a, b, layer.halo_lo)
+    put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, adds(part), a, b, layer.halo_lo)

@@ -12,11 +12,12 @@ count.
 
 import numpy as np
 
-from fsipetsc.kernels.loops import each, variable, when
+from fsipetsc.kernels.loops import each, named, variable, when
 from fsipetsc.paper.embedded import beyond_boundary
 from fsipetsc.paper.outer_ends import outer_side
-from fsipetsc.paper.rates import own_range
+from fsipetsc.paper.rates import known_width, own_range
 from fsipetsc.paper.stencils import near_ends
+from fsipetsc.scheme.block_monitor import raise_to
 from fsipetsc.scheme.plan import BAD
 
 #: of the points 0 to 3: coefficients of delta, delta^2 ... in the integral from the ghost point (0)
@@ -24,40 +25,65 @@ from fsipetsc.scheme.plan import BAD
 STRIP = np.array([[24, -22, 8, -1], [0, 36, -20, 3], [0, -18, 16, -3], [0, 4, -4, 1]]) / 24.0
 
 
+#: columns in which extremes and sums are found, so that loops become vector code
+COLUMNS = 64
+
+
 def larger(found, x):
     """Let a variable be x if this is larger; what is not a number is never."""
     found.value = np.where(x > found.value, x, found.value)
 
 
-def smaller(found, x):
-    """Let a variable be x if this is smaller."""
-    found.value = np.where(x < found.value, x, found.value)
+def in_columns(scratch, a, b, extremes, sums):
+    """(i, column) of the points a .. b-1, after rows of scratch are cleared for so many extremes,
+    and sums after them.
+    """
+    for row in range(extremes + sums):
+        for column in each(COLUMNS, vector=True):
+            scratch[row, column] = -np.inf if row < extremes else 0.0
+    for tile in each((b - a + (COLUMNS - 1)) // COLUMNS):
+        first = named(a + tile * COLUMNS)
+        for column in each(np.minimum(COLUMNS, b - first), vector=True):
+            yield first + column, column
+
+
+def note_in(scratch, column, extremes, sums):
+    """Let numbers count in a column of rows of scratch: extremes, then sums."""
+    for row, number in enumerate(extremes):
+        raise_to(scratch[row], column, number)
+    for row, number in enumerate(sums, len(extremes)):
+        scratch[row, column] += number
+
+
+def collected(scratch, least, sums):
+    """Variables: the extremes of all columns, which are at least so, and the sums."""
+    largest, totals = [variable(x) for x in least], [variable() for _ in range(sums)]
+    for column in each(COLUMNS):
+        for row, found in enumerate(largest):
+            larger(found, scratch[row, column])
+        for row, total in enumerate(totals, len(least)):
+            total.value += scratch[row, column]
+    return largest, totals
 
 
 def monitor_gas(part, steps):
     """Fill rates, by the largest |u-s| + c and max(mu', kappa/cv)/rho, and add to sums; note if a
     point is not physical."""
-    op, gas, layer, q, sums = part.op, part.law, part.layers[0], part.local, steps.sums
-    a, b, A, B = own_range(layer)
-    speeds, diffusivities, temperatures, s = *(part.scratch[c] for c in range(3)), layer.s
-    for i in each(a, b, vector=True):
-        rho = q[i, 0]
-        u, T = gas.velocity_and_temperature(rho, q[i, 1], q[i, 2])
-        sound = np.sqrt(gas.law.sound_speed_squared(rho, T))
+    op, gas, layer, sums = part.op, part.law, part.layers[0], steps.sums
+    q = known_width(part.local, 3)
+    (a, b, A, B), s = own_range(layer), layer.s
+    for i, column in in_columns(part.scratch, a, b, 3, 4):
+        rho, m, e = (q[i, c] for c in range(3))
+        u, T = gas.velocity_and_temperature(rho, m, e)
+        speed = np.absolute(u - s) + np.sqrt(gas.law.sound_speed_squared(rho, T))
         heat = gas.conductivity(T) / gas.law.heat_capacity(rho, T)
         diffusivity = np.maximum(gas.viscosity(T), heat) / rho
-        speeds[i], diffusivities[i] = np.absolute(u - s) + sound, diffusivity
-        temperatures[i] = T
-    fastest, diffusivity, least, finite = (variable(v) for v in (0.0, 0.0, np.inf, 0.0))
-    totals = mass, momentum, energy = [variable() for _ in range(3)]
-    for i in each(a, b):
-        rho, m, e = (q[i, c] for c in range(3))
-        speed, other, T = speeds[i], diffusivities[i], temperatures[i]
-        larger(fastest, speed)
-        larger(diffusivity, other)
-        smaller(least, np.where(T < rho, T, rho))
-        finite.value += rho + m + e + T + speed
-        add(totals, 1.0, (rho, m, e))
+        least = np.where(T < rho, T, rho)
+        note_in(part.scratch, column, (speed, diffusivity, -least), (rho, m, e, T + speed))
+    extremes, (*totals, other) = collected(part.scratch, (0.0, 0.0, -np.inf), 4)
+    fastest, diffusivity, least = extremes
+    mass, momentum, energy = totals
+    finite = mass.value + momentum.value + energy.value + other.value
     for r, i, _, _ in near_ends(op, a, b, A, B):
         add(totals, op.norm[r] - 1.0, [q[i, c] for c in range(3)])
     side = outer_side(part.ends)
@@ -74,7 +100,7 @@ def monitor_gas(part, steps):
     sums[-1] += h * momentum.value
     layer.rates[0] = fastest.value / h
     layer.rates[1] = op.diffusion * diffusivity.value / (h * h)
-    note_bad(steps, (least.value > 0.0) & (np.absolute(finite.value) < np.inf))
+    note_bad(steps, (least.value < 0.0) & (np.absolute(finite) < np.inf))
 
 
 def add(totals, weight, values):
@@ -92,30 +118,21 @@ def note_bad(steps, good):
 def monitor_solid(part, steps):
     """The same, by the largest speed of waves and kappa_e/(alpha m0 x_X), in Lagrangian
     coordinates."""
-    op, solid, layer, q, sums = part.op, part.law, part.layers[0], part.local, steps.sums
+    op, solid, layer, sums = part.op, part.law, part.layers[0], steps.sums
+    q = known_width(part.local, 4)
     a, b, A, B = own_range(layer)
-    moduli, stretches, per_h = part.scratch[0], part.scratch[1], 1.0 / layer.h
-
-    def measure(i, j):
-        sigma, T, x_X = q[i, 1], q[i, 2], (q[j, 3] - q[j - 1, 3]) * per_h
+    per_h = 1.0 / layer.h
+    for i, column in in_columns(part.scratch, a, b, 4, 4):
+        u, sigma, T = (q[i, c] for c in range(3))
+        j = np.maximum(i, A + 1)  # the first point has the stretch of the second one
+        x_X = (q[j, 3] - q[j - 1, 3]) * per_h
         p = solid.pressure(T, x_X)
         modulus = solid.wave_modulus(T, p, np.minimum(sigma, p), x_X)
-        moduli[i], stretches[i] = modulus, x_X
-
-    for i in each(np.maximum(a, A + 1), b, vector=True):
-        measure(i, i)
-    with when((a == A) & (a < b)):
-        measure(A, A + 1)
-    stiffest, softest, shortest, coldest = (variable(v) for v in (0.0, np.inf, np.inf, np.inf))
-    finite, totals = variable(), [variable() for _ in range(3)]
-    for i in each(a, b):
-        (u, sigma, T), modulus, x_X = (q[i, c] for c in range(3)), moduli[i], stretches[i]
-        larger(stiffest, modulus)
-        smaller(softest, modulus)
-        smaller(shortest, x_X)
-        smaller(coldest, T)
-        finite.value += x_X + u * u + sigma + T + modulus
-        add(totals, 1.0, (u, 0.5 * u * u, T))
+        sums_of = u, 0.5 * u * u, T, x_X + sigma + modulus
+        note_in(part.scratch, column, (modulus, -modulus, -x_X, -T), sums_of)
+    extremes, (*totals, other) = collected(part.scratch, (0.0, *(-np.inf,) * 3), 4)
+    stiffest, softest, shortest, coldest = extremes
+    finite = totals[0].value + totals[1].value + totals[2].value + other.value
     for r, i, _, _ in near_ends(op, a, b, A, B):
         u, T = q[i, 0], q[i, 2]
         add(totals, op.norm[r] - 1.0, (u, 0.5 * u * u, T))
@@ -123,8 +140,8 @@ def monitor_solid(part, steps):
     m0_h = solid.m0 * h
     sums[-2] += m0_h * (kinetic.value + solid.alpha * heat.value)
     sums[-1] += m0_h * momentum.value
-    diffusivity = solid.kappa_e / (shortest.value * solid.alpha * solid.m0)
+    diffusivity = solid.kappa_e / (-shortest.value * solid.alpha * solid.m0)
     layer.rates[0] = np.sqrt(stiffest.value / solid.m0) / h
     layer.rates[1] = op.diffusion * diffusivity / (h * h)
-    physical = (shortest.value > 0.0) & (coldest.value > 0.0) & (softest.value >= 0.0)
-    note_bad(steps, physical & (np.absolute(finite.value) < np.inf))
+    physical = (shortest.value < 0.0) & (coldest.value < 0.0) & (softest.value <= 0.0)
+    note_bad(steps, physical & (np.absolute(finite) < np.inf))
