@@ -28,6 +28,10 @@ struct solid {
   const long *jumps;
   const double *weights;
   const long *ends;               /* (nodes,) along the first axis: the next node with others */
+  /* of nodes of the interior, by axes and pairs: (2, layers, D PAIRS) how far the node ahead and
+     that behind are in a tile, by the place of the layer in the ring; (D PAIRS) their weights */
+  const long *far;
+  const double *inner;
   long tiles, nodes, most;
   long size[2];                   /* of the patch: nodes with the halo */
   struct owned own[3], inside[3]; /* and its owned nodes; as free ones those with PAIRS pairs */
@@ -141,25 +145,10 @@ static void take_row(const struct solid *s, struct unknowns q, struct row r) {
   take(s, q.ghosted + after.patch, s->N, after);
 }
 
-/* Distances and weights of the pairs of a node in the interior, by axes. */
-struct inside { long far[D * PAIRS], back[D * PAIRS]; double w[D * PAIRS]; };
-
-static struct inside inside_of(const struct solid *s, const struct row *r) {
-  struct inside found;
-  for (int k = 0; k < D; ++k) {
-    const int axis = D == 2 ? 2 * k : k;
-    const long i = axis == 0 ? r->x : axis == 1 ? r->y : r->z;
-    const double *w = s->weights + (axis * s->nodes + i) * s->most;
-    for (int m = 0; m < PAIRS; ++m) {
-      found.far[k * PAIRS + m] = away(s, r, axis, m + 1);
-      found.back[k * PAIRS + m] = away(s, r, axis, -m - 1);
-      found.w[k * PAIRS + m] = w[1 + m];
-    }
-  }
-  return found;
-}
-
-#define NEAR .far = near.far, .back = near.back, .w = near.w
+/* Distances and weights of the pairs of the nodes of row r, if these are in the interior. */
+#define NEAR                                                                              \
+  .far = s->far + r.place * D * PAIRS, .back = s->far + (s->layers + r.place) * D * PAIRS, \
+  .w = s->inner
 
 /* Call a function for the nodes of a row: those before, within and after the interior. */
 typedef void of_nodes(const struct solid *, double *, struct row, int inside, int kind);
@@ -193,7 +182,6 @@ static void pull_nodes(const struct solid *s, double *next, struct row r, int in
   .unknowns = s->unknowns + r.tile, .strains = s->strains + r.tile,                     \
   .temperatures = s->temperatures + r.tile, .tractions = s->tractions + r.tile, PLACED PULLED
   if (inside) {
-    const struct inside near = inside_of(s, &r);
     solid_pull_inside(PULL, NEAR);
   } else {
     differentiate(s, &r, PLAIN, s->unknowns, 0, 0, D, 0);
@@ -213,7 +201,6 @@ static void conduct_row(const struct solid *s, struct row r) {
 static void accelerate_nodes(const struct solid *s, double *next, struct row r, int inside,
                              int kind) {
   const struct stage *stage = &s->stage;
-  const struct inside near = inside_of(s, &r);
   if (!inside) {
     differentiate(s, &r, FREE, s->tractions, 0, D, D, 0);
     differentiate(s, &r, PLAIN, s->unknowns, D, 0, D, D * D);

@@ -18,7 +18,7 @@ _POINTER, _NUMBER = ctypes.c_void_p, ctypes.c_long
 
 class _Solid(ctypes.Structure):
     _fields_ = [
-        *((name, _POINTER) for name in ("boxes", "jumps", "weights", "ends")),
+        *((name, _POINTER) for name in ("boxes", "jumps", "weights", "ends", "far", "inner")),
         *((name, _NUMBER) for name in ("tiles", "nodes", "most")),
         ("size", _NUMBER * 2),
         *((name, Owned * 3) for name in ("own", "inside")),
@@ -62,6 +62,8 @@ class SolidVolume:
             "jumps": np.ascontiguousarray(work.jumps, np.int64),
             "weights": work.weights,
             "ends": np.ascontiguousarray(work.ends, np.int64),
+            "far": work.far,
+            "inner": work.inner,
             "p": np.array([*numbers_of(solid), 0.0]),
             "metrics": metrics,
             "prestress": prestress,

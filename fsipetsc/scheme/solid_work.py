@@ -5,6 +5,7 @@ the last axis are swept. Boxes of nodes around a tile say where what is needed: 
 its pairs reach, displacements where these reach in turn; conduction reaches once more.
 """
 
+from collections.abc import Sequence
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -41,7 +42,9 @@ class Work(NamedTuple):
     (3, n, 1 + most) of each axis and node how many neighbours there are, and how far; weights: (2,
     3, n, 1 + most) S_il/(2 weight_i) of these, for PLAIN and FREE, which differ at the node itself;
     ends: the first node along the first axis, after each, for which they are others; inside: (3, 2)
-    first node and first beyond of those of the interior. In flat arrays by components, of the nodes
+    first node and first beyond of those of the interior; far: (2, layers, d pairs) of these, how
+    far those of a pair are ahead and behind in a tile, by place in the ring; inner: (d pairs,)
+    weights of both. In flat arrays by components, of the nodes
     of a tile: unknowns, strains F, tractions t^k, temps T, heats A^k . h; of those of a row: slopes.
     """
 
@@ -52,6 +55,8 @@ class Work(NamedTuple):
     weights: Array
     ends: Array
     inside: Array
+    far: Array
+    inner: Array
     unknowns: Array
     strains: Array
     tractions: Array
@@ -78,7 +83,23 @@ def solid_work(solid: Any, bands: Any, patch: Patch, pairs: int) -> Work:
     step = 8 * (layout.layers * layout.layer // 16 * 2 + 3)
     memory = [aligned(count * step) for count in (2 * d + 1, strains, d * d, 1, d)]
     slopes = np.zeros((2 * d * d + d) * WIDTH)
-    return Work(patch, layout, boxes, *neighbours(bands, pairs), *memory, slopes)
+    known = jumps, weights, ends, inside = neighbours(bands, pairs)
+    axes = (0, 2) if d == 2 else range(d)
+    at = [min(inside[axis, 0], jumps.shape[1] - 1) for axis in axes]
+    inner = np.concatenate([weights[PLAIN, axis, i, 1 : 1 + pairs] for axis, i in zip(axes, at)])
+    far = distances(layout, axes, pairs)
+    return Work(patch, layout, boxes, *known, far, inner, *memory, slopes)
+
+
+def distances(layout: Layout, axes: Sequence[int], pairs: int) -> Array:
+    """far of Work."""
+    m, places = np.arange(1, pairs + 1), np.arange(layout.layers)[:, None]
+    found = []
+    for sign in (1, -1):
+        in_ring = ((places + sign * m) % layout.layers - places) * layout.layer
+        of_axes = [(sign * m, sign * m * layout.row)[axis] if axis < 2 else in_ring for axis in axes]
+        found.append([np.broadcast_to(one, in_ring.shape) for one in of_axes])
+    return np.ascontiguousarray(np.moveaxis(np.array(found, np.int64), 1, 2)).reshape(2, -1)
 
 
 def in_order(of_axes: Any, d: int) -> Any:
