@@ -32,12 +32,12 @@ struct cube {
   long inner[2];                /* nodes along the first axis that have the same pairs */
   double P[9];                  /* periods: P_kc */
   const double *x, *v;          /* (3, wide nodes) the y above, called x below; velocities */
-  double *q;                    /* (3, 3, wide nodes) q_k, by k and n */
+  double *q;                    /* (3, 3, slots layers) q_k, by k and n; z is in slot z % slots */
   double *metrics, *volume;     /* planes of N nodes of the range; det D x */
   const long *faces;            /* (count, 2) some faces: axis i, index of their nodes along it */
   double *of_faces;             /* (9, N) a^i on these faces, or their rates */
   double *moved, *other, *rows; /* memory: (3, wide nodes), (3, N), (9, nodes of a row) */
-  long N, count;
+  long N, count, slots;
 };
 struct box {
   long lo[3], hi[3];
@@ -47,10 +47,11 @@ static long wide_of(const struct cube *c, long x, long y, long z) {
   return x + c->size[0] * (y + c->size[1] * z);
 }
 static long wide_nodes(const struct cube *c) { return c->size[0] * c->size[1] * c->size[2]; }
+static long q_nodes(const struct cube *c) { return c->size[0] * c->size[1] * c->slots; }
 
 /* What a pair adds to D f of a node. */
 INLINE double of_pair(const double *f, const struct pairs *p, int m, int even) {
-  if (even) return p->ahead[m] * (f[p->after[m]] - f[-p->after[m]]);
+  if (even) return p->ahead[m] * (f[p->after[m]] - f[-p->before[m]]);
   return p->ahead[m] * (f[p->after[m]] - *f) + p->behind[m] * (*f - f[-p->before[m]]);
 }
 /* D f of a node. */
@@ -60,15 +61,17 @@ INLINE double slope(const double *f, const struct pairs *p, int count, int even)
   return sum;
 }
 
-/* What is done with D f along an axis: planes f of the wide range, what it fills. */
+/* What is done with D f along an axis: planes f of the wide range or, if of_q, planes q; what it
+   fills. */
 struct task {
   void (*of_row)(const struct cube *, const struct task *, const struct pairs *, long, long, long);
-  int axis;
+  int axis, of_q;
   const double *f;
   double *out;
 };
-/* A task of n nodes of a row with the same pairs: ``at`` is the first one in the wide range,
-   ``place`` that in the range. Its code stands once for each number of pairs, which is unrolled. */
+/* A task of n nodes of a row with the same pairs: ``at`` is the first one in planes f, ``place``
+   that in the range, or in planes q for those that fill them. Its code stands once for each number
+   of pairs, which is unrolled. */
 #define TASK(name)                                                                             \
   static NOINLINE void name(const struct cube *c, const struct task *t, const struct pairs *p, \
                             long at, long place, long n) {                                     \
@@ -85,22 +88,39 @@ struct task {
   INLINE void name##_of(const struct cube *c, const struct task *t, const struct pairs *p,         \
                         long at, long place, long n, int count, int even)
 
+static void potential(const struct cube *, const struct task *, const struct pairs *, long, long,
+                      long);
+
+/* The pairs p along the last axis of a node of layer z, between its slots of q. */
+static struct pairs between_slots(const struct cube *c, const struct pairs *p, long z) {
+  const long layer = c->size[0] * c->size[1], here = z % c->slots;
+  struct pairs found = *p;
+  for (long m = 0; m < p->count; ++m) {
+    found.after[m] = ((z + p->after[m] / layer) % c->slots - here) * layer;
+    found.before[m] = (here - (z - p->before[m] / layer) % c->slots) * layer;
+  }
+  return found;
+}
+
 /* Do tasks with each row of a box. */
 static void do_rows(const struct cube *c, const struct task *tasks, int count,
                     const struct box *b) {
   const long *first = c->first, *end = c->end;
   for (long z = b->lo[2]; z < b->hi[2]; ++z) {
+    const struct pairs slots = between_slots(c, c->pairs[2] + z, z);
     for (long y = b->lo[1]; y < b->hi[1]; ++y) {
-      const long wide = wide_of(c, 0, y, z);
+      const long wide = wide_of(c, 0, y, z), q = wide_of(c, 0, y, z % c->slots);
       const long row = y - first[1] + (end[1] - first[1]) * (z - first[2]);
       const long place = (end[0] - first[0]) * row - first[0];
       for (const struct task *t = tasks; t < tasks + count; ++t) {
         const long inner = least(most(c->inner[0], b->lo[0]), b->hi[0]);
-        for (long x = b->lo[0], to; x < b->hi[0]; x = to) {
+        const long at = t->of_q ? q : wide, to = t->of_row == potential ? q : place;
+        for (long x = b->lo[0], stop; x < b->hi[0]; x = stop) {
           const long same = x != inner ? x + 1 : most(least(c->inner[1], b->hi[0]), x + 1);
-          to = t->axis != 0 ? b->hi[0] : same;
+          stop = t->axis != 0 ? b->hi[0] : same;
           const long i = t->axis == 0 ? x : t->axis == 1 ? y : z;
-          t->of_row(c, t, c->pairs[t->axis] + i, wide + x, place + x, to - x);
+          const struct pairs *p = t->of_q && t->axis == 2 ? &slots : c->pairs[t->axis] + i;
+          t->of_row(c, t, p, at + x, to + x, stop - x);
         }
       }
     }
@@ -112,17 +132,17 @@ ROW_OF(potential) {
   const struct pairs of = *p;
   const long W = wide_nodes(c);
   const double *x = t->f + at, *P = c->P + 3 * t->axis;
-  double *restrict q = t->out + at;
+  double *restrict q = t->out + place;
   const double P0 = P[0], P1 = P[1], P2 = P[2];
-  (void)place;
+  const long Q = q_nodes(c);
   ITEMS("omp simd",
     const double a = x[i]; const double b = x[W + i]; const double e = x[2 * W + i];
     const double D_a = slope(x + i, &of, count, even);
     const double D_b = slope(x + W + i, &of, count, even);
     const double D_e = slope(x + 2 * W + i, &of, count, even);
     q[i] = 0.5 * (b * D_e - e * D_b) + (b * P2 - e * P1);
-    q[W + i] = 0.5 * (e * D_a - a * D_e) + (e * P0 - a * P2);
-    q[2 * W + i] = 0.5 * (a * D_b - b * D_a) + (a * P1 - b * P0);
+    q[Q + i] = 0.5 * (e * D_a - a * D_e) + (e * P0 - a * P2);
+    q[2 * Q + i] = 0.5 * (a * D_b - b * D_a) + (a * P1 - b * P0);
   )
 }
 TASK(potential)
@@ -130,11 +150,11 @@ TASK(potential)
 /* D_j q_k, the first part of a^i. */
 ROW_OF(begin_area) {
   const struct pairs of = *p;
-  const long W = wide_nodes(c), N = c->N;
+  const long Q = q_nodes(c), N = c->N;
   const double *q = t->f + at;
   double *restrict a = t->out + place;
   ITEMS("omp simd",
-    for (int m = 0; m < 3; ++m) a[m * N + i] = slope(q + m * W + i, &of, count, even);
+    for (int m = 0; m < 3; ++m) a[m * N + i] = slope(q + m * Q + i, &of, count, even);
   )
 }
 TASK(begin_area)
@@ -142,14 +162,14 @@ TASK(begin_area)
 /* a^i = D_j q_k - D_k q_j with what periods add, k the axis of the task. */
 ROW_OF(end_area) {
   const struct pairs of = *p;
-  const long W = wide_nodes(c), N = c->N;
+  const long Q = q_nodes(c), N = c->N;
   const double *q = t->f + at, *P_j = c->P + (t->axis + 2) % 3 * 3, *P_k = c->P + t->axis * 3;
   double *restrict a = t->out + place;
   const double more[3] = {P_j[1] * P_k[2] - P_k[1] * P_j[2], P_j[2] * P_k[0] - P_k[2] * P_j[0],
                           P_j[0] * P_k[1] - P_k[0] * P_j[1]};
   ITEMS("omp simd",
     for (int m = 0; m < 3; ++m)
-      a[m * N + i] = (a[m * N + i] - slope(q + m * W + i, &of, count, even)) + more[m];
+      a[m * N + i] = (a[m * N + i] - slope(q + m * Q + i, &of, count, even)) + more[m];
   )
 }
 TASK(end_area)
@@ -198,43 +218,47 @@ static struct box range_of(const struct cube *c) {
 
 /* Find q_k of the places x in a box. */
 static void potentials(const struct cube *c, const double *x, int k, struct box b) {
-  const struct task task = {potential, k, x, c->q + 3 * k * wide_nodes(c)};
+  const struct task task = {potential, k, 0, x, c->q + 3 * k * q_nodes(c)};
   do_rows(c, &task, 1, &b);
 }
 /* The tasks that fill planes a with a^i. */
 static void areas(const struct cube *c, int i, double *a, struct task *tasks) {
-  const long j = (i + 1) % 3, k = (i + 2) % 3, W = wide_nodes(c);
-  tasks[0] = (struct task){begin_area, j, c->q + 3 * k * W, a};
-  tasks[1] = (struct task){end_area, k, c->q + 3 * j * W, a};
+  const long j = (i + 1) % 3, k = (i + 2) % 3, Q = q_nodes(c);
+  tasks[0] = (struct task){begin_area, j, 1, c->q + 3 * k * Q, a};
+  tasks[1] = (struct task){end_area, k, 1, c->q + 3 * j * Q, a};
 }
 
-/* Find a^1, a^2, a^3 of the range, layer by layer: q_k is found as far ahead as it is needed. */
-void cube_move(const struct cube *c) {
-  const struct box range = range_of(c);
-  struct task tasks[6];
-  long found = most(range.lo[2] - c->reach[2], 0);
-  for (int k = 0; k < 3; ++k) areas(c, k, c->metrics + 3 * k * c->N, tasks + 2 * k);
-  for (long z = range.lo[2]; z < range.hi[2]; ++z) {
+/* Do the tasks of a^1, a^2 and a^3 in a box, or of a^only alone if that is not NONE, at the places
+   x: layer by layer, q_k as far ahead as it is needed. */
+enum { NONE = 3 };
+static void find_areas(const struct cube *c, const double *x, const struct task *tasks, int count,
+                       const struct box *b, int only) {
+  long found = most(b->lo[2] - c->reach[2], 0);
+  struct box layer = *b;
+  for (long z = b->lo[2]; z < b->hi[2]; ++z) {
     for (; found <= z + c->reach[2] && found < c->size[2]; ++found) {
-      for (int k = 0; k < 3; ++k) {
-        struct box layer = reached(c, &range, (k + 1) % 3, (k + 2) % 3);
-        if (found < layer.lo[2] || layer.hi[2] <= found) continue;
-        layer.lo[2] = found, layer.hi[2] = found + 1;
-        potentials(c, c->x, k, layer);
+      for (int k = 0; k < 3; ++k) { /* a^i takes D_m q_k of the axis m that is neither i nor k */
+        const int one = only == NONE ? (k + 1) % 3 : 3 - only - k;
+        struct box of_q = reached(c, b, one, only == NONE ? (k + 2) % 3 : one);
+        if (k == only || found < of_q.lo[2] || of_q.hi[2] <= found) continue;
+        of_q.lo[2] = found, of_q.hi[2] = found + 1;
+        potentials(c, x, k, of_q);
       }
     }
-    struct box layer = range;
     layer.lo[2] = z, layer.hi[2] = z + 1;
-    do_rows(c, tasks, 6, &layer);
+    do_rows(c, tasks, count, &layer);
   }
 }
 
-/* Find the velocity of the grid and J_t, after cube_move. */
-void cube_swing(const struct cube *c) {
+/* Find a^1, a^2, a^3, the velocity of the grid and J_t of the range. */
+void cube_move(const struct cube *c) {
   const struct box range = range_of(c);
-  struct task tasks[3];
-  for (int k = 0; k < 3; ++k) tasks[k] = (struct task){swing, k, c->v, c->metrics + 9 * c->N};
-  do_rows(c, tasks, 3, &range);
+  struct task tasks[9];
+  for (int k = 0; k < 3; ++k) {
+    areas(c, k, c->metrics + 3 * k * c->N, tasks + 2 * k);
+    tasks[6 + k] = (struct task){swing, k, 0, c->v, c->metrics + 9 * c->N};
+  }
+  find_areas(c, c->x, tasks, 9, &range, NONE);
 }
 
 /* Find det D x of the range. */
@@ -242,7 +266,7 @@ void cube_volumes(const struct cube *c) {
   const long rows = c->size[0];
   double *volume = c->volume;
   struct task tasks[3];
-  for (int k = 0; k < 3; ++k) tasks[k] = (struct task){gradient, k, c->x, c->rows + 3 * k * rows};
+  for (int k = 0; k < 3; ++k) tasks[k] = (struct task){gradient, k, 0, c->x, c->rows + 3 * k * rows};
   for (long z = c->first[2]; z < c->end[2]; ++z) {
     for (long y = c->first[1]; y < c->end[1]; ++y) {
       const struct box row = {{c->first[0], y, z}, {c->end[0], y + 1, z + 1}};
@@ -268,12 +292,9 @@ static struct box face_of(const struct cube *c, long i, long at) {
 /* Find a^i of the places x on a face: that takes derivatives within the face only. */
 static void cube_face(const struct cube *c, const double *x, long i, const struct box *face,
                       double *a) {
-  const int j = (i + 1) % 3, k = (i + 2) % 3;
   struct task tasks[2];
-  potentials(c, x, k, reached(c, face, j, j));
-  potentials(c, x, j, reached(c, face, k, k));
   areas(c, i, a, tasks);
-  do_rows(c, tasks, 2, face);
+  find_areas(c, x, tasks, 2, face, (int)i);
 }
 
 /* Find a^i of the places x on the faces. */

@@ -30,12 +30,12 @@ class _Cube(ctypes.Structure):
         ("P", ctypes.c_double * 9),
         *((name, _POINTER) for name in ("x", "v", "q", "metrics", "volume", "faces", "of_faces")),
         *((name, _POINTER) for name in ("moved", "other", "rows")),
-        *((name, _NUMBER) for name in ("N", "count")),
+        *((name, _NUMBER) for name in ("N", "count", "slots")),
     ]
 
 
 def cube_text() -> str:
-    """The C code of cube_move, cube_volumes, cube_swing, cube_faces and cube_turn."""
+    """The C code of cube_move, cube_volumes, cube_faces and cube_turn."""
     return c_source("fsipetsc.blocks", "cube.c")
 
 
@@ -52,7 +52,8 @@ class Cube:
         nodes = wide.y.shape[1]
         self.x, self.v = wide.y.copy(), np.zeros((3, nodes))
         self.volume, self.of_faces = np.zeros(metrics.shape[1]), np.zeros((9, metrics.shape[1]))
-        steps, q = np.cumprod((1, *wide.sizes[:-1])), np.zeros((9, nodes))
+        slots, steps = 2 * len(wide.S[2]) - 1, np.cumprod((1, *wide.sizes[:-1]))
+        q = np.zeros((9, slots * steps[2]))
         bands = zip(wide.S, wide.weight, steps, strict=True)
         pairs_of_axes = [_pairs(*band) for band in bands]
         memory = {
@@ -75,6 +76,7 @@ class Cube:
             q=q.ctypes.data,
             metrics=metrics.ctypes.data,
             N=metrics.shape[1],
+            slots=slots,
         )
         self.address = ctypes.addressof(self._struct)
 

@@ -110,7 +110,6 @@ class CubeMotion(NamedTuple):
         when no rank waits for it.
         """
         invoke("cube_move", self.address)
-        invoke("cube_swing", self.address)
 
     def on_faces(self, metrics):
         """The array that has a^k on faces."""

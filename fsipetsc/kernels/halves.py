@@ -106,6 +106,6 @@ def _has_uniform(x: Symbol) -> bool:
 
 
 def without_halves(record: Record, wanted: Sequence[Symbol]) -> tuple[Record, list[Symbol]]:
-    """A record with fewer products that gives the same, and its symbols of those that are wanted."""
+    """A record with fewer products that gives the same, and what is wanted of it."""
     made = _Rewriting(record, wanted)
     return made.record, [made.whole(symbol) for symbol in wanted]

@@ -44,8 +44,8 @@ class Work(NamedTuple):
     ends: the first node along the first axis, after each, for which they are others; inside: (3, 2)
     first node and first beyond of those of the interior; far: (2, layers, d pairs) of these, how
     far those of a pair are ahead and behind in a tile, by place in the ring; inner: (d pairs,)
-    weights of both. In flat arrays by components, of the nodes
-    of a tile: unknowns, strains F, tractions t^k, temps T, heats A^k . h; of those of a row: slopes.
+    weights of both. In flat arrays by components, of the nodes of a tile: unknowns, strains F,
+    tractions t^k, temps T, heats A^k . h; of those of a row: slopes.
     """
 
     patch: Patch
@@ -83,9 +83,9 @@ def solid_work(solid: Any, bands: Any, patch: Patch, pairs: int) -> Work:
     step = 8 * (layout.layers * layout.layer // 16 * 2 + 3)
     memory = [aligned(count * step) for count in (2 * d + 1, strains, d * d, 1, d)]
     slopes = np.zeros((2 * d * d + d) * WIDTH)
-    known = jumps, weights, ends, inside = neighbours(bands, pairs)
+    _, weights, ends, inside = known = neighbours(bands, pairs)
     axes = (0, 2) if d == 2 else range(d)
-    at = [min(inside[axis, 0], jumps.shape[1] - 1) for axis in axes]
+    at = [min(inside[axis, 0], len(ends) - 1) for axis in axes]
     inner = np.concatenate([weights[PLAIN, axis, i, 1 : 1 + pairs] for axis, i in zip(axes, at)])
     far = distances(layout, axes, pairs)
     return Work(patch, layout, boxes, *known, far, inner, *memory, slopes)
@@ -97,7 +97,7 @@ def distances(layout: Layout, axes: Sequence[int], pairs: int) -> Array:
     found = []
     for sign in (1, -1):
         in_ring = ((places + sign * m) % layout.layers - places) * layout.layer
-        of_axes = [(sign * m, sign * m * layout.row)[axis] if axis < 2 else in_ring for axis in axes]
+        of_axes = [in_ring if k == 2 else sign * m * (1, layout.row)[k] for k in axes]
         found.append([np.broadcast_to(one, in_ring.shape) for one in of_axes])
     return np.ascontiguousarray(np.moveaxis(np.array(found, np.int64), 1, 2)).reshape(2, -1)
 
