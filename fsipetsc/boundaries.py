@@ -7,18 +7,23 @@ x: the moving grid reaches over it to one ghost point outside. A solid ends at a
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import wraps
+from types import MappingProxyType
 from typing import Any
 
 from fsipetsc import checks
 from fsipetsc.blocks import conditions
+from fsipetsc.blocks.conditions.condition import Checked
 from fsipetsc.blocks.values import NOWHERE, checked, checked_one
 from fsipetsc.errors import InputError
 
 #: a number, or a function of time
 Timed = float | Callable[[float], Any]
+#: the left and the right one, in messages
+END = "the left end", "the right end"
 
 
-class Boundary:
+class Boundary(Checked):
     """What stands at an outer end.
 
     of: kind of layer that it is for. given: what is given there, by name, beside heat and the
@@ -38,15 +43,10 @@ class Boundary:
         return next((name for name in names if getattr(self, name, None) is not None), "")
 
     @property
-    def in_time(self) -> bool:
-        """Whether something that is given is a function of time."""
-        return any(map(callable, vars(self).values()))
-
-    @property
     def closed(self) -> bool:
         """Whether neither mass nor energy goes through."""
-        driven = self.heated or self.in_time or any(getattr(self, name) for name in self.given)
-        return not (self.passes or driven)
+        driven = self.heated or any(getattr(self, name) for name in self.given)
+        return not (self.passes or driven) and conditions.steady(self)
 
     def condition(self, gas: Any, side: int) -> conditions.Condition:
         """The condition of a block that this is at the left (0) or right (1) end; gas: the law of
@@ -55,71 +55,46 @@ class Boundary:
         raise NotImplementedError
 
     def data(self, side: int, t: float) -> Sequence[float]:
-        """All of ``given`` at time t [s], which the paper's formulas take. InputError."""
-        return [number for name in self.given for number in self.at(name, side, t)]
+        """All of ``given`` at time t [s], which the paper's formulas take: of `values` rho, u, T.
+        InputError, perhaps on this rank alone.
+        """
+        return [number for name in self.given for number in self._at(name, side, t)]
 
     def heat(self, side: int, t: float) -> float:
         """The temperature [K] or heat flux [W/m2] that is given, 0 where none is. InputError."""
-        return self.at(self.heated, side, t)[0] if self.heated else 0.0
+        return self._at(self.heated, side, t)[0] if self.heated else 0.0
 
-    def at(self, name: str, side: int, t: float) -> Sequence[float]:
-        """What is given by name, as numbers: rho, u, T if it is `values`, else one.
-
-        InputError, perhaps on this rank alone; rho and T must be above 0.
-        """
+    def _at(self, name: str, side: int, t: float) -> Sequence[float]:
+        """What is given by name, as numbers."""
         given = getattr(self, name)
         if not callable(given):
             return (given,)
-        where = f"{name} of the {('left', 'right')[side]} end at t = {t:.6g}"
+        where = f"{name} of {END[side]} at t = {t:.6g}"
         if name == "values":
             found = checked(given, (t,), NOWHERE, ("rho", "u", "T"), where)
         else:
             found = [checked_one(given, (t,), NOWHERE, name, where)]
         return [float(value[0]) for value in found]
 
-    def of_place(
-        self, name: str, side: int, then: Callable[[Sequence[float]], Any] = lambda found: found[0]
-    ) -> Any:
-        """What is given by name as a condition has it; then: of its numbers.
-
-        A function of t becomes one of X and t. Its `of_time` is the same as a function of t alone,
-        whose values need not be checked again, and `on_symbols` the same as it is recorded,
-        unchecked.
+    def of_place(self, name: str, side: int, then: Callable[[Any], Any] = lambda v: v) -> Any:
+        """What is given by name as a condition has it: a function of t becomes one of X and t;
+        then: of its value.
         """
         given = getattr(self, name)
         if not callable(given):
-            return None if given is None else then((given,))
-
-        def of_time(t: float) -> Any:
-            return then(self.at(name, side, t))
-
-        def called(X: checks.Array, t: float) -> Any:
-            return of_time(t)
-
-        def on_symbols(X: Any, t: Any) -> Any:
-            found = given(t)
-            return then(found if name == "values" else [found])
-
-        called.__dict__.update(__wrapped__=given, of_time=of_time, on_symbols=on_symbols)
+            return None if given is None else then(given)
+        called = wraps(given)(lambda X, t: then(given(t)))
+        called.owner = END[side]  # type: ignore[attr-defined]
         return called
 
     def _warm(self, side: int) -> dict[str, Any]:
         """T and heat_flux, as conditions take them."""
         return {name: self.of_place(name, side) for name in ("T", "heat_flux")}
 
-    def _check(self, needed: str) -> None:
-        """InputError if what is given is neither a number within its range nor a function; numbers
-        become floats.
-        """
-        owner = type(self).__name__
-        given = {name: getattr(self, name) for name in (needed, "T", "heat_flux")}
-        if given["T"] is not None and given["heat_flux"] is not None:
-            expected = "expected one of them, or neither for an insulated end"
-            raise InputError(f"{owner}: T and heat_flux are given: {expected}")
-        for name, value in given.items():
-            if not callable(value) and (name == needed or value is not None):
-                bound = checks.POSITIVE if name == "T" else checks.ANY
-                object.__setattr__(self, name, checks.number(value, f"{owner}: {name}", bound))
+
+def _alone(value: Any) -> tuple[Any]:
+    """The only component of a vector."""
+    return (value,)
 
 
 @dataclass(frozen=True)
@@ -145,9 +120,11 @@ class Wall(Boundary):
     heat_flux: Timed | None = None
     velocity: Callable[[float], Any] | None = None
 
+    ranges = Boundary.ranges | {"x": checks.ANY}
+    functions = MappingProxyType({"velocity": "(t) [m/s]"})
+
     def __post_init__(self) -> None:
-        self._check("x")
-        checks.function(self.velocity, "Wall: velocity", "velocity(t) [m/s]", optional=True)
+        super().__post_init__()
         if self.velocity is not None and not self.moves:
             expected = "expected a function x(t) [m], too"
             raise InputError(f"Wall: velocity is given, but x is a number: {expected}")
@@ -158,8 +135,8 @@ class Wall(Boundary):
         return callable(self.x)
 
     def condition(self, gas: Any, side: int) -> conditions.NoSlip:
-        x = self.of_place("x", side, list) if self.moves else None
-        velocity = self.of_place("velocity", side, list)
+        x = self.of_place("x", side, _alone) if self.moves else None
+        velocity = self.of_place("velocity", side, _alone)
         return conditions.NoSlip(**self._warm(side), x=x, velocity=velocity)
 
 
@@ -219,15 +196,17 @@ class Dirichlet(Boundary):
     given = ("values",)
     passes = True
 
+    functions = MappingProxyType({"values": "(t) -> (rho, u, T)"})
+
     def __post_init__(self) -> None:
+        super().__post_init__()
         checks.numbers(self, "Dirichlet", {"x": checks.ANY})
-        checks.function(self.values, "Dirichlet: values", "values(t) -> (rho, u, T)")
         if self.degree not in (None, 2, 3, 4, 5):
             expected = "expected 2, 3, 4, 5, or None: by -fsi_order"
             raise InputError(f"Dirichlet(degree={self.degree!r}): {expected}")
 
     def condition(self, gas: Any, side: int) -> conditions.Given:
-        return conditions.Given(self.of_place("values", side, list))
+        return conditions.Given(self.of_place("values", side))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -247,9 +226,7 @@ class SolidEnd(Boundary):
     T: Timed | None = None
     heat_flux: Timed | None = None
     of = "solid"
-
-    def __post_init__(self) -> None:
-        self._check(*self.given)
+    ranges = Boundary.ranges | {"velocity": checks.ANY, "stress": checks.ANY}
 
 
 @dataclass(frozen=True)
@@ -267,7 +244,7 @@ class clamped(SolidEnd):
     given = ("velocity",)
 
     def condition(self, gas: Any, side: int) -> conditions.Clamped:
-        velocity = self.of_place("velocity", side, tuple)
+        velocity = self.of_place("velocity", side, _alone)
         if not callable(velocity):
             velocity = None if self.velocity == 0.0 else lambda X, t: (self.velocity,)
         return conditions.Clamped(velocity=velocity, **self._warm(side))
@@ -289,7 +266,7 @@ class free(SolidEnd):
     given = ("stress",)
 
     def condition(self, gas: Any, side: int) -> conditions.Free:
-        pressure = self.of_place("stress", side, lambda found: -found[0])
+        pressure = self.of_place("stress", side, lambda stress: -stress)
         return conditions.Free(pressure, **self._warm(side))
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from fsipetsc import checks
 from fsipetsc.blame import place_of, place_of_caller
+from fsipetsc.blocks.conditions import steady
 from fsipetsc.blocks.values import NOWHERE, block_values, checked
 from fsipetsc.boundaries import Boundary
 from fsipetsc.checks import Array, Fields, check_name, described, extent, function
@@ -245,7 +246,7 @@ class Problem:
     def steady_data(self) -> bool:
         """No boundary data, jump or forcing that depends on time."""
         forced = self.jumps is not None or any(layer.forcing for layer in self.layers)
-        return not forced and not (self.left.in_time or self.right.in_time)
+        return not forced and steady(self.left) and steady(self.right)
 
     @property
     def invariants(self) -> dict[str, Any]:

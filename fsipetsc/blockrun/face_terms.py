@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from fsipetsc.blocks.block_problem import Meeting
 from fsipetsc.blocks.conditions import Condition, Effect
+from fsipetsc.blocks.conditions.condition import VECTORS
 from fsipetsc.blocks.cube import Cube
 from fsipetsc.blocks.metrics import Wide
-from fsipetsc.blocks.values import checked, checked_one, datum
-from fsipetsc.kernels.formula import number_of, numbers_of
+from fsipetsc.blocks.values import checked, datum
+from fsipetsc.kernels.formula import numbers_of
 from fsipetsc.kernels.symbols import NotRecorded
 from fsipetsc.parallel.block_layout import Part
 from fsipetsc.scheme.face_kernels import GasFaces, Group, SolidFaces, Turned
@@ -22,8 +23,8 @@ from fsipetsc.scheme.part import Nothing
 from fsipetsc.scheme.recorded_data import Recorder, asked, positive
 
 Array = NDArray[Any]
-#: data that are vectors; those that must be above 0
-VECTORS, ABOVE_0 = ("u",), ("rho", "T")
+#: data that must be above 0
+ABOVE_0 = "rho", "T"
 
 
 class FaceTerms:
@@ -165,33 +166,17 @@ def _columns(condition: Condition) -> list[tuple[str, tuple[str, ...]]]:
 
 def _column(condition: Condition, names: Sequence[str], X: Array, t: float) -> Array:
     """(n,), or (n, m) of several data, side by side, at time t [s]. InputError."""
-    found = [_values(condition, name, X, t) for name in names]
+    components = "uvw"[: X.shape[1]]
+    found = [datum(condition, c, X, t, components if c in VECTORS else None) for c in names]
     return found[0] if len(found) == 1 else np.column_stack(found)
-
-
-def _values(condition: Condition, name: str, X: Array, t: float) -> Array:
-    """(n,), or (n, d) of a vector, which may be a tuple of data. InputError."""
-    of = getattr(condition, name)
-    if name not in VECTORS:
-        return datum(condition, name, X, t)
-    if callable(of):
-        return datum(condition, name, X, t, "uvw"[: X.shape[1]])
-    where = f"{name} of {type(condition).__name__} at t = {t:.6g}"
-    each = (
-        checked_one(one, (*X.T, t), X.T, c, where) if callable(one) else np.full(len(X), one)
-        for one, c in zip(of, "uvw")
-    )
-    return np.stack(list(each), axis=-1)
 
 
 def _recorded(condition: Condition, names: Sequence[str], less: float, x: Any, t: Any) -> Any:
     """The same at symbols, less a number; what must be above 0 and is not is no number."""
     found: list[Any] = []
     for name in names:
-        of = getattr(condition, name)
         if name in VECTORS:
-            one_by_one = (number_of(u(*x, t)) if callable(u) else u for u in of)
-            found += asked(condition, name, x, t, len(x)) if callable(of) else one_by_one
+            found += asked(condition, name, x, t, len(x))
         else:
             value = asked(condition, name, x, t)
             found.append(positive(value) if name in ABOVE_0 else value)

@@ -96,11 +96,10 @@ def datum(
     (n,), or (n, len(names)) of a function that returns several values.
     """
     of = getattr(condition, name)
-    if hasattr(of, "of_time"):  # of an end in one dimension
-        of = of.of_time(t)
     if not callable(of):
         return np.broadcast_to(np.asarray(of, float), (len(X), *np.shape(of)))
-    where = f"{name} of {type(condition).__name__} at t = {t:.6g}"
+    owner = getattr(of, "owner", type(condition).__name__)  # an end in one dimension says so
+    where = f"{name} of {owner} at t = {t:.6g}"
     if names is None:
         return checked_one(of, (*X.T, t), X.T, name, where)
     return np.stack(checked(of, (*X.T, t), X.T, names, where), axis=-1)

@@ -77,7 +77,7 @@ def asked(condition: Any, name: str, x: Any, t: Any, count: int = 0) -> Any:
     of = getattr(condition, name)
     if not callable(of):
         return of
-    found = getattr(of, "on_symbols", of)(*x, t)
+    found = of(*x, t)
     return numbers_of(found, count) if count else number_of(found)
 
 

@@ -6,6 +6,7 @@ InputError for what is no datum.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
+from functools import wraps
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -16,10 +17,8 @@ from fsipetsc.errors import InputError
 Function = Callable[..., Any]
 #: a number or f(*X, t) -> an array
 Datum = float | Function | None
-
-#: what functions return
-_FUNCTIONS = {"x": "d positions", "velocity": "d velocities", "values": "the unknowns"}
-_VECTORS = "u", "shift"
+#: data of d numbers
+VECTORS = "u", "shift"
 
 
 class FaceNode(NamedTuple):
@@ -55,27 +54,16 @@ class Effect:
     first_order: bool = False
 
 
-class Condition:
-    """What stands at a face. Makes data floats and tuples of floats.
+class Checked:
+    """Data, the attributes of a dataclass, are checked. Numbers become floats; a vector of which a
+    component is a function becomes one.
 
-    of: kinds of block that it is for. ranges: what data must be that may be numbers, by name. part:
-    what it is to a particle (fsipetsc.particles.members), "wall", "slip", "clamp", "roller". holds:
-    it prescribes motion; all_given: all unknowns. imposes_T: T is that of the face, where it is
-    given. passes: "gas" or "waves" where these go through. knows_inflow: it says which gas comes
-    in. free_velocity: velocity may be given without x. Formulas, None where there is none: leaving
-    (gas, w, face): mass, momentum and energy that leave a gas of the state w; traction(gas, w,
-    face): the force on it; pull(solid, F, T, N, v, stress): that on a solid per area at rest.
-    at_faces: column of the record of faces (fsipetsc.scheme.face_kernels) -> names of the data in
-    it. loaded: the face has a traction of its own, from which p_ref of the solid is taken.
+    ranges: what data must be that are numbers or functions, by name; functions: arguments and
+    values of those that are functions.
     """
 
-    of = frozenset({"fluid", "solid"})
     ranges = {"T": POSITIVE, "heat_flux": ANY}  # noqa: RUF012
-    part = passes = ""
-    at_faces: Mapping[str, tuple[str, ...]] = MappingProxyType({"heat": ("heat_flux",)})
-    holds = all_given = free_velocity = loaded = False
-    imposes_T = knows_inflow = True
-    leaving = traction = pull = None
+    functions: Mapping[str, str] = MappingProxyType({})
 
     def __post_init__(self) -> None:
         name, given = type(self).__name__, set()
@@ -84,17 +72,59 @@ class Condition:
             if value is None and field.default is None:
                 continue
             given.add(key)
-            if key in _FUNCTIONS:
-                function(value, what, f"{key}(*X, t) -> {_FUNCTIONS[key]}")
+            if key in self.functions:
+                function(value, what, key + self.functions[key])
             elif key in self.ranges and not callable(value):
                 object.__setattr__(self, key, number(value, what, self.ranges[key]))
-            elif key in _VECTORS and not callable(value):
-                items = enumerate(value if isinstance(value, (tuple, list)) else (value,))
-                found = (v if callable(v) else number(v, f"{what}[{k}]") for k, v in items)
-                object.__setattr__(self, key, tuple(found))
+            elif key in VECTORS and not callable(value):
+                object.__setattr__(self, key, _vector(value, what))
         if {"T", "heat_flux"} <= given:
             raise InputError(f"{name}: T and heat_flux are both given: expected one, or neither")
-        if "velocity" in given and "x" not in given and not self.free_velocity:
+
+
+def _vector(value: Any, what: str) -> Any:
+    """Numbers and functions as a tuple of numbers, or as one function."""
+    items = enumerate(value if isinstance(value, (tuple, list)) else (value,))
+    found = [v if callable(v) else number(v, f"{what}[{k}]") for k, v in items]
+    functions = [v for v in found if callable(v)]
+    if not functions:
+        return tuple(found)
+    return wraps(functions[0])(lambda *x: [v(*x) if callable(v) else v for v in found])
+
+
+class Condition(Checked):
+    """What stands at a face.
+
+    of: kinds of block that it is for. part: what it is to a particle (fsipetsc.particles.members),
+    "wall", "slip", "clamp", "roller". holds: it prescribes motion; all_given: all unknowns.
+    imposes_T: T is that of the face, where it is given. passes: "gas" or "waves" where these go
+    through. knows_inflow: it says which gas comes in. free_velocity: velocity may be given without
+    x. Formulas, None where there is none: leaving(gas, w, face): mass, momentum and energy that
+    leave a gas of the state w; traction(gas, w, face): the force on it; pull(solid, F, T, N, v,
+    stress): that on a solid per area at rest. at_faces: column of the record of faces
+    (fsipetsc.scheme.face_kernels) -> names of the data in it. loaded: the face has a traction of
+    its own, from which p_ref of the solid is taken.
+    """
+
+    of = frozenset({"fluid", "solid"})
+    functions = MappingProxyType(
+        {
+            "x": "(*X, t) -> d positions",
+            "velocity": "(*X, t) -> d velocities",
+            "values": "(*X, t) -> the unknowns",
+        }
+    )
+    part = passes = ""
+    at_faces: Mapping[str, tuple[str, ...]] = MappingProxyType({"heat": ("heat_flux",)})
+    holds = all_given = free_velocity = loaded = False
+    imposes_T = knows_inflow = True
+    leaving = traction = pull = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        alone = getattr(self, "velocity", None) is not None and not moves(self)
+        if alone and not self.free_velocity:
+            name = type(self).__name__
             raise InputError(f"{name}: velocity is given, and x is not: expected both, or x alone")
 
     @property
@@ -151,8 +181,7 @@ def warms(condition: Any) -> bool:
 
 def steady(condition: Any) -> bool:
     """Whether no data of a condition depend on time."""
-    data = vars(condition).values()
-    return not any(callable(v) for d in data for v in (d if isinstance(d, tuple) else (d,)))
+    return not any(map(callable, vars(condition).values()))
 
 
 def conserves_energy(condition: Any) -> bool:
