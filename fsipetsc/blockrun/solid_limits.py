@@ -1,19 +1,14 @@
 """Where a solid is beyond its law: waves that have become imaginary, and a solid that is crushed.
 
-The tangent at constant entropy, by differences of the stress, is
-
-    C_iajb = dP_ia/dF_jb + dP_ia/dT dT/dF_jb,    m0 alpha dT = (P - dW/dF) : dF,
-
-with heat 'coupled' m0 alpha dT = P : dF. Waves along N are real if all eigenvalues m0 c^2 of the
-acoustic tensor A_ij = C_iajb N_a N_b are positive. The coefficients I_k of its characteristic
-polynomial, its trace first and its determinant last, are then positive, too. I_k/I_(k-1) is near
-the smallest eigenvalue when that is small.
+Waves along N are real if the acoustic tensor along N at constant entropy (fsipetsc.equations.solid)
+is positive: its leading minors are, and its eigenvalues are m0 c^2.
 
 Nodes with hardly any strain are left out, so that solids of small strain cost next to nothing.
 """
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from itertools import product
+from math import isqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,17 +16,13 @@ import numpy as np
 from fsipetsc.blockrun.block_solution import BlockSolution
 from fsipetsc.blockrun.solid_part import SolidPart
 from fsipetsc.equations.tensors import determinant
-from fsipetsc.materials.own import STEP, bumped
 from fsipetsc.state import CRUSHED, crushed
 
 Array = np.ndarray
 #: entries of F^T F - 1 below which the waves of a law are those at rest
 SMALL = 0.02
-#: of the largest entry of C: what a negative coefficient must be more than, for the round-off of
-#: differences
+#: part of the largest entry of the tensor that an eigenvalue below 0 must be more than
 ROUND_OFF = 1e-8
-#: nodes at once
-AT_ONCE = 5000
 #: entries of directions of waves, in as many dimensions, -so many … so many
 FINEST = {1: 1, 2: 4, 3: 2}
 
@@ -133,45 +124,21 @@ def imaginary(part: SolidPart, q: Array) -> Iterator[Found]:
     strain = np.abs(np.einsum("nki,nkj->nij", F, F) - np.eye(d)).max(axis=(1, 2))
     strain = np.maximum(strain, np.abs(part.F[d * d :].T - 1.0).max(axis=1, initial=0.0))
     rows = np.flatnonzero(strain > SMALL)
-    if not rows.size:
-        return
-    found = [_softest(part, q, some) for some in np.split(rows, range(AT_ONCE, rows.size, AT_ONCE))]
-    modulus, stretch = np.concatenate(found, axis=1)
+    strains, T, F = tuple(part.F[:, rows]), part.stressed(q, rows)[0], F[rows]
+    modulus, stretch = np.zeros((2, rows.size))
+    for N in _directions(d) if rows.size else ():
+        Q = part.equations.acoustic_tensor(strains, T, tuple(N))
+        Q = np.reshape(Q, (isqrt(len(Q)), -1, rows.size))[:d, :d]
+        allowed = ROUND_OFF * np.abs(Q).max(axis=(0, 1))
+        near = Q + allowed * np.eye(d)[..., None]
+        minors = [determinant(tuple(near[:k, :k].reshape(k * k, -1))) for k in range(1, d + 1)]
+        few = np.flatnonzero(np.min(minors, axis=0) < 0.0)
+        least = np.linalg.eigvalsh(np.moveaxis(Q[..., few], -1, 0))[:, 0]
+        worse = least < np.minimum(modulus[few], -allowed[few])
+        few = few[worse]
+        modulus[few], stretch[few] = least[worse], np.linalg.norm(F[few] @ N, axis=1)
     bad = modulus < 0.0
     yield from _found(part, modulus[bad], rows[bad], [stretch[bad]])
-
-
-def _softest(part: SolidPart, q: Array, rows: Array) -> Array:
-    """(2, n): the least m0 c^2 [Pa] of waves in the direction with the least I_k/|I_(k-1)|, 0 if
-    that is not below 0; |F N| of this direction.
-    """
-    d, at = part.block.dimension, np.arange(rows.size)
-    F, T = tuple(part.F[:, rows]), part.stressed(q, rows)[0]
-    C, N = _tangent(part, F, T), _directions(d)
-    scale = np.abs(C).max(axis=(0, 1, 2, 3))
-    A = np.einsum("iajbn,ma,mb->ijnm", C / scale, N, N, optimize=True)
-    coefficients = _coefficients(A)
-    sizes = [1.0, *(np.maximum(np.abs(one), 1e-300) for one in coefficients[:-1])]
-    least = np.min([one / size for one, size in zip(coefficients, sizes, strict=True)], axis=0)
-    direction = least.argmin(axis=1)
-    bad, modulus = least[at, direction] < -ROUND_OFF, np.zeros(rows.size)
-    chosen = np.moveaxis(A[:, :, at[bad], direction[bad]], -1, 0)
-    modulus[bad] = np.linalg.eigvals(chosen).real.min(axis=1) * scale[bad]
-    along = np.einsum("ian,na->in", np.reshape(F[: d * d], (d, d, -1)), N[direction])
-    return np.array([modulus, np.linalg.norm(along, axis=0)])
-
-
-def _tangent(part: SolidPart, F: Any, T: Array) -> Array:
-    """C [Pa], (d, d, d, d, n)."""
-    d, solid, columns = part.block.dimension, part.equations, []
-    P = solid.stress_at(F, T)
-    for c in range(d * d):
-        more, less = bumped(F, c, STEP), bumped(F, c, -STEP)
-        stored = (1.0 - solid.coupled) * (solid.energy(more) - solid.energy(less)) / (2.0 * STEP)
-        warmer = STEP * (P[c] - stored) / (solid.m0 * solid.alpha)
-        apart = zip(solid.stress_at(more, T + warmer), solid.stress_at(less, T - warmer))
-        columns.append([(a - b) / (2.0 * STEP) + 0.0 * T for a, b in apart])
-    return np.reshape(columns, (d, d, d, d, -1)).transpose(2, 3, 0, 1, 4)
 
 
 def _directions(d: int) -> Array:
@@ -179,12 +146,3 @@ def _directions(d: int) -> Array:
     entries = range(-FINEST[d], FINEST[d] + 1)
     some = {N: np.linalg.norm(N) for N in product(entries, repeat=d) if N > (0,) * d}
     return np.unique([np.divide(N, size).round(15) for N, size in some.items()], axis=0)
-
-
-def _coefficients(A: Array) -> list[Array]:
-    """The coefficients I_1, … of the characteristic polynomial of A, (d, d, …)."""
-    d = len(A)
-    found = [np.trace(A)]
-    if d == 3:
-        found.append(0.5 * (found[0] ** 2 - np.einsum("ij...,ji...->...", A, A)))
-    return found if d == 1 else [*found, determinant(tuple(A.reshape(d * d, *A.shape[2:])))]
