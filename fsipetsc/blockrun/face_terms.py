@@ -192,7 +192,7 @@ def _nodes_of(problem: Any, part: Part, axis: int, side: int) -> tuple[Array, ..
     axis, sign, 1 / weight of the axis, product of the other weights, column of its energy.
     """
     nodes, through = problem.face_nodes(part.k, axis, side), problem.column_of_face
-    own = part.rows(nodes[np.isin(nodes, part.numbers, assume_unique=True)])
+    own = part.rows_among(nodes)
     at = part.ghosted_rows(own)
     last = part.patch.first[axis] + (part.patch.own[axis] - 1 if side else 0)
     weight, ones = float(part.bands[axis].weight[last]), np.ones(own.size)

@@ -2,7 +2,7 @@
 grid does not resolve at the end. NOTES says when each is asked for; all are collective.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import chain
 from operator import itemgetter
 
@@ -74,8 +74,7 @@ def pressure_jumps(state: BlockSolution) -> list[str]:
         for face, met in problem.faces_of(k).items():
             if problem.is_interface(k, *face):
                 pair = (met.block, k) if part.block.kind == "solid" else (k, met.block)
-                nodes = problem.face_nodes(k, *face)
-                rows = part.part.rows(nodes[np.isin(nodes, part.part.numbers)])
+                rows = part.part.rows_among(problem.face_nodes(k, *face))
                 found = part.pushes(state.y.ghosted(k), rows, *face)
                 pushes[problem.interfaces.index(pair), pair.index(k)] += found.sum(), found.size
     state.comm.Allreduce(MPI.IN_PLACE, pushes)
@@ -133,20 +132,16 @@ def unresolved(state: BlockSolution) -> list[str]:
             if change.size and change.max() > changes[k, kind, 0]:
                 changes[k, kind] = change.max(), *part.X[:, at[change.argmax()]]
     state.comm.Allreduce(MPI.IN_PLACE, ranges, MPI.MAX)
-    of_ranks = np.array(state.comm.allgather(changes))
-    width, largest = ranges.sum(axis=2), ranges[..., 0]
-    scales, T, u = np.ones((len(blocks), 3)), width[:, 0], width[:, 1:-1].max(axis=1)
-    scales[:, 1] = np.where(T > LEAST * largest[:, 0], T, np.inf)
-    scales[:, 2] = np.where(u > LEAST * np.sqrt(np.abs(largest[:, -1])), u, np.inf)
-    of_ranks[..., 0] /= scales
+    changes, largest = _largest(state, changes), ranges[:, :, 0]
+    T, u = ranges[:, 0].sum(axis=1), ranges[:, 1:-1].sum(axis=2).max(axis=1)
+    changes[:, 1, 0] /= np.where(T > LEAST * largest[:, 0], T, np.inf)
+    changes[:, 2, 0] /= np.where(u > LEAST * np.sqrt(np.abs(largest[:, -1])), u, np.inf)
     notes = []
-    for k, kind in np.argwhere(of_ranks[..., 0].max(axis=0) > MOST):
-        value, *X = of_ranks[of_ranks[:, k, kind, 0].argmax(), k, kind].tolist()
-        what, where, advice = _WORDS[kind]
-        place = ", ".join(f"{name} = {x:.4g}" for name, x in zip("XYZ", X))
+    for k, kind in np.argwhere(changes[..., 0] > MOST):
+        (what, where, advice), (value, *X) = _WORDS[kind], changes[k, kind].tolist()
         notes.append(
             f"at the end {what} in '{blocks[k].name}' changes by {100 * value:.0f} % "
-            f"{where}, at {place}{problem.unit('m')}: {advice}"
+            f"{where}, at {_place(state, X)}: {advice}"
         )
     return notes
 
@@ -161,34 +156,35 @@ def inflows(state: BlockSolution) -> list[str]:
         for (axis, side), met in problem.faces_of(k).items():
             if getattr(met, "knows_inflow", True):
                 continue
-            nodes = problem.face_nodes(k, axis, side)
-            at = part.owned[part.part.rows(np.sort(nodes[np.isin(nodes, part.part.numbers)]))]
+            at = part.owned[part.part.rows_among(problem.face_nodes(k, axis, side))]
             with np.errstate(all="ignore"):  # it may have gone wrong just there
                 w = part.equations.primitive(tuple(state.y.ghosted(k)[at].T))
                 a = part.metrics[axis * d : axis * d + d, at]
                 u = (np.array(part.equations.velocity(w)) * a).sum(axis=0)
                 speed = (1 - 2 * side) * u / np.linalg.norm(a, axis=0)
-                mach = np.nan_to_num(
-                    speed / part.equations.speed_of_sound(w), posinf=0.0, neginf=0.0
-                )
+                mach = speed / part.equations.speed_of_sound(w)
+            mach = np.nan_to_num(mach, posinf=0.0, neginf=0.0)
             if mach.size and mach.max() > found[k, 0]:
                 found[k] = mach.max(), *part.X[:, at[mach.argmax()]]
-    of_ranks = np.array(state.comm.allgather(found))
-    said = []
-    for k in np.flatnonzero(of_ranks[..., 0].max(axis=0) > INWARD):
-        X = of_ranks[of_ranks[:, k, 0].argmax(), k, 1:].tolist()
-        place = ", ".join(f"{name} = {x:.4g}" for name, x in zip("XYZ", X))
-        said.append(
-            f"gas flows in through the Outflow of '{problem.layers[k].name}' at "
-            f"{place}{problem.unit('m')}, and an Outflow does not say what gas that is: take Open "
-            "there, or put it farther away"
-        )
-    return said
+    return [
+        f"gas flows in through the Outflow of '{block.name}' at {_place(state, X)}, and an Outflow "
+        "does not say what gas that is: take Open there, or put it farther away"
+        for block, (mach, *X) in zip(problem.layers, _largest(state, found).tolist(), strict=True)
+        if mach > INWARD
+    ]
 
 
-def inflows_at_end(state: BlockSolution) -> list[str]:
-    """The same, when the run ends."""
-    return [f"at the end {said}" for said in inflows(state)]
+def _largest(state: BlockSolution, found: Array) -> Array:
+    """Of sizes and their places (…, 1 + d), size first, those of the rank with the largest size."""
+    every = np.array(state.comm.allgather(found))
+    rank = every[None, ..., :1].argmax(axis=1)
+    largest: Array = np.take_along_axis(every, rank, axis=0)[0]
+    return largest
+
+
+def _place(state: BlockSolution, X: Sequence[float]) -> str:
+    """A place in words."""
+    return ", ".join(f"{x} = {at:.4g}" for x, at in zip("XYZ", X)) + state.problem.unit("m")
 
 
 def _strides(part: GasPart) -> list[int]:
@@ -213,8 +209,7 @@ def _at_walls(
     for (axis, side), met in problem.faces_of(k).items():
         if not (getattr(met, "part", "") == "wall" or problem.is_interface(k, axis, side)):
             continue
-        nodes = problem.face_nodes(k, axis, side)
-        at = part.owned[part.part.rows(np.sort(nodes[np.isin(nodes, part.part.numbers)]))]
+        at = part.owned[part.part.rows_among(problem.face_nodes(k, axis, side))]
         beside = at + _strides(part)[axis] * (1 - 2 * side)
         if material.kappa:
             yield 1, np.abs(T[beside] - T[at]), at
@@ -228,6 +223,6 @@ def _at_walls(
 #: when -> what may be said then
 NOTES = {
     "begin": (walls_away, weak_hinges, loose_forces, asked_data, contradictions, pressure_jumps),
-    "end": (unresolved, inflows_at_end),
+    "end": (unresolved, lambda state: [f"at the end {said}" for said in inflows(state)]),
     "failed": (inflows,),
 }

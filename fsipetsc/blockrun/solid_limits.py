@@ -9,7 +9,7 @@ Nodes with hardly any strain are left out, so that solids of small strain cost n
 from collections.abc import Callable, Collection, Iterator, Sequence
 from itertools import product
 from math import isqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 

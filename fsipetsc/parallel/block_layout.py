@@ -77,6 +77,10 @@ class Part:
         assert np.array_equal(self.numbers[found], nodes), "a node of another rank"
         return found
 
+    def rows_among(self, nodes: Numbers) -> Numbers:
+        """The same of those nodes that this rank owns; ascending."""
+        return np.flatnonzero(np.isin(self.numbers, nodes, assume_unique=True))
+
     def at(self, nodes: Numbers) -> Numbers:
         """Where the first unknowns of nodes that it owns stand in the rank's world array; the
         others of a node are as far apart as there are such nodes.
