@@ -279,8 +279,8 @@ WRONG = {
         walls("a", but=[("a", 0, 1)])
     ),
     r"nearest is block 'b', face \(axis 0, side 0\), 0.01 away": lambda: two(beside(1.01)),
-    r"has 9 nodes, block 'b'.* that it meets has 10": lambda: two(beside(cells=(8, 9))),
-    r"do not conform at \(X, Y\) = \(1, 0.125\)": lambda: two(square("b", map=curved)),
+    r"'b', .* away, with 10 nodes instead of 9": lambda: two(beside(cells=(8, 9))),
+    r"'b', .* away, without a node at .* = \(1, 0.125\)": lambda: two(square("b", map=curved)),
     r"side 1\) meets block 'b', .* is named NoSlip\(…\), too": lambda: BlockProblem(
         [square(), beside()], walls("a", "b", but=[("b", 0, 0)])
     ),

@@ -20,8 +20,8 @@ from fsipetsc.kernels import build
 from fsipetsc.kernels.kernel import PLANES, Kernel, interlaced, numbers_of
 from fsipetsc.kernels.symbols import Record, derivatives
 from fsipetsc.kernels.unit import unit
-from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.perfect_gas import PerfectGas
+from fsipetsc.materials.power_law import ConstantTransport
 from fsipetsc.scheme.gas_force import NoForce
 from fsipetsc.scheme.gas_forms import EntropyForm
 from fsipetsc.scheme.gas_volume import gas_text

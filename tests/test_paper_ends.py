@@ -10,9 +10,9 @@ from fsipetsc.boundaries import Dirichlet, Open, absorbing, clamped, free
 from fsipetsc.kernels import build
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.kernels.unit import unit
-from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.perfect_gas import PerfectGas
+from fsipetsc.materials.power_law import ConstantTransport
 from fsipetsc.operators import OPERATORS
 from fsipetsc.operators.narrow import STIFFNESS, STIFFNESS_OF_WIDE, remainder
 from fsipetsc.paper.laws import Gas, law_of

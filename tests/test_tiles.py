@@ -9,8 +9,8 @@ import pytest
 
 from fsipetsc.equations.gas import Gas
 from fsipetsc.kernels import build
-from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.perfect_gas import PerfectGas
+from fsipetsc.materials.power_law import ConstantTransport
 from fsipetsc.operators.bands import NO_AXIS, Patch, band
 from fsipetsc.scheme import gas_volume
 from fsipetsc.scheme.gas_force import NoForce, PairForce

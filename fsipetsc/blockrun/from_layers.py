@@ -14,9 +14,7 @@ from fsipetsc.blocks.maps import rectangle
 from fsipetsc.boundaries import Wall
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
-from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.materials.solid_pressure import Gruneisen
 from fsipetsc.operators.sbp import operator
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
@@ -97,12 +95,14 @@ def _gas(layer: FluidLayer, grid: tuple[float, float], cells: int) -> Block:
 
 
 def _solid(layer: SolidLayer, cells: int) -> Block:
-    stress, exact = _prestress(layer), layer.exact
+    """The stress of its material is K ln x_X - p_ref less its pressure."""
+    stress, exact, of = _prestress(layer), layer.exact, layer.material
     (found,) = stress(np.linspace(*layer.X, 101))
     uniform = np.ptp(found) == 0.0
+    numbers = 0.0, of.K, of.kappa_e, of.m0, of.alpha, -float(found[0]) if uniform else 0.0
     return Block(
         layer.name,
-        _elastic(layer.material, -float(found[0]) if uniform else 0.0),
+        ElasticSolid(*numbers, force=of.force, pressing=of.pressure_law),
         rectangle(*layer.X),
         (cells,),
         _picked(layer.initial, lambda u, sigma, T, x: (u, T, x)),
@@ -146,15 +146,6 @@ def _forces_alone(layer: SolidLayer) -> Function:
 
     called.on_symbols = on_symbols
     return called
-
-
-def _elastic(material: Solid, p_ref: float) -> ElasticSolid:
-    """A solid in one dimension, whose stress is K ln x_X - p_ref less its pressure."""
-    pressure = material.pressing
-    if pressure is None and material.gruneisen > 0.0:
-        pressure = Gruneisen(material.gruneisen)
-    numbers = material.kappa_e, material.m0, material.alpha, p_ref
-    return ElasticSolid(0.0, material.K, *numbers, force=material.force, pressing=pressure)
 
 
 def _prestress(layer: SolidLayer) -> Function:

@@ -120,13 +120,6 @@ class Face:
         axes = (k for k in range(self.owner.dimension) if k != self.axis)
         return sorted((self.owner.shape[k], self.owner.periodic[k]) for k in axes)
 
-    def corners(self) -> Array:
-        """The labels at its corners, sorted; of a periodic axis at its first node."""
-        shape, periodic = self.owner.shape, self.owner.periodic
-        ends = [[0] if p or k == self.axis else [0, -1] for k, p in enumerate(periodic)]
-        sizes = [1 if k == self.axis else n for k, n in enumerate(shape)]
-        return np.sort(self.labels.reshape(sizes[::-1])[np.ix_(*ends[::-1])].ravel())
-
 
 class Faces:
     """The faces of all blocks, none on periodic axes. InputError for what does not meet.
@@ -214,22 +207,18 @@ class Faces:
 
     def _why_alone(self, face: Face) -> str:
         """What is wrong with a face that has no condition and that no other meets."""
-        others, centre = [other for other in self.faces if other is not face], face.X.mean(axis=0)
-        for other in others if face.grid else ():
-            if np.array_equal(face.corners(), other.corners()):
-                mine, its = ([n for n, _ in x.grid] for x in (face, other))
-                if mine != its:
-                    numbers, its = (" by ".join(map(str, x)) for x in (mine, its))
-                    between = f"{face} has {numbers} nodes, {other} that it meets has {its}"
-                    return f"{between}, about {place_text(centre)}: expected the same"
-                alone = int(np.argmin(np.isin(face.labels, other.labels)))
-                return f"{face} and {other} do not conform at {place_text(face.X[alone])}"
+        centre = face.X.mean(axis=0)
+        others = [other for other in self.faces if other is not face]
         apart = [float(np.linalg.norm(other.X.mean(axis=0) - centre)) for other in others]
         near = int(np.argmin(apart))
-        nearest = f"{others[near]}, {apart[near]:.3g} away"
-        alone = f"{face}, about {place_text(centre)}, has no condition"
-        wanted = f"expected one, or a face with the same nodes; the nearest is {nearest}"
-        return f"{alone}, and no face meets it: {wanted}"
+        nearest, shared = others[near], np.isin(face.labels, others[near].labels)
+        mine, its = (" by ".join(str(n) for n, _ in x.grid) for x in (face, nearest))
+        differs = f", with {its} nodes instead of {mine}" if mine != its else ""
+        if shared.any() and not differs:
+            differs = f", without a node at {place_text(face.X[np.argmin(shared)])}"
+        alone = f"{face}, about {place_text(centre)}, has no condition, and no face meets it"
+        wanted = "expected one, or a face with the same nodes"
+        return f"{alone}: {wanted}; the nearest is {nearest}, {apart[near]:.3g} away{differs}"
 
 
 def _key(labels: Array) -> bytes:

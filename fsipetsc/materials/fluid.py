@@ -9,8 +9,8 @@ from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, described, number, numbe
 from fsipetsc.equations.gas import Gas, RadialGas
 from fsipetsc.errors import InputError
 from fsipetsc.materials import own
-from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.perfect_gas import PerfectGas
+from fsipetsc.materials.power_law import ConstantTransport
 
 
 @dataclass(frozen=True)

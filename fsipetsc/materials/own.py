@@ -20,9 +20,9 @@ from fsipetsc.equations.tensors import apply
 from fsipetsc.equations.vectors import add, zeros
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.symbols import CONDITIONS, Record, Symbol, derivatives, replay
-from fsipetsc.materials.constant_transport import ConstantTransport
-from fsipetsc.materials.neo_hookean import NeoHookean
+from fsipetsc.materials.compressible import NeoHookean
 from fsipetsc.materials.perfect_gas import PerfectGas
+from fsipetsc.materials.power_law import ConstantTransport
 from fsipetsc.materials.solid_pressure import ConstantPressure
 
 Formula = Callable[..., Any]

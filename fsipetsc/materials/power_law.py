@@ -1,4 +1,5 @@
-"""Viscosity and conductivity as powers of the temperature: mu(T)/mu = (T/T_ref)^n.
+"""Viscosity and conductivity that are constants, or powers of the temperature:
+mu(T)/mu = (T/T_ref)^n.
 
 n = 1/2: hard spheres, n = 1: Maxwell's molecules (S. Chapman and T. G. Cowling, The Mathematical
 Theory of Non-Uniform Gases); n of gases: F. M. White, Viscous Fluid Flow (1974), Tables 1-2 (mu)
@@ -8,6 +9,20 @@ and 1-3 (kappa), air: 0.67 and 0.81.
 from typing import NamedTuple
 
 from fsipetsc.checks import ANY, POSITIVE, number
+
+
+class ConstantTransport(NamedTuple):
+    """mu and kappa are those of the material, times a factor; T [K]."""
+
+    factor: float = 1.0
+
+    def viscosity(self, T):
+        """mu(T)/mu."""
+        return self.factor
+
+    def conductivity(self, T):
+        """kappa(T)/kappa."""
+        return self.factor
 
 
 class PowerLaw(NamedTuple):

@@ -7,12 +7,10 @@ from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, described, numbers
 from fsipetsc.equations.solid import AxialSolid, RadialSolid, Solid
 from fsipetsc.errors import InputError
 from fsipetsc.materials import own
+from fsipetsc.materials.compressible import Log, NeoHookean
 from fsipetsc.materials.fluid import checked_force, force_in
-from fsipetsc.materials.linear_elastic import LinearElastic
-from fsipetsc.materials.log_solid import Log
-from fsipetsc.materials.neo_hookean import NeoHookean
+from fsipetsc.materials.hooke import LinearElastic, StVenantKirchhoff
 from fsipetsc.materials.solid_pressure import ConstantPressure
-from fsipetsc.materials.st_venant_kirchhoff import StVenantKirchhoff
 
 #: laws by name
 LAWS = {"log": Log, "neo-hookean": NeoHookean, "svk": StVenantKirchhoff, "linear": LinearElastic}
