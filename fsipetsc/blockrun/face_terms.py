@@ -16,7 +16,6 @@ from fsipetsc.blocks.cube import Cube
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.blocks.values import checked, datum
 from fsipetsc.kernels.formula import numbers_of
-from fsipetsc.kernels.symbols import NotRecorded
 from fsipetsc.parallel.block_layout import Part
 from fsipetsc.scheme.face_kernels import GasFaces, Group, SolidFaces, Turned
 from fsipetsc.scheme.part import Nothing
@@ -24,7 +23,7 @@ from fsipetsc.scheme.recorded_data import Recorder, asked, positive
 
 Array = NDArray[Any]
 #: data that must be above 0
-ABOVE_0 = "rho", "T"
+ABOVE_0 = "rho", "T", "slip_length"
 
 
 class FaceTerms:
@@ -118,8 +117,6 @@ class FaceTerms:
             if not self._gas and self._jumps is not None:
                 yield self._supplied, self.record.traction, self.record.heat
             return
-        if condition.for_grids:
-            yield _refuse, self.record.width
         for column, names in _columns(condition):
             loaded = column == "pressure" and condition.loaded
             less = self.p_ref if loaded else 0.0
@@ -181,10 +178,6 @@ def _recorded(condition: Condition, names: Sequence[str], less: float, x: Any, t
             value = asked(condition, name, x, t)
             found.append(positive(value) if name in ABOVE_0 else value)
     return (tuple(found),) if len(found) > 1 else (found[0] - less,)
-
-
-def _refuse(x: Any, t: Any) -> Any:
-    raise NotRecorded("a slip_length that is a function is checked against the grid")
 
 
 def _nodes_of(problem: Any, part: Part, axis: int, side: int) -> tuple[Array, ...]:

@@ -1,9 +1,4 @@
-"""A problem: blocks, what stands at their faces, and what a run asks of them.
-
-Faces are (block, axis, side), side 0 at xi_axis = 0 and 1 at xi_axis = 1. Faces whose nodes are at
-the same places meet: a join of gas and gas or solid and solid, an interface of gas and solid. Every
-other face needs a condition.
-"""
+"""A problem: blocks, what stands at their faces, and what a run asks of them."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,9 +1,7 @@
 """Blocks of flat layers that lie one above the other, in one, two or three dimensions.
 
-Layers are stacked along the last axis and share the others, which go *along* them. A layer that
-does not reach over all of these, as a panel that is set into a wall, has a span. Where one ends,
-every layer is cut, so that faces conform: a gas over a panel becomes three blocks side by side,
-joined.
+A layer that does not reach over all of the axes along it, as a panel that is set into a wall, has a
+span: a gas over it becomes three blocks side by side, joined.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -1,10 +1,4 @@
-"""Viscosity and conductivity that are constants, or powers of the temperature:
-mu(T)/mu = (T/T_ref)^n.
-
-n = 1/2: hard spheres, n = 1: Maxwell's molecules (S. Chapman and T. G. Cowling, The Mathematical
-Theory of Non-Uniform Gases); n of gases: F. M. White, Viscous Fluid Flow (1974), Tables 1-2 (mu)
-and 1-3 (kappa), air: 0.67 and 0.81.
-"""
+"""Viscosity and conductivity that are constants, or powers of the temperature."""
 
 from typing import NamedTuple
 
@@ -44,8 +38,9 @@ class PowerLaw(NamedTuple):
 def power_law(T_ref: float, n: float, n_kappa: float | None = None) -> PowerLaw:
     """Powers of the temperature: mu(T)/mu = (T/T_ref)^n, and so for kappa.
 
-    Source of n of gases: F. M. White, Viscous Fluid Flow (1974), Tables 1-2 and 1-3; air: 0.67 and
-    0.81.
+    n = 1/2: hard spheres, n = 1: Maxwell's molecules (S. Chapman and T. G. Cowling, The
+    Mathematical Theory of Non-Uniform Gases). Source of n of gases: F. M. White, Viscous Fluid Flow
+    (1974), Tables 1-2 and 1-3; air: 0.67 and 0.81.
 
     Args:
         T_ref: temperature at which mu and kappa are those of the material [K].

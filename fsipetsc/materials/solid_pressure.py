@@ -1,14 +1,4 @@
-"""Pressures of solids p(J, T), J = det F, which add -p cof F to the stress.
-
-Grüneisen: p = G rho epsilon with rho = m0/J, epsilon = alpha T.
-
-Mie and Grüneisen, about the Hugoniot u_s = c_0 + s u_p of shocks into the solid at T_0, p = 0: with
-eta = 1 - J and G rho = G_0 m0
-
-    p = p_H (1 - G_0 eta/2) + G_0 m0 alpha (T - T_0),    p_H = m0 c_0^2 eta/(1 - s eta)^2
-
-for -1/s < eta < 1/s (M. A. Meyers, Dynamic Behavior of Materials, 1994, chapters 4 and 5).
-"""
+"""Pressures of solids p(J, T), J = det F, which add -p cof F to the stress."""
 
 from typing import NamedTuple
 
@@ -35,7 +25,7 @@ class ConstantPressure(NamedTuple):
 
 
 class Gruneisen(NamedTuple):
-    """G [-]."""
+    """See gruneisen."""
 
     G: float
 
@@ -53,7 +43,7 @@ class Gruneisen(NamedTuple):
 
 
 class MieGruneisen(NamedTuple):
-    """c_0 [m/s], s, G_0 [-], T_0 [K]."""
+    """See mie_gruneisen."""
 
     c_0: float
     s: float

@@ -1,8 +1,4 @@
-"""Stiffened gas, a liquid: p = (gamma - 1) rho cv T - p_inf, e = cv T + p_inf/rho.
-
-So e = (p + gamma p_inf)/((gamma - 1) rho): F. H. Harlow and A. A. Amsden, Fluid Dynamics, LA-4700
-(1971). p + p_inf, e - p_inf/rho and s = cv ln T - (gamma - 1) cv ln rho are those of a perfect gas.
-"""
+"""Stiffened gas, a liquid: p + p_inf, e - p_inf/rho and the entropy are those of a perfect gas."""
 
 from typing import NamedTuple
 

@@ -1,10 +1,4 @@
-"""Sutherland's law of viscosity and conductivity, for molecules that attract each other.
-
-    mu(T)/mu = (T/T_ref)^(3/2) (T_ref + S)/(T + S),    kappa(T)/kappa likewise with its own S
-
-W. Sutherland, Philosophical Magazine 36 (1893) 507. S of gases: F. M. White, Viscous Fluid Flow
-(1974), Tables 1-2 (mu) and 1-3 (kappa); air: T_ref = 273 K, S = 111 K and 194 K.
-"""
+"""Sutherland's law of viscosity and conductivity, for molecules that attract each other."""
 
 from typing import NamedTuple
 

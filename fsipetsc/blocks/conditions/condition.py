@@ -133,14 +133,9 @@ class Condition(Checked):
         return any((self.leaving, self.traction, self.pull))
 
     def check_on_grid(self, data: Mapping[str, Any], X: Any, spacing: Any, t: float) -> None:
-        """InputError where the grid is too coarse for data (n,) of a face at time t [s]; X: (n, d)
-        places, spacing: (n,) distance of the nodes beside it.
+        """InputError where the grid is too coarse for data (n,) of a face at time t [s] at which
+        Python fills them; X: (n, d) places, spacing: (n,) distance of the nodes beside it.
         """
-
-    @property
-    def for_grids(self) -> bool:
-        """Whether ``check_on_grid`` is to be asked at each instant."""
-        return False
 
     @property
     def effect(self) -> Effect | None:

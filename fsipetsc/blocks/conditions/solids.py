@@ -1,10 +1,4 @@
-"""Conditions of solids. Their nodes get forces per unit of the reference coordinates:
-
-    free       p_b n(x), n(x) the area vector of the face where it is now: a pressure that follows
-               it
-    absorbing  (stress N - Z v) |A|, N the unit normal and |A| the area at rest, Z the tensor
-               sqrt(m0 Q) of the acoustic tensor Q along N (fsipetsc.equations.solid)
-"""
+"""Conditions of solids. Their nodes get forces per unit of the reference coordinates."""
 
 from dataclasses import dataclass
 from types import MappingProxyType

@@ -54,11 +54,6 @@ class NoSlip(OfGas):
         """Whether the gas slips."""
         return self.slip_length is not None
 
-    @property
-    def for_grids(self) -> bool:
-        """A slip length that is a function may become too short."""
-        return callable(self.slip_length)
-
     def check_on_grid(self, data: Mapping[str, Any], X: Any, spacing: Any, t: float) -> None:
         """A slip length is no shorter than a cell."""
         if self.slip_length is None:
