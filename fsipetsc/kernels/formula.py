@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.checks import counted
 from fsipetsc.kernels.symbols import CONDITIONS, NotRecorded, Record, Symbol, needed, replay
 
 #: a function of more operations is left to Python: the compiler takes 2 to 3 s for so many
@@ -71,12 +72,15 @@ def number_of(value: Any) -> Any:
         return value
     real = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
     if not real or isnan(value):
-        raise NotRecorded(f"it returns {type(value).__name__}: expected a number")
+        found = "condition" if isinstance(value, Symbol) else type(value).__name__
+        raise NotRecorded(f"it returns a {found}: expected a number")
     return float(value)
 
 
 def numbers_of(values: Any, count: int) -> tuple[Any, ...]:
     """So many numbers that a function returns. NotRecorded."""
-    if not isinstance(values, (tuple, list, np.ndarray)) or len(values) != count:
-        raise NotRecorded(f"it returns {type(values).__name__}: expected {count} values")
+    several = isinstance(values, (tuple, list, np.ndarray))
+    if not several or len(values) != count:
+        found = type(values).__name__ + (f" of {len(values)}" if several else "")
+        raise NotRecorded(f"it returns a {found}: expected {counted(count, 'number')} in a tuple")
     return tuple(map(number_of, values))

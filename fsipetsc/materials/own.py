@@ -15,11 +15,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.checks import counted, described
+from fsipetsc.checks import described
 from fsipetsc.equations.tensors import apply
 from fsipetsc.equations.vectors import add, zeros
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.symbols import CONDITIONS, Record, Symbol, derivatives, replay
+from fsipetsc.kernels.formula import number_of, numbers_of
+from fsipetsc.kernels.symbols import NotRecorded, Record, Symbol, derivatives, replay
 from fsipetsc.materials.compressible import NeoHookean
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.power_law import ConstantTransport
@@ -86,9 +87,9 @@ def along(law, formula, numbers, direction):
     ways = (n if isinstance(n, float) else given(n) for n in direction)
     moved = tuple(given(x) + step * way for x, way in zip(numbers, ways, strict=True))
     found = formula(given(law), moved)
-    values = found if isinstance(found, tuple) else (found,)
-    slopes = replay(derivatives(values, step), known)
-    return tuple(slopes) if isinstance(found, tuple) else slopes[0]
+    several = isinstance(found, (tuple, list, np.ndarray))
+    slopes = replay(derivatives(found if several else (found,), step), known)
+    return tuple(slopes) if several else slopes[0]
 
 
 class _Solid:
@@ -340,27 +341,10 @@ def _check_recorded(what: str, formula: Formula, given: Sequence[int], wanted: i
         raise InputError(f"{what}: {error}") from error
     except Exception as error:  # of the user's function
         raise InputError(f"{what}: {_place(formula)}{type(error).__name__}: {error}") from error
-    every = found if wanted and isinstance(found, tuple) else (found,)
-    if len(every) != max(wanted, 1) or not all(map(_is_number, every)):
-        expected = f"a tuple of {wanted} number{'s' * (wanted != 1)}" if wanted else "a number"
-        raise InputError(f"{what}: {_place(formula)}it returns {_said(found)}: expected {expected}")
-
-
-def _is_number(value: Any) -> bool:
-    if isinstance(value, Symbol):
-        return value.operation not in CONDITIONS
-    return isinstance(value, (float, int)) and not isinstance(value, bool)
-
-
-def _said(value: Any) -> str:
-    """What a formula returns, in a message."""
-    if isinstance(value, Symbol):
-        return "a condition" if value.operation in CONDITIONS else "a number"
-    if isinstance(value, (tuple, list)) and all(map(_is_number, value)):
-        return f"a {type(value).__name__} of {counted(len(value), 'number')}"
-    if isinstance(value, (tuple, list)):
-        return f"a {type(value).__name__} of other things than numbers"
-    return described(value)
+    try:
+        numbers_of(found, wanted) if wanted else number_of(found)
+    except NotRecorded as error:
+        raise InputError(f"{what}: {_place(formula)}{error}") from error
 
 
 def _place(formula: Any) -> str:
