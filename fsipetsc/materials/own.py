@@ -27,8 +27,6 @@ from fsipetsc.materials.power_law import ConstantTransport
 from fsipetsc.materials.solid_pressure import ConstantPressure
 
 Formula = Callable[..., Any]
-#: step of differences, relative to rho and T
-STEP = 2.0**-17
 _classes: dict[str, type] = {}
 
 
@@ -61,11 +59,6 @@ class _Gas:
         return np.nan * T
 
 
-def bumped(F, n, step):
-    """F with F[n] raised by step."""
-    return tuple(entry + step * (n == m) for m, entry in enumerate(F))
-
-
 def along(law, formula, numbers, direction):
     """The derivative of formula(law, numbers) along a direction, exactly: the formula is recorded,
     and its derivative follows from that. Numbers of the direction that are floats become constants.
@@ -92,15 +85,19 @@ def along(law, formula, numbers, direction):
     return tuple(slopes) if several else slopes[0]
 
 
+def gradient(law, formula, F):
+    """The derivatives of formula(law, F) by each number of F."""
+    ways = (tuple(float(m == n) for m in range(len(F))) for n in range(len(F)))
+    return [along(law, formula, F, way) for way in ways]
+
+
 class _Solid:
     """What is not given of a solid law."""
 
     def wave_modulus(self, F):
         """Upper bound of m0 c^2 [Pa]: the largest row of dP/dF."""
         rows = zeros(F)
-        for n in range(len(F)):
-            ways = tuple(float(m == n) for m in range(len(F)))
-            slopes = along(self, lambda law, F: law.stress(F), F, ways)
+        for slopes in gradient(self, lambda law, F: law.stress(F), F):
             rows = add(rows, tuple(abs(slope) for slope in slopes))
         return reduce(np.maximum, rows)
 
@@ -281,12 +278,12 @@ def check_solid_law(law: Any, d: int) -> None:
     P = law.stress(F)
     if not np.isfinite(P).all():
         raise InputError(f"stress of a solid law is {described(P)} at F = {F}")
-    for k in range(len(F)) if knows_energy(law) else ():
-        slope = (law.energy(bumped(F, k, STEP)) - law.energy(bumped(F, k, -STEP))) / (2.0 * STEP)
+    slopes = gradient(law, lambda law, F: law.energy(F), F) if knows_energy(law) else P
+    for k, slope in enumerate(slopes):
         if not abs(slope - P[k]) <= 1e-5 * max(*map(abs, P), law.wave_modulus(F)):
             words = f"P[{k}] = {P[k]:g}, and energy rises by {slope:g} with F[{k}]"
-            problem = f"stress is not the derivative of energy: at {F}, {words}"
-            raise InputError(f"a solid law: {problem}")
+            wrong = f"stress is not the derivative of energy: at {F}, {words}"
+            raise InputError(f"a solid law: {wrong}")
 
 
 def _law_of(kind: Kind, formulas: Mapping[str, Formula]) -> Any:
