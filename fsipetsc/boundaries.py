@@ -110,9 +110,6 @@ class Wall(Boundary):
         heat_flux: heat flux into the gas [W/m2]; None: it is not given.
         velocity: function of t, velocity of a wall that moves [m/s], the derivative of x; None: it
             follows from x.
-
-    Raises:
-        InputError: T and heat_flux are both given, or something is of the wrong kind.
     """
 
     x: Timed
@@ -150,9 +147,6 @@ class Open(Boundary):
         T0: its temperature [K].
         u0: its velocity [m/s].
         order: order of the conditions in viscosity and conduction, 0 or 1.
-
-    Raises:
-        InputError: a number is out of range.
     """
 
     x: float
@@ -185,9 +179,6 @@ class Dirichlet(Boundary):
         degree: of the formula of the embedded boundary in the paper's method, 2 to 5. None: one
             more than the closures are exact to, 2, 3, 4, 5 for the orders 2, 4, 6, 8. A degree less
             spoils the order, one more gains nothing.
-
-    Raises:
-        InputError: something is not valid.
     """
 
     x: float
@@ -218,9 +209,6 @@ class SolidEnd(Boundary):
     Args:
         T: temperature [K]; None: it is not given.
         heat_flux: heat flux into the solid [W/m2]; None: it is not given.
-
-    Raises:
-        InputError: T and heat_flux are both given, or something is of the wrong kind.
     """
 
     T: Timed | None = None
@@ -235,9 +223,6 @@ class clamped(SolidEnd):
 
     Args:
         velocity: velocity [m/s], a number or a function of t [s].
-
-    Raises:
-        InputError: something is of the wrong kind.
     """
 
     velocity: Timed = 0.0
@@ -257,9 +242,6 @@ class free(SolidEnd):
     Args:
         stress: sigma - p [Pa], a number or a function of t [s]; under an outer pressure p0 it
             is -p0.
-
-    Raises:
-        InputError: something is of the wrong kind.
     """
 
     stress: Timed = 0.0
@@ -276,9 +258,6 @@ class absorbing(SolidEnd):
 
     Args:
         stress: sigma - p of the solid at rest beyond [Pa], a number or a function of t [s].
-
-    Raises:
-        InputError: something is of the wrong kind.
     """
 
     stress: Timed = 0.0

@@ -99,9 +99,6 @@ class FluidLayer(_Layer):
         cells: number of cells between its ends; None: by h.
         h: size of the cells [m], to which the nearest that fits is taken; None: -fsi_h.
         mapping: of older case files; it changes nothing.
-
-    Raises:
-        InputError: something is of the wrong kind.
     """
 
     mapping: str | None = None
@@ -126,9 +123,6 @@ class SolidLayer(_Layer):
         exact: `exact(X, t)` returns what `initial` does, where an exact solution is known.
         cells: number of cells between its ends; None: by h.
         h: size of the cells [m], to which the nearest that fits is taken; None: -fsi_h.
-
-    Raises:
-        InputError: something is of the wrong kind.
     """
 
     kind = "solid"
@@ -174,9 +168,6 @@ class Problem:
             kappa_e/x_X T_X - kappa T_X. None: all are 0.
         notes: lines about the exact solution or the data, which the result carries.
         units: "SI", or "none" for a problem without dimensions.
-
-    Raises:
-        InputError: the parts do not fit together.
     """
 
     layers: Sequence[FluidLayer | SolidLayer]

@@ -34,8 +34,8 @@ class Block:
     Args:
         name: name of the block, without |.
         material: a `Fluid` or an `ElasticSolid`.
-        map: a function of [0, 1]^d, as `fsipetsc.blocks.maps` has them. Of a solid it gives
-            material coordinates X [m], of a gas the grid before anything moves.
+        map: a smooth, right-handed function of [0, 1]^d, as `fsipetsc.blocks.maps` has them. Of a
+            solid it gives material coordinates X [m], of a gas the grid before anything moves.
         cells: number of cells along each axis.
         initial: `initial(*X)` returns rho [kg/m3], d velocities [m/s], T [K] of a gas; d velocities
             [m/s], T [K], d positions [m] of a solid.
@@ -49,9 +49,6 @@ class Block:
             its work becomes heat.
         exact_stress: `exact_stress(*X, t)` returns the stresses of a solid [Pa] as results have
             them, to be compared as well.
-
-    Raises:
-        InputError: something is of the wrong kind, or the map is not smooth or is left-handed.
     """
 
     name: str

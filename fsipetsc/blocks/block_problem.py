@@ -38,9 +38,6 @@ class BlockProblem:
         symmetry: 1 if the last coordinate is the distance from an axis, in one or two dimensions;
             2 if that of one dimension is the distance from a centre. Integrals are then those of a
             sector of unit angle, or of unit solid angle.
-
-    Raises:
-        InputError: a face has no condition, or something else does not fit.
     """
 
     blocks: Sequence[Block]

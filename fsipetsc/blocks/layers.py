@@ -44,9 +44,6 @@ class Layer:
         beside: condition of its lower or upper face where the layer there has ended.
         forcing: as of `Block`.
         exact: as of `Block`.
-
-    Raises:
-        InputError: across or span is no interval.
     """
 
     name: str
@@ -100,9 +97,6 @@ def layers(
 
     Returns:
         The problem.
-
-    Raises:
-        InputError: the layers do not fit together.
     """
     if not stack or not all(isinstance(layer, Layer) for layer in stack):
         raise InputError("layers: expected one or more of Layer")

@@ -27,9 +27,6 @@ class Nodes:
 
     Args:
         places: (n_0, 1), (n_1, n_0, 2) or (n_2, n_1, n_0, 3) coordinates of nodes [m].
-
-    Raises:
-        InputError: the array has another shape.
     """
 
     places: Array
@@ -60,13 +57,10 @@ def rectangle(lower: Any, upper: Any) -> Map:
 
     Args:
         lower: d coordinates [m], or a number in one dimension.
-        upper: the same of the opposite corner.
+        upper: the same of the opposite corner, above those of lower.
 
     Returns:
         A map for `Block`.
-
-    Raises:
-        InputError: a coordinate of upper is not above that of lower.
     """
     low, high = _point(lower, "rectangle: lower"), _point(upper, "rectangle: upper")
     if len(low) != len(high) or not all(a < b for a, b in zip(low, high)):
@@ -85,9 +79,6 @@ def ball(radius: float, cells: int) -> Map:
 
     Returns:
         A map for `Block`.
-
-    Raises:
-        InputError: a number is not above 0.
     """
     return off_axis(rectangle(0.0, number(radius, "ball: radius", POSITIVE)), cells)
 
@@ -101,9 +92,6 @@ def off_axis(map: Map, cells: int) -> Map:
 
     Returns:
         A map for `Block`.
-
-    Raises:
-        InputError: cells is not above 0.
     """
     n = number(cells, "off_axis: cells", POSITIVE)
     return lambda xi: map((*xi[:-1], (0.5 + n * xi[-1]) / (n + 0.5)))
@@ -118,9 +106,6 @@ def corners(*points: Any) -> Map:
 
     Returns:
         A map for `Block`.
-
-    Raises:
-        InputError: there are not 2^d points of d numbers.
     """
     found = [_point(point, f"corners: point {k}") for k, point in enumerate(points)]
     d = len(found[0]) if found else 0
@@ -148,14 +133,11 @@ def annulus(
     Args:
         inner: inner radius [m], above 0.
         outer: outer radius [m].
-        angles: angles where it begins and ends [rad].
+        angles: angles where it begins and ends [rad]; they rise by no more than 2 pi.
         centre: coordinates of the centre [m].
 
     Returns:
         A map for `Block`.
-
-    Raises:
-        InputError: the radii or the angles do not rise, or the angle is more than 2 pi.
     """
     a, b = number(inner, "annulus: inner", POSITIVE), number(outer, "annulus: outer", POSITIVE)
     (begin, end), (x, y) = _point(angles, "annulus: angles"), _point(centre, "annulus: centre")
@@ -177,15 +159,13 @@ def transfinite(*faces: tuple[Callable[..., Any], Callable[..., Any]]) -> Map:
 
     Args:
         faces: for each axis k the pair of faces at xi_k = 0 and 1. Each is a function of the d - 1
-            other logical coordinates, arrays of one shape, and returns d arrays of coordinates [m].
+            other logical coordinates, arrays of one shape, and returns d arrays of coordinates [m];
+            they meet at edges.
             In two dimensions: (left, right), (lower, upper), with left and right functions of xi_1,
             lower and upper of xi_0.
 
     Returns:
         A map for `Block`.
-
-    Raises:
-        InputError: faces do not meet at an edge, or there are not two for each axis.
     """
     d = len(faces)
     if d not in (2, 3) or any(not isinstance(pair, tuple) or len(pair) != 2 for pair in faces):
@@ -230,9 +210,6 @@ def stretched(map: Map, *functions: Callable[[Array], Array] | None) -> Map:
 
     Returns:
         A map for `Block`.
-
-    Raises:
-        InputError: a function does not take 0 to 0 and 1 to 1.
     """
     for k, s in enumerate(functions):
         ends = [0.0, 1.0] if s is None else [float(s(np.array(end))) for end in (0.0, 1.0)]

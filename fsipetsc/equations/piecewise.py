@@ -15,9 +15,6 @@ class Piecewise:
     Args:
         of: `CubicSpline(t, x)`, `PchipInterpolator(t, x)`, or another `PPoly`, with one number for
             each t.
-
-    Raises:
-        InputError: it is anything else, or the function is called outside of the table.
     """
 
     def __init__(self, of: PPoly) -> None:

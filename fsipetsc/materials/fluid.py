@@ -25,9 +25,6 @@ class Fluid:
         law: None for the perfect gas of gamma and R; or what `stiffened_gas` or `gas_law` returns.
         transport: None for constants; or what `sutherland`, `power_law` or `transport_law` returns.
         force: body force per mass [m/s2], a number in one dimension, else d numbers.
-
-    Raises:
-        InputError: a number is out of range, or a law is of the wrong kind.
     """
 
     mu: float

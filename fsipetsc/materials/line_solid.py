@@ -63,10 +63,7 @@ class Solid:
         alpha: specific heat [J/(kg K)].
         force: body force per mass [m/s2].
         gruneisen: G of the pressure p = G rho alpha T; 0: p = 0.
-        pressing: another law of the pressure, as `mie_gruneisen` and `pressure_law` return it.
-
-    Raises:
-        InputError: a number is out of range, or gruneisen is given beside pressing.
+        pressing: its law without gruneisen, as `mie_gruneisen` and `pressure_law` return it.
     """
 
     K: float

@@ -169,10 +169,6 @@ def gas_law(**formulas: Formula) -> Any:
 
     Returns:
         A law for `Fluid(law=…)`.
-
-    Raises:
-        InputError: a formula is missing, has another name or other arguments, or cannot be
-            recorded.
     """
     return _law_of(GAS, formulas)
 
@@ -186,9 +182,6 @@ def transport_law(viscosity: Formula, conductivity: Formula | None = None) -> An
 
     Returns:
         A law for `Fluid(transport=…)`.
-
-    Raises:
-        InputError: a formula has other arguments or cannot be recorded.
     """
     return _law_of(TRANSPORT, {"viscosity": viscosity, "conductivity": conductivity or viscosity})
 
@@ -207,10 +200,6 @@ def solid_law(**formulas: Formula) -> Any:
 
     Returns:
         A law for `ElasticSolid(law=…)`.
-
-    Raises:
-        InputError: a formula is missing, has another name or other arguments, or cannot be
-            recorded.
     """
     return _law_of(SOLID, formulas)
 
@@ -227,9 +216,6 @@ def pressure_law(pressure: Formula, **more: Formula) -> Any:
 
     Returns:
         A law for `Solid(pressing=…)` and `ElasticSolid(pressing=…)`.
-
-    Raises:
-        InputError: a formula has another name or other arguments, or cannot be recorded.
     """
     return _law_of(PRESSURE, {"pressure": pressure, **more})
 

@@ -49,9 +49,6 @@ def power_law(T_ref: float, n: float, n_kappa: float | None = None) -> PowerLaw:
 
     Returns:
         A law for `Fluid(transport=…)`.
-
-    Raises:
-        InputError: a number is out of range.
     """
     return PowerLaw(
         number(T_ref, "power_law: T_ref", POSITIVE, "K"),

@@ -38,9 +38,6 @@ class ElasticSolid:
         force: body force per mass [m/s2], a number in one dimension, else d numbers.
         pressing: None, or what `gruneisen`, `mie_gruneisen` or `pressure_law` returns, which adds
             -p cof F to the stress.
-
-    Raises:
-        InputError: a number is out of range, or a law is of the wrong kind.
     """
 
     mu_e: float

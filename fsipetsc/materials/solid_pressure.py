@@ -78,9 +78,6 @@ def gruneisen(G: float) -> Gruneisen:
 
     Returns:
         A law for `ElasticSolid(pressing=…)`.
-
-    Raises:
-        InputError: G is below 0.
     """
     return Gruneisen(number(G, "gruneisen: G", NONNEGATIVE))
 
@@ -101,9 +98,6 @@ def mie_gruneisen(c_0: float, s: float, G_0: float, T_0: float) -> MieGruneisen:
 
     Returns:
         A law for `Solid(pressing=…)` and `ElasticSolid(pressing=…)`.
-
-    Raises:
-        InputError: a number is out of range.
     """
     law = MieGruneisen(
         number(c_0, "mie_gruneisen: c_0", POSITIVE, "m/s"),

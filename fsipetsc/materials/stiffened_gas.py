@@ -71,9 +71,6 @@ def stiffened_gas(gamma: float, cv: float, p_inf: float) -> StiffenedGas:
 
     Returns:
         A law for `Fluid(law=…)`.
-
-    Raises:
-        InputError: a number is out of range.
     """
     return StiffenedGas(
         number(gamma, "stiffened_gas: gamma", "above 1"),

@@ -38,9 +38,6 @@ def sutherland(T_ref: float, S: float, S_kappa: float | None = None) -> Sutherla
 
     Returns:
         A law for `Fluid(transport=…)`.
-
-    Raises:
-        InputError: a number is out of range.
     """
     return Sutherland(
         number(T_ref, "sutherland: T_ref", POSITIVE, "K"),

@@ -16,9 +16,6 @@ class Given(Condition):
         x: `x(*X, t)` returns d positions [m] of a face of a gas that moves; None: it is at rest.
         velocity: `velocity(*X, t)` returns d velocities [m/s], the derivative of x; None: it
             follows from x.
-
-    Raises:
-        InputError: velocity is given without x, or something is of the wrong kind.
     """
 
     values: Function
@@ -44,9 +41,6 @@ class Periodic(Condition):
 
     Args:
         shift: d numbers [m]: the other face is this one moved by them.
-
-    Raises:
-        InputError: shift is not made of numbers.
     """
 
     shift: Any

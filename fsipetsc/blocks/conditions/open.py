@@ -34,9 +34,6 @@ class Open(OfGas):
         u: its velocity [m/s]: d data, or `u(*X, t)`, which returns d arrays.
         T: its temperature [K].
         order: order of the conditions in viscosity and conduction, 0 or 1.
-
-    Raises:
-        InputError: a number is out of range, or something is of the wrong kind.
     """
 
     rho: Datum

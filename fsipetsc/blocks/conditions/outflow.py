@@ -23,9 +23,6 @@ class Outflow(OfGas):
     Args:
         pressure: pressure beyond [Pa], a number or a function of (*X, t), which is imposed where
             the flow is slower than sound; 0 where it nowhere is.
-
-    Raises:
-        InputError: the pressure is below 0 or of the wrong kind.
     """
 
     pressure: Datum = 0.0

@@ -15,13 +15,9 @@ class Clamped(OfSolid):
     Args:
         x: `x(*X, t)` returns d positions [m]; None: by the velocity, or at rest.
         T: temperature [K], a number or a function of (*X, t); None: it is not given.
-        heat_flux: heat flux into the solid [W/m2], likewise; without T and heat_flux the face is
-            insulated.
+        heat_flux: heat flux into the solid [W/m2], likewise; without either it is insulated.
         velocity: `velocity(*X, t)` returns d velocities [m/s]; without x the face moves so from
             where it is at first.
-
-    Raises:
-        InputError: T and heat_flux are both given, or something is of the wrong kind.
     """
 
     x: Function | None = None
@@ -39,11 +35,7 @@ class Free(OfSolid):
     Args:
         pressure: pressure [Pa], a number or a function of (*X, t).
         T: temperature [K], likewise; None: it is not given.
-        heat_flux: heat flux into the solid [W/m2], likewise; without T and heat_flux the face is
-            insulated.
-
-    Raises:
-        InputError: T and heat_flux are both given, or something is of the wrong kind.
+        heat_flux: heat flux into the solid [W/m2], likewise; without either it is insulated.
     """
 
     pressure: Datum = 0.0
@@ -73,11 +65,7 @@ class Absorbing(OfSolid):
         stress: normal stress of the solid beyond [Pa], a tension if above 0, a number or a function
             of (*X, t).
         T: temperature [K], likewise; None: it is not given.
-        heat_flux: heat flux into the solid [W/m2], likewise; without T and heat_flux the face is
-            insulated.
-
-    Raises:
-        InputError: T and heat_flux are both given, or something is of the wrong kind.
+        heat_flux: heat flux into the solid [W/m2], likewise; without either it is insulated.
     """
 
     stress: Datum = 0.0
@@ -100,11 +88,7 @@ class Roller(OfSolid):
 
     Args:
         T: temperature [K], a number or a function of (*X, t); None: it is not given.
-        heat_flux: heat flux into the solid [W/m2], likewise; without T and heat_flux the face is
-            insulated.
-
-    Raises:
-        InputError: T and heat_flux are both given, or something is of the wrong kind.
+        heat_flux: heat flux into the solid [W/m2], likewise; without either it is insulated.
     """
 
     T: Datum = None

@@ -33,10 +33,6 @@ class NoSlip(OfGas):
         slip_length: length [m] with which the gas slips along the wall: its velocity there is this
             length times its slope (Navier). So it may meet a wall, or a solid, that moves along
             this one. None: it sticks.
-
-    Raises:
-        InputError: T and heat_flux are both given, velocity without x, or something is of the wrong
-            kind.
     """
 
     T: Datum = None
@@ -83,9 +79,6 @@ class Slip(OfGas):
             follows from x.
         name: faces of one name are one wall, also around an edge; without names, those that go on
             smoothly are one.
-
-    Raises:
-        InputError: velocity is given without x, or something is of the wrong kind.
     """
 
     x: Function | None = None
