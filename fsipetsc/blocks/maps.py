@@ -58,9 +58,6 @@ def rectangle(lower: Any, upper: Any) -> Map:
     Args:
         lower: d coordinates [m], or a number in one dimension.
         upper: the same of the opposite corner, above those of lower.
-
-    Returns:
-        A map for `Block`.
     """
     low, high = _point(lower, "rectangle: lower"), _point(upper, "rectangle: upper")
     if len(low) != len(high) or not all(a < b for a, b in zip(low, high)):
@@ -76,9 +73,6 @@ def ball(radius: float, cells: int) -> Map:
     Args:
         radius: radius [m].
         cells: number of cells of the block.
-
-    Returns:
-        A map for `Block`.
     """
     return off_axis(rectangle(0.0, number(radius, "ball: radius", POSITIVE)), cells)
 
@@ -89,9 +83,6 @@ def off_axis(map: Map, cells: int) -> Map:
     Args:
         map: a map that has r = 0 where its last logical coordinate is 0.
         cells: number of cells of the block along its last axis.
-
-    Returns:
-        A map for `Block`.
     """
     n = number(cells, "off_axis: cells", POSITIVE)
     return lambda xi: map((*xi[:-1], (0.5 + n * xi[-1]) / (n + 0.5)))
@@ -103,9 +94,6 @@ def corners(*points: Any) -> Map:
     Args:
         points: 2^d corners of d coordinates [m], axis 0 fastest: those at (0, 0), (1, 0), (0, 1),
             (1, 1) in two dimensions.
-
-    Returns:
-        A map for `Block`.
     """
     found = [_point(point, f"corners: point {k}") for k, point in enumerate(points)]
     d = len(found[0]) if found else 0
@@ -135,9 +123,6 @@ def annulus(
         outer: outer radius [m].
         angles: angles where it begins and ends [rad]; they rise by no more than 2 pi.
         centre: coordinates of the centre [m].
-
-    Returns:
-        A map for `Block`.
     """
     a, b = number(inner, "annulus: inner", POSITIVE), number(outer, "annulus: outer", POSITIVE)
     (begin, end), (x, y) = _point(angles, "annulus: angles"), _point(centre, "annulus: centre")
@@ -163,9 +148,6 @@ def transfinite(*faces: tuple[Callable[..., Any], Callable[..., Any]]) -> Map:
             they meet at edges.
             In two dimensions: (left, right), (lower, upper), with left and right functions of xi_1,
             lower and upper of xi_0.
-
-    Returns:
-        A map for `Block`.
     """
     d = len(faces)
     if d not in (2, 3) or any(not isinstance(pair, tuple) or len(pair) != 2 for pair in faces):
@@ -207,9 +189,6 @@ def stretched(map: Map, *functions: Callable[[Array], Array] | None) -> Map:
     Args:
         map: a map X(xi).
         functions: for each axis a smooth function s of [0, 1] onto itself, of arrays, or None.
-
-    Returns:
-        A map for `Block`.
     """
     for k, s in enumerate(functions):
         ends = [0.0, 1.0] if s is None else [float(s(np.array(end))) for end in (0.0, 1.0)]

@@ -155,7 +155,7 @@ def _formulas(cls: type) -> dict[str, Formula]:
 
 
 def gas_law(**formulas: Formula) -> Any:
-    """A gas law of your own, made of functions of numbers.
+    """A gas law of your own, for `Fluid(law=…)`, made of functions of numbers.
 
     [Materials](materials.md#a-gas-or-transport-law-of-your-own) says what they may use.
 
@@ -166,28 +166,22 @@ def gas_law(**formulas: Formula) -> Any:
             missing: `energy_density(rho, T)` [J/m3], `heat_capacity(rho, T)` [J/(kg K)],
             `bulk_modulus(rho, T)`, rho dp/drho at constant T [Pa],
             `pressure_by_temperature(rho, T)` [Pa/K], `sound_speed_squared(rho, T)` [m2/s2].
-
-    Returns:
-        A law for `Fluid(law=…)`.
     """
     return _law_of(GAS, formulas)
 
 
 def transport_law(viscosity: Formula, conductivity: Formula | None = None) -> Any:
-    """A law of viscosity and conductivity of your own.
+    """A law of viscosity and conductivity of your own, for `Fluid(transport=…)`.
 
     Args:
         viscosity: `viscosity(T)` returns mu(T)/mu at T [K].
         conductivity: `conductivity(T)` returns kappa(T)/kappa; None: the same function.
-
-    Returns:
-        A law for `Fluid(transport=…)`.
     """
     return _law_of(TRANSPORT, {"viscosity": viscosity, "conductivity": conductivity or viscosity})
 
 
 def solid_law(**formulas: Formula) -> Any:
-    """A solid law of your own, made of functions of numbers.
+    """A solid law of your own, for `ElasticSolid(law=…)`, made of functions of numbers.
 
     [Materials](materials.md#a-stress-of-your-own) says what they may use, and has an example. F and
     P are d*d numbers, row by row. p_ref of the solid is not added.
@@ -197,15 +191,12 @@ def solid_law(**formulas: Formula) -> Any:
             is needed for `heat="elastic"`. `wave_modulus(F)`, the largest m0 c^2 [Pa], and
             `acoustic_tensor(F, N)`, the d*d numbers N_j N_l dP_ij/dF_kl [Pa], follow from the
             stress if they are missing.
-
-    Returns:
-        A law for `ElasticSolid(law=…)`.
     """
     return _law_of(SOLID, formulas)
 
 
 def pressure_law(pressure: Formula, **more: Formula) -> Any:
-    """A law of the pressure of a solid of your own.
+    """A law of the pressure of a solid of your own, for `pressing=…` of either solid.
 
     Args:
         pressure: `pressure(J, T, m0, alpha)` returns p [Pa]: J is the volume over that at rest,
@@ -213,9 +204,6 @@ def pressure_law(pressure: Formula, **more: Formula) -> Any:
             heat.
         more: of the same arguments `pressure_by_temperature`, dp/dT [Pa/K], and `stiffness`,
             -J dp/dJ [Pa]; they follow from the pressure if they are missing.
-
-    Returns:
-        A law for `Solid(pressing=…)` and `ElasticSolid(pressing=…)`.
     """
     return _law_of(PRESSURE, {"pressure": pressure, **more})
 

@@ -36,7 +36,7 @@ class PowerLaw(NamedTuple):
 
 
 def power_law(T_ref: float, n: float, n_kappa: float | None = None) -> PowerLaw:
-    """Powers of the temperature: mu(T)/mu = (T/T_ref)^n, and so for kappa.
+    """Powers of T, for `Fluid(transport=…)`: mu(T)/mu = (T/T_ref)^n, and so for kappa.
 
     n = 1/2: hard spheres, n = 1: Maxwell's molecules (S. Chapman and T. G. Cowling, The
     Mathematical Theory of Non-Uniform Gases). Source of n of gases: F. M. White, Viscous Fluid Flow
@@ -46,9 +46,6 @@ def power_law(T_ref: float, n: float, n_kappa: float | None = None) -> PowerLaw:
         T_ref: temperature at which mu and kappa are those of the material [K].
         n: power of the viscosity.
         n_kappa: power of the conductivity; None: n.
-
-    Returns:
-        A law for `Fluid(transport=…)`.
     """
     return PowerLaw(
         number(T_ref, "power_law: T_ref", POSITIVE, "K"),

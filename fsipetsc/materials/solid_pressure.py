@@ -71,19 +71,16 @@ class MieGruneisen(NamedTuple):
 
 
 def gruneisen(G: float) -> Gruneisen:
-    """Grüneisen's pressure of a solid: p = G rho alpha T, rho = m0/J.
+    """Grüneisen's pressure, for `ElasticSolid(pressing=…)`: p = G rho alpha T, rho = m0/J.
 
     Args:
         G: Grüneisen's number.
-
-    Returns:
-        A law for `ElasticSolid(pressing=…)`.
     """
     return Gruneisen(number(G, "gruneisen: G", NONNEGATIVE))
 
 
 def mie_gruneisen(c_0: float, s: float, G_0: float, T_0: float) -> MieGruneisen:
-    """Mie and Grüneisen's pressure of a solid, about the Hugoniot u_s = c_0 + s u_p of shocks.
+    """Mie and Grüneisen's pressure, for `pressing=…`: of shocks with the speed u_s = c_0 + s u_p.
 
     With eta = 1 - J, for -1/s < eta < 1/s, and p_H = m0 c_0^2 eta/(1 - s eta)^2:
     p = p_H (1 - G_0 eta/2) + G_0 m0 alpha (T - T_0).
@@ -95,9 +92,6 @@ def mie_gruneisen(c_0: float, s: float, G_0: float, T_0: float) -> MieGruneisen:
         s: slope of the Hugoniot.
         G_0: Grüneisen's number at rest, at most 4 s, so that compression stiffens.
         T_0: temperature ahead of the shocks [K].
-
-    Returns:
-        A law for `Solid(pressing=…)` and `ElasticSolid(pressing=…)`.
     """
     law = MieGruneisen(
         number(c_0, "mie_gruneisen: c_0", POSITIVE, "m/s"),

@@ -60,7 +60,7 @@ class StiffenedGas(NamedTuple):
 
 
 def stiffened_gas(gamma: float, cv: float, p_inf: float) -> StiffenedGas:
-    """A stiffened gas, for a liquid: p = (gamma - 1) rho cv T - p_inf, e = cv T + p_inf/rho.
+    """A liquid, for `Fluid(law=…)`: p = (gamma - 1) rho cv T - p_inf, e = cv T + p_inf/rho.
 
     Source: F. H. Harlow and A. A. Amsden, Fluid Dynamics, LA-4700 (1971).
 
@@ -68,9 +68,6 @@ def stiffened_gas(gamma: float, cv: float, p_inf: float) -> StiffenedGas:
         gamma: ratio of the specific heats, above 1.
         cv: specific heat at constant volume [J/(kg K)].
         p_inf: stiffness [Pa].
-
-    Returns:
-        A law for `Fluid(law=…)`.
     """
     return StiffenedGas(
         number(gamma, "stiffened_gas: gamma", "above 1"),

@@ -26,7 +26,7 @@ class Sutherland(NamedTuple):
 
 
 def sutherland(T_ref: float, S: float, S_kappa: float | None = None) -> Sutherland:
-    """Sutherland's law: mu(T)/mu = (T/T_ref)^(3/2) (T_ref + S)/(T + S), and so for kappa.
+    """For `Fluid(transport=…)`: mu(T)/mu = (T/T_ref)^(3/2) (T_ref + S)/(T + S), and so for kappa.
 
     Source: W. Sutherland, Philosophical Magazine 36 (1893) 507. S of gases: F. M. White, Viscous
     Fluid Flow (1974), Tables 1-2 and 1-3; air: T_ref = 273 K, S = 111 K and 194 K.
@@ -35,9 +35,6 @@ def sutherland(T_ref: float, S: float, S_kappa: float | None = None) -> Sutherla
         T_ref: temperature at which mu and kappa are those of the material [K].
         S: Sutherland's temperature of the viscosity [K].
         S_kappa: that of the conductivity [K]; None: S.
-
-    Returns:
-        A law for `Fluid(transport=…)`.
     """
     return Sutherland(
         number(T_ref, "sutherland: T_ref", POSITIVE, "K"),
