@@ -231,7 +231,7 @@ def test_restarts_do_not_change_bits(name, made, tmp_path):
 @pytest.mark.parametrize(
     ("how", "kind", "said"),
     [
-        ("bad", "wall", "T = nan at X = "),
+        ("bad", "wall", "T = nan at (X, Y) = "),
         ("cold", "wall", "T = -0.9"),
         ("cold", "ends", "expected a number above 0"),
         ("bad", "open", "expected a number above 0"),

@@ -105,10 +105,9 @@ class BlockPart:
         """Record the same, where it depends on time."""
         self.faces.record_data(recorder)
         if (forcing := self.block.forcing) is not None:
-            on_symbols = getattr(forcing, "on_symbols", forcing)
 
             def make(x: Any, t: Any) -> Any:
-                return numbers_of(on_symbols(*x, t), len(self._forcing))
+                return numbers_of(forcing(*x, t), len(self._forcing))
 
             recorder.add("forcing", make, self.X[:, self.owned], None, *self._forcing)
 

@@ -2,7 +2,7 @@
 grid does not resolve at the end. NOTES says when each is asked for; all are collective.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from itertools import chain
 from operator import itemgetter
 
@@ -12,6 +12,7 @@ from mpi4py import MPI
 from fsipetsc.blockrun.block_solution import BlockSolution
 from fsipetsc.blockrun.gas_part import GasPart
 from fsipetsc.blocks.block_problem import BlockProblem
+from fsipetsc.blocks.maps import place_text
 from fsipetsc.scheme.gas_forms import CONSERVED
 
 Array = np.ndarray
@@ -114,7 +115,7 @@ def unresolved(state: BlockSolution) -> list[str]:
 
     Of a state whose halos are filled. Collective.
     """
-    problem, d = state.problem, state.problem.dimension
+    problem, d, m = state.problem, state.problem.dimension, state.problem.unit("m")
     blocks = problem.layers
     changes = np.zeros((len(blocks), 3, 1 + d))  # the largest of each of _WORDS, and where it is
     ranges = np.full((len(blocks), d + 2, 2), -np.inf)  # largest T, velocities, K/rho; minus least
@@ -141,7 +142,7 @@ def unresolved(state: BlockSolution) -> list[str]:
         (what, where, advice), (value, *X) = _WORDS[kind], changes[k, kind].tolist()
         notes.append(
             f"at the end {what} in '{blocks[k].name}' changes by {100 * value:.0f} % "
-            f"{where}, at {_place(state, X)}: {advice}"
+            f"{where}, at {place_text(X)}{m}: {advice}"
         )
     return notes
 
@@ -150,7 +151,7 @@ def inflows(state: BlockSolution) -> list[str]:
     """Where gas flows in through an Outflow, which has no data for it: the fastest one of each
     block. Collective.
     """
-    problem, d = state.problem, state.problem.dimension
+    problem, d, m = state.problem, state.problem.dimension, state.problem.unit("m")
     found = np.zeros((len(problem.layers), 1 + d))  # speed inwards over that of sound, and place
     for k, part in state.scheme.parts.items():
         for (axis, side), met in problem.faces_of(k).items():
@@ -167,7 +168,7 @@ def inflows(state: BlockSolution) -> list[str]:
             if mach.size and mach.max() > found[k, 0]:
                 found[k] = mach.max(), *part.X[:, at[mach.argmax()]]
     return [
-        f"gas flows in through the Outflow of '{block.name}' at {_place(state, X)}, and an Outflow "
+        f"gas flows in through the Outflow of '{block.name}' at {place_text(X)}{m}, and an Outflow "
         "does not say what gas that is: take Open there, or put it farther away"
         for block, (mach, *X) in zip(problem.layers, _largest(state, found).tolist(), strict=True)
         if mach > INWARD
@@ -180,11 +181,6 @@ def _largest(state: BlockSolution, found: Array) -> Array:
     rank = every[None, ..., :1].argmax(axis=1)
     largest: Array = np.take_along_axis(every, rank, axis=0)[0]
     return largest
-
-
-def _place(state: BlockSolution, X: Sequence[float]) -> str:
-    """A place in words."""
-    return ", ".join(f"{x} = {at:.4g}" for x, at in zip("XYZ", X)) + state.problem.unit("m")
 
 
 def _strides(part: GasPart) -> list[int]:

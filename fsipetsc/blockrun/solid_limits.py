@@ -15,6 +15,7 @@ import numpy as np
 
 from fsipetsc.blockrun.block_solution import BlockSolution
 from fsipetsc.blockrun.solid_part import SolidPart
+from fsipetsc.blocks.maps import place_text
 from fsipetsc.equations.tensors import determinant
 from fsipetsc.state import CRUSHED, crushed
 
@@ -69,9 +70,7 @@ def _where(state: BlockSolution, found: Found) -> str:
     """The place of a node, in words."""
     block, shape = state.problem.layers[found.block], state.layout.shapes[found.block]
     node = ", ".join(map(str, np.unravel_index(found.number, shape[::-1])[::-1]))
-    m = state.problem.unit("m")
-    place = ", ".join(f"{x} = {value:.6g}{m}" for x, value in zip("XYZ", found.place))
-    return f"'{block.name}' at {place} (node {node})"
+    return f"'{block.name}' at {place_text(found.place)}{state.problem.unit('m')} (node {node})"
 
 
 def _first_of_all(

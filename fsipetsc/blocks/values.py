@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blame import call, place_of
+from fsipetsc.blocks.maps import place_text
 from fsipetsc.checks import Array, counted, described
 from fsipetsc.errors import InputError
 
@@ -133,8 +134,7 @@ def _array_of(
     good = np.isfinite(array) & ((array > 0.0) | (not positive))
     if not good[active].all():
         i = (active.start or 0) + int(np.argmin(good[active]))
-        places = (f"{c} = {x:.6g}" for c, x in zip("XYZ", X[:, i], strict=False))
-        at = f" at {', '.join(places)}" if len(X) else ""
+        at = f" at {place_text(X[:, i])}" if len(X) else ""
         wanted = "a number above 0" if positive else "a finite number"
         raise _fault(function, where, f"{name} = {array[i]:.6g}{at}: expected {wanted}")
     return array
