@@ -230,8 +230,7 @@ class Problem:
     @property
     def interface_names(self) -> list[str]:
         """As "gas | rod", left to right."""
-        pairs = zip(self.layers, self.layers[1:])
-        return [f"{a.name} | {b.name}" for a, b in pairs]
+        return [f"{a.name} | {b.name}" for a, b in zip(self.layers, self.layers[1:])]
 
     @property
     def steady_data(self) -> bool:

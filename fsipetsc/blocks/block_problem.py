@@ -323,12 +323,15 @@ class BlockProblem:
 
     def _check_gases(self) -> None:
         """InputError where gases of different laws meet, be it at an edge or a vertex alone."""
-        if clash := self.gas_laws.first_clash(self.members):
-            (k, node), other = clash
-            place = place_text(self.places(k, np.array([node]))[0])
-            meet = f"{self.blocks[k]} and {self.blocks[other]} meet at {place}"
-            wanted = "expected one law, or a solid between them"
-            raise InputError(f"{meet}, and are gases of different laws: {wanted}")
+        law_of = self.gas_laws.numbers
+        for members in self.members if len(self.gas_laws.laws) > 1 else ():
+            gases = {law_of[k]: (k, node) for k, node in members if k in law_of}
+            if len(gases) > 1:
+                (k, node), (other, _) = sorted(gases.values())[:2]
+                place = place_text(self.places(k, np.array([node]))[0])
+                meet = f"{self.blocks[k]} and {self.blocks[other]} meet at {place}"
+                wanted = "expected one law, or a solid between them"
+                raise InputError(f"{meet}, and are gases of different laws: {wanted}")
 
     def _check_symmetry(self) -> None:
         """InputError for what a problem with an axis or a centre cannot have."""

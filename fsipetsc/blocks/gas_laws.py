@@ -28,19 +28,6 @@ class GasLaws:
         """The number of the law of the gas among (block, node) at one place; 0 if there is none."""
         return next((self.numbers[k] for k, _ in members if k in self.numbers), 0)
 
-    def first_clash(
-        self, places: Sequence[Sequence[tuple[int, int]]]
-    ) -> tuple[tuple[int, int], int] | None:
-        """(block, node) of a gas and the block of another one whose law differs, at one of the
-        places; None if there is none.
-        """
-        for members in places if len(self.laws) > 1 else ():
-            gases = [of for of in members if of[0] in self.numbers]
-            for k, _ in gases[1:]:
-                if self.numbers[k] != self.numbers[gases[0][0]]:
-                    return gases[0], k
-        return None
-
 
 def _same(law: Any, other: Any) -> bool:
     """Whether two laws have the same formulas and the same numbers."""

@@ -3,7 +3,7 @@
 U* = U_in where gas leaves faster than sound, U_out where it comes so; else p + Z N . u is that
 inside, p - Z N . u that outside, Z = rho c of the gas inside at the mean pressure of both, and
 rho - p/c^2, c^2 and velocities along the face those of the side that gas comes from. If no such gas
-can be, what passes is that of Lax and Friedrichs (fsipetsc.blocks.conditions.flow).
+can be, what passes is that of Lax and Friedrichs (fsipetsc.blocks.conditions.outflow).
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blocks.conditions.condition import Datum, FaceNode, OfGas
-from fsipetsc.blocks.conditions.flow import mixed_flux, surface_flux
+from fsipetsc.blocks.conditions.outflow import mixed_flux, surface_flux
 from fsipetsc.checks import POSITIVE
 from fsipetsc.equations.vectors import along, choose, dot, scale, sub
 from fsipetsc.errors import InputError

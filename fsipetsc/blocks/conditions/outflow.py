@@ -2,7 +2,7 @@
 
 With a pressure p_b beyond and a Mach number m < 1 through the face it is that of Lax and
 Friedrichs, with U_out of density and velocity of U_in and of pressure p + (1 - m^2)(p_b - p); m = 0
-where gas flows in.
+where gas flows in. F(U) = n . (f(U) - v U), v the velocity of the grid.
 """
 
 from dataclasses import dataclass
@@ -11,9 +11,23 @@ from types import MappingProxyType
 import numpy as np
 
 from fsipetsc.blocks.conditions.condition import Datum, FaceNode, OfGas
-from fsipetsc.blocks.conditions.flow import mixed_flux, surface_flux
 from fsipetsc.checks import NONNEGATIVE
-from fsipetsc.equations.vectors import choose, dot
+from fsipetsc.equations.vectors import along, choose, dot, mean, sub
+
+
+def surface_flux(gas, w, n, g):
+    """F(U) of the state w; g: n . v."""
+    return along(gas.flux(w, n), -g, gas.densities(w))
+
+
+def mixed_flux(gas, w, beyond, n, g):
+    """1/2 (F(U_in) + F(U_out)) - 1/2 lambda (U_out - U_in), lambda = max over both of
+    |n . (u - v)| + c |n| (local Lax-Friedrichs).
+    """
+    fastest = gas.fastest(w, n, g), gas.fastest(beyond, n, g)
+    jump = sub(gas.densities(beyond), gas.densities(w))
+    both = mean(surface_flux(gas, w, n, g), surface_flux(gas, beyond, n, g))
+    return along(both, -0.5 * np.maximum(*fastest), jump)
 
 
 @dataclass(frozen=True)
