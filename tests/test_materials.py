@@ -278,39 +278,30 @@ def test_formulas_of_a_class_are_checked_as_well():
 
 
 class Tabled(NamedTuple):
-    """A gas law whose numbers are whole, in a tuple, with a bool that chooses a formula."""
+    """A law whose numbers are whole, in a tuple, with a bool that chooses a formula."""
 
     numbers: tuple
     plain: bool
 
-    def pressure(self, rho, T):
-        return self.numbers[0] * rho * T if self.plain else 0.0 * T
+    def viscosity(self, T):
+        return self.numbers[0] * T if self.plain else 0.0 * T
 
-    def internal_energy(self, rho, T):
+    def conductivity(self, T):
         return self.numbers[1] * T
-
-    def temperature(self, rho, e):
-        return e / self.numbers[1]
-
-    def density(self, p, T):
-        return p / (self.numbers[0] * T)
-
-    def temperature_of(self, rho, p):
-        return p / (self.numbers[0] * rho)
 
 
 def test_whole_numbers_in_tuples_and_bools_of_a_law():
-    law = Fluid(0, 0, 2, 287, law=Tabled((287, 700), True)).gas_law
+    law = Fluid(0, 0, 2, 287, transport=Tabled((287, 700), True)).transport_law
     assert law.numbers == (287.0, 700.0) and law.plain is True
     assert all(type(number) is float for number in law.numbers)
 
-    def pressure_of(part, y):
+    def viscosity_of(part, y):
         for i in each(y.size):
-            y[i] = part[0].pressure(2.0, y[i])
+            y[i] = part[0].viscosity(y[i])
 
     y = np.array([3.0])
-    recorded(pressure_of, (law,))(y)
-    assert y[0] == 287.0 * 2.0 * 3.0
+    recorded(viscosity_of, (law,))(y)
+    assert y[0] == 287.0 * 3.0
 
 
 def test_derivatives_of_a_law_of_a_case_are_exact():

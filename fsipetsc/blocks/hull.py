@@ -69,54 +69,45 @@ def hull_of(block: Block, given: Array, centred: bool = False) -> Hull:
     faces = [face_nodes(block.shape, k, s) for k in range(d) for s in sides[k] if s is not None]
     nodes = np.unique(np.concatenate([np.zeros(0, int), *faces]))
     known, pieces = np.isin(nodes, given), {1: [], 2: []}
+    every = np.arange(np.prod(block.shape)).reshape(block.shape[::-1])
+    columns = np.searchsorted(nodes, every)  # where a node is on a face
     for entity in product(*sides):
         free = [k for k in range(d) if entity[k] is None and not block.periodic[k]]
-        whole = _columns(block, nodes, _nodes_of(block, entity))
-        if free and entity.count(None) < d and not known[whole].all():
-            pieces[len(free)].append(_follows(block, nodes, entity, free, centred))
+        if free and entity.count(None) < d and not known[columns[_cut(entity)]].all():
+            pieces[len(free)].append(_follows(block, columns, entity, free, centred))
     none = np.zeros((9, 0), int), np.zeros((d, 4, 0))
     parts = (np.concatenate(p, axis=-1) for p in zip(none, *pieces[1], *pieces[2]))
     at = np.searchsorted(nodes, np.asarray(given, int))
     return Hull(nodes, at, *parts, *np.zeros((2, d, len(nodes))), not all(block.periodic))
 
 
-def _nodes_of(
-    block: Block, entity: Sequence[int | None], inner: Sequence[int] = (), centred: bool = False
-) -> list[Array]:
-    """Indices (T,) along each axis of the nodes of a face, an edge, a vertex, by the side at which
-    each axis is fixed, None where it is free; along some axes the inner ones only.
+def _cut(sides: Sequence[Any]) -> tuple[slice, ...]:
+    """Slices of an array (…, n_1, n_0): of each axis the side at which it is fixed, None for all of
+    it, or a slice.
     """
-    ranges = []
-    for k, (n, side) in enumerate(zip(block.shape, entity)):
-        whole, first = np.arange(n), 0 if centred and k == block.dimension - 1 else 1
-        free = whole[first:-1] if k in inner else whole
-        ranges.append(free if side is None else whole[-1:] if side else whole[:1])
-    return [index.ravel() for index in mesh(ranges)]
-
-
-def _columns(block: Block, nodes: Array, index: Sequence[Array]) -> Array:
-    index = [i % n for i, n in zip(index, block.shape)]
-    return np.searchsorted(nodes, np.ravel_multi_index(index[::-1], block.shape[::-1]))
+    ends = {None: slice(None), 0: slice(0, 1), 1: slice(-1, None)}
+    return tuple(side if isinstance(side, slice) else ends[side] for side in sides)[::-1]
 
 
 def _follows(
-    block: Block, nodes: Array, entity: Sequence[int | None], free: Sequence[int], centred: bool
+    block: Block, columns: Array, entity: Sequence[int | None], free: Sequence[int], centred: bool
 ) -> tuple[Array, Array]:
     """Columns and weights of the inner nodes of an edge or a face. The ends of an edge count as its
     edges a.
     """
-    index = _nodes_of(block, entity, free, centred)
-    a, b = free[0], free[-1]
-    edges = [{a: 0}, {a: -1}, {b: 0}, {b: -1}]
-    vertices = [{a: i, b: j} for i, j in ((0, 0), (-1, -1), (-1, 0), (0, -1))]
-    columns = []
-    for ends in ({}, *edges, *vertices):
-        at = [i if k not in ends else 0 * i + ends[k] for k, i in enumerate(index)]
-        columns.append(_columns(block, nodes, at))
-    weights = np.concatenate([end_weights(block, k, index[k], centred) for k in (a, b)])
+    d, a, b = block.dimension, free[0], free[-1]
+    first = [0 if centred and k == d - 1 else 1 for k in range(d)]
+    own = {k: slice(first[k], -1) if k in free else side for k, side in enumerate(entity)}
+    shape = columns[_cut(own.values())].shape
+    edges = [{a: 0}, {a: 1}, {b: 0}, {b: 1}]
+    vertices = [{a: i, b: j} for i, j in ((0, 0), (1, 1), (1, 0), (0, 1))]
+    at = [columns[_cut((own | ends).values())] for ends in ({}, *edges, *vertices)]
+    along = np.indices(shape).reshape(d, -1)[::-1]
+    weights = [end_weights(block, k, first[k] + along[k], centred) for k in (a, b)]
     if a == b:
-        weights[2:] = 0.0
-    return np.array(columns), weights.transpose(1, 0, 2)
+        weights[1][:] = 0.0
+    found = np.array([np.broadcast_to(one, shape).ravel() for one in at])
+    return found, np.concatenate(weights).transpose(1, 0, 2)
 
 
 def end_weights(block: Block, axis: int, index: Array, centred: bool = False) -> Array:
