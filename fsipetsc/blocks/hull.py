@@ -153,7 +153,21 @@ class Blend(NamedTuple):
         """out (d, W) from values (d, H) of the hull, added to a base (d, W) if there is one: then
         without images.
         """
-        blend(self, values, out, base)
+        for c in each(values.shape[0]):
+            u, f = self.u[c], values[c]
+            for number, axis in enumerate(self.axes):
+                find_missing(self, axis, u, f, number == 0)
+                add_between(self, axis, u, c, number == 0)
+            for axis in self.axes:
+                put_faces(axis, u, f)
+            n = out.shape[1] // self.rows.size
+            for row in each(self.rows.size):
+                first, at = self.rows[row], row * n
+                for i in each(n, vector=True):
+                    more = 0.0 if base is None else base[c, at + i]
+                    out[c, at + i] = more + u[first + i]
+        for i in each(self.images.size):
+            out[-1, self.images[i]] *= -1.0
 
 
 def blend_of(block: Block, wide: Wide, nodes: Array, centred: bool = False) -> Blend:
@@ -185,25 +199,6 @@ def blend_of(block: Block, wide: Wide, nodes: Array, centred: bool = False) -> B
     rows = max(-wide.wide[-1][0], 0) if centred else 0
     images = np.arange(rows * int(np.prod(wide.sizes[:-1])))
     return Blend(tuple(axes), np.zeros((d, size)), np.zeros((2, size)), starts, images)
-
-
-def blend(of, values, out, base):
-    """See Blend.fill."""
-    for c in each(values.shape[0]):
-        u, f = of.u[c], values[c]
-        for number, axis in enumerate(of.axes):
-            find_missing(of, axis, u, f, number == 0)
-            add_between(of, axis, u, c, number == 0)
-        for axis in of.axes:
-            put_faces(axis, u, f)
-        n = out.shape[1] // of.rows.size
-        for row in each(of.rows.size):
-            first, at = of.rows[row], row * n
-            for i in each(n, vector=True):
-                more = 0.0 if base is None else base[c, at + i]
-                out[c, at + i] = more + u[first + i]
-    for i in each(of.images.size):
-        out[-1, of.images[i]] *= -1.0
 
 
 def find_missing(of, axis, u, f, first):

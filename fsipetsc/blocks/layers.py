@@ -94,9 +94,6 @@ def layers(
         sides: what stands at the sides of layers that have none of their own; None: they go on
             periodically.
         more: `jumps`, `notes`, `units`, as of `BlockProblem`.
-
-    Returns:
-        The problem.
     """
     if not stack or not all(isinstance(layer, Layer) for layer in stack):
         raise InputError("layers: expected one or more of Layer")
