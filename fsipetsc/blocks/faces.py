@@ -13,6 +13,7 @@ import numpy as np
 
 from fsipetsc.blocks.block import Block, mesh
 from fsipetsc.blocks.conditions import Condition, Hinge, Periodic
+from fsipetsc.blocks.conditions.condition import VECTORS
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.checks import Array, described
 from fsipetsc.errors import InputError
@@ -66,11 +67,11 @@ def _check_condition(block: Block, where: str, condition: Any) -> None:
     name = type(condition).__name__
     if block.kind not in condition.of:
         raise InputError(f"{where}: {name} is no condition of a {block.kind}")
-    vector = {"Open": "u", "Periodic": "shift"}.get(name, "")
-    numbers = getattr(condition, vector, ())
-    if vector and not callable(numbers) and len(numbers) != block.dimension:
-        found = f"{vector} has {len(numbers)} numbers"
-        raise InputError(f"{where}: {name}: {found}: expected {block.dimension}")
+    for vector in VECTORS:
+        numbers = getattr(condition, vector, None)
+        if isinstance(numbers, tuple) and len(numbers) != block.dimension:
+            found = f"{vector} has {len(numbers)} numbers"
+            raise InputError(f"{where}: {name}: {found}: expected {block.dimension}")
 
 
 def face_nodes(shape: Sequence[int], axis: int, side: int) -> Array:
