@@ -14,13 +14,11 @@ from typing import Any
 from fsipetsc import checks
 from fsipetsc.blocks import conditions
 from fsipetsc.blocks.conditions.condition import Checked
-from fsipetsc.blocks.values import NOWHERE, checked, checked_one
+from fsipetsc.blocks.values import NOWHERE, datum
 from fsipetsc.errors import InputError
 
 #: a number, or a function of time
 Timed = float | Callable[[float], Any]
-#: the left and the right one, in messages
-END = "the left end", "the right end"
 
 
 class Boundary(Checked):
@@ -48,35 +46,27 @@ class Boundary(Checked):
         driven = self.heated or any(getattr(self, name) for name in self.given)
         return not (self.passes or driven) and conditions.steady(self)
 
-    def condition(self, gas: Any, side: int) -> conditions.Condition:
-        """The condition of a block that this is at the left (0) or right (1) end; gas: the law of
-        a gas that ends there.
-        """
+    def condition(self, material: Any) -> conditions.Condition:
+        """The condition of a block of this material that this is."""
         raise NotImplementedError
 
-    def data(self, side: int, t: float) -> Sequence[float]:
+    def data(self, t: float) -> list[float]:
         """All of ``given`` at time t [s], which the paper's formulas take: of `values` rho, u, T.
         InputError, perhaps on this rank alone.
         """
-        return [number for name in self.given for number in self._at(name, side, t)]
+        return [number for name in self.given for number in self._at(name, t)]
 
-    def heat(self, side: int, t: float) -> float:
+    def heat(self, t: float) -> float:
         """The temperature [K] or heat flux [W/m2] that is given, 0 where none is. InputError."""
-        return self._at(self.heated, side, t)[0] if self.heated else 0.0
+        return self._at(self.heated, t)[0] if self.heated else 0.0
 
-    def _at(self, name: str, side: int, t: float) -> Sequence[float]:
+    def _at(self, name: str, t: float) -> list[float]:
         """What is given by name, as numbers."""
-        given = getattr(self, name)
-        if not callable(given):
-            return (given,)
-        where = f"{name} of {END[side]} at t = {t:.6g}"
-        if name == "values":
-            found = checked(given, (t,), NOWHERE, ("rho", "u", "T"), where)
-        else:
-            found = [checked_one(given, (t,), NOWHERE, name, where)]
-        return [float(value[0]) for value in found]
+        names = ("rho", "u", "T") if name == "values" else None
+        found: list[float] = datum(self, name, NOWHERE.T, t, names).ravel().tolist()
+        return found
 
-    def of_place(self, name: str, side: int, then: Callable[[Any], Any] = lambda v: v) -> Any:
+    def of_place(self, name: str, then: Callable[[Any], Any] = lambda v: v) -> Any:
         """What is given by name as a condition has it: a function of t becomes one of X and t;
         then: of its value.
         """
@@ -84,12 +74,12 @@ class Boundary(Checked):
         if not callable(given):
             return None if given is None else then(given)
         called = wraps(given)(lambda X, t: then(given(t)))
-        called.owner = END[side]  # type: ignore[attr-defined]
+        called.owner = type(self).__name__  # type: ignore[attr-defined]
         return called
 
-    def _warm(self, side: int) -> dict[str, Any]:
+    def _warm(self) -> dict[str, Any]:
         """T and heat_flux, as conditions take them."""
-        return {name: self.of_place(name, side) for name in ("T", "heat_flux")}
+        return {name: self.of_place(name) for name in ("T", "heat_flux")}
 
 
 def _alone(value: Any) -> tuple[Any]:
@@ -131,10 +121,10 @@ class Wall(Boundary):
         """The wall does not stay where it is."""
         return callable(self.x)
 
-    def condition(self, gas: Any, side: int) -> conditions.NoSlip:
-        x = self.of_place("x", side, _alone) if self.moves else None
-        velocity = self.of_place("velocity", side, _alone)
-        return conditions.NoSlip(**self._warm(side), x=x, velocity=velocity)
+    def condition(self, material: Any) -> conditions.NoSlip:
+        x = self.of_place("x", _alone) if self.moves else None
+        velocity = self.of_place("velocity", _alone)
+        return conditions.NoSlip(**self._warm(), x=x, velocity=velocity)
 
 
 @dataclass(frozen=True)
@@ -164,8 +154,8 @@ class Open(Boundary):
             expected = "expected 0 or 1, the order of the conditions in the viscosity"
             raise InputError(f"Open(order={self.order!r}): {expected}")
 
-    def condition(self, gas: Any, side: int) -> conditions.Open:
-        rho = float(gas.density(self.p0, self.T0))
+    def condition(self, material: Any) -> conditions.Open:
+        rho = float(material.gas_law.density(self.p0, self.T0))
         return conditions.Open(rho, (self.u0,), self.T0, self.order)
 
 
@@ -196,8 +186,8 @@ class Dirichlet(Boundary):
             expected = "expected 2, 3, 4, 5, or None: by -fsi_order"
             raise InputError(f"Dirichlet(degree={self.degree!r}): {expected}")
 
-    def condition(self, gas: Any, side: int) -> conditions.Given:
-        return conditions.Given(self.of_place("values", side))
+    def condition(self, material: Any) -> conditions.Given:
+        return conditions.Given(self.of_place("values"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -228,11 +218,11 @@ class clamped(SolidEnd):
     velocity: Timed = 0.0
     given = ("velocity",)
 
-    def condition(self, gas: Any, side: int) -> conditions.Clamped:
-        velocity = self.of_place("velocity", side, _alone)
+    def condition(self, material: Any) -> conditions.Clamped:
+        velocity = self.of_place("velocity", _alone)
         if not callable(velocity):
             velocity = None if self.velocity == 0.0 else lambda X, t: (self.velocity,)
-        return conditions.Clamped(velocity=velocity, **self._warm(side))
+        return conditions.Clamped(velocity=velocity, **self._warm())
 
 
 @dataclass(frozen=True)
@@ -247,9 +237,9 @@ class free(SolidEnd):
     stress: Timed = 0.0
     given = ("stress",)
 
-    def condition(self, gas: Any, side: int) -> conditions.Free:
-        pressure = self.of_place("stress", side, lambda stress: -stress)
-        return conditions.Free(pressure, **self._warm(side))
+    def condition(self, material: Any) -> conditions.Free:
+        pressure = self.of_place("stress", lambda stress: -stress)
+        return conditions.Free(pressure, **self._warm())
 
 
 @dataclass(frozen=True)
@@ -264,5 +254,5 @@ class absorbing(SolidEnd):
     given = ("stress",)
     passes = True
 
-    def condition(self, gas: Any, side: int) -> conditions.Absorbing:
-        return conditions.Absorbing(self.of_place("stress", side), **self._warm(side))
+    def condition(self, material: Any) -> conditions.Absorbing:
+        return conditions.Absorbing(self.of_place("stress"), **self._warm())

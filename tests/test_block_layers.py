@@ -95,8 +95,8 @@ WRONG = {
         line(forcing=lambda X, t: (1.0, t, 2.0, 0.0)).blocks[1].forcing(np.ones(1), 1.0)
     ),
     "g_u = 1": lambda: line(jumps=lambda k, t: (1.0, 0.0, 0.0, 0.0)).jumps(np.ones(1), 0.0),
-    "x of the left end": lambda: Steps(line(boundaries.Wall(lambda t: "one"))),
-    "T of the left end": lambda: Steps(line(boundaries.Wall(0.0, T=lambda t: -1.0))),
+    "x of Wall": lambda: Steps(line(boundaries.Wall(lambda t: "one"))),
+    "T of Wall": lambda: Steps(line(boundaries.Wall(0.0, T=lambda t: -1.0))),
 }
 
 

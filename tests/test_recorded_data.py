@@ -164,7 +164,7 @@ def test_a_place_that_becomes_no_number_ends_the_run(tmp_path):
     """Also where velocity and acceleration stay finite: its derivative is that of both branches."""
     (tmp_path / "gone.py").write_text(GONE)
     done = solve("gone.py", cwd=tmp_path)
-    message(done, 2, "x of the left end at t = 0.2", "x = nan at X = 0: expected a finite")
+    message(done, 2, "x of Wall at t = 0.2", "x = nan at X = 0: expected a finite")
     with fsipetsc.open_run(tmp_path / "gone.h5") as run:
         assert np.isfinite(run.layers[0]["x"][:-1]).all() and run.summary["status"] == "failed"
 

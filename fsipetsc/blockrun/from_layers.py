@@ -38,10 +38,7 @@ def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
             cells = layer.cells or max(cells, least)
             blocks.append(_gas(layer, _gas_grid(problem, layer, notes), cells))
     ends = zip((0, 1), (problem.left, problem.right), (blocks[0], blocks[-1]), strict=True)
-    faces = {
-        (block.name, 0, side): end.condition(getattr(block.material, "gas_law", None), side)
-        for side, end, block in ends
-    }
+    faces = {(of.name, 0, side): end.condition(of.material) for side, end, of in ends}
     jumps = None if problem.jumps is None else _jumps(problem)
     return BlockProblem(tuple(blocks), faces, jumps, notes=tuple(notes), units=problem.units)
 

@@ -65,23 +65,14 @@ def checked(
     above 0. active: the places at which values count.
     """
     values = _called(function, arguments, where)
-    expected = f"expected {len(names)} values ({', '.join(names)})"
-    if values is None:
-        raise _fault(function, where, f"returns nothing (is its return missing?): {expected}")
-    if not isinstance(values, (tuple, list, np.ndarray)) or getattr(values, "ndim", 1) == 0:
-        raise _fault(function, where, f"returns {described(values)}: {expected} in a tuple")
-    if len(values) != len(names):
-        count = counted(len(values), "value")
-        raise _fault(function, where, f"returns {count}: {expected}")
+    several = isinstance(values, (tuple, list, np.ndarray)) and getattr(values, "ndim", 1) > 0
+    if not several or len(values) != len(names):
+        found = counted(len(values), "value") if several else described(values)
+        found = "nothing (is its return missing?)" if values is None else found
+        expected = f"expected {len(names)} values ({', '.join(names)}) in a tuple"
+        raise _fault(function, where, f"returns {found}: {expected}")
     pairs = zip(names, values, strict=True)
     return [_array_of(value, name, X, function, where, physical, active) for name, value in pairs]
-
-
-def checked_one(
-    function: Callable[..., Any], arguments: Sequence[Any], X: Array, name: str, where: str
-) -> Array:
-    """The same of a function that returns one value."""
-    return _array_of(_called(function, arguments, where), name, X, function, where)
 
 
 def _called(function: Callable[..., Any], arguments: Sequence[Any], where: str) -> Any:
@@ -102,7 +93,7 @@ def datum(
     owner = getattr(of, "owner", type(condition).__name__)  # an end in one dimension says so
     where = f"{name} of {owner} at t = {t:.6g}"
     if names is None:
-        return checked_one(of, (*X.T, t), X.T, name, where)
+        return _array_of(_called(of, (*X.T, t), where), name, X.T, of, where)
     return np.stack(checked(of, (*X.T, t), X.T, names, where), axis=-1)
 
 

@@ -75,9 +75,9 @@ class PaperState(PaperSolution):
     def _set_data(self, t: float) -> None:
         problem, records = self.problem, self.records
         for k, side, end in ((0, 0, problem.left), (-1, 1, problem.right)):
-            values = end.data(side, t)
+            values = end.data(t)
             records[k]["end_data"][side, : len(values)] = values
-            records[k]["end_heat"][side] = end.heat(side, t)
+            records[k]["end_heat"][side] = end.heat(t)
         if problem.jumps is not None:
             for k, interface in enumerate(self.interfaces):
                 interface.jump[:] = problem.jumps_at(k, t)
