@@ -97,12 +97,10 @@ def test_dimensions(d, tmp_path):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    ("shape", "least"), [("ring", (3.5, 3.6)), ("disk", (1.8, 2.9)), ("panel", (2.4, 2.6))]
-)
+@pytest.mark.parametrize(("shape", "least"), [("disk", (1.8, 2.9)), ("panel", (2.4, 2.6))])
 def test_joined_blocks(shape, least, tmp_path):
-    """Of 4/2, between 8 and 16 cells a block; measured: ring 3.7 and 3.8, panel 2.6 and 2.9, disk
-    1.9 and 3.2, where errors of the gas are largest along the rays to the corners of the box."""
+    """Of 4/2, between 8 and 16 cells a block; measured: panel 2.6 and 2.9, disk 1.9 and
+    3.2, where errors of the gas are largest along the rays to the corners of the box."""
     coarse, fine = on_grids(tmp_path, "body_mms", f"-body_shape {shape}", (1 / 8, 1 / 16))
     assert np.all(rates(coarse, fine) > least)
     assert np.all(combined(fine) < 4e-3)

@@ -9,8 +9,8 @@ around it. With D a displacement, X material places and labels of the gas,
     temperature of both   T = 1 + .15 sin(1.6 X - 1.1 Y + t)
     density of the gas    rho = 1 + .2 cos(1.2 X + 1.7 Y - t)
 
-b is 0 at interfaces: the product of (R^2 - a^2)/(R^2 + a^2) over their radii a; at the panel that
-of the distances from its three sides. The grid of the gas is blended between walls and body, so
+b is 0 at interfaces: (R^2 - 1)/(R^2 + 1) around the disk of radius 1; at the panel the product of
+the distances from its three sides. The grid of the gas is blended between walls and body, so
 that its nodes have other labels at each time: X + D(X, t) is solved for X. All unknowns are given
 on the outer walls, which move, too. See fsipetsc.cases.manufactured.
 """
@@ -24,7 +24,7 @@ import numpy as np
 from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.block_problem import FaceName
 from fsipetsc.blocks.conditions import Given
-from fsipetsc.blocks.maps import Map, Places, annulus, rectangle
+from fsipetsc.blocks.maps import Map, Places, rectangle
 from fsipetsc.cases.common import Opt, materials
 from fsipetsc.cases.disk import centre, quarter
 from fsipetsc.cases.manufactured import Solution, gradient, recorded
@@ -33,19 +33,17 @@ from fsipetsc.equations.tensors import add_unit, apply_transposed, cofactor, det
 from fsipetsc.equations.vectors import add, along, scale, sub
 from fsipetsc.kernels.symbols import derivatives
 
-SUMMARY = "a disk, a ring or a panel in gas on joined blocks, a manufactured solution"
+SUMMARY = "a disk or a panel in gas on joined blocks, a manufactured solution"
 
-SHAPES = "disk", "ring", "panel"
 OPTIONS = (
-    Option("body_shape", str, "disk", "", "nine blocks, three rings, or six blocks", SHAPES),
+    Option("body_shape", str, "disk", "", "nine blocks, or six blocks", ("disk", "panel")),
     *materials(fluid_mu=0.02, fluid_kappa=0.03, solid_kappa=0.05),
     *materials(solid_law=("svk", "neo-hookean", "log", "linear")),
 )
 DEFAULTS = {"fsi_h": 1 / 16, "fsi_order": 4, "ts_max_time": 0.1, "fsi_output_dt": 0.1}
 
-#: half the side of the box and of the block in the middle of the disk; radii of the rings, and one
-#: in the middle
-BOX, HALF, RINGS, MIDDLE = 2.0, 0.45, (0.5, 1.0, 1.3, 2.0), 1.15
+#: half the side of the box and of the block in the middle of the disk
+BOX, HALF = 2.0, 0.45
 #: X and Y of the edges of the blocks around the panel
 COLUMNS, ROWS = (0.0, 1.0, 1.3, 2.5), (0.0, 0.7, 1.5)
 #: that solve X + D(X, t) = x to round-off
@@ -114,36 +112,24 @@ class Body(Solution):
         return found
 
 
-class Round(Body):
-    """Around interfaces of some radii; gas inside the first one of two."""
-
-    def __init__(self, opt: Opt) -> None:
-        self.radii = RINGS[1:3] if opt["body_shape"] == "ring" else (1.0,)
-        super().__init__(opt)
+class Disk(Body):
+    """A gas around a disk."""
 
     def b(self, X: Any, Y: Any) -> Any:
-        R, found = X * X + Y * Y, 1.0
-        for a in (radius**2 for radius in self.radii):
-            found = found * ((R - a) / (R + a))
-        return found
+        return (X * X + Y * Y - 1.0) / (X * X + Y * Y + 1.0)
 
     def grid(self, X: Array, Y: Array, t: float) -> Fields:
         """Nodes between both ends of a ray."""
         R = np.sqrt(X * X + Y * Y)
-        low, high = 1.0, BOX * R / np.maximum(abs(X), abs(Y))
-        if len(self.radii) > 1:
-            inside = R < MIDDLE
-            low, high = np.where(inside, RINGS[0], RINGS[2]), np.where(inside, RINGS[1], RINGS[3])
-        s, ends = (R - low) / (high - low), (low / R, high / R)
+        far = BOX * R / np.maximum(abs(X), abs(Y))
+        s, ends = (R - 1.0) / (far - 1.0), (1.0 / R, far / R)
         inner, outer = (self.material(X * end, Y * end, t) for end in ends)
         return add(scale(1.0 - s, inner), scale(s, outer))
 
     def supplied(self, *at: Any) -> list[Array]:
         """The normal is along a ray."""
         X, Y, _ = at
-        R = np.sqrt(X * X + Y * Y)
-        inner = len(self.radii) > 1 and R < MIDDLE
-        return self.jump(*at, *scale(np.where(inner, 1.0, -1.0) / R, (X, Y)))
+        return self.jump(*at, *scale(-1.0 / np.sqrt(X * X + Y * Y), (X, Y)))
 
 
 class Panel(Body):
@@ -199,10 +185,6 @@ def to_box(q: int) -> Map:
 def blocks_of(shape: str) -> tuple[dict[str, Map], list[FaceName]]:
     """Maps by name, and the outer faces."""
     maps: dict[str, Map] = {}
-    if shape == "ring":
-        names = "gas inside", "ring", "gas outside"
-        maps = {name: annulus(*radii) for name, *radii in zip(names, RINGS, RINGS[1:])}
-        return maps, [(names[0], 0, 0), (names[2], 0, 1)]
     if shape == "disk":
         maps["middle"] = centre(HALF)
         for q in range(4):
@@ -219,10 +201,8 @@ def blocks_of(shape: str) -> tuple[dict[str, Map], list[FaceName]]:
 
 
 def build(opt: Opt) -> BlockProblem:
-    """-fsi_h: of the side of each block, which is 1 in logical coordinates; a ring has four times
-    as many cells around.
-    """
-    exact: Body = (Panel if opt["body_shape"] == "panel" else Round)(opt)
+    """-fsi_h: of the side of each block, which is 1 in logical coordinates."""
+    exact: Body = (Panel if opt["body_shape"] == "panel" else Disk)(opt)
     gas = exact.fluid, exact.exact_gas, exact.force_gas
     solid = exact.body, exact.exact_solid, exact.force_solid
     walls: Any = {"x": lambda X, Y, t: add((X, Y), exact.grid(X, Y, t)[:2])}
@@ -231,9 +211,8 @@ def build(opt: Opt) -> BlockProblem:
 
     def block(name: str, map: Map) -> Block:
         material, of, forcing = gas if name.startswith("gas") else solid
-        n, around = round(1.0 / opt["fsi_h"]), 4 if opt["body_shape"] == "ring" else 1
-        start, periodic = lambda *X: of(*X, 0.0), (False, around > 1)
-        return Block(name, material, map, (n, around * n), start, forcing, of, periodic)
+        n, start = round(1.0 / opt["fsi_h"]), lambda *X: of(*X, 0.0)
+        return Block(name, material, map, (n, n), start, forcing, of)
 
     maps, outer = blocks_of(opt["body_shape"])
     faces = {face: of_gas if face[0].startswith("gas") else of_solid for face in outer}
