@@ -34,12 +34,10 @@ from fsipetsc.equations.tensors import (
     cofactor,
     columns,
     determinant,
-    product,
     product_transposed,
     rows,
     trace,
     transpose,
-    transposed_product,
 )
 from fsipetsc.equations.vectors import add, along, dot, scale, sub
 from fsipetsc.kernels.symbols import Record, derivatives, replay
@@ -71,24 +69,6 @@ def gradient(f: Numbers, X: Numbers) -> Numbers:
     """df_i/dX_k, a tensor of vectors f."""
     by_axis = [derivatives(f, x) for x in X]
     return tuple(changes[i] for i in range(len(f)) for changes in by_axis)
-
-
-def stress(solid: ElasticSolid, F: Numbers) -> Numbers:
-    """First Piola-Kirchhoff stress P for F, by the name of the law.
-
-    log: mu F + ((2 mu + lam) ln J - mu J) cof F; neo-hookean: mu F + (lam ln J - mu)/J cof F; svk:
-    F S, S = lam tr(E) + 2 mu E, E = (F^T F - 1)/2; linear: lam tr(e) + 2 mu e, e = (F + F^T)/2 - 1.
-    """
-    law, mu, lam, J = solid.law, solid.mu_e, solid.lambda_e, determinant(F)
-    if law == "log":
-        return along(scale(mu, F), (2.0 * mu + lam) * np.log(J) - mu * J, cofactor(F))
-    if law == "neo-hookean":
-        return along(scale(mu, F), (lam * np.log(J) - mu) / J, cofactor(F))
-    if law == "svk":
-        E = scale(0.5, add_unit(-1.0, transposed_product(F, F)))
-        return product(F, add_unit(lam * trace(E), scale(2.0 * mu, E)))
-    e = add_unit(-1.0, scale(0.5, add(F, transpose(F))))
-    return add_unit(lam * trace(e), scale(2.0 * mu, e))
 
 
 class State(NamedTuple):
@@ -212,7 +192,7 @@ class Solution:
         (*X, t), body = where, self.body
         D, T = self.displacement(*where), self.T(*where)
         v, F = derivatives(D, t), add_unit(1.0, gradient(D, X))
-        P, c = stress(body, F), cofactor(F)
+        P, c = body.solid_law.stress(F), cofactor(F)
         scaled = scale(body.kappa_e / determinant(F), apply(c, gradient((T,), X)))
         heat, work = apply_transposed(c, scaled), dot(P, gradient(v, X))
         flux = [scale(-1.0, (*t_k, h_k)) for t_k, h_k in zip(columns(P), heat, strict=True)]
