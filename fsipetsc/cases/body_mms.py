@@ -69,7 +69,6 @@ class Body(Solution):
         return (*f, *derivatives(f, at[-1]))
 
     def displacement(self, *at: Any) -> Any:
-        """D."""
         X, Y, t = at
         return 0.06 * np.sin(1.9 * X + 0.7 * Y + t), 0.06 * np.cos(1.3 * X - 1.7 * Y + 2.0 * t)
 
@@ -78,12 +77,10 @@ class Body(Solution):
         return self.displacement(*at)
 
     def T(self, *at: Any) -> Any:
-        """T."""
         X, Y, t = at
         return 1.0 + 0.15 * np.sin(1.6 * X - 1.1 * Y + t)
 
     def rho(self, *at: Any) -> Any:
-        """rho."""
         X, Y, t = at
         return 1.0 + 0.2 * np.cos(1.2 * X + 1.7 * Y - t)
 
@@ -94,7 +91,6 @@ class Body(Solution):
         return scale(self.b(X, Y), drift)
 
     def b(self, X: Any, Y: Any) -> Any:
-        """b."""
         raise NotImplementedError
 
     def _nearer(self, X: Any, Y: Any, t: Any, x: Any, y: Any) -> Any:

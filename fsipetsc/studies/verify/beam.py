@@ -41,7 +41,6 @@ def first_frequency(order: int, h: float, thickness: float, hinged: bool) -> flo
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
-    """Relative errors."""
     table, errors = reference("beam"), {}
     for ends, thickness in (("clamped", 0.05), ("hinged", 0.02)):
         found = first_frequency(order, h, thickness, ends == "hinged") / np.sqrt(thickness**2 / 6.0)
@@ -57,7 +56,6 @@ WHY = "order s + 1; errors: what the theory leaves open, a shear coefficient of 
 
 
 def expected(quantity: str, order: int, h: float) -> Expected:
-    """Order, or the uncertainty of the theory."""
     table, (ends, thickness) = reference("beam"), quantity.split(", d = ")
     row = np.argmin(np.abs(table["d"] - float(thickness)))
     return Expected(closures(order), abs(1.0 - table[f"{ends} pi^2/12"][row] / table[ends][row]))

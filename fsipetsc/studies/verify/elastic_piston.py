@@ -17,7 +17,6 @@ P = 0.1 / 1.4
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
-    """Largest errors of the receding piston, root mean squares of those of the advancing one."""
     table, errors = reference("elastic_piston"), {}
     for way, (sign, norm) in WAYS.items():
         run = solve("elastic_piston", order, h, piston_way=way, fsi_cfl=0.4)

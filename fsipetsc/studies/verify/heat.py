@@ -8,7 +8,6 @@ from fsipetsc.studies.verify.data import largest, reference, smooth
 
 
 def slab(solve: Solve, order: int, h: float, table: dict[str, Array]) -> float:
-    """Largest error."""
     T = smooth(table["x"], table["slab T"])
     solid = SolidLayer("slab", Solid(1.0, 0.1, 1.0, 1.0), (0.0, 1.0), lambda X: (0, 0, T(X), X))
     ends = clamped(T=1.0), free(heat_flux=lambda t: 0.1 * np.cos(2.0 * np.pi * t))
@@ -18,7 +17,6 @@ def slab(solve: Solve, order: int, h: float, table: dict[str, Array]) -> float:
 
 
 def mode(solve: Solve, order: int, h: float, table: dict[str, Array]) -> float:
-    """Largest error over the size."""
     solid, gas = (layer.frame(-1) for layer in solve("heat", order, h).layers)
     left, errors = np.exp(table["mode s"][0]), []
     for frame, name, x in ((solid, "mode solid", solid["x"] + 1.0), (gas, "mode gas", gas["x"])):
@@ -28,7 +26,6 @@ def mode(solve: Solve, order: int, h: float, table: dict[str, Array]) -> float:
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
-    """Errors of both."""
     table = reference("heat")
     return Measured({f.__name__: f(solve, order, h, table) for f in (slab, mode)})
 

@@ -72,5 +72,4 @@ WHY = "round-off of 1000 steps"
 
 
 def expected(quantity: str, order: int, h: float) -> Expected:
-    """All is kept."""
     return Expected(error=round_off(1000))

@@ -17,7 +17,6 @@ LAWS, HOW, GRIDS = ("neo-hookean", "svk"), ("shear", "extension"), (1 / 16, 1 / 
 
 
 def curved(xi: tuple[Array, ...]) -> tuple[Array, Array]:
-    """The grid."""
     bump = 0.05 * np.sin(2.0 * np.pi * xi[0]) * np.sin(2.0 * np.pi * xi[1])
     return xi[0] + bump, xi[1] - bump
 
@@ -31,7 +30,6 @@ def square(law: str, h: float, start: Any, side: Any, forcing: Any = None) -> An
 
 
 def stretched(solve: Solve, order: int, h: float, law: str, how: str) -> float:
-    """Error of shear or extension."""
 
     def speed(X: Array, Y: Array, t: float = 0.0) -> list[Array]:
         return [Y if how == "shear" else X, 0.0 * X]
@@ -49,7 +47,6 @@ def stretched(solve: Solve, order: int, h: float, law: str, how: str) -> float:
 
 
 def rotated(solve: Solve, order: int, h: float, law: str) -> tuple[float, float]:
-    """Errors of place and stress."""
 
     def force(X: Array, Y: Array, t: float) -> list[Array]:
         c, s = np.cos(RATE * t), np.sin(RATE * t)
@@ -65,7 +62,6 @@ def rotated(solve: Solve, order: int, h: float, law: str) -> tuple[float, float]
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
-    """Errors of all."""
     errors: dict[str, float] = {}
     for law, how in product(LAWS, HOW):
         errors[f"{how}, {law}"] = stretched(solve, order, h, law, how)

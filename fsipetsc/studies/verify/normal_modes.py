@@ -59,7 +59,6 @@ def over_solid(
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
-    """Relative errors, of several modes the largest."""
     table = reference("normal_modes")
 
     def misfit(name: str, found: Array, rows: int = 1) -> Compared:

@@ -7,7 +7,6 @@ from fsipetsc.studies.verify.data import reference
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
-    """Errors of the pressure."""
     table = reference("oblique")
     frame = solve("oblique", order, h, 4.0, oblique_wall="rigid").layers[0].frame(-1)
     x, y, p = frame["x"], frame["y"], frame["p"]

@@ -14,7 +14,6 @@ THICKNESS = 0.04
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
-    """Relative distances of the onsets."""
     table, errors = reference("panel_flutter"), {}
     thick = np.argmin(np.abs(table["d"] - THICKNESS))
     opt = {**defaults(CASE), "fsi_order": order, "fsi_h": h, "fsi_cfl": 1.2, "panel_push": SMALL}

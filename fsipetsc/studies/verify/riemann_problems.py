@@ -13,7 +13,6 @@ PROBLEMS = {
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
-    """Relative errors of velocity and pressure at the interface."""
     table, errors = reference("riemann_problems"), {}
     for k, (name, (end, options)) in enumerate(PROBLEMS.items()):
         hit, p, u = (table[column][k] for column in ("hit", "p", "u"))
@@ -36,5 +35,4 @@ WHY = "shocks are captured to first order, within a cell: h of the length 1 of t
 
 
 def expected(quantity: str, order: int, h: float) -> Expected:
-    """A plateau has no order of its own."""
     return Expected(1.0, h if quantity.endswith("p") else None)

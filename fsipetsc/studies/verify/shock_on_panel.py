@@ -7,7 +7,6 @@ HIT = 0.06e-3  # s, when the shock reaches the panel
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
-    """Of the largest displacement [mm] and its time after the hit [ms]."""
     series = solve("fin", order, h, ts_max_time=1.5e-3).series
     t, x = series["t"], series["x_point"][:, 0]
     moved, late = 1e3 * (x - x[0]), 1e3 * (t - HIT)
@@ -31,7 +30,6 @@ WHY = (
 
 
 def expected(quantity: str, order: int, h: float) -> Expected:
-    """What is known of the references."""
     table = reference("shock_on_panel")
     late = quantity.startswith("time")
     return Expected(error=0.038 * table["ms"][2] if late else table["uncertainty"][0])

@@ -19,7 +19,6 @@ def run_to(solve: Solve, end: float, start: Any, left: Any, order: int, h: float
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
-    """Mean errors."""
     table = reference("gas")
 
     def sod(x: Array) -> list[Array]:

@@ -9,7 +9,6 @@ DENSITIES = (0.5, 2.0, 20.0)
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
-    """Largest errors of the three disks."""
     table, errors = reference("spinning_disk"), {}
     for density in DENSITIES:
         given = {"disk_spin": 2.0, "disk_power": 4, "solid_density": density}

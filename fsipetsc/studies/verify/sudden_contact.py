@@ -10,7 +10,6 @@ JUMP, BEGIN, END = 0.01, 10.0, 20.0
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
-    """Largest errors of T in gas, solid and at the interface, over the jump."""
     table = reference("heat")
     gas, U = Fluid(0.001, 0.0063, 1.4, 1.0), float(table["contact u"][0])
     T_gas, u_gas = (smooth(table["chi"], table[name]) for name in ("gas T", "gas u"))

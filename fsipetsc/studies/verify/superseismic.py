@@ -17,7 +17,6 @@ COARSE = 1 / 20, 1 / 40
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
-    """Norms, and means over plateaus."""
     table = reference("superseismic")
     run = solve("superseismic", order, h)
     errors = {"gas": run.errors["fluid"]["combined"], "solid": run.errors["solid"]["combined"]}

@@ -25,7 +25,6 @@ def cube(n: int, warm: float, mu: float = 0.0) -> Any:
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
-    """Changes of what is kept, and errors of velocities."""
     n, given = round(PERIOD / h), {"fsi_convection": "entropy", "fsi_dissipation": -1.0}
     run = solve(cube(n, 100 / 1.4), order, h, 5.0, **given)
     series = {k: run.series[k].ravel() for k in ("mass", "energy", "entropy")}

@@ -11,7 +11,6 @@ SPANS = {"energy lost, 0 < t < 5": slice(10), "energy lost, 4.5 < t < 5.5": slic
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
-    """What viscosity has taken of the kinetic energy, and how fast."""
     n, table = round(PERIOD / h), reference("taylor_green_1600")
     given = {"fsi_convection": "entropy", "fsi_dissipation": -1.0, "fsi_output_dt": 0.5}
     run = solve(cube(n, 100 / 1.4, 1 / 1600), order, h, 5.5, **given)

@@ -44,7 +44,6 @@ def main_vortex(x: Array, y: Array, flow: Array) -> tuple[float, float]:
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
-    """Distances of triple point and main vortex, and the density at the wall."""
     run = solve("viscous_tube", order, h, 1.0, fsi_shock=0.0, fsi_dissipation=1.0)
     last = run.layers[0].frame(-1)
     rho, p, x, y = last["rho"], last["p"], last["x"][0], last["y"][:, 0]
@@ -75,6 +74,5 @@ COARSER = {"x of the main vortex": 0.0176, "y of the main vortex": 0.0224}
 
 
 def expected(quantity: str, order: int, h: float) -> Expected:
-    """How well the references are known."""
     known = {**COARSER, "density at the wall": 0.08}
     return Expected(error=known.get(quantity, 0.01))

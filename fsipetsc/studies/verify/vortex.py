@@ -46,7 +46,6 @@ def blocks(n: int) -> Any:
 
 
 def measure(solve: Solve, order: int, h: float) -> Measured:
-    """Root mean squares of rho, velocity, p against the table."""
     table = reference("gas")
     short = np.isfinite(table["r"])
     columns = {name: table[f"vortex {name}"][short] for name in ("rho", "u", "p")}
