@@ -2,7 +2,7 @@
 
 A case with an exact solution in all of its layers is compared with that, any other case with itself
 (fsipetsc.studies.grids). All ranks share each run. What is left is a table on the terminal and as
-CSV, and a picture: error against grid spacing and against time.
+CSV, and a picture.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from fsipetsc.output.reader import Run, open_run
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import Comm, together
 from fsipetsc.studies.grids import SAMPLES, differences
-from fsipetsc.studies.pictures import convergence_picture
+from fsipetsc.studies.pictures import picture
 from fsipetsc.studies.tables import begin, listed_in, on_first, printer, results_folder, save_csv
 from fsipetsc.studies.verdicts import COLUMNS, ROUND_OFF, Expected, Row, Study, kinked, told
 
@@ -80,9 +80,13 @@ def convergence(arguments: list[str], comm: Comm) -> None:
             place = ["", order, h, comm.size]
             lines.append([case.NAME, *place, *[""] * (len(COLUMNS) - 5), *cost])
     save_csv(comm, path, [*COLUMNS, *COST], lines, about)
-    picture = partial(convergence_picture, study, about, path.with_suffix(".png"))
-    files = [path, *(on_first(comm, picture) or ())]
-    say("\nsaved " + ", ".join(map(str, files)))
+    panels: dict[str, list[Row]] = {}
+    for row in study.rows:
+        kind, _, name = row.quantity.partition("/")
+        if name == "combined":
+            panels.setdefault(kind, []).append(row)
+    drawn = on_first(comm, lambda: picture(about, panels, path.with_suffix(".png")))
+    say("\nsaved " + ", ".join(map(str, [path, *(drawn or ())])))
     if study.failures:
         runs = counted(len(orders) * len(hs), "run")
         raise ComputationError(f"{len(study.failures)} of {runs} failed; {study.failures[0]}")

@@ -15,7 +15,7 @@ from fsipetsc.output.file_layout import writing
 from fsipetsc.output.reader import open_run
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import Comm, together
-from fsipetsc.studies.pictures import verify_picture
+from fsipetsc.studies.pictures import picture
 from fsipetsc.studies.tables import csv_target, on_first, printer, results_folder, save_csv
 from fsipetsc.studies.verdicts import COLUMNS, HEAD, Measured, Row, Solve, tally, told
 from fsipetsc.studies.verify import ENTRIES
@@ -135,5 +135,4 @@ def _show(
             lines += ["Only `-verify_level full` runs this.", ""]
         with writing(folder / f"{name}.md", "the page"):
             (folder / f"{name}.md").write_text("\n".join(lines), encoding="utf-8")
-    if rows:
-        verify_picture(_title(name), rows, last.curve if last else None, where)
+    picture(_title(name), {"": rows}, where, last.curve if last else None)
