@@ -1,4 +1,7 @@
-"""Small disturbances of blocks at rest: the scheme's own right-hand side, linearised.
+"""Small disturbances of blocks: the scheme's own right-hand side, linearised about a steady state.
+
+``modes_near`` has the eigenvalues next to an expected one, of any blocks. The others have all, and
+take less time, as columns are alike.
 
 Columns of the blocks are alike: those along flat layers, those of a ring in the frame of radius and
 angle; in one dimension there is one column. The derivative of the rates of column m by unknown j of
@@ -14,10 +17,13 @@ a wave of 6 nodes.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
+from scipy import sparse
 from scipy.linalg import orth
+from scipy.sparse.linalg import eigs
 
 from fsipetsc.blockrun.block_solution import BlockForm
 from fsipetsc.blockrun.block_state import BlockState
@@ -27,8 +33,8 @@ from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.errors import InputError
 from fsipetsc.studies.spectra import Complex, Real, derivatives
 
-#: least disturbance, as a fraction of what there is
-NUDGE = 0.005
+#: least disturbance, as a fraction of what there is, of columns, and of single unknowns
+NUDGE, TINY = 0.005, 2.0**-22
 #: rates at rest and columns that differ by more than this fraction are no state at rest
 AT_REST = 1e-9
 #: how much a mode swings at least, over the largest |lambda|, and how rough it may be
@@ -137,6 +143,43 @@ def linear_modes(state: BlockState, axis: int, n: int) -> tuple[Complex, list[Co
     values, vectors = np.linalg.eig(basis.T @ (projection @ rates) @ basis)
     parts = np.split(basis @ vectors, np.cumsum([rows * dofs for rows, dofs in shapes])[:-1])
     return values, [part.reshape(*shape, -1) for part, shape in zip(parts, shapes, strict=True)]
+
+
+def modes_near(state: BlockState, s: complex, count: int = 1) -> Complex:
+    """So many eigenvalues [1/s] next to s. InputError where the state is not steady.
+
+    They are those of P A, A the derivative of the rates by the unknowns as the projection P leaves
+    them, by differences for one unknown after the other.
+    """
+    state.set_initial()
+    start, layout = state.y.array.copy(), state.layout
+    scales, f, n = np.ones_like(start), np.empty_like(start), start.size - layout.auxiliary
+    for k in range(len(layout.shapes)):
+        layout.owned(k, scales)[:] = scales_of(state, k, layout.owned(k, start))[0]
+
+    def evaluate(y: Real) -> Real:
+        state.right_hand_side(y, f)
+        state.project(y)
+        return np.stack([f, y])[:, :n] / scales[:n]
+
+    rest = evaluate(start.copy())
+    found: tuple[list[Any], list[Any]] = [], []
+    for i in range(n):
+        y = start.copy()
+        y[i] += TINY * scales[i]
+        for columns, change in zip(found, evaluate(y) - rest):
+            at = np.flatnonzero(change)
+            columns.append((change[at] / TINY, at))
+    matrices = []
+    for columns in found:
+        values, places = map(np.concatenate, zip(*columns))
+        ends = np.cumsum([0, *(len(at) for _, at in columns)])
+        matrices.append(sparse.csc_matrix((values, places, ends), (n, n)))
+    rates, projection = matrices
+    if np.abs(rest[0]).max() > AT_REST * abs(rates).max():
+        raise InputError("the blocks are not in a steady state at first")
+    matrix = (projection @ rates).astype(complex)
+    return eigs(matrix, count, sigma=s, v0=np.ones(n), return_eigenvectors=False)
 
 
 def scales_of(state: BlockState, k: int, q: Real) -> tuple[Real, int, Real]:

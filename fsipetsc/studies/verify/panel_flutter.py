@@ -3,8 +3,7 @@
 import numpy as np
 
 from fsipetsc.options import defaults
-from fsipetsc.studies.flutter import CASE, SMALL, one_run
-from fsipetsc.studies.panel_modes import crossing
+from fsipetsc.studies.flutter import CASE, crossing, modes_at
 from fsipetsc.studies.verdicts import Compared, Expected, Measured, Solve
 from fsipetsc.studies.verify.data import reference
 
@@ -16,10 +15,10 @@ THICKNESS = 0.04
 def measure(solve: Solve, order: int, h: float) -> Measured:
     table, errors = reference("panel_flutter"), {}
     thick = np.argmin(np.abs(table["d"] - THICKNESS))
-    opt = {**defaults(CASE), "fsi_order": order, "fsi_h": h, "fsi_cfl": 1.2, "panel_push": SMALL}
+    opt = {**defaults(CASE), "fsi_order": order, "fsi_h": h}
     for ends, lambdas in RUNS.items():
         opt |= {"panel_ends": ends, "panel_thickness": THICKNESS}
-        pairs = [one_run(opt, 2.0, dynamic)[2] for dynamic in lambdas]
+        pairs = [modes_at(opt, 2.0, dynamic) for dynamic in lambdas]
         onset = crossing(2.0, opt["panel_mass"], lambdas, pairs)[0]
         errors[f"{ends}, theory"] = Compared(onset, table[f"{ends} theory"][thick])
         errors[f"{ends}, thin limit"] = Compared(onset, table[f"{ends} lambda"][0])
