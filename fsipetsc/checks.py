@@ -50,9 +50,7 @@ def duration(seconds: float) -> str:
 
 
 def number(value: Any, what: str, bound: str = ANY, unit: str = "") -> float:
-    """The value as a float; InputError that names ``what`` if it is no finite real number or out
-    of bound.
-    """
+    """The value as a float; InputError if it is no finite real number or out of bound."""
     expected = f"expected a number{' ' * bool(bound)}{bound}{f' [{unit}]' if unit else ''}"
     found = np.nan
     if np.ndim(value) == 0 and not isinstance(value, (str, bytes, bool, np.bool_, complex)):
@@ -69,9 +67,7 @@ def number(value: Any, what: str, bound: str = ANY, unit: str = "") -> float:
 
 
 def numbers(record: Any, owner: str, ranges: Ranges) -> None:
-    """Make the attributes of a frozen dataclass floats, each within its range; InputError for
-    the first that is not.
-    """
+    """Make attributes of a frozen dataclass floats within their ranges. InputError."""
     for name, bound in ranges.items():
         object.__setattr__(record, name, number(getattr(record, name), f"{owner}: {name}", bound))
 
@@ -101,10 +97,7 @@ def whole(value: Any) -> bool:
 
 
 def own_cells(cells: Any, h: Any, ends: tuple[float, float], what: str) -> int | None:
-    """Cells of a layer that says their number or their size h [m]; None where it says neither.
-
-    InputError for both, for what is neither, and as of cells_of.
-    """
+    """Cells of a layer that says their number or size h [m], or neither: None. InputError."""
     if cells is not None and h is not None:
         raise InputError(f"{what}: cells and h are given: expected one of them")
     if h is not None:
@@ -124,9 +117,7 @@ def cells_of(ends: tuple[float, float], h: float, what: str) -> int:
 
 
 def function(value: Any, what: str, form: str, *, optional: bool = False) -> None:
-    """InputError if a value is not callable, or None where that is allowed; form: as in
-    "initial(X) -> (rho, u, T)".
-    """
+    """InputError if a value is no function; form: as in "initial(X) -> (rho, u, T)"."""
     if not (callable(value) or (optional and value is None)):
         expected = f"a function {form}{' or None' if optional else ''}"
         raise InputError(f"{what} is {described(value)}: expected {expected}")

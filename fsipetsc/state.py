@@ -104,9 +104,7 @@ class State:
         return self
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        """Destroy it, unless this rank may be alone with an error: the others would not meet it
-        there.
-        """
+        """Destroy it, which is collective, unless this rank may be alone with an error."""
         together_here = isinstance(error, FsiError) and error.collective
         if error is None or self.comm.size == 1 or together_here:
             self.destroy()
@@ -126,9 +124,7 @@ def whole(comm: MPI.Comm, size: int, numbers: np.ndarray, values: np.ndarray) ->
 
 
 def crushed(where: str, stretch: float, push: float, K: float) -> str:
-    """What is said of a solid of this stretch, under a pressure of push [Pa]; "" if it is not
-    crushed.
-    """
+    """What is said of a solid of this stretch under a pressure of push [Pa]; "" if all is well."""
     pressed = f" under a pressure of {push / K:.3g} K, K = 2 mu_e + lambda_e" if K > 0.0 else ""
     said = f"the solid is crushed in {where}: its stretch is {stretch:.3g}{pressed}"
     helps = "; a stiffer solid or less pressure helps, shorter steps do not"

@@ -95,7 +95,6 @@ def test_channel(tmp_path):
         ("mine.py", 4, "mine.py: exists already"),
         ("link.py", 4, "link.py: exists already"),
         ("rod.py", 2, "'rod' is the name of a built-in case"),
-        ("numpy.py", 2, "a Python module, which this file would hide"),
         ("run.h5", 2, "expected one that ends in .py"),
         ("two.py -blocks -water", 2, "-blocks and -water are given: expected one of them"),
     ],

@@ -11,7 +11,7 @@ from fsipetsc.errors import FileError
 from fsipetsc.output import pieces, reader, writer
 from fsipetsc.output.file_layout import open_h5
 from fsipetsc.output.info import info
-from fsipetsc.output.lock import Lock
+from fsipetsc.output.writer import Lock
 
 
 def made(path, frames=12):

@@ -79,9 +79,7 @@ class Option:
         return self.checked(text.strip(), f"bad value {text[:80]!r} for -{self.name}")
 
     def checked(self, value: Any, said: str) -> Any:
-        """A text or a Python value as this option's type; InputError, which begins with ``said``,
-        if it is not allowed.
-        """
+        """A text or a Python value as this option's type. InputError that begins with ``said``."""
         try:
             found = _as_kind(str(self.kind), value)
         except (ValueError, TypeError, OverflowError):

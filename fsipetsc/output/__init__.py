@@ -1,5 +1,1 @@
-"""Result files: written in parallel (`writer`), opened anywhere (`reader`), described (`info`) and
-drawn (`plots`).
-
-`file_layout` says how a file is organised. Nothing is imported here: reading needs no PETSc or MPI.
-"""
+"""Result files are written in parallel, read with numpy and h5py alone, described and drawn."""

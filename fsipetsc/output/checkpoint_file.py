@@ -43,9 +43,7 @@ class Arrays(dict[str, Array]):
 
 
 def unpack(content: bytes, name: str) -> tuple[dict[str, Any], Arrays]:
-    """Header and arrays in a file's content; FileError with the name, if a byte is not as
-    written.
-    """
+    """Header and arrays in a file's content. FileError if a byte is not as written."""
     if not content.startswith(_MAGIC):
         raise FileError(f"{name}: is not a checkpoint of fsipetsc")
     head, body = content[:_HEAD], content[_HEAD:]
@@ -72,9 +70,7 @@ def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], Arrays]:
 
 
 def is_one(path: Path) -> bool:
-    """Whether there is a file that begins as a checkpoint does, whole or damaged. OSError where
-    that cannot be found out.
-    """
+    """Whether there is a file that begins as a checkpoint does, whole or damaged. OSError."""
     if not path.is_file():  # a pipe would wait for a writer
         return False
     with path.open("rb") as file:
@@ -96,20 +92,14 @@ def check_place(path: str | os.PathLike[str]) -> None:
 def write(
     path: str | os.PathLike[str], header: Mapping[str, Any], arrays: Mapping[str, Array]
 ) -> None:
-    """Make this the checkpoint of a name. CheckpointError: then what was there is unchanged.
-
-    header: as JSON has it.
-    """
+    """Make this the checkpoint of a name. CheckpointError: then what was there is unchanged."""
     target = Path(os.path.realpath(path))
     with in_memory() as (file, image):
         file["header"] = json.dumps(header)
         for name, array in arrays.items():
             file[f"arrays/{name}"] = array
     try:
-        check_place(path)  # something else may have come there meanwhile
         put(target, head_of(image.getvalue()) + image.getvalue())
-    except FileError as error:
-        raise CheckpointError(f"the checkpoint cannot be written: {error}") from None
     except OSError as error:
         kept = f"; the one before is kept in {target}" if target.is_file() else ""
         reason = error.strerror or error

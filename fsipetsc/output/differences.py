@@ -109,9 +109,8 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Co
 
 
 def _on_one_scale(found: list[Difference]) -> Iterator[Difference]:
-    """The same differences, with one scale for all that has one unit: a component of a vector that
-    is round-off, or a small loss of energy, is no scale of its own. Nor is a velocity that is
-    round-off of sqrt(p/rho), as of a gas at rest.
+    """The same differences, with one scale for all that has one unit: round-off is no scale of its
+    own, as a component of a vector, or the velocity of a gas at rest beside sqrt(p/rho).
     """
     scales: dict[tuple[str, str], float] = {}
     largest: dict[str, float] = {}
@@ -129,9 +128,7 @@ def _on_one_scale(found: list[Difference]) -> Iterator[Difference]:
 
 
 def _sort_of(name: str) -> tuple[str, str]:
-    """What has one scale: the layer and the unit of a field, or the unit of a series; the name, if
-    it is a time or has no known unit.
-    """
+    """Layer and unit, which have one scale; a time and what has no known unit have their own."""
     layer, _, field = name.rpartition(": ")
     unit = unit_of(field)
     return layer, field if unit in ("", "s") else unit
@@ -152,11 +149,7 @@ def difference(name: str, a: Array, b: Array, times: Array) -> Difference:
 
 def diff(first: str, second: str) -> str:
     """What the command prints. FileError."""
-    return table(compare(first, second))
-
-
-def table(comparison: Comparison) -> str:
-    """As the command `diff` prints it."""
+    comparison = compare(first, second)
     different = [found for found in comparison.differences if found.largest > 0.0]
     lines = [f"{'':30}{'largest':>12}{'relative':>12}{'ulp':>12}"] if different else []
     for found in different:
@@ -230,9 +223,8 @@ def summed(run: Run, name: str) -> Array:
 
 
 def common_nodes(a: Layer, b: Layer, notes: list[str]) -> tuple[list[Array], list[Array]] | None:
-    """For each axis of the arrays, which nodes of either layer are those of the other.
-
-    Another grid, and one without common nodes (None), are told in `notes`.
+    """For each axis of the arrays, which nodes of either layer are those of the other; None if none
+    are. `notes` tell so, and of another grid.
     """
     if a.shape == b.shape and _same(a.places, b.places, a):
         return [np.arange(n) for n in a.shape], [np.arange(n) for n in b.shape]

@@ -1,6 +1,6 @@
 """How the files of a result are organised, and how they are written and read.
 
-    NAME.parts/lock          held by the run that writes (see `lock`)
+    NAME.parts/lock          held by the run that writes (see `writer`)
     NAME.parts/header.json   what is known of the run: format, version, header, summary, errors
     NAME.parts/000001.h5 …   pieces: some consecutive frames and steps
     NAME.h5                  the finished result, a piece with all frames and steps
@@ -97,9 +97,7 @@ def write_whole(path: Path, content: bytes, room: int = 0) -> None:
 
 
 def put(path: Path, content: bytes) -> None:
-    """Write a file under another name and give it its own when it is whole. OSError: then what was
-    there is unchanged.
-    """
+    """Make this the content of a file. OSError: then what was there is unchanged."""
     draft = path.with_name(f".{path.name}.new")
     try:
         write_whole(draft, content)

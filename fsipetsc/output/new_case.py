@@ -2,12 +2,10 @@
 
 import re
 import shlex
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 
 from fsipetsc import cases
-from fsipetsc.blame import NEEDED
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.usage import PROGRAM
 
@@ -15,19 +13,16 @@ from fsipetsc.usage import PROGRAM
 def new(name: str, given: Mapping[str, str]) -> str:
     """Write the template of layers, or that of the option given, as the file `name`; how it is run.
 
-    InputError for a name that could not be run, or would hide something else, and for two options;
-    FileError where there is a file, which is left; OSError where none can be written.
+    InputError for a name that could not be run, and for two options; FileError where there is a
+    file, which is left; OSError where none can be written.
     """
     path, stem = Path(name), Path(name).stem
     if path.suffix != ".py":
         expected = "expected one that ends in .py, such as my_case.py"
         raise InputError(f"new: '{name}' is no name of a case file: {expected}")
-    taken = "a built-in case" if stem in cases.BUILT_IN else ""
-    if stem in (*sys.stdlib_module_names, "fsipetsc", *NEEDED):
-        taken = "a Python module, which this file would hide"
-    if taken:
+    if stem in cases.BUILT_IN:
         expected = f"expected another name, such as my_{stem}.py"
-        raise InputError(f"new: '{stem}' is the name of {taken}: {expected}")
+        raise InputError(f"new: '{stem}' is the name of a built-in case: {expected}")
     if len(given) > 1:
         raise InputError(f"new: {' and '.join(given)} are given: expected one of them")
     template = "".join(["template", *(option.replace("-", "_") for option in given), ".py"])

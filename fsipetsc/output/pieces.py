@@ -80,10 +80,7 @@ def read_about(path: Path, name: str = "") -> dict[str, Any]:
 
 
 def run_of(path: Path) -> str | None:
-    """The mark by which a result and its checkpoints know each other; None if there is none.
-
-    FileError if it cannot be read.
-    """
+    """The mark by which a result and its checkpoints know each other, if any. FileError."""
     if path.is_file() and not h5py.is_hdf5(path):
         return None
     with damage(str(path)):
@@ -126,9 +123,9 @@ class Contents:
         with open_h5(path) as file:
             if [*file.attrs.get("first", (0, 0))] != [self.nframes, self.rows]:
                 raise ValueError(f"what comes before {path.name} is missing")
-            time, (rows, series) = _numbers(file, "time", 1)[...], self._series(file)
+            time, (rows, series) = _numbers(file, "time", None)[...], self._series(file)
             for k in range(len(self.X)) if len(time) else ():
-                self._check_layer(file, k, len(time))
+                self._check_layer(file[f"layer{k}"], k, len(time))
         if series and series != (self.series or series):
             raise ValueError("its series do not fit together")
         self.series = self.series or series
@@ -138,54 +135,44 @@ class Contents:
 
     def _series(self, file: h5py.File) -> tuple[int, dict[str, tuple[int, ...]]]:
         """Number of steps; name of a series -> shape of what is known of a step, in their order."""
+        shapes: dict[str, tuple[int, ...]] = {}
         if "series" not in file:
-            return 0, {}
-        # a list: HDF5, asked for the names, crashes where a byte of a larger group has changed
+            return 0, shapes
         group = file["series"]
-        names = [name.decode() for name in group.attrs.get(_NAMES, ())] or [*group]
-        shapes = {name: _numbers(file, f"series/{name}").shape for name in names}
-        if not {"t", "dt"} <= {*shapes} or len({rows for rows, *_ in shapes.values()}) != 1:
-            raise ValueError("its series do not fit together")
-        for name, (_, *shape) in shapes.items():
-            of = layout.columns_kind(name)
-            if shape != ([self._widths[of]] if of in self._widths else []):
-                raise ValueError(f"series/{name} has the shape {shapes[name]}")
-        t, dt = file["series/t"][...], file["series/dt"][...]
-        if not np.isfinite(t).all() or np.any(np.diff(t, prepend=self._last) < 0):
+        t, dt = (_numbers(group, name, None)[...] for name in ("t", "dt"))
+        # a list: HDF5, asked for the names, crashes where a byte of a larger group has changed
+        for name in [name.decode() for name in group.attrs.get(_NAMES, ())] or [*group]:
+            width = self._widths.get(layout.columns_kind(name))
+            shapes[name] = () if width is None else (width,)
+            _numbers(group, name, len(t), *shapes[name])
+        if not np.all(np.diff(t, prepend=self._last) >= 0) or not np.all(dt >= 0):
             raise ValueError("the times of its steps are not ascending numbers")
-        if not np.isfinite(dt).all() or not np.all(dt >= 0):
-            raise ValueError("the lengths of its steps are not positive numbers")
         self._last = float(t[-1]) if len(t) else self._last
-        return len(t), {name: shape[1:] for name, shape in shapes.items()}
+        return len(t), shapes
 
-    def _check_layer(self, file: h5py.File, k: int, count: int) -> None:
+    def _check_layer(self, group: h5py.Group, k: int, count: int) -> None:
         """Layer k has its grid, and as many frames as it should, of this size."""
-        group, names, shape = f"layer{k}", self._columns[k], self._shapes[k]
+        names, shape = self._columns[k], self._shapes[k]
         if not len(self.X[k]):
-            X: Array = _numbers(file, f"{group}/X")[...]
-            fits = X.shape in ((math.prod(shape), len(shape)), shape)
-            rises = len(shape) > 1 or np.all(np.diff(X.ravel()) > 0)
-            if not len(X) or not np.isfinite(X).all() or not fits or not rises:
-                raise ValueError(f"the grid in {group} is not ascending numbers")
-            self.X[k] = X
+            size = shape if len(group["X"].shape) == 1 else (math.prod(shape), len(shape))
+            self.X[k] = X = _numbers(group, "X", *size)[...]
+            if not np.isfinite(X).all() or (len(shape) == 1 and np.any(np.diff(X, axis=0) <= 0)):
+                raise ValueError(f"the grid in layer{k} is not ascending numbers")
         wanted = dict.fromkeys(names, (count, *shape))
-        if "frames" in file[group]:
+        if "frames" in group:
             wanted = {"frames": (len(self.X[k]), count * len(names))}
-        for name, expected in wanted.items():
-            if (found := _numbers(file, f"{group}/{name}").shape) != expected:
-                raise ValueError(f"{group}/{name} has the shape {found}")
+        for name, size in wanted.items():
+            _numbers(group, name, *size)
 
     def copy_series(self, into: Mapping[str, Any], rows: int) -> None:
-        """Put the first rows of series into these arrays or datasets, file by file. FileError."""
+        """Put the first rows of series into these arrays or datasets, file by file."""
         begin = 0
         for path, _, count in self._counts:
             end = min(begin + count, rows)
             if begin < end:
                 with open_h5(path) as file:
                     for name in into:
-                        with damage(str(path)):
-                            values = file[f"series/{name}"][: end - begin]
-                        into[name][begin:end] = values
+                        into[name][begin:end] = file[f"series/{name}"][: end - begin]
             begin = end
 
     def frames(self, k: int, names: Sequence[str], first: int, end: int) -> list[Array]:
@@ -211,13 +198,12 @@ class Contents:
         return [table[..., self._columns[k].index(name)].T for name in names]
 
 
-def _numbers(file: h5py.File, name: str, ndim: int | None = None) -> h5py.Dataset:
-    """A dataset of numbers."""
-    found = file[name]
-    if not isinstance(found, h5py.Dataset) or found.dtype.kind not in "iuf" or not found.ndim:
-        raise ValueError(f"{name} is no array of numbers")
-    if found.ndim != (ndim or found.ndim):
-        raise ValueError(f"{name} has {found.ndim} dimensions")
+def _numbers(group: h5py.Group, name: str, *shape: int | None) -> h5py.Dataset:
+    """A dataset of numbers of this shape, in which None is any length. ValueError."""
+    found = group[name]
+    fits = all(n in (None, m) for n, m in zip(shape, found.shape))
+    if found.dtype.kind not in "iuf" or len(shape) != found.ndim or not fits:
+        raise ValueError(f"{name} has the shape {found.shape} and the type {found.dtype}")
     return found
 
 

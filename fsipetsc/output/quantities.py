@@ -8,25 +8,11 @@ import numpy as np
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
 from fsipetsc.output.reader import Run
-from fsipetsc.output.units import unit_of, written
+from fsipetsc.output.units import FIELDS, unit_of, written
 from fsipetsc.scheme.observables import GAIN, SERIES
 
 #: series of what a step brought, not of what there is after it
 GAINS = [name for name, one in SERIES.items() if one.kind == GAIN]
-#: what can be drawn -> label
-_LABELS = {
-    **{name: f"velocity {name}" for name in "uvw"},
-    "T": "temperature T",
-    "p": "pressure p",
-    "rho": "density ρ",
-    "schlieren": "schlieren, √|∇ρ|",
-    "sigma": "stress σ",
-    "sigma_theta": "hoop stress σ_θ",
-    "strain": "strain ∂x/∂X − 1",
-    **{f"s_{xy}": f"stress σ_{xy}" for xy in ("xx", "yy", "zz", "xy", "yz", "xz")},
-}
-
-
 #: fields of blocks whose mean is drawn beside the pressure
 _NORMAL = "s_xx", "s_yy", "s_zz", "sigma_theta"
 
@@ -86,8 +72,10 @@ def there(run: Run) -> list[Quantity]:
     """What can be drawn of this run."""
     stored = {layer.kind: {*layer.fields} for layer in run.layers}
     found = []
-    for name, label in _LABELS.items():
-        labels = {kind: label for kind in ("fluid", "solid") if name in stored.get(kind, ())}
+    for name, (label, _) in FIELDS.items():
+        labels = {
+            kind: label for kind in ("fluid", "solid") if label and name in stored.get(kind, ())
+        }
         if name == "schlieren" and run.dimension > 1 and "fluid" in stored:
             labels["fluid"] = label
         if "solid" in stored and name == "p":

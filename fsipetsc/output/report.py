@@ -25,10 +25,7 @@ _FIRST = "summary", "errors"  # endings of the titles of tables that come first
 
 
 def report(path: str, given: Mapping[str, str]) -> Path:
-    """Write NAME.html, in the folder of -o if it is given; its path.
-
-    Raises FileError if the result cannot be read or the page cannot be written.
-    """
+    """Write NAME.html, in the folder of -o if it is given; its path. FileError."""
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 

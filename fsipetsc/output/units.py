@@ -1,20 +1,29 @@
-"""Units of what is stored and recorded."""
+"""Units of what is stored and recorded, and labels of fields."""
 
 from typing import Any, Protocol
 
 from fsipetsc.scheme.observables import GAIN, INTEGRAL, SERIES
 
-#: unit -> fields that have it
-_FIELDS = {
-    "1": "J",
-    "K": "T",
-    "Pa": "p sigma sigma_theta s_xx s_xy s_yy s_xz s_yz s_zz",
-    "kg m-3": "rho",
-    "kg½ m-2": "schlieren",
-    "m": "x y z",
-    "m s-1": "u v w",
+#: fields -> their label, "" where they are not drawn, and unit; *: their name or axes
+_TABLE = {
+    "u v w": ("velocity *", "m s-1"),
+    "T": ("temperature T", "K"),
+    "p": ("pressure p", "Pa"),
+    "rho": ("density ρ", "kg m-3"),
+    "schlieren": ("schlieren, √|∇ρ|", "kg½ m-2"),
+    "sigma": ("stress σ", "Pa"),
+    "sigma_theta": ("hoop stress σ_θ", "Pa"),
+    "strain": ("strain ∂x/∂X − 1", ""),
+    "s_xx s_yy s_zz s_xy s_yz s_xz": ("stress σ_*", "Pa"),
+    "J": ("", "1"),
+    "x y z": ("", "m"),
 }
-_UNITS = {name: unit for unit, names in _FIELDS.items() for name in names.split()}
+#: field -> (label, unit)
+FIELDS = {
+    name: (label.replace("*", name.removeprefix("s_")), unit)
+    for names, (label, unit) in _TABLE.items()
+    for name in names.split()
+}
 
 
 class Described(Protocol):
@@ -30,7 +39,7 @@ def unit_of(name: str, run: Described | None = None) -> str:
     Those of integrals are per area in one dimension, and so on, where the run is given.
     """
     one = SERIES.get(name)
-    unit = one.unit if one else _UNITS.get(name, "")
+    unit = one.unit if one else FIELDS.get(name, ("", ""))[1]
     if run is not None and not is_si(run):
         return unit and "1"
     if run is not None and one and one.kind in (INTEGRAL, GAIN):

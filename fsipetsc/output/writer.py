@@ -5,6 +5,8 @@ Frames and steps are kept in memory and written many at a time, for a write cost
 hundreds of time steps.
 """
 
+import fcntl
+import itertools
 import json
 import os
 import time
@@ -18,12 +20,12 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from fsipetsc.blame import reason
 from fsipetsc.errors import FileError, FsiError, petsc_words
 from fsipetsc.output import pieces, xdmf
 from fsipetsc.output.file_layout import beside, check_folder, columns, put
-from fsipetsc.output.lock import Lock, set_aside
 from fsipetsc.output.pieces import Kept
-from fsipetsc.process.together import agree
+from fsipetsc.process.together import together
 
 Array = np.ndarray[Any, Any]
 Result = TypeVar("Result")
@@ -86,10 +88,8 @@ class RunWriter:
     # ------------------------------------------------------------------ what the solver calls
 
     def write_frame(self, t: float, fields: Mapping[int, Array]) -> None:
-        """Save the fields at time t. Collective.
-
-        fields: number of a layer -> (local, columns) of the points of this rank, with the columns
-        of `file_layout`, NaN outside the active part; layers without points may be left out.
+        """Save the fields at time t: of layers, by number, (local, columns) of the points of this
+        rank, if it has some. NaN outside the active part. Collective.
         """
         none = [np.empty((0, width)) for width in self._widths]
         self._frames.append([np.array(fields.get(k, none[k]), float) for k in range(len(none))])
@@ -129,9 +129,8 @@ class RunWriter:
     def finish(
         self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None = None, join: bool = True
     ) -> None:
-        """Write the rest, the summary and, if known, the errors of the solution. Collective.
-
-        join: the pieces into one file, which takes as long as it is large.
+        """Write the rest, the summary and, if known, the errors of the solution; join the pieces
+        into one file, which takes as long as it is large. Collective.
         """
         self.flush()
         self._about |= {"summary": _plain(summary), "errors": _plain(errors or {})}
@@ -153,39 +152,36 @@ class RunWriter:
         """The value of `action` on rank 0, for all ranks; its failure too. Collective."""
         return self._comm.bcast(self._together(lambda: action() if self._root else None))
 
-    def _together(self, action: Callable[[], Result]) -> Result | None:
+    def _together(self, action: Callable[[], Result]) -> Result:
         """Run `action` on all ranks; if it fails on one, raise on all. Collective."""
-        value, fault = None, None
+
+        def explained() -> Result:
+            try:
+                return action()
+            except FileError:
+                raise
+            except Exception as error:
+                words = petsc_words(error) if hasattr(error, "ierr") else reason(error)
+                words = getattr(error, "strerror", None) or words
+                before = f"; what was written before is in {self.folder}" * (self._number > 1)
+                raise FileError(f"{self.path}: cannot write: {words}{before}") from error
+
         try:
-            value = action()
-        except Exception as error:
-            fault = FileError(self._explain(error))
-        try:
-            agree(self._comm, fault)
+            return together(self._comm, explained)
         except FsiError:
             if self._root:
                 with suppress(OSError):
                     self._draft.unlink()
             self.close()
             raise
-        return value
-
-    def _explain(self, error: Exception) -> str:
-        if isinstance(error, FileError):
-            return str(error)
-        words = petsc_words(error) if hasattr(error, "ierr") else getattr(error, "strerror", None)
-        reason = words or " ".join(str(error).split()) or type(error).__name__
-        said = f"{self.path}: cannot write: {reason}"
-        return f"{said}; what was written before is in {self.folder}" if self._number > 1 else said
 
     # ------------------------------------------------------------------ the files, on rank 0
 
     def _begin(
         self, path: str, after: Kept | None, checkpoint: Path | None
     ) -> tuple[int, int, int]:
-        """Make the folder with its header, or go on with what is kept.
-
-        Returns the frames, the rows of the series, and the number of the next piece.
+        """Make the folder with its header, or go on with what is kept; the frames, the rows of the
+        series, and the number of the next piece.
         """
         check_folder(path)
         if os.path.lexists(self.path) and not self.path.is_file():  # a device keeps its name
@@ -209,14 +205,11 @@ class RunWriter:
                 self._lock.release()
                 self._lock = Lock(self.folder, str(self.path))
         pieces.clear(self.folder)
-        self._write_header()
+        put(self.folder / "header.json", pieces.text_of(self._about))
         if not goes_on:
             return 0, 0, 1
         os.replace(self.path, pieces.file_of(self.folder, 1))
         return after.frames, after.rows, 2
-
-    def _write_header(self) -> None:
-        put(self.folder / "header.json", pieces.text_of(self._about))
 
     def _join(self, files: Sequence[Path], kept: Kept | None = None) -> None:
         """Make one file of some, or of what is kept of them, and give it the name."""
@@ -266,12 +259,12 @@ class RunWriter:
 
     def _conclude(self, join: bool) -> None:
         """Write the header with the summary, and make one file of the pieces."""
-        self._write_header()
+        put(self.folder / "header.json", pieces.text_of(self._about))
         if join:
             self._join(pieces.pieces(self.folder))
             pieces.clear(self.folder)
-        if join and self._about["header"].get("dimension", 1) > 1:
-            xdmf.write(self.path)
+            if self._about["header"].get("dimension", 1) > 1:
+                xdmf.write(self.path)
 
 
 def view(comm: MPI.Comm, viewer: PETSc.Viewer, name: str, local: Array) -> None:
@@ -293,3 +286,60 @@ def view(comm: MPI.Comm, viewer: PETSc.Viewer, name: str, local: Array) -> None:
 def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
     """The data as JSON can say it."""
     return json.loads(json.dumps(data, default=lambda v: getattr(v, "tolist", v.__str__)()))
+
+
+class Lock:
+    """The right to write in a folder, which is made if need be, until `release`. The system takes
+    it back when the program ends in whatever way; a file system without locks gives it to all.
+
+    FileError if another run has it; OSError where no folder can be made.
+    """
+
+    def __init__(self, folder: Path, what: str) -> None:
+        self.path, self._descriptor = folder / "lock", -1
+        while not self._is_there():  # else the run that had it has just removed the folder
+            self.release()
+            folder.mkdir(exist_ok=True)
+            with suppress(FileNotFoundError):
+                self._descriptor = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o666)
+                self._take(what)
+
+    def _take(self, what: str) -> None:
+        try:
+            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            said = "another run is writing it; give this one a name of its own with -fsi_output"
+            raise FileError(f"{what}: {said}") from None
+        except OSError:  # no locks here
+            pass
+
+    def _is_there(self) -> bool:
+        """Whether it is taken, and the file still has its name."""
+        with suppress(OSError):
+            return os.path.samestat(os.fstat(self._descriptor), os.stat(self.path))
+        return False
+
+    def release(self, remove: bool = False) -> None:
+        """Let other runs have the name. remove: the folder, if nothing else is in it."""
+        if remove and self._is_there():
+            with suppress(OSError):
+                self.path.unlink()
+                self.path.parent.rmdir()
+        if self._descriptor >= 0:
+            os.close(self._descriptor)
+        self._descriptor = -1
+
+    __del__ = release  # whatever becomes of the run
+
+
+def set_aside(file: Path) -> Path:
+    """Give NAME.h5 or NAME.parts the first number that no result has, as NAME.1.h5 or NAME.1.parts,
+    which it returns. OSError.
+    """
+    ending = file.suffix if file.suffix in (".h5", ".parts") else ""
+    stem = file.name.removesuffix(ending)
+    for k in itertools.count(1):
+        names = [file.with_name(f"{stem}.{k}{last}") for last in ("", ".h5", ".parts")]
+        if not any(map(os.path.lexists, names)):
+            break
+    return file.rename(file.with_name(f"{stem}.{k}{ending}"))

@@ -19,8 +19,10 @@ from fsipetsc.scheme.observables import INTEGRAL, SERIES
 from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP, shares
 from fsipetsc.state import FAULT, State
 from fsipetsc.stepping import failures
-from fsipetsc.stepping.signals import CHECKPOINT
 
+#: what a rank says of STOP that wants a checkpoint, below the numbers of signals. What ranks say
+#: goes round after a step anyway and the largest word counts, so a signal may come to any rank
+CHECKPOINT = 0.5
 #: the value of -ts_type that stands for the project's own method
 FUSED = "fused"
 #: flags and limits of all ranks end here
@@ -41,9 +43,7 @@ def saved_times(
     t_end: float, interval: float | None, times: Sequence[float] | None, unit: str = " s"
 ) -> list[float]:
     """Times [s] in [0, t_end] at which profiles are saved: every ``interval``, at ``times``, at the
-    end.
-
-    InputError for times beyond the end and for more than MOST; unit: what comes after a time.
+    end. InputError for times beyond the end and for more than MOST.
     """
     saved = set(times or ())
     if max(saved, default=0.0) > t_end:
@@ -145,10 +145,7 @@ class Integrator:
         return {**kept, "wall_time": wall_time, "evaluations": self.state.evaluations}
 
     def resume(self, memory: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
-        """Be where ``memory`` and ``state.capture()`` told of: then the same steps follow.
-
-        InputError where the state does not fit.
-        """
+        """Be where ``memory`` and ``state.capture()`` told of. InputError if it does not fit."""
         state = self.state
         for name in KEPT:
             setattr(self, name, memory[name])
@@ -157,9 +154,8 @@ class Integrator:
         self._pass(self.t)
 
     def take_series(self) -> np.ndarray:
-        """The records of steps since the last time, on rank 0 with sums over ranks.
-
-        Not copied: once they are taken, the next steps overwrite them.
+        """The records of steps since the last time, on rank 0 with sums over ranks; not copied: the
+        next steps overwrite them.
         """
         comm, steps, self._recorded = self.state.comm, self.state.journal[: self._recorded], 0
         if comm.size > 1 and len(steps):
@@ -171,9 +167,7 @@ class Integrator:
         return steps
 
     def run(self) -> None:
-        """Integrate to the end, a signal, or a failure, which is raised with the series
-        complete.
-        """
+        """Integrate to the end, a signal, or a failure, which is raised."""
         self._begun = time.perf_counter()
         try:
             if not self._ended:
@@ -228,9 +222,7 @@ class Integrator:
     # what TS calls
 
     def step(self, ts: PETSc.TS) -> None:
-        """A step, as a TS of type python asks for it: the classical Runge-Kutta method, in compiled
-        code, and the further ones of its batch, which are one step for TS.
-        """
+        """What a TS of type python asks for: a batch of steps, which are one for it."""
         t, dt = ts.getTime(), ts.getTimeStep()
         self.state.step(t, dt, self._steady)
         self.state.solution.stateIncrease()

@@ -74,9 +74,7 @@ class Ledgers:
 
     @property
     def lost(self) -> float:
-        """Share of their largest kinetic and elastic energy that solids have lost to the steps; 0
-        where they never had more than a part ROUND_OFF of all energy.
-        """
+        """Share of their largest kinetic and elastic energy that solids have lost to the steps."""
         summed, of_solids, of_all = self.energies
         return summed / of_solids if of_solids > ROUND_OFF * of_all else 0.0
 

@@ -160,7 +160,7 @@ def check_place(
     """A checkpoint at this name that is not the one the run goes on from, if there is one; on
     rank 0. InputError or FileError where no checkpoint can be written. Collective.
     """
-    there, names = Path(os.path.realpath(path)), ("fsi_checkpoint_steps", "fsi_checkpoint_wall")
+    there = Path(os.path.realpath(path))
 
     def check() -> Path | None:
         if str(there) == os.path.realpath(opt["fsi_output"]):
@@ -168,13 +168,9 @@ def check_place(
             raise InputError(f"-fsi_checkpoint {path}: {what}")
         if comm.rank > 0:
             return None
-        if any(opt[name] for name in ("fsi_checkpoint", *names)):
-            checkpoint_file.check_place(path)
-        try:
-            goes_on = past is not None and there.is_file() and there.samefile(past.path)
-            return there if not goes_on and checkpoint_file.is_one(there) else None
-        except OSError as error:
-            raise FileError(f"{path}: cannot be read: {error.strerror}") from None
+        checkpoint_file.check_place(path)
+        goes_on = past is not None and there.is_file() and there.samefile(past.path)
+        return there if not goes_on and checkpoint_file.is_one(there) else None
 
     return together(comm, check)
 
@@ -182,9 +178,8 @@ def check_place(
 def write_checkpoint(
     state: State, path: str, name: str, opt: Mapping[str, Any], more: Mapping[str, Any]
 ) -> None:
-    """Write a checkpoint of the state as it is. Collective. CheckpointError.
-
-    name: of the case; opt: options in force; more: entries of the header.
+    """Write a checkpoint of the state as it is; more: entries of the header. Collective.
+    CheckpointError.
     """
     arrays = state.capture()
     header = {"case": name, "options": dict(opt), "problem": described(state.problem)}

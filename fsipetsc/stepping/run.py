@@ -2,9 +2,10 @@
 
 import datetime
 import signal
+import threading
 import uuid
-from collections.abc import Mapping
-from contextlib import AbstractContextManager, closing, nullcontext, suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, closing, contextmanager, nullcontext, suppress
 from typing import Any
 
 import numpy as np
@@ -25,12 +26,11 @@ from fsipetsc.stepping.integrator import Integrator, saved_times
 from fsipetsc.stepping.ledgers import Ledgers
 from fsipetsc.stepping.progress import Reporter, bound_of_step
 from fsipetsc.stepping.restart import Past
-from fsipetsc.stepping.signals import signals_noted
 from fsipetsc.stepping.solve import build_problem, make_state
 
 SET_UP, LOOP, OUTPUT = "set-up", "time loop", "output"
-
-
+#: what ends a run in order
+STOPPING = signal.SIGTERM, signal.SIGINT, signal.SIGHUP
 #: before the place of what a run that failed has computed
 REMAINS = "; what was computed before is in "
 
@@ -38,6 +38,33 @@ REMAINS = "; what was computed before is in "
 def stage(name: str) -> AbstractContextManager[Any]:
     """What is done within belongs to a stage of -log_view; one within another interrupts it."""
     return PETSc.Log.Stage(name) if PETSc.Log.isActive() else nullcontext()
+
+
+@contextmanager
+def signals_noted(heed: Callable[[int], object]) -> Iterator[None]:
+    """SIGTERM, SIGINT and SIGHUP let the current batch of steps end; all ranks stop together.
+
+    heed: gets the number of a signal. One that comes before the first step is answered after it;
+    one after the last step is not answered. A second SIGINT ends at once. A signal that is ignored
+    stays so, as SIGHUP under nohup.
+    """
+
+    def note(number: int, frame: object) -> None:
+        heed(number)
+        if number == signal.SIGINT:
+            signal.signal(number, signal.SIG_DFL)
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    heeded = [n for n in STOPPING if signal.getsignal(n) is not signal.SIG_IGN]
+    earlier = {number: signal.signal(number, note) for number in heeded}
+    try:
+        yield
+    finally:
+        for number, handler in earlier.items():
+            if signal.getsignal(number) is note:
+                signal.signal(number, handler)
 
 
 def run_given(
@@ -180,9 +207,7 @@ class _Run:
         self._check()
 
     def _take(self) -> np.ndarray:
-        """Hand over the records of the steps made since the last time, of which the ledgers learn.
-        Collective.
-        """
+        """The records of the steps since the last time, of which the ledgers learn. Collective."""
         steps = self.integrator.take_series()
         if self.comm.rank == 0:
             self.ledgers.add(steps)
@@ -289,14 +314,6 @@ class _Run:
         if status == "done" and not integrator.complete:
             end = f"-ts_max_time {self.opt['ts_max_time']:g}{self.unit}"
             message = f"ended by -ts_max_steps at t = {integrator.t:g}{self.unit}, before {end}"
-        if (
-            status == "done"
-            and self.past
-            and integrator.steps == self.past.header["memory"]["steps"]
-        ):
-            name = "ts_max_time" if integrator.complete else "ts_max_steps"
-            reached = f"{self.past.path} has reached -{name} {self.opt[name]:g} already"
-            message = f"no step was made: {reached}, which counts from the beginning of the run"
         return {
             "status": status,
             "message": message,

@@ -75,9 +75,7 @@ def make_state(
 
 
 def block_form(opt: Mapping[str, Any]) -> BlockForm:
-    """The form of the equations of blocks that is asked for. InputError for a method that these
-    do not have.
-    """
+    """The form of the equations of blocks that is asked for. InputError for another method."""
     coupling, mapping = ("conservative",), ("auto", "stretched")
     there = {"fsi_coupling": coupling, "fsi_mapping": mapping, "fsi_viscous": ("wide",)}
     for name, wanted in there.items():

@@ -146,9 +146,7 @@ class View:
         return pictures
 
     def _outline(self, axes: Axes, solids: list[list[Array]]) -> None:
-        """The edges of solids, those between two blocks thin, and a fine grid, which shows how they
-        are deformed.
-        """
+        """The edges of solids, those between two blocks thin, and a fine grid, which deforms."""
         edges = [[v.take(end, k) for v in of] for of, (k, end) in product(solids, SIDES)]
         places = [frozenset(zip(*edge)) for edge in edges]
         for edge, place in zip(edges, places):
@@ -251,10 +249,8 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
 
 
 def without_gaps(layer: Layer, values: Array) -> tuple[Array, Array]:
-    """Positions and values at all points; those that are no part of a layer get the nearest value.
-
-    The gases of the paper's method gain and lose points at their ends; maps need a place for all.
-    Where no value of a frame is known, none is drawn.
+    """Positions and values at all points, for maps need a place for all: points in reserve, of the
+    gases of the paper's method, get the nearest value. Where no value is known, none is drawn.
     """
     x, values, index = layer.x.copy(), values.copy(), np.arange(len(layer.X))
     for row in np.flatnonzero(~np.isfinite(x + values).all(axis=1)):

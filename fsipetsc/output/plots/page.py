@@ -32,9 +32,7 @@ Drawing = tuple[float, Callable[[FigureBase], None]]
 
 def plot(path: str, given: Mapping[str, str]) -> str:
     """Do what the options ask for (fsipetsc.cli); the files that have been written, a line each.
-
-    Raises FileError if the result cannot be read or a file cannot be written, InputError for
-    options that cannot be followed.
+    FileError; InputError for options that cannot be followed.
     """
     from matplotlib import rc_context
     from matplotlib.animation import FFMpegWriter
@@ -75,9 +73,7 @@ def plot(path: str, given: Mapping[str, str]) -> str:
 
 
 def pictures(run: Run, wanted: Wanted = USUAL) -> dict[str, Callable[[Figure], None]]:
-    """Name -> drawing function of each picture that this run has the data for, of the fields that
-    are wanted, if some are.
-    """
+    """Name -> drawing function of each picture that this run has the data for."""
     found: dict[str, tuple[str, Drawing]] = {}
     quantities = chosen(run, wanted.fields)
     if run.nframes:
@@ -98,9 +94,7 @@ def pictures(run: Run, wanted: Wanted = USUAL) -> dict[str, Callable[[Figure], N
 
 
 def page(figure: Figure, run: Run, wanted: Wanted = USUAL) -> None:
-    """Fields over space and time, below them probes, interfaces, energy, departures and steps.
-    InputError for a field that there is not.
-    """
+    """Fields over space and time, below them probes, interfaces, energy, departures and steps."""
     quantities, drawings = chosen(run, wanted.fields), []
     if run.dimension == 1 and not wanted.times and run.nframes >= LEAST_FRAMES:
         drawings.append(_over_time(run, quantities))
@@ -147,11 +141,7 @@ def _curves(run: Run, panels: list[series.Panel], columns: int = 3) -> Drawing:
 
 
 def animate(run: Run, targets: Sequence[Path], wanted: Wanted = USUAL) -> None:
-    """Draw a result as a film, into files that end with .gif or .mp4.
-
-    FileError if a film cannot be written, InputError for a result of less than two frames, and for
-    a field that there is not.
-    """
+    """Draw a result as a film, into files that end with .gif or .mp4. FileError, InputError."""
     from matplotlib.animation import FFMpegWriter, PillowWriter
     from matplotlib.figure import Figure
 

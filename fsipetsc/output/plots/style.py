@@ -136,10 +136,7 @@ def panels(figure: FigureBase, count: int, columns: int, **more: Any) -> Array:
 
 
 def label_y(axes: Axes, text: str) -> None:
-    """The label of a vertical axis, broken so that its lines fit the height of a low panel.
-
-    The axis's power of ten stays off legends and titles.
-    """
+    """The label of a vertical axis, in lines that fit a low panel; its power of ten at the left."""
     name, bracket, unit = text.partition("[")
     whole = name + bracket + unit.replace(" ", "\u00a0")  # no line ends within a unit
     lines = [textwrap.fill(line, WIDEST, break_long_words=False) for line in whole.split("\n")]
