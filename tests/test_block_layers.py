@@ -1,5 +1,6 @@
 """Blocks of flat layers: what meets, what stands at the other faces; cases of one dimension."""
 
+
 import numpy as np
 import pytest
 from block_ledgers import Steps
