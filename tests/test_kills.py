@@ -60,14 +60,14 @@ KILLS = [
     (3, ["fill", 2, 2, signal.SIGKILL]),
     (2, ["piece", 3, 0, -signal.SIGKILL]),
     (2, ["begin", 1, 0, signal.SIGTERM]),
-    (1, ["clear", 1, 0, signal.SIGKILL]),  # of what is kept there is a copy
-    (1, ["join", 2, 0, signal.SIGKILL]),
-    (2, ["clear", 2, 0, signal.SIGKILL]),
+    (1, ["join", 1, 0, signal.SIGKILL]),
+    (2, ["clear", 1, 0, signal.SIGKILL]),  # at the end
+    (1, ["clear", 1, 0, signal.SIGKILL]),  # at the beginning: of what was left there
 ]
 
 
 #: of two dimensions: pieces in the making, and the one file; other places are no different
-IN_PLANE = KILLS[3], KILLS[4], KILLS[7]
+IN_PLANE = KILLS[3], KILLS[4], KILLS[6]
 
 
 @pytest.mark.parametrize(("case", "kills"), [("rod", KILLS), ("blast", IN_PLANE)])

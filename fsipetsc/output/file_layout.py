@@ -8,7 +8,8 @@
 A piece has
 
     about            the text of header.json; in NAME.h5 only
-    attribute first  numbers of its first frame and step; none in NAME.h5
+    attribute first  numbers of its first frame and step; none in NAME.h5. What pieces before have
+                     from there on, a restart has given up
     time             (k,) times of the frames [s]
     series/NAME      (m, …) a row for each step
     layer0/X         (n,) Lagrangian grid; of blocks (n, d), places of nodes in the reference map,

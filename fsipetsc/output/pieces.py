@@ -87,6 +87,19 @@ def run_of(path: Path) -> str | None:
         return read_about(path)["header"].get("run")
 
 
+def check_kept(files: Sequence[Path], header: Mapping[str, Any], kept: Kept, name: Path) -> None:
+    """FileError if a result is not what a checkpoint goes on from."""
+    with damage(str(name)):
+        content = Contents(files, header)
+    found = f"{content.nframes} frames and {content.rows} steps, not {kept.frames} and {kept.rows}"
+    if content.nframes >= kept.frames and content.rows >= kept.rows:
+        t = content.t[kept.rows - 1] if kept.rows else kept.t  # before all steps any result fits
+        if t == kept.t:
+            return
+        found = f"its step {kept.rows} ends at t = {t:.17g}, not {kept.t:.17g}"
+    raise FileError(f"{name} is not what the checkpoint goes on from: {found}")
+
+
 # what the pieces hold
 
 
@@ -95,7 +108,7 @@ class Contents:
     ValueError, which says what is not as it should be; OSError.
 
     header         of the result
-    time           (nframes,)
+    time, t        times of the frames, times after the steps
     nframes, rows  numbers of frames and of steps
     series         name -> shape of what is known of a step
     X              of each layer its grid; empty where there are no frames
@@ -104,9 +117,8 @@ class Contents:
     def __init__(self, files: Sequence[Path], header: Mapping[str, Any]) -> None:
         layers: Layers = header["layers"]
         self.nframes = self.rows = 0
-        self._last = -math.inf  # time [s] after the last step
         self._widths = {name: len(of) for name, of in layout.columns_of(header).items()}
-        self.time: Array = np.empty(0)
+        self.time, self.t = np.empty(0), np.empty(0)
         self.X = [np.empty(0) for _ in layers]
         self._columns = [columns(layer) for layer in layers]
         self._shapes = [tuple(layer["shape"]) for layer in layers]
@@ -114,30 +126,39 @@ class Contents:
         self._counts: list[tuple[Path, int, int]] = []  # of frames and steps in each file
         for path in files:
             self._add(path)
-        times = np.concatenate([[-np.finfo(float).tiny], self.time])
-        if not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0):
+        if not np.all(np.diff(self.time, prepend=-np.finfo(float).tiny) > 0):
             raise ValueError("the times of its frames are not ascending numbers")
 
     def _add(self, path: Path) -> None:
         """Note what a file holds."""
         with open_h5(path) as file:
-            if [*file.attrs.get("first", (0, 0))] != [self.nframes, self.rows]:
+            frames, rows = map(int, file.attrs.get("first", (0, 0)))
+            if frames > self.nframes or rows > self.rows:
                 raise ValueError(f"what comes before {path.name} is missing")
-            time, (rows, series) = _numbers(file, "time", None)[...], self._series(file)
+            self._give_up(frames, rows)
+            time, (t, series) = _numbers(file, "time", None)[...], self._series(file)
             for k in range(len(self.X)) if len(time) else ():
                 self._check_layer(file[f"layer{k}"], k, len(time))
         if series and series != (self.series or series):
             raise ValueError("its series do not fit together")
         self.series = self.series or series
-        self._counts.append((path, len(time), rows))
-        self.time = np.concatenate([self.time, time])
-        self.nframes, self.rows = len(self.time), self.rows + rows
+        self._counts.append((path, len(time), len(t)))
+        self.time, self.t = np.concatenate([self.time, time]), np.concatenate([self.t, t])
+        self.nframes, self.rows = len(self.time), len(self.t)
 
-    def _series(self, file: h5py.File) -> tuple[int, dict[str, tuple[int, ...]]]:
-        """Number of steps; name of a series -> shape of what is known of a step, in their order."""
+    def _give_up(self, frames: int, rows: int) -> None:
+        """Keep so many: a restart has computed again what came after them."""
+        self.time, self.t = self.time[:frames], self.t[:rows]
+        before, self._counts = self._counts, []
+        for path, n, m in before:
+            self._counts.append((path, min(n, frames), min(m, rows)))
+            frames, rows = frames - self._counts[-1][1], rows - self._counts[-1][2]
+
+    def _series(self, file: h5py.File) -> tuple[Array, dict[str, tuple[int, ...]]]:
+        """Times of steps; name of a series -> shape of what is known of a step, in their order."""
         shapes: dict[str, tuple[int, ...]] = {}
         if "series" not in file:
-            return 0, shapes
+            return np.empty(0), shapes
         group = file["series"]
         t, dt = (_numbers(group, name, None)[...] for name in ("t", "dt"))
         # a list: HDF5, asked for the names, crashes where a byte of a larger group has changed
@@ -145,10 +166,9 @@ class Contents:
             width = self._widths.get(layout.columns_kind(name))
             shapes[name] = () if width is None else (width,)
             _numbers(group, name, len(t), *shapes[name])
-        if not np.all(np.diff(t, prepend=self._last) >= 0) or not np.all(dt >= 0):
+        if not np.all(np.diff([*self.t[-1:], *t]) >= 0) or not np.all(dt >= 0):
             raise ValueError("the times of its steps are not ascending numbers")
-        self._last = float(t[-1]) if len(t) else self._last
-        return len(t), shapes
+        return t, shapes
 
     def _check_layer(self, group: h5py.Group, k: int, count: int) -> None:
         """Layer k has its grid, and as many frames as it should, of this size."""
@@ -164,16 +184,14 @@ class Contents:
         for name, size in wanted.items():
             _numbers(group, name, *size)
 
-    def copy_series(self, into: Mapping[str, Any], rows: int) -> None:
-        """Put the first rows of series into these arrays or datasets, file by file."""
+    def copy_series(self, into: Mapping[str, Any]) -> None:
+        """Put series into these arrays or datasets, file by file."""
         begin = 0
         for path, _, count in self._counts:
-            end = min(begin + count, rows)
-            if begin < end:
-                with open_h5(path) as file:
-                    for name in into:
-                        into[name][begin:end] = file[f"series/{name}"][: end - begin]
-            begin = end
+            with open_h5(path) as file:
+                for name in into if count else ():
+                    into[name][begin : begin + count] = file[f"series/{name}"][:count]
+            begin += count
 
     def frames(self, k: int, names: Sequence[str], first: int, end: int) -> list[Array]:
         """(end - first, n) of each of these columns of layer k."""
@@ -244,32 +262,23 @@ def publish(draft: Path) -> None:
     os.replace(draft, draft.with_suffix(".h5"))
 
 
-def join(
-    files: Sequence[Path],
-    target: Path,
-    about: Mapping[str, Any],
-    name: Path,
-    kept: Kept | None = None,
-) -> None:
-    """Make one file of what some files hold, or of what a restart keeps of it. OSError; FileError
-    if they are damaged or have less; name: of the result, in messages.
+def join(files: Sequence[Path], target: Path, about: Mapping[str, Any], name: Path) -> None:
+    """Make one file of what some files hold. OSError; FileError if they are damaged; name: of the
+    result, in messages.
     """
     layers = about["header"]["layers"]
     try:
         with damage(str(name)):
             content = Contents(files, about["header"])
-            if kept is not None:
-                _check_kept(content, kept, name)
-        frames, rows = (content.nframes, content.rows) if kept is None else kept[:2]
-        numbers = {"about": np.bytes_(text_of(about)), "time": content.time[:frames]}
-        series = content.series.items() if rows else ()
-        shapes = {f"series/{name}": (rows, *shape) for name, shape in series}
-        for k, layer in enumerate(layers if frames else ()):
+        numbers = {"about": np.bytes_(text_of(about)), "time": content.time}
+        shapes = {f"series/{name}": (content.rows, *of) for name, of in content.series.items()}
+        for k, layer in enumerate(layers if content.nframes else ()):
             numbers[f"layer{k}/X"] = content.X[k]
-            shapes |= {f"layer{k}/{name}": (frames, *layer["shape"]) for name in columns(layer)}
+            frames = content.nframes, *layer["shape"]
+            shapes |= {f"layer{k}/{name}": frames for name in columns(layer)}
         lay_out(target, numbers, shapes)
         with open_h5(target, "r+") as file:
-            _fill(file, content, layers, frames, rows)
+            _fill(file, content, layers)
         with open(target, "rb") as done:
             os.fsync(done.fileno())
     except BaseException:
@@ -278,27 +287,13 @@ def join(
         raise
 
 
-def _check_kept(content: Contents, kept: Kept, name: Path) -> None:
-    """FileError if there is less than a restart keeps."""
-    if content.nframes < kept.frames or content.rows < kept.rows:
-        has = f"{content.nframes} frames and {content.rows} steps"
-        found = f"{has}, not {kept.frames} and {kept.rows}"
-    else:
-        t = np.full(kept.rows or 1, kept.t)  # without steps there is nothing to compare
-        content.copy_series({"t": t}, kept.rows)
-        if t[-1] == kept.t:
-            return
-        found = f"its step {kept.rows} ends at t = {t[-1]:.17g}, not {kept.t:.17g}"
-    raise FileError(f"{name} is not what the checkpoint goes on from: {found}")
-
-
-def _fill(file: h5py.File, content: Contents, layers: Layers, frames: int, rows: int) -> None:
+def _fill(file: h5py.File, content: Contents, layers: Layers) -> None:
     """Put series and frames into the datasets of a whole result."""
-    content.copy_series(file["series"] if rows else {}, rows)
-    for k, layer in enumerate(layers if frames else ()):
-        group, names = file[f"layer{k}"], columns(layer)
-        step = max(1, _AT_ONCE // (8 * len(content.X[k]) * len(names)))
-        for first in range(0, frames, step):
-            end = min(first + step, frames)
+    content.copy_series(file["series"] if content.series else {})
+    for k, layer in enumerate(layers):
+        names = columns(layer)
+        step = max(1, _AT_ONCE // (8 * max(1, len(content.X[k])) * len(names)))
+        for first in range(0, content.nframes, step):
+            end = min(first + step, content.nframes)
             for name, values in zip(names, content.frames(k, names, first, end)):
-                group[name][first:end] = values.reshape(-1, *layer["shape"])
+                file[f"layer{k}/{name}"][first:end] = values.reshape(-1, *layer["shape"])

@@ -94,7 +94,7 @@ class Run:
         self._contents = contents = Contents(files, self.header)
         self.time, self.nframes, rows = contents.time, contents.nframes, contents.rows
         self.series = {name: np.empty((rows, *shape)) for name, shape in contents.series.items()}
-        contents.copy_series(self.series, rows)
+        contents.copy_series(self.series)
         self.layers = tuple(Layer(self, k, entry) for k, entry in enumerate(self.header["layers"]))
         self.blocks: dict[str, Layer] = {layer.name: layer for layer in self.layers}
 

@@ -192,10 +192,11 @@ class RunWriter:
         if whole and in_pieces:  # what a kill has left of the same run's pieces is cleared below
             in_pieces = pieces.run_of(self.path) != pieces.run_of(self.folder)
         found = [self.path] * whole + [self.folder] * in_pieces
-        goes_on = after is not None and found and pieces.run_of(found[0]) == header.get("run")
-        if goes_on:  # a copy of what is kept takes the place of all that was computed
+        frames, rows, goes_on = 0, 0, False
+        if after is not None and found and pieces.run_of(found[0]) == header.get("run"):
             files = [self.path] if whole else pieces.pieces(self.folder)
-            self._join(files, after)
+            pieces.check_kept(files, header, after, self.path)
+            (frames, rows, _), goes_on = after, True
             del found[0]
         for file in ([] if checkpoint is None else [checkpoint]) + found:
             self.moved.append((file, set_aside(file)))
@@ -204,18 +205,17 @@ class RunWriter:
             if file == self.folder:  # the lock has gone with it
                 self._lock.release()
                 self._lock = Lock(self.folder, str(self.path))
-        pieces.clear(self.folder)
+        if whole or not goes_on:
+            pieces.clear(self.folder)
         put(self.folder / "header.json", pieces.text_of(self._about))
-        if not goes_on:
-            return 0, 0, 1
-        os.replace(self.path, pieces.file_of(self.folder, 1))
-        return after.frames, after.rows, 2
-
-    def _join(self, files: Sequence[Path], kept: Kept | None = None) -> None:
-        """Make one file of some, or of what is kept of them, and give it the name."""
-        whole = self.folder / "joined.new"
-        pieces.join(files, whole, self._about, self.path, kept)
-        os.replace(whole, self.path)
+        if whole and goes_on:
+            os.replace(self.path, pieces.file_of(self.folder, 1))
+        number = len(pieces.pieces(self.folder)) + 1
+        if goes_on:  # a piece without frames: what came after the checkpoint is given up
+            draft = pieces.file_of(self.folder, number, ".new")
+            pieces.lay_out(draft, {"time": np.empty(0)}, {}, (frames, rows))
+            pieces.publish(draft)
+        return frames, rows, number + goes_on
 
     @property
     def _draft(self) -> Path:
@@ -261,7 +261,9 @@ class RunWriter:
         """Write the header with the summary, and make one file of the pieces."""
         put(self.folder / "header.json", pieces.text_of(self._about))
         if join:
-            self._join(pieces.pieces(self.folder))
+            whole = self.folder / "joined.new"
+            pieces.join(pieces.pieces(self.folder), whole, self._about, self.path)
+            os.replace(whole, self.path)
             pieces.clear(self.folder)
             if self._about["header"].get("dimension", 1) > 1:
                 xdmf.write(self.path)
