@@ -18,6 +18,10 @@ FAR = 1.5
 TOO_LARGE = 1e150
 #: fields that must be above 0; others need only be finite
 POSITIVE = "rho", "T", "J", "x_X", "m0 c^2"
+HELPS = (
+    "what usually helps: shorter steps (-fsi_cfl or -ts_dt), a finer grid (-fsi_h); where there "
+    "are shocks -fsi_coupling conservative -fsi_dissipation 1 -fsi_shock 1"
+)
 
 
 def described(state: State, t: float, step: int) -> str:
@@ -59,32 +63,15 @@ def _bad_points(seen: Seen) -> Iterator[tuple[Any, ...]]:
             yield seen.layer, int(seen.numbers[i]), *about
 
 
-def advice(state: State, opt: Mapping[str, Any]) -> str:
-    """What usually helps, but for options that are in force already."""
-    joined = getattr(state.problem, "joined", False)  # then 0 stands for the usual dissipation
-    damped = opt["fsi_dissipation"] > 0.0 or (joined and opt["fsi_dissipation"] == 0.0)
-    shocks = [
-        "-fsi_coupling conservative" * (opt["fsi_coupling"] != "conservative"),
-        "-fsi_dissipation 1" * (not damped),
-        "-fsi_shock 1" * (not opt["fsi_shock"] > 0.0),
-    ]
-    steps = "-ts_dt" if opt["ts_dt"] else "-fsi_cfl or -ts_dt"
-    against = " ".join(filter(None, shocks))
-    found = f"what usually helps: shorter steps ({steps}), a finer grid (-fsi_h)"
-    return found + f"; where there are shocks {against}" * bool(against)
-
-
-def check(
-    state: State, t: float, step: int, flags: Sequence[float], beyond: str, opt: Mapping[str, Any]
-) -> None:
+def check(state: State, t: float, step: int, flags: Sequence[float], beyond: str) -> None:
     """Raise ComputationError if the state at t [s] cannot be gone on from. Collective.
 
-    flags: flags and limits of the step; beyond: what ``beyond_bound`` said; opt: options in force.
+    flags: flags and limits of the step; beyond: what ``beyond_bound`` said.
     """
     if flags[BAD] or not flags[RATE] < np.inf:
         cause = state.go_to_fault(partial(first_bad, state))
         about = described(state, t, step), *state.notes("failed"), beyond
-        said = filter(None, (*about, cause or advice(state, opt)))
+        said = filter(None, (*about, cause or HELPS))
         raise ComputationError("; ".join(said))
     if not flags[EXHAUSTED] and not flags[TOO_SHORT]:
         return
