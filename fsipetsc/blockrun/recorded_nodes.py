@@ -1,4 +1,4 @@
-"""Nodes that are recorded at each step: -fsi_points, on interfaces, and -fsi_probes, anywhere."""
+"""Nodes that are recorded at each step: -fsi_probes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Recorded:
-    """A node of a block. name: of its interface or block; X: its place in the reference map [m].
+    """A node of a block. name: of the block; X: its place in the reference map [m].
 
     face: (axis, side) of the solid's face at an interface; None where there is none.
     """
@@ -28,40 +28,14 @@ class Recorded:
     face: tuple[int, int] | None = None
 
 
-def chosen(problem: BlockProblem, points: Sequence[float], probes: str | None) -> list[Recorded]:
-    """What the options ask for: the nearest nodes. InputError for places outside."""
-    if points and problem.dimension != 2:
-        raise InputError("-fsi_points is of two dimensions: expected -fsi_probes X,Y,Z;…")
-    on_interfaces = dict.fromkeys(node for X in points for node in _on_interfaces(problem, X))
-    found = sorted(on_interfaces, key=lambda node: problem.interface_names.index(node.name))
-    return found + [_nearest(problem, place) for place in _places(probes, problem.dimension)]
-
-
-def _places(text: str | None, d: int) -> list[Array]:
-    """The places (d,) that "X,Y;X,Y" names. InputError."""
-    pieces = text.split(";") if text else ()
-    found = [np.array(floats(piece, "fsi_probes", "m")) for piece in pieces]
-    if any(place.size != d for place in found):
+def chosen(problem: BlockProblem, probes: str | None) -> list[Recorded]:
+    """The nodes nearest to the places that "X,Y;X,Y" names. InputError for places outside."""
+    d, pieces = problem.dimension, probes.split(";") if probes else ()
+    places = [np.array(floats(piece, "fsi_probes", "m")) for piece in pieces]
+    if any(place.size != d for place in places):
         wanted = ",".join("XYZ"[:d])
-        raise InputError(f"-fsi_probes {text}: expected {wanted}, and ; between several")
-    return found
-
-
-def _on_interfaces(problem: BlockProblem, X: float) -> list[Recorded]:
-    """The node of each interface that is nearest to X. InputError where there is none."""
-    found = []
-    for number, (_, solid) in enumerate(problem.interfaces):
-        nodes = problem.interface_nodes(number)
-        places = problem.places(solid, nodes)
-        low, high = places[:, 0].min(), places[:, 0].max()
-        if low <= X <= high or problem.layers[solid].periodic[0]:
-            at = int(np.argmin(np.abs(places[:, 0] - X)))
-            name, node = problem.interface_names[number], int(nodes[at])
-            place = tuple(places[at].tolist())
-            found.append(Recorded(name, solid, node, place, _face_of(problem, solid, node)))
-    if not found:
-        raise InputError(f"-fsi_points {X:g}: there is no interface at this X")
-    return found
+        raise InputError(f"-fsi_probes {probes}: expected {wanted}, and ; between several")
+    return [_nearest(problem, place) for place in places]
 
 
 def _nearest(problem: BlockProblem, place: Array) -> Recorded:

@@ -55,8 +55,6 @@ OUTPUT = (
         check="positive"),
     Option("fsi_output_times", "floats", None, "s", "times at which profiles are saved: t0,t1,…",
         check=_increasing),
-    Option("fsi_points", "floats", None, "m",
-        "in 2-D: X of points of interfaces that are recorded at each step: X0,X1,…"),
     Option("fsi_probes", str, None, "m",
         "of blocks: places whose nearest nodes are recorded at each step: X,Y;X,Y;…"),
 )  # fmt: skip

@@ -49,8 +49,8 @@ class Run:
         blocks: name -> the same layers.
         dimension: 1, 2 or 3.
         interfaces: names of the interfaces, from left to right.
-        points: of each node that is recorded at each step (`-fsi_points`, `-fsi_probes`) the name
-            of the interface or block, and (X, …) [m].
+        points: of each node that is recorded at each step (`-fsi_probes`) the name of the block,
+            and (X, …) [m].
         faces: of blocks the faces that no other one meets, and "through no face": the columns of
             the series `energy_face` and `heat_face`.
         series: name -> (nsteps,) or (nsteps, m), a row for each time step: `t`, `dt`,

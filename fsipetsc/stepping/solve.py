@@ -57,15 +57,12 @@ def make_state(
     if isinstance(problem, BlockProblem):
         form = block_form(opt)
         check_gas_laws(problem, form)
-        points, probes = opt["fsi_points"] or (), opt["fsi_probes"]
-        recorded = together(comm, lambda: chosen(problem, points, probes))
+        recorded = together(comm, lambda: chosen(problem, opt["fsi_probes"]))
         of_run = form, opt["fsi_partition"], recorded, announce
         return BlockState(comm, problem, opt["fsi_order"], *of_run)
-    for name in ("fsi_points", "fsi_probes"):
-        if opt[name]:
-            raise InputError(
-                f"-{name} is of blocks: here series of all interfaces are recorded anyway"
-            )
+    if opt["fsi_probes"]:
+        said = "here series of all interfaces are recorded anyway"
+        raise InputError(f"-fsi_probes is of blocks: {said}")
     kept = problem.invariants
     if opt["fsi_check"] is not None and not (kept.get("masses") or kept.get("energy")):
         raise InputError(
