@@ -189,13 +189,12 @@ def _of_layers(a: Run, b: Run, common: _Common, notes: list[str]) -> Iterator[Di
         nodes = common_nodes(layer, other, notes)
         if nodes is None:
             continue
-        # whether these are all nodes of both
-        whole = all(len(n) == max(pair) for n, *pair in zip(nodes[0], layer.shape, other.shape))
+        whole = layer.shape == other.shape and len(nodes[0]) == math.prod(layer.shape)
         for field in _both(layer.fields, other.fields, f"{name}: field", notes):
             one, two = layer[field][in_a], other[field][in_b]
             if not whole:
-                every = np.arange(len(times))
-                one, two = one[np.ix_(every, *nodes[0])], two[np.ix_(every, *nodes[1])]
+                pairs = zip((one, two), nodes)
+                one, two = (of.reshape(len(times), -1)[:, some] for of, some in pairs)
                 # active parts of two grids end at other nodes
                 outside = np.isnan(one) | np.isnan(two)
                 one, two = np.where(outside, np.nan, one), np.where(outside, np.nan, two)
@@ -222,44 +221,20 @@ def summed(run: Run, name: str) -> Array:
     return np.cumsum(series, axis=0) if name in GAINS else series
 
 
-def common_nodes(a: Layer, b: Layer, notes: list[str]) -> tuple[list[Array], list[Array]] | None:
-    """For each axis of the arrays, which nodes of either layer are those of the other; None if none
-    are. `notes` tell so, and of another grid.
+def common_nodes(a: Layer, b: Layer, notes: list[str]) -> tuple[Array, Array] | None:
+    """Numbers of the nodes of either layer that are at the same places, to a billionth of what the
+    layer spans; None if there are none. `notes` tell so, and of another grid.
     """
-    if a.shape == b.shape and _same(a.places, b.places, a):
-        return [np.arange(n) for n in a.shape], [np.arange(n) for n in b.shape]
-    found = None
-    if len(a.shape) == len(b.shape) and math.prod(a.shape + b.shape) > 0:
-        found = _of_lines(a.X, b.X, a.h) if len(a.shape) == 1 else _of_blocks(a, b)
+    one, two = (layer.places.reshape(-1, len(layer.shape)) for layer in (a, b))
+    within = 1e-9 * np.ptp(one, axis=0).max() if one.size else 1.0
+    if a.shape == b.shape and np.allclose(one, two, rtol=0.0, atol=within):
+        return np.arange(len(one)), np.arange(len(two))
+    # cells of a lattice, at the edges of which usual grids have no places
+    cells = [map(tuple, np.floor(X / within + 0.382).tolist()) for X in (one, two)]
+    there = {cell: k for k, cell in enumerate(cells[1])}
+    pairs = np.array([(k, there[cell]) for k, cell in enumerate(cells[0]) if cell in there])
     text = "no node of one is a node of the other"
-    if found is not None:
-        count = " by ".join(str(len(axis)) for axis in found[0][::-1])
-        text = f"compared at the {count} common nodes, which `point` counts"
+    if len(pairs):
+        text = f"compared at the {len(pairs)} common nodes, which `point` counts"
     notes.append(f"layer {a.name!r} has {a.size} and {b.size}: {text}")
-    return found
-
-
-def _of_lines(a: Array, b: Array, h: float) -> tuple[list[Array], list[Array]] | None:
-    """Nodes of two lines at the same X, to a millionth of h; None if there are none."""
-    nearest = np.minimum(np.searchsorted(b, a - 1e-6 * h), len(b) - 1)
-    same = np.flatnonzero(np.abs(a - b[nearest]) < 1e-6 * h)
-    return ([same], [nearest[same]]) if len(same) else None
-
-
-def _of_blocks(a: Layer, b: Layer) -> tuple[list[Array], list[Array]] | None:
-    """Every so many nodes of each axis, if those of both are at the same places; else None."""
-    chosen: tuple[list[Array], list[Array]] = [], []
-    for n, m, ring in zip(a.shape, b.shape, a.periodic[::-1]):
-        last = 0 if ring else 1  # whether the end of the axis is a node of its own
-        steps = math.gcd(n - last, m - last)
-        for nodes, count in zip(chosen, (n, m)):
-            nodes.append(np.arange(steps + last) * ((count - last) // max(steps, 1)))
-    same = _same(a.places[np.ix_(*chosen[0])], b.places[np.ix_(*chosen[1])], a)
-    return chosen if same else None
-
-
-def _same(one: Array, two: Array, layer: Layer) -> bool:
-    """Whether places (…, d) are the same, to a billionth of what the layer spans."""
-    places = layer.places.reshape(-1, layer.places.shape[-1])
-    size = np.ptp(places, axis=0).max() if len(places) else 0.0
-    return bool(np.allclose(one, two, rtol=0.0, atol=1e-9 * size))
+    return (pairs[:, 0], pairs[:, 1]) if len(pairs) else None

@@ -43,7 +43,7 @@ def _made(
     """The bytes of all libraries that some rank lacks, on all ranks. Collective."""
     begin, mine, fault = time.monotonic(), {}, None
     if comm.rank == 0:
-        announce(f"compiling the kernels of this case ({_counted(len(makers))})")
+        announce(f"compiling the kernels of this case (libraries: {len(makers)})")
     try:
         names = [name for name, rank in makers.items() if rank == comm.rank]
         for name, library in zip(names, _side_by_side([texts[name] for name in names])):
@@ -68,10 +68,6 @@ def _side_by_side(texts: Sequence[str]) -> Iterator[bytes]:
         raise
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
-
-
-def _counted(count: int) -> str:
-    return "1 library" if count == 1 else f"{count} libraries"
 
 
 def _loaded(name: str, sent: dict[str, bytes]) -> ctypes.CDLL:

@@ -141,15 +141,14 @@ def check_problem(past: Past, state: State) -> None:
     now, before = described(state.problem), past.header["problem"]
     if len(now) != len(before):
         raise InputError(f"-fsi_restart: the case had {len(before)} layers {when}, now {len(now)}")
-    grids = [about["shape"][::-1] for about in state.header()["layers"]]
-    for number, nodes in enumerate(grids):  # X is rounded, and can be the same for another number
-        layer = {**now[number], "nodes": nodes}
-        other = {**before[number], "nodes": list(past.arrays[f"layer{number}"].shape[-2::-1])}
-        changed = [k for k in sorted(layer | other) if layer.get(k) != other.get(k)]
-        if changed:
-            name = changed[0]
-            now_is = f"{name} of '{layer['name']}' is {layer.get(name)}"
-            raise InputError(f"-fsi_restart: {now_is}, and was {other.get(name)} {when}")
+    for k, about in enumerate(state.header()["layers"]):
+        # X is rounded, and can be the same for another number of nodes
+        layer = {**now[k], "nodes": about["shape"][::-1]}
+        other = {**before[k], "nodes": list(past.arrays[f"layer{k}"].shape[-2::-1])}
+        for name in sorted(layer | other):
+            if layer.get(name) != other.get(name):
+                now_is = f"{name} of '{layer['name']}' is {layer.get(name)}"
+                raise InputError(f"-fsi_restart: {now_is}, and was {other.get(name)} {when}")
     if columns_of(state) != past.header["columns"]:
         raise InputError(f"-fsi_restart: other quantities of steps were recorded {when}")
 

@@ -6,7 +6,7 @@ largest range on the finest grid of all fields of its unit in layers of its kind
 """
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from functools import reduce
 
 import numpy as np
 
@@ -57,12 +57,12 @@ def _common_values(runs: Sequence[Run]) -> dict[tuple[str, str], list[np.ndarray
                 f"layer '{layer.name}': no node of the coarsest grid is on all others; "
                 "-fsi_hs takes grids with common nodes, as in -fsi_hs 0.1,0.05,0.025"
             )
-        axes = [_in_all(axis) for axis in zip(*(zip(*pair) for pair in pairs if pair is not None))]
+        known = [pair for pair in pairs if pair is not None]
+        every = reduce(np.intersect1d, [first for first, _ in known])
+        nodes = [second[np.searchsorted(first, every)] for first, second in known]
         for name in layer.fields:
-            ends = [other.frame(-1)[name] for other in layers]
-            found[layer.name, name] = [
-                end[np.ix_(*(axis[j] for axis in axes))] for j, end in enumerate(ends)
-            ]
+            ends = [other.frame(-1)[name].ravel() for other in layers]
+            found[layer.name, name] = [end[of] for end, of in zip(ends, nodes)]
     times = runs[0].time[1:]
     for name in runs[0].series:
         if name not in NO_SOLUTION and not name.startswith("residual_"):
@@ -70,14 +70,6 @@ def _common_values(runs: Sequence[Run]) -> dict[tuple[str, str], list[np.ndarray
             if len({v.shape for v in values}) == 1 and values[0].size:
                 found["series", name] = values
     return found
-
-
-def _in_all(pairs: Any) -> list[np.ndarray]:
-    """Of one axis: numbers of the nodes that all grids have; pairs: (of the coarsest, of each)."""
-    common = pairs[0][0]
-    for first, _ in pairs:
-        common = np.intersect1d(common, first)
-    return [second[np.searchsorted(first, common)] for first, second in pairs]
 
 
 def _range(values: np.ndarray) -> float:
