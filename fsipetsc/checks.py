@@ -1,6 +1,7 @@
 """What a case says is checked where it says it, so that the message can name the line."""
 
 from collections.abc import Mapping, Sequence
+from datetime import timedelta
 from math import isfinite
 from typing import Any
 
@@ -40,13 +41,8 @@ def counted(count: int, word: str) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Seconds in words that fit their size."""
-    if seconds < 60:
-        return f"{seconds:.3g} s"
-    minutes = int(seconds // 60)
-    if minutes < 60:
-        return f"{minutes} min {int(seconds % 60)} s"
-    return f"{minutes // 60} h {minutes % 60} min"
+    """Seconds, as "4.2 s" or "1:02:33"."""
+    return f"{seconds:.3g} s" if seconds < 60 else str(timedelta(seconds=int(seconds)))
 
 
 def number(value: Any, what: str, bound: str = ANY, unit: str = "") -> float:

@@ -77,7 +77,8 @@ class State:
         """What is to be said of the solution: at the "begin", when it is "saved", at the "end", and
         where it has "failed". Collective.
         """
-        return [said for say in self.NOTES.get(when, ()) for said in say(self)]
+        of_case = self.problem.notes if when == "begin" else ()
+        return [*of_case, *(said for say in self.NOTES.get(when, ()) for said in say(self))]
 
     def go_to_fault(self, unphysical: Callable[[], Any]) -> str:
         """Go to where a failed step became unphysical, if that can be found. Returns what the

@@ -22,7 +22,6 @@ from fsipetsc.problem import Problem
 
 #: lines of nodes that are looked at, along each axis
 LINES = 24
-MATERIALS = {"fluid": "gas", "solid": "solid"}
 #: what is at a face -> how it is drawn, the last ones on top
 FACES: dict[str, dict[str, Any]] = {
     "condition": {"linewidth": 2.0},
@@ -33,7 +32,7 @@ LONGEST = 16  # letters of a condition with its data in a picture; of a longer o
 
 
 class Outline(NamedTuple):
-    """A block, or a layer of the paper's method. material: "gas" or "solid".
+    """A block, or a layer of the paper's method.
 
     lines: of each axis the places (d, …, nodes) [m] along lines of nodes, at some nodes of the
     other axes in their order, the first and last ones among these. sides: (axis, side) -> which of
@@ -41,7 +40,7 @@ class Outline(NamedTuple):
     """
 
     name: str
-    material: str
+    kind: str
     shape: tuple[int, ...]
     lines: list[Array]
     sides: dict[tuple[int, int], tuple[str, str]]
@@ -88,7 +87,7 @@ def _of_block(problem: BlockProblem, k: int, h: float) -> Outline:
             sides[face] = "condition" if shifted else kind, text
         else:
             sides[face] = "condition", condition_text(met)
-    return Outline(block.name, MATERIALS[block.kind], block.shape, lines, sides)
+    return Outline(block.name, block.kind, block.shape, lines, sides)
 
 
 def _of_layer(problem: Problem, k: int, h: float) -> Outline:
@@ -103,7 +102,7 @@ def _of_layer(problem: Problem, k: int, h: float) -> Outline:
         else:
             other = problem.layers[k + 2 * side - 1].name
             sides[0, side] = "interface", f"interface with {other}"
-    return Outline(layer.name, MATERIALS[layer.kind], X.shape, [X[None]], sides)
+    return Outline(layer.name, layer.kind, X.shape, [X[None]], sides)
 
 
 def condition_text(condition: Any) -> str:
@@ -130,7 +129,7 @@ def geometry_rows(found: Sequence[Outline], m: str) -> Rows:
     for one in found:
         nodes += int(np.prod(one.shape))
         sizes = " x ".join(map(str, one.shape))
-        rows.append((one.name, f"{one.material}, {sizes} nodes"))
+        rows.append((one.name, f"{'gas' if one.kind == 'fluid' else 'solid'}, {sizes} nodes"))
         for axis, ends in enumerate(one.spacing):
             stands = [one.sides[axis, side][1] for side in (0, 1) if (axis, side) in one.sides]
             text = f"from {' to '.join(stands)}" if stands else "periodic"
@@ -176,7 +175,7 @@ def _strip(one: Outline) -> Outline:
 
 def _draw_block(view: style.Axes, one: Outline) -> None:
     """Faces with their conditions; grid lines, or in three dimensions the edges."""
-    color, d = style.BLUE if one.material == "gas" else style.RED, len(one.lines)
+    color, d = style.COLORS[one.kind], len(one.lines)
     X = one.lines[0]
     near = [X[(slice(None), *((n - k) // 2 for n in X.shape[1:]))] for k in (0, 1)]
     centre = np.mean(near, axis=0)
@@ -188,7 +187,7 @@ def _draw_block(view: style.Axes, one: Outline) -> None:
         thin = [line for axis, side in product(range(3), (0, 1)) for line in one.edges(axis, side)]
     width = 0.5 if d == 2 else 1.0
     for line in thin:
-        view.plot(*line, color=color, linewidth=width, alpha=0.6, label=one.material)
+        view.plot(*line, color=color, linewidth=width, alpha=0.6, label=one.kind)
     for face, (kind, text) in one.sides.items():
         look = {"color": color, "zorder": 3 + list(FACES).index(kind), **FACES[kind]}
         for line in (edges := one.edges(*face)):

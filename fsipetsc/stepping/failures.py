@@ -97,4 +97,4 @@ def beyond_bound(state: State, opt: Mapping[str, Any]) -> str:
     s = state.problem.unit("s")
     asked = f"-ts_dt {step:g}{s}" if opt["ts_dt"] else f"-fsi_cfl {opt['fsi_cfl']:g}"
     bound = f"the bound on the step at t = 0{s}, {1 / rate:.3g}{s}"
-    return f"{asked} is {step * rate:.3g} times {bound}"
+    return f"{asked} is {step * rate:.3g} times {bound}, beyond which methods are unstable"

@@ -53,11 +53,6 @@ def saved_times(
     return sorted({*saved, t_end})
 
 
-def integrals(state: State) -> list[str]:
-    """Names of what is recorded of which the values at t = 0 are kept."""
-    return [name for name in state.latest.dtype.names if SERIES[name].kind == INTEGRAL]
-
-
 class Integrator:
     """Integrates a state in time; all methods are collective.
 
@@ -127,7 +122,8 @@ class Integrator:
         state.finish()
         flags = state.results[:LAST].tolist()
         failures.check(state, self.t, self.steps, flags, self.beyond)
-        sums = {name: state.comm.allreduce(state.latest[name]) for name in integrals(state)}
+        kept = [name for name in state.latest.dtype.names if SERIES[name].kind == INTEGRAL]
+        sums = {name: state.comm.allreduce(state.latest[name]) for name in kept}
         self.initial = {name: value.tolist() for name, value in sums.items()}
         self.beyond = failures.beyond_bound(state, self.opt)
         self._pass(self.t)

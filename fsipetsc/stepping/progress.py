@@ -49,8 +49,8 @@ class Reporter:
             say(text)
 
     def notes(self, said: Iterable[str]) -> None:
-        """Print each as a note."""
-        for text in said:
+        """Print each as a note, but for empty ones."""
+        for text in filter(None, said):
             self.line(f"note: {text}")
 
     def begin(self) -> None:

@@ -63,8 +63,7 @@ def signals_noted(heed: Callable[[int], object]) -> Iterator[None]:
         yield
     finally:
         for number, handler in earlier.items():
-            if signal.getsignal(number) is note:
-                signal.signal(number, handler)
+            signal.signal(number, handler)
 
 
 def run_given(
@@ -120,17 +119,11 @@ def _check_start(state: State, opt: Mapping[str, Any], report: Reporter) -> None
     (integrator := Integrator(state, opt, saved)).start()
     report.begin()
     shown = table(geometry_rows(outlines(problem, opt["fsi_h"]), problem.unit("m")))
-    beyond = [integrator.beyond] * bool(integrator.beyond)
     report.line(shown)
-    report.notes(first_notes(state))
+    report.notes(state.notes("begin"))
     report.line(report.first_step())
-    report.notes(beyond)
+    report.notes([integrator.beyond])
     report.line("checked, and not run")
-
-
-def first_notes(state: State) -> list[str]:
-    """What is said of the initial solution. Collective."""
-    return [*state.problem.notes, *state.notes("begin")]
 
 
 class _Run:
@@ -283,7 +276,7 @@ class _Run:
         with stage(SET_UP):
             if self.past is None:
                 integrator.start()
-                report.notes(first_notes(state))
+                report.notes(state.notes("begin"))
                 self.ledgers.begin(integrator.initial)
             else:
                 header = self.past.header
@@ -293,9 +286,7 @@ class _Run:
                 if not self.writer.nframes:  # a file of its own
                     self._frame(integrator.t)
         report.start(integrator.t, integrator.steps)
-        if integrator.beyond:
-            note = "explicit methods are unstable far beyond it"
-            report.notes([f"{integrator.beyond}; {note}"])
+        report.notes([integrator.beyond])
 
     def _rescue(self, error: BaseException) -> None:
         """Write what was computed before an error that all ranks have met at the same place.
