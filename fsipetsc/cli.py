@@ -24,7 +24,7 @@ class Command(NamedTuple):
     A command of the folder output is done by one process: the function gets the files and, where
     there are any, the options as given, and returns what is printed. The others are done by all
     ranks: the function gets the arguments and the communicator, and starts PETSc; SECTIONS, or
-    sections(arguments), of the module are the options that -help lists.
+    sections(command, arguments), of the module are the options that -help lists.
     """
 
     arguments: str
@@ -58,10 +58,10 @@ COMMANDS = {
         "output.new_case"),
     "compile": Command("CASE [-option value ...]",
         "compile the kernels that a case needs, and do nothing else",
-        "stepping.compile"),
+        "stepping.before_a_run"),
     "geometry": Command("CASE [-option value ...] [-o FILE]",
         "print and draw blocks, faces, conditions and spacing of a case, and do nothing else",
-        "stepping.geometry"),
+        "stepping.before_a_run"),
     "convergence": Command("CASE [-option value ...]",
         "print errors of a case, or differences between its grids, observed orders and cost",
         "studies.convergence"),
@@ -149,7 +149,7 @@ def _answer(first: str, rest: list[str]) -> None:
     elif (command := COMMANDS[first]).by_one:
         print(f"{PROGRAM} {first} {command.arguments}\n\n  {command.summary}")
     else:
-        sections = command.find("SECTIONS") or command.find("sections")(rest)
+        sections = command.find("SECTIONS") or command.find("sections")(first, rest)
         about = f"{first}: {command.summary}", f"{first} {command.arguments}"
         print(options_help(*about, sections, in_loop=False))
 

@@ -92,7 +92,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
         raise ComputationError(f"{len(study.failures)} of {runs} failed; {study.failures[0]}")
 
 
-sections = partial(options_after, "convergence", extra=OPTIONS)
+sections = partial(options_after, extra=OPTIONS)
 
 
 def _refining(case: Any, h: float) -> Any:

@@ -56,7 +56,7 @@ def modes(arguments: list[str], comm: Comm) -> None:
     say(f"saved {path}")
 
 
-def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
+def sections(command: str, arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
     """Heading -> options for -help."""
     name = arguments[0] if arguments and arguments[0] in OPTIONS else "ring"
     return groups(load_case(name), OPTIONS[name])

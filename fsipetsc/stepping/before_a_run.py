@@ -1,8 +1,9 @@
-"""The command ``python -m fsipetsc geometry CASE``: blocks or layers of a case, as a table and a
-picture. Nothing is compiled or run.
+"""What is done with a case before it runs. ``geometry CASE`` shows its blocks or layers as a table
+and a picture; nothing is compiled. ``compile CASE`` makes the kernels that it needs, as on a login
+node whose compute nodes have no compiler.
 """
 
-from functools import partial
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,18 +16,34 @@ from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.streams import say
 from fsipetsc.process.together import Comm, together
 
-_OPTIONS = (
+_OF_GEOMETRY = (
     Option("o", str, None, "", "file of the picture; CASE-geometry.png if not given",
         check=lambda name: name.endswith(PICTURES) or f"a name with {' or '.join(PICTURES)}"),
 )  # fmt: skip
-sections = partial(options_after, "geometry", extra=_OPTIONS)
+
+
+def sections(command: str, arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
+    """Heading -> options for -help."""
+    return options_after(command, arguments, _OF_GEOMETRY if command == "geometry" else ())
+
+
+def compile(arguments: list[str], comm: Comm) -> None:
+    """The command, with the arguments after its name. Collective. InputError, FileError."""
+    case = together(comm, lambda: case_after("compile", arguments))
+    options = read_options(case, start_petsc(arguments[1:], comm))
+    from fsipetsc.stepping.solve import build_problem, make_state  # which start PETSc if none has
+
+    announce = say if comm.rank == 0 and not options["fsi_quiet"] else lambda text: None
+    with make_state(build_problem(case, options, comm), options, comm, announce):
+        pass
+    announce(f"the kernels of {case.NAME} are ready")
 
 
 def geometry(arguments: list[str], comm: Comm) -> None:
     """The command, with the arguments after its name. Collective. InputError, FileError."""
     case = together(comm, lambda: case_after("geometry", arguments))
-    opt = read_options(case, start_petsc(arguments[1:], comm), _OPTIONS)
-    from fsipetsc.stepping.solve import build_problem  # which starts PETSc if none has
+    opt = read_options(case, start_petsc(arguments[1:], comm), _OF_GEOMETRY)
+    from fsipetsc.stepping.solve import build_problem
 
     problem = build_problem(case, opt, comm)
     together(comm, lambda: _show(case, problem, opt) if comm.rank == 0 else None)
