@@ -58,16 +58,6 @@ def _gradient(values: Array, fields: Mapping[str, Array]) -> Array:
     return np.linalg.solve(np.stack(along[:-1], axis=-1), along[-1][..., None])[..., 0]
 
 
-#: series of interfaces -> label; residuals: by how much a condition is missed
-AT_INTERFACES = {name: one.label for name, one in SERIES.items() if one.of == "interface"}
-#: series of the whole -> label; of a change it is drawn less what it is at the start
-LEDGERS = {
-    name: one.label.replace("*", name[-1])
-    for name, one in SERIES.items()
-    if one.label and one.of != "interface"
-}
-
-
 def there(run: Run) -> list[Quantity]:
     """What can be drawn of this run."""
     stored = {layer.kind: {*layer.fields} for layer in run.layers}

@@ -10,12 +10,14 @@ import numpy as np
 
 from fsipetsc.checks import counted
 from fsipetsc.errors import InputError
+from fsipetsc.output.file_layout import columns_of
 from fsipetsc.output.plots import style
 from fsipetsc.output.plots.style import FigureBase
-from fsipetsc.output.quantities import AT_INTERFACES, LEDGERS, Quantity
+from fsipetsc.output.quantities import Quantity
 from fsipetsc.output.reader import Run
 from fsipetsc.output.units import unit_of, written
 from fsipetsc.scheme.conservation_check import Drifts
+from fsipetsc.scheme.observables import SERIES
 
 Array = np.ndarray
 
@@ -53,25 +55,19 @@ def panels(run: Run) -> dict[str, list[Panel]]:
     t = run.series.get("t", np.empty(0))
     if len(t) < 2:
         return found
-
-    def panel(name: str, label: str, values: Array, names: list[str]) -> Panel:
-        curves = dict(zip(names, values.reshape(len(t), -1).T))
-        return Panel(label, written(unit_of(name, run)), t, curves, name.startswith("residual"))
-
-    for name, label in AT_INTERFACES.items():
-        if name in run.series:
-            values = run.series[name]
-            values = values - values[0] if name == "x_interface" else values
-            interfaces.append(panel(name, label, values, [*run.interfaces]))
     if departed := departures(run):
         ledgers.append(Panel(DEPARTURE, "", t, departed, logarithmic=True))
-    for name, label in LEDGERS.items():
-        if name in run.series:
-            values, start = run.series[name], np.zeros(1)
-            if label.startswith("change"):
+    for name, one in SERIES.items():
+        if one.label and name in run.series:
+            label, values, start = one.label.replace("*", name[-1]), run.series[name], 0.0
+            if name == "x_interface" or label.startswith("change"):
                 start = np.asarray(run.summary.get(f"initial_{name}", values[0]))
-            blocks = [x.name for x in run.layers if name != "mass" or x.kind == "fluid"]
-            ledgers.append(panel(name, label, values - start, blocks))
+            names = columns_of(run.header).get(one.of, [name])
+            curves = dict(zip(names, (values - start).reshape(len(t), -1).T))
+            unit, apart = written(unit_of(name, run)), name.startswith("residual")
+            found["interfaces" if one.of == "interface" else "ledgers"].append(
+                Panel(label, unit, t, curves, logarithmic=apart)
+            )
     at, dt = envelope(t, run.series["dt"], len(t) // 4)
     steps.append(Panel("time step", "s", at, {"dt": dt}))
     return found
