@@ -125,7 +125,7 @@ def options_page() -> str:
         add(name, case.SUMMARY, case.OPTIONS)
     for name, command in COMMANDS.items():
         if not command.by_one and name != "compile":
-            sections = command.find("SECTIONS") or command.find("sections")([])
+            sections = command.find("SECTIONS") or command.find("sections")(name, [])
             found = (of for title, of in sections.items() if not title.startswith("Case "))
             add(name, command.summary, (option for of in found for option in of))
     return "\n\n".join(parts) + "\n"
