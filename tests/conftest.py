@@ -8,15 +8,17 @@ from pathlib import Path
 import pytest
 from kept_ranks import KEPT
 
+from fsipetsc.kernels import build
+
 #: files of tests that take longest where nothing is compiled yet, the longest first
 DEAREST = (
     *("kills", "documents", "ranks", "block_ledgers", "orders", "failures", "radial"),
     *("block_oracle", "shell", "shock", "time", "flutter", "stability", "process"),
 )
-#: files of tests with many kernels, in this process, and few nodes
-FEW_NODES = (
-    *("block_oracle", "radial", "gravity", "gases_apart", "block_ledgers", "block_conditions"),
-    *("where_faces_meet", "block_monitor"),
+#: files of tests with runs of many steps
+MANY_STEPS = (
+    *("kills", "line_cases", "orders", "shock", "shell", "topics", "new_case", "verify"),
+    *("flutter", "runs", "spacing"),
 )
 ORDERS = (2, 4, 6, 8)
 
@@ -49,16 +51,17 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture(scope="module", autouse=True)
-def kernels_of_few_nodes(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Kernels of FEW_NODES are compiled in an eighth of the time, without optimisation, which
-    changes no bit (tests/test_bits.py); those of other processes as always.
+def flags_of_kernels(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Kernels are compiled in an eighth of the time, without optimisation, which changes no bit
+    (tests/test_bits.py), but not for MANY_STEPS, nor in processes that tests start themselves.
     """
-    few = request.path.stem.removeprefix("test_") in FEW_NODES and "CFLAGS" not in os.environ
-    if few:
-        os.environ["CFLAGS"] = "-O0"
-    yield
-    if few:
-        del os.environ["CFLAGS"]
+    many = request.path.stem.removeprefix("test_") in MANY_STEPS
+    with pytest.MonkeyPatch.context() as patch:
+        if not many and "CFLAGS" not in os.environ:
+            patch.setenv("CFLAGS", "-O0")
+        build.flags.cache_clear()
+        yield
+    build.flags.cache_clear()
 
 
 @pytest.fixture

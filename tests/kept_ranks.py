@@ -35,7 +35,8 @@ class KeptRanks:
                 command = ["mpiexec", "-n", str(MOST), sys.executable, __file__]
                 given = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
                 self._process = subprocess.Popen(command, env=dict(environment), **given)
-            print(json.dumps([ranks, str(folder), lines]), file=self._process.stdin, flush=True)
+            job = json.dumps([ranks, str(folder), os.environ.get("CFLAGS", ""), lines])
+            print(job, file=self._process.stdin, flush=True)
             answer = self._process.stdout.readline()
             assert answer, "a rank has ended"
         except BaseException:
@@ -85,6 +86,7 @@ def answered(words: list[str]) -> Answer:
 def work() -> None:
     """Do jobs until there are no more."""
     from fsipetsc import cli
+    from fsipetsc.kernels import build
     from fsipetsc.process.launch import start_mpi, start_petsc
     from fsipetsc.process.together import done_asleep
 
@@ -101,7 +103,8 @@ def work() -> None:
         line = world.bcast(line)
         if not line:
             return
-        ranks, folder, lines = json.loads(line)
+        ranks, folder, os.environ["CFLAGS"], lines = json.loads(line)
+        build.flags.cache_clear()
         if world.rank < ranks:
             comm = first(ranks)
             cli.start_mpi = lambda comm=comm: comm

@@ -5,13 +5,11 @@ that is stored behind an array."""
 import sys
 
 import numpy as np
+from recorded import recorded
 from test_block_oracle import DAMPED, FACES, STICKING, check
 from test_paper_rates import RUNS, measured, state_of
 
-from fsipetsc.kernels import build
 from fsipetsc.kernels.loops import each
-from fsipetsc.kernels.procedure import Code
-from fsipetsc.kernels.unit import unit
 
 
 def beyond() -> None:
@@ -19,10 +17,7 @@ def beyond() -> None:
         for i in each(y.shape[0]):
             y[i + 1] = 0.0
 
-    code = Code(unit({}, []))
-    call = code.procedure("store", store)
-    code.load(build.loaded(build.keep(build.name_of(code.text), build.made(code.text))))
-    call(np.ones(5), np.ones(5))
+    recorded(store)(np.ones(5), np.ones(5))
 
 
 if sys.argv[1:] == ["beyond"]:

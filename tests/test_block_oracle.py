@@ -6,7 +6,6 @@ divided between them is no matter, for completion shares it.
 """
 
 from itertools import product
-from typing import NamedTuple
 
 import block_shapes as shapes
 import numpy as np
@@ -29,10 +28,8 @@ from oracle_formulas import (
     Solid,
     conserved,
 )
+from recorded import recorded
 
-from fsipetsc.kernels import build
-from fsipetsc.kernels.procedure import Code
-from fsipetsc.kernels.unit import unit
 from fsipetsc.particles.constraints import eliminate
 from fsipetsc.scheme import gas_volume, solid_work
 
@@ -188,7 +185,9 @@ def test_shocks_of_a_gas(order):
 @pytest.mark.parametrize(
     ("shape", "heat", "damping", "order"),
     [
-        *product(("disk", "periodic", "three"), ("coupled", "elastic"), ({}, DAMPED), (4,)),
+        *product(("disk", "three"), ("coupled",), (DAMPED,), (4,)),
+        *product(("disk", "three", "periodic"), ("elastic",), ({},), (4,)),
+        ("periodic", "elastic", DAMPED, 4),
         *(
             pytest.param(shape, "coupled", DAMPED, order, marks=pytest.mark.long)
             for shape, order in product(("disk", "periodic"), (2, 6, 8))
@@ -226,14 +225,16 @@ def test_prestress(heat, monkeypatch):
     [("line", STICKING, {}), ("panel", SLIPPING, DAMPED), ("three", ELASTIC, {})],
 )
 def test_tiles(shape, both, damping, monkeypatch):
-    """Each block is cut along all axes: a gas in two or three tiles along the first axis, with two
-    rows each in three dimensions, whose third axis has no tiles; a solid likewise.
+    """The same bits where each block is cut along all axes: a gas in two or three tiles along the
+    first axis, with two rows each in three dimensions, whose third axis has no tiles; a solid too.
     """
+    *_, whole = check(shape, both, 4, **damping)
     cut = 8 if shape == "line" else 4
     monkeypatch.setattr(gas_volume, "TILES", dict.fromkeys((1, 2, 3), cut))
     monkeypatch.setattr(gas_volume, "DEPTH", 2)
     monkeypatch.setattr(solid_work, "TILES", ((7, 1), (5, 1), (5, 4)))
-    check(shape, both, 4, **damping)
+    *_, found = check(shape, both, 4, **damping)
+    np.testing.assert_equal(found, whole)
 
 
 def wobbling(size, phase):
@@ -345,15 +346,7 @@ def test_two_gases(end):
 
 
 @pytest.mark.parametrize(
-    ("shape", "order"),
-    [
-        *product(("disk",), NODES),
-        *product(("ring", "square", "panel"), (4,)),
-        *(
-            pytest.param(shape, order, marks=pytest.mark.long)
-            for shape, order in product(("ring", "square", "panel"), (2, 6, 8))
-        ),
-    ],
+    ("shape", "order"), [("disk", 2), ("disk", 8), ("square", 4), ("square", 6), ("ring", 4)]
 )
 def test_a_uniform_flow_stays(shape, order):
     """Through all blocks of a shape, turned, joined by three and four, on grids that move, with
@@ -389,22 +382,13 @@ def test_pressures_of_solids():
     check("line", (STICKING[0], Solid("log", kappa=0.05, gruneisen=1.2)), 4)
 
 
-class Constraints(NamedTuple):
-    A: np.ndarray
-    x: np.ndarray
-    size: np.ndarray
-
-
 def test_constraints_that_others_imply_get_no_force():
-    def solve(of):
-        eliminate(of.x.shape[0], of.A, of.x, of.size)
+    def solve(A, x, size):
+        eliminate(x.shape[0], A, x, size)
 
     n = np.array([[1.0, 0.0], [0.6, 0.8], [0.3, 0.4 + 1e-12]])
     A, x = n @ n.T, n @ np.array([2.0, 3.0])
     found = x.copy()
-    code = Code(unit({}, []))
-    call = code.procedure("solve", solve, Constraints(A.copy(), found, np.zeros(3)))
-    code.load(build.loaded(build.keep(build.name_of(code.text), build.made(code.text))))
-    call()
+    recorded(solve, A.copy(), found, np.zeros(3))()
     assert found[2] == 0.0 and np.abs(found).max() < 10.0
     assert np.allclose(A @ found, x, rtol=0.0, atol=1e-9)

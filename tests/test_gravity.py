@@ -61,10 +61,9 @@ def growth(oracle, rates):
 @pytest.mark.parametrize(
     ("shape", "order", "options"),
     [
-        *product(("line", "periodic"), (2, 4), ({}, SMOOTH, DAMPED, LINKED)),
-        *product(("line",), (6, 8), ({}, DAMPED)),
-        ("square", 4, {}),
-        ("disk", 6, DAMPED),
+        *product(("line",), (2, 4, 6, 8), ({}, DAMPED)),
+        *product(("periodic",), (4,), (SMOOTH, LINKED)),
+        ("disk", 4, DAMPED),
         ("three", 2, DAMPED),
     ],
 )
@@ -74,8 +73,7 @@ def test_rates_are_the_oracles(shape, order, options):
     flat.check(shape, both, order, size=0.2, **options)
 
 
-@pytest.mark.parametrize("centre", ["", "gas"])
-@pytest.mark.parametrize("options", [{}, SMOOTH, DAMPED], ids=str)
+@pytest.mark.parametrize(("centre", "options"), [("", SMOOTH), ("gas", {}), ("gas", DAMPED)])
 def test_rates_around_an_axis(centre, options, monkeypatch):
     monkeypatch.setattr(flat, "check_sums", lambda *of_a_problem_without_force: None)
     both = Gas(force=(0.4, 0.0)), Solid("log", force=(0.4, 0.0))
@@ -85,7 +83,8 @@ def test_rates_around_an_axis(centre, options, monkeypatch):
 @pytest.mark.parametrize(
     ("shape", "order", "options", "numbers"),
     [
-        *product(("line", "disk"), (2, 4, 6, 8), ({}, DAMPED), ({},)),
+        *product(("line",), (2, 4, 6, 8), ({}, DAMPED), ({},)),
+        *product(("disk",), (2, 8), (DAMPED,), ({},)),
         ("square", 4, SMOOTH, STIFFENED),
         ("square", 4, LINKED, STIFFENED),
         ("ring", 4, DAMPED, {"mu": 0.02, "kappa": 0.03}),
@@ -109,33 +108,6 @@ def test_rest_around_an_axis():
     assert np.abs(rates[1:]).max() < 1e-12
 
 
-@pytest.mark.parametrize("d", [1, 2])
-def test_what_auto_stands_for_keeps_rest(d):
-    f = np.array(FORCES[d])
-
-    def still(*X):
-        rho = np.exp(sum(map(np.multiply, f, X)))
-        return [rho, *np.zeros((d, *X[0].shape)), 1.0 + 0.0 * rho]
-
-    shape = {"gas": flat.shapes.box((0.0,) * d, (1.0,) * d, *[9] * d)}
-    gas = Fluid(0.0, 0.0, 1.4, 1.0, force=tuple(f))
-    problem = problem_of(shape, {"gas": Slip()}, gas, None, gas={"initial": still})
-    with Steps(problem, 4, BlockForm()) as run:
-        run.step(1e-2, 3)
-        fields = run.fields(0)
-        assert run.invariants["potential"]
-    assert np.abs(fields[:, 1 : 1 + d]).max() < 1e-13
-
-
-def test_the_divergence_form_keeps_rest_to_its_order():
-    """So that what is tested above is no matter of course; the force is there."""
-    found = []
-    for nodes in (12, 24):
-        oracle = flat.made(flat.shapes.line(nodes), gas_in(1), None, 4, form="divergence")
-        found.append(growth(oracle, Engine(oracle).rates(at_rest(oracle, noise=0.0))))
-    assert 1e-6 < found[1] < 0.4 * found[0] < 0.1
-
-
 @pytest.mark.parametrize("order", [2, 4, 6])
 def test_small_motions_do_not_grow(order):
     """In a column, whose force is made node by node by the divergence form, they do."""
@@ -157,12 +129,14 @@ def test_small_motions_do_not_grow(order):
     assert order > 2 or fastest("divergence") > 1e-4
 
 
-@pytest.mark.parametrize("options", [{}, SMOOTH, DAMPED, LINKED], ids=str)
 @pytest.mark.parametrize(
-    ("shape", "order", "numbers"),
-    [("line", 8, {}), ("line", 4, STIFFENED), ("square", 4, {}), ("three", 2, STIFFENED)],
+    ("shape", "order", "numbers", "options"),
+    [
+        *(("line", 4, STIFFENED, options) for options in ({}, SMOOTH, DAMPED, LINKED)),
+        *(("line", 8, {}, {}), ("square", 4, {}, DAMPED), ("three", 2, STIFFENED, {})),
+    ],
 )
-def test_energy_stays_with_potential_energy(shape, order, options, numbers):
+def test_energy_stays_with_potential_energy(shape, order, numbers, options):
     """At random states of a gas whose grid is at rest; entropy stays, or grows by dissipation."""
     d = dimension(shape)
     oracle = flat.made(shape_of(shape, order), gas_in(d, **numbers), None, order, **options)
@@ -179,8 +153,7 @@ def test_energy_stays_with_potential_energy(shape, order, options, numbers):
         assert abs(found["entropy"]) < 1e-13 * size
 
 
-@pytest.mark.parametrize("order", [2, 4])
-@pytest.mark.parametrize("d", [1, 2])
+@pytest.mark.parametrize(("d", "order"), [(1, 2), (2, 4)])
 def test_a_solid_carries_the_gas(d, order):
     """And its own weight: both are at rest exactly, as the stress of the solid is linear."""
     n, m0, T = flat.NODES[order], 2.0, 0.9
@@ -233,8 +206,7 @@ def test_ledgers(convection):
     assert (abs(change + work) < exact) == (convection == "entropy")
 
 
-@pytest.mark.parametrize("heat", ["elastic", "coupled"])
-@pytest.mark.parametrize("d", [1, 2])
+@pytest.mark.parametrize(("d", "heat"), [(1, "coupled"), (2, "elastic")])
 def test_a_solid_that_falls(d, heat):
     shape = {"solid": flat.shapes.box((0.0,) * d, (1.0,) * d, *[7] * d)}
     problem = problem_of(shape, {"solid": Free()}, None, solid(d, heat, -0.8))

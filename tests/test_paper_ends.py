@@ -1,15 +1,13 @@
 """Ends in the paper's method: beside a gas no mode grows; a right end is a left one in a mirror."""
 
-from functools import cache, lru_cache
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from recorded import recorded
 
 from fsipetsc.boundaries import Dirichlet, Open, absorbing, clamped, free
-from fsipetsc.kernels import build
-from fsipetsc.kernels.procedure import Code
-from fsipetsc.kernels.unit import unit
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.power_law import ConstantTransport
@@ -47,16 +45,7 @@ def compiled(function, law, layer, q, order, facts):
     """The procedure for these points of a layer, and its part. facts: what its ends are."""
     records = np.array([layer], RECORD)
     part = Part(stencils(order), facts, law, records, q, q, np.zeros((2, 2)))
-    code = Code(unit({}, []))
-    found = code.procedure("ends", function, part)
-    name = build.name_of(code.text)
-    code.load(loaded(name, code.text))
-    return found, part
-
-
-@cache
-def loaded(name, text):
-    return build.loaded(build.kept(name) or build.keep(name, build.made(text)))
+    return recorded(function, part), part
 
 
 #: a gas with rho = c = T = 1, on N points with h = 1

@@ -5,13 +5,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from recorded import recorded
 
 from fsipetsc.errors import InputError
-from fsipetsc.kernels import build
 from fsipetsc.kernels.loops import each, number, otherwise, pick, stop, variable, when, whole
-from fsipetsc.kernels.procedure import Code
 from fsipetsc.kernels.symbols import exact
-from fsipetsc.kernels.unit import unit
 
 
 class Inner(NamedTuple):
@@ -24,13 +22,6 @@ class Part(NamedTuple):
     at: Any
     first: int
     doubles: bool
-
-
-def made(function, *records):
-    code = Code(unit({}, []))
-    found = code.procedure("procedure", function, *records)
-    code.load(build.loaded(build.keep(build.name_of(code.text), build.made(code.text))))
-    return found
 
 
 def part(doubles=True, n=5):
@@ -55,7 +46,7 @@ def test_loops_reads_and_stores():
         wanted = y.copy()
         for m in range(3):
             wanted[1 + 3 * m : 4 + 3 * m] += 0.5 * of.inner.table[of.at[m]]
-        made(scatter, of)(y)
+        recorded(scatter, of)(y)
         assert np.array_equal(y, (2.0 if doubles else 1.0) * wanted)
 
 
@@ -77,7 +68,7 @@ def test_branches_variables_and_reading_again():
         y[-2] = number(part.at[whole(often.value) - 4])
 
     y = np.array([2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0])
-    made(count, part())(y)
+    recorded(count, part())(y)
     assert y.tolist() == [54.0, 4.0, -4.0, -5.0, 6.0, 7.0, 4.0, 7 % 3]
 
 
@@ -97,7 +88,7 @@ def test_fields_of_records_and_parts_of_arrays():
                 row[1:] = known.facts[p].mass
 
     rows = np.zeros((3, 4))
-    made(weigh, Known(facts, rows))()
+    recorded(weigh, Known(facts, rows))()
     assert rows[:, 0].tolist() == [0, 0, 0] and rows[:, 3].tolist() == [1.5, 0, 3.5]
 
 
@@ -107,7 +98,7 @@ def test_the_text_knows_kinds_alone():
         for i in each(part.inner.table.shape[0]):
             part.inner.table[i, part.first] *= 2.0
 
-    texts = {made(double, part(n=n)._replace(first=f)).text for n in (3, 5) for f in (0, 2)}
+    texts = {recorded(double, part(n=n)._replace(first=f)).text for n in (3, 5) for f in (0, 2)}
     assert len(texts) == 1
 
 
@@ -121,7 +112,7 @@ def test_exact_sums_are_not_fused():
             y[2] = a[1, 1] * a[1, 2] + y[i]
             y[3] = y[i] + exact(a[0, 1] * a[1, 1])
 
-    text = made(mean, part()).text
+    text = recorded(mean, part()).text
     assert text.count("fma") == 1
     assert exact(2.0) == 2.0 and exact((1.0, 2.0)) == (1.0, 2.0)
 
@@ -137,7 +128,7 @@ def test_what_cannot_be_recorded_is_refused_with_its_line():
 
     for function in (branches, counts):
         with pytest.raises(InputError, match=rf"{function.__name__}, .*test_procedures.py:\d+"):
-            made(function, part())
+            recorded(function, part())
 
 
 def test_facts_are_known_and_fields_of_records_are_set():
@@ -159,7 +150,7 @@ def test_facts_are_known_and_fields_of_records_are_set():
 
     rows = np.zeros(2, [("first", np.int64), ("data", float, (2,)), ("place", float)])
     rows["data"], y = 3.0, np.zeros(2)
-    found = made(shift, Layer(Facts((1.5, 2.5)), rows))
+    found = recorded(shift, Layer(Facts((1.5, 2.5)), rows))
     found(y)
     assert y.tolist() == [1.5, 2.5] and "1.5" in found.text
     assert rows["first"].tolist() == [0, 1] and rows["place"].tolist() == [0.0, 1.5]
@@ -174,7 +165,7 @@ def test_what_ends_before_the_end():
         y[-2:] = 7.0
 
     y = np.arange(5.0)
-    made(shift, part())(y)
+    recorded(shift, part())(y)
     assert np.array_equal(y, [0.0, 2.0, 4.0, 7.0, 7.0])
 
 
@@ -186,7 +177,7 @@ def test_arrays_and_loops_that_c_would_take_wrongly():
             break
 
     with pytest.raises(ValueError, match="break or return within a loop"):
-        made(first, part())
+        recorded(first, part())
     for kind in (np.float32, np.int32, bool):
         with pytest.raises(TypeError, match="float64 and int64"):
-            made(lambda of, y: None, Part(Inner(np.zeros((2, 3)), 0.5), np.zeros(3, kind), 1, True))
+            recorded(lambda of, y: None, part()._replace(at=np.zeros(3, kind)))

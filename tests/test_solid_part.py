@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from mpi4py import MPI
+from recorded import recorded
 
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blocks.block import Block
@@ -14,9 +15,6 @@ from fsipetsc.blocks.maps import rectangle
 from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.blocks.values import prestress_of
 from fsipetsc.errors import InputError
-from fsipetsc.kernels import build
-from fsipetsc.kernels.procedure import Code
-from fsipetsc.kernels.unit import unit
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.scheme.solid_monitor import note_ends
@@ -76,10 +74,8 @@ def test_what_is_recorded_of_an_end_in_one_dimension(heat):
     solid, S = ElasticSolid(**NUMBERS, law="log", heat=heat).equations(1), 0.3
     stored = (solid.law.energy((1.1,)) + S * 0.1) / 1.7 if heat == "elastic" else 0.0
     part = Ends(solid, np.array([[1.1]]), np.array([[1.0, 0.0, 2.0, S]]))
-    found, code = np.zeros((4, 2)), Code(unit({}, []))
-    call = code.procedure("ends", note_at, part, At(found))
-    code.load(build.loaded(build.keep(build.name_of(code.text), build.made(code.text))))
-    call(np.array([0.05, 0.2, 0.6 * 1.5 + 0.02 + stored]))
+    found = np.zeros((4, 2))
+    recorded(note_at, part, At(found))(np.array([0.05, 0.2, 0.6 * 1.5 + 0.02 + stored]))
     wanted = [2.05, 0.2, solid.law.stress((1.1,))[0] + S, 1.5]
     np.testing.assert_allclose(found.T, [np.zeros(4), wanted], rtol=1e-13)
 
