@@ -74,22 +74,11 @@ def slab() -> BlockProblem:
         return T0 + t * X
 
     walls = {(0, 0): NoSlip(T=hot), (0, 1): NoSlip(x=lambda X, Y, t: (X, Y + np.sin(t)))}
-    return layers(
-        Layer(
-            "panel",
-            stiff,
-            (0.0, 0.1),
-            at_rest,
-            cells=8,
-            span=[(0.2, 0.8)],
-            sides=conditions.Clamped(),
-        ),
-        Layer("air", air, (0.1, 1.0), still, sides=walls, beside=NoSlip(slip_length=0.1)),
-        along=[(0.0, 1.0)],
-        h=0.1,
-        lower=Free(lambda X, Y, t: P0 + t),
-        upper=conditions.Open(1.0, (0.0, 0.0), T0, order=1),
-    )
+    held, way = conditions.Clamped(), [(0.2, 0.8)]
+    panel = Layer("panel", stiff, (0.0, 0.1), at_rest, cells=8, span=way, sides=held)
+    gas = Layer("air", air, (0.1, 1.0), still, sides=walls, beside=NoSlip(slip_length=0.1))
+    lower, upper = Free(lambda X, Y, t: P0 + t), conditions.Open(1.0, (0.0, 0.0), T0, order=1)
+    return layers(panel, gas, along=[(0.0, 1.0)], h=0.1, lower=lower, upper=upper)
 
 
 def every(path: str) -> BlockProblem:

@@ -63,13 +63,20 @@ def driven() -> list[Problem]:
     stopped = Wall(lambda t: np.where(t < 1.0, t, 1.0))
     filled = fsi.Dirichlet(0.0, lambda t: (1.0, t, T0))
     starts = piston, stopped, filled, fsi.Open(0.0, P0, T0)
-    ends = (
-        fsi.clamped(lambda t: np.sin(t)),
-        fsi.free(-P0, T=T0),
-        fsi.absorbing(heat_flux=1.0),
-        fsi.clamped(),
-    )
+    driven, pressed = fsi.clamped(lambda t: np.sin(t)), fsi.free(-P0, T=T0)
+    ends = driven, pressed, fsi.absorbing(heat_flux=1.0), fsi.clamped()
     return [Problem([gas, solid], start, end, notes=["driven"]) for start, end in zip(starts, ends)]
+
+
+def drift(case: Problem) -> float:
+    """Of the energy in a run: the functions for runs and results."""
+    try:
+        with fsi.run(case, order=4, h=0.1, output="a.h5") as run:
+            hottest: float = run.layers[0]["T"].max()
+            print(run.case, hottest, run.summary["steps"], fsi.compare("b.h5", run.path).equal)
+            return float(np.ptp(run.series["energy"]))
+    except fsi.InputError as error:
+        return error.status
 
 
 def wrong() -> None:
