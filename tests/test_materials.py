@@ -123,21 +123,22 @@ SOLID = {"mu_e": 1.3, "lambda_e": 2.1, "kappa_e": 0.0, "m0": 1.7, "alpha": 0.6}
 LOG = ElasticSolid(**SOLID).solid_law
 
 
+class Doubtful(NamedTuple):
+    """A law of numbers of its own, one of whose formulas is wrong."""
+
+    R: float
+
+    def viscosity(self, T):
+        return T, self.R
+
+    def conductivity(self, T):
+        return T
+
+
 def elastic(stress=lambda F: LOG.stress(F), **energy):
     """A law in two dimensions."""
     made = ElasticSolid(**SOLID, law=solid_law(stress=stress, **energy), heat="elastic")
     return made.equations(2).law
-
-
-def fastest(F):
-    """m0 c^2 of the fastest wave of LOG in any direction, by differences of the stress."""
-    bumps = 1e-5 * np.eye(4)
-    slopes = [np.subtract(LOG.stress(tuple(F + e)), LOG.stress(tuple(F - e))) / 2e-5 for e in bumps]
-    tensor = np.transpose(slopes).reshape(2, 2, 2, 2)
-    angles = np.linspace(0.0, np.pi, 181)
-    normals = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    acoustic = np.einsum("ijkl,nj,nl->nik", tensor, normals, normals)
-    return np.linalg.eigvals(acoustic).real.max()
 
 
 def test_functions_as_laws_are_the_built_in_ones():
@@ -151,7 +152,6 @@ def test_functions_as_laws_are_the_built_in_ones():
     own = elastic(energy=lambda F: LOG.energy(F))
     for F in (1.0, 0.0, 0.0, 1.0), (1.1, 0.05, -0.08, 0.95), (0.7, -0.3, 0.2, 1.3):
         assert (own.stress(F), own.energy(F)) == (LOG.stress(F), LOG.energy(F))
-        assert (1.0 - 1e-6) * fastest(F) <= own.wave_modulus(F) <= 1.6 * fastest(F)
 
 
 def test_the_form_of_convection():
@@ -227,6 +227,7 @@ WRONG = {
     "G_0 is 1, s is 0.2: expected G_0 of at most 4 s": lambda: mie_gruneisen(1.0, 0.2, 1.0, 300.0),
     "sutherland: S is -111: expected a number not below 0": lambda: sutherland(273.0, -111.0),
     "gruneisen is 1 beside pressing": lambda: Solid(**ROCK, gruneisen=1.0, pressing=MIE),
+    ": it returns a tuple of 2": lambda: Fluid(1.0, 1.0, 1.4, 1.0, transport=Doubtful(1.0)),
     "Fluid: transport": lambda: Fluid(1.0, 1.0, 1.4, 1.0, transport=MIE),
     "Fluid: force[0] is None: expected a number": lambda: Fluid(1.0, 1.0, 1.4, 1.0, force=None),
 }

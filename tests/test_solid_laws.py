@@ -108,6 +108,7 @@ OWN = solid_law(stress=lambda F: solid(p_ref=P_REF).solid_law.stress(F))
 MATERIALS = [
     *((name, None, "coupled") for name in LAWS),
     *(("log", p, heat) for p in PRESSURES for heat in ("coupled", "elastic")),
+    (OWN, None, "coupled"),
 ]
 
 
@@ -143,7 +144,8 @@ def test_no_wave_is_faster_than_the_modulus_says(law, pressing, heat, d):
             of_law = np.reshape(equations.acoustic_tensor(flat(F), T, tuple(n)), (d, d))
             assert np.abs(of_law - 0.5 * (exact + exact.T)).max() < 1e-8 * bound
     if not pressing:  # not far too large: steps would be far too short
-        assert max(ratios) < 3.5
+        assert max(ratios) < (2.0 if law is OWN and d < 3 else 3.5)
+    if law in LAWS and not pressing:
         unit = equations.wave_modulus_at(flat(np.eye(d)), T)
         assert unit == pytest.approx(2.0 * MU + LAMBDA, rel=1e-14)
 

@@ -36,13 +36,9 @@ def found_in(F, law="svk", T=1.0, **more):
     return next(imaginary(part, None), None)
 
 
-def stretched(stretch, d=1, across=1.0, turned=0.0):
-    """F of one node: stretched along the first axis, all turned afterwards."""
-    F = np.diag([stretch, *[across] * (d - 1)])
-    c, s = np.cos(turned), np.sin(turned)
-    R = np.eye(d)
-    R[:2, :2] = np.reshape([c, -s, s, c], (2, 2))[:d, :d] if d > 1 else 1.0
-    return [R @ F]
+def stretched(stretch, d=1):
+    """F of one node: stretched along the first axis."""
+    return [np.diag([stretch, *[1.0] * (d - 1)])]
 
 
 @pytest.mark.parametrize("heat", ["coupled", "elastic"])
@@ -53,15 +49,6 @@ def test_st_venant_kirchhoff_ends_at_one_over_the_root_of_three(heat):
     found, K = found_in(bad, heat=heat), 2.0 * MU + LAMBDA
     assert found.values[0] == pytest.approx(0.9999 / np.sqrt(3.0))
     assert found.order == pytest.approx(K * (0.9999**2 - 1.0) / 2.0, rel=1e-3)
-
-
-@pytest.mark.parametrize("d", [2, 3])
-def test_a_solid_that_is_turned_has_the_same_waves(d):
-    for stretch in (0.4, 0.6, 0.72, 0.8, 1.4):
-        one, other = (found_in(stretched(stretch, d, turned=turned)) for turned in (0.0, 0.7))
-        assert (one is None) == (other is None) == (stretch > 0.75)
-        if one:
-            assert one.order == pytest.approx(other.order, rel=1e-6)
 
 
 def test_a_law_ends_where_its_formula_says():
@@ -77,6 +64,8 @@ def test_a_law_ends_where_its_formula_says():
     for law in ("log", "linear"):
         assert all(found_in(stretched(c), law) is None for c in (0.01, 0.3, 3.0, 50.0))
     assert found_in([np.eye(2)] * 4) is None
+    worst = np.linspace(0.57, 0.55, AT_ONCE + 3)
+    assert found_in(worst.reshape(-1, 1, 1)).number == worst.size - 1
 
 
 def test_the_pressure_of_a_solid_is_part_of_its_waves():
@@ -110,6 +99,7 @@ def test_waves_in_any_direction_are_looked_at(d):
         if np.linalg.det(F) > 0.0 and abs(least) > 0.03:
             both[int(least < 0.0)] += 1
             assert (found_in([F]) is not None) == (least < 0.0), (F, least)
+            assert (found_in([np.linalg.qr(N[:d])[0] @ F]) is None) == (least > 0.0), "turned"
     assert min(both) > 5
 
 
