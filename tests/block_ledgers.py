@@ -89,9 +89,7 @@ def bent(*X):
 
 
 def conditions_of(blocks, faces):
-    """Conditions of the faces that no other one meets, by their middles. faces: condition by (name,
-    axis, side), (kind, axis, side), (kind, axis) or kind, which is the first word of a name.
-    """
+    """Of faces that meet no other; faces: by (name, axis, side), (kind, axis, …) or kind."""
     sides = [
         (b, k, s) for b in blocks for k in range(b.dimension) if not b.periodic[k] for s in (0, 1)
     ]
@@ -106,9 +104,7 @@ def conditions_of(blocks, faces):
 
 
 def problem_of(shape, faces, fluid, plate, points=(), **options):
-    """A problem on a shape of block_shapes; faces: see ``conditions_of``. options: of blocks of gas
-    and of solids; jumps.
-    """
+    """On a shape of block_shapes; options: of blocks of gas and of solids; jumps."""
     blocks = []
     for name, (X, _) in shape.items():
         kind = name.split()[0]

@@ -1,7 +1,6 @@
-"""Shapes of blocks, as arrays of nodes: what tests of the scheme of blocks are made on.
+"""Shapes of blocks as arrays of nodes: {name: (X, periods)}, X (d, n_1, ..., n_d).
 
-Each function returns {name: (X, periods)}, X (d, n_1, ..., n_d), and what is gas or solid follows
-from the name's first letter. n: nodes along most axes.
+What is gas or solid follows from the name's first letter; n: nodes along most axes.
 """
 
 import numpy as np
@@ -82,9 +81,7 @@ def turned(X, turns):
 
 
 def disk(n):
-    """A solid disk of five blocks, axes turned against each other, and four of gas between it and a
-    square box.
-    """
+    """A solid disk of five blocks, axes turned, and four of gas between it and a square box."""
     a = 0.45
     (t, _), (x, y) = box((0, 0), (1, 1), n, n)[0], box((-a, -a), (a, a), n, n)[0]
     bulge = 0.25 * np.array([x * (1 - (y / a) ** 2 / 2), y * (1 - (x / a) ** 2 / 2)])
@@ -116,9 +113,7 @@ def three(n):
 
 
 def skewed(xi):
-    """Wavy places, periodic with the period 1 in xi_1, ..., and the vectors of the periods, which
-    are not at right angles.
-    """
+    """Wavy places with the period 1 in xi_1, ..., and the periods, not at right angles."""
     P = np.eye(len(xi)) + 0.2 * np.roll(np.eye(len(xi)), 1, axis=0)
     return np.einsum("kc,k...->c...", P, xi) + 0.03 * np.sin(2 * np.pi * (xi - xi[::-1])), P
 

@@ -1,7 +1,6 @@
-"""Three gases of different laws with solids between them, at one pressure and at rest, between
-walls of given temperatures: perfect | bar 1 | liquid | bar 2 | own. Each layer has the length 1.
+"""Three gases of different laws with solids between them, at one pressure and at rest.
 
-Where all conduct, the flux of heat q is the same everywhere, and T is linear in each layer.
+Each layer has the length 1. Where all conduct, T is linear in each, with one flux of heat.
 """
 
 import numpy as np

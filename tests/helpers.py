@@ -75,8 +75,7 @@ def mpirun(n: int, *args: object, cwd: Place = None) -> Done:
 
 
 def solve(*args: object, cwd: Place = None, ranks: int = 1) -> Done:
-    """What `mpiexec -n RANKS python -m fsipetsc *args` would do, by ranks that are there already.
-    For what is about processes, streams or the environment there are run and mpirun."""
+    """`python -m fsipetsc *args` by ranks that are there; run, mpirun: processes of their own."""
     words = list(map(str, args))
     (answer,) = KEPT.do(ranks, Path(cwd or "").resolve(), environment(), [words])
     return Done(words, *answer)
@@ -85,8 +84,7 @@ def solve(*args: object, cwd: Place = None, ranks: int = 1) -> Done:
 def compute(
     n: int, directory: Path, runs: Mapping[str, tuple[str, str]]
 ) -> dict[str, fsipetsc.Run]:
-    """Run cases on n ranks: name -> (case, options) gives name -> opened result, NAME.h5 in
-    `directory`. AssertionError where one ends with an error."""
+    """name -> (case, options) gives name -> opened result, NAME.h5 in `directory`."""
     directory.mkdir(parents=True, exist_ok=True)
     lines = [
         [case, *text.split(), "-fsi_quiet", "-fsi_output", f"{name}.h5"]
@@ -106,8 +104,7 @@ def computed(folder: Path, name: str, *words: object, ranks: int = 1) -> fsipets
 
 
 def on_ranks(folder: Path, line: str, *ranks: int) -> fsipetsc.Run:
-    """The result of a command line on the first number of ranks; on the others its fields and steps
-    are the same."""
+    """A result on the first number of ranks; on the others fields and steps are the same."""
     one, *others = (computed(folder, f"{n}.h5", *line.split(), ranks=n) for n in ranks)
     for other in others:
         assert_same_fields(one, other)

@@ -28,8 +28,7 @@ class KeptRanks:
     def do(
         self, ranks: int, folder: Path, environment: Mapping[str, str], lines: Sequence[list[str]]
     ) -> list[Answer]:
-        """What comes of command lines on the first so many ranks.
-        AssertionError where a rank has ended, or the ranks do not agree in the status."""
+        """What comes of command lines on the first ranks. AssertionError if a rank ended."""
         try:
             if self._process is None:
                 command = ["mpiexec", "-n", str(MOST), sys.executable, __file__]

@@ -59,9 +59,7 @@ def killed(folder: Path, words: list[str], ranks: int, place: list) -> str:
 
 
 def cycles(folder: Path, case: str, kills: list[tuple[int, list]]) -> list[str]:
-    """Kill a run at these places, let it end, and compare; what was done, up to the kill before
-    which the run ended. AssertionError.
-    """
+    """Kill a run at these places, let it end, compare; what was done, up to its end."""
     line, steps = RUNS[case]
     computed(folder, "whole.h5", *line.split())
     words = [*line.split(), "-fsi_restart", "auto", "-fsi_checkpoint_steps", str(steps)]

@@ -1,5 +1,4 @@
-"""Makes run after run in one process, as a notebook would: RUNS, JSON, a list of [exit status,
-arguments]. Prints, as JSON, what is not as expected or has changed in the process."""
+"""Runs in one process, RUNS: JSON of [status, arguments]; prints what is not as expected."""
 
 import contextlib
 import gc

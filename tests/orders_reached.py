@@ -56,12 +56,9 @@ BEHIND = BEFORE * (GAMMA - 1 + 2 / MACH**2) / (GAMMA + 1)
 
 
 def shock(X, t):
-    """With w the velocity seen from the shock, and 4/3 mu c_p = kappa,
-
-        c_p T + w^2/2 = const,    4/3 mu w w_x = (gamma + 1)/(2 gamma) m (w - w_1)(w - w_2),
-
-    so x follows from w; w = w_2 + (w_1 - w_2)/(1 + exp(-z)) is found by bisection in z.
-    """
+    """With w = u seen from the shock, 4/3 mu c_p = kappa: c_p T + w^2/2 is constant, and
+    4/3 mu w w_x = (gamma + 1)/(2 gamma) m (w - w_1)(w - w_2), solved by bisection in z where
+    w = w_2 + (w_1 - w_2)/(1 + exp(-z))."""
     place = 0.75 + BEFORE * t - np.asarray(X, float)
     length = 8 / 3 * MU * GAMMA / ((GAMMA + 1) * BEFORE) / (BEFORE - BEHIND)
     low, high = np.full(place.shape, -300.0), np.full(place.shape, 300.0)

@@ -1,8 +1,7 @@
-"""Light and heavy, soft and stiff solids between two gases: which couplings and grids are stable.
+"""Light and heavy, soft and stiff solids between gases: which couplings and grids are stable.
 
-A sound pulse in one of two closed gases around an elastic solid, of an amplitude at which all is
-linear. A run counts as stable if it comes to its end and no velocity in its second half is larger
-than in its first. Called by scripts/soak: ratios.py [ORDER ...] [COUPLING ...].
+A sound pulse of small amplitude. Stable: the run ends, no velocity in its second half is larger
+than in its first. scripts/soak calls ratios.py [ORDER ...] [COUPLING ...].
 """
 
 import sys

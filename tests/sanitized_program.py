@@ -1,6 +1,6 @@
-"""What sanitizers watch in tests/test_sanitize.py: gas and solid in two dimensions with all that
-faces and particles need, and the paper's method in one. Or, called with the word beyond, a number
-that is stored behind an array."""
+"""What test_sanitize.py watches: gas and solid in a plane, the paper's method; or, with the word
+beyond, a number that is stored behind an array.
+"""
 
 import sys
 

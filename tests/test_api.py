@@ -161,9 +161,7 @@ def test_what_is_public_is_there_and_told():
 
 
 def test_round_off_is_told_beside_what_has_its_unit():
-    """A component that is 0 beside the others of its vector, a loss beside the energy; either
-    result may be the larger one; times have scales of their own.
-    """
+    """Components that are 0 beside the others, a loss beside the energy; times have own scales."""
     names = "u", "v", "T"
     times, found = np.array([0.0]), []
     for name, pair in zip(names, ((2.0, 3.0), (1e-17, -1e-17), (300.0, 299.0)), strict=True):
@@ -175,8 +173,7 @@ def test_round_off_is_told_beside_what_has_its_unit():
 
 
 def test_what_is_at_rest_is_compared_with_what_makes_its_unit():
-    """Velocities that are round-off with sqrt(p/rho), an impulse with sqrt(m E); small ones with
-    themselves."""
+    """Velocities that are round-off with sqrt(p/rho), an impulse with sqrt(m E)."""
     times, found = np.array([0.0]), []
     pairs = {"gas: p": 4.0, "gas: rho": 1.0, "gas: u": 1e-17, "rod: u": 1e-9, "rod: s_xx": 1e-16}
     pairs |= {"mass": 4.0, "energy": 9.0, "impulse_x": 1e-17}

@@ -1,7 +1,4 @@
-"""The same bits whatever compiles the kernels: flags, instruction sets, compilers, numpy's loops.
-
-And how many libraries there are: none for other numbers, sizes and ranks.
-"""
+"""The same bits and libraries with any flags, compiler, numpy's loops, numbers, sizes and ranks."""
 
 import os
 import shlex

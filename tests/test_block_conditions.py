@@ -106,9 +106,7 @@ def wall(phase, size):
 
 @pytest.mark.parametrize("order", [4, pytest.param(8, marks=pytest.mark.long)])
 def test_volumes_stay_those_of_the_grid(order):
-    """100 periods of two walls that wobble leave J = det D x to the error of Runge and Kutta's
-    method: in a period that of Simpson's rule for a smooth function, which is none.
-    """
+    """Over 100 periods of walls that wobble: Simpson's error for a periodic function is none."""
     gas, square, cells = Fluid(0.0, 0.0, 1.4, 1.0), rectangle((0, 0), (1, 1)), (2 * order,) * 2
     block = Block("gas", gas, square, cells, lambda X, Y: (1.0, 0.0, 0.0, 1e-3))  # cold
     sides = {("gas", 0, side): Slip() for side in (0, 1)}
@@ -128,8 +126,7 @@ def test_volumes_stay_those_of_the_grid(order):
     [(0.1, 0.0, 1, 0.0), (1e-3, 1e-3, 0, 0.0), (1e-3, 2e-3, 1, 0.3)],
 )
 def test_sound_leaves_on_both_sides(amplitude, mu, of_open, mach):
-    """What is left of a pulse, of which one half leaves at each end; viscosity is left by order 0
-    of the ends (1.2e-3 here), not by order 1. Gas may flow in on the left, out on the right."""
+    """Viscosity is left by order 0 of the ends, not by order 1; gas may flow through."""
     u = mach * SOUND
 
     def pulse(X):
@@ -147,9 +144,7 @@ def test_sound_leaves_on_both_sides(amplitude, mu, of_open, mach):
 
 
 def linearised(order, mach, mu, n):
-    """The rates between two open ends about a uniform flow of density, pressure and temperature 1,
-    with respect to what is kept of the state.
-    """
+    """The rates between two open ends about a uniform flow, with respect to the state."""
     u = mach * SOUND
     gas, ends = Fluid(mu, mu * 3.5 / 0.72, 1.4, 1.0), (Open(1.0, (u,), 1.0, 1),) * 2
     with Steps(slab(gas, lambda X: [1 + 0 * X, u + 0 * X, 1 + 0 * X], ends, n), order) as run:
@@ -167,9 +162,7 @@ def linearised(order, mach, mu, n):
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("mach", [0.0, 0.1, 0.3, 0.9, 1.5])
 def test_no_mode_grows_between_open_ends_of_first_order(order, mach):
-    """About a uniform flow; at 3 and 10 the viscosity over c h is far beyond what is resolved. A
-    layer of heat beside an end, alpha / a wide, is resolved by 128 cells.
-    """
+    """At 3 and 10 the viscosity is far beyond what is resolved; 128 cells resolve its layer."""
     for n, nu in ((32, 0.01), (32, 0.3), (32, 3.0), (32, 10.0), (128, 3.0)):
         rates = linearised(order, mach, 0.75 * nu * SOUND / n, n)
         growing = np.linalg.eigvals(rates).real.max() / (n * SOUND)

@@ -1,6 +1,4 @@
-"""What comes in through faces and by forces is booked as it comes, at the face where it does: the
-integrals change by just that.
-"""
+"""What comes in through faces and by forces is booked where and as it comes."""
 
 import block_shapes as shapes
 import numpy as np
@@ -27,9 +25,7 @@ DT, STEPS = 1e-3, 3
 
 
 def check(problem, *entries, least=1e-7):
-    """All is booked, and of these entries there is something to book: what came in over the energy,
-    and face -> (energy, heat).
-    """
+    """All is booked, and of these entries there is something: (came over energy, by faces)."""
     with Steps(problem) as run:
         before = run.integrals()
         run.step(DT, STEPS)
@@ -70,9 +66,7 @@ CONDITIONS = {
 @pytest.mark.parametrize(("heat", "mu"), BOTH)
 @pytest.mark.parametrize("case", CONDITIONS)
 def test_conditions(case, heat, mu):
-    """At the lower and upper ends of gas | solid with slip walls and rollers beside, or with the
-    condition above at the solid's sides, too, and so at the ends of the interface.
-    """
+    """At both ends of gas | solid with slip walls and rollers beside, or also at its sides."""
     below, above, kinds, entries = CONDITIONS[case]
     sides = case.startswith("sides")
     faces = CLOSED | {("gas", 1, 0): below, ("solid", 1, 1): above}
@@ -157,9 +151,7 @@ SLIDING = {**TAKEN_ALONG, "gas": NoSlip(slip_length=1.0), "solid": Roller()}
     "faces", [ALL_KINDS, TAKEN_ALONG, SLIDING], ids=["panel", "layers", "rollers"]
 )
 def test_what_completion_takes(faces, mu, heat):
-    """From a state that obeys nothing: what walls, clamps and data add is booked, and nothing else
-    changes.
-    """
+    """From a state that obeys nothing, what walls, clamps and data add is booked."""
     panel = faces is ALL_KINDS
     shape = shapes.panel(N + 1) if panel else shapes.layers(N + 1, False)
     straight = {"initial": lambda X, Y: [*bent(X, Y)[:3], X, Y]}

@@ -1,6 +1,4 @@
-"""What is seen of blocks after a step: bounds on the next one, its plan, what steps lose
-of the energy of solids, a state that is none. Integrals: test_block_oracle.py.
-"""
+"""What is seen of blocks after a step: bounds, the plan, losses of solids, a bad state."""
 
 import block_shapes as shapes
 import numpy as np
@@ -63,9 +61,7 @@ def test_what_bounds_a_step(shock):
 
 
 def swung(dt):
-    """A solid that swings for a second: its kinetic and elastic energy at first, what is lost of
-    it, change of all energy.
-    """
+    """A solid that swings: its energy at first, what is lost of it, change of all energy."""
     shape = {"solid": shapes.box((0, 0), (1, 1), 11, 11)}
     with Steps(problem_of(shape, CLOSED, None, solid()), 4) as run:
         first, energy = float(run.latest["solid_energy"]), run.integrals()[-1]
@@ -75,9 +71,7 @@ def swung(dt):
 
 
 def test_what_steps_lose_falls_with_their_order():
-    """Runge-Kutta loses kinetic and elastic energy by the fifth power of the step; all of the
-    energy stays.
-    """
+    """By the fifth power of the step; all of the energy stays."""
     first, coarse, change = swung(0.01)
     _, fine, _ = swung(0.005)
     assert abs(change) < 1e-14 and 1e-10 * first < fine < coarse
@@ -117,9 +111,7 @@ def test_what_a_summary_tells_of_losses_and_volumes():
 
 @pytest.mark.parametrize("cuts", [(), (1,), (2, 5, 6), range(1, 60)])
 def test_what_is_lost_does_not_depend_on_when_it_is_counted(cuts):
-    """A wave that comes into solids at rest, whose energy is round-off before: over the largest
-    energy of all, with the same bits however the steps are cut.
-    """
+    """Of a wave that comes into solids at rest, over the largest energy of all."""
     energy = np.where(np.arange(60) < 20, 1e-15, np.arange(60) / 59.0)
     lost = np.where(np.arange(60) < 20, 1e-15, 1e-5) * np.cos(np.arange(60)) ** 2
     found, whole = told(losing(lost, energy), *cuts), told(losing(lost, energy))
@@ -127,9 +119,7 @@ def test_what_is_lost_does_not_depend_on_when_it_is_counted(cuts):
 
 
 def test_round_off_is_no_share_of_round_off():
-    """Solids at rest beside a gas. What a small sound loses in them is told, however small beside
-    the heat of all, and so is a loss of what they had at first.
-    """
+    """What a small sound loses in solids at rest is told, and a loss of what they had at first."""
     assert told(losing([4e-15] * 9, [6e-14] * 9)).lost == 0.0
     assert told(losing([1e-14] * 9, [1e-9] * 9)).lost == pytest.approx(9e-5)
     first = told(losing([1e-4] * 9, [0.1] * 9, 0.5), energy=1.0, solid_energy=0.9)
@@ -218,9 +208,7 @@ def planned(target, allowed, *, rate=10.0, fixed=0.0, end=None, flag=plan.STOP):
 
 
 def test_the_plan_of_a_batch():
-    """It hits its target without a tiny step, and ends when a flag is set, when it has the steps
-    that are allowed, and without a bound.
-    """
+    """It hits its target without a tiny step; flags, allowed steps and no bound end it."""
     assert planned(0.5, 20) == pytest.approx([0.08] * 5 + [0.05] * 2)
     assert planned(0.22, 20) == pytest.approx([0.08, 0.07, 0.07])
     assert planned(0.16 * (1 + 1e-12), 20) == pytest.approx([0.08] * 2)

@@ -1,8 +1,6 @@
-"""The engine's completion and rates at random states are those of the oracle (block_oracle.py), to
-round-off, and keep mass, energy and the bound on entropy.
+"""Completion and rates at random states are the oracle's (block_oracle.py), and keep sums.
 
-Where members have one temperature, only the sum of their energies' rates is compared: how it is
-divided between them is no matter, for completion shares it.
+Where members have one temperature, only the sum of their energies' rates counts.
 """
 
 from itertools import product
@@ -57,9 +55,7 @@ def closed(owner):
 
 
 def made(shape, gas, solid, order, faces=closed, stress=None, **options):
-    """The oracle of a shape, without the blocks of what is None. gas: of all blocks, or by their
-    names. stress: prestress of solids.
-    """
+    """The oracle of a shape, without blocks of what is None; stress: prestress of solids."""
     blocks, gases = [], gas if isinstance(gas, dict) else dict.fromkeys(shape, gas)
     for name, of in shape.items():
         if name.startswith("gas") and gas:
@@ -79,9 +75,7 @@ def derivatives(oracle, q, rates, t=0.0):
 
 
 def with_sums(oracle, rates):
-    """Rates, with the sum of those of the energy where temperatures are shared; none of what is
-    given, nor of energies where temperatures are.
-    """
+    """Rates; sums of the energy's where temperatures are shared, none of what is given."""
     found = {name: value.copy() for name, value in rates.items()}
     for p in oracle.particles:
         warm = oracle.prescribed_T(p, 0.0)
@@ -113,9 +107,7 @@ def check_integrals(engine, expected):
 
 
 def check(shape, both, order, faces=closed, t=0.0, most=1e-11, size=0.5, **options):
-    """Compare both at a state that obeys nothing before, of random numbers of this size; most: of
-    the rates' differences. Returns the oracle, the completed state and the engine's rates.
-    """
+    """Compare both at a random state that obeys nothing: (oracle, completed state, rates)."""
     oracle = made(SHAPES[shape](NODES[order]), *both, order, faces, **options)
     engine = Engine(oracle)
     raw = {
@@ -195,9 +187,7 @@ def test_shocks_of_a_gas(order):
     ],
 )
 def test_a_free_solid(shape, heat, damping, order):
-    """Rates and momenta, also the angular one, which P F^T = F P^T keeps, but dissipation does not.
-    Motion that is damped becomes heat.
-    """
+    """P F^T = F P^T keeps the angular momentum, dissipation does not; it makes heat."""
     material = Solid("log", kappa=0.05, heat=heat)
     checked = check(shape, (None, material), order, lambda owner: Free(), **damping)
     found, size = derivatives(*checked)
@@ -225,9 +215,7 @@ def test_prestress(heat, monkeypatch):
     [("line", STICKING, {}), ("panel", SLIPPING, DAMPED), ("three", ELASTIC, {})],
 )
 def test_tiles(shape, both, damping, monkeypatch):
-    """The same bits where each block is cut along all axes: a gas in two or three tiles along the
-    first axis, with two rows each in three dimensions, whose third axis has no tiles; a solid too.
-    """
+    """The same bits where each block is cut along all axes."""
     *_, whole = check(shape, both, 4, **damping)
     cut = 8 if shape == "line" else 4
     monkeypatch.setattr(gas_volume, "TILES", dict.fromkeys((1, 2, 3), cut))
@@ -349,9 +337,7 @@ def test_two_gases(end):
     ("shape", "order"), [("disk", 2), ("disk", 8), ("square", 4), ("square", 6), ("ring", 4)]
 )
 def test_a_uniform_flow_stays(shape, order):
-    """Through all blocks of a shape, turned, joined by three and four, on grids that move, with
-    random volumes, viscosity and dissipation.
-    """
+    """On turned, joined, moving grids, with random volumes, viscosity and dissipation."""
     flow, X = (1.2, 0.7, -0.3, 0.9), SHAPES[shape](NODES[order])
     gas, rng = Gas(mu=0.02, kappa=0.03), np.random.default_rng(order)
     around = Given(lambda X, t: [c + 0.0 * X[0] for c in flow], MOVED)

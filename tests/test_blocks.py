@@ -28,9 +28,7 @@ def nothing(*X):
 
 
 def box(name, cells, material=GAS, lower=None, axes=None, flips=None):
-    """A unit box under a smooth map of R^d, the same for all blocks of a test: the k-th logical
-    axis runs along coordinate axes[k], backwards where flips[k].
-    """
+    """A unit box under a smooth map: logical axis k runs along axes[k], backwards if flips[k]."""
     d = len(cells)
     lower, axes, flips = lower or (0.0,) * d, axes or range(d), flips or (False,) * d
 

@@ -1,6 +1,4 @@
-"""Faults of case files: status 2 and one message that names file and line, or layer and field, and
-what was expected.
-"""
+"""Faults of case files: status 2 and one message that names the place and what was expected."""
 
 import sys
 

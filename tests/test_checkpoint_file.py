@@ -1,6 +1,4 @@
-"""Checkpoints: whole or refused, whatever is done to the file; what a run goes on from, and what
-becomes of the checkpoints of other runs.
-"""
+"""Checkpoints: whole or refused; what a run goes on from, and those of other runs."""
 
 import errno
 import os
@@ -185,9 +183,7 @@ def test_a_case_that_has_changed_is_found_out(case, option, before, now, said, t
 
 
 def test_what_was_given_up_is_not_gone_on_from(tmp_path):
-    """Neither steps beyond an earlier checkpoint that was named, nor those of a former run; nor
-    are two branches joined; what another run has left is kept.
-    """
+    """Steps beyond an earlier checkpoint, or of a former run; what another run left is kept."""
     assert goes_on(tmp_path, *WORDS, 20) == ""
     shutil.copy(tmp_path / NEWEST, tmp_path / "old.h5")
     assert goes_on(tmp_path, *WORDS, 40, "-fsi_restart", "auto") == f"{NEWEST}: step 20"

@@ -1,6 +1,4 @@
-"""The integrals of a run: mass, momentum, energy, entropy; and -fsi_check, which holds a run to
-them.
-"""
+"""The integrals of a run, and -fsi_check, which holds a run to them."""
 
 import re
 

@@ -207,8 +207,7 @@ def code_of(page):
 
 
 def run_python(content, expected, names):
-    """Python that begins with `# NAME.py` is that file; else it prints what `# prints …` says, or
-    what a notebook shows."""
+    """Python that begins with `# NAME.py` is that file; else it prints what is told."""
     if file := re.match(r"\s*# (\w+\.py)\n", content):
         Path(file[1]).write_text(content)
         return

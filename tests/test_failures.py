@@ -112,8 +112,7 @@ sys.exit(main("rod -fsi_h 0.1 -fsi_output_dt 0.001 -ts_max_time 0.01 -fsi_quiet"
 
 @pytest.mark.parametrize("rank", [0, 1])
 def test_any_error_leaves_what_was_computed(rank, tmp_path):
-    """Of one rank; where one of two is alone, it ends the other, who cannot write without it. Its
-    traceback holds objects of PETSc, and PETSc's end waits for ranks with other objects."""
+    """Of one rank, which ends the other, too; tracebacks hold objects of PETSc."""
     done = mpirun(rank + 1, "-c", BROKEN, rank, cwd=tmp_path)
     message(done, 3, "out of memory")
     if rank:

@@ -1,8 +1,4 @@
-"""A constant force on a gas.
-
-Rates are those of the oracle (block_oracle.py); a gas of uniform temperature stays at rest, with a
-solid that carries it; energy stays with potential energy.
-"""
+"""A constant force on a gas: the oracle's rates; rest and energy stay."""
 
 from itertools import product
 from types import SimpleNamespace

@@ -1,7 +1,6 @@
-"""Runs that signals stop or kill: all ranks end in order, and the run goes on with the same bits.
+"""Runs that signals stop or kill end in order, and go on with the same bits.
 
-Each process sends the signals to itself at named places (signalled_program.py), so that they come
-there and nowhere else; at random: `scripts/soak kill`.
+Processes signal themselves at named places (signalled_program.py).
 """
 
 import json
@@ -27,8 +26,7 @@ def whole(tmp_path_factory):
     [(1, 0, 4, signal.SIGINT), (2, 0, 1, signal.SIGHUP), (2, 1, 4, signal.SIGTERM)],
 )
 def test_a_run_that_a_signal_stopped_goes_on(ranks, rank, count, number, whole, tmp_path):
-    """One message, 128 + signal, a frame and a checkpoint of the last step, which is the first one
-    where the signal comes before the steps; then on another number of ranks."""
+    """One message, 128 + signal, frame and checkpoint of the last step; on other ranks."""
     place = json.dumps([["frame", count, rank, number]])
     done = mpirun(ranks, PROGRAM, place, *LINE, cwd=tmp_path)
     words = f"stopped by {number.name} at t = ", "rod.h5", "the checkpoint in rod.checkpoint.h5"

@@ -1,5 +1,4 @@
-"""Laws of materials, built in and as cases bring them: against the literature, and what is refused.
-Beside test_gas.py, the laws of gases, and test_solid_laws.py, the stresses of solids."""
+"""Laws of materials against the literature, and what is refused."""
 
 from types import SimpleNamespace
 from typing import NamedTuple
@@ -58,8 +57,7 @@ def slope(f, x):
 @pytest.mark.parametrize("T", [250.0, T_0, 1500.0])
 @pytest.mark.parametrize("name", SOLIDS)
 def test_pressure_of_a_solid(name, T, x_X):
-    """With its derivatives, which a law of a case need not give; the speed of sound is that of the
-    eigenvalues of (3.1) without conduction, linearised."""
+    """With derivatives that a case need not give; sound by the eigenvalues of (3.1)."""
     exact, solid = SOLIDS[name]
     p = exact(M0 / x_X, ALPHA * T)
     by_T = slope(lambda T: exact(M0 / x_X, ALPHA * T), T)

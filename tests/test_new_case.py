@@ -47,8 +47,7 @@ def test_blocks(tmp_path):
 
 
 def test_water(tmp_path):
-    """The front of pressure has the speed of the file's own words, and the height that
-    docs/water.md derives."""
+    """The front has the speed of the file's own words, the height that docs/water.md derives."""
     text = written(tmp_path, "my_water.py", "-water")
     told = float(re.search(r"as short as here has (\d+) m/s", text)[1])
     line = "my_water.py -fsi_order 2 -fsi_h 0.03 -fsi_check 1e-9"

@@ -67,8 +67,7 @@ def test_spectrum_of_advection_with_injected_inflow(op: SBPOperator, n: int) -> 
 @ALL
 @pytest.mark.parametrize("n", [16, 40])
 def test_what_the_derivative_does_not_see(op: SBPOperator, n: int) -> None:
-    """Constants; the longest wave has the least derivative of the rest, in the norm H. But with 8/4
-    two motions of a few points at each end have almost none."""
+    """Constants; then the longest wave. But 8/4 hardly sees two motions at each end."""
     H = np.sqrt(op.norm_weights(n))
     values = np.linalg.svd(H[:, None] * op.matrix(n) / H, compute_uv=False)[::-1]
     assert values[0] < 1e-13
@@ -80,8 +79,7 @@ def test_what_the_derivative_does_not_see(op: SBPOperator, n: int) -> None:
 
 @pytest.mark.parametrize("order", AXIS)
 def test_weights_beside_an_axis(order: int) -> None:
-    """Around r = 0, u = r and p = r^2 have their derivatives exactly, as the whole line is its own
-    mirror image; with the weights of a plane they have not."""
+    """u = r and p = r^2 have their derivatives exactly; with the weights of a plane not."""
     cells = operator(order).min_points + 5
     n = cells + 1
     r = np.arange(-n, n) + 0.5
@@ -123,8 +121,7 @@ def pivots(matrix: np.ndarray) -> list[Fraction]:
 
 @ALL
 def test_remainder_is_symmetric_and_positive_semidefinite(op: SBPOperator) -> None:
-    """It vanishes on polynomials up to degree p, and at most on one more vector at either end,
-    which D sees. With it, the interior formula has 2p + 1 points, where D twice has 4p + 1."""
+    """0 on degrees up to p and one vector at either end; interior rows have 2p + 1 points."""
     p, closed = op.p, op.rows + 2 * op.p
     n = 2 * closed + 1
     b = [Fraction(1 + (7 * i * i + 3 * i) % 11, 3 + i % 4) for i in range(n)]  # of no pattern
@@ -144,8 +141,7 @@ def test_remainder_is_symmetric_and_positive_semidefinite(op: SBPOperator) -> No
 
 @ALL
 def test_accuracy(op: SBPOperator) -> None:
-    """(b u')' of polynomials b and u: in the interior to order 2p, and where the closures reach as
-    exact as D twice."""
+    """(b u')' of polynomials: order 2p inside; where closures reach as exact as D twice."""
     n, s = 2 * op.rows + 6 * op.p + 4, op.boundary_order
     x = exact([Fraction(i) for i in range(n)])
     D, norm = exact(op.exact_matrix(n)), exact_norm(op, n)

@@ -1,5 +1,4 @@
-"""What wheel and sdist hold, versions; the scripts, and what setup says on a machine that lacks
-something: the whole way is tried by scripts/bare-machine."""
+"""What wheel and sdist hold, versions, scripts; the whole way: scripts/bare-machine."""
 
 import fnmatch
 import re

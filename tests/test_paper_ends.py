@@ -65,8 +65,7 @@ def record(n, h):
 
 @lru_cache(None)
 def filled(kind, mach, mu, kappa, of_end, delta):
-    """The derivative, (5, N, 3 N), of what the rates see, rho, u, T, and u, T for gradients, with
-    respect to rho, u, T; between two ends beyond which the gas flows with ``mach``."""
+    """The derivative (5, N, 3 N) of rho, u, T, and u, T of gradients, by rho, u, T."""
     gas = Gas(PerfectGas(GAMMA, R), ConstantTransport(), mu, kappa, GAMMA, 0.0)
     layer = record(N, 1.0)
     layer["end_x"], facts = N - 1 - delta, Ends((kind,) * 2, (1 + of_end // 2,) * 2, ("", ""))
@@ -99,8 +98,7 @@ def filled(kind, mach, mu, kappa, of_end, delta):
 
 
 def assert_stable(kind, order, mach, mu, kappa, of_end, delta, narrow, bound):
-    """No mode of the rates of (rho, u, T) about a uniform flow grows, and the classical method is
-    stable with the step of Courant number 0.8."""
+    """No mode grows about a uniform flow, nor with steps of Courant number 0.8."""
     op = OPERATORS[order]
     D, none = op.matrix(N), np.zeros((N, N))
     D2 = D @ D - narrow * remainder(op.interior, np.ones(N)) / op.norm_weights(N)[:, None]

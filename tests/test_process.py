@@ -1,6 +1,4 @@
-"""Many runs in one process: each is what it would be in a process of its own, and leaves nothing
-behind. Streams that cannot be written: a run goes on, and what is printed for its own sake says so.
-"""
+"""Many runs in one process; streams that cannot be written; signals while modules load."""
 
 import json
 import signal

@@ -15,8 +15,7 @@ SPHERE, PLANE = (1, 2), (2, 1)
 
 
 def shell(d, n, centre):
-    """A shell in gas, with gas inside to the centre, or from 0.4, or a ball of solid; in two
-    dimensions a bent tube, or a rod."""
+    """A shell in gas, with gas inside or a ball of solid; in 2-D a bent tube, or a rod."""
 
     def block(low, high, nodes):
         if d == 1:
@@ -119,8 +118,7 @@ LONG_ONE = *PLANE, 4, flat.ELASTIC, {"form": "divergence"}
     ],
 )
 def test_rates_are_the_oracles(centre, d, kappa, order, both, options):
-    """At random states of gas and shell, on grids that move. Sums of mass and energy stay; the
-    entropy of the gas stays, too, or grows by viscosity and dissipation. Solids go to a centre."""
+    """At random states on grids that move; sums stay. Solids go to a centre."""
     oracle = radial(shell(d, flat.NODES[order], centre), *both, order, kappa, **options)
     q = oracle.random_state(np.random.default_rng(order))
     q = oracle.complete(mirrored(oracle, q) if centre else q)

@@ -207,8 +207,7 @@ def test_ranks_do_not_change_bits(ranks, made, tmp_path):
 
 @pytest.mark.parametrize("name", RUNS)
 def test_batches_do_not_change_bits(name, made, tmp_path):
-    """Steps in one call of C, those that are calls of their own, and stages that are, as with nodes
-    that are recorded."""
+    """Steps in one call of C, those that are calls of their own, and stages that are."""
     words = CASE, *RUNS[name].split(), "-ts_dt", 2e-3
     for more in (("-ts_monitor", "ascii:seen.txt"), ("-fsi_probes", "0.5,0.5")):
         other = computed(tmp_path, f"{name}.h5", *words, *more)

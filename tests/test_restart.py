@@ -1,5 +1,4 @@
-"""A run that is stopped and goes on from a checkpoint is, in all that it computes and saves, the
-run that was not stopped."""
+"""A run that goes on from a checkpoint is in all the run that was not stopped."""
 
 import shutil
 from pathlib import Path
@@ -33,8 +32,7 @@ ON = {RANKS: list(RUNS), 3: list(RUNS)[::2]}
 
 @pytest.fixture(scope="module")
 def begun(tmp_path_factory) -> Path:
-    """A folder with each run whole, NAME.h5, and stopped, NAME.cut.h5: after twice the steps, but
-    the checkpoint in the middle counts, NAME.cut.checkpoint.h5."""
+    """Each run whole, NAME.h5, and stopped, NAME.cut.h5, with a checkpoint in its middle."""
     folder, runs, later = tmp_path_factory.mktemp("begun"), {}, {}
     for name, (case, text, steps) in RUNS.items():
         runs[name] = case, text

@@ -58,9 +58,7 @@ def test_heat_through_three_layers(tmp_path):
 
 
 def test_a_flow_over_a_ramp(tmp_path):
-    """The pressures behind the shock and the fan are those of theory; wall heating and the
-    over-expansion are as high as on finer grids.
-    """
+    """Pressures are those of theory; wall heating and over-expansion as on finer grids."""
     words = "-ramp_wall rigid -fsi_h 0.0625"
     run = compute(1, tmp_path, {"ramp": (CASES["ramp"], words)})["ramp"]
     p_2, T_2, p_3 = 1.7065786, 1.1701513, 1.0026427

@@ -1,5 +1,4 @@
-"""Kernels stay within their arrays and do nothing that C leaves undefined: gcc's sanitizers watch
-them. `scripts/soak sanitize` lets them watch all tests of what computes."""
+"""gcc's sanitizers watch kernels; all that computes: `scripts/soak sanitize`."""
 
 from pathlib import Path
 

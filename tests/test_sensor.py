@@ -54,8 +54,7 @@ def test_it_does_not_depend_on_axes(d):
 
 @pytest.mark.parametrize("law", [AIR, WATER])
 def test_jumps_of_each_are_shocks(law):
-    """Of density, pressure, velocity through areas by twice the speed of sound; not where it rises,
-    nor along them."""
+    """Of density, pressure, velocity through areas; not where it rises, nor along them."""
     step, one = np.where(np.arange(6) < 3, 0.0, 1.0), np.ones(6)
     rho, p, c = (1.2, 1e5, 340.0) if law is AIR else (1000.0, 1e5, 1625.0)
     a, still = np.array([one, 0.0 * one]), np.zeros((2, 6))
@@ -71,8 +70,7 @@ def test_jumps_of_each_are_shocks(law):
 
 
 def test_sound_is_no_shock():
-    """Waves of 16 cells in air, 160 dB, and of 8 cells in water whose pressure is ten times that of
-    rest; a wave of 48 cells in air by a fifth of its pressure."""
+    """160 dB in air with 16 cells, in water with 8, a fifth of the pressure with 48."""
     for law, rho, p, size, cells in (
         (AIR, 1.2, 1e5, 2e3, 16),
         (WATER, 1000.0, 1e5, 1e6, 8),

@@ -52,8 +52,7 @@ def test_the_errors_are_those_of_the_fields_and_the_result_says_which_norm(resul
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_errors_in_L1_are_of_order_1_and_nothing_overshoots(results, name, order):
-    """Measured orders 0.80 to 1.14. Beyond the exact extremes, over what jumps: 2.13 % at 4/2, 3.20
-    % at 8/4, density behind the contact of Sod's tube."""
+    """Measured: 0.80 to 1.14; beyond exact extremes 2.13 % at 4/2, 3.20 % at 8/4."""
     runs = [results[f"{name}_{order}_{h}"] for h in SPACINGS]
     for kind, of in (("fluid", "rho"), ("solid", "u"), ("solid", "sigma"), ("solid", "combined")):
         values = np.array([run.errors[kind][of] for run in runs])
@@ -93,10 +92,7 @@ def test_a_strong_shock_lives(order):
 @pytest.mark.parametrize("order", [2, 4, pytest.param(6, marks=pytest.mark.long)])
 @pytest.mark.parametrize("mach", [24.0, 200.0])
 def test_cold_gas_falls_on_a_wall(mach, order):
-    """At first only u jumps, by many times the speed of sound. The pressure behind the shock is
-    Rankine's and Hugoniot's; the density, 6, is too low beside the wall, as always. The far half of
-    the gas slows down to a wall, and is thinner by 1 + 2 U t = 1.8.
-    """
+    """Behind the shock Rankine's and Hugoniot's pressure; the far half is thinner by 1.8."""
     p0, n = 1e-2, 100
     U = mach * np.sqrt(1.4 * p0)
     cold = lambda X: [1 + 0 * X, -U * np.minimum(1, 2 - 2 * X), p0 + 0 * X]  # noqa: E731

@@ -82,8 +82,7 @@ def many_digits(name, F, p_ref):
 @EACH_D
 @pytest.mark.parametrize("name", LAWS)
 def test_energies_have_all_digits(name, d):
-    """At strains of 1e-9, the same in another direction, and large ones; a turned F has its strain
-    to 1e-16 only. The part of p_ref is of first order."""
+    """At strains of 1e-9, the same turned, and large ones; p_ref's part is of first order."""
     law, rng = solid(law=name).solid_law, np.random.default_rng(3)
     turned = np.linalg.qr(rng.standard_normal((d, d)))[0]
     turned[0] *= np.linalg.det(turned)
@@ -128,8 +127,7 @@ def adiabatic_stiffness(equations, heat, F):
 @EACH_D
 @pytest.mark.parametrize(("law", "pressing", "heat"), MATERIALS)
 def test_no_wave_is_faster_than_the_modulus_says(law, pressing, heat, d):
-    """On an adiabat T follows from the work of what heats. Along N waves have the moduli that are
-    eigenvalues of the acoustic tensor, but for what a shear stress heats."""
+    """By eigenvalues of the acoustic tensor on an adiabat."""
     equations, ratios = solid(law=law, pressing=pressing, heat=heat).equations(d), []
     rng = np.random.default_rng(5)
     for F in strains(d, 0.15 if pressing else 0.2):

@@ -43,8 +43,7 @@ def test_ranks_of_a_film(tmp_path):
 @pytest.mark.parametrize(("order", "least"), [(2, 1.5), (4, 2.3), (6, 3.5)])
 @pytest.mark.parametrize("finer", [3, 1 / 3])
 def test_orders_of_a_manufactured_solution(order, least, finer, tmp_path):
-    """Where cells of the solid are a third as long as those of the gas, or three times: as with one
-    spacing, which has 1.6, 2.4 and 3.6 in the solid."""
+    """Cells of the solid a third or three times as long: as with one spacing."""
     own = f"cells=(round({finer} * second.cells[0]),)"
     (tmp_path / "own.py").write_text(OWN.format(name="box_mms", layers="blocks", own=own))
     words = f"-box_dimension 1 -fsi_order {order} -fsi_output_dt 1 -fsi_h"

@@ -49,8 +49,7 @@ def theory(raw, projection, state, order, change):
 
 
 def solver_rates(state, constant, order):
-    """(6, POINTS) changes of (rho, u, T) in gas 2 and (u, S, T) in solid 1 -> rates of the same, by
-    the solver."""
+    """The solver's rates of changes (rho, u, T; u, S, T), (6, POINTS), in gas 2 and solid 1."""
     start, cv = state.solution.getArray().copy(), constant.gas.cv
     D = operator(order).matrix(POINTS, 1 / (POINTS - 1))
     stiffness = constant.modulus - constant.solid.K / constant.stretch
@@ -120,8 +119,7 @@ def test_theorem_4_1_holds_to_round_off(order, state):
 
 @ORDERS
 def test_projection_and_traditional(order):
-    """The one has no growing mode for an elastic solid, but its energy may grow; the other fails
-    for a light solid."""
+    """The one has no growing mode, though energy may grow; the other fails for light solids."""
     for density, stiffness in RATIOS:
         state = constant(density, stiffness, "elastic")
         result = measure(state, order, 2 * N, 0.5 / N, "projection")

@@ -1,5 +1,4 @@
-"""A step that sweeps and `advance` share, node by node, is that of the plain rates; and who reads
-owned nodes where they are does not miss them in ghosted arrays."""
+"""A step that sweeps and `advance` share is that of the plain rates, node by node."""
 
 import numpy as np
 import pytest

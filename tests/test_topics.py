@@ -59,8 +59,7 @@ def pressure_error(run, A=0.1, P=0.01, p0=1e5):
 
 
 def test_a_wall_that_moves_by_a_table(tmp_path):
-    """Splines of more samples come near the exact motion; a table that is too long to be recorded
-    is called. Lines are no motion of a wall: their velocity jumps."""
+    """Splines come near the exact motion; lines are none: their velocity jumps."""
     runs = {f"spline{n}": (MOVING, f"-wall_samples {n}") for n in (13, 25, 101)}
     runs |= {way: (MOVING, f"-wall_way {way}") for way in ("exact", "pchip", "lines")}
     error = {name: pressure_error(run) for name, run in compute(1, tmp_path, runs).items()}

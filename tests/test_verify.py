@@ -38,8 +38,7 @@ def test_orders_and_verdicts():
 
 
 def test_the_order_where_derivatives_jump():
-    """Waves whose third derivative jumps, once around a ring by central differences, without errors
-    in time: 3.5 p/(p + 1) in the mean square."""
+    """Central differences once around a ring: 3.5 p/(p + 1) in the mean square."""
     for p, weights in ((2, [1 / 2]), (4, [2 / 3, -1 / 12]), (6, [3 / 4, -3 / 20, 1 / 60])):
         errors = []
         for n in (400, 800, 1600):
@@ -54,9 +53,7 @@ def test_the_order_where_derivatives_jump():
 
 
 def test_the_order_in_clamped_corners():
-    """Stress r^(l - 1) where a clamped face meets a free one at a right angle, Poisson's ratio 1/3:
-    sin^2(l pi/2) = ((k + 1)^2 - 4 l^2)/(4 k), k = 5/3 (M. L. Williams, J. Appl. Mech. 19 (1952)
-    526). Frequencies have the order 2 l."""
+    """Williams, J. Appl. Mech. 19 (1952) 526: stress r^(l - 1); frequencies have order 2 l."""
     k = 3 - 4 / 3
     found = brentq(
         lambda l: np.sin(l * np.pi / 2) ** 2 - ((k + 1) ** 2 - 4 * l * l) / (4 * k), 0.5, 1

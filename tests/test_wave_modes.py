@@ -24,8 +24,7 @@ STONE = ElasticSolid(1.0, 1.0, 0.0, 1.0, 1.0, heat="elastic")
 
 
 def stack(gas, solid, n, depth=1.0):
-    """Gas of density and temperature 1 over a clamped solid, n cells in each; the gas slips along
-    the wall above where it has no viscosity."""
+    """Gas at rest over a clamped solid, n cells in each."""
     solid = replace(solid, p_ref=gas.R)
     layers = (
         Layer("solid", solid, (-depth, 0.0), lambda X, Y: (0.0, 0.0, 1.0, X, Y), cells=n[0]),

@@ -165,9 +165,7 @@ def test_what_fits_together_is_accepted(case):
 )
 @pytest.mark.parametrize("side", [Slip(), NoSlip(slip_length=1.0)], ids=["slip", "drag"])
 def test_where_gas_sticks_to_a_solid_the_solid_decides(side, beside, kinds):
-    """A roller takes the place of the wall beside it: of two normals that differ by the error of
-    differences both would hold the solid in all directions.
-    """
+    """A roller takes the place of the wall beside it: both would hold all directions."""
     corners = [p for p in particles_of(stacked(side, beside)) if len(p.members) == 2 and p.slip]
     assert len(corners) == 2
     for corner in corners:
@@ -180,9 +178,7 @@ LENGTH = 0.4
 
 
 def test_shear_beside_a_wall_along_which_the_gas_slips():
-    """u = 1 - (1 - y)/(1 + l) under a wall of velocity 1 is at rest with the drag of the lower one:
-    slope times l is the velocity there, and mu times the slope is what both walls push with.
-    """
+    """u = 1 - (1 - y)/(1 + l) rests under a wall of velocity 1, with the drag of the lower."""
     slope = 1.0 / (1.0 + LENGTH)
     flow = lambda X, Y: (1.0, slope * (Y + LENGTH), 0.0, 1.0)  # noqa: E731
     box, cells = rectangle((0.0, 0.0), (1.0, 1.0)), (4, 8)

@@ -1,5 +1,4 @@
-"""A case of layers as `python -m fsipetsc new` writes it, with types: mypy --strict must accept
-it."""
+"""A case of layers with types, as `new` writes it: mypy --strict must accept it."""
 
 from collections.abc import Mapping
 from typing import Any
