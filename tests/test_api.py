@@ -136,7 +136,6 @@ def test_units_in_the_last_place():
 
 
 def test_xarray(results):
-    """In one dimension; more in test_plane_output.py."""
     pytest.importorskip("xarray")
     with fsipetsc.open_run(results / "a.h5") as run:
         data = run.to_xarray()

@@ -67,7 +67,6 @@ sys.exit(max(cli.main(shlex.split(line)) for line in sys.argv[1:]))
 
 
 def do(lines: list[str], folder: Path, ranks: int = 1, **env: str) -> None:
-    """Do command lines in a folder."""
     folder.mkdir(exist_ok=True)
     start = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
     done = launch([*start, sys.executable, "-c", LINES, *lines], folder, env)
@@ -98,7 +97,6 @@ def usual(tmp_path_factory):
 
 
 def different(one: dict[str, bytes], other: dict[str, bytes]) -> list[str]:
-    """The arrays whose bits differ."""
     assert one.keys() == other.keys()
     return [name for name in one if one[name] != other[name]]
 

@@ -36,7 +36,6 @@ def seen(found, k):
 
 
 def test_a_panel_in_a_wall():
-    """The gas is three blocks, joined."""
     sides = {(0, 0): new.Slip(), (0, 1): new.Outflow(1.0)}
     found = layers(
         solid((-0.1, 0.0), cells=8, span=[(0.0, 1.0)], sides=new.Clamped()),

@@ -108,7 +108,6 @@ def test_forces_in_the_volume(heat):
 
 @pytest.mark.parametrize("mu", [0.0, 0.02])
 def test_one_dimension(mu):
-    """A pushed layer that pushes another on."""
     ends = {"solid": (0.0, 0.4), "gas": (0.4, 1.0), "solid beyond": (1.0, 1.4)}
     shape = {name: shapes.box((a,), (b,), 9) for name, (a, b) in ends.items()}
     blown = Clamped(velocity=lambda X, t: (0.3 * np.sin(2.0 * t) + 0.2 + 0.0 * X,))
@@ -125,7 +124,6 @@ def test_three_dimensions():
 
 
 def speed(X, Y, t):
-    """That of walls that are ``moved``."""
     return [0.3 * np.cos(3.0 * t + c) * (1.0 + X) for c in (0, 1)]
 
 
@@ -187,7 +185,6 @@ def pushed(X, Y, t):
 
 
 def bulging(X, Y, t):
-    """One that rests at both ends."""
     return pushed(X, 4.0 * Y * (1.0 - Y), t)[0], Y
 
 

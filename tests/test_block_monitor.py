@@ -44,7 +44,6 @@ def bounds_of(run, k):
 
 @pytest.mark.parametrize("shock", [0.0, 2.0])
 def test_what_bounds_a_step(shock):
-    """Where shocks are damped, waves are as much faster."""
     with Steps(warped(0.02), form=BlockForm(shock=shock)) as run:
         run.step(2e-3, 2)
         expected = np.array([bounds_of(run, k) for k in range(2)]) * [shock or 1.0, 1.0]
@@ -94,7 +93,6 @@ def told(steps, *cuts, **initial):
 
 
 def losing(lost, of_solids, energy=100.0):
-    """Records of steps."""
     columns = [(name, "f8") for name in ("t", "dt", "energy", "lost_energy", "solid_energy")]
     steps = np.zeros(len(lost), [*columns, ("J_error", "f8", (2,))])
     steps["lost_energy"], steps["solid_energy"], steps["energy"] = lost, of_solids, energy
@@ -102,7 +100,6 @@ def losing(lost, of_solids, energy=100.0):
 
 
 def test_what_a_summary_tells_of_losses_and_volumes():
-    """What has been is remembered over a restart."""
     steps = losing([0.001, 0.002, 0.003, -0.001], [2.0, 1.0, 0.5, 0.0])
     steps["J_error"][1] = 0.001, 0.03
     again = told(steps, 2)

@@ -50,7 +50,6 @@ NODES = {2: 7, 4: 9, 6: 12, 8: 16}
 
 
 def closed(owner):
-    """Walls and clamps."""
     return Clamped() if owner[0].startswith("solid") else Slip()
 
 
@@ -203,7 +202,6 @@ def prestress(X):
 
 @pytest.mark.parametrize("heat", ["coupled", "elastic"])
 def test_prestress(heat, monkeypatch):
-    """Also in many tiles."""
     monkeypatch.setattr(solid_work, "TILES", ((7, 1), (6, 1), (6, 5)))
     both = Gas(mu=0.02, kappa=0.03), Solid("log", kappa=0.4, heat=heat, force=(0.3, -0.7))
     check("periodic", both, 4, stress=prestress)
@@ -356,14 +354,12 @@ def test_a_uniform_flow_stays(shape, order):
 
 @pytest.mark.parametrize("form", ["entropy", "divergence"])
 def test_other_terms(form):
-    """Body forces, p_ref, either form of convection."""
     gas = Gas(1.8, 0.7, mu=0.02, force=(0.3, -0.2))
     solid = Solid("log", 1.0, 2.0, 3.0, 1.5, 0.05, 0.7, "coupled", (0.3, -0.2))
     check("disk", (gas, solid), 4, form=form)
 
 
 def test_pressures_of_solids():
-    """Of reference in three dimensions; of heat in one."""
     check("three", (Gas(mu=0.02), Solid("log", 1.0, 2.0, 3.0, 1.5, 0.05, 0.7)), 4)
     check("line", (STICKING[0], Solid("log", kappa=0.05, gruneisen=1.2)), 4)
 

@@ -215,7 +215,6 @@ def curved(xi):
 
 
 def third():
-    """Its left face is that of 'b'."""
     return Block("c", GAS, maps.corners((1, 0), (2, -6), (1, 1), (2, -5)), (8, 8), nothing)
 
 

@@ -56,7 +56,6 @@ def test_the_shock_of_the_fin_is_that_of_the_experiment():
 
 @pytest.mark.parametrize("name", ["cylinder", "rigid"])
 def test_what_hits_a_cylinder_is_the_same_above_and_below(bodies, name):
-    """Blocks above and below are turned against each other."""
     series = bodies(name).series
     assert np.abs(series["momentum_y"]).max() < 1e-12 * np.abs(series["momentum_x"]).max()
 

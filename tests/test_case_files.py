@@ -60,7 +60,6 @@ FAULTS = {
 
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_fault_is_one_message_that_says_where_and_what(name, tmp_path):
-    """A result is left only by what was computed."""
     old, new, words = FAULTS[name]
     assert RIGHT.count(old) == 1, name
     text = RIGHT.replace(old, new)

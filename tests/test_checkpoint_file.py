@@ -76,7 +76,6 @@ def stopped(tmp_path_factory):
 
 
 def goes_on(folder, *words, ranks=1):
-    """From which checkpoint, as the run says itself."""
     done = solve(*words, cwd=folder, ranks=ranks)
     assert (done.returncode, done.stderr) == (0, "")
     return done.stdout.partition("goes on from ")[2].partition(", t = ")[0]

@@ -13,7 +13,6 @@ from fsipetsc.stepping.ledgers import Ledgers
 
 
 def test_box_keeps_all_that_must_not_change(tmp_path):
-    """And what a run shows at its end."""
     options = ("-fsi_order", "6", "-fsi_h", "0.025", "-fsi_check", "1e-4")
     done = solve("box", *options, cwd=tmp_path, ranks=2)
     assert done.returncode == 0, done.stderr
@@ -52,7 +51,6 @@ INITIAL = {name: 1.0 for name in NAMES} | {"mass": [1.0, 1.0]}
 
 
 def recorded(n):
-    """Records of n steps of which nothing comes in."""
     masses = [(name, "f8", (2,)) for name in ("mass", "mass_in")]
     steps = np.zeros(n, [*((name, "f8") for name in NAMES), *masses])
     for name in steps.dtype.names:
@@ -62,7 +60,6 @@ def recorded(n):
 
 
 def drift(name, steps, **initial):
-    """Of one conserved quantity."""
     columns = {column: steps[column] for column in steps.dtype.names}
     return Drifts(INVARIANTS, INITIAL | initial).go_on(columns)[name]
 

@@ -25,7 +25,6 @@ def whole(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def about(whole):
-    """What the result says about itself."""
     with h5py.File(whole) as file:
         return json.loads(file["about"][()])
 

@@ -44,7 +44,6 @@ FENCED = re.compile(r"^```(\w*)$(.*?)^```$", re.S | re.M)
 
 
 def slug(heading):
-    """The anchor of a heading."""
     return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
 
 
@@ -126,7 +125,6 @@ def test_where_to_add_something_is_true():
 
 @cache
 def hooks():
-    """docs/hooks.py, which makes pages of the site."""
     return SimpleNamespace(**runpy.run_path(str(DOCS / "hooks.py")))
 
 
@@ -182,7 +180,6 @@ def test_the_page_of_results_has_all_series():
 
 
 def test_the_page_of_options_has_the_table():
-    """Names, types and defaults."""
     from fsipetsc.cases import load_case
     from fsipetsc.options import table
 
@@ -297,7 +294,6 @@ def test_options_files_run(often, tmp_path):
 
 
 def test_cases_of_runs_run(tmp_path):
-    """A few steps of each."""
     paths = (REPOSITORY / "runs").glob("*.py")
     compute(1, tmp_path, {path.stem: (str(path), "-ts_max_steps 3") for path in paths})
 
@@ -324,7 +320,6 @@ def test_numbers_that_pages_tell(tmp_path):
 
 
 def test_speed_that_the_readme_tells():
-    """It is that of the tables of performance.md."""
     readme, page = TEXTS["README.md"], TEXTS["performance.md"]
     rows = [row.split(" | ")[1:] for row in page.splitlines() if row.startswith("| 4/2 ")]
     ratios = [float(row[5]) for row in rows if len(row) == 7]
@@ -336,7 +331,6 @@ def test_speed_that_the_readme_tells():
 
 
 def test_what_two_ranks_gain():
-    """The page on clusters has it of performance.md."""
     rows = [row.strip("| ").split(" | ") for row in TEXTS["performance.md"].splitlines()]
     known = set()
     for row in (row for row in rows if row[0] == "4/2"):

@@ -96,8 +96,6 @@ pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compile
 
 
 class Library:
-    """All functions, each in a loop, from one compiler."""
-
     def __init__(self, folder, name, *command):
         source = folder / "loops.c"
         source.write_text("".join(_text()))
@@ -109,7 +107,6 @@ class Library:
         self.library = ctypes.CDLL(str(made))
 
     def __call__(self, name, *given):
-        """A function of numpy arrays."""
         result = np.empty(given[0].size)
         arrays = [np.ascontiguousarray(numbers, dtype=float) for numbers in (*given, result)]
         arrays[-1] = result
@@ -188,7 +185,6 @@ def test_what_is_exact(fast):
 
 
 def others():
-    """Compilers and flags that must give the same bits."""
     if platform.machine() in ("x86_64", "AMD64"):
         yield "plain", ("cc", "-O1", "-march=x86-64")
     else:
@@ -214,7 +210,6 @@ def test_same_bits(fast, folder, other, command):
 
 
 def test_functions_of_cases_are_right():
-    """Those of arrays, in numpy; their bits: test_bits.py."""
     x, a = np.concatenate([between(-700, 700), between(-1, 1)]), np.exp(between(-300, 300))
     for found, wanted in (
         (elementary.exp(x), np.exp(x.astype(LONG))),

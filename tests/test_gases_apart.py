@@ -16,7 +16,6 @@ LONG = pytest.mark.long
 
 @pytest.mark.parametrize("conduct", ["yes", "no"])
 def test_what_is_at_rest_stays(conduct, tmp_path):
-    """Between walls of its temperature."""
     words = "-gases_conduct", conduct, "-ts_max_time", "1"
     run = computed(tmp_path, "rest.h5", gases.__file__, *words)
     for layer in run.layers:

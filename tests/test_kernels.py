@@ -65,7 +65,6 @@ def compiled(formula, count, cache):
 
 
 def every_operation(a, b, c):
-    """A formula of most of what can be recorded."""
     first = np.where((a > b) & ~(c < 0.3), a * b + c, a / b - c) ** 3
     second = np.sqrt(abs(a - b)) + np.maximum(a, b * c) - np.minimum(2.0, c) ** 0.5
     return -first + second * np.log(a) + np.sign(c - b) * 2.0**-3 + 1.0 / (a + b) ** 2
@@ -87,8 +86,6 @@ def test_equal_operations_are_done_once_and_products_are_fused():
 
 
 def test_material_numbers_are_arguments_and_not_text():
-    """So that another viscosity compiles nothing."""
-
     def text(mu, kappa, gamma):
         gas = Gas(PerfectGas(gamma, 287.0), ConstantTransport(), mu, kappa, (0.0, 0.0))
         return gas_text(gas, 2, EntropyForm(NoForce()), True), numbers_of(gas)
@@ -99,7 +96,6 @@ def test_material_numbers_are_arguments_and_not_text():
 
 
 def test_derivatives_are_those_of_the_formula():
-    """By the record, and by differences."""
     at, record = (1.3, 0.7, 0.9), Record()
     x = [record.given(f"x{k}") for k in range(3)]
     for k in range(3):
@@ -160,7 +156,6 @@ def test_what_cannot_be_recorded_is_refused_with_its_line(words):
 
 
 def simple():
-    """A text in C, and its library's name."""
     text = unit({}, [], "double twice(double x) { return 2.0 * x; }")
     return text, build.name_of(text)
 
@@ -300,7 +295,6 @@ def compiler_that(does, folder):
 
 
 def ranks_of(n, folder, env, *words):
-    """A command on n ranks."""
     return launch(["mpiexec", "-n", str(n), sys.executable, *words], folder, env)
 
 
@@ -369,7 +363,6 @@ def test_a_signal_during_compilation_is_answered_at_once(number, within, tmp_pat
 @pytest.mark.long
 @pytest.mark.parametrize("ranks", [2, 4])
 def test_twenty_cold_starts(ranks, tmp_path):
-    """None hangs."""
     for k in range(20):
         env = {"FSIPETSC_CACHE": str(tmp_path / f"cache{k}")}
         command = "-m", "fsipetsc", "compile", "rod", "-fsi_h", "0.1"

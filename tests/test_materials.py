@@ -48,7 +48,6 @@ SOLIDS = {
 
 
 def slope(f, x):
-    """Sixth-order difference."""
     d = 1e-3 * abs(x)
     return sum(w * (f(x + k * d) - f(x - k * d)) for k, w in ((1, 45), (2, -9), (3, 1))) / (60 * d)
 
@@ -134,7 +133,6 @@ class Doubtful(NamedTuple):
 
 
 def elastic(stress=lambda F: LOG.stress(F), **energy):
-    """A law in two dimensions."""
     made = ElasticSolid(**SOLID, law=solid_law(stress=stress, **energy), heat="elastic")
     return made.equations(2).law
 

@@ -17,7 +17,6 @@ SQUARE = np.meshgrid(np.linspace(0.0, 2.0, 5), np.linspace(0.0, 1.0, 4))
 
 
 def block_of(name, zone):
-    """InputError for a left-handed zone."""
     return Block(name, AIR, zone, zone.cells, lambda X, Y: (1.2, 0.0, 0.0, 300.0))
 
 

@@ -17,7 +17,6 @@ INTERIOR_RADIUS = {2: 1.0, 4: 1.3722, 6: 1.5860, 8: 1.7306}
 
 
 def exact(rows) -> np.ndarray:
-    """Of fractions."""
     return np.array(rows, dtype=object)
 
 

@@ -12,7 +12,6 @@ def on_grids(folder, case, words, spacings):
 
 
 def combined(run):
-    """Combined errors in gas and solid."""
     return np.array([run.errors[kind]["combined"] for kind in ("fluid", "solid")])
 
 

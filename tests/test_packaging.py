@@ -41,7 +41,6 @@ def test_versions_agree():
 
 
 def test_the_environment_of_conda_has_what_the_extras_name():
-    """With the same least versions, or later ones."""
     table = PROJECT[PROJECT.index("\ndependencies = ") : PROJECT.index("[dependency-groups]")]
     table = re.sub("(?m)^(docs|compiler) = .*", "", table)
     least, found = (

@@ -55,7 +55,6 @@ def noble_abel():
 
 
 def stiffened():
-    """A solid with the pressure of a stiffened gas."""
     return pressure_law(
         pressure=lambda J, T, m0, alpha: (m0 * alpha * (T - 300.0) + 2e6 * (1.0 - J)) / J,
         pressure_by_temperature=lambda J, T, m0, alpha: m0 * alpha / J,
@@ -197,7 +196,6 @@ def test_what_is_saved():
 
 
 def test_what_the_paper_has_not_is_refused():
-    """Options, grids, ends, and problems without rigid frames."""
     with pytest.raises(InputError, match=r"Dirichlet\(degree=6\): expected 2, 3, 4, 5"):
         Dirichlet(0.0, lambda t: (1.0, 0.0, 1.0), 6)
     for wrong in (2, "1"):

@@ -127,7 +127,6 @@ def test_lines_of_interfaces_and_info(box):
 
 
 def test_xarray(box):
-    """Dimensions with names, coordinates and units on everything."""
     pytest.importorskip("xarray")
     result = box(2)
     data, (_, plate, _) = result.to_xarray(), result.layers

@@ -60,7 +60,6 @@ def results(tmp_path_factory):
 
 
 def figure_of(run, name):
-    """A picture, laid out."""
     with matplotlib.rc_context(style.STYLE):
         figure = Figure()
         FigureCanvasAgg(figure)
@@ -122,8 +121,6 @@ def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results):
 
 
 class Near(quantities.Quantity):
-    """Temperatures that vary by little."""
-
     def values(self, kind, fields):
         return 300.0 + 1e-9 * fields["T"]
 
@@ -201,7 +198,6 @@ def test_contours_streamlines_and_the_solid_beside_what_only_a_gas_has(results):
 
 
 def test_edges_between_blocks_are_thin_and_a_ring_has_no_seam(results):
-    """Two squares beside each other, and a ring."""
     view, axes = fields.View(results["blast"], Near("p", {"fluid": "p"}), [0]), Figure().subplots()
     x, y = np.meshgrid(np.linspace(0.0, 1.0, 4), np.linspace(0.0, 1.0, 3))
     angle = np.append(np.linspace(0.0, 5.0, 6), 0.0)

@@ -13,7 +13,6 @@ STEP = 1 / 64
 
 
 def prescribed(x, velocity=None):
-    """Of a gas with a wall that moves."""
     gas = Fluid(0.0, 0.0, 1.4, 1.0)
     layer = FluidLayer("gas", gas, (0.0, 1.0), lambda X: (1.0 + 0.0 * X, 0.0 * X, 1.0 + 0.0 * X))
     made = blocks_of_line(Problem((layer,), Wall(x, velocity=velocity), Wall(1.0)), 0.1, 4)

@@ -31,7 +31,6 @@ def part(doubles=True, n=5):
 
 def test_loops_reads_and_stores():
     def scatter(part, y):
-        """Add rows to a vector."""
         rows = y.reshape(-1)
         for m in each(part.at.shape[0]):
             for c in range(3):
@@ -81,7 +80,6 @@ def test_fields_of_records_and_parts_of_arrays():
         rows: Any
 
     def weigh(known):
-        """Masses of what sticks."""
         for p in each(known.facts.shape[0]):
             row = known.rows[p]
             with when(known.facts[p].sticks == 1):
@@ -94,7 +92,6 @@ def test_fields_of_records_and_parts_of_arrays():
 
 def test_the_text_knows_kinds_alone():
     def double(part):
-        """Twice."""
         for i in each(part.inner.table.shape[0]):
             part.inner.table[i, part.first] *= 2.0
 
@@ -141,7 +138,6 @@ def test_facts_are_known_and_fields_of_records_are_set():
         rows: Any
 
     def shift(layer, y):
-        """Add weights; move what the record says."""
         for k, weight in enumerate(layer.facts.weights):
             y[k] += weight
         row = layer.rows[1]
@@ -159,7 +155,6 @@ def test_facts_are_known_and_fields_of_records_are_set():
 
 def test_what_ends_before_the_end():
     def shift(part, y):
-        """All numbers but the last one; the last two."""
         for i in each(y[:-1].size):
             y[i] = 2.0 * y[i]
         y[-2:] = 7.0
@@ -171,7 +166,6 @@ def test_what_ends_before_the_end():
 
 def test_arrays_and_loops_that_c_would_take_wrongly():
     def first(part, y):
-        """Python leaves a loop that C goes on with."""
         for i in each(y.size):
             y[i] = 1.0
             break

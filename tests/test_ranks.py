@@ -106,7 +106,6 @@ def test_periodic_blocks(d, tmp_path):
 
 
 def test_short_parts_of_solids_that_conduct(tmp_path):
-    """Heat needs three reaches."""
     line = "box_mms -box_dimension 1 -ts_max_time 0.02 -fsi_output_dt 0.01 -fsi_h"
     assert on_ranks(tmp_path, f"{line} 0.0666667", 1, 4).layers[1]["T"].shape[1] == 16
     refused = solve(*f"{line} 0.0833333".split(), cwd=tmp_path, ranks=4)  # 13 nodes on two ranks

@@ -23,7 +23,6 @@ USUAL = {option.name: option.default for option in timed.OPTIONS} | timed.DEFAUL
 
 
 def state_of(problem, order=2):
-    """Of a problem on this rank."""
     return BlockState(MPI.COMM_SELF, problem, order)
 
 
@@ -40,7 +39,6 @@ def at_wall(x, velocity=None, T=None):
 
 
 def data_of(state):
-    """All arrays of data."""
     parts = state.scheme.parts.values()
     faces = [of for part in parts for of in part.faces.record if isinstance(of, np.ndarray)]
     forcing = [part._forcing for part in parts]
@@ -94,7 +92,6 @@ def test_velocity_and_acceleration_of_a_wall_are_exact_derivatives(t):
 
 
 def test_the_wall_of_the_piston():
-    """Its functions of layers, as of time alone."""
     problem = piston.build({option.name: option.default for option in piston.OPTIONS})
     state = state_of(blocks_of_line(problem, 0.05, 2))
     for t in (0.0, 3e-3, 0.0199, 0.03):
@@ -150,7 +147,6 @@ def test_data_of_place_alone_are_asked_for_once():
 
 
 def test_another_amplitude_and_frequency_is_the_same_text():
-    """And the right numbers."""
     texts = []
     for size, rate in ((0.02, 9.0), (0.013, 4.7)):
         state = of_kind("wall", timed_size=size, timed_rate=rate)

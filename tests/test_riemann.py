@@ -12,7 +12,6 @@ GAS = Fluid(0.0, 0.0, 1.4, 1.0)
 
 
 def problem(left, p, u=0.0, F=1.0, m0=0.5) -> tuple[GasWave, SolidWave]:
-    """A gas before a solid under the pressure p."""
     solid = SolidWave(Solid(4.0, 0.0, m0, 1.3), SolidState(u, -p, 0.9, F))
     return GasWave(GAS, left), solid
 
@@ -30,7 +29,6 @@ PROBLEMS = {
 
 
 def of_gas(q: GasState) -> tuple[np.ndarray, np.ndarray]:
-    """What is conserved, and its fluxes."""
     U = np.array([q.rho, q.rho * q.u, q.p / 0.4 + 0.5 * q.rho * q.u**2])
     return U, U * q.u + np.array([0.0 * q.u, q.p, q.p * q.u])
 
@@ -41,7 +39,6 @@ def of_solid(m: Solid, q: SolidState) -> tuple[np.ndarray, np.ndarray]:
 
 
 def total(function, *edges: float) -> np.ndarray:
-    """The integral over all pieces between edges."""
     nodes, weights = np.polynomial.legendre.leggauss(40)
     pieces = zip(edges, edges[1:])
     return sum(

@@ -16,7 +16,6 @@ def test_gas_and_solid_and_the_papers_method(tmp_path: Path):
 
 
 def test_a_number_behind_an_array_is_found(tmp_path: Path):
-    """With the line of the printed text."""
     done = run(PROGRAM, "beyond", env=watched(tmp_path))
     (found,) = findings(tmp_path)
     assert done.returncode == 0, done.stderr

@@ -29,7 +29,6 @@ COARSE = "-fsi_h 0.05 -ring_around 32"
 
 
 def built(case, **changed):
-    """The problem of a case."""
     return case.build({option.name: option.default for option in case.OPTIONS} | changed)
 
 
@@ -148,7 +147,6 @@ KAPPA = pytest.mark.parametrize("kappa", [1, 2])
 
 
 def mode_errors(kappa, gas, order, h):
-    """Of the first three modes, over their frequencies."""
     grid = {"fsi_order": order, "fsi_h": h}
     problem = built(shell, shell_kappa=kappa, shell_gas=gas, shell_charge=0.0, **grid)
     found = radial_modes(problem, order)[:3]

@@ -59,7 +59,6 @@ def test_energy_and_stress(name, d):
 
 
 def det(A):
-    """By its first row."""
     minors = (np.delete(A[1:], j, axis=1) for j in range(len(A)))
     return sum((-1) ** j * A[0, j] * (det(m) if m.size else 1) for j, m in enumerate(minors))
 
@@ -127,7 +126,6 @@ def adiabatic_stiffness(equations, heat, F):
 @EACH_D
 @pytest.mark.parametrize(("law", "pressing", "heat"), MATERIALS)
 def test_no_wave_is_faster_than_the_modulus_says(law, pressing, heat, d):
-    """By eigenvalues of the acoustic tensor on an adiabat."""
     equations, ratios = solid(law=law, pressing=pressing, heat=heat).equations(d), []
     rng = np.random.default_rng(5)
     for F in strains(d, 0.15 if pressing else 0.2):
@@ -176,7 +174,6 @@ def test_the_square_root_of_a_tensor(d):
     ("law", "most"), [*((name, 1e-13) for name in LAWS if name != "linear"), (OWN, 1e-9)]
 )
 def test_an_impedance_turns_with_the_axes(law, most, d):
-    """That of a case's law is found by differences."""
     rng = np.random.default_rng(8)
     equations = solid(law=law, p_ref=P_REF, pressing=PRESSURES[0]).equations(d)
     for F in strains(d):

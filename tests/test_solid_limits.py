@@ -35,7 +35,6 @@ def found_in(F, law="svk", T=1.0, **more):
 
 
 def stretched(stretch, d=1):
-    """F of one node: stretched along the first axis."""
     return [np.diag([stretch, *[1.0] * (d - 1)])]
 
 

@@ -39,7 +39,6 @@ def problem_of(block):
 
 
 def part_of(block):
-    """The part of one rank, and its initial state."""
     state = BlockState(MPI.COMM_SELF, problem_of(block), 4)
     part, q = state.scheme.parts[0], state.y.owned(0)
     part.initial(0.0, q)
@@ -91,7 +90,6 @@ class At(NamedTuple):
 
 
 def note_at(part, found, y):
-    """What is recorded of ends, by a recorded procedure."""
     note_ends(part, y.reshape(3, 1).turned(), found)
 
 

@@ -107,7 +107,6 @@ def test_the_linear_scheme_is_the_derivative_of_the_right_hand_side(order, coupl
 @ORDERS
 @pytest.mark.parametrize("state", [{"stretch": 0.7}, {"eos": "elastic"}, INVISCID])
 def test_theorem_4_1_holds_to_round_off(order, state):
-    """And nothing grows with the coupling of the blocks."""
     kinds = ("energy", False), ("energy", True), ("conservative", False)
     for (coupling, narrow), (density, stiffness) in product(kinds, RATIOS):
         result = measure(constant(density, stiffness, **state), order, N, 1 / N, coupling, narrow)

@@ -61,7 +61,6 @@ CROSSING = {
 
 @pytest.mark.parametrize("case", CROSSING)
 def test_the_fused_method_is_petscs_up_to_round_off(case, tmp_path):
-    """In hundreds of steps."""
     words = case, *CROSSING[case].split(), "-ts_type"
     fused, petsc = (computed(tmp_path, f"{kind}.h5", *words, kind) for kind in ("fused", "rk"))
     for run in (fused, petsc):

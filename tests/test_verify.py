@@ -95,7 +95,6 @@ def test_references_of_profiles():
 
 
 def test_references_of_gases():
-    """Exact ones; those that are computed, on coarser grids."""
     gas, kept = program("gas"), reference("gas")
     made = gas.vortex(201)
     for name, values in zip(("r", "vortex u", "vortex rho", "vortex p"), made):
@@ -114,7 +113,6 @@ def test_references_of_gases():
 
 
 def test_places_in_the_viscous_tube():
-    """Found where they are in a made-up flow."""
     x, y = np.linspace(0, 1, 801), np.linspace(0, 0.5, 101)
     X, Y = np.meshgrid(x, y)
     above, foot = 0.58 + 0.1 * (Y - 0.137), 0.58 + 0.4 * (Y - 0.137)
@@ -147,7 +145,6 @@ def test_references_are_those_of_the_literature():
 
 
 def test_entries_say_all_that_another_code_needs(tmp_path):
-    """So do their pages."""
     for name in ENTRIES:
         entry = importlib.import_module(f"fsipetsc.studies.verify.{name}")
         assert entry.SOURCE and entry.WHY and entry.FULL
