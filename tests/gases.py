@@ -63,23 +63,17 @@ def profile(x, T):
     return np.interp(x, range(6), T[0] + (T[1] - T[0]) * drops / drops[-1])
 
 
-def stack(d, T, conduct=True, low=0.0, upper=None, **more):
-    """The layers in d dimensions, from low on. upper: what stands above, else a wall of T[1]."""
+def build(opt):
+    T = opt["gases_T"]
 
     def layer(k, material):
-        def initial(*X):
-            still, found = [0.0 * X[0]] * d, profile(X[-1] - low, T)
-            if k % 2:
-                return (*still, found, *X)
-            return (material.gas_law.density(P, found), *still, found)
+        def initial(X):
+            found = profile(X, T)
+            return (0.0, found, X) if k % 2 else (material.gas_law.density(P, found), 0.0, found)
 
         name = ("perfect", "bar 1", "liquid", "bar 2", "own")[k]
-        return Layer(name, material, (low + k, low + k + 1.0), initial)
+        return Layer(name, material, (k, k + 1.0), initial)
 
-    walls = {"lower": NoSlip(T=T[0]), "upper": upper or NoSlip(T=T[1])}
-    return layers(*map(layer, range(5), materials(conduct)), **walls, units="none", **more)
-
-
-def build(opt):
-    grid = {"h": opt["fsi_h"], "order": opt["fsi_order"]}
-    return stack(1, opt["gases_T"], opt["gases_conduct"], **grid)
+    walls = {"lower": NoSlip(T=T[0]), "upper": NoSlip(T=T[1]), "units": "none"}
+    stack = map(layer, range(5), materials(opt["gases_conduct"]))
+    return layers(*stack, **walls, h=opt["fsi_h"], order=opt["fsi_order"])

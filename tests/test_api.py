@@ -9,14 +9,8 @@ import pytest
 from helpers import REPOSITORY, computed, mpirun, solve
 
 import fsipetsc
-from fsipetsc.output.differences import (
-    _common,
-    _of_series,
-    _on_one_scale,
-    common_nodes,
-    compare,
-    difference,
-)
+from fsipetsc.output import differences
+from fsipetsc.output.differences import common_nodes, compare, difference
 
 PROGRAM = """
 import os, signal, sys
@@ -115,12 +109,50 @@ def test_as_many_nodes_at_other_places_are_another_grid():
     assert "no node of one is a node of the other" in notes[0]
 
 
-def test_what_other_steps_bring_is_compared_as_a_sum():
+class Made(SimpleNamespace):
+    """A result with series, and with layers of the names before a colon, of one node."""
+
+    options, time = {}, np.zeros(1)
+    __enter__, __exit__ = (lambda self: self), (lambda self, *error: None)
+
+    @property
+    def blocks(self):
+        found = {}
+        for name, value in self.fields.items():
+            layer, field = name.split(": ")
+            found.setdefault(layer, Block())[field] = np.array([[value]])
+        return found
+
+
+class Block(dict):
+    name, shape, size, places, fields = "it", (1,), 1, np.zeros((1, 1)), property(list)
+
+
+@pytest.fixture
+def compared(monkeypatch):
+    """compared(one, other) of results that are made."""
+    monkeypatch.setattr(differences, "open_run", lambda made: made)
+    return lambda *both: {found.name: found for found in compare(*both).differences}
+
+
+def test_what_other_steps_bring_is_compared_as_a_sum(compared):
     """Energy at a constant rate, in two steps and in four."""
-    made = ({"t": np.arange(1, n + 1) / n, "energy_in": np.full(n, 1 / n)} for n in (2, 4))
-    a, b = (SimpleNamespace(series=series) for series in made)
-    steps = _common(a.series["t"], b.series["t"], "steps", [])
-    assert [(one.name, one.largest) for one in _of_series(a, b, steps, [])][1] == ("energy_in", 0.0)
+    series = ({"t": np.arange(1, n + 1) / n, "energy_in": np.full(n, 1 / n)} for n in (2, 4))
+    assert compared(*(Made(fields={}, series=of) for of in series))["energy_in"].largest == 0.0
+
+
+def test_round_off_is_told_beside_what_has_or_makes_its_unit(compared):
+    """Components beside others, a loss beside the energy, velocities beside sqrt(p/rho)."""
+    fields = {"gas: u": 1.0, "gas: v": 1e-17, "gas: T": 300.0, "still: p": 4.0, "still: rho": 1.0}
+    fields |= {"still: u": 1e-17, "rod: u": 1e-9, "rod: s_xx": 1e-16}
+    series = {"t": 1.0, "energy": 9.0, "lost_energy": 1e-15, "dt": 0.2, "mass": 4.0}
+    series = {name: np.array([value]) for name, value in (series | {"impulse_x": 1e-17}).items()}
+    other = {name: 0.5 * value for name, value in fields.items()}
+    found = compared(Made(fields=other, series=series), Made(fields=fields, series=series))
+    scales = {name: found[name].scale for name in found}
+    known = {"gas: v": 1.0, "gas: T": 300.0, "still: u": 2.0, "rod: u": 1e-9, "rod: s_xx": 4.0}
+    known |= {"lost_energy": 9.0, "dt": 0.2, "impulse_x": 6.0}
+    assert {name: scales[name] for name in known} == pytest.approx(known, rel=1e-15)
 
 
 def test_units_in_the_last_place():
@@ -157,27 +189,3 @@ def test_what_is_public_is_there_and_told():
         assert importlib.import_module(name).__doc__, name
     with pytest.raises(AttributeError, match="no attribute 'Walls'"):
         fsipetsc.Walls  # noqa: B018
-
-
-def test_round_off_is_told_beside_what_has_its_unit():
-    """Components that are 0 beside the others, a loss beside the energy; times have own scales."""
-    names = "u", "v", "T"
-    times, found = np.array([0.0]), []
-    for name, pair in zip(names, ((2.0, 3.0), (1e-17, -1e-17), (300.0, 299.0)), strict=True):
-        found.append(difference(f"gas: {name}", *(np.array([[value]]) for value in pair), times))
-    for name, pair in (("energy", (5.0, 5.0)), ("lost_energy", (1e-15, 0.0)), ("dt", (0.1, 0.2))):
-        found.append(difference(name, *(np.array([value]) for value in pair), times))
-    scales = {one.name: one.scale for one in _on_one_scale(found)}
-    assert list(scales.values()) == [3.0, 3.0, 300.0, 5.0, 5.0, 0.2]
-
-
-def test_what_is_at_rest_is_compared_with_what_makes_its_unit():
-    """Velocities that are round-off with sqrt(p/rho), an impulse with sqrt(m E)."""
-    times, found = np.array([0.0]), []
-    pairs = {"gas: p": 4.0, "gas: rho": 1.0, "gas: u": 1e-17, "rod: u": 1e-9, "rod: s_xx": 1e-16}
-    pairs |= {"mass": 4.0, "energy": 9.0, "impulse_x": 1e-17}
-    for name, value in pairs.items():
-        found.append(difference(name, np.array([value]), np.array([1.5 * value]), times))
-    scales = {one.name: one.scale for one in _on_one_scale(found)}
-    known = {"gas: u": 2.0, "rod: u": 1.5e-9, "rod: s_xx": 6.0, "impulse_x": 9.0}
-    assert {name: scales[name] for name in known} == pytest.approx(known, rel=1e-15)

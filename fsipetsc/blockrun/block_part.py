@@ -64,7 +64,7 @@ class BlockPart:
         self.faces = FaceTerms(self._problem, part, order, self.X)
         rows = d + 2 if self.block.kind == "fluid" else 2 * d + 1
         forced = self.block.forcing is not None
-        self._forcing = np.zeros((rows, self.owned.size * forced))
+        self.forcing = np.zeros((rows, self.owned.size * forced))
 
     @property
     def free(self) -> list[tuple[int, int]]:
@@ -99,7 +99,7 @@ class BlockPart:
         """Data of faces and of the forcing at time t [s]. InputError."""
         self.faces.refresh(t)
         if self.block.forcing is not None:
-            self._forcing[:] = block_values(self.block, "forcing", self.X[:, self.owned], t)
+            self.forcing[:] = block_values(self.block, "forcing", self.X[:, self.owned], t)
 
     def record_data(self, recorder: Recorder) -> None:
         """Record the same, where it depends on time."""
@@ -109,7 +109,7 @@ class BlockPart:
             def make(x: Any, t: Any) -> Any:
                 return numbers_of(forcing(*x, t), len(self._forcing))
 
-            recorder.add("forcing", make, self.X[:, self.owned], None, *self._forcing)
+            recorder.add("forcing", make, self.X[:, self.owned], None, *self.forcing)
 
     def record(self, about: Recorded) -> Code:
         """Record the procedures of this part. InputError where a law of a case cannot be recorded,
@@ -156,7 +156,7 @@ class BlockPart:
             "patch": part.patch,
             "per_h": self._per_h,
             "at_particles": about.at_particles[part.k],
-            "forcing": self._forcing if self.block.forcing is not None else None,
+            "forcing": self.forcing if self.block.forcing is not None else None,
             "seen": np.zeros(MONITORED),
             "level": about.begins.get("potential_energy", -1),
         }
