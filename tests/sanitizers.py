@@ -26,7 +26,7 @@ from helpers import REPOSITORY, environment
 TESTS = (
     *("block_conditions", "block_layers", "block_ledgers", "block_monitor", "block_oracle"),
     *("elementary", "gases_apart", "gravity", "paper_ends", "paper_rates", "procedures", "radial"),
-    *("prescribed", "riemann", "sensor", "solid_laws", "solid_part"),
+    *("prescribed", "riemann", "solid_laws", "solid_part"),
     *("where_faces_meet", "halo"),
 )
 #: without optimization all checks are made, and compiling takes a quarter of the time

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from conftest import ORDERS
 from helpers import REPOSITORY, computed
 from scipy.optimize import brentq
 
@@ -42,7 +41,7 @@ def test_to_the_third_bounce(order, tmp_path):
     np.testing.assert_allclose(run.series["mass"][:, 0], P0 / (R * T0), rtol=drift)
 
 
-@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("order", [2, 8])
 def test_what_is_at_rest_stays_at_rest(order, tmp_path):
     """Without gravity 1,700 steps add no more than round-off."""
     words = f"rod {PAPER} -fsi_h 0.05 -fsi_order {order} -rod_gravity 0 -ts_max_time 0.2"

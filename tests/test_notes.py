@@ -2,18 +2,20 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from helpers import solve
 from mpi4py import MPI
 
 from fsipetsc.blockrun.block_state import BlockState
-from fsipetsc.blockrun.notes import weak_hinges
+from fsipetsc.blockrun.notes import MOST, steepest, weak_hinges
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Outflow, Slip
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.cases import load_case
 from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.stiffened_gas import stiffened_gas
 from fsipetsc.operators import OPERATORS
 from fsipetsc.options import defaults
 
@@ -103,3 +105,15 @@ def test_gas_that_flows_in_through_an_outflow_is_told(side):
         assert len(said) == told
         for words in said:
             assert f"flows in through the Outflow of 'gas' at X = {side} m" in words
+
+
+def test_a_burst_in_water_needs_no_capturing():
+    """The note at the end looks at p + p_inf. A burst of 1e6 Pa is nothing there, one of 2e8 is."""
+    patch, water = SimpleNamespace(ghosted=(3, 1, 1)), stiffened_gas(4.4, 1000.0, 6e8)
+    part = SimpleNamespace(
+        owned=np.arange(3), block=SimpleNamespace(dimension=1), part=SimpleNamespace(patch=patch)
+    )
+    for burst, noted in ((1e6, False), (2e8, True)):
+        p = np.array([1e5, 1e5, burst])
+        K = water.bulk_modulus(1000.0, water.temperature_of(1000.0, p))
+        assert (steepest(part, p, K).max() > MOST[0]) == noted

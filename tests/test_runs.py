@@ -8,11 +8,6 @@ from scipy.optimize import brentq
 CASES = {path.stem: str(path) for path in sorted((REPOSITORY / "runs").glob("*.py"))}
 
 
-@pytest.mark.long
-def test_each_case_runs(tmp_path):
-    compute(2, tmp_path, {name: (path, "-ts_max_steps 3") for name, path in CASES.items()})
-
-
 # runs/heat_flux.py and docs/heat.md
 
 

@@ -55,6 +55,14 @@ def test_theory_with_viscosity_and_where_there_is_no_mode():
     assert mode_near(ring_media(), 2, 1.49) is None and mode_near(ring_media(), 2, 7.7548) is None
 
 
+def test_the_command_on_a_shell_and_on_what_it_does_not_know(tmp_path):
+    found, exact = modes_of(tmp_path, "shell", "-shell_gas none -fsi_order 6 -modes_count 3")
+    assert exact[:2] == pytest.approx([1.6872611834362685, 13.964942938841924], abs=1e-9)
+    assert found == pytest.approx(exact, rel=1e-5)
+    done = solve("modes", "rod", cwd=tmp_path)
+    message(done, 2, "the command modes knows the cases ring and shell")
+
+
 @pytest.mark.parametrize(("words", "known"), [("", IN_GAS), ("-ring_gas false", IN_VACUUM)])
 def test_the_first_three_modes_of_a_ring(words, known, tmp_path):
     """Measured: 5.1e-6, 9.0e-7, 3.3e-6 with gas; 3.6e-6, 3.9e-6, 1.4e-5 without."""
@@ -68,51 +76,17 @@ def test_modes_of_a_ring_on_a_coarse_grid_and_in_a_viscous_gas(tmp_path):
     """Each has one of its own of the equations; in a viscous gas they are damped."""
     found, exact = modes_of(tmp_path, "ring", f"{COARSE} -modes_count 7")
     assert np.abs(found / exact - 1.0).max() < 1e-3 and np.diff(exact.real).min() > 0.1
-    assert (np.abs(found[:3] / IN_GAS - 1.0) < 1.5 * np.array(TABLE[6][0][2])).all()
+    of_another_program = 3.1e-4, 5.5e-5, 2.0e-4
+    assert (np.abs(found[:3] / IN_GAS - 1.0) < 1.5 * np.array(of_another_program)).all()
     found, exact = modes_of(tmp_path, "ring", f"{COARSE} -fluid_mu 0.01 -modes_count 3")
     assert np.abs(found / exact - 1.0).max() < 2e-3
     assert (exact.imag < -0.05).all()
 
 
-#: order -> (h, cells around), errors of the first three modes by another program
-TABLE = {
-    2: [(0.075, 24, (5.4e-2, 2.7e-2, 6.8e-2)), (0.0375, 48, (1.3e-2, 7.0e-3, 1.7e-2))],
-    4: [(0.075, 24, (1.3e-2, 2.7e-3, 8.5e-3)), (0.0375, 48, (8.9e-4, 1.8e-4, 5.6e-4))],
-    6: [(0.05, 32, (3.1e-4, 5.5e-5, 2.0e-4)), (0.025, 64, (5.1e-6, 9.0e-7, 3.3e-6))],
-    8: [(0.0375, 48, (9.8e-7, 1.5e-7, 6.2e-7))],
-}
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("order", TABLE)
-def test_modes_of_a_ring_at_all_orders(order):
-    """The errors are at most 1.5 times those of another program, at as many nodes in the gas."""
-    found = []
-    for h, around, known in TABLE[order]:
-        problem = built(ring, ring_pulse=0.0, fsi_order=order, fsi_h=h, ring_around=around)
-        found.append(np.abs(radial_modes(problem, order, 2)[:3] / IN_GAS - 1.0))
-        assert (found[-1] < 1.5 * np.array(known)).all(), found[-1]
-    for coarse, fine in zip(found, found[1:]):
-        rates = np.log2(coarse / fine)
-        assert rates.min() > order - 0.2, rates
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("viscosity", [0.0, 0.01])
-@pytest.mark.parametrize("density", [1e-3, 1.0, 1e3])
-def test_nothing_grows_beside_light_and_heavy_rings(density, viscosity):
-    """About rest; modes of frequency 0 are double, and differences split these."""
-    words = {"fsi_order": 4, "fsi_h": 0.1, "ring_around": 24, "fluid_mu": viscosity}
-    problem = built(ring, ring_pulse=0.0, solid_density=density, **words)
-    with BlockState(MPI.COMM_SELF, problem, 4, BlockForm()) as state:
-        values = linear_modes(state, 1, 2)[0]
-    assert values.real.max() < 1e-11 * np.abs(values).max()
-
-
 def test_a_pulse_in_a_ring(tmp_path):
     """The same bits; mass and energy stay; the ring is pushed, and rests without a pulse."""
     line = "ring -fsi_order 4 -fsi_h 0.1 -ring_around 32 -ts_max_time 0.3 -fsi_output_dt 0.3"
-    pushed = on_ranks(tmp_path, line, 2, 3)
+    pushed = on_ranks(tmp_path, line, 1, 3)
     for name in ("mass", "energy"):
         assert np.abs(pushed.series[name] / pushed.series[name][0] - 1.0).max() < 1e-14, name
     ring = pushed.layers[1]
@@ -167,7 +141,7 @@ def test_modes_of_shells(kappa, gas):
     assert np.delete(rates, 1 if exact_at_first else []).min() > 3.7
     most = [1e-10, 2e-7, 1e-5] if gas == "none" else [2e-9] * 3
     assert (mode_errors(kappa, gas, 6, 0.0125) < most).all()
-    if gas != "none":
+    if gas == "centre":
         assert mode_errors(kappa, gas, 8, 0.01875).max() < 2e-9
         assert 1e-3 < mode_errors(kappa, gas, 2, 0.0375).max() < 1e-2
 
@@ -206,18 +180,10 @@ def test_modes_of_a_ball(order):
     assert np.log2(coarse[0] / fine[0]) > min(order, 5) - 0.1
 
 
-def test_the_command_writes_the_modes(tmp_path):
-    found, exact = modes_of(tmp_path, "shell", "-shell_gas none -fsi_order 6 -modes_count 3")
-    assert exact[:2] == pytest.approx([1.6872611834362685, 13.964942938841924], abs=1e-9)
-    assert found == pytest.approx(exact, rel=1e-5)
-    done = solve("modes", "rod", cwd=tmp_path)
-    message(done, 2, "the command modes knows the cases ring and shell")
-
-
 def test_a_charge_in_a_shell(tmp_path):
     """A strong one: mass and energy stay, entropy falls in no step, the shell goes outwards."""
     line = "shell -shell_kappa 2 -shell_charge 200 -fsi_h 0.025 -ts_max_time 0.6 -fsi_output_dt 0.3"
-    run = on_ranks(tmp_path, line, 2, 3)
+    run = on_ranks(tmp_path, line, 1, 2)
     kept = run.summary["departures"]  # of two masses, energy, entropy
     assert len(kept) == 4 and np.max([*kept.values()]) < 1e-13 and kept["entropy"] < 1e-14
     assert run.series["entropy"][-1] > run.summary["initial_entropy"]
@@ -227,7 +193,7 @@ def test_a_charge_in_a_shell(tmp_path):
 def test_a_shock_in_a_nozzle(tmp_path):
     """In (z, r): mass, energy and momentum along the axis are as they should; the wall swells."""
     line = "nozzle -fsi_h 0.1 -ts_max_time 0.5 -fsi_output_dt 0.25"
-    run = on_ranks(tmp_path, line, 2, 4)
+    run = on_ranks(tmp_path, line, 1, 2)
     kept = run.summary["departures"]
     assert {"energy", "momentum along x"} < set(kept) and np.max([*kept.values()]) < 1e-13
     assert any(name.startswith("mass") for name in kept)

@@ -108,11 +108,10 @@ def test_a_solid_that_is_crushed_is_told():
     assert "K" not in crushed("'rod'", 0.09, 2.0, 0.0).replace("K =", "")
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
-def test_a_rod_that_is_crushed(ranks, tmp_path):
+def test_a_rod_that_is_crushed(tmp_path):
     """By a shock of ten times its modulus: it fails, not the gas, which has NaN afterwards."""
     line = "shock -shock_problem strong -shock_mach 7 -fsi_order 2 -fsi_h 0.1 -fsi_quiet"
-    said = message(solve(*line.split(), cwd=tmp_path, ranks=ranks), 3, "error: J = -")
+    said = message(solve(*line.split(), cwd=tmp_path, ranks=2), 3, "error: J = -")
     assert " in layer 'rod' at x = 1.1" in said and "(X = 1), t = 0.07" in said
     assert "the solid is crushed in 'rod' at X = 1 (node 0): its stretch is 0.0" in said
     stretch, push = map(float, re.search(r"stretch is (\S+) under .* of (\S+) K", said).groups())

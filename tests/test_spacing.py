@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, compute, message, on_ranks, rows_of, solve
+from helpers import REPOSITORY, compute, message, rows_of, solve
 from scipy.interpolate import CubicSpline
 
 FILM = str(REPOSITORY / "tests" / "film.py")
@@ -34,10 +34,6 @@ def test_a_film_moves_as_on_a_grid_of_one_spacing(tmp_path):
     assert fine < 4e-6 and coarse / fine > 2**3.3
     for run in found.values():
         assert max(run.summary["departures"].values()) < 1e-14
-
-
-def test_ranks_of_a_film(tmp_path):
-    on_ranks(tmp_path, f"{FILM} -film_cells 40 -ts_max_steps 20", 1, 2, 3)
 
 
 @pytest.mark.parametrize(("order", "least"), [(2, 1.5), (4, 2.3), (6, 3.5)])

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from helpers import REPOSITORY, compute, message, on_ranks, solve
-from scipy.integrate import solve_bvp
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from fsipetsc import InputError, Piecewise
@@ -128,28 +127,3 @@ def test_a_channel_with_ends(tmp_path):
     assert wrong["profile"][1] < 0.05 * wrong["uniform"][1] < 0.05
     assert all(wrong["profile"][0] < 0.5 * wrong[name][0] for name in ("uniform", "slip", "given"))
     assert wrong["slip"][1] < 0.2 * wrong["uniform"][1]
-
-
-@pytest.mark.long
-def test_a_channel_without_ends(tmp_path):
-    """Poiseuille's flow with the heat of friction, by equations that SciPy solves."""
-    words = "-channel_inflow periodic -ts_max_time 120 -fsi_output_dt 120"
-    (run,) = compute(1, tmp_path, {"periodic": (CHANNEL, words)}).values()
-    (block,), U, mu, R = run.layers, 0.1, 0.005, 1.0 / 1.4
-    u, T, Y = block["u"][-1][:, 0], block["T"][-1][:, 0], block.Y
-    kappa, force = mu / (0.72 * 0.4), 12.0 * mu * U
-
-    def slopes(y, w, p):  # of u, mu u', T, kappa T', the mass below y
-        rho = p[0] / (R * w[2])
-        return np.array([w[1] / mu, -rho * force, w[3] / kappa, -(w[1] ** 2) / mu, rho])
-
-    def ends(low, high, p):
-        known = low[0], high[0], low[2] - 1.0, high[2] - 1.0, low[4], high[4] - 1.0
-        return np.array(known)
-
-    y = np.linspace(0.0, 1.0, 101)
-    guess = np.array([6.0 * U * y * (1.0 - y), 6.0 * mu * U * (1.0 - 2.0 * y), 1 + 0 * y, 0 * y, y])
-    found = solve_bvp(slopes, ends, y, guess, p=[R], tol=1e-9)
-    assert found.success and found.sol(0.5)[2] - 1.0 > 2e-3
-    assert np.abs(u - found.sol(Y)[0]).max() < 2.5e-4 * U
-    assert np.abs(T - found.sol(Y)[2]).max() < 5e-5
