@@ -152,6 +152,12 @@ def program(name: str) -> SimpleNamespace:
     return SimpleNamespace(**runpy.run_path(str(REPOSITORY / "verify" / f"{name}.py")))
 
 
+def well(done: Done) -> Done:
+    """What has ended well, and said nothing of errors."""
+    assert (done.returncode, done.stderr) == (0, ""), done.stderr
+    return done
+
+
 def message(done: Done, status: int, *words: str) -> str:
     """The program's one message, of this status, with these words; the launcher may say more."""
     assert done.returncode == status, done.stderr

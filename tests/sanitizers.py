@@ -102,8 +102,7 @@ def main(words: list[str]) -> int:
     if not libraries():
         print("gcc's libasan and libubsan are missing", file=sys.stderr)
         return 2
-    home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    folder = Path(home) / "fsipetsc" / "sanitized"
+    folder = home()
     for old in folder.glob("found.*"):
         old.unlink()
     tests = [] if any(word.startswith("tests/") for word in words) else TESTS

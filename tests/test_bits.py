@@ -11,7 +11,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from helpers import launch
+from helpers import launch, well
 
 #: name -> command line, steps; all but the first few are for long tests
 RUNS = {
@@ -69,8 +69,7 @@ sys.exit(max(cli.main(shlex.split(line)) for line in sys.argv[1:]))
 def do(lines: list[str], folder: Path, ranks: int = 1, **env: str) -> None:
     folder.mkdir(exist_ok=True)
     start = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
-    done = launch([*start, sys.executable, "-c", LINES, *lines], folder, env)
-    assert (done.returncode, done.stderr) == (0, ""), done.stderr
+    well(launch([*start, sys.executable, "-c", LINES, *lines], folder, env))
 
 
 def run_of(line: str, steps: int, folder: Path, **env: str) -> dict[str, bytes]:

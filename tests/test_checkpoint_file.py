@@ -7,7 +7,7 @@ import shutil
 import h5py
 import numpy as np
 import pytest
-from helpers import message, solve
+from helpers import message, solve, well
 
 import fsipetsc
 from fsipetsc.errors import FileError
@@ -76,8 +76,7 @@ def stopped(tmp_path_factory):
 
 
 def goes_on(folder, *words, ranks=1):
-    done = solve(*words, cwd=folder, ranks=ranks)
-    assert (done.returncode, done.stderr) == (0, "")
+    done = well(solve(*words, cwd=folder, ranks=ranks))
     return done.stdout.partition("goes on from ")[2].partition(", t = ")[0]
 
 
@@ -131,8 +130,7 @@ def test_what_cannot_change_is_named(stopped, tmp_path):
 
 def test_steps_may_change_where_it_is_said_and_a_result_may_begin_anew(stopped, tmp_path):
     words = "-ts_dt", "1e-5", "-ts_max_steps", 70, "-fsi_output", "new.h5"
-    done = solve("rod", "-fsi_restart", stopped / NEWEST, *words, cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
+    done = well(solve("rod", "-fsi_restart", stopped / NEWEST, *words, cwd=tmp_path))
     assert "note: -ts_dt 1e-5: it was not given" in done.stdout and "step 60, t = " in done.stdout
     with fsipetsc.open_run(tmp_path / "new.h5") as result:
         assert result.series["dt"].tolist() == [1e-5] * 10

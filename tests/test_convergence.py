@@ -4,15 +4,14 @@ import csv
 
 import numpy as np
 import pytest
-from helpers import message, solve
+from helpers import message, solve, well
 
 from fsipetsc.studies.verdicts import Expected, Row
 
 
 def table(folder, *words, name="mms", ranks=1):
     """(quantity, order) -> lines of the table that the command writes, from coarse to fine."""
-    done = solve("convergence", *words, cwd=folder, ranks=ranks)
-    assert (done.returncode, done.stderr) == (0, "")
+    well(solve("convergence", *words, cwd=folder, ranks=ranks))
     found = {}
     with (folder / f"{name}-convergence.csv").open() as file:
         next(file)
@@ -55,8 +54,7 @@ def test_grids_of_a_case_are_compared_with_each_other(tmp_path):
 def test_what_blocks_do_not_resolve_is_said(tmp_path):
     """A shock between a gas and a plate, in two dimensions, on three coarse grids."""
     words = "blast -fsi_hs 0.125,0.0625,0.03125 -ts_max_time 0.05"
-    done = solve("convergence", *words.split(), cwd=tmp_path, ranks=2)
-    assert (done.returncode, done.stderr) == (0, "")
+    done = well(solve("convergence", *words.split(), cwd=tmp_path, ranks=2))
     assert "falls short" in done.stdout
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers import message, program, rows_of, solve
+from helpers import message, program, rows_of, solve, well
 
 from fsipetsc.studies.flutter import crossing, unit_of
 from fsipetsc.studies.verify.data import reference
@@ -46,8 +46,7 @@ def test_modes_decay_below_and_grow_above(tmp_path):
 
 def test_hinged_ends(tmp_path):
     words = f"flutter {COARSE} -panel_ends hinged -flutter_lambdas 260,360".split()
-    done = solve(*words, cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
+    done = well(solve(*words, cwd=tmp_path))
     onset = float(done.stdout.split("of 343.36")[1].split()[1])
     table = reference("panel_flutter")
     theory = dict(zip(table["d"], table["hinged theory"], strict=True))

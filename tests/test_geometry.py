@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from helpers import computed, message, run, solve
+from helpers import computed, message, run, solve, well
 
 from fsipetsc import Block, BlockProblem, Fluid, Wall
 from fsipetsc.blocks.conditions import Free, NoSlip, Open, Periodic, Slip
@@ -65,8 +65,7 @@ def test_layers_are_those_that_run(coupling, tmp_path):
     """Places of nodes, where the spacing does not divide a gas, too; the first step of the run."""
     line = f"rod -fsi_coupling {coupling} -fsi_h 0.0625 -rod_top 3.03 -ts_max_steps 1"
     result = computed(tmp_path, "a.h5", *line.split())
-    done = solve(*line.split(), "-fsi_check", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, ""), done.stderr
+    done = well(solve(*line.split(), "-fsi_check", cwd=tmp_path))
     told = re.findall(r"(?:gas|solid), (\d+) nodes\n +axis 0 +spacing ([\d.]+) m", done.stdout)
     grids = [layer.X[np.isfinite(layer.x[0])] for layer in result.layers]
     assert told == [(str(X.size), f"{(X[-1] - X[0]) / (X.size - 1):.4g}") for X in grids]
@@ -132,8 +131,7 @@ def test_the_command_draws_and_compiles_nothing(tmp_path):
 
     nowhere = {"CC": "no-compiler", "FSIPETSC_CACHE": str(tmp_path / "cache")}
     for line in ("rod -o a/rod.png", "nozzle", "box_mms -box_dimension 3"):
-        done = run("-m", "fsipetsc", "geometry", *line.split(), cwd=tmp_path, env=nowhere)
-        assert (done.returncode, done.stderr) == (0, ""), done.stderr
+        done = well(run("-m", "fsipetsc", "geometry", *line.split(), cwd=tmp_path, env=nowhere))
         *_, summary, last = done.stdout.splitlines()
         path = re.fullmatch(r"picture in (\S+\.png)", last)[1]
         assert re.match(r"all +[\d,]+ nodes, spacing ", summary)

@@ -5,7 +5,7 @@ import signal
 import sys
 
 import pytest
-from helpers import REPOSITORY, launch, message, mpirun, run
+from helpers import REPOSITORY, launch, message, mpirun, run, well
 
 import fsipetsc
 
@@ -39,13 +39,11 @@ def test_runs_in_one_process_are_runs_in_processes_of_their_own(tmp_path):
     (tmp_path / "helped").mkdir()
     (tmp_path / "helped" / "helper_of_a_case.py").write_text("NUMBER = 5\n")
     (tmp_path / "helped" / "case.py").write_text(CASE)
-    done = run(REPOSITORY / "tests" / "many_runs_program.py", json.dumps(RUNS), cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
+    done = well(run(REPOSITORY / "tests" / "many_runs_program.py", json.dumps(RUNS), cwd=tmp_path))
     assert json.loads(done.stdout) == []
     for name, text in WELL.items():
         words = f"{text} -fsi_output alone.h5".split()
-        done = run("-m", "fsipetsc", *words, cwd=tmp_path)
-        assert (done.returncode, done.stderr) == (0, "")
+        well(run("-m", "fsipetsc", *words, cwd=tmp_path))
         for other in (name, *(["again"] if name == "plain" else [])):
             found = fsipetsc.compare(tmp_path / "alone.h5", tmp_path / f"{other}.h5")
             assert found.equal and not found.options and len(found.differences) > 15, other

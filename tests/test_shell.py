@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers import computed, message, on_ranks, rows_of, solve
+from helpers import computed, message, on_ranks, rows_of, solve, well
 from mpi4py import MPI
 
 from fsipetsc.blockrun.block_solution import BlockForm
@@ -38,8 +38,7 @@ def ring_media(viscosity=0.0):
 
 def modes_of(folder, case, words):
     """(omega of the scheme, exact or nan) from the file of the command."""
-    done = solve("modes", case, *words.split(), cwd=folder)
-    assert (done.returncode, done.stderr) == (0, ""), done.stderr
+    done = well(solve("modes", case, *words.split(), cwd=folder))
     assert "saved modes.csv" in done.stdout
     rows = [{k: float(v or "nan") for k, v in row.items()} for row in rows_of(folder / "modes.csv")]
     assert [row["index"] for row in rows] == list(range(1, len(rows) + 1))
