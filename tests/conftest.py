@@ -12,8 +12,8 @@ from fsipetsc.kernels import build
 
 #: files of tests that take longest where nothing is compiled yet, the longest first
 DEAREST = (
-    *("kills", "documents", "ranks", "block_ledgers", "orders", "failures", "radial"),
-    *("block_oracle", "shell", "shock", "time", "flutter", "stability", "process"),
+    *("kills", "documents", "verify", "ranks", "orders", "bits", "shell", "block_oracle"),
+    *("gravity", "plots", "spacing", "process", "convergence", "kernels"),
 )
 #: files of tests with runs of many steps
 MANY_STEPS = (
