@@ -1,6 +1,5 @@
 """Blocks of flat layers: what meets, what stands at the other faces; cases of one dimension."""
 
-
 import numpy as np
 import pytest
 from block_ledgers import Steps

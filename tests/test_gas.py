@@ -9,7 +9,6 @@ from recorded import recorded
 from fsipetsc.equations.logarithm import logarithm_rest
 from fsipetsc.kernels.loops import each
 from fsipetsc.materials.perfect_gas import PerfectGas
-from fsipetsc.materials.power_law import ConstantTransport
 from fsipetsc.materials.stiffened_gas import stiffened_gas
 
 LAWS = PerfectGas(1.4, 2.0), stiffened_gas(2.2, 1.5, 3.0)

@@ -223,7 +223,6 @@ WRONG = {
     "G_0 is 1, s is 0.2: expected G_0 of at most 4 s": lambda: mie_gruneisen(1.0, 0.2, 1.0, 300.0),
     "sutherland: S is -111: expected a number not below 0": lambda: sutherland(273.0, -111.0),
     "gruneisen is 1 beside pressing": lambda: Solid(**ROCK, gruneisen=1.0, pressing=MIE),
-    ": it returns a tuple of 2": lambda: Fluid(1.0, 1.0, 1.4, 1.0, transport=Doubtful(1.0)),
     "Fluid: transport": lambda: Fluid(1.0, 1.0, 1.4, 1.0, transport=MIE),
     "Fluid: force[0] is None: expected a number": lambda: Fluid(1.0, 1.0, 1.4, 1.0, force=None),
 }
@@ -234,20 +233,6 @@ def test_what_is_wrong_with_a_material(said):
     with pytest.raises(InputError) as caught:
         WRONG[said]()
     assert said in str(caught.value)
-
-
-class Doubtful(NamedTuple):
-    """A law of numbers of its own, one of whose formulas is wrong."""
-
-    R: float
-
-    def viscosity(self, T):
-        """A pair."""
-        return T, self.R
-
-    def conductivity(self, T):
-        """A number."""
-        return T
 
 
 BAD_FORMULAS = {

@@ -17,9 +17,7 @@ def build(opt):
 """
 
 
-@pytest.mark.parametrize(
-    ("order", "least", "finer"), [(2, 1.5, 3), (4, 2.3, 3), (6, 3.5, 1 / 3)]
-)
+@pytest.mark.parametrize(("order", "least", "finer"), [(2, 1.5, 3), (4, 2.3, 3), (6, 3.5, 1 / 3)])
 def test_orders_of_a_manufactured_solution(order, least, finer, tmp_path):
     """Cells of the solid a third or three times as long: as with one spacing."""
     own = f"cells=(round({finer} * second.cells[0]),)"

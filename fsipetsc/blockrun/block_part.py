@@ -107,7 +107,7 @@ class BlockPart:
         if (forcing := self.block.forcing) is not None:
 
             def make(x: Any, t: Any) -> Any:
-                return numbers_of(forcing(*x, t), len(self._forcing))
+                return numbers_of(forcing(*x, t), len(self.forcing))
 
             recorder.add("forcing", make, self.X[:, self.owned], None, *self.forcing)
 
