@@ -91,7 +91,7 @@ def means(a, b, c):
     return np.where(a > b, 0.0, half * (0.5 * (b + c))) - 2.0 * (half * c + 0.25 * abs(a) / 4.0)
 
 
-def test_powers_of_two_leave_products_and_no_bit_changes():
+def test_powers_of_two_leave_products_exactly():
     record = Record()
     given = [record.given(name) for name in "abc"]
     wanted = [means(*given), 0.5 * (0.5 * given[0] + 0.5 * given[1])]

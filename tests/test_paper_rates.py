@@ -19,6 +19,7 @@ from fsipetsc.materials.own import gas_law, pressure_law
 from fsipetsc.materials.power_law import power_law
 from fsipetsc.operators import operator
 from fsipetsc.options import defaults
+from fsipetsc.paper import rates as rates_of
 from fsipetsc.paper.paper_state import PaperState
 from fsipetsc.scheme.plan import RATE
 
@@ -152,6 +153,23 @@ def test_rates_are_the_frozen_ones():
         found, expected = np.array(measured(state_of(**asked))), np.array(frozen[name])
         assert found.shape == expected.shape and (expected[:, 1] > 0).sum() > 15
         assert (np.abs(found - expected)[:, 0] <= 2e-11 * expected[:, 1]).all(), name
+
+
+@pytest.mark.parametrize("name", ["rod energy 8 narrow", "mms energy 6 narrow", "open", "outflow"])
+def test_rates_do_not_depend_on_pieces(name, monkeypatch):
+    """Nor on what memory had before."""
+    found = []
+    for piece in (192, 3):
+        monkeypatch.setattr(rates_of, "PIECE", piece)
+        with state_of(**RUNS[name]) as state:
+            state.set_initial()
+            state.set_data(0.01)
+            stage = disturbed(state)
+            for layer in state.layers:
+                layer.part.scratch[:] = np.nan
+            found.append(np.full_like(stage, np.nan))
+            state.right_hand_side(stage, found[-1])
+    assert np.isfinite(found[0]).all() and np.array_equal(*found)
 
 
 @pytest.mark.parametrize("coupling", COUPLINGS)

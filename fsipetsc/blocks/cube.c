@@ -62,10 +62,10 @@ INLINE double slope(const double *f, const struct pairs *p, int count, int even)
 }
 
 /* What is done with D f along an axis: planes f of the wide range or, if of_q, planes q; what it
-   fills. */
+   fills: planes of the range or, if to_q, planes q. */
 struct task {
   void (*of_row)(const struct cube *, const struct task *, const struct pairs *, long, long, long);
-  int axis, of_q;
+  int axis, of_q, to_q;
   const double *f;
   double *out;
 };
@@ -87,9 +87,6 @@ struct task {
 #define ROW_OF(name)                                                                              \
   INLINE void name##_of(const struct cube *c, const struct task *t, const struct pairs *p,         \
                         long at, long place, long n, int count, int even)
-
-static void potential(const struct cube *, const struct task *, const struct pairs *, long, long,
-                      long);
 
 /* The pairs p along the last axis of a node of layer z, between its slots of q. */
 static struct pairs between_slots(const struct cube *c, const struct pairs *p, long z) {
@@ -114,7 +111,7 @@ static void do_rows(const struct cube *c, const struct task *tasks, int count,
       const long place = (end[0] - first[0]) * row - first[0];
       for (const struct task *t = tasks; t < tasks + count; ++t) {
         const long inner = least(most(c->inner[0], b->lo[0]), b->hi[0]);
-        const long at = t->of_q ? q : wide, to = t->of_row == potential ? q : place;
+        const long at = t->of_q ? q : wide, to = t->to_q ? q : place;
         for (long x = b->lo[0], stop; x < b->hi[0]; x = stop) {
           const long same = x != inner ? x + 1 : most(least(c->inner[1], b->hi[0]), x + 1);
           stop = t->axis != 0 ? b->hi[0] : same;
@@ -218,14 +215,14 @@ static struct box range_of(const struct cube *c) {
 
 /* Find q_k of the places x in a box. */
 static void potentials(const struct cube *c, const double *x, int k, struct box b) {
-  const struct task task = {potential, k, 0, x, c->q + 3 * k * q_nodes(c)};
+  const struct task task = {potential, k, 0, 1, x, c->q + 3 * k * q_nodes(c)};
   do_rows(c, &task, 1, &b);
 }
 /* The tasks that fill planes a with a^i. */
 static void areas(const struct cube *c, int i, double *a, struct task *tasks) {
   const long j = (i + 1) % 3, k = (i + 2) % 3, Q = q_nodes(c);
-  tasks[0] = (struct task){begin_area, j, 1, c->q + 3 * k * Q, a};
-  tasks[1] = (struct task){end_area, k, 1, c->q + 3 * j * Q, a};
+  tasks[0] = (struct task){begin_area, j, 1, 0, c->q + 3 * k * Q, a};
+  tasks[1] = (struct task){end_area, k, 1, 0, c->q + 3 * j * Q, a};
 }
 
 /* Do the tasks of a^1, a^2 and a^3 in a box, or of a^only alone if that is not NONE, at the places
@@ -256,7 +253,7 @@ void cube_move(const struct cube *c) {
   struct task tasks[9];
   for (int k = 0; k < 3; ++k) {
     areas(c, k, c->metrics + 3 * k * c->N, tasks + 2 * k);
-    tasks[6 + k] = (struct task){swing, k, 0, c->v, c->metrics + 9 * c->N};
+    tasks[6 + k] = (struct task){swing, k, 0, 0, c->v, c->metrics + 9 * c->N};
   }
   find_areas(c, c->x, tasks, 9, &range, NONE);
 }
@@ -266,7 +263,7 @@ void cube_volumes(const struct cube *c) {
   const long rows = c->size[0];
   double *volume = c->volume;
   struct task tasks[3];
-  for (int k = 0; k < 3; ++k) tasks[k] = (struct task){gradient, k, 0, c->x, c->rows + 3 * k * rows};
+  for (int k = 0; k < 3; ++k) tasks[k] = (struct task){gradient, k, 0, 0, c->x, c->rows + 3 * k * rows};
   for (long z = c->first[2]; z < c->end[2]; ++z) {
     for (long y = c->first[1]; y < c->end[1]; ++y) {
       const struct box row = {{c->first[0], y, z}, {c->end[0], y + 1, z + 1}};

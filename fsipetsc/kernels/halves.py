@@ -2,8 +2,8 @@
 
 Each symbol of a record is written as 2^e times another one. Products add the exponents e, sums of
 terms with one exponent keep it, and what remains is multiplied at the end, at best to what all
-nodes share, before the loop. All of it is exact: no bit of a result changes, but where a number is
-beyond the largest or below the least normal one.
+nodes share, before the loop. All of it is exact, but where a number is beyond the largest or below
+the least normal one. Sums may be fused with other products than those of the record.
 """
 
 from collections.abc import Sequence
@@ -23,19 +23,19 @@ def exponent_of(value: float | None) -> int | None:
 
 
 class _Rewriting:
-    """Symbols of a new record, by the numbers of those of the old one: core and exponent."""
+    """record: the new one. of: number of an old symbol -> core and exponent; uses: number of a core
+    -> how often it is an operand; with_uniform: number of a symbol -> what `_has_uniform` says.
+    """
 
     def __init__(self, record: Record, wanted: Sequence[Symbol]) -> None:
-        self.record, self.old, self.uses = Record(), record, uses_of(wanted)
+        self.record, uses = Record(), uses_of(wanted)
         self.of: dict[int, tuple[Symbol, int]] = {}
-        self.shared: dict[int, int] = {}
+        self.uses: dict[int, int] = {}
+        self.with_uniform: dict[int, bool] = {}
         for symbol in record.symbols:
-            if symbol.number in self.uses:
-                first = len(self.record.symbols)
+            if symbol.number in uses:
                 self.of[symbol.number] = core, _ = self._made(symbol)
-                self.shared[core.number] = self.uses[symbol.number]
-                if symbol.number in record.exact:
-                    self.record.exact.update(range(first, len(self.record.symbols)))
+                self.uses[core.number] = self.uses.get(core.number, 0) + uses[symbol.number]
 
     def whole(self, symbol: Symbol) -> Symbol:
         """The new symbol of an old one."""
@@ -46,11 +46,11 @@ class _Rewriting:
         to the one that most products have.
         """
         if n and x.operation == "*" and not x.uniform:
-            first, second = sorted(x.operands, key=lambda f: self.shared.get(f.number, 0))
-            if _has_uniform(x):
-                first, second = sorted(x.operands, key=_has_uniform)
+            first, second = sorted(x.operands, key=lambda f: self.uses.get(f.number, 0))
+            if self._has_uniform(x):
+                first, second = sorted(x.operands, key=self._has_uniform)
                 return self.record.apply("*", first, self.scaled(second, n))
-            if self.shared.get(x.number, 0) < 2:
+            if self.uses.get(x.number, 0) < 2:
                 return self.record.apply("*", first, self.record.apply("*", 2.0**n, second))
         return self.record.apply("*", 2.0**n, x) if n else x
 
@@ -97,15 +97,21 @@ class _Rewriting:
         """How much a multiplication of a term by a power of two costs: nothing before the loop, or
         with a factor that all nodes share; little where it is fused with the sum.
         """
-        return 0 if _has_uniform(x) else 2 if x.operation == "*" else 1
+        return 0 if self._has_uniform(x) else 2 if x.operation == "*" else 1
 
-
-def _has_uniform(x: Symbol) -> bool:
-    """Whether all nodes share a number, or a factor of a product."""
-    return x.uniform or (x.operation == "*" and any(map(_has_uniform, x.operands)))
+    def _has_uniform(self, x: Symbol) -> bool:
+        """Whether all nodes share a number, or a factor of a product."""
+        known = self.with_uniform
+        if x.number not in known:
+            product = x.operation == "*"
+            known[x.number] = x.uniform or (product and any(map(self._has_uniform, x.operands)))
+        return known[x.number]
 
 
 def without_halves(record: Record, wanted: Sequence[Symbol]) -> tuple[Record, list[Symbol]]:
-    """A record with fewer products that gives the same, and what is wanted of it."""
+    """A record with fewer products that gives the same, and what is wanted of it. Nothing may be
+    exact, as in procedures.
+    """
+    assert not record.exact, "fused products may change"
     made = _Rewriting(record, wanted)
     return made.record, [made.whole(symbol) for symbol in wanted]

@@ -19,7 +19,7 @@ static inline long remainder_of(long a, long b) { return a - b * quotient(a, b);
 #ifdef __AVX512F__
 #define ITEMS(simd, ...) \
   _Pragma(simd) for (long i = 0; i < (n & -8L); ++i) { __VA_ARGS__ } \
-  if (n & 7) { \
+  if (n > 0 && n & 7) { \
     const long first_ = n & -8L; \
     _Pragma(simd) for (long lane_ = 0; lane_ < 8; ++lane_) { \
       const long i = first_ + lane_; \

@@ -19,28 +19,24 @@ import numpy as np
 from fsipetsc.kernels.loops import each, named, when
 from fsipetsc.paper.stencils import near_ends
 
-#: where the sum of the differences that begin at point 0 stands: they may begin before the rank's
-#: points
-MARGIN = 8
-
 
 def add_remainder(op, scale, b, y, scratch, out, c, shift, begin, end, A, B):
     """out[i - shift, c] += scale H^-1 R(b) y at the points i = begin .. end-1; scratch: two rows,
-    longer by 2 MARGIN."""
+    which begin 2p before the first point."""
     T, (g, sums) = len(op.end), scratch
     sums[begin:end] = 0.0
     for level, means in enumerate(op.means):
         q = op.p + 1 + level
         skipped, weights = (q + 1 - len(means)) // 2, op.differences[q - 1]
-        g[begin - q + MARGIN : end + MARGIN] = 0.0
+        g[begin - q : end] = 0.0
         first, last = np.maximum(begin - q, A + T), np.minimum(end, B + 1 - T - q)
         for i in each(first, last, vector=True):
             mean = sum(v * b[i + skipped + k] for k, v in enumerate(means))
-            g[i + MARGIN] = mean * sum(v * y[i + k] for k, v in enumerate(weights))
+            g[i] = mean * sum(v * y[i + k] for k, v in enumerate(weights))
         if level == 0:
             add_end_terms(op, b, y, g, begin, end, A, B)
         for i in each(begin, end, vector=True):
-            sums[i] += sum(v * g[i - k + MARGIN] for k, v in enumerate(weights))
+            sums[i] += sum(v * g[i - k] for k, v in enumerate(weights))
     for r, i, _, _ in near_ends(op, begin, end, A, B):
         sums[i] *= 1.0 / op.norm[r]
     for i in each(begin, end, vector=True):
@@ -58,7 +54,7 @@ def add_end_terms(op, b, y, g, begin, end, A, B):
                     sum(v * y[edge + step * k + j] for j, v in enumerate(weights)) for k in range(T)
                 )
                 total = sum(v * one for v, one in zip(row, differences, strict=True))
-                g[at + MARGIN] += b[inside] * total
+                g[at] += b[inside] * total
 
 
 def narrow_gas(op, gas, layer, w, u, first_b, out, begin, end, A, B):

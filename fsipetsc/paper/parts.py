@@ -57,7 +57,7 @@ class Layer:
         self.local = np.zeros((before + count + after, dof))
         self.owned = self.local[before : before + count]
         self.forcing = np.zeros((count, dof)) if layer.forcing is not None else None
-        room = max(len(self.local), rates.PIECE + 2 * op.halo) + rates.MORE
+        room = max(len(self.local), rates.PIECE + 2 * op.halo)
         self._scratch = np.zeros((rates.ROWS, room))
         points = self.local, self.owned, *map(self.of, memory), self.forcing, self._scratch
         self.part = steps.Part(op, ends, law, records, *points, batch)

@@ -23,12 +23,12 @@ import numpy as np
 
 from fsipetsc.boundaries import Dirichlet, Open
 from fsipetsc.kernels.loops import each, named, pick, variable, when
-from fsipetsc.paper.narrow_terms import MARGIN, narrow_gas, narrow_solid
+from fsipetsc.paper.narrow_terms import narrow_gas, narrow_solid
 from fsipetsc.paper.outer_ends import gradient_values, outer_side
 from fsipetsc.paper.stencils import derivative
 
-#: rows of scratch, and by how much they are longer than there are points
-ROWS, MORE = 18, 2 * MARGIN
+#: rows of scratch
+ROWS = 18
 #: points whose rates are found together: their rows stay in the fastest memory
 PIECE = 192
 

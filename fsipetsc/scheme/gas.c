@@ -40,7 +40,8 @@ struct gas {
   const double *along;            /* (1 + reach) rows: S of pairs along the first axis, by distance
                                      and lower node: MARGIN zeros, those of all nodes, MARGIN zeros */
   const double *per_weight;       /* 1 over the weights along the first axis */
-  const double *gain, *loss;      /* as along: S over the weight of the upper, of the lower node */
+  const double *gain, *loss;      /* of viscous gases: as along, over the weight of the upper, of the
+                                     lower node */
   double *gains, *losses;         /* the same along another axis, one for all nodes of a row */
   const struct tile *tiles;
   long count;

@@ -40,20 +40,20 @@ def _pairs(gas: Any, d: int, form: Any, viscous: bool) -> list[Kernel]:
     kernel of these, if the form tells them apart.
     """
     near = Kernel("gas_near", "The fluxes of pairs of near nodes, added to the sums of both.")
-    _pair(near, gas, d, form, viscous, form.near, form.force.near)
+    _pair(near, gas, d, form, viscous, True)
     if near.counted is None:
         return [near]
     far = Kernel("gas_far", "The fluxes of the other pairs, added to the sums of both nodes.")
-    _pair(far, gas, d, form, viscous, form.any, form.force.any)
+    _pair(far, gas, d, form, viscous, False)
     return [near, far]
 
 
-def _pair(
-    kernel: Kernel, gas: Any, d: int, form: Any, viscous: bool, flux: Any, force: Any
-) -> None:
+def _pair(kernel: Kernel, gas: Any, d: int, form: Any, viscous: bool, near: bool) -> None:
     """Let the kernel add what the lower node of a pair loses and the upper one gains, times the
-    weight of the pair: that of the row, times that of the node.
+    weight of the pair: that of the row, times that of the node. It is 0 of pairs that are not of
+    the kernel's kind; those formulas are finite for ratios of states up to 1e28.
     """
+    flux, force = (form.near, form.force.near) if near else (form.any, form.force.any)
     gas, grid = kernel.parameters(gas), len(gas.of_grid((0.0,) * d))
     l, r = kernel.read("l", ROWS, d + 5), kernel.read("r", ROWS, d + 5)
     a_l, a_r = kernel.read("a_l", PLANES, d), kernel.read("a_r", PLANES, d)
@@ -61,8 +61,8 @@ def _pair(
     (of_row,), (of_node,) = kernel.read("of_row", SHARED, 1), kernel.read("of_node", ROWS, 1)
     distance = form.distance(gas, l, r)
     if not isinstance(distance, float):
-        apart, near = distance > NEAR, kernel.name == "gas_near"
-        of_node = np.where(apart, 0.0, of_node) if near else np.where(apart, of_node, 0.0)
+        apart = distance > NEAR
+        of_node = np.where(apart, *((0.0, of_node) if near else (of_node, 0.0)))
         kernel.count(apart)
     F, rise = flux(gas, l, r, a_l, a_r, gas.volume_flux(a_l, v_l, a_r, v_r)), 0.0
     sums = len(form.force.sums((0.0,) * d))

@@ -83,12 +83,11 @@ def solid_work(solid: Any, bands: Any, patch: Patch, pairs: int) -> Work:
     step = 8 * (layout.layers * layout.layer // 16 * 2 + 3)
     memory = [aligned(count * step) for count in (2 * d + 1, strains, d * d, 1, d)]
     slopes = np.zeros((2 * d * d + d) * WIDTH)
-    _, weights, ends, inside = known = neighbours(bands, pairs)
+    _, weights, _, inside = known = neighbours(bands, pairs)
     axes = (0, 2) if d == 2 else range(d)
-    at = [min(inside[axis, 0], len(ends) - 1) for axis in axes]
-    inner = np.concatenate([weights[PLAIN, axis, i, 1 : 1 + pairs] for axis, i in zip(axes, at)])
+    of_pairs = np.concatenate([weights[PLAIN, k, inside[k, 0], 1 : 1 + pairs] for k in axes])
     far = distances(layout, axes, pairs)
-    return Work(patch, layout, boxes, *known, far, inner, *memory, slopes)
+    return Work(patch, layout, boxes, *known, far, of_pairs, *memory, slopes)
 
 
 def distances(layout: Layout, axes: Sequence[int], pairs: int) -> Array:
