@@ -8,8 +8,6 @@ from pathlib import Path
 import pytest
 from kept_ranks import KEPT
 
-from fsipetsc.kernels import build
-
 #: files of tests that take longest where nothing is compiled yet, the longest first
 DEAREST = (
     *("kills", "documents", "verify", "ranks", "orders", "bits", "shell", "block_oracle"),
@@ -59,9 +57,7 @@ def flags_of_kernels(request: pytest.FixtureRequest) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         if not many and "CFLAGS" not in os.environ:
             patch.setenv("CFLAGS", "-O0")
-        build.flags.cache_clear()
         yield
-    build.flags.cache_clear()
 
 
 @pytest.fixture

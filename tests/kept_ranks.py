@@ -85,7 +85,6 @@ def answered(words: list[str]) -> Answer:
 def work() -> None:
     """Do jobs until there are no more."""
     from fsipetsc import cli
-    from fsipetsc.kernels import build
     from fsipetsc.process.launch import start_mpi, start_petsc
     from fsipetsc.process.together import done_asleep
 
@@ -103,7 +102,6 @@ def work() -> None:
         if not line:
             return
         ranks, folder, os.environ["CFLAGS"], lines = json.loads(line)
-        build.flags.cache_clear()
         if world.rank < ranks:
             comm = first(ranks)
             cli.start_mpi = lambda comm=comm: comm

@@ -196,14 +196,13 @@ def test_a_library_is_kept_and_a_damaged_one_is_not_taken(cache):
 
 
 def test_flags_compilers_and_texts_have_libraries_of_their_own(cache, monkeypatch):
+    """Also where the environment changes while the program runs."""
     names = {simple()[1]}
     for key, value in (("CFLAGS", "-O1"), ("CFLAGS", "-march=x86-64"), ("CC", "cc -DX=1")):
         monkeypatch.setenv(key, value)
-        forget()
         names.add(simple()[1])
         monkeypatch.delenv(key)
     assert len(names) == 4
-    forget()
     assert simple()[1] in names
 
 
