@@ -16,6 +16,7 @@ from fsipetsc.paper import coupling, embedded, outer_ends, rates, sums
 from fsipetsc.paper.layout import DOF
 from fsipetsc.paper.stencils import Stencils, derivative
 from fsipetsc.scheme.batch import DT
+from fsipetsc.scheme.columns import larger
 from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP, TOO_SHORT
 from fsipetsc.scheme.rows import Array
 
@@ -236,8 +237,8 @@ def finish(steps):
     results, records = steps.results, steps.records
     convection, diffusion = variable(), variable()
     for k in each(records.shape[0]):
-        sums.larger(convection, records[k].rates[0])
-        sums.larger(diffusion, records[k].rates[1])
+        larger(convection, records[k].rates[0])
+        larger(diffusion, records[k].rates[1])
     results[RATE] = np.sqrt(np.sqrt(convection.value**4 + diffusion.value**4))
     results[STOP] = results[SAID_STOP]
 

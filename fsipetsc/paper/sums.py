@@ -12,58 +12,17 @@ count.
 
 import numpy as np
 
-from fsipetsc.kernels.loops import each, named, variable, when
+from fsipetsc.kernels.loops import when
 from fsipetsc.paper.embedded import beyond_boundary
 from fsipetsc.paper.outer_ends import outer_side
 from fsipetsc.paper.rates import known_width, own_range
 from fsipetsc.paper.stencils import near_ends
-from fsipetsc.scheme.block_monitor import raise_to
+from fsipetsc.scheme.columns import COLUMNS, clear, collected, count, tiled
 from fsipetsc.scheme.plan import BAD
 
 #: of the points 0 to 3: coefficients of delta, delta^2 ... in the integral from the ghost point (0)
 #: to the boundary (delta) of the cubic through them
 STRIP = np.array([[24, -22, 8, -1], [0, 36, -20, 3], [0, -18, 16, -3], [0, 4, -4, 1]]) / 24.0
-
-
-#: columns in which extremes and sums are found, so that loops become vector code
-COLUMNS = 64
-
-
-def larger(found, x):
-    """Let a variable be x if this is larger; what is not a number is never."""
-    found.value = np.where(x > found.value, x, found.value)
-
-
-def in_columns(scratch, a, b, extremes, sums):
-    """(i, column) of the points a .. b-1, after rows of scratch are cleared for so many extremes,
-    and sums after them.
-    """
-    for row in range(extremes + sums):
-        for column in each(COLUMNS, vector=True):
-            scratch[row, column] = -np.inf if row < extremes else 0.0
-    for tile in each((b - a + (COLUMNS - 1)) // COLUMNS):
-        first = named(a + tile * COLUMNS)
-        for column in each(np.minimum(COLUMNS, b - first), vector=True):
-            yield first + column, column
-
-
-def note_in(scratch, column, extremes, sums):
-    """Let numbers count in a column of rows of scratch: extremes, then sums."""
-    for row, number in enumerate(extremes):
-        raise_to(scratch[row], column, number)
-    for row, number in enumerate(sums, len(extremes)):
-        scratch[row, column] += number
-
-
-def collected(scratch, least, sums):
-    """Variables: the extremes of all columns, which are at least so, and the sums."""
-    largest, totals = [variable(x) for x in least], [variable() for _ in range(sums)]
-    for column in each(COLUMNS):
-        for row, found in enumerate(largest):
-            larger(found, scratch[row, column])
-        for row, total in enumerate(totals, len(least)):
-            total.value += scratch[row, column]
-    return largest, totals
 
 
 def monitor_gas(part, steps):
@@ -72,15 +31,16 @@ def monitor_gas(part, steps):
     op, gas, layer, sums = part.op, part.law, part.layers[0], steps.sums
     q = known_width(part.local, 3)
     (a, b, A, B), s = own_range(layer), layer.s
-    for i, column in in_columns(part.scratch, a, b, 3, 4):
+    clear(part.scratch, 3, 4, COLUMNS)
+    for i, column in tiled(a, b):
         rho, m, e = (q[i, c] for c in range(3))
         u, T = gas.velocity_and_temperature(rho, m, e)
         speed = np.absolute(u - s) + np.sqrt(gas.law.sound_speed_squared(rho, T))
         heat = gas.conductivity(T) / gas.law.heat_capacity(rho, T)
         diffusivity = np.maximum(gas.viscosity(T), heat) / rho
         least = np.where(T < rho, T, rho)
-        note_in(part.scratch, column, (speed, diffusivity, -least), (rho, m, e, T + speed))
-    extremes, (*totals, other) = collected(part.scratch, (0.0, 0.0, -np.inf), 4)
+        count(part.scratch, column, (speed, diffusivity, -least), (rho, m, e, T + speed))
+    extremes, (*totals, other) = collected(part.scratch, (0.0, 0.0, -np.inf), 4, COLUMNS)
     fastest, diffusivity, least = extremes
     mass, momentum, energy = totals
     finite = mass.value + momentum.value + energy.value + other.value
@@ -122,15 +82,16 @@ def monitor_solid(part, steps):
     q = known_width(part.local, 4)
     a, b, A, B = own_range(layer)
     per_h = 1.0 / layer.h
-    for i, column in in_columns(part.scratch, a, b, 4, 4):
+    clear(part.scratch, 4, 4, COLUMNS)
+    for i, column in tiled(a, b):
         u, sigma, T = (q[i, c] for c in range(3))
         j = np.maximum(i, A + 1)  # the first point has the stretch of the second one
         x_X = (q[j, 3] - q[j - 1, 3]) * per_h
         p = solid.pressure(T, x_X)
         modulus = solid.wave_modulus(T, p, np.minimum(sigma, p), x_X)
         sums_of = u, 0.5 * u * u, T, x_X + sigma + modulus
-        note_in(part.scratch, column, (modulus, -modulus, -x_X, -T), sums_of)
-    extremes, (*totals, other) = collected(part.scratch, (0.0, *(-np.inf,) * 3), 4)
+        count(part.scratch, column, (modulus, -modulus, -x_X, -T), sums_of)
+    extremes, (*totals, other) = collected(part.scratch, (0.0, *(-np.inf,) * 3), 4, COLUMNS)
     stiffest, softest, shortest, coldest = extremes
     finite = totals[0].value + totals[1].value + totals[2].value + other.value
     for r, i, _, _ in near_ends(op, a, b, A, B):

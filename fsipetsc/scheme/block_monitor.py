@@ -5,17 +5,17 @@
     diffusion    z nu sum_k |a^k|^2 / (J h_k)^2,  nu = max(4/3 mu/rho, kappa/(rho cv)),
                  z the stiffness of D twice
 
-They are taken column by column of a tile, so that loops become vector code: memory has the extremes
-of each column, then its sums. Integrals are sums over nodes with their weights. Their last bits
-depend on who owns the nodes; nothing else takes them.
+They are found in columns (fsipetsc.scheme.columns). Integrals are sums over nodes with their
+weights. Their last bits depend on who owns the nodes; nothing else takes them.
 """
 
 import numpy as np
 
 from fsipetsc.equations.vectors import dot, sub
 from fsipetsc.kernels.arrays import column, column_of, node
-from fsipetsc.kernels.loops import each, variable
+from fsipetsc.kernels.loops import each
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
+from fsipetsc.scheme.columns import COLUMNS, clear, collected, count, tiled
 from fsipetsc.scheme.observables import PLACES
 from fsipetsc.scheme.rows import Array, aligned
 
@@ -23,8 +23,6 @@ from fsipetsc.scheme.rows import Array, aligned
 #: [1/s], minus the least J, largest |J - det D x| / J
 UNPHYSICAL, CONVECTION, DIFFUSION, LEAST_J, J_ERROR = range(5)
 MONITORED = 5
-#: columns of a tile
-COLUMNS = 64
 
 
 def room_of(d: int) -> Array:
@@ -44,22 +42,20 @@ def gas_monitor(part, q, metrics):
     """
     patch = part.patch
     (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
-    begin(part.room, COLUMNS)
+    d = len(part.like)
+    room = part.room.reshape(MONITORED + sums_of(d), COLUMNS)
+    clear(room, MONITORED, sums_of(d), COLUMNS)
     for z in each(n2):
         for y in each(n1):
             row, own = f0 + g0 * (y + f1 + g1 * (z + f2)), n0 * (y + n1 * z)
-            for tile in each((n0 + (COLUMNS - 1)) // COLUMNS):
-                x = tile * COLUMNS
-                for i in each(np.minimum(COLUMNS, n0 - x), vector=True):
-                    measure(part, q, metrics, own + x + i, row + x + i, i)
-    collect(part.room, COLUMNS, COLUMNS, part.seen, part.sums)
+            for x, i in tiled(0, n0):
+                count(room, i, *measured(part, q, metrics, own + x, row + x))
+    collect(part, room, sums_of(d), COLUMNS)
 
 
-def measure(part, q, metrics, own, n, i):
-    """Add the owned node ``own``, the n-th of the ghosted array, to the extremes and sums of column
-    i of a tile.
-    """
-    gas, d, room, mass = part.laws, len(part.like), part.room, part.masses[own]
+def measured(part, q, metrics, own, n):
+    """Extremes and parts of the sums of the owned node ``own``, the n-th of the ghosted array."""
+    gas, d, mass = part.laws, len(part.like), part.masses[own]
     here = node((0.0,) * (d + 3), q, own)
     w, of_map, N = gas.primitive(here), part.reference[own], part.metrics.shape[1]
     convection, diffusion = bounds(gas, w, 1.0 / here[0], metrics, part.per_h, n)
@@ -68,11 +64,9 @@ def measure(part, q, metrics, own, n, i):
     apart = abs(here[0] - J) / abs(J)
     known = (convection < np.inf) & (diffusion < np.inf) & (apart < np.inf)  # so are the places
     bad = np.where(known & positive, 0.0, 1.0)
-    for c, number in enumerate((bad, convection, diffusion, -here[0] / of_map, apart)):
-        raise_to(room, c * COLUMNS + i, number)
     found = gas_densities(gas, here, w, column(part.like, part.places, n))
-    for c, name in enumerate(gas_integrals(d), MONITORED):
-        room[c * COLUMNS + i] += mass * found[name]
+    extremes = bad, convection, diffusion, -here[0] / of_map, apart
+    return extremes, [mass * found[name] for name in gas_integrals(d)]
 
 
 def gas_integrals(d):
@@ -122,29 +116,9 @@ def bounds(gas, w, per_J, metrics, per_h, n):
     return convection * per_J, STIFFNESS_OF_WIDE * gas.diffusivity(w) * spread
 
 
-def raise_to(array, place, number):
-    """Let a number of an array be no less than another, which counts if it is a number."""
-    array[place] = np.where(number > array[place], number, array[place])
-
-
-def begin(room, width):
-    """Clear columns, ``width`` apart."""
-    for c in each(MONITORED * width, vector=True):
-        room[c] = -np.inf
-    for c in each(MONITORED * width, room.size, vector=True):
-        room[c] = 0.0
-
-
-def collect(room, width, n, seen, sums):
-    """The extremes and sums of the first n columns."""
-    for c in range(MONITORED):
-        most = variable(-np.inf if c == LEAST_J else 0.0)
-        for i in each(n):
-            number = room[c * width + i]
-            most.value = np.where(number > most.value, number, most.value)
-        seen[c] = most.value
-    for c in each(sums.shape[0]):
-        total = variable(0.0)
-        for i in each(n):
-            total.value += room[(c + MONITORED) * width + i]
-        sums[c] = total.value
+def collect(part, room, sums, columns):
+    """Fill seen and so many sums of a part from the columns of the room."""
+    least = tuple(-np.inf if c == LEAST_J else 0.0 for c in range(MONITORED))
+    for of, found in zip((part.seen, part.sums), collected(room, least, sums, columns)):
+        for c, number in enumerate(found):
+            of[c] = number.value

@@ -7,7 +7,8 @@ from fsipetsc.equations.vectors import add, dot, per
 from fsipetsc.kernels.arrays import column, column_of, part_of
 from fsipetsc.kernels.loops import each, invoke, variable, when, whole
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
-from fsipetsc.scheme.block_monitor import MONITORED, along_axes, begin, collect, moment, turning
+from fsipetsc.scheme.block_monitor import MONITORED, along_axes, collect, moment, turning
+from fsipetsc.scheme.columns import clear, count
 from fsipetsc.scheme.part import ghosted, ghosted_node, note, owned
 from fsipetsc.scheme.solid_dissipation import rows_of
 
@@ -46,18 +47,15 @@ def find(part, known, q):
     """
     d, room, width, sums = len(part.like), part.room, part.patch.own[0], part.sums
     invoke("solid_strains", part.of_volume, 0 if known is None else known, q, part.F)
-    begin(room, width)
     columns = room.reshape(MONITORED + sums_of(d), width)
+    clear(columns, MONITORED, sums_of(d), width)
     for node, own, n in rows_of(part):
         for i in each(n, vector=True):
             here = (q, node + i) if known is None else (known, own + i)
             extremes, found = seen_at(part, *here, node + i, own + i)
             mass = part.masses[own + i]
-            for c, value in enumerate(extremes):
-                columns[c, i] = np.maximum(columns[c, i], value)
-            for c, name in enumerate(solid_integrals(d), MONITORED):
-                columns[c, i] += mass * found[name]
-    collect(room, width, width, part.seen, sums[: sums.size - 1])
+            count(columns, i, extremes, [mass * found[name] for name in solid_integrals(d)])
+    collect(part, columns, sums_of(d), width)
     sums[-1] = -sums[sums.size - 2]
 
 
