@@ -21,13 +21,13 @@ from pathlib import Path
 
 from helpers import REPOSITORY, environment
 
-#: tests of what computes, in one process, and of the exchanges of several (halo). Not test_kernels:
+#: tests of what computes, in one process. Not test_kernels:
 #: it has compilers of its own, and damages a library that is loaded
 TESTS = (
     *("block_conditions", "block_layers", "block_ledgers", "block_monitor", "block_oracle"),
     *("elementary", "gases_apart", "gravity", "paper_ends", "paper_rates", "procedures", "radial"),
     *("prescribed", "riemann", "solid_laws", "solid_part"),
-    *("where_faces_meet", "halo"),
+    *("where_faces_meet",),
 )
 #: without optimization all checks are made, and compiling takes a quarter of the time
 FLAGS = "-O0 -g -fsanitize=address,undefined -fsanitize-recover=address,undefined"

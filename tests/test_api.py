@@ -2,15 +2,13 @@
 
 import importlib
 import re
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from helpers import REPOSITORY, computed, mpirun, solve
 
 import fsipetsc
-from fsipetsc.output import differences
-from fsipetsc.output.differences import common_nodes, compare, difference
+from fsipetsc.output.differences import compare, difference
 
 PROGRAM = """
 import os, signal, sys
@@ -98,62 +96,6 @@ def test_two_grids_are_compared_at_common_nodes(case, h, common, tmp_path):
     assert any(f"compared at the {common} nodes" in note for note in found.notes), found.notes
     places = [one for one in found.differences if one.name.endswith((": x", ": y"))]
     assert places and all(one.largest < 1e-14 < one.scale for one in places)
-
-
-def test_as_many_nodes_at_other_places_are_another_grid():
-    places, notes = np.arange(24.0).reshape(3, 4, 2), []
-    layer = SimpleNamespace(name="gas", size="", shape=(3, 4), places=places, periodic=(0, 0))
-    assert common_nodes(layer, layer, notes)[0].tolist() == [*range(12)] and not notes
-    other = SimpleNamespace(**{**vars(layer), "places": places + 0.1})
-    assert common_nodes(layer, other, notes) is None
-    assert "no node of one is a node of the other" in notes[0]
-
-
-class Made(SimpleNamespace):
-    """A result with series, and with layers of the names before a colon, of one node."""
-
-    options, time = {}, np.zeros(1)
-    __enter__, __exit__ = (lambda self: self), (lambda self, *error: None)
-
-    @property
-    def blocks(self):
-        found = {}
-        for name, value in self.fields.items():
-            layer, field = name.split(": ")
-            found.setdefault(layer, Block())[field] = np.array([[value]])
-        return found
-
-
-class Block(dict):
-    name, shape, size, places, fields = "it", (1,), 1, np.zeros((1, 1)), property(list)
-
-
-@pytest.fixture
-def compared(monkeypatch):
-    """compared(one, other) of results that are made."""
-    monkeypatch.setattr(differences, "open_run", lambda made: made)
-    return lambda *both: {found.name: found for found in compare(*both).differences}
-
-
-def test_what_other_steps_bring_is_compared_as_a_sum(compared):
-    """Energy like t^2, in two steps and in four."""
-    times = np.array([0.5, 1.0]), np.array([0.25, 0.5, 0.75, 1.0])
-    series = ({"t": t, "energy_in": np.diff(t**2, prepend=0.0)} for t in times)
-    assert compared(*(Made(fields={}, series=of) for of in series))["energy_in"].largest == 0.0
-
-
-def test_round_off_is_told_beside_what_has_or_makes_its_unit(compared):
-    """Components beside others, a loss beside the energy, velocities beside sqrt(p/rho)."""
-    fields = {"gas: u": 1.0, "gas: v": 1e-17, "gas: T": 300.0, "still: p": 4.0, "still: rho": 1.0}
-    fields |= {"still: u": 1e-17, "rod: u": 1e-9, "rod: s_xx": 1e-16}
-    series = {"t": 1.0, "energy": 9.0, "lost_energy": 1e-15, "dt": 0.2, "mass": 4.0}
-    series = {name: np.array([value]) for name, value in (series | {"impulse_x": 1e-17}).items()}
-    other = {name: 0.5 * value for name, value in fields.items()}
-    found = compared(Made(fields=other, series=series), Made(fields=fields, series=series))
-    scales = {name: found[name].scale for name in found}
-    known = {"gas: v": 1.0, "gas: T": 300.0, "still: u": 2.0, "rod: u": 1e-9, "rod: s_xx": 4.0}
-    known |= {"lost_energy": 9.0, "dt": 0.2, "impulse_x": 6.0}
-    assert {name: scales[name] for name in known} == pytest.approx(known, rel=1e-15)
 
 
 def test_units_in_the_last_place():

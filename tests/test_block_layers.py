@@ -56,15 +56,6 @@ def test_a_panel_in_a_wall():
     assert [seen(found, k) for k in range(4)] == [dict(zip(places, faces)) for faces in wanted]
 
 
-def test_cells_of_a_layer_of_its_own():
-    """Their number, or the size to which the nearest is taken; others have those of all layers."""
-    for more, rows in (({}, 4), ({"cells": 9}, 9), ({"h": 0.17}, 3)):
-        found = fit(LOW, solid((0.5, 1.0), **more))
-        assert [block.cells for block in found.blocks] == [(8, 4), (8, rows)]
-    for more in ({"cells": 20}, {"h": 0.051}):
-        assert [block.cells for block in line(**more).blocks] == [(8,), (20,)]
-
-
 def fit(*stack, **more):
     given = {"lower": new.NoSlip(), "upper": new.Free(), "along": ((0.0, 1.0),), "h": 0.125}
     return layers(*stack, **given | more)
@@ -131,17 +122,6 @@ def test_ends_of_one_dimension():
     ends = boundaries.free(-2.0, T=3.0), boundaries.clamped(0.5)
     free, clamp = (line(right=end).faces_of(1)[0, 1] for end in ends)
     assert free == new.Free(2.0, T=3.0) and clamp.velocity(np.zeros(1), 3.0) == (0.5,)
-
-
-def test_a_wall_that_is_not_at_the_end_of_its_layer():
-    """The gas reaches to it, with the data of the layer's points; a note says so."""
-    found = line(left=boundaries.Wall(-1.0))
-    X = found.places(0, np.arange(9))[:, 0]
-    assert np.allclose(X, np.linspace(-1.0, 1.0, 9)) and found.faces_of(0)[0, 0] == new.NoSlip()
-    assert np.allclose(found.blocks[0].initial(X)[0], np.linspace(1.0, 2.0, 9))
-    assert len(found.notes) == 1 and "x = -1" in found.notes[0] and "'gas'" in found.notes[0]
-    with pytest.raises(InputError, match="in the order of X"):
-        line(left=boundaries.Wall(1.0))
 
 
 def test_stress_beside_that_of_strain():

@@ -7,7 +7,7 @@ import pytest
 
 from fsipetsc.errors import InputError
 from fsipetsc.options.all_options import PARTITIONS
-from fsipetsc.parallel.block_shares import Extent, share_line, share_out, slowest
+from fsipetsc.parallel.block_shares import Extent, share_out, slowest
 
 
 def extent(kind, *shape, ring=None, end=6, inner=4):
@@ -62,16 +62,3 @@ def test_work_is_shared_by_cost_and_not_by_nodes():
     by_physics = share_out(blocks, 2, "physics")
     assert slowest(blocks, by_physics, 2) == pytest.approx(total * 1.7 / 2.7, rel=1e-3)
     assert share_out(blocks, 3, "physics")[0].ranks == (0, 1), "gas has more work"
-
-
-def test_pieces_of_a_line():
-    """Spare points, here of both gases of the rod, go with the outermost ranks."""
-    rod = ("fluid", 62, 41, True), ("solid", 41, 41, False), ("fluid", 197, 161, False)
-    for mode in PARTITIONS:
-        for size in range(1, 20):
-            for (_, n, active, left), pieces in zip(rod, share_line(rod, size, mode, 6)):
-                cuts = [0, *(end for _, _, end in pieces)]
-                assert cuts[-1] == n and [begin for _, begin, _ in pieces] == cuts[:-1]
-                begin = n - active if left else 0
-                for _, a, b in pieces:
-                    assert min(b, begin + active) - max(a, begin) >= 6

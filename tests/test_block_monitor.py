@@ -10,7 +10,6 @@ from fsipetsc.blockrun.block_solution import BlockForm
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme import plan
 from fsipetsc.scheme.batch import ALLOWED, LONGEST, MADE, TIME, Plan, plan_next
-from fsipetsc.stepping.ledgers import Ledgers
 
 
 def warped(mu):
@@ -77,52 +76,6 @@ def test_what_steps_lose_falls_with_their_order():
     assert 4.5 < np.log2(coarse / fine) < 5.5
 
 
-NO_LAWS = {"masses": [], "energy": False}
-
-
-def told(steps, *cuts, **initial):
-    """The ledgers of steps that come in pieces, of which each is that of another run."""
-    ledgers = Ledgers(NO_LAWS)
-    ledgers.begin({"mass": [], **initial})
-    for piece in np.split(steps, cuts):
-        ledgers.add(piece)
-        memory = ledgers.memory()
-        ledgers = Ledgers(NO_LAWS)
-        ledgers.begin({"mass": [], **initial}, memory)
-    return ledgers
-
-
-def losing(lost, of_solids, energy=100.0):
-    columns = [(name, "f8") for name in ("t", "dt", "energy", "lost_energy", "solid_energy")]
-    steps = np.zeros(len(lost), [*columns, ("J_error", "f8", (2,))])
-    steps["lost_energy"], steps["solid_energy"], steps["energy"] = lost, of_solids, energy
-    return steps
-
-
-def test_what_a_summary_tells_of_losses_and_volumes():
-    steps = losing([0.001, 0.002, 0.003, -0.001], [2.0, 1.0, 0.5, 0.0])
-    steps["J_error"][1] = 0.001, 0.03
-    again = told(steps, 2)
-    assert again.lost == pytest.approx(0.0025) and again.J_error == 0.03
-
-
-@pytest.mark.parametrize("cuts", [(), (1,), (2, 5, 6), range(1, 60)])
-def test_what_is_lost_does_not_depend_on_when_it_is_counted(cuts):
-    """Of a wave that comes into solids at rest, over the largest energy of all."""
-    energy = np.where(np.arange(60) < 20, 1e-15, np.arange(60) / 59.0)
-    lost = np.where(np.arange(60) < 20, 1e-15, 1e-5) * np.cos(np.arange(60)) ** 2
-    found, whole = told(losing(lost, energy), *cuts), told(losing(lost, energy))
-    assert found.lost == whole.lost == pytest.approx(lost.sum(), rel=1e-12)
-
-
-def test_round_off_is_no_share_of_round_off():
-    """What a small sound loses in solids at rest is told, and a loss of what they had at first."""
-    assert told(losing([4e-15] * 9, [6e-14] * 9)).lost == 0.0
-    assert told(losing([1e-14] * 9, [1e-9] * 9)).lost == pytest.approx(9e-5)
-    first = told(losing([1e-4] * 9, [0.1] * 9, 0.5), energy=1.0, solid_energy=0.9)
-    assert first.lost == pytest.approx(1e-3)
-
-
 @pytest.mark.parametrize("viscosity", [0.0, 0.02])
 def test_a_bad_state_leaves_nothing_behind(viscosity):
     """A step that fails is made anew: the rates then have the bits that they had before."""
@@ -170,16 +123,6 @@ def test_a_step_that_ends_badly_is_made_in_parts():
         assert run.results[plan.STOP] == 2.0 and run.results[plan.BAD] == 0.0
         run.step(1e3)
         assert run.results[plan.BAD] == 1.0
-
-
-def test_a_batch_knows_where_its_last_step_began():
-    """A state that is sound, but allows no further step, is looked into from there."""
-    shape = {"gas": shapes.box((0.0,), (1.0,), 21)}
-    with Steps(problem_of(shape, CLOSED, gas(1), None)) as run:
-        assert run.scheme.steps(0.0, 1e-3)[0]
-        first = run.y.array.copy()
-        assert run.scheme.steps(1e-3, 1e-3)[0]
-        assert np.array_equal(run.before, first) and not np.array_equal(run.y.array, first)
 
 
 def planned(target, allowed, *, rate=10.0, fixed=0.0, end=None, flag=plan.STOP):

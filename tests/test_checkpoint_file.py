@@ -11,9 +11,7 @@ from helpers import message, solve, well
 
 import fsipetsc
 from fsipetsc.errors import FileError
-from fsipetsc.output import checkpoint_file
 from fsipetsc.output.checkpoint_file import CheckpointError, read, unpack, write
-from fsipetsc.output.file_layout import in_memory
 
 SMALL = {"case": "rod", "memory": {"t": float("inf")}}, {"layer0": np.arange(6.0)}
 
@@ -95,30 +93,6 @@ def test_a_file_that_cannot_be_gone_on_from_ends_all(stopped, tmp_path):
     assert contents(tmp_path) == before
 
 
-def test_a_body_without_a_header_is_refused():
-    """With right checksums, too: no HDF5, no header, no text, no JSON."""
-    bodies = [b"no HDF5"]
-    for name, value in (("other", 1.0), ("header", 1.0), ("header", "no JSON")):
-        with in_memory() as (file, image):
-            file[name] = value
-        bodies.append(image.getvalue())
-    for body in bodies:
-        with pytest.raises(FileError, match=r"^a\.h5: the file is damaged: "):
-            unpack(checkpoint_file.head_of(body) + body, "a.h5")
-
-
-@pytest.mark.parametrize("coupling", ["conservative", "projection"])
-def test_a_body_without_one_of_its_arrays_is_refused(coupling, tmp_path):
-    """With right checksums, too: each is asked for on all ranks at the same place."""
-    more = "-fsi_coupling", coupling, "-fsi_checkpoint", "whole.h5"
-    assert goes_on(tmp_path, *WORDS, 20, *more) == ""
-    header, arrays = read(tmp_path / "whole.h5")
-    for name in arrays:
-        write(tmp_path / NEWEST, header, {k: v for k, v in arrays.items() if k != name})
-        done = solve("rod", "-fsi_restart", NEWEST, cwd=tmp_path, ranks=2)
-        message(done, 4, f"{NEWEST}: the checkpoint is damaged: it has no array {name}")
-
-
 def test_what_cannot_change_is_named(stopped, tmp_path):
     for words in ("-fsi_order 6", "-fsi_h 0.025", "-fsi_mapping stretched", "-rod_wall 0.6"):
         done = solve("rod", "-fsi_restart", stopped / NEWEST, *words.split(), cwd=tmp_path)
@@ -146,36 +120,6 @@ def test_from_the_checkpoint_at_the_end_no_step_follows(stopped, tmp_path):
     assert "ended by -ts_max_steps at t = " in done.stdout
     with fsipetsc.open_run(tmp_path / "none.h5") as result:
         assert (result.summary["steps"], result.summary["bound"]) == (60, "")
-
-
-def test_places_where_no_checkpoint_can_be_are_found_out_before_the_run(tmp_path):
-    (tmp_path / "a.h5").write_text("years of work")
-    for name, status, said in (
-        ("rod.h5", 2, "that is where the result goes"),
-        ("no/a.h5", 4, "no file can be written in the directory"),
-        ("a.h5", 4, "a.h5: exists and is not a checkpoint of fsipetsc"),
-    ):
-        message(solve(*WORDS, 60, "-fsi_checkpoint", name, cwd=tmp_path), status, name, said)
-    assert contents(tmp_path) == {"a.h5": b"years of work"}
-
-
-@pytest.mark.parametrize(
-    ("case", "option", "before", "now", "said"),
-    [
-        ("rod", "rod_top", 3.0, 3.2, ("X of 'above' is [", ", 3.2], and was [", ", 3.0] when the")),
-        ("blast", "fsi_h", 0.125, 0.0625, ("nodes of 'gas' is [17, 17], and was [9, 9] when the",)),
-    ],
-)
-def test_a_case_that_has_changed_is_found_out(case, option, before, now, said, tmp_path):
-    """Extents and numbers of points of layers, of which no option tells."""
-    text = f"from fsipetsc.cases import {case}\nfrom fsipetsc.cases.{case} import *\n"
-    text += "NAME = 'mine'\ndef build(opt):\n"
-    text += f"    return {case}.build({{**opt, '{option}': VALUE}})\n"
-    (tmp_path / "mine.py").write_text(text.replace("VALUE", str(before)))
-    words = "-fsi_h 0.125 -fsi_order 2 -ts_max_steps 2 -fsi_checkpoint_steps 2".split()
-    assert goes_on(tmp_path, "mine.py", *words) == ""
-    (tmp_path / "mine.py").write_text(text.replace("VALUE", str(now)))
-    message(solve("mine.py", "-fsi_restart", "auto", cwd=tmp_path), 2, *said)
 
 
 def test_what_was_given_up_is_not_gone_on_from(tmp_path):

@@ -2,7 +2,6 @@
 
 import os
 import sys
-from errno import ENOENT
 
 import h5py
 import pytest
@@ -11,7 +10,6 @@ from helpers import message, run, solve
 import fsipetsc
 from fsipetsc.cli import main
 from fsipetsc.output import checkpoint_file
-from fsipetsc.process.failure import end_together
 
 
 def test_overview_lists_cases_and_commands_without_importing_the_solver():
@@ -99,30 +97,3 @@ def test_who_lacks_a_package_is_told_how_to_get_it(line, package, here):
     words = f"needs the Python package {package}", "scripts/setup"
     said = message(run("-c", WITHOUT, *line.split()), 2, *words)
     assert ("mine.py, line 2: case file mine.py: " in said) == ("mine.py" in line), said
-
-
-def no_such_type() -> None:
-    from petsc4py import PETSc
-
-    PETSc.TS().create().setType("nix")
-
-
-@pytest.mark.parametrize(
-    ("raised", "status", "said"),
-    [
-        (FileNotFoundError(ENOENT, "No such file", "/no/file"), 4, "/no/file: No such file"),
-        (ZeroDivisionError("none"), 1, "unexpected ZeroDivisionError: none"),
-        (no_such_type, 1, "Unknown TS type: nix"),
-    ],
-)
-def test_an_error_that_is_not_foreseen_is_one_message_and_its_status(raised, status, said, capsys):
-    """An error of the program itself shows its traceback first."""
-    try:
-        if callable(raised):
-            raised()
-        raise raised
-    except BaseException as error:
-        assert end_together(error, None) == status
-    *before, last = capsys.readouterr().err.splitlines()
-    assert last.startswith("fsipetsc: error: ") and said in last
-    assert before[:1] == (["Traceback (most recent call last):"] if status == 1 else [])

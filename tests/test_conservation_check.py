@@ -64,22 +64,6 @@ def drift(name, steps, **initial):
     return Drifts(INVARIANTS, INITIAL | initial).go_on(columns)[name]
 
 
-def test_entropy_must_not_decrease():
-    steps = recorded(10)
-    steps["entropy"] += np.linspace(0.0, 0.1, 10)
-    assert drift("entropy", steps).max() == 0.0
-    steps["entropy"][5:] -= 0.2
-    assert drift("entropy", steps).max() == pytest.approx(0.2 - 0.1 / 9)
-
-
-def test_the_loss_of_a_small_momentum_is_seen():
-    """That of a wave of 1e-5: nothing comes in, energy and mass are near 1."""
-    steps = recorded(10)
-    steps["momentum_x"] = np.repeat((1e-5, 5e-6), 5)
-    found = drift("momentum along x", steps, momentum_x=1e-5)
-    assert not found[:5].any() and np.abs(found[5:]).min() > 1e-3
-
-
 @pytest.mark.filterwarnings("error")
 def test_the_first_step_at_fault_is_named():
     """As well after a restart; what is no number stays one."""

@@ -1,7 +1,6 @@
 """Damaged result files: they are read, or refused with one message and status 4."""
 
 import json
-import os
 import shutil
 from pathlib import Path
 
@@ -59,14 +58,6 @@ def changed(whole, tmp_path):
         return path
 
     return change
-
-
-def test_what_was_cut_off_is_of_another_version_or_no_file(whole, about, changed, tmp_path):
-    (tmp_path / "cut.h5").write_bytes(whole.read_bytes()[:20_000])
-    assert not readable(tmp_path / "cut.h5", "damaged")
-    assert not readable(changed("about", json.dumps({**about, "version": 99})), "file format 99")
-    os.mkfifo(tmp_path / "pipe.h5")
-    assert not readable(tmp_path / "pipe.h5", "no regular file"), "nobody waits for a writer"
 
 
 FLIP = """

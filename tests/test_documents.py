@@ -317,26 +317,3 @@ def test_numbers_that_pages_tell(tmp_path):
     rod = " and ".join(f"{x:.4f}" for x in results["rod"].summary["interfaces"].values())
     assert f"its ends are at x = {rod}" in start
     assert f"it turns at x = {results['turn'].series['x_interface'].min():.5f};" in start
-
-
-def test_speed_that_the_readme_tells():
-    readme, page = TEXTS["README.md"], TEXTS["performance.md"]
-    rows = [row.split(" | ")[1:] for row in page.splitlines() if row.startswith("| 4/2 ")]
-    ratios = [float(row[5]) for row in rows if len(row) == 7]
-    times = f"{min(ratios):.1f} to {max(ratios):.1f} times"
-    assert f"in two dimensions {times} the time" in readme and f"takes {times} as long" in page
-    steps = {row[0]: row[2] for row in reversed(rows) if len(row) == 5}
-    paper, blocks = steps["rod, the paper's method"], steps["gas, solid, divergence"]
-    assert f"{paper} µs a step with the paper's method, {blocks} µs on blocks" in readme
-
-
-def test_what_two_ranks_gain():
-    rows = [row.strip("| ").split(" | ") for row in TEXTS["performance.md"].splitlines()]
-    known = set()
-    for row in (row for row in rows if row[0] == "4/2"):
-        step, last = float(row[3]), float(row[-1])
-        # in one dimension the last column is the time on two ranks; in three, steps are in ms
-        known |= {f"{step:g} | {gain:.2f}" for gain in (last, step / last)}
-        known.add(f"{1e3 * step:g} | {last:.2f}")
-    told = re.findall(r"\| \d+ \| ([\d.]+ \| [\d.]+) \|$", TEXTS["cluster.md"], re.M)
-    assert len(told) == 10 and set(told) <= known

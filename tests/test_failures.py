@@ -89,40 +89,6 @@ def test_a_failure_within_a_batch_loses_nothing(tmp_path):
     assert seen == list(range(found[1][1][0] + 1)), "a line for each step, and for the start"
 
 
-BROKEN = """
-import sys
-from mpi4py import MPI
-from fsipetsc.cli import main
-from fsipetsc.output.writer import RunWriter
-
-write = RunWriter.write_frame
-
-
-def broken(self, t, fields):
-    if t > 0.0035 and MPI.COMM_WORLD.rank == int(sys.argv[1]):
-        raise MemoryError
-    write(self, t, fields)
-
-
-RunWriter.write_frame = broken
-sys.exit(main("rod -fsi_h 0.1 -fsi_output_dt 0.001 -ts_max_time 0.01 -fsi_quiet".split()))
-"""
-
-
-@pytest.mark.parametrize("rank", [0, 1])
-def test_any_error_leaves_what_was_computed(rank, tmp_path):
-    """Of one rank, which ends the other, too; tracebacks hold objects of PETSc."""
-    done = mpirun(rank + 1, "-c", BROKEN, rank, cwd=tmp_path)
-    message(done, 3, "out of memory")
-    if rank:
-        return
-    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
-        assert result.time == pytest.approx([0.0, 0.001, 0.002, 0.003])
-        assert result.series["t"][-1] == pytest.approx(0.004)
-        assert (result.summary["status"], result.summary["message"]) == ("failed", "MemoryError")
-        assert len(result.series["t"]) == result.summary["steps"]
-
-
 CASE = REPOSITORY / "tests" / "going_wrong.py"
 #: layers, number of the driven one, its unknown, its rate, words of the message
 DRIVEN = [

@@ -11,14 +11,10 @@ from block_ledgers import Steps, problem_of, solid
 from oracle_engine import Engine
 from oracle_formulas import Gas, Solid, spread
 
-from fsipetsc import FluidLayer, Problem, Wall
 from fsipetsc.blockrun.block_solution import BlockForm
-from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Free, Slip
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.paper.paper_state import loose_forces
-from fsipetsc.scheme.conservation_check import Drifts
 
 FORCES = {1: (0.7,), 2: (0.3, -0.7), 3: (0.3, -0.7, 0.2)}
 SMOOTH, DAMPED = {"dissipation": 0.3}, {"dissipation": 0.3, "shock": 0.7}
@@ -214,47 +210,6 @@ def test_a_solid_that_falls(d, heat):
     change = [after[name] - before[name] for name in ("energy", "potential_energy")]
     assert abs(change[1]) > 1e-3
     assert abs(sum(change)) < 1e-13 * before["energy"]
-
-
-def test_the_papers_method_holds_no_energy_with_a_force():
-    """It has the force node by node, and books no work."""
-
-    def column(force):
-        fluid = Fluid(0.0, 0.0, 1.4, 287.0, force=force)
-        layer = FluidLayer("air", fluid, (0.0, 1.0), lambda X: (1.2 + 0.0 * X, 0.0, 300.0))
-        return Problem((layer,), left=Wall(0.0), right=Wall(1.0))
-
-    assert column(0.0).invariants["energy"]
-    assert not column(-9.81).invariants["energy"]
-    (note,) = loose_forces(SimpleNamespace(problem=column(-9.81)))
-    assert "the force on 'air' is added node by node" in note
-    assert loose_forces(SimpleNamespace(problem=column(0.0))) == []
-
-
-def test_where_potential_energy_must_stay():
-    held = tall().invariants
-    assert held["potential"]
-    moved = Slip(x=lambda X, Y, t: (X, Y))
-    blocks, faces = tall().blocks, dict(tall().outer_faces)
-    named = {(blocks[k].name, *face): Slip() for k, *face in faces}
-    named[next(iter(named))] = moved
-    assert not BlockProblem(blocks, named).invariants["potential"]
-    forced = {"forcing": lambda X, Y, t: (0.0 * X,) * 4}
-    assert not tall(gas=forced).invariants["potential"]
-    series = {
-        name: np.array([value])
-        for name, value in {
-            **{"dt": 1.0, "energy": 3.0, "energy_in": 0.5, "force_work": 0.5},
-            "potential_energy": -1.5,
-        }.items()
-    }
-    initial = {"energy": 2.5, "potential_energy": -1.0}
-    laws = {"masses": [], "energy": True, "potential": True, "heat_capacity": 0.0}
-    found = Drifts(laws, initial).go_on(series)
-    assert found["energy with potential energy"] == pytest.approx(0.0, abs=1e-15)
-    series["potential_energy"] += 1e-3
-    found = Drifts(laws, initial).go_on(series)
-    assert found["energy with potential energy"] == pytest.approx(1e-3 / 2.5)
 
 
 def test_a_force_across_an_axis_is_refused():

@@ -105,15 +105,6 @@ def test_powers_of_two_leave_products_exactly():
         np.testing.assert_array_equal(one, other)
 
 
-def test_of_items_that_are_left_over_nothing_else_is_stored(cache):
-    function = compiled(lambda a, b: a * b - b, 2, cache)
-    for n in range(1, 20):
-        out, x = np.full(n + 16, -1.0), np.random.default_rng(n).uniform(size=(2, n))
-        function(x, out)
-        np.testing.assert_allclose(out[:n], x[0] * x[1] - x[1], rtol=1e-14, atol=1e-16)
-        assert np.all(out[n:] == -1.0)
-
-
 def test_material_numbers_are_arguments_and_not_text():
     def text(mu, kappa, gamma):
         gas = Gas(PerfectGas(gamma, 287.0), ConstantTransport(), mu, kappa, (0.0, 0.0))
@@ -220,17 +211,6 @@ def test_a_folder_that_others_can_write_to_is_refused(cache):
         build.folder()
 
 
-def test_a_folder_that_can_only_be_read_is_read(cache, monkeypatch, capsys):
-    """What is new is compiled for this process alone, with one warning."""
-    text, name = simple()
-    path = build.keep(name, build.made(text))
-    monkeypatch.setattr(build.os, "access", lambda place, how: False)
-    assert build.kept(name) == path and not capsys.readouterr().err
-    for other in ("a.so", "b.so"):
-        assert build.keep(other, b"new").parent != cache and build.kept(other)
-    assert capsys.readouterr().err.count("warning: cannot keep compiled kernels") == 1
-
-
 def test_a_missing_compiler_is_told_and_not_needed_for_what_is_kept(cache, monkeypatch):
     text, name = simple()
     build.keep(name, build.made(text))
@@ -313,11 +293,6 @@ def test_a_compiler_that_fails_ends_all_ranks_once(tmp_path):
     does = "echo 'a note' >&2; echo 'kernels.c:7: error: no such luck' >&2; exit 1"
     done = ranks_of(3, tmp_path, compiler_that(does, tmp_path), *RUN)
     message(done, 2, "compiling kernels failed: kernels.c:7: error: no such luck (the command was")
-
-
-def test_a_compiler_that_leaves_nothing_is_told(tmp_path):
-    done = ranks_of(1, tmp_path, compiler_that("exit 0", tmp_path), *RUN)
-    message(done, 4, "compiling kernels failed: ", "kernels.so: No such file or directory")
 
 
 def test_a_home_that_cannot_be_written_costs_a_warning(tmp_path):

@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from recorded import recorded
 
 import fsipetsc
 from fsipetsc.blocks.block import Block
@@ -13,7 +12,6 @@ from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Slip
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.loops import each
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.own import gas_law, solid_law, transport_law
@@ -120,18 +118,6 @@ SOLID = {"mu_e": 1.3, "lambda_e": 2.1, "kappa_e": 0.0, "m0": 1.7, "alpha": 0.6}
 LOG = ElasticSolid(**SOLID).solid_law
 
 
-class Doubtful(NamedTuple):
-    """A law of numbers of its own, one of whose formulas is wrong."""
-
-    R: float
-
-    def viscosity(self, T):
-        return T, self.R
-
-    def conductivity(self, T):
-        return T
-
-
 def elastic(stress=lambda F: LOG.stress(F), **energy):
     made = ElasticSolid(**SOLID, law=solid_law(stress=stress, **energy), heat="elastic")
     return made.equations(2).law
@@ -233,57 +219,6 @@ def test_what_is_wrong_with_a_material(said):
     with pytest.raises(InputError) as caught:
         WRONG[said]()
     assert said in str(caught.value)
-
-
-BAD_FORMULAS = {
-    "it branches on a value": lambda T: T if T > 1 else 1.0,
-    "it returns a tuple: expected a number": lambda T: (T, T),
-    "np.sinc cannot be recorded": lambda T: np.sinc(T),
-    "it divides by a constant 0": lambda T: T / 0.0,
-}
-
-
-@pytest.mark.parametrize("said", BAD_FORMULAS)
-def test_a_bad_formula_of_a_law_is_told(said):
-    """With the law, the formula and the line."""
-    formula = BAD_FORMULAS[said]
-    with pytest.raises(InputError) as caught:
-        transport_law(formula)
-    line = formula.__code__.co_firstlineno
-    where = f"transport_law: viscosity: <lambda>, {__file__}:{line}: "
-    assert str(caught.value).startswith(where) and said in str(caught.value)
-
-
-def test_formulas_of_a_class_are_checked_as_well():
-    with pytest.raises(InputError, match=r"viscosity: viscosity, .*:\d+: it returns a tuple"):
-        Fluid(1.0, 1.0, 1.4, 1.0, transport=Doubtful(1.0))
-
-
-class Tabled(NamedTuple):
-    """A law whose numbers are whole, in a tuple, with a bool that chooses a formula."""
-
-    numbers: tuple
-    plain: bool
-
-    def viscosity(self, T):
-        return self.numbers[0] * T if self.plain else 0.0 * T
-
-    def conductivity(self, T):
-        return self.numbers[1] * T
-
-
-def test_whole_numbers_in_tuples_and_bools_of_a_law():
-    law = Fluid(0, 0, 2, 287, transport=Tabled((287, 700), True)).transport_law
-    assert law.numbers == (287.0, 700.0) and law.plain is True
-    assert all(type(number) is float for number in law.numbers)
-
-    def viscosity_of(part, y):
-        for i in each(y.size):
-            y[i] = part[0].viscosity(y[i])
-
-    y = np.array([3.0])
-    recorded(viscosity_of, (law,))(y)
-    assert y[0] == 287.0 * 3.0
 
 
 def test_derivatives_of_a_law_of_a_case_are_exact():

@@ -1,23 +1,7 @@
 """Notes on initial data that may not be meant, and on what the grid does not resolve at the end."""
 
-from types import SimpleNamespace
-
-import numpy as np
 import pytest
 from helpers import solve, well
-from mpi4py import MPI
-
-from fsipetsc.blockrun.block_state import BlockState
-from fsipetsc.blockrun.notes import MOST, steepest, weak_hinges
-from fsipetsc.blocks.block import Block
-from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.blocks.conditions import Outflow, Slip
-from fsipetsc.blocks.maps import rectangle
-from fsipetsc.cases import load_case
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.stiffened_gas import stiffened_gas
-from fsipetsc.operators import OPERATORS
-from fsipetsc.options import defaults
 
 #: the piston or the blast, with one thing changed
 CASE = """
@@ -78,41 +62,3 @@ def test_what_may_not_be_meant_is_said(changed, tmp_path):
     assert len(found) == len(notes), found
     for line, note in zip(found, notes, strict=True):
         assert all(word in line for word in note.split("…")), line
-
-
-def test_a_hinge_that_does_not_hold():
-    case = load_case("panel")
-    for order, ends, count in ((8, "hinged", 1), (6, "hinged", 0), (8, "clamped", 0)):
-        problem = case.build({**defaults(case), "panel_ends": ends, "fsi_order": order})
-        state = SimpleNamespace(problem=problem, op=OPERATORS[order])
-        assert len(weak_hinges(state)) == count
-
-
-@pytest.mark.parametrize("side", [0, 1])
-def test_gas_that_flows_in_through_an_outflow_is_told(side):
-    """Nothing is said where it flows out or rests, nor where the state is no number."""
-    for speed, told in ((0.5, 0), (0.0, 0), (-0.5, 1), (float("nan"), 0)):
-        u = speed * (2 * side - 1)
-        gas = Fluid(0.0, 0.0, 1.4, 1.0)
-        block = Block("gas", gas, rectangle(0.0, 1.0), (10,), lambda X: (1.0, 0.0 * X, 1.0))
-        faces = {("gas", 0, side): Outflow(1.0), ("gas", 0, 1 - side): Slip()}
-        with BlockState(MPI.COMM_SELF, BlockProblem((block,), faces), 2) as state:
-            state.check_data()
-            state.y.owned(0)[:, 2] = u * state.y.owned(0)[:, 1]
-            state.scheme.fill_halos(state.y)
-            said = state.notes("failed")
-        assert len(said) == told
-        for words in said:
-            assert f"flows in through the Outflow of 'gas' at X = {side} m" in words
-
-
-def test_a_burst_in_water_needs_no_capturing():
-    """The note at the end looks at p + p_inf. A burst of 1e6 Pa is nothing there, one of 2e8 is."""
-    patch, water = SimpleNamespace(ghosted=(3, 1, 1)), stiffened_gas(4.4, 1000.0, 6e8)
-    part = SimpleNamespace(
-        owned=np.arange(3), block=SimpleNamespace(dimension=1), part=SimpleNamespace(patch=patch)
-    )
-    for burst, noted in ((1e6, False), (2e8, True)):
-        p = np.array([1e5, 1e5, burst])
-        K = water.bulk_modulus(1000.0, water.temperature_of(1000.0, p))
-        assert (steepest(part, p, K).max() > MOST[0]) == noted

@@ -109,24 +109,3 @@ def test_interval_and_times_of_output_replace_each_other(read):
     assert again["fsi_output_dt"] is None
     with pytest.raises(InputError, match="its options: bad value None of -fsi_order"):
         read_options(make_case(), {}, inherited={"fsi_order": None})
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"DEFAULTS": {"fsi_hh": 1.0}}, ["fsi_hh", "did you mean -fsi_h?"]),
-        ({"DEFAULTS": {"fsi_h": "fine"}}, ["-fsi_h", "'fine'", "a number above 0"]),
-        ({"OPTIONS": (Option("a", float, -1.0, "", "", check="positive"),)}, ["-a", "-1.0"]),
-    ],
-)
-def test_faults_of_a_case_are_named(changes, words):
-    with pytest.raises(InputError) as caught:
-        options.table(make_case(**changes))
-    for word in ["stub", *words]:
-        assert word in str(caught.value)
-
-
-def test_option_that_could_never_be_read_is_refused():
-    for name, kind in (("-fsi", int), ("a b", int), ("a", "vector")):
-        with pytest.raises(TypeError):
-            Option(name, kind, None, "", "")

@@ -8,7 +8,7 @@ from helpers import message, mpirun, run
 
 import fsipetsc
 from fsipetsc.errors import FileError
-from fsipetsc.output import pieces, reader, writer
+from fsipetsc.output import pieces, writer
 from fsipetsc.output.file_layout import open_h5
 from fsipetsc.output.info import info
 from fsipetsc.output.writer import Lock
@@ -104,30 +104,6 @@ def test_each_change_may_be_the_last(tmp_path, monkeypatch, whole):
     assert seen[-1] == (13, len(whole.series["t"])) and os.listdir(tmp_path) == ["run.h5"]
     with pytest.raises(FileError, match="has changed since it was opened; open it again"):
         next(result for result in early if result.nframes).layers[0]["T"]
-
-
-def test_a_reader_that_comes_while_pieces_are_cleared_sees_all(left, monkeypatch, whole):
-    found = pieces.pieces
-
-    def cleared(folder):
-        """The pieces, the first of which have just gone: they are one file now."""
-        if not left.exists():
-            pieces.join(found(folder), left, pieces.read_about(folder), left)
-            return []
-        return found(folder)
-
-    monkeypatch.setattr(reader, "pieces", cleared)
-    assert beginning(left, whole) == (13, len(whole.series["t"]))
-
-
-def test_a_result_without_frames_says_so(left):
-    """As a run leaves it that is killed before its first frame."""
-    for piece in pieces.pieces(left.with_suffix(".parts")):
-        piece.unlink()
-    with fsipetsc.open_run(left) as result:
-        for action in (lambda: result.at(0.0), lambda: result.layers[0].frame(-1)):
-            with pytest.raises(FileError, match=r"run\.h5: no frame is saved in it"):
-                action()
 
 
 def test_earlier_results_are_kept_and_a_second_run_of_the_name_is_refused(left):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers import assert_same_fields, computed, message, solve
+from helpers import assert_same_fields, computed, solve
 
 import fsipetsc
 from fsipetsc.output.file_layout import open_h5
@@ -211,15 +211,3 @@ def test_recorded_nodes_are_those_of_the_frames_and_the_box_is_closed(box):
         assert result.summary["departures"][name] < 4e-15, name
     moved = plate["y"][-1] - plate.Y[:, None]
     assert np.abs(moved).max() > 1e-4  # or it would be no test
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("-fsi_probes 0.5,0.5;x,1", "bad value 'x,1' for -fsi_probes: expected numbers"),
-        ("-fsi_probes 0.5,9", "no block is there; the nearest node is 7.75 away"),
-        ("-fsi_probes -0.4,1.1", "no block is there; the nearest node is 0.4"),
-    ],
-)
-def test_nodes_that_there_are_not(words, said, tmp_path):
-    message(solve("blast", *words.split(), cwd=tmp_path), 2, said)

@@ -16,7 +16,6 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 from PIL import Image
-from scipy.interpolate import griddata
 
 from fsipetsc.cli import main
 from fsipetsc.output import quantities
@@ -95,16 +94,6 @@ def test_no_text_lies_on_another_or_is_cut_off(results, monkeypatch):
     assert powers > 0
 
 
-def test_a_frame_without_values_has_a_place_in_maps(results):
-    run = results["rod"]
-    layer = run.layers[1]
-    values = layer["T"].copy()
-    values[1], values[2, 3] = np.nan, np.nan
-    x, found = fields.without_gaps(layer, values)
-    assert np.array_equal(x[1], layer.x[1]) and np.isnan(found[1]).all()
-    assert np.allclose(x[2], layer.x[2], atol=5e-4) and np.isfinite(found[2]).all()
-
-
 def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results):
     """The gas's p, and p − σ of the solid, which meet at the interfaces."""
     run = results["rod"]
@@ -118,21 +107,6 @@ def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results):
             assert line.get_label() == layer.kind
             assert np.array_equal(line.get_data(), [of["x"], expected], equal_nan=True)
     assert np.ptp(run.layers[1]["p"]) > 1  # Pa: the solid's own pressure counts
-
-
-class Near(quantities.Quantity):
-    def values(self, kind, fields):
-        return 300.0 + 1e-9 * fields["T"]
-
-
-def test_what_varies_by_little_is_drawn_less_a_number_that_is_named(results):
-    """Not with 1e-7+3e2 at the axis."""
-    run, axes = results["rod"], Figure().subplots()
-    view = fields.View(run, Near("T", {"fluid": "T", "solid": "T"}), range(run.nframes))
-    view.draw(axes, 3)
-    assert axes.get_ylabel() == "T less 300  [K]"
-    for line, layer in zip(axes.lines, run.layers, strict=True):
-        assert np.allclose(line.get_ydata(), 1e-9 * layer["T"][3], atol=1e-12, equal_nan=True)
 
 
 def lifted(layer):
@@ -175,44 +149,8 @@ def test_maps_are_on_the_grid_as_it_is_in_three_dimensions_in_the_middle(results
     assert run.layers[0].frame(0)["p"].max() > view.scales["fluid"]["vmax"]
 
 
-def test_contours_streamlines_and_the_solid_beside_what_only_a_gas_has(results):
-    run, axes, drawn = results["blast"], Figure().subplots(), []
-    wanted = style.Wanted(contours=5, streamlines=True)
-    quantity, last = quantities.chosen(run, ["rho"])[0], run.nframes - 1
-    view = fields.View(run, quantity, [last], wanted)
-    axes.contour = axes.streamplot = lambda *data, **_: drawn.append(data)
-    pictures = view.draw(axes, last)
-    assert [*pictures] == ["fluid"] and axes.get_ylim()[1] > run.layers[1].frame(last)["y"].max()
-    assert len(axes.lines) > 20, "edges and a fine grid"
-    scale, gas = view.scales["fluid"], run.layers[0].frame(last)
-    (*_, values, levels), (x, y, *flow) = drawn
-    between = scale["vmin"] + (scale["vmax"] - scale["vmin"]) * np.arange(1, 6) / 6
-    assert np.array_equal(values, gas["rho"]) and np.allclose(levels, between)
-    pairs = (gas["x"], gas["y"]), np.meshgrid(x, y)
-    nodes, at = (np.column_stack([*map(np.ravel, pair)]) for pair in pairs)
-    for name, found in zip("uv", flow):
-        inside = np.isfinite(found.ravel())
-        expected = griddata(nodes, gas[name].ravel(), at[inside])  # with other triangles
-        away = np.abs(found.ravel()[inside] - expected)
-        assert inside.mean() > 0.7 and np.nanmean(away) < 0.02 * np.abs(gas[name]).max()
-
-
 class Body(list):
     kind = "solid"
-
-
-def test_edges_between_blocks_are_thin_and_a_ring_has_no_seam(results):
-    view, axes = fields.View(results["blast"], Near("p", {"fluid": "p"}), [0]), Figure().subplots()
-    x, y = np.meshgrid(np.linspace(0.0, 1.0, 4), np.linspace(0.0, 1.0, 3))
-    angle = np.append(np.linspace(0.0, 5.0, 6), 0.0)
-    ring = [np.outer(r, [1.0, 2.0]) + 9.0 for r in (np.cos(angle), np.sin(angle))]
-    view.layers, view.at = [Body(xy) for xy in ([x, y], [x + 1.0, y], ring)], lambda of, frame: of
-    view.draw(axes, 0)
-    lines = [line for line in axes.lines if line.get_alpha() is None]  # not those of the grid
-    drawn = [(line.get_linewidth(), line.get_xydata()) for line in lines]
-    thick, thin = ([xy for w, xy in drawn if w == width] for width in (0.8, 0.3))
-    assert len(thick) == 3 + 3 + 2 and len(thin) == 2
-    assert all((xy[:, 0] == 1.0).all() for xy in thin)
 
 
 def test_schlieren_are_of_the_gradient_in_space(results):

@@ -71,34 +71,6 @@ def test_branches_variables_and_reading_again():
     assert y.tolist() == [54.0, 4.0, -4.0, -5.0, 6.0, 7.0, 4.0, 7 % 3]
 
 
-def test_fields_of_records_and_parts_of_arrays():
-    facts = np.zeros(3, [("sticks", np.int64), ("mass", float)])
-    facts["sticks"], facts["mass"] = [1, 0, 1], [1.5, 2.5, 3.5]
-
-    class Known(NamedTuple):
-        facts: Any
-        rows: Any
-
-    def weigh(known):
-        for p in each(known.facts.shape[0]):
-            row = known.rows[p]
-            with when(known.facts[p].sticks == 1):
-                row[1:] = known.facts[p].mass
-
-    rows = np.zeros((3, 4))
-    recorded(weigh, Known(facts, rows))()
-    assert rows[:, 0].tolist() == [0, 0, 0] and rows[:, 3].tolist() == [1.5, 0, 3.5]
-
-
-def test_the_text_knows_kinds_alone():
-    def double(part):
-        for i in each(part.inner.table.shape[0]):
-            part.inner.table[i, part.first] *= 2.0
-
-    texts = {recorded(double, part(n=n)._replace(first=f)).text for n in (3, 5) for f in (0, 2)}
-    assert len(texts) == 1
-
-
 def test_exact_sums_are_not_fused():
     def mean(part, y):
         """The same sum of two products, seen from both sides, and fused."""
@@ -151,17 +123,6 @@ def test_facts_are_known_and_fields_of_records_are_set():
     assert y.tolist() == [1.5, 2.5] and "1.5" in found.text
     assert rows["first"].tolist() == [0, 1] and rows["place"].tolist() == [0.0, 1.5]
     assert rows["data"].tolist() == [[3.0, 3.0], [3.0, 6.0]]
-
-
-def test_what_ends_before_the_end():
-    def shift(part, y):
-        for i in each(y[:-1].size):
-            y[i] = 2.0 * y[i]
-        y[-2:] = 7.0
-
-    y = np.arange(5.0)
-    recorded(shift, part())(y)
-    assert np.array_equal(y, [0.0, 2.0, 4.0, 7.0, 7.0])
 
 
 def test_arrays_and_loops_that_c_would_take_wrongly():

@@ -66,13 +66,6 @@ def test_a_run_goes_on(line, said, tmp_path):
         assert result.complete and result.summary["steps"] == 300
 
 
-@pytest.mark.parametrize(("arguments", "status"), [("rod -help", 4), ("stability -no_such", 2)])
-def test_what_prints_for_its_own_sake_says_that_it_cannot(arguments, status, tmp_path):
-    done = launch(["bash", "-c", f"{PROGRAM} {arguments} >/dev/full"], tmp_path)
-    assert done.returncode == status
-    assert done.stderr.count("fsipetsc: error: ") == done.stderr.count("\n") == 1, done.stderr
-
-
 LOADING = """
 import runpy, signal, sys
 

@@ -10,10 +10,9 @@ from helpers import REPOSITORY, compute, computed, different, message, solve
 from mpi4py import MPI
 
 import fsipetsc
-from fsipetsc import Fluid, FluidLayer, InputError, Problem, Wall
+from fsipetsc import Fluid, FluidLayer, Problem, Wall
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blockrun.from_layers import blocks_of_line
-from fsipetsc.kernels.symbols import Record, derivatives, replay
 
 CASE = str(REPOSITORY / "tests" / "timed.py")
 KINDS = "wall", "ends", "open"
@@ -89,16 +88,6 @@ def test_velocity_and_acceleration_of_a_wall_are_exact_derivatives(t):
         np.testing.assert_allclose(prescribed.data.T[p], 1.0 + 0.1 * t, rtol=1e-15)
 
 
-def test_what_rests_has_no_derivative():
-    """Where numbers do not change, an infinite slope does not matter."""
-    record = Record()
-    t = record.given("t")
-    bump = np.exp(-1.0 / np.maximum(t - 1.0, 0.0)) + np.sqrt(np.maximum(t - 1.0, 0.0))
-    (rate,) = derivatives([bump], t, still=True)
-    values = replay([rate], {t: np.array([0.5, 1.0, 2.0])})[0]
-    np.testing.assert_allclose(values, [0.0, 0.0, np.exp(-1.0) + 0.5], rtol=1e-15)
-
-
 # what cannot be recorded
 
 NOT_RECORDED = {
@@ -132,40 +121,6 @@ def test_data_of_place_alone_are_asked_for_once():
     for t in (0.1, 0.2):
         state.scheme.complete(t, state.y)
     assert len(asked) == before
-
-
-def test_another_amplitude_and_frequency_is_the_same_text():
-    texts = []
-    for size, rate in ((0.02, 9.0), (0.013, 4.7)):
-        state = of_kind("wall", timed_size=size, timed_rate=rate)
-        texts.append([code.text for code in state.scheme.compiled.data])
-        asked, recorded = asked_and_recorded(state, 0.7)
-        np.testing.assert_allclose(recorded[-2], asked[-2], rtol=1e-15)
-    assert texts[0] == texts[1] and texts[0]
-
-
-def test_a_place_that_becomes_no_number_ends_the_run(tmp_path):
-    """Also where velocity and acceleration stay finite: its derivative is that of both branches."""
-    (tmp_path / "gone.py").write_text(GONE)
-    done = solve("gone.py", cwd=tmp_path)
-    message(done, 2, "x of Wall at t = 0.2", "x = nan at X = 0: expected a finite")
-    with fsipetsc.open_run(tmp_path / "gone.h5") as run:
-        assert np.isfinite(run.layers[0]["x"][:-1]).all() and run.summary["status"] == "failed"
-
-
-#: a wall whose place is no number from 0.2 on
-GONE = """
-import numpy as np
-from fsipetsc import Fluid, FluidLayer, Problem, Wall
-
-OPTIONS, DEFAULTS = (), {"fsi_h": 0.05, "ts_max_time": 0.5}
-
-def build(opt):
-    start = lambda X: (1.0 + 0.0 * X, 0.0 * X, 1.0 + 0.0 * X)
-    layer = FluidLayer("gas", Fluid(0.0, 0.0, 1.4, 1.0), (0.0, 1.0), start)
-    wall = Wall(lambda t: np.where(t < 0.2, 0.02 * np.sin(3.0 * t) ** 2, np.nan))
-    return Problem((layer,), wall, Wall(1.0), units="none")
-"""
 
 
 # runs
@@ -227,21 +182,3 @@ def test_bad_data_end_the_run_with_what_is_bad(how, kind, said, tmp_path):
     with fsipetsc.open_run(tmp_path / "run.h5") as run:
         assert 9 <= len(run.series["t"]) <= 11
         assert all(a < b for a, b in pairwise(run.series["t"]))
-
-
-def test_conditions_that_come_to_contradict_each_other_end_the_run(tmp_path):
-    """As soon as velocities differ: not at t = 0, but after the first batch at the latest."""
-    words = "-timed_kind", "torn", "-ts_dt", 1e-3, "-ts_max_time", 1.0
-    done = solve(CASE, *words, "-fsi_output", "run.h5", cwd=tmp_path, ranks=2)
-    message(done, 2, "NoSlip of 'gas', axis 0, side ", "no grid converges there")
-    with fsipetsc.open_run(tmp_path / "run.h5") as run:
-        assert len(run.series["t"]) <= 66
-
-
-def test_an_infinite_velocity_is_named():
-    """Differences of the place are finite then; the message says that the derivative is not."""
-    state = at_wall(lambda t: 0.05 + 0.1 * np.cbrt(t - 0.125))
-    state.set_initial()
-    state.scheme.check_data([0.0, 0.124, 0.126])
-    with pytest.raises(InputError, match=r"NoSlip is not finite at t = 0.125: expected a motion"):
-        state.scheme.check_data([0.0, 0.125])

@@ -1,11 +1,8 @@
 """A rank's part of a solid block: initial data and what is saved, with a prestress."""
 
-from typing import Any, NamedTuple
-
 import numpy as np
 import pytest
 from mpi4py import MPI
-from recorded import recorded
 
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blocks.block import Block
@@ -17,7 +14,6 @@ from fsipetsc.blocks.values import prestress_of
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.scheme.solid_monitor import note_ends
 
 BOX = rectangle((0.0, 0.0), (1.0, 2.0))
 NUMBERS = {"mu_e": 1.3, "lambda_e": 2.1, "kappa_e": 0.1, "m0": 1.7, "alpha": 0.6}
@@ -65,39 +61,6 @@ def test_initial_data_come_back(heat):
     assert seen[0] == 0.0 and sums[2] == pytest.approx(q[:, 4] @ masses)
     recorded = mechanical @ masses if heat == "elastic" else 0.0
     assert sums[-2] == pytest.approx(recorded, rel=1e-12) and sums[-1] == -sums[-2]
-
-
-@pytest.mark.parametrize("heat", ["coupled", "elastic"])
-def test_what_is_recorded_of_an_end_in_one_dimension(heat):
-    """D, v, the stress of the law with the prestress S, and T, as S (F - 1) is energy, too."""
-    solid, S = ElasticSolid(**NUMBERS, law="log", heat=heat).equations(1), 0.3
-    stored = (solid.law.energy((1.1,)) + S * 0.1) / 1.7 if heat == "elastic" else 0.0
-    part = Ends(solid, np.array([[1.1]]), np.array([[1.0, 0.0, 2.0, S]]))
-    found = np.zeros((4, 2))
-    recorded(note_at, part, At(found))(np.array([0.05, 0.2, 0.6 * 1.5 + 0.02 + stored]))
-    wanted = [2.05, 0.2, solid.law.stress((1.1,))[0] + S, 1.5]
-    np.testing.assert_allclose(found.T, [np.zeros(4), wanted], rtol=1e-13)
-
-
-class Ends(NamedTuple):
-    laws: Any
-    F: Any
-    interfaces: Any
-
-
-class At(NamedTuple):
-    at_ends: Any
-
-
-def note_at(part, found, y):
-    note_ends(part, y.reshape(3, 1).turned(), found)
-
-
-def test_a_state_whose_heat_is_gone_is_bad():
-    """By the energy of the prestress, which T is found without."""
-    part, q = part_of(plate(stress=lambda X, Y: (30.0, 0.0, 0.0, 0.0)))
-    q[:, 4] -= 1.0
-    assert q[:, 4].min() > 0.0 and part.monitor(q)[0][0] == 1.0
 
 
 def test_wrong_prestresses():

@@ -5,14 +5,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, message, mpirun, program, rows_of, solve
+from helpers import REPOSITORY, message, program, rows_of, solve
 from scipy.optimize import brentq
 
 from fsipetsc.cases import superseismic as case
 from fsipetsc.studies.verdicts import Compared, Expected, Row, kinked
 from fsipetsc.studies.verify import ENTRIES, panel_flutter
 from fsipetsc.studies.verify.data import problem, reference
-from fsipetsc.studies.verify.viscous_tube import main_vortex, triple_point
 
 
 def test_orders_and_verdicts():
@@ -112,20 +111,6 @@ def test_references_of_gases():
     assert (np.abs(lost) < (1e-15, 1e-10, 1e-9, 1e-7, 2e-6)).all()  # k < 8: it holds early
 
 
-def test_places_in_the_viscous_tube():
-    x, y = np.linspace(0, 1, 801), np.linspace(0, 0.5, 101)
-    X, Y = np.meshgrid(x, y)
-    above, foot = 0.58 + 0.1 * (Y - 0.137), 0.58 + 0.4 * (Y - 0.137)
-    shock = np.where(Y > 0.137, above, 0.58 + 0.3 * (0.137 - Y))
-    # behind the foot p rises from 0.15 of the jump at the wall on
-    first = np.where(Y > 0.137, 0.0, 0.15 + 0.8 * Y)
-    behind = [0.5 + 0.5 * np.tanh((X - front) / 0.001) for front in (foot, shock)]
-    p = 1.0 + first * behind[0] + (1.0 - first) * behind[1]
-    assert triple_point(x, y, p) == pytest.approx((0.58, 0.137), abs=4e-3)
-    bell = np.exp(-(((X - 0.763) / 0.1) ** 2)) * np.cos(np.pi * Y / 0.16) * (Y < 0.24)
-    assert main_vortex(x, y, -bell) == pytest.approx((0.763, 0.08), abs=1e-3)
-
-
 def test_references_are_those_of_the_literature():
     """Superseismic states, of which the case has ours; waves along half spaces; flutter."""
     table = reference("superseismic")
@@ -154,31 +139,6 @@ def test_entries_say_all_that_another_code_needs(tmp_path):
         assert page.startswith(problem(name)) and len(page.splitlines()) <= 60
     done = solve("verify", "turek", cwd=tmp_path)
     message(done, 2, "there is no entry 'turek': expected elastic_piston")
-
-
-SMALL = """
-import pytest
-from mpi4py.MPI import COMM_WORLD
-from fsipetsc.errors import RanksError
-from fsipetsc.studies.verify.command import on_as_many
-
-def run(ranks):
-    tried.append(ranks.size)
-    if ranks.size > most:
-        raise RanksError("too many")
-
-tried, most = [], 1
-on_as_many(COMM_WORLD, run)
-most = 0
-with pytest.raises(RanksError, match="too many"):
-    on_as_many(COMM_WORLD, run)
-assert tried == [[2, 1, 2, 1], [2, 2]][COMM_WORLD.rank]
-"""
-
-
-def test_a_problem_runs_on_as_many_ranks_as_it_can_feed(tmp_path):
-    done = mpirun(2, "-c", SMALL, cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
 
 
 def test_entries_as_they_run(tmp_path):
