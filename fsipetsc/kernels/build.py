@@ -65,7 +65,7 @@ _running: set[subprocess.Popen[bytes]] = set()
 
 
 def of_environment(function: Callable[[], Any]) -> Any:
-    """The same function, which finds an answer once for each CC and CFLAGS of the environment."""
+    """Return the function with a cache: it finds an answer once for each CC and CFLAGS."""
     known: dict[Any, Any] = {}
 
     @wraps(function)
@@ -81,7 +81,7 @@ def of_environment(function: Callable[[], Any]) -> Any:
 
 @of_environment
 def compiler() -> tuple[str, ...]:
-    """The command of the C compiler. InputError if there is none."""
+    """Return the command of the C compiler. InputError if there is none."""
     given = os.environ.get("CC")
     if given:
         command = shlex.split(given)
@@ -100,8 +100,8 @@ def compiler() -> tuple[str, ...]:
 
 @of_environment
 def flags() -> tuple[str, ...]:
-    """Ours, then those of CFLAGS. InputError for those that would change bits, and without a
-    compiler.
+    """Return our flags, then those of CFLAGS. InputError for flags that would change bits, and
+    without a compiler.
     """
     known = _macros()
     gcc, vectors = b"__GNUC__" in known and b"__clang__" not in known, b"__AVX512F__" in known
@@ -111,7 +111,7 @@ def flags() -> tuple[str, ...]:
 
 
 def _own_flags() -> list[str]:
-    """The flags of CFLAGS. InputError."""
+    """Return the flags of CFLAGS. InputError for those that would change bits."""
     own = shlex.split(os.environ.get("CFLAGS", ""))
     for name, given in (("CC", shlex.split(os.environ.get("CC", ""))[1:]), ("CFLAGS", own)):
         for flag in given:
@@ -150,7 +150,7 @@ def _target() -> bytes:
 
 
 def _processor() -> bytes:
-    """What tells processors with other instruction sets apart."""
+    """Return a text that tells apart processors with different instruction sets."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
     except OSError:
@@ -226,7 +226,7 @@ def made(text: str) -> bytes:
 
 
 def end_compilers() -> None:
-    """End those that are at work."""
+    """End the compilers that are at work."""
     for process in tuple(_running):
         process.kill()
 

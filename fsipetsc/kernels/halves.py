@@ -38,7 +38,7 @@ class _Rewriting:
                 self.uses[core.number] = self.uses.get(core.number, 0) + uses[symbol.number]
 
     def whole(self, symbol: Symbol) -> Symbol:
-        """The new symbol of an old one."""
+        """Return the new symbol of an old one, its power of two included."""
         return self.scaled(*self.of[symbol.number])
 
     def scaled(self, x: Symbol, n: int) -> Symbol:

@@ -178,7 +178,7 @@ def numbers_of(equations: Any) -> list[float]:
 
 
 def _place(array: str, layout: Layout, component: int, item: str) -> str:
-    """Where a number stands, in C."""
+    """Return the C expression of where a number stands."""
     terms = []
     for factor, step in ((str(component), layout.component), (item, layout.item)):
         if "0" not in (factor, step):
@@ -214,7 +214,7 @@ def _lines(
 
 
 def line_of(symbol: Symbol, fused: dict[int, int], names: dict[int, str]) -> str:
-    """What a symbol is in C. names: of its operands."""
+    """Return the C expression of a symbol. names: of its operands."""
     if symbol.number in fused:
         return _fma(symbol, fused[symbol.number], names)
     if symbol.operation == "constant":
@@ -244,7 +244,7 @@ def fused_products(record: Record, uses: dict[int, int]) -> dict[int, int]:
 
 
 def _fma(symbol: Symbol, product: int, names: dict[int, str]) -> str:
-    """A sum or difference with one of its operands, a product, as one operation."""
+    """Return a sum or difference and the product among its operands as one operation."""
     first, second = symbol.operands
     factors = first if first.number == product else second
     other = names[(second if first.number == product else first).number]

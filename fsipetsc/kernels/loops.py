@@ -100,7 +100,7 @@ def named(index: Any) -> Index:
 
 
 def whole(value: Any) -> Index:
-    """A number whose value is whole, as an Index."""
+    """Return a number whose value is whole as an Index."""
     record = recording()
     name = record.new("n")
     record.line(f"const long {name} = (long){{0}};", (value,))
@@ -108,13 +108,15 @@ def whole(value: Any) -> Index:
 
 
 def number(index: Any) -> Any:
-    """A whole number as one of the numbers that formulas take."""
+    """Return a whole number as a number that formulas take."""
     found = index_of(index)
     return recording().symbol(("number", found.text), f"(double){found.text}", found.needs)
 
 
 class Variable:
-    """A number that changes. value: the number at that place of the procedure; it can be set."""
+    """A number that changes. Reading value gives the number at that place of the procedure; setting
+    it stores.
+    """
 
     def __init__(self, first: Any) -> None:
         self._record, self._name = recording(), recording().new("v")
@@ -132,7 +134,7 @@ class Variable:
 
 
 def variable(first: Any = 0.0) -> Variable:
-    """A number that changes; first: what it is before that."""
+    """Return a number that changes; first: its value at the start."""
     return Variable(first)
 
 
@@ -145,7 +147,7 @@ class Array(NDArrayOperatorsMixin):
 
     @property
     def size(self) -> Any:
-        """How many numbers it has."""
+        """How many numbers the array has."""
         total: Any = 1
         for length in self.shape:
             total = length * total
@@ -241,7 +243,7 @@ class _Turned(Array):
 
 
 def _read(base: str, dtype: Any, place: Index, text: str = "") -> Any:
-    """The number at a place of an array."""
+    """Record that the number at a place of an array is read."""
     record = recording()
     text = text or f"{base}[{place.text}]"
     if KINDS[dtype.kind] == "double":

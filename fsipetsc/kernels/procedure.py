@@ -34,7 +34,7 @@ _NONE = np.zeros(0)
 
 
 class Procedure:
-    """A recorded procedure. text: it in C. It can be called once its code is loaded."""
+    """A recorded procedure, which can be called once its code is loaded. text: the C function."""
 
     def __init__(self, name: str, function: Callable[..., None], *records: Any) -> None:
         self.name, self._values = name, dict[str, Any]()
@@ -181,7 +181,7 @@ def _print(
 
 
 def _named(symbol: Symbol, names: dict[int, str]) -> str:
-    """The name of a symbol in C; constants have theirs everywhere."""
+    """Return the name of a symbol in C; constants have theirs everywhere."""
     if symbol.number not in names:
         if symbol.operation != "constant":
             raise AssertionError(f"{symbol.operation} is not known here")

@@ -109,7 +109,7 @@ def _condition(form: str, a: Any, b: Any) -> Symbol:
 
 
 class Block:
-    """Lines between braces, and what is known there: (key) -> symbol."""
+    """Lines between braces, and the symbols that are known there, by a key."""
 
     def __init__(self, head: str, needs: tuple[Symbol, ...] = ()) -> None:
         self.head, self.needs = head, needs
@@ -179,7 +179,7 @@ _recordings: list[Recording] = []
 
 @contextmanager
 def recorded() -> Iterator[Recording]:
-    """What loops within record."""
+    """Give a recording of all that is done within."""
     _recordings.append(record := Recording())
     try:
         yield record

@@ -50,7 +50,7 @@ class NotRecorded(InputError):
 
 
 def refuse(what: str) -> NotRecorded:
-    """The error, with the line of the formula that was running."""
+    """Return the error, with the line of the formula that was running."""
     frame = sys._getframe(1)
     inside = (_KERNELS, os.path.dirname(os.path.abspath(np.__file__)))
     while frame.f_back and os.path.abspath(frame.f_code.co_filename).startswith(inside):
@@ -182,7 +182,7 @@ _FOLDED: dict[str, Callable[..., float]] = {
 
 
 def _simplified(record: Record, operation: str, operands: tuple[Symbol, ...]) -> Symbol | None:
-    """What the operation is without being done, or None."""
+    """Return what the operation gives without being recorded, as x + 0 is x, or None."""
     values = [operand.value for operand in operands]
     if operation == "/" and values[1] == 0.0:
         raise refuse("it divides by a constant 0")
@@ -220,7 +220,7 @@ def _power(record: Record, base: Any, exponent: Any) -> Any:
 
 
 def _product(record: Record, base: Symbol, n: int) -> Symbol:
-    """base^n by squares."""
+    """Return base^n, by repeated squaring."""
     if n == 1:
         return base
     half = _product(record, base, n // 2)
@@ -297,7 +297,7 @@ def derivatives(values: Sequence[Any], by: Symbol, still: bool = False) -> tuple
 
 
 def needed(wanted: Iterable[Symbol]) -> list[Symbol]:
-    """These symbols and all that they are made of, each after its operands."""
+    """Return these symbols and all that they are made of, each after its operands."""
     found, left = dict[int, Symbol](), list(wanted)
     while left:
         symbol = left.pop()
@@ -351,7 +351,7 @@ _FUNCTIONS = {name: of for of, name in reversed(OPERATIONS.items())} | {"where":
 
 
 def _change(y: Symbol, changes: list[Symbol]) -> Any:
-    """The change of a symbol with those of its operands."""
+    """Return the derivative of a symbol from those of its operands."""
     operation, operands = y.operation, y.operands
     if operation in CONDITIONS:
         return 0.0

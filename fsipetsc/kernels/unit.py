@@ -33,12 +33,12 @@ static inline long remainder_of(long a, long b) { return a - b * quotient(a, b);
 
 
 def unit(constants: Mapping[str, int], kernels: Sequence[Kernel], *loops: str) -> str:
-    """The text. loops: C code that calls the kernels."""
+    """Return the text of a translation unit. loops: C code that calls the kernels."""
     defined = "".join(f"#define {name} {value}\n" for name, value in constants.items())
     printed = "\n".join(kernel.text() for kernel in kernels)
     return "\n".join([_HEAD + defined, c_source("fsipetsc.kernels", "prelude.h"), printed, *loops])
 
 
 def c_source(package: str, name: str) -> str:
-    """The text of a file of C code in a package."""
+    """Return the text of a C file in a package."""
     return files(package).joinpath(name).read_text(encoding="utf-8")

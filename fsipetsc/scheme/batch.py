@@ -1,7 +1,8 @@
-"""The length of a step; several steps in one call: the plan of a batch, what came of it.
+"""How long a step is, and how many steps one call of C makes.
 
-A batch ends when it has as many steps as are allowed (-ts_max_steps, room in the journal), or for a
-time to be saved, a failure or a signal. Each step fills a row of the journal.
+A batch of steps ends when as many are made as are allowed (-ts_max_steps, room in the journal),
+when a time to be saved is reached, or when there is a failure or a signal. Each step fills a row of
+the journal.
 """
 
 from typing import NamedTuple
@@ -23,15 +24,15 @@ SLACK = 1e-9
 
 
 def longest_step(courant, fixed, rate):
-    """Bound on a step [s]: the one that is given (-ts_dt), or, if that is 0, the Courant number
-    times 1/``rate``; nan if the rate is 0.
+    """Return the bound on a step [s]: the one that is given (-ts_dt), or, if that is 0, the Courant
+    number divided by ``rate``; nan if the rate is 0.
     """
     return np.where(fixed != 0.0, fixed, courant / np.where(rate > 0.0, rate, np.nan))
 
 
 def next_step(t, target, bound):
-    """(step, time after it) [s]: at most ``bound``; with less than two steps to the target they are
-    equal.
+    """Return the next step and the time after it [s]. The step is at most ``bound``; if less than
+    two steps remain to the target, they are equal.
     """
     left = target - t
     last = left <= bound * (1.0 + SLACK)
@@ -40,9 +41,10 @@ def next_step(t, target, bound):
 
 
 class Plan(NamedTuple):
-    """What `plan_next` takes. batch: one that has ended, or was never planned, allows no steps.
-    results: see fsipetsc.scheme.plan. journal: (rows, columns), each row time, step, and what is in
-    latest.
+    """The arrays that `plan_next` reads and writes.
+
+    batch: a batch that has ended, or was never planned, allows no steps. results: see
+    fsipetsc.scheme.plan. journal: (rows, columns), each row time, step, and the numbers in latest.
     """
 
     batch: Array
@@ -52,8 +54,8 @@ class Plan(NamedTuple):
 
 
 def plan_next(plan):
-    """Note the step just made in batch and journal, and plan the next one; where none follows,
-    ALLOWED becomes 0. All ranks find the same.
+    """Write the step just made into batch and journal, and plan the next one. If none follows,
+    ALLOWED becomes 0. All ranks come to the same plan.
     """
     batch, results, journal, latest = plan.batch, plan.results, plan.journal, plan.latest
     allowed, t, dt, made = batch[ALLOWED], batch[NEXT], batch[DT], batch[MADE]

@@ -1,12 +1,13 @@
-"""Monitor of the nodes of a block after a step: bounds on the next one, bad states, integrals.
+"""After each step the monitor looks at all nodes of a block: it bounds the next step, finds states
+that are not physical, and adds up integrals.
 
     convection   gas: sum_k (|a^k . (u - v)| + c |a^k|) / (J h_k)
                  solid: sqrt(sum_k (c |A^k| / (J0 h_k))^2),  c^2 the largest wave modulus over m0
     diffusion    z nu sum_k |a^k|^2 / (J h_k)^2,  nu = max(4/3 mu/rho, kappa/(rho cv)),
                  z the stiffness of D twice
 
-They are found in columns (fsipetsc.scheme.columns). Integrals are sums over nodes with their
-weights. Their last bits depend on who owns the nodes; nothing else takes them.
+Extremes and sums are found in columns (fsipetsc.scheme.columns). The last bits of an integral
+depend on which rank owns which nodes; no other number is computed from integrals.
 """
 
 import numpy as np
@@ -26,19 +27,19 @@ MONITORED = 5
 
 
 def room_of(d: int) -> Array:
-    """Memory of the monitor of a gas."""
+    """Return memory for the columns in which `gas_monitor` collects."""
     return aligned((MONITORED + sums_of(d)) * COLUMNS)
 
 
 def sums_of(d: int) -> int:
-    """How many integrals there are."""
+    """Return how many integrals the monitor of a gas computes in d dimensions."""
     return len(gas_integrals(d))
 
 
 def gas_monitor(part, q, metrics):
-    """Fill seen (MONITORED,) and sums (sums_of(d),) of the owned nodes; q: (M, d + 3).
+    """Fill part.seen (MONITORED,) and part.sums (sums_of(d),) from the owned nodes; q: (M, d + 3).
 
-    part: see fsipetsc.scheme.gas_record. metrics: those by which steps are bounded.
+    part: a fsipetsc.scheme.gas_record.GasRecord. metrics: those that bound the step.
     """
     patch = part.patch
     (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
@@ -54,7 +55,10 @@ def gas_monitor(part, q, metrics):
 
 
 def measured(part, q, metrics, own, n):
-    """Extremes and parts of the sums of the owned node ``own``, the n-th of the ghosted array."""
+    """Return the extremes at an owned node, and what it adds to the sums.
+
+    own: its number among the owned nodes. n: its number in the ghosted array.
+    """
     gas, d, mass = part.laws, len(part.like), part.masses[own]
     here = node((0.0,) * (d + 3), q, own)
     w, of_map, N = gas.primitive(here), part.reference[own], part.metrics.shape[1]
@@ -70,12 +74,14 @@ def measured(part, q, metrics, own, n):
 
 
 def gas_integrals(d):
-    """Names of the integrals of a gas, in the order of its sums."""
+    """Return the names of the integrals of a gas, in the order of its sums."""
     return "mass", *along_axes("momentum", d), "energy", "entropy", *turning(d)
 
 
 def gas_densities(gas, here, w, x):
-    """name -> what the integral has of a node, per volume of the reference coordinates."""
+    """Return a dict: name of an integral -> its integrand at a node, per volume of the reference
+    coordinates.
+    """
     d, (J, rho, *momentum, energy) = len(x), here
     return {
         "mass": rho,
@@ -87,23 +93,27 @@ def gas_densities(gas, here, w, x):
 
 
 def along_axes(name, d):
-    """Names of the components of a vector."""
+    """Return the names of a vector's d components: name_x, name_y, …."""
     return [f"{name}_{x}" for x in PLACES[:d]]
 
 
 def turning(d):
-    """Names of the components of angular momentum about the origin: none in one dimension."""
+    """Return the names of the components of angular momentum about the origin: none in one
+    dimension, one in two, three in three.
+    """
     return along_axes("angular_momentum", 3) if d == 3 else ["angular_momentum"] * (d - 1)
 
 
 def moment(x, p):
-    """x cross p: none, one or three numbers."""
+    """Return the components of the cross product of x and p: none, one or three numbers."""
     pairs = {1: (), 2: ((0, 1),), 3: ((1, 2), (2, 0), (0, 1))}[len(x)]
     return tuple(x[a] * p[b] - x[b] * p[a] for a, b in pairs)
 
 
 def bounds(gas, w, per_J, metrics, per_h, n):
-    """Rates of convection and diffusion of a node of gas."""
+    """Return the rates of convection and diffusion [1/s] at a node of gas: see the head of this
+    file.
+    """
     d, convection, squares = len(gas.force), 0.0, 0.0
     like, c = (0.0,) * d, gas.speed_of_sound(w)
     relative = sub(gas.velocity(w), column_of(like, metrics, d * d, n))
@@ -117,7 +127,7 @@ def bounds(gas, w, per_J, metrics, per_h, n):
 
 
 def collect(part, room, sums, columns):
-    """Fill seen and so many sums of a part from the columns of the room."""
+    """Combine the columns of the room into part.seen and the first ``sums`` of part.sums."""
     least = tuple(-np.inf if c == LEAST_J else 0.0 for c in range(MONITORED))
     for of, found in zip((part.seen, part.sums), collected(room, least, sums, columns)):
         for c, number in enumerate(found):

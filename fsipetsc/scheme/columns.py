@@ -1,7 +1,7 @@
-"""Extremes and sums of many nodes, found column by column, so that loops become vector code.
+"""Extremes and sums over many nodes, found column by column, so that loops become vector code.
 
-A room has rows of numbers, one for each extreme, then one for each sum. A node counts in a column;
-at the end that which all columns have is collected, in their order.
+A room has a row for each extreme, then a row for each sum. Each node counts in one column; in the
+end the columns are combined in their order, so the bits do not depend on the vector length.
 """
 
 import numpy as np
@@ -13,14 +13,14 @@ COLUMNS = 64
 
 
 def clear(room, extremes, sums, columns):
-    """Forget what so many columns of the first rows have."""
+    """Set the columns to -inf in rows of extremes, and to 0 in rows of sums."""
     for row in range(extremes + sums):
         for c in each(columns, vector=True):
             room[row, c] = -np.inf if row < extremes else 0.0
 
 
 def tiled(begin, end):
-    """(node, column) of the nodes begin .. end-1, tile by tile."""
+    """Yield (node, column) for the nodes begin .. end-1, tile by tile."""
     for tile in each((end - begin + (COLUMNS - 1)) // COLUMNS):
         first = named(begin + tile * COLUMNS)
         for c in each(np.minimum(COLUMNS, end - first), vector=True):
@@ -28,7 +28,7 @@ def tiled(begin, end):
 
 
 def count(room, column, extremes, sums):
-    """Let numbers count in a column; what is no number is no extreme."""
+    """Let the numbers of one node count in a column. NaN is never an extreme."""
     for row, number in enumerate(extremes):
         room[row, column] = np.where(number > room[row, column], number, room[row, column])
     for row, number in enumerate(sums, len(extremes)):
@@ -36,7 +36,9 @@ def count(room, column, extremes, sums):
 
 
 def collected(room, least, sums, columns):
-    """Variables: the extremes of so many columns, which are at least so, and their sums."""
+    """Return variables with the extremes of all columns, each at least ``least``, and with the
+    sums.
+    """
     largest, totals = [variable(x) for x in least], [variable() for _ in range(sums)]
     for c in each(columns):
         for row, found in enumerate(largest):
@@ -47,5 +49,5 @@ def collected(room, least, sums, columns):
 
 
 def larger(found, x):
-    """Let a variable be x if this is larger; what is not a number is never."""
+    """Set a variable to x if x is larger than its value; NaN never is."""
     found.value = np.where(x > found.value, x, found.value)

@@ -134,7 +134,7 @@ def pass_faces(part, faces, q, rates, gain):
 
 
 def pass_face(part, faces, effect, i, q, rates, gain):
-    """Add what passes at the i-th node."""
+    """Add what passes the face at its i-th node."""
     d, own, column, energy = len(part.like), faces.own[i], faces.column[i], gain.energy
     per_weight, across = faces.per_weight[i], faces.across[i]
     w, face = seen_at(part, faces, effect, i, q)
@@ -161,7 +161,7 @@ def pass_face(part, faces, effect, i, q, rates, gain):
 
 
 def seen_at(part, faces, effect, i, q):
-    """The state of the gas at the i-th node, and the face there."""
+    """Return the state of the gas at the i-th node of the faces, and the face there."""
     gas, d, at, axis, sign = part.laws, len(part.like), faces.at[i], faces.axis[i], faces.sign[i]
     like, out, rise = (0.0,) * d, faces.outside, None
     n, v = scale(sign, column_of(like, part.metrics, axis * d, at)), moving(part, at)
@@ -176,7 +176,7 @@ def seen_at(part, faces, effect, i, q):
 
 
 def moving(part, at):
-    """The velocity of the gas's grid at a node."""
+    """Return the velocity of the gas's grid at a node."""
     d = len(part.like)
     return column_of((0.0,) * d, part.metrics, d * d, at)
 
@@ -225,7 +225,7 @@ def add_to(sums, c, a):
 
 
 def normal_at(part, faces, i, q):
-    """Outward area vector of a solid's face where it is now; around an axis see
+    """Return the outward area vector of a solid's face where it is now. For an axis see
     fsipetsc.blocks.radial_grid.
     """
     solid, at, axis, sign = part.laws, faces.at[i], faces.axis[i], faces.sign[i]
@@ -240,12 +240,12 @@ def normal_at(part, faces, i, q):
 
 
 def place_at(like, X, q, n):
-    """Where a solid's node of the ghosted array is."""
+    """Return where a solid's node of the ghosted array is now."""
     return add(column_of(like, X, 0, n), node(like, q, n))
 
 
 class Velocity(NamedTuple):
-    """The velocity of the gas at a node, for differences."""
+    """The velocity of the gas at a node, as `slope_at` takes it."""
 
     gas: Any
     q: Array
@@ -255,7 +255,9 @@ class Velocity(NamedTuple):
 
 
 class Flat(NamedTuple):
-    """Of a solid's node where it is, see fsipetsc.blocks.radial_grid."""
+    """The place of a solid's node, around an axis as fsipetsc.blocks.radial_grid maps it; for
+    `slope_at`.
+    """
 
     solid: Any
     X: Array
@@ -266,7 +268,7 @@ class Flat(NamedTuple):
 
 
 class Displacement(NamedTuple):
-    """The displacement of a solid's node, for differences."""
+    """The displacement of a solid's node, as `slope_at` takes it."""
 
     q: Array
 
@@ -275,7 +277,9 @@ class Displacement(NamedTuple):
 
 
 def strain_at(part, q, at):
-    """F = 1 + sum_k D_k D A^k / J0 of a solid's node of the ghosted array, with hoops."""
+    """Return F = 1 + sum_k D_k D A^k / J0 at a solid's node of the ghosted array, with hoop
+    stretches.
+    """
     d, metrics, of_axes = len(part.like), part.metrics, (part.S, part.weight, part.patch)
     like = (0.0,) * d
     F = add_unit(1.0, outer(like, like))

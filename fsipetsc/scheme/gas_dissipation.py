@@ -164,7 +164,7 @@ class GasWaves(NamedTuple):
 
 
 def bend(rise, fall, size):
-    """s of d_+ and d_-; 0 where there is nothing."""
+    """Return s from d_+ and d_-; 0 where both are 0."""
     return abs(rise - fall) / (abs(rise) + abs(fall) + size + 1e-300)
 
 
@@ -187,7 +187,7 @@ def sense(waves, alpha, stride, length):
 
 
 def largest(alpha, i, stride, weights):
-    """The largest alpha of the nodes of a difference."""
+    """Return the largest alpha at the nodes of a difference."""
     found = alpha[i]
     for m in range(1, len(weights)):
         found = np.maximum(found, alpha[i + m * stride])
@@ -268,7 +268,10 @@ def split_pairs(part, damp, k, stride):
 
 
 def split(part, damp, weight, k, i, m, stride):
-    """One pair, of the node i and that m farther on; weight: alpha S."""
+    """Move the part alpha of one pair's flux to links; the pair is node i and the one m farther on.
+
+    weight: alpha S.
+    """
     gas, form, metrics, potential = part.laws, part.form, part.metrics, part.potential
     like, d, j = part.like, len(part.like), i + m * stride
     like_w, like_f, like_v = state_like(like), form.force.sums(like), gas.of_grid(like)
@@ -287,7 +290,7 @@ def split(part, damp, weight, k, i, m, stride):
 
 
 def flow_on(part, damp, stride):
-    """Fluxes through the links, with those of Lax and Friedrichs."""
+    """Add the fluxes through links, with those of Lax and Friedrichs."""
     gas, form, force, potential = part.laws, part.form, part.form.force, part.potential
     like_w, like_f, like_link = state_like(part.like), force.linked(part.like), (*part.like, 0.0)
     for i in each(damp.alpha.size - stride):

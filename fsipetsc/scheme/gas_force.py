@@ -1,28 +1,29 @@
-"""A constant force on a gas, as gravity: no force, one node by node, or one pair by pair.
+"""A constant force on a gas, such as gravity: there is none, or it acts node by node or pair by
+pair.
 
-Node by node, J rho b and its power are added to the rates. A gas at rest stays so to the order of
-the scheme only, and small motions may grow. With the two-point fluxes that conserve entropy the
-force comes from its potential Phi = - b . x, pair by pair (fsipetsc.equations.gas): a gas of
-uniform temperature stays at rest to round-off, and on a grid at rest energy with rho Phi is kept.
+Node by node, J rho b and its power are added to the rates. A gas at rest then stays so to the order
+of the scheme only, and small motions may grow. With the two-point fluxes that conserve entropy, the
+force comes from its potential Phi = - b . x, pair by pair (fsipetsc.equations.gas). Then a gas of
+uniform temperature stays at rest to round-off, and on a grid at rest energy plus rho Phi is kept.
 
-Dissipation (fsipetsc.scheme.gas_dissipation) must not disturb that rest, and what diffuses in the
-potential does work. Energy with rho Phi has the entropy variables
+Dissipation (fsipetsc.scheme.gas_dissipation) must not disturb that rest, and mass that diffuses in
+the potential does work. The energy with rho Phi has the entropy variables
 
     z~ = ((h - |u|^2/2 + Phi)/T - s, u/T, -1/T),
 
-all of which are constant in a gas at rest. With Phi_m in the middle of a difference, and F =
-sigma/4^q lambda U_z c of the head there with
+all of which are constant in a gas at rest. Let Phi_m be the potential in the middle of a
+difference. In F = sigma/4^q lambda U_z Delta z (see there) Delta z is replaced by
 
-    c = (Delta (z_1 + (Phi - Phi_m)/T), Delta u/T, Delta -1/T)
+    c = (Delta (z_1 + (Phi - Phi_m)/T), Delta u/T, Delta -1/T),
 
-in the place of Delta z, a node i gets - (F_rho, F_m, F_E + (Phi_m - Phi_i) F_rho): energy with
-rho Phi is kept, and entropy does not fall, as c . U_z c > 0 is what it gains.
+and a node i gets - (F_rho, F_m, F_E + (Phi_m - Phi_i) F_rho). So the energy with rho Phi is kept,
+and entropy does not fall: it grows by c . U_z c > 0.
 
-At shocks a link from m to m + 1 carries the force {a} rho^ (Phi_m+1 - Phi_m)/2 of its areas to both
-nodes, as a pair does, which gives back what pairs lose: rest is kept whatever alpha is. Its flux of
-Lax and Friedrichs has the difference of the densities U* of both states raised or lowered to
-Phi_m = (Phi_m + Phi_m+1)/2, in the body force, at their temperatures. z of these states differ by
-c, so that by convexity c . (U*_m+1 - U*_m) > 0; in a gas at rest both are equal.
+At shocks the link from m to m + 1 exerts the force {a} rho^ (Phi_m+1 - Phi_m)/2 of its areas on
+both nodes, as a pair does. This gives back what pairs lose, so rest is kept whatever alpha is. The
+flux of Lax and Friedrichs takes the states of both nodes, moved in the force to their mean
+potential at their own temperatures. Entropy variables of these two states differ by c, so that by
+convexity c . (U*_m+1 - U*_m) > 0; in a gas at rest both states are equal.
 """
 
 from typing import Any, NamedTuple
@@ -33,60 +34,66 @@ from fsipetsc.scheme.part import ghosted_node
 
 
 class NoForce(NamedTuple):
-    """No constant force: nothing of what follows costs anything."""
+    """No constant force. Its methods add nothing, and cost nothing in the printed kernels."""
 
     kind: int = 0
 
     def sums(self, like):
-        """As many numbers as a sweep sums at each node: those of a flux, perhaps of a force."""
+        """Return zeros, as many as a sweep sums at each node: a flux, perhaps a force too."""
         return (*like, 0.0, 0.0)
 
     def linked(self, like):
-        """As many as links at shocks sum at each node: perhaps the power of what diffuses, too."""
+        """Return zeros, as many as links at shocks sum at each node; with PairForce also a force
+        and a power.
+        """
         return (*like, 0.0, 0.0)
 
     def diffused(self, like):
-        """As many as a flux of a difference has: perhaps Phi_m F_rho, too."""
+        """Return zeros, as many as the flux of a difference has; perhaps Phi_m F_rho."""
         return (*like, 0.0, 0.0)
 
     def rise(self, potential, i, j):
-        """The difference Phi_j - Phi_i."""
+        """Return the difference Phi_j - Phi_i."""
         return 0.0
 
     def near(self, gas, F, l, r, a_l, a_r, rise):
-        """What two nodes that are near one another subtract and add: F, and the force."""
+        """Return what one of two similar nodes loses and what the other gains: F, and the force."""
         return F, F
 
     def any(self, gas, F, l, r, a_l, a_r, rise):
-        """What any two nodes subtract and add."""
+        """Return the same for any two nodes."""
         return F, F
 
     def level(self, potential, i, first, w):
-        """z_1 of a node, perhaps with Phi/T."""
+        """Return z_1 of a node, with PairForce plus Phi/T."""
         return first
 
     def at_middle(self, change, potential, l, r):
-        """c of Delta z; l, r: the nodes in the middle."""
+        """Return c from Delta z; l, r: the nodes in the middle of the difference."""
         return change
 
     def with_level(self, F, potential, l, r):
-        """The flux F of a difference, perhaps with Phi_m F_rho."""
+        """Return the flux F of a difference, with PairForce followed by Phi_m F_rho."""
         return F
 
     def parted(self, F):
-        """What ``with_level`` put together: F, and Phi_m F_rho."""
+        """Take apart what ``with_level`` put together: return F, and Phi_m F_rho."""
         return F, 0.0
 
     def lifted(self, potential, i, F, level):
-        """The energy Phi_i F_rho - Phi_m F_rho that mass takes up."""
+        """Return the energy Phi_i F_rho - Phi_m F_rho that diffusing mass takes up."""
         return 0.0
 
     def jump(self, gas, l, r, rise):
-        """The difference of densities of two neighbours that makes entropy grow."""
+        """Return the difference of the densities of two neighbours of which Lax and Friedrichs's
+        flux is made.
+        """
         return sub(gas.densities(r), gas.densities(l))
 
     def link(self, gas, F, speed, jump, l, r, a, rise):
-        """What two neighbours subtract and add: F - speed jump, the force, the power."""
+        """Return what one of two neighbours loses and the other gains: F - speed jump, the force,
+        the power.
+        """
         F = along(F, -speed, jump)
         return F, F
 
@@ -188,7 +195,7 @@ def force_of(force: Any, divergence: bool) -> Any:
 
 
 def find_potential(part):
-    """Phi = - b . x of the nodes of the ghosted array."""
+    """Fill in Phi = - b . x of the nodes of the ghosted array."""
     potential, places, force = part.potential, part.places, part.laws.force
     part.grid.find_places(part.X, places)
     for i in each(potential.size, vector=True):
@@ -199,7 +206,7 @@ def find_potential(part):
 
 
 def add_pair_force(part, q, rates, gain):
-    """The force of the sweep and of links, with the power of what diffuses."""
+    """Add the force that the sweep and links have summed, and the power of what diffuses."""
     supplied, d = part.supplied, len(part.like)
 
     def of_node(i):
@@ -226,7 +233,7 @@ def add_node_force(part, q, rates, gain):
 
 
 def push(part, rates, gain, of_node):
-    """Add the force on each owned node and its power, which of_node says, to the rates and gain."""
+    """Add to rates and gain the force on each owned node, which of_node returns, and its power."""
     d, masses = len(part.like), part.masses
     sums = [variable(0.0) for _ in range(d + 1)]
     for i in each(masses.size):
@@ -240,7 +247,7 @@ def push(part, rates, gain, of_node):
 
 
 def note_potential(part, q, found):
-    """- sum M b . x of the owned nodes."""
+    """Note the potential energy - sum M b . x of the owned nodes."""
     force, masses, places, total = part.laws.force, part.masses, part.places, variable(0.0)
     for i in each(masses.size):
         n = ghosted_node(i, part.patch)

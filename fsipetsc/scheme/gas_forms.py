@@ -1,5 +1,5 @@
-"""Forms of convection: what is taken as the flux of two nodes, and what a constant force does to
-them (fsipetsc.scheme.gas_force).
+"""The two forms of convection: which flux two nodes exchange, and how a constant force on the gas
+is added to it (fsipetsc.scheme.gas_force).
 """
 
 from typing import Any, NamedTuple
@@ -13,25 +13,27 @@ CONSERVED = PerfectGas, StiffenedGas
 
 
 class EntropyForm(NamedTuple):
-    """Two-point fluxes that conserve entropy."""
+    """The flux of two nodes conserves entropy."""
 
     force: Any
 
     def distance(self, gas, l, r):
-        """How far two states are apart."""
+        """Return how far apart two states are: `near` is for near ones, `any` for all."""
         return gas.pair_distance(l, r)
 
     def near(self, gas, l, r, a_l, a_r, g):
-        """The flux of two nodes which are near one another."""
+        """Return the flux of two nodes with similar states."""
         return gas.near_pair_flux(l, r, a_l, a_r, g)
 
     def any(self, gas, l, r, a_l, a_r, g):
-        """The flux of any two nodes."""
+        """Return the flux of two nodes with any states."""
         return gas.pair_flux(l, r, a_l, a_r, g)
 
 
 class DivergenceForm(NamedTuple):
-    """Means of the fluxes of two nodes: for any gas law, without a statement on entropy."""
+    """The flux of two nodes is the mean of their fluxes. It exists for any gas law; nothing is
+    known of the entropy.
+    """
 
     force: Any
 
@@ -46,8 +48,8 @@ class DivergenceForm(NamedTuple):
 
 
 def convection_of(option: str, gas: Any) -> DivergenceForm | EntropyForm:
-    """The form of -fsi_convection for a gas, with its constant force; auto: entropy where the flux
-    conserves it.
+    """Return the form that -fsi_convection asks for, with the constant force of the gas. auto: the
+    entropy form where its flux conserves the entropy of the gas's law.
     """
     divergence = option == "divergence" or not isinstance(gas.law, CONSERVED)
     force = force_of(gas.force, divergence)
@@ -55,5 +57,5 @@ def convection_of(option: str, gas: Any) -> DivergenceForm | EntropyForm:
 
 
 def state_like(like):
-    """A tuple of as many numbers as there are primitive variables."""
+    """Return zeros, as many as there are primitive variables."""
     return (*like, 0.0, 0.0, 0.0, 0.0, 0.0)

@@ -59,7 +59,7 @@ def gas_text(gas: Any, d: int, form: Any, viscous: bool) -> str:
 
 
 class GasVolume:
-    """What gas_sweep takes of a part of a block: a struct in C, and the memory it points to.
+    """A struct in C with what gas_sweep takes of a part of a block, and the memory it points to.
 
     metrics: (rows, N), with J_t as the last row. Where a constant force acts pair by pair,
     potential: (N,) Phi of the ghosted nodes, supplied: (M (d + 1),) the force on each owned node
@@ -128,7 +128,7 @@ class GasVolume:
             own.free_begin, own.free_end = free[k]
 
     def forget(self) -> None:
-        """Clear what is remembered of a bad state: no NaN may stay there for another step."""
+        """Clear the memory of rows, so that no NaN of a bad state stays there for another step."""
         self._memory["rows"][:] = 0.0
 
     def _axis(self, k: int, patch: Patch, stride: int) -> _Axis:

@@ -23,7 +23,9 @@ Array = NDArray[Any]
 
 
 def turned(c, a):
-    """c times a vector of two numbers turned to the right; a vector of another length as it is."""
+    """Return c times a vector of two numbers turned to the right; a vector of another length as it
+    is.
+    """
     return (c * a[1], -c * a[0]) if len(a) == 2 else a
 
 
@@ -81,7 +83,7 @@ def turn_plane(part, table):
 
 
 class Columns(NamedTuple):
-    """Numbers of a node in an array by components, from row ``first`` on."""
+    """The vector that a node has in the rows from ``first`` on of an array by components."""
 
     array: Array
     first: int
@@ -91,11 +93,11 @@ class Columns(NamedTuple):
 
 
 def slope_at(like, at, axis, S, weight, patch, of, own=-1.0):
-    """D_axis of a vector at a node of the ghosted array; own = 1: D°, without the flux through the
-    ends.
+    """Return D_axis of a vector at a node of the ghosted array. With own = 1 it is D°, the operator
+    without the flux through the ends.
 
     at: number of the node. axis: known, or read from an array. S, weight, patch: of the part of a
-    block. of: an object as Columns, whose at(like, n) is the vector at node n, a tuple.
+    block. of: an object such as Columns, whose at(like, n) returns the vector at node n, a tuple.
     """
     nx, ny, nz = patch.ghosted
     stride, nodes = along_axis(axis, (1, nx, nx * ny)), along_axis(axis, (nx, ny, nz))
@@ -114,14 +116,14 @@ def slope_at(like, at, axis, S, weight, patch, of, own=-1.0):
 
 
 def along_axis(axis, numbers):
-    """The whole number that belongs to an axis, of three."""
+    """Return the one of three whole numbers that belongs to the axis."""
     if not isinstance(axis, Index):
         return numbers[axis]
     return pick(axis == 0, numbers[0], pick(axis == 1, *numbers[1:]))
 
 
 def of_axis(axis, arrays, *at):
-    """A number in the array that belongs to an axis, of three."""
+    """Return a number of the one of three arrays that belongs to the axis."""
     if not isinstance(axis, Index):
         return arrays[axis][at]
     found = variable()

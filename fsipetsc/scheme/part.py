@@ -1,5 +1,5 @@
-"""What procedures know of a rank's part of a block, of gas or solid: views of its unknowns, what
-the monitor finds. The records are those of fsipetsc.scheme.gas_record and solid_record.
+"""What procedures share for a rank's part of a block, of gas or solid: views of its unknowns, and
+where the monitor's findings go. The records are in fsipetsc.scheme.gas_record and solid_record.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from fsipetsc.scheme.rows import Array
 
 
 class Nothing(NamedTuple):
-    """What adds nothing to rates: no dissipation, closed faces."""
+    """Stands for a term that is absent, as dissipation or fluxes at closed faces."""
 
     def add(self, part, q, rates, gain):
         """Add nothing; the work is 0."""
@@ -21,11 +21,13 @@ class Nothing(NamedTuple):
 
 
 class Gain(NamedTuple):
-    """What comes in from outside. numbers: all that follow, as fsipetsc.blockrun.columns.gained has
-    them. mass: of each block of gas. lost: (1,) work on solids if it is booked, else (0,). work:
-    (1,) that of constant forces if there are any, else (0,). impulse: (d,). energy: through each
-    outer face, in the end what comes through none; heat: what of this is heat. total: (1,) the sum
-    of energy.
+    """What comes into the problem from outside.
+
+    numbers: all numbers that follow, in the order of fsipetsc.blockrun.columns.gained. mass: of
+    each block of gas. lost: (1,) work on solids if it is booked, else (0,). work: (1,) work of
+    constant forces if there are any, else (0,). impulse: (d,). energy: through each outer face; the
+    last one is of what comes through no face. heat: the part of energy that is heat. total: (1,)
+    the sum of energy.
     """
 
     numbers: Array
@@ -39,14 +41,17 @@ class Gain(NamedTuple):
 
 
 def owned(part, s, dof):
-    """(M, dof), the numbers of this part in a world vector s, which has planes: a transpose."""
+    """Return (M, dof), the owned numbers of this part in a world vector s: a transpose, as s has
+    planes.
+    """
     n = part.patch.own[0] * part.patch.own[1] * part.patch.own[2]
     return s[part.begin : part.begin + n * dof].reshape(dof, n).turned()
 
 
 def ghosted(part, s, dof):
-    """(N, dof), the same with its halo, which an exchange has filled, if the part has one; its
-    owned nodes are old ones where nothing but sweeps reads it (fsipetsc.blockrun.block_part).
+    """Return (N, dof), the numbers of this part with its halo, if it has one, which an exchange has
+    filled. Where only sweeps read the halo, its owned nodes may be older than s
+    (fsipetsc.blockrun.block_part).
     """
     n = part.patch.ghosted[0] * part.patch.ghosted[1] * part.patch.ghosted[2]
     own = s[part.begin : part.begin + n * dof]
@@ -54,14 +59,14 @@ def ghosted(part, s, dof):
 
 
 def ghosted_node(i, patch):
-    """Number in the ghosted array of the owned node i."""
+    """Return the number in the ghosted array of the owned node i."""
     (n0, n1, _), (g0, g1, _), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
     return f0 + i % n0 + g0 * (f1 + i // n0 % n1 + g1 * (f2 + i // (n0 * n1)))
 
 
 def images(part):
-    """Let what the halo has before the first owned node along its last axis be the images of what
-    is behind, with signs; around an axis or a centre.
+    """Around an axis or a centre: fill the halo before r = 0 with mirror images of the nodes behind
+    it, times part.signs.
     """
     values, signs = part.halo, part.signs
     (g0, _, _), (f0, f1, _) = part.patch.ghosted, part.patch.first
@@ -73,20 +78,22 @@ def images(part):
 
 
 def copy(of, to):
-    """Copy numbers."""
+    """Copy an array."""
     for i in each(of.size, vector=True):
         to[i] = of[i]
 
 
 def clear(numbers):
-    """Set numbers to 0."""
+    """Set all numbers of an array to 0."""
     for i in each(numbers.size, vector=True):
         numbers[i] = 0.0
 
 
 def note(part, found):
-    """Put what the monitor found of a part into the extremes of its block and the record of the
-    step; found: fsipetsc.scheme.runge_kutta.Found.
+    """Put what the monitor found in a part into the extremes of its block and the record of the
+    step.
+
+    found: a fsipetsc.scheme.runge_kutta.Found.
     """
     begin, seen, sums, columns = 1 + MONITORED * part.block, part.seen, part.sums, part.columns
     extremes, latest = found.extremes, found.latest

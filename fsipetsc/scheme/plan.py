@@ -19,7 +19,7 @@ CAPACITY = 40 << 10
 
 
 def shares(record: np.dtype) -> tuple[str, ...]:
-    """The columns of a record that are shares of the ranks, to be added up: the last ones."""
+    """Return which columns of a record are shares of the ranks, to be added up: the last ones."""
     names = record.names
     return names[names.index("mass" if "mass" in names else "energy") :]
 

@@ -1,16 +1,15 @@
-"""What a gas around an axis (kappa = 1) or a centre (2) has beside its fluxes.
+"""The terms of a gas around an axis (kappa = 1) or a centre (2) beside its fluxes.
 
-Fluxes through the areas a^k = (b^k_1, A b^k_2), A = |r|^kappa, do not know that pressure and
-viscous stress act around the axis, too. With S of fsipetsc.blocks.radial_grid, the momentum along r
-gets
+Fluxes through the areas a^k = (b^k_1, A b^k_2), A = |r|^kappa, leave out that pressure and viscous
+stress act around the axis, too. With S of fsipetsc.blocks.radial_grid, the momentum along r gets
 
     (p - tau_o) S,    tau_o = mu (2 e/kappa - 2/3 (div + e)),    e = u_r S/J
 
-with e the rates of all hoops together, div = 1/J sum_k a^k . D_k u by entropy variables; the flux
-of the momentum through a^k gets -2/3 mu e a^k, as e is in the divergence, that of the energy u
-times as much. Energy has no source. p S is sum_k D_k (a^k p) of a uniform p, so that rest is kept,
-and what it does to the entropy is what sum_k D_k a^k leaves of the fluxes; viscosity makes entropy
-at each node.
+where e is the sum of the rates of all hoops, and div = 1/J sum_k a^k . D_k u is found by entropy
+variables. As e is part of the divergence, the flux of momentum through a^k gets -2/3 mu e a^k, and
+that of energy u times as much. Energy has no source. p S is sum_k D_k (a^k p) of a uniform p, so
+rest is kept; what p S does to the entropy cancels what sum_k D_k a^k leaves of the fluxes;
+viscosity makes entropy at each node.
 """
 
 from typing import Any, NamedTuple
@@ -24,7 +23,7 @@ from fsipetsc.scheme.rows import Array
 
 
 class Straight(Nothing):
-    """A problem without an axis or a centre."""
+    """Stands for a problem without an axis or a centre."""
 
     def turn(self, part, table):
         """Add how area vectors at constraints turn; in one dimension they do not."""
@@ -34,20 +33,22 @@ class Straight(Nothing):
         turn_plane(part, table)
 
     def bounds(self, metrics):
-        """The metrics by which steps are bounded."""
+        """Return the metrics that bound the step."""
         return metrics
 
 
 class Radial(NamedTuple):
-    """grid: fsipetsc.blocks.radial_grid. room: ((d + 1)^2, N) for u/T and -1/T, and the fluxes of
-    hoops along each axis; None in a gas without viscosity.
+    """A problem around an axis or a centre.
+
+    grid: see fsipetsc.blocks.radial_grid. room: ((d + 1)^2, N) for u/T and -1/T, and for the
+    viscous fluxes of hoops along each axis; None in a gas without viscosity.
     """
 
     grid: Any
     room: Array | None
 
     def add(self, part, q, rates, gain):
-        """See the head of this file; q: (N, d + 3) ghosted, rates: (M, d + 3)."""
+        """Add the terms at the head of this file; q: (N, d + 3) ghosted, rates: (M, d + 3)."""
         add_pressure(part, self.grid.source, q, rates)
         if self.room is not None:
             add_viscous(part, self, q, rates)
@@ -69,7 +70,7 @@ def add_pressure(part, source, q, rates):
 
 
 def add_viscous(part, radial, q, rates):
-    """What viscous stresses around the axis do."""
+    """Add what viscous stresses around the axis do to momentum and energy."""
     find_hoops(part, radial, q)
     gas, like, metrics, patch = part.laws, (0.0,) * len(part.like), part.metrics, part.patch
     d, like_z, like_q = len(like), (*like, 0.0), (*like, 0.0, 0.0, 0.0)
@@ -92,7 +93,7 @@ def add_viscous(part, radial, q, rates):
 
 
 def find_hoops(part, radial, q):
-    """Fill the room with entropy variables, and with the viscous stress of hoops."""
+    """Fill the room with entropy variables and with the viscous fluxes of hoops."""
     gas, like, room = part.laws, part.like, radial.room
     d, like_q = len(like), (*like, 0.0, 0.0, 0.0)
     for n in each(radial.grid.source.size, vector=True):

@@ -73,7 +73,7 @@ class Recorder:
 
 
 def asked(condition: Any, name: str, x: Any, t: Any, count: int = 0) -> Any:
-    """A datum of a condition at symbols: a number, or so many."""
+    """Ask a condition for a datum at symbols: a number, or so many of them."""
     of = getattr(condition, name)
     if not callable(of):
         return of
@@ -82,17 +82,19 @@ def asked(condition: Any, name: str, x: Any, t: Any, count: int = 0) -> Any:
 
 
 def positive(value: Any) -> Any:
-    """A number that must be above 0, else no number."""
+    """Return a number that must be above 0, or NaN where it is not."""
     return np.where(value > 0.0, value, np.nan)
 
 
 def less(a: Any, b: Any) -> tuple[Any, ...]:
-    """a - b by components."""
+    """Return a - b by components."""
     return tuple(map(np.subtract, a, b))
 
 
 def motion(condition: Any) -> Make:
-    """Displacement, velocity and acceleration, which are derivatives where they are not given."""
+    """Return a function that records displacement, velocity and acceleration; those that are not
+    given are derivatives in time.
+    """
 
     def make(x: Any, t: Any) -> Sequence[Any]:
         d, place = len(x), x
@@ -108,12 +110,12 @@ def motion(condition: Any) -> Make:
 
 
 def temperature(condition: Any) -> Make:
-    """What records the temperature of a wall."""
+    """Return a function that records the temperature of a wall."""
     return lambda x, t: (positive(asked(condition, "T", x, t)),)
 
 
 def given_gas(condition: Any, law: Any) -> Make:
-    """All unknowns of a gas of a law: (rho, rho u, E)."""
+    """Return a function that records all unknowns of a gas with this law: (rho, rho u, E)."""
 
     def make(x: Any, t: Any) -> Sequence[Any]:
         rho, *u, T = asked(condition, "values", x, t, len(x) + 2)
@@ -125,7 +127,9 @@ def given_gas(condition: Any, law: Any) -> Make:
 
 
 def given_solid(condition: Any, d: int) -> Make:
-    """All unknowns of a solid: displacement and velocity, temperature."""
+    """Return a function that records all unknowns of a solid: displacement and velocity,
+    temperature.
+    """
 
     def make(x: Any, t: Any) -> Sequence[Any]:
         values = asked(condition, "values", x, t, len(names_of("solid", "values", d)))

@@ -59,14 +59,14 @@ def begin_stage(number: int | None) -> Callable[..., None]:
 
 
 def factors(number, dt):
-    """a and b of a stage, see ``advance``."""
+    """Return a and b of a stage, as `advance` uses them."""
     a = dt if number == 2 else 0.5 * dt
     return a, dt / 3.0 if 0 < number < 3 else dt / 6.0
 
 
 def advance(number: int) -> Callable[..., None]:
-    """The procedure of a stage, 0 to 3: what follows from the rates k that sweeps have left in f,
-    in their place. With base y at first, then total,
+    """Return the procedure of a stage, 0 to 3. It replaces the rates k, which sweeps have left in
+    f, by the next stage. With the base y at first, and total after that,
 
         f = y + a k,   total = base + b k   a = dt/2, dt/2, dt;  b = dt/6, dt/3, dt/3
         f = total + dt/6 k                  after the last one: the solution
@@ -89,12 +89,12 @@ def advance(number: int) -> Callable[..., None]:
 
 
 def begin_step(found):
-    """Keep the solution to go back to."""
+    """Keep a copy of the solution, to go back to if the step fails."""
     copy(found.y, found.before)
 
 
 def begin_monitor(found):
-    """Forget what was found of the step before."""
+    """Clear what the monitor found after the step before."""
     clear(found.latest)
     for i in each(found.extremes.size):  # a least J is found as the largest -J
         found.extremes[i] = np.where((i - 1) % MONITORED == LEAST_J, -np.inf, 0.0)
@@ -102,7 +102,7 @@ def begin_monitor(found):
 
 
 def clear_gain(gain):
-    """Set to 0 what has come in."""
+    """Set to 0 what has come in from outside."""
     clear(gain.numbers)
 
 

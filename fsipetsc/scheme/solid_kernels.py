@@ -101,7 +101,7 @@ def _strain_of(kernel: Kernel, solid: Any, d: int) -> Any:
 
 
 def _pull(solid: Any, d: int, slopes: Slopes, prestressed: bool) -> Kernel:
-    """A prestress S adds to P, and its energy S : (F - 1)/m0 is no part of what T follows from."""
+    """Add a prestress S to P, and take its energy S : (F - 1)/m0 from that of which T is made."""
     says = "F, T, and the tractions t^k = (P + S) A^k with a prestress S."
     kernel, conducts = Kernel(f"solid_pull{slopes.of}", says), solid.kappa > 0.0
     kernel.takes(TILE, "strains", "temperatures")
@@ -135,7 +135,7 @@ def _conduct(solid: Any, d: int) -> Kernel:
 
 
 def _accelerate(solid: Any, d: int, slopes: Slopes, number: int, kind: str) -> Kernel:
-    """From D°_k t^k, D_k v and, with conduction, D°_k A^k . h."""
+    """Store the rates that follow from D°_k t^k, D_k v and, with conduction, D°_k A^k . h."""
     says = "(v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v), or what follows from these rates."
     kernel = Kernel(f"solid_{kind}{slopes.of}", says)
     kernel.takes(TILE, "strains", "heats")

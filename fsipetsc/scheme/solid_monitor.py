@@ -14,12 +14,14 @@ from fsipetsc.scheme.solid_dissipation import rows_of
 
 
 def solid_integrals(d):
-    """Names of the integrals of a solid, in the order of its sums; then comes minus the last."""
+    """Return the names of the integrals of a solid in the order of its sums; one more sum follows,
+    minus the last integral.
+    """
     return *along_axes("momentum", d), "energy", *turning(d), "solid_energy"
 
 
 def sums_of(d: int) -> int:
-    """How many integrals there are."""
+    """Return how many integrals the monitor of a solid computes in d dimensions."""
     return len(solid_integrals(d))
 
 

@@ -50,7 +50,8 @@ def solid_text(solid: Any, d: int, order: int, prestressed: bool) -> str:
 
 
 class SolidVolume:
-    """What these functions take of a part of a block: a struct in C, and the memory it points to.
+    """A struct in C with what these functions take of a part of a block, and the memory it points
+    to.
 
     metrics: (rows, N); prestress: (d d, N) or (d d, 0). address: of the struct.
     """

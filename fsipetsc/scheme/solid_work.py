@@ -91,7 +91,7 @@ def solid_work(solid: Any, bands: Any, patch: Patch, pairs: int) -> Work:
 
 
 def distances(layout: Layout, axes: Sequence[int], pairs: int) -> Array:
-    """far of Work."""
+    """Return `far` of Work."""
     m, places = np.arange(1, pairs + 1), np.arange(layout.layers)[:, None]
     found = []
     for sign in (1, -1):
@@ -102,12 +102,12 @@ def distances(layout: Layout, axes: Sequence[int], pairs: int) -> Array:
 
 
 def in_order(of_axes: Any, d: int) -> Any:
-    """First axis, second one of three, last one."""
+    """Return three numbers in the order first axis, second one of three, last one."""
     return (of_axes[0], of_axes[2], of_axes[1]) if d == 2 else tuple(of_axes)
 
 
 def tiles_of(patch: Patch, d: int) -> list[Any]:
-    """Tiles of the owned nodes: (begin, end) along each axis."""
+    """Return the tiles of the owned nodes: (begin, end) along each axis."""
     cuts = []
     for first, count, most in zip(patch.first, patch.own, (*TILES[d - 1], patch.own[2])):
         ends = range(first, first + count, most)
@@ -116,7 +116,7 @@ def tiles_of(patch: Patch, d: int) -> list[Any]:
 
 
 def boxes_of(bands: tuple[Band, ...], own: Any, conducts: int) -> list[Any]:
-    """The boxes OWN … KNOWN of a tile."""
+    """Return the boxes OWN … KNOWN of a tile."""
 
     def reached(box: Any) -> Any:
         return [reached_along(b.S, *ends) for b, ends in zip(bands, box, strict=True)]
@@ -127,7 +127,7 @@ def boxes_of(bands: tuple[Band, ...], own: Any, conducts: int) -> list[Any]:
 
 
 def reached_along(S: Array, begin: int, end: int) -> tuple[int, int]:
-    """First node and first beyond of those in pairs with nodes begin … end - 1."""
+    """Return the first node and the first one beyond that have pairs with nodes begin … end - 1."""
     first = max(begin - len(S) + 1, 0)
     m, i = np.nonzero(S[:, first:end])
     i += first

@@ -44,7 +44,7 @@ def set_data(timed, now):
 
 
 def set_time(part: float) -> Callable[..., None]:
-    """The procedure that lets data be those at a part of the step."""
+    """Return the procedure that evaluates data at a part of the step."""
 
     def at(now):
         """Set the time of data."""
