@@ -3,16 +3,7 @@
 import time
 
 import pytest
-from helpers import message, rows_of, solve
-
-
-def test_bad_input(tmp_path):
-    for words, said in (
-        ("-bench_ranks 3", "mpiexec -n 3"),
-        ("-bench_rod_program .", "no rod"),
-        ("-bench_orders 5", "2,4,6,8"),
-    ):
-        message(solve("bench", *words.split(), cwd=tmp_path), 2, said)
+from helpers import rows_of, solve
 
 
 def test_table(tmp_path):

@@ -1,15 +1,11 @@
 """The command line as users and scripts meet it: texts, options, arguments, every kind of error."""
 
-import os
 import sys
 
-import h5py
 import pytest
 from helpers import message, run, solve
 
 import fsipetsc
-from fsipetsc.cli import main
-from fsipetsc.output import checkpoint_file
 
 
 def test_overview_lists_cases_and_commands_without_importing_the_solver():
@@ -57,29 +53,6 @@ def test_run_gets_typed_options_from_everywhere(here):
     assert (opt["fsi_order"], opt["fsi_norm"], opt["fsi_quiet"]) == (2, "L1", True)
     assert (opt["fsi_cfl"], opt["ts_dt"], opt["rod_gravity"]) == (0.7, 2e-5, -10.0)
     assert list(opt["fsi_output_times"]) == [0.1, 0.5]
-
-
-def test_commands_that_read_a_result_say_what_a_file_is_instead(here, capsys):
-    """One line, status 4, and nothing is written."""
-    files = {
-        "no.h5": "there is no such file",
-        "folder.h5": "is no regular file",
-        "text.h5": "is not an HDF5 file",
-        "other.h5": "is not a result of fsipetsc",
-        "a.checkpoint.h5": "is a checkpoint of fsipetsc, not a result",
-    }
-    (here / "folder.h5").mkdir()
-    (here / "text.h5").write_text("a text, longer than the signature of HDF5")
-    h5py.File(here / "other.h5", "w").close()
-    checkpoint_file.write(here / "a.checkpoint.h5", {}, {})
-    before = sorted(os.listdir(here))
-    for command in ("info {}", "plot {}", "plot {} -animate", "report {}", "diff {} no.h5"):
-        for name, reason in files.items():
-            assert main(command.format(name).split()) == 4
-            said = capsys.readouterr()
-            assert said.err.startswith(f"fsipetsc: error: {name}: {reason}"), said.err
-            assert (said.err.count("\n"), said.out) == (1, "")
-    assert sorted(os.listdir(here)) == before
 
 
 #: the program where packages of the extra "solver" are missing

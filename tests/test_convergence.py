@@ -4,7 +4,7 @@ import csv
 
 import numpy as np
 import pytest
-from helpers import message, solve, well
+from helpers import solve, well
 
 from fsipetsc.studies.verdicts import Expected, Row
 
@@ -75,16 +75,3 @@ def test_a_run_that_fails_is_one_line_of_the_table(tmp_path):
     assert "computed before" not in done.stderr + done.stdout, "it is removed"
     assert (tmp_path / "mms-convergence.csv").read_text().count("\n") == 2
     assert not (tmp_path / "mms-convergence.png").exists()
-
-
-@pytest.mark.parametrize(
-    ("words", "status", "reason"),
-    [
-        ("rod -fsi_hs 0.1,0.05", 2, "the case rod has no exact solution: its grids are compared"),
-        ("mms -fsi_hs 0.03", 2, "order 2, h = 0.03: "),
-        ("mms -fsi_output nowhere/x.csv -fsi_hs 0.05", 4, "nowhere: No such file or directory"),
-    ],
-)
-def test_bad_input(tmp_path, words, status, reason):
-    message(solve("convergence", *words.split(), cwd=tmp_path), status, reason)
-    assert not list(tmp_path.iterdir())

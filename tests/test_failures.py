@@ -1,56 +1,9 @@
 """Runs that cannot start or go on: exit status, one message that helps, what is left on disk."""
 
 import pytest
-from helpers import REPOSITORY, assert_readable, message, mpirun, solve
+from helpers import REPOSITORY, assert_readable, message, solve
 
 import fsipetsc
-
-FILES = {"log.opts": "-log_view\n", "bad.opts": "-fsi_h 0.1\nfsi_order 6\n", "run.h5": ""}
-#: arguments -> status, words of the message
-BAD_INPUT = {
-    "rood": (2, ["'rood'; did you mean 'rod'? There are rod, "]),
-    "run.h5": (2, ["'run.h5' is no case; results are for commands: info run.h5"]),
-    "info": (2, ["RUN.h5 is missing"]),
-    "info a.h5 b.h5": (2, ["unexpected argument 'b.h5'"]),
-    "plot a.h5 -o": (2, ["-o needs a value", "plot RUN.h5 [-o DIR"]),
-    "plot a.h5 -out b": (2, ["unexpected argument '-out'"]),
-    "rod -fsi_ordr 4": (2, ["-fsi_ordr", "did you mean -fsi_order?"]),
-    "rod -fsi_h 0.03": (2, ["-fsi_h 0.03", "'rod'", "0.02941176", "0.03030303"]),
-    "rod -fsi_order 8 -fsi_h 0.1 -fsi_coupling projection": (
-        2,
-        ["11 points", "8/4", "16", "-fsi_h", "-fsi_order"],
-    ),
-    "rod -fsi_order 8 -fsi_h 0.1": (
-        2,
-        ["'rod' has 11 nodes", "at least 16: take 15 cells", "-fsi_h 0.06666666667", "-fsi_order"],
-    ),
-    "rod -fsi_h 1e-9 -fsi_coupling projection": (2, ["'below'", "cells", "-fsi_h", "too many"]),
-    "rod -fsi_output .": (2, ["'.' for -fsi_output: expected the name of a file"]),
-    "box -fsi_output_times 7": (2, [": 7 would not be reached", "-ts_max_time 2"]),
-    "blast -fsi_coupling energy": (2, ["this case is made of blocks, ", ": expected conservative"]),
-    "blast -fsi_viscous narrow": (2, ["narrow: this case is made of blocks, ", ": expected wide"]),
-    "rod -options_file bad.opts": (2, ["bad.opts line 2"]),
-    "rod -options_file log.opts": (2, ["-log_view works from the start of PETSc"]),
-    "rod -options_file no.opts": (4, ["no.opts"]),
-    "rod -fsi_output no/such/dir/x.h5": (4, ["no/such/dir: No such file or directory"]),
-    "rod -fsi_output /proc/x.h5": (4, ["no file can be written in the directory /proc"]),
-}
-
-
-@pytest.mark.parametrize("line", BAD_INPUT)
-def test_bad_input(line, tmp_path):
-    """One message and one status; nobody waits for a rank that has gone; nothing is written."""
-    for name, text in FILES.items():
-        (tmp_path / name).write_text(text)
-    if "-fsi_ordr" in line:  # in processes of their own
-        done = mpirun(2, "-m", "fsipetsc", *line.split(), cwd=tmp_path)
-    else:
-        one = line.startswith(("info", "plot"))  # what one process does
-        done = solve(*line.split(), cwd=tmp_path, ranks=1 if one else 2)
-    status, words = BAD_INPUT[line]
-    message(done, status, *words)
-    assert "MPI_ABORT" not in done.stderr
-    assert {path.name for path in tmp_path.iterdir()} == {*FILES}
 
 
 @pytest.mark.parametrize("coupling", ["conservative", "projection"])

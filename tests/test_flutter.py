@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers import message, program, rows_of, solve, well
+from helpers import program, rows_of, solve, well
 
 from fsipetsc.studies.flutter import crossing, unit_of
 from fsipetsc.studies.verify.data import reference
@@ -51,13 +51,3 @@ def test_hinged_ends(tmp_path):
     table = reference("panel_flutter")
     theory = dict(zip(table["d"], table["hinged theory"], strict=True))
     assert onset == pytest.approx(theory[0.1], rel=0.05)
-
-
-def test_messages(tmp_path):
-    for words, said in {
-        "-panel_lambda 700": "takes -flutter_lambdas",
-        "-flutter_machs 0.9": "Mach numbers above 1",
-        "-panel_ends hinged -fluid_mu 1e-3": "expected -fluid_mu 0",
-        "-flutter_machs 2 -fluid_mu 1e-3 -fsi_h 0.0625": "not in a steady state",
-    }.items():
-        message(solve("flutter", *words.split(), cwd=tmp_path), 2, said)

@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from helpers import computed, message, run, solve, well
+from helpers import computed, run, solve, well
 
 from fsipetsc import Fluid
 
@@ -64,16 +64,3 @@ def test_the_command_draws_and_compiles_nothing(tmp_path):
         picture = imread(tmp_path / path)[..., :3].reshape(-1, 3)
         assert len(np.unique(picture.round(1), axis=0)) > 20
     assert sorted(os.listdir(tmp_path)) == ["a", "box_mms-geometry.png", "nozzle-geometry.png"]
-
-
-@pytest.mark.parametrize(
-    ("words", "status", "said"),
-    [
-        ("", 2, "geometry: CASE is missing: python -m fsipetsc geometry CASE"),
-        ("rod -o rod.txt", 2, "bad value 'rod.txt' for -o: expected a name with .png or"),
-        ("rod -fsi_h 0.03", 2, "-fsi_h 0.03 misses an interface"),
-        ("rod -o /proc/rod.png", 4, "/proc/rod.png: cannot write the picture"),
-    ],
-)
-def test_what_the_command_cannot_do(words, status, said, tmp_path):
-    message(solve("geometry", *words.split(), cwd=tmp_path, ranks=2), status, said)

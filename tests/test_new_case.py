@@ -1,12 +1,11 @@
 """The command `new`: a case file that runs as it is, and is never put in the place of another."""
 
-import os
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers import computed, message, on_ranks, solve
+from helpers import computed, on_ranks, solve
 
 from fsipetsc import cases
 
@@ -86,21 +85,3 @@ def test_channel(tmp_path):
     told = float(re.search(r"the run has ([\d.]+) kPa/m", text)[1])
     assert (p[0] - p[1]) / 0.02 == pytest.approx(1e3 * told, rel=1e-3)
     assert np.ptp(gas["u"][-2:], axis=0).max() < 1e-6
-
-
-@pytest.mark.parametrize(
-    ("name", "status", "said"),
-    [
-        ("mine.py", 4, "mine.py: exists already"),
-        ("link.py", 4, "link.py: exists already"),
-        ("rod.py", 2, "'rod' is the name of a built-in case"),
-        ("run.h5", 2, "expected one that ends in .py"),
-        ("two.py -blocks -water", 2, "-blocks and -water are given: expected one of them"),
-    ],
-)
-def test_a_name_that_would_not_do(name, status, said, tmp_path):
-    (tmp_path / "mine.py").write_text("precious")
-    (tmp_path / "link.py").symlink_to("nowhere")
-    message(solve("new", *name.split(), cwd=tmp_path), status, said)
-    assert (tmp_path / "mine.py").read_text() == "precious"
-    assert sorted(os.listdir(tmp_path)) == ["link.py", "mine.py"]

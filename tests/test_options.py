@@ -56,35 +56,6 @@ def test_every_type_is_converted_and_long_lists_and_blanks_arrive_whole(read, na
     assert opt["fsi_output_times"] == tuple(times)
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("-fsi_cfl abc", ["-fsi_cfl", "'abc'", "a number above 0"]),
-        ("-fsi_cfl", ["-fsi_cfl needs a value"]),
-        ("-fsi_h nan", ["-fsi_h", "[m]"]),
-        ("-fsi_order 5", ["-fsi_order", "2, 4, 6, 8"]),
-        ("-ts_max_steps 1e3", ["-ts_max_steps", "a whole number"]),
-        ("-fsi_quiet maybe", ["-fsi_quiet", "true or false"]),
-        ("-fsi_output_times 1,0.5", ["-fsi_output_times", "increase"]),
-        ("-solid_ratio 2", ["-solid_ratio", "a number below 1"]),
-        ("-fsi_h 0.1 0.2", ["unexpected argument '0.2'"]),
-        ("-snes_type 2.0", ["-snes_type", "no effect"]),
-        ("-fsi_h=0.1", ["without ="]),
-        ("-xyzzy -ts_max_tme 4", ["-xyzzy", "-help", "-ts_max_tme (did you mean -ts_max_time?)"]),
-        ("-options_file three.opts", ["three.opts line 2"]),
-        ("-options_file brace.yaml", ["YAML"]),
-    ],
-)
-def test_bad_input_is_refused_and_named(read, text, words, here):
-    (here / "three.opts").write_text("-a 1\n-b 2 3\n")
-    (here / "brace.yaml").write_text("a: {\n")
-    with pytest.raises(InputError) as caught:
-        read(text)
-    for word in words:
-        assert word in str(caught.value)
-    assert "\n" not in str(caught.value)
-
-
 def test_options_of_petsc_are_accepted(read):
     from petsc4py import PETSc
 

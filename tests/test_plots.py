@@ -214,23 +214,6 @@ def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
     assert {f"rod-{name}.png" for name in USUAL} == {path.split("/")[-1] for path in written}
 
 
-def test_plot_says_what_it_cannot_do(results, capsys, here):
-    for words, said in (
-        ("-fields q", "-fields q: expected some of u, T, p, rho, sigma, strain"),
-        ("-animate -fields q", "-fields q: expected some of u, T, p, rho, sigma, strain"),
-        ("-times a", "bad value 'a' for -times: expected numbers"),
-        ("-all -animate", "-all writes several pictures"),
-        ("-all -o x.png", "expected a directory"),
-        ("-o x.bmp", "or a file that ends with .png"),
-        ("-animate -o x.png", "or a file that ends with .gif"),
-        ("-contours -1", "bad value '-1' for -contours"),
-        ("-probes a,b", "bad value 'a,b' for -probes: expected numbers"),
-        ("-probes 1,2", "-probes: expected 1 number for each place"),
-    ):
-        assert main(["plot", results["rod"].path, *words.split()]) == 2
-        assert said in capsys.readouterr().err and list(here.iterdir()) == []
-
-
 def test_film_and_a_file_where_a_directory_should_be(results, tmp_path, capsys):
     run = results["blast"]
     assert main(["plot", run.path, "-animate", "-o", str(tmp_path)]) == 0

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers import computed, message, on_ranks, rows_of, solve, well
+from helpers import computed, on_ranks, rows_of, solve, well
 from mpi4py import MPI
 
 from fsipetsc.blockrun.block_solution import BlockForm
@@ -54,12 +54,10 @@ def test_theory_with_viscosity_and_where_there_is_no_mode():
     assert mode_near(ring_media(), 2, 1.49) is None and mode_near(ring_media(), 2, 7.7548) is None
 
 
-def test_the_command_on_a_shell_and_on_what_it_does_not_know(tmp_path):
+def test_the_command_on_a_shell(tmp_path):
     found, exact = modes_of(tmp_path, "shell", "-shell_gas none -fsi_order 6 -modes_count 3")
     assert exact[:2] == pytest.approx([1.6872611834362685, 13.964942938841924], abs=1e-9)
     assert found == pytest.approx(exact, rel=1e-5)
-    done = solve("modes", "rod", cwd=tmp_path)
-    message(done, 2, "the command modes knows the cases ring and shell")
 
 
 @pytest.mark.parametrize(("words", "known"), [("", IN_GAS), ("-ring_gas false", IN_VACUUM)])

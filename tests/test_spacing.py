@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers import compute, message, rows_of, solve, well
+from helpers import compute, rows_of, solve, well
 
 #: a case of fsipetsc/cases whose second layer has a spacing of its own
 OWN = """
@@ -41,9 +41,3 @@ def test_convergence_refines_all_layers(own, tmp_path):
     rows = [row for row in rows_of(tmp_path / "rows.csv") if row["quantity"] == "fluid/combined"]
     assert [float(row["points"]) for row in rows] == [21 + 61, 41 + 121]
     assert float(rows[1]["rate"]) > 1.9
-
-
-def test_too_few_cells(tmp_path):
-    (tmp_path / "own.py").write_text(OWN.format(name="heat", layers="layers", own="cells=5"))
-    done = solve("own.py", "-fsi_h", 0.05, cwd=tmp_path)
-    message(done, 2, " has 6 nodes", "at least 8")

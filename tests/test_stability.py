@@ -168,7 +168,3 @@ def test_sweep_with_traditional_ends_with_status_3(tmp_path):
     light = [row for row in rows_of(tmp_path / "old.csv") if float(row["density_ratio"]) < 0.01]
     assert len(light) == 4 * 2
     assert sum("False" in (row["stable"], row["step_kept"]) for row in light) >= 7
-
-
-def test_too_few_points_for_an_operator(tmp_path):
-    message(solve("stability", "-stability_points", 10, cwd=tmp_path), 2, "6/3")

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, compute, message, on_ranks, solve
+from helpers import REPOSITORY, compute, on_ranks
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from fsipetsc import InputError, Piecewise
@@ -65,11 +65,6 @@ def test_a_wall_that_moves_by_a_table(tmp_path):
     assert error["exact"] < 3e-5 and error["spline101"] < 3e-5
     assert 0.05 < error["spline25"] / error["spline13"] < 0.2 and error["spline25"] < 1e-3
     assert error["spline25"] < 0.1 * error["pchip"] and error["pchip"] < 0.6 * error["lines"]
-
-
-def test_a_table_that_is_too_short(tmp_path):
-    done = solve(MOVING, "-ts_max_time", 0.02, "-fsi_h", 0.1, cwd=tmp_path)
-    message(done, 2, "expected a number in 0 to 0.01, the table")
 
 
 def test_air_on_a_floor_stays_at_rest(tmp_path):
