@@ -11,9 +11,8 @@ from fsipetsc.errors import InputError
 from fsipetsc.options import table
 from fsipetsc.output.reader import Run, open_run
 from fsipetsc.problem import Problem
-from fsipetsc.process.failure import end_together
 from fsipetsc.process.launch import left_as_found, start_mpi, start_petsc
-from fsipetsc.process.together import Comm, together
+from fsipetsc.process.together import Comm, end_together, together
 
 
 def run(case: Any, *, comm: Comm | None = None, **options: Any) -> Run:

@@ -3,19 +3,21 @@
 import importlib
 import re
 import sys
-from collections.abc import Sequence
+import textwrap
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from fsipetsc import __version__
 from fsipetsc.cases import load_case, summaries
 from fsipetsc.errors import InputError
-from fsipetsc.options import groups, is_option
-from fsipetsc.process.at_start import launcher_rank
-from fsipetsc.process.failure import end_together
+from fsipetsc.options import PROGRAM, REQUIRED, Option, groups, is_option
+from fsipetsc.options.all_options import IN_LOOP, INT_MAX, PASSED_ON
 from fsipetsc.process.launch import left_as_found, start_mpi, start_petsc
-from fsipetsc.process.streams import abandon, complete_streams
-from fsipetsc.process.together import together
-from fsipetsc.usage import PROGRAM, options_help, overview
+from fsipetsc.process.program import abandon_output, launcher_rank
+from fsipetsc.process.together import end_together, together
+
+#: characters of a line
+WIDTH = 100
 
 
 class Command(NamedTuple):
@@ -102,7 +104,6 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _main(arguments: list[str]) -> int:
-    complete_streams()
     notes = None
     try:
         first = arguments[0] if arguments else "-help"
@@ -125,7 +126,7 @@ def _main(arguments: list[str]) -> int:
                 run_given(case, given, world, check)
         print(end="", flush=True)  # while an error can still be answered
     except BrokenPipeError:  # the reader, a pager or head, has seen enough
-        abandon(1)
+        abandon_output()
     except (Exception, KeyboardInterrupt) as error:
         return end_together(error, notes)
     finally:
@@ -139,11 +140,11 @@ def _answer(first: str, rest: list[str]) -> None:
     if not _VERSION_FLAGS.isdisjoint([first, *rest]):
         print(f"fsipetsc {__version__}")
     elif first in HELP_FLAGS:
-        print(overview(summaries(), {name: command[:2] for name, command in COMMANDS.items()}))
+        print(_overview())
     elif first not in COMMANDS:
         case = load_case(first, tuple(COMMANDS))
         title = f"{case.NAME}: {case.SUMMARY}"
-        print(options_help(title, f"{first} [-option value ...]", groups(case)))
+        print(_options_help(title, f"{first} [-option value ...]", groups(case)))
     elif HELP_FLAGS.isdisjoint(rest):
         print(COMMANDS[first].find(first)(*_given(first, rest)))
     elif (command := COMMANDS[first]).by_one:
@@ -151,7 +152,7 @@ def _answer(first: str, rest: list[str]) -> None:
     else:
         sections = command.find("SECTIONS") or command.find("sections")(first, rest)
         about = f"{first}: {command.summary}", f"{first} {command.arguments}"
-        print(options_help(*about, sections, in_loop=False))
+        print(_options_help(*about, sections, in_loop=False))
 
 
 def _given(command: str, arguments: list[str]) -> list[Any]:
@@ -176,3 +177,74 @@ def _given(command: str, arguments: list[str]) -> list[Any]:
         fault = fault or f"{missing[0]} is missing"
         raise InputError(f"{command}: {fault}: {PROGRAM} {command} {usage}")
     return [*files, found] if options else files
+
+
+# the texts that explain the program
+
+
+def _overview() -> str:
+    """The short usage: how the program is called, the cases and the commands, a line each."""
+    sections = {
+        f"Usage: {PROGRAM} ...": {
+            "CASE [-option value ...]": "run a case; in parallel with mpiexec -n N before it",
+            "CASE -help": "all options of a case, with defaults and units",
+            "COMMAND ...": "run a command, see below",
+        },
+        "Cases": {**summaries(), "FILE.py": "a case of your own, from a file"},
+        "Commands": {f"{name} {of.arguments}": of.summary for name, of in COMMANDS.items()},
+    }
+    title = "fsipetsc: compressible gas and elastic solids, coupled, with PETSc"
+    return _laid_out(title, sections, 29)
+
+
+def _options_help(
+    title: str, usage: str, options: Mapping[str, Sequence[Option]], in_loop: bool = True
+) -> str:
+    """Every option with type, default, unit and meaning; options: heading -> options. usage: what
+    comes after the program's name. in_loop: the options of PETSc's time integrator count.
+    """
+    head = f"{title}\n\n  [mpiexec -n N] {PROGRAM} {usage}"
+    sections = {heading: dict(map(_row, found)) for heading, found in options.items()}
+    petsc = {f"-{o}": what for o, what in PASSED_ON.items() if in_loop or o not in IN_LOOP}
+    sections["More of PETSc"] = petsc
+    notes = (
+        "An option is written -name value; above its type and default follow its name. If one is "
+        "given more than once the last counts, and the command line overrides PETSC_OPTIONS. A "
+        "bool without a value is true; ints and floats are lists such as 0.1,0.25. These are all "
+        "options there are: of PETSc's own, others are refused."
+    )
+    return "\n".join([_laid_out(head, sections, 44), "", *textwrap.wrap(notes, WIDTH)])
+
+
+def _laid_out(title: str, sections: Mapping[str, Mapping[str, str]], most: int) -> str:
+    """sections: heading -> name -> text, which stands on the right of the name, or below it if that
+    has more than ``most`` characters.
+    """
+    names = [name for rows in sections.values() for name in rows]
+    left, lines = max(len(name) for name in names if len(name) <= most), [title]
+    form = textwrap.TextWrapper(WIDTH, break_on_hyphens=False, subsequent_indent=" " * (left + 4))
+    for heading, rows in sections.items():
+        lines += ["", heading]
+        for name, text in rows.items():
+            below = textwrap.wrap(name, WIDTH, initial_indent="  ", subsequent_indent=" " * 4)
+            lines += below if len(name) > left else []
+            form.initial_indent = f"  {'' if len(name) > left else name:<{left}}  "
+            lines += form.wrap(text) or [form.initial_indent.rstrip()]
+    return "\n".join(lines)
+
+
+def _row(option: Option) -> tuple[str, str]:
+    """(name, type, default and unit; meaning)."""
+    kind = "text" if option.kind == "str" else option.kind
+    choices = f": {', '.join(map(str, option.choices))}" if option.choices else ""
+    value, unit = option.default, option.unit
+    if value is REQUIRED or value is None:
+        text, unit = "none" if value is None else "required", f"[{unit}]" if unit else ""
+    elif isinstance(value, bool):
+        text = str(value).lower()
+    elif value == INT_MAX:
+        text = "no limit"
+    else:
+        items = value if isinstance(value, tuple) else (value,)
+        text = ",".join(f"{item:.10g}" if isinstance(item, float) else str(item) for item in items)
+    return f"-{option.name} {kind} {text} {unit}".rstrip(), option.help + choices

@@ -19,8 +19,8 @@ from collections import Counter
 from pathlib import Path
 
 from fsipetsc import cli
-from fsipetsc.process.at_start import launcher_rank
 from fsipetsc.process.launch import start_mpi, start_petsc
+from fsipetsc.process.program import launcher_rank
 
 # as the program does; to import PETSc would start it with signals of its own
 start_petsc([], start_mpi())

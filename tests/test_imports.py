@@ -8,7 +8,7 @@ from helpers import REPOSITORY
 PACKAGE = REPOSITORY / "fsipetsc"
 #: folders and files of the package: each imports from those to its right alone
 ORDER = """__main__ → cli api → studies → stepping → blockrun → paper → state → output → process
-→ cases → usage → options → mesh_files → particles → scheme → parallel → problem → boundaries
+→ cases → options → mesh_files → particles → scheme → parallel → problem → boundaries
 → blocks → materials → operators → equations → kernels → blame checks → errors → __init__"""
 RANK = {name: rank for rank, names in enumerate(ORDER.split("→")) for name in names.split()}
 RUN = {"stepping", "blockrun", "paper", "state"}

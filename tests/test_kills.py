@@ -78,7 +78,7 @@ def test_a_run_that_is_killed_goes_on(case, kills, tmp_path):
 STOPPED = """
 import signal, sys, time
 from fsipetsc.errors import ComputationError, FileError, Interrupted
-from fsipetsc.process import failure
+from fsipetsc.process import together as ending
 from fsipetsc.process.launch import start_mpi
 from fsipetsc.process.together import together
 
@@ -102,13 +102,13 @@ notes = world.Dup()
 if sys.argv[1] == "all" and world.rank == 2:
     time.sleep = woken
 if sys.argv[1] == "run" and world.rank == 0:  # which has spoken; rank 1 is the one that ends all
-    failure.done_asleep = lambda request, patience: sleep(patience + 60.0)
+    ending.done_asleep = lambda request, patience: sleep(patience + 60.0)
 try:
     together(world, run if world.rank < 2 else lambda: None, asleep=True)
 except KeyboardInterrupt as error:
-    sys.exit(failure.end_together(error, notes))
+    sys.exit(ending.end_together(error, notes))
 kinds = FileError, ComputationError, FileError
-sys.exit(failure.end_together(kinds[world.rank]("of this rank"), notes))
+sys.exit(ending.end_together(kinds[world.rank]("of this rank"), notes))
 """
 
 

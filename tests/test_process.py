@@ -54,14 +54,10 @@ PROGRAM = f"{sys.executable} -m fsipetsc"
 COMPUTES = f"{PROGRAM} rod -fsi_h 0.1 -ts_max_steps 300 -ts_monitor"
 
 
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [(f"{COMPUTES} >/dev/full", 1), (f"{COMPUTES} | head -n 0; exit ${{PIPESTATUS[0]}}", 0)],
-)
-def test_a_run_goes_on(line, said, tmp_path):
-    done = launch(["bash", "-c", line], tmp_path)
-    assert (done.returncode, done.stderr.count("\n")) == (0, said), done.stderr
-    assert ("No space left on device" in done.stderr) == bool(said)
+@pytest.mark.parametrize("into", [">/dev/full", "| head -n 0; exit ${PIPESTATUS[0]}"])
+def test_a_run_goes_on_where_nothing_can_be_printed(into, tmp_path):
+    done = launch(["bash", "-c", f"{COMPUTES} {into}"], tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
         assert result.complete and result.summary["steps"] == 300
 

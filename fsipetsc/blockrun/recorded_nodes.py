@@ -9,7 +9,7 @@ from fsipetsc.blockrun.block_solution import BlockSolution
 from fsipetsc.blockrun.columns import point_names
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.errors import InputError
-from fsipetsc.options.option import floats
+from fsipetsc.options import floats
 
 Array = np.ndarray
 

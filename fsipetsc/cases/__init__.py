@@ -24,8 +24,7 @@ from typing import Any
 
 from fsipetsc.blame import call
 from fsipetsc.errors import InputError
-from fsipetsc.options import Option, groups, is_option
-from fsipetsc.usage import PROGRAM
+from fsipetsc.options import PROGRAM, Option, groups, is_option
 
 BUILT_IN = (
     *("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock", "blast"),

@@ -15,13 +15,23 @@ from typing import Any
 
 from fsipetsc.errors import FileError, InputError, petsc_words
 from fsipetsc.options import all_options
-from fsipetsc.options.all_options import COMMON, OF_A_RUN, PETSC_OPTIONS, RUN
-from fsipetsc.options.option import REQUIRED, Option, above_one
+from fsipetsc.options.all_options import (
+    COMMON,
+    INT_MAX,
+    OF_A_RUN,
+    PETSC_OPTIONS,
+    PROGRAM,
+    REQUIRED,
+    RUN,
+    Option,
+    above_one,
+    floats,
+)
 
 __all__ = [
-    "COMMON", "OF_A_RUN", "PETSC_OPTIONS", "REQUIRED", "RUN", "InForce", "Option",
-    "above_one", "defaults", "given_options", "groups", "is_option", "present", "put",
-    "read_options", "read_table", "table",
+    "COMMON", "INT_MAX", "OF_A_RUN", "PETSC_OPTIONS", "PROGRAM", "REQUIRED", "RUN", "InForce",
+    "Option", "above_one", "defaults", "floats", "given_options", "groups", "is_option", "present",
+    "put", "read_options", "read_table", "table",
 ]  # fmt: skip
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.checks import duration
-from fsipetsc.options.option import INT_MAX
+from fsipetsc.options import INT_MAX
 from fsipetsc.output.file_layout import damage
 from fsipetsc.output.reader import Layer, Run, open_run
 from fsipetsc.output.units import is_si, unit_of

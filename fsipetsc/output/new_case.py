@@ -7,7 +7,7 @@ from pathlib import Path
 
 from fsipetsc import cases
 from fsipetsc.errors import FileError, InputError
-from fsipetsc.usage import PROGRAM
+from fsipetsc.options import PROGRAM
 
 
 def new(name: str, given: Mapping[str, str]) -> str:

@@ -1,17 +1,24 @@
-"""What each rank does for itself, and all go on from together: nobody waits for one that failed."""
+"""What each rank does for itself, and all go on from together; how a run ends that cannot go on:
+one message, an exit status, and no rank left waiting.
+"""
 
 import math
 import time
+import traceback
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from fsipetsc.errors import FsiError, clear_frames
+from fsipetsc.blame import missing, reason
+from fsipetsc.errors import FsiError, Interrupted, clear_frames, petsc_words
+from fsipetsc.process.program import abandon_output, say_error
 
 if TYPE_CHECKING:  # importing MPI starts it
     from mpi4py.MPI import Comm as Comm
 else:
     Comm = Any
 Result = TypeVar("Result")
+#: PETSc's error codes that stand for something other than a fault of the program
+_PETSC_STATUS = {55: 3, 65: 4, 66: 4, 67: 4, 72: 3, 82: 3, 91: 3}
 
 
 def together(comm: Comm, action: Callable[[], Result], asleep: bool = False) -> Result:
@@ -54,3 +61,55 @@ def agree(comm: Comm, fault: FsiError | None) -> None:
     if first is not None:
         kind, words = first
         raise kind(*words) from fault
+
+
+def describe(error: BaseException) -> tuple[int, str, bool]:
+    """(exit status, one-line message, whether all ranks surely meet it) of any exception."""
+    if isinstance(error, (FsiError, Interrupted)):
+        return error.status, str(error), error.collective
+    if isinstance(error, KeyboardInterrupt):  # the others get it, too, and may need time to end
+        return 130, "stopped by SIGINT", True
+    if isinstance(error, MemoryError):
+        known = f" ({error})" if str(error) else ""
+        return 3, f"out of memory{known}; a coarser grid or more ranks need less", False
+    if isinstance(error, OSError) and error.errno is not None:
+        name = f"{error.filename}: " if error.filename is not None else ""
+        return 4, f"{name}{error.strerror}", False
+    if missing(error):
+        return 2, reason(error), False
+    if hasattr(error, "ierr"):  # PETSc has raised it
+        return _PETSC_STATUS.get(error.ierr, 1), petsc_words(error), False
+    return 1, f"unexpected {reason(error)}", False
+
+
+def end_together(error: BaseException, notes: Comm | None) -> int:
+    """Report an error, with a traceback where the program itself is at fault (status 1). Returns
+    the exit status, or stops all ranks if not all of them failed. Every rank that failed calls it.
+
+    notes: a communicator of all ranks that is used for nothing else; None without MPI. Rank 0
+    speaks for all that failed; of an error that not all ranks meet each speaks that has it.
+    """
+    status, message, collective = describe(error)
+    if notes is None or notes.size == 1:
+        _print(message, error, status)
+        return status
+    if collective and notes.rank == 0:
+        _print(message, error, status)
+    if done_asleep(notes.Ibarrier(), 10.0 if collective else 1.0):  # so long others may take
+        if not collective and notes.rank == 0:
+            _print(message, error, status)
+        return notes.bcast(status)
+    if not collective:
+        _print(message, error, status)
+    notes.Abort(status)
+    return status
+
+
+def _print(message: str, error: BaseException, status: int) -> None:
+    try:
+        print(end="", flush=True)
+    except (OSError, ValueError):
+        abandon_output()
+    if status == 1:
+        say_error("".join(traceback.format_exception(error)).rstrip())
+    say_error(f"fsipetsc: error: {message}")

@@ -13,7 +13,7 @@ from fsipetsc.output.geometry_picture import draw_geometry, geometry_rows, outli
 from fsipetsc.output.info import table
 from fsipetsc.output.plots.page import PICTURES
 from fsipetsc.process.launch import start_petsc
-from fsipetsc.process.streams import say
+from fsipetsc.process.program import say
 from fsipetsc.process.together import Comm, together
 
 _OF_GEOMETRY = (

@@ -11,7 +11,7 @@ from mpi4py import MPI
 
 from fsipetsc.checks import counted, duration
 from fsipetsc.output.info import error_rows, summary_rows, table
-from fsipetsc.process.streams import say
+from fsipetsc.process.program import say
 from fsipetsc.scheme.batch import longest_step
 from fsipetsc.scheme.plan import RATE
 from fsipetsc.state import State

@@ -19,7 +19,7 @@ from fsipetsc.output.geometry_picture import geometry_rows, outlines
 from fsipetsc.output.info import table
 from fsipetsc.output.pieces import Kept
 from fsipetsc.output.writer import RunWriter
-from fsipetsc.process.streams import say
+from fsipetsc.process.program import say
 from fsipetsc.state import State
 from fsipetsc.stepping import restart
 from fsipetsc.stepping.integrator import Integrator, saved_times

@@ -17,8 +17,7 @@ from typing import Any
 
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
-from fsipetsc.options import RUN, defaults, read_table
-from fsipetsc.options.option import Option
+from fsipetsc.options import RUN, Option, defaults, read_table
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import Comm, together
 from fsipetsc.studies import square

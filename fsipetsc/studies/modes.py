@@ -12,11 +12,10 @@ from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Centre
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
-from fsipetsc.options import Option, groups
+from fsipetsc.options import PROGRAM, Option, groups
 from fsipetsc.process.together import Comm
 from fsipetsc.studies.ring_theory import Medium, mode_near
 from fsipetsc.studies.tables import begin, on_first, printer, save_csv, text_table
-from fsipetsc.usage import PROGRAM
 
 _COUNT = Option("modes_count", int, 10, "", "how many modes, slowest first", check="positive")
 _ANGULAR = Option(

@@ -11,8 +11,7 @@ from itertools import product
 from fsipetsc.cases.common import materials
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.operators import operator
-from fsipetsc.options import read_table
-from fsipetsc.options.option import Option
+from fsipetsc.options import Option, read_table
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import Comm
 from fsipetsc.studies.stability_linear import Result, measure, of_options

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from fsipetsc.errors import InputError
-from fsipetsc.options.option import Option, floats
+from fsipetsc.options import Option, floats
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.plots import fields, series, style
 from fsipetsc.output.plots.style import USUAL, Figure, FigureBase, Wanted
