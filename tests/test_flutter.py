@@ -5,7 +5,7 @@ import pytest
 from helpers import program, rows_of, solve, well
 
 from fsipetsc.studies.flutter import crossing, unit_of
-from fsipetsc.studies.verify.data import reference
+from fsipetsc.studies.verify.entry import reference
 
 #: a thick and light panel on a coarse grid: a second or two for each lambda
 COARSE = "-fsi_h 0.0625 -panel_thickness 0.1 -panel_height 0.5 -flutter_machs 2"

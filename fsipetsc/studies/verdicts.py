@@ -1,11 +1,11 @@
 """Rows of the tables of `verify` and `convergence`: errors on grids, observed orders, verdicts."""
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 from math import log, nan
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -29,9 +29,6 @@ HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "expe
 SHORT_HEAD = (HEAD[0], *HEAD[3:])
 #: columns of their CSV file
 COLUMNS = "case quantity order h ranks value reference source error rate verdict".split()
-#: solve(case, order, h, end=None, **options) runs a case, given by its name or as a problem, to its
-#: end or to another time, and returns its opened result; collective
-Solve = Callable[..., Any]
 
 
 class Curve(NamedTuple):
@@ -60,13 +57,8 @@ class Compared(NamedTuple):
         return abs(self.value - self.reference) / size
 
 
-class Measured(NamedTuple):
-    """Of one run. errors: quantity -> an error, or the number that is compared; curve: one of them
-    as a picture shows it.
-    """
-
-    errors: Mapping[str, float | Compared]
-    curve: Curve | None = None
+#: an error, or the number that is compared
+Found = float | Compared
 
 
 class Expected(NamedTuple):
@@ -109,11 +101,6 @@ def kinked(order: int, smoothness: float = 1.0) -> float:
     return min(closures(order), smoothness * order / (order + 1))
 
 
-def of_order(rule: Callable[[int], float]) -> Callable[[str, int, float], Expected]:
-    """`expected` of an entry all of whose quantities should have an order: rule(order)."""
-    return lambda quantity, order, h: Expected(rule(order))
-
-
 class Row(NamedTuple):
     """A quantity at an order on each grid: errors, or the numbers that are compared.
 
@@ -124,7 +111,7 @@ class Row(NamedTuple):
     quantity: str
     order: int
     spacings: tuple[float, ...]
-    found: tuple[float | Compared, ...]
+    found: tuple[Found, ...]
     expected: Expected
     between: bool = False
 

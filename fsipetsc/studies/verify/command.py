@@ -3,7 +3,6 @@
 import textwrap
 from collections.abc import Callable
 from functools import partial
-from importlib import import_module
 from itertools import count, takewhile
 from pathlib import Path
 from typing import Any
@@ -17,9 +16,9 @@ from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import Comm, together
 from fsipetsc.studies.pictures import picture
 from fsipetsc.studies.tables import csv_target, on_first, printer, results_folder, save_csv
-from fsipetsc.studies.verdicts import COLUMNS, HEAD, Measured, Row, Solve, tally, told
-from fsipetsc.studies.verify import ENTRIES
-from fsipetsc.studies.verify.data import problem
+from fsipetsc.studies.verdicts import COLUMNS, HEAD, Expected, Row, tally, told
+from fsipetsc.studies.verify import coupled, gases, small_motions, solids  # noqa: F401  (entries)
+from fsipetsc.studies.verify.entry import ENTRIES, Entry, Measured, Solve, problem
 
 OPTIONS = (
     Option("verify_level", str, "quick", "", "how many grids and orders", ("quick", "full")),
@@ -46,11 +45,11 @@ def verify(arguments: list[str], comm: Comm) -> None:
     rows: list[Row] = []
     lines: list[Any] = []
     for name in names or ENTRIES:
-        entry = import_module(f"fsipetsc.studies.verify.{name}")
-        say(f"{_title(name)} ({name})\nreference: {entry.SOURCE}\nexpected: {entry.WHY}")
+        entry = ENTRIES[name]
+        say(f"{_title(name)} ({name})\nreference: {entry.source}\nexpected: {entry.why}")
         found, last = run_entry(name, entry, opt["verify_level"], comm, path.parent)
         on_first(comm, partial(_show, name, entry, found, last, opt, path))
-        lines += [line for row in found for line in row.lines(comm.size, entry.SOURCE)]
+        lines += [line for row in found for line in row.lines(comm.size, entry.source)]
         save_csv(comm, path, COLUMNS, lines)  # and again after each entry
         say((told(found) if found else "only with -verify_level full") + "\n")
         rows += found
@@ -60,7 +59,7 @@ def verify(arguments: list[str], comm: Comm) -> None:
 
 
 def run_entry(
-    name: str, entry: Any, level: str, comm: Comm, beside: Path
+    name: str, entry: Entry, level: str, comm: Comm, beside: Path
 ) -> tuple[list[Row], Measured | None]:
     """Rows of an entry, and what its last run gave. Collective; FsiError. beside: where results are
     kept for a while.
@@ -69,18 +68,19 @@ def run_entry(
     measured = None
     with results_folder(comm, beside, "verify-") as folder:
         solve = _solver(comm, folder)
-        for order, spacings in getattr(entry, level.upper()).items():
+        for order, spacings in (entry.full if level == "full" else entry.quick).items():
             found = [entry.measure(solve, order, h) for h in spacings]
             measured = found[-1]
             for quantity in measured.errors:
-                numbers = tuple(one.errors[quantity] for one in found)
-                expected = entry.expected(quantity, order, spacings[-1])
-                rows.append(Row(name, quantity, order, tuple(spacings), numbers, expected))
+                numbers, expected = tuple(one.errors[quantity] for one in found), measured.expected
+                if not isinstance(expected, Expected):
+                    expected = expected[quantity]
+                rows.append(Row(name, quantity, order, spacings, numbers, expected))
     return rows, measured
 
 
 def _solver(comm: Comm, folder: Path) -> Solve:
-    """See fsipetsc.studies.verdicts.Solve."""
+    """See fsipetsc.studies.verify.entry.Solve."""
     from fsipetsc.stepping.run import run_case
 
     numbers = count()
@@ -118,14 +118,14 @@ def _title(name: str) -> str:
 
 
 def _show(
-    name: str, entry: Any, rows: list[Row], last: Measured | None, opt: Any, path: Path
+    name: str, entry: Entry, rows: list[Row], last: Measured | None, opt: Any, path: Path
 ) -> None:
     """The picture, and FOLDER/NAME.md with problem, table and picture if wanted. FileError."""
     where = path.with_name(f"{path.stem}-{name}.png")
     if opt["verify_docs"]:
         folder = Path(opt["verify_docs"])
         where = folder / f"{name}.png"
-        about = f"Reference: {entry.SOURCE}. Level: {opt['verify_level']}. Expected: {entry.WHY}."
+        about = f"Reference: {entry.source}. Level: {opt['verify_level']}. Expected: {entry.why}."
         lines = [problem(name), *textwrap.wrap(about, 100), ""]
         if rows:
             table = [f"| {' | '.join(cells)} |" for cells in (HEAD, *(row.cells for row in rows))]
