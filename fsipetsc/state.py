@@ -10,7 +10,7 @@ from mpi4py import MPI
 from fsipetsc.errors import FsiError
 from fsipetsc.kernels.procedure import Procedure
 from fsipetsc.scheme.batch import ALLOWED, Plan
-from fsipetsc.scheme.plan import BATCH
+from fsipetsc.scheme.plan import BATCH, FLAGS, LIMITS
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
 FAULT = 1000.0
@@ -64,14 +64,20 @@ class State:
         """What must not change, as JSON has it: see fsipetsc.scheme.conservation_check."""
         return self.problem.invariants
 
-    def _lay_journal(self, record: np.dtype, steps: int) -> tuple[np.ndarray, np.ndarray]:
-        """Make batch, journal and latest; the last two are returned as numbers, too."""
+    def _lay_journal(
+        self, record: np.dtype, steps: int, more: int = 0
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Make batch, journal, results and latest. Returns, as numbers, the journal, and results,
+        so many ``more`` and latest.
+        """
         rows, self.batch = np.zeros((steps, record.itemsize // 8)), np.zeros(BATCH)
-        latest = np.zeros(rows.shape[1] - 2)
+        first = FLAGS + LIMITS
+        numbers = np.zeros(first + more + rows.shape[1] - 2)
+        self.results, latest = numbers[:first], numbers[first + more :]
         self.journal = rows.reshape(-1).view(record)
         self.latest = latest.view([(name, record[name]) for name in record.names[2:]])[0]
         self.plan = Plan(self.batch, self.results, rows, latest)
-        return rows, latest
+        return rows, numbers
 
     def notes(self, when: str) -> list[str]:
         """What is to be said of the solution: at the "begin", when it is "saved", at the "end", and

@@ -28,7 +28,6 @@ class Part(NamedTuple):
     law: Any
     layers: Any
     local: Any
-    owned: Any
     seen: Any
 
 
@@ -44,7 +43,7 @@ def fill_both(part):
 def compiled(function, law, layer, q, order, facts):
     """The procedure for these points of a layer, and its part. facts: what its ends are."""
     records = np.array([layer], RECORD)
-    part = Part(stencils(order), facts, law, records, q, q, np.zeros((2, 2)))
+    part = Part(stencils(order), facts, law, records, q, np.zeros((2, 2)))
     return recorded(function, part), part
 
 
@@ -59,7 +58,7 @@ def record(n, h):
     """Of a layer of n points, all active and on this rank."""
     layer = np.zeros(1, RECORD)[0]
     layer["n"] = layer["own_hi"] = n
-    layer["hi"], layer["h"], layer["halo"], layer["present"] = n - 1, h, 14, 1
+    layer["hi"], layer["h"], layer["present"] = n - 1, h, 1
     return layer
 
 
@@ -71,15 +70,15 @@ def filled(kind, mach, mu, kappa, of_end, delta):
     layer["end_x"], facts = N - 1 - delta, Ends((kind,) * 2, (1 + of_end // 2,) * 2, ("", ""))
     layer["end_data"] = (R, 1.0, mach, of_end) if kind is Open else (1.0, mach, 1.0, 0.0)
 
-    fill, part = compiled(fill_both, gas, layer, np.zeros((N, 3)), 4, facts)
+    fill, part = compiled(fill_both, gas, layer, np.zeros((3, N)), 4, facts)
 
     def seen(v):
         rho, u, T = v.reshape(3, N)
         q = part.local
-        q[:] = np.stack([rho, rho * u, gas.total_energy(rho, u, T)], axis=-1)
+        q[:] = rho, rho * u, gas.total_energy(rho, u, T)
         fill()
-        u, T = gas.velocity_and_temperature(*q.T)
-        found = np.array([q[:, 0], u, T, u, T])
+        u, T = gas.velocity_and_temperature(*q)
+        found = np.array([q[0], u, T, u, T])
         for side in range(2):
             found[3:, -side] = part.seen[side]
         return found.ravel()
@@ -161,9 +160,9 @@ def test_a_right_end_of_a_solid_is_a_left_end_in_a_mirror(kind, heated, heat):
         facts = Ends(*(pair[:: 1 - 2 * side] for pair in ((kind, None), (0, 0), (heated, ""))))
         layer["end_data"][side, 0] = 0.7 * (1 - 2 * side) if kind is clamped else -9e4
         layer["end_heat"][side] = heat
-        close, part = compiled(close_solid, solid, layer, q.copy(), 6, facts)
+        close, part = compiled(close_solid, solid, layer, q.T.copy(), 6, facts)
         close()
-        q[:] = part.owned
+        q[:] = part.local.T
     np.testing.assert_allclose(right, left[::-1] * mirror, rtol=1e-13)
     assert np.array_equal(left[1:], before[1:]) and (left[0] != before[0]).any()
     assert np.isfinite(left[0]).all()

@@ -15,7 +15,6 @@ from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder
 from fsipetsc.scheme.block_monitor import MONITORED
-from fsipetsc.scheme.plan import FLAGS, LIMITS
 from fsipetsc.scheme.runge_kutta import Found
 from fsipetsc.state import State
 
@@ -71,8 +70,8 @@ class BlockSolution(State):
         self.solution = PETSc.Vec().createWithArray(self.y.array, size=size, comm=comm)
         self.recorded = tuple(recorded)
         record = step_record(problem, len(problem.interfaces), len(self.recorded))
-        self.results = np.zeros(FLAGS + LIMITS)
-        self.rows, self.latest_numbers = self._lay_journal(record, KEPT)
+        self.rows, numbers = self._lay_journal(record, KEPT)
+        self.latest_numbers = numbers[self.results.size :]
         self.extremes = np.zeros(1 + MONITORED * len(problem.blocks))
         self.rates = np.zeros((len(problem.blocks), 2))
         self.before = np.empty_like(self.y.array)

@@ -45,7 +45,7 @@ def fetch(part, ghost, side):
     """The nodes of a gas whose ghost point has the number ``ghost`` among its points."""
     step, q, found = 1 - 2 * side, part.local, []
     for k in range(depth_of(part.op) + 1):
-        rho, m, e = (q[ghost + step * k, c] for c in range(3))
+        rho, m, e = (q[c, ghost + step * k] for c in range(3))
         found.append((rho, *part.law.velocity_and_temperature(rho, m, e)))
     return [list(values) for values in zip(*found, strict=True)]
 

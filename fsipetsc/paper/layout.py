@@ -1,20 +1,20 @@
 """What is known of layers on all ranks: a record of each, and who owns which points.
 
 The solution is one world vector; its part on a rank is the concatenation of the rank's parts of the
-layers, each interlaced (gas rho, rho u, e; solid u, sigma, T, x).
+layers. A part has planes, one unknown of all points after the other: gas rho, rho u, e; solid u,
+sigma, T, x.
 """
 
 from collections.abc import Mapping
 
 import numpy as np
-from mpi4py import MPI
 
 from fsipetsc.boundaries import Wall
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import SBPOperator, row_length
 from fsipetsc.paper.ends.end import GasEnd
 from fsipetsc.paper.outer_ends import ends_of
-from fsipetsc.parallel.block_shares import share_line
+from fsipetsc.parallel.block_shares import Extent, Share, share_out
 from fsipetsc.problem import Problem
 
 Array = np.ndarray
@@ -36,9 +36,7 @@ RECORD = np.dtype(
         ("anchor_index", _I),
         ("own_lo", _I),  # this rank owns own_lo <= i < own_hi
         ("own_hi", _I),
-        ("halo_lo", _I),  # and has halos of so many points
-        ("halo_hi", _I),
-        ("halo", _I),  # these, where there is a neighbour
+        ("halo_lo", _I),  # and has so many points of others before them
         ("h", _F),
         ("anchor", _F),
         ("s", _F),  # velocity of a gas's frame, that of its interface point
@@ -48,7 +46,6 @@ RECORD = np.dtype(
         ("end_x", _F, (2,)),  # of a boundary
         ("end_data", _F, (2, 4)),
         ("end_heat", _F, (2,)),  # the temperature or heat flux at the end of a solid
-        ("rates", _F, (2,)),  # after a step, see fsipetsc.paper.sums
     ],
     align=True,
 )
@@ -96,7 +93,7 @@ def check_ends(problem: Problem, x: Mapping[tuple[int, int], float], h: float) -
             )
 
 
-def make_records(problem: Problem, op: SBPOperator, h: float, halo: int) -> Array:
+def make_records(problem: Problem, op: SBPOperator, h: float) -> Array:
     """What is the same on all ranks; a gas may grow by a third, or by an eighth and SPARE points.
 
     Raises InputError where h does not fit the solid or a layer is too short for the closures.
@@ -105,7 +102,7 @@ def make_records(problem: Problem, op: SBPOperator, h: float, halo: int) -> Arra
     for k, layer in enumerate(problem.layers):
         record, fluid = records[k], layer.kind == "fluid"
         cells = layer.fitting(h)
-        record["number"], record["h"], record["halo"] = k, h, halo
+        record["number"], record["h"] = k, h
         record["outer"] = k > 0
         record["end_x"] = [getattr(problem.end(k, side), "x", 0.0) for side in (0, 1)]
         if fluid:
@@ -133,18 +130,28 @@ def make_records(problem: Problem, op: SBPOperator, h: float, halo: int) -> Arra
     return records
 
 
-def share_out(
-    comm: MPI.Comm, problem: Problem, op: SBPOperator, records: Array, mode: str
-) -> list[list[tuple[int, int, int]]]:
-    """(rank, begin, end) of the pieces of each layer; notes in the records what this rank owns."""
-    halo = int(records[0]["halo"])
-    stored = [
-        (layer.kind, int(r["n"]), int(r["hi"] - r["lo"]) + 1, k == 0 and layer.kind == "fluid")
-        for k, (layer, r) in enumerate(zip(problem.layers, records, strict=True))
-    ]
-    shares = share_line(stored, comm.size, mode, max(halo, op.rows + 1))
-    for record, share in zip(records, shares, strict=True):
-        for _, begin, end in (piece for piece in share if piece[0] == comm.rank):
-            record["present"], record["own_lo"], record["own_hi"] = 1, begin, end
-            record["halo_lo"], record["halo_hi"] = min(halo, begin), min(halo, record["n"] - end)
-    return shares
+def shares_of(
+    size: int, problem: Problem, op: SBPOperator, records: Array, halo: int, mode: str
+) -> list[Share]:
+    """The share of each layer, for ``size`` ranks. Active points alone are work; the outermost rank
+    of a gas has those in reserve. RanksError.
+    """
+    active, smallest = records["hi"] - records["lo"] + 1, [max(halo, op.rows + 1)] * 3
+    kinds = [layer.kind for layer in problem.layers]
+    pairs = zip(kinds, active.tolist(), strict=True)
+    extents = [Extent(kind, (n,), (False,), *smallest) for kind, n in pairs]
+    found = []
+    for record, share in zip(records, share_out(extents, size, mode), strict=True):
+        cuts = [cut + int(record["lo"]) for cut in share.cuts[0]]
+        found.append(Share(share.ranks, ((0, *cuts[1:-1], int(record["n"])),)))
+    return found
+
+
+def note_share(record: np.void, share: Share, rank: int, halo: int) -> int:
+    """Note in the record what a rank owns. Returns how many points it has, with halos."""
+    if rank not in share.ranks:
+        return 0
+    ((begin, end),), n = share.part(rank), int(record["n"])
+    record["present"], record["own_lo"], record["own_hi"] = 1, begin, end
+    record["halo_lo"] = min(halo, begin)
+    return min(end + halo, n) - max(begin - halo, 0)

@@ -21,7 +21,7 @@ from fsipetsc.paper.stencils import near_ends
 
 
 def add_remainder(op, scale, b, y, scratch, out, c, shift, begin, end, A, B):
-    """out[i - shift, c] += scale H^-1 R(b) y at the points i = begin .. end-1; scratch: two rows,
+    """out[c, i - shift] += scale H^-1 R(b) y at the points i = begin .. end-1; scratch: two rows,
     which begin 2p before the first point."""
     T, (g, sums) = len(op.end), scratch
     sums[begin:end] = 0.0
@@ -40,7 +40,7 @@ def add_remainder(op, scale, b, y, scratch, out, c, shift, begin, end, A, B):
     for r, i, _, _ in near_ends(op, begin, end, A, B):
         sums[i] *= 1.0 / op.norm[r]
     for i in each(begin, end, vector=True):
-        out[i - shift, c] += scale * sums[i]
+        out[c, i - shift] += scale * sums[i]
 
 
 def add_end_terms(op, b, y, g, begin, end, A, B):

@@ -47,13 +47,13 @@ def fill_ghost(part, side, new=False):
     """Give the ghost point its values, where a rank has the points that this takes: all who need it
     do. new: it has no values yet.
     """
-    layer, n = part.layers[0], part.local.shape[0]
+    layer, n = part.layers[0], part.local.shape[1]
     ghost = named((layer.hi if side else layer.lo) - (layer.own_lo - layer.halo_lo))
     last = ghost + (1 - 2 * side) * depth_of(part.op)
     with when((0 <= ghost) & (ghost < n) & (0 <= last) & (last < n)):
         rho, u, T = ghost_values(part, layer, ghost, side, new)
         q, energy = part.local, part.law.total_energy(rho, u, T)
-        q[ghost, 0], q[ghost, 1], q[ghost, 2] = rho, rho * u, energy
+        q[0, ghost], q[1, ghost], q[2, ghost] = rho, rho * u, energy
 
 
 def ghost_values(part, layer, ghost, side, new):
@@ -110,19 +110,19 @@ def close_solid(part):
         if part.ends.kind[side] is not None:
             end = layer.hi if side else layer.lo
             with when((layer.own_lo <= end) & (end < layer.own_hi)):
-                close_end(part, layer, side, named(end - layer.own_lo))
+                close_end(part, layer, side, named(end - (layer.own_lo - layer.halo_lo)))
 
 
 def close_end(part, layer, side, i):
-    """The same of the end that is point i of those that this rank owns."""
-    solid, q, heated = part.law, part.owned, part.ends.heated[side]
+    """The same of the end that is point i of this rank."""
+    solid, q, heated = part.law, part.local, part.ends.heated[side]
     step, n, beta = 1 - 2 * side, 2.0 * side - 1.0, part.op.closure[0]
     heat, d = layer.end_heat[side], -n / layer.h
-    x_X = sum(d * v * q[i + step * j, 3] for j, v in enumerate(beta))
-    rest = sum(v * q[i + step * j, 2] for j, v in enumerate(beta) if j > 0)
+    x_X = sum(d * v * q[3, i + step * j] for j, v in enumerate(beta))
+    rest = sum(v * q[2, i + step * j] for j, v in enumerate(beta) if j > 0)
     slope = n * heat * x_X / (solid.kappa_e * d) if heated == "heat_flux" else 0.0
     imposed = heat if heated == "T" else (slope - rest) / beta[0]
-    T = np.where(solid.kappa_e > 0.0, imposed, q[i, 2])
-    at_end = AtEnd(q[i, 0], q[i, 1], solid.pressure(T, x_X), T, x_X, layer.end_data[side, 0])
-    q[i, 2] = T
-    q[i, 0], q[i, 1] = OF_SOLID[part.ends.kind[side]](solid, at_end, n)
+    T = np.where(solid.kappa_e > 0.0, imposed, q[2, i])
+    at_end = AtEnd(q[0, i], q[1, i], solid.pressure(T, x_X), T, x_X, layer.end_data[side, 0])
+    q[2, i] = T
+    q[0, i], q[1, i] = OF_SOLID[part.ends.kind[side]](solid, at_end, n)

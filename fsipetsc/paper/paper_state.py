@@ -14,29 +14,57 @@ The point arithmetic is the same on any number of ranks, and nothing is added up
 the results, bit for bit.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
 
+from fsipetsc.blocks.values import names_of
 from fsipetsc.errors import InputError
+from fsipetsc.kernels.calls import Calls, calling_code
+from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import steps
-from fsipetsc.paper.layout import check_ends
-from fsipetsc.paper.solution import PaperSolution
+from fsipetsc.paper.layers import Interface, Layer
+from fsipetsc.paper.layout import (
+    DOF,
+    RECORD,
+    check_ends,
+    check_form,
+    make_records,
+    note_share,
+    shares_of,
+)
+from fsipetsc.paper.outer_ends import ends_of
+from fsipetsc.paper.stencils import stencils
+from fsipetsc.parallel.exchange import Reduction, exchange_text
+from fsipetsc.parallel.halo import exchange_of
+from fsipetsc.problem import Problem, SolidLayer
+from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import agree, together
-from fsipetsc.scheme.batch import ALLOWED, DT, MADE, TIME
-from fsipetsc.scheme.plan import BAD, SAID_STOP
-from fsipetsc.state import FAULT, as_numbers, crushed, whole
+from fsipetsc.scheme.batch import ALLOWED, DT, MADE, TIME, plan_next
+from fsipetsc.scheme.plan import BAD, CAPACITY, EXHAUSTED, SAID_STOP, TOO_SHORT, step_record
+from fsipetsc.state import FAULT, Seen, State, as_numbers, crushed, whole
 
 Array = np.ndarray
 #: times of the stages, in steps
 FRACTIONS = 0.0, 0.5, 0.5, 1.0
-#: of the record of a layer: what all ranks learn after a step, beside its rates
+#: of the record of a layer: where its grid lies, and how it moves
 FRAME = "lo", "hi", "s", "x_interface"
+#: what the paper's method has of options that choose between methods
+_WITHOUT = {
+    "fsi_mapping": ("auto", "rigid"),
+    "fsi_dissipation": (0.0, -1.0),
+    "fsi_shock": (0.0,),
+    "fsi_convection": ("auto", "divergence"),
+}
+#: of messages between ranks
+ROWS_TAG, HALOS_TAG = 0, 1
 
 
-def loose_forces(state: PaperSolution) -> list[str]:
+def loose_forces(state: State) -> list[str]:
     """Forces that do not keep rest. Of blocks more may be said: here frames are cut where walls
     are, and the couplings bring stresses together.
     """
@@ -48,14 +76,215 @@ def loose_forces(state: PaperSolution) -> list[str]:
     ]
 
 
-class PaperState(PaperSolution):
-    """A run in the paper's method: its data, steps and checkpoints; all methods are collective on
-    ``comm``.
+class PaperState(State):
+    """A run in the paper's method; all methods are collective on ``comm``.
+
+    opt: options in force; announce: told of what is compiled. InputError where grid, order and
+    number of ranks do not fit, or the problem is not of the paper's form.
+
+    records: of the layers (fsipetsc.paper.layout); rates: (layers, 2), the largest ones of
+    convection and diffusion [1/s]. solution: y as a world Vec; k: rates. evaluations of the
+    right-hand side are counted. layers: all (fsipetsc.paper.layers); here: those that this rank has
+    a part of.
     """
 
     NOTES = MappingProxyType({"begin": (loose_forces,)})
     fault: InputError | None = None
     _kept: tuple[Array, ...] = ()  # what the last call of ``step`` began with
+
+    def __init__(
+        self,
+        comm: MPI.Comm,
+        problem: Problem,
+        opt: Mapping[str, Any],
+        announce: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        for name, without in _WITHOUT.items():
+            if opt[name] not in without:
+                raise InputError(
+                    f"-{name} {opt[name]}: -fsi_coupling {opt['fsi_coupling']} has none: "
+                    "take -fsi_coupling conservative"
+                )
+        check_form(problem)
+        order, self.h = opt["fsi_order"], opt["fsi_h"]
+        self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
+        self.evaluations = 0
+        op = stencils(order, opt["fsi_viscous"] == "narrow")
+        records = make_records(problem, self.op, self.h)
+        of_share = records, op.halo, opt["fsi_partition"]
+        shares = shares_of(comm.size, problem, self.op, *of_share)
+        pairs = zip(records, shares, strict=True)
+        points = [note_share(record, share, comm.rank, op.halo) for record, share in pairs]
+        dof = [DOF[layer.kind] for layer in problem.layers]
+        memory, local, rooms = self._memory(records, [*zip(dof, points, strict=True)], op.n)
+        begins = np.cumsum([0, *(dof * (records["own_hi"] - records["own_lo"]))]).tolist()
+        self.y, total, self.k = np.zeros((3, begins[-1]))
+        self.solution = PETSc.Vec().createWithArray(self.y, comm=comm)
+        of_steps = self._lay_results(dof.count(DOF["fluid"]))
+        self.layers = []
+        for k, layer in enumerate(problem.layers):
+            where = local[k], slice(begins[k], begins[k + 1]), (self.y, total, self.k)
+            of_layer = self.records[k:][:1], shares[k], op, *where, self.rates[k], self.batch
+            self.layers.append(Layer(layer, ends_of(problem, k, order), *of_layer))
+        self.here = [layer for layer in self.layers if layer.present]
+        kind, notes = opt["fsi_coupling"], of_steps.notes.reshape(steps.NOTES, -1)
+        self.interfaces = [
+            Interface(kind, [self.layers[n] for n in pair], rooms[k], notes, k, comm.rank)
+            for k, pair in enumerate(problem.interfaces)
+        ]
+        rows = [halo for one in self.interfaces for halo in one.halos(memory)]
+        halos = [halo for layer in self.layers for halo in layer.halos(comm.rank, memory)]
+        self._rows = exchange_of(comm, ROWS_TAG, rows, memory, memory)
+        self._halos = exchange_of(comm, HALOS_TAG, halos, memory, memory)
+        self._load_procedures(of_steps, announce)
+
+    def _memory(
+        self, records: Array, shapes: Sequence[tuple[int, int]], n: int
+    ) -> tuple[Array, list[Array], list[Array]]:
+        """What ranks exchange in a stage is in one memory, the first one of these: the records,
+        layers of these shapes, and for each interface n rows of a gas and of a solid.
+        """
+        rooms = [(dof, n) for _ in self.problem.interfaces for dof in DOF.values()]
+        sizes = [records.nbytes // 8, *(a * b for a, b in [*shapes, *rooms])]
+        memory = np.zeros(sum(sizes))
+        of_records, *parts = np.split(memory, np.cumsum(sizes)[:-1])
+        self.records = of_records.view(RECORD)
+        self.records[:] = records
+        made = [v.reshape(shape) for v, shape in zip(parts, [*shapes, *rooms], strict=True)]
+        rest = made[len(shapes) :]
+        return memory, made[: len(shapes)], [*zip(rest[::2], rest[1::2], strict=True)]
+
+    def _lay_results(self, gases: int) -> steps.Steps:
+        """Make what is known after a step: what ranks tell each other comes first."""
+        record = step_record(len(self.problem.interfaces), gases)
+        noted, count = len(self.problem.interfaces) * steps.NOTES, 2 * len(self.records)
+        _, numbers = self._lay_journal(record, CAPACITY, count)
+        first = self.results.size
+        rates, notes = numbers[first:][:count], numbers[first + count :][:noted]
+        self.rates = rates.reshape(-1, 2)
+        told, sums = np.split(numbers, [first + count + noted])
+        return steps.Steps(told, self.results, rates, notes, sums)
+
+    def _load_procedures(self, of_steps: steps.Steps, announce: Callable[[str], None]) -> None:
+        """Record all procedures, the same ones on all ranks, and make machine code of them."""
+        code = calling_code(exchange_text())
+        solid = next(layer.number for layer in self.layers if not layer.is_gas)
+        for layer in self.layers:
+            place = ("left", "solid", "right")[layer.number - solid + 1]
+            layer.does = steps.of_layer(code, place, layer.part, of_steps)
+        for one in self.interfaces:
+            one.does = steps.of_interface(code, ("left", "right")[one.side], one.sides)
+        does = steps.of_step(code, of_steps)
+        self.planning = code.procedure("plan_next", plan_next, self.plan)
+        (library,) = libraries(self.comm, [code.text], announce)
+        code.load(library)
+        reduction = Reduction(self.comm, of_steps.told)
+        for exchange in (self._rows, self._halos, reduction):
+            exchange.load(library)
+        numbers = (steps.RATES_ALONE, *range(steps.STAGES))
+        stages = {n: [one for layer in self.here for one in layer.stage(n)] for n in numbers}
+        fulfil = [self._rows, *(one.does["couple"] for one in self.interfaces if any(one.here))]
+        fulfil += [layer.does["close"] for layer in self.here if not layer.is_gas]
+        fulfil.append(self._halos)
+        fulfil = [one for one in fulfil if not getattr(one, "empty", False)]
+        completing = [does["forget"], *(layer.does["complete"] for layer in self.here)]
+        # the owner of the solid notes an interface
+        completing += [one.does["note"] for one in self.interfaces if one.here[1]]
+        completing += [does["tell"], reduction] if self.comm.size > 1 else []
+        completing.append(does["finish"])
+        of_step = list(stages[0])  # it begins with the completed solution
+        for n in range(1, steps.STAGES):
+            of_step += [*fulfil, *stages[n]]
+        of_step += [*fulfil, *completing, self.planning]
+
+        def calls(procedures: list[Any]) -> Calls:
+            return Calls(library, [(procedure, ()) for procedure in procedures])
+
+        self.stages = {n: calls(procedures) for n, procedures in stages.items()}
+        #: what lets the stage fulfil all conditions but for ghost points, which are filled later
+        self.fulfil = calls(fulfil)
+        self.completing, self.whole_step = calls(completing), calls(of_step)
+
+    # what is known of it
+
+    @property
+    def points(self) -> int:
+        """The number of active points of all layers, as it is known on this rank."""
+        return int((self.records["hi"] - self.records["lo"] + 1).sum())
+
+    @property
+    def places(self) -> list[float]:
+        """Positions x [m] of the interfaces."""
+        self._learn_frames()  # so that the points are known
+        return self.latest["x_interface"].tolist()
+
+    def _learn_frames(self) -> None:
+        """Let all ranks know where the grids of layers lie, and how they move."""
+        frames = np.array([self.records[name] for name in FRAME], float)
+        frames[:, self.records["present"] == 0] = -np.inf
+        self.comm.Allreduce(MPI.IN_PLACE, frames, MPI.MAX)
+        for name, of_layers in zip(FRAME, frames, strict=True):
+            self.records[name] = of_layers
+
+    def used_up(self) -> str:
+        """Which gas has no points left, or too few, and where it is; "" if none."""
+        flags = self.results[[EXHAUSTED, TOO_SHORT]]
+        if not flags.any():
+            return ""
+        self._learn_frames()
+        k = int(flags[0] or flags[1]) - 1
+        record, name, m = self.records[k], self.problem.layers[k].name, self.problem.unit("m")
+        needs = f"the {self.op.name} operator needs {int(record['least'])} points"
+        what = "used up its points" if flags[0] else f"become too short ({needs})"
+        end = record["end_x"][record["outer"]]
+        return (
+            f"fluid layer '{name}' has {what}, with its interface at "
+            f"x = {record['x_interface']:.6g}{m} and its boundary at x = {end:.6g}{m}"
+        )
+
+    def header(self) -> dict[str, Any]:
+        """What a result file says of layers, and of points that are recorded: none."""
+        layers = zip(self.problem.layers, self.records["n"].tolist(), strict=True)
+        about = [
+            {"name": v.name, "kind": v.kind, "fields": list(v.fields), "shape": [n]}
+            for v, n in layers
+        ]
+        return {"layers": about, "points": ()}
+
+    def grids(self) -> list[dict[str, Any]]:
+        """What the writer must know of the points of each layer: see RunWriter."""
+        return [{"n": int(p.record["n"]), "X": p.X} for p in self.layers]
+
+    def save(self) -> dict[int, Array]:
+        """What is saved of this rank's points, (local, 5) by layer."""
+        return {layer.number: layer.saved() for layer in self.here}
+
+    def errors(self, t: float, norm: str = "L2") -> dict[str, dict[str, float]] | None:
+        """Errors at time t [s]: kind of layer -> name -> (h sum |difference|^p)^(1/p), and
+        "combined" over the unknowns.
+
+        norm: "L1" or "L2", p = 1 or 2. Active points without ghosts of all layers of a kind. None
+        without an exact solution. InputError if the exact solution cannot be had.
+        """
+        if any(layer.exact is None for layer in self.problem.layers):
+            return None
+        power = {"L1": 1, "L2": 2}[norm]
+        names = {"fluid": names_of("fluid", "exact", 1), "solid": SolidLayer.unknowns}
+        sums = {kind: np.zeros(len(names[kind])) for kind in names}
+        found = together(self.comm, lambda: [part.powers(t, power) for part in self.here])
+        for part, own in zip(self.here, found, strict=True):
+            sums[part.layer.kind] += own
+        return self._norms(sums, names, power)
+
+    def seen(self) -> list[Seen]:
+        """Values at this rank's active points."""
+        return [part.seen() for part in self.here]
+
+    def destroy(self) -> None:
+        """Free messages and the vector."""
+        self._rows.destroy()
+        self._halos.destroy()
+        self.solution.destroy()
 
     # data
 
@@ -82,10 +311,7 @@ class PaperState(PaperSolution):
             for k, interface in enumerate(self.interfaces):
                 interface.jump[:] = problem.jumps_at(k, t)
         for part in self.here:
-            if part.forcing is not None:
-                values = part.layer.values("forcing", part.X, t, part.active)
-                part.forcing[:] = 0.0
-                part.forcing[part.active] = np.stack(values, axis=-1)[part.active]
+            part.set_forcing(t)
 
     def check_data(self) -> None:
         """Fill the solution, not projected, with initial data, and ask for all else at t = 0.
@@ -205,6 +431,7 @@ class PaperState(PaperSolution):
         """What a step depends on, on rank 0: whole layers, where their grids lie and how they move,
         and the results of the last step. Collective."""
         arrays = {}
+        self._learn_frames()
         for layer in self.layers:
             size, own = int(layer.record["n"]), layer.of(self.y)
             arrays[f"layer{layer.number}"] = whole(self.comm, size, layer.numbers, own)
@@ -228,5 +455,9 @@ class PaperState(PaperSolution):
     def _begin(self) -> None:
         """Let the stage be the solution, which is completed: it fulfils the conditions."""
         self._load(self.y)
+        self._halos()
+
+    def _load(self, y: Array) -> None:
+        """Let the stage be this rank's part y."""
         for layer in self.here:
-            layer.fill_halos()
+            layer.owned[:] = layer.of(y).T

@@ -28,7 +28,7 @@ from fsipetsc.paper.outer_ends import gradient_values, outer_side
 from fsipetsc.paper.stencils import derivative
 
 #: rows of scratch
-ROWS = 18
+ROWS = 15
 #: points whose rates are found together: their rows stay in the fastest memory
 PIECE = 192
 
@@ -62,11 +62,12 @@ def start_with(part, shift, a, b):
     """Rates are forcing, or 0. Where these are all that stands before the rates of the points
     a .. b-1, they get it with their rates.
     """
-    to, n, count = part.k.reshape(-1), part.k.shape[0], part.k.shape[1]
+    k, n = part.k, part.k.shape[1]
     begin, end = (n, n) if adds(part) else (pick(a < b, one - shift, n) for one in (a, b))
     for first, last in ((0, begin), (end, n)):
-        for i in each(first * count, last * count, vector=True):
-            to[i] = 0.0 if part.forcing is None else part.forcing.reshape(-1)[i]
+        for c in each(k.shape[0]):
+            for i in each(first, last, vector=True):
+                k[c, i] = 0.0 if part.forcing is None else part.forcing[c, i]
 
 
 def adds(part):
@@ -74,22 +75,16 @@ def adds(part):
     return part.forcing is not None or part.op.narrow
 
 
-def known_width(array, count):
-    """The array of so many numbers a point: with that a compiler makes vector code of its loops."""
-    return array.reshape(array.shape[0], count)
-
-
 # gas
 
 
-def primitive_rows(gas, q, rho, m, e, u, T, a, b):
-    """The conserved unknowns, u and T at the points a .. b-1."""
+def primitive_rows(gas, rho, m, e, u, T, a, b):
+    """u and T at the points a .. b-1."""
     for i in each(a, b, vector=True):
-        density, momentum, energy = q[i, 0], q[i, 1], q[i, 2]
-        r = 1.0 / density
-        v = momentum * r
-        rho[i], m[i], e[i], u[i] = density, momentum, energy, v
-        T[i] = gas.law.temperature(density, energy * r - 0.5 * v * v)
+        r = 1.0 / rho[i]
+        v = m[i] * r
+        temperature = gas.law.temperature(rho[i], e[i] * r - 0.5 * v * v)
+        u[i], T[i] = v, temperature
 
 
 def gas_fluxes(gas, s, rho, m, e, u, T, u_X, T_X, f, g, h, a, b):
@@ -105,7 +100,7 @@ def gas_fluxes(gas, s, rho, m, e, u, T, u_X, T_X, f, g, h, a, b):
 def put(out, k, more, adds):
     """out = more at a point, or, if it adds, out += more."""
     for c, rate in enumerate(more):
-        out[k, c] = out[k, c] + rate if adds else rate
+        out[c, k] = out[c, k] + rate if adds else rate
 
 
 def put_gas(force, rho, m, f_X, g_X, h_X, out, adds, a, b, shift):
@@ -142,10 +137,11 @@ def gas_rates(part):
 
 def _gas_rates(part, layer, w, s, per_h, a, b, A, B):
     op, gas = part.op, part.law
-    q, out = known_width(part.local, 3), known_width(part.k, 3)
+    q, out = part.local, part.k
     (f0, f1), (v0, v1) = widened(a, b, A, B, op.reach), widened(a, b, A, B, 2 * op.reach)
-    rho, m, e, u, T, u_X, T_X, f, g, h, f_X, g_X, h_X = (w[c] for c in range(13))
-    primitive_rows(gas, q, rho, m, e, u, T, v0, v1)
+    rho, m, e = (q[c] for c in range(3))
+    u, T, u_X, T_X, f, g, h, f_X, g_X, h_X = (w[c] for c in range(10))
+    primitive_rows(gas, rho, m, e, u, T, v0, v1)
     side = outer_side(part.ends)
     (ghost, end), apart = ((A, B), (B, A))[side], part.ends.kind[side] in (Open, Dirichlet)
     if apart:  # u and T of the ghost point are others for the gradients
@@ -153,14 +149,14 @@ def _gas_rates(part, layer, w, s, per_h, a, b, A, B):
         with when(seen):
             own_u.value, own_T.value = u[ghost], T[ghost]
             u[ghost], T[ghost] = gradient_values(part, ghost, side)
-    derivative(op, w, 3, 5, 2, f0, f1, A, B, per_h)  # u_X, T_X
+    derivative(op, w, 0, w, 2, 2, f0, f1, A, B, per_h)  # u_X, T_X
     if op.narrow:
-        narrow_gas(op, gas, layer, w, 3, 13, out, a, b, A, B)
+        narrow_gas(op, gas, layer, w, 0, 10, out, a, b, A, B)
     if apart:
         with when(seen):
             u[ghost], T[ghost] = own_u.value, own_T.value
     gas_fluxes(gas, s, rho, m, e, u, T, u_X, T_X, f, g, h, f0, f1)
-    derivative(op, w, 7, 10, 3, a, b, A, B, per_h)  # f_X, g_X, h_X
+    derivative(op, w, 4, w, 7, 3, a, b, A, B, per_h)  # f_X, g_X, h_X
     with when((gas.kappa == 0.0) & (a <= end) & (end < b)):
         rates = -f_X[end], -g_X[end], -h_X[end]
         h_X[end] -= entropy_keeping(gas, rho[end], m[end], e[end], *rates, u_X[end])
@@ -168,12 +164,6 @@ def _gas_rates(part, layer, w, s, per_h, a, b, A, B):
 
 
 # solid
-
-
-def solid_rows(q, u, sigma, T, x, a, b):
-    """The unknowns at the points a .. b-1."""
-    for i in each(a, b, vector=True):
-        u[i], sigma[i], T[i], x[i] = q[i, 0], q[i, 1], q[i, 2], q[i, 3]
 
 
 def solid_fluxes(solid, sigma, T, x_X, T_X, stretch, net, conducted, a, b):
@@ -204,14 +194,13 @@ def elastic_rates(part):
 
 def _elastic_rates(part, layer, w, per_h, a, b, A, B):
     op, solid = part.op, part.law
-    q, out = known_width(part.local, 4), known_width(part.k, 4)
-    (f0, f1), (v0, v1) = widened(a, b, A, B, op.reach), widened(a, b, A, B, 2 * op.reach)
-    sigma, x, T, x_X, T_X, u, net, conducted, u_X, net_X, conducted_X = (w[c] for c in range(11))
-    stretch = w[11]
-    solid_rows(q, u, sigma, T, x, v0, v1)
-    derivative(op, w, 1, 3, 2, f0, f1, A, B, per_h)  # x_X, T_X
+    q, out, (f0, f1) = part.local, part.k, widened(a, b, A, B, op.reach)
+    u, sigma, T = (q[c] for c in range(3))
+    T_X, x_X, net, conducted, u_X, net_X, conducted_X, stretch = (w[c] for c in range(8))
+    derivative(op, q, 2, w, 0, 2, f0, f1, A, B, per_h)  # T_X, x_X
     solid_fluxes(solid, sigma, T, x_X, T_X, stretch, net, conducted, f0, f1)
-    derivative(op, w, 5, 8, 3, a, b, A, B, per_h)  # u_X, net_X, conducted_X
+    derivative(op, q, 0, w, 4, 1, a, b, A, B, per_h)  # u_X
+    derivative(op, w, 2, w, 5, 2, a, b, A, B, per_h)  # net_X, conducted_X
     if op.narrow:
-        narrow_solid(op, solid, layer, T, stretch, [w[c] for c in (12, 13, 14)], out, a, b, A, B)
+        narrow_solid(op, solid, layer, T, stretch, [w[c] for c in (8, 9, 10)], out, a, b, A, B)
     put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, adds(part), a, b, layer.halo_lo)

@@ -84,13 +84,13 @@ def near_ends(op: Stencils, a: Any, b: Any, A: Any, B: Any) -> Iterator[tuple[in
                 yield r, i, end, step
 
 
-def derivative(op, w, of, to, count, a, b, A, B, scale):
-    """w[to + c] = scale h D w[of + c], c = 0 .. count - 1, at the points a .. b-1; w[of + c] is
+def derivative(op, q, of, w, to, count, a, b, A, B, scale):
+    """w[to + c] = scale h D q[of + c], c = 0 .. count - 1, at the points a .. b-1; q[of + c] is
     known where that reaches, or to A, B."""
     first, end = named(np.maximum(a, A + op.rows)), named(np.minimum(b, B + 1 - op.rows))
     weights = [scale * weight for weight in op.interior]
     for c in each(count):
-        f, out = w[c + of], w[c + to]
+        f, out = q[c + of], w[c + to]
         for i in each(first, end, vector=True):
             out[i] = sum(v * (f[i + k] - f[i - k]) for k, v in enumerate(weights, 1))
         for r, i, edge, step in near_ends(op, a, b, A, B):

@@ -10,30 +10,28 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.kernels.loops import each, number, variable, when, whole
+from fsipetsc.kernels.loops import each, named, number, variable, when
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.paper import coupling, embedded, outer_ends, rates, sums
-from fsipetsc.paper.layout import DOF
 from fsipetsc.paper.stencils import Stencils, derivative
 from fsipetsc.scheme.batch import DT
 from fsipetsc.scheme.columns import larger
 from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP, TOO_SHORT
 from fsipetsc.scheme.rows import Array
+from fsipetsc.scheme.runge_kutta import factors
 
 #: of the method; the number of a stage of which only the rates are wanted
 STAGES, RATES_ALONE = 4, -1
 #: numbers of an interface that are noted
 NOTES = 8
-#: numbers of a layer that ranks tell each other after a step
-TOLD = 6
 
 
 class Part(NamedTuple):
     """A rank's part of a layer. op, ends: facts; law: Gas or Elastic; layers: the record, (1,).
 
-    local: the points of the stage with halos, (points, unknowns), of which ``owned`` is a view; y,
-    total, k, forcing: the completed solution, the sum of the stages, rates and what is added to
-    these, if anything, (owned, unknowns). batch: fsipetsc.scheme.batch.
+    local: the points of the stage with halos, (unknowns, points); y, total, k, forcing: the
+    completed solution, the sum of the stages, rates and what is added to these, if anything,
+    (unknowns, owned points). rates: see fsipetsc.paper.sums. batch: fsipetsc.scheme.batch.
     """
 
     op: Stencils
@@ -41,80 +39,81 @@ class Part(NamedTuple):
     law: Any
     layers: Array
     local: Array
-    owned: Array
     y: Array
     total: Array
     k: Array
     forcing: Array | None
     scratch: Array
+    rates: Array
     batch: Array
 
 
 class Sides(NamedTuple):
-    """An interface. gases: the record of the gas, (1,); q_gas, q_solid: owned points of both sides;
-    at_gas, at_solid: which of them are the rows f, s; jump: what is prescribed; notes: what is
+    """An interface. gases: the record of the gas, (1,); gas, solid: (unknowns, points) of both
+    sides; at_gas, at_solid: their points at the interface; jump: what is prescribed; notes: what is
     noted of all, (NOTES, interfaces), of this one in the column ``number``.
     """
 
     op: Stencils
     face: coupling.Face
     gases: Array
-    q_gas: Array
-    q_solid: Array
-    at_gas: Array
-    at_solid: Array
-    f: Array
-    s: Array
+    gas: Array
+    solid: Array
+    at_gas: int
+    at_solid: int
     jump: Array
     notes: Array
     number: int
 
 
 class Steps(NamedTuple):
-    """Of all layers: records; results: see fsipetsc.scheme.plan; notes: what is noted of
-    interfaces, sums: of a step after this, from the masses of gases on. told: room for what ranks
-    tell each other, TOLD numbers of each layer, notes, results.
+    """told: what ranks tell each other of a step: results (fsipetsc.scheme.plan), the rates of all
+    layers, notes of interfaces. sums: what is noted after that, from the masses of gases on.
     """
 
-    records: Array
+    told: Array
     results: Array
+    rates: Array
     notes: Array
     sums: Array
-    told: Array
 
 
 # conditions
 
 
-def take(of):
-    """Take the rows of both sides of an interface from their points."""
-    for j in range(of.op.n):
-        for c in range(DOF["fluid"]):
-            of.f[j, c] = of.q_gas[of.at_gas[j], c]
-        for c in range(DOF["solid"]):
-            of.s[j, c] = of.q_solid[of.at_solid[j], c]
+class Rows:
+    """Rows of one side of an interface, counted from there: rows[j, c] is unknown c of row j."""
+
+    def __init__(self, points, first, step):
+        self._points, self._first, self._step = points, first, step
+
+    def _place(self, at):
+        return at[1], self._first + self._step * at[0]
+
+    def __getitem__(self, at):
+        return self._points[self._place(at)]
+
+    def __setitem__(self, at, value):
+        self._points[self._place(at)] = value
 
 
-def put(of):
-    """Put the rows of both sides of an interface back."""
-    for j in range(of.op.n):
-        for c in range(DOF["fluid"]):
-            of.q_gas[of.at_gas[j], c] = of.f[j, c]
-        for c in range(DOF["solid"]):
-            of.q_solid[of.at_solid[j], c] = of.s[j, c]
+def rows(of):
+    """The rows of gas and solid."""
+    inward = 1 if of.face.right else -1
+    return Rows(of.gas, of.at_gas, inward), Rows(of.solid, of.at_solid, -inward)
 
 
 def couple(of):
     """Couple the rows of both sides; the frame of the gas follows."""
-    gas, f, s = of.gases[0], of.f, of.s
+    gas, (f, s) = of.gases[0], rows(of)
     coupling.couple(of.op, of.face, of.jump, f, s)
     gas.s, gas.x_interface = f[0, 1] / f[0, 0], s[0, 3]
 
 
 def note(of):
     """Note x, u, sigma, T and the residuals of the four conditions of an interface."""
-    s, notes, k = of.s, of.notes, of.number
-    found = coupling.residuals(of.op, of.face, of.jump, of.f, s)
+    (f, s), notes, k = rows(of), of.notes, of.number
+    found = coupling.residuals(of.op, of.face, of.jump, f, s)
     for row, value in enumerate((s[0, 3], s[0, 0], s[0, 1], s[0, 2], *found)):
         notes[row, k] = value
 
@@ -134,15 +133,16 @@ def advance(stage: int) -> Callable[[Part], None]:
 
     def advance_stage(of):
         """Make the next stage and the sum of stages."""
-        y, k, q, total = (v.reshape(-1) for v in (of.y, of.k, of.owned, of.total))
-        dt = of.batch[DT]
-        a, b = dt if stage == 2 else 0.5 * dt, dt / (3.0 if 0 < stage < 3 else 6.0)
-        for i in each(y.size, vector=True):
-            found = (y[i] if stage == 0 else total[i]) + b * k[i]
-            if stage == 3:
-                q[i] = found
-            else:
-                total[i], q[i] = found, y[i] + a * k[i]
+        a, b = factors(stage, of.batch[DT])
+        before = named(of.layers[0].halo_lo)
+        for c in each(of.y.shape[0]):
+            y, k, total, q = of.y[c], of.k[c], of.total[c], of.local[c]
+            for i in each(of.y.shape[1], vector=True):
+                found = (y[i] if stage == 0 else total[i]) + b * k[i]
+                if stage == 3:
+                    q[before + i] = found
+                else:
+                    total[i], q[before + i] = found, y[i] + a * k[i]
 
     return advance_stage
 
@@ -151,17 +151,20 @@ def advance(stage: int) -> Callable[[Part], None]:
 
 
 def forget(steps):
-    """Forget flags, limits and integrals of the step before; notes are those of the owners."""
+    """Forget what is known of the step before; notes and rates are those of the owners."""
     steps.results[:STOP] = 0.0
+    steps.rates[:] = -np.inf
     steps.notes[:] = -np.inf
     steps.sums[:] = 0.0
 
 
 def keep(of):
     """Let the stage be the solution."""
-    y, stage = of.y.reshape(-1), of.owned.reshape(-1)
-    for i in each(y.size, vector=True):
-        y[i] = stage[i]
+    before = named(of.layers[0].halo_lo)
+    for c in each(of.y.shape[0]):
+        y, q = of.y[c], of.local[c]
+        for i in each(of.y.shape[1], vector=True):
+            y[i] = q[before + i]
 
 
 def complete_gas(of, steps):
@@ -182,50 +185,18 @@ def complete_solid(of, steps):
 
 
 def stretch(of):
-    """scratch[1] = h x_X of a solid, at the active ones of this rank's points with halos."""
+    """scratch[0] = h x_X of a solid, at the active ones of this rank's points with halos."""
     a, b, A, B = rates.own_range(of.layers[0])
-    q, x = of.local, of.scratch[0]
-    for i in each(q.shape[0], vector=True):
-        x[i] = q[i, 3]
-    derivative(of.op, of.scratch, 0, 1, 1, a, b, A, B, 1.0)
-
-
-def of_layers(record):
-    """What ranks that own points of a layer tell the others: TOLD numbers."""
-    frame = number(record.lo), number(record.hi), record.s, record.x_interface
-    return record.rates[0], record.rates[1], *frame
+    derivative(of.op, of.local, 3, of.scratch, 0, 1, a, b, A, B, 1.0)
 
 
 def tell(steps):
-    """Fill what this rank tells the others. The largest number counts, so what is none is inf: the
-    largest of numbers and of what is none would depend on their order.
+    """Let what is no number be inf: the largest of numbers and of what is none would depend on
+    their order.
     """
-    records, told = steps.records, steps.told
-    layers = records.shape[0]
-    for k in each(layers):
-        for c, value in enumerate(of_layers(records[k])):
-            told[TOLD * k + c] = np.where(records[k].present == 1, value, -np.inf)
-    after = told[TOLD * layers :]
-    for array, first in ((steps.notes, 0), (steps.results, steps.notes.size)):
-        for i in each(array.size):
-            after[first + i] = array[i]
+    told = steps.told
     for i in each(told.size):
         told[i] = np.where(told[i] == told[i], told[i], np.inf)
-
-
-def hear(steps):
-    """Take what all ranks have told."""
-    records, told = steps.records, steps.told
-    layers = records.shape[0]
-    for k in each(layers):
-        record, of_layer = records[k], told[TOLD * k :]
-        record.rates[0], record.rates[1] = of_layer[0], of_layer[1]
-        record.lo, record.hi = whole(of_layer[2]), whole(of_layer[3])
-        record.s, record.x_interface = of_layer[4], of_layer[5]
-    after = told[TOLD * layers :]
-    for array, first in ((steps.notes, 0), (steps.results, steps.notes.size)):
-        for i in each(array.size):
-            array[i] = after[first + i]
 
 
 def finish(steps):
@@ -234,11 +205,11 @@ def finish(steps):
     1/dt at Courant number 1 is the 4-norm of the largest rates of convection and diffusion: the
     smaller of the two steps alone is too long.
     """
-    results, records = steps.results, steps.records
+    results, rates = steps.results, steps.rates
     convection, diffusion = variable(), variable()
-    for k in each(records.shape[0]):
-        larger(convection, records[k].rates[0])
-        larger(diffusion, records[k].rates[1])
+    for k in each(rates.size // 2):
+        larger(convection, rates[2 * k])
+        larger(diffusion, rates[2 * k + 1])
     results[RATE] = np.sqrt(np.sqrt(convection.value**4 + diffusion.value**4))
     results[STOP] = results[SAID_STOP]
 
@@ -261,11 +232,11 @@ def of_layer(code: Code, place: str, of: Part, steps: Steps) -> dict[str, Proced
 
 def of_interface(code: Code, place: str, of: Sides) -> dict[str, Procedure]:
     """Record those of the interface of the gas at a place."""
-    functions = {"take": take, "couple": couple, "put": put, "note": note}
+    functions = {"couple": couple, "note": note}
     return {name: code.procedure(f"{name}_{place}", f, of) for name, f in functions.items()}
 
 
 def of_step(code: Code, steps: Steps) -> dict[str, Procedure]:
     """Record the procedures of a step."""
-    functions = forget, tell, hear, finish
+    functions = forget, tell, finish
     return {f.__name__: code.procedure(f.__name__, f, steps) for f in functions}

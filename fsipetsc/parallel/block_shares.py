@@ -150,23 +150,6 @@ def share_out(extents: Sequence[Extent], size: int, mode: str = "auto") -> list[
     return chained if gain > WORTH_IT else apart
 
 
-def share_line(
-    layers: Sequence[tuple[str, int, int, bool]], size: int, mode: str, smallest: int
-) -> list[list[tuple[int, int, int]]]:
-    """(rank, begin, end) of the pieces of each layer of a line, ``smallest`` points or more.
-
-    layers: kind, stored points, active ones, which alone are work, whether the spare ones are on
-    the left; the outermost rank gets these. RanksError as of ``share_out``.
-    """
-    extents = [Extent(kind, (active,), (False,), *[smallest] * 3) for kind, _, active, _ in layers]
-    found = []
-    for (_, n, active, left), share in zip(layers, share_out(extents, size, mode), strict=True):
-        cuts = [cut + (n - active) * left for cut in share.cuts[0]]
-        cuts[0], cuts[-1] = 0, n
-        found.append(list(zip(share.ranks, cuts[:-1], cuts[1:], strict=True)))
-    return found
-
-
 def _uncut(extent: Extent) -> tuple[tuple[int, ...], ...]:
     return tuple((0, n) for n in extent.shape)
 

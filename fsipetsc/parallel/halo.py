@@ -107,9 +107,12 @@ def halo_of(
     return Halo(sent, received, twice, (here(np.arange(M)), there(inside)))
 
 
-def exchange_of(comm: MPI.Comm, tag: int, halos: Sequence[Halo], memory: Array) -> Exchange:
+def exchange_of(
+    comm: MPI.Comm, tag: int, halos: Sequence[Halo], memory: Array, source: Array | None = None
+) -> Exchange:
     """The exchange that fills halos of several blocks, which all ranks have in the same order, with
-    one message to each neighbour; memory: of all ghosted arrays.
+    one message to each neighbour; memory: of all ghosted arrays; source: None, if that is the
+    world vector.
     """
 
     def joined(of_halos: Sequence[Mapping[int, Numbers]]) -> dict[int, Numbers]:
@@ -119,4 +122,4 @@ def exchange_of(comm: MPI.Comm, tag: int, halos: Sequence[Halo], memory: Array) 
     none = np.zeros(0, np.int64)
     own = [np.concatenate([none, *(halo.twice[k] for halo in halos)]) for k in (0, 1)]
     sent, received = joined([h.sent for h in halos]), joined([h.received for h in halos])
-    return Exchange(comm, tag, sent, received, (own[0], own[1]), None, memory)
+    return Exchange(comm, tag, sent, received, (own[0], own[1]), source, memory)

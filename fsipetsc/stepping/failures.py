@@ -73,19 +73,9 @@ def check(state: State, t: float, step: int, flags: Sequence[float], beyond: str
         about = described(state, t, step), *state.notes("failed"), beyond
         said = filter(None, (*about, cause or HELPS))
         raise ComputationError("; ".join(said))
-    if not flags[EXHAUSTED] and not flags[TOO_SHORT]:
-        return
-    k = int(flags[EXHAUSTED] or flags[TOO_SHORT]) - 1
-    record, m = state.records[k], state.problem.unit("m")
-    side = int(record["outer"])
-    what = f"fluid layer '{state.problem.layers[k].name}' has used up its points"
-    if not flags[EXHAUSTED]:
-        needs = f"the {state.op.name} operator needs {int(record['least'])} points"
-        what = f"fluid layer '{state.problem.layers[k].name}' has become too short ({needs})"
-    raise ComputationError(
-        f"{what} at t = {t:.6g}{state.problem.unit('s')}, step {step}, with its interface at "
-        f"x = {record['x_interface']:.6g}{m} and its boundary at x = {record['end_x'][side]:.6g}{m}"
-    )
+    if flags[EXHAUSTED] or flags[TOO_SHORT]:
+        when = f"t = {t:.6g}{state.problem.unit('s')}, step {step}"
+        raise ComputationError(f"at {when} {state.used_up()}")
 
 
 def beyond_bound(state: State, opt: Mapping[str, Any]) -> str:

@@ -1,0 +1,250 @@
+"""What a rank has of layers, which live on the ranks that own points of them, and of interfaces.
+
+All ranks know the record and the material of each.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.kernels.procedure import Procedure
+from fsipetsc.operators.bands import Patch
+from fsipetsc.paper import rates, steps
+from fsipetsc.paper.coupling import Face
+from fsipetsc.paper.laws import law_of
+from fsipetsc.paper.layout import DOF
+from fsipetsc.paper.outer_ends import Ends
+from fsipetsc.paper.stencils import Stencils
+from fsipetsc.parallel.block_shares import Share
+from fsipetsc.parallel.halo import Halo, Reach, halo_of
+from fsipetsc.state import Seen
+
+Array = np.ndarray
+_NONE = np.zeros(0, np.int64), np.zeros(0, np.int64)
+
+
+class Layer:
+    """A layer and this rank's points of it.
+
+    layer, ends: what the case says; law: its material; record: of the layer; share: who owns what.
+    numbers, X, forcing: of the points of this rank; local: (unknowns, points with halos), of which
+    owned is a view. part: what procedures take; does: these, by name. place: of its numbers in this
+    rank's part of a solution.
+    """
+
+    does: dict[str, Procedure]
+
+    def __init__(
+        self,
+        layer: Any,
+        ends: Ends,
+        records: Array,
+        share: Share,
+        op: Stencils,
+        local: Array,
+        place: slice,
+        vectors: Sequence[Array],
+        bounds: Array,
+        batch: Array,
+    ) -> None:
+        self.layer, self.op, self.share, self.local, self.place = layer, op, share, local, place
+        self.law = law_of(layer.material)
+        self.records, self.record = records, records[0]
+        record = self.record
+        self.number, self.is_gas = int(record["number"]), layer.kind == "fluid"
+        self.present = bool(record["present"])
+        self.numbers = own = np.arange(record["own_lo"], record["own_hi"])
+        self.X = record["anchor"] + (own - record["anchor_index"]) * record["h"]
+        before = int(record["halo_lo"])
+        self.owned = local[:, before : before + own.size]
+        planes = DOF[layer.kind], own.size
+        self.forcing = np.zeros(planes) if layer.forcing is not None else None
+        self._scratch = np.zeros((rates.ROWS, max(local.shape[1], rates.PIECE + 2 * op.halo)))
+        of_points = *(v[place].reshape(planes) for v in vectors), self.forcing, self._scratch
+        self.part = steps.Part(op, ends, self.law, records, local, *of_points, bounds, batch)
+
+    def halos(self, me: int, memory: Array) -> list[Halo]:
+        """What this rank, ``me``, exchanges with others in a memory: of a gas its frame, (4.20),
+        (4.25), which the rank of its interface knows, and halos.
+        """
+        if not self.present or len(self.share.ranks) == 1:
+            return []
+        found, halo = [], self.op.halo
+        if self.is_gas:
+            fields, at = self.records.dtype.fields, place_in(memory, self.records)
+            frame = np.array([at + fields[name][1] // 8 for name in ("s", "x_interface")])
+            owner = self.share.ranks[0 if self.record["outer"] else -1]
+            others = [rank for rank in self.share.ranks if rank != owner]
+            sent = dict.fromkeys(others, frame) if me == owner else {}
+            found.append(Halo(sent, {} if me == owner else {owner: frame}, _NONE, _NONE))
+        dof, n = self.local.shape
+        patch = Patch((self.numbers.size, 1, 1), (n, 1, 1), (int(self.record["halo_lo"]), 0, 0))
+        reach = Reach(self.share, (False,), halo, False, False)
+        points = halo_of(reach, me, patch, self.numbers, dof, 0, place_in(memory, self.local))
+        of_memory = {rank: points.inside[1][places] for rank, places in points.sent.items()}
+        return [*found, points._replace(sent=of_memory)]
+
+    def stage(self, number: int) -> list[Procedure]:
+        """What finds the rates of a stage, which fulfils the conditions but for the ghost point,
+        and makes the next one. In the first stage, which is the completed solution, it is filled.
+        """
+        filled = number == 0 or not self.is_gas
+        names = [*([] if filled else ["fill"]), "rates"]
+        names += [] if number == steps.RATES_ALONE else [f"advance_{number}"]
+        return [self.does[name] for name in names]
+
+    def of(self, array: Array) -> Array:
+        """View, (owned points, unknowns), of this layer in this rank's part of a solution."""
+        return array[self.place].reshape(len(self.local), -1).T
+
+    @property
+    def active(self) -> slice:
+        """The active ones among the points that this rank owns."""
+        own, begin, end = (int(self.record[name]) for name in ("own_lo", "lo", "hi"))
+        return slice(max(begin - own, 0), max(end + 1 - own, 0))
+
+    def set_initial(self, y: Array) -> dict[tuple[int, int], float]:
+        """Fill y, (owned points, unknowns), with initial data; InputError, here alone perhaps.
+
+        Returns (number, end) -> x [m] of the ends of a solid that this rank owns.
+        """
+        fields = self.layer.first_values(self.X, self.active)
+        if self.layer.exact is not None:  # what is wrong with it is not found out at the end
+            self.layer.values("exact", self.X, 0.0, self.active)
+        if self.is_gas:
+            rho, u, T = fields
+            with np.errstate(all="ignore"):  # what comes of it is monitored
+                e = rho * (self.layer.material.internal_energy(rho, T) + 0.5 * u * u)
+                y[:] = np.stack([rho, rho * u, e], axis=-1)
+            return {}
+        y[:] = np.stack(fields, axis=-1)
+        first, last = self.record["own_lo"] == 0, self.record["own_hi"] == self.record["n"]
+        ends = {(self.number, 0): fields[3][0]} if first else {}
+        return {**ends, **({(self.number, 1): fields[3][-1]} if last else {})}
+
+    def set_forcing(self, t: float) -> None:
+        """Evaluate the forcing at time t [s]. InputError, here alone perhaps."""
+        if self.forcing is not None:
+            values = self.layer.values("forcing", self.X, t, self.active)
+            self.forcing[:] = 0.0
+            self.forcing[:, self.active] = np.stack(values)[:, self.active]
+
+    # what is said of them
+
+    @np.errstate(all="ignore")
+    def saved(self) -> Array:
+        """(owned points, 5): of a gas rho, u, T, p, x, NaN where inactive; of a solid u, sigma, T,
+        x, p."""
+        out = np.full((5, self.owned.shape[1]), np.nan)
+        if self.is_gas:
+            rho, m, e = self.owned[:, self.active]
+            u, T = self.law.velocity_and_temperature(rho, m, e)
+            x = self.X[self.active] - self.record["anchor"] + self.record["x_interface"]
+            out[:, self.active] = rho, u, T, self.law.law.pressure(rho, T), x
+        else:
+            self.does["stretch"]()
+            x_X = self._scratch[0, self.record["halo_lo"] :][: out.shape[1]] / self.record["h"]
+            out[:4], out[4] = self.owned, self.law.pressure(self.owned[2], x_X)
+        return np.ascontiguousarray(out.T)
+
+    def powers(self, t: float, power: int) -> Array:
+        """(unknowns,): h sum |error|^power at t [s] over active points without ghosts; InputError,
+        here alone perhaps."""
+        exact = np.array(self.layer.values("exact", self.X, t, self.active))
+        ghosts = self.is_gas * (np.arange(2) == self.record["outer"])
+        first, last = self.record["lo"] + ghosts[0], self.record["hi"] - ghosts[1]
+        counted = (self.numbers >= first) & (self.numbers <= last)
+        apart = self.saved()[counted, : len(exact)].T - exact[:, counted]
+        return self.record["h"] * np.sum(np.abs(apart) ** power, axis=1)
+
+    def seen(self) -> Seen:
+        """Values at active points."""
+        X, numbers = self.X[self.active], self.numbers[self.active]
+        if self.is_gas:
+            rho, u, T, _, x = self.saved()[self.active].T
+            values = {"rho": rho, "u": u, "T": T}
+        else:
+            u, sigma, T, x = self.owned
+            x_X = self._stretch()
+            p = self.law.pressure(T, x_X)
+            modulus = self.law.wave_modulus(T, p, np.minimum(sigma, p), x_X)
+            values = {"x": x, "x_X": x_X, "u": u, "sigma": sigma, "T": T, "m0 c^2": modulus}
+        return Seen(self.number, numbers, values, x[:, None], X[:, None])
+
+    def _stretch(self) -> Array:
+        """x_X of a solid at the owned points, each by the next one, as it is monitored."""
+        x, h = self.owned[3], self.record["h"]
+        after = np.append(self.local[3, self.record["halo_lo"] + 1 :], x[-1:] + h)[: len(x)]
+        stretch: Array = (after - x) / h
+        return stretch
+
+    def shortest(self) -> tuple[float, int, float, float]:
+        """Of a solid: least x_X, number and X of the point, what pushes it together [Pa]."""
+        x_X = self._stretch()
+        i, (_, sigma, T, _) = int(np.argmin(x_X)), self.owned
+        push = self.law.pressure(T[i], x_X[i]) - sigma[i]
+        return float(x_X[i]), int(self.numbers[i]), float(self.X[i]), float(push)
+
+
+class Interface:
+    """An interface. side: 1 if the gas lies right of the solid, else 0; jump: what is prescribed;
+    here: whether this rank, ``me``, owns gas and solid beside it; sides: what procedures take.
+
+    Each of two owners gets the rows of the other one in a room, (unknowns, points), and both solve
+    the same small system.
+    """
+
+    does: dict[str, Procedure]
+
+    def __init__(
+        self,
+        kind: str,
+        pair: Sequence[Layer],
+        rooms: Sequence[Array],
+        notes: Array,
+        k: int,
+        me: int,
+    ) -> None:
+        gas, solid = pair
+        self.side, self.jump = int(gas.number > solid.number), np.zeros(4)
+        face = Face(kind, gas.law, solid.law, self.side == 1, float(solid.record["h"]))
+        # from the interface inwards; the rank with the last point of a layer has all these rows
+        inward, n = np.array([1, -1]) * (2 * self.side - 1), solid.op.n
+        self._owners = [v.share.ranks[(step - 1) // 2] for v, step in zip(pair, inward)]
+        self.here = [owner == me for owner in self._owners]
+        self._points = [v.local if h else r for v, r, h in zip(pair, rooms, self.here)]
+        firsts = [
+            int(v.record["lo" if step > 0 else "hi"] - v.record["own_lo"] + v.record["halo_lo"])
+            for v, step in zip(pair, inward)
+        ]
+        firsts = [f if h else (1 - s) // 2 * (n - 1) for f, h, s in zip(firsts, self.here, inward)]
+        self._columns = [first + step * np.arange(n) for first, step in zip(firsts, inward)]
+        self.sides = steps.Sides(
+            solid.op, face, gas.records, *self._points, *firsts, self.jump, notes, k
+        )
+
+    def halos(self, memory: Array) -> list[Halo]:
+        """The rows that two owners swap."""
+        if self.here[0] == self.here[1]:
+            return []
+        mine, other = self.here.index(True), self.here.index(False)
+        places = [
+            (place_in(memory, v) + v.shape[1] * np.arange(len(v))[:, None] + columns).ravel()
+            for v, columns in zip(self._points, self._columns)
+        ]
+        beyond = self._owners[other]
+        return [Halo({beyond: places[mine]}, {beyond: places[other]}, _NONE, _NONE)]
+
+    def coupling(self) -> list[Procedure]:
+        """What couples the two sides in the stage."""
+        return [self.does["couple"]] if any(self.here) else []
+
+    def note(self) -> list[Procedure]:
+        """What notes the interface: the owner of the solid does."""
+        return [self.does["note"]] if self.here[1] else []
+
+
+def place_in(memory: Array, part: Array) -> int:
+    """Where the numbers of a part of a memory begin."""
+    return (part.ctypes.data - memory.ctypes.data) // 8
