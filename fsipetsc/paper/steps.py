@@ -1,6 +1,6 @@
 """What is done in a stage and after a step: procedures, of which a step is a list.
 
-Where there are several ranks, exchanges stand between them in the list (fsipetsc.paper.parts). C
+Where there are several ranks, exchanges stand between them in the list (fsipetsc.parallel.exchange). C
 makes all calls of a batch of steps. Procedures of layers take a Part, and those after a step Steps,
 too; those of interfaces take Sides.
 """
