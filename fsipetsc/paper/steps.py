@@ -1,8 +1,8 @@
 """What is done in a stage and after a step: procedures, of which a step is a list.
 
-Where there are several ranks, exchanges stand between them in the list (fsipetsc.parallel.exchange). C
-makes all calls of a batch of steps. Procedures of layers take a Part, and those after a step Steps,
-too; those of interfaces take Sides.
+C makes all calls of a batch of steps, and exchanges between ranks among them
+(fsipetsc.parallel.exchange). Procedures of layers take a Part, and those after a step Steps, too;
+those of interfaces take Sides.
 """
 
 from collections.abc import Callable
