@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fsipetsc.equations.piecewise import Piecewise
     from fsipetsc.errors import ComputationError, FileError, FsiError, InputError
     from fsipetsc.materials.fluid import Fluid
-    from fsipetsc.materials.line_solid import Solid
+    from fsipetsc.materials.solid import Solid
     from fsipetsc.options import REQUIRED, Option
     from fsipetsc.output.differences import compare
     from fsipetsc.output.reader import Run, open_run
@@ -44,7 +44,7 @@ _HOMES = {
     "output.differences": ("compare",),
     "output.reader": ("Run", "open_run"),
     "materials.fluid": ("Fluid",),
-    "materials.line_solid": ("Solid",),
+    "materials.solid": ("Solid",),
     "problem": ("FluidLayer", "Problem", "SolidLayer"),
 }
 

@@ -19,7 +19,7 @@ from fsipetsc.boundaries import Boundary
 from fsipetsc.checks import Array, Fields, check_name, described, extent, function
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid
+from fsipetsc.materials.solid import Solid
 
 #: what can stand at the outer end of a layer
 ENDS = {"fluid": "Wall, Open or Dirichlet", "solid": "clamped(…), free(…) or absorbing(…)"}

@@ -18,8 +18,8 @@ import numpy as np
 
 from fsipetsc.boundaries import Wall, free
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.own import transport_law
+from fsipetsc.materials.solid import Solid
 from fsipetsc.materials.sutherland import sutherland
 from fsipetsc.options import Option
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer

@@ -4,7 +4,7 @@ import numpy as np
 
 from fsipetsc.boundaries import Wall
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid
+from fsipetsc.materials.solid import Solid
 from fsipetsc.options import Option
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 

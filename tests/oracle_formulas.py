@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.operators.coefficients import AXIS
+from fsipetsc.operators.bands import AXIS
 from fsipetsc.operators.sbp import operator
 
 TINY = 1e-30  # step into the complex plane, for derivatives

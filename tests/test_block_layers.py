@@ -11,8 +11,7 @@ from fsipetsc.blocks.block_problem import Meeting
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid
-from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.materials.solid import ElasticSolid, Solid
 
 GAS, SOLID = Fluid(0.1, 0.1, 1.4, 1.0), ElasticSolid(1.0, 1.0, 0.1, 1.0, 1.0)
 

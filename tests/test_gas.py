@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from recorded import recorded
 
-from fsipetsc.equations.logarithm import logarithm_rest
+from fsipetsc.equations.elementary import logarithm_rest
 from fsipetsc.kernels.loops import each
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.stiffened_gas import stiffened_gas

@@ -13,11 +13,10 @@ from fsipetsc.blocks.conditions import Slip
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.own import gas_law, solid_law, transport_law
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.power_law import power_law
-from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.materials.solid import ElasticSolid, Solid
 from fsipetsc.materials.solid_pressure import mie_gruneisen
 from fsipetsc.materials.stiffened_gas import stiffened_gas
 from fsipetsc.materials.sutherland import sutherland

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from fsipetsc.operators import OPERATORS, SBPOperator, operator
-from fsipetsc.operators.bands import centred_band
-from fsipetsc.operators.coefficients import AXIS
+from fsipetsc.operators.bands import AXIS, centred_band
 from fsipetsc.operators.narrow import ENDS, remainder
 
 ALL = pytest.mark.parametrize("op", OPERATORS.values(), ids=lambda op: op.name)

@@ -8,9 +8,9 @@ import pytest
 from recorded import recorded
 
 from fsipetsc.boundaries import Dirichlet, Open, absorbing, clamped, free
-from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.power_law import ConstantTransport
+from fsipetsc.materials.solid import Solid
 from fsipetsc.operators import OPERATORS
 from fsipetsc.operators.narrow import STIFFNESS, STIFFNESS_OF_WIDE, remainder
 from fsipetsc.paper.laws import Gas, law_of

@@ -6,7 +6,7 @@ import pytest
 from fsipetsc.cases.riemann import GasState, GasWave, SolidState, SolidWave, behind_shock
 from fsipetsc.cases.riemann import pressure_between as between
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid
+from fsipetsc.materials.solid import Solid
 
 GAS = Fluid(0.0, 0.0, 1.4, 1.0)
 

@@ -7,7 +7,7 @@ import numpy as np
 import oracle_formulas as formulas
 import pytest
 
-from fsipetsc.equations.square_root import square_root
+from fsipetsc.equations.tensors import square_root
 from fsipetsc.materials.own import solid_law
 from fsipetsc.materials.solid import LAWS, ElasticSolid
 from fsipetsc.materials.solid_pressure import gruneisen, mie_gruneisen

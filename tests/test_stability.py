@@ -10,7 +10,7 @@ from ratios import sandwich
 
 from fsipetsc.cases import load_case
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid
+from fsipetsc.materials.solid import Solid
 from fsipetsc.operators import OPERATORS, operator
 from fsipetsc.options import defaults
 from fsipetsc.paper.paper_state import PaperState

@@ -34,7 +34,7 @@ class SolidPart(BlockPart):
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
         super().__init__(layout, part, order, form)
         d, kappa, material = self._d, self._problem.symmetry, self.block.material
-        self.equations = material.radial_equations(kappa, d) if kappa else material.equations(d)
+        self.equations = material.equations(d, kappa)
         self.metrics = solid_metrics(self._problem, part.k, order, part.ghosted)
         self.inertia = self.metrics[d * d] * self.equations.m0
         self._masses = self.weights * self.inertia[self.owned]

@@ -12,7 +12,7 @@ the velocity v of the grid, and D_k of summation by parts,
 A pressure p that is the same everywhere gives p S to the momentum along r; so much is added again
 (fsipetsc.scheme.radial). J_t is what two-point fluxes let through a node that moves (RadialGas of
 fsipetsc.equations.gas). Beside an axis, where A has a kink, D along r has weights of its own (AXIS
-of fsipetsc.operators.coefficients).
+of fsipetsc.operators.bands).
 """
 
 from typing import Any, NamedTuple

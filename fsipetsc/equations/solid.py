@@ -28,20 +28,22 @@ from the motion is stored or becomes heat at the node itself, so that it does no
 F = 1 to the last bit. Source: docs/derivation.md, Solid.
 """
 
+from math import isqrt
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.equations.square_root import square_root
 from fsipetsc.equations.tensors import (
     add_unit,
     apply,
     apply_transposed,
+    bordered,
     cofactor,
+    corner,
     determinant,
-    diagonal,
     largest_stretch,
     outer,
+    square_root,
     transpose,
 )
 from fsipetsc.equations.vectors import add, add_last, along, dot, last_times, mean, scale
@@ -53,9 +55,10 @@ class Solid(NamedTuple):
     law, pressing: stress and pressure, as in fsipetsc.materials. m0: density at rest [kg/m3],
     alpha: specific heat [J/(kg K)], kappa: conductivity [W/(m K)], coupled: False with heat
     'elastic'. force: (d,) body force per mass [m/s2]. around: a zero for each hoop stretch, p_ref:
-    pressure [Pa] on faces that is no part of the stress; both of radial solids alone.
+    pressure [Pa] on faces that is no part of the stress; both around an axis or a centre alone.
 
-    Formulas take F with hoop stretches, where there are any.
+    Formulas take F with lambda as its last number, where there are hoops. N, v, gradients and what
+    formulas return have d dimensions, unless they say otherwise.
     """
 
     law: Any
@@ -70,11 +73,11 @@ class Solid(NamedTuple):
 
     def unstrained(self, like):
         """F at rest, for as many numbers as `like` has dimensions."""
-        return add_unit(1.0, outer(like, like))
+        return (*add_unit(1.0, outer(like, like)), *[1.0] * bool(self.around))
 
     def tensor(self, F):
-        """F as a tensor of the dimensions that the law has."""
-        return F
+        """F as a tensor of the dimensions that the law has, with hoops on the diagonal."""
+        return bordered(F[:-1], F[-1], len(self.around)) if self.around else F
 
     def weight(self, x):
         """r^kappa of a place, of what weighs the last number of its area vectors."""
@@ -92,12 +95,13 @@ class Solid(NamedTuple):
         return len(like) ** 2 + 1 + min(len(self.around), 1)
 
     def with_hoops(self, F, D, R):
-        """F with hoop stretches, from the displacement D and the radius R at rest."""
-        return F
+        """F with the hoop stretch, if any, from the displacement D and the radius R at rest."""
+        return (*F, 1.0 + D[-1] / R) if self.around else F
 
     def with_hoop_force(self, acceleration, v, e, F, R):
         """An acceleration less kappa P_o/(R m0) along r."""
-        return acceleration
+        P = self.full_stress(F, self.temperature(v, e, F))[-1]
+        return add_last(-len(self.around) * P / (self.m0 * R), acceleration)
 
     def curvature(self, R):
         """What hoop stress adds to the squared wave number that bounds a step [1/m2]:
@@ -113,10 +117,6 @@ class Solid(NamedTuple):
     def volume(self, F):
         """J."""
         return determinant(self.tensor(F))
-
-    def line_stress(self, F):
-        """Stress of the law in one dimension [Pa]."""
-        return self.law.stress(F)[0]
 
     def temperature(self, v, e, F):
         """T [K]."""
@@ -134,16 +134,22 @@ class Solid(NamedTuple):
 
     def stress_at(self, F, T):
         """P [Pa]."""
-        return self.full_stress(F, T)
+        return corner(self.full_stress(F, T), isqrt(len(F)))
 
-    def full_heat_flux(self, F, gradient):
-        """h in the dimensions of the law."""
-        C = cofactor(self.tensor(F))
-        return scale(self.kappa / self.volume(F), apply_transposed(C, apply(C, gradient)))
+    def line_stress(self, F):
+        """Stress of the law in one dimension [Pa]; around an axis or a centre that of Cauchy."""
+        stress = self.law.stress(self.tensor(F))[0]
+        return stress * F[0] / self.volume(F) - self.p_ref if self.around else stress
+
+    def hoop_stress(self, F, T):
+        """Cauchy stress of the hoops [Pa]."""
+        return self.full_stress(F, T)[-1] * F[-1] / self.volume(F) - self.p_ref
 
     def heat_flux(self, F, gradient):
         """h = kappa/J (cof F)^T cof F grad T [W/m2]: minus the flux of heat, per area at rest."""
-        return self.full_heat_flux(F, gradient)
+        C = cofactor(self.tensor(F))
+        flux = apply_transposed(C, apply(C, (*gradient, *self.around)))
+        return scale(self.kappa / self.volume(F), flux)[: len(gradient)]
 
     def wave_modulus_at(self, strain, T):
         """Upper bound of m0 c^2 [Pa], of waves along the stiffest direction at constant entropy."""
@@ -175,71 +181,7 @@ class Solid(NamedTuple):
         Q = add(self.law.acoustic_tensor(F, n), outer(a, b))
         return mean(Q, transpose(Q))
 
-    def full_resistance(self, F, T, N, v):
-        """sqrt(m0 Q) v in the dimensions of the law."""
-        root = square_root(scale(self.m0, self.acoustic_tensor(F, T, N)))
-        return apply(root, (*v, *self.around))
-
     def resistance(self, F, T, N, v):
         """Z v = sqrt(m0 Q) v [Pa]: the traction that waves along N have where they move with v."""
-        return self.full_resistance(F, T, N, v)
-
-
-class RadialSolid(Solid):
-    """The equations around an axis or a centre in one dimension; the law is one of kappa + 1
-    dimensions.
-    """
-
-    def unstrained(self, like):
-        return (*add_unit(1.0, outer(like, like)), 1.0)
-
-    def tensor(self, F):
-        """diag(dr/dR, lambda) or diag(dr/dR, lambda, lambda)."""
-        return diagonal(self.around, F[0], F[1])
-
-    def with_hoops(self, F, D, R):
-        return (*F, 1.0 + D[-1] / R)
-
-    def with_hoop_force(self, acceleration, v, e, F, R):
-        P = self.full_stress(F, self.temperature(v, e, F))[-1]
-        return add_last(-len(self.around) * P / (self.m0 * R), acceleration)
-
-    def hoop_stress(self, F, T):
-        """Cauchy stress of the hoops [Pa]."""
-        return self.full_stress(F, T)[-1] * F[-1] / self.volume(F) - self.p_ref
-
-    def line_stress(self, F):
-        """Cauchy stress of the law along the radius [Pa]."""
-        return self.law.stress(self.tensor(F))[0] * F[0] / self.volume(F) - self.p_ref
-
-    def stress_at(self, F, T):
-        """P_r [Pa]."""
-        return (self.full_stress(F, T)[0],)
-
-    def heat_flux(self, F, gradient):
-        """kappa J/F_r^2 dT/dR."""
-        return (self.full_heat_flux(F, (gradient[0], *self.around))[0],)
-
-    def resistance(self, F, T, N, v):
-        return (self.full_resistance(F, T, N, v)[0],)
-
-
-class AxialSolid(RadialSolid):
-    """The equations in two dimensions, (z, r); the law is one of three."""
-
-    def tensor(self, F):
-        """F of (z, r), and lambda."""
-        zero = 0.0 * F[0]
-        return (F[0], F[1], zero, F[2], F[3], zero, zero, zero, F[4])
-
-    def stress_at(self, F, T):
-        """P in (z, r) [Pa]."""
-        P = self.full_stress(F, T)
-        return (P[0], P[1], P[3], P[4])
-
-    def heat_flux(self, F, gradient):
-        """h in (z, r) [W/m2]."""
-        return self.full_heat_flux(F, (*gradient, 0.0))[:2]
-
-    def resistance(self, F, T, N, v):
-        return self.full_resistance(F, T, N, v)[:2]
+        root = square_root(scale(self.m0, self.acoustic_tensor(F, T, N)))
+        return apply(root, (*v, *self.around))[: len(v)]

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.equations.vectors import Vector, dot, total
+from fsipetsc.equations.vectors import Vector, along, dot, scale, total
 
 Tensor = tuple[Any, ...]
 
@@ -76,10 +76,17 @@ def add_unit(c: Any, F: Tensor) -> Tensor:
     return tuple(F[n] if n % step else F[n] + c for n in range(len(F)))
 
 
-def diagonal(around: Vector, first: Any, other: Any) -> Tensor:
-    """diag(first, other) or diag(first, other, other), by the length of around."""
-    between = (0.0 * first,) * (len(around) + 1)
-    return (first, *(*between, other) * len(around))
+def bordered(F: Tensor, c: Any, more: int) -> Tensor:
+    """F with so many more rows and columns, which have c on the diagonal."""
+    d, zero = isqrt(len(F)), 0.0 * F[0]
+    wider = [(*row, *(zero,) * more) for row in rows(F)]
+    last = [tuple(c if j == i else zero for j in range(d + more)) for i in range(d, d + more)]
+    return tuple(entry for row in (*wider, *last) for entry in row)
+
+
+def corner(F: Tensor, d: int) -> Tensor:
+    """The first d rows and columns."""
+    return tuple(entry for row in rows(F)[:d] for entry in row[:d])
 
 
 def cofactor(F: Tensor) -> Tensor:
@@ -168,3 +175,39 @@ def largest_eigenvalue(B):
 def largest_stretch(F):
     """An upper bound of |F N|^2 over directions N, exact for a rotation or a diagonal F."""
     return largest_eigenvalue(transposed_product(F, F))
+
+
+# square roots
+
+#: of Jacobi's rotations in one, two and three dimensions
+ROTATIONS = 0, 1, 18
+#: eigenvalues below this part of the largest one are round-off of 0
+LEAST = 1e-14
+
+
+def square_root(A):
+    """The symmetric tensor U with U U = A, of the symmetric one A of d*d numbers, as an acoustic
+    tensor; eigenvalues below 0 count as 0.
+
+    Jacobi's rotations make A diagonal (G. H. Golub and C. F. Van Loan, Matrix Computations, section
+    8.5), in one and two dimensions as a part of three. A diagonal tensor needs none, c + a a^T two
+    or three, any other some ten; more of them change round-off alone. They take +, -, *, / and
+    square roots, which are rounded in the same way everywhere. The closed formula for three
+    eigenvalues takes an arc cosine, and loses half of the digits where two are equal.
+    """
+    d, pairs = isqrt(len(A)), ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+    p, q, r, pq, pr, qr = (A[i * d + j] if max(i, j) < d else 0.0 * A[0] for i, j in pairs)
+    x, y, z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+    for _ in range(ROTATIONS[d - 1]):
+        apart = q - p
+        size = abs(apart) + np.sqrt(apart * apart + 4.0 * pq * pq) + 1e-300
+        t = np.where(apart >= 0.0, 2.0, -2.0) * pq / size  # tangent of the smaller angle
+        c = 1.0 / np.sqrt(1.0 + t * t)
+        s = t * c
+        # the axes change their places, so that each pair has its turn: the second one is the first
+        p, q, r, pq, pr, qr = q + t * pq, r, p - t * pq, s * pr + c * qr, 0.0, c * pr - s * qr
+        x, y, z = along(scale(s, x), c, y), z, along(scale(c, x), -s, y)
+    least = LEAST * np.maximum(np.maximum(p, q), r)
+    a, b, c = (np.where(n > least, np.sqrt(np.maximum(n, 0.0)), 0.0) for n in (p, q, r))
+    ordered = [(min(i, j), max(i, j)) for i in range(d) for j in range(d)]
+    return tuple(a * x[i] * x[j] + b * y[i] * y[j] + c * z[i] * z[j] for i, j in ordered)

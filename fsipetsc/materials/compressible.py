@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fsipetsc.equations.logarithm import logarithm_rest
+from fsipetsc.equations.elementary import logarithm_rest
 from fsipetsc.equations.tensors import (
     add_unit,
     apply,
@@ -35,17 +35,6 @@ from fsipetsc.equations.tensors import (
     shear_excess,
 )
 from fsipetsc.equations.vectors import along, scale
-
-
-def tensor_of_waves(mu_e, s, F, N):
-    """mu_e + s a a^T [Pa], a = cof F N."""
-    a = apply(cofactor(F), N)
-    return add_unit(mu_e, outer(scale(s, a), a))
-
-
-def largest_modulus(mu_e, s, F):
-    """The largest m0 c^2 [Pa] of waves in any direction."""
-    return mu_e + np.maximum(s, 0.0) * largest_stretch(cofactor(F))
 
 
 class NeoHookean(NamedTuple):
@@ -68,46 +57,33 @@ class NeoHookean(NamedTuple):
         shear = 0.5 * self.mu_e * (shear_excess(F) + j * j + 2.0 * rest)
         return shear + 0.5 * self.lambda_e * (j - rest) * (j - rest) - self.p_ref * j
 
+    def _s(self, F):
+        J = determinant(F)
+        return (self.lambda_e * (1.0 - np.log(J)) + self.mu_e) / (J * J)
+
     def acoustic_tensor(self, F, N):
-        """Q [Pa]."""
-        return tensor_of_waves(self.mu_e, _neo_hookean(self, determinant(F)), F, N)
+        """mu_e + s a a^T [Pa], a = cof F N."""
+        a = apply(cofactor(F), N)
+        return add_unit(self.mu_e, outer(scale(self._s(F), a), a))
 
     def wave_modulus(self, F):
-        """Largest m0 c^2 [Pa]."""
-        return largest_modulus(self.mu_e, _neo_hookean(self, determinant(F)), F)
+        """The largest m0 c^2 [Pa] of waves in any direction."""
+        return self.mu_e + np.maximum(self._s(F), 0.0) * largest_stretch(cofactor(F))
 
 
-def _neo_hookean(law, J):
-    """s [Pa]."""
-    return (law.lambda_e * (1.0 - np.log(J)) + law.mu_e) / (J * J)
-
-
-class Log(NamedTuple):
-    """As NeoHookean."""
-
-    mu_e: float
-    lambda_e: float
-    p_ref: float
+class Log(NeoHookean):
+    """Its numbers and waves are those of NeoHookean, with another s."""
 
     def stress(self, F):
-        """P [Pa]."""
         J, j, K = determinant(F), determinant_excess(F), 2.0 * self.mu_e + self.lambda_e
         pull = K * np.log1p(j) - self.mu_e * J - self.p_ref
         return along(scale(self.mu_e, F), pull, cofactor(F))
 
     def energy(self, F):
-        """W [J/m3]."""
         j, K = determinant_excess(F), 2.0 * self.mu_e + self.lambda_e
         rest = logarithm_rest(j, determinant(F))
         shear = 0.5 * self.mu_e * shear_excess(F)
         return shear + K * (j * (j - rest) - rest) - self.p_ref * j
 
-    def acoustic_tensor(self, F, N):
-        """Q [Pa]."""
-        K = 2.0 * self.mu_e + self.lambda_e
-        return tensor_of_waves(self.mu_e, K / determinant(F) - self.mu_e, F, N)
-
-    def wave_modulus(self, F):
-        """Largest m0 c^2 [Pa]."""
-        K = 2.0 * self.mu_e + self.lambda_e
-        return largest_modulus(self.mu_e, K / determinant(F) - self.mu_e, F)
+    def _s(self, F):
+        return (2.0 * self.mu_e + self.lambda_e) / determinant(F) - self.mu_e

@@ -27,36 +27,53 @@ from fsipetsc.equations.tensors import (
 from fsipetsc.equations.vectors import add, along, dot, scale
 
 
-def hooke(law, E):
-    """S [Pa]; of the strain of Green it is the second Piola–Kirchhoff stress."""
-    return add_unit(law.lambda_e * trace(E), scale(2.0 * law.mu_e, E))
-
-
-def stored(law, E, F):
-    """W [J/m3]."""
-    of_trace = 0.5 * law.lambda_e * trace(E) * trace(E)
-    return of_trace + law.mu_e * dot(E, E) - law.p_ref * determinant_excess(F)
-
-
-def small_strain(F):
-    """(F + F^T)/2 - 1."""
-    return add_unit(-1.0, scale(0.5, add(F, transpose(F))))
-
-
-class LinearElastic(NamedTuple):
+class StVenantKirchhoff(NamedTuple):
     """mu_e, lambda_e: Lamé's constants [Pa], p_ref: pressure under which F = 1 [Pa]."""
 
     mu_e: float
     lambda_e: float
     p_ref: float
 
+    def _strain(self, F):
+        """E."""
+        return scale(0.5, twice_strain(F))
+
+    def _hooke(self, F):
+        """S [Pa]; of the strain of Green it is the second Piola–Kirchhoff stress."""
+        E = self._strain(F)
+        return add_unit(self.lambda_e * trace(E), scale(2.0 * self.mu_e, E))
+
     def stress(self, F):
         """P [Pa]."""
-        return along(hooke(self, small_strain(F)), -self.p_ref, cofactor(F))
+        return along(product(F, self._hooke(F)), -self.p_ref, cofactor(F))
 
     def energy(self, F):
         """W [J/m3]."""
-        return stored(self, small_strain(F), F)
+        E = self._strain(F)
+        of_trace = 0.5 * self.lambda_e * trace(E) * trace(E)
+        return of_trace + self.mu_e * dot(E, E) - self.p_ref * determinant_excess(F)
+
+    def acoustic_tensor(self, F, N):
+        """Q = N . S N + (lambda_e + mu_e) (F N) (F N)^T + mu_e F F^T [Pa]."""
+        stretched = apply(F, N)
+        along_it = outer(scale(self.lambda_e + self.mu_e, stretched), stretched)
+        across = scale(self.mu_e, product_transposed(F, F))
+        return add_unit(dot(N, apply(self._hooke(F), N)), add(along_it, across))
+
+    def wave_modulus(self, F):
+        """Upper bound of m0 c^2 [Pa]: K |F N|^2 + N . S N."""
+        pull = largest_eigenvalue(self._hooke(F))
+        return (2.0 * self.mu_e + self.lambda_e) * largest_stretch(F) + pull
+
+
+class LinearElastic(StVenantKirchhoff):
+    """Its numbers and energy are those of StVenantKirchhoff, of the small strain."""
+
+    def _strain(self, F):
+        return add_unit(-1.0, scale(0.5, add(F, transpose(F))))
+
+    def stress(self, F):
+        return along(self._hooke(F), -self.p_ref, cofactor(F))
 
     def acoustic_tensor(self, F, N):
         """Q = mu_e + (lambda_e + mu_e) N N^T [Pa]."""
@@ -65,32 +82,3 @@ class LinearElastic(NamedTuple):
     def wave_modulus(self, F):
         """m0 c^2 = 2 mu_e + lambda_e [Pa]."""
         return 2.0 * self.mu_e + self.lambda_e
-
-
-class StVenantKirchhoff(NamedTuple):
-    """As LinearElastic."""
-
-    mu_e: float
-    lambda_e: float
-    p_ref: float
-
-    def stress(self, F):
-        """P [Pa]."""
-        S = hooke(self, scale(0.5, twice_strain(F)))
-        return along(product(F, S), -self.p_ref, cofactor(F))
-
-    def energy(self, F):
-        """W [J/m3]."""
-        return stored(self, scale(0.5, twice_strain(F)), F)
-
-    def acoustic_tensor(self, F, N):
-        """Q = N . S N + (lambda_e + mu_e) (F N) (F N)^T + mu_e F F^T [Pa]."""
-        S, stretched = hooke(self, scale(0.5, twice_strain(F))), apply(F, N)
-        along_it = outer(scale(self.lambda_e + self.mu_e, stretched), stretched)
-        across = scale(self.mu_e, product_transposed(F, F))
-        return add_unit(dot(N, apply(S, N)), add(along_it, across))
-
-    def wave_modulus(self, F):
-        """Upper bound of m0 c^2 [Pa]: K |F N|^2 + N . S N."""
-        pull = largest_eigenvalue(hooke(self, scale(0.5, twice_strain(F))))
-        return (2.0 * self.mu_e + self.lambda_e) * largest_stretch(F) + pull

@@ -9,7 +9,7 @@ made of functions here.
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
-from itertools import count, islice
+from itertools import chain, count, islice
 from types import FunctionType
 from typing import Any, NamedTuple
 
@@ -150,7 +150,7 @@ PRESSURE = Kind("pressure_law", ConstantPressure, _Pressure)
 
 def _formulas(cls: type) -> dict[str, Formula]:
     """The methods of a class by name."""
-    every = vars(cls).items()
+    every = chain(*(vars(base).items() for base in reversed(cls.__mro__)))
     return {name: of for name, of in every if isinstance(of, FunctionType) and name[0] != "_"}
 
 

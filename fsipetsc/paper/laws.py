@@ -6,7 +6,7 @@ Their laws are those of fsipetsc.materials: ``gas.law.pressure(rho, T)``.
 from typing import Any, NamedTuple
 
 from fsipetsc.materials.fluid import Fluid, force_in
-from fsipetsc.materials.line_solid import Elastic, Solid
+from fsipetsc.materials.solid import Elastic, Solid
 
 
 class Gas(NamedTuple):

@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsipetsc.errors import InputError
-from fsipetsc.operators.bands import NO_AXIS, Band, Patch
-from fsipetsc.operators.coefficients import AXIS
+from fsipetsc.operators.bands import AXIS, NO_AXIS, Band, Patch
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_shares import Extent, share_out
 from fsipetsc.parallel.exchange import Exchange

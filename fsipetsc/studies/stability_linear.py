@@ -35,7 +35,7 @@ from fsipetsc.cases.common import gas_of, solid_of
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.kernels.unit import unit
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid
+from fsipetsc.materials.solid import Solid
 from fsipetsc.operators import operator
 from fsipetsc.operators.narrow import remainder
 from fsipetsc.operators.sbp import row_length
