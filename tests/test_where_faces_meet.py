@@ -77,7 +77,7 @@ REFUSED = {
         alone("gas", Slip(), north=moving(0, -1, kind=Slip), east=moving(-1, 0, kind=Slip)),
         "meet at .* = .1, 1. with velocities",
     ),
-    "clamps": (alone("solid", Clamped(), north=moving(0, 1, kind=Clamped)), "be Roller, or move"),
+    "clamps": (alone("solid", Clamped(), north=moving(0, 1, kind=Clamped)), "be Slip or Roller"),
     "a clamp and a hinge": (
         alone("solid", Free(), (("solid", (0.0, 1.0), Hinge()),), north=Clamped(velocity=sliding)),
         "Clamped of 'solid', axis 1, side 1, and a Hinge meet",
@@ -88,33 +88,6 @@ REFUSED = {
         r"NoSlip of 'gas', axis 0, side 0, meets at \(X, Y\) = \(0, 1\) a solid that slides along",
     ),
     "a solid that is free": (stacked(NoSlip(), Free()), "NoSlip .* a solid that slides along it"),
-}
-NOTED = {
-    "two temperatures": (
-        alone("gas", NoSlip(T=300.0), north=NoSlip(T=400.0)),
-        {"with temperatures of 400 and 300 K: the first one counts"},
-    ),
-    "of gas and solid": (
-        stacked(
-            NoSlip(slip_length=1.0),
-            Roller(),
-            gas=NoSlip(T=2.0, slip_length=1.0),
-            solid=Roller(T=1.0),
-        ),
-        {"NoSlip of 'gas', axis 0, side 0, and Roller of 'solid', axis 0, side 0, meet"},
-    ),
-    "flow given beside a wall": (
-        alone("gas", NoSlip(), west=Given(lambda X, Y, t: (1.0 + 0.0 * X, 0.5, 0.0, 1.0))),
-        {"Given of 'gas', axis 0, side 0, and NoSlip", "with velocities of (0.5, 0) and (0, 0)"},
-    ),
-    "a wall that runs into another": (
-        alone("gas", Slip(), north=moving(1, 0)),
-        {"NoSlip of 'gas', axis 1, side 1, and Slip of 'gas', axis 0, side 0, meet"},
-    ),
-    "a clamp across a roller": (
-        alone("solid", Roller(), north=moving(1, 0, kind=Clamped)),
-        {"Clamped of 'solid', axis 1, side 1, and Roller"},
-    ),
 }
 ACCEPTED = {
     "slip at the sides": alone("gas", Slip(), north=moving(0, -1)),
@@ -130,34 +103,32 @@ ACCEPTED = {
     ),
     "a solid that slides, with drag": stacked(NoSlip(slip_length=1.0), Roller()),
     "a clamped solid": stacked(NoSlip(), Clamped()),
-    "equal temperatures": alone("gas", NoSlip(T=300.0), north=NoSlip(T=300.0)),
+    "two temperatures": alone("gas", NoSlip(T=300.0), north=NoSlip(T=400.0)),
+    "flow given beside a wall": alone(
+        "gas", NoSlip(), west=Given(lambda X, Y, t: (1.0 + 0.0 * X, 0.5, 0.0, 1.0))
+    ),
+    "a wall that runs into one that slips": alone("gas", Slip(), north=moving(1, 0)),
+    "a clamp across a roller": alone("solid", Roller(), north=moving(1, 0, kind=Clamped)),
 }
 
 
-def said(problem, t=1.0):
-    prescribed = Prescribed(problem, particles_of(problem), lambda: 1e-3)
+def refresh(problem, t=1.0):
+    particles = particles_of(problem)
+    prescribed = Prescribed(problem, particles, range(len(particles)), lambda: 1e-3)
     prescribed.refresh(0.0)  # all velocities are 0 then
     prescribed.refresh(t)
-    return [words for _, _, words in prescribed.notes()]
 
 
 @pytest.mark.parametrize("case", REFUSED)
 def test_velocities_that_cannot_be_are_refused(case):
     problem, words = REFUSED[case]
     with pytest.raises(InputError, match=words):
-        said(problem)
-
-
-@pytest.mark.parametrize("case", NOTED)
-def test_contradictions_are_noted(case):
-    problem, words = NOTED[case]
-    found = said(problem)
-    assert found and all(any(word in line for line in found) for word in words), found
+        refresh(problem)
 
 
 @pytest.mark.parametrize("case", ACCEPTED)
 def test_what_fits_together_is_accepted(case):
-    assert said(ACCEPTED[case]) == []
+    refresh(ACCEPTED[case])
 
 
 @pytest.mark.parametrize(

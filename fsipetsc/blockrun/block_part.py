@@ -25,7 +25,7 @@ Array = NDArray[Any]
 
 class Recorded(NamedTuple):
     """What procedures of parts take beside the parts. particles: the record of the particle system,
-    see fsipetsc.particles.records; gain, found: see fsipetsc.scheme.part and steps.
+    see fsipetsc.particles.system; gain, found: see fsipetsc.scheme.part and steps.
     at_particles: block -> its faces at constraints. begins: name -> where a series begins in the
     record of a step. ends: the solid ends of interfaces in one dimension.
     """

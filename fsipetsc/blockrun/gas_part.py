@@ -69,7 +69,7 @@ class GasPart(BlockPart):
 
     def begin(self) -> None:
         """Find the metrics of the grid where nothing has moved, once the code is loaded."""
-        self.grid.move(np.zeros((self.gather.whole.shape[0], self._d)))
+        self.grid.move(np.zeros((self.gather.table.shape[0], self._d)))
         self.reference[:] = self.grid.jacobian()[self.owned]
 
     def _record(self, about: Recorded) -> Code:
@@ -107,7 +107,7 @@ class GasPart(BlockPart):
             masses=self.weights,
             follows=self._particles,
             rows=self.gather.rows,
-            known=self.gather.whole if self.moves else None,
+            known=self.gather.table if self.moves else None,
             grid=self.grid.record,
             reference=self.reference,
             sums=np.zeros(sums_of(d)),

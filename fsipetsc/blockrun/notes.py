@@ -3,8 +3,6 @@ grid does not resolve at the end. NOTES says when each is asked for; all are col
 """
 
 from collections.abc import Iterator
-from itertools import chain
-from operator import itemgetter
 
 import numpy as np
 from mpi4py import MPI
@@ -58,13 +56,6 @@ def asked_data(state: BlockSolution) -> list[str]:
     why = [one for some in state.comm.allgather(state.scheme.not_recorded) for one in some]
     words = "Python is asked for data in each stage of a step, which takes longer"
     return [f"{words}: {why[0]}"] if why else []
-
-
-def contradictions(state: BlockSolution) -> list[str]:
-    """Conditions that contradict each other: the worst place of each pair."""
-    said = chain(*state.comm.allgather(state.scheme.particles.prescribed.notes()))
-    first = {pair: words for pair, _, words in sorted(said, key=itemgetter(1), reverse=True)}
-    return sorted(first.values())
 
 
 def pressure_jumps(state: BlockSolution) -> list[str]:
@@ -218,7 +209,7 @@ def _at_walls(
 
 #: when -> what may be said then
 NOTES = {
-    "begin": (walls_away, weak_hinges, loose_forces, asked_data, contradictions, pressure_jumps),
+    "begin": (walls_away, weak_hinges, loose_forces, asked_data, pressure_jumps),
     "end": (unresolved, lambda state: [f"at the end {said}" for said in inflows(state)]),
     "failed": (inflows,),
 }

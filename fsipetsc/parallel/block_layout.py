@@ -26,7 +26,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.operators.bands import AXIS, NO_AXIS, Band, Patch
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_shares import Extent, share_out
-from fsipetsc.parallel.exchange import Exchange
+from fsipetsc.parallel.exchange import Exchange, RowExchange
 from fsipetsc.parallel.halo import Halo, Reach, exchange_of, halo_of
 
 Array = NDArray[np.float64]
@@ -269,26 +269,22 @@ class BlockVector:
         return part.local.T if part.has_halo else self.owned(k)
 
 
-class FaceGather(Exchange):
+class FaceGather(RowExchange):
     """Numbers of nodes of block k, from the ranks that own the nodes to all of the block.
 
-    nodes: of these those that this rank owns. whole: (all nodes, columns), of which ``rows`` are to
+    nodes: of these those that this rank owns. table: (all nodes, columns), of which ``rows`` are to
     be filled for these before the exchange. Making one is collective on the ranks of the block.
     """
 
     def __init__(self, layout: BlockLayout, k: int, nodes: Numbers, columns: int) -> None:
         share, me = layout.shares[k], layout.comm.rank
         owners = share.owners(nodes) if nodes.size else nodes
-        self.rows = np.flatnonzero(owners == me)
-        self.nodes, self.whole = nodes[self.rows], np.zeros((nodes.size, columns))
-        places = np.arange(nodes.size * columns).reshape(nodes.size, columns)
-        own, others = places[self.rows].ravel(), [rank for rank in share.ranks if rank != me]
-        received = {rank: places[owners == rank].ravel() for rank in others}
-        received = {rank: of_rank for rank, of_rank in received.items() if of_rank.size}
-        sent = {rank: own for rank in others if own.size}
-        none, numbers = np.zeros(0, np.int64), self.whole.reshape(-1)
-        about = layout.comm, GATHER_TAG + k
-        super().__init__(*about, sent, received, (none, none), numbers, numbers)
+        rows = {rank: np.flatnonzero(owners == rank) for rank in share.ranks}
+        self.rows, self.nodes = rows[me], nodes[rows[me]]
+        received = {r: of_rank for r, of_rank in rows.items() if of_rank.size and r != me}
+        sent = {r: self.rows for r in share.ranks if self.rows.size and r != me}
+        table = np.zeros((nodes.size, columns))
+        super().__init__(layout.comm, GATHER_TAG + k, sent, received, table)
 
 
 class NaturalOrder:

@@ -19,6 +19,7 @@ from fsipetsc.kernels.unit import c_source
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 _POINTER, _NUMBER = ctypes.c_void_p, ctypes.c_long
+_NO = np.zeros(0, np.int64)
 
 
 class _Copies(ctypes.Structure):
@@ -119,6 +120,23 @@ class Exchange:
         self._requests = []
 
 
+class RowExchange(Exchange):
+    """Exchange of rows of a table, (rows, columns). sent, received: rank -> numbers of rows."""
+
+    def __init__(
+        self,
+        comm: MPI.Comm,
+        tag: int,
+        sent: Mapping[int, Numbers],
+        received: Mapping[int, Numbers],
+        table: Array,
+    ) -> None:
+        places = np.arange(table.size).reshape(table.shape)
+        of, to = ({r: places[rows].ravel() for r, rows in m.items()} for m in (sent, received))
+        self.table, numbers = table, table.reshape(-1)
+        super().__init__(comm, tag, of, to, (_NO, _NO), numbers, numbers)
+
+
 class Reduction:
     """Replaces an array by the largest numbers of all ranks, one by one."""
 
@@ -133,9 +151,6 @@ class Reduction:
     def load(self, library: ctypes.CDLL) -> None:
         """Take the function from a library with ``exchange_text``."""
         self.address = ctypes.cast(library.reduce, _POINTER).value
-
-
-_NO = np.zeros(0, np.int64)
 
 
 def _of_mpi(name: str) -> int | None:

@@ -1,4 +1,5 @@
-"""Constraints of a particle, by Gauss's principle: see fsipetsc.particles.procedures.
+"""Constraints of a particle: of its motion by Gauss's principle, see fsipetsc.particles.procedures,
+and of temperatures: one of gas and solid where both conduct, or those that are given.
 
 one: what is known of a particle, its facts; p: its number. Accelerations, or velocities, a of the
 gas and b of the solid are lists of variables where constraints change them.
@@ -8,8 +9,8 @@ import numpy as np
 
 from fsipetsc.equations.vectors import add, choose, dot, per, scale, sub
 from fsipetsc.kernels.arrays import node, part_of, put_part
-from fsipetsc.kernels.loops import each, number, otherwise, pick, variable, when
-from fsipetsc.particles.members import SLIPS
+from fsipetsc.kernels.loops import each, number, otherwise, pick, stop, variable, when
+from fsipetsc.particles.members import SLIPS, SOLID
 
 #: a pivot below this part of its size before elimination belongs to a constraint that others imply
 REDUNDANT = 1e-9
@@ -88,8 +89,8 @@ def slide(all, gain):
     """Project velocities on what the constraints allow; the kinetic energy that the solid loses
     goes to the gas.
     """
-    for p in each(all.table.facts.shape[0]):
-        one = all.table.facts[p]
+    for p in each(all.facts.shape[0]):
+        one = all.facts[p]
         with when(one.count > 0):
             slide_one(all, gain, p, one)
 
@@ -102,7 +103,7 @@ def slide_one(all, gain, p, one):
     u = velocity(like, U, p, M)
     for k in each(one.count):
         G, S = vectors(like, normals, p, k)
-        pi[k] = np.where(all.table.constraint[p, k] == SLIPS, dot(add(G, S), w), 0.0)
+        pi[k] = np.where(all.constraint[p, k] == SLIPS, dot(add(G, S), w), 0.0)
     new_u, new_v = list(map(variable, u)), list(map(variable, v))
     solve(all, p, one, M, M_s, new_u, new_v)
     new_u, new_v = value_of(new_u), value_of(new_v)
@@ -136,7 +137,7 @@ def powers(all, p, one, force, u, v, w):
     with when((one.count > 0) & (one.free_gas == 1) & (one.sticks == 0)):
         power.value = 0.0
         for k in each(one.count):
-            with when(all.table.constraint[p, k] == SLIPS):
+            with when(all.constraint[p, k] == SLIPS):
                 G, S = vectors(all.like, all.normals, p, k)
                 power.value += all.pi[k] * dot(add(G, S), w)
                 of_solid.value -= all.pi[k] * dot(S, v)
@@ -153,7 +154,7 @@ def book(all, gain, p, one, v, w, force, force_s, power, of_solid):
             push = scale(all.pi[k], add(*vectors(like, all.normals, p, k)))
             for c in range(len(like)):
                 impulse[c] += push[c]
-            slips = all.table.constraint[p, k] == SLIPS
+            slips = all.constraint[p, k] == SLIPS
             at = pick(slips, one.moves_gas, one.moves_solid)
             energies[at] += dot(push, choose(slips, w, v))
     with otherwise():
@@ -171,5 +172,98 @@ def right_sides(all, p, one, u, v, w, w_t):
     for k in each(one.count):
         (G, S), (G_t, S_t) = (vectors(like, of, p, k) for of in (all.normals, all.turning))
         turns = dot(S_t, sub(u, v)) - dot(add(G_t, S_t), sub(u, w))
-        slips = all.table.constraint[p, k] == SLIPS
+        slips = all.constraint[p, k] == SLIPS
         wanted[k] = np.where(slips, turns + dot(add(G, S), w_t), 0.0)
+
+
+# temperatures
+
+
+def weigh_heat(all):
+    """Mean specific heat of the solid members of each particle, and mean of what they store."""
+    state = all.state
+    for p in each(all.facts.shape[0]):
+        mass, heat, energy = sums = variable(), variable(), variable()
+        for m in each(all.begin[p], all.begin[p + 1]):
+            r = all.row[m]
+            with when(all.kind[r] == SOLID):
+                mass.value += all.weight[r]
+                heat.value += all.weight[r] * all.alpha[r]
+                energy.value += all.weight[r] * all.stored[r, 0]
+        M_s, heat, energy = value_of(sums)
+        with when(M_s > 0.0):
+            state.capacity[p] = heat / M_s
+            state.potential[p] = energy / M_s
+
+
+def share_heat(law, which, all, gain):
+    """One temperature of gas and solid where both conduct, or that which is given of the gas: of
+    particles whose gas has this law, the one of this number.
+    """
+    for p in each(all.facts.shape[0]):
+        one, M = all.facts[p], all.state.mass[p]
+        warm, asked = one.warm_gas == 1, (one.warm_gas == 1) | (one.warm_solid == 1)
+        with when((one.law == which) & (warm | (one.shares_heat == 1)) & (M > 0.0)):
+            u = velocity(all.like, all.state.U, p, M)
+            with when(warm):
+                warm_the_gas(law, all, gain, p, one, 0.5 * dot(u, u))
+            with when(~asked):
+                share_one(law, all, p, 0.5 * dot(u, u), rest_of(all, p))
+
+
+def warm_solids(all, gain):
+    """The solids whose temperature is given get it."""
+    for p in each(all.facts.shape[0]):
+        one = all.facts[p]
+        with when((one.warm_solid == 1) & (all.state.solid_mass[p] > 0.0)):
+            warm_the_solid(all, gain, p, one, rest_of(all, p))
+
+
+def rest_of(all, p):
+    """Energy per mass of a solid that is no heat."""
+    v = node(all.like, all.state.v, p)
+    return all.state.potential[p] + 0.5 * dot(v, v)
+
+
+def share_one(law, all, p, of_gas, of_solid):
+    """One temperature of gas and solid. of_gas, of_solid: energies per mass that are no heat."""
+    state, U, at_E = all.state, all.state.U, len(all.like) + 1
+    rho, M, M_s, e, c = U[p, 0], state.mass[p], state.solid_mass[p], state.e[p], state.capacity[p]
+    energy = U[p, at_E] / rho
+    heat = M * (energy - of_gas) + M_s * (e - of_solid)
+    T = common_temperature(law, rho, M, M_s * c, heat, (e - of_solid) / c)
+    sum_of_both = M * U[p, at_E] / rho + M_s * e  # it stays
+    e = of_solid + c * T
+    state.e[p] = e
+    U[p, at_E] = rho * (sum_of_both - M_s * e) / M
+
+
+def warm_the_gas(law, all, gain, p, one, of_gas):
+    """Let the gas have the temperature that is given."""
+    U, at_E = all.state.U, len(all.like) + 1
+    E = U[p, 0] * (law.internal_energy(U[p, 0], all.data.T[p]) + of_gas)
+    came = np.where(one.mine == 1, all.state.V[p] * (E - U[p, at_E]), 0.0)
+    gain.energy[one.heats_gas] += came
+    gain.heat[one.heats_gas] += came
+    U[p, at_E] = E
+
+
+def warm_the_solid(all, gain, p, one, of_solid):
+    """Let the solid have the temperature that is given."""
+    e = of_solid + all.state.capacity[p] * all.data.T_solid[p]
+    came = np.where(one.mine == 1, all.state.solid_mass[p] * (e - all.state.e[p]), 0.0)
+    gain.energy[one.heats_solid] += came
+    gain.heat[one.heats_solid] += np.where(one.given_solid == 0, came, 0.0)
+    all.state.e[p] = e
+
+
+def common_temperature(law, rho, M, capacity, heat, first):
+    """T at which a gas of mass M and a solid have this heat, by Newton's method from a first T."""
+    found = variable(first)
+    for _ in each(20):
+        T = found.value
+        missing = heat - M * law.internal_energy(rho, T) - capacity * T
+        change = missing / (M * law.heat_capacity(rho, T) + capacity)
+        found.value = T + change
+        stop(~(abs(change) > 1e-15 * abs(T + change)))
+    return found.value

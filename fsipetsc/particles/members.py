@@ -34,6 +34,8 @@ from fsipetsc.blocks.maps import place_text
 from fsipetsc.errors import InputError
 
 SLIPS, ROLLS = 0, 1
+#: kinds of members
+GAS, SOLID = 0, 1
 #: a wall that goes into the gas of another one more steeply than by 30 degrees is a wall of its own
 CONCAVE = -0.5
 #: rollers whose unit normals have at least this scalar product are one
@@ -78,7 +80,7 @@ class Particle:
     prescribes the velocity of the gas, slip that of a wall along which it slips, clamp the motion
     of the solid, given_gas and given_solid all unknowns, warm_gas and warm_solid a temperature.
     faces: by these names the face, (block, axis, side), whose condition it is. asked: all that hold
-    gas or solid or have a temperature, if they are several.
+    gas or solid, if they are several.
     """
 
     members: list[tuple[int, int]]
@@ -186,7 +188,7 @@ def _asked(
     """
     asked = [] if hinge is None else [Asked(hinge, None, None)]
     for face, met in found:
-        if warms(met) or met.holds:
+        if met.holds:
             normal = directions[face][0] if face in directions else None
             name = particle.members[face.member][0], face.axis, face.side
             asked.append(Asked(met, name, normal))

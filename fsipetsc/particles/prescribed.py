@@ -1,20 +1,25 @@
 """What conditions prescribe at an instant for the particles of a rank: motion, temperatures, all
 unknowns.
+
+Where faces meet, one condition decides: docs/cases.md has a table. Where another one that sticks or
+clamps, or that moves, wants a second velocity there, the equations have a singularity: density or
+stress at that node grows as 1/h, and no grid converges. That is refused as soon as the velocities
+differ.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blame import place_of
 from fsipetsc.blocks.conditions import moves
+from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.values import datum, names_of
 from fsipetsc.errors import InputError
-from fsipetsc.particles.contradictions import Contradictions, Note
-from fsipetsc.particles.members import Particle
-from fsipetsc.particles.records import Data
+from fsipetsc.particles.members import Asked, Particle
 from fsipetsc.scheme.recorded_data import (
     Make,
     Recorder,
@@ -43,125 +48,133 @@ SECOND = (
     ((-1 / 3, 1.5, -3.0, 11 / 6), (-1.0, 4.0, -5.0, 2.0)),
 )
 #: At so many times a given velocity is held against the place; at how many it must be wrong, and by
-#: which part. Steps of differences over the run, the shortest first. AT: times and steps are no
-#: multiples of a period.
-TIMES, OFTEN, WRONG, AT = 8, 3, 1e-3, 0.7548776662466927
-PARTS = 1e-10, 1e-8, 1e-6, 1e-4
+#: which part. The step of differences over the run. AT: times and steps are no multiples of a
+#: period.
+TIMES, OFTEN, WRONG, STEP, AT = 8, 3, 1e-3, 1e-7, 0.7548776662466927
+#: parts of the larger one by which velocities that meet differ, as vectors and along a normal
+APART, ALONG = 1e-3, 0.1
+#: of the distance below which places are one: velocities may be differences of places
+ROUND_OFF = 1e-4
+
+
+class Data(NamedTuple):
+    """What conditions prescribe at an instant, for each of n particles in d dimensions."""
+
+    wall: Array  #: (n, d) velocity of walls
+    wall_rate: Array  #: (n, d) acceleration of walls
+    clamp: Array  #: (n, d) displacement of clamps
+    clamp_velocity: Array  #: (n, d)
+    clamp_rate: Array  #: (n, d)
+    T: Array  #: (n,) temperature of gas
+    T_solid: Array  #: (n,) temperature of solids
+    gas: Array  #: (n, d + 2) all unknowns of a gas: rho, rho u, E
+    solid: Array  #: (n, 2d) all of a solid: place less X, and velocity
+
+
+class Met(NamedTuple):
+    """What decides on a motion, by its name in Particle, and another condition, at particles
+    ``who``. normals: (who, d) where they hold along a normal alone.
+    """
+
+    name: str
+    first: Asked
+    other: Asked
+    who: Array
+    normals: Array | None
+
+
+class Source(NamedTuple):
+    """Whose data go to the particles ``who`` of targets: recorded by ``make``, or by asking."""
+
+    condition: Any
+    who: Array
+    make: Make
+    ask: Callable[[Any, Array, float], tuple[Array, ...]]
+    targets: tuple[Array, ...]
 
 
 class Prescribed:
     """Data of conditions. Functions of the case are asked for all particles of a condition at once.
 
-    instant: gives a short time [s], a step for differences in time.
-    every: all particles of the problem, of which ``particles`` are those with the numbers ``here``;
-    else they are all. data: the arrays of the last instant. moving: particles on walls that move,
-    by which the grid goes along; displaced: (particles, d) by how much. by_differences: some data
-    are differences in time. doubtful: conditions may come to contradict each other.
+    particles: all of the problem. here: numbers of those of this rank. instant: gives a short time
+    [s], a step for differences in time.
+
+    data: the arrays of the last instant. moving: particles on walls that move, by which the grid
+    goes along; displaced: (particles, d) by how much. by_differences: some data are differences in
+    time. doubtful: conditions may come to contradict each other.
     """
 
     def __init__(
         self,
         problem: Any,
         particles: Sequence[Particle],
+        here: Sequence[int],
         instant: Callable[[], float],
-        every: Sequence[Particle] = (),
-        here: Array | None = None,
     ) -> None:
-        self._instant, self._d, self._laws = instant, problem.dimension, problem.gas_laws.laws
-        self._number = problem.gas_laws.number_at
-        self._law_of = np.fromiter((self._number(p.members) for p in particles), np.int64)
-        n, d = len(particles), problem.dimension
+        self._problem, self._every, self._here = problem, particles, here
+        self._instant, self._d = instant, problem.dimension
+        own, n, d = [particles[p] for p in here], len(here), problem.dimension
         several = np.zeros((n, d + 2)), np.zeros((n, 2 * d))
         self.data = Data(*np.zeros((5, n, d)), *np.zeros((2, n)), *several)
-        first = [p.members[0] for p in particles]
+        first = [p.members[0] for p in own]
         places = [problem.places(k, np.array([node]))[0] for k, node in first]
         self._x = np.array(places).reshape(n, d)
         self.displaced = np.zeros_like(self._x)
-        self._groups = {name: _grouped(particles, name) for name in NAMES}
-        self._every = every or particles
-        self._here = np.arange(n) if here is None else here
-        found = [c for group in self._groups.values() for c, _ in group]
-        self.by_differences = any(moves(c) or getattr(c, "velocity", None) for c in found)
-        walls = [who for name in WALLS for c, who in self._groups[name] if moves(c)]
-        self.moving = np.unique(np.concatenate([np.empty(0, np.int64), *walls]))
-        self._contradictions = Contradictions(problem, particles, self._x, self._velocity)
-        self.doubtful = self._contradictions.possible
-        self._t = 0.0
+        self._sources = self._sources_of(own)
+        self.by_differences = any(_has_motion(source.condition) for source in self._sources)
+        moved = [(c, who) for name in WALLS for c, who in _grouped(own, name) if moves(c)]
+        self.moving = np.unique(np.concatenate([np.empty(0, np.int64), *(w for _, w in moved)]))
+        self._moved = moved + [(c, who) for c, who in _grouped(own, "clamp") if moves(c)]
+        self._met = _met(problem, own)
+        self.doubtful = bool(self._met)
 
-    def notes(self) -> list[Note]:
-        """Where conditions contradict each other at the last instant, see Contradictions."""
-        return self._contradictions.notes(self.data, self._t, self._instant())
+    def _sources_of(self, particles: Sequence[Particle]) -> list[Source]:
+        """Where data of these particles come from; what comes later holds."""
+        out, laws, found = self.data, self._problem.gas_laws, []
+        of_walls = self.displaced, out.wall, out.wall_rate
+        of_clamps = out.clamp, out.clamp_velocity, out.clamp_rate
+        named = {name: _grouped(particles, name) for name in NAMES}
+        walls = sorted(named["slip"] + named["wall"], key=lambda group: moves(group[0]))
+        walls += [(c, who) for c, who in named["given_gas"] if moves(c)]
+        for c, who in walls:
+            found.append(Source(c, who, motion(c), self._motion, of_walls))
+        for c, who in named["clamp"]:
+            found.append(Source(c, who, motion(c), self._motion, of_clamps))
+        for name, T in (("warm_gas", out.T), ("warm_solid", out.T_solid)):
+            for c, who in named[name]:
+                found.append(Source(c, who, temperature(c), self._temperature, (T,)))
+        for c, who in named["given_gas"]:
+            law_of = np.array([laws.number_at(particles[p].members) for p in who])
+            for law in np.unique(law_of):
+                of, make = laws.laws[law], given_gas(c, laws.laws[law])
+                at = who[law_of == law]
+                found.append(Source(c, at, make, partial(self._gas, of), (out.gas,)))
+        for c, who in named["given_solid"]:
+            make = given_solid(c, self._d)
+            found.append(Source(c, who, make, self._solid, (out.solid, out.T_solid)))
+        return found
 
     def refresh(self, t: float) -> None:
         """Data at time t [s]. InputError."""
-        self._t = t
-        out, x, d, groups = self.data, self._x, self._d, self._groups
-        for condition, who in _walls(groups):
-            place, out.wall[who], out.wall_rate[who] = self._motion(condition, x[who], t)
-            self.displaced[who] = place - x[who]
-        for condition, who in groups["clamp"]:
-            place, out.clamp_velocity[who], out.clamp_rate[who] = self._motion(condition, x[who], t)
-            out.clamp[who] = place - x[who]
-        for name, T in (("warm_gas", out.T), ("warm_solid", out.T_solid)):
-            for condition, who in groups[name]:
-                T[who] = datum(condition, "T", x[who], t)
-        for condition, who in groups["given_gas"]:
-            names = names_of("fluid", "values", d)
-            rho, *u, T = datum(condition, "values", x[who], t, names).T
-            energy = rho * (self._internal_energy(who, rho, T) + 0.5 * sum(c * c for c in u))
-            out.gas[who] = np.stack([rho, *(rho * c for c in u), energy], axis=-1)
-        for condition, who in groups["given_solid"]:
-            values = datum(condition, "values", x[who], t, names_of("solid", "values", d))
-            v, T, place = np.split(values, [d, d + 1], axis=1)
-            out.solid[who] = np.concatenate([place - x[who], v], axis=1)
-            out.T_solid[who] = T[:, 0]
-        self._contradictions.refuse(out, t, self._instant())
+        for condition, who, _, ask, targets in self._sources:
+            for target, values in zip(targets, ask(condition, self._x[who], t), strict=True):
+                target[who] = values
+        for met in self._met:
+            self._refuse(met, t)
 
     def record_data(self, recorder: Recorder) -> None:
         """Record all that depends on time, of conditions anywhere: all ranks have one text."""
         number = np.full(len(self._every), -1)
         number[self._here] = np.arange(len(self._here))
-        groups = {name: _grouped(self._every, name) for name in NAMES}
-        out, d = self.data, self._d
-
-        def add(condition: Any, who: Array, make: Make, *targets: Array) -> None:
+        for condition, who, make, _, targets in self._sources_of(self._every):
             own = number[who][number[who] >= 0]
             recorder.add(condition, make, self._x[own].T, own, *targets)
 
-        for condition, who in _walls(groups):
-            add(condition, who, motion(condition), self.displaced, out.wall, out.wall_rate)
-        for condition, who in groups["clamp"]:
-            targets = out.clamp, out.clamp_velocity, out.clamp_rate
-            add(condition, who, motion(condition), *targets)
-        for name, T in (("warm_gas", out.T), ("warm_solid", out.T_solid)):
-            for condition, who in groups[name]:
-                add(condition, who, temperature(condition), T)
-        for condition, who in groups["given_gas"]:
-            law_of = [self._number(self._every[p].members) for p in who]
-            for law in np.unique(law_of):
-                make = given_gas(condition, self._laws[law])
-                add(condition, who[law_of == law], make, out.gas)
-        for condition, who in groups["given_solid"]:
-            add(condition, who, given_solid(condition, d), out.solid, out.T_solid)
-
-    def _velocity(self, condition: Any, gas: bool, X: Array, t: float) -> Array:
-        """(n, d), that of a condition of a gas or a solid, also where another one decides."""
-        if condition.all_given:
-            names = names_of("fluid" if gas else "solid", "values", self._d)
-            return datum(condition, "values", X, t, names)[:, gas : gas + self._d]
-        return self._motion(condition, X, t)[1]
-
-    def _internal_energy(self, who: Array, rho: Array, T: Array) -> Array:
-        """Per mass, of particles of gas by the law of each."""
-        laws, found = self._law_of[who], np.empty_like(rho)
-        for number in np.unique(laws):
-            at = laws == number
-            found[at] = self._laws[number].internal_energy(rho[at], T[at])
-        return found
+    # what Python is asked for: (condition, places (n, d), time [s]) -> an array for each target
 
     def _motion(self, condition: Any, X: Array, t: float) -> tuple[Array, Array, Array]:
-        """(place, velocity, acceleration), (n, d) each; by differences in time where they are not
-        given. Without a place it is X.
+        """(displacement, velocity, acceleration), (n, d) each; by differences in time where they
+        are not given.
         """
         s, d = self._instant(), self._d
 
@@ -174,30 +187,75 @@ class Prescribed:
         if getattr(condition, "velocity", None) is not None:
             place = x(t) if moves(condition) else X
             v, rate, _ = _differences(velocity, t, s, FIRST)
-            return place, v, rate
+            return place - X, v, rate
         if not moves(condition):
-            return X, np.zeros_like(X), np.zeros_like(X)
-        return _differences(x, t, s, SECOND)
+            return np.zeros_like(X), np.zeros_like(X), np.zeros_like(X)
+        place, v, rate = _differences(x, t, s, SECOND)
+        return place - X, v, rate
+
+    def _temperature(self, condition: Any, X: Array, t: float) -> tuple[Array]:
+        return (datum(condition, "T", X, t),)
+
+    def _gas(self, law: Any, condition: Any, X: Array, t: float) -> tuple[Array]:
+        rho, *u, T = datum(condition, "values", X, t, names_of("fluid", "values", self._d)).T
+        energy = rho * (law.internal_energy(rho, T) + 0.5 * sum(c * c for c in u))
+        return (np.stack([rho, *(rho * c for c in u), energy], axis=-1),)
+
+    def _solid(self, condition: Any, X: Array, t: float) -> tuple[Array, Array]:
+        d = self._d
+        values = datum(condition, "values", X, t, names_of("solid", "values", d))
+        v, T, place = np.split(values, [d, d + 1], axis=1)
+        return np.concatenate([place - X, v], axis=1), T[:, 0]
+
+    # what is refused
+
+    def _refuse(self, met: Met, t: float) -> None:
+        """InputError where two conditions want velocities at time t [s] that cannot be."""
+        x = self._x[met.who]
+        mine = (self.data.clamp_velocity if met.name == "clamp" else self.data.wall)[met.who]
+        others = self._motion(met.other.condition, x, t)[1]
+        size = np.maximum(np.linalg.norm(mine, axis=1), np.linalg.norm(others, axis=1))
+        apart, part = np.linalg.norm(mine - others, axis=1), APART
+        if met.normals is not None:
+            apart, part = np.abs((met.normals * (mine - others)).sum(axis=1)), ALONG
+        least = ROUND_OFF * self._problem.tolerance / self._instant()
+        bad = np.flatnonzero(apart > part * size + least)
+        if bad.size:
+            at = min(bad.tolist(), key=lambda p: tuple(x[p]))
+            both = " and ".join(map(self._name, (met.first, met.other)))
+            said = " and ".join(_text(values[at]) for values in (mine, others))
+            raise InputError(
+                f"{both} meet at {place_text(x[at])} with velocities of {said}"
+                f"{self._problem.unit('m/s')} at t = {t:.6g}: no grid converges there: let faces "
+                "beside one that moves be Slip or Roller, have a slip_length, or move with it"
+            )
+
+    def _name(self, asked: Asked) -> str:
+        """Such as "NoSlip of 'gas', axis 0, side 1,"."""
+        if asked.face is None:
+            return "a Hinge"
+        k, axis, side = asked.face
+        kind, block = type(asked.condition).__name__, self._problem.blocks[k].name
+        return f"{kind} of '{block}', axis {axis}, side {side},"
 
     def check_motion(self, t_end: float) -> None:
         """InputError where the velocity of a wall is not the derivative of its place at some times
         in 0 … t_end [s]: at OFTEN of them, for one may be that of a kink.
         """
-        for name in (*WALLS, "clamp"):
-            for condition, who in self._groups[name]:
-                if moves(condition) and condition.velocity is not None and t_end > 0.0:
-                    times = t_end * (AT * np.arange(1, TIMES + 1) % 1.0)
-                    found = [self._contradicted(condition, self._x[who], t, t_end) for t in times]
-                    said = list(filter(None, found))
-                    if len(said) >= OFTEN:
-                        where = place_of(condition.velocity)
-                        raise InputError(f"{where}: velocity of {said[0]}", collective=False)
+        for condition, who in self._moved if t_end > 0.0 else ():
+            if condition.velocity is not None:
+                times = t_end * (AT * np.arange(1, TIMES + 1) % 1.0)
+                found = [self._contradicted(condition, self._x[who], t, t_end) for t in times]
+                said = list(filter(None, found))
+                if len(said) >= OFTEN:
+                    where = place_of(condition.velocity)
+                    raise InputError(f"{where}: velocity of {said[0]}", collective=False)
 
     def _contradicted(self, condition: Any, X: Array, t: float, t_end: float) -> str:
         """What a velocity is and what it should be, in words, if it is another one at time t [s].
 
-        The shortest step of differences counts that round-off allows. How wrong they may be is told
-        by a step that is twice as long, and by how much velocities change meanwhile.
+        How wrong differences may be is told by a step that is twice as long, by how much velocities
+        change meanwhile, and by round-off.
         """
 
         def x(t: float) -> Array:
@@ -206,15 +264,11 @@ class Prescribed:
         def velocity(t: float) -> Array:
             return datum(condition, "velocity", X, t, "uvw"[: self._d])
 
-        given, noise = velocity(t), 16.0 * np.finfo(float).eps
-        for part in PARTS:
-            s = AT * min(part * t_end, t / 2, (t_end - t) / 2)
-            near, far = ((x(t + k * s) - x(t - k * s)) / (2 * k * s) for k in (1, 2))
-            size = np.maximum(np.abs(given), np.abs(near)).max()
-            round_off = noise * (np.abs(x(t)).max() + t_end * size) / s
-            if round_off <= WRONG * size:
-                break
+        given, s = velocity(t), AT * STEP * t_end
+        near, far = ((x(t + k * s) - x(t - k * s)) / (2 * k * s) for k in (1, 2))
         turns = sum(np.abs(velocity(t + k * s) - given) for k in (-2, -1, 1, 2))
+        size = np.maximum(np.abs(given), np.abs(near)).max()
+        round_off = 16.0 * np.finfo(float).eps * (np.abs(x(t)).max() + t_end * size) / s
         allowed = WRONG * size + round_off + 4.0 * (np.abs(near - far) + turns)
         for i, c in np.argwhere(np.abs(given - near) > allowed)[:1]:
             return (
@@ -240,12 +294,6 @@ def _differences(
     return values[before], rate, bend
 
 
-def _walls(groups: Mapping[str, Any]) -> list[tuple[Any, Array]]:
-    """Conditions that say how walls move, and their particles; the last one of several holds."""
-    walls = sorted(groups["slip"] + groups["wall"], key=lambda group: moves(group[0]))
-    return walls + [(c, who) for c, who in groups["given_gas"] if moves(c)]
-
-
 def _grouped(particles: Sequence[Particle], name: str) -> list[tuple[Any, Array]]:
     """(condition, numbers of its particles), for each condition."""
     found: dict[int, tuple[Any, list[int]]] = {}
@@ -254,3 +302,42 @@ def _grouped(particles: Sequence[Particle], name: str) -> list[tuple[Any, Array]
         if condition is not None:
             found.setdefault(id(condition), (condition, []))[1].append(p)
     return [(condition, np.array(who)) for condition, who in found.values()]
+
+
+def _met(problem: Any, particles: Sequence[Particle]) -> list[Met]:
+    """Where a second condition must have the velocity of that which decides: pairs of which one
+    moves, and the other one sticks, clamps or moves, too.
+    """
+    found: dict[Any, list[Any]] = {}
+    for p, particle in enumerate(particles):
+        for other in particle.asked:
+            of_gas = other.face is not None and problem.blocks[other.face[0]].kind == "fluid"
+            name = particle.mover(of_gas)
+            decides = getattr(particle, name, None)
+            if decides is None or decides is other.condition:
+                continue
+            moves_too = _has_motion(other.condition)
+            apart = moves_too or (_has_motion(decides) and other.normal is None)
+            if not apart or decides.all_given or other.condition.all_given:
+                continue
+            first = next(one for one in particle.asked if one.condition is decides)
+            normal = first.normal if other.normal is None else other.normal
+            key = name, first.face, other.face, normal is None
+            found.setdefault(key, []).append((name, first, other, p, normal))
+    met = []
+    for listed in found.values():
+        names, firsts, others, who, normals = zip(*listed, strict=True)
+        along = None if normals[0] is None else np.array(normals)
+        met.append(Met(names[0], firsts[0], others[0], np.array(who), along))
+    return met
+
+
+def _has_motion(condition: Any) -> bool:
+    """Whether data say how it moves."""
+    return moves(condition) or getattr(condition, "velocity", None) is not None
+
+
+def _text(values: Array) -> str:
+    """Numbers, in brackets if there are several."""
+    numbers = ", ".join(f"{v:.4g}" for v in values.tolist())
+    return numbers if len(values) == 1 else f"({numbers})"

@@ -40,22 +40,23 @@ from fsipetsc.particles.constraints import (
     book,
     powers,
     right_sides,
+    share_heat,
     slide,
     solve,
     value_of,
     velocity,
+    warm_solids,
 )
-from fsipetsc.particles.records import GAS, SOLID
-from fsipetsc.particles.shared_heat import share_heat, warm_solids
+from fsipetsc.particles.members import GAS, SOLID
 from fsipetsc.scheme.part import clear
 
 
 def weigh(all, y):
     """Rows of this rank's members: H q of gas, (M_s D, M_s v, M_s e) of a solid; or their rates."""
-    table, rows, d = all.table, all.rows, len(all.like)
-    for r in each(table.at.shape[0]):
-        weight, own = table.weight[r], Unknowns(table, r, y)
-        with when(table.kind[r] == GAS):
+    rows, d = all.rows, len(all.like)
+    for r in each(all.at.shape[0]):
+        weight, own = all.weight[r], Unknowns(all, r, y)
+        with when(all.kind[r] == GAS):
             for c in range(d + 3):
                 rows[r, c] = weight * own[c]
         with otherwise():
@@ -65,15 +66,15 @@ def weigh(all, y):
 
 def summed(all, p):
     """(V, M, P, E) of the gas and (M_s, M_s D, M_s v, M_s e) of the solid of particle p."""
-    table, rows, d = all.table, all.rows, len(all.like)
+    rows, d = all.rows, len(all.like)
     gas, solid = ([variable() for _ in range(n)] for n in (d + 3, 2 * d + 2))
-    for m in each(table.begin[p], table.begin[p + 1]):
-        r = table.row[m]
-        with when(table.kind[r] == GAS):
+    for m in each(all.begin[p], all.begin[p + 1]):
+        r = all.row[m]
+        with when(all.kind[r] == GAS):
             for c in range(d + 3):
                 gas[c].value += rows[r, c]
         with otherwise():
-            solid[0].value += table.weight[r]
+            solid[0].value += all.weight[r]
             for c in range(2 * d + 1):
                 solid[1 + c].value += rows[r, c]
     (V, M, *P, E), (M_s, *Ds, E_s) = value_of(gas), value_of(solid)
@@ -92,8 +93,8 @@ def end_sums(all, gain):
     """
     clear(gain.numbers)
     state, U, d = all.state, all.state.U, len(all.like)
-    for p in each(all.table.facts.shape[0]):
-        one = all.table.facts[p]
+    for p in each(all.facts.shape[0]):
+        one = all.facts[p]
         of_gas, of_solid = summed(all, p)
         (V, M, P, E), (M_s, D, P_s, E_s) = obeyed(all, p, one, of_gas, of_solid)
         state.mass[p], state.V[p], state.solid_mass[p] = M, V, M_s
@@ -155,7 +156,7 @@ def gather(all, total):
     """Add up the rows of the members of each particle, and clear them."""
     clear(total.reshape(-1))
     for m in each(all.of_particle.shape[0]):
-        p, r = all.of_particle[m], all.row_of[m]
+        p, r = all.of_particle[m], all.row[m]
         for c in each(total.shape[1]):
             total[p, c] += all.of_normals[r, c]
     clear(all.of_normals.reshape(-1))
@@ -165,9 +166,9 @@ def begin_stored(all, y):
     """Solid members of this rank get the displacement of their particle, for solids to say what
     they store.
     """
-    for p, r in own_members(all.table):
-        with when(all.table.kind[r] == SOLID):
-            own, D = Unknowns(all.table, r, y), node(all.like, all.state.D, p)
+    for p, r in own_members(all):
+        with when(all.kind[r] == SOLID):
+            own, D = Unknowns(all, r, y), node(all.like, all.state.D, p)
             for c in range(len(all.like)):
                 own[c] = D[c]
 
@@ -175,8 +176,8 @@ def begin_stored(all, y):
 class Unknowns:
     """The numbers in a world vector of the member of a row, of this rank."""
 
-    def __init__(self, table, r, y):
-        self._at, self._apart, self._y = table.at[r], table.apart[r], y
+    def __init__(self, all, r, y):
+        self._at, self._apart, self._y = all.at[r], all.apart[r], y
 
     def __getitem__(self, c):
         return self._y[self._at + c * self._apart]
@@ -185,12 +186,12 @@ class Unknowns:
         self._y[self._at + c * self._apart] = value
 
 
-def own_members(table):
+def own_members(all):
     """Particle and row of each member of this rank."""
-    for p in each(table.facts.shape[0]):
-        for m in each(table.begin[p], table.begin[p + 1]):
-            r = table.row[m]
-            with when(r < table.at.shape[0]):
+    for p in each(all.facts.shape[0]):
+        for m in each(all.begin[p], all.begin[p + 1]):
+            r = all.row[m]
+            with when(r < all.at.shape[0]):
                 yield p, r
 
 
@@ -221,28 +222,28 @@ def sum_up(gain):
 
 def give_state(all, y):
     """Members of this rank get what their particle has; each keeps its own J."""
-    table, state, like, d = all.table, all.state, all.like, len(all.like)
-    for p, r in own_members(table):
-        own = Unknowns(table, r, y)
-        with when(table.kind[r] == GAS):
+    state, like, d = all.state, all.like, len(all.like)
+    for p, r in own_members(all):
+        own = Unknowns(all, r, y)
+        with when(all.kind[r] == GAS):
             J = own[0]
             for c in range(d + 2):
                 own[1 + c] = J * state.U[p, c]
         with otherwise():
             D, v, e = node(like, state.D, p), node(like, state.v, p), state.e[p]
             kinetic, change = 0.5 * dot(v, v), e - state.mean_energy[p]
-            heat = (e - kinetic - state.potential[p]) * table.alpha[r] / state.capacity[p]
+            heat = (e - kinetic - state.potential[p]) * all.alpha[r] / state.capacity[p]
             shared = kinetic + all.stored[r, 0] + heat
             alone = own[2 * d] + change
             for c in range(d):
                 own[c], own[d + c] = D[c], v[c]
-            own[2 * d] = np.where(table.facts[p].one_T == 1, shared, alone)
+            own[2 * d] = np.where(all.facts[p].one_T == 1, shared, alone)
 
 
 def end_rates(all, gain, y, f):
     """Rates of members from the sums of their rates, under the constraints of their particles."""
-    for p in each(all.table.facts.shape[0]):
-        accelerate(all, gain, p, all.table.facts[p])
+    for p in each(all.facts.shape[0]):
+        accelerate(all, gain, p, all.facts[p])
     give_rates(all, gain, y, f)
     sum_up(gain)
     for c in each(all.auxiliary):
@@ -284,11 +285,11 @@ def told(all, p, one, M, M_s, a, b):
 
 def give_rates(all, gain, y, f):
     """(J U)_t = J U_t + U J_t of gas members; accelerations of solid ones, and their power."""
-    table, state, like, d = all.table, all.state, all.like, len(all.like)
-    for p, r in own_members(table):
-        rates = Unknowns(table, r, f)
-        with when(table.kind[r] == GAS):
-            J, J_t = Unknowns(table, r, y)[0], rates[0]
+    state, like, d = all.state, all.like, len(all.like)
+    for p, r in own_members(all):
+        rates = Unknowns(all, r, f)
+        with when(all.kind[r] == GAS):
+            J, J_t = Unknowns(all, r, y)[0], rates[0]
             for c in range(d + 2):
                 rates[1 + c] = J * state.U_t[p, c] + state.U[p, c] * J_t
         with otherwise():
@@ -297,5 +298,5 @@ def give_rates(all, gain, y, f):
             for c in range(d):
                 rates[d + c] += push[c]
             rates[2 * d] += power
-            with when(table.inertia[r] > 0.0):
-                gain.lost[0] += table.inertia[r] * power
+            with when(all.inertia[r] > 0.0):
+                gain.lost[0] += all.inertia[r] * power

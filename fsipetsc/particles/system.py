@@ -1,12 +1,13 @@
-"""The particles in which a rank takes part: tables for its procedures, exchanges with other
+"""The particles in which a rank takes part: their record for procedures, exchanges with other
 ranks, prescribed data.
 
 Owners of the members of a particle send each other what is extensive of them; each adds it up in
-the same order and solves the same small system: see fsipetsc.particles.procedures.
+the same order and solves the same small system: see fsipetsc.particles.procedures. So the ranks
+that own points of an interface exchange what the interface needs, and no sum is made by messages.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,15 +15,79 @@ from numpy.typing import NDArray
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.kernels.unit import unit
 from fsipetsc.parallel.block_layout import PARTICLES_TAG, BlockLayout
+from fsipetsc.parallel.exchange import RowExchange
 from fsipetsc.particles import procedures as of
-from fsipetsc.particles import records
-from fsipetsc.particles.members import ROLLS, Particle
-from fsipetsc.particles.messages import ParticleExchange
-from fsipetsc.particles.prescribed import Prescribed
-from fsipetsc.particles.shared_heat import weigh_heat
+from fsipetsc.particles.constraints import weigh_heat
+from fsipetsc.particles.members import GAS, ROLLS, SOLID, Particle
+from fsipetsc.particles.prescribed import Data, Prescribed
 from fsipetsc.scheme import normals as of_faces
 
 Array = NDArray[Any]
+
+#: 1 or 0: this rank adds what comes in; forces move the gas, the solid; a clamp gives the place;
+#: gas and solid stick; the gas is at a wall, the solid at a clamp; all is given of the gas, of the
+#: solid; the temperature of the gas, of the solid; they have one; so have members of the solid
+FLAGS = (
+    *("mine", "free_gas", "free_solid", "placed", "sticks", "at_wall", "clamped", "given_gas"),
+    *("given_solid", "warm_gas", "warm_solid", "shares_heat", "one_T"),
+)
+#: through which face what moves gas and solid does work, and what gives them temperatures heats
+FACES = "moves_gas", "moves_solid", "heats_gas", "heats_solid"
+#: also the number of constraints, where the mass of the gas is in ``gain``, the number of its law
+NUMBERS = "count", "column", "law"
+FACTS = np.dtype([(name, np.int64) for name in (*FLAGS, *FACES, *NUMBERS)], align=True)
+
+
+class State(NamedTuple):
+    """What sums and rates gave, for each of n particles in d dimensions."""
+
+    mass: Array  #: (n,) of the gas
+    solid_mass: Array  #: (n,)
+    V: Array  #: (n,) volume of the gas
+    U: Array  #: (n, d + 2) rho, rho u, E of the gas
+    D: Array  #: (n, d) displacement of the solid
+    v: Array  #: (n, d) velocity of the solid
+    e: Array  #: (n,) energy per mass of the solid
+    mean_energy: Array  #: (n,) that of its members before a change
+    capacity: Array  #: (n,) mean specific heat of the solid
+    potential: Array  #: (n,) its mean energy per mass that is neither kinetic nor heat
+    U_t: Array  #: (n, d + 2)
+    acceleration: Array  #: (n, d) of the solid
+
+
+class Particles(NamedTuple):
+    """The n particles of a rank in d dimensions. Rows of tables are members; those of this rank
+    come first, in any order. A particle has K constraints at most.
+    """
+
+    like: Any  #: d zeros
+    begin: Array  #: (n + 1,) particle p has the rows row[begin[p]:begin[p + 1]], on all ranks alike
+    row: Array
+    kind: Array  #: (rows,) GAS or SOLID
+    at: Array  #: (own rows,) where the first unknown of a member stands in the world vector
+    apart: Array  #: (own rows,) how far its unknowns are apart there
+    weight: Array  #: (rows,) H of a gas member, M_s of a solid one
+    alpha: Array  #: (rows,) specific heat of solids
+    inertia: Array  #: (own rows,) M_s of members whose work is booked, else 0
+    constraint: Array  #: (n, K) kinds of constraints
+    facts: Array  #: (n,) records of FACTS
+    laws: Any  #: the different ones of gases
+    data: Data
+    state: State
+    stored: Array  #: (rows, 1) energy per mass of members that is neither kinetic nor heat
+    rows: Array  #: (rows, columns) what members add up
+    stores: bool  #: whether energies that are neither kinetic nor heat change
+    slips: bool  #: whether any particle has constraints
+    normals: Array  #: (n, 2 d K) G and S of each constraint
+    turning: Array  #: (n, 2 d K) how they turn
+    of_normals: Array  #: (rows, 2 d K) area vectors of members
+    of_particle: Array  #: particle of each member
+    matrix: Array  #: (K, K), (K,), (K,): room for the constraints of one particle
+    pi: Array
+    pivots: Array
+    moves: Array  #: (n,) whether a wall there moves
+    place: Array  #: (n, d) its displacement
+    auxiliary: int  #: unknowns, at the end of a vector, of what came in
 
 
 class ParticleSystem:
@@ -35,7 +100,7 @@ class ParticleSystem:
     areas, stored: exchanges of what members add up, of their area vectors, of their elastic
     energies. slips: whether there are constraints anywhere; stores: whether elastic energies matter
     to temperatures. nodes: block -> (numbers of this rank's nodes that are members, their particles
-    here). telling: block of a solid -> (rows of the table, numbers of nodes) of those here whose
+    here). telling: block of a solid -> (rows of tables, numbers of nodes) of those here whose
     elastic energy is wanted.
     """
 
@@ -52,40 +117,32 @@ class ParticleSystem:
         local = np.full(len(particles), -1)
         local[here] = np.arange(here.size)
         taken = local[members[:, 0]] >= 0
-        #: block and node of the members of the particles here
-        self._members, owners = members[taken, 1:], owners[taken]
-        self._particles, number = [particles[p] for p in here], local[members[taken, 0]]
+        number, owners = local[members[taken, 0]], owners[taken]
+        #: block and node of the members of the particles here; numbers of those of this rank
+        self._members, self._mine = members[taken, 1:], np.flatnonzero(owners == layout.comm.rank)
+        self._particles, n = [particles[p] for p in here], here.size
         self.stores = any(p.stores for p in particles)
         self.slips = any(p.constraints for p in particles)
         most = max([1, *(len(p.constraints) for p in particles)])
-        columns = max(d + 3, 2 * d + 1), 2 * most * d, 1
-        self.sums, self.areas, self.stored = [
-            ParticleExchange(layout.comm, tag, number, owners, n)
-            for tag, n in enumerate(columns, PARTICLES_TAG)
-        ]
-        self._mine, self.nodes, self.telling = self.sums.mine, {}, {}
-        stored = np.array([p.stores for p in self._particles], bool)
-        for k in layout.parts:
-            rows = self._rows_of(k)
-            nodes, own = self._nodes_at(rows), number[self._mine[rows]]
-            order = np.argsort(nodes)
-            self.nodes[k] = nodes[order], own[order]
-            if k in inertia:
-                self.telling[k] = rows[stored[own]], nodes[stored[own]]
-        self.table = self._table(number, owners, most, inertia)
-        n = here.size
-        sums = *np.zeros((3, n)), np.zeros((n, d + 2)), *np.zeros((2, n, d)), *np.zeros((4, n))
-        self.state = records.State(*sums, U_t=np.zeros((n, d + 2)), acceleration=np.zeros((n, d)))
-        data = Prescribed(layout.problem, self._particles, instant, particles, here)
-        self.prescribed = data
+        row, sent, received = _rows(layout.comm.rank, number, owners)
+        tables = [np.zeros((len(row), c)) for c in (max(d + 3, 2 * d + 1), 2 * most * d, 1)]
+        self.sums, self.areas, self.stored = (
+            RowExchange(layout.comm, tag, sent, received, table)
+            for tag, table in enumerate(tables, PARTICLES_TAG)
+        )
+        self.prescribed = Prescribed(layout.problem, particles, here.tolist(), instant)
         moves = np.zeros(n, np.int64)
-        moves[data.moving] = 1
-        self.record = records.Particles(
+        moves[self.prescribed.moving] = 1
+        sums = *np.zeros((3, n)), np.zeros((n, d + 2)), *np.zeros((2, n, d)), *np.zeros((4, n))
+        self.record = Particles(
             like=(0.0,) * d,
-            table=self.table,
+            begin=np.searchsorted(number, np.arange(n + 1)),
+            row=row,
+            **self._of_members(row, inertia),
+            **self._of_particles(number, owners, most),
             laws=layout.problem.gas_laws.laws,
-            data=data.data,
-            state=self.state,
+            data=self.prescribed.data,
+            state=State(*sums, U_t=np.zeros((n, d + 2)), acceleration=np.zeros((n, d))),
             stored=self.stored.table,
             rows=self.sums.table,
             stores=self.stores,
@@ -94,14 +151,22 @@ class ParticleSystem:
             turning=np.zeros((n, 2 * most * d)),
             of_normals=self.areas.table,
             of_particle=number,
-            row_of=self.areas.row,
             matrix=np.zeros((most, most)),
             pi=np.zeros(most),
             pivots=np.zeros(most),
             moves=moves,
-            place=data.displaced,
+            place=self.prescribed.displaced,
             auxiliary=layout.auxiliary,
         )
+        self.nodes, self.telling = {}, {}
+        stored = np.array([p.stores for p in self._particles], bool)
+        for k in layout.parts:
+            rows = self._rows_of(k)
+            nodes, own = self._nodes_at(rows), number[self._mine[rows]]
+            order = np.argsort(nodes)
+            self.nodes[k] = nodes[order], own[order]
+            if k in inertia:
+                self.telling[k] = rows[stored[own]], nodes[stored[own]]
         self.does: dict[str, Procedure] = {}
 
     def procedures(self, gain: Any) -> Code:
@@ -125,48 +190,36 @@ class ParticleSystem:
         """The nodes of these rows of the tables."""
         return self._members[self._mine[rows], 1]
 
-    def _table(
-        self, number: Array, owners: Array, most: int, inertia: dict[int, Array]
-    ) -> records.Table:
-        """What procedures take. most: constraints of a particle."""
-        layout, row, size = self._layout, self.sums.row, len(number)
-        count, blocks, of = len(self._particles), layout.problem.blocks, self._members[:, 0]
-        kind, alpha = np.empty(size, np.int64), np.zeros(size)
-        kind[row] = [records.SOLID if blocks[k].kind == "solid" else records.GAS for k in of]
+    def _of_members(self, row: Array, inertia: dict[int, Array]) -> dict[str, Array]:
+        """What the record has of members. Weights of others are 0 until `begin` is called."""
+        blocks, of, own = self._layout.problem.blocks, self._members[:, 0], self._mine.size
+        kind, (weight, alpha) = np.empty(len(row), np.int64), np.zeros((2, len(row)))
+        kind[row] = [SOLID if blocks[k].kind == "solid" else GAS for k in of]
         alpha[row] = [getattr(blocks[k].material, "alpha", 0.0) for k in of]
-        (at, apart), booked = np.empty((2, self._mine.size), np.int64), np.zeros(self._mine.size)
-        weight = self.sums.table[:, 0]  # H of gas members, M_s of solid ones
-        for k, part in layout.parts.items():
+        (at, apart), booked = np.empty((2, own), np.int64), np.zeros(own)
+        for k, part in self._layout.parts.items():
             rows = self._rows_of(k)
             nodes = part.ghosted_rows(part.rows(self._nodes_at(rows)))
             weight[rows] = part.weights(nodes) * (inertia[k][nodes] if k in inertia else 1.0)
             at[rows], apart[rows] = part.at(self._nodes_at(rows)), part.numbers.size
-            booked[rows] = weight[rows] * layout.problem.loses(k)
-        constraint = np.zeros((count, most), np.int64)
+            booked[rows] = weight[rows] * self._layout.problem.loses(k)
+        found = {"kind": kind, "at": at, "apart": apart, "weight": weight, "alpha": alpha}
+        return {**found, "inertia": booked}
+
+    def _of_particles(self, number: Array, owners: Array, most: int) -> dict[str, Array]:
+        """What the record has of particles: their facts and kinds of constraints."""
+        problem, count = self._layout.problem, len(self._particles)
+        gases = [k for k, block in enumerate(problem.blocks) if block.kind == "fluid"]
+        through, first = problem.column_of_face, np.searchsorted(number, np.arange(count))
+        facts, constraint = np.zeros(count, FACTS), np.zeros((count, most), np.int64)
         for p, particle in enumerate(self._particles):
             constraint[p, : len(particle.constraints)] = [c.kind for c in particle.constraints]
-        begin = np.searchsorted(number, np.arange(count + 1))
-        gases = [k for k, block in enumerate(blocks) if block.kind == "fluid"]
-        through = layout.problem.column_of_face
-        facts = np.zeros(count, records.FACTS)
-        for p, particle in enumerate(self._particles):
-            mine = owners[begin[p]] == layout.comm.rank
+            mine = owners[first[p]] == self._layout.comm.rank
             column = next((gases.index(k) for k, _ in particle.members if k in gases), 0)
             faces = [through.get(face, len(through)) for face in _faces(particle)]
-            law = layout.problem.gas_laws.number_at(particle.members)
+            law = problem.gas_laws.number_at(particle.members)
             facts[p] = mine, *_flags(particle), *faces, len(particle.constraints), column, law
-        return records.Table(
-            begin=begin,
-            row=row,
-            kind=kind,
-            at=at,
-            apart=apart,
-            weight=weight.copy(),  # of others: once `begin` is called
-            alpha=alpha,
-            inertia=booked,
-            constraint=constraint,
-            facts=facts,
-        )
+        return {"facts": facts, "constraint": constraint}
 
     def faces_at(self, k: int) -> of_faces.Faces:
         """The faces of block k at members here whose area vectors make the normals of constraints.
@@ -191,20 +244,20 @@ class ParticleSystem:
         """Learn weights of the members of others, and mean specific heats, once procedures and
         exchanges are loaded. Collective.
         """
-        self.sums.table[:, 0] = self.table.weight
+        self.sums.table[:, 0] = self.record.weight
         self.sums()
-        self.table.weight[:] = self.sums.table[:, 0]
+        self.record.weight[:] = self.sums.table[:, 0]
         self.does["weigh_heat"]()
 
     def at_walls(self, k: int) -> tuple[Array, Array]:
         """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""
         nodes, particle = self.nodes[k]
-        at_wall = self.table.facts["at_wall"][particle] == 1
+        at_wall = self.record.facts["at_wall"][particle] == 1
         return nodes[at_wall], self.prescribed.data.wall[particle[at_wall]]
 
     def walls_away(self, k: int) -> float:
         """Largest displacement [m] of a wall of gas block k that moves, of those here."""
-        alone = self.prescribed.moving[self.state.solid_mass[self.prescribed.moving] == 0.0]
+        alone = self.prescribed.moving[self.record.state.solid_mass[self.prescribed.moving] == 0.0]
         walls = np.intersect1d(self.nodes[k][1], alone)
         displaced = np.linalg.norm(self.prescribed.displaced[walls], axis=1)
         return float(displaced.max(initial=0.0))
@@ -216,7 +269,7 @@ class ParticleSystem:
 
 
 def _flags(p: Particle) -> list[bool]:
-    """FLAGS of fsipetsc.particles.records, but for the first one."""
+    """FLAGS, but for the first one."""
     found = [
         not (p.wall or p.given_gas or (p.sticks and (p.clamp or p.given_solid))),
         not (p.clamp or p.given_solid),
@@ -249,3 +302,16 @@ def _members(layout: BlockLayout, particles: Sequence[Particle]) -> tuple[Array,
         of_block = members[:, 1] == k
         owners[of_block] = layout.shares[k].owners(members[of_block, 2])
     return members, owners
+
+
+def _rows(me: int, particles: Array, owners: Array) -> tuple[Array, Any, Any]:
+    """The row of each member in a table, those of this rank first; and the rows that it sends to
+    and receives from other ranks, which own members of the same particles. particles, owners: of
+    each member, in an order that all ranks have in common.
+    """
+    mine, others = owners == me, np.unique(owners[owners != me]).tolist()
+    row = np.empty(len(owners), np.int64)
+    row[np.argsort(np.where(mine, -1, owners), kind="stable")] = np.arange(len(owners))
+    received = {rank: row[owners == rank] for rank in others}
+    shared = {rank: np.isin(particles, particles[owners == rank]) for rank in others}
+    return row, {rank: row[mine & with_it] for rank, with_it in shared.items()}, received

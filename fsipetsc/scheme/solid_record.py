@@ -57,7 +57,7 @@ class SolidRecord(NamedTuple):
 
 def store(part, particles, y):
     """Tell particles what members of a solid store: energy per mass [J/kg] that is neither kinetic
-    nor heat. See fsipetsc.particles.records.Particles.
+    nor heat. See fsipetsc.particles.system.Particles.
     """
     rows, at, solid = part.rows_of_stored, part.stored_at, part.laws
     if solid.coupled:
