@@ -8,7 +8,7 @@ made of functions here.
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
-from functools import reduce
+from functools import cache, reduce
 from itertools import chain, count, islice
 from types import FunctionType
 from typing import Any, NamedTuple
@@ -27,7 +27,7 @@ from fsipetsc.materials.power_law import ConstantTransport
 from fsipetsc.materials.solid_pressure import ConstantPressure
 
 Formula = Callable[..., Any]
-_classes: dict[str, type] = {}
+Named = tuple[str, Formula]
 
 
 class _Gas:
@@ -150,8 +150,9 @@ PRESSURE = Kind("pressure_law", ConstantPressure, _Pressure)
 
 def _formulas(cls: type) -> dict[str, Formula]:
     """The methods of a class by name."""
-    every = chain(*(vars(base).items() for base in reversed(cls.__mro__)))
-    return {name: of for name, of in every if isinstance(of, FunctionType) and name[0] != "_"}
+    names = chain(*(vars(base) for base in reversed(cls.__mro__)))
+    every = {name: getattr(cls, name) for name in names if name[0] != "_"}
+    return {name: of for name, of in every.items() if isinstance(of, FunctionType)}
 
 
 def gas_law(**formulas: Formula) -> Any:
@@ -217,7 +218,8 @@ def checked_law(law: Any, what: str, kind: Kind) -> Any:
     if cls.__module__.startswith("fsipetsc.") and names <= given.keys():
         return law
     _check(what, kind, {name: given[name] for name in names & given.keys()}, "self, ")
-    made = _class(cls.__name__, cls._fields, {**_formulas(kind.derived), **given})(*_floats([*law]))
+    methods = *_formulas(kind.derived).items(), *given.items()
+    made = _class(cls.__name__, cls._fields, methods, ())(*_floats([*law]))
     for name, form in kind.forms().items() if kind is not SOLID else ():
         _check_recorded(f"{what}: {name}", getattr(made, name), [0] * (1 + form.count(",")))
     return made
@@ -263,23 +265,11 @@ def check_solid_law(law: Any, d: int) -> None:
 def _law_of(kind: Kind, formulas: Mapping[str, Formula]) -> Any:
     """A law without numbers, of functions."""
     _check(kind.maker, kind, formulas, "")
-    methods = _formulas(kind.derived)
-    for name, formula in formulas.items():
-        methods[name] = _method(formula)
-        if kind is not SOLID:  # whose number of arguments depends on the dimension
-            given = [0] * len(inspect.signature(formula).parameters)
-            _check_recorded(f"{kind.maker}: {name}", formula, given)
-    return _class(kind.maker, (), methods)()
-
-
-def _method(formula: Formula) -> Formula:
-    """The same law as a method."""
-
-    def method(self, *numbers):
-        return formula(*numbers)
-
-    method.formula = formula
-    return method
+    for name, formula in formulas.items() if kind is not SOLID else ():  # F depends on d
+        given = [0] * len(inspect.signature(formula).parameters)
+        _check_recorded(f"{kind.maker}: {name}", formula, given)
+    derived = tuple(_formulas(kind.derived).items())
+    return _class(kind.maker, (), derived, tuple(formulas.items()))()
 
 
 def _check(what: str, kind: Kind, given: Mapping[str, Formula], first: str) -> None:
@@ -320,25 +310,20 @@ def _check_recorded(what: str, formula: Formula, given: Sequence[int], wanted: i
 
 def _place(formula: Any) -> str:
     """Name, file and line of a formula, as where one is refused."""
-    code = getattr(getattr(formula, "formula", formula), "__code__", None)
+    code = getattr(formula, "__code__", None)
     return f"{code.co_name}, {code.co_filename}:{code.co_firstlineno}: " if code else ""
 
 
-def _class(name: str, fields: tuple[str, ...], methods: Mapping[str, Formula]) -> type:
-    """A NamedTuple class of a law of a case, with these methods; one for the same formulas."""
-    key = name, fields, tuple(sorted((key, _code(of)) for key, of in methods.items()))
-    if (text := repr(key)) not in _classes:
-        made = NamedTuple(name, [(field, Any) for field in fields])
-        made.__module__ = __name__
-        for key, formula in methods.items():
-            setattr(made, key, formula)
-        made.of_case = True
-        _classes[text] = made
-    return _classes[text]
-
-
-def _code(formula: Any) -> str:
-    """What tells formulas apart: their code, and what they refer to beyond their module."""
-    inner = [cell.cell_contents for cell in getattr(formula, "__closure__", None) or ()]
-    known = [_code(of) if isinstance(of, FunctionType) else repr(of) for of in inner]
-    return f"{formula.__code__!r} {formula.__defaults__!r} {known}"
+@cache
+def _class(
+    name: str, fields: tuple[str, ...], methods: tuple[Named, ...], functions: tuple[Named, ...]
+) -> type:
+    """A NamedTuple class of a law of a case, with these formulas; one for the same formulas.
+    functions do not take the law.
+    """
+    made = NamedTuple(name, [(field, Any) for field in fields])
+    made.__module__ = __name__
+    for key, formula in (*methods, *((key, staticmethod(of)) for key, of in functions)):
+        setattr(made, key, formula)
+    made.of_case = True
+    return made
