@@ -25,8 +25,8 @@ from helpers import REPOSITORY, environment
 #: it has compilers of its own, and damages a library that is loaded
 TESTS = (
     *("block_conditions", "block_layers", "block_ledgers", "block_monitor", "block_oracle"),
-    *("elementary", "gases_apart", "gravity", "paper_ends", "paper_rates", "procedures", "radial"),
-    *("prescribed", "riemann", "solid_laws", "solid_part"),
+    *("elementary", "gases_apart", "gravity", "paper_rates", "procedures", "radial"),
+    *("prescribed", "solid_laws", "solid_part"),
     *("where_faces_meet",),
 )
 #: without optimization all checks are made, and compiling takes a quarter of the time

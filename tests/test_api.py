@@ -110,16 +110,6 @@ def test_units_in_the_last_place():
     assert difference("", a, b, times).largest == np.inf
 
 
-def test_xarray(results):
-    pytest.importorskip("xarray")
-    with fsipetsc.open_run(results / "a.h5") as run:
-        data = run.to_xarray()
-        assert data["below.T"].dims == ("time", "X_below") and data["below.T"].attrs["units"] == "K"
-        assert np.array_equal(data["below.T"], run.layers[0]["T"], equal_nan=True)
-        assert np.array_equal(data["rod.x"], run.layers[1].x) and "rod.x" in data.coords
-        assert data["series.x_interface"].dims == ("step", "interface")
-
-
 def test_what_is_public_is_there_and_told():
     """In dir(), with a docstring, and in docs/commands.md."""
     page = (REPOSITORY / "docs" / "commands.md").read_text()

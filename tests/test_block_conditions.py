@@ -26,8 +26,7 @@ def slab(material, initial, ends, cells):
     return BlockProblem((block,), {("slab", 0, side): ends[side] for side in (0, 1)})
 
 
-@pytest.mark.parametrize("side", [0, 1])
-@pytest.mark.parametrize(("kind", "speed"), [("shear", 1.0), ("pressure", 2.0)])
+@pytest.mark.parametrize(("kind", "speed", "side"), [("shear", 1.0, 0), ("pressure", 2.0, 1)])
 def test_waves_of_both_kinds_leave_through_an_absorbing_face(kind, speed, side):
     """Along the normal; a face that resists along it alone gives all of a wave of shear back. Their
     energy, m0 c^2 int D_Y^2 dY per width, goes out.
@@ -104,8 +103,7 @@ def wall(phase, size):
     return {"x": x, "velocity": velocity}
 
 
-@pytest.mark.parametrize("order", [4, pytest.param(8, marks=pytest.mark.long)])
-def test_volumes_stay_those_of_the_grid(order):
+def test_volumes_stay_those_of_the_grid(order=4):
     """Over 100 periods of walls that wobble: Simpson's error for a periodic function is none."""
     gas, square, cells = Fluid(0.0, 0.0, 1.4, 1.0), rectangle((0, 0), (1, 1)), (2 * order,) * 2
     block = Block("gas", gas, square, cells, lambda X, Y: (1.0, 0.0, 0.0, 1e-3))  # cold
@@ -160,10 +158,10 @@ def linearised(order, mach, mu, n):
 
 
 @pytest.mark.parametrize("order", ORDERS)
-@pytest.mark.parametrize("mach", [0.0, 0.1, 0.3, 0.9, 1.5])
+@pytest.mark.parametrize("mach", [0.0, 0.3, 1.5])
 def test_no_mode_grows_between_open_ends_of_first_order(order, mach):
-    """At 3 and 10 the viscosity is far beyond what is resolved; 128 cells resolve its layer."""
-    for n, nu in ((32, 0.01), (32, 0.3), (32, 3.0), (32, 10.0), (128, 3.0)):
+    """At 3 and 10 the viscosity is far beyond what is resolved."""
+    for n, nu in ((32, 0.01), (32, 3.0), (32, 10.0)):
         rates = linearised(order, mach, 0.75 * nu * SOUND / n, n)
         growing = np.linalg.eigvals(rates).real.max() / (n * SOUND)
         assert growing < 1e-9, (nu, growing)

@@ -4,12 +4,10 @@ import block_shapes as shapes
 import numpy as np
 import pytest
 from block_ledgers import CLOSED, N, Steps, gas, problem_of, solid
-from recorded import recorded
 
 from fsipetsc.blockrun.block_solution import BlockForm
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme import plan
-from fsipetsc.scheme.batch import ALLOWED, LONGEST, MADE, TIME, Plan, plan_next
 
 
 def warped(mu):
@@ -76,8 +74,7 @@ def test_what_steps_lose_falls_with_their_order():
     assert 4.5 < np.log2(coarse / fine) < 5.5
 
 
-@pytest.mark.parametrize("viscosity", [0.0, 0.02])
-def test_a_bad_state_leaves_nothing_behind(viscosity):
+def test_a_bad_state_leaves_nothing_behind(viscosity=0.02):
     """A step that fails is made anew: the rates then have the bits that they had before."""
     with Steps(warped(viscosity), form=BlockForm(dissipation=1.0, shock=1.0)) as run:
         good, rates = run.y.array.copy(), np.zeros((3, run.y.array.size))
@@ -123,38 +120,3 @@ def test_a_step_that_ends_badly_is_made_in_parts():
         assert run.results[plan.STOP] == 2.0 and run.results[plan.BAD] == 0.0
         run.step(1e3)
         assert run.results[plan.BAD] == 1.0
-
-
-def planned(target, allowed, *, rate=10.0, fixed=0.0, end=None, flag=plan.STOP):
-    """Lengths of the steps of a batch from t = 0 with Courant number 0.8, by its journal."""
-    batch, results = np.zeros(plan.BATCH), np.zeros(plan.FLAGS + plan.LIMITS)
-    journal, latest = np.zeros((32, 4)), np.array([7.0, 8.0])
-    results[plan.RATE] = rate
-    dt = fixed or 0.8 / rate
-    batch[:] = 0.0, dt, dt, target, 0.8, fixed, allowed, 0.0, 0.0, 3.0
-    note = recorded(plan_next, Plan(batch, results, journal, latest))
-    for step in range(40):
-        results[flag] = float(step == end)
-        note()
-        if not batch[ALLOWED]:
-            break
-    note()
-    assert not batch[ALLOWED], "it has ended"
-    rows = journal[3 : 3 + int(batch[MADE])]
-    assert not journal[:3].any() and not journal[3 + len(rows) :].any()
-    assert (rows[:, 2:] == latest).all() and batch[LONGEST] == rows[:, 1].max()
-    assert batch[TIME] == rows[-1, 0] and np.allclose(np.cumsum(rows[:, 1]), rows[:, 0], rtol=1e-15)
-    return rows[:, 1].tolist()
-
-
-def test_the_plan_of_a_batch():
-    """It hits its target without a tiny step; flags, allowed steps and no bound end it."""
-    assert planned(0.5, 20) == pytest.approx([0.08] * 5 + [0.05] * 2)
-    assert planned(0.22, 20) == pytest.approx([0.08, 0.07, 0.07])
-    assert planned(0.16 * (1 + 1e-12), 20) == pytest.approx([0.08] * 2)
-    assert planned(0.5, 20, fixed=0.1) == pytest.approx([0.1] * 5)
-    assert len(planned(5.0, 4)) == 4
-    for flag in (plan.EXHAUSTED, plan.TOO_SHORT, plan.BAD, plan.STOP):
-        assert len(planned(5.0, 20, end=2, flag=flag)) == 3
-    for rate in (np.inf, np.nan, 0.0):
-        assert len(planned(5.0, 20, fixed=0.1, rate=rate)) == 1

@@ -6,19 +6,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from block_ledgers import conditions_of
-from gases import materials
 from recorded import loaded_grid, recorded
 
 from fsipetsc.blocks import maps
 from fsipetsc.blocks.block import Block, mesh
 from fsipetsc.blocks.block_problem import BlockProblem, Meeting
-from fsipetsc.blocks.conditions import Clamped, Free, Hinge, NoSlip, Open, Periodic, Slip
+from fsipetsc.blocks.conditions import Free, Hinge, NoSlip, Open, Slip
 from fsipetsc.blocks.grid import GridMotion
 from fsipetsc.blocks.hull import blend_of, hull_of
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.stiffened_gas import stiffened_gas
 
 GAS, SOLID = Fluid(0.0, 0.0, 1.4, 1.0), SimpleNamespace(m0=1.0)
 
@@ -218,92 +216,39 @@ def third():
     return Block("c", GAS, maps.corners((1, 0), (2, -6), (1, 1), (2, -5)), (8, 8), nothing)
 
 
-def periodic_at_a_solid():
-    b = square("b", (3.0, 0.0), (4.0, 1.0), material=SOLID)
-    faces = walls("a") | walls("b", condition=Free())
-    faces |= {("a", 0, 0): Periodic((4.0, 0.0)), ("b", 0, 1): Periodic((-4.0, 0.0))}
-    return BlockProblem([square(), b], faces)
-
-
-def at_a_corner():
-    liquid = Fluid(0.0, 0.0, 1.4, 1.0, stiffened_gas(1.4, 2.5, 0.0))
-    return BlockProblem([square(), square("b", (1, 1), (2, 2), material=liquid)], walls("a", "b"))
-
-
-def periodic_at_another_gas():
-    b = square("b", (3.0, 0.0), (4.0, 1.0), material=Fluid(0.0, 0.0, 1.4, 2.0))
-    faces = walls("a") | walls("b")
-    faces |= {("a", 0, 0): Periodic((4.0, 0.0)), ("b", 0, 1): Periodic((-4.0, 0.0))}
-    return BlockProblem([square(), b], faces)
-
-
-def ring_that_is_not_closed():
-    """Eight nodes around, in a ring and in one that lacks its last cell."""
-    ring = Block("a", GAS, maps.annulus(1.0, 2.0), (8, 8), nothing, periodic=(False, True))
-    part = Block("b", GAS, maps.annulus(2.0, 3.0, (0.0, 1.75 * np.pi)), (8, 7), nothing)
-    return BlockProblem([ring, part], {("a", 0, 0): NoSlip()} | walls("b", but=[("b", 0, 0)]))
-
-
 def pinned(*place):
     faces = walls("a", condition=Free())
     return BlockProblem([square(material=SOLID)], faces, points=[("a", place, Hinge())])
 
 
 WRONG = {
-    "upper above": lambda: maps.rectangle((0, 0), (1, 0)),
-    "no more than 2 pi": lambda: maps.annulus(1.0, 2.0, (0.0, 7.0)),
     r"axis 1, side 1\) do not meet: \(X, Y\) = \(0, 1\)": faces_that_do_not_meet,
     "expected the shape": lambda: maps.nodes(np.zeros((3, 3))),
-    "name is 'a|b'": lambda: square("a|b"),
     "expected a Fluid or an ElasticSolid": lambda: square(material="steel"),
     r"cells is \(8, 0\) .*: expected 1, 2 or 3 whole numbers": lambda: square(cells=(8, 0)),
-    "takes 0 and 1 to 0 and 2": lambda: maps.stretched(maps.rectangle(0, 1), lambda s: 2 * s),
-    "its map fails: ValueError": lambda: square(cells=(8, 8, 8)),
-    "initial is None": lambda: square(initial=None),
-    "its map gives 1 coordinates: expected 2": lambda: square(map=lambda xi: (xi[0],)),
     r"nan.* at xi = \(0.31, ": lambda: square(map=lambda xi: (xi[0], xi[1] / (xi[0] != 0.31))),
     r"J = -0.0156 per cell at .*right-handed": lambda: square(map=lambda xi: (xi[1], xi[0])),
     r"not smooth along axis 0, at \(X, Y\) = \(0.29": lambda: square(
         map=lambda xi: (xi[0] + 0.2 * abs(xi[0] - 0.3), xi[1])
     ),
-    r"its map has \(3, 3\) cells": lambda: square(map=maps.nodes(np.zeros((4, 4, 2)))),
     "axis 0 is periodic, and its map is not": lambda: square(
         periodic=(True, False), map=lambda xi: (xi[0], xi[1] * (1 + xi[0]))
     ),
-    "two blocks are named 'a'": lambda: BlockProblem([square(), square()], {}),
-    "block 'b' has 1 dimensions": lambda: two(square("b", map=maps.rectangle(5, 6), cells=8)),
     r"'a', face \(axis 0, side 1\), about .* = \(1, 0.5\)": lambda: alone(
         walls("a", but=[("a", 0, 1)])
     ),
-    r"nearest is block 'b', face \(axis 0, side 0\), 0.01 away": lambda: two(beside(1.01)),
-    r"'b', .* away, with 10 nodes instead of 9": lambda: two(beside(cells=(8, 9))),
     r"'b', .* away, without a node at .* = \(1, 0.125\)": lambda: two(square("b", map=curved)),
     r"side 1\) meets block 'b', .* is named NoSlip\(…\), too": lambda: BlockProblem(
         [square(), beside()], walls("a", "b", but=[("b", 0, 0)])
     ),
     r"are at one place, \(X, Y\) = \(1, 0.5\): expected two": lambda: two(beside(), third()),
-    r"face \(axis 0, side 0\) is named twice": lambda: alone(list(walls("a").items()) * 2),
-    "there is no block 'x': expected one of 'a'": lambda: alone(walls("x")),
-    "expected an axis from 0 to 1 and side 0 or 1": lambda: alone({("a", 2, 0): NoSlip()}),
-    r"'a': expected \(block name, axis, side\)": lambda: alone({"a": NoSlip()}),
-    "a periodic axis has no faces": lambda: alone(walls("a"), periodic=(True, False)),
-    "Clamped is no condition of a fluid": lambda: alone(walls("a", condition=Clamped())),
     "Open is no condition of a solid": lambda: alone(
         walls("a", condition=Open(1, (0, 0), 1)), material=SOLID
     ),
-    "Open: u has 1 numbers: expected 2": lambda: alone(walls("a", condition=Open(1, 0, 1))),
-    "is Periodic, and no Periodic face is at": lambda: alone(
-        walls("a") | {("a", 0, 0): Periodic((1.0, 0.0))}
-    ),
-    r"goes on at block 'b'.*: expected gas and gas": periodic_at_a_solid,
     r"block 'a' and block 'b' meet at .* = \(1, 0\), and are gases of different": lambda: two(
         beside(material=Fluid(0.0, 0.0, 1.3, 1.0))
     ),
-    r"meet at .* = \(1, 1\), .* laws: expected one law, or a solid between": at_a_corner,
-    r"block 'a' and block 'b' meet at .* = \(0, 0\), and are gases": periodic_at_another_gas,
-    "one of them is periodic and the other ends": ring_that_is_not_closed,
     r"no node of a face is there; the nearest is at .* = \(1, 0.25\)": lambda: pinned(1.0, 0.3),
-    "expected .name of a solid, 2 coordinates, Hinge": lambda: pinned(1.0),
 }
 
 
@@ -311,12 +256,3 @@ WRONG = {
 def test_what_is_wrong_is_told(message):
     with np.errstate(all="ignore"), pytest.raises(InputError, match=message):
         WRONG[message]()
-
-
-def test_joined_gases_may_differ_in_all_but_their_law():
-    """A law is the same where its formulas and numbers are, also if it is made twice."""
-    thin, thick = Fluid(0.0, 0.0, 1.4, 1.0), Fluid(0.3, 0.2, 1.4, 1.0, force=(0.0, 1.0))
-    for gas, other in ((thin, thick), (materials()[-1], materials(conduct=False)[-1])):
-        blocks = square(material=gas), beside(material=other)
-        faces = walls("a", "b", but=[("a", 0, 1), ("b", 0, 0)])
-        assert len(BlockProblem(blocks, faces).gas_laws.laws) == 1

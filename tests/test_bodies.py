@@ -35,16 +35,6 @@ def test_ranks_make_no_difference_and_balances_close(bodies, name, ranks):
     assert_same_fields(bodies(name), bodies(name, ranks))
 
 
-def test_gas_goes_around_the_edge_of_a_step(bodies):
-    """Front and top are one wall there: no gas goes through the sum of both, and it moves."""
-    before, _, over = bodies("step").layers
-    u, v = (before[name][-1][-1, -1] for name in ("u", "v"))
-    front, top = before.Y[-1] - before.Y[-2], over.X[1] - over.X[0]
-    assert abs(u * front - v * top) < 1e-14 and u > 0.1
-    corner = [before[name][-1][0, -1] for name in ("u", "v")]
-    assert np.abs(corner).max() < 1e-30  # where floor and front meet
-
-
 @pytest.mark.parametrize("name", ["cylinder", "rigid"])
 def test_what_hits_a_cylinder_is_the_same_above_and_below(bodies, name):
     series = bodies(name).series

@@ -112,16 +112,6 @@ def test_steps_may_change_where_it_is_said_and_a_result_may_begin_anew(stopped, 
         assert result.summary["steps"] == 70
 
 
-def test_from_the_checkpoint_at_the_end_no_step_follows(stopped, tmp_path):
-    """Nothing is known of what bounds it."""
-    words = "rod", "-fsi_restart", stopped / NEWEST, "-fsi_output", "none.h5"
-    done = solve(*words, cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "ended by -ts_max_steps at t = " in done.stdout
-    with fsipetsc.open_run(tmp_path / "none.h5") as result:
-        assert (result.summary["steps"], result.summary["bound"]) == (60, "")
-
-
 def test_what_was_given_up_is_not_gone_on_from(tmp_path):
     """Steps beyond an earlier checkpoint, or of a former run; what another run left is kept."""
     assert goes_on(tmp_path, *WORDS, 20) == ""

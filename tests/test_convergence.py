@@ -51,13 +51,6 @@ def test_grids_of_a_case_are_compared_with_each_other(tmp_path):
     assert left == {"bare.py", "bare-convergence.csv", "bare-convergence.png"}
 
 
-def test_what_blocks_do_not_resolve_is_said(tmp_path):
-    """A shock between a gas and a plate, in two dimensions, on three coarse grids."""
-    words = "blast -fsi_hs 0.125,0.0625,0.03125 -ts_max_time 0.05"
-    done = well(solve("convergence", *words.split(), cwd=tmp_path, ranks=2))
-    assert "falls short" in done.stdout
-
-
 def test_command(tmp_path):
     found = table(tmp_path, *"mms -fsi_orders 2,6 -fsi_hs 0.025,0.05,0.05".split())
     for order, fluid, solid in (("2", 1.9, 1.8), ("6", 4.3, 4.1)):

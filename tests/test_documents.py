@@ -293,11 +293,6 @@ def test_options_files_run(often, tmp_path):
     assert {name: result.summary["steps"] for name, result in results.items()} == steps
 
 
-def test_cases_of_runs_run(tmp_path):
-    paths = (REPOSITORY / "runs").glob("*.py")
-    compute(1, tmp_path, {path.stem: (str(path), "-ts_max_steps 3") for path in paths})
-
-
 def test_petscs_own_options_behave_as_in_its_examples(tmp_path):
     (tmp_path / "a.yaml").write_text("fsi:\n  h: 0.1\nts:\n  type: rk\n  rk_type: 3bs\n")
     (tmp_path / "b.opts").write_text("-ts_max_steps 3\n-ts_monitor\n")

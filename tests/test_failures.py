@@ -1,7 +1,9 @@
 """Runs that cannot start or go on: exit status, one message that helps, what is left on disk."""
 
+import sys
+
 import pytest
-from helpers import REPOSITORY, assert_readable, message, solve
+from helpers import REPOSITORY, assert_readable, launch, message, solve
 
 import fsipetsc
 
@@ -98,3 +100,16 @@ def test_an_end_by_the_number_of_steps_and_steps_far_beyond_their_bound_are_said
     words = "ended by -ts_max_steps at t = 0.0001, before -ts_max_time 2"
     assert words == summary["message"] and words in said
     assert words in solve("info", "box.h5", cwd=tmp_path).stdout
+
+
+PROGRAM = f"{sys.executable} -m fsipetsc"
+#: prints far more than what one who leaves after a line has read, in many writes
+COMPUTES = f"{PROGRAM} rod -fsi_h 0.1 -ts_max_steps 300 -ts_monitor"
+
+
+@pytest.mark.parametrize("into", [">/dev/full", "| head -n 0; exit ${PIPESTATUS[0]}"])
+def test_a_run_goes_on_where_nothing_can_be_printed(into, tmp_path):
+    done = launch(["bash", "-c", f"{COMPUTES} {into}"], tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+        assert result.complete and result.summary["steps"] == 300

@@ -2,18 +2,7 @@
 
 import gases
 import numpy as np
-import pytest
 from helpers import computed
-
-
-@pytest.mark.parametrize("conduct", ["yes", "no"])
-def test_what_is_at_rest_stays(conduct, tmp_path):
-    words = "-gases_conduct", conduct, "-ts_max_time", "1"
-    run = computed(tmp_path, "rest.h5", gases.__file__, *words)
-    for layer in run.layers:
-        last = layer.frame(-1)
-        np.testing.assert_allclose(last["T"], 1.5, rtol=1e-9)
-        assert np.abs(last["u"]).max() < 1e-9
 
 
 def test_a_steady_flow_of_heat_stays(tmp_path):

@@ -7,14 +7,6 @@ import numpy as np
 import pytest
 from helpers import computed, run, solve, well
 
-from fsipetsc import Fluid
-
-AIR = Fluid(0.0, 0.0, 1.4, 287.0)
-
-
-def still(*X):
-    return 1.0, *(0.0 for _ in X), 300.0
-
 
 @pytest.mark.parametrize("coupling", ["projection", "conservative"])
 def test_layers_are_those_that_run(coupling, tmp_path):
@@ -27,28 +19,6 @@ def test_layers_are_those_that_run(coupling, tmp_path):
     assert told == [(str(X.size), f"{(X[-1] - X[0]) / (X.size - 1):.4g}") for X in grids]
     assert f"first step: {result.series['dt'][0]:.3g} s, by sound in " in done.stdout
     assert os.listdir(tmp_path) == ["a.h5"]
-
-
-CASE = """
-import numpy as np
-from fsipetsc import Block, BlockProblem, Fluid, Option
-from fsipetsc.blocks.conditions import NoSlip
-from fsipetsc.blocks.maps import rectangle
-OPTIONS = (Option("wrong", int, 0, "", "what is wrong"),)
-DEFAULTS = {"fsi_h": 0.1, "ts_max_time": 1.0}
-def hot(X, Y, t):
-    return 300.0 - 600.0 * X
-def build(opt):
-    def still(X, Y):
-        return 1.0, 0.0, 0.0, -300.0 if opt["wrong"] == 1 else 300.0
-    gas = Block("gas", Fluid(1e-3, 1e-3, 1.4, 287.0), rectangle((0, 0), (1, 1)), (12, 12), still)
-    faces = {("gas", axis, side): NoSlip() for axis in (0, 1) for side in (0, 1)}
-    if opt["wrong"] == 2:
-        del faces["gas", 1, 1]
-    if opt["wrong"] == 3:
-        faces["gas", 1, 1] = NoSlip(T=hot)
-    return BlockProblem((gas,), faces)
-"""
 
 
 def test_the_command_draws_and_compiles_nothing(tmp_path):

@@ -1,6 +1,5 @@
 """A constant force on a gas: the oracle's rates; rest and energy stay."""
 
-from itertools import product
 from types import SimpleNamespace
 
 import numpy as np
@@ -53,8 +52,7 @@ def growth(oracle, rates):
 @pytest.mark.parametrize(
     ("shape", "order", "options"),
     [
-        *product(("line",), (2, 4, 6, 8), ({}, DAMPED)),
-        *product(("periodic",), (4,), (SMOOTH, LINKED)),
+        *(("line", 4, {}), ("line", 8, DAMPED), ("periodic", 4, SMOOTH), ("periodic", 4, LINKED)),
         ("disk", 4, DAMPED),
         ("three", 2, DAMPED),
     ],
@@ -65,8 +63,7 @@ def test_rates_are_the_oracles(shape, order, options):
     flat.check(shape, both, order, size=0.2, **options)
 
 
-@pytest.mark.parametrize(("centre", "options"), [("", SMOOTH), ("gas", {}), ("gas", DAMPED)])
-def test_rates_around_an_axis(centre, options, monkeypatch):
+def test_rates_around_an_axis(monkeypatch, centre="gas", options=DAMPED):
     monkeypatch.setattr(flat, "check_sums", lambda *of_a_problem_without_force: None)
     both = Gas(force=(0.4, 0.0)), Solid("log", force=(0.4, 0.0))
     radial.test_rates_are_the_oracles(centre, 2, 1, 4, both, options)
@@ -75,9 +72,7 @@ def test_rates_around_an_axis(centre, options, monkeypatch):
 @pytest.mark.parametrize(
     ("shape", "order", "options", "numbers"),
     [
-        *product(("line",), (2, 4, 6, 8), ({}, DAMPED), ({},)),
-        *product(("disk",), (2, 8), (DAMPED,), ({},)),
-        ("square", 4, SMOOTH, STIFFENED),
+        *(("line", 2, {}, {}), ("line", 6, DAMPED, {}), ("disk", 8, DAMPED, {})),
         ("square", 4, LINKED, STIFFENED),
         ("ring", 4, DAMPED, {"mu": 0.02, "kappa": 0.03}),
         ("three", 2, DAMPED, STIFFENED),
@@ -100,7 +95,7 @@ def test_rest_around_an_axis():
     assert np.abs(rates[1:]).max() < 1e-12
 
 
-@pytest.mark.parametrize("order", [2, 4, 6])
+@pytest.mark.parametrize("order", [2, 6])
 def test_small_motions_do_not_grow(order):
     """In a column, whose force is made node by node by the divergence form, they do."""
 
@@ -124,7 +119,7 @@ def test_small_motions_do_not_grow(order):
 @pytest.mark.parametrize(
     ("shape", "order", "numbers", "options"),
     [
-        *(("line", 4, STIFFENED, options) for options in ({}, SMOOTH, DAMPED, LINKED)),
+        *(("line", 4, STIFFENED, options) for options in (SMOOTH, LINKED)),
         *(("line", 8, {}, {}), ("square", 4, {}, DAMPED), ("three", 2, STIFFENED, {})),
     ],
 )

@@ -36,15 +36,6 @@ def read():
     options.put(before)
 
 
-def test_defaults_come_from_the_case_and_then_from_the_table(read):
-    opt = read()
-    assert set(opt) == {o.name for o in OWN + options.COMMON + options.PETSC_OPTIONS}
-    assert (opt["fsi_h"], opt["ts_max_time"], opt["fsi_output"]) == (0.0125, 2.0, "stub.h5")
-    assert (opt["fsi_order"], opt["ts_rk_type"], opt["ts_dt"]) == (4, "4", None)
-    with pytest.raises(InputError, match="-fsi_h must be given"):
-        read("", make_case(DEFAULTS={"ts_max_time": 1.0}))
-
-
 @pytest.mark.parametrize("name", ["my result.h5", "my' result"])
 def test_every_type_is_converted_and_long_lists_and_blanks_arrive_whole(read, name):
     times = [i / 7 for i in range(500)]

@@ -4,7 +4,7 @@ import os
 
 import numpy as np
 import pytest
-from helpers import message, mpirun, run
+from helpers import run
 
 import fsipetsc
 from fsipetsc.errors import FileError
@@ -120,29 +120,6 @@ def test_earlier_results_are_kept_and_a_second_run_of_the_name_is_refused(left):
         made(left, frames)
     for name, frames in (("run.3.h5", 12), ("run.4.h5", 2), ("run.h5", 3)):
         assert fsipetsc.open_run(folder / name).nframes == frames + 1
-
-
-FULL = """
-import resource
-import sys
-from fsipetsc.cli import main
-from fsipetsc.output.writer import RunWriter
-
-def full(writer, flush=RunWriter.flush):
-    resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]),) * 2)
-    flush(writer)
-
-RunWriter.flush = full  # before, kernels may be written
-sys.exit(main("rod -fsi_h 0.05 -ts_max_time 0.05 -fsi_output_dt 1e-4 -fsi_quiet".split()))
-"""
-
-
-@pytest.mark.parametrize("limit", [1_000, 2_000_000])
-def test_a_full_disk_ends_all_ranks(limit, tmp_path):
-    done = mpirun(2, "-c", FULL, limit, cwd=tmp_path)
-    message(done, 4, "rod.h5: cannot write: ", "File too large")
-    if limit > 1_000:
-        assert fsipetsc.open_run(tmp_path / "rod.h5").nframes > 20
 
 
 WITHOUT = """

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from numpy.polynomial import Polynomial
 
 from fsipetsc import Fluid, FluidLayer, InputError, Problem, Wall
 from fsipetsc.blockrun.from_layers import blocks_of_line
@@ -18,27 +17,6 @@ def prescribed(x, velocity=None):
     made = blocks_of_line(Problem((layer,), Wall(x, velocity=velocity), Wall(1.0)), 0.1, 4)
     particles = particles_of(made)
     return Prescribed(made, particles, range(len(particles)), lambda: STEP)
-
-
-@pytest.mark.parametrize("given", [False, True])
-def test_data_are_asked_for_within_the_run_and_differences_are_of_second_order(given):
-    """Exact for a cubic place, or a quadratic velocity, at the beginning as later."""
-    place, asked = Polynomial([0.1, 0.2, -0.3, 0.4]), []
-    path, speed = (place, place.deriv()) if not given else (place, Polynomial([0.3, -0.5, 0.7]))
-
-    def noted(of):
-        return lambda t: asked.append(t) or float(of(t))
-
-    walls = prescribed(noted(path), noted(speed) if given else None)
-    at = int(walls.moving[0])
-    for t in (0.0, 0.4 * STEP, 1.3 * STEP, 2.5 * STEP, 3 * STEP, 1.0, 7.7):
-        asked.clear()
-        walls.refresh(t)
-        assert 0.0 <= min(asked) and max(asked) <= max(t, 4 * STEP)
-        rate = speed.deriv() if given else path.deriv(2)
-        assert walls.displaced[at, 0] == pytest.approx(path(t), abs=1e-12)
-        assert walls.data.wall[at, 0] == pytest.approx(speed(t), abs=1e-9)
-        assert walls.data.wall_rate[at, 0] == pytest.approx(rate(t), abs=1e-7)
 
 
 #: place and velocity of walls that are as they should be

@@ -123,16 +123,3 @@ def test_facts_are_known_and_fields_of_records_are_set():
     assert y.tolist() == [1.5, 2.5] and "1.5" in found.text
     assert rows["first"].tolist() == [0, 1] and rows["place"].tolist() == [0.0, 1.5]
     assert rows["data"].tolist() == [[3.0, 3.0], [3.0, 6.0]]
-
-
-def test_arrays_and_loops_that_c_would_take_wrongly():
-    def first(part, y):
-        for i in each(y.size):
-            y[i] = 1.0
-            break
-
-    with pytest.raises(ValueError, match="break or return within a loop"):
-        recorded(first, part())
-    for kind in (np.float32, np.int32, bool):
-        with pytest.raises(TypeError, match="float64 and int64"):
-            recorded(lambda of, y: None, part()._replace(at=np.zeros(3, kind)))

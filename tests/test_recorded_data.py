@@ -112,17 +112,6 @@ def test_python_is_asked_for_other_functions(name):
     assert prescribed.displaced[prescribed.moving[0], 0] == x(0.3)
 
 
-def test_data_of_place_alone_are_asked_for_once():
-    asked = []
-    state = at_wall(lambda t: 0.1 * np.sin(t), T=lambda t: asked.append(t) or 1.2)
-    assert not state.asks
-    state.set_initial()
-    before = len(asked)
-    for t in (0.1, 0.2):
-        state.scheme.complete(t, state.y)
-    assert len(asked) == before
-
-
 # runs
 
 #: name -> options of the case

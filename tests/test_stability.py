@@ -146,12 +146,6 @@ def counts(done):
     return [[words[k] for k in (1, 2, 4, 6)] for words in lines if words and words[0] in NAMES]
 
 
-def test_command_for_one_material(tmp_path):
-    done = solve("stability", "-solid_density", 0.1, "-solid_modulus", 5, cwd=tmp_path)
-    assert counts(done) == [["1"] * 4] * 4
-    assert "solid  p 1 Pa, sigma 0 Pa" in done.stdout
-
-
 def test_sweep_with_energy_holds_everywhere_on_any_ranks(tmp_path):
     for ranks in (1, 2):
         done = solve("stability", *SMALL, "-fsi_output", ranks, cwd=tmp_path, ranks=ranks)

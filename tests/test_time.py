@@ -16,6 +16,15 @@ def test_saved_times():
     assert saved_times(1.0, 0.1, (0.30000000000000004,)).count(0.30000000000000004) == 1
 
 
+def test_steps_hit_saved_times_without_a_tiny_one(tmp_path):
+    words = "box -fsi_h 0.1 -fsi_order 2 -fsi_output_times 0.025,0.040000000001 -ts_max_time 0.05"
+    for more in ((), ("-ts_type", "rk")):
+        run = computed(tmp_path, "box.h5", *words.split(), "-ts_dt", 0.01, *more)
+        steps = [0.01, 0.0075, 0.0075, 0.0075, 0.0075, 0.01]
+        assert run.series["dt"] == pytest.approx(steps, rel=1e-9)
+        assert list(run.time) == [0.0, 0.025, 0.040000000001, 0.05]
+
+
 def difference(run, reference) -> float:
     """The largest in the last frame, of fields that vary, over the departure from their mean."""
     layers = zip(run.layers, reference.layers, strict=True)

@@ -5,7 +5,7 @@ import pytest
 from helpers import REPOSITORY, compute, on_ranks
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from fsipetsc import InputError, Piecewise
+from fsipetsc import Piecewise
 from fsipetsc.kernels.symbols import Record, derivatives, replay
 
 RUNS = REPOSITORY / "runs"
@@ -31,22 +31,6 @@ def test_piecewise_is_the_interpolant_of_scipy(kind):
     assert np.array_equal(found[0], made(at))
     assert np.allclose(made.derivative()(at), known(at, 1), rtol=1e-12, atol=1e-12)
     assert made(0.25) == made(np.array([0.25]))[0]
-
-
-def test_a_table_ends():
-    made = Piecewise(CubicSpline([1.0, 2.0, 4.0], [0.0, 1.0, 0.0]))
-    assert np.isfinite(made(4.0 + 1e-10))
-    for t in (0.9, np.array([2.0, 4.1])):
-        with pytest.raises(InputError, match=r"expected a number in 1 to 4, the table"):
-            made(t)
-    now = Record().given("t")
-    assert np.isnan(replay([made(now)], {now: 4.1})[0])
-
-
-@pytest.mark.parametrize("what", [np.sin, CubicSpline([0.0, 1.0, 2.0], np.eye(3))])
-def test_what_is_no_table_is_refused(what):
-    with pytest.raises(InputError, match=r"expected CubicSpline\(t, x\) or the like"):
-        Piecewise(what)
 
 
 def pressure_error(run, A=0.1, P=0.01, p0=1e5):

@@ -5,10 +5,6 @@ import importlib.util
 import pytest
 from helpers import REPOSITORY, run
 
-from fsipetsc.cases import load_case
-from fsipetsc.options import InForce, defaults
-
-NAMES = "layers", "blocks"
 #: those of an author of cases; functions of templates have no types, and are checked all the same
 SETTINGS = """[mypy]
 strict = True
@@ -23,13 +19,6 @@ disallow_untyped_calls = False
 def test_cases_pass_mypy_strict(tmp_path):
     (tmp_path / "mypy.ini").write_text(SETTINGS)
     templates = sorted((REPOSITORY / "fsipetsc" / "cases").glob("template*.py"))
-    files = *templates, *(REPOSITORY / "tests" / f"typed_{name}.py" for name in NAMES)
+    files = *templates, REPOSITORY / "tests" / "typed_cases.py"
     done = run("-m", "mypy", *files, cwd=tmp_path, env={"MYPYPATH": str(REPOSITORY)})
     assert len(templates) > 2 and done.returncode == 0, done.stdout + done.stderr
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_they_are_cases(name):
-    case = load_case(str(REPOSITORY / "tests" / f"typed_{name}.py"))
-    problem = case.build(InForce(defaults(case)))
-    assert [layer.kind for layer in problem.layers].count("solid") == 1

@@ -5,13 +5,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from helpers import REPOSITORY, program, rows_of, solve
-from scipy.optimize import brentq
 
 from fsipetsc.cases import superseismic as case
-from fsipetsc.studies.verdicts import Compared, Expected, Row, kinked
+from fsipetsc.studies.verdicts import Compared, Expected, Row
 from fsipetsc.studies.verify.command import ENTRIES
 from fsipetsc.studies.verify.entry import problem, reference
-from fsipetsc.studies.verify.small_motions import CORNER_ORDER
 
 
 def test_orders_and_verdicts():
@@ -34,30 +32,6 @@ def test_orders_and_verdicts():
     assert small[0] > 10.0 and np.isnan(small[1]), "round-off over round-off is no order"
     compared = row._replace(found=(Compared(1.2, 2.0), Compared(1.9, 2.0, 0.5)))
     assert compared.errors == pytest.approx((0.4, 0.2))
-
-
-def test_the_order_where_derivatives_jump():
-    """Central differences once around a ring: 3.5 p/(p + 1) in the mean square."""
-    for p, weights in ((2, [1 / 2]), (4, [2 / 3, -1 / 12]), (6, [3 / 4, -3 / 20, 1 / 60])):
-        errors = []
-        for n in (400, 800, 1600):
-            x = np.arange(n) / n
-            bump = 0.0625 - (x - 0.5) ** 2
-            start = np.where(bump > 0.0, bump**3, 0.0)  # at its ends the third derivative jumps
-            k = 2.0 * np.pi * np.fft.fftfreq(n)
-            speed = n * sum(2.0 * w * np.sin(m * k) for m, w in enumerate(weights, 1))
-            moved = np.fft.ifft(np.fft.fft(start) * np.exp(-1j * speed)).real
-            errors.append(np.sqrt(np.mean((moved - start) ** 2)))
-        assert np.log2(errors[1] / errors[2]) == pytest.approx(kinked(p, 3.5), abs=0.15), p
-
-
-def test_the_order_in_clamped_corners():
-    """Williams, J. Appl. Mech. 19 (1952) 526: stress r^(l - 1); frequencies have order 2 l."""
-    k = 3 - 4 / 3
-    found = brentq(
-        lambda l: np.sin(l * np.pi / 2) ** 2 - ((k + 1) ** 2 - 4 * l * l) / (4 * k), 0.5, 1
-    )
-    assert pytest.approx(2 * found, abs=0.01) == CORNER_ORDER
 
 
 #: reference -> program and its function

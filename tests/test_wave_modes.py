@@ -11,7 +11,6 @@ from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases import wave
 from fsipetsc.cases.common import elastic_of, gas_of
 from fsipetsc.cases.normal_mode import slowest_wave
-from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.studies.spectra import step_limit
@@ -60,13 +59,6 @@ def test_nothing_grows_and_the_step_is_kept(order):
             assert values.real.max() < 1e-11 * np.abs(values).max()
             fastest = max((stiffness / density) ** 0.5, GAMMA**0.5)
             assert step_limit(values) * fastest * n > 0.8
-
-
-def test_only_about_rest():
-    (solid, gas), ends = stack(Fluid(0.0, 0.0, GAMMA, 1.0 / GAMMA), STONE, (8, 8))
-    warmer = replace(gas, initial=lambda X, Y: (1.0, 0.0, 0.0, 1.0 + 0.1 * Y))
-    with pytest.raises(InputError, match="not at rest"):
-        linearise((solid, warmer), ends, 2, 10, 1.0)
 
 
 def test_runs_follow_the_spectral_solution(tmp_path):

@@ -1,61 +1,56 @@
-"""A case of blocks as `python -m fsipetsc new -blocks` writes it, and all maps, conditions and laws
-of a case's own, with types: mypy --strict must accept it."""
-
-from collections.abc import Mapping
-from typing import Any
+"""What case files and programs take of the package, with types: mypy --strict must accept it."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc import Block, BlockProblem, Option
+import fsipetsc as fsi
+from fsipetsc import Block, BlockProblem, Fluid, FluidLayer, Problem, Solid, SolidLayer, Wall
 from fsipetsc.blocks import conditions, maps
 from fsipetsc.blocks.conditions import Condition, Free, NoSlip, Slip
 from fsipetsc.blocks.layers import Layer, layers
-from fsipetsc.blocks.maps import annulus, rectangle
-from fsipetsc.equations.elementary import exp, power
-from fsipetsc.materials.fluid import Fluid
+from fsipetsc.blocks.maps import rectangle
 from fsipetsc.materials.own import gas_law, solid_law
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.stiffened_gas import stiffened_gas
 from fsipetsc.mesh_files import read_cgns
 
 Array = NDArray[np.float64]
-SUMMARY = "an elastic ring around a gas that is compressed on one side"
-OPTIONS = (
-    Option("ring_modulus", float, 1e6, "Pa", "2 mu + lambda of the ring", check="positive"),
-    Option("ring_density", float, 100.0, "kg/m3", "density of the ring", check="positive"),
-)
-DEFAULTS = {"fsi_h": 0.02, "fsi_order": 4, "ts_max_time": 0.02, "fsi_output_dt": 0.0004}
 P0, T0 = 1e5, 300.0
-PIPE, INNER, OUTER = 0.1, 0.4, 0.5
 
 
-def build(opt: Mapping[str, Any]) -> BlockProblem:
-    h: float = opt["fsi_h"]
-    air = Fluid(mu=0.0, kappa=0.0, gamma=1.4, R=287.0)
-    K, density = opt["ring_modulus"], opt["ring_density"]
-    more: dict[str, Any] = {"p_ref": P0, "law": "neo-hookean", "heat": "elastic"}
-    rubber = ElasticSolid(mu_e=K / 4, lambda_e=K / 2, kappa_e=0.0, m0=density, alpha=1500.0, **more)
+def driven() -> list[Problem]:
+    """Data that depend on time, and lists for tuples."""
+    air, plate = Fluid(0.0, 0.1, 1.4, 287.0, force=9.81), Solid(1e7, 0.2, 100.0, 1000.0)
 
-    def pulse(X: Array, Y: Array) -> tuple[Array, float, float, Array]:
-        p = P0 * (1.0 + 2.0 * exp(-((X - 0.25) ** 2 + Y**2) / 0.05**2))
-        T = T0 * power(p / P0, 1.0 - 1.0 / air.gamma)
-        return p / (air.R * T), 0.0, 0.0, T
+    def still(X: Array) -> tuple[float, float, float]:
+        return 1.0, 0.0, T0
 
-    def at_rest(X: Array, Y: Array) -> tuple[float, float, float, Array, Array]:
-        return 0.0, 0.0, T0, X, Y
+    def heat(X: Array, t: float) -> tuple[float, float, Array]:
+        return 0.0, 0.0, t * X
 
-    def cells(thickness: float) -> int:
-        return max(8, round(thickness / h))
+    def at_rest(X: Array) -> tuple[float, float, float, Array]:
+        return 0.0, 0.0, T0, X
 
-    around, loop = 8 * round(np.pi * INNER / 8 / h), (False, True)
-    inside, outside = (cells(INNER - PIPE), around), (cells(OUTER - INNER), around)
-    blocks = (
-        Block("gas", air, annulus(PIPE, INNER), inside, pulse, periodic=loop),
-        Block("ring", rubber, annulus(INNER, OUTER), outside, at_rest, periodic=loop),
-    )
-    faces = {("gas", 0, 0): Slip(), ("ring", 0, 1): Free(P0)}
-    return BlockProblem(blocks, faces)
+    gas = FluidLayer("gas", air, (0.0, 1.0), still, forcing=heat)
+    solid = SolidLayer("plate", plate, (1.0, 2.0), at_rest)
+    piston = Wall(lambda t: 0.1 * np.sin(t), T=lambda t: T0 + t, velocity=lambda t: 0.1 * np.cos(t))
+    stopped = Wall(lambda t: np.where(t < 1.0, t, 1.0))
+    filled = fsi.Dirichlet(0.0, lambda t: (1.0, t, T0))
+    starts = piston, stopped, filled, fsi.Open(0.0, P0, T0)
+    driven, pressed = fsi.clamped(lambda t: np.sin(t)), fsi.free(-P0, T=T0)
+    ends = driven, pressed, fsi.absorbing(heat_flux=1.0), fsi.clamped()
+    return [Problem([gas, solid], start, end, notes=["driven"]) for start, end in zip(starts, ends)]
+
+
+def drift(case: Problem) -> float:
+    """Of the energy in a run: the functions for runs and results."""
+    try:
+        with fsi.run(case, order=4, h=0.1, output="a.h5") as run:
+            hottest: float = run.layers[0]["T"].max()
+            print(run.case, hottest, run.summary["steps"], fsi.compare("b.h5", run.path).equal)
+            return float(np.ptp(run.series["energy"]))
+    except fsi.InputError as error:
+        return error.status
 
 
 def still(*X: Array) -> tuple[float, ...]:
@@ -131,6 +126,11 @@ def every(path: str) -> BlockProblem:
 
 def wrong(block: Block) -> None:
     """What the checker must refuse: an ignored line without an error is an error."""
+    air = Fluid("thick", 0.0, 1.4, 287.0)  # type: ignore[arg-type]
+    FluidLayer("gas", air, (0.0, 1.0), 1.0)  # type: ignore[arg-type]
+    FluidLayer("gas", air, (0.0, 1.0), lambda: (1.0, 0.0, T0))  # type: ignore[arg-type,misc]
+    Problem((), left=0.0, right=Wall(1.0))  # type: ignore[arg-type]
+    Wall(0.0, temperature=T0)  # type: ignore[call-arg]
     NoSlip(T="hot")  # type: ignore[arg-type]
     rectangle(0.0)  # type: ignore[call-arg]
     BlockProblem((block,), {("gas", 0): Slip()})  # type: ignore[arg-type]
