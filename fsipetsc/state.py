@@ -14,8 +14,6 @@ from fsipetsc.scheme.plan import BATCH, FLAGS, LIMITS
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
 FAULT = 1000.0
-#: a smaller stretch is that of a solid that is crushed
-CRUSHED = 0.1
 
 
 class Seen(NamedTuple):
@@ -128,14 +126,6 @@ def whole(comm: MPI.Comm, size: int, numbers: np.ndarray, values: np.ndarray) ->
     comm.Gatherv(sent, [received, counts, MPI.DOUBLE])
     found[np.concatenate(every)] = received
     return found
-
-
-def crushed(where: str, stretch: float, push: float, K: float) -> str:
-    """What is said of a solid of this stretch under a pressure of push [Pa]; "" if all is well."""
-    pressed = f" under a pressure of {push / K:.3g} K, K = 2 mu_e + lambda_e" if K > 0.0 else ""
-    said = f"the solid is crushed in {where}: its stretch is {stretch:.3g}{pressed}"
-    helps = "; a stiffer solid or less pressure helps, shorter steps do not"
-    return said + helps if stretch < CRUSHED else ""
 
 
 def as_numbers(record: np.void) -> np.ndarray:

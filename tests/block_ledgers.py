@@ -3,8 +3,7 @@
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.blockrun.block_solution import BlockForm
-from fsipetsc.blockrun.block_state import BlockState
+from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blockrun.columns import gained, slices
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
@@ -27,7 +26,7 @@ class Steps(BlockState):
 
     def __init__(self, problem, order=2, form=BlockForm(), apart=False):  # noqa: B008
         super().__init__(MPI.COMM_SELF, problem, order, form)
-        self.scheme.compiled.asks |= apart
+        self.scheme.asks |= apart
         self.t, self._at = 0.0, slices(gained(problem))
         self.came = np.zeros(self.layout.auxiliary)
         self.set_initial()

@@ -5,8 +5,7 @@ import numpy as np
 from mpi4py import MPI
 from oracle_formulas import rate_of, spread
 
-from fsipetsc.blockrun.block_solution import BlockForm
-from fsipetsc.blockrun.block_state import BlockState
+from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blocks import conditions
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from block_ledgers import CLOSED, N, Steps, gas, problem_of, solid
 
-from fsipetsc.blockrun.block_solution import BlockForm
+from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme import plan
 

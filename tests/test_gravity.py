@@ -10,7 +10,7 @@ from block_ledgers import Steps, problem_of, solid
 from oracle_engine import Engine
 from oracle_formulas import Gas, Solid, spread
 
-from fsipetsc.blockrun.block_solution import BlockForm
+from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.blocks.conditions import Free, Slip
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid

@@ -5,8 +5,7 @@ import pytest
 from helpers import computed, on_ranks, rows_of, solve, well
 from mpi4py import MPI
 
-from fsipetsc.blockrun.block_solution import BlockForm
-from fsipetsc.blockrun.block_state import BlockState
+from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Centre, Free, Slip

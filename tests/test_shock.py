@@ -5,7 +5,7 @@ import pytest
 from block_ledgers import Steps
 from helpers import compute, solve
 
-from fsipetsc.blockrun.block_solution import BlockForm
+from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Slip

@@ -1,5 +1,6 @@
 """This rank's parts of blocks, the particles they meet in, and all procedures of both, compiled."""
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -21,6 +22,7 @@ from fsipetsc.process.together import together
 from fsipetsc.scheme import runge_kutta as stages
 from fsipetsc.scheme.batch import plan_next
 from fsipetsc.scheme.normals import turned_faces
+from fsipetsc.scheme.plan import RATE
 from fsipetsc.scheme.recorded_data import Recorder
 from fsipetsc.scheme.timed import TIMES, set_time
 
@@ -32,15 +34,14 @@ STAGES = [f"stage_{number}" for number in range(stages.STAGES)]
 class Compiled:
     """What the phases of a right-hand side call. Making one is collective. InputError.
 
-    form: fsipetsc.blockrun.block_solution.BlockForm. found: what steps take and fill; its left is
-    found here. columns: of the record of a step, the type of `latest` there. instant: says a time
-    [s] in which little happens. announce: called on rank 0, with a message, before and after
-    kernels are compiled.
+    form: fsipetsc.blockrun.block_state.BlockForm. found: what steps take and fill; its left is
+    found here. columns: of the record of a step, the type of `latest` there. announce: called on
+    rank 0, with a message, before and after kernels are compiled.
 
-    parts: block -> this rank's part; gases: those of gas. does: procedures by name, also those
-    between phases (fsipetsc.scheme.runge_kutta). data: code that fills recorded data. asks: some
-    data depend on time, and not all of these are recorded: Python is asked for them. not_recorded:
-    why, on this rank.
+    parts: block -> this rank's part; gases: those of gas; particles: in which they meet. does:
+    procedures by name, also those between phases (fsipetsc.scheme.runge_kutta). data: code that
+    fills recorded data. asks: some data depend on time, and not all of these are recorded: Python
+    is asked for them. not_recorded: why, on this rank.
     """
 
     def __init__(
@@ -50,10 +51,10 @@ class Compiled:
         form: Any,
         found: stages.Found,
         columns: np.dtype,
-        instant: Callable[[], float],
         announce: Callable[[str], None],
     ) -> None:
-        self.layout, problem = layout, layout.problem
+        self.layout, self.problem, self.found = layout, layout.problem, found
+        problem = layout.problem
         particles, blocks = particles_of(problem), problem.blocks
 
         def make() -> dict[int, GasPart | SolidPart]:
@@ -65,7 +66,7 @@ class Compiled:
         self.gases = [part for part in self.parts.values() if isinstance(part, GasPart)]
         solids = (part for part in self.parts.values() if isinstance(part, SolidPart))
         inertia = {part.part.k: part.inertia for part in solids}
-        self.particles = ParticleSystem(layout, particles, inertia, instant)
+        self.particles = ParticleSystem(layout, particles, inertia, self.instant)
         for gas in self.gases:
             gas.follow(particles, self.particles)
         self._at_faces = {k: self.particles.faces_at(k) for k in self.parts}
@@ -75,6 +76,14 @@ class Compiled:
         self.found = found._replace(left=self._left())
         self.steady = problem.steady_data
         self._compile(columns, announce)
+
+    def instant(self) -> float:
+        """A time [s] in which little happens, for differences in time: a power of two, so that it
+        is the same in most steps, and data need not be asked for again where the next step begins.
+        """
+        rate, h = float(self.found.results[RATE]), float(min(self.problem.spacings))
+        _, power = math.frexp(0.25 / rate if 0.0 < rate < np.inf else 1e-3 * h)
+        return math.ldexp(0.25, power)
 
     def _left(self) -> Array:
         """(runs, 2) of the numbers of this rank's part of a world vector with rates that something

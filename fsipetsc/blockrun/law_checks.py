@@ -13,7 +13,7 @@ from fsipetsc.scheme.gas_forms import CONSERVED, convection_of
 
 def check_gas_laws(problem: BlockProblem, form: Any) -> None:
     """InputError if the law of a gas lacks what an option needs; form: see
-    fsipetsc.blockrun.block_solution.BlockForm.
+    fsipetsc.blockrun.block_state.BlockForm.
     """
     dissipates = sigma_of(form.dissipation, problem.joined) > 0.0
     given = f" {form.dissipation:g}" if form.dissipation else ", which is 1 where blocks are joined"

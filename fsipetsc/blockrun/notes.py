@@ -3,11 +3,11 @@ grid does not resolve at the end. NOTES says when each is asked for; all are col
 """
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.blockrun.block_solution import BlockSolution
 from fsipetsc.blockrun.gas_part import GasPart
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.maps import place_text
@@ -35,7 +35,7 @@ _WORDS = (
 )
 
 
-def walls_away(state: BlockSolution) -> list[str]:
+def walls_away(state: Any) -> list[str]:
     """Walls that are not at the ends of their blocks."""
     blocks, m = state.problem.layers, state.problem.unit("m")
     away = np.zeros(len(blocks))
@@ -51,14 +51,14 @@ def walls_away(state: BlockSolution) -> list[str]:
     ]
 
 
-def asked_data(state: BlockSolution) -> list[str]:
+def asked_data(state: Any) -> list[str]:
     """Why Python is asked for data in each stage of a step."""
     why = [one for some in state.comm.allgather(state.scheme.not_recorded) for one in some]
     words = "Python is asked for data in each stage of a step, which takes longer"
     return [f"{words}: {why[0]}"] if why else []
 
 
-def pressure_jumps(state: BlockSolution) -> list[str]:
+def pressure_jumps(state: Any) -> list[str]:
     """Interfaces at which the pressures of both sides differ; halos are filled."""
     problem, blocks, Pa = state.problem, state.problem.layers, state.problem.unit("Pa")
     pushes = np.zeros((len(problem.interfaces), 2, 2))  # of gas and solid: the sum, number of nodes
@@ -80,7 +80,7 @@ def pressure_jumps(state: BlockSolution) -> list[str]:
     ]
 
 
-def loose_forces(state: BlockSolution) -> list[str]:
+def loose_forces(state: Any) -> list[str]:
     """A note for each gas on which a constant force acts node by node."""
     words = (
         "is added node by node: a gas at rest stays so to the order of the scheme only, and "
@@ -93,7 +93,7 @@ def loose_forces(state: BlockSolution) -> list[str]:
     ]
 
 
-def weak_hinges(state: BlockSolution) -> list[str]:
+def weak_hinges(state: Any) -> list[str]:
     """Hinges of order 8, whose derivative hardly sees a motion of a single point at an end
     (tests/test_operators.py).
     """
@@ -101,7 +101,7 @@ def weak_hinges(state: BlockSolution) -> list[str]:
     return [words] if state.problem.hinges and state.op.order == 8 else []
 
 
-def unresolved(state: BlockSolution) -> list[str]:
+def unresolved(state: Any) -> list[str]:
     """Where a wave is as steep as the grid, or a layer at a wall as thin as a cell, in a gas.
 
     Of a state whose halos are filled. Collective.
@@ -138,7 +138,7 @@ def unresolved(state: BlockSolution) -> list[str]:
     return notes
 
 
-def inflows(state: BlockSolution) -> list[str]:
+def inflows(state: Any) -> list[str]:
     """Where gas flows in through an Outflow, which has no data for it: the fastest one of each
     block. Collective.
     """
@@ -166,7 +166,7 @@ def inflows(state: BlockSolution) -> list[str]:
     ]
 
 
-def _largest(state: BlockSolution, found: Array) -> Array:
+def _largest(state: Any, found: Array) -> Array:
     """Of sizes and their places (…, 1 + d), size first, those of the rank with the largest size."""
     every = np.array(state.comm.allgather(found))
     rank = every[None, ..., :1].argmax(axis=1)

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from fsipetsc.blockrun.block_solution import BlockSolution
 from fsipetsc.blockrun.columns import point_names
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.errors import InputError
@@ -69,7 +69,7 @@ def _face_of(problem: BlockProblem, k: int, node: int) -> tuple[int, int] | None
     return next((f for f in there if node in problem.face_nodes(k, *f)), None)
 
 
-def here_of(state: BlockSolution) -> list[tuple[int, Recorded, int]]:
+def here_of(state: Any) -> list[tuple[int, Recorded, int]]:
     """(number, node, its place among those that this rank owns) of the recorded nodes here."""
     found = []
     for i, node in enumerate(state.recorded):
@@ -79,7 +79,7 @@ def here_of(state: BlockSolution) -> list[tuple[int, Recorded, int]]:
     return found
 
 
-def note_nodes(state: BlockSolution, here: Sequence[tuple[int, Recorded, int]]) -> None:
+def note_nodes(state: Any, here: Sequence[tuple[int, Recorded, int]]) -> None:
     """Write into the record of a step what is known of nodes here, of the completed state, whose
     halos are filled: place, velocity, temperature; pressure, of solids minus the mean of the normal
     stresses in the plane and of hoops; traction on the solid at an interface, else 0.

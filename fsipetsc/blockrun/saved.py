@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blockrun.block_solution import BlockSolution
 from fsipetsc.blockrun.columns import fields_of
 from fsipetsc.blocks.values import block_values, checked, names_of
 from fsipetsc.process.together import together
@@ -15,7 +14,7 @@ from fsipetsc.scheme.observables import PLACES, VELOCITIES
 from fsipetsc.state import Seen
 
 
-def header(state: BlockSolution) -> dict[str, Any]:
+def header(state: Any) -> dict[str, Any]:
     """What a result file says of blocks, interfaces, and nodes recorded at each step."""
     d = state.problem.dimension
     blocks = [
@@ -37,7 +36,7 @@ def header(state: BlockSolution) -> dict[str, Any]:
     }
 
 
-def grids(state: BlockSolution) -> list[dict[str, Any]]:
+def grids(state: Any) -> list[dict[str, Any]]:
     """What the writer must know: see RunWriter."""
     found = []
     for k, shape in enumerate(state.layout.shapes):
@@ -48,7 +47,7 @@ def grids(state: BlockSolution) -> list[dict[str, Any]]:
     return found
 
 
-def seen(state: BlockSolution) -> Iterator[Seen]:
+def seen(state: Any) -> Iterator[Seen]:
     """Values at this rank's nodes, block by block."""
     problem, d = state.problem, state.problem.dimension
     for k, part in state.scheme.parts.items():
@@ -62,7 +61,7 @@ def seen(state: BlockSolution) -> Iterator[Seen]:
         yield Seen(k, numbers, values, x, problem.places(k, numbers))
 
 
-def errors_of(state: BlockSolution, t: float, norm: str) -> dict[str, dict[str, float]] | None:
+def errors_of(state: Any, t: float, norm: str) -> dict[str, dict[str, float]] | None:
     """Errors at time t [s]: kind of block -> name -> (sum w |difference|^p)^(1/p), and "combined".
 
     norm: "L1" or "L2", p = 1 or 2. w: H times J of the reference map. All blocks of a kind are

@@ -6,83 +6,43 @@ depend on time. `y` is a fsipetsc.parallel.block_layout.BlockVector; `f` an arra
 layout.
 """
 
-import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.compiled import STAGES, Compiled
+from fsipetsc.blockrun.compiled import STAGES
 from fsipetsc.blockrun.phases import Phases
 from fsipetsc.blocks.values import block_values
 from fsipetsc.errors import InputError
-from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
+from fsipetsc.parallel.block_layout import BlockVector
 from fsipetsc.process.together import together
 from fsipetsc.scheme.batch import ALLOWED
-from fsipetsc.scheme.plan import BAD, RATE, SAID_STOP
-from fsipetsc.scheme.runge_kutta import Found
+from fsipetsc.scheme.plan import BAD, SAID_STOP
 from fsipetsc.state import FAULT
 
 Array = NDArray[Any]
 
 
-class Scheme:
+class Scheme(Phases):
     """Right-hand side of a problem on this rank's parts of its blocks. Making one is collective.
     InputError.
 
     vectors: the solution, and two for stages. The rest is that of fsipetsc.blockrun.compiled.
 
-    compiled: what phases call; parts, particles: those of it.
     fault: the first error of a function of the case's on this rank, after `initial`. The rank goes
     on with the data before it, so that others do not wait for its messages; all end after the step.
     """
 
-    def __init__(
-        self,
-        layout: BlockLayout,
-        order: int,
-        form: Any,
-        vectors: Sequence[BlockVector],
-        found: Found,
-        columns: np.dtype,
-        announce: Callable[[str], None],
-    ) -> None:
-        self.problem, self._layout = layout.problem, layout
-        #: the solution, and two stages: each becomes the next one
+    fault: InputError | None = None
+    _filled: tuple[Any] | None = None  # the instant that the data are of
+
+    def __init__(self, vectors: Sequence[BlockVector], *about: Any) -> None:
+        super().__init__(*about)
+        # the solution, and two stages: each becomes the next one
         self._now = *vectors, vectors[1]
         # the phase of each stage, of which vector it takes the rates, and where it goes
         self._stages = list(zip(STAGES, self._now, (*self._now[1:], self._now[0]), strict=True))
-        self._results = found.results
-        made = Compiled(layout, order, form, found, columns, self._instant, announce)
-        self.compiled, self._phases = made, Phases(made)
-        self.parts, self.particles = made.parts, made.particles
-        self._found, self.steady = made.found, made.steady
-        self.fault: InputError | None = None
-        self._filled: tuple[Any] | None = None  # the instant that the data are of
-
-    @property
-    def asks(self) -> bool:
-        """Python is asked for data at each stage."""
-        return self.compiled.asks
-
-    @property
-    def not_recorded(self) -> list[str]:
-        """Why data cannot be recorded, on this rank."""
-        return self.compiled.not_recorded
-
-    @property
-    def planning(self) -> Any:
-        """The procedure that plans the next step."""
-        return self.compiled.does["plan_next"]
-
-    def _instant(self) -> float:
-        """A time [s] in which little happens, for differences in time: a power of two, so that it
-        is the same in most steps, and data need not be asked for again where the next step begins.
-        """
-        rate, h = float(self._results[RATE]), float(min(self.problem.spacings))
-        _, power = math.frexp(0.25 / rate if 0.0 < rate < np.inf else 1e-3 * h)
-        return math.ldexp(0.25, power)
 
     def initial(self, t: float, y: BlockVector) -> None:
         """Fill y with the data of the case at time t [s]. InputError for what its functions return,
@@ -99,8 +59,8 @@ class Scheme:
         velocity and temperature. Gas at walls then gets their velocity, at the same temperature.
         """
         self._refresh(t)
-        self._phases.do("share", y.array)
-        for gas in self.compiled.gases:
+        self.do("share", y.array)
+        for gas in self.gases:
             gas.stretch(y.owned(gas.part.k))
             gas.impose_velocities(y.owned(gas.part.k), *self.particles.at_walls(gas.part.k))
 
@@ -109,12 +69,12 @@ class Scheme:
         if self.asks or self._filled is None or self.particles.prescribed.doubtful:
             self._ask(t)
         if not self.asks:
-            self.compiled.fill(t)
+            self.fill(t)
 
     def _ask(self, t: float) -> None:
         """Ask Python for the data at time t [s]. InputError the first time."""
         differs = self.particles.prescribed.by_differences
-        instant = None if self.steady else (t, self._instant() if differs else 0.0)
+        instant = None if self.steady else (t, self.instant() if differs else 0.0)
         if self._filled is not None and self._filled[0] == instant:
             return
         try:
@@ -130,12 +90,12 @@ class Scheme:
     def complete(self, t: float, y: BlockVector) -> None:
         """Impose on y, in place, all conditions of its particles. Collective."""
         self._refresh(t)
-        self._phases.do("share impose", y.array)
+        self.do("share impose", y.array)
 
     def rates(self, t: float, y: BlockVector, f: Array) -> None:
         """f = dy/dt for a completed y. Collective."""
         self._refresh(t)
-        self._phases.do("rates", y.array, f)
+        self.do("rates", y.array, f)
 
     def step(self, t: float, dt: float, ends: Callable[[BlockVector], bool] | None = None) -> bool:
         """A step of the classical Runge-Kutta method from the solution at t [s] to the completed
@@ -146,17 +106,17 @@ class Scheme:
         returns True.
         """
         y = self._now[0]
-        self._found.now[1] = dt
+        self.found.now[1] = dt
         instants = t, t + 0.5 * dt, t + 0.5 * dt, t + dt
         for (name, now, to), instant in zip(self._stages, instants, strict=True):
             self._refresh(instant)
             if ends is None:
-                self._phases.do(f"share impose {name}", now.array, to.array)
+                self.do(f"share impose {name}", now.array, to.array)
             else:
-                self._phases.do("share impose", now.array)
+                self.do("share impose", now.array)
                 if now is not y and ends(now):
                     return True
-                self._phases.do(name, now.array, to.array)
+                self.do(name, now.array, to.array)
         self.complete(t + dt, y)
         return ends is not None and ends(y)
 
@@ -165,11 +125,11 @@ class Scheme:
         well, and the time that is reached; else begin and length of the step to be made anew.
         """
         self._refresh(t)
-        results, batch, now = self._found.results, self._found.plan.batch, self._found.now
+        results, batch, now = self.found.results, self.found.plan.batch, self.found.now
         if self.fault is not None:
             results[SAID_STOP] = FAULT
         now[:2] = t, dt
-        calls = self._phases.batch(self._stages, self._now[0])
+        calls = self.batch(self._stages, self._now[0])
         calls.batch(results[BAD:], batch[ALLOWED:])
         return bool(results[BAD] == 0.0), float(now[0]), float(now[1])
 
@@ -181,35 +141,31 @@ class Scheme:
                 self.particles.prescribed.refresh(t)
                 for part in self.parts.values():
                     part.refresh(t)
-                self.compiled.fill(t)
+                self.fill(t)
                 why = "expected a motion with a finite acceleration"
-                for recorder in self.compiled.recorders:
+                for recorder in self.recorders:
                     if what := recorder.faulty():
                         raise InputError(f"{what} is not finite at t = {t:.6g}: {why}")
 
-        if self.compiled.data and not self.asks:
-            together(self._layout.comm, check)
+        if self.data and not self.asks:
+            together(self.layout.comm, check)
 
     def monitor(self, y: BlockVector) -> None:
         """Put extremes of all ranks, shares of the integrals of this rank's nodes, and what is
         recorded of interfaces, where the state has it; fill ghosted arrays. y: the solution,
         completed. Collective.
         """
-        self._phases.do("monitor inside", y.array)
+        self.do("monitor inside", y.array)
 
     def fill_halos(self, y: BlockVector) -> None:
         """Fill the ghosted arrays of all parts. Collective."""
-        self._phases.do("halos", y.array)
+        self.do("halos", y.array)
 
     def note_gained(self, y: BlockVector) -> None:
         """Put what came in into the record of the step."""
-        self.compiled.does["note_gained"](y.array)
-
-    def destroy(self) -> None:
-        """Release the messages, before the layout."""
-        self.compiled.destroy()
+        self.does["note_gained"](y.array)
 
     def forget(self) -> None:
         """Clear what gases remember of a bad state: no NaN may stay there for another step."""
-        for gas in self.compiled.gases:
+        for gas in self.gases:
             gas.volume.forget()

@@ -9,17 +9,17 @@ Nodes with hardly any strain are left out, so that solids of small strain cost n
 from collections.abc import Callable, Collection, Iterator, Sequence
 from itertools import product
 from math import isqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.blockrun.block_solution import BlockSolution
 from fsipetsc.blockrun.solid_part import SolidPart
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.equations.tensors import determinant
-from fsipetsc.state import CRUSHED, crushed
 
 Array = np.ndarray
+#: a smaller stretch is that of a solid that is crushed
+CRUSHED = 0.1
 #: entries of F^T F - 1 below which the waves of a law are those at rest
 SMALL = 0.02
 #: part of the largest entry of the tensor that an eigenvalue below 0 must be more than
@@ -40,7 +40,7 @@ class Found(NamedTuple):
     values: tuple[float, ...]
 
 
-def imaginary_waves(state: BlockSolution, t: float, noted: set[int]) -> list[str]:
+def imaginary_waves(state: Any, t: float, noted: set[int]) -> list[str]:
     """A line for each solid whose waves have become imaginary somewhere, by the last F. Collective.
 
     t: time of the state [s]. noted: the blocks of which it was said before; more are added.
@@ -55,18 +55,22 @@ def imaginary_waves(state: BlockSolution, t: float, noted: set[int]) -> list[str
     ]
 
 
-def most_crushed(state: BlockSolution) -> str:
+def most_crushed(state: Any) -> str:
     """Which solid is crushed most, and by how much pressure, by the last F; "" if none is.
     Collective.
     """
     found = min(_first_of_all(state, _shortest), default=None)
     if found is None:
         return ""
-    K = state.problem.layers[found.block].material.K
-    return crushed(_where(state, found), found.order, *found.values, K)
+    K, (push,) = state.problem.layers[found.block].material.K, found.values
+    pressed = f" under a pressure of {push / K:.3g} K, K = 2 mu_e + lambda_e" if K > 0.0 else ""
+    return (
+        f"the solid is crushed in {_where(state, found)}: its stretch is {found.order:.3g}{pressed}"
+        "; a stiffer solid or less pressure helps, shorter steps do not"
+    )
 
 
-def _where(state: BlockSolution, found: Found) -> str:
+def _where(state: Any, found: Found) -> str:
     """The place of a node, in words."""
     block, shape = state.problem.layers[found.block], state.layout.shapes[found.block]
     node = ", ".join(map(str, np.unravel_index(found.number, shape[::-1])[::-1]))
@@ -74,7 +78,7 @@ def _where(state: BlockSolution, found: Found) -> str:
 
 
 def _first_of_all(
-    state: BlockSolution,
+    state: Any,
     look: Callable[[SolidPart, Array], Iterator[Found]],
     but: Collection[int] = (),
 ) -> Collection[Found]:

@@ -166,25 +166,14 @@ class Layer:
             values = {"rho": rho, "u": u, "T": T}
         else:
             u, sigma, T, x = self.owned
-            x_X = self._stretch()
+            # by the next point, as it is monitored
+            beyond = self.local[3, self.record["halo_lo"] + 1 :]
+            after = np.append(beyond, x[-1:] + self.record["h"])[: len(x)]
+            x_X = (after - x) / self.record["h"]
             p = self.law.pressure(T, x_X)
             modulus = self.law.wave_modulus(T, p, np.minimum(sigma, p), x_X)
             values = {"x": x, "x_X": x_X, "u": u, "sigma": sigma, "T": T, "m0 c^2": modulus}
         return Seen(self.number, numbers, values, x[:, None], X[:, None])
-
-    def _stretch(self) -> Array:
-        """x_X of a solid at the owned points, each by the next one, as it is monitored."""
-        x, h = self.owned[3], self.record["h"]
-        after = np.append(self.local[3, self.record["halo_lo"] + 1 :], x[-1:] + h)[: len(x)]
-        stretch: Array = (after - x) / h
-        return stretch
-
-    def shortest(self) -> tuple[float, int, float, float]:
-        """Of a solid: least x_X, number and X of the point, what pushes it together [Pa]."""
-        x_X = self._stretch()
-        i, (_, sigma, T, _) = int(np.argmin(x_X)), self.owned
-        push = self.law.pressure(T[i], x_X[i]) - sigma[i]
-        return float(x_X[i]), int(self.numbers[i]), float(self.X[i]), float(push)
 
 
 class Interface:

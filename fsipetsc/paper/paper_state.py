@@ -46,7 +46,7 @@ from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import agree, together
 from fsipetsc.scheme.batch import ALLOWED, DT, MADE, TIME, plan_next
 from fsipetsc.scheme.plan import BAD, CAPACITY, EXHAUSTED, SAID_STOP, TOO_SHORT, step_record
-from fsipetsc.state import FAULT, Seen, State, as_numbers, crushed, whole
+from fsipetsc.state import FAULT, Seen, State, as_numbers, whole
 
 Array = np.ndarray
 #: times of the stages, in steps
@@ -407,23 +407,12 @@ class PaperState(State):
         for name in FRAME:
             self.records[name] = records[name]
         self._begin()
-        said, more = "", True
+        more = True
         while more:
-            said = self._crushed()
             t, dt = self.batch[[TIME, DT]].tolist()
-            more = (
-                not self._advance(t, dt, self.problem.steady_data, unphysical) and self.plan_next()
-            )
-        return said
-
-    def _crushed(self) -> str:
-        """Where the solid is crushed most, if it is. Collective."""
-        mine = [(*part.shortest(), part.number) for part in self.here if not part.is_gas]
-        every = (one for some in self.comm.allgather(mine) for one in some)
-        stretch, node, X, push, k = min(every)
-        layer = self.problem.layers[k]
-        where = f"'{layer.name}' at X = {X:.6g}{self.problem.unit('m')} (node {node})"
-        return crushed(where, stretch, push, layer.material.K)
+            fails = self._advance(t, dt, self.problem.steady_data, unphysical)
+            more = not fails and self.plan_next()
+        return ""
 
     # checkpoints
 

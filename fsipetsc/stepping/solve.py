@@ -6,8 +6,7 @@ from typing import Any
 from mpi4py import MPI
 
 from fsipetsc.blame import call, place_of
-from fsipetsc.blockrun.block_solution import BlockForm
-from fsipetsc.blockrun.block_state import BlockState
+from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blockrun.from_layers import blocks_of_line
 from fsipetsc.blockrun.law_checks import check_gas_laws
 from fsipetsc.blockrun.recorded_nodes import chosen

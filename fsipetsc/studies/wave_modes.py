@@ -25,8 +25,7 @@ from scipy import sparse
 from scipy.linalg import orth
 from scipy.sparse.linalg import eigs
 
-from fsipetsc.blockrun.block_solution import BlockForm
-from fsipetsc.blockrun.block_state import BlockState
+from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Condition
 from fsipetsc.blocks.layers import Layer, layers
