@@ -94,46 +94,59 @@ def pages_that_name(word: str) -> list[str]:
 
 
 def options_page() -> str:
-    """The options of built-in cases and of commands, from the tables that -help prints."""
+    """All options, of every run, of built-in cases and of commands, from the tables of -help."""
     from fsipetsc.cases import BUILT_IN, load_case
     from fsipetsc.cli import COMMANDS
     from fsipetsc.options import COMMON, PETSC_OPTIONS, REQUIRED
 
     shared = {option.name for option in COMMON + PETSC_OPTIONS}
-    parts = [
-        "# Options of cases and commands",
-        "Beside these, a case takes [the options of every run](options.md); its own defaults of "
-        "them, and all options of a command, are what `-help` prints.",
-    ]
+    parts = ["# All options", "Cases have defaults of their own, which `CASE -help` prints."]
 
-    def add(name: str, summary: str, options: Iterable[Any]) -> None:
-        rows, known = [], pages_that_name(name)
+    def add(title: str, about: str, options: Iterable[Any], known: Iterable[str] = ()) -> None:
+        rows = []
         for o in options:
-            if o.name not in shared:
-                choices = f": {', '.join(map(str, o.choices))}" if o.choices else ""
-                default = "" if o.default in (None, REQUIRED) else o.default
-                pages = ", ".join(pages_that_name(f"-{o.name}") or known)
-                about = f"{default} | {o.unit} | {o.help}{choices} | {pages}"
-                rows.append(f"| `-{o.name}` | {o.kind} | {about} |")
+            choices = f": {', '.join(map(str, o.choices))}" if o.choices else ""
+            default = "" if o.default in (None, REQUIRED) else o.default
+            pages = ", ".join(pages_that_name(f"-{o.name}") or known)
+            what = f"{default} | {o.unit} | {o.help}{choices} | {pages}"
+            rows.append(f"| `-{o.name}` | {o.kind} | {what} |")
         head = "| option | type | default | unit | meaning | pages |\n|---|---|---|---|---|---|"
-        about = f"{summary[:1].upper()}{summary[1:]}. Pages: {', '.join(known)}."
         if rows:
-            parts.extend([f"## {name}", about, "\n".join([head, *rows])])
+            parts.extend([f"## {title}", about, "\n".join([head, *rows])])
 
+    def add_own(name: str, summary: str, options: Iterable[Any]) -> None:
+        known = pages_that_name(name)
+        about = f"{summary[:1].upper()}{summary[1:]}. Pages: {', '.join(known)}."
+        add(name, about, [o for o in options if o.name not in shared], known)
+
+    add("Every run", "Options of the program.", COMMON)
+    add("PETSc's", "Options of PETSc that every run takes.", PETSC_OPTIONS)
     for name in BUILT_IN:
         case = load_case(name)
-        add(name, case.SUMMARY, case.OPTIONS)
+        add_own(name, case.SUMMARY, case.OPTIONS)
     for name, command in COMMANDS.items():
         if not command.by_one and name != "compile":
             sections = command.find("SECTIONS") or command.find("sections")(name, [])
             found = (of for title, of in sections.items() if not title.startswith("Case "))
-            add(name, command.summary, (option for of in found for option in of))
+            add_own(name, command.summary, (option for of in found for option in of))
     return "\n\n".join(parts) + "\n"
+
+
+def series_table() -> str:
+    """The table of all series that results may have."""
+    from fsipetsc.scheme.observables import TABLE
+
+    rows = ["| series | unit | one for each | what it is |", "|---|---|---|---|"]
+    for one in TABLE:
+        first, *more = one.names(3)
+        name, what = f"`{first}`" + ", …" * bool(more), one.what.replace("|", "∣")
+        rows.append(f"| {name} | {one.unit} | {one.of or 'run'} | {what} |")
+    return "\n".join(rows) + "\n"
 
 
 def made_pages() -> dict[str, str]:
     """Pages that are no files of docs, but for the tutorial, by name."""
-    return {"index.md": front_page(), "options-cases.md": options_page(), **reference_pages()}
+    return {"index.md": front_page(), "options-all.md": options_page(), **reference_pages()}
 
 
 def inside(markdown: str) -> str:
@@ -157,4 +170,6 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     if page.file.src_uri == "commands.md":
         before, public = markdown.split(PUBLIC)
         markdown = before + PUBLIC + PUBLIC_ROW.sub(with_links, public)
+    if page.file.src_uri == "results.md":
+        markdown = markdown.replace("\n## While", f"\n{series_table()}\n## While", 1)
     return inside(markdown)
