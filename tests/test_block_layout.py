@@ -48,7 +48,7 @@ def test_every_node_has_one_owner_and_parts_are_large_enough(blocks, mode):
                     n = block.shape[axis]
                     ends = not block.periodic[axis] and (a == 0 or b == n)
                     assert b - a >= (block.end if ends else block.inner) or b - a == n
-            found = share.owners(np.arange(block.size))
+            found = share.owners(np.arange(prod(block.shape)))
             assert np.array_equal(found, owners.reshape(-1, order="F"))
         assert mode != "physics" or size == 1 or not ranks["fluid"] & ranks["solid"]
 

@@ -163,3 +163,9 @@ class Patch(NamedTuple):
     own: Triple
     ghosted: Triple
     first: Triple
+
+    def ghosted_rows(self, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Places in the ghosted array of owned nodes, by their places among these."""
+        i, j, k = np.unravel_index(rows, self.own, order="F")
+        (n0, n1, _), (a, b, c) = self.ghosted, self.first
+        return i + a + n0 * (j + b + n1 * (k + c))

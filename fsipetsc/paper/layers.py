@@ -17,7 +17,7 @@ from fsipetsc.paper.layout import DOF
 from fsipetsc.paper.outer_ends import Ends
 from fsipetsc.paper.stencils import Stencils
 from fsipetsc.parallel.block_shares import Share
-from fsipetsc.parallel.halo import Halo, Reach, halo_of
+from fsipetsc.parallel.exchange import Halo, Reach, halo_of
 from fsipetsc.state import Seen
 
 Array = np.ndarray

@@ -39,8 +39,7 @@ from fsipetsc.paper.layout import (
 )
 from fsipetsc.paper.outer_ends import ends_of
 from fsipetsc.paper.stencils import stencils
-from fsipetsc.parallel.exchange import Reduction, exchange_text
-from fsipetsc.parallel.halo import exchange_of
+from fsipetsc.parallel.exchange import Reduction, exchange_of, exchange_text
 from fsipetsc.problem import Problem, SolidLayer
 from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import agree, together

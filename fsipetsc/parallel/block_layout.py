@@ -26,12 +26,18 @@ from fsipetsc.errors import InputError
 from fsipetsc.operators.bands import AXIS, NO_AXIS, Band, Patch
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_shares import Extent, share_out
-from fsipetsc.parallel.exchange import Exchange, RowExchange
-from fsipetsc.parallel.halo import Halo, Reach, exchange_of, halo_of
+from fsipetsc.parallel.exchange import (
+    Exchange,
+    Halo,
+    Reach,
+    RowExchange,
+    Spans,
+    exchange_of,
+    halo_of,
+)
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
-Spans = Sequence[tuple[int, int]]
 AXES = 3
 #: of messages of particles; of halos; of faces, and the number of the block
 PARTICLES_TAG, HALO_TAG, GATHER_TAG = 0, 1 << 10, 1 << 13
@@ -88,9 +94,7 @@ class Part:
 
     def ghosted_rows(self, rows: Numbers) -> Numbers:
         """Places in the ghosted array of owned nodes, by their places among these."""
-        own, ghosted, first = self.patch
-        i, j, k = np.unravel_index(rows, own, order="F")
-        return i + first[0] + ghosted[0] * (j + first[1] + ghosted[1] * (k + first[2]))
+        return self.patch.ghosted_rows(rows)
 
     def weights(self, ghosted: Numbers) -> Array:
         """(n,) H of nodes of the ghosted array: the product of the weights of the axes."""
@@ -263,7 +267,7 @@ class BlockVector:
 
     def ghosted(self, k: int) -> Array:
         """(N, dof): block k with halos, as they were filled last, and the owned nodes, as
-        they were copied last (fsipetsc.parallel.halo); without halos the owned part.
+        they were copied last (Halo); without halos the owned part.
         """
         part = self._layout.parts[k]
         return part.local.T if part.has_halo else self.owned(k)
@@ -278,7 +282,7 @@ class FaceGather(RowExchange):
 
     def __init__(self, layout: BlockLayout, k: int, nodes: Numbers, columns: int) -> None:
         share, me = layout.shares[k], layout.comm.rank
-        owners = share.owners(nodes) if nodes.size else nodes
+        owners = share.owners(nodes)
         rows = {rank: np.flatnonzero(owners == rank) for rank in share.ranks}
         self.rows, self.nodes = rows[me], nodes[rows[me]]
         received = {r: of_rank for r, of_rank in rows.items() if of_rank.size and r != me}

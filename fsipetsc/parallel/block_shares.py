@@ -7,7 +7,7 @@ parts in the middle have at least the nodes of a halo.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
 from math import prod
 
 import numpy as np
@@ -39,19 +39,14 @@ class Extent:
     halo: int
 
     @property
-    def size(self) -> int:
-        """The number of nodes."""
-        return prod(self.shape)
+    def cost(self) -> float:
+        """The work of a node, of which one of a solid is 1."""
+        return COST[len(self.shape)] if self.kind == "fluid" else 1.0
 
     @property
     def work(self) -> float:
-        """The cost of all nodes."""
-        return self.size * self.cost
-
-    @property
-    def cost(self) -> float:
-        """The cost of a node."""
-        return COST[len(self.shape)] if self.kind == "fluid" else 1.0
+        """That of all nodes."""
+        return prod(self.shape) * self.cost
 
     @property
     def longest(self) -> int:
@@ -100,6 +95,11 @@ class Share:
     cuts: tuple[tuple[int, ...], ...]
 
     @property
+    def shape(self) -> tuple[int, ...]:
+        """Nodes per axis."""
+        return tuple(cuts[-1] for cuts in self.cuts)
+
+    @property
     def grid(self) -> tuple[int, ...]:
         """How many parts there are along each axis."""
         return tuple(len(cuts) - 1 for cuts in self.cuts)
@@ -115,8 +115,7 @@ class Share:
 
     def owners(self, nodes: np.ndarray) -> np.ndarray:
         """The ranks that own nodes, which are counted with axis 0 first."""
-        shape = tuple(cuts[-1] for cuts in self.cuts)
-        places = np.unravel_index(np.asarray(nodes), shape, order="F")
+        places = np.unravel_index(nodes, self.shape, order="F")
         at = [np.searchsorted(c, i, "right") - 1 for c, i in zip(self.cuts, places, strict=True)]
         return np.array(self.ranks)[np.ravel_multi_index(at, self.grid, order="F")]
 
@@ -223,25 +222,15 @@ def _cut(extent: Extent, ranks: range) -> Share:
 
 def _grid(extent: Extent, count: int) -> tuple[int, ...] | None:
     """Parts per axis, ``count`` in all, with the fewest nodes along cuts; None if impossible."""
-    fits = [
-        grid
-        for grid in _factors(count, len(extent.shape))
-        if all(parts <= extent.most(axis) for axis, parts in enumerate(grid))
-    ]
+    shape, divisors = extent.shape, [n for n in range(1, count + 1) if count % n == 0]
+    most = [extent.most(axis) for axis in range(len(shape))]
+    grids = [grid for grid in product(divisors, repeat=len(shape)) if prod(grid) == count]
+    fits = [grid for grid in grids if all(n <= m for n, m in zip(grid, most, strict=True))]
 
     def nodes_along_cuts(grid: tuple[int, ...]) -> tuple[float, tuple[int, ...]]:
-        lengths = [extent.size // n for n in extent.shape]
-        return sum((parts - 1) * length for parts, length in zip(grid, lengths, strict=True)), grid
+        return sum((k - 1) * (prod(shape) // n) for k, n in zip(grid, shape, strict=True)), grid
 
     return min(fits, key=nodes_along_cuts, default=None)
-
-
-def _factors(count: int, axes: int) -> list[tuple[int, ...]]:
-    """All ways to write a number as a product of ``axes`` numbers."""
-    if axes == 1:
-        return [(count,)]
-    divisors = [n for n in range(1, count + 1) if count % n == 0]
-    return [(n, *rest) for n in divisors for rest in _factors(count // n, axes - 1)]
 
 
 # equal work for all
@@ -250,19 +239,16 @@ def _factors(count: int, axes: int) -> list[tuple[int, ...]]:
 def _balanced(extents: Sequence[Extent], size: int) -> list[Share] | None:
     """Blocks one after the other on a line of work, cut into equal pieces; None if impossible."""
     order = sorted(range(len(extents)), key=lambda k: (extents[k].kind != "fluid", k))
-    total = sum(extent.work for extent in extents)
-    shares: list[Share | None] = [None] * len(extents)
-    used: set[int] = set()
-    begun = 0.0
+    total, begun = sum(extent.work for extent in extents), 0.0
+    shares: dict[int, Share] = {}
     for k in order:
         ended = begun + extents[k].work
         share = _slabs(extents[k], begun * size / total, ended * size / total, size)
         if share is None:
             return None
-        shares[k] = share
-        used.update(share.ranks)
-        begun = ended
-    return shares if len(used) == size else None
+        shares[k], begun = share, ended
+    used = {rank for share in shares.values() for rank in share.ranks}
+    return [shares[k] for k in range(len(extents))] if len(used) == size else None
 
 
 def _slabs(extent: Extent, begin: float, end: float, size: int) -> Share | None:

@@ -3,21 +3,28 @@ are one call on any number of ranks (fsipetsc.kernels.calls).
 
 Ranks send each other one message to each neighbour an exchange, by persistent requests of MPI. Who
 sends what is known before: an exchange is made of places in flat arrays.
+
+Halos are the nodes beside its own that a rank gets from others. Ghosted arrays have planes, a
+component after the other, and one memory, so that one message has what a rank needs of all blocks
+from another one. All ranks know from the shares which nodes each of them needs.
 """
 
 import ctypes
 import sys
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fsipetsc.kernels.unit import c_source
+from fsipetsc.operators.bands import Patch
+from fsipetsc.parallel.block_shares import Share
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
+Spans = Sequence[tuple[int, int]]
 _POINTER, _NUMBER = ctypes.c_void_p, ctypes.c_long
 _NO = np.zeros(0, np.int64)
 
@@ -151,6 +158,108 @@ class Reduction:
     def load(self, library: ctypes.CDLL) -> None:
         """Take the function from a library with ``exchange_text``."""
         self.address = ctypes.cast(library.reduce, _POINTER).value
+
+
+class Reach(NamedTuple):
+    """Which nodes a rank needs beside its own: ``width`` along each axis, with corners or without,
+    on beyond the ends of periodic axes; centred: and images before the first node of the last axis.
+    """
+
+    share: Share
+    periodic: Sequence[bool]
+    width: int
+    corners: bool
+    centred: bool
+
+    def ghosted(self, rank: int) -> Spans:
+        """First node and first beyond of a rank's ghosted array along each axis; images before a
+        centre have numbers below 0.
+        """
+        found, last = [], len(self.periodic) - 1
+        for axis, (a, b) in enumerate(self.share.part(rank)):
+            first, beyond = a - self.width, b + self.width
+            if not self.periodic[axis]:
+                images = self.centred and axis == last and a == 0
+                first = first if images else max(first, 0)
+                beyond = min(beyond, self.share.shape[axis])
+            found.append((first, beyond))
+        return tuple(found)
+
+    def needs(self, rank: int) -> tuple[Numbers, Numbers]:
+        """Places in a rank's ghosted array, and numbers in the block, of the nodes that others send
+        to it, or that it owns and has once more (of a periodic axis); in the order of the places.
+        """
+        index = [np.arange(a, b) for a, b in self.ghosted(rank)]
+        own, shape = self.share.part(rank), self.share.shape
+        outside = [(i < a) | (i >= b) for i, (a, b) in zip(index, own, strict=True)]
+        there = [(i >= 0) | closed for i, closed in zip(index, self.periodic, strict=True)]
+        how_far = sum(np.meshgrid(*(o.astype(int) for o in outside), indexing="ij", sparse=True))
+        known = np.prod(np.meshgrid(*there, indexing="ij"), axis=0).astype(bool)
+        wanted = known & ((how_far >= 1) if self.corners else (how_far == 1))
+        places = np.meshgrid(*(i % n for i, n in zip(index, shape, strict=True)), indexing="ij")
+        numbers = np.ravel_multi_index(places, shape, order="F")
+        order = np.flatnonzero(wanted.ravel(order="F"))
+        return order, numbers.ravel(order="F")[order]
+
+
+class Halo(NamedTuple):
+    """What a rank's part of a block has to do with its halo: places of numbers in the world vector
+    and in the memory of all ghosted arrays. sent: rank -> places in the world vector, received:
+    rank -> places of what comes from there; twice: from where to where nodes go that the rank owns
+    and has once more, inside: from where to where those go that it owns, where something reads
+    these in the ghosted array, too.
+    """
+
+    sent: Mapping[int, Numbers]
+    received: Mapping[int, Numbers]
+    twice: tuple[Numbers, Numbers]
+    inside: tuple[Numbers, Numbers]
+
+
+def halo_of(
+    reach: Reach, me: int, patch: Patch, numbers: Numbers, dof: int, begin: int, at: int
+) -> Halo:
+    """The halo of the part of rank ``me``. numbers: (M,) of the nodes that it owns; begin: of the
+    numbers of its part in the world vector; at: of its ghosted array, (dof, N), in their memory.
+    """
+    M, N = numbers.size, int(np.prod(patch.ghosted))
+
+    def here(places: Numbers) -> Numbers:
+        return (begin + np.arange(dof)[:, None] * M + places).ravel()
+
+    def there(places: Numbers) -> Numbers:
+        return (at + np.arange(dof)[:, None] * N + places).ravel()
+
+    places, wanted = reach.needs(me)
+    owners = reach.share.owners(wanted)
+    sent, received = dict[int, Numbers](), dict[int, Numbers]()
+    for rank in reach.share.ranks:
+        if rank != me:
+            other = reach.needs(rank)[1]
+            if (mine := reach.share.owners(other) == me).any():
+                sent[rank] = here(np.searchsorted(numbers, other[mine]))
+            if (owners == rank).any():
+                received[rank] = there(places[owners == rank])
+    own = np.arange(M)
+    again = here(np.searchsorted(numbers, wanted[owners == me])), there(places[owners == me])
+    return Halo(sent, received, again, (here(own), there(patch.ghosted_rows(own))))
+
+
+def exchange_of(
+    comm: MPI.Comm, tag: int, halos: Sequence[Halo], memory: Array, source: Array | None = None
+) -> Exchange:
+    """The exchange that fills halos of several blocks, which all ranks have in the same order, with
+    one message to each neighbour; memory: of all ghosted arrays; source: None, if that is the
+    world vector.
+    """
+
+    def joined(of_halos: Sequence[Mapping[int, Numbers]]) -> dict[int, Numbers]:
+        ranks = sorted({rank for places in of_halos for rank in places})
+        return {r: np.concatenate([p[r] for p in of_halos if r in p]) for r in ranks}
+
+    own = [np.concatenate([_NO, *(halo.twice[k] for halo in halos)]) for k in (0, 1)]
+    sent, received = joined([h.sent for h in halos]), joined([h.received for h in halos])
+    return Exchange(comm, tag, sent, received, (own[0], own[1]), source, memory)
 
 
 def _of_mpi(name: str) -> int | None:
