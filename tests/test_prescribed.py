@@ -22,10 +22,10 @@ def prescribed(x, velocity=None):
 #: place and velocity of walls that are as they should be
 RIGHT = {
     "swings": (lambda t: 0.1 * np.sin(7 * t), lambda t: 0.7 * np.cos(7 * t)),
-    "fast": (lambda t: 1e-3 * np.sin(2 * np.pi * 1e5 * t), None),
-    "kink": (lambda t: max(0.0, t - 0.3), lambda t: float(t > 0.3)),
+    "kink": (lambda t: np.maximum(0.0, t - 0.3), lambda t: np.where(t > 0.3, 1.0, 0.0)),
     "far": (lambda t: 1e3 + 1e-3 * t, lambda t: 1e-3),
     "rest": (lambda t: 0.2, lambda t: 0.0),
+    "unrecorded": (lambda t: max(0.0, t - 0.3), lambda t: float(t > 0.3)),
 }
 
 
@@ -34,12 +34,8 @@ RIGHT = {
 def test_the_velocity_of_a_wall_is_the_derivative_of_its_place(name, t_end):
     """Else it is refused, where it is off by a hundredth, or from some time on."""
     x, v = RIGHT[name]
-    v = v or (lambda t: 1e-3 * 2 * np.pi * 1e5 * np.cos(2 * np.pi * 1e5 * t))
     prescribed(x, v).check_motion(t_end)
-    unknown = [("rest", t_end), ("kink", 1e-4)]  # still
-    unknown += [("far", 1e-4), ("far", 1.0)]  # too far away
-    unknown += [("swings", 1e9), ("fast", 1.0), ("fast", 1e9)]  # a period is nothing beside the run
-    if (name, t_end) not in unknown:
+    if name not in ("rest", "unrecorded") and (name, t_end) != ("kink", 1e-4):
         for wrong in (lambda t: 1.01 * v(t), lambda t: v(t) * (1.0 if t < 0.5 * t_end else 2.0)):
             with pytest.raises(InputError, match=r"line \d+: velocity of NoSlip at t = .*x alone"):
                 prescribed(x, wrong).check_motion(t_end)

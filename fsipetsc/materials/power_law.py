@@ -27,11 +27,9 @@ class PowerLaw(NamedTuple):
     n_kappa: float
 
     def viscosity(self, T):
-        """mu(T)/mu."""
         return (T / self.T_ref) ** self.n
 
     def conductivity(self, T):
-        """kappa(T)/kappa."""
         return (T / self.T_ref) ** self.n_kappa
 
 

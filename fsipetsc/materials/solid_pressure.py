@@ -25,25 +25,22 @@ class ConstantPressure(NamedTuple):
 
 
 class Gruneisen(NamedTuple):
-    """See gruneisen."""
+    """G: Grüneisen's number; see `gruneisen`."""
 
     G: float
 
     def pressure(self, J, T, m0, alpha):
-        """p [Pa]."""
         return self.G * m0 * alpha * T / J
 
     def pressure_by_temperature(self, J, T, m0, alpha):
-        """dp/dT [Pa/K]."""
         return self.G * m0 * alpha / J
 
     def stiffness(self, J, T, m0, alpha):
-        """-J dp/dJ [Pa]."""
         return self.G * m0 * alpha * T / J
 
 
 class MieGruneisen(NamedTuple):
-    """See mie_gruneisen."""
+    """See `mie_gruneisen`; formulas as those of ConstantPressure."""
 
     c_0: float
     s: float
@@ -51,7 +48,6 @@ class MieGruneisen(NamedTuple):
     T_0: float
 
     def pressure(self, J, T, m0, alpha):
-        """p [Pa]."""
         eta = 1.0 - J
         room = 1.0 - self.s * eta
         hugoniot = m0 * self.c_0 * self.c_0 * eta / (room * room)
@@ -59,11 +55,9 @@ class MieGruneisen(NamedTuple):
         return hugoniot * (1.0 - 0.5 * self.G_0 * eta) + heated
 
     def pressure_by_temperature(self, J, T, m0, alpha):
-        """dp/dT [Pa/K]."""
         return self.G_0 * m0 * alpha
 
     def stiffness(self, J, T, m0, alpha):
-        """-J dp/dJ [Pa]."""
         eta = 1.0 - J
         room, shift = 1.0 - self.s * eta, 0.5 * self.G_0 * eta
         slope = (1.0 + self.s * eta) / room * (1.0 - shift) - shift

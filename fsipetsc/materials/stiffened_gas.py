@@ -8,54 +8,46 @@ from fsipetsc.checks import NONNEGATIVE, POSITIVE, number
 
 
 class StiffenedGas(NamedTuple):
-    """gamma: ratio of the specific heats [-], cv: specific heat [J/(kg K)], p_inf: [Pa]."""
+    """gamma: ratio of the specific heats [-], cv: specific heat [J/(kg K)], p_inf: [Pa].
+
+    Formulas have the names, arguments and units of those of PerfectGas.
+    """
 
     gamma: float
     cv: float
     p_inf: float
 
     def pressure(self, rho, T):
-        """p [Pa]."""
         return (self.gamma - 1.0) * self.cv * rho * T - self.p_inf
 
     def internal_energy(self, rho, T):
-        """e [J/kg]."""
         return self.cv * T + self.p_inf / rho
 
     def energy_density(self, rho, T):
-        """rho e [J/m3]."""
         return self.cv * rho * T + self.p_inf
 
     def temperature(self, rho, e):
-        """T [K]."""
         return (e - self.p_inf / rho) / self.cv
 
     def density(self, p, T):
-        """rho [kg/m3]."""
         return (p + self.p_inf) / ((self.gamma - 1.0) * self.cv * T)
 
     def temperature_of(self, rho, p):
-        """T [K] of a pressure."""
         return (p + self.p_inf) / ((self.gamma - 1.0) * self.cv * rho)
 
     def heat_capacity(self, rho, T):
-        """cv [J/(kg K)]."""
         return self.cv
 
     def sound_speed_squared(self, rho, T):
-        """c^2 = gamma (p + p_inf)/rho [m2/s2]."""
         return self.gamma * (self.gamma - 1.0) * self.cv * T
 
     def entropy(self, rho, T):
-        """s [J/(kg K)]."""
         return self.cv * (np.log(T) - (self.gamma - 1.0) * np.log(rho))
 
     def bulk_modulus(self, rho, T):
-        """rho dp/drho at constant T [Pa]."""
         return (self.gamma - 1.0) * self.cv * rho * T
 
     def pressure_by_temperature(self, rho, T):
-        """dp/dT at constant rho [Pa/K]."""
         return (self.gamma - 1.0) * self.cv * rho
 
 

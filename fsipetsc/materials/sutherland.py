@@ -15,12 +15,10 @@ class Sutherland(NamedTuple):
     S_kappa: float
 
     def viscosity(self, T):
-        """mu(T)/mu."""
         ratio = T / self.T_ref
         return ratio * np.sqrt(ratio) * ((self.T_ref + self.S) / (T + self.S))
 
     def conductivity(self, T):
-        """kappa(T)/kappa."""
         ratio = T / self.T_ref
         return ratio * np.sqrt(ratio) * ((self.T_ref + self.S_kappa) / (T + self.S_kappa))
 

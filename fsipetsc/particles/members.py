@@ -45,11 +45,17 @@ Array = NDArray[Any]
 
 
 class Face(NamedTuple):
-    """A face at a node: number of the member in its particle, axis, side."""
+    """A face at a node: number of the member in its particle, and its block, axis, side."""
 
     member: int
+    block: int
     axis: int
     side: int
+
+    @property
+    def name(self) -> tuple[int, int, int]:
+        """(block, axis, side)."""
+        return self[1:]
 
 
 class Constraint(NamedTuple):
@@ -61,13 +67,20 @@ class Constraint(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """A condition at a particle, and its face (block, axis, side), None of a hinge. normal: the
-    outward unit normal along which alone it holds what is there, else None.
+    """A condition at a particle, and its face, None of a hinge. normal: the outward unit normal
+    along which alone it holds what is there, else None.
     """
 
     condition: Any
-    face: tuple[int, int, int] | None
+    face: Face | None
     normal: Array | None
+
+    def said(self, problem: BlockProblem) -> str:
+        """Such as "NoSlip of 'gas', axis 0, side 1,"."""
+        if self.face is None:
+            return "a Hinge"
+        kind, block = type(self.condition).__name__, problem.blocks[self.face.block].name
+        return f"{kind} of '{block}', axis {self.face.axis}, side {self.face.side},"
 
 
 @dataclass
@@ -133,7 +146,7 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
     for number, (k, n) in enumerate(members):
         gas = blocks[k].material if blocks[k].kind == "fluid" else None
         for axis, side, met in faces[k, n]:
-            face = Face(number, axis, side)
+            face = Face(number, k, axis, side)
             if not isinstance(met, Meeting):
                 found.append((face, met))
             elif gas and blocks[met.block].kind == "solid":
@@ -144,10 +157,10 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
     sticks = particle.sticks
     slips = [] if sticks else slips
     for face, met in found:
-        gas = blocks[members[face.member][0]].kind == "fluid"
+        gas = blocks[face.block].kind == "fluid"
         if slides(met) or met.part == "roller" or (sticks and met.part == "wall"):
             (slips if gas else rolls).append((face, met))
-        _take_over(particle, met, gas, (members[face.member][0], face.axis, face.side))
+        _take_over(particle, met, gas, face.name)
     hinge = None if problem.hinges.isdisjoint(members) else Clamped()
     particle.clamp = particle.clamp or hinge
     directions = {}  # outward unit normal, and unit vector from the node into the face
@@ -168,8 +181,13 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
     def one_roller(one: tuple[Face, Any], other: tuple[Face, Any]) -> bool:
         return bool(directions[one[0]][0] @ directions[other[0]][0] > SMOOTH)
 
-    particle.asked = _asked(particle, hinge, found, directions)
-    _check_sliding(problem, particle, found)
+    held = [(face, met) for face, met in found if met.holds]
+    of_faces = [Asked(met, face, directions.get(face, (None,))[0]) for face, met in held]
+    asked = [Asked(hinge, None, None), *of_faces] if hinge else of_faces
+    if any(one.condition != asked[0].condition for one in asked):
+        particle.asked = asked
+    if sticks and not particle.clamp and not particle.given_solid:
+        _check_sliding(problem, members[0], of_faces)
     if sticks:
         slips = [one for one in slips if not any(one_roller(one, roll) for roll in rolls)]
     for kind, faces_of, one in (SLIPS, slips, one_wall), (ROLLS, rolls, one_roller):
@@ -180,36 +198,17 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
     return particle
 
 
-def _asked(
-    particle: Particle, hinge: Any, found: list[tuple[Face, Any]], directions: Any
-) -> list[Asked]:
-    """The conditions of a particle that may contradict each other. hinge: a clamp or None;
-    directions: Face -> normal and another vector, of the faces that hold along it alone.
-    """
-    asked = [] if hinge is None else [Asked(hinge, None, None)]
-    for face, met in found:
-        if met.holds:
-            normal = directions[face][0] if face in directions else None
-            name = particle.members[face.member][0], face.axis, face.side
-            asked.append(Asked(met, name, normal))
-    return asked if any(one.condition != asked[0].condition for one in asked) else []
-
-
-def _check_sliding(
-    problem: BlockProblem, particle: Particle, found: list[tuple[Face, Any]]
-) -> None:
+def _check_sliding(problem: BlockProblem, member: tuple[int, int], asked: list[Asked]) -> None:
     """InputError where a solid slides along a wall to which the gas beside sticks: the gas in the
     corner would be pressed together without end, on any grid, and push the solid.
     """
-    held = particle.clamp is not None or particle.given_solid is not None
-    for face, met in found if particle.sticks and not held else ():
-        if met.part == "wall" and not slides(met):
-            k, node = particle.members[face.member]
-            wall = f"NoSlip of '{problem.blocks[k].name}', axis {face.axis}, side {face.side},"
-            place = place_text(problem.places(k, np.array([node]))[0])
+    for one in asked:
+        if one.condition.part == "wall" and not slides(one.condition):
+            place = place_text(problem.places(member[0], np.array([member[1]]))[0])
             raise InputError(
-                f"{wall} meets at {place} a solid that slides along it: no grid converges there: "
-                "let the wall be Slip or have a slip_length, or the solid be clamped there"
+                f"{one.said(problem)} meets at {place} a solid that slides along it: no grid "
+                "converges there: let the wall be Slip or have a slip_length, or the solid be "
+                "clamped there"
             )
 
 
