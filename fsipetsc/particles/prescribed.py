@@ -19,17 +19,9 @@ from fsipetsc.blocks.conditions import moves
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.values import datum, names_of
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.symbols import Record, derivatives, replay
+from fsipetsc.kernels.symbols import Record, Symbol, derivatives, replay
 from fsipetsc.particles.members import Asked, Particle
-from fsipetsc.scheme.recorded_data import (
-    Make,
-    Recorder,
-    asked,
-    given_gas,
-    given_solid,
-    motion,
-    temperature,
-)
+from fsipetsc.scheme.recorded_data import Make, Recorder, asked, positive
 
 Array = NDArray[Any]
 #: conditions of a particle that have data; those by which the gas's grid moves
@@ -85,12 +77,13 @@ class Met(NamedTuple):
 
 
 class Source(NamedTuple):
-    """Whose data go to the particles ``who`` of targets: recorded by ``make``, or by asking."""
+    """Whose data go to the particles ``who`` of targets, and their formula (x, t): of numbers or of
+    symbols.
+    """
 
     condition: Any
     who: Array
     make: Make
-    ask: Callable[[Any, Array, float], tuple[Array, ...]]
     targets: tuple[Array, ...]
 
 
@@ -138,28 +131,25 @@ class Prescribed:
         walls = sorted(named["slip"] + named["wall"], key=lambda group: moves(group[0]))
         walls += [(c, who) for c, who in named["given_gas"] if moves(c)]
         for c, who in walls:
-            found.append(Source(c, who, motion(c), self._motion, of_walls))
+            found.append(Source(c, who, partial(motion, c, self._instant), of_walls))
         for c, who in named["clamp"]:
-            found.append(Source(c, who, motion(c), self._motion, of_clamps))
+            found.append(Source(c, who, partial(motion, c, self._instant), of_clamps))
         for name, T in (("warm_gas", out.T), ("warm_solid", out.T_solid)):
-            for c, who in named[name]:
-                found.append(Source(c, who, temperature(c), self._temperature, (T,)))
+            found += [Source(c, who, partial(temperature, c), (T,)) for c, who in named[name]]
         for c, who in named["given_gas"]:
             law_of = np.array([laws.number_at(particles[p].members) for p in who])
             for law in np.unique(law_of):
-                of, make = laws.laws[law], given_gas(c, laws.laws[law])
-                at = who[law_of == law]
-                found.append(Source(c, at, make, partial(self._gas, of), (out.gas,)))
+                make = partial(gas_of, c, laws.laws[law])
+                found.append(Source(c, who[law_of == law], make, (out.gas,)))
         for c, who in named["given_solid"]:
-            make = given_solid(c, self._d)
-            found.append(Source(c, who, make, self._solid, (out.solid, out.T_solid)))
+            found.append(Source(c, who, partial(solid_of, c), (out.solid, out.T_solid)))
         return found
 
     def refresh(self, t: float) -> None:
         """Data at time t [s]. InputError."""
-        for condition, who, _, ask, targets in self._sources:
-            for target, values in zip(targets, ask(condition, self._x[who], t), strict=True):
-                target[who] = values
+        for _, who, make, targets in self._sources:
+            for target, values in zip(targets, make(self._x[who].T, t), strict=True):
+                target[who] = np.transpose(values)
         for met in self._met:
             self._refuse(met, t)
 
@@ -167,54 +157,15 @@ class Prescribed:
         """Record all that depends on time, of conditions anywhere: all ranks have one text."""
         number = np.full(len(self._every), -1)
         number[self._here] = np.arange(len(self._here))
-        for condition, who, make, _, targets in self._sources_of(self._every):
+        for condition, who, make, targets in self._sources_of(self._every):
             own = number[who][number[who] >= 0]
             recorder.add(condition, make, self._x[own].T, own, *targets)
-
-    # what Python is asked for: (condition, places (n, d), time [s]) -> an array for each target
-
-    def _motion(self, condition: Any, X: Array, t: float) -> tuple[Array, Array, Array]:
-        """(displacement, velocity, acceleration), (n, d) each; by differences in time where they
-        are not given.
-        """
-        s, d = self._instant(), self._d
-
-        def x(t: float) -> Array:
-            return datum(condition, "x", X, t, "xyz"[:d])
-
-        def velocity(t: float) -> Array:
-            return datum(condition, "velocity", X, t, "uvw"[:d])
-
-        if getattr(condition, "velocity", None) is not None:
-            place = x(t) if moves(condition) else X
-            v, rate, _ = _differences(velocity, t, s, FIRST)
-            return place - X, v, rate
-        if not moves(condition):
-            return np.zeros_like(X), np.zeros_like(X), np.zeros_like(X)
-        place, v, rate = _differences(x, t, s, SECOND)
-        return place - X, v, rate
-
-    def _temperature(self, condition: Any, X: Array, t: float) -> tuple[Array]:
-        return (datum(condition, "T", X, t),)
-
-    def _gas(self, law: Any, condition: Any, X: Array, t: float) -> tuple[Array]:
-        rho, *u, T = datum(condition, "values", X, t, names_of("fluid", "values", self._d)).T
-        energy = rho * (law.internal_energy(rho, T) + 0.5 * sum(c * c for c in u))
-        return (np.stack([rho, *(rho * c for c in u), energy], axis=-1),)
-
-    def _solid(self, condition: Any, X: Array, t: float) -> tuple[Array, Array]:
-        d = self._d
-        values = datum(condition, "values", X, t, names_of("solid", "values", d))
-        v, T, place = np.split(values, [d, d + 1], axis=1)
-        return np.concatenate([place - X, v], axis=1), T[:, 0]
-
-    # what is refused
 
     def _refuse(self, met: Met, t: float) -> None:
         """InputError where two conditions want velocities at time t [s] that cannot be."""
         x = self._x[met.who]
         mine = (self.data.clamp_velocity if met.name == "clamp" else self.data.wall)[met.who]
-        others = self._motion(met.other.condition, x, t)[1]
+        others = np.transpose(motion(met.other.condition, self._instant, x.T, t)[1])
         size = np.maximum(np.linalg.norm(mine, axis=1), np.linalg.norm(others, axis=1))
         apart, part = np.linalg.norm(mine - others, axis=1), APART
         if met.normals is not None:
@@ -251,6 +202,64 @@ class Prescribed:
                     f" {found[k, i, c]:.6g} per second: expected the derivative of x, or x alone",
                     collective=False,
                 )
+
+
+def _asked(condition: Any, name: str, x: Any, t: Any, names: Sequence[str] = ()) -> Any:
+    """A datum at places x, of d components, and a time: a number, or one for each name. InputError
+    or NotRecorded.
+    """
+    if isinstance(t, Symbol):
+        return asked(condition, name, x, t, len(names))
+    return datum(condition, name, np.transpose(x), t, names or None).T
+
+
+def _less(a: Any, b: Any) -> tuple[Any, ...]:
+    """a - b by components."""
+    return tuple(map(np.subtract, a, b))
+
+
+def motion(condition: Any, instant: Callable[[], float], x: Any, t: Any) -> Sequence[Any]:
+    """Displacement, velocity and acceleration. What is not given of these are derivatives, of
+    symbols exact ones, of numbers by differences in time.
+    """
+    given, d = getattr(condition, "velocity", None) is not None, len(x)
+
+    def place(t: Any) -> Any:
+        return _asked(condition, "x", x, t, "xyz"[:d]) if moves(condition) else x
+
+    def velocity(t: Any) -> Any:
+        return _asked(condition, "velocity", x, t, "uvw"[:d])
+
+    if isinstance(t, Symbol):
+        v = velocity(t) if given else derivatives(place(t), t, still=True)
+        return _less(place(t), x), v, derivatives(v, t, still=True)
+    if given:
+        v, rate, _ = _differences(velocity, t, instant(), FIRST)
+        return _less(place(t), x), v, rate
+    if not moves(condition):
+        return np.zeros((3, *x.shape))
+    at, v, rate = _differences(place, t, instant(), SECOND)
+    return _less(at, x), v, rate
+
+
+def temperature(condition: Any, x: Any, t: Any) -> Sequence[Any]:
+    """That of a wall."""
+    return (positive(_asked(condition, "T", x, t)),)
+
+
+def gas_of(condition: Any, law: Any, x: Any, t: Any) -> Sequence[Any]:
+    """All unknowns of a gas with this law: (rho, rho u, E)."""
+    rho, *u, T = _asked(condition, "values", x, t, names_of("fluid", "values", len(x)))
+    rho, T = positive(rho), positive(T)
+    energy = rho * (law.internal_energy(rho, T) + 0.5 * sum(c * c for c in u))
+    return ((rho, *(rho * c for c in u), energy),)
+
+
+def solid_of(condition: Any, x: Any, t: Any) -> Sequence[Any]:
+    """All unknowns of a solid: displacement and velocity, temperature."""
+    d = len(x)
+    values = _asked(condition, "values", x, t, names_of("solid", "values", d))
+    return (*_less(values[d + 1 :], x), *values[:d]), positive(values[d])
 
 
 def _recorded_velocity(condition: Any, d: int) -> Callable[[Array, float], Array] | None:

@@ -15,11 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blame import place_in, reason
-from fsipetsc.blocks.conditions import moves
-from fsipetsc.blocks.values import names_of
 from fsipetsc.kernels.formula import Formula, number_of, numbers_of
 from fsipetsc.kernels.procedure import Code
-from fsipetsc.kernels.symbols import derivatives
 from fsipetsc.kernels.unit import unit
 from fsipetsc.scheme.timed import Timed, set_data
 
@@ -69,9 +66,6 @@ class Recorder:
         return next(bad, "")
 
 
-# what conditions prescribe
-
-
 def asked(condition: Any, name: str, x: Any, t: Any, count: int = 0) -> Any:
     """Ask a condition for a datum at symbols: a number, or so many of them."""
     of = getattr(condition, name)
@@ -84,55 +78,3 @@ def asked(condition: Any, name: str, x: Any, t: Any, count: int = 0) -> Any:
 def positive(value: Any) -> Any:
     """Return a number that must be above 0, or NaN where it is not."""
     return np.where(value > 0.0, value, np.nan)
-
-
-def less(a: Any, b: Any) -> tuple[Any, ...]:
-    """Return a - b by components."""
-    return tuple(map(np.subtract, a, b))
-
-
-def motion(condition: Any) -> Make:
-    """Return a function that records displacement, velocity and acceleration; those that are not
-    given are derivatives in time.
-    """
-
-    def make(x: Any, t: Any) -> Sequence[Any]:
-        d, place = len(x), x
-        if moves(condition):
-            place = asked(condition, "x", x, t, d)
-        if getattr(condition, "velocity", None) is None:
-            velocity = derivatives(place, t, still=True)
-        else:
-            velocity = asked(condition, "velocity", x, t, d)
-        return less(place, x), velocity, derivatives(velocity, t, still=True)
-
-    return make
-
-
-def temperature(condition: Any) -> Make:
-    """Return a function that records the temperature of a wall."""
-    return lambda x, t: (positive(asked(condition, "T", x, t)),)
-
-
-def given_gas(condition: Any, law: Any) -> Make:
-    """Return a function that records all unknowns of a gas with this law: (rho, rho u, E)."""
-
-    def make(x: Any, t: Any) -> Sequence[Any]:
-        rho, *u, T = asked(condition, "values", x, t, len(x) + 2)
-        rho, T = positive(rho), positive(T)
-        energy = rho * (law.internal_energy(rho, T) + 0.5 * sum(c * c for c in u))
-        return ((rho, *(rho * c for c in u), energy),)
-
-    return make
-
-
-def given_solid(condition: Any, d: int) -> Make:
-    """Return a function that records all unknowns of a solid: displacement and velocity,
-    temperature.
-    """
-
-    def make(x: Any, t: Any) -> Sequence[Any]:
-        values = asked(condition, "values", x, t, len(names_of("solid", "values", d)))
-        return (*less(values[d + 1 :], x), *values[:d]), positive(values[d])
-
-    return make
