@@ -1,8 +1,8 @@
-"""What can stand at the outer ends of the chain of layers.
+"""What can stand at the outer ends of layers in one dimension.
 
-An end says what it gives to the paper's method, and which condition of a block it is. In the
-paper's method (fsipetsc.paper.ends) a gas ends at an embedded boundary at a fixed Eulerian position
-x: the moving grid reaches over it to one ghost point outside. A solid ends at a material point.
+An end says which condition of a block it is, and what it gives to the paper's method
+(fsipetsc.paper.ends), in which the moving grid of a gas reaches over an embedded boundary at a
+fixed position x to one ghost point outside.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,11 +22,10 @@ Timed = float | Callable[[float], Any]
 
 
 class Boundary(Checked):
-    """What stands at an outer end.
+    """What stands at an outer end of a kind of layer, ``of``.
 
-    of: kind of layer that it is for. given: what is given there, by name, beside heat and the
-    place. passes: whether gas or waves go through it. degree: of the formulas of an embedded
-    boundary; None: by the order of the operator.
+    given: names of data beside heat and the place. passes: whether gas or waves go through. degree:
+    of the formulas of an embedded boundary; None: by the order of the operator.
     """
 
     of = "fluid"
@@ -61,14 +60,13 @@ class Boundary(Checked):
         return self._at(self.heated, t)[0] if self.heated else 0.0
 
     def _at(self, name: str, t: float) -> list[float]:
-        """What is given by name, as numbers."""
         names = ("rho", "u", "T") if name == "values" else None
         found: list[float] = datum(self, name, NOWHERE.T, t, names).ravel().tolist()
         return found
 
-    def of_place(self, name: str, then: Callable[[Any], Any] = lambda v: v) -> Any:
-        """What is given by name as a condition has it: a function of t becomes one of X and t;
-        then: of its value.
+    def _of_place(self, name: str, then: Callable[[Any], Any] = lambda v: v) -> Any:
+        """A datum as a condition has it: a function of t becomes one of X and t; then: of its
+        value.
         """
         given = getattr(self, name)
         if not callable(given):
@@ -78,13 +76,7 @@ class Boundary(Checked):
         return called
 
     def _warm(self) -> dict[str, Any]:
-        """T and heat_flux, as conditions take them."""
-        return {name: self.of_place(name) for name in ("T", "heat_flux")}
-
-
-def _alone(value: Any) -> tuple[Any]:
-    """The only component of a vector."""
-    return (value,)
+        return {name: self._of_place(name) for name in ("T", "heat_flux")}
 
 
 @dataclass(frozen=True)
@@ -98,32 +90,24 @@ class Wall(Boundary):
         x: position [m].
         T: temperature [K]; None: it is not given.
         heat_flux: heat flux into the gas [W/m2]; None: it is not given.
-        velocity: function of t, velocity of a wall that moves [m/s], the derivative of x; None: it
-            follows from x.
+        velocity: of a wall that moves [m/s], the derivative of x; None: it follows from x.
     """
 
     x: Timed
     T: Timed | None = None
     heat_flux: Timed | None = None
     velocity: Callable[[float], Any] | None = None
-
     ranges = Boundary.ranges | {"x": checks.ANY}
     functions = MappingProxyType({"velocity": "(t) [m/s]"})
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.velocity is not None and not self.moves:
-            expected = "expected a function x(t) [m], too"
-            raise InputError(f"Wall: velocity is given, but x is a number: {expected}")
 
     @property
     def moves(self) -> bool:
         """The wall does not stay where it is."""
-        return callable(self.x)
+        return callable(self.x) or self.velocity is not None
 
     def condition(self, material: Any) -> conditions.NoSlip:
-        x = self.of_place("x", _alone) if self.moves else None
-        velocity = self.of_place("velocity", _alone)
+        x = self._of_place("x", lambda x: (x,)) if callable(self.x) else None
+        velocity = self._of_place("velocity", lambda u: (u,))
         return conditions.NoSlip(**self._warm(), x=x, velocity=velocity)
 
 
@@ -150,9 +134,7 @@ class Open(Boundary):
     def __post_init__(self) -> None:
         positive, any_ = checks.POSITIVE, checks.ANY
         checks.numbers(self, "Open", {"x": any_, "p0": positive, "T0": positive, "u0": any_})
-        if self.order not in (0, 1):
-            expected = "expected 0 or 1, the order of the conditions in the viscosity"
-            raise InputError(f"Open(order={self.order!r}): {expected}")
+        conditions.Open(self.p0, self.u0, self.T0, self.order)  # checks the order
 
     def condition(self, material: Any) -> conditions.Open:
         rho = float(material.gas_law.density(self.p0, self.T0))
@@ -176,7 +158,6 @@ class Dirichlet(Boundary):
     degree: int | None = None
     given = ("values",)
     passes = True
-
     functions = MappingProxyType({"values": "(t) -> (rho, u, T)"})
 
     def __post_init__(self) -> None:
@@ -187,7 +168,7 @@ class Dirichlet(Boundary):
             raise InputError(f"Dirichlet(degree={self.degree!r}): {expected}")
 
     def condition(self, material: Any) -> conditions.Given:
-        return conditions.Given(self.of_place("values"))
+        return conditions.Given(self._of_place("values"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -212,14 +193,14 @@ class clamped(SolidEnd):
     """An end of a solid that moves with a given velocity. T and heat_flux: see `SolidEnd`.
 
     Args:
-        velocity: velocity [m/s], a number or a function of t [s].
+        velocity: velocity [m/s].
     """
 
     velocity: Timed = 0.0
     given = ("velocity",)
 
     def condition(self, material: Any) -> conditions.Clamped:
-        velocity = self.of_place("velocity", _alone)
+        velocity = self._of_place("velocity", lambda u: (u,))
         if not callable(velocity):
             velocity = None if self.velocity == 0.0 else lambda X, t: (self.velocity,)
         return conditions.Clamped(velocity=velocity, **self._warm())
@@ -230,16 +211,14 @@ class free(SolidEnd):
     """An end of a solid under a given stress. T and heat_flux: see `SolidEnd`.
 
     Args:
-        stress: sigma - p [Pa], a number or a function of t [s]; under an outer pressure p0 it
-            is -p0.
+        stress: sigma - p [Pa]; under an outer pressure p0 it is -p0.
     """
 
     stress: Timed = 0.0
     given = ("stress",)
 
     def condition(self, material: Any) -> conditions.Free:
-        pressure = self.of_place("stress", lambda stress: -stress)
-        return conditions.Free(pressure, **self._warm())
+        return conditions.Free(self._of_place("stress", lambda stress: -stress), **self._warm())
 
 
 @dataclass(frozen=True)
@@ -247,7 +226,7 @@ class absorbing(SolidEnd):
     """An end of a solid that lets elastic waves out. T and heat_flux: see `SolidEnd`.
 
     Args:
-        stress: sigma - p of the solid at rest beyond [Pa], a number or a function of t [s].
+        stress: sigma - p of the solid at rest beyond [Pa].
     """
 
     stress: Timed = 0.0
@@ -255,4 +234,4 @@ class absorbing(SolidEnd):
     passes = True
 
     def condition(self, material: Any) -> conditions.Absorbing:
-        return conditions.Absorbing(self.of_place("stress"), **self._warm())
+        return conditions.Absorbing(self._of_place("stress"), **self._warm())

@@ -80,39 +80,51 @@ def read_cgns(path: str | Path) -> Grid:
     try:
         with h5py.File(path, "r") as file:
             for base in _labelled(file, "CGNSBase_t"):
+                units = [
+                    _text(child)[32:64].strip() for child in _labelled(base, "DimensionalUnits_t")
+                ]
+                if set(units) - set(METRES):
+                    raise InputError(f"lengths are in {units[0]}: expected {', '.join(METRES)}")
                 for zone in _labelled(base, "Zone_t"):
-                    _add(grid, zone, _metres(base))
+                    _add(grid, zone, METRES[units[0]] if units else 1.0)
         if not grid.zones:
             raise InputError("no zones: expected CGNS with structured zones")
-    except (OSError, KeyError, InputError) as error:
-        wanted = ": expected CGNS in HDF5 (adf2hdf converts the older form)"
-        known = isinstance(error, InputError)
-        raise InputError(f"{path}: {error}{'' if known else wanted}") from None
+    except (OSError, KeyError) as error:
+        wanted = "expected CGNS in HDF5 (adf2hdf converts the older form)"
+        raise InputError(f"{path}: {error}: {wanted}") from None
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
     return grid
 
 
 def _add(grid: Grid, zone: h5py.Group, metres: float) -> None:
     """Add a zone and its patches."""
     name = zone.name.rsplit("/", 1)[-1]
-    if _text(zone["ZoneType"]) != "Structured":
-        raise InputError(f"zone '{name}' is {_text(zone['ZoneType'])}: expected Structured")
+    if (kind := _text(zone["ZoneType"])) != "Structured":
+        raise InputError(f"zone '{name}' is {kind}: expected Structured")
     places = _places(name, zone["GridCoordinates"]) * metres
-    d = places.shape[-1]
+    d, shape = places.shape[-1], places.shape[-2::-1]
     corner = places[(slice(0, 2),) * d]  # two nodes along each axis
-    edges = [corner[(0,) * (d - 1 - k) + (1,) + (0,) * k] - corner[(0,) * d] for k in range(d)]
+    edges = [np.diff(corner, axis=d - 1 - k)[(0,) * d] for k in range(d)]
     turned = determinant(np.array(edges)) < 0.0
     grid.zones[name] = nodes(np.flip(places, axis=d - 1) if turned else places)
-    conditions = (bc for group in _labelled(zone, "ZoneBC_t") for bc in _labelled(group, "BC_t"))
-    for bc in conditions:
+    for bc in (bc for group in _labelled(zone, "ZoneBC_t") for bc in _labelled(group, "BC_t")):
         patch = _text(bc["FamilyName"]) if "FamilyName" in bc else bc.name.rsplit("/", 1)[-1]
-        axis, side = _face(f"zone '{name}', patch '{patch}'", bc, places.shape[-2::-1])
-        face = name, axis, 1 - side if turned and axis == 0 else side
+        begin, end = (np.asarray(bc["PointRange"][" data"]).reshape(2, d) - 1).tolist()
+        thin = [k for k in range(d) if begin[k] == end[k]]
+        whole = all({begin[k], end[k]} == {0, n - 1} for k, n in enumerate(shape) if k not in thin)
+        if len(thin) != 1 or not whole or begin[thin[0]] not in (0, shape[thin[0]] - 1):
+            found = f"nodes {[b + 1 for b in begin]} to {[e + 1 for e in end]}"
+            wanted = "expected a whole face: split the zone where the patch ends"
+            raise InputError(f"zone '{name}', patch '{patch}' has {found}: {wanted}")
+        (axis,), side = thin, begin[thin[0]] > 0
+        face = name, axis, int(side != (turned and axis == 0))
         grid.patches[patch] = (*grid.patches.get(patch, ()), face)
 
 
 def _places(name: str, grid: h5py.Group) -> Array:
     """Nodes (…, d) of a zone; of a plane in space without the coordinate that is constant."""
-    axes = [_data(grid[f"Coordinate{x}"]) for x in "XYZ" if f"Coordinate{x}" in grid]
+    axes = [np.asarray(grid[f"Coordinate{x}"][" data"]) for x in "XYZ" if f"Coordinate{x}" in grid]
     if len(axes) < 2:
         raise InputError(f"zone '{name}' has {', '.join(grid)}: expected CoordinateX, CoordinateY")
     if axes[0].ndim < len(axes):
@@ -124,39 +136,11 @@ def _places(name: str, grid: h5py.Group) -> Array:
     return np.stack(axes, axis=-1)
 
 
-def _face(what: str, bc: h5py.Group, shape: tuple[int, ...]) -> tuple[int, int]:
-    """(axis, side) of a boundary condition, of a zone with so many nodes along its axes."""
-    if "PointRange" not in bc:
-        raise InputError(f"{what}: expected a PointRange")
-    begin, end = (_data(bc["PointRange"]).reshape(2, len(shape)) - 1).tolist()
-    thin = [k for k in range(len(shape)) if begin[k] == end[k]]
-    whole = all({begin[k], end[k]} == {0, n - 1} for k, n in enumerate(shape) if k not in thin)
-    if len(thin) != 1 or not whole or begin[thin[0]] not in (0, shape[thin[0]] - 1):
-        nodes_of = f"nodes {[b + 1 for b in begin]} to {[e + 1 for e in end]}"
-        wanted = "expected a whole face: split the zone where the patch ends"
-        raise InputError(f"{what} has {nodes_of}: {wanted}")
-    return thin[0], int(begin[thin[0]] > 0)
-
-
-def _metres(base: h5py.Group) -> float:
-    """Of the unit of length that a base says; 1 if it says none."""
-    for units in _labelled(base, "DimensionalUnits_t"):
-        unit = _text(units)[32:64].strip()
-        if unit not in METRES:
-            raise InputError(f"lengths are in {unit}: expected {', '.join(METRES)}")
-        return METRES[unit]
-    return 1.0
-
-
 def _labelled(group: h5py.Group, label: str) -> list[h5py.Group]:
     """Children with a label."""
     children = [child for child in group.values() if isinstance(child, h5py.Group)]
     return [child for child in children if child.attrs.get("label", b"").decode() == label]
 
 
-def _data(group: h5py.Group) -> Array:
-    return np.asarray(group[" data"])
-
-
 def _text(group: h5py.Group) -> str:
-    return _data(group).astype("i1").tobytes().decode().strip("\0 ")
+    return np.asarray(group[" data"]).astype("i1").tobytes().decode().strip("\0 ")

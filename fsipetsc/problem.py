@@ -1,35 +1,41 @@
-"""What a case says: the layers from left to right, what stands at the ends, initial and exact data.
+"""Problems in one dimension: layers of gas and solid from left to right, with ends.
 
-All functions take arrays of Lagrangian coordinates X and, where they depend on time, t. A case
-never sees a vector of PETSc's or a rank.
+The paper's method takes a `Problem` as it is; for all else its layers become blocks. Functions of a
+case take arrays of Lagrangian coordinates X and, where they depend on time, t.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, InitVar, dataclass, field
+from functools import wraps
+from itertools import pairwise
 from math import ceil, floor
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 import numpy as np
 
 from fsipetsc import checks
-from fsipetsc.blame import place_of, place_of_caller
+from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import steady
+from fsipetsc.blocks.maps import rectangle
 from fsipetsc.blocks.values import NOWHERE, block_values, checked
-from fsipetsc.boundaries import Boundary
-from fsipetsc.checks import Array, Fields, check_name, described, extent, function
+from fsipetsc.boundaries import Boundary, Wall
+from fsipetsc.checks import Array, Fields, check_name, described, extent, function, place_of
 from fsipetsc.errors import InputError
+from fsipetsc.kernels.symbols import Symbol
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.solid import Solid
+from fsipetsc.materials.solid import ElasticSolid, Solid
+from fsipetsc.operators.sbp import operator
 
 #: what can stand at the outer end of a layer
 ENDS = {"fluid": "Wall, Open or Dirichlet", "solid": "clamped(…), free(…) or absorbing(…)"}
+Function = Callable[..., Any]
 
 
 @dataclass(frozen=True)
 class _Layer:
-    """What a layer of gas and one of a solid have. cells: between its ends, or h: their size [m],
-    to which the nearest that fits is taken; None: by -fsi_h. fields: names of what is saved of it;
-    unknowns: of a solid, what all functions return. material_class: what its material must be.
+    """What a layer of gas and one of a solid have. fields: names of what is saved of it; unknowns:
+    of a solid, what all functions return. material_class: what its material must be.
     """
 
     name: str
@@ -41,6 +47,7 @@ class _Layer:
     _: KW_ONLY
     cells: int | None = None
     h: InitVar[float | None] = None
+    kind: ClassVar[str]
     material_class: ClassVar[type]
     fields: ClassVar[tuple[str, ...]]
 
@@ -53,31 +60,35 @@ class _Layer:
             raise InputError(f"{what}: material is {found}: expected a {wanted.__name__}")
         object.__setattr__(self, "X", extent(self.X, what))
         object.__setattr__(self, "cells", checks.own_cells(self.cells, h, self.X, what))
-        object.__setattr__(self, "place", place_of_caller())  # for what shows later
-        form = f"initial(X) -> ({', '.join(self.fields[:-1])})"
-        function(self.initial, f"{what}: initial", form)
-        function(self.exact, f"{what}: exact", "exact(X, t) -> the same", optional=True)
+        form = f"-> ({', '.join(self.fields[:-1])})"
+        function(self.initial, f"{what}: initial", f"initial(X) {form}")
+        function(self.exact, f"{what}: exact", f"exact(X, t) {form}", optional=True)
         form = "forcing(X, t) -> the right-hand sides"
         function(self.forcing, f"{what}: forcing", form, optional=True)
 
     def __str__(self) -> str:
         return f"layer '{self.name}'"
 
-    def values(self, what: str, X: Array, t: float, active: slice = slice(None)) -> list[Array]:
-        """Values of initial, exact or forcing at points X (n,); see fsipetsc.blocks.values.
-
-        They count at the active points only: what a function gives for points that the grid holds
-        in reserve may be anything of the right shape. InputError, perhaps on this rank alone.
+    def values(
+        self, what: str, X: Array, t: float = 0.0, active: slice = slice(None)
+    ) -> list[Array]:
+        """Values of initial, exact or forcing at points X (n,), which count at the active points
+        only: others the grid holds in reserve. InputError, perhaps on this rank alone.
         """
         return block_values(self, what, X[None], t, active)
 
-    def first_values(self, X: Array, active: slice = slice(None)) -> list[Array]:
-        """The initial data. InputError, perhaps on this rank alone."""
-        return self.values("initial", X, 0.0, active)
-
     def fitting(self, h: float) -> int:
-        """Cells of the size h [m] that -fsi_h says. InputError."""
-        return checks.cells_of(self.X, h, f"-fsi_h {h:g}: {self}")
+        """Cells of the size h [m] that -fsi_h says; a solid must end at a point. InputError."""
+        length, cells = self.X[1] - self.X[0], checks.cells_of(self.X, h, f"-fsi_h {h:g}: {self}")
+        width = length / h
+        if self.kind == "solid" and abs(width - cells) > 1e-6 * max(1.0, width):
+            near = sorted({max(1, floor(width)), ceil(width)})
+            raise InputError(
+                f"-fsi_h {h:.10g} misses an interface: {self} of length {length:g} would have "
+                f"{width:.6g} cells; {' and '.join(f'{length / n:.10g}' for n in near)} would fit, "
+                "or the layer may have cells=… of its own"
+            )
+        return cells
 
 
 @dataclass(frozen=True)
@@ -97,7 +108,7 @@ class FluidLayer(_Layer):
             the energy per volume e [W/m3]; None: 0.
         exact: `exact(X, t)` returns what `initial` does, where an exact solution is known.
         cells: number of cells between its ends; None: by h.
-        h: size of the cells [m], to which the nearest that fits is taken; None: -fsi_h.
+        h: size of the cells [m], of which the nearest that fits is taken; None: -fsi_h.
         mapping: of older case files; it changes nothing.
     """
 
@@ -122,35 +133,13 @@ class SolidLayer(_Layer):
         forcing: `forcing(X, t)` returns the right-hand sides of the same, per second; None: 0.
         exact: `exact(X, t)` returns what `initial` does, where an exact solution is known.
         cells: number of cells between its ends; None: by h.
-        h: size of the cells [m], to which the nearest that fits is taken; None: -fsi_h.
+        h: size of the cells [m], of which the nearest that fits is taken; None: -fsi_h.
     """
 
     kind = "solid"
     material_class = Solid
     fields = ("u", "sigma", "T", "x", "p")
     unknowns = fields[:-1]
-
-    def first_values(self, X: Array, active: slice = slice(None)) -> list[Array]:
-        """The initial data; x must rise. InputError, perhaps on this rank alone."""
-        found = super().first_values(X, active)
-        if not np.all(rises := np.diff(found[3][active]) > 0):
-            at = f"after X = {X[active][np.argmin(rises)]:.6g}: expected positions [m]"
-            where = f"{place_of(self.initial)}: initial of {self}"
-            raise InputError(f"{where}: x does not rise with X {at}", collective=False)
-        return found
-
-    def fitting(self, h: float) -> int:
-        """The same, which end at its interfaces. InputError where they do not."""
-        length, cells = self.X[1] - self.X[0], super().fitting(h)
-        width = length / h
-        if abs(width - cells) > 1e-6 * max(1.0, width):
-            near = sorted({max(1, floor(width)), ceil(width)})
-            raise InputError(
-                f"-fsi_h {h:.10g} misses an interface: {self} of length {length:g} would have "
-                f"{width:.6g} cells; {' and '.join(f'{length / n:.10g}' for n in near)} would fit, "
-                "or the layer may have cells=… of its own"
-            )
-        return cells
 
 
 @dataclass(frozen=True)
@@ -186,27 +175,24 @@ class Problem:
         object.__setattr__(self, "layers", tuple(given))
         form = "jumps(k, t) -> (g_u, g_stress, g_T, g_flux)"
         function(self.jumps, "Problem: jumps", form, optional=True)
-        layers, kinds = self.layers, [layer.kind for layer in self.layers]
-        if not kinds or any(a == b for a, b in zip(kinds, kinds[1:])):
-            what = "the layers must alternate between fluid and solid, and be one at least"
-            raise InputError(f"{what}; got {kinds}")
-        names = [layer.name for layer in layers]
-        if twice := [name for name in names if names.count(name) > 1]:
-            what = f"two layers are named '{twice[0]}'"
-            raise InputError(f"Problem: {what}: expected a name for each, for results")
-        for end, layer in ((self.left, layers[0]), (self.right, layers[-1])):
+        kinds = [layer.kind for layer in given]
+        if not kinds or any(a == b for a, b in pairwise(kinds)):
+            raise InputError(f"Problem: layers are {kinds}: expected fluid and solid in turn")
+        if len({layer.name for layer in given}) < len(given):
+            raise InputError("Problem: two layers have one name: expected a name for each")
+        for end, layer in ((self.left, given[0]), (self.right, given[-1])):
             if getattr(end, "of", None) != layer.kind:
                 stands = f"{type(end).__name__}(…)" if isinstance(end, Boundary) else described(end)
                 what = f"at the outer end of the {layer.kind} {layer} stands {stands}"
                 raise InputError(f"{what}: expected {ENDS[layer.kind]}")
-        for a, b in zip(layers, layers[1:]):
+        for a, b in pairwise(given):
             if abs(a.X[1] - b.X[0]) > 1e-12 * max(abs(a.X[1]), a.X[1] - a.X[0]):
                 places = f"one ends at X = {a.X[1]:.10g}, the other begins at {b.X[0]:.10g}"
                 what = f"layers '{a.name}' and '{b.name}' do not meet"
                 raise InputError(f"{what}: {places}: expected the same X")
 
     def unit(self, name: str) -> str:
-        """The unit after a number in a message: " m", or nothing without dimensions."""
+        """ " m" after a number in a message, or nothing without dimensions."""
         return f" {name}" if self.units == "SI" else ""
 
     def end(self, k: int, side: int) -> Boundary | None:
@@ -216,43 +202,194 @@ class Problem:
 
     def jumps_at(self, k: int, t: float) -> list[float]:
         """The prescribed jumps at interface k at time t [s]. InputError."""
-        names = "g_u", "g_stress", "g_T", "g_flux"
+        jumps, names = cast(Any, self.jumps), ("g_u", "g_stress", "g_T", "g_flux")
         where = f"jumps at interface {k} at t = {t:.6g}"
-        assert self.jumps is not None
-        return [float(g[0]) for g in checked(self.jumps, (k, t), NOWHERE, names, where)]
+        return [float(g[0]) for g in checked(jumps, (k, t), NOWHERE, names, where)]
 
     @property
     def interfaces(self) -> tuple[tuple[int, int], ...]:
         """(fluid layer, solid layer) of each interface, left to right."""
-        pairs = zip(range(len(self.layers)), range(1, len(self.layers)))
+        pairs = pairwise(range(len(self.layers)))
         return tuple((a, b) if self.layers[a].kind == "fluid" else (b, a) for a, b in pairs)
 
     @property
     def interface_names(self) -> list[str]:
         """As "gas | rod", left to right."""
-        return [f"{a.name} | {b.name}" for a, b in zip(self.layers, self.layers[1:])]
+        return [f"{a.name} | {b.name}" for a, b in pairwise(self.layers)]
+
+    @property
+    def _forced(self) -> bool:
+        """There is forcing, or interfaces get something from outside."""
+        return self.jumps is not None or any(layer.forcing for layer in self.layers)
 
     @property
     def steady_data(self) -> bool:
         """No boundary data, jump or forcing that depends on time."""
-        forced = self.jumps is not None or any(layer.forcing for layer in self.layers)
-        return not forced and steady(self.left) and steady(self.right)
+        return not self._forced and steady(self.left) and steady(self.right)
 
     @property
     def invariants(self) -> dict[str, Any]:
-        """What must not change, as JSON holds it: see fsipetsc.scheme.conservation_check.Drifts,
-        which takes it.
-
-        masses: (name, numbers among the fluids) of the gas layers that nothing enters or leaves;
-        energy: whether that of all layers is kept. Empty where forcing or jumps change all.
+        """What must not change (see fsipetsc.scheme.conservation_check.Drifts): masses: (name,
+        numbers among the fluids) of gas layers that nothing enters or leaves; energy: whether that
+        of all layers is kept. Empty where forcing or jumps change all.
         """
-        if self.jumps is not None or any(layer.forcing for layer in self.layers):
+        if self._forced:
             return {}
         ends = (0, self.left), (len(self.layers) - 1, self.right)
         open_at = {k for k, end in ends if end.passes}
-        fluids = [(k, v) for k, v in enumerate(self.layers) if isinstance(v, FluidLayer)]
+        fluids = [(k, v) for k, v in enumerate(self.layers) if v.kind == "fluid"]
         pulled = any(np.any(layer.material.force) for layer in self.layers)
         return {
             "masses": [[v.name, [i]] for i, (k, v) in enumerate(fluids) if k not in open_at],
             "energy": self.left.closed and self.right.closed and not pulled,
         }
+
+
+def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
+    """A problem of layers as blocks.
+
+    h: spacing [m] of layers without cells of their own; order: of the operators. InputError where
+    h does not fit a solid, or for what only the paper's method has.
+    """
+    blocks, notes, least = [], list(problem.notes), operator(order).min_points - 1
+    for k, layer in enumerate(problem.layers):
+        cells = layer.cells or layer.fitting(h)
+        if layer.kind == "solid":
+            blocks.append(_solid(layer, cells))
+        else:
+            blocks.append(_gas(problem, k, layer.cells or max(cells, least), notes))
+    ends = zip((0, 1), (problem.left, problem.right), (blocks[0], blocks[-1]), strict=True)
+    faces = {(of.name, 0, side): end.condition(of.material) for side, end, of in ends}
+    jumps = problem.jumps and _jumps(problem, problem.jumps)
+    return BlockProblem(blocks, faces, jumps, notes=notes, units=problem.units)
+
+
+def _gas(problem: Problem, k: int, cells: int, notes: list[str]) -> Block:
+    """A layer of gas, whose grid begins and ends where walls and open ends at rest are: a note says
+    where these are not the layer's ends. Its functions go with the points of its X.
+    """
+    layer: Any = problem.layers[k]
+    (a, b), grid = layer.X, list(layer.X)
+    for side in (0, 1):
+        end: Any = problem.end(k, side)
+        moves = end is None or (isinstance(end, Wall) and end.moves)
+        if not moves and abs(end.x - layer.X[side]) > 1e-9 * (b - a):
+            notes.append(
+                f"{layer} ends at X = {layer.X[side]:g}, its {type(end).__name__} is "
+                f"at x = {end.x:g}: the gas is stretched to it, and has another mass"
+            )
+            grid[side] = float(end.x)
+    low, high = grid
+    if not low < high:
+        ends = f"{layer} would begin at x = {low:g} and end at {high:g}"
+        raise InputError(f"{place_of(layer.initial)}: {ends}: expected its ends in the order of X")
+
+    def of_grid(function: Function | None) -> Function | None:
+        if function is None or (a, b) == (low, high):
+            return function
+
+        @wraps(function)
+        def moved(x: Array, *t: float) -> Any:
+            return function(a + (x - low) / (high - low) * (b - a), *t)
+
+        return moved
+
+    functions: Any = map(of_grid, (layer.initial, layer.forcing, layer.exact))
+    return Block(layer.name, layer.material, rectangle(low, high), (cells,), *functions)
+
+
+def _solid(layer: Any, cells: int) -> Block:
+    """The stress of its material is K ln x_X - p_ref less its pressure."""
+    (low, high), exact, of = layer.X, layer.exact, layer.material
+    x = layer.values("initial", X := np.linspace(low, high, cells + 1))[3]
+    if not np.all(rises := np.diff(x) > 0):
+        where = f"{place_of(layer.initial)}: initial of {layer}"
+        raise InputError(f"{where}: x does not rise after X = {X[np.argmin(rises)]:.6g}")
+    stress = _prestress(layer)
+    (found,) = stress(np.linspace(low, high, 101))
+    uniform = np.ptp(found) == 0.0
+    numbers = 0.0, of.K, of.kappa_e, of.m0, of.alpha, -float(found[0]) if uniform else 0.0
+    return Block(
+        layer.name,
+        ElasticSolid(*numbers, force=of.force, pressing=of.pressure_law),
+        rectangle(low, high),
+        (cells,),
+        _picked(layer.initial, 0, 2, 3),
+        forcing=layer.forcing and _forces_alone(layer),
+        exact=exact and _picked(exact, 0, 2, 3),
+        exact_stress=exact and _picked(exact, 1),
+        prestress=None if uniform else stress,
+    )
+
+
+def _picked(function: Function, *numbers: int) -> Function:
+    """Some of u, sigma, T, x that a function of a solid returns."""
+
+    @wraps(function)
+    def called(*where: Any) -> Any:
+        u, sigma, T, x = function(*where)
+        return [(u, sigma, T, x)[n] for n in numbers]
+
+    return called
+
+
+def _forces_alone(layer: Any) -> Function:
+    """The forcing of a solid without that of its stress, which must be 0. InputError."""
+    allowed = 1e-9 * layer.material.K  # for round-off
+
+    @wraps(layer.forcing)
+    def called(X: Any, t: Any) -> Any:
+        u, sigma, T, x = layer.forcing(X, t)
+        wrong = np.abs(sigma) > allowed
+        if not isinstance(wrong, Symbol) and np.any(wrong):
+            raise InputError(
+                f"forcing of {layer} at t = {t:.6g}: sigma has a right-hand side, but follows "
+                "from x here: expected 0, or -fsi_coupling projection",
+                collective=False,
+            )
+        return u, T + np.where(wrong, np.nan, 0.0), x  # where it is recorded, the step fails
+
+    return called
+
+
+def _prestress(layer: Any) -> Function:
+    """What the initial stress of a solid is beside K ln x_X [Pa]: a function of X.
+
+    x_X is that of polynomials of sixth degree through x, in steps of a thousandth of the layer.
+    """
+    (low, high), initial, K = layer.X, layer.initial, layer.material.K
+    step, points = 1e-3 * (high - low), np.arange(-3.0, 4.0)
+    powers = np.linalg.inv(np.vander(points, increasing=True))
+
+    def found(X: Array) -> tuple[Array]:
+        middle = np.clip(X, low + 3 * step, high - 3 * step)
+        around, z = [middle + j * step for j in points], (X - middle) / step
+        moved = [initial(place)[3] - place for place in around]
+        # sums of their own: those of a library's product of matrices depend on how many X there are
+        c = [sum(map(np.multiply, row, moved)) for row in powers]
+        stretch = 1.0 + sum(k * c[k] * z ** (k - 1) for k in range(1, len(c))) / step
+        return (initial(X)[1] - K * np.log(stretch),)
+
+    return found
+
+
+def _jumps(problem: Problem, jumps: Function) -> Function:
+    """(traction, heat) that interfaces supply, by place. InputError for jumps of u and T."""
+    places = np.array([layer.X[1] for layer in problem.layers[:-1]])
+
+    @wraps(jumps)
+    def supplied(X: Array, t: float) -> Array:
+        found, nearest = np.zeros((2, *np.shape(X))), np.abs(X[..., None] - places).argmin(axis=-1)
+        for k in np.unique(nearest).tolist():
+            u, stress, T, flux = problem.jumps_at(k, t)
+            if u != 0.0 or T != 0.0:
+                raise InputError(
+                    f"jumps at interface {k} at t = {t:.6g}: g_u = {u:g}, g_T = {T:g}: expected 0 "
+                    "where gas and solid are one particle, or -fsi_coupling projection",
+                    collective=False,
+                )
+            into_solid = 1.0 if problem.layers[k].kind == "fluid" else -1.0
+            found[:, nearest == k] = -into_solid * np.array([[stress], [flux]])
+        return found
+
+    return supplied

@@ -5,13 +5,13 @@ import pytest
 from block_ledgers import Steps
 
 from fsipetsc import boundaries, problem
-from fsipetsc.blockrun.from_layers import blocks_of_line
 from fsipetsc.blocks import conditions as new
 from fsipetsc.blocks.block_problem import Meeting
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid, Solid
+from fsipetsc.problem import blocks_of_line
 
 GAS, SOLID = Fluid(0.1, 0.1, 1.4, 1.0), ElasticSolid(1.0, 1.0, 0.1, 1.0, 1.0)
 

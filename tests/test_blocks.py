@@ -54,9 +54,6 @@ def test_maps_take_corners_where_they_belong():
     assert x.tolist() == [0, 2, 0, 3] and y.tolist() == [0, 0, 1, 4]
     x, y = maps.annulus(1.0, 2.0, (0.0, np.pi / 2), (5.0, 6.0))(ends)
     assert np.allclose(x, [6, 7, 5, 5]) and np.allclose(y, [6, 6, 7, 8])
-    grid = maps.stretched(maps.rectangle((0, 0), (2, 1)), lambda s: s**2, None)
-    half = np.array([0.0, 0.5, 1.0])
-    assert np.allclose(grid((half, half)), [[0.0, 0.5, 2.0], half])
 
 
 @pytest.mark.parametrize("d", (2, 3))
@@ -222,22 +219,19 @@ def pinned(*place):
 
 
 WRONG = {
-    r"axis 1, side 1\) do not meet: \(X, Y\) = \(0, 1\)": faces_that_do_not_meet,
+    r"axis 0, side 0\) misses others at \(X, Y\) = \(0, 1\)": faces_that_do_not_meet,
     "expected the shape": lambda: maps.nodes(np.zeros((3, 3))),
     "expected a Fluid or an ElasticSolid": lambda: square(material="steel"),
-    r"cells is \(8, 0\) .*: expected 1, 2 or 3 whole numbers": lambda: square(cells=(8, 0)),
-    r"nan.* at xi = \(0.31, ": lambda: square(map=lambda xi: (xi[0], xi[1] / (xi[0] != 0.31))),
+    r"cells is \(8, 0\): expected 1, 2 or 3 whole numbers": lambda: square(cells=(8, 0)),
+    r"no numbers at xi = \(0.5, ": lambda: square(map=lambda xi: (xi[0], xi[1] / (xi[0] != 0.5))),
     r"J = -0.0156 per cell at .*right-handed": lambda: square(map=lambda xi: (xi[1], xi[0])),
-    r"not smooth along axis 0, at \(X, Y\) = \(0.29": lambda: square(
-        map=lambda xi: (xi[0] + 0.2 * abs(xi[0] - 0.3), xi[1])
-    ),
     "axis 0 is periodic, and its map is not": lambda: square(
         periodic=(True, False), map=lambda xi: (xi[0], xi[1] * (1 + xi[0]))
     ),
     r"'a', face \(axis 0, side 1\), about .* = \(1, 0.5\)": lambda: alone(
         walls("a", but=[("a", 0, 1)])
     ),
-    r"'b', .* away, without a node at .* = \(1, 0.125\)": lambda: two(square("b", map=curved)),
+    r"'b', .* side 0\), 0.0\d+ away, with 9": lambda: two(square("b", map=curved)),
     r"side 1\) meets block 'b', .* is named NoSlip\(…\), too": lambda: BlockProblem(
         [square(), beside()], walls("a", "b", but=[("b", 0, 0)])
     ),

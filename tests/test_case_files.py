@@ -35,7 +35,7 @@ def build(opt):
     return Problem((air, solid), left, free(-103320.0), jumps=lambda k, t: (0.0,) * 4)
 """
 
-_INITIAL = "initial of layer 'air'"
+_INITIAL = "initial of block 'air'"
 #: text of RIGHT, what stands there instead, words of the message; LINE: the line of the text must
 #: be named; faulty.h5: it shows when the run is under way
 FAULTS = {

@@ -9,7 +9,7 @@ PACKAGE = REPOSITORY / "fsipetsc"
 #: folders and files of the package: each imports from those to its right alone
 ORDER = """__main__ → cli api → studies → stepping → blockrun → paper → state → output → process
 → cases → options → mesh_files → particles → scheme → parallel → problem → boundaries
-→ blocks → materials → operators → equations → kernels → blame checks → errors → __init__"""
+→ blocks → materials → operators → equations → kernels → checks → errors → __init__"""
 RANK = {name: rank for rank, names in enumerate(ORDER.split("→")) for name in names.split()}
 RUN = {"stepping", "blockrun", "paper", "state"}
 #: who knows MPI, PETSc: who starts them, computes or writes with them, reads PETSc's options

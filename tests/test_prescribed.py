@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from fsipetsc import Fluid, FluidLayer, InputError, Problem, Wall
-from fsipetsc.blockrun.from_layers import blocks_of_line
 from fsipetsc.particles.members import particles_of
 from fsipetsc.particles.prescribed import Prescribed
+from fsipetsc.problem import blocks_of_line
 
 STEP = 1 / 64
 

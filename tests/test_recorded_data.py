@@ -12,7 +12,7 @@ from mpi4py import MPI
 import fsipetsc
 from fsipetsc import Fluid, FluidLayer, Problem, Wall
 from fsipetsc.blockrun.block_state import BlockState
-from fsipetsc.blockrun.from_layers import blocks_of_line
+from fsipetsc.problem import blocks_of_line
 
 CASE = str(REPOSITORY / "tests" / "timed.py")
 KINDS = "wall", "ends", "open"

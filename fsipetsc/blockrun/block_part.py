@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blame import place_in, reason
 from fsipetsc.blockrun.columns import fields_of
 from fsipetsc.blockrun.face_terms import FaceTerms
 from fsipetsc.blocks.values import block_values
+from fsipetsc.checks import place_in, reason
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.kernels.formula import numbers_of
 from fsipetsc.kernels.procedure import Code, Procedure

@@ -1,7 +1,7 @@
 """A problem: blocks, what stands at their faces, and what a run asks of them."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -10,7 +10,6 @@ import numpy as np
 from fsipetsc.blocks.block import Block, Range, mesh, size_of
 from fsipetsc.blocks.conditions import Centre, Condition, Hinge, conserves_energy, moves, steady
 from fsipetsc.blocks.faces import FaceName, Faces, Kinds, Meeting, face_nodes, number_of, united
-from fsipetsc.blocks.gas_laws import GasLaws
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.checks import Array, described, function
 from fsipetsc.errors import InputError
@@ -18,7 +17,35 @@ from fsipetsc.materials.own import knows_entropy
 from fsipetsc.operators.bands import Band, band, centred_band
 
 
-@dataclass(frozen=True, eq=False)
+class GasLaws:
+    """The laws of the gases of a problem. Gas at one place has one state, and so one law.
+
+    laws: those that differ in their formulas or numbers, in the order of blocks. numbers: block of
+    a gas -> the number of its law among these.
+    """
+
+    def __init__(self, blocks: Sequence[Block]) -> None:
+        laws: list[Any] = []
+        self.numbers: dict[int, int] = {}
+        for k, block in enumerate(blocks):
+            if block.kind == "fluid":
+                law = block.material.gas_law
+                same = (n for n, other in enumerate(laws) if _same(law, other))
+                self.numbers[k] = next(same, len(laws))
+                laws += [law] * (self.numbers[k] == len(laws))
+        self.laws = tuple(laws)
+
+    def number_at(self, members: Sequence[tuple[int, int]]) -> int:
+        """The number of the law of the gas among (block, node) at one place; 0 if there is none."""
+        return next((self.numbers[k] for k, _ in members if k in self.numbers), 0)
+
+
+def _same(law: Any, other: Any) -> bool:
+    """Whether two laws have the same formulas and the same numbers."""
+    return type(law) is type(other) and all(map(np.array_equal, law, other))
+
+
+@dataclass(eq=False)
 class BlockProblem:
     """Blocks and the conditions at their faces.
 
@@ -47,29 +74,24 @@ class BlockProblem:
     notes: Sequence[str] = ()
     units: str = "SI"
     symmetry: int = 0
-    hinges: frozenset[tuple[int, int]] = field(default=frozenset(), init=False)
-    """(block, node) of points."""
-    members: list[list[tuple[int, int]]] = field(init=False)
-    """(block, node) of the nodes of faces that are at one place, ascending, for each place."""
-    tolerance: float = field(init=False)
-    """Places are the same that are no further apart than this [m]."""
 
     def __post_init__(self) -> None:
-        blocks = tuple(self.blocks)
-        self._put("blocks", blocks)
-        self._put("notes", tuple(self.notes))
+        """hinges: (block, node) of points. members: (block, node) of the nodes of faces that are at
+        one place, ascending, for each place. tolerance: places are the same that are no further
+        apart [m]. gas_laws: the laws of its gases.
+        """
+        self.blocks, self.notes = tuple(self.blocks), tuple(self.notes)
         self._check_blocks()
         form = "jumps(*X, t) -> (traction per axis, heat)"
         function(self.jumps, "BlockProblem: jumps", form, optional=True)
-        faces = Faces(blocks, self.faces)
-        self._put("faces", faces.named)
+        faces = Faces(self.blocks, self.faces)
+        self.faces, self.tolerance, self.members = faces.named, faces.tolerance, faces.particles
         self._check_symmetry()
-        self._put("tolerance", faces.tolerance)
-        self._put("members", faces.particles)
-        self._put("_kinds", faces.kinds)
-        self._put("_known", [faces.places(k) for k in range(len(blocks))])
+        self._kinds = faces.kinds
+        self._known = [faces.places(k) for k in range(len(self.blocks))]
+        self.gas_laws = GasLaws(self.blocks)
         self._check_gases()
-        self._put("hinges", frozenset(self._hinge(*point) for point in self.points))
+        self.hinges = frozenset(self._hinge(*point) for point in self.points)
 
     @property
     def dimension(self) -> int:
@@ -84,9 +106,8 @@ class BlockProblem:
     def band(self, k: int, order: int, axis: int) -> Band:
         """Pair weights of an axis of block k. InputError if it has too few nodes."""
         block = self.blocks[k]
-        images = axis == self.dimension - 1 and self.centred(k)
         try:
-            if images:
+            if axis == self.dimension - 1 and self.centred(k):
                 return centred_band(order, block.cells[axis], self.symmetry)
             return band(order, block.cells[axis], block.periodic[axis])
         except ValueError as error:
@@ -101,12 +122,12 @@ class BlockProblem:
         """(block, axis, side) -> what stands at the faces that no other one meets; where r = 0 is
         none.
         """
-        every = {(k, *face): met for k, own in enumerate(self._kinds) for face, met in own.items()}
-        return {face: met for face, met in every.items() if not isinstance(met, (Meeting, Centre))}
+        every = ((k, face, met) for k, own in enumerate(self._kinds) for face, met in own.items())
+        return {(k, *face): c for k, face, c in every if not isinstance(c, (Meeting, Centre))}
 
     @property
     def column_of_face(self) -> dict[tuple[int, int, int], int]:
-        """Where its energy is among what comes in, see `face_names`."""
+        """Where the energy of a face is among what comes in, see `face_names`."""
         return {face: column for column, face in enumerate(self.outer_faces)}
 
     def is_interface(self, k: int, axis: int, side: int) -> bool:
@@ -124,11 +145,6 @@ class BlockProblem:
     def joined(self) -> bool:
         """Whether there are joins of gas and gas or solid and solid."""
         return any(self.blocks[k].kind == self.blocks[j].kind for k, j in self._meeting)
-
-    @cached_property
-    def gas_laws(self) -> GasLaws:
-        """The laws of its gases."""
-        return GasLaws(self.blocks)
 
     def face_nodes(self, k: int, axis: int, side: int) -> Array:
         """Numbers of the nodes of a face of block k, lower axis fastest."""
@@ -201,27 +217,24 @@ class BlockProblem:
         """Of what energy comes in by: the outer faces, as "gas, axis 0, side 1"; at last that of
         forces, interfaces and points that are held.
         """
-        name = "{}, axis {}, side {}".format
-        faces = [name(self.blocks[k].name, axis, side) for k, axis, side in self.outer_faces]
-        return [*faces, "through no face"]
+        names = (f"{self.blocks[k].name}, axis {a}, side {side}" for k, a, side in self.outer_faces)
+        return [*names, "through no face"]
 
     def interface_nodes(self, number: int) -> np.ndarray:
         """Nodes of the solid on an interface, each once."""
-        _, solid = self.interfaces[number]
-        faces = [self.face_nodes(solid, *face) for face in self._solid_faces(number)]
+        faces = [self.face_nodes(*face) for face in self._solid_faces(number)]
         return np.unique(np.concatenate(faces))
 
     @property
     def interface_faces(self) -> list[list[int]]:
         """[block, axis, side] of the solid's face on each interface, the first one of several."""
-        pairs = enumerate(self.interfaces)
-        return [[solid, *self._solid_faces(number)[0]] for number, (_, solid) in pairs]
+        return [self._solid_faces(number)[0] for number in range(len(self.interfaces))]
 
-    def _solid_faces(self, number: int) -> list[tuple[int, int]]:
-        """(axis, side) of the solid's faces on an interface."""
-        gas, solid = self.interfaces[number]
-        faces = self.faces_of(solid).items()
-        return sorted(f for f, met in faces if isinstance(met, Meeting) and met.block == gas)
+    def _solid_faces(self, number: int) -> list[list[int]]:
+        """[block, axis, side] of the solid's faces on an interface."""
+        gas, k = self.interfaces[number]
+        faces = self.faces_of(k).items()
+        return sorted([k, *f] for f, c in faces if isinstance(c, Meeting) and c.block == gas)
 
     @cached_property
     def spacings(self) -> list[float]:
@@ -232,7 +245,7 @@ class BlockProblem:
     @property
     def _forced(self) -> bool:
         """There is forcing, or interfaces get something from outside."""
-        return self.jumps is not None or any(b.forcing is not None for b in self.blocks)
+        return self.jumps is not None or any(b.forcing for b in self.blocks)
 
     @cached_property
     def pulled(self) -> bool:
@@ -255,17 +268,15 @@ class BlockProblem:
         """
         solids = [block for block in self.blocks if block.kind == "solid"]
         gases = [k for k, block in enumerate(self.blocks) if block.kind == "fluid"]
-        outer = self.outer_faces.values()
-        closed = all(map(conserves_energy, outer)) and not self._forced
+        closed = all(map(conserves_energy, self.outer_faces.values())) and not self._forced
         elastic = all(getattr(solid.material, "heat", "") == "elastic" for solid in solids)
-        known = all(knows_entropy(self.blocks[k].material.gas_law) for k in gases)
+        known = all(map(knows_entropy, self.gas_laws.laws))
         masses = [solid.material.m0 * size_of(solid, self.symmetry) for solid in solids]
         capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
+        names = (" + ".join(self.blocks[k].name for k in body) for body in self.bodies)
+        numbers = ([gases.index(k) for k in body] for body in self.bodies)
         return {
-            "masses": [
-                [" + ".join(self.blocks[k].name for k in body), [gases.index(k) for k in body]]
-                for body in self.bodies
-            ],
+            "masses": list(map(list, zip(names, numbers))),
             # along r pressure acts around an axis, too
             "momentum": "xyz"[: self.dimension - (self.symmetry > 0)],
             "energy": True,
@@ -278,26 +289,21 @@ class BlockProblem:
     @property
     def _keeps_potential(self) -> bool:
         """Energy with the potential energy of constant forces must stay."""
-        passing = any(c.passes == "gas" for c in self.outer_faces.values())
-        moving = self.interfaces or any(map(moves, self.outer_faces.values()))
-        falling = any(
-            block.kind == "fluid" and np.any(block.periods @ block.material.force)
-            for block in self.blocks
-            if any(block.material.force)
-        )
-        gases = any(block.kind == "fluid" for block in self.blocks)
-        return self.pulled and not (passing or falling or self._forced or (gases and moving))
+        conditions = self.outer_faces.values()
+        gases = [block for block in self.blocks if block.kind == "fluid"]
+        moving = gases and (self.interfaces or any(map(moves, conditions)))
+        pulled = (gas for gas in gases if any(gas.material.force))
+        falling = any(np.any(gas.periods @ gas.material.force) for gas in pulled)
+        passing = any(c.passes == "gas" for c in conditions)
+        return self.pulled and not (passing or falling or self._forced or moving)
 
     @cached_property
     def bodies(self) -> list[list[int]]:
         """Numbers of the blocks of each body of gas, which joins connect."""
         gas = [block.kind == "fluid" for block in self.blocks]
         pairs = [(k, j) for k, j in self._meeting if gas[k] and gas[j]]
-        first = united(np.arange(len(gas)), [tuple(np.array(pairs, int).reshape(-1, 2).T)])
+        first = united(len(gas), [tuple(np.array(pairs, int).reshape(-1, 2).T)])
         return [np.flatnonzero(first == k).tolist() for k in np.unique(first) if gas[k]]
-
-    def _put(self, name: str, value: Any) -> None:
-        object.__setattr__(self, name, value)
 
     def loses(self, k: int) -> bool:
         """Whether it is known what a step in time loses of the kinetic and elastic energy of block
@@ -329,9 +335,10 @@ class BlockProblem:
             if len(gases) > 1:
                 (k, node), (other, _) = sorted(gases.values())[:2]
                 place = place_text(self.places(k, np.array([node]))[0])
-                meet = f"{self.blocks[k]} and {self.blocks[other]} meet at {place}"
-                wanted = "expected one law, or a solid between them"
-                raise InputError(f"{meet}, and are gases of different laws: {wanted}")
+                raise InputError(
+                    f"{self.blocks[k]} and {self.blocks[other]} meet at {place}, and are gases of "
+                    "different laws: expected one law, or a solid between them"
+                )
 
     def _check_symmetry(self) -> None:
         """InputError for what a problem with an axis or a centre cannot have."""
@@ -345,12 +352,26 @@ class BlockProblem:
                 wanted = f"expected axis {d - 1}, side 0 of a problem with an axis or a centre"
                 raise InputError(f"block '{name}', face {tuple(face)}: Centre(): {wanted}")
         for k, block in enumerate(self.blocks if symmetry else ()):
-            if symmetry == 1 and block.kind == "solid" and self.centred(k):
-                raise InputError(
-                    f"{block}: a solid cannot reach an axis, where its stresses would be "
-                    "wrong on any grid: expected r > 0, or a centre (symmetry=2)"
-                )
-            _check_radial(block, self.centred(k))
+            self._check_radial(block, self.centred(k))
+
+    def _check_radial(self, block: Block, centred: bool) -> None:
+        """InputError where a block does not fit around an axis or a centre."""
+        X = block.positions([(0, n) for n in block.shape])
+        first, second = X.reshape(self.dimension, block.shape[-1], -1)[:, :2].swapaxes(0, 1)
+        off = np.abs([*(second - first)[:-1], 3.0 * first[-1] - second[-1]]).sum(axis=0)
+        wrong, centres = "", "the axis or centre that it reaches"
+        if self.symmetry == 1 and centred and block.kind == "solid":
+            wrong = "a solid cannot reach an axis, where its stresses would be wrong on any grid"
+        elif block.periods[:, -1].any() or block.prestress is not None:
+            wrong = "r grows by a period, or it has a prestress: expected neither"
+        elif centred and block.material.force[-1] != 0.0:
+            wrong = f"its force has no direction at {centres}: expected one along the axis"
+        elif not X[-1].min() > 1e-9 * X[-1].max():
+            wrong = f"r = {X[-1].min():.6g} at a node: expected r > 0, as off_axis makes it"
+        elif centred and not np.all(off <= 0.1 * (second - first)[-1]):
+            wrong = f"its first nodes are not half a spacing from {centres}: off_axis makes them so"
+        if wrong:
+            raise InputError(f"{block}: {wrong}")
 
     def _hinge(self, name: str, place: Any, condition: Hinge) -> tuple[int, int]:
         """(block, node). InputError where no node of a solid's face is at the place."""
@@ -363,31 +384,6 @@ class BlockProblem:
         apart = np.abs(places.T - X).max(axis=1)
         i = int(np.argmin(apart))
         if not apart[i] <= 1e3 * self.tolerance:
-            nearest = place_text(places[:, i])
-            raise InputError(f"{where}: no node of a face is there; the nearest is at {nearest}")
+            near = place_text(places[:, i])
+            raise InputError(f"{where}: no node of a face is there; the nearest is at {near}")
         return k, int(nodes[i])
-
-
-def _check_radial(block: Block, centred: bool) -> None:
-    """InputError where a block does not fit around an axis or a centre."""
-    X = block.positions([(0, n) for n in block.shape])
-    r, lines = X[-1], X.reshape(block.dimension, block.shape[-1], -1)
-    if block.periods[:, -1].any() or block.prestress is not None:
-        raise InputError(f"{block}: r grows by a period, or it has a prestress: expected neither")
-    if centred and block.material.force[-1] != 0.0:
-        raise InputError(
-            f"{block}: the force {block.material.force} is across the axis or centre "
-            "that the block reaches, and has no direction there: expected one along the axis"
-        )
-    lowest = int(np.argmin(r))
-    if not r[lowest] > 1e-9 * r.max():
-        wanted = "expected r > 0 at all nodes; with Centre() a map as ball or off_axis make it"
-        raise InputError(f"{block}: a node is at {place_text(X[:, lowest])}: {wanted}")
-    first, second = lines[:, 0], lines[:, 1]
-    wrong = np.abs([*(second - first)[:-1], 3.0 * first[-1] - second[-1]]).sum(axis=0)
-    spacing = (second - first)[-1]
-    i = int(np.argmax(wrong - 0.1 * spacing))
-    if centred and not wrong[i] <= 0.1 * spacing[i]:
-        found = f"its first nodes are at {place_text(first[:, i])} and {place_text(second[:, i])}"
-        wanted = "expected half a spacing and one and a half from r = 0, as off_axis has them"
-        raise InputError(f"{block}: Centre(): {found}: {wanted}")

@@ -46,32 +46,26 @@ def named_faces(
             wanted = "expected (block name, axis, side)"
             raise InputError(f"BlockProblem: faces: {described(name)}: {wanted}")
         block = blocks[number_of(blocks, name[0])]
-        where = f"{block}, face (axis {name[1]}, side {name[2]})"
+        where, last = f"{block}, face (axis {name[1]}, side {name[2]})", block.dimension - 1
         if name[1] not in range(block.dimension) or name[2] not in (0, 1):
-            last = block.dimension - 1
             raise InputError(f"{where}: expected an axis from 0 to {last} and side 0 or 1")
         if block.periodic[name[1]]:
             raise InputError(f"{where} is named, but a periodic axis has no faces")
         if name in found:
             raise InputError(f"{where} is named twice: expected one condition")
-        _check_condition(block, where, condition)
+        if not isinstance(condition, Condition) or isinstance(condition, Hinge):
+            wanted = "expected a condition, as NoSlip() or Clamped()"
+            raise InputError(f"{where}: {described(condition)}: {wanted}")
+        kind = type(condition).__name__
+        if block.kind not in condition.of:
+            raise InputError(f"{where}: {kind} is no condition of a {block.kind}")
+        for vector in VECTORS:
+            numbers = getattr(condition, vector, None)
+            if isinstance(numbers, tuple) and len(numbers) != last + 1:
+                given = f"{kind}: {vector} has {len(numbers)} numbers"
+                raise InputError(f"{where}: {given}: expected {last + 1}")
         found[name] = condition
     return found
-
-
-def _check_condition(block: Block, where: str, condition: Any) -> None:
-    """InputError for what is no condition of this kind of block, or has another dimension."""
-    if not isinstance(condition, Condition) or isinstance(condition, Hinge):
-        wanted = "expected a condition, as NoSlip() or Clamped()"
-        raise InputError(f"{where}: {described(condition)}: {wanted}")
-    name = type(condition).__name__
-    if block.kind not in condition.of:
-        raise InputError(f"{where}: {name} is no condition of a {block.kind}")
-    for vector in VECTORS:
-        numbers = getattr(condition, vector, None)
-        if isinstance(numbers, tuple) and len(numbers) != block.dimension:
-            found = f"{vector} has {len(numbers)} numbers"
-            raise InputError(f"{where}: {name}: {found}: expected {block.dimension}")
 
 
 def face_nodes(shape: Sequence[int], axis: int, side: int) -> Array:
@@ -115,12 +109,6 @@ class Face:
     def __str__(self) -> str:
         return f"{self.owner}, face (axis {self.axis}, side {self.side})"
 
-    @property
-    def grid(self) -> list[tuple[int, bool]]:
-        """Nodes along its axes and whether these are periodic, sorted."""
-        axes = (k for k in range(self.owner.dimension) if k != self.axis)
-        return sorted((self.owner.shape[k], self.owner.periodic[k]) for k in axes)
-
 
 class Faces:
     """The faces of all blocks, none on periodic axes. InputError for what does not meet.
@@ -156,7 +144,12 @@ class Faces:
         self.kinds: list[Kinds] = [{} for _ in blocks]
         for face in self.faces:
             self.kinds[face.block][face.axis, face.side] = self._kind(face)
-        self.particles = self._particles()
+        smallest = united(len(self._places), [(f.labels, f.wanted) for f in periodic])
+        found: dict[int, set[tuple[int, int]]] = {}
+        for face in self.faces:
+            for node, label in zip(face.nodes.tolist(), smallest[face.labels].tolist()):
+                found.setdefault(label, set()).add((face.block, node))
+        self.particles = sorted(sorted(members) for members in found.values())
 
     def places(self, k: int) -> tuple[Array, Array]:
         """Numbers of the nodes on faces of block k, ascending, and X (d, M) of the first node that
@@ -167,16 +160,6 @@ class Faces:
         labels = np.concatenate([np.zeros(0, int), *(face.labels for face in faces)])
         numbers, first = np.unique(nodes, return_index=True)
         return numbers, self._places[labels[first]].T
-
-    def _particles(self) -> list[list[tuple[int, int]]]:
-        periodic = [face for face in self.faces if isinstance(face.condition, Periodic)]
-        pairs = [(face.labels, face.wanted) for face in periodic]
-        smallest = united(np.arange(len(self._places)), pairs)
-        found: dict[int, set[tuple[int, int]]] = {}
-        for face in self.faces:
-            for node, label in zip(face.nodes.tolist(), smallest[face.labels].tolist()):
-                found.setdefault(label, set()).add((face.block, node))
-        return sorted(sorted(members) for members in found.values())
 
     def _kind(self, face: Face) -> Condition | Meeting:
         """What stands at a face. InputError for a condition too many or none."""
@@ -196,30 +179,22 @@ class Faces:
         elif found and condition is not None:
             what = f"{found[0]} and is named {type(condition).__name__}(…), too"
             raise InputError(f"{face} meets {what}: expected no condition")
-        if not found:
-            if condition is None:
-                raise InputError(self._why_alone(face))
-            return condition
-        (other,) = found
-        if face.grid != other.grid:
-            what = "have the same nodes, but one of them is periodic and the other ends there"
-            raise InputError(f"{face} and {other} {what}, about {place}")
-        return Meeting(other.block, other.axis, other.side)
+        if found:
+            return Meeting(found[0].block, found[0].axis, found[0].side)
+        if condition is None:
+            raise InputError(self._why_alone(face))
+        return condition
 
     def _why_alone(self, face: Face) -> str:
         """What is wrong with a face that has no condition and that no other meets."""
         centre = face.X.mean(axis=0)
         others = [other for other in self.faces if other is not face]
         apart = [float(np.linalg.norm(other.X.mean(axis=0) - centre)) for other in others]
-        near = int(np.argmin(apart))
-        nearest, shared = others[near], np.isin(face.labels, others[near].labels)
-        mine, its = (" by ".join(str(n) for n, _ in x.grid) for x in (face, nearest))
-        differs = f", with {its} nodes instead of {mine}" if mine != its else ""
-        if shared.any() and not differs:
-            differs = f", without a node at {place_text(face.X[np.argmin(shared)])}"
+        nearest = others[int(np.argmin(apart))]
         alone = f"{face}, about {place_text(centre)}, has no condition, and no face meets it"
-        wanted = "expected one, or a face with the same nodes"
-        return f"{alone}: {wanted}; the nearest is {nearest}, {apart[near]:.3g} away{differs}"
+        wanted = f"expected one, or a face with the same {len(face.X)} nodes"
+        near = f"the nearest is {nearest}, {min(apart):.3g} away, with {len(nearest.X)}"
+        return f"{alone}: {wanted}; {near}"
 
 
 def _key(labels: Array) -> bytes:
@@ -240,14 +215,13 @@ def same_place(X: Array, within: float) -> Array:
     return labels
 
 
-def united(labels: Array, pairs: Sequence[tuple[Array, Array]]) -> Array:
-    """The labels (N,), where those of pairs are one: the smallest of them."""
-    smallest = np.arange(labels.max(initial=-1) + 1)
-    before = None
+def united(n: int, pairs: Sequence[tuple[Array, Array]]) -> Array:
+    """For each of n numbers the smallest one that pairs connect it with, (n,)."""
+    smallest, before = np.arange(n), None
     while not np.array_equal(smallest, before):
         before = smallest.copy()
         for a, b in pairs:
             least = np.minimum(smallest[a], smallest[b])
             np.minimum.at(smallest, a, least)
             np.minimum.at(smallest, b, least)
-    return smallest[labels]
+    return smallest

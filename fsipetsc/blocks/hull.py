@@ -9,7 +9,7 @@ Inside is the Boolean sum of the faces: axis after axis, what is missing at the 
 with the weights of the ends between them. On faces their values, to the bit.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -64,50 +64,41 @@ def hull_of(block: Block, given: Array, centred: bool = False) -> Hull:
     """given: numbers (M,) of the nodes that are known, in any order. centred: the block goes to
     r = 0.
     """
-    d = block.dimension
+    d, last = block.dimension, [n - 1 for n in block.shape]
     sides = [(None,) if closed else (0, 1, None) for closed in block.periodic]
     faces = [face_nodes(block.shape, k, s) for k in range(d) for s in sides[k] if s is not None]
     nodes = np.unique(np.concatenate([np.zeros(0, int), *faces]))
-    known, pieces = np.isin(nodes, given), {1: [], 2: []}
-    every = np.arange(np.prod(block.shape)).reshape(block.shape[::-1])
-    columns = np.searchsorted(nodes, every)  # where a node is on a face
-    for entity in product(*sides):
+    index = np.array(np.unravel_index(nodes, block.shape[::-1]))[::-1]
+    known, pieces = (
+        np.isin(nodes, given),
+        {1: [(np.zeros((9, 0), int), np.zeros((d, 4, 0)))], 2: []},
+    )
+
+    def columns_at(at: Array, ends: Mapping[int, int]) -> Array:
+        """Columns of the nodes with these indices, but for some axes, where they are at an end."""
+        moved = [ends[k] * last[k] + 0 * i if k in ends else i for k, i in enumerate(at)]
+        return np.searchsorted(nodes, np.ravel_multi_index(moved[::-1], block.shape[::-1]))
+
+    for entity in product(*sides):  # a vertex, an edge, a face, or the block
         free = [k for k in range(d) if entity[k] is None and not block.periodic[k]]
-        if free and entity.count(None) < d and not known[columns[_cut(entity)]].all():
-            pieces[len(free)].append(_follows(block, columns, entity, free, centred))
-    none = np.zeros((9, 0), int), np.zeros((d, 4, 0))
-    parts = (np.concatenate(p, axis=-1) for p in zip(none, *pieces[1], *pieces[2]))
+        on = np.ones(len(nodes), bool)
+        for k, side in enumerate(entity):
+            on &= (index[k] == side * last[k]) if side is not None else True
+        if not free or entity.count(None) == d or known[on].all():
+            continue
+        for k in free:
+            on &= (index[k] >= (0 if centred and k == d - 1 else 1)) & (index[k] < last[k])
+        at, a, b = index[:, on], free[0], free[-1]
+        ends = {}, {a: 0}, {a: 1}, {b: 0}, {b: 1}
+        vertices = ({a: i, b: j} for i, j in ((0, 0), (1, 1), (1, 0), (0, 1)))
+        weights = [end_weights(block, k, at[k], centred) for k in (a, b)]
+        if a == b:  # the ends of an edge count as its edges a
+            weights[1][:] = 0.0
+        columns = np.array([columns_at(at, e) for e in (*ends, *vertices)])
+        pieces[len(free)].append((columns, np.concatenate(weights).transpose(1, 0, 2)))
+    parts = (np.concatenate(p, axis=-1) for p in zip(*pieces[1], *pieces[2]))
     at = np.searchsorted(nodes, np.asarray(given, int))
     return Hull(nodes, at, *parts, *np.zeros((2, d, len(nodes))), not all(block.periodic))
-
-
-def _cut(sides: Sequence[Any]) -> tuple[slice, ...]:
-    """Slices of an array (…, n_1, n_0): of each axis the side at which it is fixed, None for all of
-    it, or a slice.
-    """
-    ends = {None: slice(None), 0: slice(0, 1), 1: slice(-1, None)}
-    return tuple(side if isinstance(side, slice) else ends[side] for side in sides)[::-1]
-
-
-def _follows(
-    block: Block, columns: Array, entity: Sequence[int | None], free: Sequence[int], centred: bool
-) -> tuple[Array, Array]:
-    """Columns and weights of the inner nodes of an edge or a face. The ends of an edge count as its
-    edges a.
-    """
-    d, a, b = block.dimension, free[0], free[-1]
-    first = [0 if centred and k == d - 1 else 1 for k in range(d)]
-    own = {k: slice(first[k], -1) if k in free else side for k, side in enumerate(entity)}
-    shape = columns[_cut(own.values())].shape
-    edges = [{a: 0}, {a: 1}, {b: 0}, {b: 1}]
-    vertices = [{a: i, b: j} for i, j in ((0, 0), (1, 1), (1, 0), (0, 1))]
-    at = [columns[_cut((own | ends).values())] for ends in ({}, *edges, *vertices)]
-    along = np.indices(shape).reshape(d, -1)[::-1]
-    weights = [end_weights(block, k, first[k] + along[k], centred) for k in (a, b)]
-    if a == b:
-        weights[1][:] = 0.0
-    found = np.array([np.broadcast_to(one, shape).ravel() for one in at])
-    return found, np.concatenate(weights).transpose(1, 0, 2)
 
 
 def end_weights(block: Block, axis: int, index: Array, centred: bool = False) -> Array:

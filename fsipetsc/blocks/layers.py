@@ -98,15 +98,23 @@ def layers(
     if not stack or not all(isinstance(layer, Layer) for layer in stack):
         raise InputError("layers: expected one or more of Layer")
     along = tuple(extent(ends, "layers: along") for ends in along)
-    if cells is None:
-        cells = [_cells(ends, h, "layers") for ends in along]
+    cells = [_cells(ends, h, "layers") for ends in along] if cells is None else cells
     if len(cells) != len(along):
         raise InputError(f"layers: cells is {described(cells)}: expected one for each of along")
     least, found = 1 if order is None else operator(order).min_points - 1, []
     for layer in stack:
-        below = found[-1] if found else None
         rows = layer.cells or max(_cells(layer.across, h, f"layer '{layer.name}'"), least)
-        found.append(_complete(layer, below, len(along), rows, sides))
+        (low, high), span = layer.across, layer.span or (None,) * len(along)
+        if found:  # it begins where the one below it ends, to the bit
+            bottom, top = found[-1].across
+            if abs(top - low) > 1e-9 * (top - bottom):
+                ends = f"ends at {top:g}, '{layer.name}' begins at {low:g}"
+                raise InputError(f"layers: '{found[-1].name}' {ends}: expected the same")
+            low = top
+        if len(span) != len(along):
+            raise InputError(f"layer '{layer.name}': span: expected (low, high) for each of along")
+        own = sides if layer.sides is None else layer.sides
+        found.append(replace(layer, across=(low, high), cells=rows, span=span, sides=own))
     blocks, faces = _pieces(found, along, cells), {}
     for (where, block), axis, side in product(blocks.items(), range(len(along) + 1), (0, 1)):
         beyond = list(where)
@@ -126,24 +134,6 @@ def _cells(ends: Extent, h: float | None, what: str) -> int:
     if h is None:
         raise InputError(f"{what}: neither cells nor h is given: expected one of them")
     return cells_of(ends, number(h, "layers: h", POSITIVE), what)
-
-
-def _complete(layer: Layer, below: Layer | None, axes: int, rows: int, sides: Any) -> Layer:
-    """A layer that begins where the one below it ends, with cells, a span along each axis, and
-    sides. InputError.
-    """
-    low, high = layer.across
-    if below is not None:
-        bottom, top = below.across
-        if abs(top - low) > 1e-9 * (top - bottom):
-            ends = f"ends at {top:g}, '{layer.name}' begins at {low:g}"
-            raise InputError(f"layers: '{below.name}' {ends}: expected the same")
-        low = top
-    span = layer.span or (None,) * axes
-    if len(span) != axes:
-        raise InputError(f"layer '{layer.name}': span: expected (low, high) for each of along")
-    own = sides if layer.sides is None else layer.sides
-    return replace(layer, across=(low, high), cells=rows, span=span, sides=own)
 
 
 def _pieces(
@@ -185,11 +175,9 @@ def _columns(layer: Layer, span: Extent | None, along: Extent, n: int) -> list[i
     """Numbers of the columns at which a layer begins and ends. InputError where none is."""
     low, high = along
     columns = [(x - low) / (high - low) * n for x in span or along]
-    for place, column in zip(span or along, columns):
-        if abs(column - round(column)) > _SAME * n or not 0 <= round(column) <= n:
-            apart = f"{(high - low) / n:.6g} apart from {low:g} to {high:g}"
-            expected = f"expected one of the columns, which are {apart}"
-            raise InputError(f"layer '{layer.name}' has an end at {place:g}: {expected}")
+    if any(abs(x - round(x)) > _SAME * n or not 0 <= round(x) <= n for x in columns):
+        apart = f"the columns, {(high - low) / n:.6g} apart from {low:g} to {high:g}"
+        raise InputError(f"layer '{layer.name}': span: {span}: expected ends at {apart}")
     return list(map(round, columns))
 
 

@@ -66,17 +66,6 @@ def rectangle(lower: Any, upper: Any) -> Map:
     return lambda xi: [(1.0 - s) * a + s * b for s, a, b in zip(xi, low, high, strict=True)]
 
 
-def ball(radius: float, cells: int) -> Map:
-    """The nodes r = (i + 1/2) h from the middle to a radius, of a block in one dimension with
-    `Centre()`.
-
-    Args:
-        radius: radius [m].
-        cells: number of cells of the block.
-    """
-    return off_axis(rectangle(0.0, number(radius, "ball: radius", POSITIVE)), cells)
-
-
 def off_axis(map: Map, cells: int) -> Map:
     """A map whose first nodes are half a cell from r = 0, of a block with `Centre()`.
 
@@ -157,17 +146,6 @@ def transfinite(*faces: tuple[Callable[..., Any], Callable[..., Any]]) -> Map:
         values = faces[axis][side](*(s for k, s in enumerate(xi) if k != axis))
         return np.array([x + 0.0 * xi[0] for x in values])
 
-    for (a, b), (p, q) in product(combinations(range(d), 2), product((0, 1), repeat=2)):
-        at = [np.linspace(0.0, 1.0, 5)] * d  # the edge of two faces
-        at[a], at[b] = p + 0.0 * at[0], q + 0.0 * at[0]
-        one, other = on_face(a, p, at), on_face(b, q, at)
-        apart = np.abs(one - other).max(axis=0)
-        i = int(np.argmax(apart))
-        if not apart[i] <= 1e-9 * (np.abs(one).max() + 1e-300):
-            found = f"{place_text(one[:, i])} and {place_text(other[:, i])}"
-            both = f"faces (axis {a}, side {p}) and (axis {b}, side {q})"
-            raise InputError(f"transfinite: {both} do not meet: {found}")
-
     def places(xi: Places) -> Places:
         total = np.zeros((d, *np.shape(xi[0])))
         for count in range(1, d + 1):
@@ -180,23 +158,15 @@ def transfinite(*faces: tuple[Callable[..., Any], Callable[..., Any]]) -> Map:
                     total += weight * on_face(axes[0], sides[0], at)
         return tuple(total)
 
+    for axis, side in product(range(d), (0, 1)):  # a map of faces that meet has them
+        at = np.meshgrid(*[np.linspace(0.0, 1.0, 5)] * d)
+        at[axis] = side + 0.0 * at[axis]
+        given = on_face(axis, side, at).reshape(d, -1)
+        apart = np.abs(given - np.reshape(places(tuple(at)), (d, -1))).max(axis=0)
+        if not apart.max() <= 1e-9 * (np.abs(given).max() + 1e-300):
+            face = f"face (axis {axis}, side {side}) misses others"
+            raise InputError(f"transfinite: {face} at {place_text(given[:, apart.argmax()])}")
     return places
-
-
-def stretched(map: Map, *functions: Callable[[Array], Array] | None) -> Map:
-    """A map with other spacings: X(s_0(xi_0), …).
-
-    Args:
-        map: a map X(xi).
-        functions: for each axis a smooth function s of [0, 1] onto itself, of arrays, or None.
-    """
-    for k, s in enumerate(functions):
-        ends = [0.0, 1.0] if s is None else [float(s(np.array(end))) for end in (0.0, 1.0)]
-        if not np.allclose(ends, (0.0, 1.0), rtol=0.0, atol=1e-12):
-            found = f"{ends[0]:g} and {ends[1]:g}"
-            raise InputError(f"stretched: function {k} takes 0 and 1 to {found}: expected 0 and 1")
-    of_axes = [s or (lambda x: x) for s in functions]
-    return lambda xi: map(tuple(s(x) for s, x in zip(of_axes, xi, strict=True)))
 
 
 def place_text(X: Any) -> str:

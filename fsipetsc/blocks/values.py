@@ -1,14 +1,14 @@
 """What the functions of a block return for places and times, checked."""
 
 from collections.abc import Callable, Sequence
+from functools import wraps
 from math import isfinite
 from typing import Any
 
 import numpy as np
 
-from fsipetsc.blame import call, place_of
 from fsipetsc.blocks.maps import place_text
-from fsipetsc.checks import Array, counted, described
+from fsipetsc.checks import Array, call, counted, described, place_of
 from fsipetsc.errors import InputError
 
 #: in the place of X for functions of time alone
@@ -50,6 +50,24 @@ def prestress_of(block: Any, X: Array) -> Array:
     return np.array(block_values(block, "prestress", X, 0.0))
 
 
+def datum(
+    condition: Any, name: str, X: Array, t: float, names: Sequence[str] | None = None
+) -> Array:
+    """A datum of a condition, a number or a function of (*X, t); X: (n, d). InputError.
+
+    (n,), or (n, len(names)) of a function that returns several values.
+    """
+    of = getattr(condition, name)
+    if not callable(of):
+        return np.broadcast_to(np.asarray(of, float), (len(X), *np.shape(of)))
+    owner = getattr(of, "owner", type(condition).__name__)  # an end in one dimension says so
+    where = f"{name} of {owner} at t = {t:.6g}"
+    if names is not None:
+        return np.stack(checked(of, (*X.T, t), X.T, names, where), axis=-1)
+    alone = wraps(of)(lambda *at: (of(*at),))
+    return checked(alone, (*X.T, t), X.T, (name,), where)[0]
+
+
 def checked(
     function: Callable[..., Any],
     arguments: Sequence[Any],
@@ -64,50 +82,25 @@ def checked(
     X: (d, n) places, or NOWHERE for one number each. physical: what is called rho or T must be
     above 0. active: the places at which values count.
     """
-    values = _called(function, arguments, where)
-    several = isinstance(values, (tuple, list, np.ndarray)) and getattr(values, "ndim", 1) > 0
-    if not several or len(values) != len(names):
-        found = counted(len(values), "value") if several else described(values)
-        found = "nothing (is its return missing?)" if values is None else found
-        expected = f"expected {len(names)} values ({', '.join(names)}) in a tuple"
-        raise _fault(function, where, f"returns {found}: {expected}")
-    pairs = zip(names, values, strict=True)
-    return [_array_of(value, name, X, function, where, physical, active) for name, value in pairs]
-
-
-def _called(function: Callable[..., Any], arguments: Sequence[Any], where: str) -> Any:
     with np.errstate(all="ignore"):  # what comes of it is checked
-        return call(function, tuple(arguments), where)
+        values = call(function, tuple(arguments), where)
+    try:
+        several = isinstance(values, (tuple, list, np.ndarray)) and getattr(values, "ndim", 1) > 0
+        if not several or len(values) != len(names):
+            found = counted(len(values), "value") if several else described(values)
+            found = "nothing (is its return missing?)" if values is None else found
+            expected = f"expected {len(names)} values ({', '.join(names)}) in a tuple"
+            raise ValueError(f"returns {found}: {expected}")
+        positive = [physical and name in ("rho", "T") for name in names]
+        triples = zip(names, values, positive, strict=True)
+        return [_array_of(value, name, above, X, active) for name, value, above in triples]
+    except ValueError as error:
+        raise InputError(f"{place_of(function)}: {where}: {error}", collective=False) from None
 
 
-def datum(
-    condition: Any, name: str, X: Array, t: float, names: Sequence[str] | None = None
-) -> Array:
-    """A datum of a condition, a number or a function of (*X, t); X: (n, d). InputError.
-
-    (n,), or (n, len(names)) of a function that returns several values.
-    """
-    of = getattr(condition, name)
-    if not callable(of):
-        return np.broadcast_to(np.asarray(of, float), (len(X), *np.shape(of)))
-    owner = getattr(of, "owner", type(condition).__name__)  # an end in one dimension says so
-    where = f"{name} of {owner} at t = {t:.6g}"
-    if names is None:
-        return _array_of(_called(of, (*X.T, t), where), name, X.T, of, where)
-    return np.stack(checked(of, (*X.T, t), X.T, names, where), axis=-1)
-
-
-def _array_of(
-    value: Any,
-    name: str,
-    X: Array,
-    function: Callable[..., Any],
-    where: str,
-    physical: bool = True,
-    active: slice = slice(None),
-) -> Array:
-    """One of the values that a function has returned, for all places. InputError."""
-    size, positive = X.shape[1], physical and name in ("rho", "T")
+def _array_of(value: Any, name: str, positive: bool, X: Array, active: slice) -> Array:
+    """One of the values that a function has returned, for all places. ValueError."""
+    size = X.shape[1]
     if type(value) is float and isfinite(value) and not positive:
         return np.full(size, value)  # of ends in one dimension, several times in each stage
     try:
@@ -116,20 +109,15 @@ def _array_of(
         array = np.asarray(None)
     if array.dtype.kind not in "iuf" or np.ma.is_masked(value):
         found = "complex" if array.dtype.kind == "c" else described(value)
-        raise _fault(function, where, f"{name} is {found}: expected real numbers")
+        raise ValueError(f"{name} is {found}: expected real numbers")
     if array.shape not in ((), (1,), (size,)):
         wanted = f"({size},), as X has, or " if len(X) else ""
-        shape = f"{name} has the shape {array.shape}: expected {wanted}one number"
-        raise _fault(function, where, shape)
+        raise ValueError(f"{name} has the shape {array.shape}: expected {wanted}one number")
     array = np.broadcast_to(array.astype(float, copy=False), (size,))
     good = np.isfinite(array) & ((array > 0.0) | (not positive))
     if not good[active].all():
         i = (active.start or 0) + int(np.argmin(good[active]))
         at = f" at {place_text(X[:, i])}" if len(X) else ""
         wanted = "a number above 0" if positive else "a finite number"
-        raise _fault(function, where, f"{name} = {array[i]:.6g}{at}: expected {wanted}")
+        raise ValueError(f"{name} = {array[i]:.6g}{at}: expected {wanted}")
     return array
-
-
-def _fault(function: Callable[..., Any], where: str, what: str) -> InputError:
-    return InputError(f"{place_of(function)}: {where}: {what}", collective=False)

@@ -9,7 +9,7 @@ command `modes`.
 
 from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.conditions import Centre, Free, Slip
-from fsipetsc.blocks.maps import ball, rectangle
+from fsipetsc.blocks.maps import off_axis, rectangle
 from fsipetsc.cases.common import Opt, at_rest, cells_of, constant, elastic_of, gas_of, materials
 from fsipetsc.equations.elementary import tanh
 
@@ -40,7 +40,8 @@ def build(opt: Opt) -> BlockProblem:
 
     def block(name, material, low, high, initial):
         n = cells_of(opt, high - low)
-        shape = ball(high, n) if low == 0.0 else rectangle(low, high)
+        shape = rectangle(low, high)
+        shape = off_axis(shape, n) if low == 0.0 else shape
         return Block(name, material, shape, (n,), initial)
 
     def charge(r):

@@ -7,7 +7,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from fsipetsc.blame import call
+from fsipetsc.checks import call
 from fsipetsc.errors import InputError
 
 #: how the program is called, in examples that can be copied

@@ -20,7 +20,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.blame import reason
+from fsipetsc.checks import reason
 from fsipetsc.errors import FileError, FsiError, petsc_words
 from fsipetsc.output import pieces, xdmf
 from fsipetsc.output.file_layout import beside, check_folder, columns, put

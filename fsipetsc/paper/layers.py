@@ -109,7 +109,7 @@ class Layer:
 
         Returns (number, end) -> x [m] of the ends of a solid that this rank owns.
         """
-        fields = self.layer.first_values(self.X, self.active)
+        fields = self.layer.values("initial", self.X, active=self.active)
         if self.layer.exact is not None:  # what is wrong with it is not found out at the end
             self.layer.values("exact", self.X, 0.0, self.active)
         if self.is_gas:

@@ -86,7 +86,7 @@ def check_ends(problem: Problem, x: Mapping[tuple[int, int], float], h: float) -
         wanted, kind = layer.X[side] - X_I + x_I, type(end).__name__
         if abs(end.x - wanted) > h:
             raise InputError(
-                f"{layer.place}{layer}: its {kind} stands at x = {end.x:g}, but "
+                f"{layer}: its {kind} stands at x = {end.x:g}, but "
                 f"X[{side}] = {layer.X[side]:g} is x = {wanted:g}, as the interface X = {X_I:g} "
                 f"begins at x = {x_I:g}: expected the same x, so X[{side}] = "
                 f"{end.x - x_I + X_I:g} or the {kind} at x = {wanted:g}"

@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blame import place_of
 from fsipetsc.blocks.conditions import moves
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.values import datum, names_of
+from fsipetsc.checks import place_of
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.symbols import Record, Symbol, derivatives, replay
 from fsipetsc.particles.members import Asked, Particle

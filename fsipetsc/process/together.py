@@ -8,7 +8,7 @@ import traceback
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from fsipetsc.blame import missing, reason
+from fsipetsc.checks import missing, reason
 from fsipetsc.errors import FsiError, Interrupted, clear_frames, petsc_words
 from fsipetsc.process.program import abandon_output, say_error
 

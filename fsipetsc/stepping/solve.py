@@ -5,17 +5,15 @@ from typing import Any
 
 from mpi4py import MPI
 
-from fsipetsc.blame import call, place_of
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
-from fsipetsc.blockrun.from_layers import blocks_of_line
 from fsipetsc.blockrun.law_checks import check_gas_laws
 from fsipetsc.blockrun.recorded_nodes import chosen
 from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.checks import described
+from fsipetsc.checks import call, described, place_of
 from fsipetsc.errors import InputError
 from fsipetsc.options import InForce
 from fsipetsc.paper.paper_state import PaperState
-from fsipetsc.problem import Problem
+from fsipetsc.problem import Problem, blocks_of_line
 from fsipetsc.process.together import together
 
 

@@ -4,19 +4,19 @@ A condition is a class with its data, its checks, and what it adds to rates.
 """
 
 from fsipetsc.blocks.conditions.condition import (
+    Centre,
     Condition,
     Effect,
+    Given,
+    Periodic,
     conserves_energy,
     moves,
     slides,
     steady,
     warms,
 )
-from fsipetsc.blocks.conditions.either import Centre, Given, Periodic
-from fsipetsc.blocks.conditions.open import Open
-from fsipetsc.blocks.conditions.outflow import Outflow
+from fsipetsc.blocks.conditions.gas import NoSlip, Open, Outflow, Slip
 from fsipetsc.blocks.conditions.solids import Absorbing, Clamped, Free, Hinge, Roller
-from fsipetsc.blocks.conditions.walls import NoSlip, Slip
 
 __all__ = [
     "Absorbing", "Centre", "Clamped", "Condition", "Effect", "Free", "Given", "Hinge", "NoSlip",

@@ -1,7 +1,6 @@
-"""What all conditions at faces have: their data, checked, and what others need to know of them.
+"""What all conditions at faces have in common, and those of gases and solids alike.
 
 Data are numbers, or functions of place and time: f(*X, t), X the face's nodes in the reference map.
-InputError for what is no datum.
 """
 
 from collections.abc import Callable, Mapping
@@ -55,8 +54,8 @@ class Effect:
 
 
 class Checked:
-    """Data, the attributes of a dataclass, are checked. Numbers become floats; a vector of which a
-    component is a function becomes one.
+    """A dataclass whose data are checked. Numbers become floats; a vector of which a component is a
+    function becomes one function.
 
     ranges: what data must be that are numbers or functions, by name; functions: arguments and
     values of those that are functions.
@@ -106,7 +105,7 @@ class Condition(Checked):
     its own, from which p_ref of the solid is taken.
     """
 
-    of = frozenset({"fluid", "solid"})
+    of: tuple[str, ...] = ("fluid", "solid")
     functions = MappingProxyType(
         {
             "x": "(*X, t) -> d positions",
@@ -139,23 +138,11 @@ class Condition(Checked):
 
     @property
     def effect(self) -> Effect | None:
-        """What it adds to them."""
+        """What it adds to rates, None if nothing."""
         acts, heated = self.acts, getattr(self, "heat_flux", None) is not None
         by = type(self) if acts else Condition
         first_order = getattr(self, "order", 0) == 1
         return Effect(by, heated, acts and moves(self), first_order) if acts or heated else None
-
-
-class OfGas(Condition):
-    """A condition of a gas alone."""
-
-    of = frozenset({"fluid"})
-
-
-class OfSolid(Condition):
-    """A condition of a solid alone."""
-
-    of = frozenset({"solid"})
 
 
 def moves(condition: Any) -> bool:
@@ -184,3 +171,43 @@ def conserves_energy(condition: Any) -> bool:
     names = "T", "heat_flux", "x", "velocity"
     given = any(getattr(condition, name, None) is not None for name in names)
     return not (given or condition.passes) and getattr(condition, "pressure", 0.0) == 0.0
+
+
+@dataclass(frozen=True)
+class Given(Condition):
+    """A face of a gas or a solid at which all unknowns are given.
+
+    Args:
+        values: `values(*X, t)` returns rho [kg/m3], d velocities [m/s], T [K] of a gas; d
+            velocities [m/s], T [K], d positions [m] of a solid.
+        x: `x(*X, t)` returns d positions [m] of a face of a gas that moves; None: it is at rest.
+        velocity: `velocity(*X, t)` returns d velocities [m/s], the derivative of x; None: it
+            follows from x.
+    """
+
+    values: Function
+    x: Function | None = None
+    velocity: Function | None = None
+    holds = all_given = True
+    passes = "gas"
+
+
+@dataclass(frozen=True)
+class Centre(Condition):
+    """An axis or a centre, r = 0. It stands at side 0 of the last axis, where `symmetry` is 1 or 2.
+
+    The first node is half a spacing from it. Beyond it is the block's mirror image.
+    """
+
+
+@dataclass(frozen=True)
+class Periodic(Condition):
+    """A face that goes on at another one, which is `Periodic`, too.
+
+    A block that is periodic in itself has no faces there: `Block(…, periodic=(True, False))`.
+
+    Args:
+        shift: d numbers [m]: the other face is this one moved by them.
+    """
+
+    shift: Any

@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from fsipetsc.blocks.conditions.condition import Datum, Function, OfSolid
+from fsipetsc.blocks.conditions.condition import Condition, Datum, Function
 from fsipetsc.checks import ANY
 from fsipetsc.equations.vectors import along, scale
 
 
 @dataclass(frozen=True)
-class Clamped(OfSolid):
+class Clamped(Condition):
     """A face of a solid that is held, or moves as given.
 
     Args:
@@ -24,12 +24,13 @@ class Clamped(OfSolid):
     T: Datum = None
     heat_flux: Datum = None
     velocity: Function | None = None
+    of = ("solid",)
     part = "clamp"
     holds = free_velocity = True
 
 
 @dataclass(frozen=True)
-class Free(OfSolid):
+class Free(Condition):
     """A face of a solid under a pressure that follows it.
 
     Args:
@@ -41,8 +42,9 @@ class Free(OfSolid):
     pressure: Datum = 0.0
     T: Datum = None
     heat_flux: Datum = None
-    ranges = OfSolid.ranges | {"pressure": ANY}
-    at_faces = MappingProxyType({**OfSolid.at_faces, "pressure": ("pressure",)})
+    of = ("solid",)
+    ranges = Condition.ranges | {"pressure": ANY}
+    at_faces = MappingProxyType({**Condition.at_faces, "pressure": ("pressure",)})
     loaded = True
 
     @property
@@ -52,7 +54,7 @@ class Free(OfSolid):
 
 
 @dataclass(frozen=True)
-class Absorbing(OfSolid):
+class Absorbing(Condition):
     """A face beyond which the solid goes on: waves along the normal n leave, of pressure and of
     shear; of oblique ones a part is reflected.
 
@@ -71,8 +73,9 @@ class Absorbing(OfSolid):
     stress: Datum = 0.0
     T: Datum = None
     heat_flux: Datum = None
-    ranges = OfSolid.ranges | {"stress": ANY}
-    at_faces = MappingProxyType({**OfSolid.at_faces, "stress": ("stress",)})
+    of = ("solid",)
+    ranges = Condition.ranges | {"stress": ANY}
+    at_faces = MappingProxyType({**Condition.at_faces, "stress": ("stress",)})
     loaded = True
     passes = "waves"
 
@@ -83,7 +86,7 @@ class Absorbing(OfSolid):
 
 
 @dataclass(frozen=True)
-class Roller(OfSolid):
+class Roller(Condition):
     """A face of a solid that slides in its plane without friction; also a plane of symmetry.
 
     Args:
@@ -93,12 +96,15 @@ class Roller(OfSolid):
 
     T: Datum = None
     heat_flux: Datum = None
+    of = ("solid",)
     part = "roller"
     holds = True
 
 
 @dataclass(frozen=True)
-class Hinge(OfSolid):
+class Hinge(Condition):
     """A point of a solid's face that is held, in `points` of a `BlockProblem`; the solid may turn
     about it.
     """
+
+    of = ("solid",)

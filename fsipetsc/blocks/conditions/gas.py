@@ -1,0 +1,241 @@
+"""Conditions of gases: walls, and faces through which gas passes.
+
+F(U) = n . (f(U) - v U) is what passes a face, v the velocity of the grid.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.blocks.conditions.condition import Condition, Datum, FaceNode, Function
+from fsipetsc.blocks.maps import place_text
+from fsipetsc.checks import NONNEGATIVE, POSITIVE
+from fsipetsc.equations.vectors import along, choose, dot, mean, scale, sub
+from fsipetsc.errors import InputError
+
+#: first order of an open face fades out where viscosity is this fraction of L times the speed at
+#: which sound leaves, L the length of the gas
+LONGEST = 0.25
+
+
+@dataclass(frozen=True)
+class NoSlip(Condition):
+    """A wall that a gas sticks to: insulated, of a given temperature, or with a given heat flux.
+
+    Data are numbers, or functions of the coordinates X of the face's nodes and of t [s].
+
+    Args:
+        T: temperature [K]; None: it is not given.
+        heat_flux: heat flux into the gas [W/m2]; None: it is not given.
+        x: `x(*X, t)` returns d positions [m] of a wall that moves; None: it is at rest.
+        velocity: `velocity(*X, t)` returns d velocities [m/s], the derivative of x; None: it
+            follows from x.
+        slip_length: length [m] with which the gas slips along the wall: its velocity there is this
+            length times its slope (Navier). So it may meet a wall, or a solid, that moves along
+            this one. None: it sticks.
+    """
+
+    T: Datum = None
+    heat_flux: Datum = None
+    x: Function | None = None
+    velocity: Function | None = None
+    slip_length: Datum = None
+    of = ("fluid",)
+    ranges = Condition.ranges | {"slip_length": POSITIVE}
+    at_faces = MappingProxyType({**Condition.at_faces, "width": ("slip_length",)})
+    part = "wall"
+    holds = True
+
+    @property
+    def acts(self) -> bool:
+        """Whether the gas slips."""
+        return self.slip_length is not None
+
+    def check_on_grid(self, data: Mapping[str, Any], X: Any, spacing: Any, t: float) -> None:
+        """A slip length is no shorter than a cell."""
+        length = data.get("width", spacing)
+        short = np.flatnonzero(~(length >= spacing))
+        if short.size:
+            n, where = short[0], f"slip_length of NoSlip at t = {t:.6g}"
+            wanted = f"expected the distance {spacing[n]:.4g} of the nodes beside the wall, or more"
+            raise InputError(f"{where} is {length[n]:.4g} at {place_text(X[n])}: {wanted}")
+
+    @staticmethod
+    def traction(gas, w, face: FaceNode):
+        """The force -mu/l (u - w) |n| without its part along n, from a wall of velocity w, l the
+        slip length.
+        """
+        past = sub(gas.velocity(w), face.wall)
+        past = along(past, -dot(past, face.n) / (face.size * face.size), face.n)
+        return scale(-gas.mu * gas.transport.viscosity(w[2]) * face.size / face.width, past)
+
+
+@dataclass(frozen=True)
+class Slip(Condition):
+    """A wall along which a gas slips without heat, or a plane of symmetry.
+
+    Args:
+        x: `x(*X, t)` returns d positions [m] of a wall that moves; None: it is at rest.
+        velocity: `velocity(*X, t)` returns d velocities [m/s], the derivative of x; None: it
+            follows from x.
+        name: faces of one name are one wall, also around an edge; without names, those that go on
+            smoothly are one.
+    """
+
+    x: Function | None = None
+    velocity: Function | None = None
+    name: str = ""
+    of = ("fluid",)
+    part = "slip"
+    holds = True
+
+
+def surface_flux(gas, w, n, g):
+    """F(U) of the state w; g: n . v."""
+    return along(gas.flux(w, n), -g, gas.densities(w))
+
+
+def mixed_flux(gas, w, beyond, n, g):
+    """1/2 (F(U_in) + F(U_out)) - 1/2 lambda (U_out - U_in), lambda = max over both of
+    |n . (u - v)| + c |n| (local Lax-Friedrichs).
+    """
+    fastest = gas.fastest(w, n, g), gas.fastest(beyond, n, g)
+    jump = sub(gas.densities(beyond), gas.densities(w))
+    both = mean(surface_flux(gas, w, n, g), surface_flux(gas, beyond, n, g))
+    return along(both, -0.5 * np.maximum(*fastest), jump)
+
+
+@dataclass(frozen=True)
+class Outflow(Condition):
+    """A face through which gas flows out: F(U_in) passes.
+
+    With a pressure beyond and a Mach number m < 1 through the face it is the flux of Lax and
+    Friedrichs, with U_out of density and velocity of U_in and of the pressure
+    p + (1 - m^2)(pressure - p); m = 0 where gas flows in.
+
+    Args:
+        pressure: pressure beyond [Pa], a number or a function of (*X, t), which is imposed where
+            the flow is slower than sound; 0 where it nowhere is.
+    """
+
+    pressure: Datum = 0.0
+    of = ("fluid",)
+    ranges = Condition.ranges | {"pressure": NONNEGATIVE}
+    passes = "gas"
+    at_faces = MappingProxyType({"pressure": ("pressure",)})
+    knows_inflow = False
+
+    @staticmethod
+    def leaving(gas, w, face: FaceNode):
+        """F(U_in), or the flux of Lax and Friedrichs."""
+        n, g, pressure = face.n, face.g, face.pressure
+        m = np.maximum((dot(n, gas.velocity(w)) - g) / face.size, 0.0) / gas.speed_of_sound(w)
+        p = w[1] + np.maximum(1.0 - m * m, 0.0) * (pressure - w[1])
+        held = gas.state(w[0], gas.velocity(w), gas.law.temperature_of(w[0], p))
+        fast = surface_flux(gas, w, n, g)
+        return choose(pressure == 0.0, fast, mixed_flux(gas, w, held, n, g))
+
+
+@dataclass(frozen=True)
+class Open(Condition):
+    """An open face of a gas: waves along the normal leave, oblique ones [in part](open-end.md).
+
+    F(U*) passes. U* = U_in where gas leaves faster than sound, U_out where it comes so; else
+    p + Z N . u is that inside, p - Z N . u that outside, Z = rho c of the gas inside at the mean
+    pressure of both, and rho - p/c^2, c^2 and velocities along the face those of the side that gas
+    comes from. If no such gas can be, the flux of Lax and Friedrichs passes.
+
+    Data are numbers, or functions of the coordinates X of the face's nodes and of t [s].
+
+    Args:
+        rho: density of the gas beyond [kg/m3].
+        u: its velocity [m/s]: d data, or `u(*X, t)`, which returns d arrays.
+        T: its temperature [K].
+        order: order of the conditions in viscosity and conduction, 0 or 1.
+    """
+
+    rho: Datum
+    u: Any
+    T: Datum
+    order: int = 0
+    of = ("fluid",)
+    ranges = Condition.ranges | {"rho": POSITIVE}
+    passes = "gas"
+    imposes_T = False
+    at_faces = MappingProxyType({"outside": ("rho", "u", "T")})
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.order not in (0, 1):
+            raise InputError(f"Open: order is {self.order!r}: expected 0 or 1")
+
+    @staticmethod
+    def leaving(gas, w, face: FaceNode):
+        """F(U*), or the flux of Lax and Friedrichs."""
+        beyond, viscous = face.beyond, (0.0, 0.0, 0.0)
+        if face.rise is not None:
+            a = (dot(face.n, gas.velocity(w)) - face.g) / face.size
+            viscous, beyond = first_order(gas, w, a, beyond, face.width, face.rise)
+        found, there_is = by_characteristics(gas, w, beyond, face, viscous)
+        return choose(there_is, found, mixed_flux(gas, w, beyond, face.n, face.g))
+
+
+def first_order(gas, w, a, beyond, width, v_n):
+    """Of a node of an open face: the incoming sound, the viscous stress, the incoming heat, and
+    the gas beyond with the temperature that leaving sound gives it.
+
+    To first order in viscosity and conduction, as docs/open-end.md derives it for small
+    disturbances of the gas beyond. a: velocity through the face; v_n: outward derivative
+    of the outward velocity [1/s].
+    """
+    law, rho0, T0 = gas.law, beyond[0], beyond[2]
+    c2, cv = law.sound_speed_squared(rho0, T0), law.heat_capacity(rho0, T0)
+    c, by_heat = np.sqrt(c2), law.pressure_by_temperature(rho0, T0) / cv
+    tau = T0 * by_heat / (rho0 * rho0 * c2)
+    mu = 4.0 / 3.0 * gas.mu * gas.transport.viscosity(T0)
+    kappa = gas.kappa * gas.transport.conductivity(T0)
+    longest = LONGEST * (c + np.minimum(a, 0.0)) * width
+    part = np.maximum(0.0, 1.0 - np.maximum(mu, kappa / cv) / (rho0 * longest))
+    part = np.where(longest > 0.0, part, 0.0)
+    capacity = cv * rho0 * rho0 * c2 / law.bulk_modulus(rho0, T0)
+    alpha = kappa / capacity
+    lost = 0.5 * (np.sqrt(a * a + 4.0 * (alpha / width) * (alpha / width)) - a)
+    warmer = np.where(a < 0.0, -part * alpha * tau * rho0 * v_n, 0.0)
+    warmer = np.minimum(np.maximum(warmer, -0.5 * T0), 0.5 * T0)
+    heat = part * kappa * tau * rho0 * c * v_n
+    let_out = capacity * lost * (w[2] - T0 - warmer - tau * (w[1] - beyond[1]))
+    heat = heat - np.where(kappa > 0.0, let_out, 0.0)
+    sound, T = part * 0.5 * (mu - tau * by_heat * kappa) * v_n, T0 + warmer
+    beyond = gas.state(law.density(beyond[1], T), gas.velocity(beyond), T)
+    return (sound, part * mu * v_n, heat), beyond
+
+
+def by_characteristics(gas, w, beyond, face, viscous):
+    """F(U*) and whether there is such a gas; viscous: see `first_order`."""
+    law, (sound, stress, heat), (n, size, g, *_) = gas.law, viscous, face
+    N = scale(1.0 / size, n)
+    rho, p, u = w[0], w[1], gas.velocity(w)
+    rho_out, p_out, u_out = beyond[0], beyond[1], gas.velocity(beyond)
+    c, c_out = gas.speed_of_sound(w), gas.speed_of_sound(beyond)
+    a, a_out = dot(N, u) - g / size, dot(N, u_out) - g / size
+    rho_mean = rho + 0.5 * (p_out - p) / (c * c)
+    T_mean = law.temperature_of(rho_mean, 0.5 * (p + p_out))
+    Z = rho_mean * np.sqrt(law.sound_speed_squared(rho_mean, T_mean))
+    speed = 0.5 * (a + a_out) + 0.5 * (p - p_out - sound) / Z
+    between = 0.5 * (p + p_out + sound) + 0.5 * Z * (a - a_out)
+    fast_out, fast_in = a >= c, a_out <= -c_out
+    leaves = fast_out | ((speed >= 0.0) & ~fast_in)
+    of_side = np.where(leaves, rho, rho_out), np.where(leaves, p, p_out), np.where(leaves, c, c_out)
+    rho_face = of_side[0] + (between - of_side[1]) / (of_side[2] * of_side[2])
+    speed, rho_face, between = choose(
+        fast_out, (a, rho, p), choose(fast_in, (a_out, rho_out, p_out), (speed, rho_face, between))
+    )
+    T_face = law.temperature_of(rho_face, between)
+    there_is = (rho_mean > 0.0) & (T_mean > 0.0) & (rho_face > 0.0) & (T_face > 0.0)
+    known = choose(leaves, along(u, speed - a, N), along(u_out, speed - a_out, N))
+    F = surface_flux(gas, gas.state(rho_face, known, T_face), n, g)
+    lost = (0.0, *scale(stress, n), size * (stress * (speed + g / size) + heat))
+    return sub(F, lost), there_is
