@@ -9,7 +9,7 @@ from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Centre, Free, Slip
-from fsipetsc.blocks.maps import ball, off_axis, rectangle
+from fsipetsc.blocks.maps import off_axis, rectangle
 from fsipetsc.cases import shell
 from fsipetsc.cases.common import at_rest
 from fsipetsc.errors import InputError
