@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fsipetsc.blocks.block_problem import Meeting
 from fsipetsc.blocks.conditions import Condition, Effect
-from fsipetsc.blocks.conditions.condition import VECTORS
+from fsipetsc.blocks.conditions.condition import COLUMNS, VECTORS
 from fsipetsc.blocks.cube import Cube
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.blocks.values import checked, datum
@@ -157,8 +157,8 @@ def _left_out(problem: Any, k: int) -> float:
 
 def _columns(condition: Condition) -> list[tuple[str, tuple[str, ...]]]:
     """The columns of the record that a condition fills, and the data in them."""
-    given = condition.at_faces.items()
-    return [(c, names) for c, names in given if getattr(condition, names[0], None) is not None]
+    every = COLUMNS.items()
+    return [(c, names) for c, names in every if getattr(condition, names[0], None) is not None]
 
 
 def _column(condition: Condition, names: Sequence[str], X: Array, t: float) -> Array:

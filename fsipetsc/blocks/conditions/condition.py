@@ -6,7 +6,6 @@ Data are numbers, or functions of place and time: f(*X, t), X the face's nodes i
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from functools import wraps
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from fsipetsc.checks import ANY, POSITIVE, function, number
@@ -18,6 +17,12 @@ Function = Callable[..., Any]
 Datum = float | Function | None
 #: data of d numbers
 VECTORS = "u", "shift"
+#: what data must be that are numbers or functions
+RANGES = {"T": POSITIVE, "rho": POSITIVE, "slip_length": POSITIVE}
+RANGES |= dict.fromkeys(("heat_flux", "stress", "pressure"), ANY)
+#: column of the record of faces (fsipetsc.scheme.face_kernels) -> names of the data in it
+COLUMNS = {"heat": ("heat_flux",), "pressure": ("pressure",), "stress": ("stress",)}
+COLUMNS |= {"width": ("slip_length",), "outside": ("rho", "u", "T")}
 
 
 class FaceNode(NamedTuple):
@@ -61,8 +66,8 @@ class Checked:
     values of those that are functions.
     """
 
-    ranges = {"T": POSITIVE, "heat_flux": ANY}  # noqa: RUF012
-    functions: Mapping[str, str] = MappingProxyType({})
+    ranges = RANGES
+    functions: Mapping[str, str] = {}
 
     def __post_init__(self) -> None:
         name, given = type(self).__name__, set()
@@ -95,34 +100,30 @@ class Condition(Checked):
     """What stands at a face.
 
     of: kinds of block that it is for. part: what it is to a particle (fsipetsc.particles.members),
-    "wall", "slip", "clamp", "roller". holds: it prescribes motion; all_given: all unknowns.
-    imposes_T: T is that of the face, where it is given. passes: "gas" or "waves" where these go
-    through. knows_inflow: it says which gas comes in. free_velocity: velocity may be given without
-    x. Formulas, None where there is none: leaving(gas, w, face): mass, momentum and energy that
-    leave a gas of the state w; traction(gas, w, face): the force on it; pull(solid, F, T, N, v,
-    stress): that on a solid per area at rest. at_faces: column of the record of faces
-    (fsipetsc.scheme.face_kernels) -> names of the data in it. loaded: the face has a traction of
-    its own, from which p_ref of the solid is taken.
+    "wall", "slip", "clamp", "roller". holds: it prescribes motion; all_given: all unknowns. passes:
+    "gas" or "waves" where these go through. knows_inflow: it says which gas comes in. loaded: the
+    face has a traction of its own, from which p_ref of the solid is taken.
+
+    Formulas, None where there is none: leaving(gas, w, face): mass, momentum and energy that leave
+    a gas of the state w; traction(gas, w, face): the force on it; pull(solid, F, T, N, v, stress):
+    that on a solid per area at rest.
     """
 
     of: tuple[str, ...] = ("fluid", "solid")
-    functions = MappingProxyType(
-        {
-            "x": "(*X, t) -> d positions",
-            "velocity": "(*X, t) -> d velocities",
-            "values": "(*X, t) -> the unknowns",
-        }
-    )
+    functions = {  # noqa: RUF012
+        "x": "(*X, t) -> d positions",
+        "velocity": "(*X, t) -> d velocities",
+        "values": "(*X, t) -> the unknowns",
+    }
     part = passes = ""
-    at_faces: Mapping[str, tuple[str, ...]] = MappingProxyType({"heat": ("heat_flux",)})
-    holds = all_given = free_velocity = loaded = False
-    imposes_T = knows_inflow = True
+    holds = all_given = loaded = False
+    knows_inflow = True
     leaving = traction = pull = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         alone = getattr(self, "velocity", None) is not None and not moves(self)
-        if alone and not self.free_velocity:
+        if alone and self.part != "clamp":
             name = type(self).__name__
             raise InputError(f"{name}: velocity is given, and x is not: expected both, or x alone")
 
@@ -152,13 +153,12 @@ def moves(condition: Any) -> bool:
 
 def slides(condition: Any) -> bool:
     """Whether it is a wall that holds a gas across itself alone."""
-    slips = getattr(condition, "slip_length", None) is not None
-    return slips or getattr(condition, "part", "") == "slip"
+    return condition.part == "slip" or getattr(condition, "slip_length", None) is not None
 
 
 def warms(condition: Any) -> bool:
     """Whether it prescribes the temperature at its face."""
-    return getattr(condition, "T", None) is not None and condition.imposes_T
+    return getattr(condition, "T", None) is not None and condition.passes != "gas"
 
 
 def steady(condition: Any) -> bool:

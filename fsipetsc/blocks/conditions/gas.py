@@ -5,14 +5,13 @@ F(U) = n . (f(U) - v U) is what passes a face, v the velocity of the grid.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from fsipetsc.blocks.conditions.condition import Condition, Datum, FaceNode, Function
 from fsipetsc.blocks.maps import place_text
-from fsipetsc.checks import NONNEGATIVE, POSITIVE
+from fsipetsc.checks import NONNEGATIVE
 from fsipetsc.equations.vectors import along, choose, dot, mean, scale, sub
 from fsipetsc.errors import InputError
 
@@ -44,8 +43,6 @@ class NoSlip(Condition):
     velocity: Function | None = None
     slip_length: Datum = None
     of = ("fluid",)
-    ranges = Condition.ranges | {"slip_length": POSITIVE}
-    at_faces = MappingProxyType({**Condition.at_faces, "width": ("slip_length",)})
     part = "wall"
     holds = True
 
@@ -125,7 +122,6 @@ class Outflow(Condition):
     of = ("fluid",)
     ranges = Condition.ranges | {"pressure": NONNEGATIVE}
     passes = "gas"
-    at_faces = MappingProxyType({"pressure": ("pressure",)})
     knows_inflow = False
 
     @staticmethod
@@ -162,10 +158,7 @@ class Open(Condition):
     T: Datum
     order: int = 0
     of = ("fluid",)
-    ranges = Condition.ranges | {"rho": POSITIVE}
     passes = "gas"
-    imposes_T = False
-    at_faces = MappingProxyType({"outside": ("rho", "u", "T")})
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -1,10 +1,8 @@
 """Conditions of solids. Their nodes get forces per unit of the reference coordinates."""
 
 from dataclasses import dataclass
-from types import MappingProxyType
 
 from fsipetsc.blocks.conditions.condition import Condition, Datum, Function
-from fsipetsc.checks import ANY
 from fsipetsc.equations.vectors import along, scale
 
 
@@ -26,7 +24,7 @@ class Clamped(Condition):
     velocity: Function | None = None
     of = ("solid",)
     part = "clamp"
-    holds = free_velocity = True
+    holds = True
 
 
 @dataclass(frozen=True)
@@ -43,8 +41,6 @@ class Free(Condition):
     T: Datum = None
     heat_flux: Datum = None
     of = ("solid",)
-    ranges = Condition.ranges | {"pressure": ANY}
-    at_faces = MappingProxyType({**Condition.at_faces, "pressure": ("pressure",)})
     loaded = True
 
     @property
@@ -74,8 +70,6 @@ class Absorbing(Condition):
     T: Datum = None
     heat_flux: Datum = None
     of = ("solid",)
-    ranges = Condition.ranges | {"stress": ANY}
-    at_faces = MappingProxyType({**Condition.at_faces, "stress": ("stress",)})
     loaded = True
     passes = "waves"
 
