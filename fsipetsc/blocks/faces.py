@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blocks.block import Block, mesh
-from fsipetsc.blocks.conditions import Condition, Hinge, Periodic
+from fsipetsc.blocks.conditions import Condition, Periodic
 from fsipetsc.blocks.conditions.condition import VECTORS
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.checks import Array, described
@@ -46,24 +46,21 @@ def named_faces(
             wanted = "expected (block name, axis, side)"
             raise InputError(f"BlockProblem: faces: {described(name)}: {wanted}")
         block = blocks[number_of(blocks, name[0])]
-        where, last = f"{block}, face (axis {name[1]}, side {name[2]})", block.dimension - 1
-        if name[1] not in range(block.dimension) or name[2] not in (0, 1):
-            raise InputError(f"{where}: expected an axis from 0 to {last} and side 0 or 1")
-        if block.periodic[name[1]]:
-            raise InputError(f"{where} is named, but a periodic axis has no faces")
+        d, where = block.dimension, f"{block}, face (axis {name[1]}, side {name[2]})"
+        axes = [axis for axis in range(d) if not block.periodic[axis]]
+        if name[1] not in axes or name[2] not in (0, 1):
+            wanted = f"expected an axis that is not periodic, of {axes}, and side 0 or 1"
+            raise InputError(f"{where}: {wanted}")
         if name in found:
             raise InputError(f"{where} is named twice: expected one condition")
-        if not isinstance(condition, Condition) or isinstance(condition, Hinge):
-            wanted = "expected a condition, as NoSlip() or Clamped()"
-            raise InputError(f"{where}: {described(condition)}: {wanted}")
         kind = type(condition).__name__
-        if block.kind not in condition.of:
+        if not isinstance(condition, Condition) or block.kind not in condition.of:
             raise InputError(f"{where}: {kind} is no condition of a {block.kind}")
         for vector in VECTORS:
             numbers = getattr(condition, vector, None)
-            if isinstance(numbers, tuple) and len(numbers) != last + 1:
+            if isinstance(numbers, tuple) and len(numbers) != d:
                 given = f"{kind}: {vector} has {len(numbers)} numbers"
-                raise InputError(f"{where}: {given}: expected {last + 1}")
+                raise InputError(f"{where}: {given}: expected {d}")
         found[name] = condition
     return found
 
@@ -138,12 +135,13 @@ class Faces:
             face.labels = face.wanted = next(pieces)
         for face in periodic:
             face.wanted = next(pieces)
-        self._at: dict[bytes, list[Face]] = {}
+        at: dict[bytes, list[Face]] = {}
         for face in self.faces:
-            self._at.setdefault(_key(face.labels), []).append(face)
+            at.setdefault(_key(face.labels), []).append(face)
         self.kinds: list[Kinds] = [{} for _ in blocks]
         for face in self.faces:
-            self.kinds[face.block][face.axis, face.side] = self._kind(face)
+            met = [other for other in at.get(_key(face.wanted), []) if other is not face]
+            self.kinds[face.block][face.axis, face.side] = self._kind(face, met)
         smallest = united(len(self._places), [(f.labels, f.wanted) for f in periodic])
         found: dict[int, set[tuple[int, int]]] = {}
         for face in self.faces:
@@ -161,40 +159,36 @@ class Faces:
         numbers, first = np.unique(nodes, return_index=True)
         return numbers, self._places[labels[first]].T
 
-    def _kind(self, face: Face) -> Condition | Meeting:
-        """What stands at a face. InputError for a condition too many or none."""
-        condition, place = face.condition, place_text(face.X.mean(axis=0))
-        found = [other for other in self._at.get(_key(face.wanted), []) if other is not face]
-        if len(found) > 1:
-            three = f"{face}, {found[0]} and {found[1]} are at one place"
-            raise InputError(f"{three}, {place}: expected two faces")
-        if isinstance(condition, Periodic):
-            if not found or _key(found[0].wanted) != _key(face.labels):
+    def _kind(self, face: Face, met: Sequence[Face]) -> Condition | Meeting:
+        """What stands at a face, at whose place others are. InputError for a condition too many or
+        none.
+        """
+        condition, centre = face.condition, face.X.mean(axis=0)
+        wrong = ""
+        if len(met) > 1:
+            wrong = f"is at one place with {met[0]} and {met[1]}: expected two faces"
+        elif isinstance(condition, Periodic):
+            if not met or _key(met[0].wanted) != _key(face.labels):
                 at = f"{place_text(face.X[0])} + {condition.shift}"
-                wanted = "expected one with the opposite shift"
-                raise InputError(f"{face} is Periodic, and no Periodic face is at {at}: {wanted}")
-            if face.owner.kind != found[0].owner.kind:
-                expected = "expected gas and gas, or two solids"
-                raise InputError(f"{face} goes on at {found[0]}: {expected}")
-        elif found and condition is not None:
-            what = f"{found[0]} and is named {type(condition).__name__}(…), too"
-            raise InputError(f"{face} meets {what}: expected no condition")
-        if found:
-            return Meeting(found[0].block, found[0].axis, found[0].side)
-        if condition is None:
-            raise InputError(self._why_alone(face))
-        return condition
-
-    def _why_alone(self, face: Face) -> str:
-        """What is wrong with a face that has no condition and that no other meets."""
-        centre = face.X.mean(axis=0)
-        others = [other for other in self.faces if other is not face]
-        apart = [float(np.linalg.norm(other.X.mean(axis=0) - centre)) for other in others]
-        nearest = others[int(np.argmin(apart))]
-        alone = f"{face}, about {place_text(centre)}, has no condition, and no face meets it"
-        wanted = f"expected one, or a face with the same {len(face.X)} nodes"
-        near = f"the nearest is {nearest}, {min(apart):.3g} away, with {len(nearest.X)}"
-        return f"{alone}: {wanted}; {near}"
+                wrong = f"is Periodic, and no Periodic face with the opposite shift is at {at}"
+            elif face.owner.kind != met[0].owner.kind:
+                wrong = f"goes on at {met[0]}: expected gas and gas, or two solids"
+        elif met and condition is not None:
+            wrong = (
+                f"meets {met[0]}: expected no condition, and {type(condition).__name__} is named"
+            )
+        elif not met and condition is None:
+            others = [other for other in self.faces if other is not face]
+            apart = [float(np.linalg.norm(other.X.mean(axis=0) - centre)) for other in others]
+            nearest = others[int(np.argmin(apart))]
+            wrong = (
+                f"has no condition, and no face meets it: expected one, or a face with the same "
+                f"{len(face.X)} nodes; the nearest is {nearest}, {min(apart):.3g} away, with "
+                f"{len(nearest.X)}"
+            )
+        if wrong:
+            raise InputError(f"{face}, about {place_text(centre)}, {wrong}")
+        return Meeting(met[0].block, met[0].axis, met[0].side) if met else condition
 
 
 def _key(labels: Array) -> bytes:

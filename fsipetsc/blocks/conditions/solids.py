@@ -101,4 +101,4 @@ class Hinge(Condition):
     about it.
     """
 
-    of = ("solid",)
+    of = ()  # no condition of a face
