@@ -5,8 +5,6 @@ place: the lower wall moves at this speed. Or the function mad_function fails, o
 one.
 """
 
-from dataclasses import replace
-
 import numpy as np
 from mpi4py import MPI
 
@@ -22,7 +20,7 @@ OPTIONS = (
     Option("mad_field", "str", "none", "", "which unknown of the forcing, or place"),
     Option("mad_rate", "float", 0.0, "", "what is added to its rate there"),
     Option("mad_time", "float", 0.01, "s", "from when on"),
-    Option("mad_function", "str", "none", "", "initial, forcing, edge, T, jumps, prestress"),
+    Option("mad_function", "str", "none", "", "initial, forcing, edge, jumps"),
     Option("mad_rank", "int", -1, "", "where; -1: on all ranks"),
 )
 DEFAULTS = {"fsi_h": 1 / 16, "fsi_order": 2, "ts_max_time": 0.1, "ts_dt": 1e-3, "fsi_output_dt": 1}
@@ -40,7 +38,7 @@ def build(opt):
         here = function == what and opt["mad_rank"] in (-1, MPI.COMM_WORLD.rank)
 
         def called(*arguments):
-            if here and (what in ("initial", "prestress") or arguments[-1] > begin):
+            if here and (what == "initial" or arguments[-1] > begin):
                 raise ValueError("nothing is known")
             return usual(*arguments)
 
@@ -67,16 +65,9 @@ def build(opt):
     if field == "place":
         place = lambda X, Y, t: (X, Y + rate * max(0.0, t - begin))  # noqa: E731
         lower = Slip(place, lambda X, Y, t: (0.0, rate * (t > begin)))
-    if function == "T":
-        lower = NoSlip(T=failing("T", lambda X, Y, t: 1.0))
     if function == "edge":
         upper = Given(failing("edge", lambda X, Y, t: (1.0, 0.0, 0.0, 1.0)))
     jumps = failing("jumps", lambda X, Y, t: (0.0, 0.0, 0.0)) if function == "jumps" else None
     more = {"lower": lower, "upper": upper, "jumps": jumps, "units": "none"}
     stack = [layer(k, kind) for k, kind in enumerate(kinds)]
-    made = layers(*stack, along=((0.0, 1.0),), h=opt["fsi_h"], order=opt["fsi_order"], **more)
-    if function == "prestress":
-        stress = failing("prestress", lambda X, Y: (0.0, 0.0, 0.0, 0.0))
-        blocks = (replace(b, prestress=stress) if b.kind == "solid" else b for b in made.blocks)
-        return replace(made, blocks=tuple(blocks))
-    return made
+    return layers(*stack, along=((0.0, 1.0),), h=opt["fsi_h"], order=opt["fsi_order"], **more)

@@ -93,16 +93,6 @@ def test_a_bad_state_leaves_nothing_behind(viscosity=0.02):
     assert np.isfinite(rates).all() and rates.any()
 
 
-@pytest.mark.parametrize("turned", [slice(1, None), slice(None)], ids=["density", "volume"])
-def test_a_negative_density_or_volume_is_a_bad_state(turned):
-    """Also where the speed of sound is real: p and rho, or J and all densities, are negative."""
-    with Steps(warped(0.0)) as run:
-        kinds = [block.kind for block in run.problem.blocks]
-        run.y.owned(kinds.index("fluid"))[7, turned] *= -1.0
-        run.finish()
-        assert run.results[plan.BAD] == 1.0 and run.results[plan.RATE] < np.inf
-
-
 def test_a_step_that_ends_badly_is_made_in_parts():
     """From the state before it. Steps in one call also hand on what a rank says of stopping."""
     shape = {"gas": shapes.box((0.0,), (1.0,), 21)}

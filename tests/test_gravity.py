@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 import test_block_oracle as flat
 import test_radial as radial
-from block_ledgers import Steps, problem_of, solid
+from block_ledgers import Steps, problem_of
 from oracle_engine import Engine
 from oracle_formulas import Gas, Solid, spread
 
 from fsipetsc.blockrun.block_state import BlockForm
-from fsipetsc.blocks.conditions import Free, Slip
-from fsipetsc.errors import InputError
+from fsipetsc.blocks.conditions import Slip
 from fsipetsc.materials.fluid import Fluid
 
 FORCES = {1: (0.7,), 2: (0.3, -0.7), 3: (0.3, -0.7, 0.2)}
@@ -84,15 +83,6 @@ def test_a_gas_of_one_temperature_stays_at_rest(shape, order, options, numbers):
     oracle = flat.made(shape_of(shape, order), gas, None, order, **options)
     found = growth(oracle, Engine(oracle).rates(at_rest(oracle)))
     assert found < 1e-12 * flat.NODES[order]
-
-
-def test_rest_around_an_axis():
-    shape = {"gas inside": radial.shell(2, flat.NODES[4], "gas")["gas inside"]}
-    oracle = radial.radial(shape, Gas(force=(0.7, 0.0)), None, 4, 1, **DAMPED)
-    state = at_rest(oracle)
-    engine = radial.engine_of(oracle, 1, "gas")
-    rates = engine.rates(radial.half_of(state, "gas"))["gas inside"]
-    assert np.abs(rates[1:]).max() < 1e-12
 
 
 @pytest.mark.parametrize("order", [2, 6])
@@ -191,24 +181,3 @@ def test_ledgers(convection):
     exact = 1e-13 * before["energy"]
     assert abs(after["energy"] - before["energy"] - work) < exact
     assert (abs(change + work) < exact) == (convection == "entropy")
-
-
-@pytest.mark.parametrize(("d", "heat"), [(1, "coupled"), (2, "elastic")])
-def test_a_solid_that_falls(d, heat):
-    shape = {"solid": flat.shapes.box((0.0,) * d, (1.0,) * d, *[7] * d)}
-    problem = problem_of(shape, {"solid": Free()}, None, solid(d, heat, -0.8))
-    with Steps(problem) as run:
-        before = run.latest.copy()
-        run.step(1e-2, 5)
-        after = run.latest
-        assert run.invariants["potential"]
-    change = [after[name] - before[name] for name in ("energy", "potential_energy")]
-    assert abs(change[1]) > 1e-3
-    assert abs(sum(change)) < 1e-13 * before["energy"]
-
-
-def test_a_force_across_an_axis_is_refused():
-    shape = {"gas inside": radial.shell(2, flat.NODES[4], "gas")["gas inside"]}
-    oracle = radial.radial(shape, Gas(force=(0.7, 0.1)), None, 4, 1)
-    with pytest.raises(InputError, match=r"the force \(0.7, 0.1\) is across the axis"):
-        radial.engine_of(oracle, 1, "gas")

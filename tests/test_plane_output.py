@@ -6,9 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers import assert_same_fields, computed, solve
+from helpers import assert_same_fields, computed
 
-import fsipetsc
 from fsipetsc.output.file_layout import open_h5
 from fsipetsc.output.info import info
 from fsipetsc.output.reader import InterfaceLine
@@ -92,22 +91,6 @@ def test_xdmf_has_the_numbers_of_all_frames(box):
             assert set(given) == set(layer.fields) - {"x", "y"}
             for field, values in given.items():
                 assert np.array_equal(values, fields[field]), (number, layer.name, field)
-
-
-def test_xdmf_goes_with_its_result(tmp_path):
-    """A second run of the name keeps the result and the XDMF of the first; another file is left."""
-    words = "blast", "-fsi_h", "0.125", "-fsi_quiet", "-ts_max_steps"
-    for steps in (2, 3):
-        assert solve(*words, steps, cwd=tmp_path).returncode == 0
-    for name in ("blast.1", "blast"):
-        text = (tmp_path / f"{name}.xdmf").read_text()
-        assert f">{name}.h5:/layer0" in text and text.count("h5:/") == text.count(f">{name}.h5:/")
-    (tmp_path / "blast.xdmf").write_text("mine")
-    done = solve(*words, 4, cwd=tmp_path)
-    assert done.returncode == 4 and "blast.xdmf: is no XDMF of a result" in done.stderr
-    assert (tmp_path / "blast.xdmf").read_text() == "mine"
-    for name, steps in (("blast.1", 2), ("blast.2", 3), ("blast", 4)):
-        assert fsipetsc.open_run(tmp_path / f"{name}.h5").summary["steps"] == steps
 
 
 def test_lines_of_interfaces_and_info(box):

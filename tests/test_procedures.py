@@ -1,6 +1,5 @@
 """Loops that are recorded and printed as C: what they do, and what is refused."""
 
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -98,28 +97,3 @@ def test_what_cannot_be_recorded_is_refused_with_its_line():
     for function in (branches, counts):
         with pytest.raises(InputError, match=rf"{function.__name__}, .*test_procedures.py:\d+"):
             recorded(function, part())
-
-
-def test_facts_are_known_and_fields_of_records_are_set():
-    @dataclass(frozen=True)
-    class Facts:
-        weights: tuple[float, ...]
-
-    class Layer(NamedTuple):
-        facts: Facts
-        rows: Any
-
-    def shift(layer, y):
-        for k, weight in enumerate(layer.facts.weights):
-            y[k] += weight
-        row = layer.rows[1]
-        row.first = row.first + 1
-        row.data[1], row.place = row.data[0] * 2.0, y[0]
-
-    rows = np.zeros(2, [("first", np.int64), ("data", float, (2,)), ("place", float)])
-    rows["data"], y = 3.0, np.zeros(2)
-    found = recorded(shift, Layer(Facts((1.5, 2.5)), rows))
-    found(y)
-    assert y.tolist() == [1.5, 2.5] and "1.5" in found.text
-    assert rows["first"].tolist() == [0, 1] and rows["place"].tolist() == [0.0, 1.5]
-    assert rows["data"].tolist() == [[3.0, 3.0], [3.0, 6.0]]

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers import compute, rows_of, solve, well
+from helpers import compute
 
 #: a case of fsipetsc/cases whose second layer has a spacing of its own
 OWN = """
@@ -28,16 +28,3 @@ def test_orders_of_a_manufactured_solution(order, least, finer, tmp_path):
     for kind in ("fluid", "solid"):
         coarse, fine = (run.errors[kind]["combined"] for run in runs.values())
         assert np.log2(coarse / fine) > least
-
-
-@pytest.mark.parametrize("own", ["cells=60", "h=h / 3"])
-def test_convergence_refines_all_layers(own, tmp_path):
-    """Also one whose cells do not depend on -fsi_h, and one that has gone with it anyway, once."""
-    (tmp_path / "own.py").write_text(OWN.format(name="heat", layers="layers", own=own))
-    words = "own.py -fsi_orders 2 -fsi_h 0.05 -fsi_hs 0.05,0.025"
-    well(solve("convergence", *words.split(), cwd=tmp_path))
-    text = (tmp_path / "own-convergence.csv").read_text()
-    (tmp_path / "rows.csv").write_text(text.split("\n", 1)[1])
-    rows = [row for row in rows_of(tmp_path / "rows.csv") if row["quantity"] == "fluid/combined"]
-    assert [float(row["points"]) for row in rows] == [21 + 61, 41 + 121]
-    assert float(rows[1]["rate"]) > 1.9

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from helpers import message, rows_of, solve
 from mpi4py import MPI
-from ratios import sandwich
 
+from fsipetsc import FluidLayer, Problem, SolidLayer, Wall
 from fsipetsc.cases import load_case
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import Solid
@@ -35,6 +35,25 @@ def constant(density=2.0, stiffness=3.0, eos="ideal", stretch=1.0, **gas):
 
 #: points of a layer; those at the interface that change, and those whose rates are compared
 POINTS, COLUMNS, ROWS = 33, 20, 8
+
+
+def sandwich(state):
+    """Gas | solid | gas between walls, in a constant state."""
+
+    def gas(X):
+        one = np.ones(X.shape)
+        return [state.rho * one, 0.0 * X, state.T * one]
+
+    def solid(X):
+        one = np.ones(X.shape)
+        return [0.0 * X, state.stress * one, state.T * one, 1.0 + state.stretch * (X - 1.0)]
+
+    layers = (
+        FluidLayer("left", state.gas, (0.0, 1.0), gas),
+        SolidLayer("solid", state.solid, (1.0, 2.0), solid),
+        FluidLayer("right", state.gas, (2.0, 3.0), gas),
+    )
+    return Problem(layers, Wall(0.0), Wall(2.0 + state.stretch), units="none")
 
 
 def theory(raw, projection, state, order, change):

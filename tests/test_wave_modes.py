@@ -4,13 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import computed
 
 from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.cases import wave
-from fsipetsc.cases.common import elastic_of, gas_of
-from fsipetsc.cases.normal_mode import slowest_wave
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.studies.spectra import step_limit
@@ -59,20 +55,3 @@ def test_nothing_grows_and_the_step_is_kept(order):
             assert values.real.max() < 1e-11 * np.abs(values).max()
             fastest = max((stiffness / density) ** 0.5, GAMMA**0.5)
             assert step_limit(values) * fastest * n > 0.8
-
-
-def test_runs_follow_the_spectral_solution(tmp_path):
-    """Rates by 16 and 24 columns, order 4: near, and nearer."""
-    default = {option.name: option.default for option in wave.OPTIONS}
-    known = slowest_wave(gas_of(default), elastic_of(default), 2 * np.pi, 1.0, 0.5).s
-    errors = []
-    assert abs(known - KNOWN[0]) < 1e-8
-    for n in (16, 24):
-        words = f"wave -fsi_h {1 / n} -ts_max_time 0.4".split()
-        with computed(tmp_path, f"{n}.h5", *words) as result:
-            layer = result.layers[0]
-            moved = layer["y"][:, -1] - layer.Y[-1]
-            amplitude = moved @ np.exp(-2j * np.pi * np.arange(n) / n)
-            logs = np.stack([np.log(np.abs(amplitude)), np.unwrap(np.angle(amplitude))], axis=1)
-            errors.append(abs(complex(*np.polyfit(result.time, logs, 1)[0]) - known) / abs(known))
-    assert errors[0] < 8e-3 and np.log(errors[0] / errors[1]) / np.log(1.5) > 3.0, errors

@@ -3,7 +3,7 @@
 timed_kind: wall, the gas stands on a wall that moves and is warm, the solid is pressed and heated
 from above, jumps and forcing; ends, the gas is given below and the solid clamped to what moves;
 open, gas enters from below, and waves leave the solid; lid, walls at rest beside one that moves,
-but not at its ends; torn, at its ends as well. timed_how: record, all functions can be;
+but not at its ends. timed_how: record, all functions can be;
 table, one of them is a table of numpy's; bad, one of them returns no number from t = 0.02 on;
 cold, a temperature below 0.
 """
@@ -16,7 +16,7 @@ from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
 
-KINDS = "wall", "ends", "open", "lid", "torn"
+KINDS = "wall", "ends", "open", "lid"
 OPTIONS = (
     Option("timed_kind", str, "wall", "", "where data depend on time", KINDS),
     Option("timed_how", str, "record", "", "of the functions", ("record", "table", "bad", "cold")),
@@ -32,16 +32,13 @@ TIMES, TABLE = np.linspace(0.0, 1.0, 11), 1.0 + 0.1 * np.sin(np.linspace(0.0, 3.
 def build(opt):
     """The gas from Y = 0 to 1, the solid up to 2."""
     a, w, how = opt["timed_size"], opt["timed_rate"], opt["timed_how"]
-    kind, beside = opt["timed_kind"], opt["timed_kind"] in ("lid", "torn")
-
-    def shape(X):
-        return 1.0 if kind == "torn" else np.sin(2 * np.pi * X) ** 2
+    kind, beside = opt["timed_kind"], opt["timed_kind"] == "lid"
 
     def swing(X, t):
-        return a * (1.0 - np.cos(w * t)) * shape(X)
+        return a * (1.0 - np.cos(w * t)) * np.sin(2 * np.pi * X) ** 2
 
     def speed(X, t):
-        return a * w * np.sin(w * t) * shape(X)
+        return a * w * np.sin(w * t) * np.sin(2 * np.pi * X) ** 2
 
     def T(X, Y, t):
         if how == "table":
@@ -74,7 +71,6 @@ def build(opt):
     lower, upper = {
         "wall": (NoSlip(x=place, T=T), pressed),
         "lid": (NoSlip(x=place, velocity=velocity), pressed),
-        "torn": (NoSlip(x=place, velocity=velocity), pressed),
         "ends": (Given(inflow), Clamped(x=place, velocity=velocity, T=T)),
         "open": (Open(lambda *x: inflow(*x)[0], (0.0, velocity_of(speed)), T), Absorbing(stress)),
     }[kind]
