@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 DOCS = Path(__file__).resolve().parent
-PUBLIC, PUBLIC_ROW = "\n## What is public\n", re.compile(r"^\| (`.*?) \|", re.M)
+PUBLIC, PUBLIC_ROW = "\n## What is public\n", re.compile(r"^\| (\w.*?) \| (`.*`) \| (.*) \|$", re.M)
 #: public class -> its attributes and methods that have a text of their own
 MEMBERS = {
     "fsipetsc.Run": "at interface to_xarray close",
@@ -51,28 +51,27 @@ def notebook_page() -> tuple[str, dict[str, bytes]]:
     return "\n\n".join(parts) + "\n", pictures
 
 
-def with_links(row: re.Match[str]) -> str:
-    """The first cell of a row of public names, a module perhaps and names, with links to these."""
-    module, colon, names = row[1].rpartition(": ")
-    path = module.strip("`") or "fsipetsc"
-    return f"| {module}{colon}" + re.sub(r"`(\w+)`", rf"[`\1`][{path}.\1]", names) + " |"
+def linked(names: str) -> str:
+    """Public names, in groups of one module each, with links to their texts."""
+    groups = []
+    for group in names.split("; "):
+        module, colon, words = group.rpartition(": ")
+        path = module.strip("`") or "fsipetsc"
+        groups.append(module + colon + re.sub(r"`([A-Za-z]\w*)`", rf"[`\1`][{path}.\1]", words))
+    return "; ".join(groups)
 
 
 def public_names() -> dict[tuple[str, str], list[str]]:
-    """(heading, sentence) -> full names, from the tables of commands.md."""
-    found = {}
-    for part in texts()["commands.md"].split(PUBLIC)[1].split("\n### ")[1:]:
-        heading, _, about, tables = part.split("\n", 3)
-        links = PUBLIC_ROW.sub(with_links, tables)
-        found[heading, about] = re.findall(r"`\]\[(.*?)\]", links)
-    return found
+    """(page, its links) -> full names, from the table of commands.md."""
+    rows = PUBLIC_ROW.findall(texts()["commands.md"].split(PUBLIC)[1])
+    return {(page, of): re.findall(r"`\]\[(.*?)\]", linked(names)) for page, names, of in rows}
 
 
 def reference_pages() -> dict[str, str]:
     """Pages of public names by file, to which mkdocstrings adds the docstrings."""
     pages = {}
     for (heading, about), names in public_names().items():
-        parts = [f"# {heading}", about]
+        parts = [f"# {heading}", f"Examples: {about}."]
         for name in names:
             members = MEMBERS.get(name, "").replace(" ", ", ")
             parts.append(f"::: {name}\n    options:\n      members: [{members}]")
@@ -169,7 +168,8 @@ def on_files(files: Any, config: Any) -> Any:
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     if page.file.src_uri == "commands.md":
         before, public = markdown.split(PUBLIC)
-        markdown = before + PUBLIC + PUBLIC_ROW.sub(with_links, public)
+        shown = PUBLIC_ROW.sub(lambda row: row[0].replace(row[2], linked(row[2])), public)
+        markdown = before + PUBLIC + shown
     if page.file.src_uri == "results.md":
         markdown = markdown.replace("\n## While", f"\n{series_table()}\n## While", 1)
     return inside(markdown)
