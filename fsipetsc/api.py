@@ -59,7 +59,7 @@ def _solve(case: Any, comm: Comm, options: Mapping[str, Any]) -> str:
     from fsipetsc.stepping.run import run_given
 
     def words() -> Iterable[str]:
-        """The options as they would stand on the command line. InputError for an unknown name."""
+        """Yield the options as on the command line. InputError for an unknown name."""
         known = table(loaded)
         for name, value in {"quiet": True, **options}.items():
             names = name, f"fsi_{name}", f"ts_{name}"  # the beginning may be left out
@@ -73,7 +73,7 @@ def _solve(case: Any, comm: Comm, options: Mapping[str, Any]) -> str:
 
 
 def _case(case: Any) -> Any:
-    """What a case file would define. InputError."""
+    """Return what a case file would define. InputError."""
     if isinstance(case, Problem):
         return case_of(case)
     if isinstance(case, BlockProblem):

@@ -11,7 +11,7 @@ from fsipetsc import __version__
 from fsipetsc.cases import load_case, summaries
 from fsipetsc.errors import InputError
 from fsipetsc.options import PROGRAM, REQUIRED, Option, groups, is_option
-from fsipetsc.options.all_options import IN_LOOP, INT_MAX, PASSED_ON
+from fsipetsc.options.all_options import INT_MAX, PASSED_ON
 from fsipetsc.process.launch import left_as_found, start_mpi, start_petsc
 from fsipetsc.process.program import abandon_output, launcher_rank
 from fsipetsc.process.together import end_together, together
@@ -23,41 +23,38 @@ WIDTH = 100
 class Command(NamedTuple):
     """A command: what comes after its name, one line about it, the module with its function.
 
-    A command of the folder output is done by one process: the function gets the files and, where
-    there are any, the options as given, and returns what is printed. The others are done by all
-    ranks: the function gets the arguments and the communicator, and starts PETSc; SECTIONS, or
-    sections(command, arguments), of the module are the options that -help lists.
+    One that is done by one process has a function of the files and, where there are any, the
+    options as given, which returns what is printed. The others are done by all ranks: the function
+    gets the arguments and the communicator, and starts PETSc; SECTIONS, or sections(command,
+    arguments), of the module are the options that -help lists.
     """
 
     arguments: str
     summary: str
     module: str
-
-    @property
-    def by_one(self) -> bool:
-        return self.module.startswith("output.")
+    by_one: bool = False
 
     def find(self, name: str) -> Any:
-        """A function or table of its module; None if there is none."""
+        """Return a function or table of its module; None if there is none."""
         return getattr(importlib.import_module(f"fsipetsc.{self.module}"), name, None)
 
 
 COMMANDS = {
     "info": Command("RUN.h5", "print what a result holds: case, options, times, layers, summary",
-        "output.info"),
+        "output.info", True),
     "plot": Command("RUN.h5 [-o DIR|FILE] [-fields p,T] [-times 0,0.5] [-contours 20] "
         "[-streamlines] [-probes x,y;x,y] [-all] [-animate]",
         "draw a result on a page (PNG, PDF, SVG or JPG as FILE ends), all pictures, a film",
-        "output.plots.page"),
+        "output.plots.page", True),
     "report": Command("RUN.h5 [-o DIR]",
         "make one HTML page of a result: film, pictures, options, summary",
-        "output.report"),
+        "output.info", True),
     "diff": Command("A.h5 B.h5",
         "print by how much two results differ, also in units in the last place",
-        "output.differences"),
+        "output.differences", True),
     "new": Command("FILE.py [-blocks] [-channel] [-plate] [-water]",
         "write a case file to start from: layers; curved blocks; a channel; a plate; a water pipe",
-        "output.new_case"),
+        "stepping.before_a_run", True),
     "compile": Command("CASE [-option value ...]",
         "compile the kernels that a case needs, and do nothing else",
         "stepping.before_a_run"),
@@ -152,11 +149,11 @@ def _answer(first: str, rest: list[str]) -> None:
     else:
         sections = command.find("SECTIONS") or command.find("sections")(first, rest)
         about = f"{first}: {command.summary}", f"{first} {command.arguments}"
-        print(_options_help(*about, sections, in_loop=False))
+        print(_options_help(*about, sections))
 
 
 def _given(command: str, arguments: list[str]) -> list[Any]:
-    """The files, then option -> what was given, if the command has any. InputError."""
+    """Return the files, then option -> what was given, if the command has any. InputError."""
     usage = COMMANDS[command].arguments
     options = dict(re.findall(r"\[(-\w+) ?([^]]*)\]", usage))  # -> its value, "" if it has none
     missing = re.sub(r"\[.*?\]", "", usage).split()
@@ -183,7 +180,7 @@ def _given(command: str, arguments: list[str]) -> list[Any]:
 
 
 def _overview() -> str:
-    """The short usage: how the program is called, the cases and the commands, a line each."""
+    """Return the short usage: how the program is called, cases and commands, a line each."""
     sections = {
         f"Usage: {PROGRAM} ...": {
             "CASE [-option value ...]": "run a case; in parallel with mpiexec -n N before it",
@@ -194,47 +191,43 @@ def _overview() -> str:
         "Commands": {f"{name} {of.arguments}": of.summary for name, of in COMMANDS.items()},
     }
     title = "fsipetsc: compressible gas and elastic solids, coupled, with PETSc"
-    return _laid_out(title, sections, 29)
+    return _laid_out(title, sections, 24)
 
 
-def _options_help(
-    title: str, usage: str, options: Mapping[str, Sequence[Option]], in_loop: bool = True
-) -> str:
-    """Every option with type, default, unit and meaning; options: heading -> options. usage: what
-    comes after the program's name. in_loop: the options of PETSc's time integrator count.
+def _options_help(title: str, usage: str, options: Mapping[str, Sequence[Option]]) -> str:
+    """List every option with type, default, unit and meaning; options: heading -> options. usage:
+    what comes after the program's name.
     """
     head = f"{title}\n\n  [mpiexec -n N] {PROGRAM} {usage}"
     sections = {heading: dict(map(_row, found)) for heading, found in options.items()}
-    petsc = {f"-{o}": what for o, what in PASSED_ON.items() if in_loop or o not in IN_LOOP}
-    sections["More of PETSc"] = petsc
+    sections["More of PETSc"] = {f"-{name}": what for name, what in PASSED_ON.items()}
     notes = (
         "An option is written -name value; above its type and default follow its name. If one is "
         "given more than once the last counts, and the command line overrides PETSC_OPTIONS. A "
         "bool without a value is true; ints and floats are lists such as 0.1,0.25. These are all "
         "options there are: of PETSc's own, others are refused."
     )
-    return "\n".join([_laid_out(head, sections, 44), "", *textwrap.wrap(notes, WIDTH)])
+    return "\n".join([_laid_out(head, sections, 40), "", *textwrap.wrap(notes, WIDTH)])
 
 
-def _laid_out(title: str, sections: Mapping[str, Mapping[str, str]], most: int) -> str:
-    """sections: heading -> name -> text, which stands on the right of the name, or below it if that
-    has more than ``most`` characters.
+def _laid_out(title: str, sections: Mapping[str, Mapping[str, str]], left: int) -> str:
+    """Lay out sections: heading -> name -> text, which stands on the right of the name, or below it
+    if that has more than ``left`` characters.
     """
-    names = [name for rows in sections.values() for name in rows]
-    left, lines = max(len(name) for name in names if len(name) <= most), [title]
-    form = textwrap.TextWrapper(WIDTH, break_on_hyphens=False, subsequent_indent=" " * (left + 4))
+    lines = [title]
     for heading, rows in sections.items():
         lines += ["", heading]
         for name, text in rows.items():
-            below = textwrap.wrap(name, WIDTH, initial_indent="  ", subsequent_indent=" " * 4)
-            lines += below if len(name) > left else []
-            form.initial_indent = f"  {'' if len(name) > left else name:<{left}}  "
-            lines += form.wrap(text) or [form.initial_indent.rstrip()]
+            if len(name) > left:
+                lines += textwrap.wrap(f"  {name}", WIDTH, subsequent_indent="    ")
+            begin = f"  {'' if len(name) > left else name:<{left}}  "
+            indented = {"initial_indent": begin, "subsequent_indent": " " * len(begin)}
+            lines += textwrap.wrap(text, WIDTH, break_on_hyphens=False, **indented) or [begin]
     return "\n".join(lines)
 
 
 def _row(option: Option) -> tuple[str, str]:
-    """(name, type, default and unit; meaning)."""
+    """Return (name, type, default and unit; meaning)."""
     kind = "text" if option.kind == "str" else option.kind
     choices = f": {', '.join(map(str, option.choices))}" if option.choices else ""
     value, unit = option.default, option.unit

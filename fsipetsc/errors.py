@@ -56,7 +56,7 @@ class Interrupted(KeyboardInterrupt):
 
 
 def petsc_words(error: BaseException) -> str:
-    """PETSc's words without its list of routines, "[0] TSSolve() at file:line" and so on."""
+    """Return PETSc's words without its list of routines, "[0] TSSolve() at file:line" and so on."""
     lines = [line.split("] ", 1)[-1] for line in str(error).splitlines()[1:]]
     reason = "; ".join(line for line in lines if "() at " not in line)
     return f"PETSc error {getattr(error, 'ierr', '')}" + (f": {reason}" if reason else "")

@@ -9,7 +9,7 @@ from helpers import message, solve
 import fsipetsc
 from fsipetsc.scheme.conservation_check import Drifts
 from fsipetsc.stepping.integrator import CHECKED
-from fsipetsc.stepping.ledgers import Ledgers
+from fsipetsc.stepping.soundness import Ledgers
 
 
 def test_box_keeps_all_that_must_not_change(tmp_path):

@@ -38,7 +38,7 @@ __all__ = [
 def groups(
     case: Any, extra: Sequence[Option] = (), inherited: Mapping[str, Any] | None = None
 ) -> dict[str, tuple[Option, ...]]:
-    """Heading -> options of a case, their defaults those in force for it.
+    """Return heading -> options of a case, their defaults those in force for it.
 
     extra: options of a command. inherited: values of a checkpoint, which stand for the defaults.
     InputError if the case's OPTIONS or DEFAULTS do not fit.
@@ -80,12 +80,12 @@ def groups(
 
 
 def table(case: Any) -> dict[str, Option]:
-    """Name in lower case -> option with the default in force, for every option of a case."""
+    """Return name in lower case -> option with the default in force, for every option of a case."""
     return {option.name.lower(): option for found in groups(case).values() for option in found}
 
 
 def defaults(case: Any) -> dict[str, Any]:
-    """Name -> default in force for every option of a case; REQUIRED if the user must give it."""
+    """Return name -> default in force for every option of a case; REQUIRED if it must be given."""
     return {option.name: option.default for option in table(case).values()}
 
 
@@ -108,8 +108,8 @@ def is_option(word: str) -> bool:
 
 
 def given_options(words: Sequence[str]) -> dict[str, str]:
-    """Name in lower case -> text, "" without a value, of the options that were given, each under
-    the name that the tables have.
+    """Return name in lower case -> text, "" without a value, of the options that were given, each
+    under the name that the tables have.
 
     PETSc, which runs, reads PETSC_OPTIONS, then the words of the command line, and the files that
     either names. Its database is empty afterwards. Not collective. InputError for what PETSc does
@@ -138,7 +138,7 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
 
 
 def present() -> dict[str, str]:
-    """Name -> text of all options in PETSc's database; "" if there is no value."""
+    """Return name -> text of all options in PETSc's database; "" if there is no value."""
     from petsc4py import PETSc
 
     database = PETSc.Options()
@@ -163,7 +163,8 @@ def read_options(
     extra: Sequence[Option] = (),
     inherited: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
-    """Name -> typed value of every option in force; PETSc, which runs, gets those it is to follow.
+    """Return name -> typed value of every option in force; PETSc, which runs, gets those it is to
+    follow.
 
     given: what the user gave (``given_options``). inherited: values of a checkpoint, as JSON has
     them, which stand for the defaults. Not collective; the same on all ranks. InputError for an
@@ -195,8 +196,8 @@ def read_options(
 def read_table(
     sections: Mapping[str, Sequence[Option]], given: Mapping[str, str]
 ) -> dict[str, Any]:
-    """Name -> typed value of the options of a command: heading -> options, as ``groups`` has them.
-    InputError for an unknown name or a bad value.
+    """Return name -> typed value of the options of a command: heading -> options, as ``groups`` has
+    them. InputError for an unknown name or a bad value.
     """
     options = {option.name: option for found in sections.values() for option in found}
     known = [*options, *all_options.PASSED_ON]
@@ -211,7 +212,7 @@ def read_table(
 
 
 def _nearest(name: str, names: Iterable[str]) -> str:
-    """A hint in brackets for a name that is none of the names."""
+    """Return a hint in brackets for a name that is none of the names."""
     if "=" in name:
         return " (write '-name value', without =)"
     spelt = {known.lower(): known for known in names}

@@ -31,7 +31,7 @@ _BOUNDS = {"positive": " above 0", "nonnegative": " not below 0"}
 
 
 def above_one(value: float) -> str | None:
-    """A check, of ratios of specific heats and of Mach numbers."""
+    """Check a ratio of specific heats or a Mach number."""
     return None if value > 1 else "a number above 1"
 
 
@@ -75,13 +75,13 @@ class Option:
                 raise TypeError(f"option {self.name!r}: expected {expected}")
 
     def parse(self, text: str) -> Any:
-        """The value that a text from the options database stands for; InputError if it is none."""
+        """Return the value that a text from the options database stands for. InputError."""
         if text == "" and self.kind != "bool":
             raise InputError(f"-{self.name} needs a value: {self.expected()}")
         return self.checked(text.strip(), f"bad value {text[:80]!r} for -{self.name}")
 
     def checked(self, value: Any, said: str) -> Any:
-        """A text or a Python value as this option's type. InputError that begins with ``said``."""
+        """Return a value as this option's type. InputError that begins with ``said``."""
         try:
             found = _as_kind(str(self.kind), value)
         except (ValueError, TypeError, OverflowError):
@@ -91,14 +91,14 @@ class Option:
         return found
 
     def expected(self) -> str:
-        """What is valid, as the end of a sentence."""
+        """Return what is valid, as the end of a sentence."""
         if self.choices is not None:
             return "one of " + ", ".join(map(str, self.choices))
         unit = f" [{self.unit}]" if self.unit else ""
         return _NOUNS[str(self.kind)] + _BOUNDS.get(str(self.check), "") + unit
 
     def _objection(self, value: Any) -> str | None:
-        """What would be valid if the value is not allowed, else None."""
+        """Return what would be valid if the value is not allowed, else None."""
         if self.choices is not None and value not in self.choices:
             return self.expected()
         if callable(self.check):
@@ -112,7 +112,7 @@ class Option:
 
 
 def floats(text: str, name: str, unit: str) -> tuple[float, ...]:
-    """The numbers of a list such as 0.1,0.25. InputError, naming the option, for other texts."""
+    """Return the numbers of a list such as 0.1,0.25. InputError that names the option."""
     try:
         found: tuple[float, ...] = _as_kind("floats", text)
     except ValueError:
@@ -122,7 +122,7 @@ def floats(text: str, name: str, unit: str) -> tuple[float, ...]:
 
 
 def _as_kind(kind: str, value: Any) -> Any:
-    """A text or a Python value as one of a kind; ValueError, TypeError, OverflowError."""
+    """Return a text or a Python value as one of a kind; ValueError, TypeError, OverflowError."""
     if kind in ("ints", "floats"):
         items = value.split(",") if isinstance(value, str) else value
         return tuple(_as_kind(kind[:-1], item) for item in items)

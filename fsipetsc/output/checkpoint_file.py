@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 
 from fsipetsc.errors import FileError
-from fsipetsc.output.file_layout import check_folder, damage, in_memory, put
+from fsipetsc.output.file_layout import damage, in_memory, put
 
 Array = np.ndarray[Any, Any]
 _MAGIC = b"fsipetsc checkpoint "
@@ -31,36 +31,26 @@ class CheckpointError(FileError):
     """A checkpoint could not be written; the result may well be."""
 
 
-class Arrays(dict[str, Array]):
-    """Name -> array of a checkpoint. FileError for one that is missing."""
-
-    def __init__(self, path: str, file: h5py.File) -> None:
-        super().__init__({name: found[...] for name, found in file.get("arrays", {}).items()})
-        self._path = path
-
-    def __missing__(self, name: str) -> Array:
-        raise FileError(f"{self._path}: the checkpoint is damaged: it has no array {name}")
+def head_of(body: bytes) -> bytes:
+    """Return what a checkpoint begins with: version, checksum and length of what follows."""
+    sha = hashlib.sha256(body).hexdigest()
+    return f"{_MAGIC.decode()}{VERSION}\n{sha}\n{len(body)}".encode().ljust(_HEAD, b"\0")
 
 
-def unpack(content: bytes, name: str) -> tuple[dict[str, Any], Arrays]:
-    """Header and arrays in a file's content. FileError if a byte is not as written."""
+def unpack(content: bytes, name: str) -> tuple[dict[str, Any], dict[str, Array]]:
+    """Return header and arrays in a file's content. FileError if a byte is not as written."""
     if not content.startswith(_MAGIC):
         raise FileError(f"{name}: is not a checkpoint of fsipetsc")
     head, body = content[:_HEAD], content[_HEAD:]
     if head != head_of(body):
         raise FileError(f"{name}: the checkpoint is damaged, or of another version of fsipetsc")
     with damage(name), h5py.File(io.BytesIO(body), "r") as file:
-        return json.loads(file["header"].asstr()[()]), Arrays(name, file)
+        arrays = {key: found[...] for key, found in file.get("arrays", {}).items()}
+        return json.loads(file["header"].asstr()[()]), arrays
 
 
-def head_of(body: bytes) -> bytes:
-    """What a checkpoint begins with: version, checksum and length of what follows."""
-    sha = hashlib.sha256(body).hexdigest()
-    return f"{_MAGIC.decode()}{VERSION}\n{sha}\n{len(body)}".encode().ljust(_HEAD, b"\0")
-
-
-def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], Arrays]:
-    """Header and arrays of a checkpoint. FileError."""
+def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Array]]:
+    """Return header and arrays of a checkpoint. FileError."""
     path = Path(path)
     try:
         content = b"" if path.exists() and not is_one(path) else path.read_bytes()
@@ -70,23 +60,11 @@ def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], Arrays]:
 
 
 def is_one(path: Path) -> bool:
-    """Whether there is a file that begins as a checkpoint does, whole or damaged. OSError."""
+    """Tell whether there is a file that begins as a checkpoint does, whole or damaged. OSError."""
     if not path.is_file():  # a pipe would wait for a writer
         return False
     with path.open("rb") as file:
         return file.read(len(_MAGIC)) == _MAGIC
-
-
-def check_place(path: str | os.PathLike[str]) -> None:
-    """FileError without a folder that can be written to, or where something else has the name."""
-    check_folder(path)
-    target = Path(os.path.realpath(path))
-    try:
-        empty = not target.exists() or (target.is_file() and not target.stat().st_size)
-        if not empty and not is_one(target):
-            raise FileError(f"{path}: exists and is not a checkpoint of fsipetsc")
-    except OSError as error:
-        raise FileError(f"{path}: cannot be read: {error.strerror}") from None
 
 
 def write(
@@ -102,5 +80,5 @@ def write(
         put(target, head_of(image.getvalue()) + image.getvalue())
     except OSError as error:
         kept = f"; the one before is kept in {target}" if target.is_file() else ""
-        reason = error.strerror or error
-        raise CheckpointError(f"{path}: the checkpoint cannot be written: {reason}{kept}") from None
+        said = f"{path}: the checkpoint cannot be written: {error.strerror or error}{kept}"
+        raise CheckpointError(said) from None

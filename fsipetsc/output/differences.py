@@ -8,19 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fsipetsc.checks import Array
-from fsipetsc.output.quantities import GAINS
+from fsipetsc.output.quantities import GAINS, unit_of
 from fsipetsc.output.reader import Layer, Run, open_run
-from fsipetsc.output.units import unit_of
-
-#: unit -> those whose products, one over the other, are its square
-MADE_OF = {
-    "m s-1": (("Pa",), ("kg m-3",)),
-    "N s": (("kg", "J"), ()),
-    "J s": (("kg", "J", "m", "m"), ()),
-    "W m-2": (("Pa", "Pa", "Pa"), ("kg m-3",)),
-}
-#: a scale is less than this part of another one with its unit only where it is round-off
-ROUND_OFF = 1e-12
 
 
 @dataclass(frozen=True)
@@ -32,8 +21,7 @@ class Difference:
         largest: largest absolute difference, in the unit of the field; inf where one of the two is
             no number; 0.0: the same bits, but for the sign of 0.
         scale: largest absolute value of the two results, in the common part; `compare` takes the
-            largest of all fields of the layer, or series, with this unit, but for times; where that
-            is round-off, the largest of all with this unit, or of what makes it.
+            largest of all fields and series with this unit, but for times.
         place: where `largest` is, in words.
     """
 
@@ -93,15 +81,7 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Co
     """
     with open_run(first) as a, open_run(second) as b:
         notes: list[str] = []
-        found: list[Difference] = []
-        frames = _common(a.time, b.time, "frames", notes)
-        if len(frames[0]):
-            found += _of_layers(a, b, frames, notes)
-        if "t" not in a.series or "t" not in b.series:
-            _both(a.series, b.series, "series", notes)
-        else:
-            steps = _common(a.series["t"], b.series["t"], "steps", notes)
-            found += _of_series(a, b, steps, notes) if len(steps[0]) else ()
+        found = [*_of_layers(a, b, notes), *_of_series(a, b, notes)]
         names = sorted({*a.options, *b.options} - {"fsi_output"})
         pairs = {name: (a.options.get(name), b.options.get(name)) for name in names}
         changed = {name: (one, two) for name, (one, two) in pairs.items() if one != two}
@@ -109,33 +89,21 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Co
 
 
 def _on_one_scale(found: list[Difference]) -> Iterator[Difference]:
-    """The same differences, with one scale for all that has one unit: round-off is no scale of its
-    own, as a component of a vector, or the velocity of a gas at rest beside sqrt(p/rho).
+    """The same differences, with one scale for all that has one unit, and sqrt(p/rho) for
+    velocities: what is round-off is no scale. A time, and what has no known unit, has its own.
     """
-    scales: dict[tuple[str, str], float] = {}
-    largest: dict[str, float] = {}
-    keys = [_sort_of(one.name) for one in found]
-    for key, one in zip(keys, found, strict=True):
-        scales[key] = max(scales.get(key, 0.0), one.scale)
-        largest[key[1]] = max(largest.get(key[1], 0.0), one.scale)
-    for unit, (above, below) in MADE_OF.items():
-        product, divisor = (math.prod(largest.get(one, 0.0) for one in of) for of in (above, below))
-        if divisor:
-            largest[unit] = max(largest.get(unit, 0.0), math.sqrt(product / divisor))
-    for key, one in zip(keys, found, strict=True):
-        own, every = scales[key], largest[key[1]]
-        yield replace(one, scale=own if own > ROUND_OFF * every else every)
-
-
-def _sort_of(name: str) -> tuple[str, str]:
-    """Layer and unit, which have one scale; a time and what has no known unit have their own."""
-    layer, _, field = name.rpartition(": ")
-    unit = unit_of(field)
-    return layer, field if unit in ("", "s") else unit
+    units = [unit_of(one.name.rpartition(": ")[2]) for one in found]
+    units = [one.name if unit in ("", "s") else unit for one, unit in zip(found, units)]
+    scales: dict[str, float] = {}
+    for unit, one in zip(units, found):
+        scales[unit] = max(scales.get(unit, 0.0), one.scale)
+    if density := scales.get("kg m-3"):
+        scales["m s-1"] = max(scales["m s-1"], math.sqrt(scales["Pa"] / density))
+    return (replace(one, scale=scales[unit]) for unit, one in zip(units, found))
 
 
 def difference(name: str, a: Array, b: Array, times: Array) -> Difference:
-    """Of two arrays of one shape, whose first index is that of `times`; two NaNs are equal."""
+    """Compare two arrays whose first index is that of `times`; two NaNs are equal."""
     gap = np.where((a == b) | (np.isnan(a) & np.isnan(b)), 0.0, np.abs(a - b))
     gap = np.where(np.isnan(gap), np.inf, gap)
     scale = max(float(np.abs(v[np.isfinite(v)]).max(initial=0.0)) for v in (a, b))
@@ -148,7 +116,7 @@ def difference(name: str, a: Array, b: Array, times: Array) -> Difference:
 
 
 def diff(first: str, second: str) -> str:
-    """What the command prints. FileError."""
+    """Return what the command prints. FileError."""
     comparison = compare(first, second)
     different = [found for found in comparison.differences if found.largest > 0.0]
     lines = [f"{'':30}{'largest':>12}{'relative':>12}{'ulp':>12}"] if different else []
@@ -165,10 +133,8 @@ def diff(first: str, second: str) -> str:
     return "\n".join(lines)
 
 
-_Common = tuple[Array, Array, Array]  # times that are in both, and where they are in either
-
-
-def _common(a: Array, b: Array, what: str, notes: list[str]) -> _Common:
+def _common(a: Array, b: Array, what: str, notes: list[str]) -> tuple[Array, Array, Array]:
+    """Return the times that are in both, and their numbers in either."""
     times, in_a, in_b = np.intersect1d(a, b, return_indices=True)
     if not len(times) == len(a) == len(b):
         notes.append(f"{len(a)} and {len(b)} {what}, {len(times)} of them at the same times")
@@ -176,15 +142,15 @@ def _common(a: Array, b: Array, what: str, notes: list[str]) -> _Common:
 
 
 def _both(a: Iterable[str], b: Iterable[str], what: str, notes: list[str]) -> list[str]:
-    """The names that are in both; the others are noted."""
+    """Return the names that are in both; the others are noted."""
     if alone := sorted({*a} ^ {*b}):
         notes.append(f"{what} in one of them only: {', '.join(alone)}")
     return [name for name in a if name not in alone]
 
 
-def _of_layers(a: Run, b: Run, common: _Common, notes: list[str]) -> Iterator[Difference]:
-    times, in_a, in_b = common
-    for name in _both(a.blocks, b.blocks, "layer", notes):
+def _of_layers(a: Run, b: Run, notes: list[str]) -> Iterator[Difference]:
+    times, in_a, in_b = _common(a.time, b.time, "frames", notes)
+    for name in _both(a.blocks, b.blocks, "layer", notes) if len(times) else ():
         layer, other = a.blocks[name], b.blocks[name]
         nodes = common_nodes(layer, other, notes)
         if nodes is None:
@@ -201,10 +167,12 @@ def _of_layers(a: Run, b: Run, common: _Common, notes: list[str]) -> Iterator[Di
             yield difference(f"{name}: {field}", one, two, times)
 
 
-def _of_series(a: Run, b: Run, common: _Common, notes: list[str]) -> Iterator[Difference]:
-    times, in_a, in_b = common
-    others = not len(times) == len(a.series["t"]) == len(b.series["t"])
-    for name in _both(a.series, b.series, "series", notes):
+def _of_series(a: Run, b: Run, notes: list[str]) -> Iterator[Difference]:
+    names, none = _both(a.series, b.series, "series", notes), np.empty(0)
+    t, other_t = a.series.get("t", none), b.series.get("t", none)
+    times, in_a, in_b = _common(t, other_t, "steps", notes)
+    others = not len(times) == len(t) == len(other_t)
+    for name in names if len(times) else ():
         one, two = (summed(run, name) if others else run.series[name] for run in (a, b))
         one, two = one[in_a], two[in_b]
         if others and name in GAINS:  # one result may begin later
@@ -216,14 +184,14 @@ def _of_series(a: Run, b: Run, common: _Common, notes: list[str]) -> Iterator[Di
 
 
 def summed(run: Run, name: str) -> Array:
-    """A series; of what steps bring the sum since the beginning, which other steps have, too."""
+    """Return a series; of what steps bring, the sum since the beginning."""
     series = run.series[name]
     return np.cumsum(series, axis=0) if name in GAINS else series
 
 
 def common_nodes(a: Layer, b: Layer, notes: list[str]) -> tuple[Array, Array] | None:
-    """Numbers of the nodes of either layer that are at the same places, to a billionth of what the
-    layer spans; None if there are none. `notes` tell so, and of another grid.
+    """Return numbers of the nodes of either layer that are at the same places, to a billionth of
+    what the layer spans; None if there are none. `notes` tell so, and of another grid.
     """
     one, two = (layer.places.reshape(-1, len(layer.shape)) for layer in (a, b))
     within = 1e-9 * np.ptp(one, axis=0).max() if one.size else 1.0

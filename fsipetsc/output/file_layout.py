@@ -22,7 +22,6 @@ The columns of a layer are its fields, then x where that is not a field. HDF5's 
 checksums (format of HDF5 1.10): a changed byte there is an error and not a crash.
 """
 
-import errno
 import io
 import os
 from collections.abc import Iterator, Mapping
@@ -34,7 +33,6 @@ from typing import Any
 import h5py
 
 from fsipetsc.errors import FileError
-from fsipetsc.scheme.observables import SERIES
 
 FORMAT, VERSION = "fsipetsc result", 4
 LIBVER = ("v110", "v110")
@@ -80,28 +78,14 @@ def in_memory() -> Iterator[tuple[h5py.File, io.BytesIO]]:
         yield file, image
 
 
-def write_whole(path: Path, content: bytes, room: int = 0) -> None:
-    """Write a file, with room for more bytes after it, to the disk. OSError.
-
-    HDF5 crashes when it closes a file on a full disk, so what it will need is reserved before.
-    """
-    with open(path, "wb") as file:
-        file.write(content)
-        file.flush()
-        if room and hasattr(os, "posix_fallocate"):
-            try:
-                os.posix_fallocate(file.fileno(), len(content), room)
-            except OSError as error:
-                if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):  # else it is not known
-                    raise
-        os.fsync(file.fileno())
-
-
 def put(path: Path, content: bytes) -> None:
     """Make this the content of a file. OSError: then what was there is unchanged."""
     draft = path.with_name(f".{path.name}.new")
     try:
-        write_whole(draft, content)
+        with open(draft, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
         os.replace(draft, path)
     except OSError:
         with suppress(OSError):
@@ -109,13 +93,8 @@ def put(path: Path, content: bytes) -> None:
         raise
 
 
-def columns_kind(series: str) -> str:
-    """What the columns of a series are of, a name of ``columns_of``; "" where it has none."""
-    return SERIES[series].of if series in SERIES else ""
-
-
 def columns_of(header: Mapping[str, Any]) -> dict[str, list[str]]:
-    """What columns of series may be of -> the names of these in a run."""
+    """Return what columns of series may be of -> the names of these in a run."""
     layers, points = header["layers"], header.get("points", ())
     return {
         "interface": list(header.get("interfaces", ())),
@@ -127,13 +106,13 @@ def columns_of(header: Mapping[str, Any]) -> dict[str, list[str]]:
 
 
 def columns(layer: Mapping[str, Any]) -> tuple[str, ...]:
-    """Names of the stored columns of a layer of the header."""
+    """Return names of the stored columns of a layer of the header."""
     fields = tuple(layer["fields"])
     return fields if "x" in fields else (*fields, "x")
 
 
 def beside(path: str | os.PathLike[str], ending: str) -> Path:
-    """NAME with another ending for NAME.h5; a name without .h5 is NAME as it is."""
+    """Return NAME with another ending for NAME.h5; a name without .h5 is NAME as it is."""
     path = Path(path)
     return path.with_name(f"{path.name.removesuffix('.h5')}{ending}")
 
@@ -150,12 +129,9 @@ def check_folder(path: str | os.PathLike[str]) -> None:
 
 @contextmanager
 def writing(target: Path, what: str = "the picture") -> Iterator[None]:
-    """Make the directory of a file that is written within; what: it is. FileError."""
+    """Make the directory of a file that is written within, and name the file in a FileError."""
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         yield
     except OSError as error:
-        there = next(filter(os.path.exists, target.parents), target.parent)
-        is_file = os.path.exists(there) and not os.path.isdir(there)
-        reason = f"{there} is not a directory" if is_file else error.strerror or error
-        raise FileError(f"{target}: cannot write {what}: {reason}") from error
+        raise FileError(f"{target}: cannot write {what}: {error.strerror or error}") from error

@@ -3,7 +3,6 @@ stands at their faces.
 """
 
 from collections.abc import Sequence
-from dataclasses import fields
 from itertools import product
 from math import ceil
 from pathlib import Path
@@ -28,7 +27,6 @@ FACES: dict[str, dict[str, Any]] = {
     "join": {"color": style.BLACK, "linewidth": 1.2, "linestyle": (0, (4, 3))},
     "interface": {"color": style.BLACK, "linewidth": 2.0},
 }
-LONGEST = 16  # letters of a condition with its data in a picture; of a longer one the name is shown
 
 
 class Outline(NamedTuple):
@@ -47,12 +45,12 @@ class Outline(NamedTuple):
 
     @property
     def spacing(self) -> list[tuple[float, float]]:
-        """Least and largest distance of neighbours along each axis [m], on the lines."""
+        """Return least and largest distance of neighbours along each axis [m], on the lines."""
         apart = (np.linalg.norm(np.diff(line), axis=0) for line in self.lines)
         return [(float(h.min()), float(h.max())) for h in apart]
 
     def edges(self, axis: int, side: int) -> list[Array]:
-        """The lines (d, n) around a face; in two dimensions the face itself."""
+        """Return the lines (d, n) around a face; in two dimensions the face itself."""
         found, axes = [], range(len(self.lines))
         for along in (k for k in axes if k != axis):
             ends = ([-side] if k == axis else [0, -1] for k in axes if k != along)
@@ -61,13 +59,13 @@ class Outline(NamedTuple):
 
 
 def outlines(problem: Problem | BlockProblem, h: float) -> list[Outline]:
-    """Those of all blocks, or of layers with the spacing h [m]. InputError where h does not fit."""
+    """Return all blocks, or layers with the spacing h [m]. InputError where h does not fit."""
     of = _of_block if isinstance(problem, BlockProblem) else _of_layer
     return [of(problem, k, h) for k in range(len(problem.layers))]
 
 
 def _some(n: int) -> Array:
-    """Numbers of about LINES of n nodes, at equal steps but for the last one."""
+    """Return numbers of about LINES of n nodes, at equal steps but for the last one."""
     return np.union1d(np.arange(0, n, ceil(n / LINES)), [n - 1])
 
 
@@ -86,40 +84,27 @@ def _of_block(problem: BlockProblem, k: int, h: float) -> Outline:
             text = f"{'periodic' if shifted else kind} with {other.name}"
             sides[face] = "condition" if shifted else kind, text
         else:
-            sides[face] = "condition", condition_text(met)
+            sides[face] = "condition", type(met).__name__
     return Outline(block.name, block.kind, block.shape, lines, sides)
 
 
 def _of_layer(problem: Problem, k: int, h: float) -> Outline:
-    """A layer of the paper's method, whose nodes are counted from its interface."""
+    """Return a layer of the paper's method, whose nodes are counted from its interface."""
     layer, sides = problem.layers[k], {}
     gas, (begin, end) = layer.kind == "fluid", layer.X
     steps = h * np.arange(1 + (ceil((end - begin) / h - 1e-9) if gas else layer.fitting(h)))
     X = end - steps[::-1] if gas and k == 0 else begin + steps
     for side in (0, 1):
         if (stands := problem.end(k, side)) is not None:
-            sides[0, side] = "condition", condition_text(stands)
+            sides[0, side] = "condition", type(stands).__name__
         else:
             other = problem.layers[k + 2 * side - 1].name
             sides[0, side] = "interface", f"interface with {other}"
     return Outline(layer.name, layer.kind, X.shape, [X[None]], sides)
 
 
-def condition_text(condition: Any) -> str:
-    """A condition with what is given, as "NoSlip(T=300)"; functions of place and time are f."""
-
-    def short(value: Any) -> str:
-        if isinstance(value, (tuple, list)):
-            return f"({', '.join(map(short, value))})"
-        return "f" if callable(value) else f"{value:g}" if isinstance(value, float) else str(value)
-
-    values = [(f, getattr(condition, f.name)) for f in fields(condition)]
-    given = (f"{f.name}={short(value)}" for f, value in values if value != f.default)
-    return f"{type(condition).__name__}({', '.join(given)})"
-
-
 def geometry_rows(found: Sequence[Outline], m: str) -> Rows:
-    """The table; m: what follows a length, its unit or nothing."""
+    """Return what the blocks have, a row for each and for each axis; m: what follows a length."""
 
     def span(sizes: Sequence[float]) -> str:
         least, most = min(sizes), max(sizes)
@@ -142,7 +127,7 @@ def geometry_rows(found: Sequence[Outline], m: str) -> Rows:
 
 
 def draw_geometry(target: Path, found: Sequence[Outline], title: str, axes: Sequence[str]) -> Path:
-    """Write it; axes: labels of the coordinates. FileError."""
+    """Write the picture; axes: labels of the coordinates. FileError."""
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
@@ -166,7 +151,7 @@ def draw_geometry(target: Path, found: Sequence[Outline], title: str, axes: Sequ
 
 
 def _strip(one: Outline) -> Outline:
-    """A block in one dimension as one of two."""
+    """Return a block in one dimension as one of two."""
     x, y = one.lines[0][0], np.array([0.0, 0.5, 1.0])
     along = np.stack(np.meshgrid(x, y[::2]))
     across = np.stack(np.meshgrid(x[_some(x.size)], y, indexing="ij"))
@@ -174,7 +159,7 @@ def _strip(one: Outline) -> Outline:
 
 
 def _draw_block(view: style.Axes, one: Outline) -> None:
-    """Faces with their conditions; grid lines, or in three dimensions the edges."""
+    """Draw faces with their conditions; grid lines, or in three dimensions the edges."""
     color, d = style.COLORS[one.kind], len(one.lines)
     X = one.lines[0]
     near = [X[(slice(None), *((n - k) // 2 for n in X.shape[1:]))] for k in (0, 1)]
@@ -192,18 +177,14 @@ def _draw_block(view: style.Axes, one: Outline) -> None:
         look = {"color": color, "zorder": 3 + list(FACES).index(kind), **FACES[kind]}
         for line in (edges := one.edges(*face)):
             view.plot(*line, label="" if kind == "condition" else kind, **look)
-        if kind == "condition":
-            place = np.mean([line[:, line.shape[1] // 2] for line in edges], axis=0)
-            shown = text if len(text) <= LONGEST else text.split("(")[0]
-            _write(view, shown, place, place - centre)
-
-
-def _write(view: style.Axes, text: str, place: Array, outwards: Array) -> None:
-    """What stands at a face, in two dimensions outside of the block and along the face."""
-    look = {"fontsize": 7, "ha": "center", "va": "center", "zorder": 9}
-    if place.size == 3:
-        view.text(*place, text, **look)
-    else:
-        look["rotation"] = 90 * (abs(outwards[0]) > abs(outwards[1]))
-        beside = 8.0 * outwards / np.linalg.norm(outwards)
-        view.annotate(text, place, beside, textcoords="offset points", **look)
+        if kind != "condition":
+            continue
+        look = {"fontsize": 7, "ha": "center", "va": "center", "zorder": 9}
+        place = np.mean([line[:, line.shape[1] // 2] for line in edges], axis=0)
+        if d == 3:
+            view.text(*place, text, **look)
+        else:  # outside of the block and along the face
+            outwards = place - centre
+            look["rotation"] = 90 * (abs(outwards[0]) > abs(outwards[1]))
+            beside = 8.0 * outwards / np.linalg.norm(outwards)
+            view.annotate(text, place, beside, textcoords="offset points", **look)

@@ -20,6 +20,7 @@ import numpy as np
 from fsipetsc.errors import FileError
 from fsipetsc.output import file_layout as layout
 from fsipetsc.output.file_layout import columns, damage, open_h5
+from fsipetsc.scheme.observables import SERIES
 
 Array = np.ndarray[Any, Any]
 Layers = Sequence[Mapping[str, Any]]  # as in the header
@@ -40,12 +41,12 @@ class Kept(NamedTuple):
 
 
 def file_of(folder: Path, number: int, ending: str = ".h5") -> Path:
-    """The piece of a number, from 1 on."""
+    """Return the piece of a number, from 1 on."""
     return folder / f"{number:06d}{ending}"
 
 
 def pieces(folder: Path) -> list[Path]:
-    """The finished pieces in their order, up to the first that is missing."""
+    """Return the finished pieces in their order, up to the first that is missing."""
     return [*itertools.takewhile(Path.exists, (file_of(folder, k) for k in itertools.count(1)))]
 
 
@@ -56,12 +57,12 @@ def clear(folder: Path) -> None:
 
 
 def text_of(about: Mapping[str, Any]) -> bytes:
-    """The text of header.json."""
+    """Return the text of header.json."""
     return json.dumps({"format": layout.FORMAT, "version": layout.VERSION, **about}).encode()
 
 
 def read_about(path: Path, name: str = "") -> dict[str, Any]:
-    """What is known of the run of NAME.h5 or NAME.parts. FileError with the name; OSError."""
+    """Return what is known of the run of NAME.h5 or NAME.parts. FileError, OSError."""
     if path.is_dir():
         text: Any = (path / "header.json").read_bytes()
     else:
@@ -80,7 +81,7 @@ def read_about(path: Path, name: str = "") -> dict[str, Any]:
 
 
 def run_of(path: Path) -> str | None:
-    """The mark by which a result and its checkpoints know each other, if any. FileError."""
+    """Return the mark by which a result and its checkpoints know each other, if any. FileError."""
     if path.is_file() and not h5py.is_hdf5(path):
         return None
     with damage(str(path)):
@@ -109,80 +110,69 @@ class Contents:
 
     header         of the result
     time, t        times of the frames, times after the steps
-    nframes, rows  numbers of frames and of steps
     series         name -> shape of what is known of a step
     X              of each layer its grid; empty where there are no frames
     """
 
     def __init__(self, files: Sequence[Path], header: Mapping[str, Any]) -> None:
-        layers: Layers = header["layers"]
-        self.nframes = self.rows = 0
-        self._widths = {name: len(of) for name, of in layout.columns_of(header).items()}
+        self._layers = [(columns(layer), tuple(layer["shape"])) for layer in header["layers"]]
+        self._widths = {of: (len(names),) for of, names in layout.columns_of(header).items()}
         self.time, self.t = np.empty(0), np.empty(0)
-        self.X = [np.empty(0) for _ in layers]
-        self._columns = [columns(layer) for layer in layers]
-        self._shapes = [tuple(layer["shape"]) for layer in layers]
+        self.X = [np.empty(0) for _ in self._layers]
         self.series: dict[str, tuple[int, ...]] = {}
         self._counts: list[tuple[Path, int, int]] = []  # of frames and steps in each file
         for path in files:
-            self._add(path)
-        if not np.all(np.diff(self.time, prepend=-np.finfo(float).tiny) > 0):
+            with open_h5(path) as file:
+                self._add(path, file)
+        before = -np.finfo(float).tiny
+        if not np.all(np.diff(self.time, prepend=before) > 0):
             raise ValueError("the times of its frames are not ascending numbers")
-
-    def _add(self, path: Path) -> None:
-        """Note what a file holds."""
-        with open_h5(path) as file:
-            frames, rows = map(int, file.attrs.get("first", (0, 0)))
-            if frames > self.nframes or rows > self.rows:
-                raise ValueError(f"what comes before {path.name} is missing")
-            self._give_up(frames, rows)
-            time, (t, series) = _numbers(file, "time", None)[...], self._series(file)
-            for k in range(len(self.X)) if len(time) else ():
-                self._check_layer(file[f"layer{k}"], k, len(time))
-        if series and series != (self.series or series):
-            raise ValueError("its series do not fit together")
-        self.series = self.series or series
-        self._counts.append((path, len(time), len(t)))
-        self.time, self.t = np.concatenate([self.time, time]), np.concatenate([self.t, t])
-        self.nframes, self.rows = len(self.time), len(self.t)
-
-    def _give_up(self, frames: int, rows: int) -> None:
-        """Keep so many: a restart has computed again what came after them."""
-        self.time, self.t = self.time[:frames], self.t[:rows]
-        before, self._counts = self._counts, []
-        for path, n, m in before:
-            self._counts.append((path, min(n, frames), min(m, rows)))
-            frames, rows = frames - self._counts[-1][1], rows - self._counts[-1][2]
-
-    def _series(self, file: h5py.File) -> tuple[Array, dict[str, tuple[int, ...]]]:
-        """Times of steps; name of a series -> shape of what is known of a step, in their order."""
-        shapes: dict[str, tuple[int, ...]] = {}
-        if "series" not in file:
-            return np.empty(0), shapes
-        group = file["series"]
-        t, dt = (_numbers(group, name, None)[...] for name in ("t", "dt"))
-        # a list: HDF5, asked for the names, crashes where a byte of a larger group has changed
-        for name in [name.decode() for name in group.attrs.get(_NAMES, ())] or [*group]:
-            width = self._widths.get(layout.columns_kind(name))
-            shapes[name] = () if width is None else (width,)
-            _numbers(group, name, len(t), *shapes[name])
-        if not np.all(np.diff([*self.t[-1:], *t]) >= 0) or not np.all(dt >= 0):
+        if not np.all(np.diff(self.t, prepend=before) >= 0):
             raise ValueError("the times of its steps are not ascending numbers")
-        return t, shapes
+
+    nframes = property(lambda self: len(self.time))
+    rows = property(lambda self: len(self.t))
+
+    def _add(self, path: Path, file: h5py.File) -> None:
+        """Note what a file holds. A restart has computed again what files before have from its
+        first frame and step on.
+        """
+        frames, rows = map(int, file.attrs.get("first", (0, 0)))
+        if frames > self.nframes or rows > self.rows:
+            raise ValueError(f"what comes before {path.name} is missing")
+        time, t = _numbers(file, "time", None)[...], np.empty(0)
+        if "series" in file:
+            # a list: HDF5, asked for names, crashes where a byte of a larger group has changed
+            names = [name.decode() for name in file["series"].attrs.get(_NAMES, ())]
+            t = _numbers(file, "series/t", None)[...]
+            for name in names or [*file["series"]]:
+                of = SERIES[name].of if name in SERIES else ""
+                self.series[name] = self._widths.get(of, ())
+                _numbers(file, f"series/{name}", len(t), *self.series[name])
+        for k in range(len(self.X)) if len(time) else ():
+            self._check_layer(file[f"layer{k}"], k, len(time))
+        self.time, self.t = (
+            np.concatenate([old[:kept], new])
+            for old, kept, new in ((self.time, frames, time), (self.t, rows, t))
+        )
+        for i, (other, n, m) in enumerate(self._counts):
+            self._counts[i] = other, min(n, frames), min(m, rows)
+            frames, rows = max(0, frames - n), max(0, rows - m)
+        self._counts.append((path, len(time), len(t)))
 
     def _check_layer(self, group: h5py.Group, k: int, count: int) -> None:
         """Layer k has its grid, and as many frames as it should, of this size."""
-        names, shape = self._columns[k], self._shapes[k]
+        names, shape = self._layers[k]
         if not len(self.X[k]):
             size = shape if len(group["X"].shape) == 1 else (math.prod(shape), len(shape))
             self.X[k] = X = _numbers(group, "X", *size)[...]
             if not np.isfinite(X).all() or (len(shape) == 1 and np.any(np.diff(X, axis=0) <= 0)):
                 raise ValueError(f"the grid in layer{k} is not ascending numbers")
-        wanted = dict.fromkeys(names, (count, *shape))
         if "frames" in group:
-            wanted = {"frames": (len(self.X[k]), count * len(names))}
-        for name, size in wanted.items():
-            _numbers(group, name, *size)
+            _numbers(group, "frames", len(self.X[k]), count * len(names))
+        else:
+            for name in names:
+                _numbers(group, name, count, *shape)
 
     def copy_series(self, into: Mapping[str, Any]) -> None:
         """Put series into these arrays or datasets, file by file."""
@@ -194,7 +184,7 @@ class Contents:
             begin += count
 
     def frames(self, k: int, names: Sequence[str], first: int, end: int) -> list[Array]:
-        """(end - first, n) of each of these columns of layer k."""
+        """Return (end - first, n) of each of these columns of layer k."""
         found: list[list[Array]] = [[] for _ in names]
         for path, count, _ in self._counts:
             a, b = max(first, 0), min(end, count)  # of this file
@@ -208,16 +198,17 @@ class Contents:
         return [p[0] if len(p) == 1 else np.concatenate([none, *p]) for p in found]
 
     def _rows(self, group: h5py.Group, k: int, names: Sequence[str], a: int, b: int) -> list[Array]:
-        """(b - a, n) of each column, from frame a of a file on."""
+        """Return (b - a, n) of each column, from frame a of a file on."""
         if "frames" not in group:
             return [group[name][a:b].reshape(b - a, -1) for name in names]
-        width = len(self._columns[k])
-        table = group["frames"][:, a * width : b * width].reshape(-1, b - a, width)
-        return [table[..., self._columns[k].index(name)].T for name in names]
+        stored, _ = self._layers[k]
+        table = group["frames"][:, a * len(stored) : b * len(stored)]
+        table = table.reshape(-1, b - a, len(stored))
+        return [table[..., stored.index(name)].T for name in names]
 
 
 def _numbers(group: h5py.Group, name: str, *shape: int | None) -> h5py.Dataset:
-    """A dataset of numbers of this shape, in which None is any length. ValueError."""
+    """Return a dataset of numbers of this shape, in which None is any length. ValueError."""
     found = group[name]
     fits = all(n in (None, m) for n, m in zip(shape, found.shape))
     if found.dtype.kind not in "iuf" or len(shape) != found.ndim or not fits:
@@ -251,8 +242,14 @@ def lay_out(
             file.create_dataset(name, shape, "f8", chunks=None if first is None else chunks)
         if first is not None:
             file.attrs["first"] = first
+    content = image.getvalue()
     room = sum(8 * math.prod(shape) + 1024 for shape in shapes.values())
-    layout.write_whole(path, image.getvalue(), room + _SPARE)
+    with open(path, "wb") as file:
+        file.write(content)
+        file.flush()
+        # HDF5 crashes when it closes a file on a full disk, so what it needs is reserved before
+        if hasattr(os, "posix_fallocate"):
+            os.posix_fallocate(file.fileno(), len(content), room + _SPARE)
 
 
 def publish(draft: Path) -> None:

@@ -1,20 +1,67 @@
-"""What can be drawn of a run: its labels, and how it follows from what is stored."""
+"""Labels and units of what is stored and recorded; what can be drawn; a result for xarray."""
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
-from fsipetsc.output.reader import Run
-from fsipetsc.output.units import FIELDS, unit_of, written
-from fsipetsc.scheme.observables import GAIN, SERIES
+from fsipetsc.output.file_layout import columns_of
+from fsipetsc.scheme.observables import GAIN, INTEGRAL, SERIES
 
+Run = Any  # fsipetsc.output.reader.Run, which imports this module
+#: fields -> their label, "" where they are not drawn, and unit; *: their name or axes
+_TABLE = {
+    "u v w": ("velocity *", "m s-1"),
+    "T": ("temperature T", "K"),
+    "p": ("pressure p", "Pa"),
+    "rho": ("density ρ", "kg m-3"),
+    "schlieren": ("schlieren, √|∇ρ|", "kg½ m-2"),
+    "sigma": ("stress σ", "Pa"),
+    "sigma_theta": ("hoop stress σ_θ", "Pa"),
+    "strain": ("strain ∂x/∂X − 1", ""),
+    "s_xx s_yy s_zz s_xy s_yz s_xz": ("stress σ_*", "Pa"),
+    "J": ("", "1"),
+    "x y z": ("", "m"),
+}
+#: field -> (label, unit)
+FIELDS = {
+    name: (label.replace("*", name.removeprefix("s_")), unit)
+    for names, (label, unit) in _TABLE.items()
+    for name in names.split()
+}
 #: series of what a step brought, not of what there is after it
 GAINS = [name for name, one in SERIES.items() if one.kind == GAIN]
 #: fields of blocks whose mean is drawn beside the pressure
 _NORMAL = "s_xx", "s_yy", "s_zz", "sigma_theta"
+
+
+def unit_of(name: str, run: Run | None = None) -> str:
+    """Return unit of a field or series, as "kg m-3"; "" where it is not known, "1" of a run without
+    units.
+
+    Those of integrals are per area in one dimension, and so on, where the run is given.
+    """
+    one = SERIES.get(name)
+    unit = one.unit if one else FIELDS.get(name, ("", ""))[1]
+    if run is not None and not is_si(run):
+        return unit and "1"
+    if run is not None and one and one.kind in (INTEGRAL, GAIN):
+        # around an axis integrals are per length, around a centre per nothing
+        space = run.dimension + int(run.header.get("symmetry", 0))
+        unit += {1: " m-2", 2: " m-1", 3: ""}[space]
+    return unit
+
+
+def is_si(run: Run) -> bool:
+    """False if the case is dimensionless."""
+    return bool(run.header.get("units", "SI") == "SI")
+
+
+def written(unit: str) -> str:
+    """Return a unit as labels have it: "kg m-3" as kg m⁻³."""
+    return "" if unit == "1" else unit.translate(str.maketrans("-123", "⁻¹²³"))
 
 
 class Quantity(NamedTuple):
@@ -29,7 +76,7 @@ class Quantity(NamedTuple):
 
     @property
     def title(self) -> str:
-        """What is shown of gases, then of solids if that is something else."""
+        """Return what is shown of gases, then of solids if that is something else."""
         return "; ".join(dict.fromkeys(self.labels.values()))
 
     def signed(self, kind: str) -> bool:
@@ -37,12 +84,13 @@ class Quantity(NamedTuple):
         return "stress" in self.labels[kind] or self.name not in ("p", "rho", "T", "schlieren")
 
     def values(self, kind: str, fields: Mapping[str, Array]) -> Array:
-        """From the fields of a layer of this kind and X; beside the pressure of gases stands what
-        a solid pushes with, in one dimension, or the mean of its normal stresses.
+        """Return values of it, from the fields of a layer of this kind and X; beside the pressure
+        of gases stands what a solid pushes with, in one dimension, or the mean of its normal
+        stresses.
         """
-        if self.name == "p" and kind == "solid" and "sigma" in fields:
-            return fields["p"] - fields["sigma"]
         if self.name == "p" and kind == "solid":
+            if "sigma" in fields:
+                return fields["p"] - fields["sigma"]
             return np.mean([fields[name] for name in _NORMAL if name in fields], axis=0)
         if self.name == "schlieren":
             return np.sqrt(np.linalg.norm(_gradient(fields["rho"], fields), axis=-1))
@@ -52,35 +100,79 @@ class Quantity(NamedTuple):
 
 
 def _gradient(values: Array, fields: Mapping[str, Array]) -> Array:
-    """(…, d) in space, of values on a curved grid, by differences of second order."""
+    """Return the gradient (…, d) in space on a curved grid, by differences of second order."""
     places = [fields[x] for x in "xyz" if x in fields]
     along = [np.stack(np.gradient(v, edge_order=2), axis=-1) for v in (*places, values)]
     return np.linalg.solve(np.stack(along[:-1], axis=-1), along[-1][..., None])[..., 0]
 
 
 def there(run: Run) -> list[Quantity]:
-    """What can be drawn of this run."""
-    stored = {layer.kind: {*layer.fields} for layer in run.layers}
+    """Return what can be drawn of this run."""
+    stored, line = {layer.kind: {*layer.fields} for layer in run.layers}, run.dimension == 1
     found = []
     for name, (label, _) in FIELDS.items():
-        labels = {
-            kind: label for kind in ("fluid", "solid") if label and name in stored.get(kind, ())
-        }
-        if name == "schlieren" and run.dimension > 1 and "fluid" in stored:
+        labels = {kind: label for kind in ("fluid", "solid") if name in stored.get(kind, ())}
+        if name == "schlieren" and not line and "fluid" in stored:
             labels["fluid"] = label
-        if "solid" in stored and name == "p":
-            labels["solid"] = f"{'p − σ' if run.dimension == 1 else 'mean stress'} in solids"
-        if "solid" in stored and name == "strain" and run.dimension == 1:
+        if name == "p" and "solid" in stored:
+            labels["solid"] = f"{'p − σ' if line else 'mean stress'} in solids"
+        if name == "strain" and line and "solid" in stored:
             labels["solid"] = label
-        found += [Quantity(name, labels)] * bool(labels)
+        found += [Quantity(name, labels)] * bool(label and labels)
     return found
 
 
 def chosen(run: Run, names: Sequence[str]) -> list[Quantity]:
-    """Those of these names, or what a page shows where there are none. InputError."""
+    """Return those of these names, or what a page shows where there are none. InputError."""
     known = {quantity.name: quantity for quantity in there(run)}
     for name in names:
         if name not in known:
             raise InputError(f"-fields {name}: expected some of {', '.join(known)}")
     usual = ("u", "T", "p") if run.dimension == 1 else ("p",)
     return [known[name] for name in names or usual if name in known]
+
+
+def to_xarray(run: Run) -> Any:
+    """Return the dataset that `Run.to_xarray` describes, of a Run. The reference coordinates of a
+    curved block are "LAYER.X" …; the positions "LAYER.x" … are coordinates, too. A series with
+    several columns has the dimension interface, gas, layer, face or point, which has names.
+
+    Raises ImportError without xarray, FileError where the result is damaged.
+    """
+    import xarray
+
+    def about(name: str, **more: str) -> dict[str, str]:
+        unit = unit_of(name, run)
+        return {"units": unit, **more} if unit else more
+
+    variables: dict[str, Any] = {}
+    coordinates: dict[str, Any] = {"time": ("time", run.time, about("t"))}
+    if run.interfaces:
+        coordinates["interface"] = "interface", list(run.interfaces)
+    for layer in run.layers:
+        name, axes = "_".join(layer.name.split()), "XYZ"[: len(layer.shape)]
+        dimensions = [f"{axis}_{name}" for axis in axes[::-1]]
+        for axis in axes:
+            X, of_axis = getattr(layer, axis), f"{axis}_{name}"
+            long_name = about("x", long_name=f"reference coordinate {axis}")
+            if X.ndim == 1:
+                coordinates[of_axis] = of_axis, X, long_name
+            else:
+                coordinates[f"{name}.{axis}"] = dimensions, X, long_name
+        for field in layer.fields:
+            where = coordinates if field in "xyz" else variables
+            values = layer[field]
+            where[f"{name}.{field}"] = ["time", *dimensions], values, about(field, layer=layer.name)
+    names = columns_of(run.header)
+    for series, values in run.series.items():
+        dimensions = ["step"]
+        if values.ndim == 2:
+            of = SERIES[series].of
+            coordinates[of] = of, names[of]
+            dimensions.append(of)
+        variables[f"series.{series}"] = dimensions, values, about(series)
+    if "t" in run.series:
+        coordinates["t"] = "step", run.series["t"], about("t")
+    options = {f"-{name}": str(value) for name, value in run.options.items() if value is not None}
+    attributes = {"case": run.case, "complete": int(run.complete), **options}
+    return xarray.Dataset(variables, coordinates, attributes)

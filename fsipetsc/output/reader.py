@@ -59,25 +59,25 @@ class Run:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         name = os.fspath(path)
-        if name.endswith(".parts") and os.path.isdir(name):  # of a run that goes on or was killed
+        if name.endswith(".parts"):  # of a run that goes on or was killed
             name = f"{name.removesuffix('.parts')}.h5"
         self.path = os.path.abspath(name)
         path, folder = Path(self.path), beside(self.path, ".parts")
-        for again in (True, False):  # the pieces may become one file while they are read
-            whole = _is_whole(path, folder, name)
-            try:
-                with damage(name):
-                    about = read_about(path if whole else folder, name)
-                    self._take(about, [path] if whole else pieces(folder))
-            except FileNotFoundError:
-                if not again:
-                    raise FileError(f"{name}: there is no such file") from None
-            else:
-                if whole or not path.exists():
-                    return
+        whole = _is_whole(path, folder, name)
+        try:
+            self._open(path if whole else folder, name)
+        except FileNotFoundError:  # the pieces have become one file
+            self._open(path, name)
+        else:
+            if not whole and path.exists():
+                self._open(path, name)
+
+    def _open(self, path: Path, name: str) -> None:
+        with damage(name):
+            about = read_about(path, name)
+            self._take(about, [path] if path.is_file() else pieces(path))
 
     def _take(self, about: Mapping[str, Any], files: Sequence[Path]) -> None:
-        """What is known of the run, and its files."""
         self.header: dict[str, Any] = about["header"]
         self.case: str = self.header["case"]
         self.options: dict[str, Any] = self.header["options"]
@@ -86,7 +86,7 @@ class Run:
         self.points: tuple[tuple[str, tuple[float, ...]], ...] = tuple(
             (name, tuple(X)) for name, X in self.header.get("points", ())
         )
-        known = {name: self.header[name] for name in ("versions", "ranks") if name in self.header}
+        known = {name: self.header[name] for name in ("versions", "ranks")}
         self.summary: dict[str, Any] = {**known, **about["summary"]}
         self.complete = bool(about["summary"]) and self.summary.get("status", "done") == "done"
         self.errors: dict[str, dict[str, float]] = about["errors"]
@@ -99,15 +99,11 @@ class Run:
         self.blocks: dict[str, Layer] = {layer.name: layer for layer in self.layers}
 
     def _need_frames(self) -> None:
-        """FileError if no frame is saved, as in the result of a run that was killed at its start.
-
-        Without a frame nothing is known of grids either.
-        """
-        if not self.nframes:
+        if not self.nframes:  # the run was killed at its start; of grids nothing is known either
             raise FileError(f"{self.path}: no frame is saved in it")
 
     def at(self, t: float) -> int:
-        """Number of the frame saved nearest to time t.
+        """Return the number of the frame saved nearest to time t.
 
         Args:
             t: time [s].
@@ -119,7 +115,7 @@ class Run:
         return int(np.argmin(np.abs(self.time - t)))
 
     def interface(self, k: int | str) -> InterfaceLine:
-        """The line of an interface of a run in two dimensions.
+        """Return the line of an interface of a run in two dimensions.
 
         Args:
             k: its number, counted from below, or its name.
@@ -140,7 +136,8 @@ class Run:
         return InterfaceLine(names[number], solid, self.layers[solid], axis, side)
 
     def to_xarray(self) -> xarray.Dataset:
-        """All frames and series as an xarray Dataset, with dimensions, coordinates and units.
+        """Return all frames and series as an xarray Dataset, with dimensions, coordinates and
+        units.
 
         Fields are variables "LAYER.FIELD" of the dimensions time and X_LAYER (in two dimensions
         time, Y_LAYER, X_LAYER). Series are "series.NAME" of the dimension step. A blank in the name
@@ -150,9 +147,10 @@ class Run:
             ImportError: xarray is not installed.
             FileError: the result is damaged.
         """
-        from fsipetsc.output.as_xarray import to_xarray
+        from fsipetsc.output.quantities import to_xarray
 
-        return to_xarray(self)
+        dataset: xarray.Dataset = to_xarray(self)
+        return dataset
 
     def close(self) -> None:
         """Do nothing: its files are open only while something is read."""
@@ -217,12 +215,12 @@ class Layer(Mapping[str, Array]):
 
     @property
     def size(self) -> str:
-        """The size of its grid in words, as "65 by 33 points"."""
+        """Return the size of its grid in words, as "65 by 33 points"."""
         return f"{' by '.join(map(str, self.shape[::-1]))} points"
 
     @property
     def rings(self) -> tuple[int, ...]:
-        """Axes of the arrays along which the block closes where it begins, as an annulus does."""
+        """Return axes of the arrays along which the block closes, as an annulus does."""
         d, found = len(self.shape), []
         for axis in range(d):
             ends = [np.take(self.places, at, axis=axis) for at in (0, 1, -1)]
@@ -232,7 +230,8 @@ class Layer(Mapping[str, Array]):
         return tuple(found)
 
     def frame(self, number: int) -> dict[str, Array]:
-        """All fields of one frame, name -> array of `shape`. It reads less than whole fields.
+        """Return all fields of one frame, name -> array of `shape`. It reads less than whole
+        fields.
 
         Args:
             number: of the frame; negative ones count from the last frame.
@@ -262,14 +261,11 @@ class Layer(Mapping[str, Array]):
     __eq__, __hash__ = object.__eq__, object.__hash__  # Mapping's would compare all values
 
     def _read(self, what: str, names: Sequence[str], first: int, end: int) -> list[Array]:
-        """These fields in some frames; `what` they are, in messages. FileError."""
+        """Return these fields in some frames; `what` they are, in messages. FileError."""
         run = self._run
         try:
             with damage(run.path, what):
                 rows = run._contents.frames(self._number, names, first, end)
-                places = [row for name, row in zip(names, rows) if name in "xyz"]
-                if len(self.shape) > 1 and not all(np.isfinite(row).all() for row in places):
-                    raise ValueError("its places are not finite numbers")
         except FileNotFoundError:
             said = "has changed since it was opened; open it again"
             raise FileError(f"{run.path}: {said}") from None
@@ -318,7 +314,7 @@ class InterfaceLine:
 
 
 def _short(places: list[Array]) -> list[Array]:
-    """Coordinates as arrays along their own axes, if each depends on its own axis alone."""
+    """Return coordinates as arrays along their own axes, if each depends on its own axis alone."""
     rows = [np.moveaxis(X, -1 - k, -1).reshape(-1, X.shape[-1 - k]) for k, X in enumerate(places)]
     straight = all(np.ptp(row, axis=0).max() <= 1e-12 * np.ptp(row) for row in rows)
     return [row[0] for row in rows] if straight else places
@@ -340,22 +336,18 @@ def open_run(path: str | os.PathLike[str]) -> Run:
 
 
 def _is_whole(path: Path, folder: Path, name: str) -> bool:
-    """Whether there is NAME.h5, or else NAME.parts. FileError if neither is, or it is no result."""
-    what = ""
-    try:
-        if not path.exists() and (folder / "header.json").exists():
-            return False
-        if not path.is_file():  # a pipe would wait for somebody who writes
-            what = "is no regular file" if path.exists() else "there is no such file"
-        elif is_one(path):
-            what = "is a checkpoint of fsipetsc, not a result"
-        elif not h5py.is_hdf5(path):
-            what = "is not an HDF5 file"
-    except OSError as error:
-        what = f"may not be read: {error.strerror}"
-    if what:
-        raise FileError(f"{name}: {what}")
-    return True
+    """Tell whether it is NAME.h5, or else NAME.parts. FileError if it is no result."""
+    if not path.exists() and (folder / "header.json").exists():
+        return False
+    if not path.is_file():  # a pipe would wait for somebody who writes
+        what = "is no regular file" if path.exists() else "there is no such file"
+    elif is_one(path):
+        what = "is a checkpoint of fsipetsc, not a result"
+    elif not h5py.is_hdf5(path):
+        what = "is not an HDF5 file"
+    else:
+        return True
+    raise FileError(f"{name}: {what}")
 
 
 def _unknown(what: str, name: object, valid: Iterable[str]) -> str:

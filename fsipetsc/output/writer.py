@@ -15,6 +15,7 @@ from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
+from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
 from mpi4py import MPI
@@ -22,9 +23,10 @@ from petsc4py import PETSc
 
 from fsipetsc.checks import reason
 from fsipetsc.errors import FileError, FsiError, petsc_words
-from fsipetsc.output import pieces, xdmf
+from fsipetsc.output import pieces
 from fsipetsc.output.file_layout import beside, check_folder, columns, put
 from fsipetsc.output.pieces import Kept
+from fsipetsc.output.reader import Layer, Run, open_run
 from fsipetsc.process.together import together
 
 Array = np.ndarray[Any, Any]
@@ -43,13 +45,12 @@ class RunWriter:
     grids           of each layer `n`, the number of points of all ranks, and `X`, (local,) the
                     Lagrangian coordinates of those that this rank owns in ascending order, of
                     blocks (local, d) the places of the nodes; ranks own points in their order
+    take_series     hands over, on rank 0, the steps since the last time, as an array of records
+                    with "t" first, which need not stay as it is. All ranks call it
     after           what is kept of a result of this name and this run (header["run"]): the writer
                     goes on after it. Where there is none a new one begins
     checkpoint      of another run, if there is one: it gets a new name, as an earlier result does
     moved           on rank 0, old and new names of what an earlier run has left
-
-    Set `take_series` to what hands over, on rank 0, the per-step data since the last time: an array
-    of records, one per step, with "t" first. All ranks call it; its array need not stay as it is.
 
     Every failure to write is raised as FileError on all ranks.
     """
@@ -60,11 +61,11 @@ class RunWriter:
         path: str | os.PathLike[str],
         header: Mapping[str, Any],
         grids: Sequence[Mapping[str, Any]],
+        take_series: Callable[[], Array],
         after: Kept | None = None,
         checkpoint: Path | None = None,
     ) -> None:
-        self.take_series: Callable[[], Array | None] = lambda: None
-        self._comm, self._root = comm, comm.rank == 0
+        self._comm, self._root, self._take_series = comm, comm.rank == 0, take_series
         self._widths = [len(columns(layer)) for layer in header["layers"]]
         size = 8 * sum(int(grid["n"]) * width for grid, width in zip(grids, self._widths))
         self._capacity = max(1, min(FRAMES, BYTES * comm.size // max(1, size)))
@@ -79,13 +80,11 @@ class RunWriter:
         self.path = Path(os.path.realpath(path))
         self.folder = beside(self.path, ".parts")
         self.moved: list[tuple[Path, Path]] = []
-        self.nframes = self.rows = 0  # frames given, and, on rank 0, rows of the series written
-        self._number = 1  # of the next piece
+        self._number = 1
+        #: frames given; on rank 0 rows of the series written; number of the next piece
         self.nframes, self.rows, self._number = self._on_root(
             lambda: self._begin(os.fspath(path), after, checkpoint)
         )
-
-    # ------------------------------------------------------------------ what the solver calls
 
     def write_frame(self, t: float, fields: Mapping[int, Array]) -> None:
         """Save the fields at time t: of layers, by number, (local, columns) of the points of this
@@ -108,9 +107,11 @@ class RunWriter:
         """Write all that is held in memory. Collective."""
         begun = time.monotonic()
         self._take()
+        if not self._comm.bcast(bool(self._frames or self._new_rows)):
+            return
         parts = list(self._datasets())
         self._on_root(lambda: self._new_piece({name: shape for name, shape, _ in parts}))
-        if self._frames:
+        if parts:
             viewer = PETSc.ViewerHDF5()
             # HDF5 would print what it met on its way to a file that this rank cannot open
             self._together(lambda: open(self._draft, "r+b").close())
@@ -119,9 +120,11 @@ class RunWriter:
                 self._together(partial(view, self._comm, viewer, name, local))
             self._together(viewer.destroy)
             self._grids_written = True
-        self._number = self._on_root(self._publish)
-        self._frames.clear()
-        self._times.clear()
+        self._on_root(lambda: pieces.publish(self._draft))
+        self.rows += sum(map(len, self._new_rows))
+        self._number += 1
+        for written in (self._frames, self._times, self._new_rows):
+            written.clear()
         now = time.monotonic()
         # writing takes at most 2 % of the time, and a long run has at most some hundred pieces
         self._next_flush = now + max(SECONDS, 50 * (now - begun), 0.01 * (now - self._begun))
@@ -142,14 +145,14 @@ class RunWriter:
         if self._lock is not None:
             self._lock.release(remove=not (self.folder / "header.json").exists())
 
-    # ------------------------------------------------------------------ failing together
+    # failing together
 
     def _late(self) -> bool:
-        """Whether it is time to write: rank 0's clock decides for all. Collective."""
+        """Tell whether it is time to write: rank 0's clock decides for all. Collective."""
         return bool(self._comm.bcast(self._root and time.monotonic() >= self._next_flush))
 
     def _on_root(self, action: Callable[[], Result]) -> Result:
-        """The value of `action` on rank 0, for all ranks; its failure too. Collective."""
+        """Return the value of `action` on rank 0, for all ranks; its failure too. Collective."""
         return self._comm.bcast(self._together(lambda: action() if self._root else None))
 
     def _together(self, action: Callable[[], Result]) -> Result:
@@ -175,7 +178,7 @@ class RunWriter:
             self.close()
             raise
 
-    # ------------------------------------------------------------------ the files, on rank 0
+    # the files, on rank 0
 
     def _begin(
         self, path: str, after: Kept | None, checkpoint: Path | None
@@ -200,8 +203,6 @@ class RunWriter:
             del found[0]
         for file in ([] if checkpoint is None else [checkpoint]) + found:
             self.moved.append((file, set_aside(file)))
-            if file == self.path:
-                xdmf.move(*self.moved[-1])
             if file == self.folder:  # the lock has gone with it
                 self._lock.release()
                 self._lock = Lock(self.folder, str(self.path))
@@ -219,17 +220,16 @@ class RunWriter:
 
     @property
     def _draft(self) -> Path:
-        """The piece that is being written."""
         return pieces.file_of(self.folder, self._number, ".new")
 
     def _take(self) -> None:
         """Take the steps that have been made. Collective."""
-        rows = self.take_series()
-        if self._root and rows is not None and len(rows):
+        rows = self._take_series()
+        if self._root and len(rows):
             self._new_rows.append(rows.copy())
 
     def _datasets(self) -> Iterator[tuple[str, tuple[int, ...], Array]]:
-        """What the frames that are held need: name, shape, and this rank's part."""
+        """Yield what the frames that are held need: name, shape, and this rank's part."""
         for k, layer in enumerate(self._grids if self._frames else ()):
             n, X = int(layer["n"]), np.asarray(layer["X"], float)
             if not self._grids_written:
@@ -239,23 +239,12 @@ class RunWriter:
             yield f"layer{k}/frames", (n, local.shape[1]), local
 
     def _new_piece(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
-        """Begin the next piece, if there is something new."""
-        if shapes or self._new_rows:
-            numbers = {"time": np.array(self._times, float)}
-            if self._new_rows:
-                rows = np.concatenate(self._new_rows)
-                numbers |= {f"series/{name}": rows[name] for name in rows.dtype.names}
-            first = self.nframes - len(self._times), self.rows
-            pieces.lay_out(self._draft, numbers, shapes, first)
-
-    def _publish(self) -> int:
-        """Give the piece its name, if there is one; the number of the next."""
-        if not self._frames and not self._new_rows:
-            return self._number
-        pieces.publish(self._draft)
-        self.rows += sum(map(len, self._new_rows))
-        self._new_rows.clear()
-        return self._number + 1
+        numbers = {"time": np.array(self._times, float)}
+        if self._new_rows:
+            rows = np.concatenate(self._new_rows)
+            numbers |= {f"series/{name}": rows[name] for name in rows.dtype.names}
+        first = self.nframes - len(self._times), self.rows
+        pieces.lay_out(self._draft, numbers, shapes, first)
 
     def _conclude(self, join: bool) -> None:
         """Write the header with the summary, and make one file of the pieces."""
@@ -266,7 +255,7 @@ class RunWriter:
             os.replace(whole, self.path)
             pieces.clear(self.folder)
             if self._about["header"].get("dimension", 1) > 1:
-                xdmf.write(self.path)
+                write_xdmf(self.path)
 
 
 def view(comm: MPI.Comm, viewer: PETSc.Viewer, name: str, local: Array) -> None:
@@ -286,7 +275,7 @@ def view(comm: MPI.Comm, viewer: PETSc.Viewer, name: str, local: Array) -> None:
 
 
 def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
-    """The data as JSON can say it."""
+    """Return the data as JSON can say it."""
     return json.loads(json.dumps(data, default=lambda v: getattr(v, "tolist", v.__str__)()))
 
 
@@ -298,40 +287,24 @@ class Lock:
     """
 
     def __init__(self, folder: Path, what: str) -> None:
-        self.path, self._descriptor = folder / "lock", -1
-        while not self._is_there():  # else the run that had it has just removed the folder
-            self.release()
-            folder.mkdir(exist_ok=True)
-            with suppress(FileNotFoundError):
-                self._descriptor = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o666)
-                self._take(what)
-
-    def _take(self, what: str) -> None:
+        self.path = folder / "lock"
+        folder.mkdir(exist_ok=True)
+        self._file = self.path.open("a")
         try:
-            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             said = "another run is writing it; give this one a name of its own with -fsi_output"
             raise FileError(f"{what}: {said}") from None
         except OSError:  # no locks here
             pass
 
-    def _is_there(self) -> bool:
-        """Whether it is taken, and the file still has its name."""
-        with suppress(OSError):
-            return os.path.samestat(os.fstat(self._descriptor), os.stat(self.path))
-        return False
-
     def release(self, remove: bool = False) -> None:
         """Let other runs have the name. remove: the folder, if nothing else is in it."""
-        if remove and self._is_there():
+        if remove and not self._file.closed:
             with suppress(OSError):
                 self.path.unlink()
                 self.path.parent.rmdir()
-        if self._descriptor >= 0:
-            os.close(self._descriptor)
-        self._descriptor = -1
-
-    __del__ = release  # whatever becomes of the run
+        self._file.close()
 
 
 def set_aside(file: Path) -> Path:
@@ -345,3 +318,65 @@ def set_aside(file: Path) -> Path:
         if not any(map(os.path.lexists, names)):
             break
     return file.rename(file.with_name(f"{stem}.{k}{ending}"))
+
+
+# NAME.xdmf beside the result of blocks in two or three dimensions, for ParaView and VTK. It holds
+# no numbers: a collection over time of collections of blocks, each a curvilinear grid, in two
+# dimensions one point deep (with a 2DSMesh, VTK's reader takes no vectors). The datasets have all
+# frames; a HyperSlab takes one of them.
+
+_HEAD = '<?xml version="1.0" ?>\n<!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>\n<Xdmf Version="2.0">\n'
+
+
+def write_xdmf(path: Path) -> None:
+    """Write it beside a finished result. FileError if another file has the name; OSError."""
+    target = beside(path, ".xdmf")
+    if target.exists() and not target.read_text(errors="replace").startswith(_HEAD):
+        raise FileError(f"{target}: is no XDMF of a result, and is left; {path} is complete")
+    with open_run(path) as run:
+        put(target, "".join(_xdmf(run)).encode())
+
+
+def _xdmf(run: Run) -> Iterator[str]:
+    file = escape(os.path.basename(run.path))
+    name = quoteattr(run.case)
+    yield _HEAD + f'<Domain><Grid Name={name} GridType="Collection" CollectionType="Temporal">\n'
+    for frame, t in enumerate(run.time):
+        yield f'<Grid Name="frame {frame}" GridType="Collection" CollectionType="Spatial">\n'
+        yield f'<Time Value="{float(t)!r}"/>\n'
+        for k, layer in enumerate(run.layers):
+            yield from _xdmf_block(layer, f"{file}:/layer{k}", frame, run.nframes)
+        yield "</Grid>\n"
+    yield "</Grid></Domain>\n</Xdmf>\n"
+
+
+def _xdmf_block(layer: Layer, group: str, frame: int, nframes: int) -> Iterator[str]:
+    d, shape = len(layer.shape), " ".join(map(str, layer.shape))
+    grid = f"1 {shape}" if d == 2 else shape
+
+    def slab(field: str) -> str:
+        return (
+            f'<DataItem ItemType="HyperSlab" Dimensions="{grid}">'
+            f'<DataItem Dimensions="3 {d + 1}" Format="XML">'
+            f"{frame}{' 0' * d} 1{' 1' * d} 1 {shape}</DataItem>"
+            f'<DataItem Dimensions="{nframes} {shape}" NumberType="Float" Precision="8" '
+            f'Format="HDF">{group}/{field}</DataItem></DataItem>'
+        )
+
+    def joined(fields: str) -> str:
+        """Return vectors of these components."""
+        function = ", ".join(f"${k}" for k in range(d))
+        return (
+            f'<DataItem ItemType="Function" Function="JOIN({function})" Dimensions="{grid} {d}">'
+            f"{''.join(map(slab, fields[:d]))}</DataItem>"
+        )
+
+    yield f'<Grid Name={quoteattr(layer.name)} GridType="Uniform">\n'
+    yield f'<Topology TopologyType="3DSMesh" Dimensions="{grid}"/>\n'
+    yield f'<Geometry GeometryType="{"XYZ"[:d]}">{joined("xyz")}</Geometry>\n'
+    attribute = '<Attribute Name="{}" AttributeType="{}" Center="Node">{}</Attribute>\n'
+    for name in layer.fields:
+        if name not in "xyz"[:d]:
+            yield attribute.format(name, "Scalar", slab(name))
+    yield attribute.format("velocity", "Vector", joined("uvw"))
+    yield "</Grid>\n"

@@ -13,7 +13,7 @@ from fsipetsc.process.together import Comm, together
 
 
 def start_mpi() -> Comm:
-    """COMM_WORLD. Collective; ModuleNotFoundError where there is no mpi4py."""
+    """Return COMM_WORLD. Collective; ModuleNotFoundError where there is no mpi4py."""
     import mpi4py
 
     mpi4py.rc.thread_level = "funneled"  # as PETSc asks for; locks for more threads cost time
@@ -77,7 +77,7 @@ def _initialise(arguments: Sequence[str]) -> None:
 
 
 def petsc_runs() -> bool:
-    """PETSc has been started in this process."""
+    """Tell whether PETSc has been started in this process."""
     module = sys.modules.get("petsc4py.PETSc")
     return module is not None and module.Sys.isInitialized()
 

@@ -20,7 +20,7 @@ from fsipetsc.process.together import Comm, agree, together, wait_asleep
 def libraries(
     comm: Comm, texts: Sequence[str], announce: Callable[[str], None] = lambda text: None
 ) -> list[ctypes.CDLL]:
-    """The libraries of this rank's texts. Collective, though ranks may have other texts.
+    """Return the libraries of this rank's texts. Collective, though ranks may have other texts.
 
     announce: called on rank 0 before and after somebody compiles. InputError where there is no
     compiler, or it fails; FileError.
@@ -40,7 +40,7 @@ def libraries(
 def _made(
     comm: Comm, texts: dict[str, str], makers: dict[str, int], announce: Callable[[str], None]
 ) -> dict[str, bytes]:
-    """The bytes of all libraries that some rank lacks, on all ranks. Collective."""
+    """Return the bytes of all libraries that some rank lacks, on all ranks. Collective."""
     begin, mine, fault = time.monotonic(), {}, None
     if comm.rank == 0:
         announce(f"compiling the kernels of this case (libraries: {len(makers)})")
@@ -59,7 +59,7 @@ def _made(
 
 
 def _side_by_side(texts: Sequence[str]) -> Iterator[bytes]:
-    """Libraries of texts. If one fails, or a signal comes, nothing waits for the others."""
+    """Yield libraries of texts. If one fails, or a signal comes, nothing waits for the others."""
     pool = ThreadPoolExecutor(len(os.sched_getaffinity(0)))  # threads that wait for compilers
     try:
         yield from pool.map(build.made, texts)
@@ -71,7 +71,7 @@ def _side_by_side(texts: Sequence[str]) -> Iterator[bytes]:
 
 
 def _loaded(name: str, sent: dict[str, bytes]) -> ctypes.CDLL:
-    """A library that is kept in a file, or was sent as bytes. FileError."""
+    """Return a library that is kept in a file, or was sent as bytes. FileError."""
     path = build.kept(name)
     if path is not None:
         return build.loaded(path)

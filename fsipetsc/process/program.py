@@ -12,7 +12,7 @@ _RANKS = ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "MV2_COMM_WORLD_RANK"
 
 
 def launcher_rank() -> int:
-    """This process's rank as mpiexec tells it, for what needs no MPI; 0 without mpiexec."""
+    """Return this process's rank as mpiexec tells it, for what needs no MPI; 0 without mpiexec."""
     found = (os.environ.get(name, "") for name in _RANKS)
     return next((int(text) for text in found if text.isdigit()), 0)
 

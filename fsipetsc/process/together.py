@@ -22,7 +22,7 @@ _PETSC_STATUS = {55: 3, 65: 4, 66: 4, 67: 4, 72: 3, 82: 3, 91: 3}
 
 
 def together(comm: Comm, action: Callable[[], Result], asleep: bool = False) -> Result:
-    """What action() returns on this rank. Collective, though the action must not be.
+    """Return what action() returns on this rank. Collective, though the action must not be.
 
     If it raises an FsiError on any rank, all ranks raise the error of the lowest one. asleep: ranks
     that are done sleep until all are.
@@ -44,7 +44,7 @@ def wait_asleep(comm: Comm) -> None:
 
 
 def done_asleep(request: Any, patience: float = math.inf) -> bool:
-    """Whether a request is done within so many seconds, for which this rank sleeps."""
+    """Tell whether a request is done within so many seconds, for which this rank sleeps."""
     end = time.monotonic() + patience
     while not request.Test():
         if time.monotonic() > end:
@@ -64,7 +64,7 @@ def agree(comm: Comm, fault: FsiError | None) -> None:
 
 
 def describe(error: BaseException) -> tuple[int, str, bool]:
-    """(exit status, one-line message, whether all ranks surely meet it) of any exception."""
+    """Return (exit status, one-line message, whether all ranks surely meet it) of any exception."""
     if isinstance(error, (FsiError, Interrupted)):
         return error.status, str(error), error.collective
     if isinstance(error, KeyboardInterrupt):  # the others get it, too, and may need time to end

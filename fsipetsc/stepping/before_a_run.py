@@ -1,14 +1,19 @@
-"""What is done with a case before it runs. ``geometry CASE`` shows its blocks or layers as a table
-and a picture; nothing is compiled. ``compile CASE`` makes the kernels that it needs, as on a login
-node whose compute nodes have no compiler.
+"""What is done with a case before it runs. ``new FILE.py`` copies a template of fsipetsc/cases
+under a name of the user's. ``geometry CASE`` shows blocks or layers as a table and a picture;
+nothing is compiled. ``compile CASE`` makes the kernels that the case needs, as on a login node
+whose compute nodes have no compiler.
 """
 
-from collections.abc import Sequence
+import re
+import shlex
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from fsipetsc import cases
 from fsipetsc.cases import case_after, options_after
-from fsipetsc.options import Option, read_options
+from fsipetsc.errors import FileError, InputError
+from fsipetsc.options import PROGRAM, Option, read_options
 from fsipetsc.output.geometry_picture import draw_geometry, geometry_rows, outlines
 from fsipetsc.output.info import table
 from fsipetsc.output.plots.page import PICTURES
@@ -22,13 +27,42 @@ _OF_GEOMETRY = (
 )  # fmt: skip
 
 
+def new(name: str, given: Mapping[str, str]) -> str:
+    """Write the template of layers, or that of the option given, as the file `name`; how it is run.
+
+    InputError for a name that could not be run, and for two options; FileError where there is a
+    file, which is left; OSError where none can be written.
+    """
+    path = Path(name)
+    if path.suffix != ".py":
+        expected = "expected one that ends in .py, such as my_case.py"
+        raise InputError(f"new: '{name}' is no name of a case file: {expected}")
+    if path.stem in cases.BUILT_IN:
+        expected = f"expected another name, such as my_{path.stem}.py"
+        raise InputError(f"new: '{path.stem}' is the name of a built-in case: {expected}")
+    if len(given) > 1:
+        raise InputError(f"new: {' and '.join(given)} are given: expected one of them")
+    template = "".join(["template", *(option.replace("-", "_") for option in given), ".py"])
+    text = Path(cases.__file__).with_name(template).read_text(encoding="utf-8")
+    if re.fullmatch(r"[\w./-]+", name):  # as it may stand in the examples
+        text = text.replace("FILE.py", name).replace("NAME.", f"{path.stem}.")
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise FileError(
+            f"{name}: exists already and is not overwritten; give another name"
+        ) from None
+    return f"wrote {path}; it runs as it is:  {PROGRAM} {shlex.quote(str(path))}"
+
+
 def sections(command: str, arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
-    """Heading -> options for -help."""
+    """Return heading -> options for -help."""
     return options_after(command, arguments, _OF_GEOMETRY if command == "geometry" else ())
 
 
 def compile(arguments: list[str], comm: Comm) -> None:
-    """The command, with the arguments after its name. Collective. InputError, FileError."""
+    """Do the command, with the arguments after its name. Collective. InputError, FileError."""
     case = together(comm, lambda: case_after("compile", arguments))
     options = read_options(case, start_petsc(arguments[1:], comm))
     from fsipetsc.stepping.solve import build_problem, make_state  # which start PETSc if none has
@@ -40,7 +74,7 @@ def compile(arguments: list[str], comm: Comm) -> None:
 
 
 def geometry(arguments: list[str], comm: Comm) -> None:
-    """The command, with the arguments after its name. Collective. InputError, FileError."""
+    """Do the command, with the arguments after its name. Collective. InputError, FileError."""
     case = together(comm, lambda: case_after("geometry", arguments))
     opt = read_options(case, start_petsc(arguments[1:], comm), _OF_GEOMETRY)
     from fsipetsc.stepping.solve import build_problem

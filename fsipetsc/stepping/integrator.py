@@ -1,7 +1,4 @@
-"""PETSc's TS drives: its explicit methods make the steps, a hook after each does the rest.
-
-The hook completes the new solution, records the step, and says how long the next one is.
-"""
+"""The loop over steps: each is planned, made by the fused method or by PETSc's TS, and noted."""
 
 import math
 import time
@@ -14,17 +11,15 @@ from petsc4py import PETSc
 
 from fsipetsc.errors import InputError, clear_frames
 from fsipetsc.process.together import agree
-from fsipetsc.scheme.batch import LONGEST, MADE, NEXT, TIME, longest_step, next_step
+from fsipetsc.scheme.batch import DT, LONGEST, MADE, NEXT, TIME, longest_step, next_step
 from fsipetsc.scheme.observables import INTEGRAL, SERIES
 from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP, shares
 from fsipetsc.state import FAULT, State
-from fsipetsc.stepping import failures
+from fsipetsc.stepping import soundness
 
 #: what a rank says of STOP that wants a checkpoint, below the numbers of signals. What ranks say
 #: goes round after a step anyway and the largest word counts, so a signal may come to any rank
 CHECKPOINT = 0.5
-#: the value of -ts_type that stands for the project's own method
-FUSED = "fused"
 #: flags and limits of all ranks end here
 LAST = STOP + 1
 #: with -fsi_check: after so many steps at most their records are taken, and conservation is checked
@@ -40,8 +35,8 @@ KEPT = "steps", "t", "wall_time", "initial", "beyond"
 def saved_times(
     t_end: float, interval: float | None, times: Sequence[float] | None, unit: str = " s"
 ) -> list[float]:
-    """Times [s] in [0, t_end] at which profiles are saved: every ``interval``, at ``times``, at the
-    end. InputError for times beyond it.
+    """Return times [s] in [0, t_end] at which profiles are saved: every ``interval``, at ``times``,
+    at the end. InputError for times beyond it.
     """
     saved = set(times or ())
     if max(saved, default=0.0) > t_end:
@@ -56,17 +51,18 @@ def saved_times(
 class Integrator:
     """Integrates a state in time; all methods are collective.
 
-    opt: options in force. saved: times [s] at which ``on_frame(t)`` is called. Other hooks:
-    ``on_series()`` when the records of steps must be taken (``take_series``); ``on_step(steps,
-    t, dt)`` after every batch of steps; ``on_checkpoint()`` when a checkpoint is due: after so many
-    steps, by the clock of rank 0, after a signal, and, for those who want any, at the end.
+    opt: options in force. saved: times [s] at which ``on_frame(t)`` is called; those of the options
+    if not given. ``on_series()`` is called when the records of steps must be taken
+    (``take_series``), ``on_step(steps, t, dt)`` after every batch of steps, ``on_checkpoint()``
+    when a checkpoint is due: after so many steps, by the clock of rank 0, after a signal, and, for
+    those who want any, at the end.
     """
 
     def __init__(
         self,
         state: State,
         opt: Mapping[str, Any],
-        saved: list[float],
+        saved: list[float] | None = None,
         on_frame: Callable[[float], object] = lambda t: None,
         on_series: Callable[[], object] | None = None,
         on_step: Callable[[int, float, float], object] = lambda steps, t, dt: None,
@@ -80,18 +76,20 @@ class Integrator:
         self._signal = 0  # the last one that came to this rank
         self._every, self._wall = opt["fsi_checkpoint_steps"], opt["fsi_checkpoint_wall"]
         self._last_checkpoint = time.monotonic()
+        if saved is None:
+            times = opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"]
+            saved = saved_times(*times, state.problem.unit("s"))
         self._targets = sorted(saved, reverse=True)  # times that are still to be hit
         self._steady = state.problem.steady_data
         self.steps, self.t = 0, 0.0
         self.wall_time = self._begun = 0.0
         self.stop_signal = 0
-        self._fused = opt["ts_type"] == FUSED
+        self._fused = opt["ts_type"] == "fused"
+        self._watched = PETSc.Options().hasName("ts_monitor")
         self.batch_limit = 1  # most steps in one call
         if self._fused and not state.asks:
             most = MOST_POINTS[state.problem.dimension] // state.points
-            watched = PETSc.Options().hasName("ts_monitor")
-            self.batch_limit = max(1, min(1 if watched else MOST_STEPS, most))
-        self._error: BaseException | None = None
+            self.batch_limit = max(1, min(1 if self._watched else MOST_STEPS, most))
         self.initial: dict[str, Any] = {}  # integrals at t = 0
         self.beyond = ""  # what is to be said of steps that are too long
 
@@ -103,8 +101,6 @@ class Integrator:
     @property
     def _ended(self) -> bool:
         return self.complete or bool(self.stop_signal) or self.steps >= self.opt["ts_max_steps"]
-
-    # begin and end
 
     def _pass(self, t: float) -> bool:
         """Note that the time t [s] is reached; True if it is one to be saved."""
@@ -121,16 +117,16 @@ class Integrator:
             state.set_data(self.t)  # with differences in time of the length that a step has
         state.finish()
         flags = state.results[:LAST].tolist()
-        failures.check(state, self.t, self.steps, flags, self.beyond)
+        soundness.check(state, self.t, self.steps, flags, self.beyond)
         kept = [name for name in state.latest.dtype.names if SERIES[name].kind == INTEGRAL]
         sums = {name: state.comm.allreduce(state.latest[name]) for name in kept}
         self.initial = {name: value.tolist() for name, value in sums.items()}
-        self.beyond = failures.beyond_bound(state, self.opt)
+        self.beyond = soundness.beyond_bound(state, self.opt)
         self._pass(self.t)
         self._on_frame(self.t)
 
     def memory(self) -> dict[str, Any]:
-        """What ``resume`` needs beside the state; as JSON holds it."""
+        """Return what ``resume`` needs beside the state; as JSON holds it."""
         kept = {name: getattr(self, name) for name in KEPT}
         wall_time = self.wall_time + (time.perf_counter() - self._begun)
         return {**kept, "wall_time": wall_time, "evaluations": self.state.evaluations}
@@ -145,8 +141,8 @@ class Integrator:
         self._pass(self.t)
 
     def take_series(self) -> np.ndarray:
-        """The records of steps since the last time, on rank 0 with sums over ranks; not copied: the
-        next steps overwrite them.
+        """Return the records of steps since the last time, on rank 0 with sums over ranks; not
+        copied: the next steps overwrite them.
         """
         comm, steps, self._recorded = self.state.comm, self.state.journal[: self._recorded], 0
         if comm.size > 1 and len(steps):
@@ -159,83 +155,83 @@ class Integrator:
 
     def run(self) -> None:
         """Integrate to the end, a signal, or a failure, which is raised."""
-        self._begun = time.perf_counter()
+        self._begun, ts = time.perf_counter(), self._create()
         try:
-            if not self._ended:
-                self._solve()
+            while not self._ended:
+                self._plan_step(ts)
+                self._step(ts)
+                self._after_step()
+            if self._watched:
+                ts.monitor(self.steps, self.t)
+            if not self._fused:
+                ts.viewFromOptions("-ts_view")
         finally:
             self.wall_time += time.perf_counter() - self._begun
-
-    def _solve(self) -> None:
-        """Integrate to the end, in one TSSolve."""
-        rates = None if self._fused else self.state.solution.duplicate()
-        ts = self._create(rates)
-        ts.setTime(self.t)
-        ts.setStepNumber(self.steps)
-        self._plan_step(ts)
-        try:
-            ts.solve(self.state.solution)
-        except BaseException as error:
-            # what a step of ours raised: as it is with PETSc up to 3.18, with later ones wrapped
-            cause = (error.__cause__ if isinstance(error, PETSc.Error) else None) or error
-            clear_frames(cause)
-            raise cause from None
-        finally:
-            clear_frames(self._error)  # petsc4py loses a TS that somebody else still holds
             ts.destroy()
-            if rates is not None:
-                rates.destroy()
-        if self._error is not None:
-            raise self._error
 
-    def _create(self, rates: PETSc.Vec | None) -> PETSc.TS:
-        opt = self.opt
-        ts = PETSc.TS().create(comm=self.state.comm)
+    def _create(self) -> PETSc.TS:
+        """Return PETSc's TS, which makes the steps of its own methods, and monitors all."""
+        ts, database = PETSc.TS().create(comm=self.state.comm), PETSc.Options()
         ts.setProblemType(PETSc.TS.ProblemType.NONLINEAR)
-        if self._fused:
-            ts.setType(PETSc.TS.Type.PYTHON)
-            ts.setPythonContext(self)
-        else:
-            ts.setType(opt["ts_type"])
-            ts.setRHSFunction(self._right_hand_side, rates)
-        ts.setPostStep(self._post_step)
+        ts.setRHSFunction(self._right_hand_side)
         ts.setExactFinalTime(PETSc.TS.ExactFinalTime.STEPOVER)
         ts.setSolution(self.state.solution)
-        if self._fused:  # PETSc knows it as "python"
-            PETSc.Options().setValue("ts_type", "python")
+        database.setValue("ts_type", "rk" if self._fused else self.opt["ts_type"])
         ts.setFromOptions()
-        PETSc.Options().setValue("ts_type", opt["ts_type"])
-        # the targets alone say when to stop: the sum of the steps may miss the end by round-off
-        ts.setMaxTime(1e300)
-        ts.setMaxSteps(np.iinfo(np.int32).max)
+        database.setValue("ts_type", self.opt["ts_type"])
         return ts
-
-    # what TS calls
-
-    def step(self, ts: PETSc.TS) -> None:
-        """What a TS of type python asks for: a batch of steps, which are one for it."""
-        t, dt = ts.getTime(), ts.getTimeStep()
-        self.state.step(t, dt, self._steady)
-        self.state.solution.stateIncrease()
-        ts.setTime(t + dt)  # the hook corrects it, and the number of steps
 
     def _right_hand_side(self, ts: PETSc.TS, t: float, Y: PETSc.Vec, F: PETSc.Vec) -> None:
         if not self._steady:
             self.state.set_data(t)
         self.state.right_hand_side(Y.getArray(readonly=True), F.getArray())
 
-    def _post_step(self, ts: PETSc.TS) -> None:
-        try:
-            self._after_step(ts)
-        except BaseException as error:  # PETSc would make a stack of it; raised after TSSolve
-            self._error = error
-            ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_USER)
+    def _plan_step(self, ts: PETSc.TS) -> None:
+        opt, state, target = self.opt, self.state, self._targets[-1]
+        courant, fixed = opt["fsi_cfl"], opt["ts_dt"] or 0.0
+        bound = longest_step(courant, fixed, float(state.results[RATE]))
+        step, after = next_step(self.t, target, bound)
+        state.results[SAID_STOP] = self._word()
+        left = [opt["ts_max_steps"] - self.steps, self._room - self._recorded]
+        if self._every:
+            left.append(self._every - self.steps % self._every)
+        times = self.t, step, after, target, courant, fixed
+        state.batch[:] = *times, min(self.batch_limit, *left), 0, 0.0, self._recorded
+        if self._watched or not self._fused:
+            ts.setTime(self.t)  # the sum of steps may miss a target by round-off
+            ts.setStepNumber(self.steps)
+            ts.setTimeStep(step)
+            ts.restartStep()  # the last stage's rates are not those of the completed solution
+        if self._watched:
+            ts.monitor(self.steps, self.t)
 
-    def _after_step(self, ts: PETSc.TS) -> None:
-        made = self._note_steps(ts)
+    def _step(self, ts: PETSc.TS) -> None:
+        """Make the step that is planned, or a batch of them; note it, and its time and number."""
+        state = self.state
+        if self._fused:
+            state.step(self.t, float(state.batch[DT]), self._steady)
+        else:
+            try:
+                ts.step()
+            except BaseException as error:
+                # what a rate raised: as it is with PETSc up to 3.18, with later ones wrapped
+                cause = (error.__cause__ if isinstance(error, PETSc.Error) else None) or error
+                clear_frames(cause)  # petsc4py loses a TS that somebody else still holds
+                raise cause from None
+            if not self._steady:
+                state.set_data(float(state.batch[NEXT]))
+            state.finish()
+            state.plan_next()
+        if state.results[STOP] >= FAULT:  # the step was made with data that are wrong
+            agree(state.comm, state.fault)
+
+    def _after_step(self) -> None:
+        t, made, dt = self.state.batch[[TIME, MADE, LONGEST]].tolist()
+        self.t, self.steps = t, self.steps + int(made)
+        self._on_step(self.steps, t, dt)
         flags = self.state.results[:LAST].tolist()
-        self._recorded += made - 1  # the last one only if it is sound
-        failures.check(self.state, self.t, self.steps, flags, self.beyond)
+        self._recorded += int(made) - 1  # the last one only if it is sound
+        soundness.check(self.state, self.t, self.steps, flags, self.beyond)
         self._recorded += 1
         if self._recorded == self._room:
             self._on_series()
@@ -246,49 +242,13 @@ class Integrator:
         if flags[STOP] or regular or (self._ended and (self._every or self._wall)):
             self._on_checkpoint()
             self._last_checkpoint = time.monotonic()
-        if self._ended:
-            ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_TIME)
-            ts.setMaxTime(self.opt["ts_max_time"])  # -ts_view shows them
-            ts.setMaxSteps(self.opt["ts_max_steps"])
-        else:
-            ts.restartStep()  # the last stage's rates are not those of the completed solution
-            self._plan_step(ts)
-
-    def _note_steps(self, ts: PETSc.TS) -> int:
-        """Time and number of the steps just made; how many they are."""
-        if not self._fused:
-            if not self._steady:
-                self.state.set_data(float(self.state.batch[NEXT]))
-            self.state.finish()
-            self.state.plan_next()
-        t, made, dt = self.state.batch[[TIME, MADE, LONGEST]].tolist()
-        if self.state.results[STOP] >= FAULT:  # the step was made with data that are wrong
-            agree(self.state.comm, self.state.fault)
-        self.t, self.steps = t, self.steps + int(made)
-        ts.setTime(t)  # the sum of steps may miss a target by round-off
-        ts.setStepNumber(self.steps)
-        self._on_step(self.steps, t, dt)
-        return int(made)
-
-    def _plan_step(self, ts: PETSc.TS) -> None:
-        opt, state, target = self.opt, self.state, self._targets[-1]
-        courant, fixed = opt["fsi_cfl"], opt["ts_dt"] or 0.0
-        bound = longest_step(courant, fixed, float(state.results[RATE]))
-        step, after = next_step(self.t, target, bound)
-        state.results[SAID_STOP] = self._word()
-        ts.setTimeStep(step)
-        left = [opt["ts_max_steps"] - self.steps, self._room - self._recorded]
-        if self._every:
-            left.append(self._every - self.steps % self._every)
-        times = self.t, step, after, target, courant, fixed
-        state.batch[:] = *times, min(self.batch_limit, *left), 0, 0.0, self._recorded
 
     def heed(self, number: int) -> None:
         """End the run in order, by a signal that came to this rank."""
         self._signal = number
 
     def _word(self) -> float:
-        """What this rank has to say after the next batch of steps."""
+        """Return what this rank has to say after the next batch of steps."""
         if self.state.fault is not None:
             return FAULT
         due = self._wall and time.monotonic() >= self._last_checkpoint + self._wall

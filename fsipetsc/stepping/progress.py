@@ -3,11 +3,10 @@
 import shlex
 import sys
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 
 from fsipetsc.checks import counted, duration
 from fsipetsc.output.info import error_rows, summary_rows, table
@@ -23,7 +22,7 @@ _BOUNDS = {"fluid": ("sound", "viscosity and conduction"), "solid": ("waves", "c
 
 
 def bound_of_step(state: State, opt: Mapping[str, Any]) -> str:
-    """What bounds the step, as "sound in below"; "" where nothing is known of it."""
+    """Return what bounds the step, as "sound in below"; "" where nothing is known of it."""
     if opt["ts_dt"]:
         return "-ts_dt"
     rates = state.rates
@@ -37,9 +36,9 @@ def bound_of_step(state: State, opt: Mapping[str, Any]) -> str:
 class Reporter:
     """Messages of a run; silent with -fsi_quiet and on all ranks but the first."""
 
-    def __init__(self, comm: MPI.Comm, name: str, opt: Mapping[str, Any], state: State) -> None:
-        self._speaks = comm.rank == 0 and not opt["fsi_quiet"]
-        self._name, self._opt, self._size, self._state = name, opt, comm.size, state
+    def __init__(self, name: str, opt: Mapping[str, Any], state: State) -> None:
+        self._speaks = state.comm.rank == 0 and not opt["fsi_quiet"]
+        self._name, self._opt, self._state = name, opt, state
         self._s = state.problem.unit("s")
         self._interval = SOON if opt["fsi_progress"] or sys.stdout.isatty() else FIRST
 
@@ -48,10 +47,16 @@ class Reporter:
         if self._speaks:
             say(text)
 
-    def notes(self, said: Iterable[str]) -> None:
+    def note(self, *said: str) -> None:
         """Print each as a note, but for empty ones."""
         for text in filter(None, said):
             self.line(f"note: {text}")
+
+    def notes(self, when: str) -> None:
+        """Print what there is to be said of the state at the begin, when saved, or at the end.
+        Collective.
+        """
+        self.note(*self._state.notes(when))
 
     def begin(self) -> None:
         """Say what is going to be computed."""
@@ -59,19 +64,19 @@ class Reporter:
         other = f" (smallest cells {state.h:.3g}{m})" if abs(state.h - h) > 0.01 * h else ""
         self.line(
             f"{self._name}: order {state.op.name}, h = {h:g}{m}{other}, "
-            f"{state.points} points on {counted(self._size, 'rank')}, "
+            f"{state.points} points on {counted(state.comm.size, 'rank')}, "
             f"to t = {self._opt['ts_max_time']:g}{self._s}"
         )
 
     def first_step(self) -> str:
-        """How long it is, and how many like it the run would make."""
+        """Tell how long it is, and how many like it the run would make."""
         opt, rate = self._opt, float(self._state.results[RATE])
         dt = float(longest_step(opt["fsi_cfl"], opt["ts_dt"] or 0.0, rate))
         count = f"{opt['ts_max_time'] / dt:,.0f} like it to the end"
         return f"first step: {dt:.3g}{self._s}, by {bound_of_step(self._state, opt)}; {count}"
 
     def start(self, t: float, steps: int) -> None:
-        """The time loop begins: what is done and left is reckoned from here."""
+        """Reckon what is done and left from here, where the time loop begins."""
         self._first = self._last = t, steps, time.monotonic()
 
     def step(self, steps: int, t: float, dt: float) -> None:

@@ -19,7 +19,7 @@ from petsc4py import PETSc
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import OF_A_RUN, PETSC_OPTIONS, groups, read_table
 from fsipetsc.output import checkpoint_file
-from fsipetsc.output.file_layout import beside
+from fsipetsc.output.file_layout import beside, check_folder
 from fsipetsc.process.together import together
 from fsipetsc.state import State
 
@@ -29,7 +29,6 @@ FREE = OF_A_RUN | {
     *("fsi_partition", "fsi_norm", "fsi_check"),
 }
 STEPS = ({option.name for option in PETSC_OPTIONS} | {"fsi_cfl"}) - FREE
-AUTO = "auto"
 
 
 class Past(NamedTuple):
@@ -37,17 +36,17 @@ class Past(NamedTuple):
 
     path: str
     header: dict[str, Any]
-    arrays: checkpoint_file.Arrays
+    arrays: dict[str, np.ndarray]
     notes: list[str]
 
     @property
     def options(self) -> dict[str, Any]:
-        """Those that are taken over where they are not given."""
+        """Return those that are taken over where they are not given."""
         return {k: v for k, v in self.header["options"].items() if k not in OF_A_RUN}
 
 
 def versions() -> dict[str, str]:
-    """Versions of the program and of what it runs on."""
+    """Return versions of the program and of what it runs on."""
     packages = "fsipetsc", "petsc4py", "mpi4py", "numpy"
     return {
         **{name: import_module(name).__version__ for name in packages},
@@ -58,29 +57,22 @@ def versions() -> dict[str, str]:
 
 
 def checkpoint_name(checkpoint: str | None, output: str) -> str:
-    """The file of -fsi_checkpoint; NAME.checkpoint.h5 beside the result NAME.h5 if not given."""
+    """Return -fsi_checkpoint; if not given, NAME.checkpoint.h5 beside the result NAME.h5."""
     return checkpoint or str(beside(output, ".checkpoint.h5"))
 
 
 def find_past(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> Past | None:
-    """What -fsi_restart asks for, if anything. Collective. FileError, InputError."""
+    """Return what -fsi_restart asks for, if anything. Collective. FileError, InputError."""
     if "fsi_restart" not in given:
         return None
     opt = read_table(groups(case), given)
-    path, auto = opt["fsi_restart"], opt["fsi_restart"] == AUTO
-    if auto:
+    path = opt["fsi_restart"]
+    if path == "auto":
         path = checkpoint_name(opt["fsi_checkpoint"], opt["fsi_output"])
         if not comm.bcast(os.path.exists(path)):
             return None
 
-    def read() -> Past:
-        try:
-            return Past(path, *checkpoint_file.read(path), [])
-        except FileError as error:
-            hint = "; without it -fsi_restart auto begins anew" if auto else ""
-            raise FileError(f"{error}{hint}") from None
-
-    past = together(comm, read)
+    past = together(comm, lambda: Past(path, *checkpoint_file.read(path), []))
     if past.header["case"] != case.NAME:
         other = past.header["case"]
         raise InputError(
@@ -103,51 +95,37 @@ def check_options(past: Past, opt: Mapping[str, Any], given: Mapping[str, str]) 
         leave = "leave it out: what is not given is taken from the checkpoint"
         if name not in STEPS:
             raise InputError(f"{what}, and cannot change at a restart; {leave}")
-        past.notes.append(f"note: {what}; the steps are others from now on")
+        past.notes.append(f"{what}; the steps are others from now on")
 
 
 def described(problem: Any) -> list[dict[str, Any]]:
-    """Names and numbers of each layer, by which another case is recognised; as JSON has them."""
+    """Return name, kind and numbers of each layer, by which another case is recognised."""
     plain = (bool, int, float, str)
     return [
-        {"name": layer.name, "kind": layer.kind, "X": _ends(layer)}
+        {"name": layer.name, "kind": layer.kind}
         | {k: v for k, v in vars(layer.material).items() if isinstance(v, plain)}
         for layer in problem.layers
     ]
 
 
-def _ends(layer: Any) -> list[float]:
-    """X of the ends of a layer, or of the corners of a block, to nine digits of its size."""
-    if hasattr(layer, "X"):
-        X = np.array(layer.X)
-    else:
-        corners = np.indices((2,) * layer.dimension)
-        X = layer.places([i * (n - 1) for i, n in zip(corners, layer.shape, strict=True)])
-    digits = 9 - int(np.log10(np.ptp(X)))
-    return (X.ravel().round(digits) + 0.0).tolist()
-
-
 def columns_of(state: State) -> list[list[Any]]:
-    """Name and shape of each column of the records of steps."""
+    """Return name and shape of each column of the records of steps."""
     record = state.journal.dtype
     return [[name, list(record[name].shape)] for name in record.names]
 
 
 def check_problem(past: Past, state: State) -> None:
-    """InputError if the problem, or what is recorded of a step, is not that of the checkpoint;
-    FileError if it has no array of a layer.
-    """
+    """InputError if the problem, or what is recorded of a step, is not that of the checkpoint."""
     when = f"when the checkpoint {past.path} was written"
     now, before = described(state.problem), past.header["problem"]
     if len(now) != len(before):
         raise InputError(f"-fsi_restart: the case had {len(before)} layers {when}, now {len(now)}")
     for k, about in enumerate(state.header()["layers"]):
-        # X is rounded, and can be the same for another number of nodes
         layer = {**now[k], "nodes": about["shape"][::-1]}
         other = {**before[k], "nodes": list(past.arrays[f"layer{k}"].shape[-2::-1])}
-        for name in sorted(layer | other):
-            if layer.get(name) != other.get(name):
-                now_is = f"{name} of '{layer['name']}' is {layer.get(name)}"
+        for name, value in layer.items():
+            if value != other.get(name):
+                now_is = f"{name} of '{layer['name']}' is {value}"
                 raise InputError(f"-fsi_restart: {now_is}, and was {other.get(name)} {when}")
     if columns_of(state) != past.header["columns"]:
         raise InputError(f"-fsi_restart: other quantities of steps were recorded {when}")
@@ -156,8 +134,8 @@ def check_problem(past: Past, state: State) -> None:
 def check_place(
     comm: MPI.Comm, path: str, opt: Mapping[str, Any], past: Past | None
 ) -> Path | None:
-    """A checkpoint at this name that is not the one the run goes on from, if there is one; on
-    rank 0. InputError or FileError where no checkpoint can be written. Collective.
+    """Return a checkpoint at this name that is not the one the run goes on from, if there is one;
+    on rank 0. InputError or FileError where no checkpoint can be written. Collective.
     """
     there = Path(os.path.realpath(path))
 
@@ -165,11 +143,12 @@ def check_place(
         if str(there) == os.path.realpath(opt["fsi_output"]):
             what = "that is where the result goes; give it another name"
             raise InputError(f"-fsi_checkpoint {path}: {what}")
-        if comm.rank > 0:
+        check_folder(path)
+        if comm.rank > 0 or not there.exists():
             return None
-        checkpoint_file.check_place(path)
-        goes_on = past is not None and there.is_file() and there.samefile(past.path)
-        return there if not goes_on and checkpoint_file.is_one(there) else None
+        if not checkpoint_file.is_one(there):
+            raise FileError(f"{path}: exists and is not a checkpoint of fsipetsc")
+        return None if past is not None and there.samefile(past.path) else there
 
     return together(comm, check)
 

@@ -5,14 +5,14 @@ import signal
 import threading
 import uuid
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, closing, contextmanager, nullcontext, suppress
+from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
 from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.errors import ComputationError, FileError, FsiError, InputError, Interrupted
+from fsipetsc.errors import ComputationError, FsiError, InputError, Interrupted
 from fsipetsc.options import read_options
 from fsipetsc.output.checkpoint_file import CheckpointError
 from fsipetsc.output.geometry_picture import geometry_rows, outlines
@@ -22,15 +22,13 @@ from fsipetsc.output.writer import RunWriter
 from fsipetsc.process.program import say
 from fsipetsc.state import State
 from fsipetsc.stepping import restart
-from fsipetsc.stepping.integrator import Integrator, saved_times
-from fsipetsc.stepping.ledgers import Ledgers
+from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.progress import Reporter, bound_of_step
 from fsipetsc.stepping.restart import Past
 from fsipetsc.stepping.solve import build_problem, make_state
+from fsipetsc.stepping.soundness import Ledgers
 
 SET_UP, LOOP, OUTPUT = "set-up", "time loop", "output"
-#: what ends a run in order
-STOPPING = signal.SIGTERM, signal.SIGINT, signal.SIGHUP
 #: before the place of what a run that failed has computed
 REMAINS = "; what was computed before is in "
 
@@ -57,7 +55,8 @@ def signals_noted(heed: Callable[[int], object]) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    heeded = [n for n in STOPPING if signal.getsignal(n) is not signal.SIG_IGN]
+    stopping = signal.SIGTERM, signal.SIGINT, signal.SIGHUP
+    heeded = [number for number in stopping if signal.getsignal(number) is not signal.SIG_IGN]
     earlier = {number: signal.signal(number, note) for number in heeded}
     try:
         yield
@@ -104,25 +103,24 @@ def run_case(
                 restart.check_problem(past, state)
             state.check_data()  # before there is a file
             state.check_motion(options["ts_max_time"])
+            report = Reporter(case.NAME, options, state)
             if check:
-                _check_start(state, options, Reporter(comm, case.NAME, options, state))
+                _check_start(state, options, report)
                 return
-            run = _Run(case, options, comm, state, past)
+            run = _Run(case, options, state, past, report)
         with closing(run.writer), signals_noted(run.integrator.heed):
             run.go()
 
 
 def _check_start(state: State, opt: Mapping[str, Any], report: Reporter) -> None:
     """Set the initial data, and print what the case is made of, notes, and the first step."""
-    problem, times = state.problem, (opt["fsi_output_dt"], opt["fsi_output_times"])
-    saved = saved_times(opt["ts_max_time"], *times, problem.unit("s"))
-    (integrator := Integrator(state, opt, saved)).start()
+    problem = state.problem
+    (integrator := Integrator(state, opt)).start()
     report.begin()
-    shown = table(geometry_rows(outlines(problem, opt["fsi_h"]), problem.unit("m")))
-    report.line(shown)
-    report.notes(state.notes("begin"))
+    report.line(table(geometry_rows(outlines(problem, opt["fsi_h"]), problem.unit("m"))))
+    report.notes("begin")
     report.line(report.first_step())
-    report.notes([integrator.beyond])
+    report.note(integrator.beyond)
     report.line("checked, and not run")
 
 
@@ -130,22 +128,24 @@ class _Run:
     """One run: integrator, writer, checkpoints, ledgers, report."""
 
     def __init__(
-        self, case: Any, opt: Mapping[str, Any], comm: MPI.Comm, state: State, past: Past | None
+        self,
+        case: Any,
+        opt: Mapping[str, Any],
+        state: State,
+        past: Past | None,
+        report: Reporter,
     ) -> None:
-        self.case, self.opt, self.comm = case, opt, comm
-        self.problem, self.state, self.past = state.problem, state, past
+        self.name, self.opt, self.comm = case.NAME, opt, state.comm
+        self.problem, self.state, self.past, self.report = state.problem, state, past, report
         self.unit = self.problem.unit("s")
         self.checkpoint = restart.checkpoint_name(opt["fsi_checkpoint"], opt["fsi_output"])
-        other = restart.check_place(comm, self.checkpoint, opt, past)
-        self.report = Reporter(comm, case.NAME, opt, state)
+        other = restart.check_place(self.comm, self.checkpoint, opt, past)
         self.checks = opt["fsi_check"] is not None
         self.ledgers = Ledgers(state.invariants, opt["fsi_check"], self.unit)
         self.saved_at = -1.0
-        times = opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"]
         self.integrator = Integrator(
             state,
             opt,
-            saved_times(*times, self.unit),
             on_frame=self._frame,
             on_series=self._series,
             on_step=self.report.step,
@@ -153,19 +153,18 @@ class _Run:
         )
         # a number of its own, by which result and checkpoints are recognised, and when it began
         created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
-        new = {"run": uuid.uuid4().hex, "created": created}
-        self.mark, after = new, None
+        self.mark, after = {"run": uuid.uuid4().hex, "created": created}, None
         if past is not None:
             self.mark = past.header["run"]
             after = Kept(*past.header["result"], past.header["memory"]["t"])
-        about = self._header(), state.grids(), after, other
-        self.writer = RunWriter(comm, opt["fsi_output"], *about)
-        self.writer.take_series = self._take
+        about = self._header(), state.grids(), self._take, after, other
+        self.writer = RunWriter(self.comm, opt["fsi_output"], *about)
 
     def _header(self) -> dict[str, Any]:
+        """Return what is known of the run at its start, for the result."""
         problem = self.problem
         return {
-            "case": self.case.NAME,
+            "case": self.name,
             "options": dict(self.opt),
             "dimension": problem.dimension,
             "versions": restart.versions(),
@@ -184,7 +183,7 @@ class _Run:
         self.state.time = t
         with stage(OUTPUT):
             self.writer.write_frame(t, self.state.save())
-            self.report.notes(self.state.notes("saved"))
+            self.report.notes("saved")
         self.saved_at = t
         if self.checks:
             self._series()
@@ -200,7 +199,7 @@ class _Run:
         self._check()
 
     def _take(self) -> np.ndarray:
-        """The records of the steps since the last time, of which the ledgers learn. Collective."""
+        """Return the steps since the last time, of which the ledgers learn. Collective."""
         steps = self.integrator.take_series()
         if self.comm.rank == 0:
             self.ledgers.add(steps)
@@ -208,10 +207,7 @@ class _Run:
 
     def _check(self) -> None:
         """With -fsi_check: ComputationError on all ranks if a law that must hold does not."""
-        if not self.checks:
-            return
-        fault = self.comm.bcast(self.ledgers.fault)
-        if fault:
+        if self.checks and (fault := self.comm.bcast(self.ledgers.fault)):
             allowed = f"-fsi_check {self.opt['fsi_check']:g} allows no more"
             raise ComputationError(f"{fault}; {allowed}")
 
@@ -226,12 +222,12 @@ class _Run:
                 "saved_at": self.saved_at,
                 "result": [self.writer.nframes, self.writer.rows],
             }
-            restart.write_checkpoint(self.state, self.checkpoint, self.case.NAME, self.opt, more)
+            restart.write_checkpoint(self.state, self.checkpoint, self.name, self.opt, more)
 
     # the course of the run
 
     def go(self) -> None:
-        """Begin or go on, integrate, and complete the result, whatever happens."""
+        """Begin or go on, integrate, and complete the result, also after a failure."""
         for old, new in self.writer.moved:
             self.report.line(f"kept the earlier {old.name} as {new}")
         failure: FsiError | None = None
@@ -244,13 +240,10 @@ class _Run:
                 self._frame(self.integrator.t)
             self._flush()  # so that the summary knows what it took
             found = self.state.errors(self.integrator.t, self.opt["fsi_norm"])
-            self.report.notes(self.state.notes("end"))
+            self.report.notes("end")
         except (ComputationError, InputError, CheckpointError) as error:
             failure, self.checks = error, False
             self._flush()
-        except BaseException as error:
-            self._rescue(error)
-            raise
         number = self.integrator.stop_signal
         summary = self._summary(failure)
         self.writer.finish(summary, found, join=not number)  # there may be no time to join it
@@ -266,42 +259,30 @@ class _Run:
             raise Interrupted(number, f"stopped by {when}; {kept}")
 
     def _begin(self) -> None:
-        report, state, integrator = self.report, self.state, self.integrator
+        report, integrator, past = self.report, self.integrator, self.past
         report.begin()
-        if self.past is not None:
-            memory = self.past.header["memory"]
-            when = f"step {memory['steps']}, t = {memory['t']:.6g}{self.unit}"
-            for line in [*self.past.notes, f"goes on from {self.past.path}: {when}"]:
-                report.line(line)
         with stage(SET_UP):
-            if self.past is None:
+            if past is None:
                 integrator.start()
-                report.notes(state.notes("begin"))
+                report.notes("begin")
                 self.ledgers.begin(integrator.initial)
             else:
-                header = self.past.header
-                integrator.resume(header["memory"], self.past.arrays)
+                header = past.header
+                integrator.resume(header["memory"], past.arrays)
+                report.note(*past.notes)
+                when = f"step {integrator.steps}, t = {integrator.t:.6g}{self.unit}"
+                report.line(f"goes on from {past.path}: {when}")
                 self.ledgers.begin(integrator.initial, header["ledgers"])
                 self.saved_at = header["saved_at"]
                 if not self.writer.nframes:  # a file of its own
                     self._frame(integrator.t)
         report.start(integrator.t, integrator.steps)
-        report.notes([integrator.beyond])
+        report.note(integrator.beyond)
 
-    def _rescue(self, error: BaseException) -> None:
-        """Write what was computed before an error that all ranks have met at the same place.
-
-        Writing takes all ranks: what one alone has not written is lost when the others are stopped.
-        """
-        together = getattr(error, "collective", self.comm.size == 1)
-        if together and not isinstance(error, FileError) and self.integrator.initial:
-            with suppress(FileError):  # the error itself says more
-                self.writer.finish(self._summary(error))
-
-    def _summary(self, failure: BaseException | None) -> dict[str, Any]:
-        integrator, state = self.integrator, self.state
+    def _summary(self, failure: FsiError | None) -> dict[str, Any]:
+        integrator, state, ledgers = self.integrator, self.state, self.ledgers
         status = "failed" if failure else "stopped" if integrator.stop_signal else "done"
-        message = (str(failure) or type(failure).__name__) if failure else ""
+        message = str(failure or "")
         if status == "done" and not integrator.complete:
             end = f"-ts_max_time {self.opt['ts_max_time']:g}{self.unit}"
             message = f"ended by -ts_max_steps at t = {integrator.t:g}{self.unit}, before {end}"
@@ -316,8 +297,8 @@ class _Run:
             "points": state.points,
             "wall_time": integrator.wall_time,
             "bound": bound_of_step(state, self.opt),
-            "departures": self.ledgers.departures,
-            "J_error": self.ledgers.J_error,
-            **({"lost_energy": self.ledgers.lost} if getattr(state, "lossy", False) else {}),
+            "departures": ledgers.departures,
+            "J_error": ledgers.J_error,
+            **({"lost_energy": ledgers.lost} if getattr(state, "lossy", False) else {}),
             **{f"initial_{name}": value for name, value in integrator.initial.items()},
         }

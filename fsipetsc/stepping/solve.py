@@ -18,7 +18,8 @@ from fsipetsc.process.together import together
 
 
 def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem | BlockProblem:
-    """What the case says for the options in force: layers for the paper's couplings, else blocks.
+    """Return what the case says for the options in force: layers for the paper's couplings, else
+    blocks.
 
     Collective; InputError, with file and line of a user's case file.
     """
@@ -46,7 +47,7 @@ def make_state(
     comm: MPI.Comm,
     announce: Callable[[str], None] = lambda text: None,
 ) -> PaperState | BlockState:
-    """The state that the options in force ask for. Collective.
+    """Return the state that the options in force ask for. Collective.
 
     announce: called on rank 0, with a message, before and after kernels are compiled. InputError
     where grid, order and ranks do not fit, or a law cannot be recorded.
@@ -69,7 +70,7 @@ def make_state(
 
 
 def block_form(opt: Mapping[str, Any]) -> BlockForm:
-    """The form of the equations of blocks that is asked for. InputError for another method."""
+    """Return the form of the equations that is asked for. InputError for another method."""
     coupling, mapping = ("conservative",), ("auto", "stretched")
     there = {"fsi_coupling": coupling, "fsi_mapping": mapping, "fsi_viscous": ("wide",)}
     for name, wanted in there.items():

@@ -12,8 +12,8 @@ import numpy as np
 
 from fsipetsc.errors import InputError
 from fsipetsc.output.differences import common_nodes, summed
+from fsipetsc.output.quantities import unit_of
 from fsipetsc.output.reader import Run
-from fsipetsc.output.units import unit_of
 
 #: times at which series are compared
 SAMPLES = 10

@@ -10,13 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.checks import Array
 from fsipetsc.output.plots import style
 from fsipetsc.output.plots.style import Axes, FigureBase, Wanted, extremes, labelled, shaded
-from fsipetsc.output.quantities import Quantity
+from fsipetsc.output.quantities import Quantity, unit_of, written
 from fsipetsc.output.reader import Layer, Run
-from fsipetsc.output.units import unit_of, written
 
-Array = np.ndarray
 WIDTH = 10.2  # inches, of all panels beside each other
 HIGHEST = 4.4  # inches, of a panel
 ABOVE = 0.4  # inches, of what stands above and below a panel
@@ -27,7 +26,6 @@ ALIKE = 0.1  # span of values over the larger one; if gas and solid have more, t
 NEAR = 1e-4  # of values that span less of their size, one is subtracted
 STILL = 1e-3  # of the largest speed; there are no streamlines where it is less
 STREAM = 150  # points along each side of a panel, between which streamlines go
-CORNERS = slice(-1), slice(1, None)  # of cells, along an axis
 SIDES = (0, 0), (0, -1), (1, 0), (1, -1)  # axis and index of an edge of a block
 LINES = 40  # of the grid in a solid as long as a panel
 WIDE = 1.25  # width over height; of what is wider, two panels stand beside each other, else three
@@ -65,15 +63,15 @@ class View:
             margin = 2 * MARGIN * (high - low) or 0.1 * abs(low) or 1.0
             self.limits = [ranges[0], np.array([low - margin, high + margin]) - self.base]
             self.labels, self.ratio = (last, self.label(quantity.title).replace("; ", ",\n")), 1.6
-            return
-        margin = MARGIN * np.ptp(ranges, axis=1).max() * np.array([-1.0, 1.0])
-        self.limits = [*(ranges + margin)]
-        self.labels = labelled(run, "x", "m"), last
-        self.ratio = float(np.ptp(self.limits[0]) / np.ptp(self.limits[1]))
+        else:
+            margin = MARGIN * np.ptp(ranges, axis=1).max() * np.array([-1.0, 1.0])
+            self.limits = [*(ranges + margin)]
+            self.labels = labelled(run, "x", "m"), last
+            self.ratio = float(np.ptp(self.limits[0]) / np.ptp(self.limits[1]))
 
     def at(self, layer: Layer, frame: int, more: str = "") -> list[Array]:
-        """Places of a frame, horizontal ones and of maps vertical ones, more fields, and values. Of
-        three dimensions what lies in the middle of the second axis.
+        """Return places of a frame, horizontal ones and of maps vertical ones, more fields, and
+        values. Of three dimensions what lies in the middle of the second axis.
         """
         fields = {"X": layer.X, **layer.frame(frame)}
         found = [fields[x] for x in ("x", "xy", "xz")[self.run.dimension - 1] + more]
@@ -86,7 +84,7 @@ class View:
         return [v[:, v.shape[1] // 2] if v.ndim == 3 else v for v in found]
 
     def label(self, name: str) -> str:
-        """With what is subtracted, and the unit."""
+        """Return a name with what is subtracted, and the unit."""
         less = f" less {self.base:.12g}" if self.base else ""
         return labelled(self.run, name + less, self.quantity.unit)
 
@@ -94,9 +92,10 @@ class View:
         """Make scales and bars. Gas and solid share them where their values are alike; what comes
         through to a solid may be little.
         """
-        quantity, last = self.quantity, [layer.frame(-1) for layer in self.run.layers]
+        quantity, labels = self.quantity, self.quantity.labels
+        last = [layer.frame(-1) for layer in self.run.layers]
         same = [v for of in last for k, v in of.items() if written(unit_of(k)) == quantity.unit]
-        labels, pairs = quantity.labels, list(zip(self.layers, values))
+        pairs = list(zip(self.layers, values))
         spans = [
             max(np.ptp(extremes(*of)) for layer, of in pairs if layer.kind == kind)
             for kind in labels
@@ -109,8 +108,8 @@ class View:
             start = [np.ravel(self.at(layer, 0)[-1]) for layer, _ in some]
             # stresses are what they are at rest where nothing happens
             rest = np.nanmedian(np.concatenate(start)) if quantity.unit == "Pa" else 0.0
-            name, beside = quantity.name if "fluid" in kinds else "solid", extremes(*same)
             white = float(f"{rest:.2g}") if quantity.signed(kinds[0]) else None
+            name, beside = quantity.name if "fluid" in kinds else "solid", extremes(*same)
             scale = style.colours(np.concatenate(later), white, name, max(map(abs, beside)))
             label = "; ".join(dict.fromkeys(labels[kind] for kind in kinds))
             if not alike and label == quantity.title and len(labels) > 1:
@@ -123,10 +122,9 @@ class View:
 
     def draw(self, axes: Axes, frame: int) -> dict[str, Any]:
         """Draw one frame; kind of layer -> what there is to make a colour bar of."""
-        pictures, solids = {}, []
+        maps, solids, plane = {}, [], self.run.dimension > 1
         axes.set(xlim=self.limits[0], ylim=self.limits[1], xlabel=self.labels[0])
         style.label_y(axes, self.labels[1])
-        plane = self.run.dimension > 1
         axes.set_aspect("equal" if plane and self.ratio <= 1 / THIN else "auto")
         for layer in self.layers:
             found = self.at(layer, frame)
@@ -135,7 +133,7 @@ class View:
                 continue
             solids += [found[:2]] * (layer.kind == "solid")
             if scale := self.scales.get(layer.kind):
-                pictures[layer.kind] = shaded(axes, *found, scale)
+                maps[layer.kind] = shaded(axes, *found, scale)
                 levels = np.linspace(scale["vmin"], scale["vmax"], self.wanted.contours + 2)[1:-1]
                 low, high = extremes(found[-1])
                 if (levels := levels[(low < levels) & (levels < high)]).size:
@@ -143,10 +141,10 @@ class View:
         self._outline(axes, solids)
         if self.wanted.streamlines and plane:
             self._streamlines(axes, frame)
-        return pictures
+        return maps
 
     def _outline(self, axes: Axes, solids: list[list[Array]]) -> None:
-        """The edges of solids, those between two blocks thin, and a fine grid, which deforms."""
+        """Draw edges of solids, those between two blocks thin, and a fine grid, which deforms."""
         edges = [[v.take(end, k) for v in of] for of, (k, end) in product(solids, SIDES)]
         places = [frozenset(zip(*edge)) for edge in edges]
         for edge, place in zip(edges, places):
@@ -162,7 +160,7 @@ class View:
             axes.plot(*grid, color="black", linewidth=0.3, alpha=0.5)
 
     def _streamlines(self, axes: Axes, frame: int) -> None:
-        """Lines along the velocities of gases, as they are at a frame."""
+        """Draw lines along the velocities of gases, as they are at a frame."""
         from matplotlib.tri import LinearTriInterpolator, Triangulation
 
         x, y = (np.linspace(*bounds, STREAM) for bounds in self.limits)
@@ -171,7 +169,7 @@ class View:
             if layer.kind == "fluid":
                 *at, u, v, _ = self.at(layer, frame, "uv" if self.run.dimension == 2 else "uw")
                 n = np.arange(u.size).reshape(u.shape)
-                a, b, c, d = (n[i, j].ravel() for i, j in product(CORNERS, CORNERS))
+                a, b, c, d = (of.ravel() for of in (n[:-1, :-1], n[:-1, 1:], n[1:, :-1], n[1:, 1:]))
                 mesh = Triangulation(*map(np.ravel, at), np.r_[np.c_[a, b, c], np.c_[b, d, c]])
                 for of, values in zip(flow, (u, v)):
                     found = LinearTriInterpolator(mesh, values.ravel())(*np.meshgrid(x, y))
@@ -182,19 +180,18 @@ class View:
 
 
 def frames_of(run: Run, quantity: Quantity, times: Sequence[float] = ()) -> list[int]:
-    """The frames nearest to these times; if there are none, three or four of all, evenly."""
+    """Return the frames nearest to these times; if there are none, three or four of all, evenly."""
     count = 4 if View(run, quantity, [run.nframes - 1]).ratio >= WIDE else 3
     return sorted({run.at(t) for t in times or np.linspace(run.time[0], run.time[-1], count)})
 
 
 def sizes(view: View, count: int) -> tuple[int, float, float]:
-    """Columns, width of a panel and height of so many with their bars [inches]."""
+    """Return columns, width of a panel and height of so many with their bars [inches]."""
     columns = min(2 if view.ratio >= WIDE else 3, count)
-    rows = -(-count // columns)
     ratio = min(view.ratio, 1 / THIN)
     width = min(WIDTH / columns - 0.4, HIGHEST * ratio)
     bars = BAR * len(view.bars) * (view.run.dimension > 1)
-    return columns, width, rows * (width / ratio + ABOVE) + bars + 0.45
+    return columns, width, -(-count // columns) * (width / ratio + ABOVE) + bars + 0.45
 
 
 def draw(figure: FigureBase, view: View) -> None:
@@ -202,46 +199,46 @@ def draw(figure: FigureBase, view: View) -> None:
     columns, width, _ = sizes(view, len(view.frames))
     grid = style.panels(figure, len(view.frames), columns, sharex=True, sharey=True)
     for axes, frame in zip(grid.flat, view.frames):
-        pictures = view.draw(axes, frame)
+        maps = view.draw(axes, frame)
         axes.set_title(style.moment(view.run, frame), loc="left")
         axes.label_outer()
     grid[0, 0].locator_params(axis="x", nbins=min(4, int(1 + 2 * width)))
-    if not pictures and len(view.scales) > 1:
+    if not maps and len(view.scales) > 1:
         style.legend_above(grid[0, -1], side="right")
-    draw_bars(figure, view, pictures, list(grid.flat))
+    draw_bars(figure, view, maps, list(grid.flat))
 
 
-def draw_bars(figure: FigureBase, view: View, pictures: Mapping[str, Any], axes: Any) -> None:
-    """Colour bars above the panels."""
+def draw_bars(figure: FigureBase, view: View, maps: Mapping[str, Any], axes: Any) -> None:
+    """Draw colour bars above the panels."""
     wide = isinstance(axes, list)
     size = {"aspect": 50, "shrink": 0.7} if wide else {"aspect": 25}
-    for kind, label in view.bars.items() if pictures else ():
-        bar = figure.colorbar(pictures[kind], ax=axes, location="top", pad=0.02, **size)
+    for kind, label in view.bars.items() if maps else ():
+        bar = figure.colorbar(maps[kind], ax=axes, location="top", pad=0.02, **size)
         bar.set_label(view.label(label), loc="left")
         bar.outline.set_visible(False)
         bar.ax.locator_params(nbins=6 if wide else 4)
 
 
 def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity]) -> None:
-    """In one dimension a map of each quantity over x and t, with the interfaces as lines."""
+    """Draw a map of each quantity over x and t, with the interfaces as lines."""
     grid = figure.subplots(1, len(quantities), sharex=True, sharey=True, squeeze=False)[0]
     x_interface = run.series.get("x_interface", np.empty((0, 0)))
     some = slice(None, None, max(1, len(x_interface) // style.MAX_POINTS))
     t = np.linspace(*run.time[[0, -1]], max(run.nframes, 500))
     for axes, quantity in zip(grid, quantities):
-        view, pictures = View(run, quantity, range(run.nframes)), {}
+        view, maps = View(run, quantity, range(run.nframes)), {}
         for layer in view.layers:
             values = np.array([view.at(layer, frame)[-1] for frame in view.frames])
-            found = [
+            x, values = (
                 np.transpose([np.interp(t, run.time, row) for row in of.T])  # triangles would show
                 for of in without_gaps(layer, values)
-            ]
-            found.insert(1, np.broadcast_to(t[:, None], found[0].shape))
-            pictures[layer.kind] = shaded(axes, *found, view.scales[layer.kind])
+            )
+            at = np.broadcast_to(t[:, None], x.shape)
+            maps[layer.kind] = shaded(axes, x, at, values, view.scales[layer.kind])
         for x in x_interface[some].T:
             for color, width in style.OUTLINE[:2]:
                 axes.plot(x, run.series["t"][some], color=color, linewidth=width)
-        draw_bars(figure, view, pictures, axes)
+        draw_bars(figure, view, maps, axes)
         style.time_axis(axes, run, "y")
         axes.set(xlim=view.limits[0], ylim=run.time[[0, -1]], xlabel=view.labels[0], ylabel="")
     grid[0].set_ylabel(labelled(run, "t", "s"))
@@ -249,15 +246,12 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
 
 
 def without_gaps(layer: Layer, values: Array) -> tuple[Array, Array]:
-    """Positions and values at all points, for maps need a place for all: points in reserve, of the
-    gases of the paper's method, get the nearest value. Where no value is known, none is drawn.
+    """Return positions and values at all points, for maps need a place for all: points in reserve,
+    of the gases of the paper's method, get the displacement and the value of the nearest.
     """
-    x, values, index = layer.x.copy(), values.copy(), np.arange(len(layer.X))
-    for row in np.flatnonzero(~np.isfinite(x + values).all(axis=1)):
-        known = np.isfinite(x[row] + values[row])
-        if known.any():
-            x[row] = layer.X + np.interp(index, index[known], (x[row] - layer.X)[known])
-            values[row] = np.interp(index, index[known], values[row][known])
-        else:
-            x[row] = np.where(np.isfinite(x[row]), x[row], layer.X)
-    return x, values
+    moved, values, index = layer.x - layer.X, values.copy(), np.arange(len(layer.X))
+    for rows, none in ((moved, 0.0), (values, np.nan)):
+        for row in rows:
+            there = np.isfinite(row)
+            row[:] = np.interp(index, index[there], row[there]) if there.any() else none
+    return layer.X + moved, values

@@ -1,22 +1,27 @@
 """The command `plot`: the pictures of a result one by one, or a page that tells what happened, or a
-film.
+film; and the curves over time: interfaces, balances, the time step, probes.
 """
 
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from functools import partial
+from itertools import product
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.checks import Array, counted
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option, floats
-from fsipetsc.output.file_layout import writing
-from fsipetsc.output.plots import fields, series, style
+from fsipetsc.output.file_layout import columns_of, writing
+from fsipetsc.output.plots import fields, style
 from fsipetsc.output.plots.style import USUAL, Figure, FigureBase, Wanted
-from fsipetsc.output.quantities import Quantity, chosen, there
+from fsipetsc.output.quantities import Quantity, chosen, there, unit_of, written
 from fsipetsc.output.reader import Run, open_run
+from fsipetsc.scheme.conservation_check import Drifts
+from fsipetsc.scheme.observables import SERIES
 
 WIDTH = 10.8  # inches, of a figure
 PANELS, MAPS = 2.8, 4.4  # inches, heights of a row of curves, of maps over x and t
@@ -25,6 +30,9 @@ FILM_DPI, MOST_FRAMES, FILM_SECONDS = 100, 200, 10.0
 LEAST_FRAMES = 5  # of fewer, profiles say more than maps over x and t
 CONTOURS = Option("contours", int, 0, "", "lines on each map", check="nonnegative")
 PICTURES = (".png", ".pdf", ".svg", ".jpg")
+INTERFACE_POINTS = (0.25, 0.5, 0.75)  # of an interface, whose deflection is drawn as a curve
+DEPARTURE = "relative departure"
+SPAN = 1e8  # of a logarithmic axis at most
 
 #: height [inches], what is drawn on a figure of this height
 Drawing = tuple[float, Callable[[FigureBase], None]]
@@ -53,11 +61,10 @@ def plot(path: str, given: Mapping[str, str]) -> str:
     if every and (film or is_file):
         raise InputError("plot: -all writes several pictures: expected a directory, no -animate")
     if where.suffix and not (every or is_file or where.is_dir()):
-        there = "a directory that is there, or a file that ends with"
         needs = "; .mp4 needs ffmpeg" * (film and len(films) == 1)
-        ends = " or ".join(endings) + needs
-        raise InputError(f"plot: -o {where}: expected {there} {ends}")
-    stem, written = Path(path).stem, []
+        ends = f"or a file that ends with {' or '.join(endings)}{needs}"
+        raise InputError(f"plot: -o {where}: expected a directory that is there, {ends}")
+    stem, done = Path(path).stem, []
     with open_run(path) as run, rc_context(style.STYLE), np.errstate(all="ignore"):
         if film:
             targets = [where] if is_file else [where / f"{stem}{end}" for end in films]
@@ -68,12 +75,12 @@ def plot(path: str, given: Mapping[str, str]) -> str:
             figure = Figure()
             draw(figure)
             target = where / (f"{stem}-{name}.png" if name else f"{stem}.png")
-            written.append(str(style.save(figure, where if is_file else target)))
-    return "\n".join(written)
+            done.append(str(style.save(figure, where if is_file else target)))
+    return "\n".join(done)
 
 
 def pictures(run: Run, wanted: Wanted = USUAL) -> dict[str, Callable[[Figure], None]]:
-    """Name -> drawing function of each picture that this run has the data for."""
+    """Return name -> drawing function of each picture that this run has the data for."""
     found: dict[str, tuple[str, Drawing]] = {}
     quantities = chosen(run, wanted.fields)
     if run.nframes:
@@ -81,8 +88,8 @@ def pictures(run: Run, wanted: Wanted = USUAL) -> dict[str, Callable[[Figure], N
         found = {q.name: (q.title, _at_times(run, q, wanted)) for q in every}
     if run.dimension == 1 and run.nframes >= LEAST_FRAMES:
         found["xt"] = "space and time", _over_time(run, quantities)
-    probed = series.probed(run, quantities, wanted.probes)
-    for name, panels in {**series.panels(run), "probes": probed}.items():
+    probes = probed(run, quantities, wanted.probes)
+    for name, panels in {**all_panels(run), "probes": probes}.items():
         if panels:
             bound = run.summary.get("bound") if name == "steps" else None
             title = f"steps, bounded by {bound} at the end" if bound else name
@@ -94,16 +101,16 @@ def pictures(run: Run, wanted: Wanted = USUAL) -> dict[str, Callable[[Figure], N
 
 
 def page(figure: Figure, run: Run, wanted: Wanted = USUAL) -> None:
-    """Fields over space and time, below them probes, interfaces, energy, departures and steps."""
+    """Draw fields over space and time, and probes, interfaces, energy, departures, steps."""
     quantities, drawings = chosen(run, wanted.fields), []
     if run.dimension == 1 and not wanted.times and run.nframes >= LEAST_FRAMES:
         drawings.append(_over_time(run, quantities))
     elif run.nframes:
         drawings += [_at_times(run, quantity, wanted) for quantity in quantities]
-    if panels := series.probed(run, quantities, wanted.probes):
+    if panels := probed(run, quantities, wanted.probes):
         drawings.append(_curves(run, panels))
-    interfaces, ledgers, steps = series.panels(run).values()
-    told = [panel for panel in ledgers if panel.label in ("change of energy", series.DEPARTURE)]
+    interfaces, ledgers, steps = all_panels(run).values()
+    told = [panel for panel in ledgers if panel.label in ("change of energy", DEPARTURE)]
     if panels := [*interfaces[:1], *reversed(told), *steps]:
         drawings.append(_curves(run, panels, columns=len(panels)))
     end = style.moment(run, -1) if run.nframes else "no frame"
@@ -111,7 +118,7 @@ def page(figure: Figure, run: Run, wanted: Wanted = USUAL) -> None:
 
 
 def _draw(figure: Figure, run: Run, title: str, drawings: Sequence[Drawing]) -> None:
-    """Drawings below each other, and the title."""
+    """Place drawings below each other, and the title."""
     heights = [height for height, _ in drawings] or [1.0]
     figure.set_size_inches(WIDTH, 0.5 + sum(heights))
     parts = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
@@ -121,20 +128,124 @@ def _draw(figure: Figure, run: Run, title: str, drawings: Sequence[Drawing]) -> 
 
 
 def _at_times(run: Run, quantity: Quantity, wanted: Wanted) -> Drawing:
-    """Profiles or maps."""
     view = fields.View(run, quantity, fields.frames_of(run, quantity, wanted.times), wanted)
     return fields.sizes(view, len(view.frames))[2], partial(fields.draw, view=view)
 
 
 def _over_time(run: Run, quantities: Sequence[Quantity]) -> Drawing:
-    """Maps over x and t."""
     return MAPS, partial(fields.draw_over_time, run=run, quantities=quantities)
 
 
-def _curves(run: Run, panels: list[series.Panel], columns: int = 3) -> Drawing:
-    """Panels of curves over time."""
-    draw = partial(series.draw, run=run, panels=panels, columns=columns)
+# curves over time
+
+
+class Panel(NamedTuple):
+    """Curves over time with one axis: names -> (nsteps,), over t; logarithmic: of their sizes."""
+
+    label: str
+    unit: str
+    t: Array
+    curves: dict[str, Array]
+    logarithmic: bool = False
+
+
+def all_panels(run: Run) -> dict[str, list[Panel]]:
+    """Return what there is to draw of interfaces, of ledgers, and of the steps.
+
+    Of interfaces how they move, in two dimensions first the one that moves most, then what holds
+    there. Of ledgers by how much has departed what must be kept, then the ledgers. Of steps the
+    largest of some each, for those before a saved time share what is left.
+    """
+    found: dict[str, list[Panel]] = {"interfaces": [], "ledgers": [], "steps": []}
+    if run.dimension == 2 and run.nframes > 1:
+        lines = [run.interface(k) for k in range(len(run.interfaces))]
+        for line in sorted(lines, key=lambda line: -np.nanmax(np.abs(line.displacement))):
+            points = [round(part * (len(line.s) - 1)) for part in INTERFACE_POINTS]
+            curves = {f"s = {line.s[point]:.3g}": line.displacement[:, point] for point in points}
+            found["interfaces"].append(Panel(f"deflection,\n{line.name}", "m", run.time, curves))
+    t = run.series.get("t", np.empty(0))
+    if len(t) < 2:
+        return found
+    if departed := departures(run):
+        found["ledgers"].append(Panel(DEPARTURE, "", t, departed, logarithmic=True))
+    for name, one in SERIES.items():
+        if one.label and name in run.series:
+            label, values, start = one.label.replace("*", name[-1]), run.series[name], 0.0
+            if name == "x_interface" or label.startswith("change"):
+                start = np.asarray(run.summary.get(f"initial_{name}", values[0]))
+            names = columns_of(run.header).get(one.of, [name])
+            curves = dict(zip(names, (values - start).reshape(len(t), -1).T))
+            unit, apart = written(unit_of(name, run)), name.startswith("residual")
+            panel = Panel(label, unit, t, curves, logarithmic=apart)
+            found["interfaces" if one.of == "interface" else "ledgers"].append(panel)
+    at, dt = envelope(t, run.series["dt"], len(t) // 4)
+    found["steps"].append(Panel("time step", "s", at, {"dt": dt}))
+    return found
+
+
+def probed(run: Run, quantities: Sequence[Quantity], places: Sequence[Any]) -> list[Panel]:
+    """Return what the nodes nearest to places have in the saved frames. InputError."""
+    if any(len(at) != run.dimension for at in places):
+        raise InputError(f"-probes: expected {counted(run.dimension, 'number')} for each place")
+    panels = [Panel(q.title, q.unit, run.time, {}) for q in quantities if places]
+    for (panel, q), at in product(zip(panels, quantities), places):
+        layers = [layer for layer in run.layers if layer.kind in q.labels]
+        away = [np.linalg.norm(layer.places - at, axis=-1) for layer in layers]
+        layer, near = min(zip(layers, away), key=lambda of: of[1].min())
+        frames = ({"X": layer.X, **layer.frame(k)} for k in range(run.nframes))
+        values = [q.values(layer.kind, of).flat[np.argmin(near)] for of in frames]
+        panel.curves["at " + ", ".join(f"{x:.4g}" for x in at)] = np.array(values)
+    return panels
+
+
+def departures(run: Run) -> dict[str, Array]:
+    """Return name of what must not change in this run -> its relative departure, (nsteps,)."""
+    laws, prefix = run.header.get("laws"), "initial_"
+    initial = {k.removeprefix(prefix): v for k, v in run.summary.items() if k.startswith(prefix)}
+    if not laws or not initial:
+        return {}
+    series, before = run.series, run.series["t"][0] - run.series["dt"][0]
+    if not before > 0.5 * run.series["dt"][0]:
+        return Drifts(laws, initial).go_on(series)
+    # it goes on from another result, which has what came in before: from its first step on
+    initial |= {name: series[name][0] for name in initial if name in series}
+    later = {name: values[1:] for name, values in series.items()}
+    found = Drifts(laws, initial).go_on(later)
+    return {name: np.concatenate([[0.0], values]) for name, values in found.items()}
+
+
+def _curves(run: Run, panels: list[Panel], columns: int = 3) -> Drawing:
+    """Return panels of curves over time, so many beside each other."""
+    draw = partial(_draw_curves, run=run, panels=panels, columns=columns)
     return PANELS * -(-len(panels) // columns), draw
+
+
+def _draw_curves(figure: FigureBase, run: Run, panels: list[Panel], columns: int) -> None:
+    for axes, panel in zip(style.panels(figure, len(panels), columns).flat, panels):
+        some = slice(None, None, max(1, len(panel.t) // style.MAX_POINTS))
+        axes.set_prop_cycle(**style.CURVES)
+        for name, values in panel.curves.items():
+            t, shown = panel.t[some], values[some]
+            if panel.logarithmic:
+                t, shown = envelope(panel.t, np.abs(values))
+                shown = np.where(shown > 0, shown, np.nan)
+            axes.plot(t, shown, label=name)
+        if panel.logarithmic:
+            axes.set_yscale("log")
+            axes.set_ylim(bottom=max(axes.get_ylim()[0], axes.get_ylim()[1] / SPAN))
+        if panel.label == "time step":
+            axes.set_ylim(bottom=0.0)
+        style.label_y(axes, style.labelled(run, panel.label, panel.unit))
+        if len(panel.curves) > 1 or panel.logarithmic:
+            style.legend_above(axes)  # else its one name says nothing
+        style.time_axis(axes, run)
+
+
+def envelope(t: Array, values: Array, parts: int = 300) -> tuple[Array, Array]:
+    """Return the largest value in each of so many equal parts of the steps, and its time."""
+    pieces = np.array_split(np.arange(len(t)), max(1, min(parts, len(t))))
+    at = np.array([piece[np.argmax(values[piece])] for piece in pieces])
+    return t[at], values[at]
 
 
 # a film: maps, or in one dimension profiles, one frame after the other
@@ -147,7 +258,6 @@ def animate(run: Run, targets: Sequence[Path], wanted: Wanted = USUAL) -> None:
 
     if run.nframes < 2:
         raise InputError(f"-animate: there are {run.nframes} frames: expected two or more")
-    chosen(run, wanted.fields)  # an error comes before the film
     step, figure, writers = -(-run.nframes // MOST_FRAMES), Figure(dpi=FILM_DPI), []
     with ExitStack() as films:
         for frame in drawn(figure, run, range(0, run.nframes, step), wanted):
@@ -161,7 +271,7 @@ def animate(run: Run, targets: Sequence[Path], wanted: Wanted = USUAL) -> None:
 
 
 def drawn(figure: Figure, run: Run, frames: Sequence[int], wanted: Wanted = USUAL) -> Iterator[int]:
-    """Each frame, once it is on the figure; scales and colours are the same in all. InputError."""
+    """Yield each frame once it is on the figure; all have the same scales. InputError."""
     views = [fields.View(run, q, frames, wanted) for q in chosen(run, wanted.fields)]
     _, width, height = fields.sizes(views[0], 1)
     size = (10.8, 3.4) if run.dimension == 1 else (len(views) * (width + 1.2), height + 0.9)

@@ -14,8 +14,8 @@ import numpy as np
 from fsipetsc.checks import counted
 from fsipetsc.operators.sbp import operator
 from fsipetsc.output.file_layout import writing
+from fsipetsc.output.quantities import is_si
 from fsipetsc.output.reader import Run
-from fsipetsc.output.units import is_si
 
 Axes = Figure = FigureBase = Text = Any  # of matplotlib, without which results are read, too
 Array = np.ndarray
@@ -94,12 +94,12 @@ def save(figure: Figure, target: str | os.PathLike[str]) -> Path:
 
 
 def set_title(figure: Figure, title: str) -> Text:
-    """The title of the whole figure, at the top left, broken where it is wider than the figure."""
+    """Write the title at the top left, broken where it is wider than the figure."""
     return figure.suptitle(title, x=0.01, ha="left", fontsize=10, weight="bold", wrap=True)
 
 
 def of_run(run: Run, what: str) -> str:
-    """What is shown, then case, order, grid spacing, ranks, and whether the run has ended."""
+    """Return case, what is shown, order, spacing, ranks, and whether the run has ended."""
     order = operator(run.options["fsi_order"]).name
     said = run.options["fsi_h"]
     sizes = [layer.h or said for layer in run.layers] if run.dimension == 1 else [said]
@@ -109,17 +109,17 @@ def of_run(run: Run, what: str) -> str:
 
 
 def labelled(run: Run, label: str, unit: str) -> str:
-    """With the unit in brackets, where there is one."""
+    """Return a label with the unit in brackets, where there is one."""
     return f"{label}  [{unit}]" if unit and is_si(run) else label
 
 
 def moment(run: Run, frame: int) -> str:
-    """When a frame is, as titles say it."""
+    """Return when a frame is, as titles say it."""
     return f"t = {run.time[frame]:.4g}{' s' * is_si(run)}"
 
 
 def time_axis(axes: Axes, run: Run, which: str = "x") -> None:
-    """An axis over the whole run."""
+    """Let an axis span the whole run."""
     axes.locator_params(axis=which, nbins=4 if which == "x" else 8)
     times = np.concatenate([run.time, run.series.get("t", [])])
     limits = (times.min(), times.max())
@@ -127,7 +127,7 @@ def time_axis(axes: Axes, run: Run, which: str = "x") -> None:
 
 
 def panels(figure: FigureBase, count: int, columns: int, **more: Any) -> Array:
-    """Axes in rows of so many, those that are too many invisible."""
+    """Return axes in rows of so many, those that are too many invisible."""
     columns = min(columns, count)
     grid = figure.subplots(-(-count // columns), columns, squeeze=False, **more)
     for axes in grid.flat[count:]:
@@ -136,7 +136,7 @@ def panels(figure: FigureBase, count: int, columns: int, **more: Any) -> Array:
 
 
 def label_y(axes: Axes, text: str) -> None:
-    """The label of a vertical axis, in lines that fit a low panel; its power of ten at the left."""
+    """Label a vertical axis, in lines that fit a low panel; its power of ten at the left."""
     name, bracket, unit = text.partition("[")
     whole = name + bracket + unit.replace(" ", "\u00a0")  # no line ends within a unit
     lines = [textwrap.fill(line, WIDEST, break_long_words=False) for line in whole.split("\n")]
@@ -145,7 +145,7 @@ def label_y(axes: Axes, text: str) -> None:
 
 
 def extremes(*arrays: Array) -> tuple[float, float]:
-    """Smallest and largest of all finite values; 0, 0 if there are none."""
+    """Return smallest and largest of all finite values; 0, 0 if there are none."""
     known = np.concatenate([np.empty(0), *(np.ravel(a[np.isfinite(a)]) for a in arrays)])
     return (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
 
@@ -153,8 +153,8 @@ def extremes(*arrays: Array) -> tuple[float, float]:
 def colours(
     values: Array, rest: float | None, name: str = "", beside: float = 0.0
 ) -> dict[str, Any]:
-    """Arguments of pcolormesh for values. Those on both sides of `rest` get a map of SIGNED, white
-    there; others, and all where `rest` is None, one of PLAIN. name: of the map.
+    """Return arguments of pcolormesh for values. Those on both sides of `rest` get a map of SIGNED,
+    white there; others, and all where `rest` is None, one of PLAIN. name: of the map.
 
     Colours end where 99.8 % of the values do, where a few go far beyond. beside: size of what
     has the same unit, beside which round-off is nothing.
@@ -176,14 +176,14 @@ def colours(
 
 
 def shaded(axes: Axes, x: Array, y: Array, values: Array, scale: dict[str, Any]) -> Any:
-    """Values on a grid, smooth between its points."""
+    """Draw values on a grid, smooth between its points."""
     values = np.ma.masked_invalid(values)
     axes.grid(visible=False)
     return axes.pcolormesh(x, y, values, shading="gouraud", rasterized=True, **scale)
 
 
 def legend_above(axes: Axes, side: str = "left") -> None:
-    """A legend above a panel, at this side of it, of five entries at most."""
+    """Draw a legend above a panel, at this side of it, of five entries at most."""
     entries: dict[str, Any] = dict(zip(*reversed(axes.get_legend_handles_labels())))
     names = list(entries)[:5]
     shown = [textwrap.shorten(name, LONGEST, placeholder=" …") for name in names]

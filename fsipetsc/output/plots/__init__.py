@@ -1,1 +1,0 @@
-"""Pictures of a result, films of it, and that of a convergence study. Gas blue, solid red."""
