@@ -69,5 +69,5 @@ def test_interval_and_times_of_output_replace_each_other(read):
     assert (both["fsi_output_dt"], both["fsi_output_times"]) == (0.5, (0.1, 0.2))
     again = read_options(make_case(), {}, inherited={"fsi_output_dt": None})
     assert again["fsi_output_dt"] is None
-    with pytest.raises(InputError, match="its options: bad value None of -fsi_order"):
+    with pytest.raises(InputError, match="bad default None of -fsi_order"):
         read_options(make_case(), {}, inherited={"fsi_order": None})

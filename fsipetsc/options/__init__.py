@@ -70,9 +70,7 @@ def groups(
         value = values.get(option.name, option.default)
         unset = value is None and option.default is None  # None is for what need not be set
         if value is not REQUIRED and not unset:
-            kept = option.name in (inherited or {})
-            what = "its options: bad value" if kept else f"case {case.NAME}: bad default"
-            said = f"{what} {value!r} of -{option.name}"
+            said = f"case {case.NAME}: bad default {value!r} of -{option.name}"
             value = option.checked(value, said)
         return replace(option, default=value)
 

@@ -113,11 +113,7 @@ class Option:
 
 def floats(text: str, name: str, unit: str) -> tuple[float, ...]:
     """Return the numbers of a list such as 0.1,0.25. InputError that names the option."""
-    try:
-        found: tuple[float, ...] = _as_kind("floats", text)
-    except ValueError:
-        said = f"bad value {text[:80]!r} for -{name}: expected {_NOUNS['floats']} [{unit}]"
-        raise InputError(said) from None
+    found: tuple[float, ...] = Option(name, "floats", None, unit, "").parse(text)
     return found
 
 

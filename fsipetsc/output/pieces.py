@@ -12,7 +12,7 @@ import os
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import h5py
 import numpy as np
@@ -29,12 +29,8 @@ _SPARE = 1 << 16  # bytes for what HDF5 needs besides the numbers
 _AT_ONCE = 1 << 26  # bytes of frames that are copied at once
 
 
-class Kept(NamedTuple):
-    """What a restart keeps of a result: frames, steps, and the time [s] at the end of the last."""
-
-    frames: int
-    rows: int
-    t: float
+#: what a restart keeps of a result: frames, steps, and the time [s] at the end of the last step
+Kept = tuple[int, int, float]
 
 
 # the folder
@@ -90,14 +86,15 @@ def run_of(path: Path) -> str | None:
 
 def check_kept(files: Sequence[Path], header: Mapping[str, Any], kept: Kept, name: Path) -> None:
     """FileError if a result is not what a checkpoint goes on from."""
+    frames, rows, t = kept
     with damage(str(name)):
         content = Contents(files, header)
-    found = f"{content.nframes} frames and {content.rows} steps, not {kept.frames} and {kept.rows}"
-    if content.nframes >= kept.frames and content.rows >= kept.rows:
-        t = content.t[kept.rows - 1] if kept.rows else kept.t  # before all steps any result fits
-        if t == kept.t:
+    found = f"{content.nframes} frames and {content.rows} steps, not {frames} and {rows}"
+    if content.nframes >= frames and content.rows >= rows:
+        ended = content.t[rows - 1] if rows else t  # before all steps any result fits
+        if ended == t:
             return
-        found = f"its step {kept.rows} ends at t = {t:.17g}, not {kept.t:.17g}"
+        found = f"its step {rows} ends at t = {ended:.17g}, not {t:.17g}"
     raise FileError(f"{name} is not what the checkpoint goes on from: {found}")
 
 

@@ -17,7 +17,6 @@ from fsipetsc.options import read_options
 from fsipetsc.output.checkpoint_file import CheckpointError
 from fsipetsc.output.geometry_picture import geometry_rows, outlines
 from fsipetsc.output.info import table
-from fsipetsc.output.pieces import Kept
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.process.program import say
 from fsipetsc.state import State
@@ -156,7 +155,7 @@ class _Run:
         self.mark, after = {"run": uuid.uuid4().hex, "created": created}, None
         if past is not None:
             self.mark = past.header["run"]
-            after = Kept(*past.header["result"], past.header["memory"]["t"])
+            after = (*past.header["result"], past.header["memory"]["t"])
         about = self._header(), state.grids(), self._take, after, other
         self.writer = RunWriter(self.comm, opt["fsi_output"], *about)
 
