@@ -146,7 +146,7 @@ class _Run:
             state,
             opt,
             on_frame=self._frame,
-            on_series=self._series,
+            on_series=lambda: self._write(self.writer.write_series),
             on_step=self.report.step,
             on_checkpoint=self._checkpoint,
         )
@@ -185,17 +185,17 @@ class _Run:
             self.report.notes("saved")
         self.saved_at = t
         if self.checks:
-            self._series()
+            self._write(self.writer.write_series)
 
-    def _series(self) -> None:
+    def _write(self, action: Callable[[], None]) -> None:
+        """Let the writer write. Raise ComputationError on all ranks if a law that must hold, by
+        -fsi_check, does not. Collective.
+        """
         with stage(OUTPUT):
-            self.writer.write_series()
-        self._check()
-
-    def _flush(self) -> None:
-        with stage(OUTPUT):
-            self.writer.flush()
-        self._check()
+            action()
+        if self.checks and (fault := self.comm.bcast(self.ledgers.fault)):
+            allowed = f"-fsi_check {self.opt['fsi_check']:g} allows no more"
+            raise ComputationError(f"{fault}; {allowed}")
 
     def _take(self) -> np.ndarray:
         """Return the steps since the last time, of which the ledgers learn. Collective."""
@@ -204,16 +204,10 @@ class _Run:
             self.ledgers.add(steps)
         return steps
 
-    def _check(self) -> None:
-        """With -fsi_check: ComputationError on all ranks if a law that must hold does not."""
-        if self.checks and (fault := self.comm.bcast(self.ledgers.fault)):
-            allowed = f"-fsi_check {self.opt['fsi_check']:g} allows no more"
-            raise ComputationError(f"{fault}; {allowed}")
-
     def _checkpoint(self) -> None:
         """Write all that has been computed, and then the checkpoint that goes on from there."""
         with stage(OUTPUT):
-            self._flush()  # what does not hold is nothing to go on from
+            self._write(self.writer.flush)  # what does not hold is nothing to go on from
             more = {
                 "run": self.mark,
                 "memory": self.integrator.memory(),
@@ -237,12 +231,12 @@ class _Run:
                 self.integrator.run()
             if self.integrator.t > self.saved_at:  # ended between two saved times
                 self._frame(self.integrator.t)
-            self._flush()  # so that the summary knows what it took
+            self._write(self.writer.flush)  # so that the summary knows what it took
             found = self.state.errors(self.integrator.t, self.opt["fsi_norm"])
             self.report.notes("end")
         except (ComputationError, InputError, CheckpointError) as error:
             failure, self.checks = error, False
-            self._flush()
+            self._write(self.writer.flush)
         number = self.integrator.stop_signal
         summary = self._summary(failure)
         self.writer.finish(summary, found, join=not number)  # there may be no time to join it
