@@ -1,20 +1,14 @@
-"""What a case says is checked where it says it; a message names the user's file and line.
+"""What a case says is checked where it says it, so that the message can name the line."""
 
-Errors that come out of a user's functions are told with file, line and reason.
-"""
-
-import os
-import traceback
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from datetime import timedelta
-from functools import partial
 from math import isfinite
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.errors import FsiError, InputError
+from fsipetsc.errors import InputError
 
 #: what functions of a case take, and what they return for several unknowns
 Array = NDArray[Any]
@@ -25,11 +19,6 @@ MOST_CELLS = 50_000_000
 POSITIVE, NONNEGATIVE, ANY = "above 0", "not below 0", ""
 #: name of a number -> what it must be: "" for any, "above …" or "not below …"
 Ranges = Mapping[str, str]
-#: packages that this one needs
-NEEDED = ("h5py", "matplotlib", "mpi4py", "numpy", "petsc4py", "scipy")
-_PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")
-_CASES = os.path.join(_PACKAGE, "cases", "")
-_LIBRARIES = (os.path.join(os.path.dirname(os.path.abspath(os.__file__)), ""), _PACKAGE)
 
 
 def described(value: Any) -> str:
@@ -48,9 +37,6 @@ def counted(count: int, word: str) -> str:
 def duration(seconds: float) -> str:
     """Seconds, as "4.2 s" or "1:02:33"."""
     return f"{seconds:.3g} s" if seconds < 60 else str(timedelta(seconds=int(seconds)))
-
-
-# what a case gives
 
 
 def number(value: Any, what: str, bound: str = ANY, unit: str = "") -> float:
@@ -123,75 +109,3 @@ def function(value: Any, what: str, form: str, *, optional: bool = False) -> Non
     if not (callable(value) or (optional and value is None)):
         expected = f"a function {form}{' or None' if optional else ''}"
         raise InputError(f"{what} is {described(value)}: expected {expected}")
-
-
-# what its functions do
-
-
-def call(function: Callable[..., Any], arguments: tuple[Any, ...], where: str) -> Any:
-    """function(*arguments), a user's; where: what it is, in a message.
-
-    InputError with file and line for whatever it raises, perhaps on this rank alone.
-    """
-    try:
-        return function(*arguments)
-    except (KeyboardInterrupt, MemoryError):
-        raise
-    except BaseException as error:  # SystemExit of one rank would leave the others waiting
-        of_package = getattr(function, "__module__", "").startswith("fsipetsc.")
-        if isinstance(error, FsiError) and of_package:
-            raise  # it is about an option, or explained already
-        place = place_in(error) or place_of(function)
-        raise InputError(f"{place}: {where}: {reason(error)}", collective=False) from error
-
-
-def reason(error: BaseException) -> str:
-    """What an exception says, on one line."""
-    text = " ".join(str(getattr(error, "msg", None) or error).split())
-    if isinstance(error, FsiError):
-        return text
-    if package := missing(error):
-        said = f"this needs the Python package {package}, which is not installed here"
-        how = "scripts/setup, or pip install '.[solver,plot]', installs what fsipetsc needs"
-        return f"{said}: {how}" if package in NEEDED else said
-    return type(error).__name__ + (f": {text[:300]}" if text else "")
-
-
-def missing(error: BaseException) -> str:
-    """The Python package that an import did not find; "" if it is this one, or no such error."""
-    name = (error.name or "") if isinstance(error, ModuleNotFoundError) else ""
-    package = name.split(".")[0]
-    return package if package != "fsipetsc" else ""
-
-
-def place_in(error: BaseException) -> str:
-    """Where in the user's code an error arose, as "file, line N"; "" if it never was in it."""
-    if isinstance(error, SyntaxError) and error.lineno and _is_users(error.filename or ""):
-        return f"{short(error.filename or '')}, line {error.lineno}"
-    for frame in reversed(traceback.extract_tb(error.__traceback__)):
-        if _is_users(frame.filename):
-            return f"{short(frame.filename)}, line {frame.lineno}"
-    return ""
-
-
-def _is_users(name: str) -> bool:
-    """Whether a file is a user's, as cases are: not Python's, a library's or this package's."""
-    name = os.path.abspath(name)
-    known = name.startswith(_LIBRARIES) and not name.startswith(_CASES)
-    library = {"site-packages", "dist-packages"} & set(name.split(os.sep))
-    return not known and not library and os.path.isfile(name)
-
-
-def place_of(function: Callable[..., Any]) -> str:
-    """Where a function is defined, as "file, line N"; its name if that is not known."""
-    while isinstance(function, partial) or hasattr(function, "__wrapped__"):
-        function = function.func if isinstance(function, partial) else function.__wrapped__
-    if code := getattr(function, "__code__", getattr(type(function).__call__, "__code__", None)):
-        return f"{short(code.co_filename)}, line {code.co_firstlineno}"
-    return getattr(function, "__name__", type(function).__name__)
-
-
-def short(name: str | os.PathLike[str]) -> str:
-    """A path as a user would write it."""
-    inside = os.path.relpath(name)
-    return os.path.abspath(name) if inside.startswith(os.pardir) else inside

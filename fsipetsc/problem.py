@@ -20,8 +20,8 @@ from fsipetsc.blocks.conditions import steady
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.blocks.values import NOWHERE, block_values, checked
 from fsipetsc.boundaries import Boundary, Wall
-from fsipetsc.checks import Array, Fields, check_name, described, extent, function, place_of
-from fsipetsc.errors import InputError
+from fsipetsc.checks import Array, Fields, check_name, described, extent, function
+from fsipetsc.errors import InputError, place_of
 from fsipetsc.kernels.symbols import Symbol
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid, Solid

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from fsipetsc.blockrun.columns import fields_of
 from fsipetsc.blockrun.face_terms import FaceTerms
 from fsipetsc.blocks.values import block_values
-from fsipetsc.checks import place_in, reason
-from fsipetsc.errors import FsiError, InputError
+from fsipetsc.errors import FsiError, InputError, place_in, reason
 from fsipetsc.kernels.formula import numbers_of
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.parallel.block_layout import BlockLayout, Part

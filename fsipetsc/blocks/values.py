@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blocks.maps import place_text
-from fsipetsc.checks import Array, call, counted, described, place_of
-from fsipetsc.errors import InputError
+from fsipetsc.checks import Array, counted, described
+from fsipetsc.errors import InputError, call, place_of
 
 #: in the place of X for functions of time alone
 NOWHERE = np.empty((0, 1))

@@ -22,8 +22,7 @@ from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
-from fsipetsc.checks import call
-from fsipetsc.errors import InputError
+from fsipetsc.errors import InputError, call
 from fsipetsc.options import PROGRAM, Option, groups, is_option
 
 BUILT_IN = (

@@ -7,8 +7,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from fsipetsc.checks import call
-from fsipetsc.errors import InputError
+from fsipetsc.errors import InputError, call
 
 #: how the program is called, in examples that can be copied
 PROGRAM = "python -m fsipetsc"

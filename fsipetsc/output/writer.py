@@ -21,8 +21,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.checks import reason
-from fsipetsc.errors import FileError, FsiError, petsc_words
+from fsipetsc.errors import FileError, FsiError, petsc_words, reason
 from fsipetsc.output import pieces
 from fsipetsc.output.file_layout import beside, check_folder, columns, put
 from fsipetsc.output.pieces import Kept

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from fsipetsc.blocks.conditions import moves
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.values import datum, names_of
-from fsipetsc.checks import place_of
-from fsipetsc.errors import InputError
+from fsipetsc.errors import InputError, place_of
 from fsipetsc.kernels.symbols import Record, Symbol, derivatives, replay
 from fsipetsc.particles.members import Asked, Particle
 from fsipetsc.scheme.recorded_data import Make, Recorder, asked, positive

@@ -8,8 +8,7 @@ import traceback
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from fsipetsc.checks import missing, reason
-from fsipetsc.errors import FsiError, Interrupted, clear_frames, petsc_words
+from fsipetsc.errors import FsiError, Interrupted, clear_frames, missing, petsc_words, reason
 from fsipetsc.process.program import abandon_output, say_error
 
 if TYPE_CHECKING:  # importing MPI starts it

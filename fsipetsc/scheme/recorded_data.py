@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.checks import place_in, reason
+from fsipetsc.errors import place_in, reason
 from fsipetsc.kernels.formula import Formula, number_of, numbers_of
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.kernels.unit import unit

@@ -9,8 +9,8 @@ from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blockrun.law_checks import check_gas_laws
 from fsipetsc.blockrun.recorded_nodes import chosen
 from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.checks import call, described, place_of
-from fsipetsc.errors import InputError
+from fsipetsc.checks import described
+from fsipetsc.errors import InputError, call, place_of
 from fsipetsc.options import InForce
 from fsipetsc.paper.paper_state import PaperState
 from fsipetsc.problem import Problem, blocks_of_line
