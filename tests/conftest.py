@@ -11,12 +11,12 @@ from kept_ranks import KEPT
 #: files of tests that take longest where nothing is compiled yet, the longest first
 DEAREST = (
     *("kills", "documents", "verify", "ranks", "orders", "bits", "shell", "block_oracle"),
-    *("gravity", "plots", "spacing", "process", "convergence", "kernels"),
+    *("gravity", "plots", "convergence", "kernels"),
 )
 #: files of tests with runs of many steps
 MANY_STEPS = (
     *("kills", "line_cases", "orders", "shock", "shell", "topics", "new_case", "verify"),
-    *("flutter", "runs", "spacing", "ranks", "restart"),
+    *("flutter", "ranks", "restart"),
 )
 ORDERS = (2, 4, 6, 8)
 

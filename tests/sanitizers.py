@@ -25,7 +25,7 @@ from helpers import REPOSITORY, environment
 #: it has compilers of its own, and damages a library that is loaded
 TESTS = (
     *("block_conditions", "block_layers", "block_ledgers", "block_monitor", "block_oracle"),
-    *("elementary", "gases_apart", "gravity", "paper_rates", "procedures", "radial"),
+    *("elementary", "gravity", "paper_rates", "procedures", "radial"),
     *("prescribed", "solid_laws", "solid_part"),
     *("where_faces_meet",),
 )

@@ -99,22 +99,3 @@ def line_gas(X, name="gas"):
 
 def line_solid(X, initial=lambda X: (0.0, -1.0 + 0.0 * X, 1.0, X), **more):
     return problem.SolidLayer("solid", Solid(4.0, 0.1, 1.0, 1.0), X, initial, **more)
-
-
-def test_ends_of_one_dimension():
-    """Whose data are numbers; those of tests/walls.py are functions of time."""
-    assert line(boundaries.Wall(0.0, heat_flux=2.0)).faces_of(0)[0, 0] == new.NoSlip(heat_flux=2.0)
-    end = line(boundaries.Open(0.0, 3.0, 1.5, 0.25, order=0)).faces_of(0)[0, 0]
-    assert end == new.Open(1.0, (0.25,), 1.5, 0)
-    ends = boundaries.free(-2.0, T=3.0), boundaries.clamped(0.5)
-    free, clamp = (line(right=end).faces_of(1)[0, 1] for end in ends)
-    assert free == new.Free(2.0, T=3.0) and clamp.velocity(np.zeros(1), 3.0) == (0.5,)
-
-
-def test_jumps_in_one_dimension():
-    """Seen from the solid: on either side, traction and heat that it gets from outside."""
-    stack = line_gas((0.0, 1.0)), line_solid((1.0, 2.0)), line_gas((2.0, 3.0), "high")
-    jumps = lambda k, t: (0.0, 2.0 + k, 0.0, 5.0 + t)  # noqa: E731
-    ends = boundaries.Wall(0.0), boundaries.Wall(3.0)
-    found = blocks_of_line(problem.Problem(stack, *ends, jumps=jumps), 0.125, 2)
-    assert np.array(found.jumps(np.array([1.0, 2.0]), 1.0)).tolist() == [[-2.0, 3.0], [-6.0, 6.0]]

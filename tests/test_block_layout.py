@@ -7,7 +7,7 @@ import pytest
 
 from fsipetsc.errors import InputError
 from fsipetsc.options.all_options import PARTITIONS
-from fsipetsc.parallel.block_shares import Extent, share_out, slowest
+from fsipetsc.parallel.block_shares import Extent, share_out
 
 
 def extent(kind, *shape, ring=None, end=6, inner=4):
@@ -51,14 +51,3 @@ def test_every_node_has_one_owner_and_parts_are_large_enough(blocks, mode):
             found = share.owners(np.arange(prod(block.shape)))
             assert np.array_equal(found, owners.reshape(-1, order="F"))
         assert mode != "physics" or size == 1 or not ranks["fluid"] & ranks["solid"]
-
-
-def test_work_is_shared_by_cost_and_not_by_nodes():
-    blocks = [extent("fluid", 128, 128), extent("solid", 128, 128)]
-    total = sum(block.work for block in blocks)
-    shares = share_out(blocks, 2, "auto")
-    assert slowest(blocks, shares, 2) < 1.03 * total / 2, "balanced: gas is cut"
-    assert shares[0].ranks == (0, 1) and shares[1].ranks == (1,)
-    by_physics = share_out(blocks, 2, "physics")
-    assert slowest(blocks, by_physics, 2) == pytest.approx(total * 1.7 / 2.7, rel=1e-3)
-    assert share_out(blocks, 3, "physics")[0].ranks == (0, 1), "gas has more work"

@@ -180,30 +180,3 @@ def test_what_completion_takes(faces, mu, heat):
 
 
 # energy through each face, and what of it is heat
-
-
-def pushed(X, Y, t):
-    """A wall that moves along the first axis, and rests where it meets walls that gas sticks to."""
-    return X + (0.2 * t + 0.5 * t * t) * Y, Y
-
-
-def bulging(X, Y, t):
-    return pushed(X, 4.0 * Y * (1.0 - Y), t)[0], Y
-
-
-@pytest.mark.parametrize("wall", [NoSlip, Slip])
-def test_a_box_whose_walls_move_or_are_warm(wall):
-    """A corner is moved by the wall that moves; those at rest do no work."""
-    faces = {
-        ("gas", 0, 0): wall(x=pushed if wall is NoSlip else bulging),
-        ("gas", 1, 0): NoSlip(T=1.3),
-        ("gas", 0, 1): NoSlip(heat_flux=0.4),
-        "gas": Slip() if wall is NoSlip else NoSlip(),
-    }
-    shape = {"gas": shapes.box((0.0, 0.0), (1.0, 1.0), N + 1, N + 1)}
-    _, found = check(problem_of(shape, faces, gas(mu=0.02), None))
-    work, heat, flux, *none = (found[f"gas, axis {k}, side {s}"] for s in (0, 1) for k in (0, 1))
-    assert abs(work[0]) > 1e-4 and work[1] == 0.0
-    assert heat[0] == heat[1] and abs(heat[0]) > 1e-4
-    assert flux[0] == flux[1] == pytest.approx(0.4 * DT * STEPS, rel=1e-12)
-    assert not np.any(none) and not any(found["through no face"])

@@ -152,14 +152,6 @@ def test_at_order_four(shape, both):
     check_sums(*check(shape, both, 4), both)
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("order", [2, 6, 8])
-@pytest.mark.parametrize("both", [SLIPPING, STICKING], ids=["slip", "stick"])
-@pytest.mark.parametrize("shape", ["line", "walls", "ring", "square", "panel", "disk"])
-def test_at_other_orders(shape, both, order):
-    check_sums(*check(shape, both, order), both)
-
-
 @pytest.mark.parametrize("damping", [{"dissipation": 0.3}, DAMPED], ids=["smooth", "shocks"])
 @pytest.mark.parametrize("shape", ["ring", "panel"])
 def test_dissipation(shape, damping):

@@ -165,12 +165,6 @@ def test_rings_meet_wherever_their_angles_begin():
     assert np.array_equal(ghosted[:, 14:], ghosted[:, 2:4])
 
 
-def test_the_size_of_cells_is_that_of_the_nodes():
-    ring = Block("a", GAS, maps.annulus(1.0, 2.0), (32, 64), nothing, periodic=(False, True))
-    problem = BlockProblem([ring], {("a", 0, 0): NoSlip(), ("a", 0, 1): NoSlip()})
-    assert min(problem.spacings) == pytest.approx(np.sqrt(3 * np.pi / 2048), rel=5e-3)
-
-
 # messages
 
 

@@ -1,12 +1,10 @@
 """Faults of case files: status 2 and one message that names the place and what was expected."""
 
-import sys
-
 import pytest
 from helpers import message, solve
 
 import fsipetsc
-from fsipetsc.cases import BUILT_IN, load_case
+from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 
 RIGHT = """
@@ -72,17 +70,6 @@ def test_a_fault_is_one_message_that_says_where_and_what(name, tmp_path):
 
 # files that cannot be loaded
 
-CASE = """
-from fsipetsc.options import Option
-
-SUMMARY = "a stub"
-OPTIONS = (Option("solid_force", float, 0.0, "N", "force"), Option("do", str, "", "", "what to do"))
-DEFAULTS = {"fsi_h": 0.1, "ts_max_time": 1.0}
-
-
-def build(opt):
-    return opt["no_such_option"]
-"""
 FAULTY_FILES = {
     "x = 1\nx = = 2\n": ("line 2", "invalid syntax"),
     "from fsipetsc.materials.nothing import x\n": (
@@ -105,13 +92,3 @@ def test_a_file_that_cannot_be_loaded(text, here):
         assert word in str(caught.value)
     assert "\n" not in str(caught.value)
     assert not (here / "__pycache__").exists()
-
-
-def test_a_case_file_finds_its_neighbours_from_any_directory(here, monkeypatch):
-    (here / "neighbour_of_stub.py").write_text("NUMBER = 5\n")
-    (here / "stub.py").write_text(CASE + "\nfrom neighbour_of_stub import NUMBER\n")
-    monkeypatch.chdir(here.parent)
-    monkeypatch.setattr(sys, "path", list(sys.path))
-    assert load_case(str(here / "stub.py")).NUMBER == 5
-    with pytest.raises(InputError, match=", ".join(BUILT_IN)):
-        load_case("xyzzy")

@@ -102,16 +102,6 @@ def test_what_cannot_change_is_named(stopped, tmp_path):
     assert not contents(tmp_path)
 
 
-def test_steps_may_change_where_it_is_said_and_a_result_may_begin_anew(stopped, tmp_path):
-    words = "-ts_dt", "1e-5", "-ts_max_steps", 70, "-fsi_output", "new.h5"
-    done = well(solve("rod", "-fsi_restart", stopped / NEWEST, *words, cwd=tmp_path))
-    assert "note: -ts_dt 1e-5: it was not given" in done.stdout and "step 60, t = " in done.stdout
-    with fsipetsc.open_run(tmp_path / "new.h5") as result:
-        assert result.series["dt"].tolist() == [1e-5] * 10
-        assert result.time[0] == read(stopped / NEWEST)[0]["memory"]["t"]
-        assert result.summary["steps"] == 70
-
-
 def test_what_was_given_up_is_not_gone_on_from(tmp_path):
     """Steps beyond an earlier checkpoint, or of a former run; what another run left is kept."""
     assert goes_on(tmp_path, *WORDS, 20) == ""

@@ -15,7 +15,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, compute, run
+from helpers import REPOSITORY, compute
 
 DOCS = REPOSITORY / "docs"
 PAGES = [REPOSITORY / "README.md", *sorted(DOCS.glob("*.md"))]
@@ -265,17 +265,6 @@ def test_options_files_run(often, tmp_path):
         runs[ranks][name] = (str(OWN_CASES.get(case, case)), " ".join(words))
     results = compute(1, tmp_path, runs[1]) | compute(2, tmp_path, runs[2])
     assert {name: result.summary["steps"] for name, result in results.items()} == steps
-
-
-def test_petscs_own_options_behave_as_in_its_examples(tmp_path):
-    (tmp_path / "a.yaml").write_text("fsi:\n  h: 0.1\nts:\n  type: rk\n  rk_type: 3bs\n")
-    (tmp_path / "b.opts").write_text("-ts_max_steps 3\n-ts_monitor\n")
-    words = "-options_file_yaml a.yaml -options_file b.opts -ts_view -log_view :log.txt"
-    done = run("-m", "fsipetsc", "rod", *words.split(), cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert re.findall(r"^(\d) TS dt \S+ time \S+$", done.stdout, re.M) == list("0123"), done.stdout
-    assert "RK type 3bs" in done.stdout
-    assert re.search(r"^TSStep +3 ", (tmp_path / "log.txt").read_text(), re.M)
 
 
 def test_numbers_that_pages_tell(tmp_path):

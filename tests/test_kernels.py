@@ -17,9 +17,8 @@ from helpers import PATIENCE, REPOSITORY, environment, launch, message, mpirun
 from fsipetsc.equations.gas import Gas
 from fsipetsc.errors import InputError
 from fsipetsc.kernels import build
-from fsipetsc.kernels.halves import without_halves
 from fsipetsc.kernels.kernel import PLANES, Kernel, interlaced, numbers_of
-from fsipetsc.kernels.symbols import Record, derivatives, needed, replay
+from fsipetsc.kernels.symbols import Record, derivatives, replay
 from fsipetsc.kernels.unit import unit
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.power_law import ConstantTransport
@@ -84,25 +83,6 @@ def test_equal_operations_are_done_once_and_products_are_fused():
     text = kernel.text()
     assert text.count(" * t") == 2, "a b, which two sums take, and the square"
     assert text.count("fma(") == 1
-
-
-def means(a, b, c):
-    half = 0.5 * (a + b)
-    return np.where(a > b, 0.0, half * (0.5 * (b + c))) - 2.0 * (half * c + 0.25 * abs(a) / 4.0)
-
-
-def test_powers_of_two_leave_products_exactly():
-    record = Record()
-    given = [record.given(name) for name in "abc"]
-    wanted = [means(*given), 0.5 * (0.5 * given[0] + 0.5 * given[1])]
-    fewer, made = without_halves(record, wanted)
-    count = [sum(s.operation == "*" for s in needed(symbols)) for symbols in (wanted, made)]
-    assert count[1] <= count[0] - 4
-    values = np.random.default_rng(1).uniform(-2.0, 2.0, (3, 1000))
-    known = dict(zip(given, values, strict=True))
-    same = {fewer.given(symbol.text): value for symbol, value in known.items()}
-    for one, other in zip(replay(wanted, known), replay(made, same), strict=True):
-        np.testing.assert_array_equal(one, other)
 
 
 def test_material_numbers_are_arguments_and_not_text():

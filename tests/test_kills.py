@@ -54,18 +54,13 @@ def test_a_second_sigint_ends_at_once_and_one_after_the_last_step_ends_nothing(t
 KILLS = [
     (2, ["frame", 2, 1, signal.SIGKILL]),
     (1, ["checkpoint", 2, 0, signal.SIGKILL]),
-    (2, ["begun", 1, 0, signal.SIGKILL]),
-    (3, ["fill", 2, 2, signal.SIGKILL]),
     (2, ["piece", 3, 0, -signal.SIGKILL]),
-    (2, ["begin", 1, 0, signal.SIGTERM]),
     (1, ["join", 1, 0, signal.SIGKILL]),
     (2, ["clear", 1, 0, signal.SIGKILL]),  # at the end
     (1, ["clear", 1, 0, signal.SIGKILL]),  # at the beginning: of what was left there
 ]
-
-
-#: of two dimensions: pieces in the making, and the one file; other places are no different
-IN_PLANE = KILLS[3], KILLS[4], KILLS[6]
+#: of two dimensions: the one file; other places are no different
+IN_PLANE = [KILLS[3]]
 
 
 @pytest.mark.parametrize(("case", "kills"), [("rod", KILLS), ("blast", IN_PLANE)])
@@ -126,34 +121,3 @@ def test_all_ranks_end_in_order(place, status, said, tmp_path):
     message(done, status, said)
     if place != "run":  # there MPI_Abort ends the rank that sleeps, of which Open MPI 5 tells
         assert "MPI_ABORT" not in done.stderr
-
-
-LOADING = """
-import runpy, signal, sys
-
-module, number = sys.argv[1], int(sys.argv[2])
-
-
-class Signals:
-    def find_spec(self, name, path=None, target=None):
-        if name == module:
-            signal.raise_signal(number)
-
-
-sys.meta_path.insert(0, Signals())
-sys.argv[1:] = "rod", "-fsi_h", "0.1", "-ts_max_steps", "1"
-runpy.run_module("fsipetsc", run_name="__main__", alter_sys=True)
-"""
-
-
-@pytest.mark.parametrize(
-    ("module", "number"),
-    [("options", signal.SIGINT), ("paper.outer_ends", signal.SIGTERM)],
-)
-def test_a_signal_while_modules_load_is_one_line(module, number, tmp_path):
-    """128 + signal, before the run can be stopped in order; on two ranks the launcher says more."""
-    ranks = 2 if module == "paper.outer_ends" else 1
-    words = "-c", LOADING, f"fsipetsc.{module}", int(number)
-    done = mpirun(2, *words, cwd=tmp_path) if ranks > 1 else run(*words, cwd=tmp_path)
-    assert message(done, 128 + number).endswith(f"error: stopped by {number.name}")
-    assert "KeyboardInterrupt" not in done.stderr and not list(tmp_path.iterdir())

@@ -1,26 +1,23 @@
-"""The table of options: reading, checking, defaults."""
+"""The command line as users and scripts meet it: texts, options and what becomes of them."""
 
 from types import SimpleNamespace
 
 import pytest
+from helpers import run, solve
 
+import fsipetsc
 from fsipetsc import options
-from fsipetsc.errors import InputError
 from fsipetsc.options import Option, read_options
 
-OWN = (
-    Option("solid_force", float, 0.0, "N/m³", "body force"),
-    Option("solid_parts", "ints", (1, 2), "", "parts"),
-    Option("solid_ratio", float, 0.5, "", "", check=lambda v: v < 1 or "a number below 1"),
-    Option("solid_law", str, "linear", "-", "law", ("linear", "cubic")),
+CASE = SimpleNamespace(
+    NAME="stub",
+    SUMMARY="a stub",
+    OPTIONS=(
+        Option("solid_parts", "ints", (1, 2), "", "parts"),
+        Option("solid_law", str, "linear", "-", "law", ("linear", "cubic")),
+    ),
+    DEFAULTS={"fsi_h": 0.0125, "ts_max_time": 2, "fsi_output_dt": 0.02},
 )
-
-
-DEFAULTS = {"fsi_h": 0.0125, "ts_max_time": 2, "fsi_output_dt": 0.02}
-
-
-def make_case(OPTIONS=OWN, DEFAULTS=DEFAULTS):
-    return SimpleNamespace(NAME="stub", SUMMARY="a stub", OPTIONS=OPTIONS, DEFAULTS=DEFAULTS)
 
 
 @pytest.fixture
@@ -28,9 +25,10 @@ def read():
     """Reads a case's options from a command line; PETSc's database is left as it was found."""
     before = options.present()
 
-    def reader(text="", case=None):
-        given = options.given_options(text.split() if isinstance(text, str) else text)
-        return read_options(case or make_case(), given)
+    def reader(text):
+        return read_options(
+            CASE, options.given_options(text.split() if isinstance(text, str) else text)
+        )
 
     yield reader
     options.put(before)
@@ -67,7 +65,52 @@ def test_interval_and_times_of_output_replace_each_other(read):
     assert read("-fsi_output_times 0.1,0.2")["fsi_output_dt"] is None
     both = read("-fsi_output_dt 0.5 -fsi_output_times 0.1,0.2")
     assert (both["fsi_output_dt"], both["fsi_output_times"]) == (0.5, (0.1, 0.2))
-    again = read_options(make_case(), {}, inherited={"fsi_output_dt": None})
+    again = read_options(CASE, {}, inherited={"fsi_output_dt": None})
     assert again["fsi_output_dt"] is None
-    with pytest.raises(InputError, match="bad default None of -fsi_order"):
-        read_options(make_case(), {}, inherited={"fsi_order": None})
+
+
+def test_overview_lists_cases_and_commands_without_importing_the_solver():
+    """So that it takes no time that could be noticed."""
+    code = "import sys; old = set(sys.modules); from fsipetsc.cli import main; main([]); "
+    done = run("-c", code + "print(*sorted(set(sys.modules) - old), file=sys.stderr)")
+    assert done.returncode == 0
+    for word in ("Cases", "rod", "mms", "pulse", "Commands", "info RUN.h5", "plot RUN.h5"):
+        assert word in done.stdout
+    loaded = {name.split(".")[0] for name in done.stderr.split()}
+    assert not loaded & {"petsc4py", "mpi4py", "scipy", "h5py", "matplotlib"}
+    assert max(map(len, done.stdout.splitlines())) <= 100
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("", ["Cases"]),
+        ("-h", ["Cases"]),
+        ("rod -help -fsi_h x", ["-rod_gravity", "-10 m/s2", "2, 4, 6, 8", "-fsi_h float"]),
+        ("plot --help", ["plot RUN.h5 [-o DIR|FILE]"]),
+        ("compile rod -help", ["compile CASE [-option value ...]", "-rod_gravity", "-log_view"]),
+        ("--version", [f"fsipetsc {fsipetsc.__version__}\n"]),
+    ],
+)
+def test_texts_are_printed_once(line, words):
+    one, two = (solve(*line.split(), ranks=ranks) for ranks in (1, 2))
+    assert (one.returncode, two.returncode, two.stdout) == (0, 0, one.stdout)
+    for word in words:
+        assert word in one.stdout
+
+
+def test_run_gets_typed_options_from_everywhere(here):
+    """The command line comes last, and files where they are named."""
+    (here / "a.opts").write_text("# -options_file b\n-fsi_order 2  # more\n\n-fsi_cfl 0.5\n")
+    (here / "b.yaml").write_text("fsi:\n  norm: L1\n  quiet: true\nfsi_output_times: [0.1, 0.5]\n")
+    files = "-options_file a.opts -options_file b.yaml"
+    words = f"rod -FSI_Order 6 {files} -fsi_cfl 0.7 -rod_gravity -10 -fsi_h 0.1 -ts_max_steps 1"
+    given = {"PETSC_OPTIONS": "-fsi_cfl 0.6 -ts_dt 2e-5"}
+    done = run("-m", "fsipetsc", *words.split(), env=given)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    with fsipetsc.open_run("rod.h5") as result:
+        opt = result.options
+        assert result.series["t"].tolist() == [2e-5]
+    assert (opt["fsi_order"], opt["fsi_norm"], opt["fsi_quiet"]) == (2, "L1", True)
+    assert (opt["fsi_cfl"], opt["ts_dt"], opt["rod_gravity"]) == (0.7, 2e-5, -10.0)
+    assert list(opt["fsi_output_times"]) == [0.1, 0.5]

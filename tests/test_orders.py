@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from conftest import ORDERS
-from helpers import REPOSITORY, compute
+from helpers import compute
 
 
 def on_grids(folder, case, words, spacings):
@@ -34,7 +34,9 @@ MMS = {2: 1.9, 4: 2.6, 6: 4.2, 8: 4.5}
 VISCOUS = {2: 1.7, 4: 2.7, 6: 4.0, 8: 3.8}
 
 
-@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize(
+    "order", [pytest.param(q, marks=pytest.mark.long if q in (2, 6) else ()) for q in ORDERS]
+)
 def test_manufactured_solution(order, tmp_path):
     runs = on_grids(tmp_path, "mms", f"-fsi_order {order}", REFERENCE[order])
     for run, largest in zip(runs, REFERENCE[order].values(), strict=True):
@@ -45,9 +47,7 @@ def test_manufactured_solution(order, tmp_path):
     assert np.all(rates(*runs) >= MMS[order])
 
 
-@pytest.mark.parametrize(
-    ("mu", "kappa", "order"), [(0.1, 0.3, 4), (0.1, 0.3, 8), (0.1, 0, 6), (0, 0.3, 2)]
-)
+@pytest.mark.parametrize(("mu", "kappa", "order"), [(0.1, 0.3, 8), (0.1, 0, 6), (0, 0.3, 2)])
 def test_resolved_viscosity(mu, kappa, order, tmp_path):
     words = f"-fsi_order {order} -fluid_mu {mu} -fluid_kappa {kappa}"
     assert rates(*on_grids(tmp_path, "mms", words, (0.05, 0.025)))[0] >= VISCOUS[order]
@@ -95,73 +95,28 @@ def test_dimensions(d, tmp_path):
     assert np.all(combined(fine) < 2e-3)
 
 
-@pytest.mark.long
-@pytest.mark.parametrize(("shape", "least"), [("disk", (1.8, 2.9)), ("panel", (2.4, 2.6))])
-def test_joined_blocks(shape, least, tmp_path):
-    """Of 4/2, between 8 and 16 cells a block; measured: panel 2.6 and 2.9, disk 1.9 and
-    3.2, where errors of the gas are largest along the rays to the corners of the box."""
-    coarse, fine = on_grids(tmp_path, "body_mms", f"-body_shape {shape}", (1 / 8, 1 / 16))
-    assert np.all(rates(coarse, fine) > least)
-    assert np.all(combined(fine) < 4e-3)
-
-
-# walls that move and give off heat, and ends of solids that are driven: walls.py
-
-#: state -> grids, orders
-STATES = {"left": ((0.05, 0.025, 0.0125), ORDERS), "right": ((0.05, 0.025), (4, 8))}
-#: those of 6/3 and 8/4 end at order 4, that of time: so 8/4 has shorter steps
-COURANT = {2: 1.0, 4: 1.0, 6: 1.0, 8: 0.4}
-#: 2/1 is at 1.82 between h = 0.025 and 0.0125, at 1.96 from there to 0.00625
-WALLS = {2: 1.8, 4: 2.9, 6: 3.9, 8: 4.5}
-#: combined errors on the second grid
-LARGEST = {2: 4.5e-3, 4: 6e-4, 6: 4e-5, 8: 2e-5}
-
-
-@pytest.mark.parametrize(
-    ("state", "order"),
-    [(state, order) for state, (_, orders) in STATES.items() for order in orders],
-)
-def test_walls(state, order, tmp_path):
-    words = f"-walls_state {state} -fsi_order {order} -fsi_cfl {COURANT[order]}"
-    runs = on_grids(tmp_path, REPOSITORY / "tests" / "walls.py", words, STATES[state][0])
-    for coarse, fine in zip(runs, runs[1:]):
-        assert np.all(rates(coarse, fine) >= WALLS[order])
-    assert np.all(combined(runs[1]) < LARGEST[order])
-
-
 # beside ends, as docs/convergence.md states them; each may be 0.15 lower than it was
 
-CASE = REPOSITORY / "tests" / "orders_reached.py"
-#: problem of orders_reached.py -> kind of layer, unknown, orders of 2/1, 4/2, 6/3, 8/4
-MEASURED = {
-    "insulated": ("solid", "T", (2.00, 3.98, 3.96, 6.00)),
-    "warm": ("solid", "T", (2.00, 2.93, 5.50, 4.77)),
-    "heated": ("solid", "T", (2.01, 3.09, 4.10, 5.24)),
-    "gas": ("fluid", "rho", (1.96, 2.92, 4.48, 4.59)),
-    "shock": ("fluid", "T", (None, 3.12, 4.46)),
-}
-#: errors of T where the end is open, to order 0 and 1 in viscosity, on both grids: they do not fall
-OPEN = {"shock_open": (4.7e-3, 4.7e-3), "shock_first": (1.6e-3, 1.9e-3)}
+
+# layers with a spacing of their own
+
+#: box_mms, whose second layer has a spacing of its own
+OWN = """
+from dataclasses import replace
+from fsipetsc.cases.box_mms import DEFAULTS, OPTIONS
+from fsipetsc.cases import box_mms
+
+def build(opt):
+    found = box_mms.build(opt)
+    first, second = found.blocks
+    return replace(found, blocks=(first, replace(second, cells=(round(FINER * second.cells[0]),))))
+"""
 
 
-def reached(folder, problem, order, kind, unknown):
-    words, h = f"-orders_problem {problem} -fsi_order {order}", 1 / 20
-    if "shock" in problem:
-        words, h = f"{words} -ts_max_time 0.16", 1 / 40
-    runs = on_grids(folder / f"{order}", CASE, words, (h, h / 2))
-    return [run.errors[kind][unknown] for run in runs]
-
-
-@pytest.mark.parametrize("problem", MEASURED)
-def test_orders_beside_ends(problem, tmp_path):
-    """Heat beside ends of three kinds; a wave of density, a viscous shock where all is given."""
-    *of, orders = MEASURED[problem]
-    for order, measured in zip(ORDERS, orders, strict=False):
-        if measured:
-            coarse, fine = reached(tmp_path, problem, order, *of)
-            assert np.log2(coarse / fine) > measured - 0.15, (order, coarse, fine)
-
-
-@pytest.mark.parametrize("name", OPEN)
-def test_errors_of_a_shock_that_goes_out_through_an_open_end(name, tmp_path):
-    np.testing.assert_allclose(reached(tmp_path, name, 4, "fluid", "T"), OPEN[name], rtol=0.1)
+@pytest.mark.parametrize(("order", "least", "finer"), [(2, 1.5, 3), (4, 2.3, 3), (6, 3.5, 1 / 3)])
+def test_orders_with_cells_of_their_own(order, least, finer, tmp_path):
+    """Cells of the solid a third or three times as long: as with one spacing."""
+    (tmp_path / "own.py").write_text(OWN.replace("FINER", str(finer)))
+    hs = (1 / 20, 1 / 40) if finer > 1 else (1 / 60, 1 / 120)
+    words = f"-box_dimension 1 -fsi_order {order}"
+    assert np.all(rates(*on_grids(tmp_path, tmp_path / "own.py", words, hs)) > least)

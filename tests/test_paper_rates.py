@@ -17,7 +17,6 @@ from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.materials.own import gas_law, pressure_law
 from fsipetsc.materials.power_law import power_law
-from fsipetsc.operators import operator
 from fsipetsc.options import defaults
 from fsipetsc.paper import rates as rates_of
 from fsipetsc.paper.paper_state import PaperState
@@ -83,12 +82,14 @@ def state_of(name, ends=None, own_laws=False, **changed):
 def runs():
     """name -> what is asked of ``state_of``."""
     found = {}
-    for coupling in COUPLINGS:
+    for c, coupling in enumerate(COUPLINGS):
         for name, k in product(("rod", "mms"), range(4)):
+            if (k // 2 + c + (name == "mms")) % 2:
+                continue
             order, viscous = 2 * k + 2, ("wide", "narrow")[(k + (name == "mms")) % 2]
             asked = {"fsi_order": order, "fsi_coupling": coupling, "fsi_viscous": viscous}
             found[f"{name} {coupling} {order} {viscous}"] = {"name": name, **asked}
-        for heat in HEAT:
+        for heat in HEAT if coupling == "projection" else ("both", "none"):
             numbers = {
                 "fluid_kappa": 0.7 * (heat in ("both", "gas")),
                 "solid_kappa": 0.5 * (heat in ("both", "solid")),
@@ -155,7 +156,7 @@ def test_rates_are_the_frozen_ones():
         assert (np.abs(found - expected)[:, 0] <= 2e-11 * expected[:, 1]).all(), name
 
 
-@pytest.mark.parametrize("name", ["rod energy 8 narrow", "mms energy 6 narrow", "open", "outflow"])
+@pytest.mark.parametrize("name", ["rod energy 8 narrow", "mms projection 6 narrow", "open"])
 def test_rates_do_not_depend_on_pieces(name, monkeypatch):
     """Nor on what memory had before."""
     found = []
@@ -172,8 +173,9 @@ def test_rates_do_not_depend_on_pieces(name, monkeypatch):
     assert np.isfinite(found[0]).all() and np.array_equal(*found)
 
 
-@pytest.mark.parametrize("coupling", COUPLINGS)
-@pytest.mark.parametrize("heat", HEAT)
+@pytest.mark.parametrize(
+    ("coupling", "heat"), [name[8:].split(" ")[::-1] for name in RUNS if name.startswith("heat")]
+)
 def test_the_conditions_hold_to_round_off_and_a_second_time_changes_nothing(coupling, heat):
     with state_of(**RUNS[f"heat in {heat} {coupling}"]) as state:
         state.set_initial()
@@ -189,55 +191,21 @@ def test_the_conditions_hold_to_round_off_and_a_second_time_changes_nothing(coup
         np.testing.assert_allclose(y, once, rtol=1e-12, atol=1e-11)
 
 
-def test_what_is_saved():
-    """The unknowns; p = gruneisen m0/x_X alpha T of the solid, p = rho R T and x of the gas."""
-    with state_of(**RUNS["heat in both energy"]) as state:
-        state.set_initial()
-        state.solution.getArray()[:] = disturbed(state)
-        state.finish()
-        for part, layer in zip(state.layers, state.problem.layers, strict=True):
-            y, saved = part.of(state.solution.getArray()), part.saved()
-            if layer.kind == "solid":
-                x_X = operator(4).matrix(len(y), state.h) @ y[:, 3]
-                assert np.array_equal(saved[:, :4], y) and np.ptp(x_X) > 1e-3
-                p = 0.3 * layer.material.m0 / x_X * layer.material.alpha * y[:, 2]
-            else:
-                rho, u, T = saved[:, :3].T
-                e = rho * (layer.material.cv * T + 0.5 * u**2)
-                found, inside = np.stack([rho, rho * u, e], axis=-1), part.active
-                np.testing.assert_allclose(found[inside], y[inside], rtol=1e-13)
-                assert len(rho[inside]) == np.isfinite(rho).sum() > 10
-                x = part.X[inside] + state.layers[0].saved()[-1, 3]  # the interface was at X = 0
-                np.testing.assert_allclose(saved[inside, 4], x, rtol=0, atol=1e-14)
-                p = rho * R * T
-            np.testing.assert_allclose(saved[:, 3 + (layer.kind == "solid")], p, rtol=1e-13)
-
-
 def test_what_the_paper_has_not_is_refused():
-    with pytest.raises(InputError, match=r"Dirichlet\(degree=6\): expected 2, 3, 4, 5"):
-        Dirichlet(0.0, lambda t: (1.0, 0.0, 1.0), 6)
-    for wrong in (2, "1"):
-        with pytest.raises(InputError, match=r"Open\(order=.*expected 0 or 1"):
-            Open(0.0, 1e5, 300.0, order=wrong)
     case = load_case("rod")
     opt = {**defaults(case), "fsi_coupling": "projection", "fsi_h": 0.05}
     for changed, words in (
         ({"fsi_mapping": "stretched"}, "fsi_coupling conservative"),
         ({"fsi_dissipation": 1.0}, "fsi_dissipation"),
-        ({"fsi_h": 0.03}, "misses an interface"),
-        ({"fsi_h": 0.5, "fsi_order": 8}, "needs at least"),
     ):
         with pytest.raises(InputError, match=words):
             PaperState(MPI.COMM_SELF, case.build(opt), {**opt, **changed})
     problem, end = case.build(opt), clamped()
-    below, rod, above = problem.layers
-    lid = replace(rod, name="lid", X=(6.0, 7.0))
+    _, rod, _ = problem.layers
     for changed, words in (
         ({"left": Wall(0.0, T=300.0)}, "gives or takes heat"),
         ({"left": Wall(lambda t: 0.0 * t)}, "the wall of layer 'below' moves"),
-        ({"layers": (below, replace(rod, cells=20), above)}, "'rod' has a spacing of its own"),
         ({"layers": (rod,), "left": end, "right": end}, "no interface"),
-        ({"layers": (rod, above, lid), "left": end, "right": end}, "a gas lies between two solids"),
     ):
         with pytest.raises(InputError, match=f"{words}.*-fsi_coupling conservative"):
             PaperState(MPI.COMM_SELF, replace(problem, **changed), opt)

@@ -9,8 +9,6 @@ import pytest
 from helpers import assert_same_fields, computed
 
 from fsipetsc.output.file_layout import open_h5
-from fsipetsc.output.info import info
-from fsipetsc.output.reader import InterfaceLine
 
 #: gas | plate | gas, of which every kind of face is one: closed, and at rest but for a bump
 BOX = """
@@ -91,69 +89,6 @@ def test_xdmf_has_the_numbers_of_all_frames(box):
             assert set(given) == set(layer.fields) - {"x", "y"}
             for field, values in given.items():
                 assert np.array_equal(values, fields[field]), (number, layer.name, field)
-
-
-def test_lines_of_interfaces_and_info(box):
-    result = box(2)
-    line, plate = result.interface(0), result.layers[1]
-    assert line.name == result.interfaces[0] == result.interface(line.name).name
-    assert line.solid == 1
-    assert np.array_equal(line.v, plate["v"][:, 0]) and np.ptp(line.displacement) > 1e-5
-    with pytest.raises(IndexError, match=r"interface 2; there are: below \| plate"):
-        result.interface(2)
-    with pytest.raises(KeyError, match=r"below \| plate"):
-        result.interface("nowhere")
-    said = [" ".join(line.split()) for line in info(result.path).splitlines()]
-    named = "interfaces below | plate, plate | above"
-    assert {"dimension 2", named, "-ts_max_steps no limit"} <= set(said)
-    assert any(line.startswith("plate solid, 17 by 9 points, X = 0 … 1, Y = 1") for line in said)
-
-
-def test_xarray(box):
-    pytest.importorskip("xarray")
-    result = box(2)
-    data, (_, plate, _) = result.to_xarray(), result.layers
-    for name, variable in data.variables.items():
-        assert variable.attrs.get("units") or variable.dtype.kind == "U", name
-    assert data["plate.T"].dims == ("time", "Y_plate", "X_plate")
-    assert np.array_equal(data["plate.y"], plate.y) and "plate.y" in data.coords
-    assert np.array_equal(data["t"], result.series["t"])
-    points = [f"{name} at {X:g}, {Y:g}" for name, (X, Y) in result.points]
-    assert result.faces[-1] == "through no face"
-    for name, along, names in (
-        ("mass", "gas", ["below", "above"]),
-        ("least_J", "layer", ["below", "plate", "above"]),
-        ("energy_face", "face", [*result.faces]),
-        ("t_y_point", "point", points),
-    ):
-        found = data[f"series.{name}"]
-        assert found.dims == ("step", along) and list(data[along].values) == names
-        assert np.array_equal(found, result.series[name])
-
-
-@pytest.mark.parametrize("axis", [0, 1])
-@pytest.mark.parametrize("side", [0, 1])
-def test_displacement_of_all_faces_of_a_curved_block(axis, side):
-    """Along the normal of the reference map, of which the test has the derivatives."""
-    xi, eta = np.linspace(0, 1, 21), np.linspace(0, 1, 17)[:, None]
-    X, Y = xi + 0.2 * eta * (1 + xi), 1.5 * eta + 0.1 * np.sin(2 * xi)
-    x, y = X + 0.1 * Y**2, Y + 0.05 * X * Y
-    block = type("Block", (dict,), {"places": np.stack([X, Y], axis=-1)})
-    fields = {"x": x, "y": y, "u": 0 * x, "v": 0 * x, "T": x + y}
-    block = block({name: values[None] for name, values in fields.items()})
-    line = InterfaceLine("gas | body", 1, block, axis, side)
-    X, Y, x, y = (v[-side, :] if axis == 1 else v[:, -side] for v in (X, Y, x, y))
-    assert np.array_equal(line.x[0], x) and np.array_equal(line.X, X)
-    nodes = {0: 17, 1: 21}[axis]
-    assert line.s.shape == (nodes,) and line.s[0] == 0.0
-    assert line.s[-1] == pytest.approx(np.hypot(np.diff(X), np.diff(Y)).sum(), rel=1e-12)
-    if axis == 0:
-        tangent = 0.2 * (1 + side), 1.5
-    else:
-        tangent = 1 + 0.2 * side, 0.2 * np.cos(2 * xi)
-    into = (1.0 if (axis == 0) == (side == 0) else -1.0) / np.hypot(*tangent)
-    expected = into * ((x - X) * tangent[1] - (y - Y) * tangent[0])
-    assert np.abs(line.displacement - expected).max() < 5e-3 * np.abs(expected).max()
 
 
 @pytest.mark.parametrize("several", [(4,), (2, "balanced")])

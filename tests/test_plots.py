@@ -1,15 +1,17 @@
 """Pictures, films and reports: the data that are drawn, what is said about them, their colours."""
 
 import json
+import os
 import re
 import shutil
 import subprocess
 from itertools import combinations, product
 
+import helpers
 import matplotlib
 import numpy as np
 import pytest
-from helpers import compute
+from helpers import compute, computed, solve, well
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
@@ -22,8 +24,8 @@ from fsipetsc.output.plots import fields, page, style
 
 PRESSED = "-fsi_coupling projection -solid_gruneisen 0.01"
 RUNS = {
-    "rod": ("rod", f"{PRESSED} -fsi_h 0.05 -ts_max_time 0.6 -fsi_output_dt 0.1"),
-    "blast": ("blast", "-fsi_h 0.125 -ts_max_time 0.6 -fsi_output_dt 0.1"),
+    "rod": ("rod", f"{PRESSED} -fsi_h 0.05 -ts_max_time 0.4 -fsi_output_dt 0.1"),
+    "blast": ("blast", "-fsi_h 0.125 -ts_max_time 0.6 -fsi_output_dt 0.2"),
 }
 USUAL = {"u", "T", "p", "rho", "sigma", "strain", "xt", "interfaces", "ledgers", "steps"}
 IN_PLANE = {"p", "rho", "u", "v", "T", "s_xx", "s_yy", "s_xy", "schlieren"}
@@ -101,42 +103,15 @@ def test_maps_are_on_the_grid(results):
     assert view.bars == {"fluid": "pressure p", "solid": "mean stress in solids, white: −1"}
 
 
-def test_schlieren_are_of_the_gradient_in_space(results):
-    """On a grid that is curved and skewed; of a quadratic density it is exact but at edges."""
-    xi, eta = np.meshgrid(np.linspace(0, 1, 41), np.linspace(0, 1, 31))
-    x, y = xi + 0.3 * eta + 0.1 * eta**2, eta - 0.2 * xi
-    found = quantities.Quantity("schlieren", {}).values("fluid", {"x": x, "y": y, "rho": 3 * x + y})
-    assert np.allclose(found**2, np.sqrt(10.0), rtol=1e-12)
-    (quantity,) = quantities.chosen(results["blast"], ["schlieren"])
-    assert quantity.labels == {"fluid": "schlieren, √|∇ρ|"} and not quantity.signed("fluid")
-
-
-def test_probes_are_the_nearest_nodes_in_the_saved_frames(results, capsys, tmp_path):
-    run = results["blast"]
-    wanted = quantities.chosen(run, ["p", "u"])
-    p, u = page.probed(run, wanted, [(0.49, 0.26), (0.5, 1.2)])
-    gas, plate = run.layers
-    stress = 0.5 * (plate["s_xx"] + plate["s_yy"])
-    assert np.array_equal(p.curves["at 0.49, 0.26"], gas["p"][:, 2, 4])
-    assert np.array_equal(p.curves["at 0.5, 1.2"], stress[:, -2, 4]), plate.Y
-    assert np.array_equal(u.curves["at 0.49, 0.26"], gas["u"][:, 2, 4]) and u.t is run.time
-    words = "-all -fields p -probes 0.5,0.5;0.5,1.2 -contours 9 -streamlines -o".split()
-    assert main(["plot", run.path, *words, str(tmp_path)]) == 0
-    written = {path.name for path in tmp_path.iterdir()}
-    names = ("p", "probes", "interfaces", "ledgers", "steps")
-    assert written == {f"blast-{name}.png" for name in names}
-    capsys.readouterr()
-
-
 def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
     for name, begins in (("a.pdf", b"%PDF"), ("a.svg", b"<?xml")):
-        words = "--fields T,sigma --times 0.1,0.5 -o".split()
+        words = "--fields T,sigma --times 0.1,0.3 -o".split()
         target = tmp_path / "x" / name
         assert main(["plot", results["rod"].path, *words, str(target)]) == 0
         assert target.read_bytes().startswith(begins)
     text = (tmp_path / "x" / "a.svg").read_text()
     assert "temperature T" in text and "stress" in text and "velocity" not in text
-    assert "t = 0.1 s" in text and "t = 0.5 s" in text
+    assert "t = 0.1 s" in text and "t = 0.3 s" in text
     capsys.readouterr()
     assert main(["plot", results["rod"].path, "-all", "-o", str(tmp_path / "run1.0")]) == 0
     written = capsys.readouterr().out.split()
@@ -181,3 +156,36 @@ def test_report(results, tmp_path):
     sources = re.findall(r'src="([^"]*)"', text) + json.loads(found[0])
     assert not re.search(r"href=[\"'](?!data:)|url\(|<link [^>]*stylesheet|<script src", text)
     assert len(sources) > 10 and all(s.startswith("data:image/png;base64,") for s in sources)
+
+
+# a case before it runs: the command geometry, and -fsi_check without a value
+
+
+@pytest.mark.parametrize("coupling", ["projection", "conservative"])
+def test_layers_are_those_that_run(coupling, tmp_path):
+    """Places of nodes, where the spacing does not divide a gas, too; the first step of the run."""
+    line = f"rod -fsi_coupling {coupling} -fsi_h 0.0625 -rod_top 3.03 -ts_max_steps 1"
+    result = computed(tmp_path, "a.h5", *line.split())
+    done = well(solve(*line.split(), "-fsi_check", cwd=tmp_path))
+    told = re.findall(r"(?:gas|solid), (\d+) nodes\n +axis 0 +spacing ([\d.]+) m", done.stdout)
+    grids = [layer.X[np.isfinite(layer.x[0])] for layer in result.layers]
+    assert told == [(str(X.size), f"{(X[-1] - X[0]) / (X.size - 1):.4g}") for X in grids]
+    assert f"first step: {result.series['dt'][0]:.3g} s, by sound in " in done.stdout
+    assert os.listdir(tmp_path) == ["a.h5"]
+
+
+def test_the_command_draws_and_compiles_nothing(tmp_path):
+    """In one and three dimensions; a table, and a picture that is no blank page."""
+    from matplotlib.image import imread
+
+    nowhere = {"CC": "no-compiler", "FSIPETSC_CACHE": str(tmp_path / "cache")}
+    for line in ("rod -o a/rod.png", "box_mms -box_dimension 3"):
+        done = well(
+            helpers.run("-m", "fsipetsc", "geometry", *line.split(), cwd=tmp_path, env=nowhere)
+        )
+        *_, summary, last = done.stdout.splitlines()
+        path = re.fullmatch(r"picture in (\S+\.png)", last)[1]
+        assert re.match(r"all +[\d,]+ nodes, spacing ", summary)
+        picture = imread(tmp_path / path)[..., :3].reshape(-1, 3)
+        assert len(np.unique(picture.round(1), axis=0)) > 20
+    assert sorted(os.listdir(tmp_path)) == ["a", "box_mms-geometry.png"]

@@ -8,7 +8,7 @@ import pytest
 import test_block_oracle as flat
 from block_oracle import Oracle
 from oracle_engine import Engine
-from oracle_formulas import Block, Gas, Given, Open, Problem, conserved
+from oracle_formulas import Block, Problem
 
 #: dimension, number of coordinates around: a sphere, and (z, r)
 SPHERE, PLANE = (1, 2), (2, 1)
@@ -128,26 +128,3 @@ def test_rates_are_the_oracles(centre, d, kappa, order, both, options):
     for name in expected:
         assert np.abs(found[name] - expected[name]).max() < 1e-11 * size, name
     flat.check_sums(oracle, q, rates, both)
-
-
-def test_a_uniform_flow_along_the_axis_stays():
-    """To the axis, on a bent grid that moves, with random J."""
-    u, n = 0.7, flat.NODES[4]
-    shape = {"gas inside": shell(2, n, "gas")["gas inside"]}
-    values = 1.2, u, 0.0, 0.9
-
-    def around(owner):
-        moved = Given(lambda X, t: values, flat.wobbling(0.03, 0.2))
-        return moved if owner[1] else Open(1.2, (u, 0.0), 0.9)
-
-    oracle = radial(shape, Gas(), None, 4, 1)
-    engine = engine_of(oracle, 1, "gas", around)
-    X = oracle.blocks[0].X[..., n:]
-    J = oracle.start(0)[..., n:] * np.random.default_rng(1).uniform(0.4, 0.6, X[0].shape)
-    U = np.array([1.0, *conserved(Gas(), 1.2, np.array([u, 0.0]), 0.9)])
-    rates = engine.rates({"gas inside": U[:, None, None] * J}, 0.3)["gas inside"]
-    size = np.abs(rates).max()
-    assert size > 0.1
-    inner = np.s_[:, :, :-1]  # at the outer face all is given
-    apart = rates - U[:, None, None] * rates[0]
-    assert np.abs(apart[inner]).max() < 1e-13 * size

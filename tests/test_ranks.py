@@ -8,7 +8,6 @@ from helpers import REPOSITORY, SUMS, compute, computed, different, message, on_
 
 LAYERS = str(REPOSITORY / "tests" / "layers.py")
 PISTON = str(REPOSITORY / "runs" / "piston.py")
-WALLS = str(REPOSITORY / "tests" / "walls.py")
 TIMED = str(REPOSITORY / "tests" / "timed.py")
 _PAPER = "-fsi_coupling projection"
 #: falls by more than a cell
@@ -39,7 +38,6 @@ RUNS = {
     "mms": ("mms", "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.2 -fsi_output_dt 0.05"),
     "pulse": ("pulse", _PULSE),
     "piston": (PISTON, "-ts_max_time 0.048"),
-    "walls": (WALLS, f"-walls_state left -fsi_h 0.02 -fsi_order 6 -ts_max_time 0.1 {_ELSEWHERE}"),
     "shock": ("shock", _SHOCK),
     **{kind: (TIMED, f"-timed_kind {kind} -ts_dt 2e-3") for kind in ("wall", "ends", "open")},
     "table": (TIMED, "-timed_how table -ts_dt 2e-3"),
@@ -49,7 +47,7 @@ SAME = {"rod elsewhere": "rod", "rod rk elsewhere": "rod rk", "layers messages":
 
 #: ranks -> the runs that are made on them: each on one, on two or three, those of SAME on four
 ON = {1: list(RUNS), 4: ["piston", *SAME, *SAME.values()]}
-ON[3] = ["rod stiff", "rod traditional", "layers moving", "pulse", "walls", "wall", "table"]
+ON[3] = ["rod stiff", "rod traditional", "layers moving", "pulse", "wall", "table"]
 ON[2] = [name for name in RUNS if name not in ON[3]]
 
 

@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 from helpers import computed, on_ranks, rows_of, solve, well
-from mpi4py import MPI
 
-from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Centre, Free, Slip
@@ -15,11 +13,9 @@ from fsipetsc.cases.common import at_rest
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.scheme.plan import RATE
 from fsipetsc.studies.modes import media_of
-from fsipetsc.studies.ring_theory import Medium, mode_near
-from fsipetsc.studies.spectra import step_limit
-from fsipetsc.studies.wave_modes import linear_modes, radial_modes
+from fsipetsc.studies.ring_theory import mode_near
+from fsipetsc.studies.wave_modes import radial_modes
 
 #: of angular number 2, by another program: with gas, and in a vacuum
 IN_GAS = 0.117577100308, 1.720096919386, 2.088655435371
@@ -112,34 +108,7 @@ def test_modes_of_shells(kappa, gas):
         assert 1e-3 < mode_errors(kappa, gas, 2, 0.0375).max() < 1e-2
 
 
-#: frequencies of the first two radial modes of a free ball of steel
-OF_BALL = 3.53236207, 8.05894403
-
-
 LINE = rectangle(0.0, 1.0)
-
-
-def modes_of_a_ball(order, cells):
-    """Relative errors of these; the longest step of RK4 over that at a Courant number of 1."""
-    body = Block("ball", STEEL, off_axis(LINE, cells), (cells,), at_rest())
-    faces = {("ball", 0, 0): Centre(), ("ball", 0, 1): Free()}
-    problem = BlockProblem((body,), faces, symmetry=2)
-    with BlockState(MPI.COMM_SELF, problem, order, BlockForm()) as state:
-        longest = step_limit(linear_modes(state, 1, 0)[0])
-        state.finish()
-        longest *= state.results[RATE]
-    medium = Medium(0.0, 1.0, 2.0, 1.5, 1.0, kappa=2)
-    exact = [mode_near((medium,), 0, 1.01 * omega) for omega in OF_BALL]
-    assert np.abs(exact - np.array(OF_BALL)).max() < 1e-7
-    return np.abs(radial_modes(problem, order)[:2] / exact - 1.0), longest
-
-
-@pytest.mark.parametrize("order", [2, 4, 6, 8])
-def test_modes_of_a_ball(order):
-    (coarse, longest), (fine, _) = (modes_of_a_ball(order, n) for n in (20, 40))
-    assert longest > 1.05
-    assert fine.max() < (1.5e-3 if order == 2 else 1e-6)
-    assert np.log2(coarse[0] / fine[0]) > min(order, 5) - 0.1
 
 
 def test_a_charge_in_a_shell(tmp_path):

@@ -146,17 +146,6 @@ def test_no_wave_is_faster_than_the_modulus_says(law, pressing, heat, d):
         assert unit == pytest.approx(2.0 * MU + LAMBDA, rel=1e-14)
 
 
-@pytest.mark.parametrize("pressing", PRESSURES)
-@EACH_D
-def test_the_pressure_is_part_of_the_stress(d, pressing):
-    F = strains(d)[0]
-    J = np.linalg.det(F)
-    p = pressing.pressure(J, T, M0, ALPHA)
-    _, P = energy_and_stress(formulas.Solid("log", MU, LAMBDA), F, 0.0)
-    found = solid(pressing=pressing).equations(d).stress_at(flat(F), T)
-    assert np.abs(np.subtract(found, flat(P - p * J * np.linalg.inv(F).T))).max() < 1e-13
-
-
 @EACH_D
 def test_the_square_root_of_a_tensor(d):
     """Also where eigenvalues are equal or 0."""
@@ -167,20 +156,3 @@ def test_the_square_root_of_a_tensor(d):
             A = Q @ np.diag(values[:d]) @ Q.T
             found = np.reshape(square_root(flat(A)), (d, d))
             assert np.abs(found - Q @ np.diag(np.sqrt(values[:d])) @ Q.T).max() < 3e-14
-
-
-@pytest.mark.parametrize("d", [2, 3])
-@pytest.mark.parametrize(
-    ("law", "most"), [*((name, 1e-13) for name in LAWS if name != "linear"), (OWN, 1e-9)]
-)
-def test_an_impedance_turns_with_the_axes(law, most, d):
-    rng = np.random.default_rng(8)
-    equations = solid(law=law, p_ref=P_REF, pressing=PRESSURES[0]).equations(d)
-    for F in strains(d):
-        R, (N, v) = np.linalg.qr(rng.standard_normal((d, d)))[0], rng.standard_normal((2, d))
-        N /= np.linalg.norm(N)
-        of_axes = [
-            equations.resistance(flat(S @ F @ S.T), T, flat(S @ N), flat(S @ v))
-            for S in (np.eye(d), R)
-        ]
-        assert np.abs(R @ of_axes[0] - of_axes[1]).max() < most * np.linalg.norm(of_axes[0])

@@ -9,10 +9,6 @@ from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Free
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.metrics import solid_metrics
-from fsipetsc.blocks.values import prestress_of
-from fsipetsc.errors import InputError
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 
 BOX = rectangle((0.0, 0.0), (1.0, 2.0))
@@ -61,23 +57,3 @@ def test_initial_data_come_back(heat):
     assert seen[0] == 0.0 and sums[2] == pytest.approx(q[:, 4] @ masses)
     recorded = mechanical @ masses if heat == "elastic" else 0.0
     assert sums[-2] == pytest.approx(recorded, rel=1e-12) and sums[-1] == -sums[-2]
-
-
-def test_wrong_prestresses():
-    with pytest.raises(InputError, match="prestress is 3"):
-        plate(stress=3)
-    with pytest.raises(InputError, match="prestress is given: expected none, as it is a gas"):
-        gas = Fluid(0.0, 0.0, 1.4, 1.0), rectangle(0.0, 1.0), (8,), lambda X: (1, 0, 1)
-        Block("gas", *gas, prestress=lambda X: (1,))
-    with pytest.raises(InputError, match="returns 2 values: expected 4 values"):
-        prestress_of(plate(stress=lambda X, Y: (1.0, 2.0)), np.zeros((2, 3)))
-
-
-def test_J_below_zero_is_told_with_its_place():
-    """The map is right-handed where a block samples it; the operator is not, on so few nodes."""
-    steep = lambda xi: (np.tanh(60.0 * (xi[0] - 0.03)) + 0.05 * xi[0], xi[1])  # noqa: E731
-    problem = problem_of(plate(cells=(24, 24), places=steep))
-    words = r"block 'plate': J = -.* at \(X, Y\) = .*: expected J > 0"
-    with pytest.raises(InputError, match=words) as caught:
-        solid_metrics(problem, 0, 8, [(0, 25), (0, 25)])
-    assert not caught.value.collective

@@ -14,7 +14,7 @@ from fsipetsc.materials.solid import Solid
 from fsipetsc.operators import OPERATORS, operator
 from fsipetsc.options import defaults
 from fsipetsc.paper.paper_state import PaperState
-from fsipetsc.studies.spectra import CENTRAL, step_limit
+from fsipetsc.studies.spectra import CENTRAL
 from fsipetsc.studies.stability_linear import Constant, assemble, measure
 
 ORDERS = pytest.mark.parametrize("order", OPERATORS)
@@ -146,12 +146,6 @@ def test_projection_and_traditional(order):
         measure(constant(density, 1.0), order, N, 1 / N, "traditional") for density in (1e-3, 1e3)
     )
     assert light.energy > 1.0 and light.step_ratio < 0.4 and heavy.step_kept
-
-
-def test_step_limit_of_known_spectra():
-    assert step_limit(np.array([3j, -3j])) == pytest.approx(2 * 2**0.5 / 3)
-    assert step_limit(np.array([-2.0 + 0j])) == pytest.approx(2.785293563 / 2)
-    assert step_limit(np.array([1e-13 + 1j])) == pytest.approx(2 * 2**0.5)
 
 
 NAMES = ("2/1", "4/2", "6/3", "8/4")

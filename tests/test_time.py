@@ -4,17 +4,6 @@ import numpy as np
 import pytest
 from helpers import REPOSITORY, compute, computed
 
-from fsipetsc.stepping.integrator import saved_times
-
-
-def test_saved_times():
-    assert saved_times(1.0, 0.4, None) == [0.0, 0.4, 0.8, 1.0]
-    assert saved_times(1.0, None, (0.3, 0.7)) == [0.3, 0.7, 1.0]
-    assert saved_times(1.0, 0.5, (0.3, 1.0)) == [0.0, 0.3, 0.5, 1.0]
-    assert saved_times(0.0, 0.5, None) == [0.0]
-    assert len(saved_times(3.0, 0.02, None)) == 151, "3.0 / 0.02 is not 150 in floating point"
-    assert saved_times(1.0, 0.1, (0.30000000000000004,)).count(0.30000000000000004) == 1
-
 
 def test_steps_hit_saved_times_without_a_tiny_one(tmp_path):
     words = "box -fsi_h 0.1 -fsi_order 2 -fsi_output_times 0.025,0.040000000001 -ts_max_time 0.05"

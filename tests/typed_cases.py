@@ -7,7 +7,6 @@ import fsipetsc as fsi
 from fsipetsc import Block, BlockProblem, Fluid, FluidLayer, Problem, Solid, SolidLayer, Wall
 from fsipetsc.blocks import conditions, maps
 from fsipetsc.blocks.conditions import Condition, Free, NoSlip, Slip
-from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.materials.own import gas_law, solid_law
 from fsipetsc.materials.solid import ElasticSolid
@@ -57,25 +56,6 @@ def still(*X: Array) -> tuple[float, ...]:
     return 1.0, *(0.0 for _ in X), T0
 
 
-def slab() -> BlockProblem:
-    """Flat layers; conditions in dictionaries, functions of place and time."""
-    air = Fluid(1e-5, 0.0, 1.4, 287.0)
-    stiff = ElasticSolid(1.0, 2.0, 0.0, 1.0, 1.0, force=(0.0, -9.81))
-
-    def at_rest(X: Array, Y: Array) -> list[Array]:
-        return [0.0 * X, 0.0 * X, T0 + 0.0 * X, X, Y]
-
-    def hot(X: Array, Y: Array, t: float) -> Array:
-        return T0 + t * X
-
-    walls = {(0, 0): NoSlip(T=hot), (0, 1): NoSlip(x=lambda X, Y, t: (X, Y + np.sin(t)))}
-    held, way = conditions.Clamped(), [(0.2, 0.8)]
-    panel = Layer("panel", stiff, (0.0, 0.1), at_rest, cells=8, span=way, sides=held)
-    gas = Layer("air", air, (0.1, 1.0), still, sides=walls, beside=NoSlip(slip_length=0.1))
-    lower, upper = Free(lambda X, Y, t: P0 + t), conditions.Open(1.0, (0.0, 0.0), T0, order=1)
-    return layers(panel, gas, along=[(0.0, 1.0)], h=0.1, lower=lower, upper=upper)
-
-
 def every(path: str) -> BlockProblem:
     """All maps and all conditions."""
     water = Fluid(1e-3, 0.6, 4.4, 400.0, law=stiffened_gas(4.4, 1800.0, 6e8))
@@ -107,6 +87,9 @@ def every(path: str) -> BlockProblem:
     faces: dict[tuple[str, int, int], Condition] = {
         ("bent", 0, 0): conditions.Given(lambda X, Y, t: (1.0, 0.0, t, T0)),
         ("bent", 0, 1): conditions.Outflow(P0),
+        ("bent", 1, 0): NoSlip(T=lambda X, Y, t: T0 + t * X, slip_length=0.1),
+        ("bent", 1, 1): NoSlip(x=lambda X, Y, t: (X, Y + np.sin(t))),
+        ("free", 1, 0): Free(lambda X, Y, t: P0 + t),
         ("free", 0, 0): conditions.Absorbing(-P0),
         ("free", 0, 1): conditions.Roller(T=T0),
         ("a", 0, 0): conditions.Periodic((1.0, 0.0)),

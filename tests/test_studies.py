@@ -1,0 +1,113 @@
+"""Commands that study: convergence, bench, flutter."""
+
+import csv
+import time
+
+import numpy as np
+import pytest
+from helpers import program, rows_of, solve, well
+
+
+def table(folder, *words, name="mms", ranks=1):
+    """(quantity, order) -> lines of the table that the command writes, from coarse to fine."""
+    well(solve("convergence", *words, cwd=folder, ranks=ranks))
+    found = {}
+    with (folder / f"{name}-convergence.csv").open() as file:
+        next(file)
+        for line in csv.DictReader(file):
+            found.setdefault((line["quantity"], line["order"]), []).append(line)
+    return found
+
+
+def test_grids_of_a_case_are_compared_with_each_other(tmp_path):
+    """mms as if it had no exact solution: the orders are those of its errors, on two ranks."""
+    (tmp_path / "bare.py").write_text(
+        "from dataclasses import replace\nfrom fsipetsc.cases import load_case\n"
+        "mms = load_case('mms')\nOPTIONS, DEFAULTS = mms.OPTIONS, mms.DEFAULTS\n"
+        "def build(opt):\n    problem = mms.build(opt)\n"
+        "    bare = tuple(replace(layer, exact=None) for layer in problem.layers)\n"
+        "    return replace(problem, layers=bare)\n"
+    )
+    words = "bare.py -fsi_orders 4 -fsi_hs 0.1,0.05,0.025".split()
+    found = table(tmp_path, *words, name="bare", ranks=2)
+    for layer in ("left", "solid", "right"):
+        coarse, fine = found[f"{layer}/combined", "4"]
+        assert not coarse["rate"] and 2.7 < float(fine["rate"]) < 5.0, layer
+        assert fine["verdict"] == "converges" and fine["h"] == "0.05"
+    assert float(found["series/u_interface", "4"][1]["rate"]) > 2.5
+    left = {path.name for path in tmp_path.iterdir()} - {"__pycache__"}
+    assert left == {"bare.py", "bare-convergence.csv", "bare-convergence.png"}
+
+
+def test_command(tmp_path):
+    found = table(tmp_path, *"mms -fsi_orders 2,6 -fsi_hs 0.025,0.05,0.05".split())
+    for order, fluid, solid in (("2", 1.9, 1.8), ("6", 4.3, 4.1)):
+        for kind, rate in (("fluid", fluid), ("solid", solid)):
+            coarse, fine = found[f"{kind}/combined", order]
+            assert (coarse["h"], fine["h"]) == ("0.05", "0.025") and float(fine["rate"]) > rate
+            assert fine["verdict"] == "converges" and int(fine["points"]) == 150
+
+
+def test_a_run_that_fails_is_one_line_of_the_table(tmp_path):
+    line = "convergence mms -fsi_orders 4,8 -fsi_hs 0.05,0.025 -fsi_cfl 4"
+    done = solve(*line.split(), cwd=tmp_path)
+    assert done.returncode == 3 and "  failed: " in done.stdout
+    assert done.stderr.count("\n") == 1 and "failed; order " in done.stderr
+    assert "computed before" not in done.stderr + done.stdout, "it is removed"
+    assert (tmp_path / "mms-convergence.csv").read_text().count("\n") == 2
+    assert not (tmp_path / "mms-convergence.png").exists()
+
+
+# bench: that it measures and tells what it says; not how fast anything is
+
+
+def test_table(tmp_path):
+    other = tmp_path / "rod"
+    other.write_text("#!/bin/sh\necho $1 484 $6 0.1 2.5 1\n")
+    other.chmod(0o755)
+    words = "-bench_problems 0,1 -bench_rod 240 -bench_line 24 -bench_form entropy "
+    words += "-bench_seconds 0.01 -bench_repeats 2 -bench_rod_program ."
+    begun = time.perf_counter()
+    done = solve("bench", *words.split(), cwd=tmp_path, ranks=2)
+    most = 1e6 * (time.perf_counter() - begun) / 12  # of a step: two samples of six steps at least
+    assert done.returncode == 0, done.stderr
+    rows = rows_of(tmp_path / "bench.csv")
+    found = [(row["problem"], row["n"], row["ranks"]) for row in rows]
+    assert found == [(*problem, n) for problem in (("rod", "240"), ("1-D", "24")) for n in "12"]
+    one, two = (float(row["step_us"]) for row in rows[:2])
+    # each of 240 points takes a nanosecond, and more, in each of four stages
+    assert 1.0 < one < most and 1.0 < two < most
+    assert [row["other_us"] for row in rows] == ["2.5", "2.5", "", ""]
+    # a ratio of two samples is the mean of their ratios, so is that of the medians
+    assert float(rows[0]["ratio"]) == pytest.approx(one / 2.5, rel=6e-3)
+    assert rows[0]["speed_up"] == "" and float(rows[1]["speed_up"]) > 0.0
+    # of the rod's 6 m in three layers, and of two blocks: all points of all ranks, four stages; the
+    # rod has one or two more once its gases move, as points come and go
+    for row, points, more in zip(rows, (243, 243, 48, 48), (2, 2, 0, 0), strict=True):
+        nodes = 1e3 * float(row["step_us"]) / (4 * float(row["ns_node_rhs"]))
+        assert (1.0 - 6e-3) * (points - more) < nodes < (1.0 + 6e-3) * (points + more)
+
+
+# flutter: modes on coarse grids, and where one begins to grow
+
+
+#: a thick and light panel on a coarse grid: a second or two for each lambda
+COARSE = "-fsi_h 0.0625 -panel_thickness 0.1 -panel_height 0.5 -flutter_machs 2"
+
+
+def test_modes_decay_below_and_grow_above(tmp_path):
+    """On two ranks, which share the work; a thick panel, with the two slowest modes of theory."""
+    beams, dynamic = program("beams"), (350, 650)
+    panel = beams.plane(0.1, "clamped")
+    known = {at: np.array(beams.modes(panel, at)) for at in dynamic}
+    words = f"flutter {COARSE} -flutter_lambdas 350,650 -fsi_output some.csv".split()
+    done = solve(*words, cwd=tmp_path, ranks=2)
+    assert (done.returncode, done.stderr) == (0, "") and "onset of flutter" in done.stdout
+    rows = rows_of(tmp_path / "some.csv")
+    runs = [{name: float(value) for name, value in row.items() if value} for row in rows]
+    assert [row["lambda"] for row in runs] == [*dynamic]
+    assert runs[0]["growth"] < 0 < runs[1]["growth"]
+    for row in runs[:1]:  # before they meet
+        found = [complex(row[f"growth_{n}"], row[f"frequency_{n}"]) for n in (1, 2)]
+        np.testing.assert_allclose(found, known[row["lambda"]], rtol=0.05)
+    assert abs(complex(runs[1]["growth"], runs[1]["frequency"]) - known[650][1]) < 0.05
