@@ -2,8 +2,6 @@
 
 from typing import Any
 
-from fsipetsc.blocks.cube import cube_text
-from fsipetsc.blocks.grid import GridMotion
 from fsipetsc.kernels import build
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.kernels.unit import unit
@@ -21,11 +19,3 @@ def recorded(function: Any, *records: Any) -> Procedure:
     found = code.procedure("procedure", function, *records)
     load(code)
     return found
-
-
-def loaded_grid(grid: GridMotion) -> GridMotion:
-    """The same grid, whose procedures are loaded."""
-    code = Code(unit({}, [], cube_text()))
-    grid.procedures(code)
-    load(code)
-    return grid

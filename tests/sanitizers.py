@@ -26,7 +26,7 @@ from helpers import REPOSITORY, environment
 TESTS = (
     *("block_conditions", "block_layers", "block_ledgers", "block_monitor", "block_oracle"),
     *("elementary", "gravity", "paper_rates", "procedures", "radial"),
-    *("prescribed", "solid_laws", "solid_part"),
+    *("recorded_data", "solid_laws", "solid_part"),
     *("where_faces_meet",),
 )
 #: without optimization all checks are made, and compiling takes a quarter of the time

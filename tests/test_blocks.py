@@ -1,20 +1,16 @@
 """Blocks and problems made of them: maps, which faces meet, nodes at one place, messages."""
 
-from itertools import combinations, permutations, product
+from itertools import permutations, product
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from block_ledgers import conditions_of
-from recorded import loaded_grid, recorded
 
 from fsipetsc.blocks import maps
-from fsipetsc.blocks.block import Block, mesh
+from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem, Meeting
 from fsipetsc.blocks.conditions import Free, Hinge, NoSlip, Open, Slip
-from fsipetsc.blocks.grid import GridMotion
-from fsipetsc.blocks.hull import blend_of, hull_of
-from fsipetsc.blocks.metrics import Wide
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 
@@ -70,28 +66,6 @@ def test_a_transfinite_map_is_exact_for_what_is_linear_in_each_coordinate(d):
     assert np.allclose(grid(xi), body(*xi), atol=1e-14)
 
 
-@pytest.mark.parametrize("d", (1, 2, 3))
-def test_displacements_of_vertices_go_on_linearly_in_each_coordinate(d):
-    """To edges and faces, and from there into the block."""
-    problem = closed(box("gas", (9, 10, 11)[:d]))
-    block = problem.blocks[0]
-    wide = Wide(problem, 0, 4, [(0, n) for n in block.shape])
-    s = np.array(mesh([np.arange(n) / (n - 1) for n in block.shape])).reshape(d, -1)
-    rng = np.random.default_rng(d)
-    axes = [list(chosen) for n in range(d + 1) for chosen in combinations(range(d), n)]
-    u = sum(rng.uniform(-1, 1, (d, 1)) * s[chosen].prod(axis=0) for chosen in axes)
-    vertices = np.flatnonzero((s * (1.0 - s) == 0.0).all(axis=0))
-    hull, known, found = hull_of(block, vertices), u[:, vertices].T.copy(), np.zeros_like(u)
-
-    def fill(hull, blend, known, found):
-        hull.fill(hull.moved, known, 0)
-        blend.fill(hull.moved, found)
-
-    recorded(fill, hull, blend_of(block, wide, hull.nodes), known, found)()
-    assert np.abs(hull.moved - u[:, hull.nodes]).max() < 1e-14
-    assert np.abs(found - u).max() < 1e-14
-
-
 def right_handed(d):
     for axes in permutations(range(d)):
         for flips in product((False, True), repeat=d):
@@ -126,29 +100,6 @@ def test_any_face_meets_any_face_however_it_is_turned(d):
         assert set(others) == set(problem.face_nodes(1, *back_face).tolist())
         seen.add((met.axis, met.side))
     assert seen == set(product(range(d), (0, 1)))
-
-
-@pytest.mark.parametrize("d", (2, 3))
-@pytest.mark.parametrize("order", (2, 4))
-def test_areas_of_a_face_are_the_same_bits_from_both_sides(d, order):
-    """Where the face is displaced, however the blocks are turned."""
-    cells, rng = (8, 9, 10)[:d], np.random.default_rng(d)
-    for axes, flips in [*right_handed(d)][:: 1 if d == 2 else 5]:
-        turned = tuple(cells[axis] for axis in axes)
-        problem = closed(box("a", cells), box("b", turned, GAS, (1.0, 0.0, 0.0)[:d], axes, flips))
-        (met,) = (f for f in problem.faces_of(0).values() if isinstance(f, Meeting))
-        other, mine = partners(problem), problem.face_nodes(0, 0, 1)
-        others, sums = np.array([other[n] for n in mine.tolist()]), np.zeros((d, mine.size))
-        displacement = 0.05 * rng.random((mine.size, d))
-        for k, nodes, axis, side in ((0, mine, 0, 1), (1, others, met.axis, met.side)):
-            where = [(0, n) for n in problem.blocks[k].shape]
-            grid = loaded_grid(GridMotion(problem, k, order, where, nodes))
-            grid.move(displacement)
-            area = grid.metrics[axis * d : (axis + 1) * d, nodes]
-            assert np.abs(area).max() > 0.5 and grid.jacobian().min() > 0.0
-            assert np.abs(grid.positions()[:, nodes].T - displacement).max() > 0.5
-            sums += area if side else -area
-        assert np.array_equal(sums, np.zeros_like(sums))
 
 
 def test_rings_meet_wherever_their_angles_begin():

@@ -5,7 +5,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import test_block_oracle as flat
-import test_radial as radial
 from block_ledgers import Steps, problem_of
 from oracle_engine import Engine
 from oracle_formulas import Gas, Solid, spread
@@ -60,12 +59,6 @@ def test_rates_are_the_oracles(shape, order, options):
     d = dimension(shape)
     both = gas_in(d, mu=0.02, kappa=0.03), Solid("log", heat="elastic", force=FORCES[d])
     flat.check(shape, both, order, size=0.2, **options)
-
-
-def test_rates_around_an_axis(monkeypatch, centre="gas", options=DAMPED):
-    monkeypatch.setattr(flat, "check_sums", lambda *of_a_problem_without_force: None)
-    both = Gas(force=(0.4, 0.0)), Solid("log", force=(0.4, 0.0))
-    radial.test_rates_are_the_oracles(centre, 2, 1, 4, both, options)
 
 
 @pytest.mark.parametrize(

@@ -7,11 +7,6 @@ import numpy as np
 import pytest
 from recorded import recorded
 
-import fsipetsc
-from fsipetsc.blocks.block import Block
-from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.blocks.conditions import Slip
-from fsipetsc.blocks.maps import rectangle
 from fsipetsc.equations.elementary import logarithm_rest
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.loops import each
@@ -135,30 +130,6 @@ def test_functions_as_laws_are_the_built_in_ones():
     own = elastic(energy=lambda F: LOG.energy(F))
     for F in (1.0, 0.0, 0.0, 1.0), (1.1, 0.05, -0.08, 0.95), (0.7, -0.3, 0.2, 1.3):
         assert (own.stress(F), own.energy(F)) == (LOG.stress(F), LOG.energy(F))
-
-
-#: options, whether there are two blocks, words of the message
-LACKING = {
-    "dissipation": ({"dissipation": 1.0, "shock": 1.0}, False, "-fsi_dissipation 1: the law of"),
-    "joined blocks": ({}, True, "-fsi_dissipation, which is 1 where blocks are joined: the law of"),
-    "entropy conserved": ({"convection": "entropy"}, False, "expected auto, divergence"),
-}
-
-
-@pytest.mark.parametrize("name", LACKING)
-def test_an_option_that_needs_a_formula_of_the_gas(name, tmp_path):
-    """Refused before the first step, of a gas with a law of its own without entropy."""
-    options, joined, said = LACKING[name]
-    air = Fluid(0.0, 0.0, 1.4, R, law=gas_law(**GAS))
-    ends = [("air", 0.0, 0.5), ("more", 0.5, 1.0)] if joined else [("air", 0.0, 1.0)]
-    blocks = [
-        Block(of, air, rectangle(a, b), (8,), lambda X: (1.0, 0.0 * X, 300.0)) for of, a, b in ends
-    ]
-    faces = {("air", 0, 0): Slip(), (blocks[-1].name, 0, 1): Slip()}
-    problem = BlockProblem(tuple(blocks), faces)
-    with pytest.raises(InputError) as caught:
-        fsipetsc.run(problem, output=tmp_path / "own.h5", h=0.1, max_time=1.0, **options)
-    assert said in str(caught.value) and "'air'" in str(caught.value)
 
 
 GASES = {

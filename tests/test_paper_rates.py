@@ -12,9 +12,8 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fsipetsc.boundaries import Dirichlet, Open, Wall, absorbing, clamped, free
+from fsipetsc.boundaries import Dirichlet, Open, absorbing, clamped, free
 from fsipetsc.cases import load_case
-from fsipetsc.errors import InputError
 from fsipetsc.materials.own import gas_law, pressure_law
 from fsipetsc.materials.power_law import power_law
 from fsipetsc.options import defaults
@@ -189,26 +188,6 @@ def test_the_conditions_hold_to_round_off_and_a_second_time_changes_nothing(coup
         once = y.copy()
         state.finish()
         np.testing.assert_allclose(y, once, rtol=1e-12, atol=1e-11)
-
-
-def test_what_the_paper_has_not_is_refused():
-    case = load_case("rod")
-    opt = {**defaults(case), "fsi_coupling": "projection", "fsi_h": 0.05}
-    for changed, words in (
-        ({"fsi_mapping": "stretched"}, "fsi_coupling conservative"),
-        ({"fsi_dissipation": 1.0}, "fsi_dissipation"),
-    ):
-        with pytest.raises(InputError, match=words):
-            PaperState(MPI.COMM_SELF, case.build(opt), {**opt, **changed})
-    problem, end = case.build(opt), clamped()
-    _, rod, _ = problem.layers
-    for changed, words in (
-        ({"left": Wall(0.0, T=300.0)}, "gives or takes heat"),
-        ({"left": Wall(lambda t: 0.0 * t)}, "the wall of layer 'below' moves"),
-        ({"layers": (rod,), "left": end, "right": end}, "no interface"),
-    ):
-        with pytest.raises(InputError, match=f"{words}.*-fsi_coupling conservative"):
-            PaperState(MPI.COMM_SELF, replace(problem, **changed), opt)
 
 
 if __name__ == "__main__":

@@ -7,7 +7,6 @@ import numpy as np
 import oracle_formulas as formulas
 import pytest
 
-from fsipetsc.equations.tensors import square_root
 from fsipetsc.materials.own import solid_law
 from fsipetsc.materials.solid import LAWS, ElasticSolid
 from fsipetsc.materials.solid_pressure import gruneisen, mie_gruneisen
@@ -144,15 +143,3 @@ def test_no_wave_is_faster_than_the_modulus_says(law, pressing, heat, d):
     if law in LAWS and not pressing:
         unit = equations.wave_modulus_at(flat(np.eye(d)), T)
         assert unit == pytest.approx(2.0 * MU + LAMBDA, rel=1e-14)
-
-
-@EACH_D
-def test_the_square_root_of_a_tensor(d):
-    """Also where eigenvalues are equal or 0."""
-    rng = np.random.default_rng(7)
-    for eigenvalues in rng.uniform(0.1, 2.0, (5, 3)), np.array([[1, 1, 3], [0, 2, 2], [0, 0, 1]]):
-        for values in eigenvalues:
-            Q, _ = np.linalg.qr(rng.standard_normal((d, d)))
-            A = Q @ np.diag(values[:d]) @ Q.T
-            found = np.reshape(square_root(flat(A)), (d, d))
-            assert np.abs(found - Q @ np.diag(np.sqrt(values[:d])) @ Q.T).max() < 3e-14
