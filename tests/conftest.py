@@ -10,8 +10,9 @@ from kept_ranks import KEPT
 
 #: files of tests that take longest where nothing is compiled yet, the longest first
 DEAREST = (
-    *("kills", "documents", "verify", "ranks", "orders", "bits", "shell", "block_oracle"),
-    *("gravity", "plots", "convergence", "kernels"),
+    *("kills", "documents", "block_oracle", "bits", "ranks", "orders", "kernels", "plots"),
+    *("failures", "studies", "shell", "gravity", "recorded_data", "line_cases", "paper_rates"),
+    *("radial", "block_conditions", "block_ledgers", "output", "time"),
 )
 #: files of tests with runs of many steps
 MANY_STEPS = (

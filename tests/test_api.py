@@ -37,7 +37,7 @@ assert list(own.time) == [0.0, *times] and set(times) <= {*own.series["t"]} and 
 for case, options, said in (
     (problem, {"h": 0.05, "max_tim": 1.0}, "did you mean"),
     (3, {}, "a Problem"),
-    (Problem((wrong,), Wall(0.0), Wall(1.0)), {"h": 0.1, "max_time": 1}, "ZeroDivisionError"),
+    (Problem((wrong,), Wall(0.0), Wall(1.0)), {"h": 0.05, "max_time": 1}, "ZeroDivisionError"),
 ):
     with pytest.raises(InputError, match=said):
         fsipetsc.run(case, **options)
