@@ -17,7 +17,7 @@ DEAREST = (
 #: files of tests with runs of many steps
 MANY_STEPS = (
     *("kills", "line_cases", "orders", "shock", "shell", "topics", "new_case", "verify"),
-    *("flutter", "ranks", "restart"),
+    *("studies", "ranks", "restart"),
 )
 ORDERS = (2, 4, 6, 8)
 

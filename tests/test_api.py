@@ -1,12 +1,8 @@
 """Runs from Python, what differs between two results, and results as xarray Datasets."""
 
-import importlib
-import re
-
 import pytest
-from helpers import REPOSITORY, computed, mpirun, solve
+from helpers import computed, mpirun, solve
 
-import fsipetsc
 from fsipetsc.output.differences import compare
 
 PROGRAM = """
@@ -95,17 +91,3 @@ def test_two_grids_are_compared_at_common_nodes(case, h, common, tmp_path):
     assert any(f"compared at the {common} nodes" in note for note in found.notes), found.notes
     places = [one for one in found.differences if one.name.endswith((": x", ": y"))]
     assert places and all(one.largest < 1e-14 < one.scale for one in places)
-
-
-def test_what_is_public_is_there_and_told():
-    """In dir(), with a docstring, and in docs/commands.md."""
-    page = (REPOSITORY / "docs" / "commands.md").read_text()
-    assert sorted(fsipetsc.__all__) == sorted(dir(fsipetsc))
-    for name in fsipetsc.__all__:
-        found = getattr(fsipetsc, name)
-        assert f"{name}`" in page or f"`{name}(" in page, name
-        assert found is ... or isinstance(found, str) or found.__doc__, name
-    for name in re.findall(r"^\| `(fsipetsc\.[\w.]+)`", page, re.M):
-        assert importlib.import_module(name).__doc__, name
-    with pytest.raises(AttributeError, match="no attribute 'Walls'"):
-        fsipetsc.Walls  # noqa: B018

@@ -86,18 +86,6 @@ def test_an_error_of_a_function_ends_all_with_its_place(name, tmp_path):
             assert steps >= 10, "no function is asked for times that are still to come"
 
 
-def test_an_end_by_the_number_of_steps_and_steps_far_beyond_their_bound_are_said(tmp_path):
-    line = "box -fsi_h 0.1 -fsi_order 2 -ts_max_steps 1 -ts_dt".split()
-    far, said = (solve(*line, dt, cwd=tmp_path).stdout for dt in (1.0, 1e-4))
-    assert "\nnote: " not in said and "\nnote: -ts_dt 1 is " in far
-    with fsipetsc.open_run(tmp_path / "box.h5") as result:
-        summary = result.summary
-        assert result.complete and summary["status"] == "done"  # as the user wished
-    words = "ended by -ts_max_steps at t = 0.0001, before -ts_max_time 2"
-    assert words == summary["message"] and words in said
-    assert words in solve("info", "box.h5", cwd=tmp_path).stdout
-
-
 PROGRAM = f"{sys.executable} -m fsipetsc"
 #: prints far more than what one who leaves after a line has read, in many writes
 COMPUTES = f"{PROGRAM} rod -fsi_h 0.1 -ts_max_steps 300 -ts_monitor"

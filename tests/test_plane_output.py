@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers import assert_same_fields, computed
+from helpers import computed
 
 from fsipetsc.output.file_layout import open_h5
 
@@ -89,16 +89,6 @@ def test_xdmf_has_the_numbers_of_all_frames(box):
             assert set(given) == set(layer.fields) - {"x", "y"}
             for field, values in given.items():
                 assert np.array_equal(values, fields[field]), (number, layer.name, field)
-
-
-@pytest.mark.parametrize("several", [(4,), (2, "balanced")])
-def test_ranks_make_no_difference(box, several):
-    one, other = box(2), box(*several)
-    watched = [name for name in one.series if name.endswith("_point")]
-    assert len(watched) == 8 == one.series["p_point"].shape[1] == len(one.points)
-    for name in ("t", "least_J", *watched):
-        assert np.array_equal(one.series[name], other.series[name]), name
-    assert_same_fields(one, other)
 
 
 def test_recorded_nodes_are_those_of_the_frames_and_the_box_is_closed(box):

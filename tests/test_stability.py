@@ -4,7 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from helpers import message, rows_of, solve
+from helpers import rows_of, solve
 from mpi4py import MPI
 
 from fsipetsc import FluidLayer, Problem, SolidLayer, Wall
@@ -166,12 +166,3 @@ def test_sweep_with_energy_holds_everywhere_on_any_ranks(tmp_path):
     rows = rows_of(tmp_path / "1.csv")
     assert len(rows) == 4 * 4 and rows == rows_of(tmp_path / "2.csv")
     assert all(row[n] == "True" for row in rows for n in ("estimate", "stable", "step_kept"))
-
-
-def test_sweep_with_traditional_ends_with_status_3(tmp_path):
-    more = "-fsi_coupling", "traditional", "-fsi_output", "old", "-fsi_quiet"
-    done = solve("stability", *SMALL, *more, cwd=tmp_path)
-    message(done, 3, "traditional fails in")
-    light = [row for row in rows_of(tmp_path / "old.csv") if float(row["density_ratio"]) < 0.01]
-    assert len(light) == 4 * 2
-    assert sum("False" in (row["stable"], row["step_kept"]) for row in light) >= 7
