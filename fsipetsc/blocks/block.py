@@ -20,6 +20,9 @@ from fsipetsc.errors import InputError
 Range = Sequence[tuple[int, int]]
 #: cells along an axis that are sampled for the sign of the Jacobian, pieces that tell the size
 _SOME = 32
+#: functions of a block -> their arguments and values
+_FORMS = {"map": "(xi) -> d arrays", "initial": "(*X) -> the unknowns", "prestress": "(*X) -> P"}
+_FORMS |= {"exact": "(*X, t) -> the unknowns", "forcing": "(*X, t) -> the rates"}
 
 
 @dataclass(frozen=True)
@@ -66,13 +69,11 @@ class Block:
             wanted = "expected a Fluid or an ElasticSolid"
             raise InputError(f"{self}: material is {described(self.material)}: {wanted}")
         self._check_axes()
-        function(self.initial, f"{self}: initial", "initial(*X) -> the unknowns")
-        function(self.exact, f"{self}: exact", "exact(*X, t) -> the unknowns", optional=True)
-        function(self.forcing, f"{self}: forcing", "forcing(*X, t) -> the rates", optional=True)
-        function(self.prestress, f"{self}: prestress", "prestress(*X) -> P [Pa]", optional=True)
+        for name, form in _FORMS.items():
+            of, optional = getattr(self, name), name not in ("map", "initial")
+            function(of, f"{self}: {name}", name + form, optional=optional)
         if self.prestress is not None and self.kind == "fluid":
             raise InputError(f"{self}: prestress is given: expected none, as it is a gas")
-        function(self.map, f"{self}: map", "X(xi) -> d arrays")
         if isinstance(self.map, Nodes) and self.map.cells != self.cells:
             raise InputError(f"{self}: its map has {self.map.cells} cells, the block {self.cells}")
         self._check_jacobian()
@@ -138,9 +139,9 @@ class Block:
 
     def face_positions(self, axis: int, side: int) -> Array:
         """Places X of the nodes of a face, (d, N), lower axis fastest."""
-        end = self.shape[axis] - 1 if side else 0
-        ends = ((end, end + 1) if k == axis else (0, n) for k, n in enumerate(self.shape))
-        return self.positions(list(ends))
+        end = side * (self.shape[axis] - 1)
+        ends = [(end, end + 1) if k == axis else (0, n) for k, n in enumerate(self.shape)]
+        return self.positions(ends)
 
     def _mapped(self, xi: Sequence[Array]) -> Array:
         """X (d, …) at logical coordinates. InputError for what a map raises, and for what is no

@@ -60,9 +60,6 @@ def rectangle(lower: Any, upper: Any) -> Map:
         upper: the same of the opposite corner, above those of lower.
     """
     low, high = _point(lower, "rectangle: lower"), _point(upper, "rectangle: upper")
-    if len(low) != len(high) or not all(a < b for a, b in zip(low, high)):
-        wanted = "expected each coordinate of upper above that of lower"
-        raise InputError(f"rectangle: lower is {low}, upper {high}: {wanted}")
     return lambda xi: [(1.0 - s) * a + s * b for s, a, b in zip(xi, low, high, strict=True)]
 
 
@@ -115,9 +112,6 @@ def annulus(
     """
     a, b = number(inner, "annulus: inner", POSITIVE), number(outer, "annulus: outer", POSITIVE)
     (begin, end), (x, y) = _point(angles, "annulus: angles"), _point(centre, "annulus: centre")
-    if not (a < b and 0.0 < end - begin <= 2.0 * np.pi + 1e-12):
-        wanted = "expected inner below outer, and an angle that rises by no more than 2 pi"
-        raise InputError(f"annulus: radii {a:g} and {b:g}, angles {begin:g} and {end:g}: {wanted}")
 
     def places(xi: Places) -> Places:
         r, angle = (1.0 - xi[0]) * a + xi[0] * b, (1.0 - xi[1]) * begin + xi[1] * end
