@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.checks import POSITIVE, Array, described, number
+from fsipetsc.checks import POSITIVE, Array, number
 from fsipetsc.errors import InputError
 
 Places = tuple[Array, ...]
@@ -36,7 +36,7 @@ class Nodes:
         object.__setattr__(self, "places", X)
         if not 2 <= X.ndim <= 4 or X.shape[-1] != X.ndim - 1 or min(X.shape[:-1]) < 2:
             wanted = "expected the shape (n_0, 1), (n_1, n_0, 2) or (n_2, n_1, n_0, 3)"
-            raise InputError(f"nodes: {described(X)}: {wanted}")
+            raise InputError(f"nodes: places have the shape {X.shape}: {wanted}")
 
     @property
     def cells(self) -> tuple[int, ...]:
