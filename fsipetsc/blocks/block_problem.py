@@ -17,34 +17,6 @@ from fsipetsc.materials.own import knows_entropy
 from fsipetsc.operators.bands import Band, band, centred_band
 
 
-class GasLaws:
-    """The laws of the gases of a problem. Gas at one place has one state, and so one law.
-
-    laws: those that differ in their formulas or numbers, in the order of blocks. numbers: block of
-    a gas -> the number of its law among these.
-    """
-
-    def __init__(self, blocks: Sequence[Block]) -> None:
-        laws: list[Any] = []
-        self.numbers: dict[int, int] = {}
-        for k, block in enumerate(blocks):
-            if block.kind == "fluid":
-                law = block.material.gas_law
-                same = (n for n, other in enumerate(laws) if _same(law, other))
-                self.numbers[k] = next(same, len(laws))
-                laws += [law] * (self.numbers[k] == len(laws))
-        self.laws = tuple(laws)
-
-    def number_at(self, members: Sequence[tuple[int, int]]) -> int:
-        """The number of the law of the gas among (block, node) at one place; 0 if there is none."""
-        return next((self.numbers[k] for k, _ in members if k in self.numbers), 0)
-
-
-def _same(law: Any, other: Any) -> bool:
-    """Whether two laws have the same formulas and the same numbers."""
-    return type(law) is type(other) and all(map(np.array_equal, law, other))
-
-
 @dataclass(eq=False)
 class BlockProblem:
     """Blocks and the conditions at their faces.
@@ -78,7 +50,7 @@ class BlockProblem:
     def __post_init__(self) -> None:
         """hinges: (block, node) of points. members: (block, node) of the nodes of faces that are at
         one place, ascending, for each place. tolerance: places are the same that are no further
-        apart [m]. gas_laws: the laws of its gases.
+        apart [m]. gas_laws: those of its gases that differ in formulas or numbers, in their order.
         """
         self.blocks, self.notes = tuple(self.blocks), tuple(self.notes)
         self._check_blocks()
@@ -89,8 +61,7 @@ class BlockProblem:
         self._check_symmetry()
         self._kinds = faces.kinds
         self._known = [faces.places(k) for k in range(len(self.blocks))]
-        self.gas_laws = GasLaws(self.blocks)
-        self._check_gases()
+        self._find_laws()
         self.hinges = frozenset(self._hinge(*point) for point in self.points)
 
     @property
@@ -270,7 +241,7 @@ class BlockProblem:
         gases = [k for k, block in enumerate(self.blocks) if block.kind == "fluid"]
         closed = all(map(conserves_energy, self.outer_faces.values())) and not self._forced
         elastic = all(getattr(solid.material, "heat", "") == "elastic" for solid in solids)
-        known = all(map(knows_entropy, self.gas_laws.laws))
+        known = all(map(knows_entropy, self.gas_laws))
         masses = [solid.material.m0 * size_of(solid, self.symmetry) for solid in solids]
         capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
         names = (" + ".join(self.blocks[k].name for k in body) for body in self.bodies)
@@ -327,11 +298,21 @@ class BlockProblem:
                 numbers = f"{block.dimension} dimensions, {blocks[0]} {blocks[0].dimension}"
                 raise InputError(f"{block} has {numbers}: expected the same")
 
-    def _check_gases(self) -> None:
-        """InputError where gases of different laws meet, be it at an edge or a vertex alone."""
-        law_of = self.gas_laws.numbers
-        for members in self.members if len(self.gas_laws.laws) > 1 else ():
-            gases = {law_of[k]: (k, node) for k, node in members if k in law_of}
+    def _find_laws(self) -> None:
+        """Number the laws of gases; gas at one place has one state, and so one law. InputError
+        where gases of different laws meet, be it at an edge or a vertex alone.
+        """
+        laws: list[Any] = []
+        self._law_of: dict[int, int] = {}
+        for k, block in enumerate(self.blocks):
+            if block.kind == "fluid":
+                law = block.material.gas_law
+                same = (n for n, other in enumerate(laws) if _same(law, other))
+                self._law_of[k] = next(same, len(laws))
+                laws += [law] * (self._law_of[k] == len(laws))
+        self.gas_laws = tuple(laws)
+        for members in self.members if len(laws) > 1 else ():
+            gases = {self._law_of[k]: (k, node) for k, node in members if k in self._law_of}
             if len(gases) > 1:
                 (k, node), (other, _) = sorted(gases.values())[:2]
                 place = place_text(self.places(k, np.array([node]))[0])
@@ -339,6 +320,10 @@ class BlockProblem:
                     f"{self.blocks[k]} and {self.blocks[other]} meet at {place}, and are gases of "
                     "different laws: expected one law, or a solid between them"
                 )
+
+    def law_at(self, members: Sequence[tuple[int, int]]) -> int:
+        """The number of the law of the gas among (block, node) at one place; 0 if there is none."""
+        return next((self._law_of[k] for k, _ in members if k in self._law_of), 0)
 
     def _check_symmetry(self) -> None:
         """InputError for what a problem with an axis or a centre cannot have."""
@@ -387,3 +372,8 @@ class BlockProblem:
             near = place_text(places[:, i])
             raise InputError(f"{where}: no node of a face is there; the nearest is at {near}")
         return k, int(nodes[i])
+
+
+def _same(law: Any, other: Any) -> bool:
+    """Whether two laws have the same formulas and the same numbers."""
+    return type(law) is type(other) and all(map(np.array_equal, law, other))

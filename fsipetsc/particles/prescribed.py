@@ -123,7 +123,7 @@ class Prescribed:
 
     def _sources_of(self, particles: Sequence[Particle]) -> list[Source]:
         """Where data of these particles come from; what comes later holds."""
-        out, laws, found = self.data, self._problem.gas_laws, []
+        out, problem, found = self.data, self._problem, []
         of_walls = self.displaced, out.wall, out.wall_rate
         of_clamps = out.clamp, out.clamp_velocity, out.clamp_rate
         named = {name: _grouped(particles, name) for name in NAMES}
@@ -136,9 +136,9 @@ class Prescribed:
         for name, T in (("warm_gas", out.T), ("warm_solid", out.T_solid)):
             found += [Source(c, who, partial(temperature, c), (T,)) for c, who in named[name]]
         for c, who in named["given_gas"]:
-            law_of = np.array([laws.number_at(particles[p].members) for p in who])
+            law_of = np.array([problem.law_at(particles[p].members) for p in who])
             for law in np.unique(law_of):
-                make = partial(gas_of, c, laws.laws[law])
+                make = partial(gas_of, c, problem.gas_laws[law])
                 found.append(Source(c, who[law_of == law], make, (out.gas,)))
         for c, who in named["given_solid"]:
             found.append(Source(c, who, partial(solid_of, c), (out.solid, out.T_solid)))

@@ -140,7 +140,7 @@ class ParticleSystem:
             row=row,
             **self._of_members(row, inertia),
             **self._of_particles(number, owners, most),
-            laws=layout.problem.gas_laws.laws,
+            laws=layout.problem.gas_laws,
             data=self.prescribed.data,
             state=State(*sums, U_t=np.zeros((n, d + 2)), acceleration=np.zeros((n, d))),
             stored=self.stored.table,
@@ -217,7 +217,7 @@ class ParticleSystem:
             mine = owners[first[p]] == self._layout.comm.rank
             column = next((gases.index(k) for k, _ in particle.members if k in gases), 0)
             faces = [through.get(face, len(through)) for face in _faces(particle)]
-            law = problem.gas_laws.number_at(particle.members)
+            law = problem.law_at(particle.members)
             facts[p] = mine, *_flags(particle), *faces, len(particle.constraints), column, law
         return {"facts": facts, "constraint": constraint}
 
