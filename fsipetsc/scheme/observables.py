@@ -2,7 +2,7 @@
 
 An entry has all that is known of a series but what computes it. Sums over nodes are computed by
 name in fsipetsc.scheme.block_monitor and solid_monitor. Columns of records, units, labels of
-pictures, what `diff` adds up, and the table of docs/results.md follow from the entries.
+pictures, what `diff` adds up, and the table of the site follow from the entries.
 """
 
 from collections.abc import Collection, Iterator, Mapping
