@@ -88,7 +88,7 @@ def test_equal_operations_are_done_once_and_products_are_fused():
 def test_material_numbers_are_arguments_and_not_text():
     def text(mu, kappa, gamma):
         gas = Gas(PerfectGas(gamma, 287.0), ConstantTransport(), mu, kappa, (0.0, 0.0))
-        return gas_text(gas, 2, EntropyForm(NoForce()), True), numbers_of(gas)
+        return gas_text(gas, 2, EntropyForm(NoForce()), True, True), numbers_of(gas)
 
     one, other = text(1e-3, 0.02, 1.4), text(2e-3, 0.01, 5 / 3)
     assert one[0] == other[0]

@@ -50,7 +50,7 @@ class FaceTerms:
             return
         effects = _effects(problem, block.kind)
         acting.sort(key=lambda face: effects.index(face[3]))  # nodes of a group lie together
-        listed = [_nodes_of(problem, part, axis, side) for axis, side, *_ in acting]
+        listed = [nodes_of(problem, part, axis, side) for axis, side, *_ in acting]
         nodes = [np.concatenate(values) for values in zip(*listed, strict=True)]
         n = nodes[0].size
         numbers, vectors = np.zeros((3, n)), np.zeros((2, n, d))
@@ -141,7 +141,7 @@ def _turned(problem: Any, part: Part, order: int, axis: int, side: int, nodes: s
     ]
     places = np.meshgrid(*index, indexing="ij")
     at = np.ravel_multi_index(places, part.patch.ghosted, order="F").ravel(order="F")
-    cube = Cube(wide, np.zeros((13, int(np.prod([end - begin for begin, end in where])))))
+    cube = Cube(wide, np.zeros((12, int(np.prod([end - begin for begin, end in where])))))
     cube.name_faces([(axis, 0)])
     of_cube = cube.x, wide.y, at, cube.of_faces
     sign, count = 1.0 if side else -1.0, nodes.stop - nodes.start
@@ -180,7 +180,7 @@ def _recorded(condition: Condition, names: Sequence[str], less: float, x: Any, t
     return (tuple(found),) if len(found) > 1 else (found[0] - less,)
 
 
-def _nodes_of(problem: Any, part: Part, axis: int, side: int) -> tuple[Array, ...]:
+def nodes_of(problem: Any, part: Part, axis: int, side: int) -> tuple[Array, ...]:
     """This rank's nodes of those of a face: numbers in the ghosted array and among the owned ones,
     axis, sign, 1 / weight of the axis, product of the other weights, column of its energy.
     """

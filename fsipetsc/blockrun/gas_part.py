@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.block_part import BlockPart, Recorded
+from fsipetsc.blockrun.face_terms import nodes_of
+from fsipetsc.blocks.conditions import Centre
 from fsipetsc.blocks.grid import GridMotion
 from fsipetsc.blocks.values import block_values
 from fsipetsc.equations.vectors import dot
@@ -19,6 +21,7 @@ from fsipetsc.scheme import gas_record as does
 from fsipetsc.scheme.block_monitor import gas_integrals, room_of, sums_of
 from fsipetsc.scheme.gas_dissipation import gas_damping
 from fsipetsc.scheme.gas_forms import convection_of
+from fsipetsc.scheme.gas_record import Ends
 from fsipetsc.scheme.gas_volume import GasVolume, gas_text
 from fsipetsc.scheme.part import Nothing, images
 from fsipetsc.scheme.radial import Radial, Straight
@@ -27,8 +30,8 @@ Array = NDArray[Any]
 
 
 class GasPart(BlockPart):
-    """One part of a gas block. metrics: (d d + d + 1, N), a^k, velocity of the grid, J_t; around an
-    axis A before J_t.
+    """One part of a gas block. metrics: (d d + d, N), a^k and the velocity of the grid; around an
+    axis also A.
     """
 
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
@@ -84,7 +87,8 @@ class GasPart(BlockPart):
             found = differences(d, self._order, bands, self.block.cells)
             damping = gas_damping((0.0,) * d, force, found, sigma, shock)
         self.volume = GasVolume(
-            self.equations, d, self.convection, self.viscous, bands, part.patch, self.metrics
+            *(self.equations, d, self.convection, self.viscous, self.moves),
+            *(bands, part.patch, self.metrics),
         )
         self.volume.let_advance(self._stage(about.found), self.free)
         potential = self.volume.potential
@@ -108,11 +112,12 @@ class GasPart(BlockPart):
             follows=self._particles,
             rows=self.gather.rows,
             known=self.gather.table if self.moves else None,
+            ends=self._ends(),
             grid=self.grid.record,
             reference=self.reference,
             sums=np.zeros(sums_of(d)),
         )
-        text = gas_text(self.equations, d, self.convection, self.viscous)
+        text = gas_text(self.equations, d, self.convection, self.viscous, self.moves)
         moves = does.follow, does.move, does.swing, does.turn, does.finish
         moving = moves if self.moves else ()
         every = *moving, images, does.normals, does.rates, does.monitor
@@ -120,6 +125,16 @@ class GasPart(BlockPart):
         code = self._procedures(text, record, about, names)
         self.grid.procedures(code)
         return code
+
+    def _ends(self) -> Ends:
+        """The ends of all axes here, which are none along a periodic axis and at a centre."""
+        problem, part, found = self._problem, self.part, [np.zeros((4, 0))]
+        for (axis, side), what in problem.faces_of(part.k).items():
+            if not isinstance(what, Centre):
+                at, own, axes, signs, per_weight, *_ = nodes_of(problem, part, axis, side)
+                found.append(np.stack([at, own, axes, signs * per_weight]))
+        *numbers, factor = np.concatenate(found, axis=1)
+        return Ends(*(n.astype(np.int64) for n in numbers), factor)
 
     def initial(self, t: float, q: Array) -> None:
         """Fill q (M, d + 3) with the case's data, with J = 1."""

@@ -1,5 +1,5 @@
 /* Metrics of a moving grid in three dimensions: area vectors a^1, a^2, a^3 in curl form with
-   sum_k D_k a^k = 0, and J_t = sum_k a^k . D_k v.
+   sum_k D_k a^k = 0.
 
        (a^i)_n = D_j q_k - D_k q_j,   q_k = 1/2 (x_m D_k x_l - x_l D_k x_m)
 
@@ -171,21 +171,6 @@ ROW_OF(end_area) {
 }
 TASK(end_area)
 
-/* J_t += a^k . D_k v; the first one fills the velocity, too. */
-ROW_OF(swing) {
-  const struct pairs of = *p;
-  const long W = wide_nodes(c), N = c->N, first = t->axis == 0;
-  const double *v = t->f + at, *area = c->metrics + 3 * t->axis * N + place;
-  double *restrict J_t = t->out + 3 * N + place, *restrict velocity = t->out + place;
-  ITEMS("omp simd",
-    double sum = first ? 0.0 : J_t[i];
-    for (int m = 0; m < 3; ++m) sum += area[m * N + i] * slope(v + m * W + i, &of, count, even);
-    J_t[i] = sum;
-  )
-  for (int m = 0; m < 3 && first; ++m) memcpy(velocity + m * N, v + m * W, n * sizeof *v);
-}
-TASK(swing)
-
 /* D_k x of a row, in planes of its nodes. */
 ROW_OF(gradient) {
   const struct pairs of = *p;
@@ -247,15 +232,18 @@ static void find_areas(const struct cube *c, const double *x, const struct task 
   }
 }
 
-/* Find a^1, a^2, a^3, the velocity of the grid and J_t of the range. */
+/* Find a^1, a^2, a^3 and the velocity of the grid of the range. */
 void cube_move(const struct cube *c) {
   const struct box range = range_of(c);
-  struct task tasks[9];
-  for (int k = 0; k < 3; ++k) {
-    areas(c, k, c->metrics + 3 * k * c->N, tasks + 2 * k);
-    tasks[6 + k] = (struct task){swing, k, 0, 0, c->v, c->metrics + 9 * c->N};
-  }
-  find_areas(c, c->x, tasks, 9, &range, NONE);
+  const long W = wide_nodes(c), n = range.hi[0] - range.lo[0];
+  double *velocity = c->metrics + 9 * c->N;
+  struct task tasks[6];
+  for (int k = 0; k < 3; ++k) areas(c, k, c->metrics + 3 * k * c->N, tasks + 2 * k);
+  find_areas(c, c->x, tasks, 6, &range, NONE);
+  for (long z = range.lo[2]; z < range.hi[2]; ++z)
+    for (long y = range.lo[1]; y < range.hi[1]; ++y, velocity += n)
+      for (int m = 0; m < 3; ++m)
+        memcpy(velocity + m * c->N, c->v + m * W + wide_of(c, range.lo[0], y, z), n * sizeof *velocity);
 }
 
 /* Find det D x of the range. */

@@ -42,8 +42,8 @@ def cube_text() -> str:
 class Cube:
     """The range of nodes of a Wide in three dimensions.
 
-    x, v: (3, wide nodes) places less those of linear maps, and velocities. metrics: (13, N) a^1,
-    a^2, a^3, velocity, J_t of the range. volume: (N,) det D x, by cube_volumes. of_faces: (9, N)
+    x, v: (3, wide nodes) places less those of linear maps, and velocities. metrics: (12, N) a^1,
+    a^2, a^3, velocity of the range. volume: (N,) det D x, by cube_volumes. of_faces: (9, N)
     a^1, a^2, a^3 on faces, by cube_faces, or how they change in time, by cube_turn. address: of
     the struct in C.
     """

@@ -27,9 +27,8 @@ from fsipetsc.kernels.symbols import exact
 class LineMotion(NamedTuple):
     """A grid in one dimension; low, high: (N,) weights of the ends. hull: fsipetsc.blocks.hull.
 
-    known: (M, 2d) displacements [m] and velocities [m/s] of the given nodes. metrics: (d d + d + 1,
-    N), a^1 … a^d, the velocity of the grid, J_t = sum_k a^k . D_k v, which sum_k D_k a^k = 0 makes
-    the whole of it.
+    known: (M, 2d) displacements [m] and velocities [m/s] of the given nodes. metrics: (d d + d, N),
+    a^1 … a^d and the velocity of the grid.
     """
 
     hull: Any
@@ -42,12 +41,11 @@ class LineMotion(NamedTuple):
         metrics[0, :] = 1.0
 
     def swing(self, known, metrics):
-        """Fill what they take of how it moves, after `move`: its velocity and J_t."""
+        """Fill what they take of how it moves, after `move`: its velocity."""
         self.hull.fill(self.hull.moving, known, 1)
         at_low, at_high = self.hull.ends(self.hull.moving)
         for i in each(self.low.shape[0], vector=True):
             metrics[1, i] = self.between(i, at_low, at_high)
-            metrics[2, i] = at_high - at_low
 
     def finish(self, metrics):
         """Fill what rates take beside that, after `swing`: nothing."""
@@ -106,7 +104,7 @@ class CubeMotion(NamedTuple):
         self.blend.fill(self.hull.moving, self.v)
 
     def finish(self, metrics):
-        """a^1, a^2, a^3 in curl form, velocity of the grid and J_t: the most work, which is done
+        """a^1, a^2, a^3 in curl form, and the velocity of the grid: the most work, which is done
         when no rank waits for it.
         """
         invoke("cube_move", self.address)
@@ -183,7 +181,7 @@ class GridMotion:
         X, wide = problem.positions(k, where), Wide(problem, k, order, where)
         around, hull = problem.symmetry > 0, hull_of(block, nodes, problem.centred(k))
         reference = np.zeros(X.shape[1])
-        self.metrics = np.zeros((d * d + d + 1 + around, X.shape[1]))
+        self.metrics = np.zeros((d * d + d + around, X.shape[1]))
         self.record: Any
         if around:
             self.record = radial_motion(problem, k, wide, hull)

@@ -22,7 +22,7 @@ from fsipetsc.blocks.faces import face_nodes
 from fsipetsc.blocks.hull import Hull, end_weights
 from fsipetsc.blocks.metrics import Wide, slopes_along
 from fsipetsc.checks import Array
-from fsipetsc.equations.vectors import add, dot, scale, sub
+from fsipetsc.equations.vectors import add, scale, sub
 from fsipetsc.kernels.arrays import column, column_of
 from fsipetsc.kernels.loops import each, when
 from fsipetsc.kernels.symbols import exact
@@ -65,7 +65,7 @@ class PlaneMotion(NamedTuple):
         plane_metrics(self, metrics)
 
     def swing(self, known, metrics):
-        """Velocity of the grid and J_t = a^1 . D_1 v + a^2 . D_2 v."""
+        """Velocity of the grid."""
         self.hull.fill(self.hull.moving, known, 2)
         plane_velocities(self, metrics)
 
@@ -125,17 +125,13 @@ def plane_metrics(plane, metrics):
 
 
 def plane_velocities(plane, metrics):
-    """Fill v and J_t."""
+    """Fill v."""
     find_faces(plane, plane.hull.moving)
-    differentiate_faces(plane, plane.hull.moving)
-    n, like = plane.along.low.shape[0], (0.0, 0.0)
+    n = plane.along.low.shape[0]
     for j in each(plane.across.low.shape[0]):
         row = Row(plane, j)
         for i in each(n, vector=True):
-            at, (D1, D2) = j * n + i, row.slopes(i)
-            a1, a2 = column(like, metrics, at), column_of(like, metrics, 2, at)
-            metrics[6, at] = exact(dot(a1, D1) + dot(a2, D2))
-            metrics[4, at], metrics[5, at] = row.values(i)
+            metrics[4, j * n + i], metrics[5, j * n + i] = row.values(i)
         row.put_ends(metrics, 4)
 
 

@@ -24,19 +24,18 @@ from fsipetsc.blocks.hull import Hull, blend_of
 from fsipetsc.blocks.metrics import Wide, slopes_across, slopes_along
 from fsipetsc.checks import Array
 from fsipetsc.equations.tensors import cofactor, determinant
-from fsipetsc.equations.vectors import dot
 from fsipetsc.kernels.arrays import column
 from fsipetsc.kernels.loops import each, pick
 from fsipetsc.kernels.symbols import exact
 
 
 class RadialMotion(NamedTuple):
-    """See fsipetsc.blocks.grid.LineMotion; metrics have A as a row before J_t.
+    """See fsipetsc.blocks.grid.LineMotion; metrics have A as a row after the velocity.
 
     like: d zeros, hoops: kappa zeros. blend, y, P, S, weight, inner, x, v: as of CubeMotion.
     before: nodes of faster axes between neighbours along each axis. area, slope: (W,), flat: (d, W)
     z and s, or w, b, slopes: (d d, W), room. source, volume: (N,) S and J of the range; turning:
-    (d d, N) d a^k/dt in two dimensions; bounds: (d d + d + 2, N) metrics by which steps are
+    (d d, N) d a^k/dt in two dimensions; bounds: (d d + d + 1, N) metrics by which steps are
     bounded.
     """
 
@@ -68,7 +67,7 @@ class RadialMotion(NamedTuple):
         radial_metrics(self, metrics)
 
     def swing(self, known, metrics):
-        """Velocity of the grid and J_t, and turning."""
+        """Velocity of the grid, and turning."""
         self.hull.fill(self.hull.moving, known, len(self.like))
         radial_velocities(self, metrics)
 
@@ -107,7 +106,7 @@ def radial_motion(problem: BlockProblem, k: int, wide: Wide, hull: Hull) -> Radi
     of_map = wide.y, wide.P, wide.S, wide.weight, tuple((1, *wide.sizes[:-1]))
     room = *np.zeros((2, W)), *np.zeros((3, d, W)), *np.zeros((2, d * d, W))
     of_range = *np.zeros((2, inner.size)), np.zeros((d * d, inner.size))
-    bounds, hoops = np.zeros((d * d + d + 2, inner.size)), (0.0,) * problem.symmetry
+    bounds, hoops = np.zeros((d * d + d + 1, inner.size)), (0.0,) * problem.symmetry
     return RadialMotion(hull, (0.0,) * d, hoops, blend, inner, *of_map, *room, *of_range, bounds)
 
 
@@ -169,10 +168,15 @@ def find_flat(grid):
 
 
 def radial_velocities(grid, metrics):
-    """Fill v and J_t: see RadialMotion.swing."""
+    """Fill v and turning: see RadialMotion.swing."""
     d, kappa, v, area = len(grid.like), len(grid.hoops), grid.v, grid.area
     last, entries = d - 1, (0.0,) * d * d
     grid.blend.fill(grid.hull.moving, v)
+    for i in each(grid.inner.size, vector=True):
+        for c in range(d):
+            metrics[d * d + c, i] = v[c, grid.inner[i]]
+    if d == 1:  # area vectors do not turn
+        return
     for n in each(area.size, vector=True):
         for c in range(d):
             grid.flat[c, n] = v[c, n] * (area[n] if c == last else 1.0)
@@ -180,11 +184,8 @@ def radial_velocities(grid, metrics):
     for i in each(grid.inner.size, vector=True):
         n = grid.inner[i]
         slopes, b = column(entries, grid.slopes, n), column(entries, grid.b, n)
-        metrics[d * d + d + 1, i] = exact(dot(b, slopes))
-        for c in range(d):
-            metrics[d * d + c, i] = v[c, n]
         spread = kappa * area[n] / grid.x[last, n] * v[last, n]
-        for m, turned in enumerate(cofactor(slopes) if d == 2 else ()):
+        for m, turned in enumerate(cofactor(slopes)):
             more = exact(area[n] * turned + spread * b[m])
             grid.turning[m, i] = more if m % d == last else turned
 

@@ -2,7 +2,9 @@
 
        weight_i (J U)_t,i = - sum_k sum_l S_il (F^k(i, l) - {a^k . f_v})
 
-   and J_t, and a constant force, which is summed pair by pair like the fluxes. The weight of a node
+   and a constant force, which is summed pair by pair like the fluxes. On a grid that moves J has
+   the flux of U = 1; of a node at the end of an axis a^k . v is still to be added (fsipetsc.scheme.
+   gas_record). The weight of a node
    is the product of those along all axes; S_il of a pair along axis k is that of
    fsipetsc.operators.bands times the weights along the other axes. The fluxes are those of
    fsipetsc.equations.gas, in the kernels of fsipetsc.scheme.gas_kernels.
@@ -16,7 +18,7 @@
 
 enum {
   W = D + 5 + VISCOUS,                  /* primitive variables of a node, and J */
-  FLUXES = D + 2 + (FORCE ? D : 0),     /* what is summed of a node */
+  FLUXES = D + 2 + (FORCE ? D : 0) + MOVES, /* what is summed of a node */
   SLOPES = D * (D + 1),                 /* D_k z of all axes; viscous fluxes of all axes */
   NUMBERS = W + (VISCOUS ? SLOPES : 0), /* what is kept of a node */
 };
@@ -33,7 +35,7 @@ struct gas {
   const double *potential;        /* of a constant force (fsipetsc.scheme.gas_force) */
   double *supplied;               /* that force on the owned nodes, over their weights */
   struct stage stage;             /* what becomes of rates */
-  long N, J_t;                    /* nodes of a plane; the plane of J_t */
+  long N;                         /* nodes of a plane */
   long layers, depth, before;     /* layers of depth rows are kept, with rows before the tile's */
   double *rows, *high;            /* of these rows: NUMBERS; sums of upper nodes of pairs */
   double *low, *slope;            /* of the row at work: sums of lower nodes of pairs; D_k z */
@@ -173,12 +175,18 @@ static void viscous_layer(const struct gas *g, const struct tile *t, long layer)
 static void add_pairs(const struct gas *g, int k, const double *l, const double *r, long node_l,
                       long node_r, double of_row, const double *of_node, double *low, double *high,
                       long n) {
-  const double *areas = g->metrics + k * D * g->N, *velocity = g->metrics + D * D * g->N;
+  const double *areas = g->metrics + k * D * g->N;
   const long viscous = (W + k * (D + 1)) * ROW;
   (void)viscous;
 #define PAIR .l = l, .r = r, .a_l = areas + node_l, .a_r = areas + node_r, .p = g->p, .n = n, \
-             .v_l = velocity + node_l, .v_r = velocity + node_r, .N = g->N, \
+             .N = g->N, \
              .of_row = &of_row, .of_node = of_node, .low = low, .high = high
+#if MOVES
+  const double *velocity = g->metrics + D * D * g->N;
+#define MOVED , .v_l = velocity + node_l, .v_r = velocity + node_r
+#else
+#define MOVED
+#endif
 #if VISCOUS
 #define STRESS , .s_l = l + viscous, .s_r = r + viscous
 #else
@@ -190,9 +198,9 @@ static void add_pairs(const struct gas *g, int k, const double *l, const double 
 #define RAISED
 #endif
 #if TELLS_FAR
-  if (gas_near(PAIR RAISED STRESS)) gas_far(PAIR RAISED STRESS);
+  if (gas_near(PAIR MOVED RAISED STRESS)) gas_far(PAIR MOVED RAISED STRESS);
 #else
-  gas_near(PAIR RAISED STRESS);
+  gas_near(PAIR MOVED RAISED STRESS);
 #endif
 }
 
@@ -228,13 +236,13 @@ static void pairs_along(const struct gas *g, const struct tile *t, long layer, l
 /* Store what becomes of the rates of nodes x0 … x1 - 1 of row j of a layer. */
 static void store_nodes(const struct gas *g, double *next, const struct tile *t, long layer, long j,
                         long x0, long x1, int kind) {
-  const long node = node_of(g, x0, j, layer), own = own_of(g, x0, j, layer);
+  const long own = own_of(g, x0, j, layer);
   const struct stage *stage = &g->stage;
   const double of_row = 1.0 / (g->inner.weight[j] * g->last.weight[layer]);
   if (x0 >= x1) return;
 #define SUMS .of_row = &of_row, .of_node = g->per_weight + x0, \
              .low = g->low + MARGIN - t->x0 + x0, .high = high_of(g, t, layer, j) + x0, \
-             .J_t = g->metrics + g->J_t * g->N + node, .n = x1 - x0, .N = g->N
+             .n = x1 - x0
 #define NEXT .next = next + own, .M = own_nodes(g), .y = stage->y + own, \
              .total = stage->total + own, .numbers = stage->numbers
 #if FORCE

@@ -3,7 +3,7 @@ through, where it is stored. fsipetsc/scheme/gas.c calls them.
 
 A row of a tile has the primitive variables w of its nodes and, in viscous gases, J and the fluxes
 a^k . f_v of each axis k. Metrics are read where the block has them: a^1 … a^d, the velocity of the
-grid, around an axis A, then J_t.
+grid, around an axis A. On a grid that moves J has a two-point flux, too: - g, that of U = 1.
 """
 
 from typing import Any
@@ -17,12 +17,12 @@ from fsipetsc.kernels.kernel import PLANES, ROWS, SHARED, Kernel, interlaced
 from fsipetsc.scheme.stage import KINDS, store
 
 
-def gas_kernels(gas: Any, d: int, form: Any, viscous: bool) -> list[Kernel]:
+def gas_kernels(gas: Any, d: int, form: Any, viscous: bool, moves: bool) -> list[Kernel]:
     """All kernels of a gas in d dimensions; form: fsipetsc.scheme.gas_forms."""
     sums = len(form.force.sums((0.0,) * d))
-    made = [_load(gas, d, viscous), *_pairs(gas, d, form, viscous)]
+    made = [_load(gas, d, viscous), *_pairs(gas, d, form, viscous, moves)]
     kinds = KINDS if sums == d + 2 else KINDS[:1]
-    made += [_store(d, sums, number, kind) for number, kind in enumerate(kinds)]
+    made += [_store(d, sums, moves, number, kind) for number, kind in enumerate(kinds)]
     return [*made, _slope(gas, d), _viscous(gas, d)] if viscous else made
 
 
@@ -35,36 +35,42 @@ def _load(gas: Any, d: int, viscous: bool) -> Kernel:
     return kernel
 
 
-def _pairs(gas: Any, d: int, form: Any, viscous: bool) -> list[Kernel]:
+def _pairs(gas: Any, d: int, form: Any, viscous: bool, moves: bool) -> list[Kernel]:
     """The kernel of pairs that are near one another, which counts those that are not, and the
     kernel of these, if the form tells them apart.
     """
     near = Kernel("gas_near", "The fluxes of pairs of near nodes, added to the sums of both.")
-    _pair(near, gas, d, form, viscous, True)
+    _pair(near, gas, d, form, viscous, moves, True)
     if near.counted is None:
         return [near]
     far = Kernel("gas_far", "The fluxes of the other pairs, added to the sums of both nodes.")
-    _pair(far, gas, d, form, viscous, False)
+    _pair(far, gas, d, form, viscous, moves, False)
     return [near, far]
 
 
-def _pair(kernel: Kernel, gas: Any, d: int, form: Any, viscous: bool, near: bool) -> None:
+def _pair(
+    kernel: Kernel, gas: Any, d: int, form: Any, viscous: bool, moves: bool, near: bool
+) -> None:
     """Let the kernel add what the lower node of a pair loses and the upper one gains, times the
     weight of the pair: that of the row, times that of the node. It is 0 of pairs that are not of
     the kernel's kind; those formulas are finite for ratios of states up to 1e28.
     """
     flux, force = (form.near, form.force.near) if near else (form.any, form.force.any)
-    gas, grid = kernel.parameters(gas), len(gas.of_grid((0.0,) * d))
+    gas = kernel.parameters(gas)
     l, r = kernel.read("l", ROWS, d + 5), kernel.read("r", ROWS, d + 5)
     a_l, a_r = kernel.read("a_l", PLANES, d), kernel.read("a_r", PLANES, d)
-    v_l, v_r = kernel.read("v_l", PLANES, grid), kernel.read("v_r", PLANES, grid)
     (of_row,), (of_node,) = kernel.read("of_row", SHARED, 1), kernel.read("of_node", ROWS, 1)
     distance = form.distance(gas, l, r)
     if not isinstance(distance, float):
         apart = distance > NEAR
         of_node = np.where(apart, *((0.0, of_node) if near else (of_node, 0.0)))
         kernel.count(apart)
-    F, rise = flux(gas, l, r, a_l, a_r, gas.volume_flux(a_l, v_l, a_r, v_r)), 0.0
+    g = 0.0
+    if moves:
+        grid = len(gas.of_grid((0.0,) * d))
+        v_l, v_r = kernel.read("v_l", PLANES, grid), kernel.read("v_r", PLANES, grid)
+        g = gas.volume_flux(a_l, v_l, a_r, v_r)
+    F, rise = flux(gas, l, r, a_l, a_r, g), 0.0
     sums = len(form.force.sums((0.0,) * d))
     if sums > d + 2:
         (low,), (high,) = kernel.read("potential_l", ROWS, 1), kernel.read("potential_r", ROWS, 1)
@@ -73,22 +79,23 @@ def _pair(kernel: Kernel, gas: Any, d: int, form: Any, viscous: bool, near: bool
     if viscous:
         s = mean(kernel.read("s_l", ROWS, d + 1), kernel.read("s_r", ROWS, d + 1))
         both = tuple((F[0], *sub(F[1 : d + 2], s), *F[d + 2 :]) for F in both)
+    if moves:
+        both, sums = tuple((*F, -g) for F in both), sums + 1
     less, more = (scale(of_row * of_node, numbers) for numbers in both)
     low, high = (kernel.read(name, ROWS, sums) for name in ("low", "high"))
     kernel.store("low", ROWS, sub(low, less))
     kernel.store("high", ROWS, add(high, more))
 
 
-def _store(d: int, sums: int, number: int, kind: str) -> Kernel:
+def _store(d: int, sums: int, moves: bool, number: int, kind: str) -> Kernel:
     says = "J_t, the rates of J rho, J rho u, J E, the force, of a row, or what follows from them."
     kernel = Kernel(f"gas_{kind}", says)
     (of_row,), (of_node,) = kernel.read("of_row", SHARED, 1), kernel.read("of_node", ROWS, 1)
-    total = add(kernel.read("low", ROWS, sums), kernel.read("high", ROWS, sums))
+    total = add(*(kernel.read(name, ROWS, sums + moves) for name in ("low", "high")))
     total = scale(of_row * of_node, total)
-    (J_t,) = kernel.read("J_t", PLANES, 1)
-    store(kernel, number, (J_t, *total[: d + 2]))
+    store(kernel, number, (total[-1] if moves else 0.0, *total[: d + 2]))
     if sums > d + 2:
-        kernel.store("supplied", interlaced(f"{d + 1}"), (*total[d + 2 :], 0.0))
+        kernel.store("supplied", interlaced(f"{d + 1}"), (*total[d + 2 : sums], 0.0))
     return kernel
 
 

@@ -4,11 +4,26 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.equations.vectors import dot
+from fsipetsc.kernels.arrays import column_of
 from fsipetsc.kernels.loops import each, invoke, variable
 from fsipetsc.scheme.block_monitor import gas_monitor
+from fsipetsc.scheme.face_kernels import moving
 from fsipetsc.scheme.normals import add_areas
 from fsipetsc.scheme.part import ghosted, note, owned
 from fsipetsc.scheme.rows import Array
+
+
+class Ends(NamedTuple):
+    """Nodes at the ends of axes, one at an edge once for each axis. at, own, axis: (n,) numbers in
+    the ghosted array and among the owned nodes, axis; factor: sign of the outward normal over the
+    weight of the axis.
+    """
+
+    at: Array
+    own: Array
+    axis: Array
+    factor: Array
 
 
 class GasRecord(NamedTuple):
@@ -18,7 +33,7 @@ class GasRecord(NamedTuple):
     GasVolume (fsipetsc.scheme.gas_volume) has them. like: d zeros. laws: fsipetsc.equations.gas.
     faces: fsipetsc.scheme.face_kernels. block: its number, begin: of its unknowns in the world
     vector. X, places: (d, N) of the reference map, and where the monitor finds the nodes. metrics:
-    (d d + d + 1, N), a^1 … a^d, velocity of the grid, J_t, and around an axis A before it. halo: (d
+    (d d + d, N), a^1 … a^d, velocity of the grid, and around an axis A. ends: of the axes. halo: (d
     + 3, N), its nodes with a halo, or (d + 3, 0) without. S, weight: of three bands. masses: (M,)
     weights of its own nodes.
 
@@ -56,6 +71,7 @@ class GasRecord(NamedTuple):
     follows: Array
     rows: Array
     known: Array | None
+    ends: Ends
     grid: Any
     at_particles: Any
     reference: Array
@@ -112,6 +128,8 @@ def rates(part, gain, y, f):
     d = len(part.like)
     q, own = ghosted(part, y, d + 3), owned(part, f, d + 3)
     invoke("gas_sweep", part.of_volume, owned(part, y, d + 3), q, own)
+    if part.known is not None:
+        add_ends(part, own)
     part.axis.add(part, q, own, gain)
     part.dissipation.add(part, q, own, gain)
     part.faces.add(part, q, own, gain)
@@ -119,6 +137,14 @@ def rates(part, gain, y, f):
     part.form.force.add(part, q, own, gain)
     if part.forcing is not None:
         supply(part, q, own, gain)
+
+
+def add_ends(part, rates):
+    """Add a^k . v / weight, outward, to J_t at the ends of axes: fluxes of pairs do not have it."""
+    ends, metrics, like = part.ends, part.metrics, part.like
+    for i in each(ends.at.shape[0]):
+        a = column_of(like, metrics, ends.axis[i] * len(like), ends.at[i])
+        rates[ends.own[i], 0] += ends.factor[i] * dot(a, moving(part, ends.at[i]))
 
 
 def supply(part, q, rates, gain):

@@ -36,19 +36,20 @@ class _Gas(ctypes.Structure):
         *((name, _Axis) for name in ("first", "inner", "last")),
         *((name, _POINTER) for name in ("p", "metrics", "potential", "supplied")),
         ("stage", Stage),
-        *((name, _NUMBER) for name in ("N", "J_t", "layers", "depth", "before")),
+        *((name, _NUMBER) for name in ("N", "layers", "depth", "before")),
         *((name, _POINTER) for name in ("rows", "high", "low", "slope", "along")),
         *((name, _POINTER) for name in ("per_weight", "gain", "loss", "gains", "losses", "tiles")),
         ("count", _NUMBER),
     ]
 
 
-def gas_text(gas: Any, d: int, form: Any, viscous: bool) -> str:
+def gas_text(gas: Any, d: int, form: Any, viscous: bool, moves: bool) -> str:
     """The C code of the function gas_sweep for a gas in d dimensions."""
-    kernels = gas_kernels(gas, d, form, viscous)
+    kernels = gas_kernels(gas, d, form, viscous, moves)
     constants = {
         "D": d,
         "VISCOUS": int(viscous),
+        "MOVES": int(moves),
         "FORCE": int(len(form.force.sums((0.0,) * d)) > d + 2),
         "TELLS_FAR": int(any(kernel.name == "gas_far" for kernel in kernels)),
         **{"ROW": TILES[d] + 2 * MARGIN, "MARGIN": MARGIN, "SPANS": SPANS},
@@ -73,6 +74,7 @@ class GasVolume:
         d: int,
         form: Any,
         viscous: bool,
+        moves: bool,
         bands: Sequence[Band],
         patch: Patch,
         metrics: Array,
@@ -88,8 +90,8 @@ class GasVolume:
         self.supplied = np.zeros(raised * int(np.prod(patch.own)) * (d + 1))
         room = {
             "rows": layers * depth * numbers,
-            "high": layers * depth * sums,
-            "low": sums,
+            "high": layers * depth * (sums + moves),
+            "low": sums + moves,
             "slope": d * (d + 1),
             "gains": 1,
             "losses": 1,
@@ -109,7 +111,6 @@ class GasVolume:
             **axes,
             **{name: array.ctypes.data for name, array in memory.items()},
             N=metrics.shape[1],
-            J_t=len(metrics) - 1,
             layers=layers,
             depth=depth,
             before=far * reach[inner],
