@@ -5,9 +5,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from fsipetsc.operators import OPERATORS, SBPOperator, operator
 from fsipetsc.operators.bands import AXIS, centred_band
 from fsipetsc.operators.narrow import ENDS, remainder
+from fsipetsc.operators.sbp import OPERATORS, SBPOperator, operator
 
 ALL = pytest.mark.parametrize("op", OPERATORS.values(), ids=lambda op: op.name)
 

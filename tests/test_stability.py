@@ -11,7 +11,7 @@ from fsipetsc import FluidLayer, Problem, SolidLayer, Wall
 from fsipetsc.cases import load_case
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import Solid
-from fsipetsc.operators import OPERATORS, operator
+from fsipetsc.operators.sbp import OPERATORS, operator
 from fsipetsc.options import defaults
 from fsipetsc.paper.paper_state import PaperState
 from fsipetsc.studies.spectra import CENTRAL

@@ -13,7 +13,7 @@ from fsipetsc.blocks.grid import GridMotion
 from fsipetsc.blocks.values import block_values
 from fsipetsc.equations.vectors import dot
 from fsipetsc.kernels.procedure import Code
-from fsipetsc.operators.undivided import differences, sigma_of
+from fsipetsc.operators.bands import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.particles.members import Particle
 from fsipetsc.particles.system import ParticleSystem

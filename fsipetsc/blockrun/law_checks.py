@@ -6,7 +6,7 @@ from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.errors import InputError
 from fsipetsc.materials.own import knows_entropy
-from fsipetsc.operators.undivided import sigma_of
+from fsipetsc.operators.bands import sigma_of
 from fsipetsc.scheme.gas_force import NodeForce
 from fsipetsc.scheme.gas_forms import CONSERVED, convection_of
 

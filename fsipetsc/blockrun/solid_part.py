@@ -11,7 +11,7 @@ from fsipetsc.blocks.values import block_values, prestress_of
 from fsipetsc.equations.tensors import add_unit, apply, cofactor
 from fsipetsc.equations.vectors import dot
 from fsipetsc.kernels.procedure import Code
-from fsipetsc.operators.undivided import differences, sigma_of
+from fsipetsc.operators.bands import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.part import Nothing, images, normals

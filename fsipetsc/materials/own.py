@@ -15,13 +15,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.checks import described
+from fsipetsc.checks import described, place_in, place_of, reason
 from fsipetsc.equations.tensors import apply
 from fsipetsc.equations.vectors import add, zeros
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.formula import number_of, numbers_of
 from fsipetsc.kernels.symbols import NotRecorded, Record, Symbol, derivatives, replay
-from fsipetsc.materials.compressible import NeoHookean
+from fsipetsc.materials.hyperelastic import NeoHookean
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.power_law import ConstantTransport
 from fsipetsc.materials.solid_pressure import ConstantPressure
@@ -298,20 +298,12 @@ def _check_recorded(what: str, formula: Formula, given: Sequence[int], wanted: i
     arguments = [tuple(islice(numbers, n)) if n else next(numbers) for n in given]
     try:
         found = formula(*arguments)
-    except InputError as error:
-        raise InputError(f"{what}: {error}") from error
-    except Exception as error:  # of the user's function
-        raise InputError(f"{what}: {_place(formula)}{type(error).__name__}: {error}") from error
-    try:
         numbers_of(found, wanted) if wanted else number_of(found)
-    except NotRecorded as error:
-        raise InputError(f"{what}: {_place(formula)}{error}") from error
-
-
-def _place(formula: Any) -> str:
-    """Name, file and line of a formula, as where one is refused."""
-    code = getattr(formula, "__code__", None)
-    return f"{code.co_name}, {code.co_filename}:{code.co_firstlineno}: " if code else ""
+    except Exception as error:  # of the user's function
+        inside = place_in(error)
+        told = isinstance(error, NotRecorded) and inside  # the error says where
+        place = "" if told else f"{inside or place_of(formula)}: "
+        raise InputError(f"{what}: {place}{reason(error)}") from error
 
 
 @cache

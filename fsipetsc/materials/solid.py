@@ -7,9 +7,8 @@ from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, described, numbers
 from fsipetsc.equations.solid import Solid as Equations
 from fsipetsc.errors import InputError
 from fsipetsc.materials import own
-from fsipetsc.materials.compressible import Log, NeoHookean
 from fsipetsc.materials.fluid import checked_force, force_in
-from fsipetsc.materials.hooke import LinearElastic, StVenantKirchhoff
+from fsipetsc.materials.hyperelastic import LinearElastic, Log, NeoHookean, StVenantKirchhoff
 from fsipetsc.materials.solid_pressure import ConstantPressure, Gruneisen
 
 #: laws by name

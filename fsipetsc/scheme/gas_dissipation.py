@@ -1,7 +1,7 @@
 """Dissipation of a gas block: of order q everywhere, of order 1 at shocks.
 
 Both terms keep mass, momentum, energy and a uniform flow, and entropy does not fall. Along each
-axis k, with undivided differences (fsipetsc.operators.undivided),
+axis k, with undivided differences (fsipetsc.operators.bands),
 
     (J U)_t  -=  H_k^-1 Delta_q^T  sigma/4^q (1 - alpha) lambda/(1 + eta) U_z Delta_q z,
 
@@ -54,7 +54,7 @@ import numpy as np
 from fsipetsc.equations.vectors import add, along, choose, dot, mean, scale, sub
 from fsipetsc.kernels.arrays import column, column_of, node, put_column
 from fsipetsc.kernels.loops import each, variable, when
-from fsipetsc.operators.undivided import Differences, difference
+from fsipetsc.operators.bands import Differences, difference
 from fsipetsc.scheme.gas_forms import state_like
 from fsipetsc.scheme.part import clear
 from fsipetsc.scheme.rows import Array

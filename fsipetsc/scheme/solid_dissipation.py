@@ -1,6 +1,6 @@
 """Dissipation of a solid block: what motion it takes becomes heat at the same place.
 
-Along each axis k, with undivided differences of the velocity (fsipetsc.operators.undivided),
+Along each axis k, with undivided differences of the velocity (fsipetsc.operators.bands),
 
     F = (a + b alpha) sqrt(K m0) |A^k| Delta_q v
     J0 m0 v_t  -=  H_k^-1 Delta_q^T F
@@ -25,7 +25,7 @@ import numpy as np
 from fsipetsc.equations.vectors import along, dot, mean, scale, sub
 from fsipetsc.kernels.arrays import column, column_of, part_of
 from fsipetsc.kernels.loops import each, variable, when
-from fsipetsc.operators.undivided import Differences
+from fsipetsc.operators.bands import Differences
 from fsipetsc.scheme.gas_dissipation import largest, sense
 from fsipetsc.scheme.rows import Array
 

@@ -10,7 +10,7 @@ from itertools import product
 
 from fsipetsc.cases.common import materials
 from fsipetsc.errors import ComputationError, InputError
-from fsipetsc.operators import operator
+from fsipetsc.operators.sbp import operator
 from fsipetsc.options import Option, read_table
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import Comm

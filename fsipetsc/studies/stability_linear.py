@@ -36,9 +36,8 @@ from fsipetsc.kernels.procedure import Code
 from fsipetsc.kernels.unit import unit
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import Solid
-from fsipetsc.operators import operator
 from fsipetsc.operators.narrow import remainder
-from fsipetsc.operators.sbp import row_length
+from fsipetsc.operators.sbp import operator, row_length
 from fsipetsc.paper.coupling import Face, couple
 from fsipetsc.paper.laws import law_of
 from fsipetsc.paper.stencils import Stencils, stencils
