@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.checks import described, place_in, place_of, reason
+from fsipetsc.checks import described
 from fsipetsc.equations.tensors import apply
 from fsipetsc.equations.vectors import add, zeros
-from fsipetsc.errors import InputError
+from fsipetsc.errors import InputError, place_in, place_of, reason
 from fsipetsc.kernels.formula import number_of, numbers_of
 from fsipetsc.kernels.symbols import NotRecorded, Record, Symbol, derivatives, replay
 from fsipetsc.materials.hyperelastic import NeoHookean
