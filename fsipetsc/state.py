@@ -9,11 +9,17 @@ from mpi4py import MPI
 
 from fsipetsc.errors import FsiError
 from fsipetsc.kernels.procedure import Procedure
+from fsipetsc.process.together import agree, together
 from fsipetsc.scheme.batch import ALLOWED, Plan
 from fsipetsc.scheme.plan import BATCH, FLAGS, LIMITS
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
 FAULT = 1000.0
+#: what is said of a constant force on a gas that acts node by node
+LOOSE = (
+    "is added node by node: a gas at rest stays so to the order of the scheme only, and small "
+    "motions may grow"
+)
 
 
 class Seen(NamedTuple):
@@ -31,11 +37,22 @@ class Seen(NamedTuple):
 class State:
     """A solution and all that belongs to it.
 
-    results: flags and limits of the last step (fsipetsc.scheme.plan). batch: fsipetsc.scheme.batch.
-    journal: records of steps; latest: that of the last one, without its time; the integrals in them
-    are this rank's shares. plan: what `plan_next` of fsipetsc.scheme.batch takes, planning: that
-    procedure. fault: the first one of a user's function, on this rank, of
-    which all learn after the step.
+    shapes: of the grids of layers; parts: number k of a layer -> what this rank has of it, if it
+    has some. A method says
+
+        owned(k)        a view (M, unknowns) of the solution at the points that this rank owns
+        numbers(k)      (M,) of these points
+        fields(k)       names of what is saved of a point
+        compared(kind)  names of what is compared with exact solutions
+        powers(k, names, t, power)  integrals of |difference|^power over this rank's part
+        more()          what a checkpoint has beside layers and results, on rank 0
+        go_on(t, arrays)  what follows once the solution is that of a checkpoint
+
+    results: flags and limits of the last step (fsipetsc.scheme.plan). batch:
+    fsipetsc.scheme.batch. journal: records of steps; latest: that of the last one, without its
+    time; the integrals in them are this rank's shares. plan: what `plan_next` of
+    fsipetsc.scheme.batch takes, planning: that procedure. fault: the first one of a user's
+    function, on this rank, of which all learn after the step.
     """
 
     #: time of the solution that is saved [s], of which notes tell
@@ -44,8 +61,18 @@ class State:
     NOTES: Mapping[str, Sequence[Callable[[Any], Sequence[str]]]] = MappingProxyType({})
     comm: MPI.Comm
     problem: Any
+    shapes: Sequence[tuple[int, ...]]
+    parts: Mapping[int, Any]
     results: np.ndarray
     planning: Procedure
+    fault: FsiError | None
+    owned: Any
+    numbers: Any
+    fields: Any
+    compared: Any
+    powers: Any
+    more: Any
+    go_on: Any
 
     def plan_next(self) -> bool:
         """Put the last step into the journal; whether another one of its batch follows."""
@@ -62,11 +89,9 @@ class State:
         """What must not change, as JSON has it: see fsipetsc.scheme.conservation_check."""
         return self.problem.invariants
 
-    def _lay_journal(
-        self, record: np.dtype, steps: int, more: int = 0
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Make batch, journal, results and latest. Returns, as numbers, the journal, and results,
-        so many ``more`` and latest.
+    def _lay_journal(self, record: np.dtype, steps: int, more: int = 0) -> np.ndarray:
+        """Make batch, journal, results and latest. Returns the numbers of results, so many
+        ``more``, and those of latest.
         """
         rows, self.batch = np.zeros((steps, record.itemsize // 8)), np.zeros(BATCH)
         first = FLAGS + LIMITS
@@ -75,7 +100,7 @@ class State:
         self.journal = rows.reshape(-1).view(record)
         self.latest = latest.view([(name, record[name]) for name in record.names[2:]])[0]
         self.plan = Plan(self.batch, self.results, rows, latest)
-        return rows, numbers
+        return numbers
 
     def notes(self, when: str) -> list[str]:
         """What is to be said of the solution: at the "begin", when it is "saved", at the "end", and
@@ -91,12 +116,35 @@ class State:
         """
         return ""
 
-    def _norms(
-        self, sums: Mapping[str, np.ndarray], names: Mapping[str, Sequence[str]], power: int
-    ) -> dict[str, dict[str, float]]:
-        """kind -> name -> (sum over all ranks)^(1/p), and "combined"; sums: of powers, kind -> this
-        rank's, in the order of the names. Collective.
+    # what is made of it
+
+    def header(self) -> dict[str, Any]:
+        """What a result file says of layers, and of points that are recorded: none."""
+        about = [
+            {"name": v.name, "kind": v.kind, "fields": [*self.fields(k)], "shape": [*shape[::-1]]}
+            for k, (v, shape) in enumerate(zip(self.problem.layers, self.shapes, strict=True))
+        ]
+        return {"layers": about, "points": ()}
+
+    def errors(self, t: float, norm: str = "L2") -> dict[str, dict[str, float]] | None:
+        """Errors at time t [s]: kind of layer -> name -> (sum w |difference|^p)^(1/p), and
+        "combined"; of all layers of a kind.
+
+        norm: "L1" or "L2", p = 1 or 2. None without an exact solution. Collective; InputError if
+        it cannot be had.
         """
+        layers, power = self.problem.layers, {"L1": 1, "L2": 2}[norm]
+        if any(layer.exact is None for layer in layers):
+            return None
+        names = {kind: self.compared(kind) for kind in sorted({v.kind for v in layers})}
+        sums = {kind: np.zeros(len(names[kind])) for kind in names}
+
+        def add_up() -> None:
+            for k in self.parts:
+                kind = layers[k].kind
+                sums[kind] += self.powers(k, names[kind], t, power)
+
+        together(self.comm, add_up)
         found = {}
         for kind, own in sums.items():
             total = self.comm.allreduce(own)
@@ -104,6 +152,29 @@ class State:
             combined = float(total.sum() ** (1 / power))
             found[kind] = {**dict(zip(names[kind], roots, strict=True)), "combined": combined}
         return found
+
+    def capture(self) -> dict[str, np.ndarray] | None:
+        """What a step depends on, on rank 0: whole layers, (…, n_1, n_0, unknowns), so that it does
+        not depend on who had what, and the results of the last step. Collective.
+        """
+        arrays = {}
+        for k, shape in enumerate(self.shapes):
+            found = whole(self.comm, int(np.prod(shape)), self.numbers(k), self.owned(k))
+            if found is not None:
+                arrays[f"layer{k}"] = found.reshape(*shape[::-1], -1)
+        more, latest = self.more(), as_numbers(self.latest).copy()
+        if self.comm.rank > 0:
+            return None
+        return {**arrays, **more, "results": self.results.copy(), "latest": latest}
+
+    def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> None:
+        """Be at time t [s] what arrays tell of, which all ranks know. InputError. Collective."""
+        self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
+        for k in self.parts:
+            own = self.owned(k)
+            own[:] = arrays[f"layer{k}"].reshape(-1, own.shape[1])[self.numbers(k)]
+        self.go_on(t, arrays)
+        agree(self.comm, self.fault)
 
     def __enter__(self) -> Any:
         return self

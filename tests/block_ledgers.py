@@ -4,7 +4,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
-from fsipetsc.blockrun.columns import gained, slices
+from fsipetsc.blockrun.saved import gained, slices
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Roller, Slip

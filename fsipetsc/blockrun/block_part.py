@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.columns import fields_of
 from fsipetsc.blockrun.face_terms import FaceTerms
+from fsipetsc.blockrun.saved import fields_of
 from fsipetsc.blocks.values import block_values
 from fsipetsc.errors import FsiError, InputError, place_in, reason
 from fsipetsc.kernels.formula import numbers_of
@@ -23,15 +23,13 @@ Array = NDArray[Any]
 
 
 class Recorded(NamedTuple):
-    """What procedures of parts take beside the parts. particles: the record of the particle system,
-    see fsipetsc.particles.system; gain, found: see fsipetsc.scheme.part and steps.
-    at_particles: block -> its faces at constraints. begins: name -> where a series begins in the
-    record of a step. ends: the solid ends of interfaces in one dimension.
+    """What procedures of parts take beside the parts. system: of particles; found: see
+    fsipetsc.scheme.runge_kutta. at_particles: block -> its faces at constraints. begins: name ->
+    where a series begins in the record of a step. ends: the solid ends of interfaces in one
+    dimension.
     """
 
-    particles: Any
     system: Any
-    gain: Any
     found: Any
     at_particles: Any
     begins: Any
@@ -125,14 +123,11 @@ class BlockPart:
             words = f"{place}: a law of {self.block} cannot be recorded: {reason(error)}"
             raise InputError(words, collective=False) from error
 
-    def _record(self, about: Recorded) -> Code:
-        """Record them; an error need not say whose law it is."""
-        raise NotImplementedError
-
     def _procedures(self, text: str, record: Any, about: Recorded, names: Any) -> Code:
         """Record functions, by names, with what their parameters name beside the part's record."""
         self.code, self.does = Code(text), dict[str, Procedure]()
-        takes = {"particles": about.particles, "gain": about.gain, "found": about.found}
+        found = about.found
+        takes = {"particles": about.system.record, "gain": found.gain, "found": found}
         for name, function in names.items():
             beside = [takes[p] for p in inspect.signature(function).parameters if p in takes]
             self.does[name] = self.code.procedure(f"part_{name}", function, record, *beside)

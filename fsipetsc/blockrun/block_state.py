@@ -3,20 +3,31 @@
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.blockrun.columns import OF_INTERFACES, gain_of, gained, lossy, slices, step_record
-from fsipetsc.blockrun.law_checks import loose_gases
-from fsipetsc.blockrun.notes import NOTES
-from fsipetsc.blockrun.recorded_nodes import here_of, note_nodes
-from fsipetsc.blockrun.saved import errors_of, grids, header, seen
+from fsipetsc.blockrun.gas_part import loose_gases
+from fsipetsc.blockrun.notes import NOTES, imaginary_waves, most_crushed
+from fsipetsc.blockrun.saved import (
+    OF_INTERFACES,
+    compared,
+    fields_of,
+    gain_of,
+    gained,
+    grids,
+    header,
+    here_of,
+    lossy,
+    note_nodes,
+    powers,
+    seen,
+    slices,
+    step_record,
+)
 from fsipetsc.blockrun.scheme import Scheme
-from fsipetsc.blockrun.solid_limits import imaginary_waves, most_crushed
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import OPERATORS
@@ -24,9 +35,9 @@ from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrde
 from fsipetsc.process.together import agree, together
 from fsipetsc.scheme.batch import DT, MADE, TIME
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
-from fsipetsc.scheme.plan import BAD, RATE, SAID_STOP
+from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES, Found
-from fsipetsc.state import FAULT, State, as_numbers, whole
+from fsipetsc.state import FAULT, State
 
 #: of how many parts a step is made, one after the other, until its state is physical
 PARTS = 1, 2, 4, 8, 16
@@ -48,11 +59,6 @@ class BlockForm(NamedTuple):
     shock: float = 0.0
 
 
-def new_imaginary_waves(state: "BlockState") -> list[str]:
-    """Solids whose waves have become imaginary, each once."""
-    return imaginary_waves(state, state.time, state.told)
-
-
 class BlockState(State):
     """A run's solution on blocks: its steps, checkpoints, and what is said of it; making one, and
     all methods, are collective on ``comm``. InputError where blocks, order and ranks do not fit.
@@ -69,7 +75,7 @@ class BlockState(State):
     beyond their law.
     """
 
-    NOTES = MappingProxyType({**NOTES, "saved": (new_imaginary_waves,)})
+    NOTES = NOTES
 
     def __init__(
         self,
@@ -92,8 +98,7 @@ class BlockState(State):
         self.solution = PETSc.Vec().createWithArray(self.y.array, size=size, comm=comm)
         self.recorded = tuple(recorded)
         record = step_record(problem, len(problem.interfaces), len(self.recorded))
-        self.rows, numbers = self._lay_journal(record, KEPT)
-        self.latest_numbers = numbers[self.results.size :]
+        self.latest_numbers = self._lay_journal(record, KEPT)[FLAGS + LIMITS :]
         self.extremes = np.zeros(1 + MONITORED * len(problem.blocks))
         self.rates = np.zeros((len(problem.blocks), 2))
         self.before = np.empty_like(self.y.array)
@@ -102,7 +107,8 @@ class BlockState(State):
         found = self._memory(pace)
         self.scheme = Scheme(vectors, self.layout, order, form, found, columns, announce)
         self.planning = self.scheme.does["plan_next"]
-        parts = self.scheme.parts.items()
+        self.shapes, self.parts = self.layout.shapes, self.scheme.parts
+        parts = self.parts.items()
         self.orders = {k: NaturalOrder(part.part, len(part.names)) for k, part in parts}
         self._recorded_here = here_of(self)
         self.retries = 0
@@ -284,40 +290,35 @@ class BlockState(State):
 
     # checkpoints
 
-    def capture(self) -> dict[str, np.ndarray] | None:
-        """What a step depends on, on rank 0: whole blocks, (…, n_1, n_0, unknowns), so that it does
-        not depend on who had what; auxiliary unknowns are added up. Collective.
-        """
-        arrays = {}
-        for k, shape in enumerate(self.layout.shapes):
-            part = self.layout.parts.get(k)
-            numbers = np.empty(0, np.int64) if part is None else part.numbers
-            found = whole(self.comm, int(np.prod(shape)), numbers, self.y.owned(k))
-            if found is not None:
-                arrays[f"layer{k}"] = found.reshape(*shape[::-1], -1)
-        every = self.comm.gather(self.y.auxiliary)
-        if every is None:
-            return None
-        total, latest = sum(every, np.zeros(self.layout.auxiliary)), as_numbers(self.latest).copy()
-        # "behind": the auxiliary unknowns, by the name that files have
-        return {**arrays, "behind": total, "results": self.results.copy(), "latest": latest}
+    def more(self) -> Mapping[str, np.ndarray]:
+        """The auxiliary unknowns of all ranks, added up, by the name that files have."""
+        every = self.comm.gather(self.y.auxiliary) or []
+        return {"behind": sum(every, np.zeros(self.layout.auxiliary))}
 
-    def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> None:
-        """Be at time t [s] what arrays tell of, which all ranks know. InputError."""
-        self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
+    def go_on(self, t: float, arrays: Mapping[str, np.ndarray]) -> None:
+        """Find what the scheme derives of the solution, which stays as it is."""
         behind = arrays["behind"]  # asked for on all ranks, so that all fail alike
         self.y.auxiliary[:] = behind if self.comm.rank == 0 else 0.0
         self._t = t
-        for k, part in self.layout.parts.items():
-            self.y.owned(k)[:] = arrays[f"layer{k}"].reshape(-1, part.dof)[part.numbers]
         self.before[:] = self.y.array
-        self._load_stage(self.y.array)  # what the scheme derives of it; it stays as it is
+        self._load_stage(self.y.array)
         self.scheme.fill_halos(self.y)
-        agree(self.comm, self.fault)
 
     # what is saved and said
 
-    header, grids, seen, errors = header, grids, seen, errors_of
+    header, grids, seen, compared, powers = header, grids, seen, compared, powers
+
+    def owned(self, k: int) -> np.ndarray:
+        """A view (M, unknowns) of the solution at the nodes that this rank owns of block k."""
+        return self.y.owned(k)
+
+    def numbers(self, k: int) -> np.ndarray:
+        """(M,) of these nodes."""
+        return self.parts[k].part.numbers if k in self.parts else np.empty(0, np.int64)
+
+    def fields(self, k: int) -> Sequence[str]:
+        """What is saved of a node of block k."""
+        return fields_of(self.problem.blocks[k].kind, self.problem.dimension, self.problem.symmetry)
 
     @property
     def invariants(self) -> dict[str, Any]:
@@ -338,7 +339,7 @@ class BlockState(State):
     @property
     def points(self) -> int:
         """The number of nodes of all blocks."""
-        return sum(int(np.prod(shape)) for shape in self.layout.shapes)
+        return sum(int(np.prod(shape)) for shape in self.shapes)
 
     @property
     def places(self) -> list[float]:
@@ -349,14 +350,14 @@ class BlockState(State):
         self.comm.Allreduce(MPI.IN_PLACE, found)
         return found.tolist()
 
-    def fields(self, k: int) -> np.ndarray:
-        """(M, columns) of ``fields_of``: what is saved of this rank's nodes of block k."""
-        return self.scheme.parts[k].fields(self.y.ghosted(k))
+    def saved(self, k: int) -> np.ndarray:
+        """(M, columns) of ``fields``: what is saved of this rank's nodes of block k."""
+        return self.parts[k].fields(self.y.ghosted(k))
 
     def save(self) -> dict[int, np.ndarray]:
         """What is saved of this rank's nodes: number of a block -> (local, columns), to be copied
         before the next call (RunWriter.write_frame). Collective."""
-        return {k: order.reorder(self.fields(k)) for k, order in sorted(self.orders.items())}
+        return {k: order.reorder(self.saved(k)) for k, order in sorted(self.orders.items())}
 
     def destroy(self) -> None:
         """Free messages, vectors, DMDAs and communicators, in this order."""

@@ -9,8 +9,8 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.block_part import Recorded
-from fsipetsc.blockrun.columns import slices
 from fsipetsc.blockrun.gas_part import GasPart
+from fsipetsc.blockrun.saved import slices
 from fsipetsc.blockrun.solid_part import SolidPart
 from fsipetsc.kernels.calls import calling_code
 from fsipetsc.parallel.block_layout import BlockLayout
@@ -99,9 +99,7 @@ class Compiled:
         """Record all procedures, and load them. Collective. InputError."""
         comm, found = self.layout.comm, self.found
         about = Recorded(
-            self.particles.record,
             self.particles,
-            found.gain,
             found,
             self._at_faces,
             {name: at.start for name, at in slices(columns).items()},

@@ -5,16 +5,14 @@ One space dimension: an elastic solid with the stress as an unknown, (4.19), bet
 frames that move with their interfaces, (4.20), over embedded boundaries with ghost points that come
 and go. Where the paper has misprints the formulas are the corrected ones. From the bottom up:
 
-    laws          the materials of a case as NamedTuples of formulas
-    stencils      the SBP first derivative on the points of a rank
-    narrow_terms  narrow second derivatives
+    stencils      the SBP first derivative on the points of a rank, narrow second derivatives
     rates         dy/dt of a layer, (4.19) and (4.20)
     coupling      what holds at an interface: projection, projection in energy, traditional
-    ends          walls, open ends, given data, ends of solids
-    outer_ends    boundaries that move over the grid
+    gas_ends      walls, open ends, given data
+    outer_ends    boundaries that move over the grid, ends of solids
     sums          what is monitored after a step: bounds on the step, integrals
     steps         the procedures of a stage and of what follows a step
-    layout        what all ranks know of a layer, and which points each owns
+    layout        what all ranks know of a layer: material, record, who owns which points
     layers        what a rank has of layers and interfaces
     paper_state   what the time integration drives: the right-hand side from top to bottom
 """

@@ -12,8 +12,7 @@ from fsipetsc.kernels.procedure import Procedure
 from fsipetsc.operators.bands import Patch
 from fsipetsc.paper import rates, steps
 from fsipetsc.paper.coupling import Face
-from fsipetsc.paper.laws import law_of
-from fsipetsc.paper.layout import DOF
+from fsipetsc.paper.layout import DOF, law_of
 from fsipetsc.paper.outer_ends import Ends
 from fsipetsc.paper.stencils import Stencils
 from fsipetsc.parallel.block_shares import Share
@@ -104,11 +103,8 @@ class Layer:
         own, begin, end = (int(self.record[name]) for name in ("own_lo", "lo", "hi"))
         return slice(max(begin - own, 0), max(end + 1 - own, 0))
 
-    def set_initial(self, y: Array) -> dict[tuple[int, int], float]:
-        """Fill y, (owned points, unknowns), with initial data; InputError, here alone perhaps.
-
-        Returns (number, end) -> x [m] of the ends of a solid that this rank owns.
-        """
+    def set_initial(self, y: Array) -> None:
+        """Fill y, (owned points, unknowns), with initial data; InputError, here alone perhaps."""
         fields = self.layer.values("initial", self.X, active=self.active)
         if self.layer.exact is not None:  # what is wrong with it is not found out at the end
             self.layer.values("exact", self.X, 0.0, self.active)
@@ -116,12 +112,8 @@ class Layer:
             rho, u, T = fields
             with np.errstate(all="ignore"):  # what comes of it is monitored
                 e = rho * (self.layer.material.internal_energy(rho, T) + 0.5 * u * u)
-                y[:] = np.stack([rho, rho * u, e], axis=-1)
-            return {}
+                fields = [rho, rho * u, e]
         y[:] = np.stack(fields, axis=-1)
-        first, last = self.record["own_lo"] == 0, self.record["own_hi"] == self.record["n"]
-        ends = {(self.number, 0): fields[3][0]} if first else {}
-        return {**ends, **({(self.number, 1): fields[3][-1]} if last else {})}
 
     def set_forcing(self, t: float) -> None:
         """Evaluate the forcing at time t [s]. InputError, here alone perhaps."""
@@ -224,14 +216,6 @@ class Interface:
         ]
         beyond = self._owners[other]
         return [Halo({beyond: places[mine]}, {beyond: places[other]}, _NONE, _NONE)]
-
-    def coupling(self) -> list[Procedure]:
-        """What couples the two sides in the stage."""
-        return [self.does["couple"]] if any(self.here) else []
-
-    def note(self) -> list[Procedure]:
-        """What notes the interface: the owner of the solid does."""
-        return [self.does["note"]] if self.here[1] else []
 
 
 def place_in(memory: Array, part: Array) -> int:

@@ -1,18 +1,20 @@
-"""What is known of layers on all ranks: a record of each, and who owns which points.
+"""What is known of layers on all ranks: their materials, a record of each, who owns which points.
 
 The solution is one world vector; its part on a rank is the concatenation of the rank's parts of the
 layers. A part has planes, one unknown of all points after the other: gas rho, rho u, e; solid u,
 sigma, T, x.
 """
 
-from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from fsipetsc.boundaries import Wall
 from fsipetsc.errors import InputError
+from fsipetsc.materials.fluid import Fluid, force_in
+from fsipetsc.materials.solid import Elastic, Solid
 from fsipetsc.operators.sbp import SBPOperator, row_length
-from fsipetsc.paper.ends.end import GasEnd
+from fsipetsc.paper.gas_ends import NEW
 from fsipetsc.paper.outer_ends import ends_of
 from fsipetsc.parallel.block_shares import Extent, Share, share_out
 from fsipetsc.problem import Problem
@@ -51,6 +53,50 @@ RECORD = np.dtype(
 )
 
 
+class Gas(NamedTuple):
+    """The material of a gas, as formulas: its laws are those of fsipetsc.materials.
+
+    mu: 4/3 of the shear viscosity [Pa s]; kappa [W/(m K)]; force: body force per mass [m/s2].
+
+    law: the equation of state, of rho, T, and the internal energy per mass e; transport: what mu
+    and kappa are multiplied with.
+    """
+
+    law: Any
+    transport: Any
+    mu: float
+    kappa: float
+    gamma: float
+    force: float
+
+    def viscosity(self, T):
+        """mu' = 4/3 mu(T)."""
+        return self.mu * self.transport.viscosity(T)
+
+    def conductivity(self, T):
+        """kappa(T)."""
+        return self.kappa * self.transport.conductivity(T)
+
+    def velocity_and_temperature(self, rho, m, E):
+        """(u, T) from (rho, rho u, e), the last one per volume."""
+        u = m / rho
+        return u, self.law.temperature(rho, E / rho - 0.5 * u * u)
+
+    def total_energy(self, rho, u, T):
+        """e, per volume."""
+        return rho * (self.law.internal_energy(rho, T) + 0.5 * u * u)
+
+
+def law_of(material: Fluid | Solid) -> Gas | Elastic:
+    """What procedures take of the material of a layer. InputError for a gas's body force of
+    more than one dimension."""
+    if not isinstance(material, Fluid):
+        return material.elastic
+    mu, kappa, gamma = 4.0 / 3.0 * material.mu, material.kappa, material.gamma
+    (force,) = force_in(material.force, 1, "Fluid")
+    return Gas(material.gas_law, material.transport_law, mu, kappa, gamma, force)
+
+
 def check_form(problem: Problem) -> None:
     """InputError for a problem that is not of the paper's form: a solid, with a gas on one side of
     it or on both, whose outer end insulates and stays where it is."""
@@ -71,25 +117,18 @@ def check_form(problem: Problem) -> None:
         )
 
 
-def check_ends(problem: Problem, x: Mapping[tuple[int, int], float], h: float) -> None:
-    """InputError if the outer end of a gas in a rigid frame is not where its X says, to within a
-    cell of h [m].
-
-    x: (solid layer, end 0 or 1) -> initial position of its end point [m].
-    """
-    last = len(problem.layers) - 1
-    for k, side, end in ((0, 0, problem.left), (last, 1, problem.right)):
-        layer = problem.layers[k]
+def check_ends(problem: Problem, h: float) -> None:
+    """InputError if the outer end of a gas is not where its X says, to within a cell of h [m]."""
+    for side, end in enumerate((problem.left, problem.right)):
+        layer, solid = problem.layers[-side], problem.layers[1 - 3 * side]
         if layer.kind != "fluid":
             continue
-        x_I, X_I = x[(1, 0) if side == 0 else (last - 1, 1)], layer.X[1 - side]
-        wanted, kind = layer.X[side] - X_I + x_I, type(end).__name__
+        x = solid.values("initial", np.array(solid.X))[3][side]  # of the interface
+        wanted, kind = layer.X[side] - layer.X[1 - side] + x, type(end).__name__
         if abs(end.x - wanted) > h:
             raise InputError(
-                f"{layer}: its {kind} stands at x = {end.x:g}, but "
-                f"X[{side}] = {layer.X[side]:g} is x = {wanted:g}, as the interface X = {X_I:g} "
-                f"begins at x = {x_I:g}: expected the same x, so X[{side}] = "
-                f"{end.x - x_I + X_I:g} or the {kind} at x = {wanted:g}"
+                f"{layer}: its {kind} stands at x = {end.x:g}, but X[{side}] = {layer.X[side]:g} "
+                f"is x = {wanted:g}, as the interface begins at x = {x:g}: expected the same x"
             )
 
 
@@ -112,7 +151,7 @@ def make_records(problem: Problem, op: SBPOperator, h: float) -> Array:
             room = max(SPARE + max(1, cells // 8), cells // 3)
             # the treatment of the interface must not change the points of a boundary's formulas; a
             # new point takes one more than the degree of its extrapolation
-            nodes = max(degree, GasEnd.new + 1)
+            nodes = max(degree, max(NEW.values()) + 1)
             least = max(op.min_points, nodes + 2, degree + 1 + row_length(op))
         else:
             room, least = 0, max(4, op.min_points)

@@ -1,16 +1,25 @@
 """The outer ends of layers: ghost points at embedded boundaries of gases, which move over the grid,
-and the end nodes of solids. The formulas are those of fsipetsc.paper.ends. A part is a
+and the end nodes of solids. The formulas of gases are those of fsipetsc.paper.gas_ends. A part is a
 fsipetsc.paper.steps.Part.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from fsipetsc.boundaries import Boundary
+from fsipetsc.boundaries import Boundary, absorbing, clamped, free
 from fsipetsc.kernels.loops import each, named, number, pick, stop, when, whole
-from fsipetsc.paper.embedded import NODES, depth_of, dirichlet_ghost, distance, fetch
-from fsipetsc.paper.ends import OF_GAS, OF_SOLID, AtEnd
+from fsipetsc.paper.gas_ends import (
+    GHOSTS,
+    GRADIENTS,
+    NEW,
+    NODES,
+    depth_of,
+    dirichlet_ghost,
+    distance,
+    fetch,
+)
 from fsipetsc.problem import Problem
 from fsipetsc.scheme.plan import EXHAUSTED
 
@@ -58,17 +67,17 @@ def fill_ghost(part, side, new=False):
 
 def ghost_values(part, layer, ghost, side, new):
     """(rho, u, T) of the ghost point."""
-    end, nodes, n = OF_GAS[part.ends.kind[side]], fetch(part, ghost, side), 2.0 * side - 1.0
+    kind, nodes = part.ends.kind[side], fetch(part, ghost, side)
     if new:
         for values in nodes:  # without data the highest difference is left, which vanishes
-            values[0] = dirichlet_ghost(0.0, values, [0.0] * NODES, end.new + 1, 1.0)
-    return end.ghost(part, layer, side, n, nodes)
+            values[0] = dirichlet_ghost(0.0, values, [0.0] * NODES, NEW[kind] + 1, 1.0)
+    return GHOSTS[kind](part, layer, side, 2.0 * side - 1.0, nodes)
 
 
 def gradient_values(part, ghost, side):
     """(u, T) for the gradients in viscous stress and conduction at a ghost point that is filled."""
-    end, nodes, n = OF_GAS[part.ends.kind[side]], fetch(part, ghost, side), 2.0 * side - 1.0
-    return end.seen(part, part.layers[0], side, n, nodes)
+    find = GRADIENTS[part.ends.kind[side]]
+    return find(part, part.layers[0], side, 2.0 * side - 1.0, fetch(part, ghost, side))
 
 
 def move_boundary(part, side, results):
@@ -126,3 +135,38 @@ def close_end(part, layer, side, i):
     at_end = AtEnd(q[0, i], q[1, i], solid.pressure(T, x_X), T, x_X, layer.end_data[side, 0])
     q[2, i] = T
     q[0, i], q[1, i] = OF_SOLID[part.ends.kind[side]](solid, at_end, n)
+
+
+class AtEnd(NamedTuple):
+    """What is known of the end of a solid: velocity, sigma, p, temperature, x_X; what is given."""
+
+    u: float
+    sigma: float
+    p: float
+    T: float
+    x_X: float
+    given: float
+
+
+def clamped_end(solid, end, n):
+    """(u, sigma) where u is given."""
+    return end.given, end.sigma
+
+
+def free_end(solid, end, n):
+    """(u, sigma) where sigma - p is given."""
+    return end.u, end.given + end.p
+
+
+def absorbing_end(solid, end, n):
+    """(u, sigma) where sigma - p is given of the solid at rest beyond the end: the characteristic
+    that leaves, sigma - p - n Z u, Z = m0 c, keeps its value.
+    """
+    u, sigma, p, T, x_X, given = end
+    Z = np.sqrt(solid.wave_modulus(T, p, given + p, x_X) * solid.m0)
+    w_o = sigma - p - given - n * Z * u
+    return -n * 0.5 * w_o / Z, given + p + 0.5 * w_o
+
+
+#: what a case says of an end of a solid -> its formula
+OF_SOLID = {clamped: clamped_end, free: free_end, absorbing: absorbing_end}

@@ -4,10 +4,10 @@ One evaluation of the right-hand side:
 
     1  interfaces   the owners of the two sides of an interface swap the rows that D reaches from
                     it, and each of them solves the same small system      (Thm 4.1, Sec. 4.2)
-    2  frames       the owner of a gas's interface point tells the layer its velocity s and its
+    2  halos        neighbours fill the local arrays: twice the reach of D, because D acts twice;
+                    the owner of a gas's interface point tells the layer its velocity s and its
                     place x_I                                              (4.20), (4.25)
-    3  halos        neighbours fill the local arrays: twice the reach of D, because D acts twice
-    4  points       ghost points (4.26), then the rates of all points      (4.19), (4.20)
+    3  points       ghost points (4.26), then the rates of all points      (4.19), (4.20)
 
 Interfaces come before halos, so that neighbours of an owner get rows that fulfil the conditions.
 The point arithmetic is the same on any number of ranks, and nothing is added up over ranks: so are
@@ -45,7 +45,7 @@ from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import agree, together
 from fsipetsc.scheme.batch import ALLOWED, DT, MADE, TIME, plan_next
 from fsipetsc.scheme.plan import BAD, CAPACITY, EXHAUSTED, SAID_STOP, TOO_SHORT, step_record
-from fsipetsc.state import FAULT, Seen, State, as_numbers, whole
+from fsipetsc.state import FAULT, LOOSE, Seen, State
 
 Array = np.ndarray
 #: times of the stages, in steps
@@ -64,15 +64,13 @@ ROWS_TAG, HALOS_TAG = 0, 1
 
 
 def loose_forces(state: State) -> list[str]:
-    """Forces that do not keep rest. Of blocks more may be said: here frames are cut where walls
-    are, and the couplings bring stresses together.
+    """Forces that do not keep rest: frames are cut where walls are, and the couplings bring
+    stresses together.
     """
-    return [
-        f"the force on '{layer.name}' is added node by node: a gas at rest stays so to the order "
-        "of the scheme only, and small motions may grow; -fsi_coupling conservative keeps rest"
-        for layer in state.problem.layers
-        if layer.kind == "fluid" and any(layer.material.force)
-    ]
+    gases = [layer for layer in state.problem.layers if layer.kind == "fluid"]
+    forced = [gas for gas in gases if any(gas.material.force)]
+    keeps_rest = "-fsi_coupling conservative keeps rest"
+    return [f"the force on '{gas.name}' {LOOSE}; {keeps_rest}" for gas in forced]
 
 
 class PaperState(State):
@@ -83,8 +81,7 @@ class PaperState(State):
 
     records: of the layers (fsipetsc.paper.layout); rates: (layers, 2), the largest ones of
     convection and diffusion [1/s]. solution: y as a world Vec; k: rates. evaluations of the
-    right-hand side are counted. layers: all (fsipetsc.paper.layers); here: those that this rank has
-    a part of.
+    right-hand side are counted. layers: all (fsipetsc.paper.layers).
     """
 
     NOTES = MappingProxyType({"begin": (loose_forces,)})
@@ -125,7 +122,8 @@ class PaperState(State):
             where = local[k], slice(begins[k], begins[k + 1]), (self.y, total, self.k)
             of_layer = self.records[k:][:1], shares[k], op, *where, self.rates[k], self.batch
             self.layers.append(Layer(layer, ends_of(problem, k, order), *of_layer))
-        self.here = [layer for layer in self.layers if layer.present]
+        self.shapes = [(n,) for n in records["n"].tolist()]
+        self.parts = {layer.number: layer for layer in self.layers if layer.present}
         kind, notes = opt["fsi_coupling"], of_steps.notes.reshape(steps.NOTES, -1)
         self.interfaces = [
             Interface(kind, [self.layers[n] for n in pair], rooms[k], notes, k, comm.rank)
@@ -157,7 +155,7 @@ class PaperState(State):
         """Make what is known after a step: what ranks tell each other comes first."""
         record = step_record(len(self.problem.interfaces), gases)
         noted, count = len(self.problem.interfaces) * steps.NOTES, 2 * len(self.records)
-        _, numbers = self._lay_journal(record, CAPACITY, count)
+        numbers = self._lay_journal(record, CAPACITY, count)
         first = self.results.size
         rates, notes = numbers[first:][:count], numbers[first + count :][:noted]
         self.rates = rates.reshape(-1, 2)
@@ -172,8 +170,11 @@ class PaperState(State):
             place = ("left", "solid", "right")[layer.number - solid + 1]
             layer.does = steps.of_layer(code, place, layer.part, of_steps)
         for one in self.interfaces:
-            one.does = steps.of_interface(code, ("left", "right")[one.side], one.sides)
-        does = steps.of_step(code, of_steps)
+            place = ("left", "right")[one.side]
+            functions = steps.couple, steps.note
+            one.does = {f: code.procedure(f"{f.__name__}_{place}", f, one.sides) for f in functions}
+        functions = steps.forget, steps.tell, steps.finish
+        does = {f: code.procedure(f.__name__, f, of_steps) for f in functions}
         self.planning = code.procedure("plan_next", plan_next, self.plan)
         (library,) = libraries(self.comm, [code.text], announce)
         code.load(library)
@@ -181,16 +182,17 @@ class PaperState(State):
         for exchange in (self._rows, self._halos, reduction):
             exchange.load(library)
         numbers = (steps.RATES_ALONE, *range(steps.STAGES))
-        stages = {n: [one for layer in self.here for one in layer.stage(n)] for n in numbers}
-        fulfil = [self._rows, *(one.does["couple"] for one in self.interfaces if any(one.here))]
-        fulfil += [layer.does["close"] for layer in self.here if not layer.is_gas]
+        here = self.parts.values()
+        stages = {n: [one for layer in here for one in layer.stage(n)] for n in numbers}
+        fulfil = [self._rows, *(one.does[steps.couple] for one in self.interfaces if any(one.here))]
+        fulfil += [layer.does["close"] for layer in here if not layer.is_gas]
         fulfil.append(self._halos)
         fulfil = [one for one in fulfil if not getattr(one, "empty", False)]
-        completing = [does["forget"], *(layer.does["complete"] for layer in self.here)]
+        completing = [does[steps.forget], *(layer.does["complete"] for layer in here)]
         # the owner of the solid notes an interface
-        completing += [one.does["note"] for one in self.interfaces if one.here[1]]
-        completing += [does["tell"], reduction] if self.comm.size > 1 else []
-        completing.append(does["finish"])
+        completing += [one.does[steps.note] for one in self.interfaces if one.here[1]]
+        completing += [does[steps.tell], reduction] if self.comm.size > 1 else []
+        completing.append(does[steps.finish])
         of_step = list(stages[0])  # it begins with the completed solution
         for n in range(1, steps.STAGES):
             of_step += [*fulfil, *stages[n]]
@@ -226,11 +228,9 @@ class PaperState(State):
             self.records[name] = of_layers
 
     def used_up(self) -> str:
-        """Which gas has no points left, or too few, and where it is; "" if none."""
-        flags = self.results[[EXHAUSTED, TOO_SHORT]]
-        if not flags.any():
-            return ""
+        """Which gas has no points left, or too few, and where it is."""
         self._learn_frames()
+        flags = self.results[[EXHAUSTED, TOO_SHORT]]
         k = int(flags[0] or flags[1]) - 1
         record, name, m = self.records[k], self.problem.layers[k].name, self.problem.unit("m")
         needs = f"the {self.op.name} operator needs {int(record['least'])} points"
@@ -241,14 +241,20 @@ class PaperState(State):
             f"x = {record['x_interface']:.6g}{m} and its boundary at x = {end:.6g}{m}"
         )
 
-    def header(self) -> dict[str, Any]:
-        """What a result file says of layers, and of points that are recorded: none."""
-        layers = zip(self.problem.layers, self.records["n"].tolist(), strict=True)
-        about = [
-            {"name": v.name, "kind": v.kind, "fields": list(v.fields), "shape": [n]}
-            for v, n in layers
-        ]
-        return {"layers": about, "points": ()}
+    def owned(self, k: int) -> Array:
+        return self.layers[k].of(self.y)
+
+    def numbers(self, k: int) -> Array:
+        return self.layers[k].numbers
+
+    def fields(self, k: int) -> Sequence[str]:
+        return self.problem.layers[k].fields
+
+    def compared(self, kind: str) -> Sequence[str]:
+        return names_of(kind, "exact", 1) if kind == "fluid" else SolidLayer.unknowns
+
+    def powers(self, k: int, names: Sequence[str], t: float, power: int) -> Array:
+        return self.parts[k].powers(t, power)
 
     def grids(self) -> list[dict[str, Any]]:
         """What the writer must know of the points of each layer: see RunWriter."""
@@ -256,28 +262,11 @@ class PaperState(State):
 
     def save(self) -> dict[int, Array]:
         """What is saved of this rank's points, (local, 5) by layer."""
-        return {layer.number: layer.saved() for layer in self.here}
-
-    def errors(self, t: float, norm: str = "L2") -> dict[str, dict[str, float]] | None:
-        """Errors at time t [s]: kind of layer -> name -> (h sum |difference|^p)^(1/p), and
-        "combined" over the unknowns.
-
-        norm: "L1" or "L2", p = 1 or 2. Active points without ghosts of all layers of a kind. None
-        without an exact solution. InputError if the exact solution cannot be had.
-        """
-        if any(layer.exact is None for layer in self.problem.layers):
-            return None
-        power = {"L1": 1, "L2": 2}[norm]
-        names = {"fluid": names_of("fluid", "exact", 1), "solid": SolidLayer.unknowns}
-        sums = {kind: np.zeros(len(names[kind])) for kind in names}
-        found = together(self.comm, lambda: [part.powers(t, power) for part in self.here])
-        for part, own in zip(self.here, found, strict=True):
-            sums[part.layer.kind] += own
-        return self._norms(sums, names, power)
+        return {k: layer.saved() for k, layer in self.parts.items()}
 
     def seen(self) -> list[Seen]:
         """Values at this rank's active points."""
-        return [part.seen() for part in self.here]
+        return [part.seen() for part in self.parts.values()]
 
     def destroy(self) -> None:
         """Free messages and the vector."""
@@ -291,26 +280,23 @@ class PaperState(State):
         """Evaluate boundary data, jumps and forcing at time t [s] for the next evaluation of the
         right-hand side.
 
-        If a function of the user's fails, here alone perhaps, the data stay as they are, the step
-        goes on, and all ranks learn of it when it is complete: see ``fault``.
+        If a function of the user's fails, here alone perhaps, the step goes on, and all ranks learn
+        of it when it is complete: see ``fault``.
         """
+        problem, records = self.problem, self.records
         try:
-            self._set_data(t)
+            for k, side, end in ((0, 0, problem.left), (-1, 1, problem.right)):
+                values = end.data(t)
+                records[k]["end_data"][side, : len(values)] = values
+                records[k]["end_heat"][side] = end.heat(t)
+            if problem.jumps is not None:
+                for k, interface in enumerate(self.interfaces):
+                    interface.jump[:] = problem.jumps_at(k, t)
+            for part in self.parts.values():
+                part.set_forcing(t)
         except InputError as error:
             self.fault = self.fault or error
             self.results[SAID_STOP] = FAULT
-
-    def _set_data(self, t: float) -> None:
-        problem, records = self.problem, self.records
-        for k, side, end in ((0, 0, problem.left), (-1, 1, problem.right)):
-            values = end.data(t)
-            records[k]["end_data"][side, : len(values)] = values
-            records[k]["end_heat"][side] = end.heat(t)
-        if problem.jumps is not None:
-            for k, interface in enumerate(self.interfaces):
-                interface.jump[:] = problem.jumps_at(k, t)
-        for part in self.here:
-            part.set_forcing(t)
 
     def check_data(self) -> None:
         """Fill the solution, not projected, with initial data, and ask for all else at t = 0.
@@ -318,12 +304,12 @@ class PaperState(State):
         InputError, on all ranks, where something is not what it must be.
         """
 
-        def set_layers() -> list[dict[tuple[int, int], float]]:
-            return [part.set_initial(part.of(self.y)) for part in self.here]
+        def fill() -> None:
+            for part in self.parts.values():
+                part.set_initial(part.of(self.y))
+            check_ends(self.problem, self.h)
 
-        found = self.comm.allgather(together(self.comm, set_layers))
-        ends = {end: x for mine in found for layer in mine for end, x in layer.items()}
-        check_ends(self.problem, ends, self.h)
+        together(self.comm, fill)
         self.set_data(0.0)
         agree(self.comm, self.fault)
 
@@ -331,8 +317,7 @@ class PaperState(State):
         """Do nothing: walls are at rest (fsipetsc.paper.layout.check_form)."""
 
     def set_initial(self) -> None:
-        """Initial data of all layers, projected. InputError where they are not what they must
-        be."""
+        """Initial data of all layers, projected. InputError."""
         self.check_data()
         self.finish()
 
@@ -346,22 +331,15 @@ class PaperState(State):
         self.stages[steps.RATES_ALONE]()
         f[:] = self.k
 
-    def _complete(self) -> None:
-        """Project the stage, which is the new solution, let boundaries move, and monitor it."""
-        self.fulfil()
-        self.completing()
-
     def finish(self) -> None:
         """Complete a step whose raw result PETSc has left in the solution."""
         self._load(self.y)
-        self._complete()
+        self.fulfil()
+        self.completing()
 
     def step(self, t: float, dt: float, steady: bool) -> None:
-        """A step dt [s] of the classical Runge-Kutta method from the completed solution at t [s],
-        and its completion.
-
-        The others of its batch follow. steady: the data do not depend on time; all steps are one
-        call of C then.
+        """A step dt [s] from the completed solution at t [s], and the others of its batch, which
+        are one call of C where data are ``steady``.
         """
         self.batch[DT] = dt
         changed = self.y, self.records, self.results, self.batch
@@ -379,9 +357,8 @@ class PaperState(State):
     def _advance(
         self, t: float, dt: float, steady: bool, ends: Callable[[], Any] = lambda: None
     ) -> bool:
-        """A step of the length that batch has, dt [s]; ends: called with each stage that fulfils
-        the conditions, and with the completed one. Where it returns something, the step ends, and
-        returns True.
+        """A step of the classical Runge-Kutta method and its completion; where ``ends()``, called
+        once a stage fulfils the conditions, returns something, it ends and returns True.
         """
         for number, fraction in enumerate(FRACTIONS):
             if not steady:
@@ -393,51 +370,37 @@ class PaperState(State):
             self.stages[number]()
         if not steady:
             self.set_data(t + dt)
-        self._complete()
+        self.fulfil()
+        self.completing()
         return bool(ends())
 
     def go_to_fault(self, unphysical: Callable[[], Any]) -> str:
         """Repeat the steps since the last call of ``step`` up to the first unphysical stage: NaN
         spreads from there. Steps of PETSc's methods are not repeated.
         """
-        if not self._kept:
-            return ""
-        self.y[:], records, self.results[:], self.batch[:] = self._kept
-        for name in FRAME:
-            self.records[name] = records[name]
-        self._begin()
-        more = True
-        while more:
-            t, dt = self.batch[[TIME, DT]].tolist()
-            fails = self._advance(t, dt, self.problem.steady_data, unphysical)
-            more = not fails and self.plan_next()
+        if self._kept:
+            self.y[:], records, self.results[:], self.batch[:] = self._kept
+            for name in FRAME:
+                self.records[name] = records[name]
+            self._begin()
+            steady = self.problem.steady_data
+            while not self._advance(*self.batch[[TIME, DT]], steady, unphysical):
+                if not self.plan_next():
+                    break
         return ""
 
     # checkpoints
 
-    def capture(self) -> dict[str, Array] | None:
-        """What a step depends on, on rank 0: whole layers, where their grids lie and how they move,
-        and the results of the last step. Collective."""
-        arrays = {}
+    def more(self) -> Mapping[str, Array]:
+        """Where the grids of layers lie, and how they move."""
         self._learn_frames()
-        for layer in self.layers:
-            size, own = int(layer.record["n"]), layer.of(self.y)
-            arrays[f"layer{layer.number}"] = whole(self.comm, size, layer.numbers, own)
-        if self.comm.rank > 0:
-            return None
-        frames = {name: self.records[name].copy() for name in FRAME}
-        latest = as_numbers(self.latest).copy()
-        return {**arrays, **frames, "results": self.results.copy(), "latest": latest}
+        return {name: self.records[name].copy() for name in FRAME}
 
-    def restore(self, arrays: Mapping[str, Array], t: float) -> None:
-        """Be at time t [s] what arrays, known on all ranks, tell of. InputError."""
+    def go_on(self, t: float, arrays: Mapping[str, Array]) -> None:
+        """Take frames, data of the time t [s], and the solution."""
         for name in FRAME:
             self.records[name] = arrays[name]
-        self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
         self.set_data(t)
-        agree(self.comm, self.fault)
-        for layer in self.here:
-            layer.of(self.y)[:] = arrays[f"layer{layer.number}"][layer.numbers]
         self._begin()
 
     def _begin(self) -> None:
@@ -447,5 +410,5 @@ class PaperState(State):
 
     def _load(self, y: Array) -> None:
         """Let the stage be this rank's part y."""
-        for layer in self.here:
+        for layer in self.parts.values():
             layer.owned[:] = layer.of(y).T

@@ -21,11 +21,10 @@ rates need values within twice the reach of D. The loops work on a row of scratc
 
 import numpy as np
 
-from fsipetsc.boundaries import Dirichlet, Open
 from fsipetsc.kernels.loops import each, named, pick, variable, when
-from fsipetsc.paper.narrow_terms import narrow_gas, narrow_solid
+from fsipetsc.paper.gas_ends import GRADIENTS
 from fsipetsc.paper.outer_ends import gradient_values, outer_side
-from fsipetsc.paper.stencils import derivative
+from fsipetsc.paper.stencils import derivative, narrow_gas, narrow_solid
 
 #: rows of scratch
 ROWS = 15
@@ -143,7 +142,7 @@ def _gas_rates(part, layer, w, s, per_h, a, b, A, B):
     u, T, u_X, T_X, f, g, h, f_X, g_X, h_X = (w[c] for c in range(10))
     primitive_rows(gas, rho, m, e, u, T, v0, v1)
     side = outer_side(part.ends)
-    (ghost, end), apart = ((A, B), (B, A))[side], part.ends.kind[side] in (Open, Dirichlet)
+    (ghost, end), apart = ((A, B), (B, A))[side], part.ends.kind[side] in GRADIENTS
     if apart:  # u and T of the ghost point are others for the gradients
         own_u, own_T, seen = variable(), variable(), (v0 <= ghost) & (ghost < v1)
         with when(seen):

@@ -12,7 +12,7 @@ import numpy as np
 
 from fsipetsc.kernels.loops import each, named, number, variable, when
 from fsipetsc.kernels.procedure import Code, Procedure
-from fsipetsc.paper import coupling, embedded, outer_ends, rates, sums
+from fsipetsc.paper import coupling, gas_ends, outer_ends, rates, sums
 from fsipetsc.paper.stencils import Stencils, derivative
 from fsipetsc.scheme.batch import DT
 from fsipetsc.scheme.columns import larger
@@ -172,7 +172,7 @@ def complete_gas(of, steps):
     layer, side = of.layers[0], outer_ends.outer_side(of.ends)
     outer_ends.fill_ghost(of, side)
     outer_ends.move_boundary(of, side, steps.results)
-    with when(embedded.distance(layer, side) <= number(layer.least - 2) + 1e-9):
+    with when(gas_ends.distance(layer, side) <= number(layer.least - 2) + 1e-9):
         steps.results[TOO_SHORT] = 1.0 + number(layer.number)
     sums.monitor_gas(of, steps)
     keep(of)
@@ -228,15 +228,3 @@ def of_layer(code: Code, place: str, of: Part, steps: Steps) -> dict[str, Proced
     found = {name: code.procedure(f"{name}_{place}", f, of) for name, f in functions.items()}
     complete = complete_gas if gas else complete_solid
     return {**found, "complete": code.procedure(f"complete_{place}", complete, of, steps)}
-
-
-def of_interface(code: Code, place: str, of: Sides) -> dict[str, Procedure]:
-    """Record those of the interface of the gas at a place."""
-    functions = {"couple": couple, "note": note}
-    return {name: code.procedure(f"{name}_{place}", f, of) for name, f in functions.items()}
-
-
-def of_step(code: Code, steps: Steps) -> dict[str, Procedure]:
-    """Record the procedures of a step."""
-    functions = forget, tell, finish
-    return {f.__name__: code.procedure(f.__name__, f, steps) for f in functions}

@@ -45,22 +45,31 @@ PARTICLES_TAG, HALO_TAG, GATHER_TAG = 0, 1 << 10, 1 << 13
 
 @dataclass(frozen=True)
 class Part:
-    """This rank's part of block k. The ghosted array has its nodes and those of its halo."""
+    """This rank's part of block k.
+
+    patch: its sizes. ghosted: first node and first beyond of the ghosted array along each axis,
+    which go on beyond the ends of periodic axes. bands: pair weights of the three axes there.
+    dof: unknowns of a node. begin, end: of its numbers in this rank's part of the world vector.
+    numbers: (M,) of the nodes that it owns. comm: of the ranks of the block; dm: of one number a
+    node. local: (dof, N), the ghosted array, of halo; inside: copies the owned nodes there. signs:
+    (dof,) of the unknowns of mirror images, which stand before the first nodes of a block with a
+    centre; (0,) where there are none.
+    """
 
     k: int
     patch: Patch
-    ghosted: Spans  #: first node and first beyond along each axis, on beyond periodic ends
-    bands: tuple[Band, Band, Band]  #: pair weights of the three axes there
-    dof: int  #: unknowns of a node
-    begin: int  #: of its numbers in this rank's part of the world vector
+    ghosted: Spans
+    bands: tuple[Band, Band, Band]
+    dof: int
+    begin: int
     end: int
-    numbers: Numbers  #: (M,) of the nodes that it owns
-    comm: MPI.Comm  #: of the ranks of the block
-    dm: PETSc.DMDA  #: of one number a node
-    local: Array  #: (dof, N), the ghosted array
+    numbers: Numbers
+    comm: MPI.Comm
+    dm: PETSc.DMDA
+    local: Array
     halo: Halo
-    inside: Exchange  #: copies the owned nodes into the ghosted array
-    signs: Array  #: (dof,) of unknowns of images before a centre; (0,) where there are none
+    inside: Exchange
+    signs: Array
 
     @property
     def has_halo(self) -> bool:
@@ -126,12 +135,7 @@ class BlockLayout:
         self._sizes = [dof * share.size(comm.rank) for dof, share in shared]
         self.auxiliary = auxiliary
         self.local_size = sum(self._sizes) + auxiliary
-        about = zip(self.shares, blocks, self._widths, strict=True)
-        reaches = [
-            Reach(share, block.periodic, *width, problem.centred(k))
-            for k, (share, block, width) in enumerate(about)
-        ]
-        begins = [0]
+        reaches, begins = [self._reach(k) for k in range(len(blocks))], [0]
         for k, reach in enumerate(reaches):
             here = self.dofs[k] * (comm.rank in reach.share.ranks)
             nodes = prod(b - a for a, b in reach.ghosted(comm.rank)) if here else 0
@@ -152,10 +156,14 @@ class BlockLayout:
             least = max(2 * op.p + 1, halo) if closed else op.min_points
             if n < least:
                 kind, cells = "periodic " if closed else "", least - (not closed)
+                line = [(0, n + closed if k == axis else 1) for k in range(block.dimension)]
+                steps = np.diff(block.positions(line), axis=1)
+                length = float(np.linalg.norm(steps, axis=0).sum())
                 raise InputError(
                     f"block '{block.name}' has {n} nodes along its {kind}axis {axis}: the "
-                    f"{op.name} operator needs at least {least}: take {cells} cells there or more "
-                    "(a smaller -fsi_h), or a lower -fsi_order"
+                    f"{op.name} operator needs at least {least}: take {cells} cells there or more, "
+                    f"as -fsi_h {length / cells:.10g} gives where it sets them, or a lower "
+                    "-fsi_order"
                 )
         if prod(shape) * self.dofs[k] > np.iinfo(PETSc.IntType).max:
             nodes = " by ".join(map(str, shape))
@@ -164,6 +172,11 @@ class BlockLayout:
         beyond = max(op.p, halo - op.p)
         end, inner = max(op.rows + beyond, halo), max(2 * op.p, halo)
         return Extent(block.kind, shape, block.periodic, end, inner, halo)
+
+    def _reach(self, k: int) -> Reach:
+        """Which nodes ranks need of block k."""
+        (width, corners), block = self._widths[k], self.problem.blocks[k]
+        return Reach(self.shares[k], block.periodic, width, corners, self.problem.centred(k))
 
     def _place(self, k: int, reach: Reach, memory: Array, at: int) -> Part | None:
         """Make the DMDA of block k on its ranks; its ghosted array begins at the number
@@ -185,7 +198,8 @@ class BlockLayout:
             stencil_width=0,
             comm=comm,
         )
-        own, ghosted = _padded(share.part(rank)), _padded(reach.ghosted(rank))
+        own, ghosted = _ranges(dm.getCorners()), _padded(reach.ghosted(rank))
+        assert own == _padded(share.part(rank)), "PETSc cuts the block otherwise"
         sizes = [tuple(b - a for a, b in spans) for spans in (own, ghosted)]
         patch = Patch(*sizes, tuple(a - g for (a, _), (g, _) in zip(own, ghosted, strict=True)))
         axes = range(block.dimension)
@@ -321,8 +335,12 @@ def width_of_halo(problem: Any, k: int, order: int, shocks: bool) -> tuple[int, 
     return max(p + shocks, 2), False
 
 
-def _padded(spans: Spans) -> tuple[tuple[int, int], ...]:
-    """Those of three axes."""
+def _ranges(corners: tuple[tuple[int, ...], tuple[int, ...]]) -> tuple[tuple[int, int], ...]:
+    """(first, first beyond) of three axes, of what PETSc says."""
+    return _padded([(a, a + n) for a, n in zip(*corners, strict=True)])
+
+
+def _padded(spans: Sequence[tuple[int, int]]) -> tuple[tuple[int, int], ...]:
     return (*spans, *[(0, 1)] * (AXES - len(spans)))
 
 

@@ -24,14 +24,19 @@ WORTH_IT = 1.1
 
 @dataclass(frozen=True)
 class Extent:
-    """A block as its partition sees it."""
+    """A block as its partition sees it.
 
-    kind: str  #: "fluid" or "solid"
-    shape: tuple[int, ...]  #: nodes per axis
-    periodic: tuple[bool, ...]  #: per axis
-    end: int  #: nodes, at least, that a rank has along an axis if it has an end of the axis
-    inner: int  #: and if not
-    halo: int  #: width of the halo
+    kind: "fluid" or "solid". shape: nodes per axis. periodic: per axis. end, inner: nodes, at
+    least, that a rank has along an axis, if it has an end of the axis, and if not. halo: width of
+    the halo.
+    """
+
+    kind: str
+    shape: tuple[int, ...]
+    periodic: tuple[bool, ...]
+    end: int
+    inner: int
+    halo: int
 
     @property
     def cost(self) -> float:

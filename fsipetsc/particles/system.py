@@ -255,13 +255,6 @@ class ParticleSystem:
         at_wall = self.record.facts["at_wall"][particle] == 1
         return nodes[at_wall], self.prescribed.data.wall[particle[at_wall]]
 
-    def walls_away(self, k: int) -> float:
-        """Largest displacement [m] of a wall of gas block k that moves, of those here."""
-        alone = self.prescribed.moving[self.record.state.solid_mass[self.prescribed.moving] == 0.0]
-        walls = np.intersect1d(self.nodes[k][1], alone)
-        displaced = np.linalg.norm(self.prescribed.displaced[walls], axis=1)
-        return float(displaced.max(initial=0.0))
-
     def destroy(self) -> None:
         """Release the messages."""
         for exchange in (self.sums, self.areas, self.stored):

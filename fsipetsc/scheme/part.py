@@ -23,7 +23,7 @@ class Nothing(NamedTuple):
 class Gain(NamedTuple):
     """What comes into the problem from outside.
 
-    numbers: all numbers that follow, in the order of fsipetsc.blockrun.columns.gained. mass: of
+    numbers: all numbers that follow, in the order of fsipetsc.blockrun.saved.gained. mass: of
     each block of gas. lost: (1,) work on solids if it is booked, else (0,). work: (1,) work of
     constant forces if there are any, else (0,). impulse: (d,). energy: through each outer face; the
     last one is of what comes through no face. heat: the part of energy that is heat. total: (1,)

@@ -6,8 +6,8 @@ from typing import Any
 from mpi4py import MPI
 
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
-from fsipetsc.blockrun.law_checks import check_gas_laws
-from fsipetsc.blockrun.recorded_nodes import chosen
+from fsipetsc.blockrun.gas_part import check_gas_laws
+from fsipetsc.blockrun.saved import chosen
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError, call, place_of

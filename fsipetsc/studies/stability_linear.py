@@ -39,7 +39,7 @@ from fsipetsc.materials.solid import Solid
 from fsipetsc.operators.narrow import remainder
 from fsipetsc.operators.sbp import operator, row_length
 from fsipetsc.paper.coupling import Face, couple
-from fsipetsc.paper.laws import law_of
+from fsipetsc.paper.layout import law_of
 from fsipetsc.paper.stencils import Stencils, stencils
 from fsipetsc.process.libraries import libraries
 from fsipetsc.studies.spectra import Real, derivatives, step_limit

@@ -101,8 +101,8 @@ class Condition(Checked):
 
     of: kinds of block that it is for. part: what it is to a particle (fsipetsc.particles.members),
     "wall", "slip", "clamp", "roller". holds: it prescribes motion; all_given: all unknowns. passes:
-    "gas" or "waves" where these go through. knows_inflow: it says which gas comes in. loaded: the
-    face has a traction of its own, from which p_ref of the solid is taken.
+    "gas" or "waves" where these go through. loaded: the face has a traction of its own, from which
+    p_ref of the solid is taken.
 
     Formulas, None where there is none: leaving(gas, w, face): mass, momentum and energy that leave
     a gas of the state w; traction(gas, w, face): the force on it; pull(solid, F, T, N, v, stress):
@@ -117,7 +117,6 @@ class Condition(Checked):
     }
     part = passes = ""
     holds = all_given = loaded = False
-    knows_inflow = True
     leaving = traction = pull = None
 
     def __post_init__(self) -> None:

@@ -122,7 +122,6 @@ class Outflow(Condition):
     of = ("fluid",)
     ranges = Condition.ranges | {"pressure": NONNEGATIVE}
     passes = "gas"
-    knows_inflow = False
 
     @staticmethod
     def leaving(gas, w, face: FaceNode):
