@@ -16,8 +16,8 @@ from fsipetsc.blocks.values import block_values
 from fsipetsc.equations.vectors import dot
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.procedure import Code
-from fsipetsc.operators.bands import differences, sigma_of
 from fsipetsc.materials.own import knows_entropy
+from fsipetsc.operators.bands import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.particles.members import Particle
 from fsipetsc.particles.system import ParticleSystem
