@@ -179,13 +179,7 @@ class Interface:
     does: dict[str, Procedure]
 
     def __init__(
-        self,
-        kind: str,
-        pair: Sequence[Layer],
-        rooms: Sequence[Array],
-        notes: Array,
-        k: int,
-        me: int,
+        self, kind: str, pair: Sequence[Layer], room: Array, notes: Array, k: int, me: int
     ) -> None:
         gas, solid = pair
         self.side, self.jump = int(gas.number > solid.number), np.zeros(4)
@@ -194,6 +188,7 @@ class Interface:
         inward, n = np.array([1, -1]) * (2 * self.side - 1), solid.op.n
         self._owners = [v.share.ranks[(step - 1) // 2] for v, step in zip(pair, inward)]
         self.here = [owner == me for owner in self._owners]
+        rooms = np.split(room, [len(gas.local)])
         self._points = [v.local if h else r for v, r, h in zip(pair, rooms, self.here)]
         firsts = [
             int(v.record["lo" if step > 0 else "hi"] - v.record["own_lo"] + v.record["halo_lo"])
@@ -205,14 +200,18 @@ class Interface:
             solid.op, face, gas.records, *self._points, *firsts, self.jump, notes, k
         )
 
-    def halos(self, memory: Array) -> list[Halo]:
-        """The rows that two owners swap."""
+    def halos(self, memory: Array, rooms: Array) -> list[Halo]:
+        """The rows that two owners swap: each sends its own of the memory, the others go into the
+        rooms of all interfaces.
+        """
         if self.here[0] == self.here[1]:
             return []
         mine, other = self.here.index(True), self.here.index(False)
         places = [
-            (place_in(memory, v) + v.shape[1] * np.arange(len(v))[:, None] + columns).ravel()
-            for v, columns in zip(self._points, self._columns)
+            (place_in(m, v) + v.shape[1] * np.arange(len(v))[:, None] + columns).ravel()
+            for m, v, columns in zip(
+                (memory if here else rooms for here in self.here), self._points, self._columns
+            )
         ]
         beyond = self._owners[other]
         return [Halo({beyond: places[mine]}, {beyond: places[other]}, _NONE, _NONE)]

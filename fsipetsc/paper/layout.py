@@ -5,6 +5,7 @@ layers. A part has planes, one unknown of all points after the other: gas rho, r
 sigma, T, x.
 """
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,6 +26,13 @@ DOF = {"fluid": 3, "solid": 4}
 #: points by which a gas may grow, beside an eighth of its own
 SPARE = 16
 
+#: what the paper's method has of options that choose between methods
+WITHOUT = {
+    "fsi_mapping": ("auto", "rigid"),
+    "fsi_dissipation": (0.0, -1.0),
+    "fsi_shock": (0.0,),
+    "fsi_convection": ("auto", "divergence"),
+}
 _I, _F = np.int64, np.float64
 #: What procedures know of a layer. X = anchor + (i - anchor_index) h.
 RECORD = np.dtype(
@@ -97,9 +105,17 @@ def law_of(material: Fluid | Solid) -> Gas | Elastic:
     return Gas(material.gas_law, material.transport_law, mu, kappa, gamma, force)
 
 
-def check_form(problem: Problem) -> None:
+def check_form(problem: Problem, opt: Mapping[str, Any]) -> None:
     """InputError for a problem that is not of the paper's form: a solid, with a gas on one side of
-    it or on both, whose outer end insulates and stays where it is."""
+    it or on both, whose outer end insulates and stays where it is; or for options in force that
+    this method does not have.
+    """
+    for name, without in WITHOUT.items():
+        if opt[name] not in without:
+            raise InputError(
+                f"-{name} {opt[name]}: -fsi_coupling {opt['fsi_coupling']} has none: "
+                "take -fsi_coupling conservative"
+            )
     layers = problem.layers
     reason = next((f"{layer} has a spacing of its own" for layer in layers if layer.cells), "")
     if not problem.interfaces:

@@ -52,13 +52,6 @@ Array = np.ndarray
 FRACTIONS = 0.0, 0.5, 0.5, 1.0
 #: of the record of a layer: where its grid lies, and how it moves
 FRAME = "lo", "hi", "s", "x_interface"
-#: what the paper's method has of options that choose between methods
-_WITHOUT = {
-    "fsi_mapping": ("auto", "rigid"),
-    "fsi_dissipation": (0.0, -1.0),
-    "fsi_shock": (0.0,),
-    "fsi_convection": ("auto", "divergence"),
-}
 #: of messages between ranks
 ROWS_TAG, HALOS_TAG = 0, 1
 
@@ -95,13 +88,7 @@ class PaperState(State):
         opt: Mapping[str, Any],
         announce: Callable[[str], None] = lambda text: None,
     ) -> None:
-        for name, without in _WITHOUT.items():
-            if opt[name] not in without:
-                raise InputError(
-                    f"-{name} {opt[name]}: -fsi_coupling {opt['fsi_coupling']} has none: "
-                    "take -fsi_coupling conservative"
-                )
-        check_form(problem)
+        check_form(problem, opt)
         order, self.h = opt["fsi_order"], opt["fsi_h"]
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
         self.evaluations = 0
@@ -111,45 +98,36 @@ class PaperState(State):
         shares = shares_of(comm.size, problem, self.op, *of_share)
         pairs = zip(records, shares, strict=True)
         points = [note_share(record, share, comm.rank, op.halo) for record, share in pairs]
-        dof = [DOF[layer.kind] for layer in problem.layers]
-        memory, local, rooms = self._memory(records, [*zip(dof, points, strict=True)], op.n)
+        # what ranks send each other of a stage: the records, and layers with their halos
+        dof = np.array([DOF[layer.kind] for layer in problem.layers])
+        sizes = records.nbytes // 8, *(dof * points)
+        memory = np.zeros(sum(sizes))
+        of_records, *local = np.split(memory, np.cumsum(sizes)[:-1])
+        self.records = of_records.view(RECORD)
+        self.records[:] = records
         begins = np.cumsum([0, *(dof * (records["own_hi"] - records["own_lo"]))]).tolist()
         self.y, total, self.k = np.zeros((3, begins[-1]))
         self.solution = PETSc.Vec().createWithArray(self.y, comm=comm)
-        of_steps = self._lay_results(dof.count(DOF["fluid"]))
+        of_steps = self._lay_results(int(sum(dof == DOF["fluid"])))
         self.layers = []
         for k, layer in enumerate(problem.layers):
-            where = local[k], slice(begins[k], begins[k + 1]), (self.y, total, self.k)
+            place, vectors = slice(begins[k], begins[k + 1]), (self.y, total, self.k)
+            where = local[k].reshape(dof[k], -1), place, vectors
             of_layer = self.records[k:][:1], shares[k], op, *where, self.rates[k], self.batch
             self.layers.append(Layer(layer, ends_of(problem, k, order), *of_layer))
         self.shapes = [(n,) for n in records["n"].tolist()]
         self.parts = {layer.number: layer for layer in self.layers if layer.present}
         kind, notes = opt["fsi_coupling"], of_steps.notes.reshape(steps.NOTES, -1)
+        rooms = np.zeros((len(problem.interfaces), sum(DOF.values()), op.n))
         self.interfaces = [
             Interface(kind, [self.layers[n] for n in pair], rooms[k], notes, k, comm.rank)
             for k, pair in enumerate(problem.interfaces)
         ]
-        rows = [halo for one in self.interfaces for halo in one.halos(memory)]
+        rows = [halo for one in self.interfaces for halo in one.halos(memory, rooms)]
         halos = [halo for layer in self.layers for halo in layer.halos(comm.rank, memory)]
-        self._rows = exchange_of(comm, ROWS_TAG, rows, memory, memory)
+        self._rows = exchange_of(comm, ROWS_TAG, rows, rooms, memory)
         self._halos = exchange_of(comm, HALOS_TAG, halos, memory, memory)
         self._load_procedures(of_steps, announce)
-
-    def _memory(
-        self, records: Array, shapes: Sequence[tuple[int, int]], n: int
-    ) -> tuple[Array, list[Array], list[Array]]:
-        """What ranks exchange in a stage is in one memory, the first one of these: the records,
-        layers of these shapes, and for each interface n rows of a gas and of a solid.
-        """
-        rooms = [(dof, n) for _ in self.problem.interfaces for dof in DOF.values()]
-        sizes = [records.nbytes // 8, *(a * b for a, b in [*shapes, *rooms])]
-        memory = np.zeros(sum(sizes))
-        of_records, *parts = np.split(memory, np.cumsum(sizes)[:-1])
-        self.records = of_records.view(RECORD)
-        self.records[:] = records
-        made = [v.reshape(shape) for v, shape in zip(parts, [*shapes, *rooms], strict=True)]
-        rest = made[len(shapes) :]
-        return memory, made[: len(shapes)], [*zip(rest[::2], rest[1::2], strict=True)]
 
     def _lay_results(self, gases: int) -> steps.Steps:
         """Make what is known after a step: what ranks tell each other comes first."""
