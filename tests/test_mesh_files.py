@@ -88,8 +88,6 @@ def test_units_planes_and_hands(tmp_path):
         ({"kind": "Unstructured"}, "zone 'z' is Unstructured: expected Structured"),
         ({"patch": ((1, 1), (3, 1))}, "'wall' has nodes .1, 1. to .3, 1.: expected a whole face"),
         ({"unit": "Furlong"}, "lengths are in Furlong: expected Meter"),
-        ({"X": (*SQUARE, SQUARE[0])}, "zone 'z' is no plane"),
-        ({"X": ()}, "expected CoordinateX, CoordinateY"),
     ],
 )
 def test_what_is_wrong_with_a_file(tmp_path, changed, message):

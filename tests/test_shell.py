@@ -1,18 +1,10 @@
-"""Rings and shells in gas: their cases and a nozzle, the command modes, what is refused."""
+"""Rings and shells in gas: their cases and a nozzle, the command modes."""
 
 import numpy as np
 import pytest
 from helpers import computed, on_ranks, rows_of, solve, well
 
-from fsipetsc.blocks.block import Block
-from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.blocks.conditions import Centre, Free, Slip
-from fsipetsc.blocks.maps import off_axis, rectangle
 from fsipetsc.cases import shell
-from fsipetsc.cases.common import at_rest
-from fsipetsc.errors import InputError
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.studies.modes import media_of
 from fsipetsc.studies.ring_theory import mode_near
 from fsipetsc.studies.wave_modes import radial_modes
@@ -78,7 +70,6 @@ def test_the_pressure_of_a_recorded_node_has_that_of_hoops(case, tmp_path):
     assert run.series["p_point"][-1, 0] == pytest.approx(expected, rel=1e-12)
 
 
-STEEL = ElasticSolid(1.0, 1.5, 0.0, 2.0, 1.0, heat="elastic")
 KAPPA = pytest.mark.parametrize("kappa", [1, 2])
 
 
@@ -108,9 +99,6 @@ def test_modes_of_shells(kappa, gas):
         assert 1e-3 < mode_errors(kappa, gas, 2, 0.0375).max() < 1e-2
 
 
-LINE = rectangle(0.0, 1.0)
-
-
 def test_a_charge_in_a_shell(tmp_path):
     """A strong one: mass and energy stay, entropy falls in no step, the shell goes outwards."""
     line = "shell -shell_kappa 2 -shell_charge 200 -fsi_h 0.025 -ts_max_time 0.6 -fsi_output_dt 0.3"
@@ -129,29 +117,3 @@ def test_a_shock_in_a_nozzle(tmp_path):
     assert {"energy", "momentum along x"} < set(kept) and np.max([*kept.values()]) < 1e-13
     assert any(name.startswith("mass") for name in kept)
     assert run.layers[1]["y"][-1].max() > run.layers[1]["y"][0].max() + 1e-4
-
-
-BALL, UNIT = off_axis(LINE, 12), rectangle((0, 0), (1, 1))
-ASLANT = off_axis(lambda xi: (xi[0] + 2 * xi[1], xi[1]), 12)
-#: map, symmetry, conditions below and above the last coordinate, words; the gas is a solid if said
-WRONG = [
-    (LINE, 2, Centre(), Slip(), ""),
-    (rectangle(0.1, 1.0), 2, Centre(), Slip(), ""),
-    (BALL, 1, Centre(), Free(), "a solid cannot reach an axis"),
-    (UNIT, 1, Slip(), Slip(), "r = 0 at a node: expected r > 0"),
-    (ASLANT, 1, Centre(), Slip(), "off_axis makes them so"),
-]
-
-
-@pytest.mark.parametrize(("map_", "symmetry", "below", "above", "said"), WRONG)
-def test_mistakes(map_, symmetry, below, above, said):
-    """A centre without symmetry, at a node, at another side; nodes on the axis or beyond it."""
-    cells = (12,) * (2 if map_ in (UNIT, ASLANT) else 1)
-    start = at_rest() if "solid" in said else lambda *X: (1.0, *(0.0 * x for x in X), 1.0)
-    material = STEEL if "solid" in said else Fluid(0.0, 0.0, 1.4, 1.0)
-    faces = {("it", axis, side): Slip() for axis in range(len(cells)) for side in (0, 1)}
-    faces |= {("it", len(cells) - 1, 0): below, ("it", len(cells) - 1, 1): above}
-    block = Block("it", material, map_, cells, start)
-    with pytest.raises(InputError) as raised:
-        BlockProblem((block,), faces, symmetry=symmetry)
-    assert said in str(raised.value)

@@ -39,7 +39,7 @@ def test_grids_of_a_case_are_compared_with_each_other(tmp_path):
     assert left == {"bare.py", "bare-convergence.csv", "bare-convergence.png"}
 
 
-def test_command(tmp_path):
+def test_convergence_of_errors(tmp_path):
     found = table(tmp_path, *"mms -fsi_orders 2,6 -fsi_hs 0.025,0.05,0.05".split())
     for order, fluid, solid in (("2", 1.9, 1.8), ("6", 4.3, 4.1)):
         for kind, rate in (("fluid", fluid), ("solid", solid)):
