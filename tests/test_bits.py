@@ -38,7 +38,7 @@ OTHERS = {
     "O0": ("three", {"CFLAGS": "-O0"}),  # as most tests have it (conftest.py)
     "clang": ("", {}),
     "numpy": (
-        "paper blast box three",
+        "paper blast three",
         {"NPY_DISABLE_CPU_FEATURES": WITHOUT, "OPENBLAS_CORETYPE": "Prescott"},
     ),
 }

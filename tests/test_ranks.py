@@ -8,7 +8,6 @@ from helpers import REPOSITORY, SUMS, compute, computed, different, message, on_
 
 LAYERS = str(REPOSITORY / "tests" / "layers.py")
 PISTON = str(REPOSITORY / "runs" / "piston.py")
-TIMED = str(REPOSITORY / "tests" / "timed.py")
 _PAPER = "-fsi_coupling projection"
 #: falls by more than a cell
 _ROD = f"{_PAPER} -fsi_h 0.025 -ts_max_time 0.025 -rod_gravity -100 -fsi_output_dt 0.005"
@@ -39,15 +38,13 @@ RUNS = {
     "pulse": ("pulse", _PULSE),
     "piston": (PISTON, "-ts_max_time 0.048"),
     "shock": ("shock", _SHOCK),
-    **{kind: (TIMED, f"-timed_kind {kind} -ts_dt 2e-3") for kind in ("wall", "ends", "open")},
-    "table": (TIMED, "-timed_how table -ts_dt 2e-3"),
 }
 #: differ in where things are computed and stored, not in what
 SAME = {"rod elsewhere": "rod", "rod rk elsewhere": "rod rk", "layers messages": "layers"}
 
 #: ranks -> the runs that are made on them: each on one, on two or three, those of SAME on four
 ON = {1: list(RUNS), 4: ["piston", *SAME, *SAME.values()]}
-ON[3] = ["rod stiff", "rod traditional", "layers moving", "pulse", "wall", "table"]
+ON[3] = ["rod stiff", "rod traditional", "layers moving", "pulse"]
 ON[2] = [name for name in RUNS if name not in ON[3]]
 
 

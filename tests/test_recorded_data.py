@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import timed
-from helpers import REPOSITORY, assert_same_fields, computed, message, solve
+from helpers import REPOSITORY, assert_same_fields, computed, different, message, solve
 from mpi4py import MPI
 
 import fsipetsc
@@ -117,17 +117,23 @@ def test_python_is_asked_for_other_functions(name):
 # runs
 
 
-@pytest.mark.parametrize("line", ["-timed_kind wall", "-timed_kind lid", "-timed_how table"])
-def test_batches_do_not_change_bits(line, tmp_path):
+@pytest.mark.parametrize(
+    "line", ["-timed_kind wall", "-timed_kind lid", "-timed_kind open", "-timed_how table"]
+)
+def test_batches_ranks_and_restarts_do_not_change_bits(line, tmp_path):
     """Steps in one call of C, those that are calls of their own, and stages that are."""
-    words, ways = line.split(), ((), ("-ts_monitor", "ascii:a.txt"), ("-fsi_probes", "0.5,0.5"))
-    whole, *others = (
-        computed(tmp_path, f"{k}.h5", CASE, *words, "-ts_dt", 2e-3, *more)
-        for k, more in enumerate(ways)
-    )
-    for other in others:
+    words = CASE, *line.split(), "-ts_dt", 2e-3
+    whole = computed(tmp_path, "whole.h5", *words)
+    for more in (("-ts_monitor", "ascii:a.txt"), ("-fsi_probes", "0.5,0.5")):
+        other = computed(tmp_path, "other.h5", *words, *more)
         assert_same_fields(whole, other)
         assert np.array_equal(whole.series["energy"], other.series["energy"])
+    computed(tmp_path, "three.h5", *words, ranks=3)
+    assert different(whole.path, tmp_path / "three.h5", same_ranks=False) == []
+    computed(tmp_path, "cut.h5", *words, "-ts_max_steps", 17, "-fsi_checkpoint_steps", 17)
+    restart = "-fsi_restart", "cut.checkpoint.h5", "-ts_max_steps", 1000000
+    computed(tmp_path, "cut.h5", CASE, *restart)
+    assert different(whole.path, tmp_path / "cut.h5", same_ranks=True) == []
 
 
 @pytest.mark.parametrize(

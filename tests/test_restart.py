@@ -12,7 +12,6 @@ from fsipetsc.output import checkpoint_file
 
 PISTON = str(REPOSITORY / "runs" / "piston.py")
 LAYERS = str(REPOSITORY / "tests" / "layers.py")
-TIMED = str(REPOSITORY / "tests" / "timed.py")
 _PAPER = "-fsi_coupling projection"
 _ROD = f"{_PAPER} -fsi_h 0.025 -ts_max_time 0.08 -fsi_output_dt 0.02"
 _FALL = f"{_PAPER} -fsi_h 0.05 -ts_max_time 0.02 -rod_gravity -1000"
@@ -24,7 +23,6 @@ RUNS = {
     "mms": ("mms", "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.1 -fsi_output_dt 0.02", 8),
     "piston": (PISTON, "-ts_max_time 0.048", 300),
     "layers": (LAYERS, "-layers_gruneisen 0.2 -ts_max_time 0.2", 6),
-    "open": (TIMED, "-timed_kind open -ts_dt 2e-3", 12),
     "blast": ("blast", "-fsi_h 0.125 -fsi_order 2 -ts_max_time 0.3 -fsi_output_dt 0.05", 6),
 }
 #: ranks on which the runs are begun; ranks -> what goes on there
