@@ -60,14 +60,24 @@ class PlaneMotion(NamedTuple):
     rise: Array
 
     def move(self, known, metrics):
-        """Fill a^1 and a^2."""
+        """Fill a^1 = (D_2 y, -D_2 x) and a^2 = (-D_1 y, D_1 x)."""
         self.hull.fill(self.hull.moved, known, 0)
-        plane_metrics(self, metrics)
+        find_faces(self, self.hull.moved)
+        differentiate_faces(self, self.hull.moved)
+        G, n = self.G, self.along.low.shape[0]
+        for j in each(self.across.low.shape[0]):
+            row = Row(self, j)
+            for i in each(n, vector=True):
+                at, ((x_1, y_1), (x_2, y_2)) = j * n + i, row.slopes(i)
+                metrics[0, at] = G[3, at] + y_2
+                metrics[1, at] = -(G[2, at] + x_2)
+                metrics[2, at] = -(G[1, at] + y_1)
+                metrics[3, at] = G[0, at] + x_1
 
     def swing(self, known, metrics):
-        """Velocity of the grid."""
+        """Fill the velocity of the grid."""
         self.hull.fill(self.hull.moving, known, 2)
-        plane_velocities(self, metrics)
+        blend_faces(self, self.hull.moving, metrics, 4)
 
     def finish(self, metrics):
         """Do nothing: `move` has found all metrics."""
@@ -78,7 +88,10 @@ class PlaneMotion(NamedTuple):
 
     def find_places(self, X, places):
         """places = X + the displacement (2, N)."""
-        plane_places(self, X, places)
+        blend_faces(self, self.hull.moved, places, 0)
+        for c in range(2):
+            for i in each(X.shape[1], vector=True):
+                places[c, i] += X[c, i]
 
     def find_volumes(self):
         """Do nothing: the metrics have the volumes."""
@@ -109,44 +122,15 @@ def plane_motion(block: Block, wide: Wide, hull: Hull) -> PlaneMotion:
     return PlaneMotion(hull, G, *axes, corners, np.zeros((4, 2)), np.zeros((2, axes[0].low.size)))
 
 
-def plane_metrics(plane, metrics):
-    """a^1 = (D_2 y, -D_2 x), a^2 = (-D_1 y, D_1 x)."""
-    find_faces(plane, plane.hull.moved)
-    differentiate_faces(plane, plane.hull.moved)
-    G, n = plane.G, plane.along.low.shape[0]
-    for j in each(plane.across.low.shape[0]):
-        row = Row(plane, j)
-        for i in each(n, vector=True):
-            at, ((x_1, y_1), (x_2, y_2)) = j * n + i, row.slopes(i)
-            metrics[0, at] = G[3, at] + y_2
-            metrics[1, at] = -(G[2, at] + x_2)
-            metrics[2, at] = -(G[1, at] + y_1)
-            metrics[3, at] = G[0, at] + x_1
-
-
-def plane_velocities(plane, metrics):
-    """Fill v."""
-    find_faces(plane, plane.hull.moving)
+def blend_faces(plane, values, to, first):
+    """Blend values (2, H) of the hull into two rows of an array, from ``first`` on."""
+    find_faces(plane, values)
     n = plane.along.low.shape[0]
     for j in each(plane.across.low.shape[0]):
         row = Row(plane, j)
         for i in each(n, vector=True):
-            metrics[4, j * n + i], metrics[5, j * n + i] = row.values(i)
-        row.put_ends(metrics, 4)
-
-
-def plane_places(plane, X, places):
-    """X + the displacement."""
-    find_faces(plane, plane.hull.moved)
-    n = plane.along.low.shape[0]
-    for j in each(plane.across.low.shape[0]):
-        row = Row(plane, j)
-        for i in each(n, vector=True):
-            places[0, j * n + i], places[1, j * n + i] = row.values(i)
-        row.put_ends(places, 0)
-    for c in range(2):
-        for i in each(X.shape[1], vector=True):
-            places[c, i] += X[c, i]
+            to[first, j * n + i], to[first + 1, j * n + i] = row.values(i)
+        row.put_ends(to, first)
 
 
 def faces_of(plane):

@@ -64,12 +64,54 @@ class RadialMotion(NamedTuple):
     def move(self, known, metrics):
         """Fill a^k, A, and source, volume."""
         self.hull.fill(self.hull.moved, known, 0)
-        radial_metrics(self, metrics)
+        d, area, slopes, inner = len(self.like), self.area, self.slopes, self.inner
+        last, entries = d - 1, (0.0,) * d * d
+        self.blend.fill(self.hull.moved, self.x)
+        find_flat(self)
+        differentiate_flat(self)
+        for n in each(area.size, vector=True):
+            for k in range(d):
+                for c in range(last):
+                    slopes[k * d + c, n] += self.P[k, c]
+            for m, b in enumerate(cofactor(column(entries, slopes, n))):
+                self.b[m, n] = b
+        for i in each(inner.size, vector=True):
+            n = inner[i]
+            self.source[i] = 0.0
+            self.volume[i] = exact(determinant(column(entries, slopes, n)))
+            metrics[d * d + d, i] = area[n]
+            for m in range(d * d):
+                metrics[m, i] = self.b[m, n] * (area[n] if m % d == last else 1.0)
+        for k in range(d):
+            through = self.flat[0]
+            for n in each(area.size, vector=True):
+                through[n] = area[n] * self.b[k * d + last, n]
+            differentiate(self, k, self.slope, through)
+            for i in each(inner.size, vector=True):
+                self.source[i] += self.slope[inner[i]]
 
     def swing(self, known, metrics):
         """Velocity of the grid, and turning."""
         self.hull.fill(self.hull.moving, known, len(self.like))
-        radial_velocities(self, metrics)
+        d, kappa, v, area = len(self.like), len(self.hoops), self.v, self.area
+        last, entries = d - 1, (0.0,) * d * d
+        self.blend.fill(self.hull.moving, v)
+        for i in each(self.inner.size, vector=True):
+            for c in range(d):
+                metrics[d * d + c, i] = v[c, self.inner[i]]
+        if d == 1:  # area vectors do not turn
+            return
+        for n in each(area.size, vector=True):
+            for c in range(d):
+                self.flat[c, n] = v[c, n] * (area[n] if c == last else 1.0)
+        differentiate_flat(self)
+        for i in each(self.inner.size, vector=True):
+            n = self.inner[i]
+            slopes, b = column(entries, self.slopes, n), column(entries, self.b, n)
+            spread = kappa * area[n] / self.x[last, n] * v[last, n]
+            for m, turned in enumerate(cofactor(slopes)):
+                more = exact(area[n] * turned + spread * b[m])
+                self.turning[m, i] = more if m % d == last else turned
 
     def finish(self, metrics):
         """Do nothing: `move` has found all metrics."""
@@ -96,7 +138,19 @@ class RadialMotion(NamedTuple):
         """Fill bounds: metrics, a^k times 1/2 (1 + the largest A of the node and those beside it
         along the axis k, over A).
         """
-        bound_steps(self, metrics)
+        d, area, copied, bounds = len(self.like), self.area, metrics.reshape(-1), self.bounds
+        for m in each(copied.size, vector=True):
+            bounds.reshape(-1)[m] = copied[m]
+        for k in range(d):
+            step, length = 1 if k == 0 else self.before[k], self.weight[k].shape[0]
+            for i in each(self.inner.size, vector=True):
+                n = self.inner[i]
+                at, here = n // step % length, area[n]
+                below = area[pick(at > 0, n - step, n)]
+                above = area[pick(at < length - 1, n + step, n)]
+                largest = np.maximum(np.maximum(here, below), above)
+                for c in range(d):
+                    bounds[k * d + c, i] *= 0.5 * (1.0 + largest / here)
 
 
 def radial_motion(problem: BlockProblem, k: int, wide: Wide, hull: Hull) -> RadialMotion:
@@ -126,35 +180,6 @@ def differentiate_flat(grid):
             differentiate(grid, k, grid.slopes[k * d + c], grid.flat[c])
 
 
-def radial_metrics(grid, metrics):
-    """Fill a^k, A, source and volume: see RadialMotion.move."""
-    d, area, slopes, inner = len(grid.like), grid.area, grid.slopes, grid.inner
-    last, entries = d - 1, (0.0,) * d * d
-    grid.blend.fill(grid.hull.moved, grid.x)
-    find_flat(grid)
-    differentiate_flat(grid)
-    for n in each(area.size, vector=True):
-        for k in range(d):
-            for c in range(last):
-                slopes[k * d + c, n] += grid.P[k, c]
-        for m, b in enumerate(cofactor(column(entries, slopes, n))):
-            grid.b[m, n] = b
-    for i in each(inner.size, vector=True):
-        n = inner[i]
-        grid.source[i] = 0.0
-        grid.volume[i] = exact(determinant(column(entries, slopes, n)))
-        metrics[d * d + d, i] = area[n]
-        for m in range(d * d):
-            metrics[m, i] = grid.b[m, n] * (area[n] if m % d == last else 1.0)
-    for k in range(d):
-        through = grid.flat[0]
-        for n in each(area.size, vector=True):
-            through[n] = area[n] * grid.b[k * d + last, n]
-        differentiate(grid, k, grid.slope, through)
-        for i in each(inner.size, vector=True):
-            grid.source[i] += grid.slope[inner[i]]
-
-
 def find_flat(grid):
     """Complete x, and find A and flat, (z, s)."""
     d, kappa, x = len(grid.like), len(grid.hoops), grid.x
@@ -165,43 +190,3 @@ def find_flat(grid):
         r = x[d - 1, n]
         area = abs(r) if kappa == 1 else r * r
         grid.area[n], grid.flat[d - 1, n] = area, area * r / (kappa + 1.0)
-
-
-def radial_velocities(grid, metrics):
-    """Fill v and turning: see RadialMotion.swing."""
-    d, kappa, v, area = len(grid.like), len(grid.hoops), grid.v, grid.area
-    last, entries = d - 1, (0.0,) * d * d
-    grid.blend.fill(grid.hull.moving, v)
-    for i in each(grid.inner.size, vector=True):
-        for c in range(d):
-            metrics[d * d + c, i] = v[c, grid.inner[i]]
-    if d == 1:  # area vectors do not turn
-        return
-    for n in each(area.size, vector=True):
-        for c in range(d):
-            grid.flat[c, n] = v[c, n] * (area[n] if c == last else 1.0)
-    differentiate_flat(grid)
-    for i in each(grid.inner.size, vector=True):
-        n = grid.inner[i]
-        slopes, b = column(entries, grid.slopes, n), column(entries, grid.b, n)
-        spread = kappa * area[n] / grid.x[last, n] * v[last, n]
-        for m, turned in enumerate(cofactor(slopes)):
-            more = exact(area[n] * turned + spread * b[m])
-            grid.turning[m, i] = more if m % d == last else turned
-
-
-def bound_steps(grid, metrics):
-    """Bound the step of each node: see RadialMotion.bound."""
-    d, area, copied, bounds = len(grid.like), grid.area, metrics.reshape(-1), grid.bounds
-    for m in each(copied.size, vector=True):
-        bounds.reshape(-1)[m] = copied[m]
-    for k in range(d):
-        step, length = 1 if k == 0 else grid.before[k], grid.weight[k].shape[0]
-        for i in each(grid.inner.size, vector=True):
-            n = grid.inner[i]
-            at, here = n // step % length, area[n]
-            below = area[pick(at > 0, n - step, n)]
-            above = area[pick(at < length - 1, n + step, n)]
-            largest = np.maximum(np.maximum(here, below), above)
-            for c in range(d):
-                bounds[k * d + c, i] *= 0.5 * (1.0 + largest / here)
