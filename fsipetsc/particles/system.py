@@ -6,7 +6,7 @@ the same order and solves the same small system: see fsipetsc.particles.procedur
 that own points of an interface exchange what the interface needs, and no sum is made by messages.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,19 +23,6 @@ from fsipetsc.particles.prescribed import Data, Prescribed
 from fsipetsc.scheme import normals as of_faces
 
 Array = NDArray[Any]
-
-#: 1 or 0: this rank adds what comes in; forces move the gas, the solid; a clamp gives the place;
-#: gas and solid stick; the gas is at a wall, the solid at a clamp; all is given of the gas, of the
-#: solid; the temperature of the gas, of the solid; they have one; so have members of the solid
-FLAGS = (
-    *("mine", "free_gas", "free_solid", "placed", "sticks", "at_wall", "clamped", "given_gas"),
-    *("given_solid", "warm_gas", "warm_solid", "shares_heat", "one_T"),
-)
-#: through which face what moves gas and solid does work, and what gives them temperatures heats
-FACES = "moves_gas", "moves_solid", "heats_gas", "heats_solid"
-#: also the number of constraints, where the mass of the gas is in ``gain``, the number of its law
-NUMBERS = "count", "column", "law"
-FACTS = np.dtype([(name, np.int64) for name in (*FLAGS, *FACES, *NUMBERS)], align=True)
 
 
 class State(NamedTuple):
@@ -70,7 +57,7 @@ class Particles(NamedTuple):
     alpha: Array  #: (rows,) specific heat of solids
     inertia: Array  #: (own rows,) M_s of members whose work is booked, else 0
     constraint: Array  #: (n, K) kinds of constraints
-    facts: Array  #: (n,) records of FACTS
+    facts: Array  #: (n,) records of what _facts says
     laws: Any  #: the different ones of gases
     data: Data
     state: State
@@ -208,17 +195,16 @@ class ParticleSystem:
 
     def _of_particles(self, number: Array, owners: Array, most: int) -> dict[str, Array]:
         """What the record has of particles: their facts and kinds of constraints."""
-        problem, count = self._layout.problem, len(self._particles)
+        problem, count, me = self._layout.problem, len(self._particles), self._layout.comm.rank
         gases = [k for k, block in enumerate(problem.blocks) if block.kind == "fluid"]
-        through, first = problem.column_of_face, np.searchsorted(number, np.arange(count))
+        first = np.searchsorted(number, np.arange(count))
         facts, constraint = np.zeros(count, FACTS), np.zeros((count, most), np.int64)
         for p, particle in enumerate(self._particles):
             constraint[p, : len(particle.constraints)] = [c.kind for c in particle.constraints]
-            mine = owners[first[p]] == self._layout.comm.rank
             column = next((gases.index(k) for k, _ in particle.members if k in gases), 0)
-            faces = [through.get(face, len(through)) for face in _faces(particle)]
             law = problem.law_at(particle.members)
-            facts[p] = mine, *_flags(particle), *faces, len(particle.constraints), column, law
+            known = _facts(particle, owners[first[p]] == me, problem.column_of_face, column, law)
+            facts[p] = tuple(known.values())
         return {"facts": facts, "constraint": constraint}
 
     def faces_at(self, k: int) -> of_faces.Faces:
@@ -261,29 +247,40 @@ class ParticleSystem:
             exchange.destroy()
 
 
-def _flags(p: Particle) -> list[bool]:
-    """FLAGS, but for the first one."""
-    found = [
-        not (p.wall or p.given_gas or (p.sticks and (p.clamp or p.given_solid))),
-        not (p.clamp or p.given_solid),
-        p.clamp and p.clamp.x,
-        p.sticks,
-        p.wall,
-        p.clamp,
-        p.given_gas,
-        p.given_solid,
-        p.warm_gas,
-        p.warm_solid or p.given_solid,
-        p.shares_heat,
-        p.one_T,
-    ]
-    return [bool(flag) for flag in found]
+def _facts(
+    p: Particle, mine: bool, through: Mapping[Any, int], column: int, law: int
+) -> dict[str, int]:
+    """What procedures know of a particle. mine: this rank adds what comes in there. through: face
+    -> column of its energy in ``gain``. column: of the mass of its gas there. law: number of its.
+    """
+    flags = {
+        "mine": mine,
+        "free_gas": not (p.wall or p.given_gas or (p.sticks and (p.clamp or p.given_solid))),
+        "free_solid": not (p.clamp or p.given_solid),
+        "placed": p.clamp and p.clamp.x,  # a clamp gives the place
+        "sticks": p.sticks,
+        "at_wall": p.wall,
+        "clamped": p.clamp,
+        "given_gas": p.given_gas,
+        "given_solid": p.given_solid,
+        "warm_gas": p.warm_gas,  # its temperature is given
+        "warm_solid": p.warm_solid or p.given_solid,
+        "shares_heat": p.shares_heat,
+        "one_T": p.one_T,
+    }
+    heats_solid = "given_solid" if "given_solid" in p.faces else "warm_solid"
+    faces = {  # through which what moves it does work, and what gives it a temperature heats
+        "moves_gas": p.mover(True),
+        "moves_solid": p.mover(False),
+        "heats_gas": "warm_gas",
+        "heats_solid": heats_solid,
+    }
+    columns = {name: through.get(p.faces.get(by), len(through)) for name, by in faces.items()}
+    numbers = {"count": len(p.constraints), "column": column, "law": law}
+    return {name: int(bool(flag)) for name, flag in flags.items()} | columns | numbers
 
 
-def _faces(p: Particle) -> list[Any]:
-    """(block, axis, side) of what moves gas and solid and of what warms them; None: of no face."""
-    solid = "given_solid" if "given_solid" in p.faces else "warm_solid"
-    return [p.faces.get(n) for n in (p.mover(True), p.mover(False), "warm_gas", solid)]
+FACTS = np.dtype([(name, np.int64) for name in _facts(Particle([]), True, {}, 0, 0)], align=True)
 
 
 def _members(layout: BlockLayout, particles: Sequence[Particle]) -> tuple[Array, Array]:
