@@ -161,12 +161,12 @@ class Integrator:
                 self._plan_step(ts)
                 self._step(ts)
                 self._after_step()
-            if self._watched:
-                ts.monitor(self.steps, self.t)
-            if not self._fused:
-                ts.viewFromOptions("-ts_view")
         finally:
             self.wall_time += time.perf_counter() - self._begun
+            if self._watched:
+                ts.monitor(self.steps, self.t)
+            if self._ended and not self._fused:
+                ts.viewFromOptions("-ts_view")
             ts.destroy()
 
     def _create(self) -> PETSc.TS:
