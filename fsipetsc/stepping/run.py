@@ -127,12 +127,7 @@ class _Run:
     """One run: integrator, writer, checkpoints, ledgers, report."""
 
     def __init__(
-        self,
-        case: Any,
-        opt: Mapping[str, Any],
-        state: State,
-        past: Past | None,
-        report: Reporter,
+        self, case: Any, opt: Mapping[str, Any], state: State, past: Past | None, report: Reporter
     ) -> None:
         self.name, self.opt, self.comm = case.NAME, opt, state.comm
         self.problem, self.state, self.past, self.report = state.problem, state, past, report

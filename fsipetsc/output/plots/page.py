@@ -199,19 +199,14 @@ def probed(run: Run, quantities: Sequence[Quantity], places: Sequence[Any]) -> l
 
 
 def departures(run: Run) -> dict[str, Array]:
-    """Return name of what must not change in this run -> its relative departure, (nsteps,)."""
-    laws, prefix = run.header.get("laws"), "initial_"
+    """Return name of what must not change in this run -> its relative departure, (nsteps,). Of a
+    result that goes on from another nothing is known.
+    """
+    laws, prefix, first = run.header.get("laws"), "initial_", run.series["dt"][0]
     initial = {k.removeprefix(prefix): v for k, v in run.summary.items() if k.startswith(prefix)}
-    if not laws or not initial:
+    if not laws or not initial or run.series["t"][0] > 1.5 * first:
         return {}
-    series, before = run.series, run.series["t"][0] - run.series["dt"][0]
-    if not before > 0.5 * run.series["dt"][0]:
-        return Drifts(laws, initial).go_on(series)
-    # it goes on from another result, which has what came in before: from its first step on
-    initial |= {name: series[name][0] for name in initial if name in series}
-    later = {name: values[1:] for name, values in series.items()}
-    found = Drifts(laws, initial).go_on(later)
-    return {name: np.concatenate([[0.0], values]) for name, values in found.items()}
+    return Drifts(laws, initial).go_on(run.series)
 
 
 def _curves(run: Run, panels: list[Panel], columns: int = 3) -> Drawing:
