@@ -115,8 +115,6 @@ DEFAULTS = piston.DEFAULTS
 def build(opt):
     problem, T, p = piston.build(opt), piston.T0, piston.P0
     below, layer, above = problem.layers
-    if opt["changed"] == "heated":
-        return replace(problem, left=replace(problem.left, T=1.05 * T))
     if opt["changed"] == "jump":
         jump = lambda X: (np.where(X < 0.5, 2.0, 1.0) * p / 287.0 / T, 0.0 * X, T + 0.0 * X)
         below = replace(below, initial=jump)
@@ -129,7 +127,6 @@ SIGN = "has a pressure of 1e+05 Pa where it meets 'layer', which pushes with -1e
 NOTES = {
     "nothing": [],
     "sign": [f"at t = 0 'driven' {SIGN}", f"at t = 0 'behind' {SIGN}"],
-    "heated": ["at the end the temperature in 'driven' changes by … at X = 0 m: the layer there"],
     "jump": ["at the end the pressure in 'driven' changes by … one node to the next, at X = 0."],
 }
 

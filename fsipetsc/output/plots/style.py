@@ -48,12 +48,10 @@ BESIDE = 0.05
 STYLE: dict[Any, Any] = {
     "font.size": 9,
     "axes.titlesize": 9,
-    "axes.labelsize": 9,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.grid": True,
     "axes.axisbelow": True,
-    "axes.linewidth": 0.8,
     "axes.formatter.limits": (-2, 4),
     "axes.formatter.use_mathtext": True,
     "axes.formatter.useoffset": False,
