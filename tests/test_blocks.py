@@ -169,7 +169,7 @@ WRONG = {
     "expected a Fluid or an ElasticSolid": lambda: square(material="steel"),
     r"cells is \(8, 0\): expected 1, 2 or 3 whole numbers": lambda: square(cells=(8, 0)),
     r"no numbers at xi = \(0.5, ": lambda: square(map=lambda xi: (xi[0], xi[1] / (xi[0] != 0.5))),
-    r"J = -0.0156 per cell at .*right-handed": lambda: square(map=lambda xi: (xi[1], xi[0])),
+    r"J = -0.0156 per piece at .*right-handed": lambda: square(map=lambda xi: (xi[1], xi[0])),
     "axis 0 is periodic, and its map is not": lambda: square(
         periodic=(True, False), map=lambda xi: (xi[0], xi[1] * (1 + xi[0]))
     ),

@@ -18,8 +18,6 @@ from fsipetsc.errors import InputError
 
 #: index ranges, one (begin, end) for each axis
 Range = Sequence[tuple[int, int]]
-#: cells along an axis that are sampled for the sign of the Jacobian, pieces that tell the size
-_SOME = 32
 #: functions of a block -> their arguments and values
 _FORMS = {"map": "(xi) -> d arrays", "initial": "(*X) -> the unknowns", "prestress": "(*X) -> P"}
 _FORMS |= {"exact": "(*X, t) -> the unknowns", "forcing": "(*X, t) -> the rates"}
@@ -76,8 +74,11 @@ class Block:
             raise InputError(f"{self}: prestress is given: expected none, as it is a gas")
         if isinstance(self.map, Nodes) and self.map.cells != self.cells:
             raise InputError(f"{self}: its map has {self.map.cells} cells, the block {self.cells}")
-        self._check_jacobian()
-        _ = self.periods  # checked, too
+        volumes, middles = self.pieces()
+        if not volumes.min() > 0.0:
+            place = place_text(middles.reshape(self.dimension, -1)[:, volumes.argmin()])
+            found = f"J = {volumes.min():.3g} per piece at {place}"
+            raise InputError(f"{self}: its map has {found}: expected J > 0, right-handed axes")
 
     def __str__(self) -> str:
         return f"block '{self.name}'"
@@ -174,23 +175,15 @@ class Block:
         object.__setattr__(self, "cells", tuple(int(c) for c in cells))
         object.__setattr__(self, "periodic", periodic)
 
-    def _check_jacobian(self) -> None:
-        """InputError where the edges of a cell at one of its corners are left-handed or have no
-        volume; a sample of cells.
+    def pieces(self) -> tuple[Array, Array]:
+        """Volumes (…) of up to 32 pieces along each axis, below 0 where the map is left-handed,
+        and their middles (d, …).
         """
-        d = self.dimension
-        cells = [np.linspace(0, c - 1, min(c, _SOME)).astype(int) for c in self.cells]
-        ends = [np.stack([i, i + 1], axis=-1).ravel() / c for i, c in zip(cells, self.cells)]
-        X = self._mapped(mesh(ends))
-        edges = [
-            np.repeat(np.diff(X, axis=axis).take(range(0, X.shape[axis], 2), axis), 2, axis)
-            for axis in range(d, 0, -1)
-        ]
-        J = determinant(np.array(edges)).ravel()
-        i = int(np.argmin(J))
-        if not J[i] > 0.0:
-            found = f"J = {J[i]:.3g} per cell at {place_text(X.reshape(d, -1)[:, i])}"
-            raise InputError(f"{self}: its map has {found}: expected J > 0, right-handed axes")
+        d, most = self.dimension, 32
+        index = [np.unique(np.linspace(0, c, min(c, most) + 1).astype(int)) for c in self.cells]
+        X, axes = self.places(mesh(index)), range(d, 0, -1)
+        edges = [_means(np.diff(X, axis=axis), {*axes} - {axis}) for axis in axes]
+        return determinant(np.array(edges)), _means(X, axes)
 
 
 def determinant(edges: Array) -> Array:
@@ -204,14 +197,9 @@ def mesh(axes: Sequence[Array]) -> tuple[Array, ...]:
 
 
 def size_of(block: Block, symmetry: int = 0) -> float:
-    """About the volume of a block, or of a sector of unit angle, where r is the last coordinate:
-    the sum over a few pieces, by the means of their edges.
-    """
-    d = block.dimension
-    index = [np.unique(np.linspace(0, c, min(c, _SOME) + 1).astype(int)) for c in block.cells]
-    X, axes = block.places(mesh(index)), range(d, 0, -1)
-    edges = [_means(np.diff(X, axis=axis), {*axes} - {axis}) for axis in axes]
-    return float(np.abs(determinant(np.array(edges)) * _means(X, axes)[-1] ** symmetry).sum())
+    """About the volume of a block, or of a sector of unit angle, where r is the last coordinate."""
+    volumes, middles = block.pieces()
+    return float(np.abs(volumes * middles[-1] ** symmetry).sum())
 
 
 def _means(values: Array, axes: Iterable[int]) -> Array:
