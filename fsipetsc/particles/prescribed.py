@@ -26,14 +26,9 @@ Array = NDArray[Any]
 #: conditions of a particle that have data; those by which the gas's grid moves
 NAMES = "wall", "slip", "clamp", "warm_gas", "warm_solid", "given_gas", "given_solid"
 WALLS = "wall", "slip", "given_gas"
-#: Weights of first and second derivatives at one of several equidistant times, of which 0, 1, …
-#: are before it. With three the first one is of second order, with four of third, the second one of
-#: second order.
-FIRST = (
-    ((-1.5, 2.0, -0.5), (1.0, -2.0, 1.0)),
-    ((-0.5, 0.0, 0.5), (1.0, -2.0, 1.0)),
-    ((0.5, -2.0, 1.5), (1.0, -2.0, 1.0)),
-)
+#: Weights of the first derivative at one of three equidistant times, of which 0, 1, 2 are before,
+#: of second order; of the first and the second one at one of four, of third and second order.
+FIRST = ((-1.5, 2.0, -0.5),), ((-0.5, 0.0, 0.5),), ((0.5, -2.0, 1.5),)
 SECOND = (
     ((-11 / 6, 3.0, -1.5, 1 / 3), (2.0, -5.0, 4.0, -1.0)),
     ((-1 / 3, -0.5, 1.0, -1 / 6), (1.0, -2.0, 1.0, 0.0)),
@@ -233,7 +228,7 @@ def motion(condition: Any, instant: Callable[[], float], x: Any, t: Any) -> Sequ
         v = velocity(t) if given else derivatives(place(t), t, still=True)
         return _less(place(t), x), v, derivatives(v, t, still=True)
     if given:
-        v, rate, _ = _differences(velocity, t, instant(), FIRST)
+        v, rate = _differences(velocity, t, instant(), FIRST)
         return _less(place(t), x), v, rate
     if not moves(condition):
         return np.zeros((3, *x.shape))
@@ -279,17 +274,16 @@ def _recorded_velocity(condition: Any, d: int) -> Callable[[Array, float], Array
 
 def _differences(
     of: Callable[[float], Array], t: float, s: float, weights: Sequence[Any]
-) -> tuple[Array, Array, Array]:
-    """A function of time, its first and its second derivative at t >= 0, from values at t and at
-    earlier times s apart, at first at later ones: never from times before or after the run, where
-    it may not be known, nor from when the run ends, which may change at a restart.
+) -> list[Array]:
+    """A function of time and its derivatives at t >= 0, from values at t and at earlier times s
+    apart, at first at later ones: never from times before or after the run, where it may not be
+    known, nor from when the run ends, which may change at a restart.
     """
     before = int(min(len(weights) - 1.0, t / s))
-    first, second = weights[before]
-    values = [of(t if j == before else max(t + (j - before) * s, 0.0)) for j in range(len(first))]
-    rate = sum(w * value for w, value in zip(first, values, strict=True)) / s
-    bend = sum(w * value for w, value in zip(second, values, strict=True)) / (s * s)
-    return values[before], rate, bend
+    count = len(weights[before][0])
+    values = [of(t if j == before else max(t + (j - before) * s, 0.0)) for j in range(count)]
+    sums = [sum(w * v for w, v in zip(row, values, strict=True)) for row in weights[before]]
+    return [values[before], *(found / s**k for k, found in enumerate(sums, start=1))]
 
 
 def _grouped(particles: Sequence[Particle], name: str) -> list[tuple[Any, Array]]:
