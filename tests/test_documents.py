@@ -145,6 +145,8 @@ def test_the_site_has_all_public_names_with_all_arguments():
     for name in names - {"fsipetsc.REQUIRED"}:
         module, _, last = name.rpartition(".")
         made = getattr(importlib.import_module(module), last)
+        folder = Path(importlib.import_module(module).__file__).parent
+        assert (folder / "__init__.py").exists(), f"{folder}: the site leaves it out"
         text = inspect.getdoc(made)
         if "Attributes:" in text or "Exit status" in text or module.endswith("elementary"):
             continue  # what users do not make, and what a sentence tells
