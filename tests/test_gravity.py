@@ -153,3 +153,24 @@ def test_ledgers(convection):
     exact = 1e-13 * before["energy"]
     assert abs(after["energy"] - before["energy"] - work) < exact
     assert (abs(change + work) < exact) == (convection == "entropy")
+
+
+@pytest.mark.parametrize("order", [2, 6])
+def test_small_motions_do_not_grow(order):
+    """In a column, whose force is made node by node by the divergence form, they do."""
+
+    def fastest(form):
+        shape = {"gas": flat.shapes.box((0.0,), (1.2,), 16)}
+        oracle = flat.made(shape, gas_in(1), None, order, form=form)
+        engine, q = Engine(oracle), at_rest(oracle)["gas"]
+        columns = []
+        for k, n in np.ndindex(q[1:].shape):
+            sides = [q.copy(), q.copy()]
+            for sign, side in zip((1.0, -1.0), sides, strict=True):
+                side[1 + k, n] += sign * 1e-5 * q[0, n]
+            up, down = (engine.rates({"gas": side})["gas"][1:] for side in sides)
+            columns.append((up - down).reshape(-1) / (2e-5 * q[0, n]))
+        return np.linalg.eigvals(np.array(columns).T).real.max()
+
+    assert fastest("entropy") < 1e-6
+    assert order > 2 or fastest("divergence") > 1e-4

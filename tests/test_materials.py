@@ -1,6 +1,7 @@
 """Laws of materials against the literature, and what is refused."""
 
 from decimal import Decimal, localcontext
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ from fsipetsc.materials.solid import ElasticSolid, Solid
 from fsipetsc.materials.solid_pressure import mie_gruneisen
 from fsipetsc.materials.stiffened_gas import stiffened_gas
 from fsipetsc.materials.sutherland import sutherland
+from fsipetsc.scheme.gas_forms import DivergenceForm, EntropyForm, convection_of
 
 # the pressure of a solid in one dimension
 
@@ -222,3 +224,17 @@ def test_what_the_logarithm_is_above_its_tangent_has_all_digits():
         for found in of_C, logarithm_rest(x - 1.0, x):
             errors = [Decimal(a) / b - 1 for a, b in zip(found.tolist(), exact, strict=True)]
             assert max(map(abs, errors)) < 2e-15
+
+
+def test_the_form_of_convection():
+    """The flux that conserves entropy is for the gases whose entropy it conserves."""
+
+    def form_of(option, law):
+        return convection_of(option, SimpleNamespace(law=law, force=(0.0,)))
+
+    own = Fluid(0.0, 0.0, 1.4, R, law=gas_law(**GAS)).gas_law
+    for law in PerfectGas(1.4, R), stiffened_gas(2.2, 1.5, 3.0):
+        for option in "auto", "entropy":
+            assert isinstance(form_of(option, law), EntropyForm)
+        assert isinstance(form_of("divergence", law), DivergenceForm)
+    assert isinstance(form_of("auto", own), DivergenceForm)

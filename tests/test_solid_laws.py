@@ -143,3 +143,20 @@ def test_no_wave_is_faster_than_the_modulus_says(law, pressing, heat, d):
     if law in LAWS and not pressing:
         unit = equations.wave_modulus_at(flat(np.eye(d)), T)
         assert unit == pytest.approx(2.0 * MU + LAMBDA, rel=1e-14)
+
+
+@pytest.mark.parametrize("d", [2, 3])
+@pytest.mark.parametrize(
+    ("law", "most"), [*((name, 1e-13) for name in LAWS if name != "linear"), (OWN, 1e-9)]
+)
+def test_an_impedance_turns_with_the_axes(law, most, d):
+    rng = np.random.default_rng(8)
+    equations = solid(law=law, p_ref=P_REF, pressing=PRESSURES[0]).equations(d)
+    for F in strains(d):
+        R, (N, v) = np.linalg.qr(rng.standard_normal((d, d)))[0], rng.standard_normal((2, d))
+        N /= np.linalg.norm(N)
+        of_axes = [
+            equations.resistance(flat(S @ F @ S.T), T, flat(S @ N), flat(S @ v))
+            for S in (np.eye(d), R)
+        ]
+        assert np.abs(R @ of_axes[0] - of_axes[1]).max() < most * np.linalg.norm(of_axes[0])
