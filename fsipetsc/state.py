@@ -47,6 +47,9 @@ class State:
         powers(k, names, t, power)  integrals of |difference|^power over this rank's part
         more()          what a checkpoint has beside layers and results, on rank 0
         go_on(t, arrays)  what follows once the solution is that of a checkpoint
+        go_to_fault(unphysical)  let the state be the first one of a failed step of which
+                        unphysical() says something, if that can be found; returns what the state
+                        before the step says of the cause, or ""
 
     results: flags and limits of the last step (fsipetsc.scheme.plan). batch:
     fsipetsc.scheme.batch. journal: records of steps; latest: that of the last one, without its
@@ -73,6 +76,7 @@ class State:
     powers: Any
     more: Any
     go_on: Any
+    go_to_fault: Any
 
     def plan_next(self) -> bool:
         """Put the last step into the journal; whether another one of its batch follows."""
@@ -103,18 +107,11 @@ class State:
         return numbers
 
     def notes(self, when: str) -> list[str]:
-        """What is to be said of the solution: at the "begin", when it is "saved", at the "end", and
-        where it has "failed". Collective.
+        """What is to be said of the solution at the "begin", when it is "saved", and at the "end".
+        Collective.
         """
         of_case = self.problem.notes if when == "begin" else ()
         return [*of_case, *(said for say in self.NOTES.get(when, ()) for said in say(self))]
-
-    def go_to_fault(self, unphysical: Callable[[], Any]) -> str:
-        """Go to where a failed step became unphysical, if that can be found. Returns what the
-        state before the step says of the cause, or "". unphysical: tells, of the values that are
-        seen now, whether they are. Collective.
-        """
-        return ""
 
     # what is made of it
 

@@ -9,26 +9,180 @@ A phase is a list of calls: procedures of parts and of particles (fsipetsc.kerne
 exchanges between ranks (fsipetsc.parallel.exchange). C makes all calls of a list.
 """
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
+from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.compiled import STAGES, Compiled
-from fsipetsc.kernels.calls import Calls
-from fsipetsc.parallel.block_layout import BlockVector
-from fsipetsc.scheme.timed import OF_STAGES
+from fsipetsc.blockrun.block_part import Recorded
+from fsipetsc.blockrun.gas_part import GasPart
+from fsipetsc.blockrun.saved import slices
+from fsipetsc.blockrun.solid_part import SolidPart
+from fsipetsc.kernels.calls import Calls, calling_code
+from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
+from fsipetsc.parallel.exchange import Reduction, exchange_text
+from fsipetsc.particles.members import particles_of
+from fsipetsc.particles.system import ParticleSystem
+from fsipetsc.process.libraries import libraries
+from fsipetsc.process.together import together
+from fsipetsc.scheme import runge_kutta as stages
+from fsipetsc.scheme.batch import plan_next
+from fsipetsc.scheme.normals import turned_faces
+from fsipetsc.scheme.plan import RATE
+from fsipetsc.scheme.recorded_data import Recorder
+from fsipetsc.scheme.timed import OF_STAGES, TIMES, set_time
 
 Array = NDArray[Any]
+#: names of the procedures of the stages of a step
+STAGES = [f"stage_{number}" for number in range(stages.STAGES)]
 
 
-class Phases(Compiled):
-    """The phases as lists of calls of what is compiled. Each list is made once."""
+class Phases:
+    """This rank's parts of blocks, the particles they meet in, and all procedures of both, compiled;
+    the phases as lists of their calls, each of which is made once. Making one is collective.
+    InputError.
 
-    def __init__(self, *about: Any) -> None:
-        super().__init__(*about)
+    form: fsipetsc.blockrun.block_state.BlockForm. found: what steps take and fill; its left is
+    found here. columns: of the record of a step, the type of `latest` there. announce: called on
+    rank 0, with a message, before and after kernels are compiled.
+
+    parts: block -> this rank's part; gases: those of gas; particles: in which they meet. does:
+    procedures by name, also those between phases (fsipetsc.scheme.runge_kutta). data: code that
+    fills recorded data. asks: some data depend on time, and not all of these are recorded: Python
+    is asked for them. not_recorded: why, on this rank.
+    """
+
+    def __init__(
+        self,
+        layout: BlockLayout,
+        order: int,
+        form: Any,
+        found: stages.Found,
+        columns: np.dtype,
+        announce: Callable[[str], None],
+    ) -> None:
+        self.layout, self.problem, self.found = layout, layout.problem, found
+        problem = layout.problem
+        particles, blocks = particles_of(problem), problem.blocks
+
+        def make() -> dict[int, GasPart | SolidPart]:
+            kinds = {"fluid": GasPart, "solid": SolidPart}
+            of = layout.parts.items()
+            return {k: kinds[blocks[k].kind](layout, part, order, form) for k, part in of}
+
+        self.parts = together(layout.comm, make)  # a grid or a prestress may be wrong on some ranks
+        self.gases = [part for part in self.parts.values() if isinstance(part, GasPart)]
+        solids = (part for part in self.parts.values() if isinstance(part, SolidPart))
+        inertia = {part.part.k: part.inertia for part in solids}
+        self.particles = ParticleSystem(layout, particles, inertia, self.instant)
+        for gas in self.gases:
+            gas.follow(particles, self.particles)
+        self._at_faces = {k: self.particles.faces_at(k) for k in self.parts}
+        for gas in self.gases if problem.dimension == 3 else ():
+            faces = self._at_faces[gas.part.k]
+            gas.grid.name_faces(turned_faces(faces, gas.part.patch))
+        self.found = found._replace(left=self._left())
+        self.steady = problem.steady_data
+        self._compile(columns, announce)
         self._made: dict[Any, Calls] = {}
         self._calls: list[Any] = []  # those of the list in the making
+        self._y = self._f = found.y
+
+    def instant(self) -> float:
+        """A time [s] in which little happens, for differences in time: a power of two, so that it
+        is the same in most steps, and data need not be asked for again where the next step begins.
+        """
+        rate, h = float(self.found.results[RATE]), float(min(self.problem.spacings))
+        _, power = math.frexp(0.25 / rate if 0.0 < rate < np.inf else 1e-3 * h)
+        return math.ldexp(0.25, power)
+
+    def _left(self) -> Array:
+        """(runs, 2) of the numbers of this rank's part of a world vector with rates that something
+        adds to after a sweep.
+        """
+        left = np.ones(self.layout.local_size, bool)
+        for part in self.parts.values():
+            left[part.part.begin : part.part.end].reshape(part.part.dof, -1)[:, part.free_nodes] = 0
+        ends = np.flatnonzero(np.diff(left, prepend=False, append=False))
+        return ends.reshape(-1, 2).astype(np.int64)
+
+    def _compile(self, columns: np.dtype, announce: Callable[[str], None]) -> None:
+        """Record all procedures, and load them. Collective. InputError."""
+        comm, found = self.layout.comm, self.found
+        about = Recorded(
+            self.particles,
+            found,
+            self._at_faces,
+            {name: at.start for name, at in slices(columns).items()},
+            list(self.layout.interface_ends()),
+        )
+        codes = together(comm, lambda: [part.record(about) for part in self.parts.values()])
+        self.calling = calling_code(exchange_text())
+        record = self.calling.procedure
+        of_found = stages.begin_monitor, stages.note_extremes, stages.note_gained
+        of_step = stages.begin_step, *of_found, stages.end_step
+        self.does = {f.__name__: record(f.__name__, f, found) for f in of_step}
+        self.does["clear_gain"] = record("clear_gain", stages.clear_gain, found.gain)
+        self.does["plan_next"] = record("plan_next", plan_next, found.plan)
+        for number, name in [(None, "rates"), *enumerate(STAGES)]:
+            self.does[f"begin_{name}"] = record(f"begin_{name}", stages.begin_stage(number), found)
+            if number is not None:
+                self.does[name] = record(name, stages.advance(number), found)
+        for name, part_of_step in TIMES.items():
+            self.does[name] = record(name, set_time(part_of_step), found.now)
+        self._record_data(comm)
+        codes = [*codes, *self.data, self.particles.procedures(found.gain), self.calling]
+        made = libraries(comm, [code.text for code in codes], announce)
+        for code, library in zip(codes, made, strict=True):
+            code.load(library)
+        self._check_recorded(comm)
+        self.does |= self.particles.does
+        self.does["reduce"] = Reduction(comm, found.extremes)
+        halos = self.layout.halos, *(part.inside for part in self.layout.parts.values())
+        particles = self.particles.sums, self.particles.areas, self.particles.stored
+        gathers = (gas.gather for gas in self.gases)
+        for exchange in (*halos, *particles, *gathers, self.does["reduce"]):
+            exchange.load(self.calling.library)
+        self.particles.begin()
+        for gas in self.gases:
+            gas.begin()
+
+    def _record_data(self, comm: Any) -> None:
+        """Record data that depend on time, if all can be. Collective."""
+        having = () if self.steady else (*self.parts.values(), self.particles.prescribed)
+        self.recorders = [Recorder() for _ in having]
+        for part, recorder in zip(having, self.recorders, strict=True):
+            part.record_data(recorder)
+        self.not_recorded = [why for recorder in self.recorders for why in recorder.refused]
+        self.asks = comm.allreduce(bool(self.not_recorded), MPI.LOR)
+        recorders = [] if self.asks else self.recorders
+        codes = [recorder.code(self.found.now) for recorder in recorders]
+        self.data = [code for code in codes if code is not None]
+
+    def _check_recorded(self, comm: Any) -> None:
+        """Let Python be asked if recorded data are not finite at t = 0, as those of a wall that
+        begins with an infinite acceleration. So it is after a restart, too. Collective.
+        """
+        if not self.steady and not self.asks:
+            self.fill(0.0)
+            bad = [recorder.faulty() for recorder in self.recorders]
+            self.not_recorded = [f"{what}: it is not finite at t = 0" for what in bad if what]
+            self.asks = comm.allreduce(bool(self.not_recorded), MPI.LOR)
+
+    def fill(self, t: float) -> None:
+        """Let C fill the recorded data at time t [s]."""
+        self.found.now[stages.AT] = t
+        for code in self.data:
+            code.procedures[0]()
+
+    def destroy(self) -> None:
+        """Release the messages, before the layout."""
+        self.particles.destroy()
+        for gas in self.gases:
+            gas.gather.destroy()
 
     def do(self, phases: str, y: Array, f: Array | None = None) -> None:
         """Make the calls of phases, whose names have blanks between; f: y if not given."""

@@ -51,21 +51,6 @@ def lossy(problem: Any) -> bool:
     return any(problem.loses(k) for k in range(len(problem.blocks)))
 
 
-def gained(problem: Any) -> np.dtype:
-    """What came in from outside in a step, column by column."""
-    return _record(problem, (GAIN,))
-
-
-def _record(problem: Any, kinds: Collection[str], interfaces: int = 0, points: int = 0) -> np.dtype:
-    """The columns of these kinds that the problem has."""
-    d, faces = problem.dimension, len(problem.outer_faces) + 1
-    has = {"lossy": lossy(problem), "pulled": problem.pulled}
-    has |= {name: d == k for k, name in enumerate(("line", "plane", "space"), 1)}
-    names = of_blocks([name for name, there in has.items() if there], d, kinds)
-    counts = {"layer": len(problem.blocks), "gas": _gases(problem), "interface": interfaces}
-    return np.dtype(record(list(names), {**counts, "point": points, "face": faces}))
-
-
 def gain_of(problem: Any) -> Gain:
     """What comes in, as procedures have it."""
     kind = gained(problem)
@@ -84,10 +69,6 @@ def slices(kind: np.dtype) -> dict[str, slice]:
     return {name: slice(first, first + size) for name, first, size in fields}
 
 
-def _gases(problem: Any) -> int:
-    return sum(block.kind == "fluid" for block in problem.blocks)
-
-
 #: recorded of interfaces in one dimension: position [m], velocity [m/s], sigma [Pa] and
 #: temperature [K] of the solid's end
 OF_INTERFACES = "x_interface", "u_interface", "sigma_interface", "T_interface"
@@ -98,12 +79,27 @@ def point_names(d: int) -> tuple[str, ...]:
     return tuple(name for one in TABLE if one.of == "point" for name in one.names(d))
 
 
-def step_record(problem: Any, interfaces: int = 0, points: int = 0) -> np.dtype:
-    """Recorded of a step with so many interfaces in one dimension and nodes that are recorded; from
-    the integrals on these are shares of the ranks, to be added up.
+def step_record(
+    problem: Any,
+    interfaces: int = 0,
+    points: int = 0,
+    kinds: Collection[str] = (STEP, EXTREME, INTEGRAL, PLACE, GAIN),
+) -> np.dtype:
+    """The columns of these kinds that a record of a step has, with so many interfaces in one
+    dimension and nodes that are recorded; from the integrals on these are shares of the ranks.
     """
-    kinds = STEP, EXTREME, INTEGRAL, PLACE, GAIN
-    return _record(problem, kinds, interfaces, points)
+    d, faces = problem.dimension, len(problem.outer_faces) + 1
+    has = {"lossy": lossy(problem), "pulled": problem.pulled}
+    has |= {name: d == k for k, name in enumerate(("line", "plane", "space"), 1)}
+    names = of_blocks([name for name, there in has.items() if there], d, kinds)
+    gases = sum(block.kind == "fluid" for block in problem.blocks)
+    counts = {"layer": len(problem.blocks), "gas": gases, "interface": interfaces}
+    return np.dtype(record(list(names), {**counts, "point": points, "face": faces}))
+
+
+def gained(problem: Any) -> np.dtype:
+    """What came in from outside in a step, column by column."""
+    return step_record(problem, kinds=(GAIN,))
 
 
 # of a state

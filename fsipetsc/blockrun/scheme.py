@@ -11,8 +11,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.compiled import STAGES
-from fsipetsc.blockrun.phases import Phases
+from fsipetsc.blockrun.phases import STAGES, Phases
 from fsipetsc.blocks.values import block_values
 from fsipetsc.errors import InputError
 from fsipetsc.parallel.block_layout import BlockVector
@@ -28,7 +27,7 @@ class Scheme(Phases):
     """Right-hand side of a problem on this rank's parts of its blocks. Making one is collective.
     InputError.
 
-    vectors: the solution, and two for stages. The rest is that of fsipetsc.blockrun.compiled.
+    vectors: the solution, and two for stages. The rest is that of fsipetsc.blockrun.phases.
 
     fault: the first error of a function of the case's on this rank, after `initial`. The rank goes
     on with the data before it, so that others do not wait for its messages; all end after the step.
@@ -151,9 +150,8 @@ class Scheme(Phases):
             together(self.layout.comm, check)
 
     def monitor(self, y: BlockVector) -> None:
-        """Put extremes of all ranks, shares of the integrals of this rank's nodes, and what is
-        recorded of interfaces, where the state has it; fill ghosted arrays. y: the solution,
-        completed. Collective.
+        """Find extremes of all ranks, this rank's shares of integrals, and what is recorded of
+        interfaces, of the completed solution y; fill ghosted arrays. Collective.
         """
         self.do("monitor inside", y.array)
 

@@ -36,7 +36,7 @@ def check(state: State, t: float, step: int, flags: Sequence[float], beyond: str
     """
     if flags[BAD] or not flags[RATE] < np.inf:
         cause = state.go_to_fault(partial(first_bad, state))
-        about = described(state, t, step), *state.notes("failed"), beyond
+        about = described(state, t, step), beyond
         raise ComputationError("; ".join(filter(None, (*about, cause or HELPS))))
     if flags[EXHAUSTED] or flags[TOO_SHORT]:
         when = f"t = {t:.6g}{state.problem.unit('s')}, step {step}"
