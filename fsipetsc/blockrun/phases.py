@@ -42,7 +42,7 @@ STAGES = [f"stage_{number}" for number in range(stages.STAGES)]
 
 class Phases:
     """This rank's parts of blocks, the particles they meet in, all procedures of both, and the
-    phases as lists of their calls, each of which is made once. Making one is collective. InputError.
+    phases as lists of their calls, each made once. Making one is collective. InputError.
 
     form: fsipetsc.blockrun.block_state.BlockForm. found: what steps take and fill; its left is
     found here. columns: of the record of a step, the type of `latest` there. announce: called on
