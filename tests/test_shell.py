@@ -5,9 +5,8 @@ import pytest
 from helpers import computed, on_ranks, rows_of, solve, well
 
 from fsipetsc.cases import shell
-from fsipetsc.studies.modes import media_of
-from fsipetsc.studies.ring_theory import mode_near
-from fsipetsc.studies.wave_modes import radial_modes
+from fsipetsc.studies.linear import radial_modes
+from fsipetsc.studies.modes import media_of, mode_near
 
 #: of angular number 2, by another program: with gas, and in a vacuum
 IN_GAS = 0.117577100308, 1.720096919386, 2.088655435371

@@ -7,8 +7,7 @@ import pytest
 from helpers import REPOSITORY, program, rows_of, solve
 
 from fsipetsc.studies.verdicts import Compared, Expected, Row
-from fsipetsc.studies.verify.command import ENTRIES
-from fsipetsc.studies.verify.entry import problem, reference
+from fsipetsc.studies.verify.entry import entries, problem, reference
 
 
 def test_orders_and_verdicts():
@@ -53,7 +52,7 @@ def test_references_are_what_their_programs_make(name):
 
 
 def test_entries_say_all_that_another_code_needs():
-    for name, entry in ENTRIES.items():
+    for name, entry in entries().items():
         assert entry.source and entry.why and entry.full
         title, _, *text = problem(name).splitlines()
         assert title.startswith("# ") and 5 < len(text) <= 40

@@ -9,8 +9,7 @@ from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.studies.spectra import step_limit
-from fsipetsc.studies.wave_modes import linearise
+from fsipetsc.studies.linear import linearise, step_limit
 
 #: a gas of height 1 over an elastic layer of depth 1/2, wave number 2 pi: by a spectral method
 KNOWN = (-0.367881432498 + 4.726877249787j, -0.433440151802 + 10.993326674370j)

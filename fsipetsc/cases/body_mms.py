@@ -12,7 +12,7 @@ around it. With D a displacement, X material places and labels of the gas,
 b is 0 at interfaces: (R^2 - 1)/(R^2 + 1) around the disk of radius 1; at the panel the product of
 the distances from its three sides. The grid of the gas is blended between walls and body, so
 that its nodes have other labels at each time: X + D(X, t) is solved for X. All unknowns are given
-on the outer walls, which move, too. See fsipetsc.cases.manufactured.
+on the outer walls, which move, too. See fsipetsc.cases.box_mms.
 """
 
 from collections.abc import Callable
@@ -25,9 +25,9 @@ from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.block_problem import FaceName
 from fsipetsc.blocks.conditions import Given
 from fsipetsc.blocks.maps import Map, Places, rectangle
+from fsipetsc.cases.box_mms import Solution, gradient, recorded
 from fsipetsc.cases.common import Opt, materials
 from fsipetsc.cases.disk import centre, quarter
-from fsipetsc.cases.manufactured import Solution, gradient, recorded
 from fsipetsc.checks import Array, Fields
 from fsipetsc.equations.tensors import add_unit, apply_transposed, cofactor, determinant
 from fsipetsc.equations.vectors import add, along, scale, sub
@@ -40,7 +40,7 @@ OPTIONS = (
     *materials(fluid_mu=0.02, fluid_kappa=0.03, solid_kappa=0.05),
     *materials(solid_law=("svk", "neo-hookean", "log", "linear")),
 )
-DEFAULTS = {"fsi_h": 1 / 16, "fsi_order": 4, "ts_max_time": 0.1, "fsi_output_dt": 0.1}
+DEFAULTS = {"fsi_h": 1 / 16, "ts_max_time": 0.1, "fsi_output_dt": 0.1}
 
 #: half the side of the box and of the block in the middle of the disk
 BOX, HALF = 2.0, 0.45

@@ -18,7 +18,7 @@ OPTIONS = (
     *materials(fluid_mu=0.01, fluid_kappa=0.03, fluid_gamma=1.4, solid_modulus=20.0),
     *materials(solid_kappa=0.02, solid_density=2.0, solid_alpha=1.0, solid_gruneisen=0.0),
 )
-DEFAULTS = {"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 2.0, "fsi_output_dt": 0.05}
+DEFAULTS = {"fsi_h": 0.0125, "ts_max_time": 2.0, "fsi_output_dt": 0.05}
 
 #: walls and interfaces; pressure and temperature on the left and on the right
 X, P, T = (0.0, 1.0, 2.0, 3.0), (2.2, 2.0), (5.0, 4.0)

@@ -15,7 +15,7 @@ OPTIONS = (
     *materials(solid_density=2.0, solid_alpha=1.0),
     Option("column_pulse", float, 0.5, "", "overpressure / p0", check="nonnegative"),
 )
-DEFAULTS = {"fsi_h": 0.025, "fsi_order": 4, "ts_max_time": 4.0, "fsi_output_dt": 0.05}
+DEFAULTS = {"fsi_h": 0.025, "ts_max_time": 4.0, "fsi_output_dt": 0.05}
 
 
 def build(opt: Opt) -> Problem:

@@ -4,8 +4,10 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from fsipetsc import BlockProblem, Fluid, Option, Solid
+from fsipetsc.blocks.conditions import NoSlip, Slip
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.checks import Array, Fields
+from fsipetsc.equations.elementary import exp, power
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import above_one
 
@@ -13,7 +15,7 @@ from fsipetsc.options import above_one
 Opt = Mapping[str, Any]
 #: defaults of cases with shocks; of those of the paper, which has this grid and coupling
 SHOCKS = {"fsi_shock": 1.0, "fsi_dissipation": 1.0}
-PAPER = {"fsi_h": 0.0125, "fsi_order": 4, "fsi_coupling": "projection"}
+PAPER = {"fsi_h": 0.0125, "fsi_coupling": "projection"}
 
 _GRUNEISEN = "pressure of the solid p = G rho epsilon; 0: elastic"
 #: name -> unit, meaning, check
@@ -98,6 +100,24 @@ def at_rest(T: float = 1.0) -> Callable[..., Fields]:
 def line_at_rest(sigma: float, T: float) -> Callable[[Array], Fields]:
     """Initial data of a solid layer under the stress sigma [Pa], of the temperature T [K]."""
     return lambda X: [0.0 * X, sigma + 0.0 * X, T + 0.0 * X, X]
+
+
+def pressure_pulse(gas: Fluid, height: float, x: float, y: float, width: float) -> Callable:
+    """Initial data of a gas in a plane: the pressure 1 but for a pulse of a height [Pa] around
+    (x, y) [m], of the same entropy everywhere.
+    """
+
+    def start(X: Array, Y: Array) -> Fields:
+        p = 1.0 + height * exp(-((X - x) ** 2 + (Y - y) ** 2) / width**2)
+        rho = power(p, 1.0 / gas.gamma)
+        return [rho, 0.0 * X, 0.0 * X, p / rho]
+
+    return start
+
+
+def wall_for(gas: Fluid) -> NoSlip | Slip:
+    """A wall that a viscous gas sticks to, and along which another one slips."""
+    return NoSlip() if gas.mu > 0.0 else Slip()
 
 
 def cells_of(opt: Opt, length: float) -> int:

@@ -22,7 +22,7 @@ OPTIONS = (
     Option("cylinder_wall", str, "elastic", "", "what the cylinder is", ("rigid", "elastic")),
     *beside_gas(40.0),
 )
-DEFAULTS = {"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 2.0, "fsi_output_dt": 0.05, **SHOCKS}
+DEFAULTS = {"fsi_h": 1 / 32, "ts_max_time": 2.0, "fsi_output_dt": 0.05, **SHOCKS}
 
 AHEAD = GasState(1.4, 0.0, 1.0)
 RADIUS, CORE, START = 0.5, 0.22, -1.0

@@ -11,9 +11,8 @@ must end well before half a turn.
 import numpy as np
 
 from fsipetsc import Block, BlockProblem, Option
-from fsipetsc.blocks.conditions import NoSlip, Slip
 from fsipetsc.blocks.maps import Map, Places, annulus
-from fsipetsc.cases.common import Opt, cells_of, constant, elastic_of, gas_of, materials
+from fsipetsc.cases.common import Opt, cells_of, constant, elastic_of, gas_of, materials, wall_for
 from fsipetsc.checks import Array
 
 SUMMARY = "an elastic disk of five blocks that spins in gas"
@@ -23,7 +22,7 @@ OPTIONS = (
     Option("disk_power", int, 0, "", "p of the factor (1 - R^2)^p of spin", check="nonnegative"),
     *materials(fluid_mu=0.0, fluid_kappa=0.0, solid_density=2.0, solid_mu=1.0, solid_lambda=1.5),
 )
-DEFAULTS = {"fsi_h": 0.05, "fsi_order": 4, "ts_max_time": 1.25, "fsi_output_dt": 0.025}
+DEFAULTS = {"fsi_h": 0.05, "ts_max_time": 1.25, "fsi_output_dt": 0.025}
 
 #: radii [m] of the disk and of the vessel, half the side of the block in the middle
 RADIUS, VESSEL, HALF = 1.0, 2.2, 0.45
@@ -75,6 +74,5 @@ def build(opt: Opt) -> BlockProblem:
         shape = quarter(q, RADIUS, HALF), (across, around)
         blocks.append(Block(f"disk {name}", solid, *shape, spinning))
         blocks.append(Block(f"gas {name}", gas, ring, (outside, around), still))
-    wall = NoSlip() if gas.mu > 0 else Slip()
-    faces = {(block.name, 0, 1): wall for block in blocks if block.kind == "fluid"}
+    faces = {(block.name, 0, 1): wall_for(gas) for block in blocks if block.kind == "fluid"}
     return BlockProblem(tuple(blocks), faces, units="none")

@@ -23,7 +23,7 @@ SUMMARY = "an elastic rod recedes from a gas or advances into it, with an exact 
 OPTIONS = (
     Option("piston_way", str, "receding", "", "what the rod does", ("receding", "advancing")),
 )
-DEFAULTS = {"fsi_h": 1 / 40, "fsi_order": 4, "ts_max_time": 0.7, "fsi_output_dt": 0.1}
+DEFAULTS = {"fsi_h": 1 / 40, "ts_max_time": 0.7, "fsi_output_dt": 0.1}
 
 GAMMA, RHO, T = 1.4, 0.1, 1 / 1.4
 P = RHO * T

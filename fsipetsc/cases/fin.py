@@ -29,10 +29,8 @@ OPTIONS = (
     Option("fin_length", float, 0.05, "m", "length of the panel, below 0.065", check="positive"),
     Option("fin_thickness", float, 1e-3, "m", "thickness of the panel", check="positive"),
 )
-DEFAULTS = {
-    **{"fsi_h": 0.005, "fsi_order": 4, "fsi_cfl": 1.2, "ts_max_time": 2e-3, "fsi_output_dt": 1e-4},
-    **{**SHOCKS, "fsi_probes": "0.051,0.05"},
-}
+DEFAULTS = {"fsi_h": 0.005, "fsi_cfl": 1.2, "ts_max_time": 2e-3, "fsi_output_dt": 1e-4, **SHOCKS}
+DEFAULTS |= {"fsi_probes": "0.051,0.05"}
 
 AHEAD = GasState(1.2, 0.0, 101e3)
 #: steel: Young's modulus [Pa], Poisson's ratio, density [kg/m3], specific heat [J/(kg K)]

@@ -17,7 +17,7 @@ import numpy as np
 
 from fsipetsc import Fluid, FluidLayer, InputError, Problem, Solid, SolidLayer, Wall, clamped
 from fsipetsc.cases.common import Opt, gas_of, materials, solid_of
-from fsipetsc.cases.normal_mode import POINTS, Mode, chebyshev, eigenmodes, polynomials
+from fsipetsc.cases.wave import POINTS, Mode, chebyshev, eigenmodes, polynomials
 
 SUMMARY = "conjugate heat transfer between a solid and a gas: errors against the exact solution"
 
@@ -25,7 +25,7 @@ OPTIONS = (
     *materials(conducting=True, fluid_mu=0.02, fluid_kappa=0.1, solid_modulus=20.0),
     *materials(conducting=True, solid_kappa=0.3, solid_density=2.0, solid_alpha=1.0),
 )
-DEFAULTS = {"fsi_h": 0.025, "fsi_order": 4, "ts_max_time": 1.0, "fsi_output_dt": 0.1}
+DEFAULTS = {"fsi_h": 0.025, "ts_max_time": 1.0, "fsi_output_dt": 0.1}
 
 GAMMA, R, P0, T0 = 1.4, 1.0, 1.0, 1.0
 #: density of the gas at rest; largest T - T0, small, as the theory is linear

@@ -23,7 +23,7 @@ OPTIONS = (
     Option("nozzle_mach", float, 1.5, "", "Mach number of the shock", check=above_one),
     *beside_gas(60.0),
 )
-DEFAULTS = {"fsi_h": 1 / 24, "fsi_order": 4, "ts_max_time": 2.5, "fsi_output_dt": 0.05, **SHOCKS}
+DEFAULTS = {"fsi_h": 1 / 24, "ts_max_time": 2.5, "fsi_output_dt": 0.05, **SHOCKS}
 
 AHEAD = GasState(1.4, 0.0, 1.0)
 #: of the nozzle; radii at its ends and in the throat; thickness of the wall; radius of the vessel

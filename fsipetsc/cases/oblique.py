@@ -30,7 +30,7 @@ OPTIONS = (
     Option("oblique_wall", str, "elastic", "", "what is below", ("rigid", "elastic")),
     *beside_gas(40.0),
 )
-DEFAULTS = {"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 4.0, "fsi_output_dt": 0.25, **SHOCKS}
+DEFAULTS = {"fsi_h": 1 / 32, "ts_max_time": 4.0, "fsi_output_dt": 0.25, **SHOCKS}
 
 #: the gas is 1 high, the layer, if there is one, so thick and so many cells [m]
 GAMMA, LENGTH, THICKNESS, CELLS = 1.4, 3.0, 0.25, 18

@@ -19,9 +19,9 @@ from dataclasses import replace
 import numpy as np
 
 from fsipetsc import BlockProblem, Fluid, InputError, Option
-from fsipetsc.blocks.conditions import Clamped, Free, Given, Hinge, NoSlip, Open, Outflow, Slip
+from fsipetsc.blocks.conditions import Clamped, Free, Given, Hinge, Open, Outflow
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.cases.common import Opt, materials, stack
+from fsipetsc.cases.common import Opt, materials, stack, wall_for
 from fsipetsc.equations.elementary import tanh
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import operator
@@ -40,10 +40,7 @@ OPTIONS = (
     *materials(fluid_mu=0.0),
     Option("panel_layer", float, 0.2, "m", "boundary layer's depth, if viscous", check="positive"),
 )
-DEFAULTS = {
-    **{"fsi_h": 1 / 32, "fsi_order": 4, "fsi_dissipation": 1.0},
-    **{"ts_max_time": 40.0, "fsi_output_dt": 0.25},
-}
+DEFAULTS = {"fsi_h": 1 / 32, "fsi_dissipation": 1.0, "ts_max_time": 40.0, "fsi_output_dt": 0.25}
 
 GAMMA, PRANDTL = 1.4, 0.72
 #: edges of the gas in X; cells across the panel, more where the operators want them
@@ -81,7 +78,7 @@ def build(opt: Opt) -> BlockProblem:
         raise InputError("-panel_ends hinged: expected -fluid_mu 0: gas that sticks holds edges")
     outside = Open(rho, (M, 0.0), 1.0)
     echo = f"waves that the panel makes come back to it from Y = {height:g}: see -panel_height"
-    beside = NoSlip() if mu > 0 else Slip()
+    beside = wall_for(gas)
     sides = {(0, 0): Given(flow) if mu > 0 else outside, (0, 1): Outflow(p)}
     ends = {"span": ((0.0, 1.0),), "sides": Free(p) if hinged else Clamped()}
     problem = stack(

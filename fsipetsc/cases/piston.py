@@ -19,7 +19,7 @@ OPTIONS = (
     *materials(solid_density=100.0, solid_alpha=1000.0),
     Option("piston_time", float, 0.02, "s", "time that the wall takes", check="positive"),
 )
-DEFAULTS = {"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 0.04, "fsi_output_dt": 5e-4}
+DEFAULTS = {"fsi_h": 0.0125, "ts_max_time": 0.04, "fsi_output_dt": 5e-4}
 
 STROKE, P0, T0 = 0.3, 1e5, 300.0
 

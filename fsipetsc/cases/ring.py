@@ -9,10 +9,10 @@ of stress under the pressure of the gas. Its small motions are known exactly: se
 import numpy as np
 
 from fsipetsc import Block, BlockProblem, Option
-from fsipetsc.blocks.conditions import Free, NoSlip, Slip
+from fsipetsc.blocks.conditions import Free
 from fsipetsc.blocks.maps import annulus
-from fsipetsc.cases.common import Opt, at_rest, cells_of, constant, elastic_of, gas_of, materials
-from fsipetsc.equations.elementary import exp, power
+from fsipetsc.cases import common
+from fsipetsc.cases.common import Opt, cells_of, elastic_of, gas_of, materials
 
 SUMMARY = "an elastic ring with gas inside and outside, and a pressure pulse"
 
@@ -41,19 +41,12 @@ def build(opt: Opt) -> BlockProblem:
         shape = annulus(inner, outer), (cells_of(opt, outer - inner), around)
         return Block(name, material, *shape, initial, periodic=(False, True))
 
-    def pulse(X, Y):
-        """The entropy is the same everywhere."""
-        squared = ((X - MIDDLE) ** 2 + Y**2) / WIDTH**2
-        p = 1.0 + opt["ring_pulse"] * exp(-squared)
-        rho = power(p, 1.0 / gas.gamma)
-        return rho, 0.0 * X, 0.0 * X, p / rho
-
-    blocks = (block("ring", solid, INNER, OUTER, at_rest()),)
+    blocks = (block("ring", solid, INNER, OUTER, common.at_rest()),)
     faces = {("ring", 0, 0): Free(), ("ring", 0, 1): Free()}
     if opt["ring_gas"]:
-        still = constant(1.0, 0.0, 0.0, 1.0)
+        still = common.constant(1.0, 0.0, 0.0, 1.0)
+        pulse = common.pressure_pulse(gas, opt["ring_pulse"], MIDDLE, 0.0, WIDTH)
         inside = block("inside", gas, CORE, INNER, pulse)
         blocks = (inside, *blocks, block("outside", gas, OUTER, VESSEL, still))
-        wall = NoSlip() if gas.mu > 0 else Slip()
-        faces = {("inside", 0, 0): wall, ("outside", 0, 1): wall}
+        faces = {("inside", 0, 0): common.wall_for(gas), ("outside", 0, 1): common.wall_for(gas)}
     return BlockProblem(blocks, faces, units="none")

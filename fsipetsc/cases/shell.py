@@ -24,10 +24,7 @@ OPTIONS = (
     *materials(fluid_mu=0.0, fluid_kappa=0.0, solid_density=2.0),
     *materials(solid_mu=1.0, solid_lambda=1.5, solid_law=("neo-hookean", "log", "svk")),
 )  # fmt: skip
-DEFAULTS = {
-    **{"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 2.0, "fsi_output_dt": 0.02},
-    "fsi_shock": 1.0,
-}
+DEFAULTS = {"fsi_h": 0.0125, "ts_max_time": 2.0, "fsi_output_dt": 0.02, "fsi_shock": 1.0}
 #: radii [m] of the core, where there is one, of the shell, of the vessel, and of the charge
 CORE, INNER, OUTER, VESSEL, WIDTH = 0.4, 1.0, 1.3, 2.0, 0.2
 

@@ -33,10 +33,8 @@ OPTIONS = (
     *materials(fluid_mu=0.0, fluid_kappa=0.0),
     *materials(solid_modulus=4.0, solid_density=0.5, solid_alpha=1.0),
 )
-DEFAULTS = {
-    **{"fsi_h": 0.005, "fsi_order": 4, "ts_max_time": 0.3, "fsi_output_dt": 0.01, "fsi_norm": "L1"},
-    **{"fsi_shock": 1.4, "fsi_dissipation": 2.0},
-}
+DEFAULTS = {"fsi_h": 0.005, "ts_max_time": 0.3, "fsi_output_dt": 0.01, "fsi_norm": "L1"}
+DEFAULTS |= {"fsi_shock": 1.4, "fsi_dissipation": 2.0}
 
 GAMMA, R = 1.4, 1.0
 #: density of the gas of high pressure; the gas of low pressure in Sod's tube, whose pressure is

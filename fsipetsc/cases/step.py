@@ -21,7 +21,7 @@ SUMMARY = "supersonic flow over a step in a wind tunnel, in two dimensions"
 OPTIONS = (
     Option("step_mach", float, 3.0, "", "Mach number of the gas that comes in", check=above_one),
 )
-DEFAULTS = {"fsi_h": 1 / 40, "fsi_order": 4, "ts_max_time": 4.0, "fsi_output_dt": 0.1, **SHOCKS}
+DEFAULTS = {"fsi_h": 1 / 40, "ts_max_time": 4.0, "fsi_output_dt": 0.1, **SHOCKS}
 
 RHO, P, LENGTH, HEIGHT = 1.4, 1.0, 3.0, 1.0
 #: X where the step begins, its height [m]

@@ -17,10 +17,7 @@ from fsipetsc.materials.solid import ElasticSolid
 
 SUMMARY = "a shock along an elastic half space, faster than its waves, in two dimensions"
 OPTIONS = ()
-DEFAULTS = {
-    **{"fsi_h": 1 / 40, "fsi_order": 4, "ts_max_time": 0.5, "fsi_output_dt": 0.05},
-    **{**SHOCKS, "fsi_norm": "L1"},
-}
+DEFAULTS = {"fsi_h": 1 / 40, "ts_max_time": 0.5, "fsi_output_dt": 0.05, "fsi_norm": "L1", **SHOCKS}
 #: gas ahead: density, temperature (p = rho T); Lame's constants; density of the solid is 1
 RHO, T, LAMBDA, MU = 0.1114827, 0.09375, 0.1398307, 0.07203351
 #: angle of the shock's normal, strengths of the P and the S wave; gas behind: rho, u, v, T

@@ -309,6 +309,13 @@ class PaperState(State):
         self.stages[steps.RATES_ALONE]()
         f[:] = self.k
 
+    def project(self, y: Array) -> None:
+        """Let this rank's part y obey all conditions, in place."""
+        self._load(y)
+        self.fulfil()
+        for layer in self.here:
+            layer.of(y)[:] = layer.owned.T
+
     def finish(self) -> None:
         """Complete a step whose raw result PETSc has left in the solution."""
         self._load(self.y)

@@ -1,7 +1,7 @@
 """The command ``python -m fsipetsc bench``: what a time step costs.
 
-Measured are the falling rod and a gas beneath a solid (fsipetsc.studies.square), for orders, grids,
-forms and numbers of ranks. A sample is some whole steps as a run makes them, but for output. Those
+Measured are the falling rod and a gas beneath a solid, for orders, grids, forms and numbers of
+ranks. A sample is some whole steps as a run makes them, but for output. Those
 of all numbers of ranks and of other programs are taken in turn; ranks without a part sleep. A time
 is the median of its samples, a ratio that of pairs taken one after the other.
 """
@@ -15,12 +15,18 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from fsipetsc.cases import load_case
+import numpy as np
+
+from fsipetsc import BlockProblem, Fluid
+from fsipetsc.blocks.conditions import Clamped, NoSlip
+from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.cases import case_of, load_case
+from fsipetsc.cases.common import at_rest
 from fsipetsc.errors import InputError
+from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import RUN, Option, defaults, read_table
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import Comm, together
-from fsipetsc.studies import square
 from fsipetsc.studies.tables import csv_target, listed_in, printer, save_csv
 
 #: form -> -fsi_convection, whether there is viscosity, words for the other program
@@ -68,10 +74,30 @@ def targets(opt: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
             yield ("rod", order, "", points), load_case("rod"), own, "rod", words
         for form, n in product(forms, opt[of_dimension[problem]]) if problem else ():
             convection, viscous, more = FORMS[form]
-            own = {"fsi_order": order, "fsi_h": 1.0 / n, "fsi_convection": convection}
-            own |= {"square_dimension": problem, "square_viscous": viscous}
+            case = case_of(square(problem, n, viscous), fsi_h=1.0 / n, ts_max_time=1.0)
+            own = {"fsi_order": order, "fsi_convection": convection}
             about, program = (f"{problem}-D", order, form, n), "plane" if problem == 2 else ""
-            yield about, square, own, program, (order, n, n, STEPS, "-q", *more.split())
+            yield about, case, own, program, (order, n, n, STEPS, "-q", *more.split())
+
+
+def square(d: int, n: int, viscous: bool) -> BlockProblem:
+    """A gas, which begins with waves, beneath a solid: unit cubes of n nodes along each axis,
+    periodic along the interface, with a wall below and clamped above; viscous: viscosity and
+    conduction in both.
+    """
+
+    def waves(*X: Any) -> tuple[Any, ...]:
+        *beside, Y = X
+        phase = 2.0 * np.pi * sum(beside, 0.0 * Y)
+        rho, T = 1.0 + 0.1 * np.sin(phase + Y), 1.0 + 0.1 * np.cos(phase) * np.sin(Y)
+        return rho, *(0.0 * x for x in X), T
+
+    plate = ElasticSolid(1.5, 2.0, 0.02 * viscous, 2.0, 1.0, heat="elastic")
+    air = Fluid(0.02 * viscous, 0.03 * viscous, 1.4, 1.0)
+    below = Layer("gas", air, (0.0, 1.0), waves, cells=n - 1)
+    above = Layer("solid", plate, (1.0, 2.0), at_rest(), cells=n - 1)
+    beside = {"along": ((0.0, 1.0),) * (d - 1), "cells": (n,) * (d - 1)}
+    return layers(below, above, lower=NoSlip(), upper=Clamped(), units="none", **beside)
 
 
 def bench(arguments: list[str], comm: Comm) -> None:

@@ -1,7 +1,7 @@
 """The command `flutter`: how a small motion of the panel grows, and where it begins to.
 
 Of the case ``panel``, linearised about the flow over the flat panel, the two modes that flutter are
-computed (fsipetsc.studies.wave_modes). The ranks share Mach numbers and lambdas; each is computed
+computed (fsipetsc.studies.linear). The ranks share Mach numbers and lambdas; each is computed
 by one rank alone. The result is the lambda of each Mach number at which the growth becomes
 positive.
 
@@ -76,7 +76,7 @@ def modes_at(opt: Mapping[str, Any], mach: float, dynamic: float) -> Pair:
     from mpi4py import MPI
 
     from fsipetsc.stepping.solve import build_problem, make_state
-    from fsipetsc.studies.wave_modes import modes_near
+    from fsipetsc.studies.linear import modes_near
 
     own = {**opt, "panel_mach": mach, "panel_lambda": dynamic, "panel_push": 0.0}
     frequency = FREQUENCY[opt["panel_ends"]] * unit_of(mach, opt["panel_mass"], dynamic)

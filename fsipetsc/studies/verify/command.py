@@ -14,11 +14,9 @@ from fsipetsc.output.file_layout import writing
 from fsipetsc.output.reader import open_run
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import Comm, together
-from fsipetsc.studies.pictures import picture
 from fsipetsc.studies.tables import csv_target, on_first, printer, results_folder, save_csv
-from fsipetsc.studies.verdicts import COLUMNS, HEAD, Expected, Row, tally, told
-from fsipetsc.studies.verify import coupled, gases, small_motions, solids  # noqa: F401  (entries)
-from fsipetsc.studies.verify.entry import ENTRIES, Entry, Measured, Solve, problem
+from fsipetsc.studies.verdicts import COLUMNS, HEAD, Expected, Row, picture, tally, told
+from fsipetsc.studies.verify.entry import Entry, Measured, Solve, entries, problem
 
 OPTIONS = (
     Option("verify_level", str, "quick", "", "how many grids and orders", ("quick", "full")),
@@ -38,14 +36,15 @@ def verify(arguments: list[str], comm: Comm) -> None:
     """
     names = list(takewhile(lambda word: not word.startswith("-"), arguments))
     opt = read_table(SECTIONS, start_petsc(arguments[len(names) :], comm))
+    every = entries()
     for name in names:
-        if name not in ENTRIES:
-            raise InputError(f"verify: there is no entry {name!r}: expected {', '.join(ENTRIES)}")
+        if name not in every:
+            raise InputError(f"verify: there is no entry {name!r}: expected {', '.join(every)}")
     path, say = csv_target(opt["fsi_output"]), printer(comm, opt)
     rows: list[Row] = []
     lines: list[Any] = []
-    for name in names or ENTRIES:
-        entry = ENTRIES[name]
+    for name in names or every:
+        entry = every[name]
         say(f"{_title(name)} ({name})\nreference: {entry.source}\nexpected: {entry.why}")
         found, last = run_entry(name, entry, opt["verify_level"], comm, path.parent)
         on_first(comm, partial(_show, name, entry, found, last, opt, path))

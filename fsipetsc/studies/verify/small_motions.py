@@ -18,9 +18,9 @@ from fsipetsc.materials.stiffened_gas import stiffened_gas
 from fsipetsc.options import defaults
 from fsipetsc.stepping.solve import build_problem
 from fsipetsc.studies.flutter import CASE, crossing, modes_at
+from fsipetsc.studies.linear import linearise, modes_near, radial_modes
 from fsipetsc.studies.verdicts import Compared, Expected, closures
 from fsipetsc.studies.verify.entry import Measured, Solve, entry, reference
-from fsipetsc.studies.wave_modes import linearise, modes_near, radial_modes
 
 
 def first_frequency(order: int, h: float, thickness: float, hinged: bool) -> float:
