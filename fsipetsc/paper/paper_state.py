@@ -313,7 +313,7 @@ class PaperState(State):
         """Let this rank's part y obey all conditions, in place."""
         self._load(y)
         self.fulfil()
-        for layer in self.here:
+        for layer in self.parts.values():
             layer.of(y)[:] = layer.owned.T
 
     def finish(self) -> None:
