@@ -40,7 +40,7 @@ def build(opt: Opt) -> BlockProblem:
     pulse = pressure_pulse(gas, opt["blast_height"], 0.5, 0.5, WIDTH)
 
     def disc(X, Y):
-        """Twice as hot as what is around it."""
+        """The disc is twice as hot as what is around it."""
         inside = ((X - 0.5) ** 2 + (Y - 0.5) ** 2) / WIDTH**2 < 1.0
         p, T = np.where(inside, 1.0 + opt["blast_height"], 1.0), np.where(inside, 2.0, 1.0)
         return [p / T, 0.0 * X, 0.0 * X, T]

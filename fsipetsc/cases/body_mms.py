@@ -73,7 +73,7 @@ class Body(Solution):
         return 0.06 * np.sin(1.9 * X + 0.7 * Y + t), 0.06 * np.cos(1.3 * X - 1.7 * Y + 2.0 * t)
 
     def moved(self, *at: Any) -> Any:
-        """All gas moves with D."""
+        """The labels of all gas move with D."""
         return self.displacement(*at)
 
     def T(self, *at: Any) -> Any:
@@ -85,7 +85,7 @@ class Body(Solution):
         return 1.0 + 0.2 * np.cos(1.2 * X + 1.7 * Y - t)
 
     def drift(self, *at: Any) -> Any:
-        """u - D_t, 0 at interfaces."""
+        """Return u - D_t, which is 0 at interfaces."""
         X, Y, t = at
         drift = 0.3 * np.sin(1.4 * X - 0.6 * Y - t), 0.2 * np.cos(0.9 * X + 1.5 * Y + 2.0 * t)
         return scale(self.b(X, Y), drift)
@@ -109,13 +109,11 @@ class Body(Solution):
 
 
 class Disk(Body):
-    """A gas around a disk."""
-
     def b(self, X: Any, Y: Any) -> Any:
         return (X * X + Y * Y - 1.0) / (X * X + Y * Y + 1.0)
 
     def grid(self, X: Array, Y: Array, t: float) -> Fields:
-        """Nodes between both ends of a ray."""
+        """Nodes lie between both ends of a ray, at fixed parts of it."""
         R = np.sqrt(X * X + Y * Y)
         far = BOX * R / np.maximum(abs(X), abs(Y))
         s, ends = (R - 1.0) / (far - 1.0), (1.0 / R, far / R)
@@ -129,8 +127,6 @@ class Disk(Body):
 
 
 class Panel(Body):
-    """A gas around a panel."""
-
     def b(self, X: Any, Y: Any) -> Any:
         return (X - COLUMNS[1]) * (X - COLUMNS[2]) * (Y - ROWS[1])
 
@@ -168,7 +164,7 @@ def turned(map: Map, times: int) -> Map:
 
 
 def to_box(q: int) -> Map:
-    """From the circle to a side of the box along rays."""
+    """Return the map from the circle to a side of the box along rays."""
 
     def places(xi: Places) -> Places:
         angle = np.pi / 4 * (2.0 * (xi[1] + q) - 1.0)
@@ -179,7 +175,7 @@ def to_box(q: int) -> Map:
 
 
 def blocks_of(shape: str) -> tuple[dict[str, Map], list[FaceName]]:
-    """Maps by name, and the outer faces."""
+    """Return maps by name, and the outer faces."""
     maps: dict[str, Map] = {}
     if shape == "disk":
         maps["middle"] = centre(HALF)

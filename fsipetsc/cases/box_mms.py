@@ -88,7 +88,7 @@ def recorded(count: int, formula: Callable[..., Numbers]) -> Callable[..., list[
 
 
 def gradient(f: Numbers, X: Numbers) -> Numbers:
-    """df_i/dX_k, a tensor of vectors f."""
+    """Return df_i/dX_k, a tensor of vectors f."""
     by_axis = [derivatives(f, x) for x in X]
     return tuple(changes[i] for i in range(len(f)) for changes in by_axis)
 
@@ -125,7 +125,7 @@ class Solution:
     # -- the fields
 
     def _along(self, where: Numbers) -> tuple[Any, Any, Any]:
-        """p, q and 1 + .2 r sin 2 pi q."""
+        """Return p, q and 1 + .2 r sin 2 pi q."""
         p, q = (*where[:-2], *ELSEWHERE[self.d - 1 :])
         return p, q, 1.0 + 0.2 * np.sin(TURN * q) if self.d == 3 else 1.0
 
@@ -133,7 +133,6 @@ class Solution:
         return tuple(vector[axis] for axis in AXES[self.d])
 
     def displacement(self, *where: Any) -> Numbers:
-        """D."""
         (p, q, ripple), (eta, t) = self._along(where), where[-2:]
         return self._axes(
             0.06 * np.sin(TURN * p + t) * np.cos(eta + 2.0 * t) * ripple,
@@ -142,22 +141,20 @@ class Solution:
         )
 
     def T(self, *where: Any) -> Any:
-        """T."""
         (p, _, ripple), (eta, t) = self._along(where), where[-2:]
         return 1.0 + 0.15 * np.sin(TURN * p + t) * np.cos(2.0 * eta - t) * ripple
 
     def rho(self, *where: Any) -> Any:
-        """rho."""
         (p, _, ripple), (eta, t) = self._along(where), where[-2:]
         return 1.0 + 0.2 * np.cos(TURN * p - t) * np.sin(2.0 * eta + t) * ripple
 
     def moved(self, *where: Any) -> Numbers:
-        """The displacement x - X of the gas's grid."""
+        """Return the displacement x - X of the gas's grid."""
         *along_layers, eta, t = where
         return scale(eta, self.displacement(*along_layers, 1.0, t))
 
     def drift(self, *where: Any) -> Numbers:
-        """u - w, 0 at the interface."""
+        """Return u - w, which is 0 at the interface."""
         (p, q, ripple), (eta, t) = self._along(where), where[-2:]
         drift = self._axes(
             0.6 * np.sin(TURN * p - t),
@@ -167,12 +164,12 @@ class Solution:
         return scale(eta * (1.0 - eta), drift)
 
     def gas_fields(self, *where: Any) -> Numbers:
-        """(rho, u_1 … u_d, T)."""
+        """Return (rho, u_1 … u_d, T)."""
         w = derivatives(self.moved(*where), where[-1])
         return (self.rho(*where), *add(w, self.drift(*where)), self.T(*where))
 
     def solid_fields(self, *where: Any) -> Numbers:
-        """(v_1 … v_d, T, x_1 … x_d)."""
+        """Return (v_1 … v_d, T, x_1 … x_d)."""
         D = self.displacement(*where)
         return (*derivatives(D, where[-1]), self.T(*where), *add(where[:-1], D))
 

@@ -63,13 +63,13 @@ def beside_gas(modulus: float) -> tuple[Option, ...]:
 
 
 def gas_of(opt: Opt, gamma: float = 1.4, R: float = 1.0) -> Fluid:
-    """The gas of a case; gamma, R: where they are no options."""
+    """Return the gas of a case; gamma, R: where they are no options."""
     both = opt.get("fluid_gamma", gamma), opt.get("fluid_R", R)
     return Fluid(opt.get("fluid_mu", 0.0), opt.get("fluid_kappa", 0.0), *both)
 
 
 def solid_of(opt: Opt, force: float = 0.0) -> Solid:
-    """The solid of a case of layers; force [m/s2] on it."""
+    """Return the solid of a case of layers; force [m/s2] on it."""
     conducted, pressing = opt.get("solid_kappa", 0.0), opt.get("solid_gruneisen", 0.0)
     numbers = opt["solid_modulus"], conducted, opt["solid_density"], opt["solid_alpha"]
     return Solid(*numbers, force, pressing)

@@ -53,12 +53,11 @@ def quarter(q: int, radius: float, half: float) -> Map:
 
 
 def between(s: Array, inner: Places, outer: Places) -> Places:
-    """Straight from one curve to the other."""
+    """Return places straight from one curve to the other."""
     return tuple((1.0 - s) * a + s * b for a, b in zip(inner, outer))
 
 
 def build(opt: Opt) -> BlockProblem:
-    """The disk and the gas around it."""
     gas, solid = gas_of(opt), elastic_of(opt, law="svk")
 
     def spinning(X, Y):

@@ -45,11 +45,11 @@ def build(opt: Opt) -> BlockProblem:
         return f.deriv()(to) + g.deriv()(fro), 1.0, X + f(to) + g(fro)
 
     def pressure(X, t):
-        """The pressure of the rod."""
+        """Return the pressure of the rod [Pa]."""
         return P - C * (g.deriv()(np.maximum(t + X / C, 0.0)) - f.deriv()(t - X / C))
 
     def gas(X, t=0.0):
-        """On the grid between the rod and the wall."""
+        """Return (rho, u, T) on the grid between the rod and the wall."""
         x = X + (1.0 - X / WIDTH) * F(t)
         low, high = np.zeros_like(x), np.full_like(x, t)  # of s; beyond x = t the gas is at rest
         for _ in range(60):

@@ -49,13 +49,13 @@ def solid_modes(X: Array) -> Fields:
 
 
 def exact_fluid(X: Array, t: float = 0.0) -> Fields:
-    """(rho, u, T) of (5.1)."""
+    """Return (rho, u, T) of (5.1)."""
     rho, u, T, *_ = fluid_modes(X)
     return 1 + cos(t) * rho, sin(t) * u, 10 + sin(3 * t) * T
 
 
 def exact_solid(X: Array, t: float = 0.0) -> Fields:
-    """(u, sigma, T, x) of (5.2)."""
+    """Return (u, sigma, T, x) of (5.2)."""
     g, sigma, T, *_ = solid_modes(X)
     return t * g, sin(t * t) * sigma, 5 + cos(t) * T, X + 0.5 * t * t * g
 
@@ -76,7 +76,7 @@ def fluid_forcing(gas: object, X: Array, X_I: float, t: float) -> Fields:
 
 
 def solid_forcing(solid: object, X: Array, t: float) -> Fields:
-    """What the exact solution leaves over in (4.19), with p = 0."""
+    """Return what the exact solution leaves over in (4.19), with p = 0."""
     modes, b, half = solid_modes(X), sin(t * t), 0.5 * t * t
     u1, sigma1, T1 = t * modes[3], b * modes[4], cos(t) * modes[5]
     x1, x2, T2 = 1 + half * modes[3], half * modes[6], cos(t) * modes[7]

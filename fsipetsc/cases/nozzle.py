@@ -33,7 +33,7 @@ START = 0.2
 
 
 def radius(z: Array) -> Array:
-    """The radius of the wall's inner side."""
+    """Return the radius of the wall's inner side [m]."""
     return WIDE - (WIDE - THROAT) * np.sin(np.pi * z / LENGTH) ** 4
 
 

@@ -78,7 +78,7 @@ class Acoustics:
 
 
 def acoustics(opt: Opt, gas: Fluid, solid: Solid) -> Acoustics:
-    """The linear problem of these options."""
+    """Return the linear problem of these options."""
     c_f, c_s = float(gas.sound_speed(T0)), solid.sound_speed(1.0, T0, solid.pressure(T0) - P0)
     of_gas, of_solid = (P0 / (gas.R * T0) * c_f, c_f), (solid.m0 * c_s, c_s)
     in_fluid = opt["pulse_start"] > 0

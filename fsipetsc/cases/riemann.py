@@ -48,7 +48,7 @@ class SolidState(NamedTuple):
 
 
 def sound(gas: Fluid, state: GasState) -> Any:
-    """Speed of sound [m/s]."""
+    """Return the speed of sound [m/s]."""
     return np.sqrt(gas.gamma * state.p / state.rho)
 
 
@@ -125,7 +125,7 @@ class GasWave(NamedTuple):
     before: GasState
 
     def velocity(self, p: Any) -> Any:
-        """Velocity [m/s] behind the wave."""
+        """Return the velocity behind the wave [m/s]."""
         rho, u, p0 = self.before
         g = self.gas.gamma
         shock = (p - p0) * np.sqrt(2 / rho / ((g + 1) * p + (g - 1) * p0))
@@ -133,7 +133,7 @@ class GasWave(NamedTuple):
         return u - np.where(p > p0, shock, fan)
 
     def behind(self, p: float) -> GasState:
-        """The state behind the wave."""
+        """Return the state behind the wave."""
         rho, _, p0 = self.before
         g, ratio = self.gas.gamma, p / p0
         shock = ((g + 1) * ratio + g - 1) / ((g - 1) * ratio + g + 1)
@@ -169,15 +169,15 @@ class SolidWave(NamedTuple):
     before: SolidState
 
     def strain(self, p: Any) -> Any:
-        """F behind the wave."""
+        """Return F behind the wave."""
         return self.before.F * np.exp((-p - self.before.sigma) / self.solid.K)
 
     def velocity(self, p: Any) -> Any:
-        """Velocity [m/s] behind the wave."""
+        """Return the velocity behind the wave [m/s]."""
         return self._state(self.strain(p)).u
 
     def _state(self, F: Any) -> SolidState:
-        """Behind the wave, or within the fan, where F is."""
+        """Return the state behind the wave, or within the fan, where F is."""
         (u0, sigma0, T0, F0), (K, m0) = self.before, (self.solid.K, self.solid.m0)
         sigma, change = sigma0 + K * np.log(F / F0), F - F0
         fan = change > 0.0
@@ -187,7 +187,7 @@ class SolidWave(NamedTuple):
         return SolidState(u0 - c * change, sigma, T0 + heat / (self.solid.alpha * m0), F)
 
     def _shock(self, F: Any) -> Any:
-        """Speed [m/s] over X of a shock to F."""
+        """Return the speed over X of a shock to F [m/s]."""
         K, m0, F0 = self.solid.K, self.solid.m0, self.before.F
         ratio = np.where(F == F0, 1.0, F / F0 - 1.0)
         slope = np.where(F == F0, 1.0, np.log1p(ratio) / ratio)

@@ -32,7 +32,7 @@ MIDDLE, WIDTH = 0.7, 0.2
 
 
 def build(opt: Opt) -> BlockProblem:
-    """Blocks whose axes run outwards and around."""
+    """Axes of the blocks run outwards and around."""
     around = opt["ring_around"] or max(24, 8 * round(2.0 * np.pi * INNER / (32.0 * opt["fsi_h"])))
     gas = gas_of(opt)
     solid = elastic_of(opt, 1.0 if opt["ring_gas"] else 0.0, law=opt["solid_law"])

@@ -30,7 +30,7 @@ CORE, INNER, OUTER, VESSEL, WIDTH = 0.4, 1.0, 1.3, 2.0, 0.2
 
 
 def build(opt: Opt) -> BlockProblem:
-    """Blocks along the radius."""
+    """The axis of the blocks is the radius."""
     gas, core = gas_of(opt), CORE if opt["shell_gas"] == "around" else 0.0
     pressure = 0.0 if opt["shell_gas"] == "none" else 1.0
     solid = elastic_of(opt, pressure, law=opt["solid_law"])

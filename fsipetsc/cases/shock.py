@@ -69,7 +69,7 @@ class Solution:
 
     @property
     def hit(self) -> float:
-        """When the gas behind the shock meets the rod."""
+        """The time when the gas behind the shock meets the rod [s]."""
         return (X[1] - X_SHOCK) / self.shock[1]
 
     @cached_property
@@ -111,7 +111,7 @@ class Solution:
         return [state.rho, state.u, state.p / (self.gas.R * state.rho)]
 
     def in_solid(self, X_s: Array, t: float = 0.0) -> Fields:
-        """(u, sigma, T, x) at the material points."""
+        """Return (u, sigma, T, x) at the material points."""
         _, wave, p = self.waves
         state = wave.at(p, X_s - X[1], t - self.hit)
         # x/t = u + F X/t, as all depends on X/t
@@ -119,7 +119,7 @@ class Solution:
         return [state.u, state.sigma, state.T, place]
 
     def notes(self) -> tuple[str, ...]:
-        """What a result says of it. InputError where there is none."""
+        """Return what a result says of the solution. InputError where there is none."""
         _, wave, p = self.waves
         u, F = wave.velocity(p), wave.strain(p)
         return (

@@ -44,7 +44,7 @@ def displacement(X: Array, Y: Array, t: float) -> tuple[Fields, Fields]:
 
 
 def solid(X: Array, Y: Array, t: float = 0.0) -> Fields:
-    """Velocity, temperature, place."""
+    """Return velocity, temperature, place."""
     moved, velocity = displacement(X, Y, t)
     return [*velocity, 1.0 + 0.0 * X, X + moved[0], Y + moved[1]]
 

@@ -20,12 +20,12 @@ GAMMA, PRANDTL, RHO, RATIO = 1.4, 0.73, 1.2, 100.0
 
 
 def build(opt: Opt) -> BlockProblem:
-    """The lower half of the box."""
+    """The layer is the lower half of the box."""
     R, mu = 1.0 / GAMMA, 1.0 / opt["tube_reynolds"]
     gas = Fluid(mu, GAMMA / (GAMMA - 1.0) * R * mu / PRANDTL, GAMMA, R)
 
     def start(X, Y):
-        """Half of the jump at the node in the middle, if there is one."""
+        """A node in the middle has half of the jump."""
         step = 0.5 * (1.0 + np.sign(np.round(X - 0.5, 9)))
         return RHO * (RATIO * (1.0 - step) + step), 0.0 * X, 0.0 * X, 1.0 + 0.0 * X
 

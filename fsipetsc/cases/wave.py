@@ -101,7 +101,7 @@ def slowest_wave(gas: Fluid, solid: ElasticSolid, k: float, height: float, depth
 def _waves(
     gas: Fluid, solid: ElasticSolid, k: float, height: float, depth: float, n: int
 ) -> list[Mode]:
-    """All that swing, the slowest first."""
+    """Return all modes that swing, the slowest first."""
     (y, D), (y_s, E) = chebyshev(n, 0.0, height), chebyshev(n, -depth, 0.0)
     values, vectors = eigenmodes(*_equations(gas, solid, k, D, E))
     c = gas.sound_speed(1.0)
@@ -160,7 +160,7 @@ def build(opt: Opt) -> BlockProblem:
     mode = slowest_wave(air, body, K, HEIGHT, DEPTH)
 
     def swinging(amplitudes, X, Y, t):
-        """Real parts of the amplitudes times exp(i k X + s t)."""
+        """Return real parts of the amplitudes times exp(i k X + s t)."""
         phase = SIZE * np.exp(1j * K * X + mode.s * t)
         return [np.real(of_height(Y) * phase) for of_height in amplitudes]
 

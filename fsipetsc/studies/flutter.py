@@ -116,7 +116,7 @@ def crossing(
 
 
 def _row(one: Found) -> list[object]:
-    """Under HEAD."""
+    """Return a row of the table under HEAD."""
     mach, dynamic, pair = one
     fastest = max(pair, key=lambda s: s.real)
     numbers = [f"{x:.6g}" for s in (fastest, *pair) for x in (s.real, s.imag)]

@@ -129,7 +129,7 @@ def linear_modes(state: BlockState, axis: int, n: int) -> tuple[Complex, list[Co
     part, cos, sin = np.exp(-1j * n * phi), np.cos(axis * phi), np.sin(axis * phi)
 
     def block(k: int, array: Real) -> Real:
-        """(rows, columns, unknowns) of block k in a vector."""
+        """Return a view (rows, columns, unknowns) of block k in a vector."""
         nodes = layout.owned(k, array).reshape(*layout.shapes[k][::-1], layout.dofs[k])
         if d == 1:
             return nodes[:, None]
@@ -147,7 +147,7 @@ def linear_modes(state: BlockState, axis: int, n: int) -> tuple[Complex, list[Co
         return np.concatenate(found, axis=1)
 
     def evaluate(y: Real) -> Real:
-        """Rates and projected unknowns, (2, columns, N)."""
+        """Return rates and projected unknowns, (2, columns, N)."""
         state.right_hand_side(y, f)
         state.project(y)
         if state.fault is not None:

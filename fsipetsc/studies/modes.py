@@ -70,7 +70,7 @@ def modes(arguments: list[str], comm: Comm) -> None:
 
 
 def sections(command: str, arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
-    """Heading -> options for -help."""
+    """Return heading -> options for -help."""
     name = arguments[0] if arguments and arguments[0] in OPTIONS else "ring"
     return groups(load_case(name), OPTIONS[name])
 
@@ -126,7 +126,7 @@ class Medium:
 
     @property
     def sticks(self) -> bool:
-        """Whether there are tangential stresses in it."""
+        """It has tangential stresses."""
         return self.kappa == 0 and (self.shear > 0.0 or self.viscosity > 0.0)
 
     def fields(self, n: int, omega: complex, r: float) -> Complex:

@@ -183,7 +183,7 @@ class Constant:
         return (self.solid.K + self.solid_pressure) / self.stretch
 
     def at_rest(self, X: Array) -> list[Array]:
-        """(u, sigma, T, x) of the solid."""
+        """Return (u, sigma, T, x) of the solid."""
         return [0.0 * X, self.stress + 0.0 * X, self.T + 0.0 * X, self.stretch * X]
 
     def swept(self, density_ratio: float, stiffness_ratio: float) -> Constant:
@@ -195,7 +195,7 @@ class Constant:
 
 
 def of_options(opt: Mapping[str, Any]) -> Constant:
-    """The state that the options describe."""
+    """Return the state that the options describe."""
     gas, solid, rho = gas_of(opt), solid_of(opt), opt["fluid_rho"]
     if opt["solid_eos"] == "ideal":  # p_s = p, sigma = 0
         solid = replace(solid, gruneisen=gas.R * rho / (solid.m0 * solid.alpha))
@@ -310,7 +310,7 @@ def derivatives_near(
         start, f, step = y.copy(), np.empty_like(y), opt["fsi_cfl"] / float(run.results[RATE])
 
         def sides(array: Array) -> tuple[Array, Array]:
-            """The points of gas and solid, from left to right."""
+            """Return the points of gas and solid, from left to right."""
             if conservative:
                 return run.layout.owned(1, array), run.layout.owned(0, array)
             return run.layers[1].of(array)[:N], run.layers[0].of(array)
@@ -329,7 +329,7 @@ def derivatives_near(
         to = *(to_gas * sizes[:3]).T, *(np.linalg.pinv(of_solid) * sizes[3:]).T
 
         def disturbed(i: int, change: float) -> Array:
-            """(2, 6N): rates and unknowns, completed."""
+            """Return rates and completed unknowns, (2, 6N)."""
             y, (k, point) = start.copy(), divmod(int(near[i]), N)
             sides(y)[k // 3][point] += change * to[k]
             run.right_hand_side(y, f)

@@ -112,12 +112,12 @@ def shared(comm: Comm, tasks: Sequence[Task], one: Callable[[Task], Result]) -> 
 
 
 def printer(comm: Comm, opt: Mapping[str, Any]) -> Callable[[str], None]:
-    """Prints on rank 0, and nothing with -fsi_quiet."""
+    """Return what prints on rank 0, and nothing with -fsi_quiet."""
     quiet = opt["fsi_quiet"] or comm.rank > 0
     return (lambda text: None) if quiet else (lambda text: print(text, flush=True))
 
 
 def listed_in(allowed: Sequence[int]) -> Callable[[Sequence[int]], str | None]:
-    """Check of an option: some of the allowed numbers."""
+    """Return the check of an option: some of the allowed numbers."""
     words = f"numbers out of {','.join(map(str, allowed))}"
     return lambda values: None if values and set(values) <= set(allowed) else words

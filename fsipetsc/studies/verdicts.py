@@ -55,7 +55,7 @@ class Compared(NamedTuple):
 
     @property
     def error(self) -> float:
-        """Distance from the reference over the size."""
+        """The distance from the reference over the size."""
         size = abs(self.reference) if self.size is None else self.size
         return abs(self.value - self.reference) / size
 
@@ -120,7 +120,7 @@ class Row(NamedTuple):
 
     @property
     def errors(self) -> tuple[float, ...]:
-        """On each grid."""
+        """The error on each grid."""
         return tuple(one.error if isinstance(one, Compared) else one for one in self.found)
 
     @property
@@ -154,14 +154,14 @@ class Row(NamedTuple):
 
     @property
     def cells(self) -> tuple[str, ...]:
-        """Under HEAD."""
+        """The words of a table under HEAD."""
         numbers = (self.spacings, ".4g"), (self.errors, ".2e"), (self.observed, ".2f")
         lists = [", ".join(format(v, spec) for v in values) for values, spec in numbers]
         return self.quantity, str(self.order), *lists, str(self.expected), self.verdict
 
 
 def told(rows: Sequence[Row]) -> str:
-    """A table for each order."""
+    """Return a table for each order."""
     tables = []
     for (order, _), group in groupby(rows, lambda row: (row.order, row.spacings)):
         cells = [row.cells for row in group]
@@ -171,7 +171,7 @@ def told(rows: Sequence[Row]) -> str:
 
 
 def tally(rows: Sequence[Row]) -> str:
-    """How often there is each verdict."""
+    """Return how often there is each verdict."""
     counts = Counter(row.verdict for row in rows)
     return ", ".join(f"{counts[word]} {text}" for word, text in VERDICTS.items())
 

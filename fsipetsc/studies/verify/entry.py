@@ -64,7 +64,7 @@ def entries() -> dict[str, Entry]:
 
 
 def problem(name: str) -> str:
-    """problems/NAME.md: title, problem and parameters."""
+    """Return problems/NAME.md: title, problem and parameters."""
     return files("fsipetsc.studies.verify").joinpath("problems", f"{name}.md").read_text("utf-8")
 
 
@@ -77,21 +77,21 @@ def reference(name: str) -> dict[str, Array]:
 
 
 def largest(errors: Any) -> float:
-    """The norm of the maximum."""
+    """Return the norm of the maximum."""
     return float(np.abs(errors).max())
 
 
 def root_mean_square(errors: Any) -> float:
-    """The norm of the mean."""
+    """Return the norm of the mean square."""
     return float(np.sqrt(np.mean(np.abs(errors) ** 2)))
 
 
 def joined(frames: Iterable[Mapping[str, Array]]) -> dict[str, Array]:
-    """The fields of several blocks as one array each."""
+    """Return the fields of several blocks as one array each."""
     parts = list(frames)
     return {name: np.concatenate([part[name].ravel() for part in parts]) for name in parts[0]}
 
 
 def smooth(x: Array, y: Array) -> Callable[[Array], Array]:
-    """A reference between its points: the spline of fifth degree."""
+    """Return a reference between its points: the spline of fifth degree."""
     return make_interp_spline(x, y, k=5)

@@ -25,7 +25,7 @@ CENTRE, SPEED = (-0.3, -0.2), (0.5, 0.3)
 
 
 def vortex_at(X: Array, Y: Array, t: float = 0.0) -> list[Array]:
-    """rho, u, v, T by the formulas of the text."""
+    """Return rho, u, v, T by the formulas of the text."""
     x, y = X - CENTRE[0] - SPEED[0] * t, Y - CENTRE[1] - SPEED[1] * t
     bell = np.exp(1.0 - x * x - y * y)
     swirl, q = 0.4 * np.sqrt(bell), 1.0 - 0.16 / 7.0 * bell
@@ -33,13 +33,13 @@ def vortex_at(X: Array, Y: Array, t: float = 0.0) -> list[Array]:
 
 
 def moved(X: Array, Y: Array, t: float) -> list[Array]:
-    """Places of the sides."""
+    """Return places of the sides."""
     size = 0.3 * np.sin(2.0 * t)
     return [X + size * np.sin(np.pi * Y / 4 + 0.4), Y + size * np.sin(np.pi * X / 4)]
 
 
 def vortex_blocks(n: int) -> Any:
-    """Four curved blocks, n cells along each side of the whole."""
+    """Return four curved blocks, n cells along each side of the whole."""
     gas, found, faces = Fluid(0.0, 0.0, 1.4, 1.0), [], {}
     side = Given(values=lambda X, Y, t: vortex_at(*moved(X, Y, t), t), x=moved)
     for i, j in ((0, 0), (1, 0), (0, 1), (1, 1)):
@@ -218,7 +218,7 @@ def taylor_green_1600(solve: Solve, order: int, h: float) -> Measured:
 
 
 def front(x: Array, p: Array, level: float) -> float:
-    """Where p first reaches a level, from the left."""
+    """Return where p first reaches a level, from the left."""
     k = int(np.argmax(p > level))
     return float(x[k - 1] + (level - p[k - 1]) / (p[k] - p[k - 1]) * (x[k] - x[k - 1]))
 
@@ -239,7 +239,7 @@ def triple_point(x: Array, y: Array, p: Array) -> tuple[float, float]:
 
 
 def top(f: Array) -> float:
-    """Of the parabola through values at -1, 0, 1."""
+    """Return where the parabola through values at -1, 0, 1 is highest."""
     return float(0.5 * (f[0] - f[2]) / (f[0] - 2.0 * f[1] + f[2]))
 
 

@@ -66,7 +66,7 @@ METALS = {
 
 
 def metal(name: str, pressure: float) -> Any:
-    """An elastic solid, free of stress under a pressure [Pa]."""
+    """Return an elastic solid, free of stress under a pressure [Pa]."""
     density, cp, cs = METALS[name]
     mu = density * cs**2
     lame = density * cp**2 - 2.0 * mu
@@ -74,7 +74,7 @@ def metal(name: str, pressure: float) -> Any:
 
 
 def modes_of(name: str, order: int, h: float, n: int = 0, **given: Any) -> Array:
-    """s of the slowest modes of a case [1/s], of angular number n."""
+    """Return s of the slowest modes of a case [1/s], of angular number n."""
     case = load_case(name)
     opt = {**defaults(case), "fsi_order": order, "fsi_h": h, **given}
     return 1j * radial_modes(build_problem(case, opt, MPI.COMM_SELF), order, n)[:3]
@@ -147,7 +147,7 @@ LAMBDAS = {"clamped": (600.0, 650.0, 700.0), "hinged": (320.0, 350.0, 380.0)}
     quick={4: (1 / 24,)},
 )
 def panel_flutter(solve: Solve, order: int, h: float) -> Measured:
-    """The effect of the thickness is to be seen."""
+    """The onset differs from the thin limit by the effect of the thickness."""
     table, errors, expected = reference("panel_flutter"), {}, {}
     row = np.argmin(np.abs(table["d"] - 0.04))
     opt = {**defaults(CASE), "fsi_order": order, "fsi_h": h, "panel_thickness": 0.04}

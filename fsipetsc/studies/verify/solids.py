@@ -61,7 +61,7 @@ def curved(xi: tuple[Array, ...]) -> tuple[Array, Array]:
 
 
 def square(law: str, h: float, start: Any, side: Any, forcing: Any = None) -> Any:
-    """A solid with one condition at all sides."""
+    """Return a solid with one condition at all sides."""
     solid, n = ElasticSolid(1.0, 1.5, 0.0, 1.0, 1.0, law=law, heat="elastic"), round(1.0 / h)
     block = Block("solid", solid, curved, (n, n), start, forcing=forcing)
     faces = {("solid", axis, side_of): side for axis in (0, 1) for side_of in (0, 1)}
@@ -69,7 +69,7 @@ def square(law: str, h: float, start: Any, side: Any, forcing: Any = None) -> An
 
 
 def stretched(solve: Solve, order: int, h: float, law: str, how: str) -> float:
-    """The error of the stress in shear or extension."""
+    """Return the error of the stress in shear or extension."""
 
     def speed(X: Array, Y: Array, t: float = 0.0) -> list[Array]:
         return [Y if how == "shear" else X, 0.0 * X]
