@@ -2,7 +2,7 @@
 
 A case is a module with
   NAME      str, names the result file, so no / in it   (if it is missing, the file's name)
-  SUMMARY   str, one line                               (… empty)
+  SUMMARY   str, one line                               (… empty; here the docstring's first)
   OPTIONS   tuple of fsipetsc.options.Option: materials, geometry
   DEFAULTS  dict, name of an option -> default that replaces the common one   (… empty)
   build     function of the options in force (name -> value) that returns a
@@ -32,10 +32,16 @@ BUILT_IN = (
 )
 
 
+def summary_of(text: str) -> str:
+    """Return the first line of a docstring, or of a file that begins with one, as a summary."""
+    first = text.removeprefix('"""').partition("\n")[0].rstrip('".')
+    return first[:1].lower() + first[1:]
+
+
 def summaries() -> dict[str, str]:
-    """Name -> SUMMARY of every built-in case, read from the source without running it."""
-    texts = {name: Path(__file__).with_name(f"{name}.py").read_text("utf-8") for name in BUILT_IN}
-    return {name: re.search(r'^SUMMARY = "(.*)"', texts[name], re.M)[1] for name in BUILT_IN}
+    """Return name -> summary of every built-in case, read from the source without running it."""
+    files = {name: Path(__file__).with_name(f"{name}.py") for name in BUILT_IN}
+    return {name: summary_of(path.read_text("utf-8")) for name, path in files.items()}
 
 
 def load_case(name_or_path: str, also: Sequence[str] = ()) -> ModuleType:
@@ -46,7 +52,7 @@ def load_case(name_or_path: str, also: Sequence[str] = ()) -> ModuleType:
     """
     if name_or_path in BUILT_IN:
         case = importlib.import_module(f"fsipetsc.cases.{name_or_path}")
-        case.NAME = name_or_path
+        case.NAME, case.SUMMARY = name_or_path, summary_of(case.__doc__)
         return case
     if name_or_path.endswith(".py") or os.sep in name_or_path:
         return _load_file(Path(name_or_path))

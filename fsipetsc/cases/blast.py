@@ -20,8 +20,6 @@ from fsipetsc.cases.common import (
     stack,
 )
 
-SUMMARY = "a pressure pulse under an elastic plate, in two dimensions"
-
 OPTIONS = (
     *materials(fluid_mu=0.002, fluid_kappa=0.003, solid_density=5.0, solid_modulus=40.0),
     *materials(solid_law=("log", "neo-hookean", "svk")),

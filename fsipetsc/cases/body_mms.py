@@ -33,8 +33,6 @@ from fsipetsc.equations.tensors import add_unit, apply_transposed, cofactor, det
 from fsipetsc.equations.vectors import add, along, scale, sub
 from fsipetsc.kernels.symbols import derivatives
 
-SUMMARY = "a disk or a panel in gas on joined blocks, a manufactured solution"
-
 OPTIONS = (
     Option("body_shape", str, "disk", "", "nine blocks, or six blocks", ("disk", "panel")),
     *materials(fluid_mu=0.02, fluid_kappa=0.03, solid_kappa=0.05),

@@ -1,4 +1,4 @@
-"""A closed box: gas | solid | gas between two adiabatic walls. Mass and total energy must stay.
+"""Gas | solid | gas in a closed box with adiabatic walls, which conserves mass and energy.
 
 The gas on the left is hotter and under a higher pressure than that on the right; within the solid
 stress and temperature go smoothly from one to the other. So the solid is pushed to the right,
@@ -11,8 +11,6 @@ import numpy as np
 from fsipetsc import FluidLayer, Problem, SolidLayer, Wall
 from fsipetsc.cases.common import Opt, constant, gas_of, materials, solid_of
 from fsipetsc.checks import Array
-
-SUMMARY = "gas | solid | gas in a closed box, which conserves mass and energy"
 
 OPTIONS = (
     *materials(fluid_mu=0.01, fluid_kappa=0.03, fluid_gamma=1.4, solid_modulus=20.0),

@@ -1,10 +1,9 @@
-"""A manufactured solution in one, two or three dimensions, whose errors can be measured: gas under
-a solid, on blocks that move, with an interface that moves and bends.
+"""A manufactured solution in one, two or three dimensions: gas under a solid, on blocks that move.
 
-The wall below the gas has a given temperature, the uppermost points of the solid are given. The
-blocks are periodic along the other axes; with -box_periodic false all unknowns are given at the
-sides. What the equations lack is their forcing; what traction and heat flux lack at the interface
-is supplied.
+The interface moves and bends. The wall below the gas has a given temperature, the uppermost points
+of the solid are given. The blocks are periodic along the other axes; with -box_periodic false all
+unknowns are given at the sides. What the equations lack is their forcing; what traction and heat
+flux lack at the interface is supplied.
 
 The last axis goes across the two, 0 < eta < 1 in the gas and 1 < eta < 2 in the solid; the other
 axes, p and q, go along them. With r = 1 in three dimensions and r = 0 else
@@ -51,8 +50,6 @@ from fsipetsc.equations.tensors import (
 from fsipetsc.equations.vectors import add, along, dot, scale, sub
 from fsipetsc.kernels.symbols import Record, derivatives, replay
 from fsipetsc.materials.solid import ElasticSolid
-
-SUMMARY = "gas | solid in one, two or three dimensions, a manufactured solution"
 
 OPTIONS = (
     Option("box_dimension", int, 2, "", "number of dimensions", (1, 2, 3)),

@@ -8,8 +8,6 @@ from fsipetsc import FluidLayer, Option, Problem, SolidLayer, clamped
 from fsipetsc.cases.common import Opt, constant, gas_of, line_at_rest, materials, solid_of
 from fsipetsc.equations.elementary import exp, power
 
-SUMMARY = "solid | gas | solid | gas | solid: a pulse runs through five layers"
-
 OPTIONS = (
     *materials(fluid_mu=0.01, fluid_kappa=0.03, solid_modulus=20.0, solid_kappa=0.02),
     *materials(solid_density=2.0, solid_alpha=1.0),

@@ -15,8 +15,6 @@ from fsipetsc.cases.disk import between, centre, quarter
 from fsipetsc.cases.riemann import GasState, shock_in_plane
 from fsipetsc.options import above_one
 
-SUMMARY = "a shock runs over an elastic or a rigid cylinder, in two dimensions"
-
 OPTIONS = (
     Option("cylinder_mach", float, 2.0, "", "Mach number of the shock", check=above_one),
     Option("cylinder_wall", str, "elastic", "", "what the cylinder is", ("rigid", "elastic")),

@@ -15,8 +15,6 @@ from fsipetsc.blocks.maps import Map, Places, annulus
 from fsipetsc.cases.common import Opt, cells_of, constant, elastic_of, gas_of, materials, wall_for
 from fsipetsc.checks import Array
 
-SUMMARY = "an elastic disk of five blocks that spins in gas"
-
 OPTIONS = (
     Option("disk_spin", float, 0.8, "1/s", "angular velocity of the disk at the start"),
     Option("disk_power", int, 0, "", "p of the factor (1 - R^2)^p of spin", check="nonnegative"),

@@ -19,7 +19,6 @@ from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases.common import Opt, stack
 from fsipetsc.materials.solid import ElasticSolid
 
-SUMMARY = "an elastic rod recedes from a gas or advances into it, with an exact solution"
 OPTIONS = (
     Option("piston_way", str, "receding", "", "what the rod does", ("receding", "advancing")),
 )

@@ -22,8 +22,6 @@ from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import above_one
 
-SUMMARY = "a shock hits a clamped panel in a shock tube and bends it, in two dimensions"
-
 OPTIONS = (
     Option("fin_mach", float, 1.21, "", "Mach number of the shock", check=above_one),
     Option("fin_length", float, 0.05, "m", "length of the panel, below 0.065", check="positive"),

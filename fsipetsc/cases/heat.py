@@ -19,8 +19,6 @@ from fsipetsc import Fluid, FluidLayer, InputError, Problem, Solid, SolidLayer, 
 from fsipetsc.cases.common import Opt, gas_of, materials, solid_of
 from fsipetsc.cases.wave import POINTS, Mode, chebyshev, eigenmodes, polynomials
 
-SUMMARY = "conjugate heat transfer between a solid and a gas: errors against the exact solution"
-
 OPTIONS = (
     *materials(conducting=True, fluid_mu=0.02, fluid_kappa=0.1, solid_modulus=20.0),
     *materials(conducting=True, solid_kappa=0.3, solid_density=2.0, solid_alpha=1.0),

@@ -1,11 +1,10 @@
-"""Manufactured solution (Sec. 5.1): fluid | solid | fluid with forcing in the layers and at the
-interfaces.
+"""A manufactured solution in fluid | solid | fluid: errors against the exact one (Sec. 5.1).
 
-The fields (5.1), (5.2) are given in the coordinate X of each layer's own grid; x is given in the
-solid alone. So the forcing of a fluid contains the exact velocity s of its frame, the fluid's at
-its interface point, and the embedded boundaries lie at X = X_I + x_boundary - x(X_I, t). Density,
-velocity and temperature at the boundaries are exact data; the four interface conditions get the
-jumps of the exact solution.
+There is forcing in the layers and at the interfaces. The fields (5.1), (5.2) are given in the
+coordinate X of each layer's own grid; x is given in the solid alone. So the forcing of a fluid
+contains the exact velocity s of its frame, the fluid's at its interface point, and the embedded
+boundaries lie at X = X_I + x_boundary - x(X_I, t). Density, velocity and temperature at the
+boundaries are exact data; the four interface conditions get the jumps of the exact solution.
 """
 
 from math import cos, sin
@@ -15,8 +14,6 @@ import numpy as np
 from fsipetsc import Dirichlet, FluidLayer, InputError, Problem, SolidLayer
 from fsipetsc.cases.common import PAPER, Opt, gas_of, materials, solid_of
 from fsipetsc.checks import Array, Fields
-
-SUMMARY = "manufactured solution: errors against the exact solution (Sec. 5.1)"
 
 OPTIONS = (
     *materials(fluid_mu=0.01, fluid_kappa=0.03, fluid_gamma=1.4, fluid_R=1.0),

@@ -17,8 +17,6 @@ from fsipetsc.checks import Array
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import Option, above_one
 
-SUMMARY = "a shock runs through an elastic nozzle, around an axis"
-
 OPTIONS = (
     Option("nozzle_mach", float, 1.5, "", "Mach number of the shock", check=above_one),
     *beside_gas(60.0),

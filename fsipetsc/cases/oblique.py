@@ -22,8 +22,6 @@ from fsipetsc.cases.common import SHOCKS, Opt, at_rest, beside_gas, constant, el
 from fsipetsc.cases.riemann import GasState, behind_shock, sound
 from fsipetsc.options import above_one
 
-SUMMARY = "an oblique shock reflected from a rigid wall or an elastic layer, in two dimensions"
-
 OPTIONS = (
     Option("oblique_mach", float, 2.9, "", "Mach number of the gas that comes in", check=above_one),
     Option("oblique_angle", float, 10.0, "degrees", "theta, of the wedge", check="positive"),

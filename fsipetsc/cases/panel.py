@@ -27,8 +27,6 @@ from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import above_one
 
-SUMMARY = "supersonic flow over an elastic panel set into a wall, which flutters"
-
 OPTIONS = (
     Option("panel_ends", str, "clamped", "", "how the panel is held", ("clamped", "hinged")),
     Option("panel_mach", float, 2.0, "", "Mach number of the flow", check=above_one),

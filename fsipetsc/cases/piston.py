@@ -12,8 +12,6 @@ import numpy as np
 from fsipetsc import FluidLayer, Option, Problem, SolidLayer, Wall
 from fsipetsc.cases.common import Opt, constant, gas_of, line_at_rest, materials, solid_of
 
-SUMMARY = "a wall that moves drives gas against an elastic layer: gas | solid | gas"
-
 OPTIONS = (
     *materials(fluid_mu=1.8e-5, fluid_kappa=0.026, solid_modulus=1e7, solid_kappa=0.2),
     *materials(solid_density=100.0, solid_alpha=1000.0),

@@ -20,8 +20,6 @@ from fsipetsc.cases.common import PAPER, Opt, gas_of, materials, solid_of
 from fsipetsc.checks import Array
 from fsipetsc.equations.elementary import exp
 
-SUMMARY = "a sound pulse meets a solid | fluid interface: reflection and transmission (Sec. 4)"
-
 OPTIONS = (
     *materials(fluid_mu=0.0, fluid_kappa=0.0, fluid_gamma=1.4, fluid_R=8.3145 / 0.029),
     *materials(solid_modulus=1e6, solid_kappa=0.0, solid_density=4.0, solid_alpha=1000.0),

@@ -14,8 +14,6 @@ from fsipetsc.blocks.maps import annulus
 from fsipetsc.cases import common
 from fsipetsc.cases.common import Opt, cells_of, elastic_of, gas_of, materials
 
-SUMMARY = "an elastic ring with gas inside and outside, and a pressure pulse"
-
 OPTIONS = (
     Option("ring_gas", bool, True, "", "gas inside and outside; else the ring is in a vacuum"),
     Option("ring_pulse", float, 0.5, "Pa", "overpressure; else p is 1", check="nonnegative"),

@@ -9,8 +9,6 @@ at t = 0.90-0.91), and the rod starts under the stress -p0, so that only gravity
 from fsipetsc import FluidLayer, Open, Option, Problem, SolidLayer, Wall
 from fsipetsc.cases.common import Opt, constant, gas_of, line_at_rest, materials, solid_of
 
-SUMMARY = "an elastic rod falls into a compressible gas and bounces (Sec. 5.2)"
-
 OPTIONS = (
     *materials(fluid_mu=0.5, fluid_kappa=0.7, fluid_gamma=1.4, fluid_R=8.3145 / 0.029),
     *materials(solid_modulus=1e5, solid_kappa=0.5, solid_density=2700.0, solid_alpha=1.0),

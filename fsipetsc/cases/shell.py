@@ -13,8 +13,6 @@ from fsipetsc.blocks.maps import off_axis, rectangle
 from fsipetsc.cases.common import Opt, at_rest, cells_of, constant, elastic_of, gas_of, materials
 from fsipetsc.equations.elementary import tanh
 
-SUMMARY = "a charge in an elastic shell around a centre, or a tube around an axis"
-
 OPTIONS = (
     Option("shell_kappa", int, 2, "", "1: around an axis, 2: around a centre", (1, 2)),
     Option("shell_gas", str, "centre", "", "gas inside to r = 0, around a core, or none",

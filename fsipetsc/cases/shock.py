@@ -24,8 +24,6 @@ from fsipetsc.cases.riemann import GasState, GasWave, SolidState, SolidWave, beh
 from fsipetsc.checks import Array, Fields
 from fsipetsc.options import above_one
 
-SUMMARY = "a shock tube with an elastic rod, or a shock that hits one, with exact solutions"
-
 OPTIONS = (
     Option("shock_problem", str, "sod", "", "which problem", ("sod", "strong")),
     Option("shock_mach", float, 3.0, "", "strong: Mach number of the shock", check=above_one),

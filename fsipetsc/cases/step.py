@@ -1,4 +1,4 @@
-"""A wind tunnel with a step: Mach 3, rigid walls.
+"""Supersonic flow over a step in a wind tunnel with rigid walls, in two dimensions.
 
 Gas fills the tunnel, 3 long and 1 high, from the start. A shock stands off the step, is reflected
 from the ceiling and from the step; a fan spreads from the edge. The problem is that of P. Woodward
@@ -15,8 +15,6 @@ from fsipetsc.blocks.conditions import Open, Outflow, Slip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases.common import SHOCKS, Opt, constant, gas_of, stack
 from fsipetsc.options import Option, above_one
-
-SUMMARY = "supersonic flow over a step in a wind tunnel, in two dimensions"
 
 OPTIONS = (
     Option("step_mach", float, 3.0, "", "Mach number of the gas that comes in", check=above_one),

@@ -15,7 +15,6 @@ from fsipetsc.cases.common import SHOCKS, Opt, stack
 from fsipetsc.checks import Array, Fields
 from fsipetsc.materials.solid import ElasticSolid
 
-SUMMARY = "a shock along an elastic half space, faster than its waves, in two dimensions"
 OPTIONS = ()
 DEFAULTS = {"fsi_h": 1 / 40, "ts_max_time": 0.5, "fsi_output_dt": 0.05, "fsi_norm": "L1", **SHOCKS}
 #: gas ahead: density, temperature (p = rho T); Lame's constants; density of the solid is 1

@@ -1,4 +1,4 @@
-"""Sod's shock tube in a plane: along X, across Y, or across Y into an elastic layer.
+"""A shock tube, Sod's, in a plane: along X, across Y, or across Y into an elastic layer.
 
 Along X and across Y the gas of high pressure is on the left, or below; halfway the gas of low
 pressure begins. Walls all around let it slip, so that what is computed of one is that of the
@@ -19,8 +19,6 @@ from fsipetsc.cases.riemann import GasState, GasWave, pressure_between
 from fsipetsc.cases.shock import DENSE, GAMMA, LOW, R, Solution
 from fsipetsc.checks import Array
 from fsipetsc.materials.solid import ElasticSolid
-
-SUMMARY = "a shock tube in a plane, along X, across Y or into an elastic layer: exact solution"
 
 OPTIONS = (
     Option("tube_problem", str, "elastic", "", "along X, Y, into a layer", ("x", "y", "elastic")),

@@ -13,7 +13,6 @@ from fsipetsc.blocks.conditions import NoSlip, Slip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.cases.common import SHOCKS, Opt, stack
 
-SUMMARY = "a shock and the boundary layer it has left in a closed box, in two dimensions"
 OPTIONS = (Option("tube_reynolds", float, 200.0, "", "Reynolds number", check="positive"),)
 DEFAULTS = {"fsi_h": 1 / 100, "ts_max_time": 1.0, "fsi_output_dt": 0.1, **SHOCKS}
 GAMMA, PRANDTL, RHO, RATIO = 1.4, 0.73, 1.2, 100.0

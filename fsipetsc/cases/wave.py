@@ -31,8 +31,6 @@ from fsipetsc.cases.common import Opt, elastic_of, gas_of, materials, stack, wal
 from fsipetsc.checks import Array
 from fsipetsc.materials.solid import ElasticSolid
 
-SUMMARY = "a normal mode of a gas over an elastic layer, whose frequency and decay are known"
-
 OPTIONS = (
     *materials(fluid_mu=0.01, fluid_kappa=0.035 / 0.72, solid_density=1.0),
     *materials(solid_mu=1.0, solid_lambda=1.0),
