@@ -43,24 +43,18 @@ class Entry(NamedTuple):
     quick: Grids
 
 
-_ENTRIES: dict[str, Entry] = {}
+#: all entries by name, in the order of the table, once their files are imported
+ENTRIES: dict[str, Entry] = {}
 
 
 def entry(source: str, why: str, full: Grids, quick: Grids) -> Callable[[Any], Any]:
     """Make a function ``measure`` an entry of its own name."""
 
     def registered(measure: Any) -> Any:
-        _ENTRIES[measure.__name__] = Entry(measure, source, why, full, quick)
+        ENTRIES[measure.__name__] = Entry(measure, source, why, full, quick)
         return measure
 
     return registered
-
-
-def entries() -> dict[str, Entry]:
-    """All entries by name, in the order of the table; this starts PETSc."""
-    from fsipetsc.studies.verify import coupled, gases, small_motions, solids  # noqa: F401
-
-    return _ENTRIES
 
 
 def problem(name: str) -> str:
