@@ -295,8 +295,7 @@ class BlockProblem:
             if block.name in [other.name for other in blocks[:k]]:
                 raise InputError(f"BlockProblem: two blocks are named '{block.name}'")
             if block.dimension != blocks[0].dimension:
-                numbers = f"{block.dimension} dimensions, {blocks[0]} {blocks[0].dimension}"
-                raise InputError(f"{block} has {numbers}: expected the same")
+                raise InputError(f"{block} and {blocks[0]} have different numbers of dimensions")
 
     def _find_laws(self) -> None:
         """Number the laws of gases; gas at one place has one state, and so one law. InputError
@@ -312,13 +311,12 @@ class BlockProblem:
                 laws += [law] * (self._law_of[k] == len(laws))
         self.gas_laws = tuple(laws)
         for members in self.members if len(laws) > 1 else ():
-            gases = {self._law_of[k]: (k, node) for k, node in members if k in self._law_of}
-            if len(gases) > 1:
-                (k, node), (other, _) = sorted(gases.values())[:2]
-                place = place_text(self.places(k, np.array([node]))[0])
+            gases = [k for k, _ in members if k in self._law_of]
+            if len({self._law_of[k] for k in gases}) > 1:
+                place = place_text(self.places(members[0][0], np.array([members[0][1]])))
                 raise InputError(
-                    f"{self.blocks[k]} and {self.blocks[other]} meet at {place}, and are gases of "
-                    "different laws: expected one law, or a solid between them"
+                    f"{' and '.join(str(self.blocks[k]) for k in gases)} meet at {place}, and are "
+                    "gases of different laws: expected one law, or a solid between them"
                 )
 
     def law_at(self, members: Sequence[tuple[int, int]]) -> int:
