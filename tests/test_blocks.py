@@ -1,7 +1,6 @@
 """Blocks and problems made of them: maps, which faces meet, nodes at one place, messages."""
 
 from itertools import permutations, product
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,8 +12,9 @@ from fsipetsc.blocks.block_problem import BlockProblem, Meeting
 from fsipetsc.blocks.conditions import Free, Hinge, NoSlip, Open, Slip
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.solid import ElasticSolid
 
-GAS, SOLID = Fluid(0.0, 0.0, 1.4, 1.0), SimpleNamespace(m0=1.0)
+GAS, SOLID = Fluid(0.0, 0.0, 1.4, 1.0), ElasticSolid(1.0, 1.0, 0.0, 1.0, 1.0)
 
 
 def nothing(*X):

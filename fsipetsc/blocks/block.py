@@ -15,6 +15,8 @@ from fsipetsc.blocks.maps import Map, Nodes, place_text
 from fsipetsc.checks import Array, check_name, described, function, whole
 from fsipetsc.equations import tensors
 from fsipetsc.errors import InputError
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.solid import ElasticSolid
 
 #: index ranges, one (begin, end) for each axis
 Range = Sequence[tuple[int, int]]
@@ -51,7 +53,7 @@ class Block:
     """
 
     name: str
-    material: Any
+    material: Fluid | ElasticSolid
     map: Map
     cells: tuple[int, ...]
     initial: Callable[..., Any]
@@ -63,7 +65,7 @@ class Block:
 
     def __post_init__(self) -> None:
         check_name(self.name, "Block")
-        if not (hasattr(self.material, "m0") or hasattr(self.material, "mu")):
+        if not isinstance(self.material, (Fluid, ElasticSolid)):
             wanted = "expected a Fluid or an ElasticSolid"
             raise InputError(f"{self}: material is {described(self.material)}: {wanted}")
         self._check_axes()
@@ -86,7 +88,7 @@ class Block:
     @property
     def kind(self) -> str:
         """Which it is: "fluid" or "solid"."""
-        return "solid" if hasattr(self.material, "m0") else "fluid"
+        return self.material.kind
 
     @property
     def dimension(self) -> int:

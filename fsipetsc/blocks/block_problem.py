@@ -240,7 +240,7 @@ class BlockProblem:
         solids = [block for block in self.blocks if block.kind == "solid"]
         gases = [k for k, block in enumerate(self.blocks) if block.kind == "fluid"]
         closed = all(map(conserves_energy, self.outer_faces.values())) and not self._forced
-        elastic = all(getattr(solid.material, "heat", "") == "elastic" for solid in solids)
+        elastic = all(solid.material.heat == "elastic" for solid in solids)
         known = all(map(knows_entropy, self.gas_laws))
         masses = [solid.material.m0 * size_of(solid, self.symmetry) for solid in solids]
         capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
