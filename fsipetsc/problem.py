@@ -20,7 +20,7 @@ from fsipetsc.blocks.conditions import steady
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.blocks.values import NOWHERE, block_values, checked
 from fsipetsc.boundaries import Boundary, Wall
-from fsipetsc.checks import Array, Fields, check_name, described, extent, function
+from fsipetsc.checks import Array, Fields, check_name, check_units, described, extent, function
 from fsipetsc.errors import InputError, place_of
 from fsipetsc.kernels.symbols import Symbol
 from fsipetsc.materials.fluid import Fluid
@@ -28,7 +28,10 @@ from fsipetsc.materials.solid import ElasticSolid, Solid
 from fsipetsc.operators.sbp import operator
 
 #: what can stand at the outer end of a layer
-ENDS = {"fluid": "Wall, Open or Dirichlet", "solid": "clamped(…), free(…) or absorbing(…)"}
+ENDS = {
+    "fluid": "Wall, Open or Dirichlet of fsipetsc",
+    "solid": "clamped(…), free(…) or absorbing(…)",
+}
 Function = Callable[..., Any]
 
 
@@ -175,6 +178,7 @@ class Problem:
         object.__setattr__(self, "layers", tuple(given))
         form = "jumps(k, t) -> (g_u, g_stress, g_T, g_flux)"
         function(self.jumps, "Problem: jumps", form, optional=True)
+        check_units(self.units, "Problem")
         kinds = [layer.kind for layer in given]
         if not kinds or any(a == b for a, b in pairwise(kinds)):
             raise InputError(f"Problem: layers are {kinds}: expected fluid and solid in turn")

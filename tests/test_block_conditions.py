@@ -7,9 +7,20 @@ from conftest import ORDERS
 
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.blocks.conditions import Absorbing, Clamped, Free, Hinge, NoSlip, Open, Slip
+from fsipetsc.blocks.conditions import (
+    Absorbing,
+    Clamped,
+    Free,
+    Given,
+    Hinge,
+    NoSlip,
+    Open,
+    Roller,
+    Slip,
+)
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.own import solid_law
 from fsipetsc.materials.solid import ElasticSolid
 
 SOUND = np.sqrt(1.4)
@@ -49,6 +60,48 @@ def test_waves_of_both_kinds_leave_through_an_absorbing_face(kind, speed, side):
         assert np.abs(run.y.owned(0)[:, 2:4]).max() < 3e-3 * before
         energy = 0.1 * 2.0 * speed**2 * size**2 * np.sqrt(np.pi / 2.0) / 0.08
         assert run.gained()[-1] == pytest.approx(-energy, rel=2e-4)
+
+
+@pytest.mark.parametrize("symmetry", [0, 1])
+def test_a_law_of_a_case_has_its_reference_pressure(symmetry):
+    """It is at rest between a gas and a free face of this pressure."""
+    named = ElasticSolid(2.0, 4.0, 0.0, 2.0, 1.5).solid_law
+    law = solid_law(stress=lambda F: named.stress(F), energy=lambda F: named.energy(F))
+    solid = ElasticSolid(2.0, 4.0, 0.0, 2.0, 1.5, p_ref=0.3, law=law, heat="elastic")
+    gas = Fluid(0.0, 0.0, 1.4, 1.0)
+    blocks = (
+        Block("gas", gas, rectangle(1.0, 2.0), (8,), lambda X: (1.0, 0.0, 0.3)),
+        Block("solid", solid, rectangle(2.0, 3.0), (8,), lambda X: (0.0, 0.3, X)),
+    )
+    faces = {("gas", 0, 0): Slip(), ("solid", 0, 1): Free(0.3)}
+    with Steps(BlockProblem(blocks, faces, symmetry=symmetry), order=4) as run:
+        run.step(0.01, 20)
+        assert np.abs(run.y.owned(1)[:, :2]).max() < 1e-14
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.01])
+@pytest.mark.parametrize("side", [Clamped(), Roller()])
+def test_a_gas_that_is_given_keeps_its_values_at_a_solid(mu, side):
+    """Where both conduct, the solid has its temperature; if it can move, its velocity, too."""
+
+    def values(X, Y, t):
+        return 1.0 + 0.0 * X, 0.0 * X, 0.02 * np.sin(3.0 * t) + 0.0 * X, 1.0 + 0.2 * t + 0.0 * X
+
+    gas, solid = Fluid(mu, 0.05, 1.4, 1.0), ElasticSolid(2.0, 4.0, 0.05, 2.0, 1.5, p_ref=1.0)
+    blocks = (
+        Block("gas", gas, rectangle((0, 0), (1, 1)), (8, 8), lambda X, Y: (1.0, 0.0, 0.0, 1.0)),
+        Block("solid", solid, rectangle((0, 1), (1, 2)), (8, 8), lambda X, Y: (0, 0, 1.0, X, Y)),
+    )
+    faces = {("gas", *face): Slip() for face in ((0, 1), (1, 0))}
+    faces |= {("gas", 0, 0): Given(values), ("solid", 1, 1): Clamped()}
+    faces |= {("solid", 0, s): side for s in (0, 1)}
+    with Steps(BlockProblem(blocks, faces), order=4) as run:
+        run.step(0.005, 40)
+        (J, rho, _, rho_v, e), (_, _, _, v, e_s) = run.y.owned(0)[72], run.y.owned(1)[0]
+        moved, T = 0.02 * np.sin(3.0 * run.t), 1.0 + 0.2 * run.t
+        found = rho / J, rho_v / rho, 0.4 * (e / rho - 0.5 * moved**2), (e_s - 0.5 * v**2) / 1.5
+        assert found == pytest.approx((1.0, moved, T, T), abs=1e-13)
+        assert v == pytest.approx(moved if side == Roller() else 0.0, abs=1e-13)
 
 
 def test_a_clamp_with_a_velocity_moves_from_where_it_is():

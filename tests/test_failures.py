@@ -115,6 +115,10 @@ DEFAULTS = piston.DEFAULTS
 def build(opt):
     problem, T, p = piston.build(opt), piston.T0, piston.P0
     below, layer, above = problem.layers
+    if opt["changed"] == "still":  # heat that does not go on
+        below = replace(below, material=replace(below.material, mu=0.0, kappa=0.0))
+        warm = replace(problem.left, T=1.001 * T)
+        return replace(problem, layers=(below, layer, above), left=warm)
     if opt["changed"] == "jump":
         jump = lambda X: (np.where(X < 0.5, 2.0, 1.0) * p / 287.0 / T, 0.0 * X, T + 0.0 * X)
         below = replace(below, initial=jump)
@@ -126,6 +130,7 @@ SIGN = "has a pressure of 1e+05 Pa where it meets 'layer', which pushes with -1e
 #: what is changed -> what the notes say, with … for what stands between
 NOTES = {
     "nothing": [],
+    "still": ["NoSlip gives 'driven' a temperature, and it does not conduct heat"],
     "sign": [f"at t = 0 'driven' {SIGN}", f"at t = 0 'behind' {SIGN}"],
     "jump": ["at the end the pressure in 'driven' changes by … one node to the next, at X = 0."],
 }

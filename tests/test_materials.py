@@ -12,7 +12,7 @@ from fsipetsc.equations.elementary import logarithm_rest
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.loops import each
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.own import gas_law, solid_law
+from fsipetsc.materials.own import check_inverses, gas_law, solid_law
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.power_law import power_law
 from fsipetsc.materials.solid import ElasticSolid, Solid
@@ -146,6 +146,9 @@ BODIES = {
 WRONG = {
     **{said: lambda more=more: gas_law(**GAS | more) for said, more in GASES.items()},
     **{said: lambda more=more: ElasticSolid(**SOLID | more) for said, more in BODIES.items()},
+    "density(pressure(rho, T), T): at rho = 2, T = 300 it is 2.04": lambda: check_inverses(
+        gas_law(**GAS | {"density": lambda p, T: 1.02 * p / (R * T)}), np.array([2.0]), 300.0, ""
+    ),
     "gas_law: the formula pressure(rho, T) is missing": lambda: gas_law(),
     "no formula energy(F), which heat='elastic' needs": lambda: elastic(),
     "stress is not the derivative of energy": lambda: elastic(

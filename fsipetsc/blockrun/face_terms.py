@@ -33,9 +33,9 @@ class FaceTerms:
     filled it.
 
     In three dimensions, and around an axis or a centre, the pressure p_ref under which a solid is
-    free of strain is no part of its stress: -p_ref cof F would not be at rest with a gas. Faces to
-    gas, and those with a traction of their own, get p_ref n(x) instead; in three dimensions n is in
-    the curl form that the gas has.
+    free of strain is no part of its stress: -p_ref cof F would not be at rest with a gas. Nor is it
+    part of the stress of a law of a case. Faces to gas, and those with a traction of their own, get
+    p_ref n(x) instead; in three dimensions n is in the curl form that the gas has.
     """
 
     def __init__(self, problem: Any, part: Part, order: int, X: Array) -> None:
@@ -151,8 +151,10 @@ def _turned(problem: Any, part: Part, order: int, axis: int, side: int, nodes: s
 def _left_out(problem: Any, k: int) -> float:
     """p_ref of a block where it is no part of the stress."""
     block = problem.blocks[k]
-    solid = block.kind == "solid" and isinstance(block.material.law, str)
-    return block.material.p_ref if solid and (block.dimension == 3 or problem.symmetry) else 0.0
+    if block.kind == "fluid":
+        return 0.0
+    left_out = block.dimension == 3 or problem.symmetry or not isinstance(block.material.law, str)
+    return float(block.material.p_ref) if left_out else 0.0
 
 
 def _columns(condition: Condition) -> list[tuple[str, tuple[str, ...]]]:

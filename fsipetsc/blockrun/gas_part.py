@@ -16,7 +16,7 @@ from fsipetsc.blocks.values import block_values
 from fsipetsc.equations.vectors import dot
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.procedure import Code
-from fsipetsc.materials.own import knows_entropy
+from fsipetsc.materials.own import check_inverses, knows_entropy
 from fsipetsc.operators.bands import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.particles.members import Particle
@@ -145,6 +145,7 @@ class GasPart(BlockPart):
         """Fill q (M, d + 3) with the case's data, with J = 1."""
         X = self.X[:, self.owned]
         rho, *u, T = block_values(self.block, "initial", X, t)
+        check_inverses(self.equations.law, rho, T, f"the law of the gas '{self.block.name}'")
         for c, values in enumerate(self.equations.conserved(1.0, rho, tuple(u), T)):
             q[:, c] = values
 

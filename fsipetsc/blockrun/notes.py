@@ -12,6 +12,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.blockrun.solid_part import SolidPart
+from fsipetsc.blocks.conditions.condition import warms
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.equations.tensors import determinant
 from fsipetsc.scheme.gas_forms import CONSERVED
@@ -31,6 +32,20 @@ SMALL = 0.02
 ROUND_OFF = 1e-8
 #: entries of directions of waves, in as many dimensions, -so many … so many
 FINEST = {1: 1, 2: 4, 3: 2}
+
+
+def heat_that_stays(state: Any) -> list[str]:
+    """Faces with a temperature whose gas or solid does not conduct heat."""
+    found = set()
+    for (k, *_), met in state.problem.outer_faces.items():
+        name, material = state.problem.blocks[k].name, state.problem.blocks[k].material
+        conducts = material.kappa if material.kind == "fluid" else material.kappa_e
+        if warms(met) and not met.all_given and not conducts:
+            found.add(
+                f"{type(met).__name__} gives '{name}' a temperature, and it does not conduct heat: "
+                "only its nodes at the face have that temperature, so results depend on the grid"
+            )
+    return sorted(found)
 
 
 def asked_data(state: Any) -> list[str]:
@@ -213,7 +228,7 @@ def _directions(d: int) -> Array:
 
 #: when -> what may be said then
 NOTES = {
-    "begin": (loose_forces, asked_data, pressure_jumps),
+    "begin": (heat_that_stays, loose_forces, asked_data, pressure_jumps),
     "saved": (lambda state: imaginary_waves(state, state.time, state.told),),
     "end": (steep_waves,),
 }

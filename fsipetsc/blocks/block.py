@@ -170,7 +170,8 @@ class Block:
         if not (1 <= len(cells) <= 3 and all(map(whole, cells))):
             wanted = "expected 1, 2 or 3 whole numbers above 0"
             raise InputError(f"{self}: cells is {described(self.cells)}: {wanted}")
-        periodic = tuple(self.periodic) or (False,) * len(cells)
+        given = self.periodic if isinstance(self.periodic, (tuple, list)) else (self.periodic,)
+        periodic = tuple(given) or (False,) * len(cells)
         if len(periodic) != len(cells) or not all(isinstance(p, bool) for p in periodic):
             wanted = "expected True or False for each axis"
             raise InputError(f"{self}: periodic is {described(self.periodic)}: {wanted}")

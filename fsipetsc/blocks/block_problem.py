@@ -11,7 +11,7 @@ from fsipetsc.blocks.block import Block, Range, mesh, size_of
 from fsipetsc.blocks.conditions import Centre, Condition, Hinge, conserves_energy, moves, steady
 from fsipetsc.blocks.faces import FaceName, Faces, Kinds, Meeting, face_nodes, number_of, united
 from fsipetsc.blocks.maps import place_text
-from fsipetsc.checks import Array, described, function
+from fsipetsc.checks import Array, check_units, described, function
 from fsipetsc.errors import InputError
 from fsipetsc.materials.own import knows_entropy
 from fsipetsc.operators.bands import Band, band, centred_band
@@ -33,7 +33,7 @@ class BlockProblem:
             interfaces supply from outside; None: 0.
         points: (name of a block, place X, `Hinge()`) for points of solids' faces that are held.
         notes: lines that the result carries.
-        units: "SI", or "" for a problem without dimensions.
+        units: "SI", or "none" for a problem without dimensions.
         symmetry: 1 if the last coordinate is the distance from an axis, in one or two dimensions;
             2 if that of one dimension is the distance from a centre. Integrals are then those of a
             sector of unit angle, or of unit solid angle.
@@ -54,6 +54,7 @@ class BlockProblem:
         """
         self.blocks, self.notes = tuple(self.blocks), tuple(self.notes)
         self._check_blocks()
+        check_units(self.units, "BlockProblem")
         form = "jumps(*X, t) -> (traction per axis, heat)"
         function(self.jumps, "BlockProblem: jumps", form, optional=True)
         faces = Faces(self.blocks, self.faces)

@@ -185,7 +185,7 @@ def solid_law(**formulas: Formula) -> Any:
     """A solid law of your own, for `ElasticSolid(law=…)`, made of functions of numbers.
 
     [Materials](materials.md#a-stress-of-your-own) says what they may use, and has an example. F and
-    P are d*d numbers, row by row. p_ref of the solid is not added.
+    P are d*d numbers, row by row. p_ref of the solid is not in it, but on faces.
 
     Args:
         formulas: `stress(F)` returns P = dW/dF [Pa] and is needed. `energy(F)` returns W [J/m3]; it
@@ -240,6 +240,29 @@ def knows_entropy(law: Any) -> bool:
 def knows_energy(law: Any) -> bool:
     """Whether a solid law has an energy."""
     return type(law).energy is not _Solid.energy
+
+
+def check_inverses(law: Any, rho: Any, T: Any, owner: str) -> None:
+    """InputError if formulas of a gas law of a case are not inverse to each other at some states.
+
+    rho, T: (n,) densities [kg/m3] and temperatures [K].
+    """
+    if not hasattr(type(law), "of_case"):
+        return
+    with np.errstate(all="ignore"):
+        p, e = law.pressure(rho, T), law.internal_energy(rho, T)
+        pairs = {
+            "temperature(rho, internal_energy(rho, T))": (law.temperature(rho, e), T, "T"),
+            "temperature_of(rho, pressure(rho, T))": (law.temperature_of(rho, p), T, "T"),
+            "density(pressure(rho, T), T)": (law.density(p, T), rho, "rho"),
+        }
+        for formula, (found, wanted, name) in pairs.items():
+            wrong = ~(np.abs(found - wanted) <= 1e-6 * wanted)
+            if np.any(wrong):
+                at = int(np.argmax(wrong))
+                numbers = (np.broadcast_to(a, wrong.shape).flat[at] for a in (rho, T, found))
+                where = "at rho = {:.6g}, T = {:.6g} it is {:.6g}".format(*numbers)
+                raise InputError(f"{owner}: {formula}: {where}: expected {name}")
 
 
 def check_solid_law(law: Any, d: int) -> None:

@@ -92,16 +92,17 @@ class ElasticSolid:
         """Its equations in d dimensions, around an axis (1) or a centre (2); InputError if force
         has not d numbers.
 
-        In three dimensions and around an axis or a centre p_ref is left out of the stress, and
-        faces have it (fsipetsc.blockrun.face_terms): so a solid under p_ref is at rest exactly.
+        In three dimensions, around an axis or a centre, and of a law of a case p_ref is left out of
+        the stress, and faces have it (fsipetsc.blockrun.face_terms): so a solid under p_ref is at
+        rest exactly.
         """
         force, law = force_in(self.force, d, "ElasticSolid"), self.solid_law
-        named, coupled = isinstance(self.law, str), self.heat == "coupled"
-        if named and (symmetry or d == 3):
+        coupled = self.heat == "coupled"
+        if isinstance(self.law, str) and (symmetry or d == 3):
             law = law._replace(p_ref=0.0)
         own.check_solid_law(law, d + symmetry)
         numbers = self.m0, self.alpha, self.kappa_e, coupled, force, (0.0,) * symmetry
-        at_faces = self.p_ref if named and symmetry else 0.0
+        at_faces = self.p_ref if symmetry else 0.0
         return Equations(law, self.pressure_law, *numbers, at_faces)
 
 

@@ -120,7 +120,9 @@ def slide_one(all, gain, p, one):
         put_part(U, p, 1, scale(rho, new_u))
     with when((M_s > 0.0) & (M > 0.0)):
         state.e[p] += change / M_s
-        U[p, len(like) + 1] -= change / state.V[p]
+        given = one.given_gas == 1  # the gas keeps what it has; the energy comes in
+        U[p, len(like) + 1] -= np.where(given, 0.0, change / state.V[p])
+        gain.energy[one.moves_gas] += np.where(given & (one.mine == 1), change, 0.0)
 
 
 def velocity(like, U, p, M):
@@ -197,18 +199,26 @@ def weigh_heat(all):
 
 
 def share_heat(law, which, all, gain):
-    """One temperature of gas and solid where both conduct, or that which is given of the gas: of
-    particles whose gas has this law, the one of this number.
+    """One temperature of gas and solid where both conduct, or that which is given: of a wall, of
+    the gas, or of the solid. Of particles whose gas has this law, the one of this number.
     """
     for p in each(all.facts.shape[0]):
-        one, M = all.facts[p], all.state.mass[p]
-        warm, asked = one.warm_gas == 1, (one.warm_gas == 1) | (one.warm_solid == 1)
-        with when((one.law == which) & (warm | (one.shares_heat == 1)) & (M > 0.0)):
-            u = velocity(all.like, all.state.U, p, M)
+        one, U, M = all.facts[p], all.state.U, all.state.mass[p]
+        warm, solid = one.warm_gas == 1, one.warm_solid == 1
+        gas, both = (one.given_gas == 1) & ~warm, one.shares_heat == 1
+        with when((one.law == which) & (warm | both) & (M > 0.0)):
+            u = velocity(all.like, U, p, M)
+            of_gas, of_solid = 0.5 * dot(u, u), rest_of(all, p)
             with when(warm):
-                warm_the_gas(law, all, gain, p, one, 0.5 * dot(u, u))
-            with when(~asked):
-                share_one(law, all, p, 0.5 * dot(u, u), rest_of(all, p))
+                warm_the_gas(law, all, gain, p, of_gas, all.data.T[p])
+            with when(solid & ~warm & ~gas):
+                warm_the_gas(law, all, gain, p, of_gas, all.data.T_solid[p])
+            with when(gas & ~solid):
+                rho, E = U[p, 0], U[p, len(all.like) + 1]
+                T = law.temperature(rho, E / rho - of_gas)
+                warm_the_solid(all, gain, p, of_solid, T)
+            with when(~warm & ~gas & ~solid):
+                share_one(law, all, p, of_gas, of_solid)
 
 
 def warm_solids(all, gain):
@@ -216,7 +226,7 @@ def warm_solids(all, gain):
     for p in each(all.facts.shape[0]):
         one = all.facts[p]
         with when((one.warm_solid == 1) & (all.state.solid_mass[p] > 0.0)):
-            warm_the_solid(all, gain, p, one, rest_of(all, p))
+            warm_the_solid(all, gain, p, rest_of(all, p), all.data.T_solid[p])
 
 
 def rest_of(all, p):
@@ -238,22 +248,24 @@ def share_one(law, all, p, of_gas, of_solid):
     U[p, at_E] = rho * (sum_of_both - M_s * e) / M
 
 
-def warm_the_gas(law, all, gain, p, one, of_gas):
-    """Let the gas have the temperature that is given."""
-    U, at_E = all.state.U, len(all.like) + 1
-    E = U[p, 0] * (law.internal_energy(U[p, 0], all.data.T[p]) + of_gas)
+def warm_the_gas(law, all, gain, p, of_gas, T):
+    """Let the gas have a temperature."""
+    one, U, at_E = all.facts[p], all.state.U, len(all.like) + 1
+    E = U[p, 0] * (law.internal_energy(U[p, 0], T) + of_gas)
     came = np.where(one.mine == 1, all.state.V[p] * (E - U[p, at_E]), 0.0)
     gain.energy[one.heats_gas] += came
-    gain.heat[one.heats_gas] += came
+    gain.heat[one.heats_gas] += np.where(one.warm_gas == 1, came, 0.0)
     U[p, at_E] = E
 
 
-def warm_the_solid(all, gain, p, one, of_solid):
-    """Let the solid have the temperature that is given."""
-    e = of_solid + all.state.capacity[p] * all.data.T_solid[p]
+def warm_the_solid(all, gain, p, of_solid, T):
+    """Let the solid have a temperature."""
+    one = all.facts[p]
+    given = (one.given_solid == 1) | (one.warm_solid == 0)  # it comes with all unknowns
+    e = of_solid + all.state.capacity[p] * T
     came = np.where(one.mine == 1, all.state.solid_mass[p] * (e - all.state.e[p]), 0.0)
     gain.energy[one.heats_solid] += came
-    gain.heat[one.heats_solid] += np.where(one.given_solid == 0, came, 0.0)
+    gain.heat[one.heats_solid] += np.where(given, 0.0, came)
     all.state.e[p] = e
 
 

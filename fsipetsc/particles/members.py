@@ -230,10 +230,15 @@ def _take_over(particle: Particle, met: Any, gas: bool, face: tuple[int, int, in
 
 def _heat_conditions(particle: Particle, materials: list[Any]) -> None:
     """Who has one temperature, and whether elastic energies matter to it."""
+    if particle.given_gas is not None:
+        particle.warm_gas = None
     if particle.shares_heat:
         warm, faces = particle.warm_gas or particle.warm_solid, particle.faces
-        particle.warm_gas = particle.warm_solid = warm
         face = faces.get("warm_gas", faces.get("warm_solid"))
+        given = [faces[name] for name in ("given_gas", "given_solid") if name in faces]
+        if given:  # all unknowns, of which the other side takes the temperature
+            warm, face = None, given[0]
+        particle.warm_gas = particle.warm_solid = warm
         if face is not None:
             faces["warm_gas"] = faces["warm_solid"] = face
     solids = [material for material in materials if material.kind == "solid"]

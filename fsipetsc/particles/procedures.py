@@ -127,14 +127,14 @@ def obeyed(all, p, one, of_gas, of_solid):
     P_s = choose(one.clamped == 1, scale(M_s, node(like, data.clamp_velocity, p)), P_s)
     P_s = choose(given, scale(M_s, part_of(like, data.solid, p, d)), P_s)
     P = choose(one.at_wall == 1, scale(M, node(like, data.wall, p)), P)
-    # what sticks
+    # a gas that is given, and what sticks
+    given, (rho, *rho_u, of_data) = one.given_gas == 1, part_of((*like, 0.0, 0.0), data.gas, p, 0)
     sticks, before = one.sticks == 1, kinetic(P_s, M_s)
-    v = choose(moved, per(P_s, M_s), per(add(P, P_s), M + M_s))
+    v = choose(given, per(tuple(rho_u), rho), per(add(P, P_s), M + M_s))
+    v = choose(moved, per(P_s, M_s), v)
     P, P_s = choose(sticks, scale(M, v), P), choose(sticks, scale(M_s, v), P_s)
     change = np.where(sticks & ~moved, kinetic(P_s, M_s) - before, 0.0)
     E, E_s = E - change, E_s + change
-    # a gas that is given
-    given, (rho, *rho_u, of_data) = one.given_gas == 1, part_of((*like, 0.0, 0.0), data.gas, p, 0)
     M, E = np.where(given, V * rho, M), np.where(given, V * of_data, E)
     return (V, M, choose(given, scale(V, tuple(rho_u)), P), E), (M_s, D, P_s, E_s)
 
@@ -275,11 +275,16 @@ def accelerate(all, gain, p, one):
 
 
 def told(all, p, one, M, M_s, a, b):
-    """Accelerations of gas and solid where clamps and walls prescribe them, or the two stick."""
+    """Accelerations of gas and solid where clamps and walls prescribe them, or the two stick. A gas
+    that is given has none: it gets its velocity in each stage, and the solid with it.
+    """
     clamped = one.clamped == 1
     b = choose(clamped, node(all.like, all.data.clamp_rate, p), b)
     a = choose(one.at_wall == 1, node(all.like, all.data.wall_rate, p), a)
-    both = choose(clamped, b, per(add(scale(M, a), scale(M_s, b)), M + M_s))
+    given = one.given_gas == 1
+    a = choose(given, (0.0,) * len(all.like), a)
+    both = choose(given, a, per(add(scale(M, a), scale(M_s, b)), M + M_s))
+    both = choose(clamped, b, both)
     return choose(one.sticks == 1, both, a), choose(one.sticks == 1, both, b)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.errors import ComputationError
+from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.scheme.batch import longest_step
 from fsipetsc.scheme.conservation_check import Drifts
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, TOO_SHORT
@@ -30,12 +30,15 @@ ROUND_OFF = 1e-12
 
 
 def check(state: State, t: float, step: int, flags: Sequence[float], beyond: str) -> None:
-    """Raise ComputationError if the state at t [s] cannot be gone on from. Collective.
+    """Raise ComputationError, or InputError of the first state, if the state at t [s] cannot be
+    gone on from. Collective.
 
     flags: flags and limits of the step; beyond: what ``beyond_bound`` said.
     """
     if flags[BAD] or not flags[RATE] < np.inf:
         cause = state.go_to_fault(partial(first_bad, state))
+        if step == 0:
+            raise InputError(f"the run cannot begin: {described(state, t, step)}")
         about = described(state, t, step), beyond
         raise ComputationError("; ".join(filter(None, (*about, cause or HELPS))))
     if flags[EXHAUSTED] or flags[TOO_SHORT]:
