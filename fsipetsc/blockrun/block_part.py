@@ -89,7 +89,8 @@ class BlockPart:
 
     def _stage(self, found: Any) -> Stage:
         """What sweeps take of steps; found: fsipetsc.scheme.runge_kutta.Found."""
-        vectors = (part_of[self.part.begin :] for part_of in (found.y, found.total))
+        worlds = found.y, *found.stages, found.before
+        vectors = (world[self.part.begin :] for world in worlds)
         return Stage(found.stage.ctypes.data, *(vector.ctypes.data for vector in vectors))
 
     def refresh(self, t: float) -> None:

@@ -66,7 +66,7 @@ class BlockState(State):
     recorded: nodes to be recorded at each step, which have a name and X. announce: called on rank
     0, with a message, before and after kernels are compiled.
 
-    y: this rank's part of the solution, ``solution`` the same as a world vector; stages: two
+    y: this rank's part of the solution, ``solution`` the same as a world vector; stages: three
     vectors; before: y where the last step began. latest_numbers: those of the last record of a
     step. rates: (blocks, 2), largest ones of convection and diffusion [1/s]; extremes: what the
     monitor finds. h: size of the smallest cells [m]. orders: block -> what brings its nodes into
@@ -93,7 +93,7 @@ class BlockState(State):
         self.lossy, auxiliary = lossy(problem), gained(problem).itemsize // 8
         self.layout = BlockLayout(comm, problem, order, self.shocks, partition, auxiliary)
         self.y = BlockVector(self.layout)
-        self.stages = BlockVector(self.layout), BlockVector(self.layout)
+        self.stages = tuple(BlockVector(self.layout) for _ in range(3))
         size = (self.layout.local_size, None)
         self.solution = PETSc.Vec().createWithArray(self.y.array, size=size, comm=comm)
         self.recorded = tuple(recorded)
@@ -120,9 +120,10 @@ class BlockState(State):
         """What steps take and fill; pace: how much shorter they are."""
         first = slices(self.latest.dtype).get(OF_INTERFACES[0], slice(0, 0))
         ends = slice(first.start, first.start + len(OF_INTERFACES) * (first.stop - first.start))
-        now, stage = np.zeros((2, 3))
+        now, stage = np.zeros(3), np.zeros(2)
         return Found(
             y=self.y.array,
+            stages=tuple(stage.array for stage in self.stages),
             total=np.zeros(self.layout.local_size),
             before=self.before,
             gain=gain_of(self.problem),
@@ -209,7 +210,7 @@ class BlockState(State):
 
     def _advance(self, t: float, dt: float) -> None:
         """Make the step; one that leaves an unphysical state is made anew in 2, 4 … parts."""
-        self.before[:], rate = self.y.array, self.results[RATE]
+        before, rate = self.y.array.copy(), self.results[RATE]
         for parts in PARTS:
             for part in range(parts):
                 self.evaluations += STAGES
@@ -219,9 +220,10 @@ class BlockState(State):
             self._monitor()
             if self.results[BAD] == 0.0 or parts == PARTS[-1]:
                 break
-            self.y.array[:], self.results[RATE] = self.before, rate
+            self.y.array[:], self.results[RATE] = before, rate
             self.scheme.forget()
             self.retries += 1
+        self.before[:] = before  # each part has kept that before it
 
     def finish(self) -> None:
         """Complete a step that PETSc has made."""

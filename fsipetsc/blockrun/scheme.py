@@ -27,7 +27,7 @@ class Scheme(Phases):
     """Right-hand side of a problem on this rank's parts of its blocks. Making one is collective.
     InputError.
 
-    vectors: the solution, and two for stages. The rest is that of fsipetsc.blockrun.phases.
+    vectors: the solution, and three for stages. The rest is that of fsipetsc.blockrun.phases.
 
     fault: the first error of a function of the case's on this rank, after `initial`. The rank goes
     on with the data before it, so that others do not wait for its messages; all end after the step.
@@ -38,8 +38,8 @@ class Scheme(Phases):
 
     def __init__(self, vectors: Sequence[BlockVector], *about: Any) -> None:
         super().__init__(*about)
-        # the solution, and two stages: each becomes the next one
-        self._now = *vectors, vectors[1]
+        # the solution, and three stages: each becomes the next one
+        self._now = tuple(vectors)
         # the phase of each stage, of which vector it takes the rates, and where it goes
         self._stages = list(zip(STAGES, self._now, (*self._now[1:], self._now[0]), strict=True))
 

@@ -243,17 +243,15 @@ static void store_nodes(const struct gas *g, double *next, const struct tile *t,
 #define SUMS .of_row = &of_row, .of_node = g->per_weight + x0, \
              .low = g->low + MARGIN - t->x0 + x0, .high = high_of(g, t, layer, j) + x0, \
              .n = x1 - x0
-#define NEXT .next = next + own, .M = own_nodes(g), .y = stage->y + own, \
-             .total = stage->total + own, .numbers = stage->numbers
+#define BECOMES .next = next + own, .M = own_nodes(g), STAGES(own)
 #if FORCE
   (void)kind;
-  gas_rates(SUMS, NEXT, .supplied = g->supplied + own * (D + 1));
+  gas_rates(SUMS, BECOMES, .supplied = g->supplied + own * (D + 1));
 #else
   switch (kind) {
-    case RATES: gas_rates(SUMS, NEXT); break;
-    case FIRST: gas_first(SUMS, NEXT); break;
-    case MIDDLE: gas_middle(SUMS, NEXT); break;
-    case LAST: gas_last(SUMS, NEXT); break;
+    case RATES: gas_rates(SUMS, BECOMES); break;
+    case NEXT: gas_next(SUMS, BECOMES); break;
+    case LAST: gas_last(SUMS, BECOMES); break;
   }
 #endif
 }

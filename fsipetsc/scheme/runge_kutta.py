@@ -14,7 +14,7 @@ from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
 from fsipetsc.scheme.part import clear, copy
 from fsipetsc.scheme.plan import BAD, RATE, SAID_STOP, STOP
 from fsipetsc.scheme.rows import Array
-from fsipetsc.scheme.stage import FIRST, LAST, MIDDLE, RATES
+from fsipetsc.scheme.stage import LAST, NEXT, RATES
 
 STAGES = 4
 #: place of the time in ``now`` of which the recorded data are
@@ -22,14 +22,16 @@ AT = 2
 
 
 class Found(NamedTuple):
-    """What steps take and fill: the solution y, the sum that becomes the next one, a copy to go
-    back to; gain: a fsipetsc.scheme.part.Gain. The rest is that of fsipetsc.blockrun.block_state;
-    at_ends: (4, interfaces). now: (3,) time and length of the step that is made, time of recorded
-    data. stage: (3,) what sweeps make of rates (fsipetsc.scheme.stage). left: (runs, 2) begin and
-    end of the numbers of a world vector of which sweeps give rates in any case.
+    """What steps take and fill: the solution y, its stages, the sum that becomes the next one, and
+    the solution before the step, to go back to; gain: a fsipetsc.scheme.part.Gain. The rest is that
+    of fsipetsc.blockrun.block_state; at_ends: (4, interfaces). now: (3,) time and length of the
+    step that is made, time of recorded data. stage: (2,) what sweeps make of rates
+    (fsipetsc.scheme.stage). left: (runs, 2) begin and end of the numbers of a world vector of which
+    sweeps give rates in any case.
     """
 
     y: Array
+    stages: tuple[Array, ...]
     total: Array
     before: Array
     gain: Any
@@ -51,9 +53,9 @@ def begin_stage(number: int | None) -> Callable[..., None]:
     def begin(found):
         """What sweeps store from now on."""
         dt = found.now[1]
-        kind = RATES if number is None else (FIRST, MIDDLE, MIDDLE, LAST)[number]
-        found.stage[0] = float(kind)
-        found.stage[1], found.stage[2] = factors(number or 0, dt)
+        kind = RATES if number is None else (NEXT, NEXT, NEXT, LAST)[number]
+        found.stage[0], (a, b) = float(kind), factors(number or 0, dt)
+        found.stage[1] = b if number == 3 else a
 
     return begin
 
@@ -89,8 +91,10 @@ def advance(number: int) -> Callable[..., None]:
 
 
 def begin_step(found):
-    """Keep a copy of the solution, to go back to if the step fails."""
-    copy(found.y, found.before)
+    """Keep the solution, to go back to if the step fails, where the last sweep does not keep it."""
+    for run in each(found.left.shape[0]):
+        for i in each(found.left[run, 0], found.left[run, 1], vector=True):
+            found.before[i] = found.y[i]
 
 
 def begin_monitor(found):

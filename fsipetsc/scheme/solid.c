@@ -211,8 +211,7 @@ static void accelerate_nodes(const struct solid *s, double *next, struct row r, 
 #define STORE                                                                        \
   .unknowns = s->unknowns + r.tile, .tractions = s->tractions + r.tile,              \
   .strains = s->strains + r.tile, .heats = s->heats + r.tile, PLACED, .M = s->M,     \
-  .next = next + r.own, .y = stage->y + r.own, .total = stage->total + r.own,        \
-  .numbers = stage->numbers
+  .next = next + r.own, STAGES(r.own)
 #define CASE(number, name)                    \
   case number:                                \
     if (inside)                               \
@@ -222,8 +221,7 @@ static void accelerate_nodes(const struct solid *s, double *next, struct row r, 
     break
   switch (kind) {
     CASE(RATES, rates);
-    CASE(FIRST, first);
-    CASE(MIDDLE, middle);
+    CASE(NEXT, next);
     CASE(LAST, last);
   }
 }

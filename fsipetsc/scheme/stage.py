@@ -1,14 +1,16 @@
 """What sweeps store of the rates k of nodes: k itself, or what follows in a stage of a step.
 
-A stage of the classical Runge-Kutta method, from the solution y and the sum ``total`` of it, is
+Where nothing else adds to the rates of nodes, their sweep makes the stage at once, and k needs no
+memory. The classical Runge-Kutta method from the solution y has the stages
 
-    FIRST    next = y + a k,       total = y + b k
-    MIDDLE   next = y + a k,       total = total + b k
-    LAST     next = total + b k    the new solution
+    y1 = y + dt/2 k(y),   y2 = y + dt/2 k(y1),   y3 = y + dt k(y2)
 
-Where nothing else adds to the rates of nodes, their sweep makes the stage at once: k needs no
-memory. ``advance`` of fsipetsc.scheme.runge_kutta, which has a and b, does the same with the other
-nodes, after all is added.
+and, as y_1 - y is dt/2 k(y) and so on, without a sum that is kept from stage to stage, the solution
+
+    y + 1/3 ((y1 - y) + 2 (y2 - y) + (y3 - y)) + dt/6 k(y3)
+
+With the other nodes, whose stages conditions may change, ``advance`` of
+fsipetsc.scheme.runge_kutta does the same after all is added, with such a sum.
 """
 
 import ctypes
@@ -17,28 +19,28 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.equations.vectors import along, scale
+from fsipetsc.equations.vectors import add, along, sub
 from fsipetsc.kernels.kernel import OWNED, SHARED, Kernel
 
 Spans = Sequence[tuple[int, int]]
-#: what is stored: see the head of this file
-RATES, FIRST, MIDDLE, LAST = range(4)
-KINDS = "rates", "first", "middle", "last"
+#: what is stored: k, the next stage, the solution and, as ``before``, the one before it
+RATES, NEXT, LAST = range(3)
+KINDS = "rates", "next", "last"
 
 
 class Stage(ctypes.Structure):
     """The struct stage of fsipetsc/scheme/stage.c."""
 
-    _fields_ = [(name, ctypes.c_void_p) for name in ("numbers", "y", "total")]
+    _fields_ = [(name, ctypes.c_void_p) for name in ("numbers", "y", "y1", "y2", "y3", "before")]
 
 
 #: rates are what is stored
-_ALWAYS_RATES = np.zeros(3)
+_ALWAYS_RATES = np.zeros(2)
 
 
 def no_stage() -> Stage:
     """The stage of sweeps that store rates."""
-    return Stage(_ALWAYS_RATES.ctypes.data, None, None)
+    return Stage(_ALWAYS_RATES.ctypes.data)
 
 
 class Owned(ctypes.Structure):
@@ -51,18 +53,17 @@ def store(kernel: Kernel, kind: int, k: Sequence[Any]) -> None:
     """Let a kernel store what becomes of the rates k of its nodes; all kinds of a kernel take the
     same arguments.
     """
-    kernel.takes(OWNED, "y", "total")
+    kernel.takes(OWNED, "y", "y1", "y2", "y3", "before")
     kernel.takes(SHARED, "numbers")
     if kind == RATES:
         kernel.store("next", OWNED, k)
         return
-    a, b = kernel.read("numbers", SHARED, 2, 1)
-    if kind == LAST:
-        kernel.store("next", OWNED, along(kernel.read("total", OWNED, len(k)), b, k))
-        return
+    (a,) = kernel.read("numbers", SHARED, 1, 1)
     y = kernel.read("y", OWNED, len(k))
-    kernel.store("next", OWNED, along(y, a, k))
-    if kind == FIRST:
-        kernel.store("total", OWNED, along(y, b, k))
-    else:
-        kernel.add("total", OWNED, scale(b, k))
+    if kind == NEXT:
+        kernel.store("next", OWNED, along(y, a, k))
+        return
+    one, two, three = (sub(kernel.read(n, OWNED, len(k)), y) for n in ("y1", "y2", "y3"))
+    change = along(add(one, three), 2.0, two)
+    kernel.store("next", OWNED, along(along(y, 1.0 / 3.0, change), a, k))
+    kernel.store("before", OWNED, y)
