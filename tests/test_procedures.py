@@ -28,26 +28,6 @@ def part(doubles=True, n=5):
     return Part(Inner(table, 0.5), np.array([4, 0, 2]), 1, doubles)
 
 
-def test_loops_reads_and_stores():
-    def scatter(part, y):
-        rows = y.reshape(-1)
-        for m in each(part.at.shape[0]):
-            for c in range(3):
-                rows[part.first + 3 * m + c] += part.inner.scale * part.inner.table[part.at[m], c]
-        if part.doubles:
-            for i in each(y.size, vector=True):
-                y[i] = 2.0 * y[i]
-
-    for doubles in (True, False):
-        of = part(doubles)
-        y = np.ones(10)
-        wanted = y.copy()
-        for m in range(3):
-            wanted[1 + 3 * m : 4 + 3 * m] += 0.5 * of.inner.table[of.at[m]]
-        recorded(scatter, of)(y)
-        assert np.array_equal(y, (2.0 if doubles else 1.0) * wanted)
-
-
 def test_branches_variables_and_reading_again():
     def count(part, y):
         """A running sum until it is beyond 10; how often numbers were above 1."""
