@@ -35,9 +35,9 @@ from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrde
 from fsipetsc.process.together import agree, together
 from fsipetsc.scheme.batch import DT, MADE, TIME
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
-from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP
+from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE
 from fsipetsc.scheme.runge_kutta import STAGES, Found
-from fsipetsc.state import FAULT, State
+from fsipetsc.state import State
 
 #: of how many parts a step is made, one after the other, until its state is physical
 PARTS = 1, 2, 4, 8, 16
@@ -179,9 +179,8 @@ class BlockState(State):
         y[:] = self.stages[0].array
 
     def step(self, t: float, dt: float, steady: bool) -> None:
-        """A step dt [s] of the fused method from the completed solution at t [s].
-
-        The others of its batch follow.
+        """A step dt [s] of the fused method from the completed solution at t [s], and the others of
+        its batch.
         """
         more = True
         while more:
@@ -196,9 +195,8 @@ class BlockState(State):
             dt = float(self.batch[DT])
 
     def _steps(self, t: float, dt: float) -> tuple[bool, float, float]:
-        """All steps of a batch in one call, from t [s] on, the first of dt [s].
-
-        Whether all ended well; begin and length of one that is to be made anew.
+        """All steps of a batch in one call: whether all ended well; begin and length of one that is
+        to be made anew.
         """
         made = self.batch[MADE]
         found = self.scheme.steps(t, dt)
@@ -253,14 +251,14 @@ class BlockState(State):
         self.scheme.check_data([begin + 0.5 * dt * half for half in halves])
         self.y.array[:] = self.before
         self.scheme.forget()
-        self._find_extremes(self.y)
+        self.scheme.monitor(self.y)
         said = "; ".join(imaginary_waves(self, begin, set())) or most_crushed(self)
         for part in range(self._tried):
             if self.scheme.step(begin + part * dt, dt, self._fails):
                 break
         else:
             self.y.array[:] = last
-            self._find_extremes(self.y)
+            self.scheme.monitor(self.y)
         least_J = -self.extremes[1:].reshape(-1, MONITORED)[:, LEAST_J]
         if not said and least_J.min() > 0.0:
             return "; ".join(imaginary_waves(self, end, set()))
@@ -269,26 +267,20 @@ class BlockState(State):
     def _fails(self, now: BlockVector) -> bool:
         """Whether a completed stage is unphysical; if so, y is this stage. Collective."""
         rate = float(self.results[RATE])
-        self._find_extremes(now)
+        self.scheme.monitor(now)
         failed = self._failed
         if failed and now is not self.y:
             self.y.array[:] = now.array
-            self._find_extremes(self.y)
+            self.scheme.monitor(self.y)
         elif not failed:
             self.results[RATE] = rate  # that of the step, for differences in time
         return failed
 
     def _monitor(self) -> None:
         """What is known of the completed solution: bounds of all ranks, shares of the integrals."""
-        self._find_extremes(self.y)
+        self.scheme.monitor(self.y)
         note_nodes(self, self._recorded_here)
         self.scheme.note_gained(self.y)
-
-    def _find_extremes(self, now: BlockVector) -> None:
-        """Bounds of all ranks, and this rank's shares of the integrals of a completed stage."""
-        if self.fault is not None:
-            self.results[SAID_STOP] = FAULT
-        self.scheme.monitor(now)
 
     # checkpoints
 
@@ -311,15 +303,12 @@ class BlockState(State):
     header, grids, seen, compared, powers = header, grids, seen, compared, powers
 
     def owned(self, k: int) -> np.ndarray:
-        """A view (M, unknowns) of the solution at the nodes that this rank owns of block k."""
         return self.y.owned(k)
 
     def numbers(self, k: int) -> np.ndarray:
-        """(M,) of these nodes."""
         return self.parts[k].part.numbers if k in self.parts else np.empty(0, np.int64)
 
     def fields(self, k: int) -> Sequence[str]:
-        """What is saved of a node of block k."""
         return fields_of(self.problem.blocks[k].kind, self.problem.dimension, self.problem.symmetry)
 
     @property

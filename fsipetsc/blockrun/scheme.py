@@ -84,6 +84,7 @@ class Scheme(Phases):
             if self._filled is None:
                 raise
             self.fault = self.fault or error
+            self.found.results[SAID_STOP] = FAULT
         self._filled = (instant,)
 
     def complete(self, t: float, y: BlockVector) -> None:
@@ -125,8 +126,6 @@ class Scheme(Phases):
         """
         self._refresh(t)
         results, batch, now = self.found.results, self.found.plan.batch, self.found.now
-        if self.fault is not None:
-            results[SAID_STOP] = FAULT
         now[:2] = t, dt
         calls = self.batch(self._stages, self._now[0])
         calls.batch(results[BAD:], batch[ALLOWED:])

@@ -84,15 +84,6 @@ class Layer:
         of_memory = {rank: points.inside[1][places] for rank, places in points.sent.items()}
         return [*found, points._replace(sent=of_memory)]
 
-    def stage(self, number: int) -> list[Procedure]:
-        """What finds the rates of a stage, which fulfils the conditions but for the ghost point,
-        and makes the next one. In the first stage, which is the completed solution, it is filled.
-        """
-        filled = number == 0 or not self.is_gas
-        names = [*([] if filled else ["fill"]), "rates"]
-        names += [] if number == steps.RATES_ALONE else [f"advance_{number}"]
-        return [self.does[name] for name in names]
-
     def of(self, array: Array) -> Array:
         """View, (owned points, unknowns), of this layer in this rank's part of a solution."""
         return array[self.place].reshape(len(self.local), -1).T

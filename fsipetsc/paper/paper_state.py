@@ -160,8 +160,12 @@ class PaperState(State):
         for exchange in (self._rows, self._halos, reduction):
             exchange.load(library)
         numbers = (steps.RATES_ALONE, *range(steps.STAGES))
+        # a stage fulfils the conditions but for the ghost point, the completed solution all
+        names = {n: [*["fill"] * (n != 0), "rates", f"advance_{n}"] for n in numbers}
         here = self.parts.values()
-        stages = {n: [one for layer in here for one in layer.stage(n)] for n in numbers}
+        stages = {
+            n: [v.does[name] for v in here for name in names[n] if name in v.does] for n in numbers
+        }
         fulfil = [self._rows, *(one.does[steps.couple] for one in self.interfaces if any(one.here))]
         fulfil += [layer.does["close"] for layer in here if not layer.is_gas]
         fulfil.append(self._halos)
