@@ -10,9 +10,8 @@ from another one. All ranks know from the shares which nodes each of them needs.
 """
 
 import ctypes
-import sys
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from mpi4py import MPI
@@ -150,7 +149,7 @@ class Reduction:
     def __init__(self, comm: MPI.Comm, numbers: Array) -> None:
         room = np.empty_like(numbers)
         self._kept = numbers, room, comm
-        handles = map(_handle, (MPI.DOUBLE, MPI.MAX, comm))
+        handles = map(MPI._handleof, (MPI.DOUBLE, MPI.MAX, comm))
         of_numbers = numbers.ctypes.data, room.ctypes.data, numbers.size
         self._struct = _Reduction(_of_mpi("MPI_Allreduce"), *handles, *of_numbers)
         self.structure, self.vectors = ctypes.addressof(self._struct), list[str]()
@@ -265,12 +264,6 @@ def exchange_of(
 def _of_mpi(name: str) -> int | None:
     """The address of a function of the library that mpi4py has loaded."""
     return ctypes.cast(getattr(ctypes.CDLL(MPI.__file__), name), _POINTER).value
-
-
-def _handle(of: Any) -> int:
-    """What C has of an object of MPI."""
-    content = ctypes.string_at(MPI._addressof(of), MPI._sizeof(type(of)))
-    return int.from_bytes(content, sys.byteorder, signed=True)
 
 
 def _runs(of: Numbers, to: Numbers) -> Numbers:
