@@ -59,10 +59,10 @@ def store(kernel: Kernel, kind: int, k: Sequence[Any]) -> None:
         kernel.store("next", OWNED, k)
         return
     (a,) = kernel.read("numbers", SHARED, 1, 1)
-    y = kernel.read("y", OWNED, len(k))
     if kind == NEXT:
-        kernel.store("next", OWNED, along(y, a, k))
+        kernel.store("next", OWNED, along(kernel.read("y", OWNED, len(k)), a, k))
         return
+    y = kernel.read("next", OWNED, len(k))  # the solution, which becomes the next one
     one, two, three = (sub(kernel.read(n, OWNED, len(k)), y) for n in ("y1", "y2", "y3"))
     change = along(add(one, three), 2.0, two)
     kernel.store("next", OWNED, along(along(y, 1.0 / 3.0, change), a, k))
