@@ -47,13 +47,6 @@ class LineMotion(NamedTuple):
         for i in each(self.low.shape[0], vector=True):
             metrics[1, i] = self.between(i, at_low, at_high)
 
-    def finish(self, metrics):
-        """Fill what rates take beside that, after `swing`: nothing."""
-
-    def on_faces(self, metrics):
-        """a^k on the faces at constraints, after `move`."""
-        return metrics
-
     def between(self, i, at_low, at_high):
         """What is blended from both ends, at a node."""
         return exact(self.low[i] * at_low + self.high[i] * at_high)
@@ -63,9 +56,6 @@ class LineMotion(NamedTuple):
         ends = self.hull.ends(self.hull.moved)
         for i in each(self.low.shape[0], vector=True):
             places[0, i] = X[0, i] + self.between(i, *ends)
-
-    def find_volumes(self):
-        """Find what ``jacobian`` takes, after `move`, beside the metrics: nothing."""
 
     def jacobian(self, metrics, N, node, reference):
         """det(D x) of a node, after `find_volumes`; metrics: flat; reference: that of the reference
@@ -103,16 +93,6 @@ class CubeMotion(NamedTuple):
         self.hull.fill(self.hull.moving, known, 3)
         self.blend.fill(self.hull.moving, self.v)
 
-    def finish(self, metrics):
-        """a^1, a^2, a^3 in curl form, and the velocity of the grid: the most work, which is done
-        when no rank waits for it.
-        """
-        invoke("cube_move", self.address)
-
-    def on_faces(self, metrics):
-        """The array that has a^k on faces."""
-        return self.of_faces
-
     def turn(self):
         """Let of_faces be how a^k changes, after `swing`."""
         invoke("cube_turn", self.address)
@@ -124,13 +104,23 @@ class CubeMotion(NamedTuple):
                 n = self.inner[i]
                 places[c, i] = X[c, i] + (self.x[c, n] - self.y[c, n])
 
-    def find_volumes(self):
-        """Fill volume, after `move`."""
-        invoke("cube_volumes", self.address)
-
     def jacobian(self, metrics, N, node, reference):
         """det(D x) of a node, after `find_volumes`."""
         return self.volume[node]
+
+
+def finish(grid):
+    """After `swing`, find metrics that it leaves out: in three dimensions a^k in curl form and the
+    velocity of the grid, the most work, which is done when no rank waits for it.
+    """
+    if isinstance(grid, CubeMotion):
+        invoke("cube_move", grid.address)
+
+
+def find_volumes(grid):
+    """After `move`, find what ``jacobian`` takes beside the metrics."""
+    if isinstance(grid, CubeMotion):
+        invoke("cube_volumes", grid.address)
 
 
 class Known(NamedTuple):
@@ -150,7 +140,7 @@ class Known(NamedTuple):
 def move(of):
     """Areas of the grid where it is now."""
     of.grid.move(of.known, of.metrics)
-    of.grid.finish(of.metrics)
+    finish(of.grid)
 
 
 def find_places(of):
@@ -161,7 +151,7 @@ def find_places(of):
 def find_jacobian(of):
     """Find det(D x) of the nodes."""
     metrics = of.metrics.reshape(-1)
-    of.grid.find_volumes()
+    find_volumes(of.grid)
     for i in each(of.J.size, vector=True):
         of.J[i] = of.grid.jacobian(metrics, of.J.size, i, of.reference[i])
 

@@ -79,22 +79,12 @@ class PlaneMotion(NamedTuple):
         self.hull.fill(self.hull.moving, known, 2)
         blend_faces(self, self.hull.moving, metrics, 4)
 
-    def finish(self, metrics):
-        """Do nothing: `move` has found all metrics."""
-
-    def on_faces(self, metrics):
-        """The array that has a^k."""
-        return metrics
-
     def find_places(self, X, places):
         """places = X + the displacement (2, N)."""
         blend_faces(self, self.hull.moved, places, 0)
         for c in range(2):
             for i in each(X.shape[1], vector=True):
                 places[c, i] += X[c, i]
-
-    def find_volumes(self):
-        """Do nothing: the metrics have the volumes."""
 
     def jacobian(self, metrics, N, node, reference):
         """det(D x): the metrics are D x."""

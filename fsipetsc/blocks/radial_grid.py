@@ -113,22 +113,12 @@ class RadialMotion(NamedTuple):
                 more = exact(area[n] * turned + spread * b[m])
                 self.turning[m, i] = more if m % d == last else turned
 
-    def finish(self, metrics):
-        """Do nothing: `move` has found all metrics."""
-
-    def on_faces(self, metrics):
-        """The array that has a^k."""
-        return metrics
-
     def find_places(self, X, places):
         """X + the displacement."""
         for c in range(len(self.like)):
             for i in each(self.inner.size, vector=True):
                 n = self.inner[i]
                 places[c, i] = X[c, i] + (self.x[c, n] - self.y[c, n])
-
-    def find_volumes(self):
-        """Do nothing: `move` has found the volumes."""
 
     def jacobian(self, metrics, N, node, reference):
         """J of the grid at a node."""

@@ -4,6 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.blocks import grid
 from fsipetsc.equations.vectors import dot
 from fsipetsc.kernels.arrays import column_of
 from fsipetsc.kernels.loops import each, invoke, variable
@@ -102,7 +103,8 @@ def move(part):
 
 def normals(part, particles):
     """Add area vectors of faces to the table of members at constraints."""
-    areas = part.metrics if part.known is None else part.grid.on_faces(part.metrics)
+    cube = isinstance(part.grid, grid.CubeMotion) and part.known is not None
+    areas = part.grid.of_faces if cube else part.metrics
     add_areas(part.at_particles, len(part.like), areas, particles.of_normals)
 
 
@@ -113,7 +115,7 @@ def swing(part):
 
 def finish(part):
     """Find the metrics that rates take."""
-    part.grid.finish(part.metrics)
+    grid.finish(part.grid)
 
 
 def turn(part, particles):
@@ -166,7 +168,7 @@ def monitor(part, found, y):
     """Note extremes and sums of a part: see fsipetsc.scheme.block_monitor."""
     if part.known is not None:
         part.grid.find_places(part.X, part.places)
-        part.grid.find_volumes()
+        grid.find_volumes(part.grid)
     q = owned(part, y, len(part.like) + 3)
     gas_monitor(part, q, part.axis.bounds(part.metrics))
     note(part, found)
