@@ -54,3 +54,10 @@ def test_plate(tmp_path):
     assert way.max() == pytest.approx(2 * 1.034 * 1e-6 * w, rel=0.03)
     back = t > 0.7e-3 * period
     assert t[back][way[back].argmin()] == pytest.approx(1e-3 * period, rel=0.03)
+
+
+@pytest.mark.parametrize("kind", ["water", "channel"])
+def test_other_templates(kind, tmp_path):
+    written(tmp_path, "mine.py", f"-{kind}")
+    run = computed(tmp_path, "a.h5", "mine.py", "-ts_max_steps", 3, "-fsi_check", 1e-9)
+    assert run.summary["steps"] == 3
