@@ -185,7 +185,11 @@ class BlockState(State):
         more = True
         while more:
             if not self.scheme.asks and not self.recorded:
-                ended_well, t, dt = self._steps(t, dt)
+                made = self.batch[MADE]
+                ended_well, t, dt = self.scheme.steps(t, dt)
+                self.scheme.fill_halos(self.y)
+                self.evaluations += STAGES * max(int(self.batch[MADE] - made), int(ended_well))
+                self._t, self._tried = t, 1
                 if ended_well:
                     break
                 self.scheme.forget()
@@ -193,18 +197,6 @@ class BlockState(State):
             t = self._t
             more = self.plan_next()
             dt = float(self.batch[DT])
-
-    def _steps(self, t: float, dt: float) -> tuple[bool, float, float]:
-        """All steps of a batch in one call: whether all ended well; begin and length of one that is
-        to be made anew.
-        """
-        made = self.batch[MADE]
-        found = self.scheme.steps(t, dt)
-        self._t = found[1]
-        self.scheme.fill_halos(self.y)
-        self.evaluations += STAGES * max(int(self.batch[MADE] - made), int(found[0]))
-        self._tried = 1
-        return found
 
     def _advance(self, t: float, dt: float) -> None:
         """Make the step; one that leaves an unphysical state is made anew in 2, 4 … parts."""

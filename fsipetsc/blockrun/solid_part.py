@@ -79,8 +79,11 @@ class SolidPart(BlockPart):
         q[:, 2 * d] = solid.alpha * T + 0.5 * sum(c * c for c in v)
         if not solid.coupled:
             F = self._strain_of_case()
-            of_law = solid.energy(F) / solid.m0
-            q[:, 2 * d] += of_law + self._stored_by_prestress(F, self.owned)
+            stored = 0.0
+            if self.prestress.size:  # S : (F - 1)
+                S = tuple(self._prestress_at(self.owned))
+                stored = dot(S, add_unit(-1.0, tuple(F))) / solid.m0
+            q[:, 2 * d] += solid.energy(F) / solid.m0 + stored
 
     def _strain_of_case(self) -> tuple[Array, ...]:
         """F of the owned nodes from the case's places, which it knows in halos as well."""
@@ -92,12 +95,6 @@ class SolidPart(BlockPart):
             q[:, c] = (places[c] - X[c]) * np.where(X[c] == self.X[c], 1.0, -1.0)
         self.monitor(q)
         return tuple(self.F)
-
-    def _stored_by_prestress(self, F: Any, at: Array) -> Any:
-        """Energy per mass [J/kg] of ghosted nodes with heat 'elastic': S : (F - 1)/m0."""
-        if self.equations.coupled or not self.prestress.size:
-            return 0.0
-        return dot(tuple(self._prestress_at(at)), add_unit(-1.0, tuple(F))) / self.equations.m0
 
     def _prestress_at(self, at: Array) -> Array:
         """(d d, …) of ghosted nodes, 0 if there is none."""
