@@ -10,8 +10,7 @@ from mpi4py import MPI
 from fsipetsc.errors import FsiError
 from fsipetsc.kernels.procedure import Procedure
 from fsipetsc.process.together import agree, together
-from fsipetsc.scheme.batch import ALLOWED, Plan
-from fsipetsc.scheme.plan import BATCH, FLAGS, LIMITS
+from fsipetsc.scheme.plan import ALLOWED, BATCH, FLAGS, LIMITS, Plan
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
 FAULT = 1000.0
@@ -52,9 +51,9 @@ class State:
                         before the step says of the cause, or ""
 
     results: flags and limits of the last step (fsipetsc.scheme.plan). batch:
-    fsipetsc.scheme.batch. journal: records of steps; latest: that of the last one, without its
+    fsipetsc.scheme.plan. journal: records of steps; latest: that of the last one, without its
     time; the integrals in them are this rank's shares. plan: what `plan_next` of
-    fsipetsc.scheme.batch takes, planning: that procedure. fault: the first one of a user's
+    fsipetsc.scheme.plan takes, planning: that procedure. fault: the first one of a user's
     function, on this rank, of which all learn after the step.
     """
 

@@ -29,7 +29,7 @@ from oracle_formulas import (
 from recorded import recorded
 
 from fsipetsc.particles.constraints import eliminate
-from fsipetsc.scheme import gas_volume, solid_work
+from fsipetsc.scheme import gas_kernels, solid_work
 
 #: inviscid gas that slips along solids with an energy of their own; viscous, conducting gas and
 #: solid
@@ -208,8 +208,8 @@ def test_tiles(shape, both, damping, monkeypatch):
     """The same bits where each block is cut along all axes."""
     *_, whole = check(shape, both, 4, **damping)
     cut = 8 if shape == "line" else 4
-    monkeypatch.setattr(gas_volume, "TILES", dict.fromkeys((1, 2, 3), cut))
-    monkeypatch.setattr(gas_volume, "DEPTH", 2)
+    monkeypatch.setattr(gas_kernels, "TILES", dict.fromkeys((1, 2, 3), cut))
+    monkeypatch.setattr(gas_kernels, "DEPTH", 2)
     monkeypatch.setattr(solid_work, "TILES", ((7, 1), (5, 1), (5, 4)))
     *_, found = check(shape, both, 4, **damping)
     np.testing.assert_equal(found, whole)

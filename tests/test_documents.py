@@ -94,7 +94,7 @@ def test_the_kernel_and_the_procedure_of_the_page_of_code_are_those_that_are_pri
     from fsipetsc.kernels.procedure import Code
     from fsipetsc.materials.fluid import Fluid
     from fsipetsc.scheme.gas_forms import convection_of
-    from fsipetsc.scheme.gas_volume import gas_text
+    from fsipetsc.scheme.gas_kernels import gas_text
     from fsipetsc.scheme.runge_kutta import advance
 
     gas, x = Fluid(0.0, 0.0, 1.4, 287.0).equations(2), np.zeros(9)

@@ -24,7 +24,7 @@ from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.power_law import ConstantTransport
 from fsipetsc.scheme.gas_force import NoForce
 from fsipetsc.scheme.gas_forms import EntropyForm
-from fsipetsc.scheme.gas_volume import gas_text
+from fsipetsc.scheme.gas_kernels import gas_text
 
 
 @pytest.fixture

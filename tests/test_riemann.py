@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from fsipetsc import Solid
 from fsipetsc.cases.riemann import GasState, GasWave, SolidState, SolidWave, behind_shock
 from fsipetsc.cases.riemann import pressure_between as between
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc import Solid
 
 GAS = Fluid(0.0, 0.0, 1.4, 1.0)
 

@@ -33,9 +33,8 @@ from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder
 from fsipetsc.process.together import agree, together
-from fsipetsc.scheme.batch import DT, MADE, TIME
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
-from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE
+from fsipetsc.scheme.plan import BAD, DT, FLAGS, LIMITS, MADE, RATE, TIME
 from fsipetsc.scheme.runge_kutta import STAGES, Found
 from fsipetsc.state import State
 

@@ -26,8 +26,8 @@ from fsipetsc.scheme.block_monitor import gas_integrals, room_of, sums_of
 from fsipetsc.scheme.gas_dissipation import gas_damping
 from fsipetsc.scheme.gas_force import NodeForce
 from fsipetsc.scheme.gas_forms import CONSERVED, convection_of
+from fsipetsc.scheme.gas_kernels import GasVolume, gas_text
 from fsipetsc.scheme.gas_record import Ends
-from fsipetsc.scheme.gas_volume import GasVolume, gas_text
 from fsipetsc.scheme.part import Nothing, images
 from fsipetsc.scheme.radial import Radial, Straight
 

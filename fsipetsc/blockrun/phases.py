@@ -29,11 +29,9 @@ from fsipetsc.particles.system import ParticleSystem
 from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import together
 from fsipetsc.scheme import runge_kutta as stages
-from fsipetsc.scheme.batch import plan_next
 from fsipetsc.scheme.normals import turned_faces
-from fsipetsc.scheme.plan import RATE
-from fsipetsc.scheme.recorded_data import Recorder
-from fsipetsc.scheme.timed import OF_STAGES, TIMES, set_time
+from fsipetsc.scheme.plan import RATE, plan_next
+from fsipetsc.scheme.recorded_data import OF_STAGES, TIMES, Recorder, set_time
 
 Array = NDArray[Any]
 #: names of the procedures of the stages of a step

@@ -16,8 +16,7 @@ from fsipetsc.blocks.values import block_values
 from fsipetsc.errors import InputError
 from fsipetsc.parallel.block_layout import BlockVector
 from fsipetsc.process.together import together
-from fsipetsc.scheme.batch import ALLOWED
-from fsipetsc.scheme.plan import BAD, SAID_STOP
+from fsipetsc.scheme.plan import ALLOWED, BAD, SAID_STOP
 from fsipetsc.state import FAULT
 
 Array = NDArray[Any]

@@ -16,9 +16,9 @@ from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.part import Nothing, images, normals
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, solid_damping
+from fsipetsc.scheme.solid_kernels import SolidVolume, solid_text
 from fsipetsc.scheme.solid_monitor import measure, monitor, solid_integrals, stressed, sums_of
 from fsipetsc.scheme.solid_record import SolidRecord, rates, store
-from fsipetsc.scheme.solid_volume import SolidVolume, solid_text
 from fsipetsc.scheme.solid_work import solid_work
 
 Array = NDArray[Any]

@@ -43,8 +43,19 @@ from fsipetsc.parallel.exchange import Reduction, exchange_of, exchange_text
 from fsipetsc.problem import Problem, SolidLayer
 from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import agree, together
-from fsipetsc.scheme.batch import ALLOWED, DT, MADE, TIME, plan_next
-from fsipetsc.scheme.plan import BAD, CAPACITY, EXHAUSTED, SAID_STOP, TOO_SHORT, step_record
+from fsipetsc.scheme.plan import (
+    ALLOWED,
+    BAD,
+    CAPACITY,
+    DT,
+    EXHAUSTED,
+    MADE,
+    SAID_STOP,
+    TIME,
+    TOO_SHORT,
+    plan_next,
+    step_record,
+)
 from fsipetsc.state import FAULT, LOOSE, Seen, State
 
 Array = np.ndarray

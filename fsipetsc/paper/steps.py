@@ -14,9 +14,8 @@ from fsipetsc.kernels.loops import each, named, number, variable, when
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.paper import coupling, gas_ends, outer_ends, rates, sums
 from fsipetsc.paper.stencils import Stencils, derivative
-from fsipetsc.scheme.batch import DT
 from fsipetsc.scheme.columns import larger
-from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP, TOO_SHORT
+from fsipetsc.scheme.plan import DT, RATE, SAID_STOP, STOP, TOO_SHORT
 from fsipetsc.scheme.rows import Array
 from fsipetsc.scheme.runge_kutta import factors
 
@@ -31,7 +30,7 @@ class Part(NamedTuple):
 
     local: the points of the stage with halos, (unknowns, points); y, total, k, forcing: the
     completed solution, the sum of the stages, rates and what is added to these, if anything,
-    (unknowns, owned points). rates: see fsipetsc.paper.sums. batch: fsipetsc.scheme.batch.
+    (unknowns, owned points). rates: see fsipetsc.paper.sums. batch: fsipetsc.scheme.plan.
     """
 
     op: Stencils

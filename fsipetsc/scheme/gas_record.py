@@ -31,7 +31,7 @@ class GasRecord(NamedTuple):
     """A part of a gas block.
 
     of_volume: the address of what gas_sweep of fsipetsc/scheme/gas.c takes. potential, supplied: as
-    GasVolume (fsipetsc.scheme.gas_volume) has them. like: d zeros. laws: fsipetsc.equations.gas.
+    GasVolume (fsipetsc.scheme.gas_kernels) has them. like: d zeros. laws: fsipetsc.equations.gas.
     faces: fsipetsc.scheme.face_kernels. block: its number, begin: of its unknowns in the world
     vector. X, places: (d, N) of the reference map, and where the monitor finds the nodes. metrics:
     (d d + d, N), a^1 … a^d, velocity of the grid, and around an axis A. ends: of the axes. halo: (d

@@ -1,8 +1,18 @@
-"""What is noted of a completed step: flags, limits, and the record of series."""
+"""What is noted of a completed step, how long the next one is, and how many steps one call of C
+makes.
+
+A batch of steps ends when as many are made as are allowed (-ts_max_steps, room in the journal),
+when a time to be saved is reached, or when there is a failure or a signal. Each step fills a row of
+the journal.
+"""
+
+from typing import NamedTuple
 
 import numpy as np
 
+from fsipetsc.kernels.loops import each, when, whole
 from fsipetsc.scheme.observables import SERIES, record
+from fsipetsc.scheme.rows import Array
 
 # where what stands among the results of a completed step
 #: flags: 1 + number of a layer that has run off its grid, or that is too short
@@ -11,8 +21,6 @@ EXHAUSTED, TOO_SHORT = 0, 1
 RATE, BAD, STOP, SAID_STOP = 2, 3, 4, 5
 #: doubles of the flags and of the limits among the results
 FLAGS, LIMITS = 2, 4
-#: numbers of the plan of a batch of steps, see fsipetsc.scheme.batch
-BATCH = 10
 #: steps that the journal holds; they must be written then. Whole chunks of the file, see
 #: output.tables
 CAPACITY = 40 << 10
@@ -32,3 +40,68 @@ def step_record(interfaces: int, fluids: int) -> np.dtype:
     at_interfaces = [name for name, one in SERIES.items() if one.of == "interface"]
     names = "t", "dt", *at_interfaces, "mass", "energy", "momentum"
     return np.dtype(record(names, {"interface": interfaces, "gas": fluids}))
+
+
+#: places in the numbers of a batch: TIME before a step or, once it is made, after it; DT, its
+#: length; NEXT, the time after it; TARGET, the next time that must be hit; COURANT number; FIXED,
+#: the step that is given, or 0; steps ALLOWED and MADE; the LONGEST of these; FIRST row of the
+#: journal to be filled
+TIME, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, LONGEST, FIRST = range(10)
+BATCH = 10
+
+#: a step may be longer than its bound by this fraction, so that round-off costs no extra step
+SLACK = 1e-9
+
+
+def longest_step(courant, fixed, rate):
+    """Return the bound on a step [s]: the one that is given (-ts_dt), or, if that is 0, the Courant
+    number divided by ``rate``; nan if the rate is 0.
+    """
+    return np.where(fixed != 0.0, fixed, courant / np.where(rate > 0.0, rate, np.nan))
+
+
+def next_step(t, target, bound):
+    """Return the next step and the time after it [s]. The step is at most ``bound``; if less than
+    two steps remain to the target, they are equal.
+    """
+    left = target - t
+    last = left <= bound * (1.0 + SLACK)
+    step = np.where(last, left, np.where(left < 2.0 * bound, 0.5 * left, bound))
+    return step, np.where(last, target, t + step)
+
+
+class Plan(NamedTuple):
+    """The arrays that `plan_next` reads and writes.
+
+    batch: a batch that has ended, or was never planned, allows no steps. results: see
+    fsipetsc.scheme.plan. journal: (rows, columns), each row time, step, and the numbers in latest.
+    """
+
+    batch: Array
+    results: Array
+    journal: Array
+    latest: Array
+
+
+def plan_next(plan):
+    """Write the step just made into batch and journal, and plan the next one. If none follows,
+    ALLOWED becomes 0. All ranks come to the same plan.
+    """
+    batch, results, journal, latest = plan.batch, plan.results, plan.journal, plan.latest
+    allowed, t, dt, made = batch[ALLOWED], batch[NEXT], batch[DT], batch[MADE]
+    target, rate = batch[TARGET], results[RATE]
+    goes_on = (rate > 0.0) & (rate < 1e300) & (t < target) & (made + 1.0 < allowed)
+    for flag in (EXHAUSTED, TOO_SHORT, BAD, STOP):
+        goes_on = goes_on & (results[flag] == 0.0)
+    batch[ALLOWED] = 0.0
+    with when(allowed != 0.0):
+        row = whole(batch[FIRST] + made)
+        journal[row, 0], journal[row, 1] = t, dt
+        for c in each(latest.size):
+            journal[row, 2 + c] = latest[c]
+        batch[TIME], batch[MADE] = t, made + 1.0
+        batch[LONGEST] = np.maximum(batch[LONGEST], dt)
+        with when(goes_on):
+            bound = longest_step(batch[COURANT], batch[FIXED], rate)
+            batch[DT], batch[NEXT] = next_step(t, target, bound)
+            batch[ALLOWED] = allowed

@@ -9,16 +9,17 @@ What must be above 0 and is not becomes no number: so the step fails, and Python
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.errors import place_in, reason
 from fsipetsc.kernels.formula import Formula, number_of, numbers_of
+from fsipetsc.kernels.loops import each
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.kernels.unit import unit
-from fsipetsc.scheme.timed import Timed, set_data
+from fsipetsc.scheme.runge_kutta import AT
 
 Array = NDArray[Any]
 #: of places (d symbols) and the time: numbers and tuples of numbers, one for each target
@@ -78,3 +79,48 @@ def asked(condition: Any, name: str, x: Any, t: Any, count: int = 0) -> Any:
 def positive(value: Any) -> Any:
     """Return a number that must be above 0, or NaN where it is not."""
     return np.where(value > 0.0, value, np.nan)
+
+
+#: names of procedures that set the time of data -> which part of the step it is after its begin
+TIMES = {"at_begin": 0.0, "at_middle": 0.5, "at_end": 1.0}
+#: which of them comes before a stage; the third one has the data of the second
+OF_STAGES = "at_begin", "at_middle", None, "at_end"
+
+
+class Timed(NamedTuple):
+    """A function of place and time, and where its values go.
+
+    formula: returns for each target a number or a tuple of numbers, a row. numbers: its constants.
+    x: d arrays (n,), the places; at: (n,) rows of targets, which differ, or None: 0, 1, ….
+    """
+
+    formula: Formula
+    numbers: Array
+    x: tuple[Array, ...]
+    at: Array | None
+    targets: tuple[Array, ...]
+
+
+def set_data(timed, now):
+    """Fill data that depend on time."""
+    for one in timed:
+        formula = one.formula(one.numbers, now[AT])
+        for i in each(one.x[0].shape[0], vector=True):
+            row = i if one.at is None else one.at[i]
+            values = formula(tuple(x[i] for x in one.x))
+            for array, value in zip(one.targets, values, strict=True):
+                if isinstance(value, tuple):
+                    for c, number in enumerate(value):
+                        array[row, c] = number
+                else:
+                    array[row] = value
+
+
+def set_time(part: float) -> Callable[..., None]:
+    """Return the procedure that evaluates data at a part of the step."""
+
+    def at(now):
+        """Set the time of data."""
+        now[AT] = now[0] + part * now[1]
+
+    return at

@@ -11,9 +11,20 @@ from petsc4py import PETSc
 
 from fsipetsc.errors import InputError, clear_frames
 from fsipetsc.process.together import agree
-from fsipetsc.scheme.batch import DT, LONGEST, MADE, NEXT, TIME, longest_step, next_step
 from fsipetsc.scheme.observables import INTEGRAL, SERIES
-from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP, shares
+from fsipetsc.scheme.plan import (
+    DT,
+    LONGEST,
+    MADE,
+    NEXT,
+    RATE,
+    SAID_STOP,
+    STOP,
+    TIME,
+    longest_step,
+    next_step,
+    shares,
+)
 from fsipetsc.state import FAULT, State
 from fsipetsc.stepping import soundness
 

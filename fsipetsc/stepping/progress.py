@@ -11,8 +11,7 @@ import numpy as np
 from fsipetsc.checks import counted, duration
 from fsipetsc.output.info import error_rows, summary_rows, table
 from fsipetsc.process.program import say
-from fsipetsc.scheme.batch import longest_step
-from fsipetsc.scheme.plan import RATE
+from fsipetsc.scheme.plan import RATE, longest_step
 from fsipetsc.state import State
 
 #: wall seconds before the first line of progress; with -fsi_progress or on a terminal; the most

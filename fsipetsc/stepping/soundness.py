@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.errors import ComputationError, InputError
-from fsipetsc.scheme.batch import longest_step
 from fsipetsc.scheme.conservation_check import Drifts
-from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, TOO_SHORT
+from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, TOO_SHORT, longest_step
 from fsipetsc.state import Seen, State
 
 #: Courant number beyond which steps are said to be long: the classical method, on a periodic grid,
