@@ -50,6 +50,9 @@ def test_maps_take_corners_where_they_belong():
     assert x.tolist() == [0, 2, 0, 3] and y.tolist() == [0, 0, 1, 4]
     x, y = maps.annulus(1.0, 2.0, (0.0, np.pi / 2), (5.0, 6.0))(ends)
     assert np.allclose(x, [6, 7, 5, 5]) and np.allclose(y, [6, 6, 7, 8])
+    for wrong in ((2.0, 1.0), (1.0, 2.0, (0.0, 7.0)), (1.0, 2.0, (1.0, 0.0))):
+        with pytest.raises(InputError, match="an angle that rises by no more than 2 pi"):
+            maps.annulus(*wrong)
 
 
 @pytest.mark.parametrize("d", (2, 3))

@@ -112,6 +112,9 @@ def annulus(
     """
     a, b = number(inner, "annulus: inner", POSITIVE), number(outer, "annulus: outer", POSITIVE)
     (begin, end), (x, y) = _point(angles, "annulus: angles"), _point(centre, "annulus: centre")
+    if not (a < b and 0.0 < end - begin <= 2.0 * np.pi + 1e-12):
+        wanted = "expected inner below outer, and an angle that rises by no more than 2 pi"
+        raise InputError(f"annulus: radii {a:g} and {b:g}, angles {begin:g} and {end:g}: {wanted}")
 
     def places(xi: Places) -> Places:
         r, angle = (1.0 - xi[0]) * a + xi[0] * b, (1.0 - xi[1]) * begin + xi[1] * end
