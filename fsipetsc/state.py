@@ -68,14 +68,6 @@ class State:
     results: np.ndarray
     planning: Procedure
     fault: FsiError | None
-    owned: Any
-    numbers: Any
-    fields: Any
-    compared: Any
-    powers: Any
-    more: Any
-    go_on: Any
-    go_to_fault: Any
 
     def plan_next(self) -> bool:
         """Put the last step into the journal; whether another one of its batch follows."""

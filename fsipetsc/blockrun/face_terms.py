@@ -42,9 +42,8 @@ class FaceTerms:
         k, d, self._jumps = part.k, problem.dimension, problem.jumps
         block = problem.blocks[k]
         self._d, self._gas, self.p_ref = d, block.kind == "fluid", _left_out(problem, k)
-        self._faces: list[tuple[Any, Array, slice]] = []
+        self._faces: list[tuple[Any, Array, slice]] = []  # those without nodes here as well
         acting = _acting(problem, k)
-        self._every: list[tuple[Any, Array, slice]] = []  # those without nodes here as well
         self.record: Any = Nothing()
         if not acting:  # on all ranks of the block, for these record the same
             return
@@ -69,13 +68,10 @@ class FaceTerms:
             if d == 3 and not self._gas:
                 turned.append(_turned(problem, part, order, axis, side, where))
             places = problem.places(k, part.numbers[own])
-            self._every.append((condition, places, where))
-            if not own.size:
-                continue
+            self._faces.append((condition, places, where))
             stride = int(np.prod(block.shape[:axis]))
             beside = problem.places(k, part.numbers[own] + (-stride if side else stride))
             self._spacing[where] = np.linalg.norm(places - beside, axis=1)
-            self._faces.append((condition, places, where))
             if effect.first_order:
                 low, high = (block.face_positions(axis, at) for at in (0, 1))
                 self.record.width[where] = np.linalg.norm(high - low, axis=0).mean()
@@ -85,7 +81,7 @@ class FaceTerms:
 
     def refresh(self, t: float) -> None:
         """Fill the record with data at time t [s]. InputError."""
-        for condition, X, at in self._faces:
+        for condition, X, at in (face for face in self._faces if face[1].size):
             if isinstance(condition, Meeting):
                 self._supply(X, at, t)
                 continue
@@ -107,7 +103,7 @@ class FaceTerms:
 
     def record_data(self, recorder: Recorder) -> None:
         """Record all that depends on time, of faces without nodes here as well."""
-        for condition, X, at in self._every:
+        for condition, X, at in self._faces:
             for make, *targets in self._timed(condition):
                 recorder.add(condition, make, X.T, np.arange(at.start, at.stop), *targets)
 

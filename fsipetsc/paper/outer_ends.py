@@ -10,16 +10,7 @@ import numpy as np
 
 from fsipetsc.boundaries import Boundary, absorbing, clamped, free
 from fsipetsc.kernels.loops import each, named, number, pick, stop, when, whole
-from fsipetsc.paper.gas_ends import (
-    GHOSTS,
-    GRADIENTS,
-    NEW,
-    NODES,
-    depth_of,
-    dirichlet_ghost,
-    distance,
-    fetch,
-)
+from fsipetsc.paper import gas_ends
 from fsipetsc.problem import Problem
 from fsipetsc.scheme.plan import EXHAUSTED
 
@@ -58,7 +49,7 @@ def fill_ghost(part, side, new=False):
     """
     layer, n = part.layers[0], part.local.shape[1]
     ghost = named((layer.hi if side else layer.lo) - (layer.own_lo - layer.halo_lo))
-    last = ghost + (1 - 2 * side) * depth_of(part.op)
+    last = ghost + (1 - 2 * side) * gas_ends.depth_of(part.op)
     with when((0 <= ghost) & (ghost < n) & (0 <= last) & (last < n)):
         rho, u, T = ghost_values(part, layer, ghost, side, new)
         q, energy = part.local, part.law.total_energy(rho, u, T)
@@ -67,17 +58,19 @@ def fill_ghost(part, side, new=False):
 
 def ghost_values(part, layer, ghost, side, new):
     """(rho, u, T) of the ghost point."""
-    kind, nodes = part.ends.kind[side], fetch(part, ghost, side)
+    kind, nodes = part.ends.kind[side], gas_ends.fetch(part, ghost, side)
     if new:
         for values in nodes:  # without data the highest difference is left, which vanishes
-            values[0] = dirichlet_ghost(0.0, values, [0.0] * NODES, NEW[kind] + 1, 1.0)
-    return GHOSTS[kind](part, layer, side, 2.0 * side - 1.0, nodes)
+            values[0] = gas_ends.dirichlet_ghost(
+                0.0, values, [0.0] * gas_ends.NODES, gas_ends.NEW[kind] + 1, 1.0
+            )
+    return gas_ends.GHOSTS[kind](part, layer, side, 2.0 * side - 1.0, nodes)
 
 
 def gradient_values(part, ghost, side):
     """(u, T) for the gradients in viscous stress and conduction at a ghost point that is filled."""
-    find = GRADIENTS[part.ends.kind[side]]
-    return find(part, part.layers[0], side, 2.0 * side - 1.0, fetch(part, ghost, side))
+    find = gas_ends.GRADIENTS[part.ends.kind[side]]
+    return find(part, part.layers[0], side, 2.0 * side - 1.0, gas_ends.fetch(part, ghost, side))
 
 
 def move_boundary(part, side, results):
@@ -89,7 +82,7 @@ def move_boundary(part, side, results):
     layer decide alike. Where the cells are not a number, the bounds on the step will tell.
     """
     layer = part.layers[0]
-    cells = distance(layer, side) - 1e-9
+    cells = gas_ends.distance(layer, side) - 1e-9
     with when(cells < 1e15):
         below = whole(cells)
         target = below + pick(number(below) < cells, 1, 0)
