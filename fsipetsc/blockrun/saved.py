@@ -75,7 +75,7 @@ OF_INTERFACES = "x_interface", "u_interface", "sigma_interface", "T_interface"
 
 
 def point_names(d: int) -> tuple[str, ...]:
-    """Recorded of chosen nodes: place [m], velocity [m/s], T [K], pressure, traction [Pa]."""
+    """Probe of chosen nodes: place [m], velocity [m/s], T [K], pressure, traction [Pa]."""
     return tuple(name for one in TABLE if one.of == "point" for name in one.names(d))
 
 
@@ -173,7 +173,7 @@ def compared(state: Any, kind: str) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True)
-class Recorded:
+class Probe:
     """A node of a block. name: of the block; X: its place in the reference map [m].
 
     face: (axis, side) of the solid's face at an interface; None where there is none.
@@ -186,7 +186,7 @@ class Recorded:
     face: tuple[int, int] | None = None
 
 
-def chosen(problem: BlockProblem, probes: str | None) -> list[Recorded]:
+def chosen(problem: BlockProblem, probes: str | None) -> list[Probe]:
     """The nodes nearest to the places that "X,Y;X,Y" names. InputError for places outside."""
     d, pieces = problem.dimension, probes.split(";") if probes else ()
     places = [np.array(floats(piece, "fsi_probes", "m")) for piece in pieces]
@@ -196,7 +196,7 @@ def chosen(problem: BlockProblem, probes: str | None) -> list[Recorded]:
     return [_nearest(problem, place) for place in places]
 
 
-def _nearest(problem: BlockProblem, place: Array) -> Recorded:
+def _nearest(problem: BlockProblem, place: Array) -> Probe:
     """The node next to a place; on an interface that of the solid. InputError for a place that is
     further from it than its neighbours are: it is outside.
     """
@@ -217,7 +217,7 @@ def _nearest(problem: BlockProblem, place: Array) -> Recorded:
         nearest = f"the nearest node is {least:g} away"
         raise InputError(f"-fsi_probes {text}: no block is there; {nearest}")
     _, _, k, node, X, _ = min(near, key=lambda of_block: of_block[1:3])
-    return Recorded(problem.layers[k].name, k, node, tuple(X), _face_of(problem, k, node))
+    return Probe(problem.layers[k].name, k, node, tuple(X), _face_of(problem, k, node))
 
 
 def _face_of(problem: BlockProblem, k: int, node: int) -> tuple[int, int] | None:
@@ -227,7 +227,7 @@ def _face_of(problem: BlockProblem, k: int, node: int) -> tuple[int, int] | None
     return next((f for f in there if node in problem.face_nodes(k, *f)), None)
 
 
-def here_of(state: Any) -> list[tuple[int, Recorded, int]]:
+def here_of(state: Any) -> list[tuple[int, Probe, int]]:
     """(number, node, its place among those that this rank owns) of the recorded nodes here."""
     found = []
     for i, node in enumerate(state.recorded):
@@ -237,7 +237,7 @@ def here_of(state: Any) -> list[tuple[int, Recorded, int]]:
     return found
 
 
-def note_nodes(state: Any, here: Sequence[tuple[int, Recorded, int]]) -> None:
+def note_nodes(state: Any, here: Sequence[tuple[int, Probe, int]]) -> None:
     """Write into the record of a step what is known of nodes here, of the completed state, whose
     halos are filled: place, velocity, temperature; pressure, of solids minus the mean of the normal
     stresses in the plane and of hoops; traction on the solid at an interface, else 0.
