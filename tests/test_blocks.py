@@ -9,7 +9,7 @@ from block_ledgers import conditions_of
 from fsipetsc.blocks import maps
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem, Meeting
-from fsipetsc.blocks.conditions import Free, Hinge, NoSlip, Open, Slip
+from fsipetsc.blocks.conditions import Free, Hinge, NoSlip, Slip
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
@@ -168,14 +168,10 @@ def pinned(*place):
 
 WRONG = {
     r"axis 0, side 0\) misses others at \(X, Y\) = \(0, 1\)": faces_that_do_not_meet,
-    "expected the shape": lambda: maps.nodes(np.zeros((3, 3))),
     "expected a Fluid or an ElasticSolid": lambda: square(material="steel"),
     r"cells is \(8, 0\): expected 1, 2 or 3 whole numbers": lambda: square(cells=(8, 0)),
     r"no numbers at xi = \(0.5, ": lambda: square(map=lambda xi: (xi[0], xi[1] / (xi[0] != 0.5))),
     r"J = -0.0156 per piece at .*right-handed": lambda: square(map=lambda xi: (xi[1], xi[0])),
-    "axis 0 is periodic, and its map is not": lambda: square(
-        periodic=(True, False), map=lambda xi: (xi[0], xi[1] * (1 + xi[0]))
-    ),
     r"'a', face \(axis 0, side 1\), about .* = \(1, 0.5\)": lambda: alone(
         walls("a", but=[("a", 0, 1)])
     ),
@@ -184,9 +180,6 @@ WRONG = {
         [square(), beside()], walls("a", "b", but=[("b", 0, 0)])
     ),
     r"about .* = \(1, 0.5\), is at one place with .*: expected two": lambda: two(beside(), third()),
-    "Open is no condition of a solid": lambda: alone(
-        walls("a", condition=Open(1, (0, 0), 1)), material=SOLID
-    ),
     r"block 'a' and block 'b' meet at .* = \(1, 0\), and are gases of different": lambda: two(
         beside(material=Fluid(0.0, 0.0, 1.3, 1.0))
     ),

@@ -43,7 +43,7 @@ RUNS = {
 SAME = {"rod elsewhere": "rod", "rod rk elsewhere": "rod rk", "layers messages": "layers"}
 
 #: ranks -> the runs that are made on them: each on one, on two or three, those of SAME on four
-ON = {1: list(RUNS), 4: ["piston", *SAME, *SAME.values()]}
+ON = {1: list(RUNS), 4: [*SAME, *SAME.values()]}
 ON[3] = ["rod stiff", "rod traditional", "layers moving", "pulse"]
 ON[2] = [name for name in RUNS if name not in ON[3]]
 

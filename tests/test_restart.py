@@ -19,7 +19,6 @@ _FALL = f"{_PAPER} -fsi_h 0.05 -ts_max_time 0.02 -rod_gravity -1000"
 RUNS = {
     "rod": ("rod", f"{_ROD} -fsi_check 1e-3", 400),
     "5dp": ("rod", f"{_PAPER} -fsi_h 0.05 -ts_max_time 0.1 -ts_rk_type 5dp", 50),
-    "rk": ("rod", f"{_FALL} -ts_type rk", 40),
     "mms": ("mms", "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.1 -fsi_output_dt 0.02", 8),
     "piston": (PISTON, "-ts_max_time 0.048", 300),
     "layers": (LAYERS, "-layers_gruneisen 0.2 -ts_max_time 0.2", 6),
