@@ -81,11 +81,11 @@ class BlockPart:
     @property
     def free_nodes(self) -> Array:
         """(M,) whether an owned node is one of ``free``."""
-        patch, axes = self.part.patch, []
-        for (begin, end), first, n in zip(self.free, patch.first, patch.own, strict=True):
-            at = np.arange(first, first + n)
-            axes.append((begin <= at) & (at < end))
-        return (axes[2][:, None, None] & axes[1][:, None] & axes[0]).reshape(-1)
+        patch = self.part.patch
+        found = np.zeros(patch.own[::-1], bool)
+        ends = zip(self.free, patch.first, strict=True)
+        found[tuple(slice(a - first, b - first) for (a, b), first in ends)[::-1]] = True
+        return found.reshape(-1)
 
     def _stage(self, found: Any) -> Stage:
         """What sweeps take of steps; found: fsipetsc.scheme.runge_kutta.Found."""
