@@ -119,6 +119,15 @@ def test_rings_meet_wherever_their_angles_begin():
     assert np.array_equal(ghosted[:, 14:], ghosted[:, 2:4])
 
 
+@pytest.mark.parametrize("kappa", [0.0, 0.1])
+def test_the_entropy_of_gases_may_fall_where_solids_take_heat(kappa):
+    gas, solid = Fluid(0.0, 0.1, 1.4, 1.0), ElasticSolid(1, 1, kappa, 1, 1, heat="elastic")
+    ends = {"a": (gas, maps.rectangle(0.0, 1.0)), "b": (solid, maps.rectangle(1.0, 2.0))}
+    blocks = [Block(name, of, place, 8, nothing) for name, (of, place) in ends.items()]
+    problem = BlockProblem(blocks, {("a", 0, 0): Slip(), ("b", 0, 1): Free()})
+    assert problem.invariants["entropy"] == (kappa == 0.0)
+
+
 # messages
 
 

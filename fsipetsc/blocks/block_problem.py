@@ -235,13 +235,15 @@ class BlockProblem:
 
         Less what comes in through faces and by forces, the mass of each body of gas, momentum and
         energy; energy with the potential energy of constant forces where no mass comes in and grids
-        of gas are at rest; entropy where nothing comes in, stresses do not heat the solids, and it
-        is known.
+        of gas are at rest; the entropy of gases, where it is known, nothing comes in, and they give
+        no heat to solids.
         """
         solids = [block for block in self.blocks if block.kind == "solid"]
         gases = [k for k, block in enumerate(self.blocks) if block.kind == "fluid"]
         closed = all(map(conserves_energy, self.outer_faces.values())) and not self._forced
         elastic = all(solid.material.heat == "elastic" for solid in solids)
+        pairs = ((self.blocks[gas].material, self.blocks[k].material) for gas, k in self.interfaces)
+        shared = any(gas.kappa > 0.0 and solid.kappa_e > 0.0 for gas, solid in pairs)
         known = all(map(knows_entropy, self.gas_laws))
         masses = [solid.material.m0 * size_of(solid, self.symmetry) for solid in solids]
         capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
@@ -253,7 +255,7 @@ class BlockProblem:
             "momentum": "xyz"[: self.dimension - (self.symmetry > 0)],
             "energy": True,
             "potential": self._keeps_potential,
-            "entropy": closed and elastic and known,
+            "entropy": closed and elastic and known and not shared,
             "inertia": sum(masses),
             "heat_capacity": sum(capacities),
         }

@@ -4,9 +4,9 @@ recorded series.
 Of blocks all is counted that comes in through faces and by body forces (fsipetsc.blockrun.scheme):
 masses, all components of momentum and energy are held for open edges, too; with the potential
 energy of constant forces in the place of their work where no mass comes in and grids are at rest;
-entropy where nothing comes in and no solid is heated by stress. Of the paper's method the mass of a
-gas layer behind a wall is held, and total energy between two walls without body forces.
-"""
+the entropy of gases where nothing comes in and solids take no heat from them. Of the paper's method
+the mass of a gas layer behind a wall is held, and total energy between two walls without body
+forces."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -50,7 +50,7 @@ TABLE = (
     Observable("mass", "kg", "mass", INTEGRAL, "gas", label="change of mass"),
     Observable("energy", "J", "energy", INTEGRAL, label="change of energy"),
     Observable("momentum_*", "N s", "momentum", INTEGRAL, label="change of momentum *"),
-    Observable("entropy", "J K-1", "entropy", INTEGRAL, label="change of entropy"),
+    Observable("entropy", "J K-1", "entropy of gases", INTEGRAL, label="change of entropy"),
     Observable(
         "angular_momentum", "J s", "angular momentum about the origin", INTEGRAL, needs="plane"
     ),
