@@ -59,7 +59,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
     """
     case = together(comm, lambda: case_after("convergence", arguments))
     name, instead = f"{case.NAME}-convergence", {"fsi_order": "fsi_orders"}
-    opt, _, path = begin(case, arguments[1:], comm, OPTIONS, name, instead)
+    opt, path = begin(case, arguments[1:], comm, OPTIONS, name, instead)
     case = _refining(case, opt["fsi_h"])
     orders, hs, exact, units = _plan(case, opt, comm)
     time = f"t = {opt['ts_max_time']:g}" + " s" * (units == "SI")

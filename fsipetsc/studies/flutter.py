@@ -51,7 +51,7 @@ def flutter(arguments: list[str], comm: Comm) -> None:
     Raises InputError; FileError; ComputationError.
     """
     instead = {"panel_mach": "flutter_machs", "panel_lambda": "flutter_lambdas"}
-    opt, _, path = begin(CASE, arguments, comm, OPTIONS, "flutter", instead)
+    opt, path = begin(CASE, arguments, comm, OPTIONS, "flutter", instead)
     say, mass = printer(comm, opt), opt["panel_mass"]
     tasks = list(product(*(sorted({*opt[option.name]}) for option in OPTIONS)))
     found = shared(comm, tasks, lambda task: (*task, modes_at(opt, *task)))

@@ -50,7 +50,7 @@ def modes(arguments: list[str], comm: Comm) -> None:
         raise InputError(f"the command modes knows the cases ring and shell: {usage}")
     name = arguments[0]
     case = load_case(name)
-    opt, _, path = begin(case, arguments[1:], comm, OPTIONS[name], "modes")
+    opt, path = begin(case, arguments[1:], comm, OPTIONS[name], "modes")
     from fsipetsc.stepping.solve import build_problem
 
     opt |= _AT_REST[name]

@@ -24,8 +24,8 @@ def begin(
     extra: Sequence[Option],
     name: str,
     instead: Mapping[str, str] | None = None,
-) -> tuple[dict[str, Any], dict[str, str], Path]:
-    """(options in force, what was given, the CSV file) of a study of a case, NAME.csv if no name is
+) -> tuple[dict[str, Any], Path]:
+    """Return the options in force of a study of a case, and its CSV file, NAME.csv if no name is
     given. Collective; InputError, FileError.
 
     instead: options of a run that a study does not take -> those that it takes.
@@ -37,7 +37,7 @@ def begin(
     for single, several in (instead or {}).items():
         if single in given:
             raise InputError(f"-{single} is for a single run; a study takes -{several}, a list")
-    return opt, given, csv_target(opt["fsi_output"] if "fsi_output" in given else name)
+    return opt, csv_target(opt["fsi_output"] if "fsi_output" in given else name)
 
 
 def text_table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
