@@ -69,9 +69,6 @@ def test_the_pressure_of_a_recorded_node_has_that_of_hoops(case, tmp_path):
     assert run.series["p_point"][-1, 0] == pytest.approx(expected, rel=1e-12)
 
 
-KAPPA = pytest.mark.parametrize("kappa", [1, 2])
-
-
 def mode_errors(kappa, gas, order, h):
     grid = {"fsi_order": order, "fsi_h": h}
     problem = built(shell, shell_kappa=kappa, shell_gas=gas, shell_charge=0.0, **grid)
