@@ -3,7 +3,7 @@ was freed, no overflow of whole numbers, shifts or pointers, nothing else that C
 
 Python and numpy are not watched. But numpy has the memory of its arrays from malloc, which is: what
 is beyond an array is found, at once if it is near. What is within one is not, as one part of it
-that is taken for another, nor the up to 64 bytes that ``fsipetsc.scheme.rows.aligned`` leaves
+that is taken for another, nor the up to 64 bytes that ``fsipetsc.kernels.memory.aligned`` leaves
 beside an array. New memory is full of nan: who reads before anything is stored there fails.
 A finding does not end a test; all are said at the end.
 

@@ -30,6 +30,7 @@ from fsipetsc.blockrun.saved import (
 from fsipetsc.blockrun.scheme import Scheme
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.errors import InputError
+from fsipetsc.kernels.memory import zeros
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder
 from fsipetsc.process.together import agree, together
@@ -100,7 +101,7 @@ class BlockState(State):
         self.latest_numbers = self._lay_journal(record, KEPT)[FLAGS + LIMITS :]
         self.extremes = np.zeros(1 + MONITORED * len(problem.blocks))
         self.rates = np.zeros((len(problem.blocks), 2))
-        self.before = np.empty_like(self.y.array)
+        self.before = zeros(self.layout.local_size)
         pace = max(1.0, form.shock * PACE_AT_SHOCKS[order])
         vectors, columns = (self.y, *self.stages), self.latest.dtype
         found = self._memory(pace)
@@ -123,7 +124,7 @@ class BlockState(State):
         return Found(
             y=self.y.array,
             stages=tuple(stage.array for stage in self.stages),
-            total=np.zeros(self.layout.local_size),
+            total=zeros(self.layout.local_size),
             before=self.before,
             gain=gain_of(self.problem),
             extremes=self.extremes,

@@ -10,6 +10,7 @@ from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.blocks.values import block_values, prestress_of
 from fsipetsc.equations.tensors import add_unit, apply, cofactor
 from fsipetsc.equations.vectors import dot
+from fsipetsc.kernels.memory import zeros
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.bands import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
@@ -40,7 +41,7 @@ class SolidPart(BlockPart):
         self._masses = self.weights * self.inertia[self.owned]
         self._loses = int(self._problem.loses(part.k))
         strain = self.equations.unstrained((0.0,) * d)
-        self.F = np.zeros((len(strain), part.numbers.size))
+        self.F = zeros((len(strain), part.numbers.size))
         self.prestress = prestress_of(self.block, self.X)
         self._work = solid_work(self.equations, part.bands, part.patch, order // 2)
         self._volume = SolidVolume(self.equations, self._work, self.metrics, self.prestress)

@@ -7,6 +7,7 @@ import numpy as np
 
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.checks import Array
+from fsipetsc.kernels.memory import zeros
 from fsipetsc.kernels.unit import c_source
 from fsipetsc.operators.bands import Band
 
@@ -50,7 +51,8 @@ class Cube:
 
     def __init__(self, wide: Wide, metrics: Array) -> None:
         nodes = wide.y.shape[1]
-        self.x, self.v = wide.y.copy(), np.zeros((3, nodes))
+        self.x, self.v = zeros((2, 3, nodes))
+        self.x[:] = wide.y
         self.volume, self.of_faces = np.zeros(metrics.shape[1]), np.zeros((9, metrics.shape[1]))
         slots, steps = 2 * len(wide.S[2]) - 1, np.cumprod((1, *wide.sizes[:-1]))
         q = np.zeros((9, slots * steps[2]))

@@ -20,6 +20,7 @@ from fsipetsc.blocks.plane_grid import plane_motion
 from fsipetsc.blocks.radial_grid import radial_motion
 from fsipetsc.checks import Array
 from fsipetsc.kernels.loops import each, invoke
+from fsipetsc.kernels.memory import zeros
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.kernels.symbols import exact
 
@@ -171,7 +172,7 @@ class GridMotion:
         X, wide = problem.positions(k, where), Wide(problem, k, order, where)
         around, hull = problem.symmetry > 0, hull_of(block, nodes, problem.centred(k))
         reference = np.zeros(X.shape[1])
-        self.metrics = np.zeros((d * d + d + around, X.shape[1]))
+        self.metrics = zeros((d * d + d + around, X.shape[1]))
         self.record: Any
         if around:
             self.record = radial_motion(problem, k, wide, hull)

@@ -25,6 +25,7 @@ from petsc4py import PETSc
 from fsipetsc.blocks.values import names_of
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.calls import Calls, calling_code
+from fsipetsc.kernels.memory import zeros
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import steps
 from fsipetsc.paper.layers import Interface, Layer
@@ -112,12 +113,12 @@ class PaperState(State):
         # what ranks send each other of a stage: the records, and layers with their halos
         dof = np.array([DOF[layer.kind] for layer in problem.layers])
         sizes = records.nbytes // 8, *(dof * points)
-        memory = np.zeros(sum(sizes))
+        memory = zeros(sum(sizes))
         of_records, *local = np.split(memory, np.cumsum(sizes)[:-1])
         self.records = of_records.view(RECORD)
         self.records[:] = records
         begins = np.cumsum([0, *(dof * (records["own_hi"] - records["own_lo"]))]).tolist()
-        self.y, total, self.k = np.zeros((3, begins[-1]))
+        self.y, total, self.k = zeros((3, begins[-1]))
         self.solution = PETSc.Vec().createWithArray(self.y, comm=comm)
         of_steps = self._lay_results(int(sum(dof == DOF["fluid"])))
         self.layers = []

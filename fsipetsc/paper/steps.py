@@ -11,12 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.kernels.loops import each, named, number, variable, when
+from fsipetsc.kernels.memory import Array
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.paper import coupling, gas_ends, outer_ends, rates, sums
 from fsipetsc.paper.stencils import Stencils, derivative
 from fsipetsc.scheme.columns import larger
 from fsipetsc.scheme.plan import DT, RATE, SAID_STOP, STOP, TOO_SHORT
-from fsipetsc.scheme.rows import Array
 from fsipetsc.scheme.runge_kutta import factors
 
 #: of the method; the number of a stage of which only the rates are wanted

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsipetsc.errors import InputError
+from fsipetsc.kernels.memory import zeros
 from fsipetsc.operators.bands import AXIS, NO_AXIS, Band, Patch
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_shares import Extent, share_out
@@ -140,7 +141,8 @@ class BlockLayout:
             here = self.dofs[k] * (comm.rank in reach.share.ranks)
             nodes = prod(b - a for a, b in reach.ghosted(comm.rank)) if here else 0
             begins.append(begins[-1] + here * nodes)
-        memory = np.ones(begins[-1])  # corners never get other numbers
+        memory = zeros(begins[-1])
+        memory[:] = 1.0  # corners never get other numbers
         found = {k: self._place(k, reach, memory, begins[k]) for k, reach in enumerate(reaches)}
         self.parts = {k: part for k, part in found.items() if part is not None}
         of_parts = [part.halo for part in self.parts.values()]
@@ -254,7 +256,7 @@ class BlockVector:
     """This rank's part of a world vector, ``array``, of zeros at first."""
 
     def __init__(self, layout: BlockLayout) -> None:
-        self.array, self._layout = np.zeros(layout.local_size), layout
+        self.array, self._layout = zeros(layout.local_size), layout
 
     def owned(self, k: int) -> Array:
         """A view (M, dof) of the owned unknowns of block k."""

@@ -15,10 +15,10 @@ import numpy as np
 from fsipetsc.equations.vectors import dot, sub
 from fsipetsc.kernels.arrays import column, column_of, node
 from fsipetsc.kernels.loops import each
+from fsipetsc.kernels.memory import Array, aligned
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.columns import COLUMNS, clear, collected, count, tiled
 from fsipetsc.scheme.observables import PLACES
-from fsipetsc.scheme.rows import Array, aligned
 
 #: extremes of a block: 1 if a state is unphysical, largest rates of convection and of diffusion
 #: [1/s], minus the least J, largest |J - det D x| / J

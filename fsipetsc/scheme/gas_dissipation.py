@@ -54,10 +54,10 @@ import numpy as np
 from fsipetsc.equations.vectors import add, along, choose, dot, mean, scale, sub
 from fsipetsc.kernels.arrays import column, column_of, node, put_column
 from fsipetsc.kernels.loops import each, variable, when
+from fsipetsc.kernels.memory import Array
 from fsipetsc.operators.bands import Differences, difference
 from fsipetsc.scheme.gas_forms import state_like
 from fsipetsc.scheme.part import clear
-from fsipetsc.scheme.rows import Array
 
 #: s up to which there is no shock, and how fast alpha rises from there
 NO_SHOCK, RISE = 0.03, 2.5

@@ -17,9 +17,9 @@ from fsipetsc.equations.means import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.equations.vectors import add, along, mean, scale, sub
 from fsipetsc.kernels.kernel import PLANES, ROWS, SHARED, Kernel, interlaced, numbers_of
+from fsipetsc.kernels.memory import Array, aligned
 from fsipetsc.kernels.unit import c_source, unit
 from fsipetsc.operators.bands import Band, Patch
-from fsipetsc.scheme.rows import Array, aligned
 from fsipetsc.scheme.stage import KINDS, Owned, Spans, Stage, no_stage, store
 
 

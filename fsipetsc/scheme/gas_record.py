@@ -8,11 +8,11 @@ from fsipetsc.blocks import grid
 from fsipetsc.equations.vectors import dot
 from fsipetsc.kernels.arrays import column_of
 from fsipetsc.kernels.loops import each, invoke, variable
+from fsipetsc.kernels.memory import Array
 from fsipetsc.scheme.block_monitor import gas_monitor
 from fsipetsc.scheme.face_kernels import moving
 from fsipetsc.scheme.normals import add_areas
 from fsipetsc.scheme.part import ghosted, note, owned
-from fsipetsc.scheme.rows import Array
 
 
 class Ends(NamedTuple):

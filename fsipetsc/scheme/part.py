@@ -7,9 +7,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from fsipetsc.kernels.loops import each, either
+from fsipetsc.kernels.memory import Array
 from fsipetsc.scheme.block_monitor import CONVECTION, MONITORED
 from fsipetsc.scheme.normals import add_areas
-from fsipetsc.scheme.rows import Array
 
 
 class Nothing(NamedTuple):

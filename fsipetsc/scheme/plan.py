@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fsipetsc.kernels.loops import each, when, whole
+from fsipetsc.kernels.memory import Array
 from fsipetsc.scheme.observables import SERIES, record
-from fsipetsc.scheme.rows import Array
 
 # where what stands among the results of a completed step
 #: flags: 1 + number of a layer that has run off its grid, or that is too short

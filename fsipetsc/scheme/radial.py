@@ -17,9 +17,9 @@ from typing import Any, NamedTuple
 from fsipetsc.equations.vectors import add, dot, scale
 from fsipetsc.kernels.arrays import column_of, node, put_column
 from fsipetsc.kernels.loops import each
+from fsipetsc.kernels.memory import Array
 from fsipetsc.scheme.normals import Columns, add_areas, slope_at, turn_plane
 from fsipetsc.scheme.part import Nothing, ghosted_node
-from fsipetsc.scheme.rows import Array
 
 
 class Straight(Nothing):

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.kernels.loops import each, otherwise, variable, when
+from fsipetsc.kernels.memory import Array
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
 from fsipetsc.scheme.part import clear, copy
 from fsipetsc.scheme.plan import BAD, DT, RATE, SAID_STOP, STOP, Plan, plan_next
-from fsipetsc.scheme.rows import Array
 from fsipetsc.scheme.stage import LAST, NEXT, RATES
 
 STAGES = 4

@@ -25,9 +25,9 @@ import numpy as np
 from fsipetsc.equations.vectors import along, dot, mean, scale, sub
 from fsipetsc.kernels.arrays import column, column_of, part_of
 from fsipetsc.kernels.loops import each, variable, when
+from fsipetsc.kernels.memory import Array
 from fsipetsc.operators.bands import Differences
 from fsipetsc.scheme.gas_dissipation import largest, sense
-from fsipetsc.scheme.rows import Array
 
 #: e of s, over the speed of sound
 SMALL = 0.02

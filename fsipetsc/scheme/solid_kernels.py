@@ -23,8 +23,8 @@ from fsipetsc.equations.tensors import (
 )
 from fsipetsc.equations.vectors import add, along, dot, scale, sub, total
 from fsipetsc.kernels.kernel import PLANES, SHARED, Kernel, Layout, numbers_of
+from fsipetsc.kernels.memory import Array
 from fsipetsc.kernels.unit import c_source, unit
-from fsipetsc.scheme.rows import Array
 from fsipetsc.scheme.solid_work import WIDTH, Work, in_order
 from fsipetsc.scheme.stage import KINDS, Owned, Spans, Stage, no_stage, store
 

@@ -3,9 +3,9 @@
 from typing import Any, NamedTuple
 
 from fsipetsc.kernels.loops import each, invoke, variable, when
+from fsipetsc.kernels.memory import Array
 from fsipetsc.scheme.face_kernels import strain_at
 from fsipetsc.scheme.part import ghosted, owned
-from fsipetsc.scheme.rows import Array
 from fsipetsc.scheme.solid_monitor import prestress_energy
 
 

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fsipetsc.kernels.memory import aligned
 from fsipetsc.operators.bands import Band, Patch
-from fsipetsc.scheme.rows import aligned
 
 Array = NDArray[Any]
 #: kinds of derivatives: D_k and D°_k
