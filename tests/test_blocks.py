@@ -192,6 +192,9 @@ WRONG = {
     r"block 'a' and block 'b' meet at .* = \(1, 0\), and are gases of different": lambda: two(
         beside(material=Fluid(0.0, 0.0, 1.3, 1.0))
     ),
+    r"not smooth along axis 0, at .* = \(0.29": lambda: square(
+        map=lambda xi: (xi[0] + 0.2 * abs(xi[0] - 0.3), xi[1])
+    ),
     r"no node of a face is there; the nearest is at .* = \(1, 0.25\)": lambda: pinned(1.0, 0.3),
 }
 
