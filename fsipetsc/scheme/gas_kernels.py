@@ -182,7 +182,7 @@ def gas_text(gas: Any, d: int, form: Any, viscous: bool, moves: bool) -> str:
 class GasVolume:
     """A struct in C with what gas_sweep takes of a part of a block, and the memory it points to.
 
-    metrics: (rows, N), with J_t as the last row. Where a constant force acts pair by pair,
+    metrics: (rows, N). Where a constant force acts pair by pair,
     potential: (N,) Phi of the ghosted nodes, supplied: (M (d + 1),) the force on each owned node
     and room for a power, interlaced, over the node's weight (fsipetsc.scheme.gas_force); else (0,).
     address: of the struct.
