@@ -9,6 +9,7 @@ import stat
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -299,6 +300,13 @@ def test_a_signal_during_compilation_is_answered_at_once(tmp_path):
     said = os.read(process.stderr.fileno(), 1000).decode()
     process.stderr.close()
     assert (status, "fsipetsc: error: stopped by SIGTERM\n" in said) == (128 + 15, True)
+
+
+def test_the_text_of_kernels_is_kept_and_found(tmp_path):
+    done = ranks_of(2, tmp_path, {}, "-m", "fsipetsc", "compile", "rod", "-fsi_debug")
+    said = (line.partition("C text of kernels: ")[2] for line in done.stdout.splitlines())
+    texts = [Path(path).read_text() for path in said if path]
+    assert len(texts) == len(set(texts)) and any("gas_near_(" in text for text in texts)
 
 
 @pytest.mark.long

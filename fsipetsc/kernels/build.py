@@ -232,8 +232,18 @@ def end_compilers() -> None:
 
 
 def keep(name: str, library: bytes) -> Path:
-    """Put the bytes of a library where it is kept; whoever reads it meanwhile has the old one or
-    the new one. Where the folder can only be read, in one for this process. FileError.
+    """Put the bytes of a library where it is kept, and return where. FileError."""
+    return _put(name, library + _hash(library))
+
+
+def keep_text(name: str, text: str) -> Path:
+    """Put the text of the library NAME.so beside it, as NAME.c, and return where. FileError."""
+    return _put(f"{name.removesuffix('.so')}.c", text.encode())
+
+
+def _put(name: str, content: bytes) -> Path:
+    """Write a file where libraries are kept; whoever reads it meanwhile has the old one or the new
+    one. Where the folder can only be read, in one for this process. FileError.
     """
     place = folder()
     if not os.access(place, os.W_OK | os.X_OK):
@@ -241,7 +251,7 @@ def keep(name: str, library: bytes) -> Path:
             _instead.append(_temporary(place, "it cannot be written"))
         place = _instead[0]
     try:
-        _write(place / name, library + _hash(library))
+        _write(place / name, content)
     except OSError as error:
         raise FileError(f"cannot keep compiled kernels in {place}: {error.strerror}") from error
     return place / name

@@ -211,9 +211,10 @@ RUN = (
     Option("fsi_quiet", bool, False, "", "print nothing but errors"),
     Option("fsi_progress", bool, False, "",
         "print progress from 2 s on, not 10 s, if the output is not a terminal"),
+    Option("fsi_debug", bool, False, "", "keep the C text of the kernels, and print where it is"),
 )  # fmt: skip
 #: those that belong to one run of the program, not to what is computed: no checkpoint has them
-OF_A_RUN = {"fsi_quiet", "fsi_progress", "fsi_restart"}
+OF_A_RUN = {"fsi_quiet", "fsi_progress", "fsi_debug", "fsi_restart"}
 COMMON: tuple[Option, ...] = DISCRETISATION + OUTPUT + CHECKPOINTS + RUN
 
 _RK_TYPES = ("1fe", "2a", "2b", "3", "3bs", "4", "5f", "5dp", "5bs", "6vr", "7vr", "8vr")

@@ -16,6 +16,9 @@ from fsipetsc.errors import FileError, FsiError
 from fsipetsc.kernels import build
 from fsipetsc.process.together import Comm, agree, together, wait_asleep
 
+#: whether the first rank keeps the texts, too, and says where (-fsi_debug)
+keeps_text = False
+
 
 def libraries(
     comm: Comm, texts: Sequence[str], announce: Callable[[str], None] = lambda text: None
@@ -33,6 +36,9 @@ def libraries(
     for rank, of_rank in enumerate(comm.allgather(sorted(lacking))):
         for name in of_rank:
             makers.setdefault(name, rank)
+    if keeps_text and comm.rank == 0:
+        for name, text in zip(names, texts, strict=True):
+            announce(f"C text of kernels: {build.keep_text(name, text)}")
     sent = _made(comm, dict(zip(names, texts, strict=True)), makers, announce) if makers else {}
     return together(comm, lambda: [_loaded(name, sent) for name in names])
 

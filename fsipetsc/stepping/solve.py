@@ -14,6 +14,7 @@ from fsipetsc.errors import InputError, call, place_of
 from fsipetsc.options import InForce
 from fsipetsc.paper.paper_state import PaperState
 from fsipetsc.problem import Problem, blocks_of_line
+from fsipetsc.process import libraries
 from fsipetsc.process.together import together
 
 
@@ -52,6 +53,7 @@ def make_state(
     announce: called on rank 0, with a message, before and after kernels are compiled. InputError
     where grid, order and ranks do not fit, or a law cannot be recorded.
     """
+    libraries.keeps_text = opt["fsi_debug"]
     if isinstance(problem, BlockProblem):
         form = block_form(opt)
         check_gas_laws(problem, form)
