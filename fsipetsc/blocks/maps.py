@@ -156,7 +156,7 @@ def transfinite(*faces: tuple[Callable[..., Any], Callable[..., Any]]) -> Map:
         return tuple(total)
 
     for axis, side in product(range(d), (0, 1)):  # a map of faces that meet has them
-        at = np.meshgrid(*[np.linspace(0.0, 1.0, 5)] * d)
+        at = list(np.meshgrid(*[np.linspace(0.0, 1.0, 5)] * d))  # numpy 2 returns a tuple
         at[axis] = side + 0.0 * at[axis]
         given = on_face(axis, side, at).reshape(d, -1)
         apart = np.abs(given - np.reshape(places(tuple(at)), (d, -1))).max(axis=0)
