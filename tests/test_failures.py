@@ -122,16 +122,20 @@ def build(opt):
     if opt["changed"] == "jump":
         jump = lambda X: (np.where(X < 0.5, 2.0, 1.0) * p / 287.0 / T, 0.0 * X, T + 0.0 * X)
         below = replace(below, initial=jump)
+    if opt["changed"] == "apart":
+        layer = replace(layer, initial=lambda X: (0.0 * X, -p + 0.0 * X, T + 0.0 * X, X + 0.02))
     if opt["changed"] == "sign":
         layer = replace(layer, initial=lambda X: (0.0 * X, 0.0 * X + p, 0.0 * X + T, X))
     return replace(problem, layers=(below, layer, above))
 """
 SIGN = "has a pressure of 1e+05 Pa where it meets 'layer', which pushes with -1e+05 Pa "
+OTHER = "volume and mass than its map gives it: the first state of a solid beside it is not where"
 #: what is changed -> what the notes say, with … for what stands between
 NOTES = {
     "nothing": [],
     "still": ["NoSlip gives 'driven' a temperature, and it does not conduct heat"],
     "sign": [f"at t = 0 'driven' {SIGN}", f"at t = 0 'behind' {SIGN}"],
+    "apart": [f"'driven' begins with … % more {OTHER}", f"'behind' begins with … % less {OTHER}"],
     "jump": ["at the end the pressure in 'driven' changes by … one node to the next, at X = 0."],
 }
 

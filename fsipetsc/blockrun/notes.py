@@ -21,6 +21,8 @@ from fsipetsc.state import LOOSE
 Array = np.ndarray
 #: the part of the larger of two pressures by which they may differ at an interface
 JUMP = 0.01
+#: part of its volume by which a gas may begin with more or less of it than its map says
+STRETCHED = 0.01
 #: part of the larger modulus K = rho dp/drho, p of a perfect gas, by which the pressures of
 #: neighbouring nodes may differ
 STEEP = 0.2
@@ -74,6 +76,23 @@ def pressure_jumps(state: Any) -> list[str]:
         "waves start there"
         for (gas, solid), (p, push) in zip(problem.interfaces, means, strict=True)
         if abs(p - push) > JUMP * max(abs(p), abs(push))
+    ]
+
+
+def stretched_gases(state: Any) -> list[str]:
+    """Gases whose grids follow solids that do not begin where the gases end."""
+    blocks, volumes = state.problem.layers, np.zeros((len(state.problem.layers), 2))
+    for k, part in state.parts.items():
+        if part.block.kind == "fluid" and part.block.exact is None:
+            of_grid, of_map = state.y.owned(k)[:, 0], part.reference
+            volumes[k] = part.weights @ of_grid, part.weights @ of_map
+    state.comm.Allreduce(MPI.IN_PLACE, volumes)
+    return [
+        f"'{block.name}' begins with {100.0 * abs(volume / of_map - 1.0):.3g} % "
+        f"{'more' if volume > of_map else 'less'} volume and mass than its map gives it: the first "
+        "state of a solid beside it is not where it ends"
+        for block, (volume, of_map) in zip(blocks, volumes.tolist(), strict=True)
+        if abs(volume - of_map) > STRETCHED * of_map
     ]
 
 
@@ -228,7 +247,7 @@ def _directions(d: int) -> Array:
 
 #: when -> what may be said then
 NOTES = {
-    "begin": (heat_that_stays, loose_forces, asked_data, pressure_jumps),
+    "begin": (heat_that_stays, loose_forces, asked_data, stretched_gases, pressure_jumps),
     "saved": (lambda state: imaginary_waves(state, state.time, state.told),),
     "end": (steep_waves,),
 }
