@@ -241,9 +241,10 @@ void cube_move(const struct cube *c) {
   for (int k = 0; k < 3; ++k) areas(c, k, c->metrics + 3 * k * c->N, tasks + 2 * k);
   find_areas(c, c->x, tasks, 6, &range, NONE);
   for (long z = range.lo[2]; z < range.hi[2]; ++z)
-    for (long y = range.lo[1]; y < range.hi[1]; ++y, velocity += n)
-      for (int m = 0; m < 3; ++m)
-        memcpy(velocity + m * c->N, c->v + m * W + wide_of(c, range.lo[0], y, z), n * sizeof *velocity);
+    for (long y = range.lo[1]; y < range.hi[1]; ++y, velocity += n) {
+      const double *row = c->v + wide_of(c, range.lo[0], y, z);
+      for (int m = 0; m < 3; ++m) memcpy(velocity + m * c->N, row + m * W, n * sizeof *row);
+    }
 }
 
 /* Find det D x of the range. */
@@ -251,7 +252,8 @@ void cube_volumes(const struct cube *c) {
   const long rows = c->size[0];
   double *volume = c->volume;
   struct task tasks[3];
-  for (int k = 0; k < 3; ++k) tasks[k] = (struct task){gradient, k, 0, 0, c->x, c->rows + 3 * k * rows};
+  for (int k = 0; k < 3; ++k)
+    tasks[k] = (struct task){gradient, k, 0, 0, c->x, c->rows + 3 * k * rows};
   for (long z = c->first[2]; z < c->end[2]; ++z) {
     for (long y = c->first[1]; y < c->end[1]; ++y) {
       const struct box row = {{c->first[0], y, z}, {c->end[0], y + 1, z + 1}};

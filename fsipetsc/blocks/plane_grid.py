@@ -129,23 +129,20 @@ def faces_of(plane):
 
 
 def find_faces(plane, values):
-    """Values (2, H) of the hull at faces and vertices, and the bracket of D_2 u."""
+    """Find values (2, H) of the hull at faces and vertices."""
     for faces in faces_of(plane):
         for r in each(4):
             for i in each(faces.f.shape[1], vector=True):
                 faces.f[r, i] = values[r % 2, faces.columns[r // 2, faces.first + i]]
-    f, ends, low, high = plane.along.f, plane.ends, plane.along.low, plane.along.high
     for c in range(2):
         for corner in range(4 if plane.corners is not None else 0):
-            ends[corner, c] = values[c, plane.corners[corner // 2, corner % 2]]
-        at_low, at_high = ends[2, c] - ends[0, c], ends[3, c] - ends[1, c]
-        for i in each(low.shape[0], vector=True):
-            between = low[i] * at_low + high[i] * at_high
-            plane.rise[c, i] = exact((f[2 + c, i] - f[c, i]) - between)
+            plane.ends[corner, c] = values[c, plane.corners[corner // 2, corner % 2]]
 
 
 def differentiate_faces(plane, values):
-    """Derivatives along faces, from values (2, H) of the hull."""
+    """Find derivatives along faces, from values (2, H) of the hull, and the bracket of D_2 u, from
+    what `find_faces` has found.
+    """
     for faces in faces_of(plane):
         given, slope = faces.scratch[0], faces.scratch[1]
         for r in each(4):
@@ -154,6 +151,12 @@ def differentiate_faces(plane, values):
             slopes_along(slope, given, faces.S, faces.weight)
             for i in each(faces.f.shape[1], vector=True):
                 faces.slope[r, i] = slope[faces.first + i]
+    f, ends, low, high = plane.along.f, plane.ends, plane.along.low, plane.along.high
+    for c in range(2):
+        at_low, at_high = ends[2, c] - ends[0, c], ends[3, c] - ends[1, c]
+        for i in each(low.shape[0], vector=True):
+            between = low[i] * at_low + high[i] * at_high
+            plane.rise[c, i] = exact((f[2 + c, i] - f[c, i]) - between)
 
 
 class Row:

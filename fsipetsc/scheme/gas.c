@@ -40,10 +40,10 @@ struct gas {
   double *rows, *high;            /* of these rows: NUMBERS; sums of upper nodes of pairs */
   double *low, *slope;            /* of the row at work: sums of lower nodes of pairs; D_k z */
   const double *along;            /* (1 + reach) rows: S of pairs along the first axis, by distance
-                                     and lower node: MARGIN zeros, those of all nodes, MARGIN zeros */
+                                     and lower node, between MARGIN zeros on both sides */
   const double *per_weight;       /* 1 over the weights along the first axis */
-  const double *gain, *loss;      /* of viscous gases: as along, over the weight of the upper, of the
-                                     lower node */
+  const double *gain, *loss;      /* of viscous gases: as along, over the weight of the upper,
+                                     of the lower node */
   double *gains, *losses;         /* the same along another axis, one for all nodes of a row */
   const struct tile *tiles;
   long count;

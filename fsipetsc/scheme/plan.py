@@ -47,7 +47,8 @@ def step_record(interfaces: int, fluids: int) -> np.dtype:
 #: the step that is given, or 0; steps ALLOWED and MADE; the LONGEST of these; FIRST row of the
 #: journal to be filled
 TIME, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, LONGEST, FIRST = range(10)
-BATCH = 10
+#: how many these are
+BATCH = FIRST + 1
 
 #: a step may be longer than its bound by this fraction, so that round-off costs no extra step
 SLACK = 1e-9

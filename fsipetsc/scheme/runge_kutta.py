@@ -51,10 +51,9 @@ def begin_stage(number: int | None) -> Callable[..., None]:
 
     def begin(found):
         """What sweeps store from now on."""
-        dt = found.now[1]
         kind = RATES if number is None else (NEXT, NEXT, NEXT, LAST)[number]
-        found.stage[0], (a, b) = float(kind), factors(number or 0, dt)
-        found.stage[1] = b if number == 3 else a
+        a, b = factors(number or 0, found.now[1])
+        found.stage[0], found.stage[1] = float(kind), b if kind == LAST else a
 
     return begin
 
