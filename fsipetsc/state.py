@@ -14,11 +14,6 @@ from fsipetsc.scheme.plan import ALLOWED, BATCH, FLAGS, LIMITS, Plan
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
 FAULT = 1000.0
-#: what is said of a constant force on a gas that acts node by node
-LOOSE = (
-    "is added node by node: a gas at rest stays so to the order of the scheme only, and small "
-    "motions may grow"
-)
 
 
 class Seen(NamedTuple):
@@ -172,6 +167,14 @@ class State:
         together_here = isinstance(error, FsiError) and error.collective
         if error is None or self.comm.size == 1 or together_here:
             self.destroy()
+
+
+def loose(name: str) -> str:
+    """What is said of a gas on which a constant force acts node by node."""
+    return (
+        f"the force on '{name}' is added node by node: a gas at rest stays so to the order of the "
+        "scheme only, and small motions may grow"
+    )
 
 
 def whole(comm: MPI.Comm, size: int, numbers: np.ndarray, values: np.ndarray) -> np.ndarray | None:

@@ -16,7 +16,7 @@ from fsipetsc.blocks.conditions.condition import warms
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.equations.tensors import determinant
 from fsipetsc.scheme.gas_forms import CONSERVED
-from fsipetsc.state import LOOSE
+from fsipetsc.state import loose
 
 Array = np.ndarray
 #: the part of the larger of two pressures by which they may differ at an interface
@@ -101,7 +101,7 @@ def loose_forces(state: Any) -> list[str]:
     keeps_rest = "; -fsi_convection entropy keeps rest"
     known = [isinstance(gas.material.gas_law, CONSERVED) for gas in state.loose]
     pairs = zip(state.loose, known, strict=True)
-    return [f"the force on '{gas.name}' {LOOSE}{keeps_rest * known}" for gas, known in pairs]
+    return [f"{loose(gas.name)}{keeps_rest * known}" for gas, known in pairs]
 
 
 def steep_waves(state: Any) -> list[str]:

@@ -19,6 +19,7 @@ from fsipetsc.paper.gas_ends import NEW
 from fsipetsc.paper.outer_ends import ends_of
 from fsipetsc.parallel.block_shares import Extent, Share, share_out
 from fsipetsc.problem import Problem
+from fsipetsc.state import State, loose
 
 Array = np.ndarray
 #: kind of layer -> unknowns of a point
@@ -210,3 +211,23 @@ def note_share(record: np.void, share: Share, rank: int, halo: int) -> int:
     record["present"], record["own_lo"], record["own_hi"] = 1, begin, end
     record["halo_lo"] = min(halo, begin)
     return min(end + halo, n) - max(begin - halo, 0)
+
+
+def used_up(record: Any, problem: Problem, op: SBPOperator, exhausted: bool) -> str:
+    """Say that a gas has no points left, or else too few, and where it is; record: its own."""
+    name, m = problem.layers[record["number"]].name, problem.unit("m")
+    needs = f"the {op.name} operator needs {int(record['least'])} points"
+    what = "used up its points" if exhausted else f"become too short ({needs})"
+    end = record["end_x"][record["outer"]]
+    return (
+        f"fluid layer '{name}' has {what}, with its interface at "
+        f"x = {record['x_interface']:.6g}{m} and its boundary at x = {end:.6g}{m}"
+    )
+
+
+def loose_forces(state: State) -> list[str]:
+    """Forces that do not keep rest: frames are cut where walls are, and the couplings bring
+    stresses together.
+    """
+    forced = [v for v in state.problem.layers if v.kind == "fluid" and any(v.material.force)]
+    return [f"{loose(gas.name)}; -fsi_coupling conservative keeps rest" for gas in forced]

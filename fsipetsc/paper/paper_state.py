@@ -34,9 +34,11 @@ from fsipetsc.paper.layout import (
     RECORD,
     check_ends,
     check_form,
+    loose_forces,
     make_records,
     note_share,
     shares_of,
+    used_up,
 )
 from fsipetsc.paper.outer_ends import ends_of
 from fsipetsc.paper.stencils import stencils
@@ -57,7 +59,7 @@ from fsipetsc.scheme.plan import (
     plan_next,
     step_record,
 )
-from fsipetsc.state import FAULT, LOOSE, Seen, State
+from fsipetsc.state import FAULT, Seen, State
 
 Array = np.ndarray
 #: times of the stages, in steps
@@ -66,16 +68,6 @@ FRACTIONS = 0.0, 0.5, 0.5, 1.0
 FRAME = "lo", "hi", "s", "x_interface"
 #: of messages between ranks
 ROWS_TAG, HALOS_TAG = 0, 1
-
-
-def loose_forces(state: State) -> list[str]:
-    """Forces that do not keep rest: frames are cut where walls are, and the couplings bring
-    stresses together.
-    """
-    gases = [layer for layer in state.problem.layers if layer.kind == "fluid"]
-    forced = [gas for gas in gases if any(gas.material.force)]
-    keeps_rest = "-fsi_coupling conservative keeps rest"
-    return [f"the force on '{gas.name}' {LOOSE}; {keeps_rest}" for gas in forced]
 
 
 class PaperState(State):
@@ -224,16 +216,9 @@ class PaperState(State):
     def used_up(self) -> str:
         """Which gas has no points left, or too few, and where it is."""
         self._learn_frames()
-        flags = self.results[[EXHAUSTED, TOO_SHORT]]
-        k = int(flags[0] or flags[1]) - 1
-        record, name, m = self.records[k], self.problem.layers[k].name, self.problem.unit("m")
-        needs = f"the {self.op.name} operator needs {int(record['least'])} points"
-        what = "used up its points" if flags[0] else f"become too short ({needs})"
-        end = record["end_x"][record["outer"]]
-        return (
-            f"fluid layer '{name}' has {what}, with its interface at "
-            f"x = {record['x_interface']:.6g}{m} and its boundary at x = {end:.6g}{m}"
-        )
+        exhausted, too_short = self.results[[EXHAUSTED, TOO_SHORT]].tolist()
+        record = self.records[int(exhausted or too_short) - 1]
+        return used_up(record, self.problem, self.op, bool(exhausted))
 
     def owned(self, k: int) -> Array:
         return self.layers[k].of(self.y)
