@@ -19,6 +19,7 @@ from fsipetsc.blocks.conditions import (
     Slip,
 )
 from fsipetsc.blocks.maps import rectangle
+from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.own import solid_law
 from fsipetsc.materials.solid import ElasticSolid
@@ -160,6 +161,39 @@ def test_volumes_stay_those_of_the_grid(order=4):
                 run.finish()
                 worst = max(worst, *run.latest["J_error"])
     assert 0.0 < worst < 1e-12
+
+
+def between_walls(lid, cells, mu=0.05, U=0.5):
+    """Couette's flow: u = U Y, and T is a parabola; the walls have the temperature 1."""
+    gas, strip = Fluid(mu, mu * 3.5 / 0.72, 1.4, 1.0 / 1.4), rectangle((0, 0), (1, 1))
+
+    def flow(X, Y):
+        T = 1.0 + 0.5 * gas.mu * U**2 / gas.kappa * Y * (1.0 - Y)
+        return 1.0 / T, U * Y, 0.0 * Y, T
+
+    block = Block("gas", gas, strip, (8, cells), flow, periodic=(True, False))
+    walls = {("gas", 1, 0): NoSlip(T=1.0), ("gas", 1, 1): NoSlip(T=1.0, velocity=lid)}
+    return BlockProblem((block,), walls)
+
+
+def test_a_wall_that_slides_along_itself_drags_gas(U=0.5):
+    """Couette's flow stays, and the work of the wall leaves as heat through both."""
+    left = []
+    for cells in (16, 32):
+        with Steps(between_walls(lambda X, Y, t: (U, 0.0), cells), order=4) as run:
+            exact = run.y.owned(0).copy()
+            run.step(0.1 / cells**2, 2 * cells**2)
+            left.append(np.abs(run.y.owned(0) - exact).max())
+    assert left[1] < 1e-6
+    assert left[0] / left[1] > 2**2.2  # the boundary rows of 4/2 have order 2
+
+
+def test_a_wall_at_rest_has_no_velocity_across_itself():
+    with Steps(between_walls(lambda X, Y, t: (0.5, 0.2 * X), 8), order=4) as run:
+        with pytest.raises(InputError, match=r"velocity of NoSlip .* across the wall"):
+            run.scheme.particles.prescribed.check_motion(1.0)
+    with pytest.raises(InputError, match="velocity is given, and x is not"):
+        NoSlip(velocity=lambda X, Y, t: (0.5, 0.0), slip_length=1.0)
 
 
 @pytest.mark.parametrize(

@@ -113,6 +113,11 @@ class Prescribed:
         moved = [(c, who) for name in WALLS for c, who in _grouped(own, name) if moves(c)]
         self.moving = np.unique(np.concatenate([np.empty(0, np.int64), *(w for _, w in moved)]))
         self._moved = moved + [(c, who) for c, who in _grouped(own, "clamp") if moves(c)]
+        self._sliding = [
+            (c, who, np.array([_wall_normal(problem, own[p]) for p in who]))
+            for c, who in _grouped(own, "wall")
+            if _has_motion(c) and not moves(c)
+        ]
         self._met = _met(problem, own)
         self.doubtful = bool(self._met)
 
@@ -177,10 +182,23 @@ class Prescribed:
             )
 
     def check_motion(self, t_end: float) -> None:
-        """InputError where the velocity of a wall is not the derivative of its place at some times
-        in 0 … t_end [s]. Of places that can be recorded.
+        """InputError where the velocity of a wall is not the derivative of its place, or that of a
+        wall at rest does not lie in it, at some times in 0 … t_end [s]. Derivatives are those of
+        places that can be recorded.
         """
         times = t_end * (AT * np.arange(1, TIMES + 1) % 1.0)
+        for condition, who, normals in self._sliding:
+            for t in times:
+                v = datum(condition, "velocity", self._x[who], t, "uvw"[: self._d])
+                across = np.abs((v * normals).sum(axis=1))
+                worst = int(across.argmax())
+                if across[worst] > ALONG * np.abs(v).max():
+                    raise InputError(
+                        f"{place_of(condition.velocity)}: velocity of NoSlip at t = {t:.6g} is "
+                        f"{_text(v[worst])} at {place_text(self._x[who][worst])}, across the wall: "
+                        "expected one along it, or x, too",
+                        collective=False,
+                    )
         for condition, who in self._moved if t_end > 0.0 else ():
             X, slope = self._x[who], _recorded_velocity(condition, self._d)
             if condition.velocity is None or slope is None:
@@ -323,6 +341,14 @@ def _met(problem: Any, particles: Sequence[Particle]) -> list[Met]:
         along = None if normals[0] is None else np.array(normals)
         met.append(Met(names[0], firsts[0], others[0], np.array(who), along))
     return met
+
+
+def _wall_normal(problem: Any, particle: Particle) -> Array:
+    """The unit normal of the wall at which a particle is."""
+    block, axis, side = particle.faces["wall"]
+    node = next(n for k, n in particle.members if k == block)
+    normal: Array = problem.face_normal(block, node, axis, side)[0]
+    return normal
 
 
 def _has_motion(condition: Any) -> bool:

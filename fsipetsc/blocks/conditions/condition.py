@@ -122,7 +122,8 @@ class Condition(Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         alone = getattr(self, "velocity", None) is not None and not moves(self)
-        if alone and self.part != "clamp":
+        slides_along = self.part == "wall" and not self.acts
+        if alone and self.part != "clamp" and not slides_along:
             name = type(self).__name__
             raise InputError(f"{name}: velocity is given, and x is not: expected both, or x alone")
 

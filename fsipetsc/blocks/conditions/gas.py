@@ -29,8 +29,9 @@ class NoSlip(Condition):
     Args:
         T: temperature [K]; None: it is not given.
         heat_flux: heat flux into the gas [W/m2]; None: it is not given.
-        x: `x(*X, t)` returns d positions [m] of a wall that moves; None: it is at rest.
-        velocity: `velocity(*X, t)` returns d velocities [m/s], the derivative of x; None: it
+        x: `x(*X, t)` returns d positions [m] of a wall that moves; None: it stays where it is.
+        velocity: `velocity(*X, t)` returns d velocities [m/s]: with x its derivative, else those of
+            a wall that slides along itself, such as a lid or a cylinder that turns. None: it
             follows from x.
         slip_length: length [m] with which the gas slips along the wall: its velocity there is this
             length times its slope (Navier). So it may meet a wall, or a solid, that moves along
