@@ -1,4 +1,2 @@
-"""Laws of gases, transport and solids as formulas; Fluid and ElasticSolid.
-
-A law is a NamedTuple of its numbers whose methods are scalar formulas; own.py has their names.
-"""
+"""Laws of gases, transport and solids: NamedTuples of their numbers whose methods are scalar
+formulas. fluid.py and solid.py have what a case says of a material."""
