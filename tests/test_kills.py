@@ -3,15 +3,19 @@
 Processes signal themselves at named places (signalled_program.py).
 """
 
+import fcntl
 import json
+import random
 import signal
+from contextlib import suppress
+from itertools import islice
 
 import pytest
-from helpers import assert_readable, computed, different, message, mpirun, run
-from kill_cycles import AT_END, PROGRAM, cycles
+from helpers import REPOSITORY, assert_readable, computed, different, message, mpirun, run
 
 import fsipetsc
 
+PROGRAM = REPOSITORY / "tests" / "signalled_program.py"
 LINE = "rod -fsi_coupling projection -fsi_h 0.05 -ts_max_time 0.1 -fsi_output_dt 0.01".split()
 LINE.append("-fsi_quiet")
 
@@ -51,6 +55,12 @@ def test_a_second_sigint_ends_at_once_and_one_after_the_last_step_ends_nothing(t
         assert result.complete and result.summary["status"] == "done"
 
 
+#: case -> command line, steps from one checkpoint to the next
+CASES = {
+    "rod": ("rod -fsi_coupling projection -fsi_h 0.05 -ts_max_time 0.9 -fsi_output_dt 0.01", 40),
+    "blast": ("blast -fsi_h 0.125 -fsi_order 2 -ts_max_time 4 -fsi_output_dt 0.04", 4),
+}
+#: ranks, [place, which time, rank, signal]; a signal below 0 goes to mpiexec
 KILLS = [
     (2, ["frame", 2, 1, signal.SIGKILL]),
     (1, ["checkpoint", 2, 0, signal.SIGKILL]),
@@ -59,15 +69,58 @@ KILLS = [
     (2, ["clear", 1, 0, signal.SIGKILL]),  # at the end
     (1, ["clear", 1, 0, signal.SIGKILL]),  # at the beginning: of what was left there
 ]
-#: of two dimensions: the one file; other places are no different
-IN_PLANE = [KILLS[3]]
 
 
-@pytest.mark.parametrize(("case", "kills"), [("rod", KILLS), ("blast", IN_PLANE)])
+def at_random(seed):
+    """As KILLS, for ever; one in three is a SIGTERM or SIGINT, one in four goes to mpiexec."""
+    chance = random.Random(seed)
+    sent = *[signal.SIGKILL] * 4, signal.SIGTERM, signal.SIGINT
+    yield 2, ["checkpoint", 2, 0, signal.SIGKILL]  # else there is nothing to take over
+    while True:
+        place, ranks = chance.choice(("frame", "fill", "piece", "checkpoint", "begin")), 3
+        where = chance.randrange(ranks) if place in ("frame", "fill") else 0
+        count = 1 if place == "begin" else chance.randint(2, 4)
+        sign = chance.choice((1, 1, 1, -1))
+        yield chance.randint(where + 1, ranks), [place, count, where, sign * chance.choice(sent)]
+
+
+def ends_as(whole, words):
+    """The run goes on to its end, has the same bits as the whole one, and leaves nothing else."""
+    folder = whole.parent
+    computed(folder, "run.h5", *words)
+    assert different(whole, folder / "run.h5", same_ranks=False) == []
+    left = {path.name for path in folder.iterdir() if path.suffix != ".xdmf"}
+    assert left == {"whole.h5", "run.h5", "run.checkpoint.h5"}, left
+
+
+@pytest.mark.parametrize(
+    ("case", "kills"),
+    [
+        *(("rod", KILLS), ("blast", KILLS[3:4])),
+        *(pytest.param(case, 25, marks=pytest.mark.long) for case in CASES),
+    ],
+)
 def test_a_run_that_is_killed_goes_on(case, kills, tmp_path):
-    """Each time on another number of ranks: the same bits."""
-    done = cycles(tmp_path, case, kills)
-    assert len(done) == len(kills) and AT_END not in done[-1]
+    """Each time on another number of ranks. 25: at random places, in runs one after the other."""
+    line, steps = CASES[case]
+    computed(tmp_path, "whole.h5", *line.split())
+    words = [*line.split(), "-fsi_restart", "auto", "-fsi_checkpoint_steps", str(steps)]
+    quiet = "-fsi_quiet", "-fsi_output", "run.h5"
+    for ranks, place in islice(at_random(1), 25) if kills == 25 else kills:
+        done = mpirun(ranks, PROGRAM, json.dumps([place]), *words, *quiet, cwd=tmp_path)
+        # ranks whose mpiexec was killed may still run: they have the lock
+        with suppress(FileNotFoundError), (tmp_path / "run.parts" / "lock").open() as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        if (tmp_path / "run.h5").exists() or (tmp_path / "run.parts/header.json").exists():
+            with fsipetsc.open_run(tmp_path / "run.h5") as result:
+                for layer in result.layers:
+                    assert all(layer[name].shape[0] == result.nframes for name in layer.fields)
+        if done.returncode == 0:  # it ended before the place
+            assert kills == 25, place
+            ends_as(tmp_path / "whole.h5", words)
+            for path in tmp_path.glob("run*"):
+                path.unlink()
+    ends_as(tmp_path / "whole.h5", words)
 
 
 STOPPED = """
@@ -98,6 +151,9 @@ if sys.argv[1] == "all" and world.rank == 2:
     time.sleep = woken
 if sys.argv[1] == "run" and world.rank == 0:  # which has spoken; rank 1 is the one that ends all
     ending.done_asleep = lambda request, patience: sleep(patience + 60.0)
+elif sys.argv[1] == "run" and world.rank == 1:
+    usual = ending.done_asleep
+    ending.done_asleep = lambda request, patience: usual(request, patience / 20.0)
 try:
     together(world, run if world.rank < 2 else lambda: None, asleep=True)
 except KeyboardInterrupt as error:

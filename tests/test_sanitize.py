@@ -21,7 +21,10 @@ COMPUTING = (
     *("elementary", "gravity", "paper_rates", "procedures", "radial", "recorded_data"),
     *("solid_laws", "solid_part", "where_faces_meet"),
 )
-SHORT = "block_oracle.py::test_dissipation[panel-shocks]", "procedures.py::test_exact_sums_are_not_fused"
+SHORT = (
+    "block_oracle.py::test_dissipation[panel-shocks]",
+    "procedures.py::test_exact_sums_are_not_fused",
+)
 SHORT += ("paper_rates.py::test_rates_do_not_depend_on_pieces[open]",)
 #: without optimization all checks are made
 FLAGS = "-O0 -g -fsanitize=address,undefined -fsanitize-recover=address,undefined"
