@@ -11,7 +11,7 @@ from fsipetsc.blockrun.face_terms import nodes_of
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Centre
-from fsipetsc.blocks.grid import GridMotion
+from fsipetsc.blocks.grid import motion_of
 from fsipetsc.blocks.values import block_values
 from fsipetsc.equations.vectors import dot
 from fsipetsc.errors import InputError
@@ -51,8 +51,9 @@ class GasPart(BlockPart):
         self.added = damps or around or forces or self.block.forcing is not None
         self.reads_ghosted = damps or around or not isinstance(self.faces.record, Nothing)
 
-    def follow(self, particles: Sequence[Particle], system: ParticleSystem) -> None:
-        """Let the grid follow the particles that have a solid, or are on walls that move.
+    def follow(self, particles: Sequence[Particle], system: ParticleSystem, faces: Any) -> None:
+        """Let the grid follow the particles that have a solid, or are on walls that move. faces: as
+        ``motion_of`` has them.
 
         Collective on the block's ranks.
         """
@@ -67,18 +68,21 @@ class GasPart(BlockPart):
             ],
             np.int64,
         )
-        self.grid = GridMotion(self._problem, k, self._order, self.part.ghosted, nodes)
-        self.metrics, self.moves = self.grid.metrics, nodes.size > 0
+        where, self.moves = self.part.ghosted, nodes.size > 0
+        made = motion_of(self._problem, k, self._order, where, nodes, faces)
+        self._grid, self.metrics, self._kept = made
         self.gather = FaceGather(self._layout, k, nodes, 2 * self._d)
         own, particle = system.nodes[k]
         self._particles = particle[np.searchsorted(own, self.gather.nodes)]
         #: J of the reference map, over which that of the solution is saved and monitored
-        self.reference = np.zeros(self.owned.size)
+        self.reference, self._J = np.zeros((2, self.owned.size))
+        self._places = self.X.copy()
 
     def begin(self) -> None:
         """Find the metrics of the grid where nothing has moved, once the code is loaded."""
-        self.grid.move(np.zeros((self.gather.table.shape[0], self._d)))
-        self.reference[:] = self.grid.jacobian()[self.owned]
+        self.does["begin_grid"]()
+        self.does["find_volumes"]()
+        self.reference[:] = self._J
 
     def _record(self, about: Recorded) -> Code:
         number = [block.kind for block in self._problem.blocks[: self.part.k]].count("fluid")
@@ -99,7 +103,7 @@ class GasPart(BlockPart):
         potential = self.volume.potential
         potential[:] = -dot(self.equations.force, self.X)[: potential.size]
         room = np.zeros(((d + 1) ** 2, self.X.shape[1])) if self.block.material.mu else None
-        around = Radial(self.grid.record, room)
+        around = Radial(self._grid, room)
         record = does.GasRecord(
             **self._common(about),
             columns=np.array(sums),
@@ -111,25 +115,24 @@ class GasPart(BlockPart):
             dissipation=damping,
             axis=around if self._problem.symmetry else Straight(),
             column=number,
-            places=self.X.copy(),
+            places=self._places,
             room=room_of(d),
             masses=self.weights,
             follows=self._particles,
             rows=self.gather.rows,
-            known=self.gather.table if self.moves else None,
+            known=self.gather.table,
+            moves=self.moves,
             ends=self._ends(),
-            grid=self.grid.record,
+            grid=self._grid,
             reference=self.reference,
+            J=self._J,
             sums=np.zeros(sums_of(d)),
         )
         text = gas_text(self.equations, d, self.convection, self.viscous, self.moves)
-        moves = does.follow, does.move, does.swing, does.turn, does.finish
-        moving = moves if self.moves else ()
-        every = *moving, images, does.normals, does.rates, does.monitor
-        names = {f.__name__: f for f in every}
-        code = self._procedures(text, record, about, names)
-        self.grid.procedures(code)
-        return code
+        moving = (does.follow, does.move, does.swing, does.turn) if self.moves else ()
+        every = *moving, images, does.normals, does.rates, does.monitor, does.begin_grid
+        every = *every, does.find_places, does.find_volumes
+        return self._procedures(text, record, about, {f.__name__: f for f in every})
 
     def _ends(self) -> Ends:
         """The ends of all axes here, which are none along a periodic axis and at a centre."""
@@ -151,7 +154,8 @@ class GasPart(BlockPart):
 
     def stretch(self, q: Array) -> None:
         """Let J be that of the grid, at the same density, velocity and temperature."""
-        q *= (self.grid.jacobian()[self.owned] / q[:, 0])[:, None]
+        self.does["find_volumes"]()
+        q *= (self._J / q[:, 0])[:, None]
 
     def impose_velocities(self, q: Array, nodes: Array, u: Array) -> None:
         """Impose the velocities u (n, d) on nodes, at the same temperature."""
@@ -171,7 +175,8 @@ class GasPart(BlockPart):
         own, J = self.owned[rows], self.reference[rows]
         q = q[own]
         w = self.equations.primitive(tuple(q.T))
-        x = self.grid.positions()[:, own]
+        self.does["find_places"]()
+        x = self._places[:, own]
         return np.stack([w[0], *self.equations.velocity(w), w[2], w[1], q[:, 0] / J, *x], axis=-1)
 
 

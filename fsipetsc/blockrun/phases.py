@@ -75,12 +75,10 @@ class Phases:
         solids = (part for part in self.parts.values() if isinstance(part, SolidPart))
         inertia = {part.part.k: part.inertia for part in solids}
         self.particles = ParticleSystem(layout, particles, inertia, self.instant)
-        for gas in self.gases:
-            gas.follow(particles, self.particles)
         self._at_faces = {k: self.particles.faces_at(k) for k in self.parts}
-        for gas in self.gases if problem.dimension == 3 else ():
-            faces = self._at_faces[gas.part.k]
-            gas.grid.name_faces(turned_faces(faces, gas.part.patch))
+        for gas in self.gases:
+            faces = turned_faces(self._at_faces[gas.part.k], gas.part.patch)
+            gas.follow(particles, self.particles, faces)
         self.found = found._replace(left=self._left())
         self.steady = problem.steady_data
         self._compile(columns, announce)
@@ -259,7 +257,6 @@ class Phases:
             self._exchange(self.particles.areas)
             self._call("end_turning")
         self._fill()
-        self._each("finish")
         self._each("rates")
         self._call("weigh", of=(self._f,))
         self._exchange(self.particles.sums)
@@ -269,7 +266,6 @@ class Phases:
         """Extremes of all ranks, and this rank's shares of integrals."""
         self._call("begin_monitor")
         self._fill()
-        self._each("finish")
         self._each("monitor")
         if self.layout.comm.size > 1:
             self._call("reduce")

@@ -35,9 +35,9 @@ struct cube {
   double *q;                    /* (3, 3, slots layers) q_k, by k and n; z is in slot z % slots */
   double *metrics, *volume;     /* planes of N nodes of the range; det D x */
   const long *faces;            /* (count, 2) some faces: axis i, index of their nodes along it */
-  double *of_faces;             /* (9, N) a^i on these faces, or their rates */
+  double *turning;              /* (9, N) how a^i changes in time on these faces */
   double *moved, *other, *rows; /* memory: (3, wide nodes), (3, N), (9, nodes of a row) */
-  long N, count, slots;
+  long N, count, slots, only;   /* only: i of the a^i that is wanted, or ALL */
 };
 struct box {
   long lo[3], hi[3];
@@ -210,9 +210,9 @@ static void areas(const struct cube *c, int i, double *a, struct task *tasks) {
   tasks[1] = (struct task){end_area, k, 1, 0, c->q + 3 * j * Q, a};
 }
 
-/* Do the tasks of a^1, a^2 and a^3 in a box, or of a^only alone if that is not NONE, at the places
+/* Do the tasks of a^1, a^2 and a^3 in a box, or of a^only alone if that is not ALL, at the places
    x: layer by layer, q_k as far ahead as it is needed. */
-enum { NONE = 3 };
+enum { ALL = 3 };
 static void find_areas(const struct cube *c, const double *x, const struct task *tasks, int count,
                        const struct box *b, int only) {
   long found = most(b->lo[2] - c->reach[2], 0);
@@ -220,8 +220,8 @@ static void find_areas(const struct cube *c, const double *x, const struct task 
   for (long z = b->lo[2]; z < b->hi[2]; ++z) {
     for (; found <= z + c->reach[2] && found < c->size[2]; ++found) {
       for (int k = 0; k < 3; ++k) { /* a^i takes D_m q_k of the axis m that is neither i nor k */
-        const int one = only == NONE ? (k + 1) % 3 : 3 - only - k;
-        struct box of_q = reached(c, b, one, only == NONE ? (k + 2) % 3 : one);
+        const int one = only == ALL ? (k + 1) % 3 : 3 - only - k;
+        struct box of_q = reached(c, b, one, only == ALL ? (k + 2) % 3 : one);
         if (k == only || found < of_q.lo[2] || of_q.hi[2] <= found) continue;
         of_q.lo[2] = found, of_q.hi[2] = found + 1;
         potentials(c, x, k, of_q);
@@ -232,19 +232,24 @@ static void find_areas(const struct cube *c, const double *x, const struct task 
   }
 }
 
-/* Find a^1, a^2, a^3 and the velocity of the grid of the range. */
+/* Find a^i of the places x on a face: that takes derivatives within the face only. */
+static void find_face(const struct cube *c, const double *x, long i, const struct box *face,
+                      double *a) {
+  struct task tasks[2];
+  areas(c, i, a, tasks);
+  find_areas(c, x, tasks, 2, face, (int)i);
+}
+
+/* Find a^1, a^2 and a^3 of the range, or the one of them that is wanted. */
 void cube_move(const struct cube *c) {
   const struct box range = range_of(c);
-  const long W = wide_nodes(c), n = range.hi[0] - range.lo[0];
-  double *velocity = c->metrics + 9 * c->N;
   struct task tasks[6];
+  if (c->only != ALL) {
+    find_face(c, c->x, c->only, &range, c->metrics + 3 * c->only * c->N);
+    return;
+  }
   for (int k = 0; k < 3; ++k) areas(c, k, c->metrics + 3 * k * c->N, tasks + 2 * k);
-  find_areas(c, c->x, tasks, 6, &range, NONE);
-  for (long z = range.lo[2]; z < range.hi[2]; ++z)
-    for (long y = range.lo[1]; y < range.hi[1]; ++y, velocity += n) {
-      const double *row = c->v + wide_of(c, range.lo[0], y, z);
-      for (int m = 0; m < 3; ++m) memcpy(velocity + m * c->N, row + m * W, n * sizeof *row);
-    }
+  find_areas(c, c->x, tasks, 6, &range, ALL);
 }
 
 /* Find det D x of the range. */
@@ -276,23 +281,6 @@ static struct box face_of(const struct cube *c, long i, long at) {
   return face;
 }
 
-/* Find a^i of the places x on a face: that takes derivatives within the face only. */
-static void cube_face(const struct cube *c, const double *x, long i, const struct box *face,
-                      double *a) {
-  struct task tasks[2];
-  areas(c, i, a, tasks);
-  find_areas(c, x, tasks, 2, face, (int)i);
-}
-
-/* Find a^i of the places x on the faces. */
-void cube_faces(const struct cube *c) {
-  for (long n = 0; n < c->count; ++n) {
-    const long i = c->faces[2 * n];
-    const struct box face = face_of(c, i, c->faces[2 * n + 1]);
-    cube_face(c, c->x, i, &face, c->of_faces + 3 * i * c->N);
-  }
-}
-
 /* x + sign v of a face with the nodes that its derivatives reach. */
 static const double *places(const struct cube *c, double sign, const struct box *face, long i) {
   const struct box b = reached(c, face, (i + 1) % 3, (i + 2) % 3);
@@ -312,9 +300,9 @@ void cube_turn(const struct cube *c) {
   for (long n = 0; n < c->count; ++n) {
     const long i = c->faces[2 * n];
     const struct box b = face_of(c, i, c->faces[2 * n + 1]);
-    double *a = c->of_faces + 3 * i * c->N;
-    cube_face(c, places(c, 1.0, &b, i), i, &b, a);
-    cube_face(c, places(c, -1.0, &b, i), i, &b, c->other);
+    double *a = c->turning + 3 * i * c->N;
+    find_face(c, places(c, 1.0, &b, i), i, &b, a);
+    find_face(c, places(c, -1.0, &b, i), i, &b, c->other);
     for (long z = b.lo[2]; z < b.hi[2]; ++z)
       for (long y = b.lo[1]; y < b.hi[1]; ++y)
         for (long x = b.lo[0]; x < b.hi[0]; ++x) {

@@ -1,7 +1,8 @@
 """Metrics of a moving grid in three dimensions: fsipetsc/blocks/cube.c, and what it takes."""
 
 import ctypes
-from collections.abc import Iterable
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -29,14 +30,14 @@ class _Cube(ctypes.Structure):
         *((name, _NUMBER * 3) for name in ("reach", "size", "first", "end")),
         ("inner", _NUMBER * 2),
         ("P", ctypes.c_double * 9),
-        *((name, _POINTER) for name in ("x", "v", "q", "metrics", "volume", "faces", "of_faces")),
+        *((name, _POINTER) for name in ("x", "v", "q", "metrics", "volume", "faces", "turning")),
         *((name, _POINTER) for name in ("moved", "other", "rows")),
-        *((name, _NUMBER) for name in ("N", "count", "slots")),
+        *((name, _NUMBER) for name in ("N", "count", "slots", "only")),
     ]
 
 
 def cube_text() -> str:
-    """The C code of cube_move, cube_volumes, cube_faces and cube_turn."""
+    """The C code of cube_move, cube_volumes and cube_turn."""
     return c_source("fsipetsc.blocks", "cube.c")
 
 
@@ -44,26 +45,30 @@ class Cube:
     """The range of nodes of a Wide in three dimensions.
 
     x, v: (3, wide nodes) places less those of linear maps, and velocities. metrics: (12, N) a^1,
-    a^2, a^3, velocity of the range. volume: (N,) det D x, by cube_volumes. of_faces: (9, N)
-    a^1, a^2, a^3 on faces, by cube_faces, or how they change in time, by cube_turn. address: of
-    the struct in C.
+    a^2, a^3, by cube_move, or of these a^(only + 1) alone. volume: (N,) det D x, by cube_volumes.
+    turning: (9, N) how a^i changes in time on faces, (axis i, index along it) each, by cube_turn.
+    address: of the struct in C.
     """
 
-    def __init__(self, wide: Wide, metrics: Array) -> None:
+    def __init__(
+        self, wide: Wide, metrics: Array, faces: Sequence[Any] = (), only: int = 3
+    ) -> None:
         nodes = wide.y.shape[1]
         self.x, self.v = zeros((2, 3, nodes))
         self.x[:] = wide.y
-        self.volume, self.of_faces = np.zeros(metrics.shape[1]), np.zeros((9, metrics.shape[1]))
+        self.volume, self.turning = np.zeros(metrics.shape[1]), np.zeros((9, metrics.shape[1]))
         slots, steps = 2 * len(wide.S[2]) - 1, np.cumprod((1, *wide.sizes[:-1]))
-        q = np.zeros((9, slots * steps[2]))
         bands = zip(wide.S, wide.weight, steps, strict=True)
         pairs_of_axes = [_pairs(*band) for band in bands]
         memory = {
             "moved": np.zeros((3, nodes)),
             "other": np.zeros((3, metrics.shape[1])),
             "rows": np.zeros((9, wide.sizes[0])),
+            "faces": np.array(faces, np.int64),
+            "metrics": metrics,
+            "q": np.zeros((9, slots * steps[2])),
         }
-        self._kept = pairs_of_axes, q, metrics, memory
+        self._kept = pairs_of_axes, memory
         ranges = list(zip(wide.where, wide.wide, strict=True))
         self._struct = _Cube(
             pairs=(_POINTER * 3)(*(of_axis.ctypes.data for of_axis in pairs_of_axes)),
@@ -73,21 +78,14 @@ class Cube:
             end=(_NUMBER * 3)(*(end - wide_begin for (_, end), (wide_begin, _) in ranges)),
             inner=(_NUMBER * 2)(*Band(wide.S[0], wide.weight[0]).interior(wide.order // 2)),
             P=(ctypes.c_double * 9)(*wide.P.ravel()),
-            **{name: getattr(self, name).ctypes.data for name in ("x", "v", "volume", "of_faces")},
+            **{name: getattr(self, name).ctypes.data for name in ("x", "v", "volume", "turning")},
             **{name: array.ctypes.data for name, array in memory.items()},
-            q=q.ctypes.data,
-            metrics=metrics.ctypes.data,
             N=metrics.shape[1],
+            count=len(faces),
             slots=slots,
+            only=only,
         )
         self.address = ctypes.addressof(self._struct)
-
-    def name_faces(self, faces: Iterable[tuple[int, int]]) -> None:
-        """Let cube_faces and cube_turn take these faces: (axis i, index along it) each; of these
-        they find a^i alone.
-        """
-        self._faces = np.array([*faces], np.int64).reshape(-1, 2)
-        self._struct.faces, self._struct.count = self._faces.ctypes.data, len(self._faces)
 
 
 def _pairs(S: Array, weight: Array, step: int) -> Array:

@@ -6,7 +6,6 @@ moves is a record for procedures (fsipetsc.kernels.procedure), one for each numb
 one around an axis or a centre; all have the methods of a LineMotion.
 """
 
-from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,12 +20,12 @@ from fsipetsc.blocks.radial_grid import radial_motion
 from fsipetsc.checks import Array
 from fsipetsc.kernels.loops import each, invoke
 from fsipetsc.kernels.memory import zeros
-from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.kernels.symbols import exact
 
 
 class LineMotion(NamedTuple):
-    """A grid in one dimension; low, high: (N,) weights of the ends. hull: fsipetsc.blocks.hull.
+    """A grid in one dimension; low, high: (N,) weights of the ends. slope: (N,) D X. hull:
+    fsipetsc.blocks.hull.
 
     known: (M, 2d) displacements [m] and velocities [m/s] of the given nodes. metrics: (d d + d, N),
     a^1 … a^d and the velocity of the grid.
@@ -35,14 +34,15 @@ class LineMotion(NamedTuple):
     hull: Any
     low: Array
     high: Array
+    slope: Array
 
     def move(self, known, metrics):
-        """Fill what constraints at faces take of where the grid is: a^k, which is 1."""
+        """Find where the grid is, and fill a^k, which is 1."""
         self.hull.fill(self.hull.moved, known, 0)
         metrics[0, :] = 1.0
 
     def swing(self, known, metrics):
-        """Fill what they take of how it moves, after `move`: its velocity."""
+        """Fill the velocity, after `move`."""
         self.hull.fill(self.hull.moving, known, 1)
         at_low, at_high = self.hull.ends(self.hull.moving)
         for i in each(self.low.shape[0], vector=True):
@@ -58,19 +58,20 @@ class LineMotion(NamedTuple):
         for i in each(self.low.shape[0], vector=True):
             places[0, i] = X[0, i] + self.between(i, *ends)
 
-    def jacobian(self, metrics, N, node, reference):
-        """det(D x) of a node, after `find_volumes`; metrics: flat; reference: that of the reference
-        map.
-        """
+    def find_volumes(self):
+        """Find what ``jacobian`` takes beside the metrics."""
+
+    def jacobian(self, metrics, node):
+        """det(D x) of a node, after `move` and `find_volumes`."""
         at_low, at_high = self.hull.ends(self.hull.moved)
-        return reference + (at_high - at_low)
+        return self.slope[node] + (at_high - at_low)
 
 
 class CubeMotion(NamedTuple):
     """A grid in three dimensions. blend: on the W wide nodes; y: (3, W), of a Wide; inner: (N,) of
     the range among the wide nodes. x, v: (3, W) places less those of linear maps, velocities,
-    volume: (N,) det D x, of_faces: (9, N) a^k on faces that were named, then how they change in
-    time, all of a Cube with this address.
+    volume: (N,) det D x, turning: (9, N) how a^k changes in time on faces at constraints, all of a
+    Cube with this address.
     """
 
     hull: Any
@@ -80,144 +81,61 @@ class CubeMotion(NamedTuple):
     x: Array
     v: Array
     volume: Array
-    of_faces: Array
+    turning: Array
     address: int
 
     def move(self, known, metrics):
-        """Find where nodes are, and a^k on faces."""
         self.hull.fill(self.hull.moved, known, 0)
         self.blend.fill(self.hull.moved, self.x, self.y)
-        invoke("cube_faces", self.address)
+        invoke("cube_move", self.address)
 
     def swing(self, known, metrics):
-        """Find the velocities of nodes."""
         self.hull.fill(self.hull.moving, known, 3)
         self.blend.fill(self.hull.moving, self.v)
+        for c in range(3):
+            for i in each(self.inner.size, vector=True):
+                metrics[9 + c, i] = self.v[c, self.inner[i]]
 
     def turn(self):
-        """Let of_faces be how a^k changes, after `swing`."""
+        """Find turning, after `swing`."""
         invoke("cube_turn", self.address)
 
     def find_places(self, X, places):
-        """Find where the nodes are."""
         for c in range(3):
             for i in each(self.inner.size, vector=True):
                 n = self.inner[i]
                 places[c, i] = X[c, i] + (self.x[c, n] - self.y[c, n])
 
-    def jacobian(self, metrics, N, node, reference):
-        """det(D x) of a node, after `find_volumes`."""
+    def find_volumes(self):
+        invoke("cube_volumes", self.address)
+
+    def jacobian(self, metrics, node):
         return self.volume[node]
 
 
-def finish(grid):
-    """After `swing`, find metrics that it leaves out: in three dimensions a^k in curl form and the
-    velocity of the grid, the most work, which is done when no rank waits for it.
-    """
-    if isinstance(grid, CubeMotion):
-        invoke("cube_move", grid.address)
-
-
-def find_volumes(grid):
-    """After `move`, find what ``jacobian`` takes beside the metrics."""
-    if isinstance(grid, CubeMotion):
-        invoke("cube_volumes", grid.address)
-
-
-class Known(NamedTuple):
-    """What a GridMotion gives to its procedures. known: (M, 2d) as LineMotion has it; X, places:
-    (d, N); reference, J: (N,) det(D X) and det(D x).
-    """
-
-    grid: Any
-    known: Array
-    metrics: Array
-    X: Array
-    places: Array
-    reference: Array
-    J: Array
-
-
-def move(of):
-    """Areas of the grid where it is now."""
-    of.grid.move(of.known, of.metrics)
-    finish(of.grid)
-
-
-def find_places(of):
-    """Find where the nodes are."""
-    of.grid.find_places(of.X, of.places)
-
-
-def find_jacobian(of):
-    """Find det(D x) of the nodes."""
-    metrics = of.metrics.reshape(-1)
-    find_volumes(of.grid)
-    for i in each(of.J.size, vector=True):
-        of.J[i] = of.grid.jacobian(metrics, of.J.size, i, of.reference[i])
-
-
-class GridMotion:
-    """Positions and metrics of a range of nodes of gas block k (of a rank: the ghosted).
+def motion_of(
+    problem: BlockProblem, k: int, order: int, where: Range, nodes: Array, faces: Any
+) -> tuple[Any, Array, Any]:
+    """The motion of a range of nodes of gas block k (of a rank: the ghosted), its metrics, and what
+    it keeps in memory.
 
     nodes: numbers (M,) of those nodes on faces of the whole block whose displacement and velocity
-    will be given, in any order. record: for procedures, see LineMotion. metrics: as there. Before
-    the grid moves, what ``procedures`` records must be loaded.
+    will be given, in any order. faces: of the range, (axis, index along it), whose turning is
+    wanted in three dimensions.
     """
-
-    def __init__(
-        self, problem: BlockProblem, k: int, order: int, where: Range, nodes: Array
-    ) -> None:
-        block, d = problem.blocks[k], problem.dimension
-        X, wide = problem.positions(k, where), Wide(problem, k, order, where)
-        around, hull = problem.symmetry > 0, hull_of(block, nodes, problem.centred(k))
-        reference = np.zeros(X.shape[1])
-        self.metrics = zeros((d * d + d + around, X.shape[1]))
-        self.record: Any
-        if around:
-            self.record = radial_motion(problem, k, wide, hull)
-        elif d == 1:
-            reference[:] = wide.gradients()[0, 0]
-            self.record = LineMotion(hull, *end_weights(block, 0, np.arange(*where[0]))[:, 0])
-        elif d == 2:
-            self.record = plane_motion(block, wide, hull)
-        else:
-            self._cube = cube = Cube(wide, self.metrics)
-            of_cube = cube.x, cube.v, cube.volume, cube.of_faces, cube.address
-            blend, inner = blend_of(block, wide, hull.nodes), np.arange(wide.y.shape[1])
-            self.record = CubeMotion(hull, blend, wide.inner(inner), wide.y, *of_cube)
-        known, J = np.zeros((len(nodes), 2 * d)), np.zeros(X.shape[1])
-        X = np.ascontiguousarray(X)
-        self._known = Known(self.record, known, self.metrics, X, X.copy(), reference, J)
-        self._calls = dict[Any, Procedure]()
-
-    def procedures(self, code: Code) -> None:
-        """Record what ``move``, ``positions`` and ``jacobian`` call; in three dimensions the text
-        of the code must have fsipetsc/blocks/cube.c.
-        """
-        for function in (move, find_places, find_jacobian):
-            self._calls[function] = code.procedure(
-                f"grid_{function.__name__}", function, self._known
-            )
-
-    def move(self, displacement: Array) -> None:
-        """Fill a^1 … a^d from the displacement (M, d) [m] of the given nodes."""
-        known = self._known.known
-        known[:, : known.shape[1] // 2] = displacement
-        self._calls[move]()
-
-    def name_faces(self, faces: Iterable[tuple[int, int]]) -> None:
-        """Which faces of the range the record's ``turn`` takes, in three dimensions: (axis, index
-        along it) each.
-        """
-        self._cube.name_faces(faces)
-
-    def positions(self) -> Array:
-        """x (d, N) [m] after the last `move`."""
-        self._calls[find_places]()
-        return self._known.places.copy()
-
-    def jacobian(self) -> Array:
-        """det(D x) (N,) after the last `move`; around an axis or a centre as in radial_grid."""
-        self._calls[find_jacobian]()
-        return self._known.J.copy()
+    block, d = problem.blocks[k], problem.dimension
+    wide, hull = Wide(problem, k, order, where), hull_of(block, nodes, problem.centred(k))
+    N = wide.inner(wide.y).shape[1]
+    metrics = zeros((d * d + d + (problem.symmetry > 0), N))
+    if problem.symmetry:
+        return radial_motion(problem, k, wide, hull), metrics, None
+    if d == 1:
+        weights = end_weights(block, 0, np.arange(*where[0]))[:, 0]
+        slope = np.ascontiguousarray(wide.gradients()[0, 0])
+        return LineMotion(hull, *weights, slope), metrics, None
+    if d == 2:
+        return plane_motion(block, wide, hull), metrics, None
+    cube, inner = Cube(wide, metrics, faces), wide.inner(np.arange(wide.y.shape[1]))
+    of_cube = cube.x, cube.v, cube.volume, cube.turning, cube.address
+    blend = blend_of(block, wide, hull.nodes)
+    return CubeMotion(hull, blend, inner, wide.y, *of_cube), metrics, cube

@@ -86,9 +86,12 @@ class PlaneMotion(NamedTuple):
             for i in each(X.shape[1], vector=True):
                 places[c, i] += X[c, i]
 
-    def jacobian(self, metrics, N, node, reference):
-        """det(D x): the metrics are D x."""
-        x, y, z, t = (metrics[node + k * N] for k in range(4))
+    def find_volumes(self):
+        """D x is in the metrics."""
+
+    def jacobian(self, metrics, node):
+        """det(D x) of a node."""
+        x, y, z, t = (metrics[k, node] for k in range(4))
         return exact(x * t - y * z)
 
 

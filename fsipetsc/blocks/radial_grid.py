@@ -120,7 +120,10 @@ class RadialMotion(NamedTuple):
                 n = self.inner[i]
                 places[c, i] = X[c, i] + (self.x[c, n] - self.y[c, n])
 
-    def jacobian(self, metrics, N, node, reference):
+    def find_volumes(self):
+        """`move` has found them."""
+
+    def jacobian(self, metrics, node):
         """J of the grid at a node."""
         return self.volume[node]
 

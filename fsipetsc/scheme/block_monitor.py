@@ -61,9 +61,9 @@ def measured(part, q, metrics, own, n):
     """
     gas, d, mass = part.laws, len(part.like), part.masses[own]
     here = node((0.0,) * (d + 3), q, own)
-    w, of_map, N = gas.primitive(here), part.reference[own], part.metrics.shape[1]
+    w, of_map = gas.primitive(here), part.reference[own]
     convection, diffusion = bounds(gas, w, 1.0 / here[0], metrics, part.per_h, n)
-    J = part.grid.jacobian(part.metrics.reshape(-1), N, n, of_map)
+    J = part.grid.jacobian(part.metrics, n)
     positive = np.minimum(np.minimum(w[0], w[2]), here[0]) > 0.0
     apart = abs(here[0] - J) / abs(J)
     known = (convection < np.inf) & (diffusion < np.inf) & (apart < np.inf)  # so are the places

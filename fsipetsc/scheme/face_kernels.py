@@ -65,8 +65,8 @@ class Turned(NamedTuple):
     with derivatives within the face only, and the bits that a gas there has.
 
     address: of its fsipetsc.blocks.cube.Cube, with x: (3, W) places less those of linear maps, y:
-    (3, W) these at rest, at: (W,) the nodes, and areas: (9, n), of which rows from ``row`` on are
-    wanted. sign: of the outward normal. begin, nodes: which nodes of the faces it has, perhaps none
+    (3, W) these at rest, at: (W,) the nodes, and areas: (12, n), of which rows from ``row`` on are
+    filled. sign: of the outward normal. begin, nodes: which nodes of the faces it has, perhaps none
     on this rank.
     """
 
@@ -87,7 +87,7 @@ def turn_face(face, q, normal):
         for i in each(face.at.shape[0]):
             for c in range(3):
                 face.x[c, i] = face.y[c, i] + q[face.at[i], c]
-        invoke("cube_faces", face.address)
+        invoke("cube_move", face.address)
         for i in each(face.nodes):
             for c in range(3):
                 normal[face.begin + i, c] = face.sign * face.areas[face.row + c, i]

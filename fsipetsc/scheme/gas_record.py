@@ -4,7 +4,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.blocks import grid
 from fsipetsc.equations.vectors import dot
 from fsipetsc.kernels.arrays import column_of
 from fsipetsc.kernels.loops import each, invoke, variable
@@ -12,7 +11,7 @@ from fsipetsc.kernels.memory import Array
 from fsipetsc.scheme.block_monitor import gas_monitor
 from fsipetsc.scheme.face_kernels import moving
 from fsipetsc.scheme.normals import add_areas
-from fsipetsc.scheme.part import ghosted, note, owned
+from fsipetsc.scheme.part import ghosted, ghosted_node, note, owned
 
 
 class Ends(NamedTuple):
@@ -38,12 +37,12 @@ class GasRecord(NamedTuple):
     + 3, N), its nodes with a halo, or (d + 3, 0) without. S, weight: of three bands. masses: (M,)
     weights of its own nodes.
 
-    known: (m, 2d) displacements and velocities by which its grid moves, None where it rests;
+    known: (m, 2d) displacements and velocities by which its grid moves, if it moves;
     follows: (n,) particles here that have them, rows: (n,) where; grid: see fsipetsc.blocks.grid.
-    at_particles: faces at constraints, see fsipetsc.scheme.normals. reference: (M,) J of the
-    reference map. forcing: (d + 2, M), or None. column: of its mass in what comes in; columns: of
-    its sums in the record of a step, level: of the potential energy. axis: fsipetsc.scheme.radial;
-    signs: of images, see fsipetsc.parallel.block_layout.
+    at_particles: faces at constraints, see fsipetsc.scheme.normals. reference, J: (M,) J of the
+    reference map, and of the grid, by `find_volumes`. forcing: (d + 2, M), or None. column: of its
+    mass in what comes in; columns: of its sums in the record of a step, level: of the potential
+    energy. axis: fsipetsc.scheme.radial; signs: of images, see fsipetsc.parallel.block_layout.
     """
 
     of_volume: int
@@ -71,11 +70,13 @@ class GasRecord(NamedTuple):
     masses: Array
     follows: Array
     rows: Array
-    known: Array | None
+    known: Array
+    moves: bool
     ends: Ends
     grid: Any
     at_particles: Any
     reference: Array
+    J: Array
     forcing: Array | None
     seen: Array
     sums: Array
@@ -95,27 +96,25 @@ def follow(part, particles):
             known[row, d + c] = np.where(alone, wall[n, c], state.v[n, c])
 
 
+def begin_grid(part):
+    """Find a^k of a grid before it moves."""
+    part.grid.move(part.known, part.metrics)
+
+
 def move(part):
-    """Where the grid is now, and a^k of its faces."""
+    """Find where the grid is now, and a^k."""
     part.grid.move(part.known, part.metrics)
     part.form.force.follow(part)
 
 
 def normals(part, particles):
     """Add area vectors of faces to the table of members at constraints."""
-    cube = isinstance(part.grid, grid.CubeMotion) and part.known is not None
-    areas = part.grid.of_faces if cube else part.metrics
-    add_areas(part.at_particles, len(part.like), areas, particles.of_normals)
+    add_areas(part.at_particles, len(part.like), part.metrics, particles.of_normals)
 
 
 def swing(part):
     """Find the velocity of the grid."""
     part.grid.swing(part.known, part.metrics)
-
-
-def finish(part):
-    """Find the metrics that rates take."""
-    grid.finish(part.grid)
 
 
 def turn(part, particles):
@@ -130,7 +129,7 @@ def rates(part, gain, y, f):
     d = len(part.like)
     q, own = ghosted(part, y, d + 3), owned(part, f, d + 3)
     invoke("gas_sweep", part.of_volume, owned(part, y, d + 3), q, own)
-    if part.known is not None:
+    if part.moves:
         add_ends(part, own)
     part.axis.add(part, q, own, gain)
     part.dissipation.add(part, q, own, gain)
@@ -164,11 +163,23 @@ def supply(part, q, rates, gain):
     gain.energy[-1] += energy
 
 
+def find_places(part):
+    """Find where the nodes are."""
+    part.grid.find_places(part.X, part.places)
+
+
+def find_volumes(part):
+    """Find J of the grid at the owned nodes."""
+    part.grid.find_volumes()
+    for i in each(part.J.shape[0]):
+        part.J[i] = part.grid.jacobian(part.metrics, ghosted_node(i, part.patch))
+
+
 def monitor(part, found, y):
     """Note extremes and sums of a part: see fsipetsc.scheme.block_monitor."""
-    if part.known is not None:
-        part.grid.find_places(part.X, part.places)
-        grid.find_volumes(part.grid)
+    if part.moves:
+        find_places(part)
+        part.grid.find_volumes()
     q = owned(part, y, len(part.like) + 3)
     gas_monitor(part, q, part.axis.bounds(part.metrics))
     note(part, found)

@@ -73,7 +73,7 @@ def turn_plane(part, table):
     """Add to a table how area vectors turn on a flat plane; in one dimension they do not."""
     faces, like, of_axes = part.at_particles, part.like, (part.S, part.weight, part.patch)
     d, velocity = len(like), Columns(part.metrics, len(like) ** 2)
-    if d != 2 or part.known is None:
+    if d != 2 or not part.moves:
         return
     for i in each(faces.row.shape[0]):
         slope = slope_at(like, faces.node[i], 1 - faces.axis[i], *of_axes, velocity)

@@ -27,9 +27,9 @@ class Straight(Nothing):
 
     def turn(self, part, table):
         """Add how area vectors at constraints turn; in one dimension they do not."""
-        if len(part.like) == 3 and part.known is not None:
+        if len(part.like) == 3 and part.moves:
             part.grid.turn()
-            add_areas(part.at_particles, 3, part.grid.of_faces, table)
+            add_areas(part.at_particles, 3, part.grid.turning, table)
         turn_plane(part, table)
 
     def bounds(self, metrics):
