@@ -8,7 +8,7 @@ from typing import Any
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.cases import case_of, load_case
 from fsipetsc.errors import InputError
-from fsipetsc.options import table
+from fsipetsc.options import defaults
 from fsipetsc.output.reader import Run, open_run
 from fsipetsc.problem import Problem
 from fsipetsc.process.launch import left_as_found, start_mpi, start_petsc
@@ -60,7 +60,7 @@ def _solve(case: Any, comm: Comm, options: Mapping[str, Any]) -> str:
 
     def words() -> Iterable[str]:
         """Yield the options as on the command line. InputError for an unknown name."""
-        known = table(loaded)
+        known = {name.lower() for name in defaults(loaded)}
         for name, value in {"quiet": True, **options}.items():
             names = name, f"fsi_{name}", f"ts_{name}"  # the beginning may be left out
             full = [found for found in names if found.lower() in known]

@@ -10,8 +10,7 @@ from typing import Any, NamedTuple
 from fsipetsc import __version__
 from fsipetsc.cases import load_case, summaries
 from fsipetsc.errors import InputError
-from fsipetsc.options import PROGRAM, REQUIRED, Option, groups, is_option
-from fsipetsc.options.all_options import INT_MAX, PASSED_ON
+from fsipetsc.options import INT_MAX, PASSED_ON, PROGRAM, REQUIRED, Option, groups, is_option
 from fsipetsc.process.launch import left_as_found, start_mpi, start_petsc
 from fsipetsc.process.program import abandon_output, launcher_rank
 from fsipetsc.process.together import end_together, together

@@ -12,7 +12,7 @@ import numpy as np
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.values import block_values, checked, names_of
 from fsipetsc.errors import InputError
-from fsipetsc.options import floats
+from fsipetsc.options import Option
 from fsipetsc.scheme.observables import (
     EXTREME,
     GAIN,
@@ -189,7 +189,8 @@ class Probe:
 def chosen(problem: BlockProblem, probes: str | None) -> list[Probe]:
     """The nodes nearest to the places that "X,Y;X,Y" names. InputError for places outside."""
     d, pieces = problem.dimension, probes.split(";") if probes else ()
-    places = [np.array(floats(piece, "fsi_probes", "m")) for piece in pieces]
+    probe = Option("fsi_probes", "floats", None, "m", "")
+    places = [np.array(probe.parse(piece)) for piece in pieces]
     if any(place.size != d for place in places):
         wanted = ",".join("XYZ"[:d])
         raise InputError(f"-fsi_probes {probes}: expected {wanted}, and ; between several")

@@ -7,8 +7,7 @@ from contextlib import contextmanager
 from itertools import pairwise
 
 from fsipetsc.errors import InputError
-from fsipetsc.options import given_options, is_option, present, put
-from fsipetsc.options.all_options import AT_START
+from fsipetsc.options import AT_START, given_options, is_option, present, put
 from fsipetsc.process.together import Comm, together
 
 

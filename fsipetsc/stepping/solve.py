@@ -11,7 +11,6 @@ from fsipetsc.blockrun.saved import chosen
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError, call, place_of
-from fsipetsc.options import InForce
 from fsipetsc.paper.paper_state import PaperState
 from fsipetsc.problem import Problem, blocks_of_line
 from fsipetsc.process import libraries
@@ -26,7 +25,7 @@ def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem 
     """
 
     def build() -> Problem | BlockProblem:
-        problem = call(case.build, (InForce(opt),), "build")
+        problem = call(case.build, (opt,), "build")
         if isinstance(problem, BlockProblem):
             return problem
         if not isinstance(problem, Problem):

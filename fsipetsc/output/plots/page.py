@@ -14,7 +14,7 @@ import numpy as np
 
 from fsipetsc.checks import Array, counted
 from fsipetsc.errors import InputError
-from fsipetsc.options import Option, floats
+from fsipetsc.options import Option
 from fsipetsc.output.file_layout import columns_of, writing
 from fsipetsc.output.plots import fields, style
 from fsipetsc.output.plots.style import USUAL, Figure, FigureBase, Wanted
@@ -29,6 +29,7 @@ PANELS, MAPS = 2.8, 4.4  # inches, heights of a row of curves, of maps over x an
 FILM_DPI, MOST_FRAMES, FILM_SECONDS = 100, 200, 10.0
 LEAST_FRAMES = 5  # of fewer, profiles say more than maps over x and t
 CONTOURS = Option("contours", int, 0, "", "lines on each map", check="nonnegative")
+TIMES, PROBE = Option("times", "floats", (), "s", ""), Option("probes", "floats", (), "m", "")
 PICTURES = (".png", ".pdf", ".svg", ".jpg")
 INTERFACE_POINTS = (0.25, 0.5, 0.75)  # of an interface, whose deflection is drawn as a curve
 DEPARTURE = "relative departure"
@@ -49,10 +50,10 @@ def plot(path: str, given: Mapping[str, str]) -> str:
     names, probes = (given.get(name, "") for name in ("-fields", "-probes"))
     wanted = Wanted(
         fields=[name.strip() for name in names.split(",") if names],
-        times=floats(given["-times"], "times", "s") if "-times" in given else (),
+        times=TIMES.parse(given["-times"]) if "-times" in given else (),
         contours=int(CONTOURS.parse(given.get("-contours", "0"))),
         streamlines="-streamlines" in given,
-        probes=[floats(place, "probes", "m") for place in probes.split(";") if probes],
+        probes=[PROBE.parse(place) for place in probes.split(";") if probes],
     )
     where, every, film = Path(given.get("-o", os.curdir)), "-all" in given, "-animate" in given
     films = (".gif", ".mp4") if FFMpegWriter.isAvailable() else (".gif",)

@@ -1,0 +1,400 @@
+"""The table of options: -help, checking, the options stored with a result and the docs use it.
+
+PETSc reads the command line, PETSC_OPTIONS and options files into its database. What it then holds
+is checked here, once. The rest of the program gets typed values, PETSc those that it is to follow.
+"""
+
+import os
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from itertools import pairwise, permutations
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from fsipetsc.errors import FileError, InputError, call, petsc_words
+
+#: how the program is called, in examples that can be copied
+PROGRAM = "python -m fsipetsc"
+REQUIRED = ...
+"""Default of an option that the case or the user must give."""
+INT_MAX = 2**31 - 1
+_BOOLS = dict.fromkeys(("", "true", "yes", "1", "on"), True)
+_BOOLS |= dict.fromkeys(("false", "no", "0", "off"), False)
+#: kind -> what is expected, in a message
+_KINDS = {
+    "int": "a whole number",
+    "float": "a number",
+    "str": "a text",
+    "bool": "true or false, or no value for true",
+    "ints": "whole numbers with commas and no spaces between them",
+    "floats": "numbers with commas and no spaces between them",
+}
+#: check -> what is expected of a number
+_BOUNDS = {"positive": " above 0", "nonnegative": " not below 0"}
+
+
+@dataclass(frozen=True)
+class Option:
+    """One option of a case or of the program.
+
+    Args:
+        name: name without the dash, as in "solid_kappa".
+        kind: int, float, str, bool, "ints" or "floats"; the last two are lists with commas.
+        default: a value, None (not set) or `REQUIRED`.
+        unit: as in "kg/m3"; "" or "-" if there is none.
+        help: one line that `-help` prints.
+        choices: the only values that are allowed.
+        check: "positive", "nonnegative", or a function of the value that returns None or True if it
+            is fine, else what is expected, as in "a number below 1", or False.
+    """
+
+    name: str
+    kind: type | str
+    default: Any
+    unit: str
+    help: str
+    choices: tuple[Any, ...] | None = None
+    check: str | Callable[[Any], str | bool | None] | None = None
+
+    def __post_init__(self) -> None:
+        kind = self.kind.__name__ if isinstance(self.kind, type) else self.kind
+        if kind not in _KINDS:
+            raise TypeError(f"option {self.name!r}: expected a kind of {', '.join(_KINDS)}")
+        object.__setattr__(self, "kind", kind)
+        object.__setattr__(self, "unit", "" if self.unit == "-" else self.unit)
+
+    def parse(self, text: str) -> Any:
+        """Return the value that a text stands for. InputError."""
+        if text == "" and self.kind != "bool":
+            raise InputError(f"-{self.name} needs a value: {self._expected()}")
+        return self.checked(text.strip(), f"bad value {text[:80]!r} for -{self.name}")
+
+    def checked(self, value: Any, said: str) -> Any:
+        """Return a value as this option's type. InputError that begins with ``said``."""
+        try:
+            found = _typed(str(self.kind), value)
+        except (ValueError, TypeError, OverflowError, KeyError):
+            raise InputError(f"{said}: expected {self._expected()}") from None
+        least = min(found, default=1) if isinstance(found, tuple) else found
+        if self.choices is not None:
+            good: Any = found in self.choices
+        elif callable(self.check):
+            good = call(self.check, (found,), f"check of -{self.name}")
+        else:
+            good = not self.check or least > 0 or (self.check == "nonnegative" and least == 0)
+        if good not in (None, True):
+            wanted = "a value within its range" if callable(self.check) else self._expected()
+            raise InputError(f"{said}: expected {good if isinstance(good, str) else wanted}")
+        return found
+
+    def _expected(self) -> str:
+        """What is valid, as the end of a sentence."""
+        if self.choices is not None:
+            return "one of " + ", ".join(map(str, self.choices))
+        unit = f" [{self.unit}]" if self.unit else ""
+        return _KINDS[str(self.kind)] + _BOUNDS.get(str(self.check), "") + unit
+
+
+def _typed(kind: str, value: Any) -> Any:
+    """A text or a Python value as one of a kind; one of Python's errors if it is none."""
+    if kind in ("ints", "floats"):
+        items = value.split(",") if isinstance(value, str) else value
+        return tuple(_typed(kind[:-1], item) for item in items)
+    if kind == "str" and value is not None:
+        return str(value)
+    of = {"bool": bool, "int": int, "float": float}[kind]
+    if isinstance(value, str):
+        if "_" in value:  # Python would skip it in a number
+            raise ValueError
+        value = _BOOLS[value.strip().lower()] if of is bool else of(value)
+    if (of is bool) != isinstance(value, bool) or not isfinite(value):
+        raise ValueError
+    if of is int and (int(value) != value or abs(value) > INT_MAX):
+        raise ValueError
+    return of(value)
+
+
+# the table
+
+
+def above_one(value: float) -> str | None:
+    """Check a ratio of specific heats or a Mach number."""
+    return None if value > 1 else "a number above 1"
+
+
+def _increasing(times: Sequence[float]) -> str | None:
+    rising = all(a < b for a, b in pairwise(times)) and min(times, default=0) >= 0
+    return None if rising else "times that are not negative and increase"
+
+
+def _file_name(name: str) -> str | None:
+    return None if Path(name).name and "\0" not in name else "the name of a file"
+
+
+DISCRETISATION = (
+    Option("fsi_order", int, 4, "", "interior order of the SBP operators", (2, 4, 6, 8)),
+    Option("fsi_h", float, REQUIRED, "m",
+        "grid spacing; interfaces and ends of panels must fall on grid points", check="positive"),
+    Option("fsi_cfl", float, 0.8, "", "Courant number of the time step; -ts_dt replaces it",
+        check="positive"),
+    Option("fsi_coupling", str, "conservative", "",
+        "coupling of gas and solid; all but conservative: the paper's method, in 1-D",
+        ("projection", "energy", "traditional", "conservative")),
+    Option("fsi_mapping", str, "auto", "",
+        "grids of gases: rigid with the paper's couplings, stretched with conservative; "
+        "auto: what the coupling needs", ("auto", "rigid", "stretched")),
+    Option("fsi_viscous", str, "wide", "",
+        "second derivatives: D twice, or, with the paper's couplings, a narrow stencil",
+        ("wide", "narrow")),
+    Option("fsi_convection", str, "auto", "",
+        "form of convection; entropy: a flux that conserves it; auto: that for perfect and "
+        "stiffened gases, divergence for laws of your own and in the paper's method",
+        ("auto", "divergence", "entropy")),
+    Option("fsi_dissipation", float, 0.0, "",
+        "dissipation, times its usual size; 0: 1 where blocks are joined, else none; -1: none",
+        check=lambda size: -1 <= size <= 3 or "a number from -1 to 3"),
+    Option("fsi_shock", float, 0.0, "",
+        "dissipation where a sensor sees a shock, times its usual size; 0: none",
+        check="nonnegative"),
+)  # fmt: skip
+OUTPUT = (
+    Option("fsi_output", str, None, "",
+        "result file (HDF5); an earlier result is never destroyed silently", check=_file_name),
+    Option("fsi_output_dt", float, None, "s", "interval at which profiles are saved",
+        check="positive"),
+    Option("fsi_output_times", "floats", None, "s", "times at which profiles are saved: t0,t1,…",
+        check=_increasing),
+    Option("fsi_probes", str, None, "m",
+        "of blocks: places whose nearest nodes are recorded at each step: X,Y;X,Y;…"),
+)  # fmt: skip
+CHECKPOINTS = (
+    Option("fsi_checkpoint", str, None, "",
+        "file of checkpoints; NAME.checkpoint.h5 beside the result NAME.h5 if not given"),
+    Option("fsi_checkpoint_steps", int, None, "steps", "steps from one checkpoint to the next",
+        check="positive"),
+    Option("fsi_checkpoint_wall", float, None, "s", "wall time from one checkpoint to the next",
+        check="positive"),
+    Option("fsi_restart", str, None, "",
+        "go on from a checkpoint; auto: from the run's own, if there is one"),
+)  # fmt: skip
+RUN = (
+    Option("fsi_check", float, None, "",
+        "stop if mass, momentum, energy or entropy departs from its law by this fraction; "
+        "without a value: check the case, and do not run it", check="positive"),
+    Option("fsi_partition", str, "auto", "", "which ranks own which layers",
+        ("auto", "physics", "balanced")),
+    Option("fsi_norm", str, "L2", "",
+        "norm of the errors against an exact solution; L1 where it jumps", ("L1", "L2")),
+    Option("fsi_quiet", bool, False, "", "print nothing but errors"),
+    Option("fsi_progress", bool, False, "",
+        "print progress from 2 s on, not 10 s, if the output is not a terminal"),
+    Option("fsi_debug", bool, False, "", "keep the C text of the kernels, and print where it is"),
+)  # fmt: skip
+#: those that belong to one run of the program, not to what is computed: no checkpoint has them
+OF_A_RUN = {"fsi_quiet", "fsi_progress", "fsi_debug", "fsi_restart"}
+COMMON: tuple[Option, ...] = DISCRETISATION + OUTPUT + CHECKPOINTS + RUN
+
+#: PETSc's options for which this program has defaults of its own, or which it must know
+PETSC_OPTIONS: tuple[Option, ...] = (
+    Option("ts_max_time", float, REQUIRED, "s", "time at which the run ends", check="nonnegative"),
+    Option("ts_max_steps", int, INT_MAX, "", "number of steps after which the run ends",
+        check="nonnegative"),
+    Option("ts_dt", float, None, "s",
+        "fixed time step, instead of -fsi_cfl; -ts_time_step is the same", check="positive"),
+    Option("ts_type", str, "fused", "", "time integrator; fused: rk of type 4 in one piece",
+        ("fused", "rk", "ssp", "euler")),
+    Option("ts_rk_type", str, "4", "", "Runge–Kutta method",
+        ("1fe", "2a", "2b", "3", "3bs", "4", "5f", "5dp", "5bs", "6vr", "7vr", "8vr")),
+    Option("ts_adapt_type", str, "none", "", "steps have the length of -fsi_cfl or -ts_dt",
+        ("none",)),
+    Option("ts_ssp_type", str, "rks2", "", "method of ssp", ("rks2", "rks3", "rk104")),
+)  # fmt: skip
+#: other spellings: of another release of PETSc, or deprecated there
+ALIASES = {"ts_time_step": "ts_dt", "ts_final_time": "ts_max_time"}
+
+#: options that PETSc follows when it starts or ends -> meaning
+AT_START = {
+    "log_view": "print PETSc's log at the end: times of set-up, loop and output; :FILE writes it",
+    "memory_view": "print the memory that was used, at the end",
+    "info": "print what PETSc does",
+    "malloc_debug": "check the memory that PETSc allocates",
+    "malloc_dump": "list memory of PETSc's that was not freed, at the end",
+    "options_left": "list options that PETSc did not use, at the end",
+}
+#: options that PETSc's time integrator follows -> meaning
+IN_LOOP = {"ts_monitor": "print every step: number, dt, t"}
+IN_LOOP |= {"ts_view": "print PETSc's method when it ends; with -ts_type rk, ssp or euler"}
+#: all options that PETSc follows and no table of a case has -> meaning
+PASSED_ON = {
+    "options_file": "read options from a file, one '-name value' a line; FILE.yaml is YAML",
+    "options_file_yaml": "the same in YAML, whatever the file's name",
+    **IN_LOOP,
+    **AT_START,
+}
+#: beginnings of PETSc's names, which no option of a case may have
+PETSCS = ("ts_", "ksp_", "pc_", "snes_", "mat_", "vec_", "dm_", "log_", "malloc_", "options_")
+
+
+def groups(
+    case: Any, extra: Sequence[Option] = (), inherited: Mapping[str, Any] | None = None
+) -> dict[str, tuple[Option, ...]]:
+    """Return heading -> options of a case, their defaults those in force for it.
+
+    extra: options of a command. inherited: values of a checkpoint, which stand for the defaults.
+    InputError if the case's OPTIONS or DEFAULTS do not fit.
+    """
+    sections = {
+        f"Case {case.NAME}": tuple(case.OPTIONS),
+        "This command": tuple(extra),
+        "Discretisation": DISCRETISATION,
+        "Output": OUTPUT,
+        "Checkpoints": CHECKPOINTS,
+        "Run": RUN,
+        "Time integration (PETSc)": PETSC_OPTIONS,
+    }
+    known = [option.name for options in sections.values() for option in options]
+    taken = [name.lower() for name in (*known, *PASSED_ON, "help")]
+    for name in (option.name.lower() for option in case.OPTIONS):
+        if taken.count(name) > 1 or name.startswith(PETSCS):
+            raise InputError(f"case {case.NAME}: its option -{name} has the name of another one")
+    for name in case.DEFAULTS:
+        if name not in known:
+            hint = _nearest(str(name), known)
+            raise InputError(f"case {case.NAME}: DEFAULTS has {name!r}, which is no option{hint}")
+    values = {"fsi_output": f"{case.NAME}.h5", **case.DEFAULTS, **(inherited or {})}
+
+    def in_force(option: Option) -> Option:
+        value = values.get(option.name, option.default)
+        if value is not REQUIRED and (value, option.default) != (None, None):
+            said = f"case {case.NAME}: bad default {value!r} of -{option.name}"
+            value = option.checked(value, said)
+        return replace(option, default=value)
+
+    return {title: tuple(map(in_force, found)) for title, found in sections.items() if found}
+
+
+def defaults(case: Any) -> dict[str, Any]:
+    """Return name -> default in force for every option of a case; REQUIRED if it must be given."""
+    return {option.name: option.default for found in groups(case).values() for option in found}
+
+
+# what was given
+
+
+def is_option(word: str) -> bool:
+    """PETSc's rule: a dash, or two, and a letter. -10, -.5 and -inf are values."""
+    return re.match(r"--?(?!(inf|infinity|nan)$)[a-z]", word, re.IGNORECASE) is not None
+
+
+def given_options(words: Sequence[str]) -> dict[str, str]:
+    """Return name in lower case, as the tables have it, -> text of the options that were given, ""
+    without a value.
+
+    PETSc, which runs, reads PETSC_OPTIONS, the words of the command line, and the files that these
+    name; its database is empty afterwards. InputError, FileError for a file that cannot be read.
+    """
+    from petsc4py import PETSc
+
+    for before, word in pairwise(["", *words]):
+        if not is_option(word) and not is_option(before):
+            raise InputError(f"unexpected argument {word[:80]!r}: a value comes after its option")
+    put({})
+    try:
+        quoted = (word if is_option(word) else f'"{word}"' for word in words)
+        text = " ".join([*os.environ.get("PETSC_OPTIONS", "").split(), *quoted])
+        PETSc.Options().insertString(text)
+        given = {name.lower(): text for name, text in present().items()}
+    except PETSc.Error as error:
+        said = petsc_words(error).split(": ", 1)[-1].split("; ")[-1]
+        kind = FileError if said.startswith("Unable to open") else InputError
+        raise kind(f"options: {said}") from None
+    finally:
+        put({})
+    return {ALIASES.get(name, name): text for name, text in given.items() if name != "help"}
+
+
+def present() -> dict[str, str]:
+    """Return name -> text of all options in PETSc's database; "" if there is no value."""
+    from petsc4py import PETSc
+
+    database = PETSc.Options()
+    listed = database.getAll()  # may cut a text at a blank, as getString does after 1023 letters
+    return {k: max(listed[k] or "", database.getString(k, ""), key=len) for k in listed}
+
+
+def put(options: Mapping[str, str]) -> None:
+    """Make PETSc's database hold these options alone."""
+    from petsc4py import PETSc
+
+    database = PETSc.Options()
+    for name in database.getAll():
+        database.delValue(name)
+    for name, value in options.items():
+        database.setValue(name, value)
+
+
+def read_options(
+    case: Any,
+    given: Mapping[str, str],
+    extra: Sequence[Option] = (),
+    inherited: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
+    """Return name -> typed value of every option in force; PETSc, which runs, gets its own.
+
+    given: see ``given_options``; the others: see ``groups``. InputError for an unknown name, a
+    missing or bad value.
+    """
+    from petsc4py import PETSc
+
+    values = read_table(groups(case, extra, inherited), given)
+    for option, value in values.items():
+        if value is REQUIRED:
+            raise InputError(f"-{option} must be given: the case has no default for it")
+    for method in ("rk", "ssp"):  # who names one of PETSc's methods wants it, not the fused one
+        if f"ts_{method}_type" in given and "ts_type" not in given:
+            values["ts_type"] = method
+    # who names times does not want the interval that the case suggests, and the other way round
+    for this, instead in permutations(("fsi_output_times", "fsi_output_dt")):
+        if this in given and instead not in given:
+            values[instead] = None
+    told = {option.name: values[option.name] for option in PETSC_OPTIONS}
+    told |= {name: given.get(name) for name in IN_LOOP}
+    if PETSc.Sys.getVersion() >= (3, 25):
+        told["ts_time_step"] = told.pop("ts_dt")
+    for name, value in told.items():
+        if value is not None:
+            PETSc.Options().setValue(name, str(value))
+    return values
+
+
+def read_table(
+    sections: Mapping[str, Sequence[Option]], given: Mapping[str, str]
+) -> dict[str, Any]:
+    """Return name -> typed value of options of ``groups``. InputError for an unknown name or a bad
+    value.
+    """
+    options = {option.name: option for found in sections.values() for option in found}
+    known = [*options, *PASSED_ON]
+    unknown = sorted(given.keys() - {name.lower() for name in known})
+    if unknown:
+        listed = ", ".join(f"-{name}{_nearest(name, known)}" for name in unknown)
+        raise InputError(f"unknown option{'s' * (len(unknown) > 1)} {listed}")
+    return {
+        name: option.parse(given[name.lower()]) if name.lower() in given else option.default
+        for name, option in options.items()
+    }
+
+
+def _nearest(name: str, names: Iterable[str]) -> str:
+    """Return a hint in brackets for a name that is none of the names."""
+    if "=" in name:
+        return " (write '-name value', without =)"
+    spelt = {known.lower(): known for known in names}
+    petscs = name.lower().startswith(PETSCS)
+    best = get_close_matches(name.lower(), sorted(spelt), 1, 0.85 if petscs else 0.6)
+    if best:
+        return f" (did you mean -{spelt[best[0]]}?)"
+    return f" ({'it has no effect here; ' * petscs}-help lists the options there are)"
