@@ -1,7 +1,7 @@
 """What can stand at the outer ends of layers in one dimension.
 
 An end says which condition of a block it is, and what it gives to the paper's method
-(fsipetsc.paper.gas_ends), in which the moving grid of a gas reaches over an embedded boundary at a
+(fsipetsc.paper.ends), in which the moving grid of a gas reaches over an embedded boundary at a
 fixed position x to one ghost point outside.
 """
 

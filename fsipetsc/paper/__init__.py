@@ -8,8 +8,7 @@ and go. Where the paper has misprints the formulas are the corrected ones. From 
     stencils      the SBP first derivative on the points of a rank, narrow second derivatives
     rates         dy/dt of a layer, (4.19) and (4.20)
     coupling      what holds at an interface: projection, projection in energy, traditional
-    gas_ends      walls, open ends, given data
-    outer_ends    boundaries that move over the grid, ends of solids
+    ends          walls, open ends, given data; boundaries that move over the grid; ends of solids
     sums          what is monitored after a step: bounds on the step, integrals
     steps         the procedures of a stage and of what follows a step
     layout        what all ranks know of a layer: material, record, who owns which points

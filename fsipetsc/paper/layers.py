@@ -13,7 +13,6 @@ from fsipetsc.operators.bands import Patch
 from fsipetsc.paper import rates, steps
 from fsipetsc.paper.coupling import Face
 from fsipetsc.paper.layout import DOF, law_of
-from fsipetsc.paper.outer_ends import Ends
 from fsipetsc.paper.stencils import Stencils
 from fsipetsc.parallel.block_shares import Share
 from fsipetsc.parallel.exchange import Halo, Reach, halo_of
@@ -37,7 +36,7 @@ class Layer:
     def __init__(
         self,
         layer: Any,
-        ends: Ends,
+        ends: tuple[Any, ...],
         records: Array,
         share: Share,
         op: Stencils,

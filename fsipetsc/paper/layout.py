@@ -15,8 +15,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid, force_in
 from fsipetsc.materials.solid import Elastic, Solid
 from fsipetsc.operators.sbp import SBPOperator, row_length
-from fsipetsc.paper.gas_ends import NEW
-from fsipetsc.paper.outer_ends import ends_of
+from fsipetsc.paper.ends import OF_GAS, degree_of
 from fsipetsc.parallel.block_shares import Extent, Share, share_out
 from fsipetsc.problem import Problem
 from fsipetsc.state import State, loose
@@ -164,11 +163,11 @@ def make_records(problem: Problem, op: SBPOperator, h: float) -> Array:
         if fluid:
             # the ghost point is the first one at or beyond the boundary
             cells = int(np.ceil((layer.X[1] - layer.X[0]) / h - 1e-9))
-            degree = max(ends_of(problem, k, op.order).degree)
+            degree = degree_of(problem.left if k == 0 else problem.right, op.p)
             room = max(SPARE + max(1, cells // 8), cells // 3)
             # the treatment of the interface must not change the points of a boundary's formulas; a
             # new point takes one more than the degree of its extrapolation
-            nodes = max(degree, max(NEW.values()) + 1)
+            nodes = max(degree, *(end.new + 1 for end in OF_GAS.values()))
             least = max(op.min_points, nodes + 2, degree + 1 + row_length(op))
         else:
             room, least = 0, max(4, op.min_points)

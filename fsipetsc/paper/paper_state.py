@@ -40,7 +40,6 @@ from fsipetsc.paper.layout import (
     shares_of,
     used_up,
 )
-from fsipetsc.paper.outer_ends import ends_of
 from fsipetsc.paper.stencils import stencils
 from fsipetsc.parallel.exchange import Reduction, exchange_of, exchange_text
 from fsipetsc.problem import Problem, SolidLayer
@@ -115,10 +114,11 @@ class PaperState(State):
         of_steps = self._lay_results(int(sum(dof == DOF["fluid"])))
         self.layers = []
         for k, layer in enumerate(problem.layers):
+            ends = tuple(problem.end(k, side) for side in (0, 1))
             place, vectors = slice(begins[k], begins[k + 1]), (self.y, total, self.k)
             where = local[k].reshape(dof[k], -1), place, vectors
             of_layer = self.records[k:][:1], shares[k], op, *where, self.rates[k], self.batch
-            self.layers.append(Layer(layer, ends_of(problem, k, order), *of_layer))
+            self.layers.append(Layer(layer, ends, *of_layer))
         self.shapes = [(n,) for n in records["n"].tolist()]
         self.parts = {layer.number: layer for layer in self.layers if layer.present}
         kind, notes = opt["fsi_coupling"], of_steps.notes.reshape(steps.NOTES, -1)

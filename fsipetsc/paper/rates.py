@@ -22,8 +22,7 @@ rates need values within twice the reach of D. The loops work on a row of scratc
 import numpy as np
 
 from fsipetsc.kernels.loops import each, named, pick, variable, when
-from fsipetsc.paper.gas_ends import GRADIENTS
-from fsipetsc.paper.outer_ends import gradient_values, outer_side
+from fsipetsc.paper.ends import end_of, outer_side
 from fsipetsc.paper.stencils import derivative, narrow_gas, narrow_solid
 
 #: rows of scratch
@@ -142,16 +141,16 @@ def _gas_rates(part, layer, w, s, per_h, a, b, A, B):
     u, T, u_X, T_X, f, g, h, f_X, g_X, h_X = (w[c] for c in range(10))
     primitive_rows(gas, rho, m, e, u, T, v0, v1)
     side = outer_side(part.ends)
-    (ghost, end), apart = ((A, B), (B, A))[side], part.ends.kind[side] in GRADIENTS
-    if apart:  # u and T of the ghost point are others for the gradients
+    (ghost, end), kind = ((A, B), (B, A))[side], end_of(part)
+    if kind.gradient:  # u and T of the ghost point are others for the gradients
         own_u, own_T, seen = variable(), variable(), (v0 <= ghost) & (ghost < v1)
         with when(seen):
             own_u.value, own_T.value = u[ghost], T[ghost]
-            u[ghost], T[ghost] = gradient_values(part, ghost, side)
+            u[ghost], T[ghost] = kind(part, ghost).gradient()
     derivative(op, w, 0, w, 2, 2, f0, f1, A, B, per_h)  # u_X, T_X
     if op.narrow:
         narrow_gas(op, gas, layer, w, 0, 10, out, a, b, A, B)
-    if apart:
+    if kind.gradient:
         with when(seen):
             u[ghost], T[ghost] = own_u.value, own_T.value
     gas_fluxes(gas, s, rho, m, e, u, T, u_X, T_X, f, g, h, f0, f1)

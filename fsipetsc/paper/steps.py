@@ -10,10 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.boundaries import Boundary
 from fsipetsc.kernels.loops import each, named, number, variable, when
 from fsipetsc.kernels.memory import Array
 from fsipetsc.kernels.procedure import Code, Procedure
-from fsipetsc.paper import coupling, gas_ends, outer_ends, rates, sums
+from fsipetsc.paper import coupling, ends, rates, sums
 from fsipetsc.paper.stencils import Stencils, derivative
 from fsipetsc.scheme.columns import larger
 from fsipetsc.scheme.plan import DT, RATE, SAID_STOP, STOP, TOO_SHORT
@@ -26,7 +27,8 @@ NOTES = 8
 
 
 class Part(NamedTuple):
-    """A rank's part of a layer. op, ends: facts; law: Gas or Elastic; layers: the record, (1,).
+    """A rank's part of a layer. op: facts; ends: what stands at the left and right end, None at an
+    interface; law: Gas or Elastic; layers: the record, (1,).
 
     local: the points of the stage with halos, (unknowns, points); y, total, k, forcing: the
     completed solution, the sum of the stages, rates and what is added to these, if anything,
@@ -34,7 +36,7 @@ class Part(NamedTuple):
     """
 
     op: Stencils
-    ends: outer_ends.Ends
+    ends: tuple[Boundary | None, ...]
     law: Any
     layers: Array
     local: Array
@@ -122,7 +124,7 @@ def note(of):
 
 def fill(of):
     """Fill the ghost point of a gas."""
-    outer_ends.fill_ghost(of, outer_ends.outer_side(of.ends))
+    ends.fill_ghost(of)
 
 
 def advance(stage: int) -> Callable[[Part], None]:
@@ -168,10 +170,10 @@ def keep(of):
 
 def complete_gas(of, steps):
     """Fill the ghost point, let the boundary move over the grid, monitor the points."""
-    layer, side = of.layers[0], outer_ends.outer_side(of.ends)
-    outer_ends.fill_ghost(of, side)
-    outer_ends.move_boundary(of, side, steps.results)
-    with when(gas_ends.distance(layer, side) <= number(layer.least - 2) + 1e-9):
+    layer, side = of.layers[0], ends.outer_side(of.ends)
+    ends.fill_ghost(of)
+    ends.move_boundary(of, steps.results)
+    with when(ends.distance(layer, side) <= number(layer.least - 2) + 1e-9):
         steps.results[TOO_SHORT] = 1.0 + number(layer.number)
     sums.monitor_gas(of, steps)
     keep(of)
@@ -220,7 +222,7 @@ def of_layer(code: Code, place: str, of: Part, steps: Steps) -> dict[str, Proced
     """Record those of a layer that stands at a place: left, solid or right."""
     gas = place != "solid"
     functions = {
-        **({"fill": fill} if gas else {"close": outer_ends.close_solid, "stretch": stretch}),
+        **({"fill": fill} if gas else {"close": ends.close_solid, "stretch": stretch}),
         "rates": rates.gas_rates if gas else rates.elastic_rates,
         **{f"advance_{stage}": advance(stage) for stage in range(STAGES)},
     }

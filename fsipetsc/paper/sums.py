@@ -13,8 +13,7 @@ count.
 import numpy as np
 
 from fsipetsc.kernels.loops import when
-from fsipetsc.paper.gas_ends import beyond_boundary
-from fsipetsc.paper.outer_ends import outer_side
+from fsipetsc.paper.ends import beyond_boundary, outer_side
 from fsipetsc.paper.rates import own_range
 from fsipetsc.paper.stencils import near_ends
 from fsipetsc.scheme.columns import COLUMNS, clear, collected, count, tiled

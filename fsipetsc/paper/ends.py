@@ -1,0 +1,370 @@
+"""The outer ends of layers: of a gas an embedded boundary, which stands between the nodes of a
+frame's grid and moves over it; of a solid its end node.
+
+The boundary stands at x_w; the ghost point is the first point of the grid at or beyond it, delta in
+[0, 1) cells outside. n is the outward normal, -1 left, 1 right. A part is a
+fsipetsc.paper.steps.Part.
+
+Only what a condition gives is overwritten in a ghost point: outgoing characteristics keep their
+values, with Z = rho c. (A ghost point with extrapolated density, or with all variables prescribed,
+makes the scheme unstable.) docs/open-end.md says why each formula of the open end is as it is, with
+measurements.
+"""
+
+import numpy as np
+
+from fsipetsc.boundaries import Dirichlet, Open, Wall, clamped, free
+from fsipetsc.equations.vectors import choose
+from fsipetsc.kernels.loops import each, named, number, pick, stop, when, whole
+from fsipetsc.scheme.plan import EXHAUSTED
+
+#: nodes that a formula may use, ghost point included
+NODES = 8
+#: least weight of the ghost point in the formula for data that are given; in that for gradients
+#: from degree 4 on: with less the viscous stress of the ghost point takes more than the time step
+#: gives
+LEAST, LEAST_OF_GRADIENTS = 0.25, 0.3
+#: order 1 of an open end fades out where viscosity is this fraction of c0 L; q_nn = 0 where alpha
+#: is this fraction of a L
+LONGEST = 0.25
+#: of an insulated wall, by s, and for q = s + 1, s + 2, s + 3: coefficients of eta_q in powers of
+#: delta
+ETA = np.zeros((4, 3, 4))
+ETA[0, 0, :2] = 0.0, 0.5
+ETA[1, 0, :3] = 0.0882352941176471, 0.0883801777493091, -0.1766154718669562
+ETA[2, 0] = 0.2222164620745679, -0.4850917636042938, 0.1267629370385567, 0.0198481621891904
+ETA[3, :, :3] = (1.267, -2.9, 1.178), (-0.888, 1.872, -0.677), (0.193, -0.389, 0.131)
+#: with narrow second derivatives
+ETA_NARROW = ETA.copy()
+ETA_NARROW[2, 0] = 0.2289158450015872, -0.4914033185443774, 0.1207498614024324, 0.0225285974796345
+
+
+def outer_side(ends):
+    """Where the embedded boundary of a gas stands: 0 left, 1 right."""
+    return 1 if ends[0] is None else 0
+
+
+def degree_of(end, p):
+    """The degree of the formulas of an embedded boundary; p: half width of D."""
+    return end.degree or p + 1
+
+
+def distance(layer, side):
+    """From the interface to the embedded boundary, in cells, from where the frame is: not by
+    (4.25)."""
+    return np.absolute(layer.end_x[side] - layer.x_interface) / layer.h
+
+
+def beyond_boundary(layer, side):
+    """delta: how far the ghost point lies outside, in cells."""
+    return number(layer.hi - layer.lo) - distance(layer, side)
+
+
+def depth_of(op):
+    """Points inside the ghost point that are taken. Who owns the next point to come in must have
+    them in its halo; no layer has fewer (fsipetsc.paper.layout)."""
+    return min(NODES, op.halo) - 1
+
+
+# formulas of an embedded boundary
+
+
+def lagrange(delta, degree):
+    """Lagrange weights and their derivatives at delta for the nodes 0, 1, ..., degree.
+
+    Node 0 is the ghost point and the boundary lies delta cells inside of it; (4.26) is degree 2,
+    with the sign of its third weight corrected so that the weights sum to one.
+    """
+    weights, slopes = [], []
+    for k in range(degree + 1):
+        value, denominator, slope = 1.0, 1.0, 0.0
+        for m in range(degree + 1):
+            if m != k:
+                slope = slope * (delta - m) + value
+                value *= delta - m
+                denominator *= k - m
+        weights.append(value / denominator)
+        slopes.append(slope / denominator)
+    return weights, slopes
+
+
+def dirichlet_ghost(g, v, weights, degree, least):
+    """Value of the ghost point (node 0) so that the interpolant takes the value g at the boundary.
+
+    v[1..degree] are the nodes inside. The q-th difference is added with eta = max(0, least - L_0):
+    the formula of Kreiss & Petersson (2006) as in (4.26), but with an eta that vanishes where L_0
+    is large enough, because a constant one spoils the accuracy when the boundary is close to the
+    ghost point.
+    """
+    eta = np.maximum(0.0, least - weights[0])
+    s, binomial = g, 1.0
+    for k in range(1, degree + 1):
+        binomial *= -(degree + 1.0 - k) / k
+        s -= (weights[k] + eta * binomial) * v[k]
+    return s / (weights[0] + eta)
+
+
+def insulated_ghost(op, T, delta):
+    """T of the ghost point so that no heat flows through a wall at delta.
+
+    The interpolant of degree s has zero slope there (Kreiss et al. 2004); differences of the orders
+    s + 1 ... are added, with eta fitted to the error that D makes at its closure.
+    """
+    s = op.p
+    last = s + 3 if s == 4 else s + 1
+    _, slopes = lagrange(delta, s)
+    for q in range(s + 1, last + 1):
+        eta, binomial = 0.0, 1.0
+        for coefficient in (ETA_NARROW if op.narrow else ETA)[s - 1, q - s - 1, ::-1]:
+            eta = eta * delta + float(coefficient)
+        slopes += [0.0] * (q + 1 - len(slopes))
+        for k in range(q + 1):
+            slopes[k] = slopes[k] + eta * binomial
+            binomial *= -(q - k) / (k + 1.0)
+    return -sum(slopes[k] * T[k] for k in range(1, last + 1)) / slopes[0]
+
+
+class GasEnd:
+    """What formulas of an end of a gas take. rho, u, T: of the ghost point, number 0, and of points
+    inside of it; data: what is given there.
+
+    new: degree of the extrapolation that fills a new point. ghost(): (rho, u, T) of the ghost
+    point. gradient(): (u, T) of the ghost point for gradients, where they are others.
+    """
+
+    new = 2
+    gradient = None
+
+    def __init__(self, part, ghost):
+        self.gas, self.op, self.layer = part.law, part.op, part.layers[0]
+        side = outer_side(part.ends)
+        self.n, self.data = 2.0 * side - 1.0, self.layer.end_data[side]
+        self.degree = degree_of(part.ends[side], self.op.p)
+        self.delta = beyond_boundary(self.layer, side)
+        found = []
+        for k in range(depth_of(self.op) + 1):
+            rho, m, e = (part.local[c, ghost + (1 - 2 * side) * k] for c in range(3))
+            found.append((rho, *self.gas.velocity_and_temperature(rho, m, e)))
+        self.rho, self.u, self.T = (list(values) for values in zip(*found, strict=True))
+
+    def given(self, values, data, least=LEAST):
+        """The ghost point's value with which data are met at the boundary."""
+        weights, _ = lagrange(self.delta, self.degree)
+        return dirichlet_ghost(data, values, weights, self.degree, least)
+
+    def nodes(self, count):
+        """(rho, u, T) of the first points."""
+        return [(self.rho[k], self.u[k], self.T[k]) for k in range(count)]
+
+
+class WallEnd(GasEnd):
+    """An adiabatic no-slip wall: u = 0, T_X = 0, and p + n Z u keeps its value."""
+
+    def ghost(self):
+        law, ((rho, u, T),) = self.gas.law, self.nodes(1)
+        Z = rho * np.sqrt(law.sound_speed_squared(rho, T))
+        u_G = self.given(self.u, 0.0)
+        p_G = law.pressure(rho, T) - self.n * Z * (u_G - u)
+        T_G = insulated_ghost(self.op, self.T, self.delta)
+        return law.density(p_G, T_G), u_G, T_G
+
+
+class DirichletEnd(GasEnd):
+    """Exact (rho, u, T): as many of them as come in along characteristics.
+
+    Inflow faster than sound: all three; inflow: p - n Z u and the entropy rho - p/c^2; outflow:
+    p - n Z u; faster than sound: nothing. What viscosity and conduction ask for besides is
+    imposed in the gradients.
+    """
+
+    new = 3
+
+    def ghost(self):
+        law, n, data, ((rho, u, T), (rho1, u1, T1)) = self.gas.law, self.n, self.data, self.nodes(2)
+        rho_D = self.given(self.rho, data[0])
+        u_D = self.given(self.u, data[1])
+        T_D = self.given(self.T, data[2])
+        c2 = law.sound_speed_squared(rho1, T1)
+        c, outflow = np.sqrt(c2), n * data[1] >= 0.0
+        all_in = n * data[1] <= -np.sqrt(law.sound_speed_squared(data[0], data[2]))
+        Z, p, p_D = rho1 * c, law.pressure(rho, T), law.pressure(rho_D, T_D)
+        w_o, w_i = p + n * Z * u, p_D - n * Z * u_D
+        entropy, p_G = np.where(outflow, rho - p / c2, rho_D - p_D / c2), 0.5 * (w_i + w_o)
+        rho_G = entropy + p_G / c2
+        slow = rho_G, n * (w_o - w_i) / (2.0 * Z), law.temperature_of(rho_G, p_G)
+        slow = choose(outflow & (n * u1 >= c), (rho, u, T), slow)
+        return choose(all_in, (rho_D, u_D, T_D), slow)
+
+    def gradient(self):
+        """Those with which data are met at the boundary."""
+        least = LEAST if self.degree < 4 else LEAST_OF_GRADIENTS
+        return tuple(self.given(v, self.data[c], least) for c, v in ((1, self.u), (2, self.T)))
+
+
+class OpenEnd(GasEnd):
+    """Towards gas of p0, T0 and velocity u0: no sound comes in, up to order 0 or 1 in the
+    viscosity; on outflow the entropy keeps its value, on inflow it is that of the gas beyond.
+    """
+
+    new = 1
+
+    def beyond(self):
+        """(rho0, c0, tau, alpha, p_T/cv, b, kappa) of the gas beyond, and how much of order 1 there
+        is, 0 to 1."""
+        gas, law, p0, T0 = self.gas, self.gas.law, self.data[0], self.data[1]
+        rho = law.density(p0, T0)
+        c2, cv = law.sound_speed_squared(rho, T0), law.heat_capacity(rho, T0)
+        c, by_heat = np.sqrt(c2), law.pressure_by_temperature(rho, T0) / cv
+        mu, kappa, tau = gas.viscosity(T0), gas.conductivity(T0), T0 * by_heat / (rho * rho * c2)
+        alpha = kappa * law.bulk_modulus(rho, T0) / (cv * rho * rho * c2)
+        longest = LONGEST * c * self.layer.h * number(self.layer.hi - self.layer.lo)
+        faded = 1.0 - np.maximum(mu, kappa / cv) / (rho * longest)
+        part = self.data[3] * np.maximum(0.0, faded)
+        return rho, c, tau, alpha, by_heat, 0.5 * (mu - tau * by_heat * kappa), kappa, part
+
+    def carried(self, a, alpha, part):
+        """How much of q_nn = 0 there is where gas flows out with a, 0 to 1."""
+        layer = self.layer
+        carrying = np.maximum(a, 0.0) * LONGEST * layer.h * number(layer.hi - layer.lo)
+        return part * carrying / (carrying + alpha)
+
+    def ghost(self):
+        (p0, T0, u0), n, h = (self.data[c] for c in range(3)), self.n, self.layer.h
+        law, gamma = self.gas.law, self.gas.gamma
+        rho0, c0, tau, alpha, by_heat, b, kappa, of_1 = self.beyond()
+        (rho, u, T), (rho1, u1, T1), (rho2, _, T2) = self.nodes(3)
+        v1, c2 = n * (u1 - u0), law.sound_speed_squared(rho1, T1)
+        p, p1 = law.pressure(rho, T), law.pressure(rho1, T1)
+        Z, scale, m = rho1 * np.sqrt(c2), rho0 * c0 * c0 / gamma, 0.5 - 0.5 / gamma
+        # Z v (1 + by_v) = simple wave + by_p (p - p0) + known
+        by = of_1 / (rho0 * c0 * h)
+        by_v, by_p = by * np.maximum(b, 0.0), by * np.maximum(-b, 0.0)
+        q_n = (T1 - T2 - tau * (p1 - law.pressure(rho2, T2))) / h
+        heat = self.carried(n * u1, alpha, of_1) * by_heat * kappa / (rho0 * c0) * q_n
+        known = by_v * rho0 * c0 * v1 - by_p * (p1 - p0) + np.where(kappa > 0.0, heat, 0.0)
+        # with p + n Z u, a quadratic equation for y, the pressure of the wave in units of scale
+        share, rise, fall = Z / (rho0 * c0 * (1.0 + by_v)), (1.0 + m) / 6.0, (2.0 - m) / 3.0
+        w_o = p - p0 + Z * n * (u - u0)
+        free, wave = 1.0 + share * by_p, (w_o - share * known) / scale
+        half = 0.5 * (free + share - fall * wave)
+        y = wave / (half + np.sqrt(half * half + (free * fall + share * rise) * wave))
+        sound = scale * y
+        u_G = u0 + n * (w_o - sound) / Z
+        in_, out = rho0 * (1.0 + y) ** (1.0 / gamma), rho + (p0 + sound - p) / c2
+        rho_G = np.where(n * u_G >= 0.0, out, in_)
+        slow = rho_G, u_G, law.temperature_of(rho_G, p0 + sound)
+        slow = choose(n * u0 <= -c0, (rho0, u0, T0), slow)
+        return choose(n * u1 >= np.sqrt(c2), (rho, u, T), slow)
+
+    def gradient(self):
+        """Heat and viscous stress are imposed there."""
+        gas, law, layer, p0, T0 = self.gas, self.gas.law, self.layer, self.data[0], self.data[1]
+        (rho, u, T), (rho1, u1, T1), (rho2, u2, T2) = self.nodes(3)
+        a = self.n * u
+        imposed = (a < 0.0) | (a * a >= law.sound_speed_squared(rho1, T1))
+        seen_u = np.where((gas.mu > 0.0) & imposed, 2.0 * u1 - u2, u)
+        _, c0, tau, alpha, _, _, _, of_1 = self.beyond()
+        p, p1, p2 = law.pressure(rho, T), law.pressure(rho1, T1), law.pressure(rho2, T2)
+        q_n = T1 - T2 - tau * (p1 - p2)
+        slow, conducted = np.maximum(1.0 + np.minimum(a, 0.0) / c0, 0.0), alpha / layer.h
+        step = of_1 * slow * slow * tau * (p - p1) + self.carried(a, alpha, of_1) * q_n
+        width = layer.h * number(layer.hi - layer.lo)
+        lost = 0.5 * (np.sqrt(a * a + 4.0 * (alpha / width) ** 2) - a)
+        at_rest = T0 + tau * (p - p0)
+        seen_T = (conducted * (T1 + step) + lost * at_rest) / (conducted + lost)
+        return seen_u, np.where(gas.kappa > 0.0, seen_T, T)
+
+
+#: what a case says of an end of a gas -> its formulas
+OF_GAS = {Wall: WallEnd, Open: OpenEnd, Dirichlet: DirichletEnd}
+
+
+def end_of(part):
+    """The class of the outer end of a gas."""
+    return OF_GAS[type(part.ends[outer_side(part.ends)])]
+
+
+def fill_ghost(part, new=False):
+    """Give the ghost point its values, where a rank has the points that this takes: all who need it
+    do. new: it has no values yet.
+    """
+    layer, n, side, kind = part.layers[0], part.local.shape[1], outer_side(part.ends), end_of(part)
+    ghost = named((layer.hi if side else layer.lo) - (layer.own_lo - layer.halo_lo))
+    last = ghost + (1 - 2 * side) * depth_of(part.op)
+    with when((0 <= ghost) & (ghost < n) & (0 <= last) & (last < n)):
+        end = kind(part, ghost)
+        for v in (end.rho, end.u, end.T) if new else ():
+            # without data the highest difference is left, which vanishes
+            v[0] = dirichlet_ghost(0.0, v, [0.0] * NODES, kind.new + 1, 1.0)
+        rho, u, T = end.ghost()
+        q, energy = part.local, part.law.total_energy(rho, u, T)
+        q[0, ghost], q[1, ghost], q[2, ghost] = rho, rho * u, energy
+
+
+def move_boundary(part, results):
+    """Let the ghost point be the first one at or beyond the boundary; results[EXHAUSTED]: 1 + the
+    number of the layer if no point is left.
+
+    A point that comes in is extrapolated and becomes the ghost point, the old one keeps its value;
+    where the boundary moves inwards the last interior point becomes the ghost point. All ranks of a
+    layer decide alike. Where the cells are not a number, the bounds on the step will tell.
+    """
+    layer, side = part.layers[0], outer_side(part.ends)
+    cells = distance(layer, side) - 1e-9
+    with when(cells < 1e15):
+        below = whole(cells)
+        target = below + pick(number(below) < cells, 1, 0)
+        for _ in each(layer.n):
+            stop(layer.hi - layer.lo >= target)
+            exhausted = layer.hi == layer.n - 1 if side else layer.lo == 0
+            with when(exhausted):
+                results[EXHAUSTED] = 1.0 + number(layer.number)
+            stop(exhausted)
+            if side:
+                layer.hi = layer.hi + 1
+            else:
+                layer.lo = layer.lo - 1
+            fill_ghost(part, new=True)
+        with when((layer.hi - layer.lo > target) & (target >= layer.least - 1)):
+            if side:
+                layer.hi = layer.lo + target
+            else:
+                layer.lo = layer.hi - target
+            fill_ghost(part)
+
+
+# ends of solids
+
+
+def close_solid(part):
+    """Apply the conditions at the outer ends of a solid that this rank owns."""
+    layer = part.layers[0]
+    for side, of in enumerate(part.ends):
+        if of is not None:
+            end = layer.hi if side else layer.lo
+            with when((layer.own_lo <= end) & (end < layer.own_hi)):
+                close_end(part, of, side, named(end - (layer.own_lo - layer.halo_lo)))
+
+
+def close_end(part, of, side, i):
+    """The same of the end that is point i of this rank. An end that absorbs lets the characteristic
+    sigma - p - n Z u leave, Z = m0 c.
+    """
+    solid, q, layer, heated = part.law, part.local, part.layers[0], of.heated
+    step, n, beta = 1 - 2 * side, 2.0 * side - 1.0, part.op.closure[0]
+    heat, d, given = layer.end_heat[side], -n / layer.h, layer.end_data[side, 0]
+    x_X = sum(d * v * q[3, i + step * j] for j, v in enumerate(beta))
+    rest = sum(v * q[2, i + step * j] for j, v in enumerate(beta) if j > 0)
+    slope = n * heat * x_X / (solid.kappa_e * d) if heated == "heat_flux" else 0.0
+    imposed = heat if heated == "T" else (slope - rest) / beta[0]
+    T = np.where(solid.kappa_e > 0.0, imposed, q[2, i])
+    u, sigma, p = q[0, i], q[1, i], solid.pressure(T, x_X)
+    q[2, i] = T
+    if isinstance(of, clamped):
+        q[0, i] = given
+    elif isinstance(of, free):
+        q[1, i] = given + p
+    else:
+        Z = np.sqrt(solid.wave_modulus(T, p, given + p, x_X) * solid.m0)
+        w_o = sigma - p - given - n * Z * u
+        q[0, i], q[1, i] = -n * 0.5 * w_o / Z, given + p + 0.5 * w_o
