@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fsipetsc.operators.bands import AXIS, centred_band
-from fsipetsc.operators.narrow import ENDS, remainder
-from fsipetsc.operators.sbp import OPERATORS, SBPOperator, operator
+from fsipetsc.operators.narrow import MEANS, end_term
+from fsipetsc.operators.sbp import OPERATORS, SBPOperator, operator, undivided
 
 ALL = pytest.mark.parametrize("op", OPERATORS.values(), ids=lambda op: op.name)
 
@@ -104,17 +104,33 @@ def pivots(matrix: np.ndarray) -> list[Fraction]:
     return found
 
 
+def remainder(op: SBPOperator, b: np.ndarray) -> np.ndarray:
+    """R(b), (n, n), exactly."""
+    n, T, R = len(b), len(end := exact(end_term(op.order))), 0
+    for q, means in enumerate(MEANS[op.order], op.p + 1):
+        weights = [*map(Fraction, undivided(q)), *[Fraction(0)] * (n - q)]
+        Delta = exact([np.roll(weights, t)[:n] for t in range(n - q)])
+        first = (q + 1 - len(means)) // 2
+        mean = sum(w * b[first + k :][: n - q] for k, w in enumerate(means))
+        inner = slice(T, n - q - T)
+        R = R + Delta[inner].T @ (mean[inner, None] * Delta[inner])
+        for side in (slice(None), slice(None, None, -1)) if q == op.p + 1 and T else ():
+            rows = Delta[side][:T]
+            R = R + b[side][T] * (rows.T @ end @ rows)
+    return R
+
+
 @ALL
 def test_remainder_is_symmetric_and_positive_semidefinite(op: SBPOperator) -> None:
     """0 on degrees up to p and one vector at either end; interior rows have 2p + 1 points."""
     p, closed = op.p, op.rows + 2 * op.p
     n = 2 * closed + 1
     b = [Fraction(1 + (7 * i * i + 3 * i) % 11, 3 + i % 4) for i in range(n)]  # of no pattern
-    D, H, R = exact(op.exact_matrix(n)), exact_norm(op, n), remainder(op.interior, b)
+    D, H, R = exact(op.exact_matrix(n)), exact_norm(op, n), remainder(op, exact(b))
     wide = D.T @ (H[:, None] * exact(b)[:, None] * D)
     assert (R == R.T).all()
     found = pivots(R)
-    assert min(found) >= 0 and found.count(0) == p + 1 + (2 if ENDS[op.order] else 0)
+    assert min(found) >= 0 and found.count(0) == p + 1 + 2 * bool(end_term(op.order))
     found = pivots(wide + R)
     assert min(found) >= 0 and found.count(0) == 1
     for degree in range(p + 2):
@@ -133,7 +149,7 @@ def test_accuracy(op: SBPOperator) -> None:
     inner = slice(op.rows + 2 * op.p, n - op.rows - 2 * op.p)
     for power in range(3):
         b = 1 + x**power
-        R = remainder(op.interior, b)
+        R = remainder(op, exact(b))
         for degree in range(op.order + 2):
             u = x**degree
             # (u' + x^power u')'

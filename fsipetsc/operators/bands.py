@@ -19,14 +19,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from math import comb
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.equations.vectors import along, scale
-from fsipetsc.operators.sbp import operator
+from fsipetsc.operators.sbp import operator, undivided
 
 Array = NDArray[np.float64]
 Triple = tuple[int, int, int]
@@ -224,9 +223,8 @@ def differences(d: int, order: int, bands: Sequence[Band], cells: Sequence[int])
         for found, line in ((norm, least), (per_weight, 1.0 / bands[k].weight)):
             axes = line.reshape([n if k == 2 - j else 1 for j in range(3)])
             found.append(np.broadcast_to(axes, shape[::-1]).ravel())
-    weights = tuple(float((-1) ** (q - m) * comb(q, m)) for m in range(q + 1))
     strides = np.array([1, shape[0], shape[0] * shape[1]])
-    return Differences(weights, strides, np.array(norm), np.array(per_weight))
+    return Differences(undivided(q), strides, np.array(norm), np.array(per_weight))
 
 
 def difference(read: Callable[[Any], Any], i: Any, stride: Any, weights: Any) -> Any:

@@ -27,7 +27,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from math import prod
+from math import comb, prod
 
 import numpy as np
 from numpy.typing import NDArray
@@ -151,8 +151,14 @@ def _lagrange_derivative(nodes: Sequence[int], m: int, x: int) -> Fraction:
     return Fraction(by_product_rule, prod(m - k for k in others))
 
 
-def _fractions(text: str) -> tuple[Fraction, ...]:
+def fractions(text: str) -> tuple[Fraction, ...]:
+    """Numbers with spaces between them."""
     return tuple(map(Fraction, text.split()))
+
+
+def undivided(q: int) -> tuple[float, ...]:
+    """The weights of an undivided difference of order q."""
+    return tuple(float((-1) ** (q - k) * comb(q, k)) for k in range(q + 1))
 
 
 _NORM_OF_6 = "13649/43200 12013/8640 2711/4320 5359/4320 7877/8640 43801/43200"
@@ -163,10 +169,10 @@ _NORM_OF_8 = (
 _FREE_OF_6 = {(4, 5): Fraction(5591070156686698065364559, 7931626489314500743872000)}  # 0.7049
 _FREE_OF_8 = {(5, 6): Fraction(7, 10), (5, 7): Fraction(-61, 500), (6, 7): Fraction(1519, 2000)}
 _ALL = (
-    SBPOperator(2, 1, _fractions("1/2"), _fractions("1/2")),
-    SBPOperator(4, 2, _fractions("17/48 59/48 43/48 49/48"), _fractions("2/3 -1/12")),
-    SBPOperator(6, 3, _fractions(_NORM_OF_6), _fractions("3/4 -3/20 1/60"), _FREE_OF_6),
-    SBPOperator(8, 4, _fractions(_NORM_OF_8), _fractions("4/5 -1/5 4/105 -1/280"), _FREE_OF_8),
+    SBPOperator(2, 1, fractions("1/2"), fractions("1/2")),
+    SBPOperator(4, 2, fractions("17/48 59/48 43/48 49/48"), fractions("2/3 -1/12")),
+    SBPOperator(6, 3, fractions(_NORM_OF_6), fractions("3/4 -3/20 1/60"), _FREE_OF_6),
+    SBPOperator(8, 4, fractions(_NORM_OF_8), fractions("4/5 -1/5 4/105 -1/280"), _FREE_OF_8),
 )
 #: by interior order
 OPERATORS = {op.order: op for op in _ALL}

@@ -12,10 +12,8 @@ q = p+1 .. 2p, so that
     e_t           -=  H^-1 (R(u b) u + R(kappa) T) / h^2
     alpha m0 T_t  -=  H^-1 R(kappa_e / x_X) T / h^2              (solid)
 
-Columns of R add up to nothing: mass, momentum and total energy hold as with D twice. What the flow
-loses in kinetic energy, sum_q mean_q(b) (Delta_q u)^2, the heat gains. Delta_q at i takes the
-values at i .. i+q. At either end the first T differences of each order are left out; of order p+1 a
-term ``end`` (T, T) of their own stands instead, with b at point T.
+What the flow loses in kinetic energy, sum_q mean_q(b) (Delta_q u)^2, the heat gains. Delta_q at i
+takes the values at i .. i+q.
 """
 
 from collections.abc import Iterator
@@ -25,8 +23,8 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.kernels.loops import each, named, when
-from fsipetsc.operators.narrow import STIFFNESS, STIFFNESS_OF_WIDE, difference, end_term, levels
-from fsipetsc.operators.sbp import operator, row_length
+from fsipetsc.operators.narrow import MEANS, STIFFNESS, STIFFNESS_OF_WIDE, end_term
+from fsipetsc.operators.sbp import operator, row_length, undivided
 
 Numbers = tuple[float, ...]
 
@@ -38,8 +36,8 @@ class Stencils:
 
     The interior is sum_k interior[k-1] (v[i+k] - v[i-k]), the closure has a row for each point at
     the left end; norm: weights of the same points; n: points that the first row reaches; diffusion:
-    its bound on the step. differences: the weights of Delta_q in row q-1; means: those of
-    Delta_{p+1+k} in row k; end: of the term at an end.
+    its bound on the step. differences: the weights of Delta_q in row q-1; means: those of mean_q in
+    row q-p-1; end: of the term at an end.
     """
 
     interior: Numbers
@@ -80,9 +78,9 @@ def stencils(order: int, narrow: bool = False) -> Stencils:
         *(rows([op.interior])[0], rows(op.closure), rows([op.norm])[0], op.reach, row_length(op)),
         STIFFNESS[order] if narrow else STIFFNESS_OF_WIDE,
         narrow,
-        rows(difference(q) for q in range(1, 9)),
-        rows(level.weights for level in levels(op.interior)),
-        rows(end_term(op.interior)),
+        tuple(map(undivided, range(1, 9))),
+        rows(MEANS[order]),
+        rows(end_term(order)),
     )
 
 
