@@ -11,7 +11,8 @@ diag(b) and E the difference of the two ends,
 
 Delta_q are the undivided differences of order q, those alone that have all of their points on the
 grid, and mean_q b is a sum of b at the 2p - q + 1 points in the middle of a difference, with the
-weights that make the interior formula of D2 one of 2p + 1 points. At either end the differences that begin at the first T points are left out, and the first T of order p+1 have a term of their own
+weights that make the interior formula of D2 one of 2p + 1 points. At either end the differences
+that begin at the first T points are left out, and the first T of order p+1 have a term of their own
 instead, with b at point T:
 
     b_T  Delta_{p+1}^T  c L L^T  Delta_{p+1},             c the sum of the weights of mean_{p+1}
