@@ -1,8 +1,7 @@
 """What can stand at the outer ends of layers in one dimension.
 
 An end says which condition of a block it is, and what it gives to the paper's method
-(fsipetsc.paper.ends), in which the moving grid of a gas reaches over an embedded boundary at a
-fixed position x to one ghost point outside.
+(fsipetsc.paper.ends).
 """
 
 from collections.abc import Callable, Sequence
@@ -12,7 +11,7 @@ from typing import Any
 
 from fsipetsc import checks
 from fsipetsc.blocks import conditions
-from fsipetsc.blocks.conditions.condition import Checked
+from fsipetsc.blocks.conditions.condition import RANGES, Checked
 from fsipetsc.blocks.values import NOWHERE, datum
 from fsipetsc.errors import InputError
 
@@ -27,6 +26,8 @@ class Boundary(Checked):
     of the formulas of an embedded boundary; None: by the order of the operator.
     """
 
+    ranges = RANGES | dict.fromkeys(("x", "u0", "velocity"), checks.ANY)
+    ranges |= dict.fromkeys(("p0", "T0"), checks.POSITIVE)
     of = "fluid"
     given: tuple[str, ...] = ()
     passes = False
@@ -35,8 +36,8 @@ class Boundary(Checked):
     @property
     def heated(self) -> str:
         """Which of T and heat_flux is given, by name; "" where the end is insulated."""
-        names = "T", "heat_flux"
-        return next((name for name in names if getattr(self, name, None) is not None), "")
+        given = [name for name in ("T", "heat_flux") if getattr(self, name, None) is not None]
+        return given[0] if given else ""
 
     @property
     def closed(self) -> bool:
@@ -49,8 +50,8 @@ class Boundary(Checked):
         raise NotImplementedError
 
     def data(self, t: float) -> list[float]:
-        """All of ``given`` at time t [s], which the paper's formulas take: of `values` rho, u, T.
-        InputError, perhaps on this rank alone.
+        """All of ``given`` at time t [s], of `values` rho, u, T. InputError, perhaps on this rank
+        alone.
         """
         return [number for name in self.given for number in self._at(name, t)]
 
@@ -96,7 +97,6 @@ class Wall(Boundary):
     T: Timed | None = None
     heat_flux: Timed | None = None
     velocity: Callable[[float], Any] | None = None
-    ranges = Boundary.ranges | {"x": checks.ANY}
     functions = {"velocity": "(t) [m/s]"}  # noqa: RUF012
 
     @property
@@ -131,8 +131,7 @@ class Open(Boundary):
     passes = True
 
     def __post_init__(self) -> None:
-        positive, any_ = checks.POSITIVE, checks.ANY
-        checks.numbers(self, "Open", {"x": any_, "p0": positive, "T0": positive, "u0": any_})
+        super().__post_init__()
         conditions.Open(self.p0, self.u0, self.T0, self.order)  # checks the order
 
     def condition(self, material: Any) -> conditions.Open:
@@ -161,7 +160,6 @@ class Dirichlet(Boundary):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        checks.numbers(self, "Dirichlet", {"x": checks.ANY})
         if self.degree not in (None, 2, 3, 4, 5):
             expected = "expected 2, 3, 4, 5, or None: by -fsi_order"
             raise InputError(f"Dirichlet(degree={self.degree!r}): {expected}")
@@ -184,7 +182,6 @@ class SolidEnd(Boundary):
     T: Timed | None = None
     heat_flux: Timed | None = None
     of = "solid"
-    ranges = Boundary.ranges | {"velocity": checks.ANY}
 
 
 @dataclass(frozen=True)
@@ -200,9 +197,8 @@ class clamped(SolidEnd):
 
     def condition(self, material: Any) -> conditions.Clamped:
         velocity = self._of_place("velocity", lambda u: (u,))
-        if not callable(velocity):
-            velocity = None if self.velocity == 0.0 else lambda X, t: (self.velocity,)
-        return conditions.Clamped(velocity=velocity, **self._warm())
+        moving = velocity if callable(velocity) else lambda X, t: velocity
+        return conditions.Clamped(velocity=moving if velocity != (0.0,) else None, **self._warm())
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,6 @@
 """Problems in one dimension: layers of gas and solid from left to right, with ends.
 
-The paper's method takes a `Problem` as it is; for all else its layers become blocks. Functions of a
-case take arrays of Lagrangian coordinates X and, where they depend on time, t.
+The paper's method takes a `Problem` as it is; for all else its layers become blocks.
 """
 
 from collections.abc import Callable, Sequence
@@ -37,9 +36,7 @@ Function = Callable[..., Any]
 
 @dataclass(frozen=True)
 class _Layer:
-    """What a layer of gas and one of a solid have. fields: names of what is saved of it; unknowns:
-    of a solid, what all functions return. material_class: what its material must be.
-    """
+    """What a layer of gas and one of a solid have. fields: names of what is saved of it."""
 
     name: str
     material: Any
@@ -55,19 +52,16 @@ class _Layer:
     fields: ClassVar[tuple[str, ...]]
 
     def __post_init__(self, h: float | None) -> None:
-        kind, wanted = type(self).__name__, self.material_class
-        check_name(self.name, kind)
-        what = f"{kind} '{self.name}'"
+        what, wanted = f"{type(self).__name__} {described(self.name)}", self.material_class
+        check_name(self.name, what)
         if not isinstance(self.material, wanted):
             found = described(self.material)
             raise InputError(f"{what}: material is {found}: expected a {wanted.__name__}")
         object.__setattr__(self, "X", extent(self.X, what))
         object.__setattr__(self, "cells", checks.own_cells(self.cells, h, self.X, what))
-        form = f"-> ({', '.join(self.fields[:-1])})"
-        function(self.initial, f"{what}: initial", f"initial(X) {form}")
-        function(self.exact, f"{what}: exact", f"exact(X, t) {form}", optional=True)
-        form = "forcing(X, t) -> the right-hand sides"
-        function(self.forcing, f"{what}: forcing", form, optional=True)
+        for name, form in (("initial", "(X)"), ("exact", "(X, t)"), ("forcing", "(X, t)")):
+            of, optional = getattr(self, name), name != "initial"
+            function(of, f"{what}: {name}", name + form, optional=optional)
 
     def __str__(self) -> str:
         return f"layer '{self.name}'"
@@ -75,8 +69,8 @@ class _Layer:
     def values(
         self, what: str, X: Array, t: float = 0.0, active: slice = slice(None)
     ) -> list[Array]:
-        """Values of initial, exact or forcing at points X (n,), which count at the active points
-        only: others the grid holds in reserve. InputError, perhaps on this rank alone.
+        """Values of initial, exact or forcing at points X (n,), which count at the active ones
+        only. InputError, perhaps on this rank alone.
         """
         return block_values(self, what, X[None], t, active)
 
@@ -86,10 +80,10 @@ class _Layer:
         width = length / h
         if self.kind == "solid" and abs(width - cells) > 1e-6 * max(1.0, width):
             near = sorted({max(1, floor(width)), ceil(width)})
+            fits = " and ".join(f"{length / n:.10g}" for n in near)
             raise InputError(
-                f"-fsi_h {h:.10g} misses an interface: {self} of length {length:g} would have "
-                f"{width:.6g} cells; {' and '.join(f'{length / n:.10g}' for n in near)} would fit, "
-                "or the layer may have cells=… of its own"
+                f"-fsi_h {h:.10g} misses an interface: {self} would have {width:.6g} cells; "
+                f"{fits} would fit, or the layer may have cells=… of its own"
             )
         return cells
 
@@ -179,11 +173,10 @@ class Problem:
         form = "jumps(k, t) -> (g_u, g_stress, g_T, g_flux)"
         function(self.jumps, "Problem: jumps", form, optional=True)
         check_units(self.units, "Problem")
-        kinds = [layer.kind for layer in given]
-        if not kinds or any(a == b for a, b in pairwise(kinds)):
-            raise InputError(f"Problem: layers are {kinds}: expected fluid and solid in turn")
-        if len({layer.name for layer in given}) < len(given):
-            raise InputError("Problem: two layers have one name: expected a name for each")
+        kinds, names = [v.kind for v in given], [v.name for v in given]
+        if not kinds or any(a == b for a, b in pairwise(kinds)) or len({*names}) < len(names):
+            expected = "expected fluid and solid in turn, each with a name of its own"
+            raise InputError(f"Problem: layers are {kinds}, {names}: {expected}")
         for end, layer in ((self.left, given[0]), (self.right, given[-1])):
             if getattr(end, "of", None) != layer.kind:
                 stands = f"{type(end).__name__}(…)" if isinstance(end, Boundary) else described(end)
@@ -191,9 +184,8 @@ class Problem:
                 raise InputError(f"{what}: expected {ENDS[layer.kind]}")
         for a, b in pairwise(given):
             if abs(a.X[1] - b.X[0]) > 1e-12 * max(abs(a.X[1]), a.X[1] - a.X[0]):
-                places = f"one ends at X = {a.X[1]:.10g}, the other begins at {b.X[0]:.10g}"
-                what = f"layers '{a.name}' and '{b.name}' do not meet"
-                raise InputError(f"{what}: {places}: expected the same X")
+                begins = f"{b} begins at {b.X[0]:.10g}"
+                raise InputError(f"{a} ends at X = {a.X[1]:.10g}, {begins}: expected the same")
 
     def unit(self, name: str) -> str:
         """ " m" after a number in a message, or nothing without dimensions."""
@@ -339,18 +331,15 @@ def _picked(function: Function, *numbers: int) -> Function:
 
 def _forces_alone(layer: Any) -> Function:
     """The forcing of a solid without that of its stress, which must be 0. InputError."""
-    allowed = 1e-9 * layer.material.K  # for round-off
 
     @wraps(layer.forcing)
     def called(X: Any, t: Any) -> Any:
         u, sigma, T, x = layer.forcing(X, t)
-        wrong = np.abs(sigma) > allowed
+        wrong = np.abs(sigma) > 1e-9 * layer.material.K  # but for round-off
         if not isinstance(wrong, Symbol) and np.any(wrong):
-            raise InputError(
-                f"forcing of {layer} at t = {t:.6g}: sigma has a right-hand side, but follows "
-                "from x here: expected 0, or -fsi_coupling projection",
-                collective=False,
-            )
+            what = f"forcing of {layer} at t = {t:.6g}: sigma has a right-hand side, but follows"
+            expected = "from x here: expected 0, or -fsi_coupling projection"
+            raise InputError(f"{what} {expected}", collective=False)
         return u, T + np.where(wrong, np.nan, 0.0), x  # where it is recorded, the step fails
 
     return called
@@ -387,11 +376,9 @@ def _jumps(problem: Problem, jumps: Function) -> Function:
         for k in np.unique(nearest).tolist():
             u, stress, T, flux = problem.jumps_at(k, t)
             if u != 0.0 or T != 0.0:
-                raise InputError(
-                    f"jumps at interface {k} at t = {t:.6g}: g_u = {u:g}, g_T = {T:g}: expected 0 "
-                    "where gas and solid are one particle, or -fsi_coupling projection",
-                    collective=False,
-                )
+                what = f"jumps at interface {k} at t = {t:.6g}: g_u = {u:g}, g_T = {T:g}"
+                expected = "expected 0, or -fsi_coupling projection"
+                raise InputError(f"{what}: {expected}", collective=False)
             into_solid = 1.0 if problem.layers[k].kind == "fluid" else -1.0
             found[:, nearest == k] = -into_solid * np.array([[stress], [flux]])
         return found

@@ -25,7 +25,6 @@ _NONE = np.zeros(0, np.int64), np.zeros(0, np.int64)
 class Layer:
     """A layer and this rank's points of it.
 
-    layer, ends: what the case says; law: its material; record: of the layer; share: who owns what.
     numbers, X, forcing: of the points of this rank; local: (unknowns, points with halos), of which
     owned is a view. part: what procedures take; does: these, by name. place: of its numbers in this
     rank's part of a solution.
@@ -159,8 +158,8 @@ class Layer:
 
 
 class Interface:
-    """An interface. side: 1 if the gas lies right of the solid, else 0; jump: what is prescribed;
-    here: whether this rank, ``me``, owns gas and solid beside it; sides: what procedures take.
+    """An interface. side: 1 if the gas lies right of the solid, else 0; here: whether this rank,
+    ``me``, owns gas and solid beside it; sides: what procedures take.
 
     Each of two owners gets the rows of the other one in a room, (unknowns, points), and both solve
     the same small system.

@@ -27,7 +27,7 @@ DOF = {"fluid": 3, "solid": 4}
 SPARE = 16
 
 #: what the paper's method has of options that choose between methods
-WITHOUT = {
+HAS = {
     "fsi_mapping": ("auto", "rigid"),
     "fsi_dissipation": (0.0, -1.0),
     "fsi_shock": (0.0,),
@@ -96,8 +96,7 @@ class Gas(NamedTuple):
 
 
 def law_of(material: Fluid | Solid) -> Gas | Elastic:
-    """What procedures take of the material of a layer. InputError for a gas's body force of
-    more than one dimension."""
+    """The material of a layer as formulas. InputError for a force of more than one dimension."""
     if not isinstance(material, Fluid):
         return material.elastic
     mu, kappa, gamma = 4.0 / 3.0 * material.mu, material.kappa, material.gamma
@@ -106,29 +105,19 @@ def law_of(material: Fluid | Solid) -> Gas | Elastic:
 
 
 def check_form(problem: Problem, opt: Mapping[str, Any]) -> None:
-    """InputError for a problem that is not of the paper's form: a solid, with a gas on one side of
-    it or on both, whose outer end insulates and stays where it is; or for options in force that
-    this method does not have.
-    """
-    for name, without in WITHOUT.items():
-        if opt[name] not in without:
-            raise InputError(
-                f"-{name} {opt[name]}: -fsi_coupling {opt['fsi_coupling']} has none: "
-                "take -fsi_coupling conservative"
-            )
+    """InputError for options in force, or for a problem, that the paper's method does not have."""
     layers = problem.layers
-    reason = next((f"{layer} has a spacing of its own" for layer in layers if layer.cells), "")
-    if not problem.interfaces:
-        reason = "there is no interface"
-    elif len(layers) > 3 or sum(layer.kind == "solid" for layer in layers) > 1:
-        reason = "a gas lies between two solids"
-    for k, end in ((0, problem.left), (-1, problem.right)):
-        if not reason and isinstance(end, Wall) and (end.moves or end.heated):
-            doing = "moves" if end.moves else "gives or takes heat"
-            reason = f"the wall of layer '{layers[k].name}' {doing}"
-    if reason:
+    found = [f"-{name} {opt[name]}" for name, values in HAS.items() if opt[name] not in values]
+    found += [f"{layer} has a spacing of its own" for layer in layers if layer.cells]
+    found += [] if problem.interfaces else ["there is no interface"]
+    two = len(layers) > 3 or sum(layer.kind == "solid" for layer in layers) > 1
+    found += ["a gas lies between two solids"] * two
+    for layer, end in ((layers[0], problem.left), (layers[-1], problem.right)):
+        if isinstance(end, Wall) and (end.moves or end.heated):
+            found.append(f"the wall of {layer} {'moves' if end.moves else 'is not insulated'}")
+    if found:
         raise InputError(
-            f"{reason}: the paper's couplings are of a solid between gases in rigid frames, on "
+            f"{found[0]}: the paper's couplings are of a solid between gases in rigid frames, on "
             "grids of one spacing: take -fsi_coupling conservative"
         )
 
@@ -137,29 +126,25 @@ def check_ends(problem: Problem, h: float) -> None:
     """InputError if the outer end of a gas is not where its X says, to within a cell of h [m]."""
     for side, end in enumerate((problem.left, problem.right)):
         layer, solid = problem.layers[-side], problem.layers[1 - 3 * side]
-        if layer.kind != "fluid":
-            continue
-        x = solid.values("initial", np.array(solid.X))[3][side]  # of the interface
-        wanted, kind = layer.X[side] - layer.X[1 - side] + x, type(end).__name__
-        if abs(end.x - wanted) > h:
-            raise InputError(
-                f"{layer}: its {kind} stands at x = {end.x:g}, but X[{side}] = {layer.X[side]:g} "
-                f"is x = {wanted:g}, as the interface begins at x = {x:g}: expected the same x"
-            )
+        if layer.kind == "fluid":
+            x = solid.values("initial", np.array(solid.X))[3][side]  # of the interface
+            wanted = layer.X[side] - layer.X[1 - side] + x
+            if abs(end.x - wanted) > h:
+                what = f"{layer}: its {type(end).__name__} stands at x = {end.x:g}"
+                raise InputError(f"{what}, but X and the interface say x = {wanted:g}")
 
 
 def make_records(problem: Problem, op: SBPOperator, h: float) -> Array:
     """What is the same on all ranks; a gas may grow by a third, or by an eighth and SPARE points.
-
-    Raises InputError where h does not fit the solid or a layer is too short for the closures.
+    InputError where h does not fit the solid or a layer is too short for the closures.
     """
     records = np.zeros(len(problem.layers), RECORD)
     for k, layer in enumerate(problem.layers):
         record, fluid = records[k], layer.kind == "fluid"
         cells = layer.fitting(h)
-        record["number"], record["h"] = k, h
-        record["outer"] = k > 0
+        record["number"], record["h"], record["outer"] = k, h, k > 0
         record["end_x"] = [getattr(problem.end(k, side), "x", 0.0) for side in (0, 1)]
+        room, least = 0, max(4, op.min_points)
         if fluid:
             # the ghost point is the first one at or beyond the boundary
             cells = int(np.ceil((layer.X[1] - layer.X[0]) / h - 1e-9))
@@ -169,8 +154,6 @@ def make_records(problem: Problem, op: SBPOperator, h: float) -> Array:
             # new point takes one more than the degree of its extrapolation
             nodes = max(degree, *(end.new + 1 for end in OF_GAS.values()))
             least = max(op.min_points, nodes + 2, degree + 1 + row_length(op))
-        else:
-            room, least = 0, max(4, op.min_points)
         first = room if k == 0 else 0  # spare points are on the outer side
         at_right = fluid and k == 0  # the anchor is the interface
         record["n"], record["least"] = cells + 1 + room, least
@@ -178,9 +161,8 @@ def make_records(problem: Problem, op: SBPOperator, h: float) -> Array:
         record["anchor"], record["anchor_index"] = layer.X[at_right], (first + cells) * at_right
         if cells + 1 < least:
             raise InputError(
-                f"layer '{layer.name}' has {cells + 1} points with -fsi_h {h:g}; the "
-                f"{op.name} operator (-fsi_order {op.order}) needs at least {least}: take a "
-                "smaller -fsi_h or a lower -fsi_order"
+                f"{layer} has {cells + 1} points with -fsi_h {h:g}; the {op.name} operator "
+                f"(-fsi_order {op.order}) needs {least}: take a smaller -fsi_h or a lower order"
             )
     return records
 
@@ -191,14 +173,12 @@ def shares_of(
     """The share of each layer, for ``size`` ranks. Active points alone are work; the outermost rank
     of a gas has those in reserve. RanksError.
     """
-    active, smallest = records["hi"] - records["lo"] + 1, [max(halo, op.rows + 1)] * 3
-    kinds = [layer.kind for layer in problem.layers]
-    pairs = zip(kinds, active.tolist(), strict=True)
-    extents = [Extent(kind, (n,), (False,), *smallest) for kind, n in pairs]
-    found = []
+    smallest, found = [max(halo, op.rows + 1)] * 3, []
+    active = zip(problem.layers, (records["hi"] - records["lo"] + 1).tolist(), strict=True)
+    extents = [Extent(layer.kind, (n,), (False,), *smallest) for layer, n in active]
     for record, share in zip(records, share_out(extents, size, mode), strict=True):
-        cuts = [cut + int(record["lo"]) for cut in share.cuts[0]]
-        found.append(Share(share.ranks, ((0, *cuts[1:-1], int(record["n"])),)))
+        cuts = [cut + int(record["lo"]) for cut in share.cuts[0][1:-1]]
+        found.append(Share(share.ranks, ((0, *cuts, int(record["n"])),)))
     return found
 
 
@@ -214,13 +194,12 @@ def note_share(record: np.void, share: Share, rank: int, halo: int) -> int:
 
 def used_up(record: Any, problem: Problem, op: SBPOperator, exhausted: bool) -> str:
     """Say that a gas has no points left, or else too few, and where it is; record: its own."""
-    name, m = problem.layers[record["number"]].name, problem.unit("m")
-    needs = f"the {op.name} operator needs {int(record['least'])} points"
-    what = "used up its points" if exhausted else f"become too short ({needs})"
-    end = record["end_x"][record["outer"]]
+    too_short = f"become too short (the {op.name} operator needs {int(record['least'])} points)"
+    what = "used up its points" if exhausted else too_short
+    m, x, end = problem.unit("m"), record["x_interface"], record["end_x"][record["outer"]]
     return (
-        f"fluid layer '{name}' has {what}, with its interface at "
-        f"x = {record['x_interface']:.6g}{m} and its boundary at x = {end:.6g}{m}"
+        f"fluid {problem.layers[record['number']]} has {what}, with its interface at "
+        f"x = {x:.6g}{m} and its boundary at x = {end:.6g}{m}"
     )
 
 

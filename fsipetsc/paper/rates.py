@@ -40,20 +40,22 @@ def own_range(layer):
     return named(a), named(b), A, B
 
 
-def pieces(part, a, b):
-    """(first, end, scratch) of pieces of the points a .. b-1; rows of scratch begin shortly before
-    the first point.
-    """
-    rows, beside = part.scratch, part.op.halo
-    for piece in each((b - a + (PIECE - 1)) // PIECE):
-        first = named(a + piece * PIECE)
-        scratch = rows.reshape(-1)[beside - first :].reshape(rows.shape[0], rows.shape[1])
-        yield first, named(np.minimum(first + PIECE, b)), scratch
-
-
 def widened(a, b, A, B, reach):
     """(first, end) of the active points a .. b-1 and those within ``reach`` of them."""
     return named(np.maximum(A, a - reach)), named(np.minimum(B + 1, b + reach))
+
+
+def pieces(part):
+    """(scratch, a, b, A, B) of pieces a .. b-1 of the points; rows of scratch begin shortly before
+    the first point. Rates are forcing, or 0.
+    """
+    layer, rows, beside = part.layers[0], part.scratch, part.op.halo
+    begin, end, A, B = own_range(layer)
+    start_with(part, layer.halo_lo, begin, end)
+    for piece in each((end - begin + (PIECE - 1)) // PIECE):
+        a = named(begin + piece * PIECE)
+        scratch = rows.reshape(-1)[beside - a :].reshape(rows.shape[0], rows.shape[1])
+        yield scratch, a, named(np.minimum(a + PIECE, end)), A, B
 
 
 def start_with(part, shift, a, b):
@@ -73,39 +75,10 @@ def adds(part):
     return part.forcing is not None or part.op.narrow
 
 
-# gas
-
-
-def primitive_rows(gas, rho, m, e, u, T, a, b):
-    """u and T at the points a .. b-1."""
-    for i in each(a, b, vector=True):
-        r = 1.0 / rho[i]
-        v = m[i] * r
-        temperature = gas.law.temperature(rho[i], e[i] * r - 0.5 * v * v)
-        u[i], T[i] = v, temperature
-
-
-def gas_fluxes(gas, s, rho, m, e, u, T, u_X, T_X, f, g, h, a, b):
-    """f, g, h = rho (u-s), rho u (u-s) + p - mu' u_X, e (u-s) + u (p - mu' u_X) - kappa T_X."""
-    for i in each(a, b, vector=True):
-        relative = u[i] - s
-        pressing = gas.law.pressure(rho[i], T[i]) - gas.viscosity(T[i]) * u_X[i]
-        mass, momentum = rho[i] * relative, m[i] * relative + pressing
-        energy = e[i] * relative + u[i] * pressing - gas.conductivity(T[i]) * T_X[i]
-        f[i], g[i], h[i] = mass, momentum, energy
-
-
-def put(out, k, more, adds):
-    """out = more at a point, or, if it adds, out += more."""
-    for c, rate in enumerate(more):
-        out[c, k] = out[c, k] + rate if adds else rate
-
-
-def put_gas(force, rho, m, f_X, g_X, h_X, out, adds, a, b, shift):
-    """-(fluxes)_X and what the body force does."""
-    for i in each(a, b, vector=True):
-        more = -f_X[i], force * rho[i] - g_X[i], force * m[i] - h_X[i]
-        put(out, i - shift, more, adds)
+def put(part, k, rates):
+    """Store rates of a point, or, where there are some, add them."""
+    for c, rate in enumerate(rates):
+        part.k[c, k] = part.k[c, k] + rate if adds(part) else rate
 
 
 def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
@@ -126,79 +99,61 @@ def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
 
 def gas_rates(part):
     """Add the rates of (4.20)."""
-    layer = part.layers[0]
-    a, b, A, B = own_range(layer)
-    start_with(part, layer.halo_lo, a, b)
-    for first, end, w in pieces(part, a, b):
-        _gas_rates(part, layer, w, layer.s, 1.0 / layer.h, first, end, A, B)
-
-
-def _gas_rates(part, layer, w, s, per_h, a, b, A, B):
-    op, gas = part.op, part.law
-    q, out = part.local, part.k
-    (f0, f1), (v0, v1) = widened(a, b, A, B, op.reach), widened(a, b, A, B, 2 * op.reach)
-    rho, m, e = (q[c] for c in range(3))
-    u, T, u_X, T_X, f, g, h, f_X, g_X, h_X = (w[c] for c in range(10))
-    primitive_rows(gas, rho, m, e, u, T, v0, v1)
-    side = outer_side(part.ends)
-    (ghost, end), kind = ((A, B), (B, A))[side], end_of(part)
-    if kind.gradient:  # u and T of the ghost point are others for the gradients
-        own_u, own_T, seen = variable(), variable(), (v0 <= ghost) & (ghost < v1)
-        with when(seen):
-            own_u.value, own_T.value = u[ghost], T[ghost]
-            u[ghost], T[ghost] = kind(part, ghost).gradient()
-    derivative(op, w, 0, w, 2, 2, f0, f1, A, B, per_h)  # u_X, T_X
-    if op.narrow:
-        narrow_gas(op, gas, layer, w, 0, 10, out, a, b, A, B)
-    if kind.gradient:
-        with when(seen):
-            u[ghost], T[ghost] = own_u.value, own_T.value
-    gas_fluxes(gas, s, rho, m, e, u, T, u_X, T_X, f, g, h, f0, f1)
-    derivative(op, w, 4, w, 7, 3, a, b, A, B, per_h)  # f_X, g_X, h_X
-    with when((gas.kappa == 0.0) & (a <= end) & (end < b)):
-        rates = -f_X[end], -g_X[end], -h_X[end]
-        h_X[end] -= entropy_keeping(gas, rho[end], m[end], e[end], *rates, u_X[end])
-    put_gas(gas.force, rho, m, f_X, g_X, h_X, out, adds(part), a, b, layer.halo_lo)
-
-
-# solid
-
-
-def solid_fluxes(solid, sigma, T, x_X, T_X, stretch, net, conducted, a, b):
-    """The fluxes 1/x_X, sigma - p, kappa_e/x_X T_X."""
-    for i in each(a, b, vector=True):
-        r = 1.0 / x_X[i]
-        stretch[i], net[i] = r, sigma[i] - solid.pressure(T[i], x_X[i])
-        conducted[i] = solid.kappa_e * r * T_X[i]
-
-
-def put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, adds, a, b, shift):
-    """(u, sigma, T, x)_t."""
-    for i in each(a, b, vector=True):
-        acceleration = net_X[i] / solid.m0 + solid.force
-        warming = (net[i] * u_X[i] + conducted_X[i]) / (solid.alpha * solid.m0)
-        more = acceleration, solid.K * stretch[i] * u_X[i], warming, u[i]
-        put(out, i - shift, more, adds)
+    op, gas, layer, kind = part.op, part.law, part.layers[0], end_of(part)
+    (rho, m, e), side = (part.local[c] for c in range(3)), outer_side(part.ends)
+    for w, a, b, A, B in pieces(part):
+        s, per_h, shift = layer.s, 1.0 / layer.h, layer.halo_lo
+        (f0, f1), (v0, v1) = (widened(a, b, A, B, reach) for reach in (op.reach, 2 * op.reach))
+        u, T, u_X, T_X, f, g, h, f_X, g_X, h_X = (w[c] for c in range(10))
+        for i in each(v0, v1, vector=True):
+            r = 1.0 / rho[i]
+            v = m[i] * r
+            u[i], T[i] = v, gas.law.temperature(rho[i], e[i] * r - 0.5 * v * v)
+        ghost, end = ((A, B), (B, A))[side]
+        if kind.gradient:  # u and T of the ghost point are others for the gradients
+            own_u, own_T, seen = variable(), variable(), (v0 <= ghost) & (ghost < v1)
+            with when(seen):
+                own_u.value, own_T.value = u[ghost], T[ghost]
+                u[ghost], T[ghost] = kind(part, ghost).gradient()
+        derivative(op, w, 0, w, 2, 2, f0, f1, A, B, per_h)  # u_X, T_X
+        if op.narrow:
+            narrow_gas(op, gas, layer, w, 0, 10, part.k, a, b, A, B)
+        if kind.gradient:
+            with when(seen):
+                u[ghost], T[ghost] = own_u.value, own_T.value
+        for i in each(f0, f1, vector=True):  # rho (u-s), ... of (4.20)
+            relative = u[i] - s
+            pressing = gas.law.pressure(rho[i], T[i]) - gas.viscosity(T[i]) * u_X[i]
+            mass, momentum = rho[i] * relative, m[i] * relative + pressing
+            energy = e[i] * relative + u[i] * pressing - gas.conductivity(T[i]) * T_X[i]
+            f[i], g[i], h[i] = mass, momentum, energy
+        derivative(op, w, 4, w, 7, 3, a, b, A, B, per_h)  # f_X, g_X, h_X
+        with when((gas.kappa == 0.0) & (a <= end) & (end < b)):
+            rates = -f_X[end], -g_X[end], -h_X[end]
+            h_X[end] -= entropy_keeping(gas, rho[end], m[end], e[end], *rates, u_X[end])
+        for i in each(a, b, vector=True):
+            put(part, i - shift, (-f_X[i], gas.force * rho[i] - g_X[i], gas.force * m[i] - h_X[i]))
 
 
 def elastic_rates(part):
     """Add the rates of (4.19)."""
-    layer = part.layers[0]
-    a, b, A, B = own_range(layer)
-    start_with(part, layer.halo_lo, a, b)
-    for first, end, w in pieces(part, a, b):
-        _elastic_rates(part, layer, w, 1.0 / layer.h, first, end, A, B)
-
-
-def _elastic_rates(part, layer, w, per_h, a, b, A, B):
-    op, solid = part.op, part.law
-    q, out, (f0, f1) = part.local, part.k, widened(a, b, A, B, op.reach)
+    op, solid, layer, q = part.op, part.law, part.layers[0], part.local
     u, sigma, T = (q[c] for c in range(3))
-    T_X, x_X, net, conducted, u_X, net_X, conducted_X, stretch = (w[c] for c in range(8))
-    derivative(op, q, 2, w, 0, 2, f0, f1, A, B, per_h)  # T_X, x_X
-    solid_fluxes(solid, sigma, T, x_X, T_X, stretch, net, conducted, f0, f1)
-    derivative(op, q, 0, w, 4, 1, a, b, A, B, per_h)  # u_X
-    derivative(op, w, 2, w, 5, 2, a, b, A, B, per_h)  # net_X, conducted_X
-    if op.narrow:
-        narrow_solid(op, solid, layer, T, stretch, [w[c] for c in (8, 9, 10)], out, a, b, A, B)
-    put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, adds(part), a, b, layer.halo_lo)
+    for w, a, b, A, B in pieces(part):
+        per_h, shift = 1.0 / layer.h, layer.halo_lo
+        f0, f1 = widened(a, b, A, B, op.reach)
+        T_X, x_X, net, conducted, u_X, net_X, conducted_X, stretch = (w[c] for c in range(8))
+        derivative(op, q, 2, w, 0, 2, f0, f1, A, B, per_h)  # T_X, x_X
+        for i in each(f0, f1, vector=True):  # 1/x_X, sigma - p, kappa_e/x_X T_X
+            r = 1.0 / x_X[i]
+            stretch[i], net[i] = r, sigma[i] - solid.pressure(T[i], x_X[i])
+            conducted[i] = solid.kappa_e * r * T_X[i]
+        derivative(op, q, 0, w, 4, 1, a, b, A, B, per_h)  # u_X
+        derivative(op, w, 2, w, 5, 2, a, b, A, B, per_h)  # net_X, conducted_X
+        if op.narrow:
+            scratch = [w[c] for c in (8, 9, 10)]
+            narrow_solid(op, solid, layer, T, stretch, scratch, part.k, a, b, A, B)
+        for i in each(a, b, vector=True):
+            acceleration = net_X[i] / solid.m0 + solid.force
+            warming = (net[i] * u_X[i] + conducted_X[i]) / (solid.alpha * solid.m0)
+            put(part, i - shift, (acceleration, solid.K * stretch[i] * u_X[i], warming, u[i]))
