@@ -186,8 +186,7 @@ def weigh_heat(all):
     state = all.state
     for p in each(all.facts.shape[0]):
         mass, heat, energy = sums = variable(), variable(), variable()
-        for m in each(all.begin[p], all.begin[p + 1]):
-            r = all.row[m]
+        for r in each(all.begin[p], all.begin[p + 1]):
             with when(all.kind[r] == SOLID):
                 mass.value += all.weight[r]
                 heat.value += all.weight[r] * all.alpha[r]

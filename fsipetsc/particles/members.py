@@ -67,13 +67,13 @@ class Constraint(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """A condition at a particle, and its face, None of a hinge. normal: the outward unit normal
-    along which alone it holds what is there, else None.
+    """A condition at a particle, and its face, None of a hinge. slides: it holds what is there
+    along the normal of the face alone.
     """
 
     condition: Any
     face: Face | None
-    normal: Array | None
+    slides: bool
 
     def said(self, problem: BlockProblem) -> str:
         """Such as "NoSlip of 'gas', axis 0, side 1,"."""
@@ -164,8 +164,8 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
     hinge = None if problem.hinges.isdisjoint(members) else Clamped()
     particle.clamp = particle.clamp or hinge
     directions = {}  # outward unit normal, and unit vector from the node into the face
-    several = max(len(slips) + len(rolls), len(found) + (hinge is not None)) > 1
-    for face, _ in [*slips, *rolls] if several else ():
+    sliding = [face for face, _ in [*slips, *rolls]]
+    for face in sliding if len(sliding) > 1 else ():
         normal, place, within = problem.face_normal(*members[face.member], face.axis, face.side)
         into = within - place  # 0 in the middle of a face, where no other wall is
         directions[face] = normal, into / (np.linalg.norm(into) or 1.0)
@@ -181,9 +181,8 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
     def one_roller(one: tuple[Face, Any], other: tuple[Face, Any]) -> bool:
         return bool(directions[one[0]][0] @ directions[other[0]][0] > SMOOTH)
 
-    held = [(face, met) for face, met in found if met.holds]
-    of_faces = [Asked(met, face, directions.get(face, (None,))[0]) for face, met in held]
-    asked = [Asked(hinge, None, None), *of_faces] if hinge else of_faces
+    of_faces = [Asked(met, face, face in sliding) for face, met in found if met.holds]
+    asked = [*([Asked(hinge, None, False)] if hinge else []), *of_faces]
     if any(one.condition != asked[0].condition for one in asked):
         particle.asked = asked
     if sticks and not particle.clamp and not particle.given_solid:

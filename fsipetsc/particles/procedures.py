@@ -54,7 +54,7 @@ from fsipetsc.scheme.part import clear
 def weigh(all, y):
     """Rows of this rank's members: H q of gas, (M_s D, M_s v, M_s e) of a solid; or their rates."""
     rows, d = all.rows, len(all.like)
-    for r in each(all.at.shape[0]):
+    for _, r in own_members(all):
         weight, own = all.weight[r], Unknowns(all, r, y)
         with when(all.kind[r] == GAS):
             for c in range(d + 3):
@@ -68,8 +68,7 @@ def summed(all, p):
     """(V, M, P, E) of the gas and (M_s, M_s D, M_s v, M_s e) of the solid of particle p."""
     rows, d = all.rows, len(all.like)
     gas, solid = ([variable() for _ in range(n)] for n in (d + 3, 2 * d + 2))
-    for m in each(all.begin[p], all.begin[p + 1]):
-        r = all.row[m]
+    for r in each(all.begin[p], all.begin[p + 1]):
         with when(all.kind[r] == GAS):
             for c in range(d + 3):
                 gas[c].value += rows[r, c]
@@ -155,8 +154,8 @@ def end_turning(all):
 def gather(all, total):
     """Add up the rows of the members of each particle, and clear them."""
     clear(total.reshape(-1))
-    for m in each(all.of_particle.shape[0]):
-        p, r = all.of_particle[m], all.row[m]
+    for r in each(all.of_particle.shape[0]):
+        p = all.of_particle[r]
         for c in each(total.shape[1]):
             total[p, c] += all.of_normals[r, c]
     clear(all.of_normals.reshape(-1))
@@ -188,11 +187,9 @@ class Unknowns:
 
 def own_members(all):
     """Particle and row of each member of this rank."""
-    for p in each(all.facts.shape[0]):
-        for m in each(all.begin[p], all.begin[p + 1]):
-            r = all.row[m]
-            with when(r < all.at.shape[0]):
-                yield p, r
+    for m in each(all.mine.shape[0]):
+        r = all.mine[m]
+        yield all.of_particle[r], r
 
 
 # constraints

@@ -43,19 +43,21 @@ class State(NamedTuple):
 
 
 class Particles(NamedTuple):
-    """The n particles of a rank in d dimensions. Rows of tables are members; those of this rank
-    come first, in any order. A particle has K constraints at most.
+    """The n particles of a rank in d dimensions, and their members, on this and other ranks: rows
+    of tables, those of one particle together, in an order that all ranks have in common. A particle
+    has K constraints at most.
     """
 
     like: Any  #: d zeros
-    begin: Array  #: (n + 1,) particle p has the rows row[begin[p]:begin[p + 1]], on all ranks alike
-    row: Array
+    begin: Array  #: (n + 1,) particle p has the rows begin[p] … begin[p + 1] - 1
+    mine: Array  #: (own,) rows of the members of this rank
+    of_particle: Array  #: (rows,) particle of each member
     kind: Array  #: (rows,) GAS or SOLID
-    at: Array  #: (own rows,) where the first unknown of a member stands in the world vector
-    apart: Array  #: (own rows,) how far its unknowns are apart there
+    at: Array  #: (rows,) place in the world vector of the first unknown of a member of this rank
+    apart: Array  #: (rows,) how far its unknowns are apart there
     weight: Array  #: (rows,) H of a gas member, M_s of a solid one
     alpha: Array  #: (rows,) specific heat of solids
-    inertia: Array  #: (own rows,) M_s of members whose work is booked, else 0
+    inertia: Array  #: (rows,) M_s of members of this rank whose work is booked, else 0
     constraint: Array  #: (n, K) kinds of constraints
     facts: Array  #: (n,) records of what _facts says
     laws: Any  #: the different ones of gases
@@ -68,7 +70,6 @@ class Particles(NamedTuple):
     normals: Array  #: (n, 2 d K) G and S of each constraint
     turning: Array  #: (n, 2 d K) how they turn
     of_normals: Array  #: (rows, 2 d K) area vectors of members
-    of_particle: Array  #: particle of each member
     matrix: Array  #: (K, K), (K,), (K,): room for the constraints of one particle
     pi: Array
     pivots: Array
@@ -98,24 +99,25 @@ class ParticleSystem:
         inertia: dict[int, Array],
         instant: Callable[[], float],
     ) -> None:
-        self._layout, d = layout, layout.problem.dimension
+        self._layout, d, me = layout, layout.problem.dimension, layout.comm.rank
         members, owners = _members(layout, particles)
-        here = np.unique(members[owners == layout.comm.rank, 0])
-        local = np.full(len(particles), -1)
-        local[here] = np.arange(here.size)
-        taken = local[members[:, 0]] >= 0
-        number, owners = local[members[taken, 0]], owners[taken]
-        #: block and node of the members of the particles here; numbers of those of this rank
-        self._members, self._mine = members[taken, 1:], np.flatnonzero(owners == layout.comm.rank)
+        here = np.unique(members[owners == me, 0])
+        taken = np.isin(members[:, 0], here)
+        number, owners = np.searchsorted(here, members[taken, 0]), owners[taken]
+        #: block and node of the members of the particles here, rows of those of this rank
+        self._members, self._mine = members[taken, 1:], np.flatnonzero(owners == me)
         self._particles, n = [particles[p] for p in here], here.size
         self.stores = any(p.stores for p in particles)
         self.slips = any(p.constraints for p in particles)
         most = max([1, *(len(p.constraints) for p in particles)])
-        row, sent, received = _rows(layout.comm.rank, number, owners)
-        tables = [np.zeros((len(row), c)) for c in (max(d + 3, 2 * d + 1), 2 * most * d, 1)]
+        others = np.unique(owners[owners != me]).tolist()
+        received = {rank: np.flatnonzero(owners == rank) for rank in others}
+        shared = {rank: np.isin(number, number[rows]) for rank, rows in received.items()}
+        sent = {rank: self._mine[with_it[self._mine]] for rank, with_it in shared.items()}
+        columns = max(d + 3, 2 * d + 1), 2 * most * d, 1
         self.sums, self.areas, self.stored = (
-            RowExchange(layout.comm, tag, sent, received, table)
-            for tag, table in enumerate(tables, PARTICLES_TAG)
+            RowExchange(layout.comm, tag, sent, received, np.zeros((number.size, c)))
+            for tag, c in enumerate(columns, PARTICLES_TAG)
         )
         self.prescribed = Prescribed(layout.problem, particles, here.tolist(), instant)
         moves = np.zeros(n, np.int64)
@@ -124,8 +126,9 @@ class ParticleSystem:
         self.record = Particles(
             like=(0.0,) * d,
             begin=np.searchsorted(number, np.arange(n + 1)),
-            row=row,
-            **self._of_members(row, inertia),
+            mine=self._mine,
+            of_particle=number,
+            **self._of_members(inertia),
             **self._of_particles(number, owners, most),
             laws=layout.problem.gas_laws,
             data=self.prescribed.data,
@@ -137,7 +140,6 @@ class ParticleSystem:
             normals=np.zeros((n, 2 * most * d)),
             turning=np.zeros((n, 2 * most * d)),
             of_normals=self.areas.table,
-            of_particle=number,
             matrix=np.zeros((most, most)),
             pi=np.zeros(most),
             pivots=np.zeros(most),
@@ -148,12 +150,12 @@ class ParticleSystem:
         self.nodes, self.telling = {}, {}
         stored = np.array([p.stores for p in self._particles], bool)
         for k in layout.parts:
-            rows = self._rows_of(k)
-            nodes, own = self._nodes_at(rows), number[self._mine[rows]]
+            rows, nodes = self._own_of(k)
             order = np.argsort(nodes)
-            self.nodes[k] = nodes[order], own[order]
+            self.nodes[k] = nodes[order], number[rows[order]]
             if k in inertia:
-                self.telling[k] = rows[stored[own]], nodes[stored[own]]
+                telling = stored[number[rows]]
+                self.telling[k] = rows[telling], nodes[telling]
         self.does: dict[str, Procedure] = {}
 
     def procedures(self, gain: Any) -> Code:
@@ -169,26 +171,22 @@ class ParticleSystem:
             self.does[name] = code.procedure(name, function, *given)
         return code
 
-    def _rows_of(self, k: int) -> Array:
-        """Rows of the tables of this rank's members of block k."""
-        return np.flatnonzero(self._members[self._mine, 0] == k)
+    def _own_of(self, k: int) -> tuple[Array, Array]:
+        """Rows of the tables and numbers of nodes of this rank's members of block k."""
+        rows = self._mine[self._members[self._mine, 0] == k]
+        return rows, self._members[rows, 1]
 
-    def _nodes_at(self, rows: Array) -> Array:
-        """The nodes of these rows of the tables."""
-        return self._members[self._mine[rows], 1]
-
-    def _of_members(self, row: Array, inertia: dict[int, Array]) -> dict[str, Array]:
+    def _of_members(self, inertia: dict[int, Array]) -> dict[str, Array]:
         """What the record has of members. Weights of others are 0 until `begin` is called."""
-        blocks, of, own = self._layout.problem.blocks, self._members[:, 0], self._mine.size
-        kind, (weight, alpha) = np.empty(len(row), np.int64), np.zeros((2, len(row)))
-        kind[row] = [SOLID if blocks[k].kind == "solid" else GAS for k in of]
-        alpha[row] = [getattr(blocks[k].material, "alpha", 0.0) for k in of]
-        (at, apart), booked = np.empty((2, own), np.int64), np.zeros(own)
+        blocks, of = self._layout.problem.blocks, self._members[:, 0]
+        kind = np.array([SOLID if blocks[k].kind == "solid" else GAS for k in of], np.int64)
+        alpha = np.array([getattr(blocks[k].material, "alpha", 0.0) for k in of])
+        (at, apart), (weight, booked) = np.zeros((2, len(of)), np.int64), np.zeros((2, len(of)))
         for k, part in self._layout.parts.items():
-            rows = self._rows_of(k)
-            nodes = part.ghosted_rows(part.rows(self._nodes_at(rows)))
+            rows, numbers = self._own_of(k)
+            nodes = part.ghosted_rows(part.rows(numbers))
             weight[rows] = part.weights(nodes) * (inertia[k][nodes] if k in inertia else 1.0)
-            at[rows], apart[rows] = part.at(self._nodes_at(rows)), part.numbers.size
+            at[rows], apart[rows] = part.at(numbers), part.numbers.size
             booked[rows] = weight[rows] * self._layout.problem.loses(k)
         found = {"kind": kind, "at": at, "apart": apart, "weight": weight, "alpha": alpha}
         return {**found, "inertia": booked}
@@ -212,8 +210,8 @@ class ParticleSystem:
 
         A member's row has G and S of each constraint; a face of the gas at a solid is in both.
         """
-        d, found, nodes = self._layout.problem.dimension, [], self._rows_of(k)
-        row_of = dict(zip(self._nodes_at(nodes).tolist(), nodes.tolist(), strict=True))
+        d, found, (rows, nodes) = self._layout.problem.dimension, [], self._own_of(k)
+        row_of = dict(zip(nodes.tolist(), rows.tolist(), strict=True))
         for particle in self._particles:
             for c, (kind, walls, solids) in enumerate(particle.constraints):
                 on_gas, on_solid = 2 * c * d, (2 * c + 1) * d
@@ -292,16 +290,3 @@ def _members(layout: BlockLayout, particles: Sequence[Particle]) -> tuple[Array,
         of_block = members[:, 1] == k
         owners[of_block] = layout.shares[k].owners(members[of_block, 2])
     return members, owners
-
-
-def _rows(me: int, particles: Array, owners: Array) -> tuple[Array, Any, Any]:
-    """The row of each member in a table, those of this rank first; and the rows that it sends to
-    and receives from other ranks, which own members of the same particles. particles, owners: of
-    each member, in an order that all ranks have in common.
-    """
-    mine, others = owners == me, np.unique(owners[owners != me]).tolist()
-    row = np.empty(len(owners), np.int64)
-    row[np.argsort(np.where(mine, -1, owners), kind="stable")] = np.arange(len(owners))
-    received = {rank: row[owners == rank] for rank in others}
-    shared = {rank: np.isin(particles, particles[owners == rank]) for rank in others}
-    return row, {rank: row[mine & with_it] for rank, with_it in shared.items()}, received
