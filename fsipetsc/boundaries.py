@@ -43,7 +43,7 @@ class Boundary(Checked):
     def closed(self) -> bool:
         """Whether neither mass nor energy goes through."""
         driven = self.heated or any(getattr(self, name) for name in self.given)
-        return not (self.passes or driven) and conditions.steady(self)
+        return not (self.passes or driven) and self.steady
 
     def condition(self, material: Any) -> conditions.Condition:
         """The condition of a block of this material that this is."""

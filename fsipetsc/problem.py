@@ -15,7 +15,6 @@ import numpy as np
 from fsipetsc import checks
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.blocks.conditions import steady
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.blocks.values import NOWHERE, block_values, checked
 from fsipetsc.boundaries import Boundary, Wall
@@ -221,7 +220,7 @@ class Problem:
     @property
     def steady_data(self) -> bool:
         """No boundary data, jump or forcing that depends on time."""
-        return not self._forced and steady(self.left) and steady(self.right)
+        return not self._forced and self.left.steady and self.right.steady
 
     @property
     def invariants(self) -> dict[str, Any]:

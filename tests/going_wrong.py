@@ -64,7 +64,7 @@ def build(opt):
     lower, upper = (NoSlip() if kind == "g" else Clamped() for kind in (kinds[0], kinds[-1]))
     if field == "place":
         place = lambda X, Y, t: (X, Y + rate * max(0.0, t - begin))  # noqa: E731
-        lower = Slip(place, lambda X, Y, t: (0.0, rate * (t > begin)))
+        lower = Slip(x=place, velocity=lambda X, Y, t: (0.0, rate * (t > begin)))
     if function == "edge":
         upper = Given(failing("edge", lambda X, Y, t: (1.0, 0.0, 0.0, 1.0)))
     jumps = failing("jumps", lambda X, Y, t: (0.0, 0.0, 0.0)) if function == "jumps" else None

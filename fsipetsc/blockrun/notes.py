@@ -12,7 +12,6 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.blockrun.solid_part import SolidPart
-from fsipetsc.blocks.conditions.condition import warms
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.equations.tensors import determinant
 from fsipetsc.scheme.gas_forms import CONSERVED
@@ -42,7 +41,7 @@ def heat_that_stays(state: Any) -> list[str]:
     for (k, *_), met in state.problem.outer_faces.items():
         name, material = state.problem.blocks[k].name, state.problem.blocks[k].material
         conducts = material.kappa if material.kind == "fluid" else material.kappa_e
-        if warms(met) and not met.all_given and not conducts:
+        if met.warms and not met.all_given and not conducts:
             found.add(
                 f"{type(met).__name__} gives '{name}' a temperature, and it does not conduct heat: "
                 "only its nodes at the face have that temperature, so results depend on the grid"

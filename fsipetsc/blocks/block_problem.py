@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blocks.block import Block, Range, mesh, size_of
-from fsipetsc.blocks.conditions import Centre, Condition, Hinge, conserves_energy, moves, steady
+from fsipetsc.blocks.conditions import Centre, Condition, Hinge
 from fsipetsc.blocks.faces import FaceName, Faces, Kinds, Meeting, face_nodes, number_of, united
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.checks import Array, check_units, described, function
@@ -227,7 +227,7 @@ class BlockProblem:
     @property
     def steady_data(self) -> bool:
         """No data of faces and no forcing depend on time."""
-        return all(map(steady, self.outer_faces.values())) and not self._forced
+        return all(c.steady for c in self.outer_faces.values()) and not self._forced
 
     @cached_property
     def invariants(self) -> dict[str, Any]:
@@ -240,7 +240,7 @@ class BlockProblem:
         """
         solids = [block for block in self.blocks if block.kind == "solid"]
         gases = [k for k, block in enumerate(self.blocks) if block.kind == "fluid"]
-        closed = all(map(conserves_energy, self.outer_faces.values())) and not self._forced
+        closed = not self._forced and all(c.conserves_energy for c in self.outer_faces.values())
         elastic = all(solid.material.heat == "elastic" for solid in solids)
         pairs = ((self.blocks[gas].material, self.blocks[k].material) for gas, k in self.interfaces)
         shared = any(gas.kappa > 0.0 and solid.kappa_e > 0.0 for gas, solid in pairs)
@@ -265,7 +265,7 @@ class BlockProblem:
         """Energy with the potential energy of constant forces must stay."""
         conditions = self.outer_faces.values()
         gases = [block for block in self.blocks if block.kind == "fluid"]
-        moving = gases and (self.interfaces or any(map(moves, conditions)))
+        moving = gases and (self.interfaces or any(c.moves for c in conditions))
         pulled = (gas for gas in gases if any(gas.material.force))
         falling = any(np.any(gas.periods @ gas.material.force) for gas in pulled)
         passing = any(c.passes == "gas" for c in conditions)

@@ -62,7 +62,7 @@ class Cube:
         pairs_of_axes = [_pairs(*band) for band in bands]
         memory = {
             "moved": np.zeros((3, nodes)),
-            "other": np.zeros((3, metrics.shape[1])),
+            "other": np.zeros((9, metrics.shape[1])),
             "rows": np.zeros((9, wide.sizes[0])),
             "faces": np.array(faces, np.int64),
             "metrics": metrics,

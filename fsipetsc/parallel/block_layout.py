@@ -14,7 +14,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import accumulate, repeat
 from math import prod
+from operator import mul
 from typing import Any
 
 import numpy as np
@@ -26,7 +28,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.kernels.memory import zeros
 from fsipetsc.operators.bands import AXIS, NO_AXIS, Band, Patch
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.parallel.block_shares import Extent, share_out
+from fsipetsc.parallel.block_shares import Extent, Share, share_out
 from fsipetsc.parallel.exchange import (
     Exchange,
     Halo,
@@ -52,9 +54,9 @@ class Part:
     which go on beyond the ends of periodic axes. bands: pair weights of the three axes there.
     dof: unknowns of a node. begin, end: of its numbers in this rank's part of the world vector.
     numbers: (M,) of the nodes that it owns. comm: of the ranks of the block; dm: of one number a
-    node. local: (dof, N), the ghosted array, of halo; inside: copies the owned nodes there. signs:
-    (dof,) of the unknowns of mirror images, which stand before the first nodes of a block with a
-    centre; (0,) where there are none.
+    node. local: (dof, N), the ghosted array; inside: copies the owned nodes there. signs: (dof,) of
+    the unknowns of mirror images, which stand before the first nodes of a block with a centre; (0,)
+    where there are none.
     """
 
     k: int
@@ -68,7 +70,6 @@ class Part:
     comm: MPI.Comm
     dm: PETSc.DMDA
     local: Array
-    halo: Halo
     inside: Exchange
     signs: Array
 
@@ -132,21 +133,21 @@ class BlockLayout:
         self._widths = [width_of_halo(problem, k, order, shocks) for k in range(len(blocks))]
         extents = [self._extent(k) for k in range(len(blocks))]
         self.shares = share_out(extents, comm.size, partition)
-        shared = zip(self.dofs, self.shares, strict=True)
-        self._sizes = [dof * share.size(comm.rank) for dof, share in shared]
-        self.auxiliary = auxiliary
-        self.local_size = sum(self._sizes) + auxiliary
-        reaches, begins = [self._reach(k) for k in range(len(blocks))], [0]
-        for k, reach in enumerate(reaches):
-            here = self.dofs[k] * (comm.rank in reach.share.ranks)
-            nodes = prod(b - a for a, b in reach.ghosted(comm.rank)) if here else 0
-            begins.append(begins[-1] + here * nodes)
+        sizes = map(Share.size, self.shares, repeat(comm.rank))
+        self._begins = [0, *accumulate(map(mul, self.dofs, sizes))]
+        self.auxiliary, self.local_size = auxiliary, self._begins[-1] + auxiliary
+        reaches = {k: self._reach(k) for k, s in enumerate(self.shares) if comm.rank in s.ranks}
+        wide = (self.dofs[k] * r.nodes(comm.rank) for k, r in reaches.items())
+        begins = [0, *accumulate(wide)]
         memory = zeros(begins[-1])
         memory[:] = 1.0  # corners never get other numbers
-        found = {k: self._place(k, reach, memory, begins[k]) for k, reach in enumerate(reaches)}
-        self.parts = {k: part for k, part in found.items() if part is not None}
-        of_parts = [part.halo for part in self.parts.values()]
-        self.halos = exchange_of(comm, HALO_TAG, of_parts, memory)
+        comms = [self._comm_of(share) for share in self.shares]
+        self.parts, halos = dict[int, Part](), list[Halo]()
+        for (k, reach), at in zip(reaches.items(), begins):
+            part, halo = self._part(k, reach, comms[k], memory, at)
+            self.parts[k] = part
+            halos.append(halo)
+        self.halos = exchange_of(comm, HALO_TAG, halos, memory)
 
     def _extent(self, k: int) -> Extent:
         """A block as its partition sees it. InputError where it has too few nodes, or more numbers
@@ -158,14 +159,10 @@ class BlockLayout:
             least = max(2 * op.p + 1, halo) if closed else op.min_points
             if n < least:
                 kind, cells = "periodic " if closed else "", least - (not closed)
-                line = [(0, n + closed if k == axis else 1) for k in range(block.dimension)]
-                steps = np.diff(block.positions(line), axis=1)
-                length = float(np.linalg.norm(steps, axis=0).sum())
                 raise InputError(
                     f"block '{block.name}' has {n} nodes along its {kind}axis {axis}: the "
                     f"{op.name} operator needs at least {least}: take {cells} cells there or more, "
-                    f"as -fsi_h {length / cells:.10g} gives where it sets them, or a lower "
-                    "-fsi_order"
+                    "by a smaller -fsi_h where that sets them, or a lower -fsi_order"
                 )
         if prod(shape) * self.dofs[k] > np.iinfo(PETSc.IntType).max:
             nodes = " by ".join(map(str, shape))
@@ -180,17 +177,24 @@ class BlockLayout:
         (width, corners), block = self._widths[k], self.problem.blocks[k]
         return Reach(self.shares[k], block.periodic, width, corners, self.problem.centred(k))
 
-    def _place(self, k: int, reach: Reach, memory: Array, at: int) -> Part | None:
-        """Make the DMDA of block k on its ranks; its ghosted array begins at the number
-        ``at`` of ``memory``. Collective.
-        """
-        share, block, rank = self.shares[k], self.problem.blocks[k], self.comm.rank
-        here = rank in share.ranks
+    def _comm_of(self, share: Share) -> MPI.Comm:
+        """The communicator of the ranks of a block, on these. Collective."""
+        here, rank = self.comm.rank in share.ranks, self.comm.rank
         place = share.ranks.index(rank) if here else 0
-        comm = self.comm.Split(0 if here else MPI.UNDEFINED, place)
-        if not here:
-            return None
-        last = block.dimension - 1 if self.problem.centred(k) else -1
+        return self.comm.Split(0 if here else MPI.UNDEFINED, place)
+
+    def _part(
+        self, k: int, reach: Reach, comm: MPI.Comm, memory: Array, at: int
+    ) -> tuple[Part, Halo]:
+        """This rank's part of block k, whose ghosted array begins at the number ``at`` of
+        ``memory``, and its halo. Collective on the ranks of the block.
+        """
+        share, block, rank, dof = (
+            self.shares[k],
+            self.problem.blocks[k],
+            self.comm.rank,
+            self.dofs[k],
+        )
         dm = PETSc.DMDA().create(
             dim=block.dimension,
             dof=1,
@@ -200,33 +204,32 @@ class BlockLayout:
             stencil_width=0,
             comm=comm,
         )
-        own, ghosted = _ranges(dm.getCorners()), _padded(reach.ghosted(rank))
-        assert own == _padded(share.part(rank)), "PETSc cuts the block otherwise"
+        own, ghosted = _padded(share.part(rank)), _padded(reach.ghosted(rank))
         sizes = [tuple(b - a for a, b in spans) for spans in (own, ghosted)]
         patch = Patch(*sizes, tuple(a - g for (a, _), (g, _) in zip(own, ghosted, strict=True)))
         axes = range(block.dimension)
         bands = [self.problem.band(k, self.order, axis).part(*ghosted[axis]) for axis in axes]
-        begin = sum(self._sizes[:k])
-        dof, images = self.dofs[k], last >= 0 and ghosted[last][0] < 0
-        odd = (last, last + block.dimension) if block.kind == "solid" else dof - 2
+        begin, end = self._begins[k : k + 2]
+        images = ghosted[axes[-1]][0] < 0 and reach.centred
+        odd = (axes[-1], axes[-1] + block.dimension) if block.kind == "solid" else dof - 2
         nodes, numbers = prod(patch.ghosted), _numbers(own, self.shapes[k])
         halo = halo_of(reach, rank, patch, numbers, dof, begin, at)
-        return Part(
+        part = Part(
             k=k,
             patch=patch,
             ghosted=ghosted[: block.dimension],
             bands=(*bands, *[NO_AXIS] * (AXES - len(bands))),
             dof=dof,
             begin=begin,
-            end=begin + self._sizes[k],
+            end=end,
             numbers=numbers,
             comm=comm,
             dm=dm,
             local=memory[at : at + dof * nodes].reshape(dof, nodes),
-            halo=halo,
             inside=Exchange(self.comm, HALO_TAG, {}, {}, halo.inside, None, memory),
             signs=np.where(np.isin(np.arange(dof), odd), -1.0, 1.0)[: dof * images],
         )
+        return part, halo
 
     def interface_ends(self) -> Iterator[tuple[int, int, int, float]]:
         """Of interfaces in one dimension with the solid's end here: number, block, row, X."""
@@ -335,11 +338,6 @@ def width_of_halo(problem: Any, k: int, order: int, shocks: bool) -> tuple[int, 
     if material.mu > 0.0 or material.kappa > 0.0:
         return 2 * p, True
     return max(p + shocks, 2), False
-
-
-def _ranges(corners: tuple[tuple[int, ...], tuple[int, ...]]) -> tuple[tuple[int, int], ...]:
-    """(first, first beyond) of three axes, of what PETSc says."""
-    return _padded([(a, a + n) for a, n in zip(*corners, strict=True)])
 
 
 def _padded(spans: Sequence[tuple[int, int]]) -> tuple[tuple[int, int], ...]:

@@ -7,7 +7,7 @@ parts in the middle have at least the nodes of a halo.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise, product
+from itertools import accumulate, pairwise, product
 from math import prod
 
 import numpy as np
@@ -45,7 +45,6 @@ class Extent:
 
     @property
     def work(self) -> float:
-        """That of all nodes."""
         return prod(self.shape) * self.cost
 
     @property
@@ -76,15 +75,12 @@ class Extent:
 
     def even(self, axis: int, parts: int) -> tuple[int, ...]:
         """Cuts into so many parts, not more than ``most``, as even as they can be."""
-        n = self.shape[axis]
-        cuts = _even(0, n, parts)
+        n, end = self.shape[axis], self.end
+        cuts = tuple(n * k // parts for k in range(parts + 1))
         if self.allows(axis, cuts):
             return cuts
-        return 0, *_even(self.end, n - self.end, parts - 2), n
-
-
-def _even(begin: int, end: int, parts: int) -> tuple[int, ...]:
-    return tuple(begin + (end - begin) * k // parts for k in range(parts + 1))
+        inner = (end + (n - 2 * end) * k // (parts - 2) for k in range(parts - 1))
+        return 0, *inner, n
 
 
 @dataclass(frozen=True)
@@ -125,28 +121,24 @@ def share_out(extents: Sequence[Extent], size: int, mode: str = "auto") -> list[
 
     physics: each rank has one block, or a part of one; with fewer ranks than blocks whole blocks,
     and gas and solid on different ranks. balanced: equal work for all ranks, in the order of the
-    blocks, gas first; blocks are cut along their longest axes only. auto: the one with which the
-    slowest rank has less to do.
+    blocks, gas first; blocks are cut along their longest axes only. Where that is impossible it is
+    physics. auto: the one with which the slowest rank has less to do.
     RanksError, which names the largest number of ranks that works, if these are too many.
     """
     if size == 1:
         return [Share((0,), _uncut(extent)) for extent in extents]
-    apart, chained = _physics(extents, size), _balanced(extents, size)
-    chosen = chained if mode == "balanced" else apart
-    if chosen is None:
-        most = sum(extent.cap for extent in extents)
-        if mode == "balanced":
-            tried = range(min(size - 1, sum(e.most(e.longest) for e in extents)), 1, -1)
-            most = next((n for n in tried if _balanced(extents, n)), 1)
+    most = sum(extent.cap for extent in extents)
+    if size > most:
         raise RanksError(
             f"{size} ranks are more than these blocks can feed: with at least "
             f"{min(extent.end for extent in extents)} nodes along each cut axis on a rank, {most} "
             "is the largest number that works"
         )
-    if mode != "auto" or chained is None:
-        return chosen
+    apart, chained = _physics(extents, size), _balanced(extents, size)
+    if chained is None or mode == "physics":
+        return apart
     gain = slowest(extents, apart, size) / slowest(extents, chained, size)
-    return chained if gain > WORTH_IT else apart
+    return chained if mode == "balanced" or gain > WORTH_IT else apart
 
 
 def _uncut(extent: Extent) -> tuple[tuple[int, ...], ...]:
@@ -169,37 +161,26 @@ def slowest(extents: Sequence[Extent], shares: Sequence[Share], size: int) -> fl
     return float(work.max())
 
 
-# each rank one block, or a part of one
-
-
-def _physics(extents: Sequence[Extent], size: int) -> list[Share] | None:
+def _physics(extents: Sequence[Extent], size: int) -> list[Share]:
+    """Each rank has one block, or a part of one, or whole blocks of one kind."""
     if size < len(extents):
         ranks = _whole(extents, size)
         return [Share((r,), _uncut(extent)) for extent, r in zip(extents, ranks, strict=True)]
-    caps = [extent.cap for extent in extents]
-    if size > sum(caps):
-        return None
-    counts = _apportion([extent.work for extent in extents], caps, size)
-    shares, first = [], 0
-    for extent, count in zip(extents, counts, strict=True):
-        shares.append(_cut(extent, range(first, first + count)))
-        first += count
-    return shares
+    counts = _apportion([e.work for e in extents], [e.cap for e in extents], size)
+    begins = [0, *accumulate(counts)]
+    return [_cut(extent, range(*ends)) for extent, ends in zip(extents, pairwise(begins))]
 
 
 def _whole(extents: Sequence[Extent], size: int) -> list[int]:
     """A rank for each block, of fewer ranks than blocks: gas on the lower ones."""
-    of_kinds = [[k for k, e in enumerate(extents) if e.kind == kind] for kind in ("fluid", "solid")]
-    of_kinds = [blocks for blocks in of_kinds if blocks]
+    kinds = sorted({extent.kind for extent in extents})
+    of_kinds = [[k for k, e in enumerate(extents) if e.kind == kind] for kind in kinds]
     work = [sum(extents[k].work for k in blocks) for blocks in of_kinds]
-    counts = _apportion(work, list(map(len, of_kinds)), size)
-    ranks, first = [0] * len(extents), 0
-    for blocks, count in zip(of_kinds, counts, strict=True):
-        loads = [0.0] * count
+    loads, ranks, first = [0.0] * size, [0] * len(extents), 0
+    for blocks, count in zip(of_kinds, _apportion(work, list(map(len, of_kinds)), size)):
         for k in sorted(blocks, key=lambda k: (-extents[k].work, k)):  # the largest first
-            least = loads.index(min(loads))
-            loads[least] += extents[k].work
-            ranks[k] = first + least
+            ranks[k] = min(range(first, first + count), key=loads.__getitem__)
+            loads[ranks[k]] += extents[k].work
         first += count
     return ranks
 
@@ -231,9 +212,6 @@ def _grid(extent: Extent, count: int) -> tuple[int, ...] | None:
         return sum((k - 1) * (prod(shape) // n) for k, n in zip(grid, shape, strict=True)), grid
 
     return min(fits, key=nodes_along_cuts, default=None)
-
-
-# equal work for all
 
 
 def _balanced(extents: Sequence[Extent], size: int) -> list[Share] | None:

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blocks.block_problem import BlockProblem, Meeting
-from fsipetsc.blocks.conditions import Clamped, moves, slides, warms
+from fsipetsc.blocks.conditions import Clamped
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.errors import InputError
 
@@ -114,7 +114,7 @@ class Particle:
 
     def mover(self, gas: bool) -> str:
         """The name of the condition that says how its gas moves, or else its solid; "" if none."""
-        slides = self.slip and moves(self.slip) and not (self.wall and moves(self.wall))
+        slides = self.slip and self.slip.moves and not (self.wall and self.wall.moves)
         walls = ("slip", "wall") if slides else ("wall", "slip")
         solid = "given_solid", "clamp"
         names = (*solid, *walls) if self.sticks else walls if gas else solid
@@ -124,7 +124,7 @@ class Particle:
     @property
     def moves(self) -> bool:
         """Whether walls or given faces move it by themselves."""
-        return any(c is not None and moves(c) for c in (self.wall, self.slip, self.given_gas))
+        return any(c is not None and c.moves for c in (self.wall, self.slip, self.given_gas))
 
 
 def particles_of(problem: BlockProblem) -> list[Particle]:
@@ -158,7 +158,7 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
     slips = [] if sticks else slips
     for face, met in found:
         gas = blocks[face.block].kind == "fluid"
-        if slides(met) or met.part == "roller" or (sticks and met.part == "wall"):
+        if met.slides or met.part == "roller" or (sticks and met.part == "wall"):
             (slips if gas else rolls).append((face, met))
         _take_over(particle, met, gas, face.name)
     hinge = None if problem.hinges.isdisjoint(members) else Clamped()
@@ -202,7 +202,7 @@ def _check_sliding(problem: BlockProblem, member: tuple[int, int], asked: list[A
     corner would be pressed together without end, on any grid, and push the solid.
     """
     for one in asked:
-        if one.condition.part == "wall" and not slides(one.condition):
+        if one.condition.part == "wall" and not one.condition.slides:
             place = place_text(problem.places(member[0], np.array([member[1]]))[0])
             raise InputError(
                 f"{one.said(problem)} meets at {place} a solid that slides along it: no grid "
@@ -214,14 +214,14 @@ def _check_sliding(problem: BlockProblem, member: tuple[int, int], asked: list[A
 def _take_over(particle: Particle, met: Any, gas: bool, face: tuple[int, int, int]) -> None:
     """What a condition says beside a direction; of two of a kind that which prescribes motion."""
     name = "" if met.part == "roller" else met.part
-    name = "slip" if name == "wall" and (particle.sticks or slides(met)) else name
+    name = "slip" if name == "wall" and (particle.sticks or met.slides) else name
     if met.all_given:
         name = "given_gas" if gas else "given_solid"
     elif name and (known := getattr(particle, name)):
         moving, moved = (c.x or c.velocity for c in (met, known))
         name = name if moving and not moved else ""
     warm = "warm_gas" if gas else "warm_solid"
-    for taken in (name, warm if warms(met) else ""):
+    for taken in (name, warm if met.warms else ""):
         if taken:
             setattr(particle, taken, met)
             particle.faces[taken] = face

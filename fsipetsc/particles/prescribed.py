@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blocks.conditions import moves
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.values import datum, names_of
 from fsipetsc.errors import InputError, place_of
@@ -108,12 +107,12 @@ class Prescribed:
         self.displaced = np.zeros_like(self._x)
         self._sources = self._sources_of(own)
         self.by_differences = any(_has_motion(source.condition) for source in self._sources)
-        moved = [who for name in WALLS for c, who in _grouped(own, name) if moves(c)]
+        moved = [who for name in WALLS for c, who in _grouped(own, name) if c.moves]
         self.moving = np.unique(np.concatenate([np.empty(0, np.int64), *moved]))
         self._sliding = [
             (c, who, np.array([_wall_normal(problem, own[p]) for p in who]))
             for c, who in _grouped(own, "wall")
-            if _has_motion(c) and not moves(c)
+            if _has_motion(c) and not c.moves
         ]
         self._met = _met(problem, own)
         self.doubtful = bool(self._met)
@@ -124,8 +123,8 @@ class Prescribed:
         of_walls = self.displaced, out.wall, out.wall_rate
         of_clamps = out.clamp, out.clamp_velocity, out.clamp_rate
         named = {name: _grouped(particles, name) for name in NAMES}
-        walls = sorted(named["slip"] + named["wall"], key=lambda group: moves(group[0]))
-        walls += [(c, who) for c, who in named["given_gas"] if moves(c)]
+        walls = sorted(named["slip"] + named["wall"], key=lambda group: group[0].moves)
+        walls += [(c, who) for c, who in named["given_gas"] if c.moves]
         found = []
         for groups, targets in (walls, of_walls), (named["clamp"], of_clamps):
             found += [Source(c, w, partial(motion, c, self._instant), targets) for c, w in groups]
@@ -208,10 +207,10 @@ def motion(condition: Any, instant: Callable[[], float], x: Any, t: Any) -> Sequ
     """Displacement, velocity and acceleration. What is not given of these are derivatives, of
     symbols exact ones, of numbers by differences in time.
     """
-    given, d = getattr(condition, "velocity", None) is not None, len(x)
+    given, d = condition.velocity is not None, len(x)
 
     def place(t: Any) -> Any:
-        return _asked(condition, "x", x, t, "xyz"[:d]) if moves(condition) else x
+        return _asked(condition, "x", x, t, "xyz"[:d]) if condition.moves else x
 
     def velocity(t: Any) -> Any:
         return _asked(condition, "velocity", x, t, "uvw"[:d])
@@ -222,7 +221,7 @@ def motion(condition: Any, instant: Callable[[], float], x: Any, t: Any) -> Sequ
     if given:
         v, rate = _differences(velocity, t, instant(), FIRST)
         return _less(place(t), x), v, rate
-    if not moves(condition):
+    if not condition.moves:
         return np.zeros((3, *x.shape))
     at, v, rate = _differences(place, t, instant(), SECOND)
     return _less(at, x), v, rate
@@ -273,8 +272,8 @@ def _grouped(particles: Sequence[Particle], name: str) -> list[tuple[Any, Array]
 
 
 def _met(problem: Any, particles: Sequence[Particle]) -> list[Met]:
-    """Where a second condition that holds in all directions must have the velocity of that which
-    decides: pairs of which at least one moves.
+    """Where a second condition must have the velocity of that which decides: pairs of which one
+    moves, and the other one sticks, clamps or moves, too.
     """
     found: dict[Any, Met] = {}
     for p, particle in enumerate(particles):
@@ -282,10 +281,10 @@ def _met(problem: Any, particles: Sequence[Particle]) -> list[Met]:
             of_gas = other.face is not None and problem.blocks[other.face.block].kind == "fluid"
             name = particle.mover(of_gas)
             decides = getattr(particle, name, None)
-            if decides is None or decides is other.condition or other.slides:
+            if decides is None or decides is other.condition:
                 continue
-            given = decides.all_given or other.condition.all_given
-            if not given and (_has_motion(decides) or _has_motion(other.condition)):
+            apart = _has_motion(other.condition) or (_has_motion(decides) and not other.slides)
+            if apart and not decides.all_given and not other.condition.all_given:
                 first = next(one for one in particle.asked if one.condition is decides)
                 key = name, *(one.face and one.face.name for one in (first, other))
                 found.setdefault(key, Met(name, first, other, [])).who.append(p)
@@ -302,7 +301,7 @@ def _wall_normal(problem: Any, particle: Particle) -> Array:
 
 def _has_motion(condition: Any) -> bool:
     """Whether data say how it moves."""
-    return moves(condition) or getattr(condition, "velocity", None) is not None
+    return condition.moves or condition.velocity is not None
 
 
 def _text(values: Array) -> str:

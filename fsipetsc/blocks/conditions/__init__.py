@@ -8,18 +8,14 @@ from fsipetsc.blocks.conditions.condition import (
     Condition,
     Effect,
     Given,
+    Moving,
     Periodic,
-    conserves_energy,
-    moves,
-    slides,
-    steady,
-    warms,
+    Warm,
 )
 from fsipetsc.blocks.conditions.gas import NoSlip, Open, Outflow, Slip
 from fsipetsc.blocks.conditions.solids import Absorbing, Clamped, Free, Hinge, Roller
 
 __all__ = [
-    "Absorbing", "Centre", "Clamped", "Condition", "Effect", "Free", "Given", "Hinge", "NoSlip",
-    "Open", "Outflow", "Periodic", "Roller", "Slip", "conserves_energy", "moves", "slides",
-    "steady", "warms",
+    "Absorbing", "Centre", "Clamped", "Condition", "Effect", "Free", "Given", "Hinge", "Moving",
+    "NoSlip", "Open", "Outflow", "Periodic", "Roller", "Slip", "Warm",
 ]  # fmt: skip

@@ -85,6 +85,11 @@ class Checked:
         if {"T", "heat_flux"} <= given:
             raise InputError(f"{name}: T and heat_flux are both given: expected one, or neither")
 
+    @property
+    def steady(self) -> bool:
+        """Whether no data depend on time."""
+        return not any(map(callable, vars(self).values()))
+
 
 def _vector(value: Any, what: str) -> Any:
     """Numbers and functions as a tuple of numbers, or as one function."""
@@ -119,11 +124,12 @@ class Condition(Checked):
     holds = all_given = loaded = False
     leaving = traction = pull = None
 
+    T = heat_flux = x = velocity = slip_length = None
+
     def __post_init__(self) -> None:
         super().__post_init__()
-        alone = getattr(self, "velocity", None) is not None and not moves(self)
         slides_along = self.part == "wall" and not self.acts
-        if alone and self.part != "clamp" and not slides_along:
+        if self.velocity and not self.moves and self.part != "clamp" and not slides_along:
             name = type(self).__name__
             raise InputError(f"{name}: velocity is given, and x is not: expected both, or x alone")
 
@@ -132,62 +138,79 @@ class Condition(Checked):
         """Whether it adds anything but heat to the rates at its faces."""
         return any((self.leaving, self.traction, self.pull))
 
+    @property
+    def moves(self) -> bool:
+        """Whether its face moves by given data."""
+        return self.x is not None
+
+    @property
+    def slides(self) -> bool:
+        """Whether it is a wall that holds a gas across itself alone."""
+        return self.part == "slip" or self.slip_length is not None
+
+    @property
+    def warms(self) -> bool:
+        """Whether it prescribes the temperature at its face."""
+        return self.T is not None and self.passes != "gas"
+
+    @property
+    def conserves_energy(self) -> bool:
+        """Whether neither heat nor work passes a face."""
+        given = any(v is not None for v in (self.T, self.heat_flux, self.x, self.velocity))
+        return not (given or self.passes) and getattr(self, "pressure", 0.0) == 0.0
+
+    @property
+    def effect(self) -> Effect | None:
+        """What it adds to rates, None if nothing."""
+        by, heated = type(self) if self.acts else Condition, self.heat_flux is not None
+        first_order = getattr(self, "order", 0) == 1
+        found = Effect(by, heated, self.acts and self.moves, first_order)
+        return found if self.acts or heated else None
+
     def check_on_grid(self, data: Mapping[str, Any], X: Any, spacing: Any, t: float) -> None:
         """InputError where the grid is too coarse for data (n,) of a face at time t [s] at which
         Python fills them; X: (n, d) places, spacing: (n,) distance of the nodes beside it.
         """
 
-    @property
-    def effect(self) -> Effect | None:
-        """What it adds to rates, None if nothing."""
-        acts, heated = self.acts, getattr(self, "heat_flux", None) is not None
-        by = type(self) if acts else Condition
-        first_order = getattr(self, "order", 0) == 1
-        return Effect(by, heated, acts and moves(self), first_order) if acts or heated else None
+
+@dataclass(frozen=True, kw_only=True)
+class Warm(Condition):
+    """A face at which heat comes in or out; insulated if neither is given.
+
+    Args:
+        T: temperature [K], a number or a function of (*X, t).
+        heat_flux: heat flux into the block [W/m2], likewise.
+    """
+
+    T: Datum = None
+    heat_flux: Datum = None
 
 
-def moves(condition: Any) -> bool:
-    """Whether a face moves by given data."""
-    return getattr(condition, "x", None) is not None
+@dataclass(frozen=True, kw_only=True)
+class Moving(Condition):
+    """A face that moves as given.
 
+    Args:
+        x: `x(*X, t)` returns d positions [m]; None: it stays where it is.
+        velocity: `velocity(*X, t)` returns d velocities [m/s], the derivative of x; None: it
+            follows from x.
+    """
 
-def slides(condition: Any) -> bool:
-    """Whether it is a wall that holds a gas across itself alone."""
-    return condition.part == "slip" or getattr(condition, "slip_length", None) is not None
-
-
-def warms(condition: Any) -> bool:
-    """Whether it prescribes the temperature at its face."""
-    return getattr(condition, "T", None) is not None and condition.passes != "gas"
-
-
-def steady(condition: Any) -> bool:
-    """Whether no data of a condition depend on time."""
-    return not any(map(callable, vars(condition).values()))
-
-
-def conserves_energy(condition: Any) -> bool:
-    """Whether neither heat nor work passes a face."""
-    names = "T", "heat_flux", "x", "velocity"
-    given = any(getattr(condition, name, None) is not None for name in names)
-    return not (given or condition.passes) and getattr(condition, "pressure", 0.0) == 0.0
+    x: Function | None = None
+    velocity: Function | None = None
 
 
 @dataclass(frozen=True)
-class Given(Condition):
+class Given(Moving):
     """A face of a gas or a solid at which all unknowns are given.
 
     Args:
         values: `values(*X, t)` returns rho [kg/m3], d velocities [m/s], T [K] of a gas; d
             velocities [m/s], T [K], d positions [m] of a solid.
-        x: `x(*X, t)` returns d positions [m] of a face of a gas that moves; None: it is at rest.
-        velocity: `velocity(*X, t)` returns d velocities [m/s], the derivative of x; None: it
-            follows from x.
+        x, velocity: of a face of a gas, as of `Moving`.
     """
 
     values: Function
-    x: Function | None = None
-    velocity: Function | None = None
     holds = all_given = True
     passes = "gas"
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blocks.conditions.condition import Condition, Datum, FaceNode, Function
+from fsipetsc.blocks.conditions.condition import Condition, Datum, FaceNode, Moving, Warm
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.checks import NONNEGATIVE
 from fsipetsc.equations.vectors import along, choose, dot, mean, scale, sub
@@ -21,27 +21,18 @@ LONGEST = 0.25
 
 
 @dataclass(frozen=True)
-class NoSlip(Condition):
+class NoSlip(Warm, Moving):
     """A wall that a gas sticks to: insulated, of a given temperature, or with a given heat flux.
 
-    Data are numbers, or functions of the coordinates X of the face's nodes and of t [s].
+    Heat as of `Warm`, motion as of `Moving`. With a velocity and no x the wall slides along itself,
+    such as a lid or a cylinder that turns.
 
     Args:
-        T: temperature [K]; None: it is not given.
-        heat_flux: heat flux into the gas [W/m2]; None: it is not given.
-        x: `x(*X, t)` returns d positions [m] of a wall that moves; None: it stays where it is.
-        velocity: `velocity(*X, t)` returns d velocities [m/s]: with x its derivative, else those of
-            a wall that slides along itself, such as a lid or a cylinder that turns. None: it
-            follows from x.
-        slip_length: length [m] with which the gas slips along the wall: its velocity there is this
-            length times its slope (Navier). So it may meet a wall, or a solid, that moves along
-            this one. None: it sticks.
+        slip_length: length [m] with which the gas slips along the wall, a number or a function of
+            (*X, t): its velocity there is this length times its slope (Navier). So it may meet a
+            wall, or a solid, that moves along this one. None: it sticks.
     """
 
-    T: Datum = None
-    heat_flux: Datum = None
-    x: Function | None = None
-    velocity: Function | None = None
     slip_length: Datum = None
     of = ("fluid",)
     part = "wall"
@@ -72,19 +63,16 @@ class NoSlip(Condition):
 
 
 @dataclass(frozen=True)
-class Slip(Condition):
+class Slip(Moving):
     """A wall along which a gas slips without heat, or a plane of symmetry.
 
+    Motion as of `Moving`.
+
     Args:
-        x: `x(*X, t)` returns d positions [m] of a wall that moves; None: it is at rest.
-        velocity: `velocity(*X, t)` returns d velocities [m/s], the derivative of x; None: it
-            follows from x.
         name: faces of one name are one wall, also around an edge; without names, those that go on
             smoothly are one.
     """
 
-    x: Function | None = None
-    velocity: Function | None = None
     name: str = ""
     of = ("fluid",)
     part = "slip"

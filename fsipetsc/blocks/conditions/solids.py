@@ -2,44 +2,33 @@
 
 from dataclasses import dataclass
 
-from fsipetsc.blocks.conditions.condition import Condition, Datum, Function
+from fsipetsc.blocks.conditions.condition import Condition, Datum, Moving, Warm
 from fsipetsc.equations.vectors import along, scale
 
 
 @dataclass(frozen=True)
-class Clamped(Condition):
+class Clamped(Warm, Moving):
     """A face of a solid that is held, or moves as given.
 
-    Args:
-        x: `x(*X, t)` returns d positions [m]; None: by the velocity, or at rest.
-        T: temperature [K], a number or a function of (*X, t); None: it is not given.
-        heat_flux: heat flux into the solid [W/m2], likewise; without either it is insulated.
-        velocity: `velocity(*X, t)` returns d velocities [m/s]; without x the face moves so from
-            where it is at first.
+    Heat as of `Warm`, motion as of `Moving`. With a velocity and no x the face moves so from where
+    it is at first.
     """
 
-    x: Function | None = None
-    T: Datum = None
-    heat_flux: Datum = None
-    velocity: Function | None = None
     of = ("solid",)
     part = "clamp"
     holds = True
 
 
 @dataclass(frozen=True)
-class Free(Condition):
+class Free(Warm):
     """A face of a solid under a pressure that follows it.
 
     Args:
         pressure: pressure [Pa], a number or a function of (*X, t).
-        T: temperature [K], likewise; None: it is not given.
-        heat_flux: heat flux into the solid [W/m2], likewise; without either it is insulated.
+        T, heat_flux: as of `Warm`.
     """
 
     pressure: Datum = 0.0
-    T: Datum = None
-    heat_flux: Datum = None
     of = ("solid",)
     loaded = True
 
@@ -50,7 +39,7 @@ class Free(Condition):
 
 
 @dataclass(frozen=True)
-class Absorbing(Condition):
+class Absorbing(Warm):
     """A face beyond which the solid goes on: waves along the normal n leave, of pressure and of
     shear; of oblique ones a part is reflected.
 
@@ -62,13 +51,10 @@ class Absorbing(Condition):
     Args:
         stress: normal stress of the solid beyond [Pa], a tension if above 0, a number or a function
             of (*X, t).
-        T: temperature [K], likewise; None: it is not given.
-        heat_flux: heat flux into the solid [W/m2], likewise; without either it is insulated.
+        T, heat_flux: as of `Warm`.
     """
 
     stress: Datum = 0.0
-    T: Datum = None
-    heat_flux: Datum = None
     of = ("solid",)
     loaded = True
     passes = "waves"
@@ -80,16 +66,12 @@ class Absorbing(Condition):
 
 
 @dataclass(frozen=True)
-class Roller(Condition):
+class Roller(Warm):
     """A face of a solid that slides in its plane without friction; also a plane of symmetry.
 
-    Args:
-        T: temperature [K], a number or a function of (*X, t); None: it is not given.
-        heat_flux: heat flux into the solid [W/m2], likewise; without either it is insulated.
+    Heat as of `Warm`.
     """
 
-    T: Datum = None
-    heat_flux: Datum = None
     of = ("solid",)
     part = "roller"
     holds = True
