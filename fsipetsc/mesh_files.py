@@ -98,7 +98,6 @@ def read_cgns(path: str | Path) -> Grid:
 
 
 def _add(grid: Grid, zone: h5py.Group, metres: float) -> None:
-    """Add a zone and its patches."""
     name = zone.name.rsplit("/", 1)[-1]
     if (kind := _text(zone["ZoneType"])) != "Structured":
         raise InputError(f"zone '{name}' is {kind}: expected Structured")
@@ -137,7 +136,6 @@ def _places(name: str, grid: h5py.Group) -> Array:
 
 
 def _labelled(group: h5py.Group, label: str) -> list[h5py.Group]:
-    """Children with a label."""
     children = [child for child in group.values() if isinstance(child, h5py.Group)]
     return [child for child in children if child.attrs.get("label", b"").decode() == label]
 

@@ -214,7 +214,6 @@ class Problem:
 
     @property
     def _forced(self) -> bool:
-        """There is forcing, or interfaces get something from outside."""
         return self.jumps is not None or any(layer.forcing for layer in self.layers)
 
     @property
@@ -318,7 +317,6 @@ def _solid(layer: Any, cells: int) -> Block:
 
 
 def _picked(function: Function, *numbers: int) -> Function:
-    """Some of u, sigma, T, x that a function of a solid returns."""
 
     @wraps(function)
     def called(*where: Any) -> Any:

@@ -78,11 +78,9 @@ class Gas(NamedTuple):
         return (rho, self.law.pressure(rho, T), T, *u, per_rho, 1.0 / T)
 
     def state(self, rho, u, T):
-        """w of density, velocity and temperature."""
         return (rho, self.law.pressure(rho, T), T, *u, 1.0 / rho, 1.0 / T)
 
     def velocity(self, w):
-        """u."""
         return w[3:-2]
 
     def densities(self, w):
@@ -92,7 +90,6 @@ class Gas(NamedTuple):
         return (rho, *scale(rho, u), energy)
 
     def conserved(self, J, rho, u, T):
-        """q of density, velocity and temperature."""
         energy = self.law.energy_density(rho, T) + 0.5 * rho * dot(u, u)
         return (J, J * rho, *scale(J * rho, u), J * energy)
 
@@ -155,7 +152,6 @@ class Gas(NamedTuple):
         return np.maximum(distance(l[0], r[0], l[-2], r[-2]), distance(l[2], r[2], l[-1], r[-1]))
 
     def speed_of_sound(self, w):
-        """c [m/s]."""
         return np.sqrt(self.law.sound_speed_squared(w[0], w[2]))
 
     def entropy_density(self, w):

@@ -29,7 +29,6 @@ class Piecewise:
         return Piecewise(self.of.derivative())
 
     def __call__(self, t: Any) -> Any:
-        """The value at t."""
         ends, pieces = self.of.x, self._pieces
         first, last, value = ends[0], ends[-1], 0.0
         slack = 1e-9 * (last - first)  # to which round-off may lead

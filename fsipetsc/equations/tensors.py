@@ -14,59 +14,48 @@ Tensor = tuple[Any, ...]
 
 
 def rows(F: Tensor) -> list[Vector]:
-    """The rows of a tensor."""
     d = isqrt(len(F))
     return [F[i * d : (i + 1) * d] for i in range(d)]
 
 
 def columns(F: Tensor) -> list[Vector]:
-    """The columns of a tensor."""
     d = isqrt(len(F))
     return [F[j::d] for j in range(d)]
 
 
 def trace(F: Tensor) -> Any:
-    """F_ii."""
     return total(F[:: isqrt(len(F)) + 1])
 
 
 def transpose(F: Tensor) -> Tensor:
-    """F^T."""
     return tuple(entry for column in columns(F) for entry in column)
 
 
 def column_sums(F: Tensor) -> Vector:
-    """The sum of each column."""
     return tuple(total(column) for column in columns(F))
 
 
 def apply(F: Tensor, a: Vector) -> Vector:
-    """F a."""
     return tuple(dot(row, a) for row in rows(F))
 
 
 def apply_transposed(F: Tensor, a: Vector) -> Vector:
-    """F^T a."""
     return tuple(dot(column, a) for column in columns(F))
 
 
 def outer(a: Vector, b: Vector) -> Tensor:
-    """a b^T, of two vectors."""
     return tuple(p * q for p in a for q in b)
 
 
 def product(F: Tensor, G: Tensor) -> Tensor:
-    """F G."""
     return tuple(dot(row, column) for row in rows(F) for column in columns(G))
 
 
 def transposed_product(F: Tensor, G: Tensor) -> Tensor:
-    """F^T G."""
     return tuple(dot(of_F, of_G) for of_F in columns(F) for of_G in columns(G))
 
 
 def product_transposed(F: Tensor, G: Tensor) -> Tensor:
-    """F G^T."""
     return tuple(dot(of_F, of_G) for of_F in rows(F) for of_G in rows(G))
 
 
@@ -85,7 +74,6 @@ def bordered(F: Tensor, c: Any, more: int) -> Tensor:
 
 
 def corner(F: Tensor, d: int) -> Tensor:
-    """The first d rows and columns."""
     return tuple(entry for row in rows(F)[:d] for entry in row[:d])
 
 
@@ -105,7 +93,6 @@ def _cofactor(F: Tensor, i: int, j: int) -> Any:
 
 
 def determinant(F: Tensor) -> Any:
-    """det F."""
     if len(F) == 1:
         return F[0]
     if len(F) == 4:

@@ -16,52 +16,42 @@ Vector = tuple[Any, ...]
 
 
 def total(a: Iterable[Any]) -> Any:
-    """The sum of numbers, in their order."""
     return reduce(plus, a)
 
 
 def dot(a: Vector, b: Vector) -> Any:
-    """a . b, whose terms are added in their order."""
     return total(p * q for p, q in zip(a, b, strict=True))
 
 
 def add(a: Vector, b: Vector) -> Vector:
-    """a + b."""
     return tuple(p + q for p, q in zip(a, b, strict=True))
 
 
 def sub(a: Vector, b: Vector) -> Vector:
-    """a - b."""
     return tuple(p - q for p, q in zip(a, b, strict=True))
 
 
 def scale(c: Any, a: Vector) -> Vector:
-    """c a."""
     return tuple(c * p for p in a)
 
 
 def per(a: Vector, c: Any) -> Vector:
-    """a / c."""
     return tuple(p / c for p in a)
 
 
 def mean(a: Vector, b: Vector) -> Vector:
-    """(a + b) / 2."""
     return tuple(0.5 * (p + q) for p, q in zip(a, b, strict=True))
 
 
 def along(a: Vector, c: Any, b: Vector) -> Vector:
-    """a + c b."""
     return tuple(p + c * q for p, q in zip(a, b, strict=True))
 
 
 def last_times(c: Any, a: Vector) -> Vector:
-    """(a_1, …, c a_n)."""
     return (*a[:-1], c * a[-1])
 
 
 def add_last(c: Any, a: Vector) -> Vector:
-    """(a_1, …, a_n + c)."""
     return (*a[:-1], a[-1] + c)
 
 
@@ -71,5 +61,4 @@ def zeros(a: Vector) -> Vector:
 
 
 def choose(condition: Any, a: Vector, b: Vector) -> Vector:
-    """The numbers of a where a condition holds, else those of b."""
     return tuple(np.where(condition, p, q) for p, q in zip(a, b, strict=True))

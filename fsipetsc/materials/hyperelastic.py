@@ -113,7 +113,6 @@ class StVenantKirchhoff(NamedTuple):
     p_ref: float
 
     def _strain(self, F):
-        """E."""
         return scale(0.5, twice_strain(F))
 
     def _hooke(self, F):

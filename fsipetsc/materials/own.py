@@ -51,7 +51,6 @@ def along(formula, numbers, direction):
 
 
 def gradient(formula, F):
-    """The derivatives of formula(F) by each number of F."""
     ways = (tuple(float(m == n) for m in range(len(F))) for n in range(len(F)))
     return [along(lambda *F: formula(F), F, way) for way in ways]
 
@@ -60,22 +59,18 @@ def gradient(formula, F):
 
 
 class OwnGas(NamedTuple):
-    """A gas law of a case."""
+    """A gas law of a case; names and units are those of PerfectGas."""
 
     def energy_density(self, rho, T):
-        """rho e [J/m3]."""
         return rho * self.internal_energy(rho, T)
 
     def heat_capacity(self, rho, T):
-        """de/dT [J/(kg K)]."""
         return along(self.internal_energy, (rho, T), (0.0, 1.0))
 
     def bulk_modulus(self, rho, T):
-        """rho dp/drho [Pa]."""
         return rho * along(self.pressure, (rho, T), (1.0, 0.0))
 
     def pressure_by_temperature(self, rho, T):
-        """dp/dT [Pa/K]."""
         return along(self.pressure, (rho, T), (0.0, 1.0))
 
     def sound_speed_squared(self, rho, T):
@@ -93,7 +88,7 @@ class OwnTransport(NamedTuple):
 
 
 class OwnSolid(NamedTuple):
-    """A solid law of a case."""
+    """A solid law of a case; names and units are those of NeoHookean."""
 
     def wave_modulus(self, F):
         """Upper bound of m0 c^2 [Pa]: the largest row of dP/dF."""
@@ -103,7 +98,6 @@ class OwnSolid(NamedTuple):
         return reduce(np.maximum, rows)
 
     def acoustic_tensor(self, F, N):
-        """Q_ik = N_j N_l dP_ij/dF_kl [Pa]."""
         d, columns = len(N), []
         for k in range(d):
             ways = tuple(N[m % d] if m // d == k else 0.0 for m in range(d * d))
@@ -116,14 +110,12 @@ class OwnSolid(NamedTuple):
 
 
 class OwnPressure(NamedTuple):
-    """A pressure law of a case."""
+    """A pressure law of a case; names and units are those of ConstantPressure."""
 
     def pressure_by_temperature(self, J, T, m0, alpha):
-        """dp/dT [Pa/K]."""
         return along(self.pressure, (J, T, m0, alpha), (0.0, 1.0, 0.0, 0.0))
 
     def stiffness(self, J, T, m0, alpha):
-        """-J dp/dJ [Pa]."""
         return -J * along(self.pressure, (J, T, m0, alpha), (1.0, 0.0, 0.0, 0.0))
 
 
@@ -230,12 +222,10 @@ def checked_law(law: Any, what: str, kind: tuple[str, type]) -> Any:
 
 
 def knows_entropy(law: Any) -> bool:
-    """Whether a gas law has an entropy."""
     return type(law).entropy is not OwnGas.entropy
 
 
 def knows_energy(law: Any) -> bool:
-    """Whether a solid law has an energy."""
     return type(law).energy is not OwnSolid.energy
 
 

@@ -140,7 +140,6 @@ class Layer:
         return self.record["h"] * np.sum(np.abs(apart) ** power, axis=1)
 
     def seen(self) -> Seen:
-        """Values at active points."""
         X, numbers = self.X[self.active], self.numbers[self.active]
         if self.is_gas:
             rho, u, T, _, x = self.saved()[self.active].T

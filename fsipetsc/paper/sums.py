@@ -62,13 +62,11 @@ def monitor_gas(part, steps):
 
 
 def add(totals, weight, values):
-    """Add numbers to sums."""
     for total, value in zip(totals, values, strict=True):
         total.value += weight * value
 
 
 def note_bad(steps, good):
-    """Note where a state is not good."""
     with when(~good):
         steps.results[BAD] = 1.0
 
