@@ -1,7 +1,6 @@
-"""Grids from files: structured blocks that a meshing tool has written as CGNS.
-
-The HDF5 form of CGNS is read (cgns.org, 'SIDS File Mapping'): each node of its tree is a group with
-a label, and its data stand in a dataset named ' data', the first index fastest.
+"""Grids from files: structured blocks that a meshing tool has written as CGNS, in its HDF5 form
+(cgns.org, 'SIDS File Mapping'): each node of its tree is a group with a label, and its data stand
+in a dataset named ' data', the first index fastest.
 
     grid = read_cgns("nozzle.cgns")
     blocks = [Block(name, air, X, X.cells, at_rest) for name, X in grid.zones.items()]
@@ -43,21 +42,14 @@ class Grid(NamedTuple):
     patches: dict[str, tuple[FaceName, ...]]
 
     def faces(self, conditions: Mapping[str, Any]) -> dict[FaceName, Any]:
-        """Conditions of faces for `BlockProblem`.
+        """Face -> condition, for `BlockProblem`.
 
         Args:
-            conditions: name of a patch -> its condition.
-
-        Returns:
-            Face -> condition.
-
-        Raises:
-            InputError: there is no such patch.
+            conditions: name of a patch -> its condition. InputError if there is no such patch.
         """
-        for name in conditions:
-            if name not in self.patches:
-                known = ", ".join(map(repr, self.patches)) or "none"
-                raise InputError(f"the grid has no patch {name!r}: it has {known}")
+        for name in conditions.keys() - self.patches.keys():
+            known = ", ".join(map(repr, self.patches)) or "none"
+            raise InputError(f"the grid has no patch {name!r}: it has {known}")
         return {face: given for name, given in conditions.items() for face in self.patches[name]}
 
 
@@ -70,9 +62,6 @@ def read_cgns(path: str | Path) -> Grid:
     Args:
         path: a CGNS file in its HDF5 form.
 
-    Returns:
-        The zones and the patches.
-
     Raises:
         InputError: the file cannot be read, or a zone, which is named, is of another kind.
     """
@@ -80,27 +69,24 @@ def read_cgns(path: str | Path) -> Grid:
     try:
         with h5py.File(path, "r") as file:
             for base in _labelled(file, "CGNSBase_t"):
-                units = [
+                (unit,) = [
                     _text(child)[32:64].strip() for child in _labelled(base, "DimensionalUnits_t")
-                ]
-                if set(units) - set(METRES):
-                    raise InputError(f"lengths are in {units[0]}: expected {', '.join(METRES)}")
+                ] or ["Null"]
+                if unit not in METRES:
+                    raise ValueError(f"lengths are in {unit}: expected {', '.join(METRES)}")
                 for zone in _labelled(base, "Zone_t"):
-                    _add(grid, zone, METRES[units[0]] if units else 1.0)
+                    _add(grid, zone, METRES[unit])
         if not grid.zones:
-            raise InputError("no zones: expected CGNS with structured zones")
-    except (OSError, KeyError) as error:
-        wanted = "expected CGNS in HDF5 (adf2hdf converts the older form)"
-        raise InputError(f"{path}: {error}: {wanted}") from None
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
+            raise ValueError("it has no structured zones")
+    except (OSError, KeyError, ValueError) as error:
+        raise InputError(f"{path}: {error} (what is read is CGNS in HDF5)") from None
     return grid
 
 
 def _add(grid: Grid, zone: h5py.Group, metres: float) -> None:
     name = zone.name.rsplit("/", 1)[-1]
     if (kind := _text(zone["ZoneType"])) != "Structured":
-        raise InputError(f"zone '{name}' is {kind}: expected Structured")
+        raise ValueError(f"zone '{name}' is {kind}: expected Structured")
     places = _places(name, zone["GridCoordinates"]) * metres
     d, shape = places.shape[-1], places.shape[-2::-1]
     corner = places[(slice(0, 2),) * d]  # two nodes along each axis
@@ -114,8 +100,7 @@ def _add(grid: Grid, zone: h5py.Group, metres: float) -> None:
         whole = all({begin[k], end[k]} == {0, n - 1} for k, n in enumerate(shape) if k not in thin)
         if len(thin) != 1 or not whole or begin[thin[0]] not in (0, shape[thin[0]] - 1):
             found = f"nodes {[b + 1 for b in begin]} to {[e + 1 for e in end]}"
-            wanted = "expected a whole face: split the zone where the patch ends"
-            raise InputError(f"zone '{name}', patch '{patch}' has {found}: {wanted}")
+            raise ValueError(f"zone '{name}', patch '{patch}' has {found}: expected a whole face")
         (axis,), side = thin, begin[thin[0]] > 0
         face = name, axis, int(side != (turned and axis == 0))
         grid.patches[patch] = (*grid.patches.get(patch, ()), face)
@@ -125,12 +110,12 @@ def _places(name: str, grid: h5py.Group) -> Array:
     """Nodes (…, d) of a zone; of a plane in space without the coordinate that is constant."""
     axes = [np.asarray(grid[f"Coordinate{x}"][" data"]) for x in "XYZ" if f"Coordinate{x}" in grid]
     if len(axes) < 2:
-        raise InputError(f"zone '{name}' has {', '.join(grid)}: expected CoordinateX, CoordinateY")
+        raise ValueError(f"zone '{name}' has {', '.join(grid)}: expected CoordinateX, CoordinateY")
     if axes[0].ndim < len(axes):
         extent = [float(np.ptp(x)) for x in axes]
         flat = [k for k, e in enumerate(extent) if e <= FLAT * max(extent)]
         if axes[0].ndim != 2 or len(flat) != 1:
-            raise InputError(f"zone '{name}' is no plane: expected one coordinate that is constant")
+            raise ValueError(f"zone '{name}' is no plane: expected one coordinate that is constant")
         axes = [axes[k] for k in ((1, 2), (2, 0), (0, 1))[flat[0]]]
     return np.stack(axes, axis=-1)
 
