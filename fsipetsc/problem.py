@@ -19,7 +19,7 @@ from fsipetsc.blocks.maps import rectangle
 from fsipetsc.blocks.values import NOWHERE, block_values, checked
 from fsipetsc.boundaries import Boundary, Wall
 from fsipetsc.checks import Array, Fields, check_name, check_units, described, extent, function
-from fsipetsc.errors import InputError, place_of
+from fsipetsc.errors import InputError
 from fsipetsc.kernels.symbols import Symbol
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid, Solid
@@ -178,8 +178,7 @@ class Problem:
             raise InputError(f"Problem: layers are {kinds}, {names}: {expected}")
         for end, layer in ((self.left, given[0]), (self.right, given[-1])):
             if getattr(end, "of", None) != layer.kind:
-                stands = f"{type(end).__name__}(…)" if isinstance(end, Boundary) else described(end)
-                what = f"at the outer end of the {layer.kind} {layer} stands {stands}"
+                what = f"at the outer end of the {layer.kind} {layer} stands {described(end)}"
                 raise InputError(f"{what}: expected {ENDS[layer.kind]}")
         for a, b in pairwise(given):
             if abs(a.X[1] - b.X[0]) > 1e-12 * max(abs(a.X[1]), a.X[1] - a.X[0]):
@@ -229,12 +228,12 @@ class Problem:
         """
         if self._forced:
             return {}
-        ends = (0, self.left), (len(self.layers) - 1, self.right)
-        open_at = {k for k, end in ends if end.passes}
-        fluids = [(k, v) for k, v in enumerate(self.layers) if v.kind == "fluid"]
+        fluids = [v for v in self.layers if v.kind == "fluid"]
+        ends = (self.layers[0], self.left), (self.layers[-1], self.right)
+        leaky = {v.name for v, end in ends if end.passes}
         pulled = any(np.any(layer.material.force) for layer in self.layers)
         return {
-            "masses": [[v.name, [i]] for i, (k, v) in enumerate(fluids) if k not in open_at],
+            "masses": [[v.name, [i]] for i, v in enumerate(fluids) if v.name not in leaky],
             "energy": self.left.closed and self.right.closed and not pulled,
         }
 
@@ -275,8 +274,7 @@ def _gas(problem: Problem, k: int, cells: int, notes: list[str]) -> Block:
             grid[side] = float(end.x)
     low, high = grid
     if not low < high:
-        ends = f"{layer} would begin at x = {low:g} and end at {high:g}"
-        raise InputError(f"{place_of(layer.initial)}: {ends}: expected its ends in the order of X")
+        raise InputError(f"{layer} would begin at x = {low:g} and end at x = {high:g}")
 
     def of_grid(function: Function | None) -> Function | None:
         if function is None or (a, b) == (low, high):
@@ -293,12 +291,11 @@ def _gas(problem: Problem, k: int, cells: int, notes: list[str]) -> Block:
 
 
 def _solid(layer: Any, cells: int) -> Block:
-    """The stress of its material is K ln x_X - p_ref less its pressure."""
+    """A layer of a solid; the stress of its material is K ln x_X - p_ref less its pressure."""
     (low, high), exact, of = layer.X, layer.exact, layer.material
     x = layer.values("initial", X := np.linspace(low, high, cells + 1))[3]
     if not np.all(rises := np.diff(x) > 0):
-        where = f"{place_of(layer.initial)}: initial of {layer}"
-        raise InputError(f"{where}: x does not rise after X = {X[np.argmin(rises)]:.6g}")
+        raise InputError(f"{layer}: its x does not rise after X = {X[np.argmin(rises)]:.6g}")
     stress = _prestress(layer)
     (found,) = stress(np.linspace(low, high, 101))
     uniform = np.ptp(found) == 0.0

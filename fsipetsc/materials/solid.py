@@ -60,8 +60,7 @@ class ElasticSolid:
         object.__setattr__(self, "force", checked_force(self.force, "ElasticSolid"))
         law = self.solid_law
         if self.heat == "elastic" and not own.knows_energy(law):
-            needs = "its law has no formula energy(F), which heat='elastic' needs"
-            raise InputError(f"ElasticSolid: {needs}")
+            raise InputError("ElasticSolid: no formula energy(F), which heat='elastic' needs")
         self.pressure_law  # noqa: B018  (checks it)
 
     @property
@@ -73,8 +72,7 @@ class ElasticSolid:
             known = f"{', '.join(map(repr, LAWS))} or what solid_law(…) returns"
             raise InputError(f"ElasticSolid: law is {described(self.law)}: expected {known}")
         if not self.K > 0.0:
-            problem = "mu_e and lambda_e are 0: expected one of them above 0"
-            raise InputError(f"ElasticSolid: {problem}")
+            raise InputError("ElasticSolid: mu_e and lambda_e are 0: expected one of them above 0")
         return LAWS[self.law](self.mu_e, self.lambda_e, self.p_ref)
 
     @property
@@ -92,9 +90,8 @@ class ElasticSolid:
         """Its equations in d dimensions, around an axis (1) or a centre (2); InputError if force
         has not d numbers.
 
-        In three dimensions, around an axis or a centre, and of a law of a case p_ref is left out of
-        the stress, and faces have it (fsipetsc.blockrun.face_terms): so a solid under p_ref is at
-        rest exactly.
+        In three dimensions, around an axis or a centre, and of a law of a case faces have p_ref,
+        not the stress (fsipetsc.blockrun.face_terms): a solid under p_ref is at rest exactly.
         """
         force, law = force_in(self.force, d, "ElasticSolid"), self.solid_law
         coupled = self.heat == "coupled"
@@ -107,15 +104,9 @@ class ElasticSolid:
 
 
 class Elastic(NamedTuple):
-    """The elastic solid of the paper in one dimension, (3.1) and (4.19), as formulas.
+    """The solid of the paper in one dimension, (4.19), as formulas (fsipetsc.paper.rates).
 
-        u_t          = (sigma - p)_X / m0 + force
-        sigma_t      = K / x_X u_X,                               K = 2 mu_e + lambda_e
-        alpha m0 T_t = (sigma - p) u_X + (kappa_e / x_X T_X)_X
-        x_t          = u
-
-    with p(epsilon, rho) an equation of state in epsilon = alpha T and rho = m0 / x_X; p = 0 is the
-    elastic solid. law: the pressure p of J = x_X, T, m0 and alpha; the rest is as in ``Solid``.
+    law: the pressure p of J = x_X, T, m0 and alpha; the rest is as in ``Solid``.
     """
 
     law: Any
@@ -174,8 +165,7 @@ class Solid:
         ranges = {"K": POSITIVE, "kappa_e": NONNEGATIVE, "m0": POSITIVE, "alpha": POSITIVE}
         numbers(self, "Solid", {**ranges, "force": ANY, "gruneisen": NONNEGATIVE})
         if self.pressing is not None and self.gruneisen != 0.0:
-            problem = f"gruneisen is {self.gruneisen:g} beside pressing: expected 0"
-            raise InputError(f"Solid: {problem}")
+            raise InputError(f"Solid: gruneisen is {self.gruneisen:g} beside pressing: expected 0")
         self.pressure_law  # noqa: B018  (checks it)
 
     @property
