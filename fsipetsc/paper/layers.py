@@ -167,42 +167,37 @@ class Interface:
     does: dict[str, Procedure]
 
     def __init__(
-        self, kind: str, pair: Sequence[Layer], room: Array, notes: Array, k: int, me: int
+        self,
+        kind: str,
+        pair: Sequence[Layer],
+        k: int,
+        notes: Array,
+        rooms: Array,
+        memory: Array,
+        me: int,
     ) -> None:
         gas, solid = pair
         self.side, self.jump = int(gas.number > solid.number), np.zeros(4)
         face = Face(kind, gas.law, solid.law, self.side == 1, float(solid.record["h"]))
-        # from the interface inwards; the rank with the last point of a layer has all these rows
-        inward, n = np.array([1, -1]) * (2 * self.side - 1), solid.op.n
-        self._owners = [v.share.ranks[(step - 1) // 2] for v, step in zip(pair, inward)]
-        self.here = [owner == me for owner in self._owners]
-        rooms = np.split(room, [len(gas.local)])
-        self._points = [v.local if h else r for v, r, h in zip(pair, rooms, self.here)]
-        firsts = [
-            int(v.record["lo" if step > 0 else "hi"] - v.record["own_lo"] + v.record["halo_lo"])
-            for v, step in zip(pair, inward)
-        ]
-        firsts = [f if h else (1 - s) // 2 * (n - 1) for f, h, s in zip(firsts, self.here, inward)]
-        self._columns = [first + step * np.arange(n) for first, step in zip(firsts, inward)]
-        self.sides = steps.Sides(
-            solid.op, face, gas.records, *self._points, *firsts, self.jump, notes, k
-        )
-
-    def halos(self, memory: Array, rooms: Array) -> list[Halo]:
-        """The rows that two owners swap: each sends its own of the memory, the others go into the
-        rooms of all interfaces.
-        """
-        if self.here[0] == self.here[1]:
-            return []
-        mine, other = self.here.index(True), self.here.index(False)
-        places = [
-            (place_in(m, v) + v.shape[1] * np.arange(len(v))[:, None] + columns).ravel()
-            for m, v, columns in zip(
-                (memory if here else rooms for here in self.here), self._points, self._columns
-            )
-        ]
-        beyond = self._owners[other]
-        return [Halo({beyond: places[mine]}, {beyond: places[other]}, _NONE, _NONE)]
+        n, found = solid.op.n, []
+        for v, room, step in zip(pair, np.split(rooms[k], [len(gas.local)]), (1, -1)):
+            step *= 2 * self.side - 1  # inwards from the interface
+            owner = v.share.ranks[0 if step > 0 else -1]  # it has all of these rows
+            of, points, first = rooms, room, 0 if step > 0 else n - 1
+            if owner == me:
+                at = v.record["lo" if step > 0 else "hi"] - v.record["own_lo"]
+                of, points, first = memory, v.local, int(at + v.record["halo_lo"])
+            columns = first + step * np.arange(n)
+            rows = place_in(of, points) + points.shape[1] * np.arange(len(points))[:, None]
+            found.append((owner, points, first, (rows + columns).ravel()))
+        owners, points, firsts, places = zip(*found)
+        self.here = [owner == me for owner in owners]
+        self.sides = steps.Sides(solid.op, face, gas.records, *points, *firsts, self.jump, notes, k)
+        self.halos = []  # each owner sends its own rows, the others go into the rooms
+        if self.here[0] != self.here[1]:
+            mine, other = self.here.index(True), self.here.index(False)
+            beyond = owners[other]
+            self.halos = [Halo({beyond: places[mine]}, {beyond: places[other]}, _NONE, _NONE)]
 
 
 def place_in(memory: Array, part: Array) -> int:

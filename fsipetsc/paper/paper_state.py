@@ -124,10 +124,10 @@ class PaperState(State):
         kind, notes = opt["fsi_coupling"], of_steps.notes.reshape(steps.NOTES, -1)
         rooms = np.zeros((len(problem.interfaces), sum(DOF.values()), op.n))
         self.interfaces = [
-            Interface(kind, [self.layers[n] for n in pair], rooms[k], notes, k, comm.rank)
+            Interface(kind, [self.layers[n] for n in pair], k, notes, rooms, memory, comm.rank)
             for k, pair in enumerate(problem.interfaces)
         ]
-        rows = [halo for one in self.interfaces for halo in one.halos(memory, rooms)]
+        rows = [halo for one in self.interfaces for halo in one.halos]
         halos = [halo for layer in self.layers for halo in layer.halos(comm.rank, memory)]
         self._rows = exchange_of(comm, ROWS_TAG, rows, rooms, memory)
         self._halos = exchange_of(comm, HALOS_TAG, halos, memory, memory)
