@@ -28,6 +28,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from math import comb, prod
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,21 +109,19 @@ class SBPOperator:
 
     def matrix(self, n: int, h: float = 1.0) -> NDArray[np.float64]:
         """D as a dense (n, n) array on spacing h > 0. ValueError if n < min_points."""
-        return np.array(self.exact_matrix(n), float) / h
+        return self.exact_matrix(n).astype(float) / h
 
-    def exact_matrix(self, n: int) -> list[list[Fraction]]:
-        """D for h = 1 as n rows of n fractions. ValueError if n < min_points."""
+    def exact_matrix(self, n: int) -> NDArray[Any]:
+        """D for h = 1, (n, n), of fractions. ValueError if n < min_points."""
         self._require(n)
-        matrix = np.full((n, n), Fraction(0), dtype=object)
+        matrix, closure = np.full((n, n), Fraction(0), dtype=object), np.array(self.closure)
         for k, weight in enumerate(self.interior, start=1):
             i = np.arange(n - k)
             matrix[i, i + k], matrix[i + k, i] = weight, -weight
-        closure = np.array(self.closure, dtype=object)
         rows, cols = closure.shape
         matrix[:rows, :cols] = closure
         matrix[n - rows :, n - cols :] = -closure[::-1, ::-1]
-        found: list[list[Fraction]] = matrix.tolist()
-        return found
+        return matrix
 
     def norm_weights(self, n: int) -> NDArray[np.float64]:
         """The diagonal of H, shape (n,), without h. ValueError if n < min_points."""
