@@ -47,18 +47,11 @@ def noble_abel():
         pressure=lambda rho, T: R * rho * T / (1 - 0.05 * rho),
         density=lambda p, T: p / (R * T + 0.05 * p),
         temperature_of=lambda rho, p: p * (1 - 0.05 * rho) / (R * rho),
-        heat_capacity=lambda rho, T: CV + 0.0 * T,
-        pressure_by_temperature=lambda rho, T: R * rho / (1 - 0.05 * rho),
-        bulk_modulus=lambda rho, T: R * rho * T / (1 - 0.05 * rho) ** 2,
     )
 
 
 def stiffened():
-    return pressure_law(
-        pressure=lambda J, T, m0, alpha: (m0 * alpha * (T - 300.0) + 2e6 * (1.0 - J)) / J,
-        pressure_by_temperature=lambda J, T, m0, alpha: m0 * alpha / J,
-        stiffness=lambda J, T, m0, alpha: (m0 * alpha * (T - 300.0) + 2e6) / J,
-    )
+    return pressure_law(lambda J, T, m0, alpha: (m0 * alpha * (T - 300.0) + 2e6 * (1.0 - J)) / J)
 
 
 def state_of(name, ends=None, own_laws=False, **changed):

@@ -6,7 +6,7 @@ them become text of the C code. A law whose numbers are data is an instance of a
 with all formulas, as those in this folder.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, reduce
 from itertools import count, islice
 from typing import Any, NamedTuple
@@ -25,7 +25,6 @@ from fsipetsc.materials.power_law import ConstantTransport
 from fsipetsc.materials.solid_pressure import ConstantPressure
 
 Formula = Callable[..., Any]
-Formulas = dict[str, Formula]
 #: kind of law -> what makes one of functions, and a class that has all formulas
 GAS, SOLID = ("gas_law", PerfectGas), ("solid_law", NeoHookean)
 TRANSPORT, PRESSURE = ("transport_law", ConstantTransport), ("pressure_law", ConstantPressure)
@@ -55,11 +54,11 @@ def gradient(formula, F):
     return [along(lambda *F: formula(F), F, way) for way in ways]
 
 
-# what follows from the functions of a case
+# what follows from the functions of a case, with names and units of the laws in this folder
 
 
 class OwnGas(NamedTuple):
-    """A gas law of a case; names and units are those of PerfectGas."""
+    """A gas law of a case, like PerfectGas."""
 
     def energy_density(self, rho, T):
         return rho * self.internal_energy(rho, T)
@@ -83,12 +82,8 @@ class OwnGas(NamedTuple):
         return np.nan * T
 
 
-class OwnTransport(NamedTuple):
-    """A transport law of a case."""
-
-
 class OwnSolid(NamedTuple):
-    """A solid law of a case; names and units are those of NeoHookean."""
+    """A solid law of a case, like NeoHookean."""
 
     def wave_modulus(self, F):
         """Upper bound of m0 c^2 [Pa]: the largest row of dP/dF."""
@@ -110,13 +105,17 @@ class OwnSolid(NamedTuple):
 
 
 class OwnPressure(NamedTuple):
-    """A pressure law of a case; names and units are those of ConstantPressure."""
+    """A pressure law of a case, like ConstantPressure."""
 
     def pressure_by_temperature(self, J, T, m0, alpha):
         return along(self.pressure, (J, T, m0, alpha), (0.0, 1.0, 0.0, 0.0))
 
     def stiffness(self, J, T, m0, alpha):
         return -J * along(self.pressure, (J, T, m0, alpha), (1.0, 0.0, 0.0, 0.0))
+
+
+class OwnTransport(NamedTuple):
+    """A transport law of a case."""
 
 
 # what makes laws
@@ -129,7 +128,7 @@ def gas_law(
     temperature: Formula,
     density: Formula,
     temperature_of: Formula,
-    **more: Formula,
+    entropy: Formula | None = None,
 ) -> Any:
     """A gas law of your own, for `Fluid(law=…)`, made of functions of numbers.
 
@@ -141,14 +140,9 @@ def gas_law(
         temperature: `temperature(rho, e)` [K].
         density: `density(p, T)` [kg/m3].
         temperature_of: `temperature_of(rho, p)` [K].
-        more: `entropy(rho, T)` [J/(kg K)]; without it the law has no entropy. These follow if they
-            are missing: `energy_density(rho, T)` [J/m3], `heat_capacity(rho, T)` [J/(kg K)],
-            `bulk_modulus(rho, T)`, rho dp/drho at constant T [Pa],
-            `pressure_by_temperature(rho, T)` [Pa/K], `sound_speed_squared(rho, T)` [m2/s2].
+        entropy: `entropy(rho, T)` [J/(kg K)]; None: the law has no entropy.
     """
-    needed = {"pressure": pressure, "internal_energy": internal_energy, "temperature": temperature}
-    needed |= {"density": density, "temperature_of": temperature_of}
-    return _law_of("gas_law", OwnGas, needed, more, 2)
+    return _law_of(OwnGas, "gas_law", 2, locals())
 
 
 def transport_law(viscosity: Formula, conductivity: Formula | None = None) -> Any:
@@ -159,10 +153,10 @@ def transport_law(viscosity: Formula, conductivity: Formula | None = None) -> An
         conductivity: `conductivity(T)` returns kappa(T)/kappa; None: the same function.
     """
     formulas = {"viscosity": viscosity, "conductivity": conductivity or viscosity}
-    return _law_of("transport_law", OwnTransport, formulas, {}, 1)
+    return _law_of(OwnTransport, "transport_law", 1, formulas)
 
 
-def solid_law(*, stress: Formula, **more: Formula) -> Any:
+def solid_law(*, stress: Formula, energy: Formula | None = None) -> Any:
     """A solid law of your own, for `ElasticSolid(law=…)`, made of functions of numbers.
 
     [Materials](materials.md#a-stress-of-your-own) says what they may use, and has an example. F and
@@ -170,42 +164,34 @@ def solid_law(*, stress: Formula, **more: Formula) -> Any:
 
     Args:
         stress: `stress(F)` returns P = dW/dF [Pa].
-        more: `energy(F)` returns W [J/m3]; it is needed for `heat="elastic"`. `wave_modulus(F)`,
-            the largest m0 c^2 [Pa], and `acoustic_tensor(F, N)`, the d*d numbers
-            N_j N_l dP_ij/dF_kl [Pa], follow from the stress if they are missing.
+        energy: `energy(F)` returns W [J/m3]; it is needed for `heat="elastic"`.
     """
-    return _law_of("solid_law", OwnSolid, {"stress": stress}, more)
+    return _law_of(OwnSolid, "solid_law", 0, locals())
 
 
-def pressure_law(pressure: Formula, **more: Formula) -> Any:
+def pressure_law(pressure: Formula) -> Any:
     """A law of the pressure of a solid of your own, for `pressing=…` of either solid.
 
     Args:
         pressure: `pressure(J, T, m0, alpha)` returns p [Pa]: J is the volume over that at rest,
             T [K] the temperature, m0 [kg/m3] the density at rest, alpha [J/(kg K)] the specific
             heat.
-        more: of the same arguments `pressure_by_temperature`, dp/dT [Pa/K], and `stiffness`,
-            -J dp/dJ [Pa]; they follow from the pressure if they are missing.
     """
-    return _law_of("pressure_law", OwnPressure, {"pressure": pressure}, more, 4)
+    return _law_of(OwnPressure, "pressure_law", 4, locals())
 
 
-def _law_of(maker: str, of: type, needed: Formulas, more: Formulas, arguments: int = 0) -> Any:
-    """A law of functions of so many numbers each; 0: they are checked later. InputError."""
-    for name in more:
-        if not hasattr(of, name):
-            known = ", ".join([*needed, *(key for key in vars(of) if key[0] != "_")])
-            raise InputError(f"{maker}: no formula '{name}': expected {known}")
-    formulas = needed | more
-    for name, formula in formulas.items() if arguments else ():
+def _law_of(kind: type, maker: str, arguments: int, formulas: Mapping[str, Any]) -> Any:
+    """A law of functions of so many numbers, 0: they are checked later, or None. InputError."""
+    given = {name: formula for name, formula in formulas.items() if formula is not None}
+    for name, formula in given.items() if arguments else ():
         _check_recorded(f"{maker}: {name}", formula, [0] * arguments)
-    return _class(maker, of, tuple(formulas.items()))()
+    return _class(kind, maker, tuple(given.items()))()
 
 
 @cache
-def _class(name: str, of: type, formulas: tuple[tuple[str, Formula], ...]) -> Any:
+def _class(kind: type, name: str, formulas: tuple[tuple[str, Formula], ...]) -> Any:
     """One class for the same formulas, so that gases of them may meet."""
-    return type(name, (of,), {key: staticmethod(formula) for key, formula in formulas})
+    return type(name, (kind,), {key: staticmethod(formula) for key, formula in formulas})
 
 
 # checks
