@@ -1,14 +1,12 @@
 """exp, log, tanh and power of numpy arrays that have the same bits on any machine.
 
-numpy computes these in several ways, by what the processor can do, and their last bits differ. Here
-they are +, -, *, / and exact operations, each of which has one right result everywhere. Cases take
-them for initial states, forcing and exact solutions. In formulas that are recorded, as those of
-laws, numpy's names stand for functions in C that have the same bits anyway (kernels/prelude.h).
+The last bits of numpy's depend on the processor. Here they are +, -, *, / and exact operations,
+each of which has one right result everywhere. Cases take them for initial states, forcing and exact
+solutions. In formulas that are recorded numpy's names stand for functions in C that have the same
+bits anyway (kernels/prelude.h).
 
 exp and log are those of FDLIBM (e_exp.c, e_log.c, Sun Microsystems 1993), whose coefficients these
-are; errors are below 1 unit in the last place. power is exp(b log a): b log a adds its own rounding
-error, of |b log a| 2^-53 relative to the result. tanh is right to 2^-52, of 1. Subnormal results
-and arguments are not meant.
+are. Subnormal results and arguments are not meant.
 """
 
 from typing import Any
@@ -26,8 +24,7 @@ _R6, _R7 = 1.531383769920937332e-01, 1.479819860510658591e-01
 def exp(x: Any) -> Any:
     """e^x of a number or an array, of its shape, with an error below 1 unit in the last place.
 
-    e^x = 2^k e^r with |r| < 0.35: e^r = 1 + r + r c / (2 - c), c = r - r^2 P(r^2). Source: FDLIBM,
-    e_exp.c.
+    e^x = 2^k e^r with |r| < 0.35: e^r = 1 + r + r c / (2 - c), c = r - r^2 P(r^2).
     """
     x = np.clip(np.asarray(x, float), -750.0, 720.0)
     k = np.rint(x * 1.4426950408889634)
@@ -43,7 +40,7 @@ def log(x: Any) -> Any:
     """ln x of a positive number or an array, of its shape, with an error below 1 unit in the last
     place. It is -inf at 0 and nan below.
 
-    ln x = k ln 2 + ln(1 + f), 1 + f between sqrt(1/2) and sqrt(2). Source: FDLIBM, e_log.c.
+    ln x = k ln 2 + ln(1 + f), 1 + f between sqrt(1/2) and sqrt(2).
     """
     m, k = np.frexp(np.asarray(x, float))
     small = m < 0.7071067811865476

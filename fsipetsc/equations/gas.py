@@ -18,20 +18,17 @@ a . f is the flux through the area a. Two-point fluxes of the nodes l and r, {q}
 
 with rho^ the logarithmic mean of rho, T^ one over that of 1/T. They conserve entropy for a perfect
 gas (H. Ranocha, Generalised summation-by-parts operators and entropy stability, 2018; moving grids:
-G. Schnücke et al., J. Sci. Comput. 82, 2020) and for a stiffened gas, whose entropy is that of a
-perfect gas with the pressure p + p_inf and the energy E - p_inf: p_inf adds constants to f and U.
-Any other gas law wants the mean flux {a . f} - g {U}.
+G. Schnücke et al., J. Sci. Comput. 82, 2020) and for a stiffened gas, where p_inf adds constants to
+f and U. Any other gas law wants the mean flux {a . f} - g {U}.
 
 The body force has the potential Phi = - b . x. With F it enters pair by pair: J s of a node i is
 
     Q_i = - sum_l S_il {a} rho^ (Phi_l - Phi_i)/2 / weight_i,    and its power Q_i . u_i
 
-In a perfect or stiffened gas of uniform temperature R T (rho_l - rho_i) = p_l - p_i, so that where
-p_l - p_i = - rho^ (Phi_l - Phi_i), F and Q cancel in each pair but for a p_i: such a gas stays at
-rest. It has rho proportional to exp(-Phi/(R T)), as in nature. The mass flux of a pair is rho^ V,
-which moves rho Phi: on a grid at rest energy and rho Phi together are kept. The entropy gets
-nothing, s . z = 0. For discontinuous Galerkin methods: M. Waruszewski et al., J. Comput. Phys. 468,
-2022; with summation-by-parts operators and metrics as above it is derived in docs/derivation.md.
+A perfect or stiffened gas of uniform temperature with rho proportional to exp(-Phi/(R T)) stays at
+rest: F and Q cancel in each pair but for a p_i. On a grid at rest energy and rho Phi together are
+kept, and the entropy gets nothing (M. Waruszewski et al., J. Comput. Phys. 468, 2022;
+docs/derivation.md).
 
 Gradients are those of the entropy variables (u, -1)/T, because then viscosity and conduction
 produce entropy at each node: grad u = T (grad (u/T) + u grad (-1/T)), grad T = T^2 grad (-1/T).

@@ -6,11 +6,8 @@ centred stencil of order 2p, (Qv)_i = sum_k c_k (v_{i+k} - v_{i-k}), k = 1..p. T
 6, 8 rows are the boundary closure, exact for polynomials up to degree s = p; the other end is its
 mirror image with the sign changed.
 
-What has to be written down is short: the norm, the stencil, and the entries of Q that accuracy
-leaves free. The closure follows by linear equations (`closure`), so that there is no long
-table in which a digit can be wrong.
-
-The free entries, Q_ij with s < i < j < r (counted from 0):
+The norm, the stencil, and the entries of Q that accuracy leaves free are written down; the closure
+follows by linear equations. The free entries, Q_ij with s < i < j < r (counted from 0):
 
 6/3  One. It minimises sum_i H_i e_i^2, e being the truncation error of the closure on x^4.
 8/4  Three. The truncation error on x^5 does not change along (Q_56, Q_57, Q_67) = (21, -6, 1) t.

@@ -41,8 +41,7 @@ S l = C are (4.23), with rho p_rho for p^ in a gas that is not perfect, and the 
     u_j = u~_j + (l1 [j=0] + mu' d_j l2)/(a_j rho^)                                          (4.10)
 
 *Traditional*: the solid moves the gas, u_f = u~_s - g_u, and the gas loads the solid, sigma = p_s -
-p + mu' u_X + g_stress, both temperatures from (4.21). The energy may grow without bound, the more
-so the lighter the solid: it is here to be compared with.
+p + mu' u_X + g_stress, both temperatures from (4.21). The energy may grow without bound.
 """
 
 from typing import Any, NamedTuple

@@ -6,9 +6,8 @@ The boundary stands at x_w; the ghost point is the first point of the grid at or
 fsipetsc.paper.steps.Part.
 
 Only what a condition gives is overwritten in a ghost point: outgoing characteristics keep their
-values, with Z = rho c. (A ghost point with extrapolated density, or with all variables prescribed,
-makes the scheme unstable.) docs/open-end.md says why each formula of the open end is as it is, with
-measurements.
+values, with Z = rho c; else the scheme is unstable. docs/open-end.md says why each formula of the
+open end is as it is.
 """
 
 import numpy as np
@@ -40,7 +39,7 @@ ETA_NARROW[2, 0] = 0.2289158450015872, -0.4914033185443774, 0.1207498614024324, 
 
 
 def outer_side(ends):
-    """Where the embedded boundary of a gas stands: 0 left, 1 right."""
+    """Where the boundary of a gas stands: 0 left, 1 right."""
     return 1 if ends[0] is None else 0
 
 
