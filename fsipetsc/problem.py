@@ -280,11 +280,10 @@ def _gas(problem: Problem, k: int, cells: int, notes: list[str]) -> Block:
         if function is None or (a, b) == (low, high):
             return function
 
-        @wraps(function)
         def moved(x: Array, *t: float) -> Any:
             return function(a + (x - low) / (high - low) * (b - a), *t)
 
-        return moved
+        return wraps(function)(moved)
 
     functions: Any = map(of_grid, (layer.initial, layer.forcing, layer.exact))
     return Block(layer.name, layer.material, rectangle(low, high), (cells,), *functions)
@@ -314,13 +313,7 @@ def _solid(layer: Any, cells: int) -> Block:
 
 
 def _picked(function: Function, *numbers: int) -> Function:
-
-    @wraps(function)
-    def called(*where: Any) -> Any:
-        u, sigma, T, x = function(*where)
-        return [(u, sigma, T, x)[n] for n in numbers]
-
-    return called
+    return wraps(function)(lambda *where: [function(*where)[n] for n in numbers])
 
 
 def _forces_alone(layer: Any) -> Function:

@@ -189,8 +189,8 @@ class Differences(NamedTuple):
         (Delta_q f)_i = sum_m (-1)^(q - m) C(q, m) f_(i + m),    m = 0 … q,    of nodes in the block
 
     Dissipation takes H^-1 Delta_q^T F from the rates, with F of each difference. Next to ends a
-    difference counts as much as the least norm of its nodes, or it would be as much stiffer there as
-    that is small. Differences end where a block does; a node of a join has those of both sides.
+    difference counts as much as the least norm of its nodes, or it would be stiffer there. They end
+    where a block does; a node of a join has those of both sides.
 
     weights: (q + 1) numbers of a difference. strides: of the axes in memory. norm: (axes, N) the
     least norm of the nodes of the difference that begins at a node, 0 where it does not fit.
