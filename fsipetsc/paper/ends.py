@@ -61,7 +61,7 @@ def beyond_boundary(layer, side):
 
 def depth_of(op):
     """Points inside the ghost point that are taken. Who owns the next point to come in must have
-    them in its halo; no layer has fewer (fsipetsc.paper.layout)."""
+    them in its halo; no layer has fewer (fsipetsc.paper.layers)."""
     return min(NODES, op.halo) - 1
 
 

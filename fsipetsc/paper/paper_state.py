@@ -28,10 +28,11 @@ from fsipetsc.kernels.calls import Calls, calling_code
 from fsipetsc.kernels.memory import zeros
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import steps
-from fsipetsc.paper.layers import Interface, Layer
-from fsipetsc.paper.layout import (
+from fsipetsc.paper.layers import (
     DOF,
     RECORD,
+    Interface,
+    Layer,
     check_ends,
     check_form,
     loose_forces,
@@ -75,9 +76,8 @@ class PaperState(State):
     opt: options in force; announce: told of what is compiled. InputError where grid, order and
     number of ranks do not fit, or the problem is not of the paper's form.
 
-    records: of the layers (fsipetsc.paper.layout); rates: (layers, 2), the largest ones of
-    convection and diffusion [1/s]. solution: y as a world Vec; k: rates. evaluations of the
-    right-hand side are counted. layers: all (fsipetsc.paper.layers).
+    records, layers: see fsipetsc.paper.layers. rates: (layers, 2), the largest ones of convection
+    and diffusion [1/s]. solution: y as a world Vec; k: rates. evaluations: of the right-hand side.
     """
 
     NOTES = MappingProxyType({"begin": (loose_forces,)})
@@ -293,7 +293,7 @@ class PaperState(State):
         agree(self.comm, self.fault)
 
     def check_motion(self, t_end: float) -> None:
-        """Do nothing: walls are at rest (fsipetsc.paper.layout.check_form)."""
+        """Do nothing: walls are at rest (fsipetsc.paper.layers.check_form)."""
 
     def set_initial(self) -> None:
         """Initial data of all layers, projected. InputError."""

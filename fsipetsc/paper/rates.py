@@ -1,4 +1,5 @@
-"""dy/dt at a rank's points of a layer, from its points with halos, which fulfil all conditions.
+"""dy/dt at a rank's points of a layer, from its points with halos, which fulfil all conditions, and
+what is monitored of them after a step.
 
 Gas, (4.20): compressible Navier-Stokes in a rigid frame that moves with the velocity s(t) of the
 gas's interface point, X = x - x_I(t) + X_I, mu' = 4 mu / 3, e = rho (internal energy + u^2/2):
@@ -17,18 +18,60 @@ rho = m0 / x_X:
 
 Viscous stress and conduction are inside the outer derivative: D acts twice, mu and kappa may vary;
 rates need values within twice the reach of D. The loops work on a row of scratch for each quantity.
+
+Monitored are 1/dt [1/s] at Courant number 1, by convection and diffusion, and this rank's share of
+the masses of the gases [kg/m2], then of energy [J/m2] and momentum [N s/m2] of all layers, by the
+norm of the operator, without the strip between an embedded boundary and its ghost point. Sums over
+ranks may differ by round-off: nothing that is computed on depends on them.
 """
+
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from fsipetsc.kernels.loops import each, named, pick, variable, when
-from fsipetsc.paper.ends import end_of, outer_side
-from fsipetsc.paper.stencils import derivative, narrow_gas, narrow_solid
+from fsipetsc.paper.ends import beyond_boundary, end_of, outer_side
+from fsipetsc.paper.stencils import derivative, narrow_gas, narrow_solid, near_ends
+from fsipetsc.scheme.columns import COLUMNS, clear, collected, count, tiled
+from fsipetsc.scheme.plan import BAD
 
 #: rows of scratch
 ROWS = 15
 #: points whose rates are found together: their rows stay in the fastest memory
 PIECE = 192
+#: of the points 0 to 3: coefficients of delta, delta^2 ... in the integral from the ghost point (0)
+#: to the boundary (delta) of the cubic through them
+STRIP = np.array([[24, -22, 8, -1], [0, 36, -20, 3], [0, -18, 16, -3], [0, 4, -4, 1]]) / 24.0
+
+
+class Gas(NamedTuple):
+    """The material of a gas, as formulas: its laws are those of fsipetsc.materials, and mu is 4/3
+    of its shear viscosity [Pa s].
+    """
+
+    law: Any
+    transport: Any
+    mu: float
+    kappa: float
+    gamma: float
+    force: float
+
+    def viscosity(self, T):
+        """mu' = 4/3 mu(T)."""
+        return self.mu * self.transport.viscosity(T)
+
+    def conductivity(self, T):
+        """kappa(T)."""
+        return self.kappa * self.transport.conductivity(T)
+
+    def velocity_and_temperature(self, rho, m, E):
+        """(u, T) from (rho, rho u, e), the last one per volume."""
+        u = m / rho
+        return u, self.law.temperature(rho, E / rho - 0.5 * u * u)
+
+    def total_energy(self, rho, u, T):
+        """e, per volume."""
+        return rho * (self.law.internal_energy(rho, T) + 0.5 * u * u)
 
 
 def own_range(layer):
@@ -157,3 +200,85 @@ def elastic_rates(part):
             acceleration = net_X[i] / solid.m0 + solid.force
             warming = (net[i] * u_X[i] + conducted_X[i]) / (solid.alpha * solid.m0)
             put(part, i - shift, (acceleration, solid.K * stretch[i] * u_X[i], warming, u[i]))
+
+
+# after a step
+
+
+def monitor_gas(part, steps):
+    """Fill rates, by the largest |u-s| + c and max(mu', kappa/cv)/rho, and add to sums; note if a
+    point is not physical."""
+    op, gas, layer, sums = part.op, part.law, part.layers[0], steps.sums
+    q, (a, b, A, B), s = part.local, own_range(layer), layer.s
+    clear(part.scratch, 3, 4, COLUMNS)
+    for i, column in tiled(a, b):
+        rho, m, e = (q[c, i] for c in range(3))
+        u, T = gas.velocity_and_temperature(rho, m, e)
+        speed = np.absolute(u - s) + np.sqrt(gas.law.sound_speed_squared(rho, T))
+        heat = gas.conductivity(T) / gas.law.heat_capacity(rho, T)
+        diffusivity = np.maximum(gas.viscosity(T), heat) / rho
+        least = np.where(T < rho, T, rho)
+        count(part.scratch, column, (speed, diffusivity, -least), (rho, m, e, T + speed))
+    extremes, (*totals, other) = collected(part.scratch, (0.0, 0.0, -np.inf), 4, COLUMNS)
+    fastest, diffusivity, least = extremes
+    mass, momentum, energy = totals
+    finite = mass.value + momentum.value + energy.value + other.value
+    for r, i, _, _ in near_ends(op, a, b, A, B):
+        add(totals, op.norm[r] - 1.0, [q[c, i] for c in range(3)])
+    side = outer_side(part.ends)
+    strip, ghost, step = beyond_boundary(layer, side), (A, B)[side], 1 - 2 * side
+    for k in range(4):
+        i, weight = ghost + step * k, 0.0
+        for coefficient in STRIP[k, ::-1]:
+            weight = (weight + float(coefficient)) * strip
+        with when((a <= i) & (i < b)):
+            add(totals, -weight, [q[c, i] for c in range(3)])
+    h = layer.h
+    sums[layer.number // 2] += h * mass.value  # every other layer is a gas
+    sums[-2] += h * energy.value
+    sums[-1] += h * momentum.value
+    part.rates[0] = fastest.value / h
+    part.rates[1] = op.diffusion * diffusivity.value / (h * h)
+    note_bad(steps, (least.value < 0.0) & (np.absolute(finite) < np.inf))
+
+
+def add(totals, weight, values):
+    for total, value in zip(totals, values, strict=True):
+        total.value += weight * value
+
+
+def note_bad(steps, good):
+    with when(~good):
+        steps.results[BAD] = 1.0
+
+
+def monitor_solid(part, steps):
+    """The same, by the largest speed of waves and kappa_e/(alpha m0 x_X), in Lagrangian
+    coordinates."""
+    op, solid, layer, sums = part.op, part.law, part.layers[0], steps.sums
+    q, (a, b, A, B) = part.local, own_range(layer)
+    per_h = 1.0 / layer.h
+    clear(part.scratch, 4, 4, COLUMNS)
+    for i, column in tiled(a, b):
+        u, sigma, T = (q[c, i] for c in range(3))
+        j = np.maximum(i, A + 1)  # the first point has the stretch of the second one
+        x_X = (q[3, j] - q[3, j - 1]) * per_h
+        p = solid.pressure(T, x_X)
+        modulus = solid.wave_modulus(T, p, np.minimum(sigma, p), x_X)
+        sums_of = u, 0.5 * u * u, T, x_X + sigma + modulus
+        count(part.scratch, column, (modulus, -modulus, -x_X, -T), sums_of)
+    extremes, (*totals, other) = collected(part.scratch, (0.0, *(-np.inf,) * 3), 4, COLUMNS)
+    stiffest, softest, shortest, coldest = extremes
+    finite = totals[0].value + totals[1].value + totals[2].value + other.value
+    for r, i, _, _ in near_ends(op, a, b, A, B):
+        u, T = q[0, i], q[2, i]
+        add(totals, op.norm[r] - 1.0, (u, 0.5 * u * u, T))
+    h, (momentum, kinetic, heat) = layer.h, totals
+    m0_h = solid.m0 * h
+    sums[-2] += m0_h * (kinetic.value + solid.alpha * heat.value)
+    sums[-1] += m0_h * momentum.value
+    diffusivity = solid.kappa_e / (-shortest.value * solid.alpha * solid.m0)
+    part.rates[0] = np.sqrt(stiffest.value / solid.m0) / h
+    part.rates[1] = op.diffusion * diffusivity / (h * h)
+    physical = (shortest.value < 0.0) & (coldest.value < 0.0) & (softest.value <= 0.0)
+    note_bad(steps, physical & (np.absolute(finite) < np.inf))

@@ -14,7 +14,7 @@ from fsipetsc.boundaries import Boundary
 from fsipetsc.kernels.loops import each, named, number, variable, when
 from fsipetsc.kernels.memory import Array
 from fsipetsc.kernels.procedure import Code, Procedure
-from fsipetsc.paper import coupling, ends, rates, sums
+from fsipetsc.paper import coupling, ends, rates
 from fsipetsc.paper.stencils import Stencils, derivative
 from fsipetsc.scheme.columns import larger
 from fsipetsc.scheme.plan import DT, RATE, SAID_STOP, STOP, TOO_SHORT
@@ -32,7 +32,7 @@ class Part(NamedTuple):
 
     local: the points of the stage with halos, (unknowns, points); y, total, k, forcing: the
     completed solution, the sum of the stages, rates and what is added to these, if anything,
-    (unknowns, owned points). rates: see fsipetsc.paper.sums. batch: fsipetsc.scheme.plan.
+    (unknowns, owned points). rates: see fsipetsc.paper.rates. batch: fsipetsc.scheme.plan.
     """
 
     op: Stencils
@@ -175,13 +175,13 @@ def complete_gas(of, steps):
     ends.move_boundary(of, steps.results)
     with when(ends.distance(layer, side) <= number(layer.least - 2) + 1e-9):
         steps.results[TOO_SHORT] = 1.0 + number(layer.number)
-    sums.monitor_gas(of, steps)
+    rates.monitor_gas(of, steps)
     keep(of)
 
 
 def complete_solid(of, steps):
     """Monitor the points."""
-    sums.monitor_solid(of, steps)
+    rates.monitor_solid(of, steps)
     keep(of)
 
 
