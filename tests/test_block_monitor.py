@@ -6,7 +6,7 @@ import pytest
 from block_ledgers import CLOSED, N, Steps, gas, problem_of, solid
 
 from fsipetsc.blockrun.block_state import BlockForm
-from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
+from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme import plan
 
 

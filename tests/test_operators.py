@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fsipetsc.operators.bands import AXIS, centred_band
-from fsipetsc.operators.narrow import MEANS, end_term
 from fsipetsc.operators.sbp import OPERATORS, SBPOperator, operator, undivided
+from fsipetsc.paper.stencils import MEANS, end_term
 
 ALL = pytest.mark.parametrize("op", OPERATORS.values(), ids=lambda op: op.name)
 

@@ -30,6 +30,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+#: Bound on the step for diffusion nu, with D twice: dt <= C h^2 / (STIFFNESS_OF_WIDE nu). Spectral
+#: radii allow the method of Runge and Kutta (|z| < 2.785) Courant numbers of 2.4 to 5.0.
+STIFFNESS_OF_WIDE = 2.0
+
 
 @dataclass(frozen=True)
 class SBPOperator:

@@ -4,16 +4,39 @@ Rows hold the points of a rank with their halos. The closures stand at the first
 point, A and B. The same formula is evaluated in the same order for a point whoever owns it, so
 results do not depend on the number of ranks.
 
-D acts twice on u and T, with b = mu', kappa or kappa_e / x_X between. The narrow second derivative
-of fsipetsc.operators.narrow is D2(b) = D b D - H^-1 R(b), R(b) = sum_q Delta_q^T mean_q(b) Delta_q,
-q = p+1 .. 2p, so that
+D acts twice on u and T, with b = mu', kappa or kappa_e / x_X between. That leaves the shortest wave
+alone, (-1)^i being in the null space of the interior formula. With the norm H of D (h = 1), B =
+diag(b) and E the difference of the two ends,
+
+    H D B D   = -D^T H B D + E B D                     wide: D twice
+    H D2(b)   = -(D^T H B D + R(b)) + E B D            narrow: D2(b) = D B D - H^-1 R(b)
+
+    R(b) = sum_q  Delta_q^T  diag(mean_q b)  Delta_q  +  terms at the ends,     q = p+1 .. 2p
 
     (rho u)_t     -=  H^-1 R(b) u / h^2
     e_t           -=  H^-1 (R(u b) u + R(kappa) T) / h^2
     alpha m0 T_t  -=  H^-1 R(kappa_e / x_X) T / h^2              (solid)
 
-What the flow loses in kinetic energy, sum_q mean_q(b) (Delta_q u)^2, the heat gains. Delta_q at i
-takes the values at i .. i+q.
+Delta_q are the undivided differences of order q, at i of the values at i .. i+q, and mean_q b is a
+sum of b at the 2p - q + 1 points in the middle of a difference, with the weights that make the
+interior formula of D2 one of 2p + 1 points. At either end the differences that begin at the first T
+points are left out, and the first T of order p+1 have a term of their own instead, with b at T:
+
+    b_T  Delta_{p+1}^T  c L L^T  Delta_{p+1},             c the sum of the weights of mean_{p+1}
+
+Whatever L is, R is symmetric and, for b >= 0, positive semidefinite; its columns add up to
+nothing; it vanishes on polynomials up to degree p, so near the ends D2 is as exact as D B D, and in
+the interior of order h^2p. The boundary derivative of D2 is the closure row of D. What the flow
+loses in kinetic energy, sum_q mean_q(b) (Delta_q u)^2, the heat gains.
+
+Where a flux b u_X is imposed by the closure row of D, u takes on an error E h^(s+1) u^(s+1) near
+the end, s = p, with D2 E = -(error of D2 on x^(s+1)/(s+1)!) at all points but the end point, and
+the flux is wrong by phi h^s u^(s+1), phi = e_0 + (D E)_0. Without terms at the ends phi is 1/2,
+-1/3, 0.31, -0.38. The L of _ENDS make it 0 for 2/1, 4/2 and 6/3, with L L^T near to 1.
+
+Sources: K. Mattsson, J. Sci. Comput. 51 (2012), 650-682 (remainders of this form); B. Sjögreen and
+N. A. Petersson, J. Sci. Comput. 52 (2012), 17-48 (narrow formulas with the boundary derivative in
+mind).
 """
 
 from collections.abc import Iterator
@@ -23,21 +46,47 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.kernels.loops import each, named, when
-from fsipetsc.operators.narrow import MEANS, STIFFNESS, STIFFNESS_OF_WIDE, end_term
-from fsipetsc.operators.sbp import operator, row_length, undivided
+from fsipetsc.operators.sbp import (
+    STIFFNESS_OF_WIDE,
+    fractions,
+    operator,
+    row_length,
+    undivided,
+)
 
 Numbers = tuple[float, ...]
+#: As STIFFNESS_OF_WIDE, by interior order: D2(1) has spectral radii of 4.0, 5.3, 6.0 and 7.1 at
+#: most with a ghost point at any place.
+STIFFNESS = {2: 2.0, 4: 2.2, 6: 2.5, 8: 2.9}
+_MEANS = {
+    2: ("1/4",),
+    4: ("1/36 1/36", "1/144"),
+    6: ("1/240 1/240 1/240", "1/1200 1/1200", "1/3600"),
+    8: ("1/1400 1/1400 1/1400 1/1400", "1/8400 1/6300 1/8400", "1/29400 1/29400", "1/78400"),
+}
+#: weights of mean_q, q = p+1 .. 2p, by interior order
+MEANS = {order: tuple(map(fractions, rows)) for order, rows in _MEANS.items()}
+_ENDS: dict[int, tuple[str, ...]] = {
+    2: ("0",),
+    4: ("0.57 0", "0.51 0.8275808859653828", "-0.64 0.67"),
+    6: ("0.51 0 0", "0.9 0.86 0", "-0.18 1.5909323365068795 0.02", "0.17 0.85 -1.12"),
+    8: (),
+}
+
+
+def end_term(order: int) -> list[list[Any]]:
+    """c L L^T, (T, T), of fractions, of the operator of an interior order."""
+    rows, c = [np.array(fractions(row)) for row in _ENDS[order]], sum(MEANS[order][0])
+    return [[c * (a @ b) for b in rows] for a in rows]
 
 
 @dataclass(frozen=True)
 class Stencils:
-    """D for h = 1, and narrow second derivatives if ``narrow`` (fsipetsc.operators.narrow): facts
-    of a procedure.
+    """D for h = 1, and narrow second derivatives if ``narrow``: facts of a procedure.
 
     The interior is sum_k interior[k-1] (v[i+k] - v[i-k]), the closure has a row for each point at
     the left end; norm: weights of the same points; n: points that the first row reaches; diffusion:
-    its bound on the step. differences: the weights of Delta_q in row q-1; means: those of mean_q in
-    row q-p-1; end: of the term at an end.
+    its bound on the step. means: the weights of mean_q in row q-p-1; end: of the term at an end.
     """
 
     interior: Numbers
@@ -47,7 +96,6 @@ class Stencils:
     n: int
     diffusion: float
     narrow: bool
-    differences: tuple[Numbers, ...]
     means: tuple[Numbers, ...]
     end: tuple[Numbers, ...]
 
@@ -78,7 +126,6 @@ def stencils(order: int, narrow: bool = False) -> Stencils:
         *(rows([op.interior])[0], rows(op.closure), rows([op.norm])[0], op.reach, row_length(op)),
         STIFFNESS[order] if narrow else STIFFNESS_OF_WIDE,
         narrow,
-        tuple(map(undivided, range(1, 9))),
         rows(MEANS[order]),
         rows(end_term(order)),
     )
@@ -121,7 +168,7 @@ def add_remainder(op, scale, b, y, scratch, out, c, shift, begin, end, A, B):
     sums[begin:end] = 0.0
     for level, means in enumerate(op.means):
         q = op.p + 1 + level
-        skipped, weights = (q + 1 - len(means)) // 2, op.differences[q - 1]
+        skipped, weights = (q + 1 - len(means)) // 2, undivided(q)
         g[begin - q : end] = 0.0
         first, last = np.maximum(begin - q, A + T), np.minimum(end, B + 1 - T - q)
         for i in each(first, last, vector=True):
@@ -139,7 +186,7 @@ def add_remainder(op, scale, b, y, scratch, out, c, shift, begin, end, A, B):
 
 def add_end_terms(op, b, y, g, begin, end, A, B):
     """Add b_T c L L^T Delta_{p+1} y to the differences g at both ends."""
-    T, q, weights = len(op.end), op.p + 1, op.differences[op.p]
+    T, q, weights = len(op.end), op.p + 1, undivided(op.p + 1)
     for edge, step, inside in ((A, 1, A + T), (B - q, -1, B - T)):
         for t, row in enumerate(op.end):
             at = edge + step * t

@@ -16,7 +16,7 @@ from fsipetsc.equations.vectors import dot, sub
 from fsipetsc.kernels.arrays import column, column_of, node
 from fsipetsc.kernels.loops import each
 from fsipetsc.kernels.memory import Array, aligned
-from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
+from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.columns import COLUMNS, clear, collected, count, tiled
 from fsipetsc.scheme.observables import PLACES
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blocks.cube import cube_text
-from fsipetsc.equations.means import NEAR
+from fsipetsc.equations.gas import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.equations.vectors import add, along, mean, scale, sub
 from fsipetsc.kernels.kernel import PLANES, ROWS, SHARED, Kernel, interlaced, numbers_of

@@ -6,7 +6,7 @@ from fsipetsc.equations.tensors import add_unit, product_transposed
 from fsipetsc.equations.vectors import add, dot, per
 from fsipetsc.kernels.arrays import column, column_of, part_of
 from fsipetsc.kernels.loops import each, invoke, variable, when, whole
-from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
+from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.block_monitor import MONITORED, along_axes, collect, moment, turning
 from fsipetsc.scheme.columns import clear, count
 from fsipetsc.scheme.part import ghosted, ghosted_node, note, owned
