@@ -50,59 +50,102 @@ import numpy as np
 
 from fsipetsc.equations.vectors import choose
 from fsipetsc.kernels.loops import each, stop, variable
-from fsipetsc.paper.stencils import weight
+from fsipetsc.paper.stencils import Stencils, weight
 
 #: the conductivity at the interface has the temperature that it leads to, but for this fraction, or
 #: after so many attempts
 AGREED, REFINEMENTS = 1e-15, 20
 
 
-class Face(NamedTuple):
-    """An interface. kind: a value of -fsi_coupling; right: whether the gas lies right of the solid;
-    h: spacing [m] on both sides."""
+class Sides(NamedTuple):
+    """An interof. kind: a value of -fsi_coupling; gas, solid: the materials; right: whether the
+    gas lies right of the solid; h: spacing [m]. gases: the record of the gas, (1,); points, first:
+    (unknowns, points) of gas and solid, and their points at the interface; jump: what is
+    prescribed; notes: what is noted of all, (NOTES, interfaces), of this one in column ``number``.
+    """
 
+    op: Stencils
     kind: str
     gas: Any
     solid: Any
     right: bool
     h: float
+    gases: Any
+    points: tuple[Any, Any]
+    first: tuple[int, int]
+    jump: Any
+    notes: Any
+    number: int
+
+    @property
+    def n(self):
+        """1 if the gas lies right of the solid, else -1."""
+        return 1 if self.right else -1
 
     @property
     def by_h(self):
-        """n/h: n = 1 if the gas lies right of the solid, else -1."""
         return (1.0 if self.right else -1.0) / self.h
 
+    @property
+    def f(self):
+        return Rows(self.points[0], self.first[0], self.n)
 
-def couple(op, face, jump, f, s):
-    """Apply the treatment that the interface has."""
-    if face.kind == "traditional":
-        traditional(op, face, jump, f, s)
-        return
-    if face.kind == "projection":
-        T_f, T_s = temperatures(op, face, jump, f, s)
-        put_gas(face, f, 0, f[0, 0], f[0, 1] / f[0, 0], T_f)
-        s[0, 2] = T_s
-    for _ in each(REFINEMENTS):
-        used = face.gas.conductivity(gas_at(face, f, 0)[1])
-        T_f = project(op, face, jump, f, s)
-        stop(~(np.absolute(face.gas.conductivity(T_f) - used) > AGREED * used))
+    @property
+    def s(self):
+        return Rows(self.points[1], self.first[1], -self.n)
 
+    def gas_at(self, j):
+        """(u, T) in row j."""
+        return self.gas.velocity_and_temperature(self.f[j, 0], self.f[j, 1], self.f[j, 2])
 
-def gas_at(face, f, j):
-    """(u, T) in row j."""
-    return face.gas.velocity_and_temperature(f[j, 0], f[j, 1], f[j, 2])
+    def put_gas(self, j, rho, u, T):
+        """Let the gas in row j be of this density, velocity and temperature."""
+        f = self.f
+        f[j, 0], f[j, 1], f[j, 2] = rho, rho * u, self.gas.total_energy(rho, u, T)
 
 
-def put_gas(face, f, j, rho, u, T):
-    """Let the gas in row j be of this density, velocity and temperature."""
-    f[j, 0], f[j, 1], f[j, 2] = rho, rho * u, face.gas.total_energy(rho, u, T)
+class Rows:
+    """Rows of one side of an interface, counted from there: rows[j, c] is unknown c of row j."""
+
+    def __init__(self, points, first, step):
+        self._points, self._first, self._step = points, first, step
+
+    def __getitem__(self, at):
+        return self._points[at[1], self._first + self._step * at[0]]
+
+    def __setitem__(self, at, value):
+        self._points[at[1], self._first + self._step * at[0]] = value
 
 
-def gradients(op, face, f, s):
+def note(of):
+    """Note x, u, sigma, T and the residuals of the four conditions of an interof."""
+    s, found = of.s, residuals(of)
+    for row, value in enumerate((s[0, 3], s[0, 0], s[0, 1], s[0, 2], *found)):
+        of.notes[row, of.number] = value
+
+
+def couple(of):
+    """Couple the rows of both sides; the frame of the gas follows."""
+    f, s, gas = of.f, of.s, of.gases[0]
+    if of.kind == "traditional":
+        traditional(of)
+    else:
+        if of.kind == "projection":
+            T_f, T_s = temperatures(of)
+            of.put_gas(0, f[0, 0], f[0, 1] / f[0, 0], T_f)
+            s[0, 2] = T_s
+        for _ in each(REFINEMENTS):
+            used = of.gas.conductivity(of.gas_at(0)[1])
+            T_f = project(of)
+            stop(~(np.absolute(of.gas.conductivity(T_f) - used) > AGREED * used))
+    gas.s, gas.x_interface = f[0, 1] / f[0, 0], s[0, 3]
+
+
+def gradients(of):
     """(u_X, T_X) of the gas and (T_X, x_X) of the solid, and sum_j a_0/a_j d_j^2."""
-    d, u_X, Tf_X, Ts_X, x_X, squares = face.by_h, 0.0, 0.0, 0.0, 0.0, 0.0
+    op, s, d, u_X, Tf_X, Ts_X, x_X, squares = of.op, of.s, of.by_h, 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(op.n):
-        d_j, (u, T) = d * op.closure[0][j], gas_at(face, f, j)
+        d_j, (u, T) = d * op.closure[0][j], of.gas_at(j)
         u_X += d_j * u
         Tf_X += d_j * T
         Ts_X -= d_j * s[j, 2]
@@ -111,7 +154,7 @@ def gradients(op, face, f, s):
     return u_X, Tf_X, Ts_X, x_X, squares
 
 
-def temperatures(op, face, jump, f, s):
+def temperatures(of):
     """(T_f, T_s) at the interface by continuity of temperature and heat flux, (4.21).
 
     Without heat conduction on either side the temperatures do not couple. With conduction on one
@@ -119,14 +162,14 @@ def temperatures(op, face, jump, f, s):
     temperature. The gas conducts with the kappa of its new temperature: where that depends on T,
     the temperatures are found again with it.
     """
-    beta, d = op.closure[0], face.by_h
-    T_f, T_s = variable(gas_at(face, f, 0)[1]), variable(s[0, 2])
-    rest_f = d * sum(beta[j] * gas_at(face, f, j)[1] for j in range(1, op.n))
+    op, s, beta, d, jump = of.op, of.s, of.op.closure[0], of.by_h, of.jump
+    T_f, T_s = variable(of.gas_at(0)[1]), variable(s[0, 2])
+    rest_f = d * sum(beta[j] * of.gas_at(j)[1] for j in range(1, op.n))
     rest_s = -d * sum(beta[j] * s[j, 2] for j in range(1, op.n))
     d_f, d_s = d * beta[0], -d * beta[0]
-    k_s, jump_T, jump_flux = face.solid.kappa_e / gradients(op, face, f, s)[3], jump[2], jump[3]
+    k_s, jump_T, jump_flux = of.solid.kappa_e / gradients(of)[3], jump[2], jump[3]
     for _ in each(REFINEMENTS):
-        used = face.gas.conductivity(T_f.value)
+        used = of.gas.conductivity(T_f.value)
         both = (jump_flux - k_s * (rest_s + d_s * jump_T) + used * rest_f) / (
             k_s * d_s - used * d_f
         )
@@ -134,17 +177,17 @@ def temperatures(op, face, jump, f, s):
         gas = np.where(used > 0.0, np.where(k_s > 0.0, both, gas), T_f.value)  # if it conducts
         solid = np.where(k_s > 0.0, np.where(used > 0.0, both + jump_T, solid), T_s.value)
         T_f.value, T_s.value = gas, solid
-        stop(~(np.absolute(face.gas.conductivity(gas) - used) > AGREED * used))
+        stop(~(np.absolute(of.gas.conductivity(gas) - used) > AGREED * used))
     return T_f.value, T_s.value
 
 
-def residuals(op, face, jump, f, s):
+def residuals(of):
     """What the four conditions are off by, as a tuple."""
-    u_X, Tf_X, Ts_X, x_X, _ = gradients(op, face, f, s)
-    u, T = gas_at(face, f, 0)
-    p_s, p_f = face.solid.pressure(s[0, 2], x_X), face.gas.law.pressure(f[0, 0], T)
-    stress = s[0, 1] - p_s + p_f - face.gas.viscosity(T) * u_X
-    flux = face.solid.kappa_e / x_X * Ts_X - face.gas.conductivity(T) * Tf_X
+    f, s, jump, (u_X, Tf_X, Ts_X, x_X, _) = of.f, of.s, of.jump, gradients(of)
+    u, T = of.gas_at(0)
+    p_s, p_f = of.solid.pressure(s[0, 2], x_X), of.gas.law.pressure(f[0, 0], T)
+    stress = s[0, 1] - p_s + p_f - of.gas.viscosity(T) * u_X
+    flux = of.solid.kappa_e / x_X * Ts_X - of.gas.conductivity(T) * Tf_X
     return s[0, 0] - u - jump[0], stress - jump[1], s[0, 2] - T - jump[2], flux - jump[3]
 
 
@@ -163,22 +206,23 @@ def multipliers(S11, S12, S22, S23, S24, S33, S34, S44, r1, r2, r3, r4):
     return r1 / S11 - v12 * l2, l2, l3, l4
 
 
-def project(op, face, jump, f, s):
+def project(of):
     """Project orthogonally, with the conductivity of the gas as it is: all unknowns in *energy*,
     else all but the temperatures, which are as they should be. Returns the gas's new temperature
-    at the interface."""
-    gas, solid, beta, d, a_0 = face.gas, face.solid, op.closure[0], face.by_h, op.norm[0]
-    _, _, _, x_X, squares = gradients(op, face, f, s)
+    at the interof."""
+    op, f, s, gas, solid, d = of.op, of.f, of.s, of.gas, of.solid, of.by_h
+    beta, a_0 = op.closure[0], op.norm[0]
+    _, _, _, x_X, squares = gradients(of)
     # the state that the weights belong to
-    rho, (u, T), T_s = f[1, 0], gas_at(face, f, 1), s[0, 2]
+    rho, (u, T), T_s = f[1, 0], of.gas_at(1), s[0, 2]
     bulk, p_T = gas.law.bulk_modulus(rho, T), gas.law.pressure_by_temperature(rho, T)
     K, c, tau_f, tau_s = solid.K, solid.pressure_by_temperature(T_s, x_X), 0.0, 0.0
-    if face.kind == "energy":
+    if of.kind == "energy":
         K = (solid.K + solid.stiffness(T_s, x_X)) / x_X
         tau_f, tau_s = T / (rho * gas.law.heat_capacity(rho, T)), T / (solid.alpha * solid.m0)
-    T_f = gas_at(face, f, 0)[1]
+    T_f = of.gas_at(0)[1]
     mu, kappa, k_s = gas.viscosity(T_f), gas.conductivity(T_f), solid.kappa_e / x_X
-    r1, r2, r3, r4 = residuals(op, face, jump, f, s)
+    r1, r2, r3, r4 = residuals(of)
     # S without the factor 1/a_0: the multipliers come out as l/a_0
     d_0 = d * beta[0]
     S11, S12 = 1.0 / solid.m0 + 1.0 / rho, mu * d_0 / rho
@@ -186,7 +230,7 @@ def project(op, face, jump, f, s):
     S23, S24 = -c * tau_s - p_T * tau_f, d_0 * (c * k_s * tau_s - p_T * kappa * tau_f)
     S33, S34 = tau_s + tau_f, d_0 * (kappa * tau_f - k_s * tau_s)
     S44 = (k_s * k_s * tau_s + kappa * kappa * tau_f) * squares
-    if face.kind == "projection":
+    if of.kind == "projection":
         S23, S33, S34, r3, S24, S44, r4 = 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0
     else:
         some, none = (kappa <= 0.0) | (k_s <= 0.0), (kappa <= 0.0) & (k_s <= 0.0)
@@ -198,23 +242,23 @@ def project(op, face, jump, f, s):
     s[0, 1] -= K * l2
     for j in range(op.n):
         d_j, w, here = d * beta[j], a_0 / weight(op, j), 1.0 if j == 0 else 0.0
-        rho_j, (u, T) = f[j, 0], gas_at(face, f, j)
+        rho_j, (u, T) = f[j, 0], of.gas_at(j)
         u += w * (here * l1 + mu * d_j * l2) / rho
         T += w * tau_f * (here * (l3 - p_T * l2) + kappa * d_j * l4)
         s[j, 2] += w * tau_s * (here * (c * l2 - l3) + k_s * d_j * l4)
-        put_gas(face, f, j, rho_j, u, T)
-    u, T_f = gas_at(face, f, 0)
-    u_X = gradients(op, face, f, s)[0]
-    p_0 = gas.viscosity(T_f) * u_X - s[0, 1] + solid.pressure(s[0, 2], x_X) + jump[1]  # (4.24)
-    put_gas(face, f, 0, gas.law.density(p_0, T_f), u, T_f)
+        of.put_gas(j, rho_j, u, T)
+    u, T_f = of.gas_at(0)
+    u_X = gradients(of)[0]
+    p_0 = gas.viscosity(T_f) * u_X - s[0, 1] + solid.pressure(s[0, 2], x_X) + of.jump[1]  # (4.24)
+    of.put_gas(0, gas.law.density(p_0, T_f), u, T_f)
     return T_f
 
 
-def traditional(op, face, jump, f, s):
+def traditional(of):
     """The solid moves the gas, the gas loads the solid."""
-    T_f, T_s = temperatures(op, face, jump, f, s)
-    put_gas(face, f, 0, f[0, 0], s[0, 0] - jump[0], T_f)
-    u_X, _, _, x_X, _ = gradients(op, face, f, s)
-    stress = face.gas.viscosity(T_f) * u_X - face.gas.law.pressure(f[0, 0], T_f)
-    s[0, 1] = face.solid.pressure(T_s, x_X) + stress + jump[1]
+    f, s, jump, (T_f, T_s) = of.f, of.s, of.jump, temperatures(of)
+    of.put_gas(0, f[0, 0], s[0, 0] - jump[0], T_f)
+    u_X, _, _, x_X, _ = gradients(of)
+    stress = of.gas.viscosity(T_f) * u_X - of.gas.law.pressure(f[0, 0], T_f)
+    s[0, 1] = of.solid.pressure(T_s, x_X) + stress + jump[1]
     s[0, 2] = T_s

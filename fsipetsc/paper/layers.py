@@ -19,7 +19,7 @@ from fsipetsc.materials.solid import Elastic, Solid
 from fsipetsc.operators.bands import Patch
 from fsipetsc.operators.sbp import SBPOperator, row_length
 from fsipetsc.paper import rates, steps
-from fsipetsc.paper.coupling import Face
+from fsipetsc.paper.coupling import Sides
 from fsipetsc.paper.ends import OF_GAS, degree_of
 from fsipetsc.paper.rates import Gas
 from fsipetsc.paper.stencils import Stencils
@@ -342,7 +342,6 @@ class Interface:
     ) -> None:
         gas, solid = pair
         self.side, self.jump = int(gas.number > solid.number), np.zeros(4)
-        face = Face(kind, gas.law, solid.law, self.side == 1, float(solid.record["h"]))
         n, found = solid.op.n, []
         for v, room, step in zip(pair, np.split(rooms[k], [len(gas.local)]), (1, -1)):
             step *= 2 * self.side - 1  # inwards from the interface
@@ -356,7 +355,8 @@ class Interface:
             found.append((owner, points, first, (rows + columns).ravel()))
         owners, points, firsts, places = zip(*found)
         self.here = [owner == me for owner in owners]
-        self.sides = steps.Sides(solid.op, face, gas.records, *points, *firsts, self.jump, notes, k)
+        about = solid.op, kind, gas.law, solid.law, self.side == 1, float(solid.record["h"])
+        self.sides = Sides(*about, gas.records, points, firsts, self.jump, notes, k)
         self.halos = []  # each owner sends its own rows, the others go into the rooms
         if self.here[0] != self.here[1]:
             mine, other = self.here.index(True), self.here.index(False)

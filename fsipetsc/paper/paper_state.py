@@ -28,6 +28,7 @@ from fsipetsc.kernels.calls import Calls, calling_code
 from fsipetsc.kernels.memory import zeros
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import steps
+from fsipetsc.paper.coupling import couple, note
 from fsipetsc.paper.layers import (
     DOF,
     RECORD,
@@ -66,8 +67,7 @@ Array = np.ndarray
 FRACTIONS = 0.0, 0.5, 0.5, 1.0
 #: of the record of a layer: where its grid lies, and how it moves
 FRAME = "lo", "hi", "s", "x_interface"
-#: of messages between ranks
-ROWS_TAG, HALOS_TAG = 0, 1
+ROWS_TAG, HALOS_TAG = 0, 1  # of messages between ranks
 
 
 class PaperState(State):
@@ -153,7 +153,7 @@ class PaperState(State):
             layer.does = steps.of_layer(code, place, layer.part, of_steps)
         for one in self.interfaces:
             place = ("left", "right")[one.side]
-            functions = steps.couple, steps.note
+            functions = couple, note
             one.does = {f: code.procedure(f"{f.__name__}_{place}", f, one.sides) for f in functions}
         functions = steps.forget, steps.tell, steps.finish
         does = {f: code.procedure(f.__name__, f, of_steps) for f in functions}
@@ -170,13 +170,16 @@ class PaperState(State):
         stages = {
             n: [v.does[name] for v in here for name in names[n] if name in v.does] for n in numbers
         }
-        fulfil = [self._rows, *(one.does[steps.couple] for one in self.interfaces if any(one.here))]
+        fulfil = [
+            self._rows,
+            *(one.does[couple] for one in self.interfaces if any(one.here)),
+        ]
         fulfil += [layer.does["close"] for layer in here if not layer.is_gas]
         fulfil.append(self._halos)
         fulfil = [one for one in fulfil if not getattr(one, "empty", False)]
         completing = [does[steps.forget], *(layer.does["complete"] for layer in here)]
         # the owner of the solid notes an interface
-        completing += [one.does[steps.note] for one in self.interfaces if one.here[1]]
+        completing += [one.does[note] for one in self.interfaces if one.here[1]]
         completing += [does[steps.tell], reduction] if self.comm.size > 1 else []
         completing.append(does[steps.finish])
         of_step = list(stages[0])  # it begins with the completed solution

@@ -2,7 +2,7 @@
 
 C makes all calls of a batch of steps, and exchanges between ranks among them
 (fsipetsc.parallel.exchange). Procedures of layers take a Part, and those after a step Steps, too;
-those of interfaces take Sides.
+those of interfaces are in fsipetsc.paper.coupling.
 """
 
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from fsipetsc.boundaries import Boundary
 from fsipetsc.kernels.loops import each, named, number, variable, when
 from fsipetsc.kernels.memory import Array
 from fsipetsc.kernels.procedure import Code, Procedure
-from fsipetsc.paper import coupling, ends, rates
+from fsipetsc.paper import ends, rates
 from fsipetsc.paper.stencils import Stencils, derivative
 from fsipetsc.scheme.columns import larger
 from fsipetsc.scheme.plan import DT, RATE, SAID_STOP, STOP, TOO_SHORT
@@ -49,24 +49,6 @@ class Part(NamedTuple):
     batch: Array
 
 
-class Sides(NamedTuple):
-    """An interface. gases: the record of the gas, (1,); gas, solid: (unknowns, points) of both
-    sides; at_gas, at_solid: their points at the interface; jump: what is prescribed; notes: what is
-    noted of all, (NOTES, interfaces), of this one in the column ``number``.
-    """
-
-    op: Stencils
-    face: coupling.Face
-    gases: Array
-    gas: Array
-    solid: Array
-    at_gas: int
-    at_solid: int
-    jump: Array
-    notes: Array
-    number: int
-
-
 class Steps(NamedTuple):
     """told: what ranks tell each other of a step: results (fsipetsc.scheme.plan), the rates of all
     layers, notes of interfaces. sums: what is noted after that, from the masses of gases on.
@@ -77,46 +59,6 @@ class Steps(NamedTuple):
     rates: Array
     notes: Array
     sums: Array
-
-
-# conditions
-
-
-class Rows:
-    """Rows of one side of an interface, counted from there: rows[j, c] is unknown c of row j."""
-
-    def __init__(self, points, first, step):
-        self._points, self._first, self._step = points, first, step
-
-    def _place(self, at):
-        return at[1], self._first + self._step * at[0]
-
-    def __getitem__(self, at):
-        return self._points[self._place(at)]
-
-    def __setitem__(self, at, value):
-        self._points[self._place(at)] = value
-
-
-def rows(of):
-    """The rows of gas and solid."""
-    inward = 1 if of.face.right else -1
-    return Rows(of.gas, of.at_gas, inward), Rows(of.solid, of.at_solid, -inward)
-
-
-def couple(of):
-    """Couple the rows of both sides; the frame of the gas follows."""
-    gas, (f, s) = of.gases[0], rows(of)
-    coupling.couple(of.op, of.face, of.jump, f, s)
-    gas.s, gas.x_interface = f[0, 1] / f[0, 0], s[0, 3]
-
-
-def note(of):
-    """Note x, u, sigma, T and the residuals of the four conditions of an interface."""
-    (f, s), notes, k = rows(of), of.notes, of.number
-    found = coupling.residuals(of.op, of.face, of.jump, f, s)
-    for row, value in enumerate((s[0, 3], s[0, 0], s[0, 1], s[0, 2], *found)):
-        notes[row, k] = value
 
 
 # stages
