@@ -170,10 +170,7 @@ class PaperState(State):
         stages = {
             n: [v.does[name] for v in here for name in names[n] if name in v.does] for n in numbers
         }
-        fulfil = [
-            self._rows,
-            *(one.does[couple] for one in self.interfaces if any(one.here)),
-        ]
+        fulfil = [self._rows, *(one.does[couple] for one in self.interfaces if any(one.here))]
         fulfil += [layer.does["close"] for layer in here if not layer.is_gas]
         fulfil.append(self._halos)
         fulfil = [one for one in fulfil if not getattr(one, "empty", False)]
