@@ -118,18 +118,12 @@ class FluidLayer(_Layer):
 class SolidLayer(_Layer):
     """A layer of an elastic solid in one dimension, in Lagrangian coordinates X.
 
-    Functions get an array of coordinates, (n,) [m], and t [s]; each number that they return is an
-    array of that shape or a float.
-
     Args:
-        name: name of the layer, without |.
+        name: as of `FluidLayer`, and so are exact, cells and h.
         material: a `Solid`.
         X: (left, right) [m]; the length is a multiple of `-fsi_h`.
         initial: `initial(X)` returns u [m/s], sigma [Pa], T [K], x [m]; x rises with X.
         forcing: `forcing(X, t)` returns the right-hand sides of the same, per second; None: 0.
-        exact: `exact(X, t)` returns what `initial` does, where an exact solution is known.
-        cells: number of cells between its ends; None: by h.
-        h: size of the cells [m], of which the nearest that fits is taken; None: -fsi_h.
     """
 
     kind = "solid"

@@ -60,16 +60,8 @@ class Fluid:
         return self.R / (self.gamma - 1.0)
 
     def sound_speed(self, T: Any, rho: Any = 1.0) -> Any:
-        """Speed of sound [m/s] at T [K] and rho [kg/m3], numbers or arrays of one shape. A perfect
-        gas does not need rho.
-        """
+        """Speed of sound [m/s] at T [K] and rho [kg/m3], numbers or arrays of one shape."""
         return np.sqrt(self.gas_law.sound_speed_squared(rho, T))
-
-    def internal_energy(self, rho: Any, T: Any) -> Any:
-        """Internal energy per mass [J/kg] at rho [kg/m3] and T [K], numbers or arrays of one
-        shape.
-        """
-        return self.gas_law.internal_energy(rho, T)
 
     def equations(self, d: int, symmetry: int = 0) -> Gas:
         """Its equations in d dimensions, or around an axis or a centre; InputError if force has not

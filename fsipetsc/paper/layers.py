@@ -264,8 +264,7 @@ class Layer:
         if self.is_gas:
             rho, u, T = fields
             with np.errstate(all="ignore"):  # what comes of it is monitored
-                e = rho * (self.layer.material.internal_energy(rho, T) + 0.5 * u * u)
-                fields = [rho, rho * u, e]
+                fields = [rho, rho * u, self.law.total_energy(rho, u, T)]
         y[:] = np.stack(fields, axis=-1)
 
     def set_forcing(self, t: float) -> None:
