@@ -76,23 +76,21 @@ ACCEPTED = {
 }
 
 
-def refresh(problem, t=1.0):
+def check(problem):
     particles = particles_of(problem)
-    prescribed = Prescribed(problem, particles, range(len(particles)), lambda: 1e-3)
-    prescribed.refresh(0.0)  # all velocities are 0 then
-    prescribed.refresh(t)
+    Prescribed(problem, particles, range(len(particles)), lambda: 1e-3).check_motion(1.0)
 
 
 @pytest.mark.parametrize("case", REFUSED)
 def test_velocities_that_cannot_be_are_refused(case):
     problem, words = REFUSED[case]
     with pytest.raises(InputError, match=words):
-        refresh(problem)
+        check(problem)
 
 
 @pytest.mark.parametrize("case", ACCEPTED)
 def test_what_fits_together_is_accepted(case):
-    refresh(ACCEPTED[case])
+    check(ACCEPTED[case])
 
 
 LENGTH = 0.4

@@ -61,17 +61,12 @@ class FaceTerms:
             self.record = GasFaces(*nodes, np.zeros((n, d + 2)), *numbers, groups)
         else:
             self.record = SolidFaces(*nodes, vectors[0], *numbers, vectors[1], X, (), groups)
-        self._spacing = np.zeros(n)  # from nodes of faces to those beside
         end, turned = 0, []
         for (axis, side, condition, effect), (_, own, *_) in zip(acting, listed, strict=True):
             where, end = slice(end, end + own.size), end + own.size
             if d == 3 and not self._gas:
                 turned.append(_turned(problem, part, order, axis, side, where))
-            places = problem.places(k, part.numbers[own])
-            self._faces.append((condition, places, where))
-            stride = int(np.prod(block.shape[:axis]))
-            beside = problem.places(k, part.numbers[own] + (-stride if side else stride))
-            self._spacing[where] = np.linalg.norm(places - beside, axis=1)
+            self._faces.append((condition, problem.places(k, part.numbers[own]), where))
             if effect.first_order:
                 low, high = (block.face_positions(axis, at) for at in (0, 1))
                 self.record.width[where] = np.linalg.norm(high - low, axis=0).mean()
@@ -86,7 +81,6 @@ class FaceTerms:
                 self._supply(X, at, t)
                 continue
             data = {c: _column(condition, names, X, t) for c, names in _columns(condition)}
-            condition.check_on_grid(data, X, self._spacing[at], t)
             for column, values in data.items():
                 getattr(self.record, column)[at] = values
             if condition.loaded and self.p_ref != 0.0:

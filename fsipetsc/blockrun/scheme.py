@@ -64,7 +64,7 @@ class Scheme(Phases):
 
     def _refresh(self, t: float) -> None:
         """Data of the case at time t [s]. InputError the first time; later ones are kept."""
-        if self.asks or self._filled is None or self.particles.prescribed.doubtful:
+        if self.asks or self._filled is None:
             self._ask(t)
         if not self.asks:
             self.fill(t)

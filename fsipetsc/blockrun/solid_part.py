@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from fsipetsc.blockrun.block_part import BlockPart, Recorded
 from fsipetsc.blocks.metrics import solid_metrics
-from fsipetsc.blocks.values import block_values, prestress_of
+from fsipetsc.blocks.values import block_values
 from fsipetsc.equations.tensors import add_unit, apply, cofactor
 from fsipetsc.equations.vectors import dot
 from fsipetsc.kernels.memory import zeros
@@ -42,7 +42,9 @@ class SolidPart(BlockPart):
         self._loses = int(self._problem.loses(part.k))
         strain = self.equations.unstrained((0.0,) * d)
         self.F = zeros((len(strain), part.numbers.size))
-        self.prestress = prestress_of(self.block, self.X)
+        self.prestress = np.zeros((self._d**2, 0))  # or (d d, N)
+        if self.block.prestress is not None:
+            self.prestress = np.array(block_values(self.block, "prestress", self.X, 0.0))
         self._work = solid_work(self.equations, part.bands, part.patch, order // 2)
         self._volume = SolidVolume(self.equations, self._work, self.metrics, self.prestress)
         self._dissipation = self._damping()

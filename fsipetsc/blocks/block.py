@@ -76,8 +76,6 @@ class Block:
             raise InputError(f"{self}: prestress is given: expected none, as it is a gas")
         if isinstance(self.map, Nodes) and self.map.cells != self.cells:
             raise InputError(f"{self}: its map has {self.map.cells} cells, the block {self.cells}")
-        if not isinstance(self.map, Nodes):
-            self._check_smooth()
         volumes, middles = self.pieces()
         if not volumes.min() > 0.0:
             place = place_text(middles.reshape(self.dimension, -1)[:, volumes.argmin()])
@@ -168,34 +166,19 @@ class Block:
 
     def _check_axes(self) -> None:
         """InputError for wrong cells or periodic; both become tuples."""
-        cells = self.cells if isinstance(self.cells, (tuple, list)) else (self.cells,)
+        cells, periodic = (
+            tuple(given) if isinstance(given, (tuple, list)) else (given,)
+            for given in (self.cells, self.periodic)
+        )
         if not (1 <= len(cells) <= 3 and all(map(whole, cells))):
             wanted = "expected 1, 2 or 3 whole numbers above 0"
             raise InputError(f"{self}: cells is {described(self.cells)}: {wanted}")
-        given = self.periodic if isinstance(self.periodic, (tuple, list)) else (self.periodic,)
-        periodic = tuple(given) or (False,) * len(cells)
+        periodic = periodic or (False,) * len(cells)
         if len(periodic) != len(cells) or not all(isinstance(p, bool) for p in periodic):
             wanted = "expected True or False for each axis"
             raise InputError(f"{self}: periodic is {described(self.periodic)}: {wanted}")
         object.__setattr__(self, "cells", tuple(int(c) for c in cells))
         object.__setattr__(self, "periodic", periodic)
-
-    def _check_smooth(self) -> None:
-        """InputError where second differences along an axis do not fall as the square of the
-        spacing. Of a smooth map they fall by 64 from 256 to 2048 intervals, at a kink by 4 to 16,
-        at a jump not.
-        """
-        for axis in range(self.dimension):
-            lines = [np.array([0.0, 0.31, 1.0])] * self.dimension
-            lines[axis] = np.arange(2049) / 2048
-            X = np.moveaxis(self._mapped(mesh(lines)), self.dimension - axis, -1)
-            fine, coarse = (np.linalg.norm(np.diff(X[..., ::m], 2), axis=0) for m in (1, 8))
-            length, largest = np.linalg.norm(np.diff(X), axis=0).max(axis=-1), fine.max(axis=-1)
-            rough = (largest > coarse.max(axis=-1) / 32) & (largest > 1e-3 * length)
-            if rough.any():
-                line = np.unravel_index(int(np.argmax(rough)), rough.shape)
-                place = place_text(X[(slice(None), *line, int(np.argmax(fine[line])) + 1)])
-                raise InputError(f"{self}: its map is not smooth along axis {axis}, at {place}")
 
     def pieces(self) -> tuple[Array, Array]:
         """Volumes (…) of up to 32 pieces along each axis, below 0 where the map is left-handed,

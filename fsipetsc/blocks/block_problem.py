@@ -240,11 +240,19 @@ class BlockProblem:
         """
         solids = [block for block in self.blocks if block.kind == "solid"]
         gases = [k for k, block in enumerate(self.blocks) if block.kind == "fluid"]
-        closed = not self._forced and all(c.conserves_energy for c in self.outer_faces.values())
-        elastic = all(solid.material.heat == "elastic" for solid in solids)
+        outer, forced = self.outer_faces.values(), self._forced
         pairs = ((self.blocks[gas].material, self.blocks[k].material) for gas, k in self.interfaces)
         shared = any(gas.kappa > 0.0 and solid.kappa_e > 0.0 for gas, solid in pairs)
-        known = all(map(knows_entropy, self.gas_laws))
+        entropy = (
+            all(solid.material.heat == "elastic" for solid in solids)
+            and all(map(knows_entropy, self.gas_laws))
+            and all(condition.conserves_energy for condition in outer)
+            and not (shared or forced)
+        )
+        moving = gases and (self.interfaces or any(c.moves for c in outer))
+        pulled = (self.blocks[k] for k in gases if any(self.blocks[k].material.force))
+        falling = any(np.any(gas.periods @ gas.material.force) for gas in pulled)
+        passing = any(condition.passes == "gas" for condition in outer)
         masses = [solid.material.m0 * size_of(solid, self.symmetry) for solid in solids]
         capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
         names = (" + ".join(self.blocks[k].name for k in body) for body in self.bodies)
@@ -254,22 +262,11 @@ class BlockProblem:
             # along r pressure acts around an axis, too
             "momentum": "xyz"[: self.dimension - (self.symmetry > 0)],
             "energy": True,
-            "potential": self._keeps_potential,
-            "entropy": closed and elastic and known and not shared,
+            "potential": self.pulled and not (passing or falling or forced or moving),
+            "entropy": entropy,
             "inertia": sum(masses),
             "heat_capacity": sum(capacities),
         }
-
-    @property
-    def _keeps_potential(self) -> bool:
-        """Energy with the potential energy of constant forces must stay."""
-        conditions = self.outer_faces.values()
-        gases = [block for block in self.blocks if block.kind == "fluid"]
-        moving = gases and (self.interfaces or any(c.moves for c in conditions))
-        pulled = (gas for gas in gases if any(gas.material.force))
-        falling = any(np.any(gas.periods @ gas.material.force) for gas in pulled)
-        passing = any(c.passes == "gas" for c in conditions)
-        return self.pulled and not (passing or falling or self._forced or moving)
 
     @cached_property
     def bodies(self) -> list[list[int]]:

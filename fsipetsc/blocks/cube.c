@@ -30,7 +30,7 @@ struct cube {
   long reach[3], size[3];       /* size: of the wide range, all nodes that derivatives need */
   long first[3], end[3];        /* the range itself in it */
   long inner[2];                /* nodes along the first axis that have the same pairs */
-  double P[9];                  /* periods: P_kc */
+  const double *P;              /* (3, 3) periods: P_kc */
   const double *x, *v;          /* (3, wide nodes) the y above, called x below; velocities */
   double *q;                    /* (3, 3, slots layers) q_k, by k and n; z is in slot z % slots */
   double *metrics, *volume;     /* planes of N nodes of the range; det D x */

@@ -4,8 +4,9 @@ Faces whose nodes are at the same places meet. Nodes of faces at one place are o
 (docs/derivation.md, Particles), also where blocks touch at an edge or a vertex only.
 """
 
+from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
@@ -37,30 +38,25 @@ def named_faces(
     blocks: Sequence[Block],
     faces: Mapping[FaceName, Condition] | Iterable[tuple[FaceName, Condition]],
 ) -> dict[FaceName, Condition]:
-    """The faces as a dict. InputError for wrong names and conditions, and for those named
-    twice.
-    """
+    """The faces as a dict. InputError for wrong names and conditions."""
     found: dict[FaceName, Condition] = {}
     for name, condition in faces.items() if isinstance(faces, Mapping) else faces:
         if not isinstance(name, tuple) or len(name) != 3:
             wanted = "expected (block name, axis, side)"
             raise InputError(f"BlockProblem: faces: {described(name)}: {wanted}")
         block = blocks[number_of(blocks, name[0])]
-        d, where = block.dimension, f"{block}, face (axis {name[1]}, side {name[2]})"
-        axes = [axis for axis in range(d) if not block.periodic[axis]]
+        axes, kind = np.flatnonzero(np.logical_not(block.periodic)).tolist(), type(condition)
+        wrong = f"{kind.__name__} is no condition of a {block.kind}"
         if name[1] not in axes or name[2] not in (0, 1):
-            wanted = f"expected an axis that is not periodic, of {axes}, and side 0 or 1"
-            raise InputError(f"{where}: {wanted}")
-        if name in found:
-            raise InputError(f"{where} is named twice: expected one condition")
-        kind = type(condition).__name__
-        if not isinstance(condition, Condition) or block.kind not in condition.of:
-            raise InputError(f"{where}: {kind} is no condition of a {block.kind}")
-        for vector in VECTORS:
-            numbers = getattr(condition, vector, None)
-            if isinstance(numbers, tuple) and len(numbers) != d:
-                given = f"{kind}: {vector} has {len(numbers)} numbers"
-                raise InputError(f"{where}: {given}: expected {d}")
+            wrong = f"expected an axis that is not periodic, of {axes}, and side 0 or 1"
+        elif name in found:
+            wrong = "it is named twice: expected one condition"
+        elif isinstance(condition, Condition) and block.kind in condition.of:
+            vectors = (getattr(condition, vector, None) for vector in VECTORS)
+            sizes = {len(v) for v in vectors if isinstance(v, tuple)} - {block.dimension}
+            wrong = f"{condition}: expected {block.dimension} numbers" if sizes else ""
+        if wrong:
+            raise InputError(f"{block}, face (axis {name[1]}, side {name[2]}): {wrong}")
         found[name] = condition
     return found
 
@@ -85,7 +81,6 @@ class Meeting:
 Kinds = dict[tuple[int, int], Condition | Meeting]
 
 
-@dataclass(eq=False)
 class Face:
     """A face of block number `block`, and the condition that is named for it.
 
@@ -93,15 +88,13 @@ class Face:
     those of the nodes that the face meets.
     """
 
-    block: int
-    owner: Block
-    axis: int
-    side: int
-    condition: Condition | None
-    nodes: Array
-    X: Array
-    labels: Array = field(init=False)
-    wanted: Array = field(init=False)
+    labels: Array
+    wanted: Array
+
+    def __init__(self, block: int, owner: Block, axis: int, side: int, condition: Any) -> None:
+        self.block, self.owner, self.axis, self.side = block, owner, axis, side
+        self.condition, self.nodes = condition, face_nodes(owner.shape, axis, side)
+        self.X = owner.face_positions(axis, side).T
 
     def __str__(self) -> str:
         return f"{self.owner}, face (axis {self.axis}, side {self.side})"
@@ -116,13 +109,14 @@ class Faces:
     """
 
     def __init__(self, blocks: Sequence[Block], named: Any) -> None:
-        self.faces, self.named = [], named_faces(blocks, named)
-        for k, block in enumerate(blocks):
-            for axis, side in product(range(block.dimension), (0, 1)):
-                if not block.periodic[axis]:
-                    condition = self.named.get((block.name, axis, side))
-                    nodes, X = face_nodes(block.shape, axis, side), block.face_positions(axis, side)
-                    self.faces.append(Face(k, block, axis, side, condition, nodes, X.T))
+        self.named = named_faces(blocks, named)
+        self.faces = [
+            Face(k, block, axis, side, self.named.get((block.name, axis, side)))
+            for k, block in enumerate(blocks)
+            for axis, side in product(
+                np.flatnonzero(np.logical_not(block.periodic)).tolist(), (0, 1)
+            )
+        ]
         periodic = [face for face in self.faces if isinstance(face.condition, Periodic)]
         shifted = (face.X + face.condition.shift for face in periodic)
         X = [np.zeros((0, blocks[0].dimension)), *(face.X for face in self.faces), *shifted]
@@ -135,18 +129,18 @@ class Faces:
             face.labels = face.wanted = next(pieces)
         for face in periodic:
             face.wanted = next(pieces)
-        at: dict[bytes, list[Face]] = {}
+        at = defaultdict[bytes, list[Face]](list)
         for face in self.faces:
-            at.setdefault(_key(face.labels), []).append(face)
+            at[_key(face.labels)].append(face)
         self.kinds: list[Kinds] = [{} for _ in blocks]
         for face in self.faces:
-            met = [other for other in at.get(_key(face.wanted), []) if other is not face]
+            met = [other for other in at[_key(face.wanted)] if other is not face]
             self.kinds[face.block][face.axis, face.side] = self._kind(face, met)
         smallest = united(len(self._places), [(f.labels, f.wanted) for f in periodic])
-        found: dict[int, set[tuple[int, int]]] = {}
+        found = defaultdict[int, set[tuple[int, int]]](set)
         for face in self.faces:
             for node, label in zip(face.nodes.tolist(), smallest[face.labels].tolist()):
-                found.setdefault(label, set()).add((face.block, node))
+                found[label].add((face.block, node))
         self.particles = sorted(sorted(members) for members in found.values())
 
     def places(self, k: int) -> tuple[Array, Array]:
@@ -178,13 +172,9 @@ class Faces:
                 f"meets {met[0]}: expected no condition, and {type(condition).__name__} is named"
             )
         elif not met and condition is None:
-            others = [other for other in self.faces if other is not face]
-            apart = [float(np.linalg.norm(other.X.mean(axis=0) - centre)) for other in others]
-            nearest = others[int(np.argmin(apart))]
             wrong = (
-                f"has no condition, and no face meets it: expected one, or a face with the same "
-                f"{len(face.X)} nodes; the nearest is {nearest}, {min(apart):.3g} away, with "
-                f"{len(nearest.X)}"
+                "has no condition, and no face meets it: expected one, or a face with the same "
+                f"{len(face.X)} nodes"
             )
         if wrong:
             raise InputError(f"{face}, about {place_text(centre)}, {wrong}")

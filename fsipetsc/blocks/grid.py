@@ -13,7 +13,7 @@ import numpy as np
 from fsipetsc.blocks.block import Range
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.cube import Cube
-from fsipetsc.blocks.hull import blend_of, end_weights, hull_of
+from fsipetsc.blocks.hull import blend_of, end_weights, find_places, hull_of
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.blocks.plane_grid import plane_motion
 from fsipetsc.blocks.radial_grid import radial_motion
@@ -100,11 +100,7 @@ class CubeMotion(NamedTuple):
         """Find turning, after `swing`."""
         invoke("cube_turn", self.address)
 
-    def find_places(self, X, places):
-        for c in range(3):
-            for i in each(self.inner.size, vector=True):
-                n = self.inner[i]
-                places[c, i] = X[c, i] + (self.x[c, n] - self.y[c, n])
+    find_places = find_places
 
     def find_volumes(self):
         invoke("cube_volumes", self.address)

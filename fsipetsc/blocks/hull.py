@@ -69,17 +69,14 @@ def hull_of(block: Block, given: Array, centred: bool = False) -> Hull:
     faces = [face_nodes(block.shape, k, s) for k in range(d) for s in sides[k] if s is not None]
     nodes = np.unique(np.concatenate([np.zeros(0, int), *faces]))
     index = np.array(np.unravel_index(nodes, block.shape[::-1]))[::-1]
-    known, pieces = (
-        np.isin(nodes, given),
-        {1: [(np.zeros((9, 0), int), np.zeros((d, 4, 0)))], 2: []},
-    )
+    known, columns, weights = np.isin(nodes, given), [np.zeros((9, 0), int)], [np.zeros((d, 4, 0))]
 
     def columns_at(at: Array, ends: Mapping[int, int]) -> Array:
         """Columns of the nodes with these indices, but for some axes, where they are at an end."""
         moved = [ends[k] * last[k] + 0 * i if k in ends else i for k, i in enumerate(at)]
         return np.searchsorted(nodes, np.ravel_multi_index(moved[::-1], block.shape[::-1]))
 
-    for entity in product(*sides):  # a vertex, an edge, a face, or the block
+    for entity in sorted(product(*sides), key=lambda e: e.count(None)):  # vertices, edges, faces
         free = [k for k in range(d) if entity[k] is None and not block.periodic[k]]
         on = np.ones(len(nodes), bool)
         for k, side in enumerate(entity):
@@ -91,14 +88,14 @@ def hull_of(block: Block, given: Array, centred: bool = False) -> Hull:
         at, a, b = index[:, on], free[0], free[-1]
         ends = {}, {a: 0}, {a: 1}, {b: 0}, {b: 1}
         vertices = ({a: i, b: j} for i, j in ((0, 0), (1, 1), (1, 0), (0, 1)))
-        weights = [end_weights(block, k, at[k], centred) for k in (a, b)]
+        of_ends = [end_weights(block, k, at[k], centred) for k in (a, b)]
         if a == b:  # the ends of an edge count as its edges a
-            weights[1][:] = 0.0
-        columns = np.array([columns_at(at, e) for e in (*ends, *vertices)])
-        pieces[len(free)].append((columns, np.concatenate(weights).transpose(1, 0, 2)))
-    parts = (np.concatenate(p, axis=-1) for p in zip(*pieces[1], *pieces[2]))
+            of_ends[1][:] = 0.0
+        columns.append(np.array([columns_at(at, e) for e in (*ends, *vertices)]))
+        weights.append(np.concatenate(of_ends).transpose(1, 0, 2))
+    table = (np.concatenate(pieces, axis=-1) for pieces in (columns, weights))
     at = np.searchsorted(nodes, np.asarray(given, int))
-    return Hull(nodes, at, *parts, *np.zeros((2, d, len(nodes))), not all(block.periodic))
+    return Hull(nodes, at, *table, *np.zeros((2, d, len(nodes))), not all(block.periodic))
 
 
 def end_weights(block: Block, axis: int, index: Array, centred: bool = False) -> Array:
@@ -190,6 +187,14 @@ def blend_of(block: Block, wide: Wide, nodes: Array, centred: bool = False) -> B
     rows = max(-wide.wide[-1][0], 0) if centred else 0
     images = np.arange(rows * int(np.prod(wide.sizes[:-1])))
     return Blend(tuple(axes), np.zeros((d, size)), np.zeros((2, size)), starts, images)
+
+
+def find_places(grid, X, places):
+    """places = X + the displacement of a grid that blends places less those of linear maps."""
+    for c in each(X.shape[0]):
+        for i in each(grid.inner.size, vector=True):
+            n = grid.inner[i]
+            places[c, i] = X[c, i] + (grid.x[c, n] - grid.y[c, n])
 
 
 def find_missing(of, axis, u, f, first):

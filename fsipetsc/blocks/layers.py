@@ -95,8 +95,6 @@ def layers(
             periodically.
         more: `jumps`, `notes`, `units`, as of `BlockProblem`.
     """
-    if not stack or not all(isinstance(layer, Layer) for layer in stack):
-        raise InputError("layers: expected one or more of Layer")
     along = tuple(extent(ends, "layers: along") for ends in along)
     cells = [_cells(ends, h, "layers") for ends in along] if cells is None else cells
     if len(cells) != len(along):
@@ -117,9 +115,8 @@ def layers(
         found.append(replace(layer, across=(low, high), cells=rows, span=span, sides=own))
     blocks, faces = _pieces(found, along, cells), {}
     for (where, block), axis, side in product(blocks.items(), range(len(along) + 1), (0, 1)):
-        beyond = list(where)
-        beyond[axis] += 2 * side - 1
-        if tuple(beyond) not in blocks and not block.periodic[axis]:
+        beyond = *where[:axis], where[axis] + 2 * side - 1, *where[axis + 1 :]
+        if beyond not in blocks and not block.periodic[axis]:
             condition = _condition(found, where[-1], axis, side, (lower, upper))
             if condition is None:
                 shift = [0.0] * len(beyond)

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.blocks.hull import Hull, blend_of
+from fsipetsc.blocks.hull import Hull, blend_of, find_places
 from fsipetsc.blocks.metrics import Wide, slopes_across, slopes_along
 from fsipetsc.checks import Array
 from fsipetsc.equations.tensors import cofactor, determinant
@@ -113,12 +113,7 @@ class RadialMotion(NamedTuple):
                 more = exact(area[n] * turned + spread * b[m])
                 self.turning[m, i] = more if m % d == last else turned
 
-    def find_places(self, X, places):
-        """X + the displacement."""
-        for c in range(len(self.like)):
-            for i in each(self.inner.size, vector=True):
-                n = self.inner[i]
-                places[c, i] = X[c, i] + (self.x[c, n] - self.y[c, n])
+    find_places = find_places
 
     def find_volumes(self):
         """`move` has found them."""

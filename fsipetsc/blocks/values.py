@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blocks.maps import place_text
-from fsipetsc.checks import Array, counted, described
+from fsipetsc.checks import Array, described
 from fsipetsc.errors import InputError, call, place_of
 
 #: in the place of X for functions of time alone
@@ -38,16 +38,6 @@ def block_values(
     names = getattr(block, "unknowns", None) or names_of(block.kind, what, len(X))
     arguments, function = tuple(X) if first else (*X, t), getattr(block, what)
     return checked(function, arguments, X, names, where, what != "forcing", active)
-
-
-def prestress_of(block: Any, X: Array) -> Array:
-    """block.prestress (d d, n) [Pa] at places X (d, n), or (d d, 0) of a block that has none.
-
-    InputError, perhaps on this rank alone.
-    """
-    if block.prestress is None:
-        return np.zeros((len(X) ** 2, 0))
-    return np.array(block_values(block, "prestress", X, 0.0))
 
 
 def datum(
@@ -87,13 +77,11 @@ def checked(
     try:
         several = isinstance(values, (tuple, list, np.ndarray)) and getattr(values, "ndim", 1) > 0
         if not several or len(values) != len(names):
-            found = counted(len(values), "value") if several else described(values)
-            found = "nothing (is its return missing?)" if values is None else found
+            found = "nothing (is its return missing?)" if values is None else described(values)
             expected = f"expected {len(names)} values ({', '.join(names)}) in a tuple"
             raise ValueError(f"returns {found}: {expected}")
-        positive = [physical and name in ("rho", "T") for name in names]
-        triples = zip(names, values, positive, strict=True)
-        return [_array_of(value, name, above, X, active) for name, value, above in triples]
+        above = [physical and name in ("rho", "T") for name in names]
+        return [_array_of(*one, X, active) for one in zip(values, names, above, strict=True)]
     except ValueError as error:
         raise InputError(f"{place_of(function)}: {where}: {error}", collective=False) from None
 
@@ -108,8 +96,7 @@ def _array_of(value: Any, name: str, positive: bool, X: Array, active: slice) ->
     except (ValueError, TypeError):  # rows of different lengths
         array = np.asarray(None)
     if array.dtype.kind not in "iuf" or np.ma.is_masked(value):
-        found = "complex" if array.dtype.kind == "c" else described(value)
-        raise ValueError(f"{name} is {found}: expected real numbers")
+        raise ValueError(f"{name} is {described(value)}: expected real numbers")
     if array.shape not in ((), (1,), (size,)):
         wanted = f"({size},), as X has, or " if len(X) else ""
         raise ValueError(f"{name} has the shape {array.shape}: expected {wanted}one number")

@@ -11,6 +11,7 @@ from another one. All ranks know from the shares which nodes each of them needs.
 
 import ctypes
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from math import prod
 from typing import NamedTuple
 
@@ -29,32 +30,14 @@ _POINTER, _NUMBER = ctypes.c_void_p, ctypes.c_long
 _NO = np.zeros(0, np.int64)
 
 
-class _Copies(ctypes.Structure):
-    _fields_ = [("runs", _POINTER), ("count", _NUMBER), ("buffer", _POINTER)]
-
-
-class _Exchange(ctypes.Structure):
-    _fields_ = [
-        *((name, _POINTER) for name in ("start_all", "wait_all", "requests", "statuses")),
-        *(("messages", _NUMBER), ("source", _POINTER), ("begin", _NUMBER), ("target", _POINTER)),
-        *((name, _Copies) for name in ("sent", "received", "own")),
-    ]
-
-
-class _Reduction(ctypes.Structure):
-    _fields_ = [
-        *(("all_reduce", _POINTER), ("type", _NUMBER), ("operation", _NUMBER), ("comm", _NUMBER)),
-        *(("numbers", _POINTER), ("room", _POINTER), ("count", _NUMBER)),
-    ]
-
-
 def exchange_text() -> str:
     """The C code of exchanges and reductions."""
     return c_source("fsipetsc.parallel", "exchange.c")
 
 
 class Exchange:
-    """One exchange. Making one is on all ranks that take part.
+    """One exchange. Making one is on all ranks that take part. structure: the address of its struct
+    in C, which has whole numbers and pointers alone.
 
     sent, received: rank -> places of the numbers in source and target, in an order that both ranks
     have; own: (places in the source, in the target) of what this rank copies. source: None, if it
@@ -80,31 +63,23 @@ class Exchange:
             (comm.Recv_init, received, incoming),
             (comm.Send_init, sent, outgoing),
         ):
-            first = 0
-            for rank, where in places.items():
-                part = buffer[first : first + where.size]
+            parts = np.split(buffer, np.cumsum([where.size for where in places.values()]))
+            for rank, part in zip(places, parts):
                 self._requests.append(init([part, MPI.DOUBLE], rank, tag))
-                first += where.size
         self._handles = np.zeros(1 + size * len(self._requests), np.uint8)
         for k, request in enumerate(self._requests):
             ctypes.memmove(self._handles.ctypes.data + k * size, MPI._addressof(request), size)
         statuses = np.zeros(1 + MPI._sizeof(MPI.Status) * len(self._requests), np.uint8)
-        runs = [
-            _runs(of, np.arange(of.size)),
-            _runs(np.arange(to.size), to),
-            _runs(*own),
-        ]
+        runs = _runs(of, np.arange(of.size)), _runs(np.arange(to.size), to), _runs(*own)
+        buffers = outgoing.ctypes.data, incoming.ctypes.data, 0
+        copies = ((r.ctypes.data, len(r), b) for r, b in zip(runs, buffers, strict=True))
+        of_source = 0 if source is None else source.ctypes.data
+        about = [_of_mpi("MPI_Startall"), _of_mpi("MPI_Waitall"), self._handles.ctypes.data]
+        about += [statuses.ctypes.data, len(self._requests), of_source, begin, target.ctypes.data]
+        self._struct = np.array([*about, *chain(*copies)], np.int64)
         self._kept = source, target, statuses, outgoing, incoming, runs
-        buffers = outgoing.ctypes.data, incoming.ctypes.data, None
-        copies = [_Copies(r.ctypes.data, len(r), b) for r, b in zip(runs, buffers, strict=True)]
-        self._struct = _Exchange(
-            *(_of_mpi("MPI_Startall"), _of_mpi("MPI_Waitall"), self._handles.ctypes.data),
-            *(statuses.ctypes.data, len(self._requests)),
-            *(None if source is None else source.ctypes.data, begin, target.ctypes.data),
-            *copies,
-        )
         self.empty = not self._requests and not own[0].size
-        self.structure = ctypes.addressof(self._struct)
+        self.structure = self._struct.ctypes.data
         self.vectors = ["y"] if source is None else []
 
     def load(self, library: ctypes.CDLL) -> None:
@@ -152,8 +127,8 @@ class Reduction:
         self._kept = numbers, room, comm
         handles = map(MPI._handleof, (MPI.DOUBLE, MPI.MAX, comm))
         of_numbers = numbers.ctypes.data, room.ctypes.data, numbers.size
-        self._struct = _Reduction(_of_mpi("MPI_Allreduce"), *handles, *of_numbers)
-        self.structure, self.vectors = ctypes.addressof(self._struct), list[str]()
+        self._struct = np.array([_of_mpi("MPI_Allreduce"), *handles, *of_numbers], np.int64)
+        self.structure, self.vectors = self._struct.ctypes.data, list[str]()
 
     def load(self, library: ctypes.CDLL) -> None:
         """Take the function from a library with ``exchange_text``."""
@@ -193,14 +168,12 @@ class Reach(NamedTuple):
         """Places in a rank's ghosted array, and numbers in the block, of the nodes that others send
         to it, or that it owns and has once more (of a periodic axis); in the order of the places.
         """
-        index = [np.arange(a, b) for a, b in self.ghosted(rank)]
-        own, shape = self.share.part(rank), self.share.shape
-        outside = [(i < a) | (i >= b) for i, (a, b) in zip(index, own, strict=True)]
-        there = [(i >= 0) | closed for i, closed in zip(index, self.periodic, strict=True)]
-        how_far = sum(np.meshgrid(*(o.astype(int) for o in outside), indexing="ij", sparse=True))
-        known = np.prod(np.meshgrid(*there, indexing="ij"), axis=0).astype(bool)
-        wanted = known & ((how_far >= 1) if self.corners else (how_far == 1))
-        places = np.meshgrid(*(i % n for i, n in zip(index, shape, strict=True)), indexing="ij")
+        own, shape, ends = self.share.part(rank), self.share.shape, self.ghosted(rank)
+        index = np.meshgrid(*(np.arange(a, b) for a, b in ends), indexing="ij")
+        far = sum(((i < a) | (i >= b)).astype(int) for i, (a, b) in zip(index, own, strict=True))
+        known = np.all([(i >= 0) | closed for i, closed in zip(index, self.periodic)], axis=0)
+        wanted = known & ((far >= 1) if self.corners else (far == 1))
+        places = [i % n for i, n in zip(index, shape, strict=True)]
         numbers = np.ravel_multi_index(places, shape, order="F")
         order = np.flatnonzero(wanted.ravel(order="F"))
         return order, numbers.ravel(order="F")[order]
@@ -266,9 +239,9 @@ def exchange_of(
     return Exchange(comm, tag, sent, received, (own[0], own[1]), source, memory)
 
 
-def _of_mpi(name: str) -> int | None:
+def _of_mpi(name: str) -> int:
     """The address of a function of the library that mpi4py has loaded."""
-    return ctypes.cast(getattr(ctypes.CDLL(MPI.__file__), name), _POINTER).value
+    return ctypes.cast(getattr(ctypes.CDLL(MPI.__file__), name), _POINTER).value or 0
 
 
 def _runs(of: Numbers, to: Numbers) -> Numbers:

@@ -90,9 +90,8 @@ def slide(all, gain):
     goes to the gas.
     """
     for p in each(all.facts.shape[0]):
-        one = all.facts[p]
-        with when(one.count > 0):
-            slide_one(all, gain, p, one)
+        with when(all.facts[p].count > 0):
+            slide_one(all, gain, p, all.facts[p])
 
 
 def slide_one(all, gain, p, one):

@@ -3,13 +3,11 @@ unknowns.
 
 Where faces meet, one condition decides: docs/cases.md has a table. Where another one that sticks or
 clamps, or that moves, wants a second velocity there, the equations have a singularity: density or
-stress at that node grows as 1/h, and no grid converges. That is refused as soon as the velocities
-differ.
+stress at that node grows as 1/h, and no grid converges. That is refused.
 """
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,18 +24,9 @@ Array = NDArray[Any]
 #: conditions of a particle that have data; those by which the gas's grid moves
 NAMES = "wall", "slip", "clamp", "warm_gas", "warm_solid", "given_gas", "given_solid"
 WALLS = "wall", "slip", "given_gas"
-#: Weights of the first derivative at one of three equidistant times, of which 0, 1, 2 are before,
-#: of second order; of the first and the second one at one of four, of third and second order.
-FIRST = ((-1.5, 2.0, -0.5),), ((-0.5, 0.0, 0.5),), ((0.5, -2.0, 1.5),)
-SECOND = (
-    ((-11 / 6, 3.0, -1.5, 1 / 3), (2.0, -5.0, 4.0, -1.0)),
-    ((-1 / 3, -0.5, 1.0, -1 / 6), (1.0, -2.0, 1.0, 0.0)),
-    ((1 / 6, -1.0, 0.5, 1 / 3), (0.0, 1.0, -2.0, 1.0)),
-    ((-1 / 3, 1.5, -3.0, 11 / 6), (-1.0, 4.0, -5.0, 2.0)),
-)
 #: part of the larger one by which velocities that meet may differ; part of the velocity of a wall
 #: at rest that may point across it, and parts of a run at which it is looked at
-APART, ACROSS, TIMES = 1e-3, 0.1, (0.0, 0.26, 0.51, 0.75, 1.0)
+APART, ACROSS, TIMES = 1e-3, 0.1, (1.0, 0.75, 0.51, 0.26, 0.0)
 #: of the distance below which places are one: velocities may be differences of places
 ROUND_OFF = 1e-4
 
@@ -86,7 +75,7 @@ class Prescribed:
 
     data: the arrays of the last instant. moving: particles on walls that move, by which the grid
     goes along; displaced: (particles, d) by how much. by_differences: some data are differences in
-    time. doubtful: conditions may come to contradict each other.
+    time.
     """
 
     def __init__(
@@ -115,7 +104,6 @@ class Prescribed:
             if _has_motion(c) and not c.moves
         ]
         self._met = _met(problem, own)
-        self.doubtful = bool(self._met)
 
     def _sources_of(self, particles: Sequence[Particle]) -> list[Source]:
         """Where data of these particles come from; what comes later holds."""
@@ -144,8 +132,6 @@ class Prescribed:
         for _, who, make, targets in self._sources:
             for target, values in zip(targets, make(self._x[who].T, t), strict=True):
                 target[who] = np.transpose(values)
-        for met in self._met:
-            self._refuse(met, t)
 
     def record_data(self, recorder: Recorder) -> None:
         """Record all that depends on time, of conditions anywhere: all ranks have one text."""
@@ -155,38 +141,42 @@ class Prescribed:
             own = number[who][number[who] >= 0]
             recorder.add(condition, make, self._x[own].T, own, *targets)
 
-    def _refuse(self, met: Met, t: float) -> None:
-        """InputError where two conditions want velocities at time t [s] that cannot be."""
-        x = self._x[met.who]
-        mine = (self.data.clamp_velocity if met.name == "clamp" else self.data.wall)[met.who]
-        others = np.transpose(motion(met.other.condition, self._instant, x.T, t)[1])
-        size = np.maximum(np.linalg.norm(mine, axis=1), np.linalg.norm(others, axis=1))
-        apart = np.linalg.norm(mine - others, axis=1)
+    def check_motion(self, t_end: float) -> None:
+        """InputError where, at some times in 0 … t_end [s], two conditions want velocities that
+        cannot be, or that of a wall at rest does not lie in it. Perhaps on this rank alone.
+        """
+        for t in (part * t_end for part in TIMES):
+            for met in self._met:
+                self._compare(met, t)
+            for condition, who, normals in self._sliding:
+                v = datum(condition, "velocity", self._x[who], t, "uvw"[: self._d])
+                across = np.abs((v * normals).sum(axis=1))
+                worst = int(across.argmax())
+                if across[worst] > ACROSS * np.abs(v).max():
+                    raise InputError(
+                        f"{place_of(condition.velocity)}: velocity of NoSlip at t = {t:.6g} is "
+                        f"{_text(v[worst])} at {place_text(self._x[who][worst])}, across the wall: "
+                        "expected one along it, or x, too",
+                        collective=False,
+                    )
+
+    def _compare(self, met: Met, t: float) -> None:
+        """InputError where two conditions want different velocities at time t [s]."""
+        x, both = self._x[met.who], (met.first, met.other)
+        wanted = [np.transpose(motion(c.condition, self._instant, x.T, t)[1]) for c in both]
+        size = np.maximum(*(np.linalg.norm(v, axis=1) for v in wanted))
         least = ROUND_OFF * self._problem.tolerance / self._instant()
-        bad = np.flatnonzero(apart > APART * size + least)
+        bad = np.flatnonzero(np.linalg.norm(wanted[0] - wanted[1], axis=1) > APART * size + least)
         if bad.size:
             at = min(bad.tolist(), key=lambda p: tuple(x[p]))
-            both = " and ".join(one.said(self._problem) for one in (met.first, met.other))
-            said = " and ".join(_text(values[at]) for values in (mine, others))
+            names = " and ".join(one.said(self._problem) for one in both)
             raise InputError(
-                f"{both} meet at {place_text(x[at])} with velocities of {said}"
-                f"{self._problem.unit('m/s')} at t = {t:.6g}: no grid converges there: let faces "
-                "beside one that moves be Slip or Roller, have a slip_length, or move with it"
+                f"{names} meet at {place_text(x[at])} with velocities of "
+                f"{' and '.join(_text(v[at]) for v in wanted)}{self._problem.unit('m/s')} at t = "
+                f"{t:.6g}: no grid converges there: let faces beside one that moves be Slip or "
+                "Roller, have a slip_length, or move with it",
+                collective=False,
             )
-
-    def check_motion(self, t_end: float) -> None:
-        """InputError where the velocity of a wall at rest does not lie in it in 0 … t_end [s]."""
-        for t, (condition, who, normals) in product(TIMES, self._sliding):
-            v = datum(condition, "velocity", self._x[who], t * t_end, "uvw"[: self._d])
-            across = np.abs((v * normals).sum(axis=1))
-            worst = int(across.argmax())
-            if across[worst] > ACROSS * np.abs(v).max():
-                raise InputError(
-                    f"{place_of(condition.velocity)}: velocity of NoSlip at t = {t * t_end:.6g} is "
-                    f"{_text(v[worst])} at {place_text(self._x[who][worst])}, across the wall: "
-                    "expected one along it, or x, too",
-                    collective=False,
-                )
 
 
 def _asked(condition: Any, name: str, x: Any, t: Any, names: Sequence[str] = ()) -> Any:
@@ -219,11 +209,11 @@ def motion(condition: Any, instant: Callable[[], float], x: Any, t: Any) -> Sequ
         v = velocity(t) if given else derivatives(place(t), t, still=True)
         return _less(place(t), x), v, derivatives(v, t, still=True)
     if given:
-        v, rate = _differences(velocity, t, instant(), FIRST)
+        v, rate = _differences(velocity, t, instant(), 1)
         return _less(place(t), x), v, rate
     if not condition.moves:
         return np.zeros((3, *x.shape))
-    at, v, rate = _differences(place, t, instant(), SECOND)
+    at, v, rate = _differences(place, t, instant(), 2)
     return _less(at, x), v, rate
 
 
@@ -247,18 +237,21 @@ def solid_of(condition: Any, x: Any, t: Any) -> Sequence[Any]:
     return (*_less(values[d + 1 :], x), *values[:d]), positive(values[d])
 
 
-def _differences(
-    of: Callable[[float], Array], t: float, s: float, weights: Sequence[Any]
-) -> list[Array]:
-    """A function of time and its derivatives at t >= 0, from values at t and at earlier times s
-    apart, at first at later ones: never from times before or after the run, where it may not be
-    known, nor from when the run ends, which may change at a restart.
+def _differences(of: Callable[[float], Array], t: float, s: float, most: int) -> list[Array]:
+    """A function of time and its first derivatives at t >= 0, one or two, of second order, the
+    first of two of third. From values at t and at earlier times s apart, at first at later ones:
+    never from times before or after the run, where it may not be known, nor from when the run
+    ends, which may change at a restart.
     """
-    before = int(min(len(weights) - 1.0, t / s))
-    count = len(weights[before][0])
-    values = [of(t if j == before else max(t + (j - before) * s, 0.0)) for j in range(count)]
-    sums = [sum(w * v for w, v in zip(row, values, strict=True)) for row in weights[before]]
-    return [values[before], *(found / s**k for k, found in enumerate(sums, start=1))]
+    count = most + 2
+    before = int(min(count - 1.0, t / s))
+    steps = np.arange(count) - before
+    weights = np.rint(6.0 * np.linalg.inv(np.vander(steps, increasing=True))) / 6.0
+    values = [of(t if j == 0 else max(t + j * s, 0.0)) for j in steps.tolist()]
+    found = [values[before]]
+    for k, row in enumerate(weights[1 : most + 1].tolist(), start=1):  # k = 1, 2: k! is k
+        found.append(sum(k * w * v for w, v in zip(row, values, strict=True)) / s**k)
+    return found
 
 
 def _grouped(particles: Sequence[Particle], name: str) -> list[tuple[Any, Array]]:

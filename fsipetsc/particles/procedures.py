@@ -23,19 +23,14 @@ of mass M + M_s. A body whose motion is given counts as infinitely heavy.
 What comes in is added to ``gain``, see fsipetsc.scheme.part.Gain. Of constraints that is what their
 forces do, of data that replace unknowns it is the change of these.
 
-    weigh, exchange, end_sums, impose_conditions     complete the unknowns
-    weigh, exchange, end_rates                       complete their rates
-
-What blocks say of their faces, an exchange and end_normals come before impose_conditions and the
-rates where particles have constraints; begin_stored, what solids say of their members, an exchange
-and weigh_heat before impose_conditions where stored energies matter.
+In which order all this is done, and what is exchanged between: fsipetsc.blockrun.phases.
 """
 
 import numpy as np
 
 from fsipetsc.equations.vectors import add, along, choose, dot, per, scale, sub
 from fsipetsc.kernels.arrays import node, part_of, put_part
-from fsipetsc.kernels.loops import each, otherwise, variable, when
+from fsipetsc.kernels.loops import each, otherwise, pick, variable, when
 from fsipetsc.particles.constraints import (
     book,
     powers,
@@ -56,12 +51,8 @@ def weigh(all, y):
     rows, d = all.rows, len(all.like)
     for _, r in own_members(all):
         weight, own = all.weight[r], Unknowns(all, r, y)
-        with when(all.kind[r] == GAS):
-            for c in range(d + 3):
-                rows[r, c] = weight * own[c]
-        with otherwise():
-            for c in range(2 * d + 1):
-                rows[r, c] = weight * own[c]
+        for c in each(pick(all.kind[r] == GAS, d + 3, 2 * d + 1)):
+            rows[r, c] = weight * own[c]
 
 
 def summed(all, p):
@@ -141,18 +132,10 @@ def obeyed(all, p, one, of_gas, of_solid):
 # normals, and what members store
 
 
-def end_normals(all):
-    """Add up the area vectors of all members of each particle, and clear those of the members."""
-    gather(all, all.normals)
-
-
-def end_turning(all):
-    """Add up how area vectors of all members of each particle turn, and clear the members' part."""
-    gather(all, all.turning)
-
-
 def gather(all, total):
-    """Add up the rows of the members of each particle, and clear them."""
+    """Add up the area vectors of all members of each particle, or how they turn, and clear those of
+    the members.
+    """
     clear(total.reshape(-1))
     for r in each(all.of_particle.shape[0]):
         p = all.of_particle[r]

@@ -163,12 +163,12 @@ class ParticleSystem:
         loaded, and before anything else, ``does["weigh_heat"]()`` is to be called.
         """
         code, record = Code(unit({}, [])), self.record
-        alone = of.weigh, of.end_normals, of.end_turning, of.begin_stored
-        taking = of.end_sums, of.impose_conditions, of.end_rates
-        takes = {f: (record,) for f in (*alone, weigh_heat)} | {f: (record, gain) for f in taking}
-        for function, given in takes.items():
-            name = function.__name__
-            self.does[name] = code.procedure(name, function, *given)
+        takes = {f.__name__: (f, record) for f in (of.weigh, of.begin_stored, weigh_heat)}
+        taking_gain = of.end_sums, of.impose_conditions, of.end_rates
+        takes |= {f.__name__: (f, record, gain) for f in taking_gain}
+        for name, total in (("end_normals", record.normals), ("end_turning", record.turning)):
+            takes[name] = of.gather, record, total
+        self.does = {name: code.procedure(name, *given) for name, given in takes.items()}
         return code
 
     def _own_of(self, k: int) -> tuple[Array, Array]:

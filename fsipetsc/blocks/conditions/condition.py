@@ -167,11 +167,6 @@ class Condition(Checked):
         found = Effect(by, heated, self.acts and self.moves, first_order)
         return found if self.acts or heated else None
 
-    def check_on_grid(self, data: Mapping[str, Any], X: Any, spacing: Any, t: float) -> None:
-        """InputError where the grid is too coarse for data (n,) of a face at time t [s] at which
-        Python fills them; X: (n, d) places, spacing: (n,) distance of the nodes beside it.
-        """
-
 
 @dataclass(frozen=True, kw_only=True)
 class Warm(Condition):

@@ -3,14 +3,12 @@
 F(U) = n . (f(U) - v U) is what passes a face, v the velocity of the grid.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from fsipetsc.blocks.conditions.condition import Condition, Datum, FaceNode, Moving, Warm
-from fsipetsc.blocks.maps import place_text
 from fsipetsc.checks import NONNEGATIVE
 from fsipetsc.equations.vectors import along, choose, dot, mean, scale, sub
 from fsipetsc.errors import InputError
@@ -29,8 +27,9 @@ class NoSlip(Warm, Moving):
 
     Args:
         slip_length: length [m] with which the gas slips along the wall, a number or a function of
-            (*X, t): its velocity there is this length times its slope (Navier). So it may meet a
-            wall, or a solid, that moves along this one. None: it sticks.
+            (*X, t), no shorter than the distance to the nodes beside the wall: its velocity there
+            is this length times its slope (Navier). So it may meet a wall, or a solid, that moves
+            along this one. None: it sticks.
     """
 
     slip_length: Datum = None
@@ -42,15 +41,6 @@ class NoSlip(Warm, Moving):
     def acts(self) -> bool:
         """Whether the gas slips."""
         return self.slip_length is not None
-
-    def check_on_grid(self, data: Mapping[str, Any], X: Any, spacing: Any, t: float) -> None:
-        """A slip length is no shorter than a cell."""
-        length = data.get("width", spacing)
-        short = np.flatnonzero(~(length >= spacing))
-        if short.size:
-            n, where = short[0], f"slip_length of NoSlip at t = {t:.6g}"
-            wanted = f"expected the distance {spacing[n]:.4g} of the nodes beside the wall, or more"
-            raise InputError(f"{where} is {length[n]:.4g} at {place_text(X[n])}: {wanted}")
 
     @staticmethod
     def traction(gas, w, face: FaceNode):
