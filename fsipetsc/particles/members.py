@@ -45,17 +45,27 @@ Array = NDArray[Any]
 
 
 class Face(NamedTuple):
-    """A face at a node: number of the member in its particle, and its block, axis, side."""
+    """A face at a node: number of the member in its particle, its block, axis and side, and what it
+    meets or its condition. Of a hinge, which is at no face, the axis is -1.
+    """
 
     member: int
     block: int
     axis: int
     side: int
+    met: Any
 
     @property
     def name(self) -> tuple[int, int, int]:
         """(block, axis, side)."""
-        return self[1:]
+        return self[1:4]
+
+    def said(self, problem: BlockProblem) -> str:
+        """Such as "NoSlip of 'gas', axis 0, side 1,"."""
+        if self.axis < 0:
+            return "a Hinge"
+        kind, block = type(self.met).__name__, problem.blocks[self.block].name
+        return f"{kind} of '{block}', axis {self.axis}, side {self.side},"
 
 
 class Constraint(NamedTuple):
@@ -64,23 +74,6 @@ class Constraint(NamedTuple):
     kind: int
     walls: list[Face]
     solids: list[Face]
-
-
-class Asked(NamedTuple):
-    """A condition at a particle, and its face, None of a hinge. slides: it holds what is there
-    along the normal of the face alone.
-    """
-
-    condition: Any
-    face: Face | None
-    slides: bool
-
-    def said(self, problem: BlockProblem) -> str:
-        """Such as "NoSlip of 'gas', axis 0, side 1,"."""
-        if self.face is None:
-            return "a Hinge"
-        kind, block = type(self.condition).__name__, problem.blocks[self.face.block].name
-        return f"{kind} of '{block}', axis {self.face.axis}, side {self.face.side},"
 
 
 @dataclass
@@ -92,8 +85,8 @@ class Particle:
     elastic energy into account. The others are conditions, None where there is none: wall
     prescribes the velocity of the gas, slip that of a wall along which it slips, clamp the motion
     of the solid, given_gas and given_solid all unknowns, warm_gas and warm_solid a temperature.
-    faces: by these names the face, (block, axis, side), whose condition it is. asked: all that hold
-    gas or solid, if they are several.
+    faces: by these names the face, (block, axis, side), whose condition it is. asked: those of all
+    conditions that hold gas or solid, if they are several.
     """
 
     members: list[tuple[int, int]]
@@ -110,7 +103,12 @@ class Particle:
     warm_gas: Any = None
     warm_solid: Any = None
     faces: dict[str, tuple[int, int, int]] = field(default_factory=dict)
-    asked: list[Asked] = field(default_factory=list)
+    asked: list[Face] = field(default_factory=list)
+
+    def slides(self, face: Face) -> bool:
+        """Whether the condition of a face holds what is there along the face's normal alone."""
+        part = face.met.part
+        return face.met.slides or part == "roller" or (self.sticks and part == "wall")
 
     def mover(self, gas: bool) -> str:
         """The name of the condition that says how its gas moves, or else its solid; "" if none."""
@@ -140,72 +138,70 @@ def particles_of(problem: BlockProblem) -> list[Particle]:
 def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any) -> Particle:
     """faces: (block, node) -> [(axis, side, what the face meets or its condition)]."""
     particle, blocks = Particle(members), problem.blocks
-    slips: list[tuple[Face, Any]] = []  # with the wall's condition; None at a solid
-    rolls: list[tuple[Face, Any]] = []
-    found: list[tuple[Face, Any]] = []  # with all conditions
+    at_solids: list[Face] = []  # of a gas
+    found: list[Face] = []  # with conditions
     for number, (k, n) in enumerate(members):
         gas = blocks[k].material if blocks[k].kind == "fluid" else None
         for axis, side, met in faces[k, n]:
-            face = Face(number, k, axis, side)
+            face = Face(number, k, axis, side, met)
             if not isinstance(met, Meeting):
-                found.append((face, met))
+                found.append(face)
             elif gas and blocks[met.block].kind == "solid":
-                slips.append((face, None))
+                at_solids.append(face)
                 particle.sticks |= gas.mu > 0.0
                 conducts = gas.kappa > 0.0 and blocks[met.block].material.kappa_e > 0.0
                 particle.shares_heat |= conducts
-    sticks = particle.sticks
-    slips = [] if sticks else slips
-    for face, met in found:
-        gas = blocks[face.block].kind == "fluid"
-        if met.slides or met.part == "roller" or (sticks and met.part == "wall"):
-            (slips if gas else rolls).append((face, met))
-        _take_over(particle, met, gas, face.name)
-    hinge = None if problem.hinges.isdisjoint(members) else Clamped()
-    particle.clamp = particle.clamp or hinge
+    sticks, hinges = particle.sticks, sorted(problem.hinges.intersection(members))
+    for face in found:
+        _take_over(particle, face.met, blocks[face.block].kind == "fluid", face.name)
+    held = [Face(members.index(at), at[0], -1, 0, Clamped()) for at in hinges[:1]]
+    particle.clamp = particle.clamp or (held[0].met if held else None)
+    held += [face for face in found if face.met.holds]
+    if any(face.met != held[0].met for face in held):
+        particle.asked = held
+    if sticks and not particle.clamp and not particle.given_solid:
+        _check_sliding(problem, members[0], held)
+    sliding = [face for face in found if particle.slides(face)]
+    slips = [face for face in sliding if blocks[face.block].kind == "fluid"]
+    rolls = [face for face in sliding if blocks[face.block].kind == "solid"]
+    slips = slips if sticks else [*at_solids, *slips]
     directions = {}  # outward unit normal, and unit vector from the node into the face
-    sliding = [face for face, _ in [*slips, *rolls]]
-    for face in sliding if len(sliding) > 1 else ():
+    for face in [*slips, *rolls] if len(slips) + len(rolls) > 1 else ():
         normal, place, within = problem.face_normal(*members[face.member], face.axis, face.side)
         into = within - place  # 0 in the middle of a face, where no other wall is
-        directions[face] = normal, into / (np.linalg.norm(into) or 1.0)
+        directions[face.name] = normal, into / (np.linalg.norm(into) or 1.0)
 
-    def one_wall(one: tuple[Face, Any], other: tuple[Face, Any]) -> bool:
+    def one_wall(one: Face, other: Face) -> bool:
         """By the names of walls if both have one; else unless one goes into the other's gas."""
-        names = [getattr(wall, "name", "") for _, wall in (one, other)]
+        names = [getattr(face.met, "name", "") for face in (one, other)]
         if all(names):
             return names[0] == names[1]
-        (n, into), (m, along) = directions[one[0]], directions[other[0]]
+        (n, into), (m, along) = directions[one.name], directions[other.name]
         return bool(min(into @ m, along @ n) > CONCAVE)
 
-    def one_roller(one: tuple[Face, Any], other: tuple[Face, Any]) -> bool:
-        return bool(directions[one[0]][0] @ directions[other[0]][0] > SMOOTH)
+    def one_roller(one: Face, other: Face) -> bool:
+        return bool(directions[one.name][0] @ directions[other.name][0] > SMOOTH)
 
-    of_faces = [Asked(met, face, face in sliding) for face, met in found if met.holds]
-    asked = [*([Asked(hinge, None, False)] if hinge else []), *of_faces]
-    if any(one.condition != asked[0].condition for one in asked):
-        particle.asked = asked
-    if sticks and not particle.clamp and not particle.given_solid:
-        _check_sliding(problem, members[0], of_faces)
     if sticks:
         slips = [one for one in slips if not any(one_roller(one, roll) for roll in rolls)]
     for kind, faces_of, one in (SLIPS, slips, one_wall), (ROLLS, rolls, one_roller):
         for group in _grouped(faces_of, one):
-            walls, solids = ([f for f, c in group if (c is None) == s] for s in (False, True))
-            particle.constraints.append(Constraint(kind, walls, solids))
+            at_solid = [face for face in group if isinstance(face.met, Meeting)]
+            walls = [face for face in group if not isinstance(face.met, Meeting)]
+            particle.constraints.append(Constraint(kind, walls, at_solid))
     _heat_conditions(particle, [blocks[k].material for k, _ in members])
     return particle
 
 
-def _check_sliding(problem: BlockProblem, member: tuple[int, int], asked: list[Asked]) -> None:
+def _check_sliding(problem: BlockProblem, member: tuple[int, int], held: list[Face]) -> None:
     """InputError where a solid slides along a wall to which the gas beside sticks: the gas in the
     corner would be pressed together without end, on any grid, and push the solid.
     """
-    for one in asked:
-        if one.condition.part == "wall" and not one.condition.slides:
+    for face in held:
+        if face.met.part == "wall" and not face.met.slides:
             place = place_text(problem.places(member[0], np.array([member[1]]))[0])
             raise InputError(
-                f"{one.said(problem)} meets at {place} a solid that slides along it: no grid "
+                f"{face.said(problem)} meets at {place} a solid that slides along it: no grid "
                 "converges there: let the wall be Slip or have a slip_length, or the solid be "
                 "clamped there"
             )

@@ -17,7 +17,7 @@ from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.values import datum, names_of
 from fsipetsc.errors import InputError, place_of
 from fsipetsc.kernels.symbols import Symbol, derivatives
-from fsipetsc.particles.members import Asked, Particle
+from fsipetsc.particles.members import Face, Particle
 from fsipetsc.scheme.recorded_data import Make, Recorder, asked, positive
 
 Array = NDArray[Any]
@@ -46,13 +46,12 @@ class Data(NamedTuple):
 
 
 class Met(NamedTuple):
-    """A condition that says how particles ``who`` move, by its name in Particle, and another one
-    there that wants to say it, too.
+    """A face whose condition says how particles ``who`` move, and another one there whose condition
+    wants to say it, too.
     """
 
-    name: str
-    first: Asked
-    other: Asked
+    first: Face
+    other: Face
     who: list[int]
 
 
@@ -163,7 +162,7 @@ class Prescribed:
     def _compare(self, met: Met, t: float) -> None:
         """InputError where two conditions want different velocities at time t [s]."""
         x, both = self._x[met.who], (met.first, met.other)
-        wanted = [np.transpose(motion(c.condition, self._instant, x.T, t)[1]) for c in both]
+        wanted = [np.transpose(motion(face.met, self._instant, x.T, t)[1]) for face in both]
         size = np.maximum(*(np.linalg.norm(v, axis=1) for v in wanted))
         least = ROUND_OFF * self._problem.tolerance / self._instant()
         bad = np.flatnonzero(np.linalg.norm(wanted[0] - wanted[1], axis=1) > APART * size + least)
@@ -271,16 +270,13 @@ def _met(problem: Any, particles: Sequence[Particle]) -> list[Met]:
     found: dict[Any, Met] = {}
     for p, particle in enumerate(particles):
         for other in particle.asked:
-            of_gas = other.face is not None and problem.blocks[other.face.block].kind == "fluid"
-            name = particle.mover(of_gas)
-            decides = getattr(particle, name, None)
-            if decides is None or decides is other.condition:
+            name = particle.mover(problem.blocks[other.block].kind == "fluid")
+            decides, met = getattr(particle, name, None), other.met
+            if decides is None or decides is met or decides.all_given or met.all_given:
                 continue
-            apart = _has_motion(other.condition) or (_has_motion(decides) and not other.slides)
-            if apart and not decides.all_given and not other.condition.all_given:
-                first = next(one for one in particle.asked if one.condition is decides)
-                key = name, *(one.face and one.face.name for one in (first, other))
-                found.setdefault(key, Met(name, first, other, [])).who.append(p)
+            if _has_motion(met) or (_has_motion(decides) and not particle.slides(other)):
+                first = next(one for one in particle.asked if one.met is decides)
+                found.setdefault((first.name, other.name), Met(first, other, [])).who.append(p)
     return list(found.values())
 
 

@@ -218,7 +218,7 @@ class ParticleSystem:
                 parts = [(face, on_solid if kind == ROLLS else on_gas, 1.0) for face in walls]
                 parts += [(face, on_gas, 1.0) for face in solids]
                 parts += [(face, on_solid, -1.0) for face in solids]
-                for (m, block, axis, side), column, sign in parts:
+                for (m, block, axis, side, _), column, sign in parts:
                     node = particle.members[m][1]
                     if block == k and node in row_of:
                         found.append((row_of[node], node, axis, sign if side else -sign, column))
