@@ -15,7 +15,7 @@ RUN = {"stepping", "blockrun", "paper", "state"}
 #: who knows MPI, PETSc: who starts them, computes or writes with them, reads PETSc's options
 MPI = RUN | {"cli", "api", "studies", "output", "process", "parallel"}
 PETSC = RUN | {"studies", "output", "process", "options"}
-PETSC |= {"parallel/block_layout.py"}  # has the DMDAs
+PETSC |= {"parallel/block_layout.py"}  # brings results into their order
 
 
 def imports(path):

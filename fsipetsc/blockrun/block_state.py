@@ -108,8 +108,10 @@ class BlockState(State):
         self.scheme = Scheme(vectors, self.layout, order, form, found, columns, announce)
         self.planning = self.scheme.does["plan_next"]
         self.shapes, self.parts = self.layout.shapes, self.scheme.parts
-        parts = self.parts.items()
-        self.orders = {k: NaturalOrder(part.part, len(part.names)) for k, part in parts}
+        d, symmetry = problem.dimension, problem.symmetry
+        kinds = enumerate(block.kind for block in problem.blocks)
+        names = [(k, len(fields_of(kind, d, symmetry))) for k, kind in kinds]
+        self.orders = [NaturalOrder(self.layout, k, columns) for k, columns in names]
         self._recorded_here = here_of(self)
         self.retries = 0
         self._tried = 1  # in how many parts the last step was made
@@ -340,12 +342,13 @@ class BlockState(State):
     def save(self) -> dict[int, np.ndarray]:
         """What is saved of this rank's nodes: number of a block -> (local, columns), to be copied
         before the next call (RunWriter.write_frame). Collective."""
-        return {k: order.reorder(self.saved(k)) for k, order in sorted(self.orders.items())}
+        none, every = np.empty(0), enumerate(self.orders)
+        return {k: of.reorder(self.saved(k) if k in self.parts else none) for k, of in every}
 
     def destroy(self) -> None:
-        """Free messages, vectors, DMDAs and communicators, in this order."""
+        """Free messages and vectors."""
         self.scheme.destroy()
-        for order in self.orders.values():
+        for order in self.orders:
             order.destroy()
         self.solution.destroy()
         self.layout.destroy()

@@ -123,9 +123,7 @@ def grids(state: Any) -> list[dict[str, Any]]:
     """What the writer must know: see RunWriter."""
     found = []
     for k, shape in enumerate(state.shapes):
-        numbers = state.orders[k].numbers if k in state.orders else np.empty(0, np.int64)
-        none = np.empty((0, state.problem.dimension))
-        X = state.problem.places(k, numbers) if numbers.size else none
+        X = state.problem.places(k, state.orders[k].numbers)
         found.append({"n": int(np.prod(shape)), "X": X})
     return found
 

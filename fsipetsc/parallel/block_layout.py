@@ -1,8 +1,7 @@
-"""Who owns which nodes of blocks: a DMDA for each block, and a world vector that holds all blocks.
+"""Who owns which nodes of blocks, and a world vector that holds all blocks.
 
-Each block has a communicator of its own, with the ranks that own a part of it. The world vector,
-which TS integrates, is on each rank the concatenation of the rank's parts of the blocks. A part has
-planes, one unknown of all nodes after the other:
+The world vector, which TS integrates, is on each rank the concatenation of the rank's parts of the
+blocks. A part has planes, one unknown of all nodes after the other:
 
     gas     (J, J rho, J rho u_1 … J rho u_d, J E)              d + 3 numbers
     solid   (D_1 … D_d, v_1 … v_d, e)                           2 d + 1 numbers
@@ -53,10 +52,9 @@ class Part:
     patch: its sizes. ghosted: first node and first beyond of the ghosted array along each axis,
     which go on beyond the ends of periodic axes. bands: pair weights of the three axes there.
     dof: unknowns of a node. begin, end: of its numbers in this rank's part of the world vector.
-    numbers: (M,) of the nodes that it owns. comm: of the ranks of the block; dm: of one number a
-    node. local: (dof, N), the ghosted array; inside: copies the owned nodes there. signs: (dof,) of
-    the unknowns of mirror images, which stand before the first nodes of a block with a centre; (0,)
-    where there are none.
+    numbers: (M,) of the nodes that it owns. local: (dof, N), the ghosted array; inside: copies the
+    owned nodes there. signs: (dof,) of the unknowns of mirror images, which stand before the first
+    nodes of a block with a centre; (0,) where there are none.
     """
 
     k: int
@@ -67,8 +65,6 @@ class Part:
     begin: int
     end: int
     numbers: Numbers
-    comm: MPI.Comm
-    dm: PETSc.DMDA
     local: Array
     inside: Exchange
     signs: Array
@@ -141,11 +137,9 @@ class BlockLayout:
         begins = [0, *accumulate(wide)]
         memory = zeros(begins[-1])
         memory[:] = 1.0  # corners never get other numbers
-        comms = [self._comm_of(share) for share in self.shares]
         self.parts, halos = dict[int, Part](), list[Halo]()
         for (k, reach), at in zip(reaches.items(), begins):
-            part, halo = self._part(k, reach, comms[k], memory, at)
-            self.parts[k] = part
+            self.parts[k], halo = self._part(k, reach, memory, at)
             halos.append(halo)
         self.halos = exchange_of(comm, HALO_TAG, halos, memory)
 
@@ -177,33 +171,11 @@ class BlockLayout:
         (width, corners), block = self._widths[k], self.problem.blocks[k]
         return Reach(self.shares[k], block.periodic, width, corners, self.problem.centred(k))
 
-    def _comm_of(self, share: Share) -> MPI.Comm:
-        """The communicator of the ranks of a block, on these. Collective."""
-        here, rank = self.comm.rank in share.ranks, self.comm.rank
-        place = share.ranks.index(rank) if here else 0
-        return self.comm.Split(0 if here else MPI.UNDEFINED, place)
-
-    def _part(
-        self, k: int, reach: Reach, comm: MPI.Comm, memory: Array, at: int
-    ) -> tuple[Part, Halo]:
+    def _part(self, k: int, reach: Reach, memory: Array, at: int) -> tuple[Part, Halo]:
         """This rank's part of block k, whose ghosted array begins at the number ``at`` of
-        ``memory``, and its halo. Collective on the ranks of the block.
+        ``memory``, and its halo.
         """
-        share, block, rank, dof = (
-            self.shares[k],
-            self.problem.blocks[k],
-            self.comm.rank,
-            self.dofs[k],
-        )
-        dm = PETSc.DMDA().create(
-            dim=block.dimension,
-            dof=1,
-            sizes=self.shapes[k],
-            proc_sizes=share.grid,
-            ownership_ranges=tuple(np.diff(cuts).astype(PETSc.IntType) for cuts in share.cuts),
-            stencil_width=0,
-            comm=comm,
-        )
+        share, block, dof, rank = reach.share, self.problem.blocks[k], self.dofs[k], self.comm.rank
         own, ghosted = _padded(share.part(rank)), _padded(reach.ghosted(rank))
         sizes = [tuple(b - a for a, b in spans) for spans in (own, ghosted)]
         patch = Patch(*sizes, tuple(a - g for (a, _), (g, _) in zip(own, ghosted, strict=True)))
@@ -223,8 +195,6 @@ class BlockLayout:
             begin=begin,
             end=end,
             numbers=numbers,
-            comm=comm,
-            dm=dm,
             local=memory[at : at + dof * nodes].reshape(dof, nodes),
             inside=Exchange(self.comm, HALO_TAG, {}, {}, halo.inside, None, memory),
             signs=np.where(np.isin(np.arange(dof), odd), -1.0, 1.0)[: dof * images],
@@ -247,12 +217,8 @@ class BlockLayout:
         return array[self.parts[k].begin : self.parts[k].end].reshape(self.dofs[k], -1).T
 
     def destroy(self) -> None:
-        """Release the messages and DMDAs, then their communicators. Collective."""
+        """Release the messages."""
         self.halos.destroy()
-        for part in self.parts.values():
-            part.dm.destroy()
-        for part in self.parts.values():
-            part.comm.Free()
 
 
 class BlockVector:
@@ -297,28 +263,37 @@ class FaceGather(RowExchange):
 
 
 class NaturalOrder:
-    """Brings ``columns`` numbers of a block's nodes from PETSc's order into the natural one, by the
-    numbers of nodes. Collective on its ranks.
+    """Brings ``columns`` numbers of the nodes of block k into the order of their numbers, from the
+    ranks that own them to all ranks. Collective.
 
     numbers: of the nodes that this rank holds then, which need not be those that it owns.
     """
 
-    def __init__(self, part: Part, columns: int) -> None:
-        self._dm, self._columns = part.dm.duplicate(dof=columns), columns
-        self._own, self._there = self._dm.createGlobalVec(), self._dm.createNaturalVec()
+    def __init__(self, layout: BlockLayout, k: int, columns: int) -> None:
+        comm, part, size = layout.comm, layout.parts.get(k), prod(layout.shapes[k]) * columns
+        own = np.empty(0, np.int64) if part is None else part.numbers
+        self._columns = columns
+        self._own = PETSc.Vec().createMPI((own.size * columns, None), bsize=columns, comm=comm)
+        self._there = PETSc.Vec().createMPI((None, size), bsize=columns, comm=comm)
+        first, end = self._own.getOwnershipRange()
+        of = PETSc.IS().createStride(end - first, first, 1, comm=comm)
+        to = PETSc.IS().createBlock(columns, own.astype(PETSc.IntType), comm=comm)
+        self._scatter = PETSc.Scatter().create(self._own, of, self._there, to)
         first, end = self._there.getOwnershipRange()
         self.numbers = np.arange(first // columns, end // columns)
+        for indices in (of, to):
+            indices.destroy()
 
     def reorder(self, saved: Array) -> Array:
         """(nodes, columns), of ``numbers``, from those of the nodes that this rank owns."""
         self._own.getArray()[:] = saved.reshape(-1)
-        self._dm.globalToNatural(self._own, self._there)
+        self._scatter.scatter(self._own, self._there)
         found: Array = self._there.getArray(readonly=True).reshape(-1, self._columns)
         return found
 
     def destroy(self) -> None:
-        """Free PETSc's objects, before the layout."""
-        for thing in (self._own, self._there, self._dm):
+        """Free PETSc's objects."""
+        for thing in (self._own, self._there, self._scatter):
             thing.destroy()
 
 
