@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 from fsipetsc import Block, BlockProblem, Fluid, Option
 from fsipetsc.blocks.conditions import Clamped, Open, Outflow, Roller, Slip
 from fsipetsc.blocks.maps import corners
-from fsipetsc.cases.oblique import turned_by
+from fsipetsc.cases.flows import turned_by
 from fsipetsc.cases.riemann import GasState, sound
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import above_one

@@ -107,13 +107,14 @@ CHANGED = """
 from dataclasses import replace
 import numpy as np
 from fsipetsc import Option
-from fsipetsc.cases import piston
+from fsipetsc.cases import load_case
 
+piston = load_case("piston")
 OPTIONS = (*piston.OPTIONS, Option("changed", str, "", "", "what is changed"))
 DEFAULTS = piston.DEFAULTS
 
 def build(opt):
-    problem, T, p = piston.build(opt), piston.T0, piston.P0
+    problem, T, p = piston.build(opt), 300.0, 1e5
     below, layer, above = problem.layers
     if opt["changed"] == "still":  # heat that does not go on
         below = replace(below, material=replace(below.material, mu=0.0, kappa=0.0))

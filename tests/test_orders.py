@@ -103,8 +103,10 @@ def test_dimensions(d, tmp_path):
 #: box_mms, whose second layer has a spacing of its own
 OWN = """
 from dataclasses import replace
-from fsipetsc.cases.box_mms import DEFAULTS, OPTIONS
-from fsipetsc.cases import box_mms
+from fsipetsc.cases import load_case
+
+box_mms = load_case("box_mms")
+OPTIONS, DEFAULTS = box_mms.OPTIONS, box_mms.DEFAULTS
 
 def build(opt):
     found = box_mms.build(opt)

@@ -13,8 +13,9 @@ from fsipetsc.output.file_layout import open_h5
 #: gas | plate | gas, of which every kind of face is one: closed, and at rest but for a bump
 BOX = """
 from fsipetsc.blocks.conditions import Clamped
-from fsipetsc.cases.blast import *
+from fsipetsc.cases.flows import *
 
+OPTIONS = blast.OPTIONS
 DEFAULTS = {"fsi_h": 1 / 16, "ts_max_time": 0.2, "fsi_output_dt": 0.1}
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from helpers import computed, on_ranks, rows_of, solve, well
 
-from fsipetsc.cases import shell
+from fsipetsc.cases import load_case
 from fsipetsc.studies.linear import radial_modes
 from fsipetsc.studies.modes import media_of, mode_near
 
@@ -71,7 +71,7 @@ def test_the_pressure_of_a_recorded_node_has_that_of_hoops(case, tmp_path):
 
 def mode_errors(kappa, gas, order, h):
     grid = {"fsi_order": order, "fsi_h": h}
-    problem = built(shell, shell_kappa=kappa, shell_gas=gas, shell_charge=0.0, **grid)
+    problem = built(load_case("shell"), shell_kappa=kappa, shell_gas=gas, shell_charge=0.0, **grid)
     found = radial_modes(problem, order)[:3]
     exact = np.array([mode_near(media_of(problem), 0, complex(omega)) for omega in found])
     assert np.diff(exact.real).min() > 0.1  # three different ones

@@ -15,7 +15,7 @@ import importlib
 import os
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
@@ -25,23 +25,40 @@ from typing import Any
 from fsipetsc.errors import InputError, call
 from fsipetsc.options import PROGRAM, Option, groups, is_option
 
-BUILT_IN = (
-    *("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock", "blast"),
-    *("panel", "wave", "tube", "oblique", "step", "fin", "cylinder", "box_mms", "ring", "disk"),
-    *("shell", "nozzle", "body_mms", "elastic_piston", "superseismic", "viscous_tube"),
-)
+#: file -> its cases
+_FILES = {
+    "lines": "rod mms pulse box column piston",
+    "waves": "heat wave",
+    "riemann": "shock tube elastic_piston",
+    "flows": "blast panel oblique step viscous_tube superseismic",
+    "bodies": "ring shell disk cylinder nozzle fin",
+    "manufactured": "box_mms body_mms",
+}
+#: name -> file of every built-in case
+BUILT_IN = {name: file for file, names in _FILES.items() for name in names.split()}
 
 
-def summary_of(text: str) -> str:
-    """Return the first line of a docstring, or of a file that begins with one, as a summary."""
-    first = text.removeprefix('"""').partition("\n")[0].rstrip('".')
-    return first[:1].lower() + first[1:]
+def case(defaults: Mapping[str, Any], *options: Option) -> Callable[[Any], SimpleNamespace]:
+    """Make a case of its function build, whose name is that of the case, and the first line of
+    whose docstring is its summary.
+    """
+
+    def of(build: Any) -> SimpleNamespace:
+        first = build.__doc__.partition("\n")[0].rstrip(".")
+        about = {"NAME": build.__name__, "SUMMARY": first[:1].lower() + first[1:]}
+        return SimpleNamespace(**about, OPTIONS=options, DEFAULTS=dict(defaults), build=build)
+
+    return of
+
+
+def load_built_in(name: str) -> Any:
+    """Return a built-in case."""
+    return getattr(importlib.import_module(f"fsipetsc.cases.{BUILT_IN[name]}"), name)
 
 
 def summaries() -> dict[str, str]:
-    """Return name -> summary of every built-in case, read from the source without running it."""
-    files = {name: Path(__file__).with_name(f"{name}.py") for name in BUILT_IN}
-    return {name: summary_of(path.read_text("utf-8")) for name, path in files.items()}
+    """Return name -> summary of every built-in case."""
+    return {name: load_built_in(name).SUMMARY for name in BUILT_IN}
 
 
 def load_case(name_or_path: str, also: Sequence[str] = ()) -> ModuleType:
@@ -51,9 +68,7 @@ def load_case(name_or_path: str, also: Sequence[str] = ()) -> ModuleType:
     and reason if a user's file is at fault.
     """
     if name_or_path in BUILT_IN:
-        case = importlib.import_module(f"fsipetsc.cases.{name_or_path}")
-        case.NAME, case.SUMMARY = name_or_path, summary_of(case.__doc__)
-        return case
+        return load_built_in(name_or_path)
     if name_or_path.endswith(".py") or os.sep in name_or_path:
         return _load_file(Path(name_or_path))
     if name_or_path.endswith(".h5") and os.path.isfile(name_or_path):

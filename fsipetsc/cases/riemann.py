@@ -1,5 +1,5 @@
 """The Riemann problem of a perfect gas and an elastic solid, which meet with a jump, solved
-exactly; and shocks in a gas.
+exactly; shocks in a gas; and cases that have such solutions.
 
 The gas stands on the left, the solid on the right; nothing is viscous or conducts heat. Both sides
 have one velocity u and one pressure p at the interface, their temperatures differ. A wave, shock or
@@ -18,16 +18,35 @@ and through a fan E_F = sigma, and u + int c dF is what it was before.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
-from fsipetsc import Fluid, InputError, Solid
-from fsipetsc.blocks.conditions import Open
+from fsipetsc import (
+    BlockProblem,
+    Fluid,
+    FluidLayer,
+    InputError,
+    Option,
+    Problem,
+    Solid,
+    SolidLayer,
+    Wall,
+    clamped,
+    free,
+)
+from fsipetsc.blocks.conditions import Clamped, Free, Open, Slip
+from fsipetsc.blocks.layers import Layer
+from fsipetsc.cases import case
+from fsipetsc.cases.common import SHOCKS, Opt, gas_of, materials, solid_of, stack
 from fsipetsc.checks import Array, Fields
+from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.options import above_one
 
-#: part of the jump that is left where a shock's structure is cut off
-_TAIL = 1e-6
+GAMMA = 1.4
 
 
 class GasState(NamedTuple):
@@ -76,48 +95,6 @@ def shock_in_plane(
     return flow, Open(behind.rho, (behind.u, 0.0), hot), note
 
 
-def shock_structure(
-    gas: Fluid, ahead: GasState, mach: float, width: float, w: float = 0.0
-) -> Callable[[Array], GasState]:
-    """x [m] -> the gas in and around a shock that goes to the right, spread by dissipation.
-
-    Its wave is width/2 (|u - w| + c) U_x = f(U) - s U - (f(U) - s U ahead), U = (rho, rho u, e):
-    what the scheme of Lax and Friedrichs makes of it on a grid of spacing ``width`` [m] and
-    velocity w [m/s]. It has the mass of a jump at x = 0. What begins with a jump instead sends
-    waves after the shock until the shock has this structure.
-    """
-    from scipy.integrate import solve_ivp
-
-    behind, s = behind_shock(gas, ahead, mach)
-    low, high = (
-        np.array([q.rho, q.rho * q.u, q.p / (gas.gamma - 1) + 0.5 * q.rho * q.u**2])
-        for q in (ahead, behind)
-    )
-
-    def state(U: Any) -> GasState:
-        u = U[1] / U[0]
-        return GasState(U[0], u, (gas.gamma - 1) * (U[2] - 0.5 * U[1] * u))
-
-    def flux(U: Array) -> Array:
-        rho, u, p = state(U)
-        return np.array([rho * u, rho * u * u + p, u * (U[2] + p)]) - s * U
-
-    def slope(_: float, y: Array) -> Array:
-        q = state(y[:3])
-        return np.append(flux(y[:3]) - flux(high), 0.5 * width * (abs(q.u - w) + sound(gas, q)))
-
-    c = sound(gas, behind)
-    fast = np.array([1.0, behind.u + c, (high[2] + behind.p) / behind.rho + behind.u * c])
-    start = np.append(high - _TAIL * behind.rho * fast, 0.0)
-    length = -np.log(_TAIL) * (1 / (behind.u + c - s) + 1 / (s - ahead.u - sound(gas, ahead)))
-    accurate = {"rtol": 1e-9, "atol": 1e-12, "max_step": length / 400}
-    *U, x = solve_ivp(slope, (0.0, length), start, **accurate).y
-    excess = np.sum(np.diff(x) * (0.5 * (U[0][1:] + U[0][:-1]) - low[0]))
-    x = x - excess / (high[0] - low[0])
-    ends = list(zip(U, high, low, strict=True))
-    return lambda at: state([np.interp(at, x, row, left=a, right=b) for row, a, b in ends])
-
-
 class GasWave(NamedTuple):
     """What goes into a gas to the left, where it gets some pressure p [Pa] behind."""
 
@@ -133,7 +110,6 @@ class GasWave(NamedTuple):
         return u - np.where(p > p0, shock, fan)
 
     def behind(self, p: float) -> GasState:
-        """Return the state behind the wave."""
         rho, _, p0 = self.before
         g, ratio = self.gas.gamma, p / p0
         shock = ((g + 1) * ratio + g - 1) / ((g - 1) * ratio + g + 1)
@@ -217,7 +193,6 @@ def pressure_between(left: Callable[[float], Any], right: Callable[[float], Any]
     from scipy.optimize import brentq
 
     def apart(p: float) -> float:
-        """By how much [m/s] the left side is faster where both have the pressure p."""
         return float(left(p) - right(p))
 
     high = 1.0
@@ -229,3 +204,173 @@ def pressure_between(left: Callable[[float], Any], right: Callable[[float], Any]
         if low < 1e-12 * high:
             raise InputError("gas and solid part: expected velocities or pressures nearer by")
     return brentq(apart, low, high, xtol=1e-300, rtol=1e-15) if low < high else low
+
+
+#: the gas of high pressure in Sod's shock tube; that of low pressure, whose pressure is on the rod
+HIGH, LOW = GasState(1.0, 0.0, 1.0), GasState(0.125, 0.0, 0.1)
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Exact solution of a gas in 0 < X < 1, everywhere in a state, and a solid in 1 < X < 2, at
+    rest under the pressure LOW.p, which meet at t = 0. A wall at the gas's left end has its
+    velocity. InputError where the two part.
+    """
+
+    gas: Fluid
+    solid: Solid
+    state: GasState
+
+    @cached_property
+    def waves(self) -> tuple[GasWave, SolidWave, float]:
+        """A wave into either side, and the pressure [Pa] at the interface."""
+        left = GasWave(self.gas, self.state)
+        right = SolidWave(self.solid, SolidState(0.0, -LOW.p, 1.0, 1.0))
+        return left, right, pressure_between(left.velocity, right.velocity)
+
+    def in_gas(self, X: Array, t: float = 0.0) -> Fields:
+        """(rho, u, T) at the points of the grid, which goes from the wall to the solid."""
+        wave, _, p = self.waves
+        wall, interface = self.state.u * t, 1.0 + float(wave.velocity(p)) * t
+        state = wave.at(p, wall + X * (interface - wall) - 1.0, t)
+        return [state.rho, state.u, state.p / (self.gas.R * state.rho)]
+
+    def in_solid(self, X: Array, t: float = 0.0) -> Fields:
+        """Return (u, sigma, T, x) at the material points."""
+        _, wave, p = self.waves
+        state = wave.at(p, X - 1.0, t)
+        # x/t = u + F X/t, as all depends on X/t
+        return [state.u, state.sigma, state.T, 1.0 + state.u * t + state.F * (X - 1.0)]
+
+    def notes(self) -> tuple[str, str]:
+        """Return what a result says of the solution; it ends when a wave comes to an end."""
+        left, right, p = self.waves
+        u, F = right.velocity(p), right.strain(p)
+        end = min(1.0 / right.speeds(p)[0], 1.0 / (self.state.u - left.speeds(p)[0]))
+        exact = "the exact solution is that without viscosity and conduction, and holds until"
+        return f"interface: p = {p:.10g}, u = {u:.10g}, x_X = {F:.10g}", f"{exact} t = {end:.6g}"
+
+
+@case(
+    {"fsi_h": 0.005, "ts_max_time": 0.3, "fsi_output_dt": 0.01, "fsi_norm": "L1"}
+    | {"fsi_shock": 1.4, "fsi_dissipation": 2.0},
+    Option("shock_problem", str, "sod", "", "which problem", ("sod", "strong")),
+    Option("shock_mach", float, 3.0, "", "strong: Mach number of the shock", check=above_one),
+    Option("shock_ratio", float, 10.0, "", "sod: ratio of the pressures", check=above_one),
+    *materials(fluid_mu=0.0, fluid_kappa=0.0),
+    *materials(solid_modulus=4.0, solid_density=0.5, solid_alpha=1.0),
+)
+def shock(opt: Opt) -> Problem:
+    """Shocks in a gas and in the elastic rod before it, with exact solutions.
+
+    sod: the left half of Sod's shock tube, with a rod under the low pressure in the place of the
+    right half; at t = 0 nothing holds them apart any more. A fan goes into the gas, a shock into
+    the rod, whose right end is clamped.
+
+    strong: a piston drives a shock of Mach number `shock_mach` through the gas of low pressure. At
+    t = 0 it hits the light rod: a shock goes back into the gas and one on into the rod, whose right
+    end is free under the low pressure.
+
+    The exact solution is that without viscosity and conduction, until a wave comes to an end.
+    Errors are in L1: a shock has order 1.
+    """
+    gas, solid = gas_of(opt), solid_of(opt)
+    if opt["shock_problem"] == "strong":
+        state, _ = behind_shock(gas, LOW, opt["shock_mach"])
+        left = Wall(lambda t: state.u * t, velocity=lambda t: state.u)
+        right = free(-LOW.p)
+    else:
+        state, left, right = HIGH._replace(p=opt["shock_ratio"] * LOW.p), Wall(0.0), clamped()
+    exact = Contact(gas, solid, state)
+    layers = (
+        FluidLayer("gas", gas, (0.0, 1.0), exact.in_gas, exact=exact.in_gas),
+        SolidLayer("rod", solid, (1.0, 2.0), exact.in_solid, exact=exact.in_solid),
+    )
+    return Problem(layers, left, right, notes=exact.notes(), units="none")
+
+
+@case(
+    {"fsi_h": 0.01, "ts_max_time": 0.15, "fsi_output_dt": 0.05, "fsi_norm": "L1", **SHOCKS},
+    *materials(solid_modulus=4.0, solid_density=0.5),
+)
+def tube(opt: Opt) -> BlockProblem:
+    """The shock tube of the case `shock` in a plane: across Y into an elastic layer.
+
+    It is periodic along X. The exact solution is that of `shock`: where nothing varies along X the
+    law `log` is that of the rod.
+    """
+    gas, rod = gas_of(opt), Solid(opt["solid_modulus"], 0.0, opt["solid_density"], 1.0)
+    solution = Contact(gas, rod, HIGH)
+    layer = ElasticSolid(rod.K / 4, rod.K / 2, 0.0, rod.m0, 1.0, p_ref=LOW.p)
+
+    def in_gas(X, Y, t=0.0):
+        rho, v, T = solution.in_gas(Y, t)
+        return rho, 0.0 * v, v, T
+
+    def in_solid(X, Y, t=0.0):
+        v, _, T, y = solution.in_solid(Y, t)
+        return 0.0 * v, v, T, X, y
+
+    return stack(
+        opt,
+        Layer("gas", gas, (0.0, 1.0), in_gas, exact=in_gas),
+        Layer("layer", layer, (1.0, 2.0), in_solid, exact=in_solid),
+        along=((0.0, 0.25),),
+        lower=Slip(),
+        upper=Clamped(),
+        notes=solution.notes(),
+    )
+
+
+@case(
+    {"fsi_h": 1 / 40, "ts_max_time": 0.7, "fsi_output_dt": 0.1},
+    Option("piston_way", str, "receding", "", "what the rod does", ("receding", "advancing")),
+)
+def elastic_piston(opt: Opt) -> BlockProblem:
+    """An elastic rod that recedes from a gas, or advances into it, with an exact solution.
+
+    The rod is on the left. The interface moves as F(t) = -t^4/4 or t^4/4. The gas (gamma = 1.4,
+    speed of sound 1 at rest) is a simple wave: u = F'(s) along x = F(s) + (1 + 1.2 F'(s)) (t - s).
+    The rod is linear elastic, of density 1 and wave speed c = 2,
+
+        displacement f(t - X/c) + g(t + X/c),    f' = (F' + q/c)/2,    g' = (F' - q/c)/2,
+
+    q = p - p0 at the interface. Nothing is viscous or conducts heat. After the elastic piston of J.
+    W. Banks, W. D. Henshaw, D. W. Schwendeman, J. Comput. Phys. 231 (2012) 3518-3547.
+    """
+    # of the gas at rest; no wave reaches the wall at its end before t = 1.5
+    rho, T, C, width = 0.1, 1 / 1.4, 2.0, 1.5
+    P = rho * T
+    F = Polynomial([0.0, 0.0, 0.0, 0.0, -0.25 if opt["piston_way"] == "receding" else 0.25])
+    speed = F.deriv()
+    q = P * ((1.0 + 0.2 * speed) ** 7 - 1.0) / C
+    f, g = 0.5 * (F + q.integ()), 0.5 * (F - q.integ())
+
+    def rod(X, t=0.0):
+        to, fro = t - X / C, np.maximum(t + X / C, 0.0)  # no wave goes left before t = 0
+        return f.deriv()(to) + g.deriv()(fro), 1.0, X + f(to) + g(fro)
+
+    def pressure(X, t):
+        return P - C * (g.deriv()(np.maximum(t + X / C, 0.0)) - f.deriv()(t - X / C))
+
+    def gas(X, t=0.0):
+        """Return (rho, u, T) on the grid between the rod and the wall."""
+        x = X + (1.0 - X / width) * F(t)
+        low, high = np.zeros_like(x), np.full_like(x, t)  # of s; beyond x = t the gas is at rest
+        for _ in range(60):
+            s = 0.5 * (low + high)
+            outside = F(s) + (1.0 + 1.2 * speed(s)) * (t - s) < x
+            low, high = np.where(outside, low, s), np.where(outside, s, high)
+        u = np.where(x < t, speed(low), 0.0)
+        c = 1.0 + 0.2 * u
+        return rho * c**5, u, T * c**2
+
+    solid = ElasticSolid(C**2 / 3, C**2 / 3, 0.0, 1.0, 1.0, P, law="linear", heat="elastic")
+    return stack(
+        opt,
+        Layer("rod", solid, (-0.5, 0.0), rod, exact=rod),
+        Layer("gas", Fluid(0.0, 0.0, GAMMA, 1.0), (0.0, width), gas, exact=gas),
+        lower=Free(pressure),
+        upper=Slip(),
+        units="",
+    )

@@ -1,0 +1,366 @@
+"""Manufactured solutions: what the equations lack of motions that are given is their forcing.
+
+Formulas run once on symbols, of which all derivatives follow (fsipetsc.kernels.symbols); what they
+are at places comes from the record. Places are (*X, t), d arrays of one shape and a time.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from fsipetsc import Block, BlockProblem, Fluid, Option
+from fsipetsc.blocks.conditions import Given, NoSlip
+from fsipetsc.blocks.layers import Layer
+from fsipetsc.blocks.maps import Map, Places
+from fsipetsc.cases import case
+from fsipetsc.cases.bodies import centre, quarter
+from fsipetsc.cases.common import Opt, gas_of, materials, stack
+from fsipetsc.checks import Array, Fields
+from fsipetsc.equations import elementary
+from fsipetsc.equations.tensors import (
+    add_unit,
+    apply,
+    apply_transposed,
+    cofactor,
+    columns,
+    determinant,
+    product_transposed,
+    rows,
+    trace,
+    transpose,
+)
+from fsipetsc.equations.vectors import add, along, dot, scale, sub
+from fsipetsc.kernels.symbols import Record, derivatives, replay
+from fsipetsc.materials.solid import ElasticSolid
+
+Numbers = Sequence[Any]
+TURN = 2.0 * np.pi
+#: what laws take of numpy that has other bits on other processors
+SAME_BITS = {"log": elementary.log, "log1p": lambda x: elementary.log(1.0 + x)}
+
+
+def recorded(count: int, formula: Callable[..., Numbers]) -> Callable[..., list[Any]]:
+    """A function of so many arrays of one shape, and of numbers, by a formula that runs once."""
+    record = Record()
+    given = [record.given(f"x{k}") for k in range(count)]
+    wanted = [record.constant(number) for number in formula(*given)]
+
+    def called(*where: Any) -> list[Any]:
+        found = replay(wanted, dict(zip(given, where, strict=True)), SAME_BITS)
+        return [value + 0.0 * where[0] for value in found]
+
+    return called
+
+
+def gradient(f: Numbers, X: Numbers) -> Numbers:
+    """Return df_i/dX_k, a tensor of vectors f."""
+    by_axis = [derivatives(f, x) for x in X]
+    return tuple(changes[i] for i in range(len(f)) for changes in by_axis)
+
+
+def lack(U: Numbers, flux: Sequence[Numbers], where: Numbers) -> Numbers:
+    """Return U_t + sum over the axes of the derivatives of fluxes."""
+    *X, t = where
+    rates = derivatives(U, t)
+    for along_axis, x in zip(flux, X, strict=True):
+        rates = add(rates, derivatives(along_axis, x))
+    return rates
+
+
+def gas_state(
+    fluid: Fluid, X: Numbers, fields: Numbers, x_X: Numbers, w: Numbers, past: Numbers
+) -> tuple[Numbers, Sequence[Numbers], Any]:
+    """J (1, rho, rho u, e) of a gas on a grid x(X) of velocity w, u = w + past; along each axis,
+    with its metric vector a = det(x_X) grad xi, the fluxes
+
+        a . (-w, rho (u - w), rho u (u - w) + p - tau, e (u - w) + p u - tau u - kappa grad T)
+
+    with tau = mu (grad u + (grad u)^T - 2/3 div u); and J. fields: rho, u_1 … u_d, T.
+    """
+    rho, *u, T = fields
+    a, J = cofactor(x_X), determinant(x_X)
+    grad_u = scale(1.0 / J, product_transposed(gradient(u, X), a))
+    grad_T = scale(1.0 / J, apply(a, gradient((T,), X)))
+    tau = scale(fluid.mu, add(grad_u, transpose(grad_u)))
+    tau = add_unit(-2.0 / 3.0 * fluid.mu * trace(grad_u), tau)
+    e = rho * (fluid.cv * T + 0.5 * dot(u, u))
+    force = add_unit(rho * fluid.R * T, scale(-1.0, tau))
+    heat = along(apply(force, u), -fluid.kappa, grad_T)
+    # -w is the flux of J, a volume that the grid sweeps over
+    pushes = (along(f, rho * u_i, past) for f, u_i in zip(rows(force), u, strict=True))
+    fluxes = scale(-1.0, w), scale(rho, past), *pushes, along(heat, e, past)
+    flux = [tuple(dot(f, a_k) for f in fluxes) for a_k in columns(a)]
+    return scale(J, (1.0, rho, *scale(rho, u), e)), flux, J
+
+
+class Solution:
+    """An exact solution in d dimensions, of a gas and a solid without units: viscosity, both
+    conductivities and the law of the solid are options. A subclass says its fields.
+
+    Functions of (*X, t): exact_gas (rho, u_1 … u_d, T) and exact_solid (v_1 … v_d, T, x_1 … x_d);
+    force_gas, what drives (rho, rho u_1 … rho u_d, e) per volume at a point of the grid, and
+    force_solid (v_1 … v_d, T, x_1 … x_d). jump: of these and the normal from gas to solid, traction
+    and heat per reference area that the solid gets at the interface beside what the gas gives it.
+    """
+
+    #: of (*X, t): displacement of the solid and of the gas's grid, u less the velocity of this one
+    displacement: Callable[..., Numbers]
+    moved: Callable[..., Numbers]
+    drift: Callable[..., Numbers]
+    #: temperature of both, density of the gas
+    T: Callable[..., Any]
+    rho: Callable[..., Any]
+
+    def __init__(self, d: int, opt: Opt) -> None:
+        self.d, self.fluid, record = d, gas_of(opt), partial(recorded, d + 1)
+        self.body = ElasticSolid(1.0, 2.0, opt["solid_kappa"], 2.0, 1.5, law=opt["solid_law"])
+        self.exact_gas, self.exact_solid = record(self.gas_fields), record(self.solid_fields)
+        self.force_gas, self.force_solid = record(self._on_gas), record(self._on_solid)
+        self.jump = recorded(2 * d + 1, self._jump)
+
+    def gas_fields(self, *where: Any) -> Numbers:
+        """Return (rho, u_1 … u_d, T)."""
+        w = derivatives(self.moved(*where), where[-1])
+        return (self.rho(*where), *add(w, self.drift(*where)), self.T(*where))
+
+    def solid_fields(self, *where: Any) -> Numbers:
+        """Return (v_1 … v_d, T, x_1 … x_d)."""
+        D = self.displacement(*where)
+        return (*derivatives(D, where[-1]), self.T(*where), *add(where[:-1], D))
+
+    def gas(self, *where: Any) -> tuple[Numbers, Sequence[Numbers], Any]:
+        """Return ``gas_state``."""
+        (*X, t), moved = where, self.moved(*where)
+        x_X, w = add_unit(1.0, gradient(moved, X)), derivatives(moved, t)
+        fields = self.gas_fields(*where)
+        return gas_state(self.fluid, X, fields, x_X, w, self.drift(*where))
+
+    def solid(self, *where: Any) -> tuple[Numbers, Sequence[Numbers], Any]:
+        """m0 (v, alpha T), fluxes -(P, kappa_e J F^-1 F^-T grad T), and the work P : v_X."""
+        (*X, t), body = where, self.body
+        D, T = self.displacement(*where), self.T(*where)
+        v, F = derivatives(D, t), add_unit(1.0, gradient(D, X))
+        P, c = body.solid_law.stress(F), cofactor(F)
+        scaled = scale(body.kappa_e / determinant(F), apply(c, gradient((T,), X)))
+        heat, work = apply_transposed(c, scaled), dot(P, gradient(v, X))
+        flux = [scale(-1.0, (*t_k, h_k)) for t_k, h_k in zip(columns(P), heat, strict=True)]
+        return scale(body.m0, (*v, body.alpha * T)), flux, work
+
+    def _on_gas(self, *where: Any) -> Numbers:
+        U, flux, J = self.gas(*where)
+        return scale(1.0 / J, lack(U, flux, where)[1:])
+
+    def _on_solid(self, *where: Any) -> Numbers:
+        U, flux, work = self.solid(*where)
+        *rates, heat = lack(U, flux, where)
+        m0, alpha = self.body.m0, self.body.alpha
+        return (*scale(1.0 / m0, rates), 1.0 / m0 * (heat - work) / alpha, *(0.0 for _ in rates))
+
+    def _jump(self, *given: Any) -> Numbers:
+        where, normal = given[: self.d + 1], given[self.d + 1 :]
+        u = derivatives(self.displacement(*where), where[-1])
+        fluxes = self.gas(*where)[1], self.solid(*where)[1]
+        below, above = ([dot(normal, of_axes) for of_axes in zip(*flux)] for flux in fluxes)
+        traction = below[2:-1]  # no mass goes through
+        return *sub(above[:-1], traction), above[-1] - (below[-1] - dot(traction, u))
+
+
+class Flat(Solution):
+    """The solution of box_mms, in the coordinates p, q, eta of its three-dimensional form."""
+
+    def _along(self, where: Numbers) -> tuple[Any, Any, Any]:
+        """Return p, q and 1 + .2 sin 2 pi q, which is 1 where there is no q."""
+        p, q = (*where[:-2], *(0.125, 0.0)[self.d - 1 :])
+        return p, q, 1.0 + 0.2 * np.sin(TURN * q) if self.d == 3 else 1.0
+
+    def _axes(self, *vector: Any) -> Numbers:
+        return tuple(vector[axis] for axis in {1: (2,), 2: (0, 2), 3: (0, 1, 2)}[self.d])
+
+    def displacement(self, *where: Any) -> Numbers:
+        (p, q, ripple), (eta, t) = self._along(where), where[-2:]
+        return self._axes(
+            0.06 * np.sin(TURN * p + t) * np.cos(eta + 2.0 * t) * ripple,
+            0.05 * np.sin(TURN * q - t) * np.cos(TURN * p + 2.0 * t) * np.sin(eta + t),
+            0.08 * np.cos(TURN * p - t) * np.sin(1.5 * eta + t) * ripple,
+        )
+
+    def moved(self, *where: Any) -> Numbers:
+        *along_layers, eta, t = where
+        return scale(eta, self.displacement(*along_layers, 1.0, t))
+
+    def drift(self, *where: Any) -> Numbers:
+        (p, q, ripple), (eta, t) = self._along(where), where[-2:]
+        drift = self._axes(
+            0.6 * np.sin(TURN * p - t),
+            0.4 * np.sin(TURN * q + t),
+            0.5 * np.cos(TURN * p + 2.0 * t) * ripple,
+        )
+        return scale(eta * (1.0 - eta), drift)
+
+    def T(self, *where: Any) -> Any:
+        (p, _, ripple), (eta, t) = self._along(where), where[-2:]
+        return 1.0 + 0.15 * np.sin(TURN * p + t) * np.cos(2.0 * eta - t) * ripple
+
+    def rho(self, *where: Any) -> Any:
+        (p, _, ripple), (eta, t) = self._along(where), where[-2:]
+        return 1.0 + 0.2 * np.cos(TURN * p - t) * np.sin(2.0 * eta + t) * ripple
+
+
+@case(
+    {"fsi_h": 1 / 16, "ts_max_time": 0.25, "fsi_output_dt": 0.05},
+    Option("box_dimension", int, 2, "", "number of dimensions", (1, 2, 3)),
+    Option("box_periodic", bool, True, "", "periodic along the layers; else sides are given"),
+    *materials(fluid_mu=0.02, fluid_kappa=0.03, solid_kappa=0.05),
+    *materials(solid_law=("neo-hookean", "log", "svk", "linear")),
+)
+def box_mms(opt: Opt) -> BlockProblem:
+    """A manufactured solution in one to three dimensions: gas under a solid, on moving blocks.
+
+    The interface moves and bends. The wall below the gas has a given temperature, the uppermost
+    points of the solid are given. The blocks are periodic along the other axes; with -box_periodic
+    false all unknowns are given at the sides. Traction and heat flux get their jumps at the
+    interface.
+
+    The last axis, eta, goes across the two, from 0 to 1 in the gas and on to 2 in the solid; the
+    other axes, p and q, go along them. Two dimensions are the plane q = 0 of three, one dimension
+    is the line p = 1/8, q = 0, each without the components of vectors that point out of it.
+    """
+    d = opt["box_dimension"]
+    exact = Flat(d, opt)
+
+    def layer(name, material, low, of, forcing):
+        sides = None if opt["box_periodic"] or d == 1 else Given(of)
+        more = {"sides": sides, "forcing": forcing, "exact": of}
+        return Layer(name, material, (low, low + 1.0), lambda *X: of(*X, 0.0), **more)
+
+    def supplied(*where):
+        nothing = 0.0 * where[0]
+        return exact.jump(
+            *where[:-2], 1.0 + nothing, where[-1], *[nothing] * (d - 1), 1.0 + nothing
+        )
+
+    return stack(
+        opt,
+        layer("gas", exact.fluid, 0.0, exact.exact_gas, exact.force_gas),
+        layer("solid", exact.body, 1.0, exact.exact_solid, exact.force_solid),
+        lower=NoSlip(T=lambda *where: exact.exact_gas(*where)[-1]),
+        upper=Given(exact.exact_solid),
+        along=((0.0, 1.0),) * (d - 1),
+        jumps=supplied,
+    )
+
+
+#: half the side of the box of body_mms and of the block in the middle of its disk
+BOX, HALF = 2.0, 0.45
+
+
+class Disk(Solution):
+    """The solution of body_mms. The gas's grid is blended between walls and body, so that its nodes
+    have other labels X at each time: X + D(X, t), where they are, is solved for X.
+    """
+
+    def __init__(self, opt: Opt) -> None:
+        super().__init__(2, opt)
+        self.material = recorded(3, lambda *at: self._with_rate(self.displacement(*at), at))
+        self._newton = recorded(5, self._nearer)
+        at_label, force_at_label = self.exact_gas, self.force_gas
+        self.exact_gas = lambda *at: at_label(*self.labels(*at), at[-1])
+        self.force_gas = lambda *at: force_at_label(*self.labels(*at), at[-1])
+
+    def _with_rate(self, f: Any, at: Any) -> Any:
+        return (*f, *derivatives(f, at[-1]))
+
+    def displacement(self, X: Any, Y: Any, t: Any) -> Numbers:
+        return 0.06 * np.sin(1.9 * X + 0.7 * Y + t), 0.06 * np.cos(1.3 * X - 1.7 * Y + 2.0 * t)
+
+    moved = displacement  # the labels of all gas
+
+    def drift(self, X: Any, Y: Any, t: Any) -> Numbers:
+        drift = 0.3 * np.sin(1.4 * X - 0.6 * Y - t), 0.2 * np.cos(0.9 * X + 1.5 * Y + 2.0 * t)
+        return scale((X * X + Y * Y - 1.0) / (X * X + Y * Y + 1.0), drift)
+
+    def T(self, X: Any, Y: Any, t: Any) -> Any:
+        return 1.0 + 0.15 * np.sin(1.6 * X - 1.1 * Y + t)
+
+    def rho(self, X: Any, Y: Any, t: Any) -> Any:
+        return 1.0 + 0.2 * np.cos(1.2 * X + 1.7 * Y - t)
+
+    def _nearer(self, X: Any, Y: Any, t: Any, x: Any, y: Any) -> Any:
+        """A step of Newton's from the label (X, Y) to that of the place (x, y)."""
+        D = self.displacement(X, Y, t)
+        F, apart = add_unit(1.0, gradient(D, (X, Y))), sub(add((X, Y), D), (x, y))
+        return along((X, Y), -1.0 / determinant(F), apply_transposed(cofactor(F), apart))
+
+    def labels(self, X: Array, Y: Array, t: float) -> Fields:
+        """The labels of the nodes of the gas's grid, to round-off."""
+        D = self.grid(X, Y, t)
+        x, found = (X + D[0], Y + D[1]), (X, Y)
+        for _ in range(5):
+            found = self._newton(*found, t, *x)
+        return found
+
+    def grid(self, X: Array, Y: Array, t: float) -> Fields:
+        """Displacements and velocities of the grid: nodes stay at fixed parts of each ray."""
+        R = np.sqrt(X * X + Y * Y)
+        far = BOX * R / np.maximum(abs(X), abs(Y))
+        s, ends = (R - 1.0) / (far - 1.0), (1.0 / R, far / R)
+        inner, outer = (self.material(X * end, Y * end, t) for end in ends)
+        return add(scale(1.0 - s, inner), scale(s, outer))
+
+    def supplied(self, X: Array, Y: Array, t: float) -> list[Array]:
+        """The normal is along a ray."""
+        return self.jump(X, Y, t, *scale(-1.0 / np.sqrt(X * X + Y * Y), (X, Y)))
+
+
+def turned(map: Map, times: int) -> Map:
+    """The same places with the logical axes turned by so many right angles."""
+
+    def places(xi: Places) -> Places:
+        for _ in range(times):
+            xi = xi[1], 1.0 - xi[0]
+        return map(xi)
+
+    return places
+
+
+def to_box(q: int) -> Map:
+    """Return the map from the circle to a side of the box along rays."""
+
+    def places(xi: Places) -> Places:
+        angle = np.pi / 4 * (2.0 * (xi[1] + q) - 1.0)
+        ray = np.stack([np.cos(angle), np.sin(angle)])
+        return tuple((1.0 - xi[0] + xi[0] * BOX / np.abs(ray).max(axis=0)) * ray)
+
+    return places
+
+
+@case(
+    {"fsi_h": 1 / 16, "ts_max_time": 0.1, "fsi_output_dt": 0.1},
+    *materials(fluid_mu=0.02, fluid_kappa=0.03, solid_kappa=0.05),
+    *materials(solid_law=("svk", "neo-hookean", "log", "linear")),
+)
+def body_mms(opt: Opt) -> BlockProblem:
+    """A manufactured solution around a disk, on curved, joined blocks that move, in two dimensions.
+
+    The disk of five blocks is in a square box of gas of four, axes turned against each other; three
+    blocks meet at corners. All unknowns are given on the outer walls, which move, too. -fsi_h is of
+    the side of each block, which is 1 in logical coordinates.
+    """
+    exact = Disk(opt)
+    n, blocks, faces = round(1.0 / opt["fsi_h"]), [], {}
+    walls: Any = {"x": lambda X, Y, t: add((X, Y), exact.grid(X, Y, t)[:2])}
+    of_gas = Given(exact.exact_gas, **walls, velocity=lambda *at: exact.grid(*at)[2:])
+
+    def add_block(name, map, material, of, forcing):
+        blocks.append(Block(name, material, map, (n, n), lambda *X: of(*X, 0.0), forcing, of))
+
+    solid = exact.body, exact.exact_solid, exact.force_solid
+    add_block("middle", centre(HALF), *solid)
+    for q, outer in enumerate(((0, 1), (1, 1), (0, 0), (1, 0))):
+        add_block(f"disk {q}", turned(quarter(q, 1.0, HALF), q + 1), *solid)
+        gas = exact.fluid, exact.exact_gas, exact.force_gas
+        add_block(f"gas {q}", turned(to_box(q), q), *gas)
+        faces[(f"gas {q}", *outer)] = of_gas
+    return BlockProblem(tuple(blocks), faces, jumps=exact.supplied, units="none")
