@@ -19,7 +19,7 @@ RUNS = {
     "blast": "blast -fsi_h 0.0625 -ts_max_steps 6",
     "box": "box -fsi_h 0.1 -ts_max_steps 6",
     "three": "box_mms -box_dimension 3 -fsi_h 0.125 -ts_max_steps 2",
-    "disc": "blast -blast_kind shock -fsi_shock 1 -fsi_dissipation 1 -fsi_h 0.0625 -ts_max_steps 6",
+    "cylinder": "cylinder -fsi_h 0.0625 -ts_max_steps 6",
     "ring": "ring -fsi_h 0.05 -ts_max_steps 6",
     "shell": "shell -fsi_h 0.05 -ts_max_steps 6",
     "shock": "shock -fsi_h 0.02 -ts_max_steps 6",

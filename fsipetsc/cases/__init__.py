@@ -1,14 +1,12 @@
 """The built-in cases and the loading of users' own case files.
 
-A case is a module with
+A case is a module, or what ``case`` makes, with
   NAME      str, names the result file, so no / in it   (if it is missing, the file's name)
-  SUMMARY   str, one line                               (… empty; here the docstring's first)
+  SUMMARY   str, one line                               (… empty)
   OPTIONS   tuple of fsipetsc.options.Option: materials, geometry
   DEFAULTS  dict, name of an option -> default that replaces the common one   (… empty)
   build     function of the options in force (name -> value) that returns a
             fsipetsc.problem.Problem or fsipetsc.blocks.block_problem.BlockProblem
-To add a built-in case, write its file here and add its name to BUILT_IN. Nothing is imported before
-it is needed.
 """
 
 import importlib
@@ -39,8 +37,8 @@ BUILT_IN = {name: file for file, names in _FILES.items() for name in names.split
 
 
 def case(defaults: Mapping[str, Any], *options: Option) -> Callable[[Any], SimpleNamespace]:
-    """Make a case of its function build, whose name is that of the case, and the first line of
-    whose docstring is its summary.
+    """Make a case of its function build, which has its name and, in the first line of its
+    docstring, its summary.
     """
 
     def of(build: Any) -> SimpleNamespace:
@@ -51,24 +49,20 @@ def case(defaults: Mapping[str, Any], *options: Option) -> Callable[[Any], Simpl
     return of
 
 
-def load_built_in(name: str) -> Any:
-    """Return a built-in case."""
-    return getattr(importlib.import_module(f"fsipetsc.cases.{BUILT_IN[name]}"), name)
-
-
 def summaries() -> dict[str, str]:
     """Return name -> summary of every built-in case."""
-    return {name: load_built_in(name).SUMMARY for name in BUILT_IN}
+    return {name: load_case(name).SUMMARY for name in BUILT_IN}
 
 
-def load_case(name_or_path: str, also: Sequence[str] = ()) -> ModuleType:
-    """The module of a built-in case, or of the case file at a path.
+def load_case(name_or_path: str, also: Sequence[str] = ()) -> Any:
+    """A built-in case, or the module of the case file at a path.
 
     also: further names that may be suggested for a misspelt one. Raises InputError, with file, line
     and reason if a user's file is at fault.
     """
     if name_or_path in BUILT_IN:
-        return load_built_in(name_or_path)
+        file = importlib.import_module(f"fsipetsc.cases.{BUILT_IN[name_or_path]}")
+        return getattr(file, name_or_path)
     if name_or_path.endswith(".py") or os.sep in name_or_path:
         return _load_file(Path(name_or_path))
     if name_or_path.endswith(".h5") and os.path.isfile(name_or_path):
@@ -81,7 +75,7 @@ def load_case(name_or_path: str, also: Sequence[str] = ()) -> ModuleType:
     raise InputError(f"unknown case '{name_or_path}'{hint} {known}")
 
 
-def case_after(command: str, arguments: Sequence[str]) -> ModuleType:
+def case_after(command: str, arguments: Sequence[str]) -> Any:
     """The case that comes first among the arguments of a command. InputError."""
     if not arguments or is_option(arguments[0]):
         usage = f"{PROGRAM} {command} CASE [-option value ...]"
@@ -107,10 +101,12 @@ def case_of(problem: Any, **defaults: Any) -> SimpleNamespace:
 
 
 def _load_file(path: Path) -> ModuleType:
+    """Run a case file, check what it defines, and fill in what may be missing. InputError."""
+    what = f"case file {path}"
     try:
         path.read_bytes()
     except (OSError, ValueError) as error:
-        raise InputError(f"case file {path}: {getattr(error, 'strerror', error)}") from None
+        raise InputError(f"{what}: {getattr(error, 'strerror', error)}") from None
     name = f"fsipetsc_case_{re.sub(r'[^0-9A-Za-z_]', '_', path.stem)}"
     loader = SourceFileLoader(name, str(path.resolve()))
     module = ModuleType(name)
@@ -120,29 +116,27 @@ def _load_file(path: Path) -> ModuleType:
         sys.path.append(str(path.resolve().parent))  # for modules of the user's beside the file
     written, sys.dont_write_bytecode = sys.dont_write_bytecode, True
     try:
-        call(loader.exec_module, (module,), f"case file {path}")
+        call(loader.exec_module, (module,), what)
     finally:
         sys.dont_write_bytecode = written
-    _complete(module, path)
-    return module
-
-
-def _complete(module: ModuleType, path: Path) -> None:
-    """Check what the file defines, fill in what may be missing. InputError."""
-    for name, value in {"NAME": path.stem, "SUMMARY": "", "DEFAULTS": {}}.items():
-        setattr(module, name, getattr(module, name, value))
-    options, name = getattr(module, "OPTIONS", None), str(module.NAME)
+    for missing, value in {"NAME": path.stem, "SUMMARY": "", "DEFAULTS": {}}.items():
+        setattr(module, missing, getattr(module, missing, value))
+    options = getattr(module, "OPTIONS", None)
     of_options = isinstance(options, (tuple, list)) and all(isinstance(o, Option) for o in options)
-    for good, what in (
+    for good, expected in (
         (callable(getattr(module, "build", None)), "does not define a function build(opt)"),
         (options is not None, "does not define OPTIONS, a tuple of Option, which may be ()"),
         (of_options, "OPTIONS must be a tuple of Option (a tuple of one needs a comma)"),
         (isinstance(module.DEFAULTS, Mapping), "DEFAULTS must be a dict: option -> value"),
-        (Path(name).name == name, "NAME must be a file's name, a text without /"),
+        (
+            Path(str(module.NAME)).name == module.NAME,
+            "NAME must be a name for a file, without /",
+        ),
     ):
         if not good:
-            raise InputError(f"case file {path}: {what}")
+            raise InputError(f"{what}: {expected}")
     try:
         groups(module)
     except InputError as error:
-        raise InputError(f"case file {path}: {error}") from None
+        raise InputError(f"{what}: {error}") from None
+    return module

@@ -7,20 +7,8 @@ import numpy as np
 from fsipetsc import Block, BlockProblem, Fluid, InputError, Option
 from fsipetsc.blocks.conditions import Centre, Clamped, Free, Outflow, Slip
 from fsipetsc.blocks.maps import Map, Places, annulus, off_axis, rectangle
-from fsipetsc.cases import case
-from fsipetsc.cases.common import (
-    SHOCKS,
-    Opt,
-    at_rest,
-    beside_gas,
-    cells_of,
-    constant,
-    elastic_of,
-    gas_of,
-    materials,
-    pressure_pulse,
-    wall_for,
-)
+from fsipetsc.cases import case, common
+from fsipetsc.cases.common import SHOCKS, Opt, materials
 from fsipetsc.cases.riemann import GasState, shock_in_plane
 from fsipetsc.checks import Array
 from fsipetsc.equations.elementary import tanh
@@ -49,27 +37,26 @@ CORE, INNER, OUTER, VESSEL = 0.4, 1.0, 1.3, 2.0
 def ring(opt: Opt) -> BlockProblem:
     """An elastic ring with gas inside and outside, in two dimensions: gas | ring | gas.
 
-    The gas reaches from a rigid core to a rigid vessel. It slips along both and along the ring
-    where it has no viscosity. All begins at rest but for a pulse of pressure in the gas inside. The
-    ring is free of stress under the pressure of the gas. Its small motions are known exactly: see
-    the command `modes`. Axes of the blocks run outwards and around.
+    The gas reaches from a rigid core to a rigid vessel. All begins at rest but for a pulse of
+    pressure in the gas inside. The ring is free of stress under the pressure of the gas. Its small
+    motions are known exactly: see the command `modes`. Axes of the blocks run outwards and around.
     """
     around = opt["ring_around"] or max(24, 8 * round(2.0 * np.pi * INNER / (32.0 * opt["fsi_h"])))
-    gas = gas_of(opt)
-    solid = elastic_of(opt, 1.0 if opt["ring_gas"] else 0.0, law=opt["solid_law"])
+    gas = common.gas_of(opt)
+    solid = common.elastic_of(opt, 1.0 if opt["ring_gas"] else 0.0, law=opt["solid_law"])
 
     def block(name, material, inner, outer, initial):
-        shape = annulus(inner, outer), (cells_of(opt, outer - inner), around)
+        shape = annulus(inner, outer), (common.cells_of(opt, outer - inner), around)
         return Block(name, material, *shape, initial, periodic=(False, True))
 
-    blocks = (block("ring", solid, INNER, OUTER, at_rest()),)
+    blocks = (block("ring", solid, INNER, OUTER, common.at_rest()),)
     faces = {("ring", 0, 0): Free(), ("ring", 0, 1): Free()}
     if opt["ring_gas"]:
-        pulse = pressure_pulse(gas, opt["ring_pulse"], 0.7, 0.0, 0.2)
+        pulse = common.pressure_pulse(gas, opt["ring_pulse"], 0.7, 0.0, 0.2)
         inside = block("inside", gas, CORE, INNER, pulse)
-        outside = block("outside", gas, OUTER, VESSEL, constant(1.0, 0.0, 0.0, 1.0))
+        outside = block("outside", gas, OUTER, VESSEL, common.constant(1.0, 0.0, 0.0, 1.0))
         blocks = (inside, *blocks, outside)
-        faces = {("inside", 0, 0): wall_for(gas), ("outside", 0, 1): wall_for(gas)}
+        faces = {("inside", 0, 0): common.wall_for(gas), ("outside", 0, 1): common.wall_for(gas)}
     return BlockProblem(blocks, faces, units="none")
 
 
@@ -84,29 +71,31 @@ def shell(opt: Opt) -> BlockProblem:
     """A charge in the middle of an elastic shell, in one dimension: gas | shell | gas in a vessel.
 
     All depends on the distance r from a centre (kappa = 2), or from the axis of a tube (kappa = 1).
-    The gas inside goes to r = 0, or ends at a core. Hot gas in the middle, of the density of the
-    rest, sends a shock to the shell, which swings and drives waves into the gas around it. The
-    shell is free of stress under the pressure of the gas at rest. Its small motions are known
-    exactly: see the command `modes`.
+    Hot gas in the middle, of the density of the rest, sends a shock to the shell, which is free of
+    stress under the pressure of the gas at rest. Its small motions are known exactly: see the
+    command `modes`.
     """
-    gas, core, width = gas_of(opt), CORE if opt["shell_gas"] == "around" else 0.0, 0.2
+    gas, core, width = common.gas_of(opt), CORE if opt["shell_gas"] == "around" else 0.0, 0.2
     pressure = 0.0 if opt["shell_gas"] == "none" else 1.0
-    solid = elastic_of(opt, pressure, law=opt["solid_law"])
+    solid = common.elastic_of(opt, pressure, law=opt["solid_law"])
 
     def block(name, material, low, high, initial):
-        n, shape = cells_of(opt, high - low), rectangle(low, high)
+        n, shape = common.cells_of(opt, high - low), rectangle(low, high)
         return Block(name, material, off_axis(shape, n) if low == 0.0 else shape, (n,), initial)
 
-    def charge(r):
-        """The density is the same everywhere; the edge of the charge is a fifth of it wide."""
+    def charge(r):  # its edge is a fifth of it wide
         hot = 0.5 * (1.0 - tanh((r - core - width) / (0.1 * width)))
         return 1.0 + 0.0 * r, 0.0 * r, 1.0 + opt["shell_charge"] * hot
 
-    blocks = (block("shell", solid, INNER, OUTER, at_rest()),)
+    blocks = (block("shell", solid, INNER, OUTER, common.at_rest()),)
     faces = {("shell", 0, 0): Free(), ("shell", 0, 1): Free()}
     if opt["shell_gas"] != "none":
         inside = block("inside", gas, core, INNER, charge)
-        blocks = (inside, *blocks, block("around", gas, OUTER, VESSEL, constant(1.0, 0.0, 1.0)))
+        blocks = (
+            inside,
+            *blocks,
+            block("around", gas, OUTER, VESSEL, common.constant(1.0, 0.0, 1.0)),
+        )
         faces = {("inside", 0, 0): Slip() if core else Centre(), ("around", 0, 1): Slip()}
     return BlockProblem(blocks, faces, units="none", symmetry=opt["shell_kappa"])
 
@@ -149,47 +138,51 @@ def between(s: Array, inner: Places, outer: Places) -> Places:
 def disk(opt: Opt) -> BlockProblem:
     """A disk of St. Venant and Kirchhoff's solid that spins in gas, in two dimensions.
 
-    The disk is five blocks, one in the middle and four around it; three of them meet at each corner
-    of that in the middle. Four blocks of gas go on to a round vessel. At the start the disk spins
-    as a rigid body and is free of stress under the pressure of the gas, so it widens and swings; a
-    gas with viscosity is carried along. With -disk_power the edge is at rest at first, and the
-    motion is smooth: verify/disk.py solves it in the radius alone. The grid of the gas is wound up
-    with the disk: a run must end well before half a turn.
+    The disk is five blocks, one in the middle and four around it. Four blocks of gas go on to a
+    round vessel. At the start the disk spins as a rigid body and is free of stress under the
+    pressure of the gas, so it widens and swings. With -disk_power the edge is at rest at first, and
+    the motion is smooth: verify/disk.py solves it in the radius alone. The grid of the gas is wound
+    up with the disk: a run must end well before half a turn.
     """
-    gas, solid, radius, vessel, half = gas_of(opt), elastic_of(opt, law="svk"), 1.0, 2.2, 0.45
+    gas, solid, radius, vessel, half = (
+        common.gas_of(opt),
+        common.elastic_of(opt, law="svk"),
+        1.0,
+        2.2,
+        0.45,
+    )
 
     def spinning(X, Y):
         # 1 - R^2 is round-off at the edge, and below 0 there
         spin = opt["disk_spin"] * np.abs(1.0 - X * X - Y * Y) ** opt["disk_power"]
         return -spin * Y, spin * X, 1.0 + 0.0 * X, X, Y
 
-    around, across = cells_of(opt, 2.0 * half), cells_of(opt, radius - half)
-    outside, still = cells_of(opt, vessel - radius), constant(1.0, 0.0, 0.0, 1.0)
+    around, across = common.cells_of(opt, 2.0 * half), common.cells_of(opt, radius - half)
+    outside, still = common.cells_of(opt, vessel - radius), common.constant(1.0, 0.0, 0.0, 1.0)
     blocks = [Block("middle", solid, centre(half), (around, around), spinning)]
     for q, name in enumerate(("right", "top", "left", "bottom")):
         ring = annulus(radius, vessel, (np.pi / 4 * (2.0 * q - 1.0), np.pi / 4 * (2.0 * q + 1.0)))
         shape = quarter(q, radius, half), (across, around)
         blocks.append(Block(f"disk {name}", solid, *shape, spinning))
         blocks.append(Block(f"gas {name}", gas, ring, (outside, around), still))
-    faces = {(block.name, 0, 1): wall_for(gas) for block in blocks if block.kind == "fluid"}
+    faces = {(block.name, 0, 1): common.wall_for(gas) for block in blocks if block.kind == "fluid"}
     return BlockProblem(tuple(blocks), faces, units="none")
 
 
 @case(
     {"fsi_h": 1 / 32, "ts_max_time": 2.0, "fsi_output_dt": 0.05, **SHOCKS},
     Option("cylinder_mach", float, 2.0, "", "Mach number of the shock", check=above_one),
-    Option("cylinder_wall", str, "elastic", "", "what the cylinder is", ("rigid", "elastic")),
-    *beside_gas(40.0),
+    *common.beside_gas(40.0),
 )
 def cylinder(opt: Opt) -> BlockProblem:
-    """A shock runs over a cylinder in a channel: an elastic one that flies, or a rigid one.
+    """A shock runs over an elastic cylinder in a channel, which flies away.
 
     The cylinder is at the origin. Four blocks of gas go from the circle to the four sides of the
     channel, four of the solid from a square centre block to the circle; axis 0 of them goes
     outwards, axis 1 around.
     """
-    gas, radius, core = gas_of(opt, R=AHEAD.p / AHEAD.rho), 0.5, 0.22
-    solid = elastic_of(opt, AHEAD.p, AHEAD.rho, law="neo-hookean")
+    gas, radius, core = common.gas_of(opt, R=AHEAD.p / AHEAD.rho), 0.5, 0.22
+    solid = common.elastic_of(opt, AHEAD.p, AHEAD.rho, law="neo-hookean")
     flow, inflow, _ = shock_in_plane(gas, AHEAD, opt["cylinder_mach"], -1.0)
     # corners of the channel, that of quarter q and the next: right, upper, left, lower side
     corners = np.array([(2.5, -1.5), (2.5, 1.5), (-1.5, 1.5), (-1.5, -1.5)])
@@ -206,20 +199,15 @@ def cylinder(opt: Opt) -> BlockProblem:
         return places
 
     lengths = np.pi / 2 * radius, radius - core, 1.25
-    around, within, outside = (cells_of(opt, length) for length in lengths)
+    around, within, outside = (common.cells_of(opt, length) for length in lengths)
     sides = Outflow(AHEAD.p), Slip(name="ceiling"), inflow, Slip(name="floor")
-    elastic, rest = opt["cylinder_wall"] == "elastic", at_rest()
-    blocks = [Block("core", solid, centre(core), (around, around), rest)] if elastic else []
-    faces = {}
-    for q, side in enumerate(sides):
-        name = f"gas {q + 1}"
-        if elastic:
-            map = quarter(q, radius, core)
-            blocks.append(Block(f"solid {q + 1}", solid, map, (within, around), rest))
-        else:
-            faces[name, 0, 0] = Slip(name="cylinder")
-        blocks.append(Block(name, gas, in_gas(q), (outside, around), flow))
-        faces[name, 0, 1] = side
+    rest = common.at_rest()
+    blocks = [Block("core", solid, centre(core), (around, around), rest)]
+    for q in range(4):
+        map = quarter(q, radius, core)
+        blocks.append(Block(f"solid {q + 1}", solid, map, (within, around), rest))
+        blocks.append(Block(f"gas {q + 1}", gas, in_gas(q), (outside, around), flow))
+    faces = {(f"gas {q}", 0, 1): side for q, side in enumerate(sides, 1)}
     return BlockProblem(tuple(blocks), faces, units="none")
 
 
@@ -232,17 +220,16 @@ def _cells(opt: Opt, *lengths: float) -> list[int]:
 @case(
     {"fsi_h": 1 / 24, "ts_max_time": 2.5, "fsi_output_dt": 0.05, **SHOCKS},
     Option("nozzle_mach", float, 1.5, "", "Mach number of the shock", check=above_one),
-    *beside_gas(60.0),
+    *common.beside_gas(60.0),
 )
 def nozzle(opt: Opt) -> BlockProblem:
     """A shock runs through an elastic nozzle, around an axis: gas inside, the wall, gas around it.
 
     X, along axis 0 of the blocks, is the place along the axis, Y the distance from it. The wall is
-    clamped at both ends and wide at these; the shock is reflected where it narrows, and what passes
-    makes the wall swell.
+    clamped at both ends and wide at these.
     """
-    gas = gas_of(opt, R=AHEAD.p / AHEAD.rho)
-    wall = elastic_of(opt, AHEAD.p, AHEAD.rho, law="neo-hookean")
+    gas = common.gas_of(opt, R=AHEAD.p / AHEAD.rho)
+    wall = common.elastic_of(opt, AHEAD.p, AHEAD.rho, law="neo-hookean")
     flow, inflow, _ = shock_in_plane(gas, AHEAD, opt["nozzle_mach"], 0.2)
     length, wide, throat, thickness, vessel = 3.0, 0.5, 0.3, 0.12, 1.2
     widths = length, wide, thickness, vessel - wide - thickness
@@ -262,10 +249,10 @@ def nozzle(opt: Opt) -> BlockProblem:
         return places
 
     core = off_axis(lambda xi: (length * xi[0], xi[1] * radius(length * xi[0])), inside)
-    still = constant(AHEAD.rho, 0.0, 0.0, 1.0)
+    still = common.constant(AHEAD.rho, 0.0, 0.0, 1.0)
     blocks = (
         Block("inside", gas, core, (along, inside), flow),
-        Block("wall", wall, from_wall(0.0, thickness), (along, across), at_rest()),
+        Block("wall", wall, from_wall(0.0, thickness), (along, across), common.at_rest()),
         Block("around", gas, from_wall(thickness, 0.0), (along, around), still),
     )
     faces = {("inside", 1, 0): Centre(), ("around", 1, 1): Slip()}
@@ -285,13 +272,11 @@ def nozzle(opt: Opt) -> BlockProblem:
 def fin(opt: Opt) -> BlockProblem:
     """A shock hits a steel panel that stands on the floor of a shock tube, its foot clamped.
 
-    The panel is hit from the left, bends to the right, and swings back; the shock goes on over its
-    tip and comes back from the end wall. Data are those of J. Giordano et al., Shock Waves 14
-    (2005) 103-110: air at 101 kPa and 1.2 kg/m3, a shock of Mach 1.21 that leaves 155.7 kPa, 1.63
-    kg/m3 and 109.6 m/s behind, a panel of 1 x 50 mm in a channel of 65 x 300 mm, its end 250 mm
-    behind the panel. The gas slips; it is in three blocks beside each other up to the panel's tip,
-    one of which is the panel, and three above it, so the tip has two corners, around which the gas
-    goes. X and x of the tip are in the series of the result: points at (0.051, 0.05).
+    Data are those of J. Giordano et al., Shock Waves 14 (2005) 103-110: air at 101 kPa and 1.2
+    kg/m3, a shock of Mach 1.21, a panel of 1 x 50 mm in a channel of 65 x 300 mm, its end 250 mm
+    behind the panel. Three blocks are beside each other up to the panel's tip, one of which is the
+    panel, and three above it, so the tip has two corners, around which the gas goes. X and x of the
+    tip are in the series of the result: points at (0.051, 0.05).
     """
     length, height = opt["fin_length"], 0.065
     if length >= height:
@@ -303,7 +288,7 @@ def fin(opt: Opt) -> BlockProblem:
     lambda_e = 2.0 * mu_e * poisson / (1.0 - 2.0 * poisson)
     laws = {"law": "neo-hookean", "heat": "elastic"}
     steel = ElasticSolid(mu_e, lambda_e, 0.0, density, alpha, ahead.p, **laws)
-    rest = at_rest(ahead.p / (air.R * ahead.rho))
+    rest = common.at_rest(ahead.p / (air.R * ahead.rho))
     x, y = np.cumsum([0.0, 0.05, opt["fin_thickness"], 0.25]), (0.0, length, height)
     columns, rows = (_cells(opt, *np.diff(at)) for at in (x, y))
     columns[1] = _cells(opt, 0.0)[0]

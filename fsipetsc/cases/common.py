@@ -17,7 +17,6 @@ Opt = Mapping[str, Any]
 SHOCKS = {"fsi_shock": 1.0, "fsi_dissipation": 1.0}
 PAPER = {"fsi_h": 0.0125, "fsi_coupling": "projection"}
 
-_GRUNEISEN = "pressure of the solid p = G rho epsilon; 0: elastic"
 #: name -> unit, meaning, check
 _KNOWN = {
     "fluid_mu": ("Pa s", "viscosity of the gas", "nonnegative"),
@@ -30,24 +29,23 @@ _KNOWN = {
     "solid_alpha": ("J/(kg K)", "specific heat of the solid", "positive"),
     "solid_mu": ("Pa", "mu_e of the solid", "positive"),
     "solid_lambda": ("Pa", "lambda_e of the solid", "nonnegative"),
-    "solid_gruneisen": ("", _GRUNEISEN, "nonnegative"),
+    "solid_gruneisen": ("", "p of the solid over rho epsilon; 0: elastic", "nonnegative"),
 }
 
 
 def materials(conducting: bool = False, **defaults: Any) -> tuple[Option, ...]:
-    """Options with their defaults; a case leaves some out. conducting: no conductivity is 0.
-
-    solid_law: its default is the first of the tuple of laws that are allowed.
+    """Options with their defaults. conducting: no conductivity is 0. solid_law: the laws that are
+    allowed, first the default.
     """
-    options = []
-    for name, value in defaults.items():
+
+    def option(name: str, value: Any) -> Option:
         if name == "solid_law":
-            options.append(Option(name, str, value[0], "", "law of the solid", value))
-            continue
+            return Option(name, str, value[0], "", "law of the solid", value)
         unit, meaning, check = _KNOWN[name]
         check = "positive" if conducting and "kappa" in name else check
-        options.append(Option(name, float, value, unit, meaning, check=check))
-    return tuple(options)
+        return Option(name, float, value, unit, meaning, check=check)
+
+    return tuple(option(*one) for one in defaults.items())
 
 
 def beside_gas(modulus: float) -> tuple[Option, ...]:
@@ -62,10 +60,10 @@ def beside_gas(modulus: float) -> tuple[Option, ...]:
     )
 
 
-def gas_of(opt: Opt, gamma: float = 1.4, R: float = 1.0) -> Fluid:
-    """Return the gas of a case; gamma, R: where they are no options."""
-    both = opt.get("fluid_gamma", gamma), opt.get("fluid_R", R)
-    return Fluid(opt.get("fluid_mu", 0.0), opt.get("fluid_kappa", 0.0), *both)
+def gas_of(opt: Opt, R: float = 1.0) -> Fluid:
+    """Return the gas of a case; R: where it is no option."""
+    mu, kappa = opt.get("fluid_mu", 0.0), opt.get("fluid_kappa", 0.0)
+    return Fluid(mu, kappa, opt.get("fluid_gamma", 1.4), opt.get("fluid_R", R))
 
 
 def solid_of(opt: Opt, force: float = 0.0) -> Solid:
@@ -87,19 +85,19 @@ def elastic_of(opt: Opt, p_ref: float = 1.0, rho: float = 1.0, **more: Any) -> E
     return ElasticSolid(*lame, m0=opt["solid_density"] * rho, **others)
 
 
-def constant(*values: float) -> Callable[..., Fields]:
+def constant(*values: float) -> Callable[..., Any]:
     """A function of any place with these values: initial data of a gas at rest, for one."""
-    return lambda *X: [value + 0.0 * X[0] for value in values]
+    return lambda *X: values
 
 
-def at_rest(T: float = 1.0) -> Callable[..., Fields]:
+def at_rest(T: float = 1.0) -> Callable[..., Any]:
     """Initial data of a solid block: no velocity, the temperature T [K], places as in the map."""
-    return lambda *X: [*(0.0 * x for x in X), T + 0.0 * X[0], *X]
+    return lambda *X: (*(0.0 for _ in X), T, *X)
 
 
-def line_at_rest(sigma: float, T: float) -> Callable[[Array], Fields]:
+def line_at_rest(sigma: float, T: float) -> Callable[[Array], Any]:
     """Initial data of a solid layer under the stress sigma [Pa], of the temperature T [K]."""
-    return lambda X: [0.0 * X, sigma + 0.0 * X, T + 0.0 * X, X]
+    return lambda X: (0.0, sigma, T, X)
 
 
 def pressure_pulse(gas: Fluid, height: float, x: float, y: float, width: float) -> Callable:

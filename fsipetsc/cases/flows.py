@@ -17,59 +17,34 @@ from fsipetsc.blocks.conditions import (
     Slip,
 )
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.cases import case
-from fsipetsc.cases.common import (
-    SHOCKS,
-    Opt,
-    at_rest,
-    beside_gas,
-    constant,
-    elastic_of,
-    gas_of,
-    materials,
-    pressure_pulse,
-    stack,
-    wall_for,
-)
+from fsipetsc.cases import case, common
+from fsipetsc.cases.common import SHOCKS, Opt, materials
 from fsipetsc.cases.riemann import GasState, behind_shock, sound
-from fsipetsc.equations.elementary import tanh
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import above_one
 
-GAMMA, PRANDTL = 1.4, 0.72
+GAMMA = 1.4
 
 
 @case(
     {"fsi_h": 0.03125, "ts_max_time": 2.0, "fsi_output_dt": 0.05},
     *materials(fluid_mu=0.002, fluid_kappa=0.003, solid_density=5.0, solid_modulus=40.0),
     *materials(solid_law=("log", "neo-hookean", "svk")),
-    Option("blast_kind", str, "pulse", "", "smooth, or a disc with a jump", ("pulse", "shock")),
     Option("blast_height", float, 1.0, "Pa", "overpressure; else p is 1", check="nonnegative"),
 )
 def blast(opt: Opt) -> BlockProblem:
     """A pressure pulse under an elastic plate: gas | plate, a wall below, a pressure above.
 
-    The pulse spreads, bends the plate upwards, and comes back from the wall. The plate is free of
-    stress under the ambient pressure 1. With blast_kind shock the pulse is a disc of one pressure,
-    which sends a shock out from the start: that needs -fsi_shock and -fsi_dissipation. The plate is
-    held at its sides against X alone, so these are planes of symmetry.
+    The plate is free of stress under the ambient pressure 1, and held at its sides against X alone.
     """
-    gas, height, width = gas_of(opt), opt["blast_height"], 0.15
-    plate = elastic_of(opt, kappa_e=0.01, law=opt["solid_law"], heat="coupled")
-
-    def disc(X, Y):
-        """The disc is twice as hot as what is around it."""
-        inside = ((X - 0.5) ** 2 + (Y - 0.5) ** 2) / width**2 < 1.0
-        p, T = np.where(inside, 1.0 + height, 1.0), np.where(inside, 2.0, 1.0)
-        return [p / T, 0.0 * X, 0.0 * X, T]
-
-    pulse = pressure_pulse(gas, height, 0.5, 0.5, width)
-    start = disc if opt["blast_kind"] == "shock" else pulse
-    return stack(
+    gas = common.gas_of(opt)
+    plate = common.elastic_of(opt, kappa_e=0.01, law=opt["solid_law"], heat="coupled")
+    start = common.pressure_pulse(gas, opt["blast_height"], 0.5, 0.5, 0.15)
+    return common.stack(
         opt,
         Layer("gas", gas, (0.0, 1.0), start, sides=Slip()),
-        Layer("plate", plate, (1.0, 1.25), at_rest(), sides=Roller()),
+        Layer("plate", plate, (1.0, 1.25), common.at_rest(), sides=Roller()),
         along=((0.0, 1.0),),
         lower=NoSlip(),
         upper=Free(1.0),
@@ -85,32 +60,27 @@ def blast(opt: Opt) -> BlockProblem:
     Option("panel_thickness", float, 0.04, "m", "its thickness; it is 1 m long", check="positive"),
     Option("panel_push", float, 5e-3, "", "velocity of the panel at first", check="nonnegative"),
     Option("panel_height", float, 0.5, "m", "height of the gas", check="positive"),
-    *materials(fluid_mu=0.0),
-    Option("panel_layer", float, 0.2, "m", "boundary layer's depth, if viscous", check="positive"),
 )
 def panel(opt: Opt) -> BlockProblem:
     """Supersonic flow over an elastic panel that is set into a wall: panel flutter.
 
-    Gas flows along y = 0 at the Mach number M; between x = 0 and 1 the wall is a panel of thickness
-    panel_thickness, behind which a cavity has the pressure of the flow. The panel is pushed a
-    little at the beginning. Above a critical dynamic pressure its oscillation grows to a limit
-    cycle, below it decays. With D the bending stiffness, L = 1 and q the dynamic pressure, the
-    parameter is
+    Gas flows along y = 0 at the Mach number M; between x = 0 and 1 the wall is a panel, behind
+    which a cavity has the pressure of the flow. Above a critical dynamic pressure the oscillation
+    of the panel grows to a limit cycle, below it decays. With D the bending stiffness, L = 1 and q
+    the dynamic pressure, the parameter is
 
         lambda = 2 q L^3 / (D sqrt(M^2 - 1)),
         D = h^3/12 . 4 mu_e (lambda_e + mu_e) / (lambda_e + 2 mu_e)       (plane strain)
 
-    and in theory without damping by the flow a thin panel flutters from lambda = 636.57 on if its
-    ends are clamped, from 343.36 on if they are hinged (E. H. Dowell, Aeroelasticity of Plates and
-    Shells, 1975). A hinge holds the middle of an end face. panel_lambda sets the stiffness; unit of
-    velocity is the speed of sound of the flow, of density its density.
+    which sets the stiffness (docs/gallery.md has the theory). A hinge holds the middle of an end
+    face. Unit of velocity is the speed of sound of the flow, of density its density.
     """
-    M, h, mu = opt["panel_mach"], opt["panel_thickness"], opt["fluid_mu"]
+    M, h, hinged = opt["panel_mach"], opt["panel_thickness"], opt["panel_ends"] == "hinged"
     height, beta = opt["panel_height"], float(np.sqrt(M * M - 1.0))
     # waves that a motion of the panel makes are beta times shorter across the flow than along it
     rows = int(np.ceil(height * max(beta, 1.0) / opt["fsi_h"] - 1e-9))
     p, rho = 1.0 / GAMMA, 1.0
-    gas = Fluid(mu, mu * GAMMA / (GAMMA - 1.0) * p / PRANDTL, GAMMA, p)
+    gas, flow = Fluid(0.0, 0.0, GAMMA, p), common.constant(1.0, M, 0.0, 1.0)
     q = 0.5 * rho * M * M
     stiffness = 2.0 * q / (opt["panel_lambda"] * beta)
     # 12 D/h^3 = 4 mu (lambda + mu) / (lambda + 2 mu), which is 3 mu for lambda = 2 mu
@@ -119,60 +89,46 @@ def panel(opt: Opt) -> BlockProblem:
     across = max(8, operator(opt["fsi_order"]).min_points // 2 * 2)  # even: hinges
     panel = ElasticSolid(mu_e, 2.0 * mu_e, 0.0, density, 1.0, p_ref=p, heat="elastic")
 
-    def flow(X, Y, t=0.0):
-        """With viscosity a boundary layer, hot at the wall as Crocco and Busemann have it."""
-        along = M * tanh(2.0 * Y / opt["panel_layer"]) if mu > 0 else M + 0.0 * X
-        T = 1.0 + 0.5 * (GAMMA - 1.0) * PRANDTL**0.5 * (M * M - along * along)
-        return [1.0 / T, along, 0.0 * X, T]
-
     def push(X, Y):
         shape = np.sin(np.pi * X) ** 2 * (1.0 + np.cos(np.pi * X))
         return [0.0 * X, opt["panel_push"] * shape, np.ones_like(X), X, Y]
 
-    hinged = opt["panel_ends"] == "hinged"
-    if hinged and mu > 0.0:
-        raise InputError("-panel_ends hinged: expected -fluid_mu 0: gas that sticks holds edges")
-    outside, beside = Open(rho, (M, 0.0), 1.0), wall_for(gas)
-    echo = f"waves that the panel makes come back to it from Y = {height:g}: see -panel_height"
-    sides = {(0, 0): Given(flow) if mu > 0 else outside, (0, 1): Outflow(p)}
+    outside = Open(rho, (M, 0.0), 1.0)
+    sides = {(0, 0): outside, (0, 1): Outflow(p)}
     ends = {"span": ((0.0, 1.0),), "sides": Free(p) if hinged else Clamped()}
-    problem = stack(
+    problem = common.stack(
         opt,
         Layer("panel", panel, (-h, 0.0), push, cells=across, **ends),
-        Layer("gas", gas, (0.0, height), flow, cells=rows, sides=sides, beside=beside),
+        Layer("gas", gas, (0.0, height), flow, cells=rows, sides=sides, beside=Slip()),
         along=((-0.5, 1.5),),
         lower=Free(p),
         upper=outside,
-        notes=(echo,) if 2.0 * height * beta < 1.0 else (),
     )
     points = tuple(("panel", (x, -0.5 * h), Hinge()) for x in (0.0, 1.0))
     return replace(problem, points=points) if hinged else problem
 
 
-def shock_angle(M: float, theta: float) -> float:
-    """beta [rad] of the weak shock that turns a flow by theta [rad]. InputError if none does."""
+def turned_by(gas: Fluid, state: GasState, theta: float) -> tuple[GasState, float]:
+    """(The gas behind the weak shock that turns a flow of velocity u, whatever its direction, by
+    theta, the angle beta of the shock to the flow) [rad]. InputError if no attached shock does.
+
+    tan theta = 2 cot beta (M^2 sin^2 beta - 1) / (M^2 (gamma + cos 2 beta) + 2): J. D. Anderson,
+    Modern Compressible Flow, 3rd ed., 2003, Sec. 4.3.
+    """
     from scipy.optimize import brentq
 
+    M = state.u / sound(gas, state)
+
     def turned(beta):
-        normal = (M * np.sin(beta)) ** 2
         below = M * M * (GAMMA + np.cos(2.0 * beta)) + 2.0
-        return np.arctan(2.0 / np.tan(beta) * (normal - 1.0) / below)
+        return np.arctan(2.0 / np.tan(beta) * ((M * np.sin(beta)) ** 2 - 1.0) / below)
 
     angles = np.linspace(np.arcsin(1.0 / M), 0.5 * np.pi, 2001)
     most = angles[np.argmax(turned(angles))]
     if turned(most) <= theta:
-        raise InputError(
-            f"no attached shock turns a flow of M = {M:.4g} by {np.degrees(theta):.4g} degrees: "
-            f"expected less than {np.degrees(turned(most)):.4g}"
-        )
-    return brentq(lambda beta: turned(beta) - theta, angles[0], most, xtol=1e-15, rtol=1e-14)
-
-
-def turned_by(gas: Fluid, state: GasState, theta: float) -> tuple[GasState, float]:
-    """(The gas behind the weak shock that turns a flow of velocity u, whatever its direction, by
-    theta, the angle beta of the shock to the flow) [rad]."""
-    M = state.u / sound(gas, state)
-    beta = shock_angle(M, theta)
+        what = f"no attached shock turns a flow of M = {M:.4g} by {np.degrees(theta):.4g} degrees"
+        raise InputError(f"{what}: expected less than {np.degrees(turned(most)):.4g}")
+    beta = brentq(lambda b: turned(b) - theta, angles[0], most, xtol=1e-15, rtol=1e-14)
     normal, s = behind_shock(gas, state._replace(u=0.0), M * np.sin(beta))
     # what is along the shock stays
     return normal._replace(u=np.hypot(state.u * np.cos(beta), s - normal.u)), beta
@@ -183,39 +139,34 @@ def turned_by(gas: Fluid, state: GasState, theta: float) -> tuple[GasState, floa
     Option("oblique_mach", float, 2.9, "", "Mach number of the gas that comes in", check=above_one),
     Option("oblique_angle", float, 10.0, "degrees", "theta, of the wedge", check="positive"),
     Option("oblique_wall", str, "elastic", "", "what is below", ("rigid", "elastic")),
-    *beside_gas(40.0),
+    *common.beside_gas(40.0),
 )
 def oblique(opt: Opt) -> BlockProblem:
     """An oblique shock that is reflected from a wall: a rigid one, or an elastic layer upon it.
 
-    Gas comes in from the left at the Mach number M along the wall y = 0. A wedge above turns it by
-    an angle theta towards the wall; its shock comes in at the upper left corner, at the angle beta
-    to the flow, with
-
-        tan theta = 2 cot beta (M^2 sin^2 beta - 1) / (M^2 (gamma + cos 2 beta) + 2),
-
-    and the wall turns the gas back by a second one (J. D. Anderson, Modern Compressible Flow, 3rd
-    ed., 2003, Sec. 4.3, 4.6). What is behind each of them over a rigid wall is known; notes of the
-    result say it. Over an elastic layer, which is clamped below, held against x at its ends and
-    free of stress under the gas's pressure, the shock hits what it bends. Velocities are over the
-    speed of sound of the gas that comes in, densities over its density.
+    Gas comes in from the left along the wall y = 0. A wedge above turns it by an angle theta
+    towards the wall; its shock comes in at the upper left corner, and the wall turns the gas back
+    by a second one. What is behind each of them over a rigid wall is known; notes of the result say
+    it. Over an elastic layer, which is clamped below, held against x at its ends and free of stress
+    under the gas's pressure, the shock hits what it bends. Velocities are over the speed of sound
+    of the gas that comes in, densities over its density.
     """
     theta, gas = np.radians(opt["oblique_angle"]), Fluid(0.0, 0.0, GAMMA, 1.0 / GAMMA)
     first = GasState(1.0, opt["oblique_mach"], 1.0 / GAMMA)
     second, beta = turned_by(gas, first, theta)
     third, back = turned_by(gas, second, theta)
-    flow = constant(1.0, first.u, 0.0, 1.0)
+    flow = common.constant(1.0, first.u, 0.0, 1.0)
     u, v = second.u * np.cos(theta), -second.u * np.sin(theta)
     sides = {(0, 0): Open(first.rho, (first.u, 0.0), 1.0), (0, 1): Outflow()}
     members, lower = [Layer("gas", gas, (0.0, 1.0), flow, sides=sides)], Slip()
     if opt["oblique_wall"] == "elastic":
-        solid, across = elastic_of(opt, first.p), (-0.25, 0.0)
-        layer = Layer("layer", solid, across, at_rest(), cells=18, sides=Roller())
+        solid, across = common.elastic_of(opt, first.p), (-0.25, 0.0)
+        layer = Layer("layer", solid, across, common.at_rest(), cells=18, sides=Roller())
         members, lower = [layer, *members], Clamped()
     between, both = (
         f"p/p_1 = {q.p / first.p:.8g}, M = {q.u / sound(gas, q):.6g}" for q in (second, third)
     )
-    return stack(
+    return common.stack(
         opt,
         *members,
         along=((0.0, 3.0),),
@@ -236,20 +187,17 @@ def oblique(opt: Opt) -> BlockProblem:
 def step(opt: Opt) -> BlockProblem:
     """Supersonic flow over a step in a wind tunnel with rigid walls, in two dimensions.
 
-    Gas fills the tunnel, 3 long and 1 high, from the start. A shock stands off the step, is
-    reflected from the ceiling and from the step; a fan spreads from the edge. The problem is that
-    of P. Woodward and P. Colella, J. Comput. Phys. 54 (1984) 115-173: density 1.4 and pressure 1
-    come in, so the unit of velocity is their speed of sound. Three blocks are joined: below and
-    above the edge's height before the step, and above it.
-
-    Front and top of the step are one wall: at the edge the gas may go around, which one condition
-    on the sum of both normals allows. Nothing else is done there.
+    The problem is that of P. Woodward and P. Colella, J. Comput. Phys. 54 (1984) 115-173: density
+    1.4 and pressure 1 come in, so the unit of velocity is their speed of sound. Three blocks are
+    joined: below and above the edge's height before the step, and above it. Front and top of the
+    step are one wall: at the edge the gas may go around, which one condition on the sum of both
+    normals allows.
     """
     M, rho, place, high = opt["step_mach"], 1.4, 0.6, 0.2  # X where the step begins, its height
-    gas, flow = gas_of(opt, R=1.0 / rho), constant(rho, M, 0.0, 1.0)
+    gas, flow = common.gas_of(opt, R=1.0 / rho), common.constant(rho, M, 0.0, 1.0)
     inflow, step = Open(rho, (M, 0.0), 1.0), Slip(name="step")
     floor, above = {(0, 0): inflow, (0, 1): step}, {(0, 0): inflow, (0, 1): Outflow()}
-    return stack(
+    return common.stack(
         opt,
         Layer("before", gas, (0.0, high), flow, span=((0.0, place),), sides=floor),
         Layer("above", gas, (high, 1.0), flow, sides=above, beside=step),
@@ -274,13 +222,12 @@ def viscous_tube(opt: Opt) -> BlockProblem:
     R, mu, rho, ratio = 1.0 / GAMMA, 1.0 / opt["tube_reynolds"], 1.2, 100.0
     gas = Fluid(mu, GAMMA / (GAMMA - 1.0) * R * mu / 0.73, GAMMA, R)
 
-    def start(X, Y):
-        """A node in the middle has half of the jump."""
+    def start(X, Y):  # a node in the middle has half of the jump
         right = 0.5 * (1.0 + np.sign(np.round(X - 0.5, 9)))
         return rho * (ratio * (1.0 - right) + right), 0.0 * X, 0.0 * X, 1.0 + 0.0 * X
 
     half = Layer("gas", gas, (0.0, 0.5), start, sides=NoSlip())
-    return stack(opt, half, along=((0.0, 1.0),), lower=NoSlip(), upper=Slip())
+    return common.stack(opt, half, along=((0.0, 1.0),), lower=NoSlip(), upper=Slip())
 
 
 @case({"fsi_h": 1 / 40, "ts_max_time": 0.5, "fsi_output_dt": 0.05, "fsi_norm": "L1", **SHOCKS})
@@ -288,10 +235,8 @@ def superseismic(opt: Opt) -> BlockProblem:
     """A shock in gas that runs along an elastic half space faster than its waves, with its states.
 
     The shock's foot runs along Y = 0 at the speed 1, with a P and an S wave behind it in the solid.
-    All is constant between fronts through the foot (J. W. Banks, W. D. Henshaw, D. W. Schwendeman,
-    J. Comput. Phys. 231 (2012) 3518, with the pressure force on the deformed face). The numbers
-    below are those of verify/superseismic.py, which derives them. The exact states are the data on
-    all sides.
+    All is constant between fronts through the foot; verify/superseismic.py has the source, and
+    derives the numbers below. The exact states are the data on all sides.
     """
     # gas ahead (p = rho T) and behind: rho, u, v, T; Lame's constants; density of the solid is 1
     ahead = 0.1114827, 0.0, 0.0, 0.09375
@@ -329,7 +274,7 @@ def superseismic(opt: Opt) -> BlockProblem:
     outside, p = Open(rho, (u, v), T), ahead[0] * ahead[3]
     material = ElasticSolid(mu, lame, 0.0, 1.0, 1.0, p, law="linear", heat="elastic")
     air = Fluid(0.0, 0.0, GAMMA, 1.0)
-    return stack(
+    return common.stack(
         opt,
         Layer("half space", material, (-height, 0.0), solid, exact=solid, sides=Given(solid)),
         Layer("gas", air, (0.0, height), gas, exact=gas, sides=outside),

@@ -2,18 +2,8 @@
 
 import numpy as np
 
-from fsipetsc import (
-    Dirichlet,
-    FluidLayer,
-    InputError,
-    Open,
-    Option,
-    Problem,
-    SolidLayer,
-    Wall,
-    absorbing,
-    clamped,
-)
+from fsipetsc import FluidLayer, InputError, Option, Problem, SolidLayer
+from fsipetsc.boundaries import Dirichlet, Open, Wall, absorbing, clamped
 from fsipetsc.cases import case
 from fsipetsc.cases.common import PAPER, Opt, constant, gas_of, line_at_rest, materials, solid_of
 from fsipetsc.cases.manufactured import recorded
@@ -37,10 +27,9 @@ from fsipetsc.kernels.symbols import derivatives
 def rod(opt: Opt) -> Problem:
     """An elastic rod falls into a compressible gas and bounces (Sec. 5.2): fluid | solid | fluid.
 
-    A wall stands at the lower end of the domain, the upper end is open. The paper does not give the
-    initial state of the gas: at rest at 1e5 Pa and 300 K is inferred from its figures (one cycle
-    ends at t = 0.90-0.91), and the rod starts under the stress -p0, so that only gravity disturbs
-    the rest. -fsi_coupling projection computes it as the paper does.
+    The paper does not give the initial state of the gas: at rest at 1e5 Pa and 300 K is inferred
+    from its figures (one cycle ends at t = 0.90-0.91), and the rod starts under the stress -p0, so
+    that only gravity disturbs the rest. -fsi_coupling projection computes it as the paper does.
     """
     gas, rod = gas_of(opt), solid_of(opt, force=opt["rod_gravity"])
     p0, T0, wall, top = (opt[f"rod_{name}"] for name in ("p0", "T0", "wall", "top"))
@@ -145,12 +134,11 @@ def pulse(opt: Opt) -> Problem:
     """A sound pulse meets the interface of the two-domain problem (Fig. 2, Sec. 4): solid | fluid.
 
     Both materials rest under the pressure p0. A Gaussian pulse starts in the fluid (or in the
-    solid) and travels to the interface at X = 0; a part is reflected, a part goes through. For
-    small amplitudes and without viscosity and heat conduction, which are the defaults, linear
-    acoustics gives the exact solution: with the impedances Z = rho c of the gas and m0 c of the
-    solid (sqrt(K m0) if it is elastic) the reflected pressure is (Z2-Z1)/(Z2+Z1), the transmitted
-    one 2 Z2/(Z1+Z2) of the incoming one. In the solid p - sigma changes by -m0 c^2 times the
-    strain. What remains of the error on fine grids is of second order in the amplitude.
+    solid) and travels to the interface at X = 0. For small amplitudes and without viscosity and
+    heat conduction linear acoustics gives the exact solution: with the impedances Z = rho c of the
+    gas and m0 c of the solid the reflected pressure is (Z2-Z1)/(Z2+Z1), the transmitted one 2
+    Z2/(Z1+Z2) of the incoming one. In the solid p - sigma changes by -m0 c^2 times the strain. What
+    remains of the error on fine grids is of second order in the amplitude.
     """
     from scipy.special import erf
 
@@ -211,19 +199,17 @@ def pulse(opt: Opt) -> Problem:
 def box(opt: Opt) -> Problem:
     """Gas | solid | gas in a closed box with adiabatic walls, which conserves mass and energy.
 
-    The gas on the left is hotter and under a higher pressure than that on the right; within the
-    solid stress and temperature go smoothly from one to the other. So the solid is pushed to the
-    right, swings between two cushions of gas and conducts heat. At the walls and interfaces the
-    initial state is flat to the sixth derivative, so that it satisfies all conditions there, as
-    time goes on, too.
+    The gas on the left is hotter and under a higher pressure than that on the right, so the solid
+    swings between two cushions of gas and conducts heat. At the walls and interfaces the initial
+    state is flat to the sixth derivative, so that it satisfies all conditions there, as time goes
+    on, too.
     """
     gas, solid = gas_of(opt), solid_of(opt)
     P, T = (2.2, 2.0), (5.0, 4.0)  # on the left, on the right
     left, right = (constant(p / (gas.R * t), 0.0, t) for p, t in zip(P, T))
 
     def between(X):
-        z = X - 1.0
-        # from 0 at z = 0 to 1 at z = 1, flat to the sixth derivative at both
+        z = X - 1.0  # from 0 to 1, as what is done is
         done = z**7 * np.polyval([924, -6006, 16380, -24024, 20020, -9009, 1716], z)
         p, t = P[0] + (P[1] - P[0]) * done, T[0] + (T[1] - T[0]) * done
         return [np.zeros_like(X), solid.pressure(t, 1.0) - p, t, X]
@@ -276,9 +262,7 @@ def piston(opt: Opt) -> Problem:
     """A wall that moves drives gas against an elastic layer, behind which more gas lies.
 
     The wall on the left moves in by 0.3 m and comes to rest, x = 0.3 sin^2(pi t / (2 time)), so
-    smoothly that the gas is compressed nearly without a loss. The layer is pushed over and swings.
-    The mass of each gas stays what it is to round-off, and the energy of all grows by the work of
-    the wall.
+    smoothly that the gas is compressed nearly without a loss.
     """
     gas, solid, time = gas_of(opt, R=287.0), solid_of(opt), opt["piston_time"]
     stroke, p0, T0 = 0.3, 1e5, 300.0

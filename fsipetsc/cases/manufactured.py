@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc import Block, BlockProblem, Fluid, Option
+from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.conditions import Given, NoSlip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.blocks.maps import Map, Places
@@ -18,19 +18,7 @@ from fsipetsc.cases import case
 from fsipetsc.cases.bodies import centre, quarter
 from fsipetsc.cases.common import Opt, gas_of, materials, stack
 from fsipetsc.checks import Array, Fields
-from fsipetsc.equations import elementary
-from fsipetsc.equations.tensors import (
-    add_unit,
-    apply,
-    apply_transposed,
-    cofactor,
-    columns,
-    determinant,
-    product_transposed,
-    rows,
-    trace,
-    transpose,
-)
+from fsipetsc.equations import elementary, tensors
 from fsipetsc.equations.vectors import add, along, dot, scale, sub
 from fsipetsc.kernels.symbols import Record, derivatives, replay
 from fsipetsc.materials.solid import ElasticSolid
@@ -69,49 +57,17 @@ def lack(U: Numbers, flux: Sequence[Numbers], where: Numbers) -> Numbers:
     return rates
 
 
-def gas_state(
-    fluid: Fluid, X: Numbers, fields: Numbers, x_X: Numbers, w: Numbers, past: Numbers
-) -> tuple[Numbers, Sequence[Numbers], Any]:
-    """J (1, rho, rho u, e) of a gas on a grid x(X) of velocity w, u = w + past; along each axis,
-    with its metric vector a = det(x_X) grad xi, the fluxes
-
-        a . (-w, rho (u - w), rho u (u - w) + p - tau, e (u - w) + p u - tau u - kappa grad T)
-
-    with tau = mu (grad u + (grad u)^T - 2/3 div u); and J. fields: rho, u_1 … u_d, T.
-    """
-    rho, *u, T = fields
-    a, J = cofactor(x_X), determinant(x_X)
-    grad_u = scale(1.0 / J, product_transposed(gradient(u, X), a))
-    grad_T = scale(1.0 / J, apply(a, gradient((T,), X)))
-    tau = scale(fluid.mu, add(grad_u, transpose(grad_u)))
-    tau = add_unit(-2.0 / 3.0 * fluid.mu * trace(grad_u), tau)
-    e = rho * (fluid.cv * T + 0.5 * dot(u, u))
-    force = add_unit(rho * fluid.R * T, scale(-1.0, tau))
-    heat = along(apply(force, u), -fluid.kappa, grad_T)
-    # -w is the flux of J, a volume that the grid sweeps over
-    pushes = (along(f, rho * u_i, past) for f, u_i in zip(rows(force), u, strict=True))
-    fluxes = scale(-1.0, w), scale(rho, past), *pushes, along(heat, e, past)
-    flux = [tuple(dot(f, a_k) for f in fluxes) for a_k in columns(a)]
-    return scale(J, (1.0, rho, *scale(rho, u), e)), flux, J
-
-
 class Solution:
     """An exact solution in d dimensions, of a gas and a solid without units: viscosity, both
-    conductivities and the law of the solid are options. A subclass says its fields.
+    conductivities and the law of the solid are options. A subclass has functions of (*X, t):
+    displacement of the solid, that of the gas's grid (moved), u less the velocity of this grid
+    (drift), the temperature T of both, the density rho of the gas.
 
-    Functions of (*X, t): exact_gas (rho, u_1 … u_d, T) and exact_solid (v_1 … v_d, T, x_1 … x_d);
+    From them follow exact_gas (rho, u_1 … u_d, T) and exact_solid (v_1 … v_d, T, x_1 … x_d);
     force_gas, what drives (rho, rho u_1 … rho u_d, e) per volume at a point of the grid, and
     force_solid (v_1 … v_d, T, x_1 … x_d). jump: of these and the normal from gas to solid, traction
     and heat per reference area that the solid gets at the interface beside what the gas gives it.
     """
-
-    #: of (*X, t): displacement of the solid and of the gas's grid, u less the velocity of this one
-    displacement: Callable[..., Numbers]
-    moved: Callable[..., Numbers]
-    drift: Callable[..., Numbers]
-    #: temperature of both, density of the gas
-    T: Callable[..., Any]
-    rho: Callable[..., Any]
 
     def __init__(self, d: int, opt: Opt) -> None:
         self.d, self.fluid, record = d, gas_of(opt), partial(recorded, d + 1)
@@ -131,21 +87,38 @@ class Solution:
         return (*derivatives(D, where[-1]), self.T(*where), *add(where[:-1], D))
 
     def gas(self, *where: Any) -> tuple[Numbers, Sequence[Numbers], Any]:
-        """Return ``gas_state``."""
-        (*X, t), moved = where, self.moved(*where)
-        x_X, w = add_unit(1.0, gradient(moved, X)), derivatives(moved, t)
-        fields = self.gas_fields(*where)
-        return gas_state(self.fluid, X, fields, x_X, w, self.drift(*where))
+        """J (1, rho, rho u, e); along each axis, with its metric vector a = det(x_X) grad xi,
+
+            a . (-w, rho (u - w), rho u (u - w) + p - tau, e (u - w) + p u - tau u - kappa grad T)
+
+        with tau = mu (grad u + (grad u)^T - 2/3 div u) and the grid's velocity w; and J.
+        """
+        (*X, t), fluid, (rho, *u, T) = where, self.fluid, self.gas_fields(*where)
+        past, moved = self.drift(*where), self.moved(*where)
+        x_X, w = tensors.add_unit(1.0, gradient(moved, X)), derivatives(moved, t)
+        a, J = tensors.cofactor(x_X), tensors.determinant(x_X)
+        grad_u = scale(1.0 / J, tensors.product_transposed(gradient(u, X), a))
+        grad_T = scale(1.0 / J, tensors.apply(a, gradient((T,), X)))
+        tau = scale(fluid.mu, add(grad_u, tensors.transpose(grad_u)))
+        tau = tensors.add_unit(-2.0 / 3.0 * fluid.mu * tensors.trace(grad_u), tau)
+        e = rho * (fluid.cv * T + 0.5 * dot(u, u))
+        force = tensors.add_unit(rho * fluid.R * T, scale(-1.0, tau))
+        heat = along(tensors.apply(force, u), -fluid.kappa, grad_T)
+        # -w is the flux of J, a volume that the grid sweeps over
+        pushes = (along(f, rho * u_i, past) for f, u_i in zip(tensors.rows(force), u))
+        fluxes = scale(-1.0, w), scale(rho, past), *pushes, along(heat, e, past)
+        flux = [tuple(dot(f, a_k) for f in fluxes) for a_k in tensors.columns(a)]
+        return scale(J, (1.0, rho, *scale(rho, u), e)), flux, J
 
     def solid(self, *where: Any) -> tuple[Numbers, Sequence[Numbers], Any]:
         """m0 (v, alpha T), fluxes -(P, kappa_e J F^-1 F^-T grad T), and the work P : v_X."""
         (*X, t), body = where, self.body
         D, T = self.displacement(*where), self.T(*where)
-        v, F = derivatives(D, t), add_unit(1.0, gradient(D, X))
-        P, c = body.solid_law.stress(F), cofactor(F)
-        scaled = scale(body.kappa_e / determinant(F), apply(c, gradient((T,), X)))
-        heat, work = apply_transposed(c, scaled), dot(P, gradient(v, X))
-        flux = [scale(-1.0, (*t_k, h_k)) for t_k, h_k in zip(columns(P), heat, strict=True)]
+        v, F = derivatives(D, t), tensors.add_unit(1.0, gradient(D, X))
+        P, c = body.solid_law.stress(F), tensors.cofactor(F)
+        scaled = scale(body.kappa_e / tensors.determinant(F), tensors.apply(c, gradient((T,), X)))
+        heat, work = tensors.apply_transposed(c, scaled), dot(P, gradient(v, X))
+        flux = [scale(-1.0, (*t_k, h_k)) for t_k, h_k in zip(tensors.columns(P), heat, strict=True)]
         return scale(body.m0, (*v, body.alpha * T)), flux, work
 
     def _on_gas(self, *where: Any) -> Numbers:
@@ -263,14 +236,10 @@ class Disk(Solution):
 
     def __init__(self, opt: Opt) -> None:
         super().__init__(2, opt)
-        self.material = recorded(3, lambda *at: self._with_rate(self.displacement(*at), at))
         self._newton = recorded(5, self._nearer)
         at_label, force_at_label = self.exact_gas, self.force_gas
         self.exact_gas = lambda *at: at_label(*self.labels(*at), at[-1])
         self.force_gas = lambda *at: force_at_label(*self.labels(*at), at[-1])
-
-    def _with_rate(self, f: Any, at: Any) -> Any:
-        return (*f, *derivatives(f, at[-1]))
 
     def displacement(self, X: Any, Y: Any, t: Any) -> Numbers:
         return 0.06 * np.sin(1.9 * X + 0.7 * Y + t), 0.06 * np.cos(1.3 * X - 1.7 * Y + 2.0 * t)
@@ -290,27 +259,27 @@ class Disk(Solution):
     def _nearer(self, X: Any, Y: Any, t: Any, x: Any, y: Any) -> Any:
         """A step of Newton's from the label (X, Y) to that of the place (x, y)."""
         D = self.displacement(X, Y, t)
-        F, apart = add_unit(1.0, gradient(D, (X, Y))), sub(add((X, Y), D), (x, y))
-        return along((X, Y), -1.0 / determinant(F), apply_transposed(cofactor(F), apart))
+        F, apart = tensors.add_unit(1.0, gradient(D, (X, Y))), sub(add((X, Y), D), (x, y))
+        change = tensors.apply_transposed(tensors.cofactor(F), apart)
+        return along((X, Y), -1.0 / tensors.determinant(F), change)
 
     def labels(self, X: Array, Y: Array, t: float) -> Fields:
         """The labels of the nodes of the gas's grid, to round-off."""
-        D = self.grid(X, Y, t)
-        x, found = (X + D[0], Y + D[1]), (X, Y)
+        found, x = (X, Y), self.grid(X, Y, t)[:2]
         for _ in range(5):
             found = self._newton(*found, t, *x)
         return found
 
     def grid(self, X: Array, Y: Array, t: float) -> Fields:
-        """Displacements and velocities of the grid: nodes stay at fixed parts of each ray."""
+        """Places and velocities of the grid: nodes stay at fixed parts of each ray."""
         R = np.sqrt(X * X + Y * Y)
         far = BOX * R / np.maximum(abs(X), abs(Y))
         s, ends = (R - 1.0) / (far - 1.0), (1.0 / R, far / R)
-        inner, outer = (self.material(X * end, Y * end, t) for end in ends)
-        return add(scale(1.0 - s, inner), scale(s, outer))
+        inner, outer = (self.exact_solid(X * end, Y * end, t) for end in ends)
+        u, v, _, x, y = add(scale(1.0 - s, inner), scale(s, outer))
+        return x, y, u, v
 
     def supplied(self, X: Array, Y: Array, t: float) -> list[Array]:
-        """The normal is along a ray."""
         return self.jump(X, Y, t, *scale(-1.0 / np.sqrt(X * X + Y * Y), (X, Y)))
 
 
@@ -350,8 +319,8 @@ def body_mms(opt: Opt) -> BlockProblem:
     """
     exact = Disk(opt)
     n, blocks, faces = round(1.0 / opt["fsi_h"]), [], {}
-    walls: Any = {"x": lambda X, Y, t: add((X, Y), exact.grid(X, Y, t)[:2])}
-    of_gas = Given(exact.exact_gas, **walls, velocity=lambda *at: exact.grid(*at)[2:])
+    walls = {"x": lambda *at: exact.grid(*at)[:2], "velocity": lambda *at: exact.grid(*at)[2:]}
+    of_gas = Given(exact.exact_gas, **walls)
 
     def add_block(name, map, material, of, forcing):
         blocks.append(Block(name, material, map, (n, n), lambda *X: of(*X, 0.0), forcing, of))

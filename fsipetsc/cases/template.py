@@ -5,9 +5,8 @@
     python -m fsipetsc FILE.py -help                          # all options
     python -m fsipetsc plot NAME.h5 -o pictures               # draw the result
 
-This file is a case: data, and functions of X. Change what you like and run it again. If something
-is wrong, one message names the line, or the layer, and what is expected there. docs/cases.md lists
-all that a case can say.
+This file is a case: data, and functions of X. Change what you like and run it again. docs/cases.md
+lists all that a case can say.
 
 What to expect here: each gas acts as a spring, and the plate, which is heavy, oscillates as
     (plate_speed / omega) sin(omega t),
@@ -18,52 +17,46 @@ at 10 m/s it goes 0.054 m to the right and comes back; the period is 0.034 s.
 # Conditions at the ends: Wall, Open, Dirichlet for a gas; clamped, free, absorbing for a solid.
 from fsipetsc import Fluid, FluidLayer, Option, Problem, Solid, SolidLayer, Wall
 
-# One line for -help. The result is named after this file; NAME = "..." would name it otherwise.
-SUMMARY = "a plate oscillates between two gases in a closed tube"
-
+SUMMARY = "a plate oscillates between two gases in a closed tube"  # one line for -help
 # Options of this case: name, type, default, unit, meaning, and perhaps what is allowed.
 OPTIONS = (
     Option("plate_speed", float, 10.0, "m/s", "speed of the plate at the start"),
     Option("plate_density", float, 100.0, "kg/m3", "density of the plate", check="positive"),
 )
-
 # Defaults of the program's own options for this case. Interfaces fall on grid points: 0.4 / 0.02 is
 # a whole number.
 DEFAULTS = {
     "fsi_h": 0.02,  # grid spacing [m]
     "fsi_order": 4,  # order of the differences: 2, 4, 6 or 8
     "ts_max_time": 0.04,  # the run begins at t = 0 and ends here [s]
-    "fsi_output_dt": 0.001,  # interval at which profiles are saved [s]; or "fsi_output_times"
+    "fsi_output_dt": 0.001,  # interval at which profiles are saved [s]
 }
-
 GAMMA, P0, T0 = 1.4, 1e5, 300.0  # of the gas: ratio of specific heats, pressure [Pa], T [K]
 LEFT, RIGHT, END = 0.4, 0.6, 1.0  # the plate is between the first two, the tube ends at 0 and END
 
 
 def build(opt):
     """The problem, for the options in force: opt["plate_speed"], opt["fsi_h"] and so on."""
-    # Materials. A gas: viscosity [Pa s], heat conductivity [W/(m K)], gamma, gas constant R/M
-    # [J/(kg K)]. A solid: modulus 2 mu + lambda [Pa], heat conductivity, density [kg/m3], specific
-    # heat [J/(kg K)].
+    # A gas: viscosity [Pa s], heat conductivity [W/(m K)], gamma, gas constant R/M [J/(kg K)].
+    # A solid: modulus 2 mu + lambda [Pa], heat conductivity, density [kg/m3], specific heat.
     air = Fluid(mu=2e-5, kappa=0.026, gamma=GAMMA, R=287.0)
     plate = Solid(K=1e7, kappa_e=0.2, m0=opt["plate_density"], alpha=1000.0)
-    speed = opt["plate_speed"]
+    speed, density = opt["plate_speed"], P0 / (air.R * T0)
 
     # Initial data: functions of an array X of coordinates [m]. They return, for each unknown, an
-    # array of the same shape or one number. They may be less smooth, but where velocity, or
-    # pressure and stress, jump at an interface, waves start.
+    # array of the same shape or one number. Where velocity, or pressure and stress, jump at an
+    # interface, waves start.
     def left_gas(X):
-        return P0 / (air.R * T0), speed * X / LEFT, T0  # density, velocity, temperature
+        return density, speed * X / LEFT, T0  # density, velocity, temperature
 
     def right_gas(X):
-        return P0 / (air.R * T0), speed * (END - X) / (END - RIGHT), T0
+        return density, speed * (END - X) / (END - RIGHT), T0
 
     def solid(X):
         return speed, -P0, T0, X  # velocity, stress (as the gas presses), temperature, place
 
-    # Layers from left to right: name, material, begin and end [m], initial data.
-    # With exact=function(X, t) the run prints errors; forcing=function(X, t) adds right-hand sides.
-    # A thin layer takes cells=16, or h=0.001 [m], of its own; the others keep the spacing fsi_h.
+    # Layers from left to right: name, material, begin and end [m], initial data. A thin layer takes
+    # cells=16, or h=0.001 [m], of its own.
     layers = (
         FluidLayer("left", air, (0.0, LEFT), left_gas),
         SolidLayer("plate", plate, (LEFT, RIGHT), solid),

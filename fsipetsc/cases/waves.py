@@ -58,14 +58,9 @@ def heat(opt: Opt) -> Problem:
 
     Solid | gas at rest under the pressure p0 and of the temperature T0, which the clamped left end
     of the solid and the wall at the right keep. A small disturbance decays in the slowest thermal
-    mode of both together: heat is conducted through the interface, the gas expands where it is
-    warm, and pushes the solid a little. It goes as exp(s t) and solves the linear equations
-
-        s rho = -rho0 u_x,    rho0 s u = mu' u_xx - R (T0 rho + rho0 T)_x,
-        rho0 cv s T = -p0 u_x + kappa T_xx                                      in the gas,
-        m0 s u = sigma_X,    s sigma = K u_X,    alpha m0 s T = -p0 u_X + kappa_e T_XX in the solid.
-
-    What remains of the error on fine grids is of second order in the amplitude.
+    mode of both together, as exp(s t): heat is conducted through the interface, the gas expands
+    where it is warm, and pushes the solid a little. It solves the linear equations; what remains of
+    the error on fine grids is of second order in the amplitude.
     """
     gas, solid = gas_of(opt), solid_of(opt)
     p0 = T0 = rho0 = 1.0
@@ -128,15 +123,10 @@ def wave(opt: Opt) -> BlockProblem:
     Gas of density and temperature 1 above, between the interface at y = 0 and a rigid adiabatic
     wall, solid below, on a clamped end; both at rest but for the mode, whose size is small. It is
     the slowest that swings more than it decays. Disturbances, and displacements (x, y) of the
-    solid, are proportional to exp(i k X + s t):
-
-        s rho'     = -(i k u + v_y)                          m0 s (U, V) = Div sigma(x, y)
-        s (u, v)   = -grad p' + Div tau                      s (x, y)    = (U, V)
-        cv s T'    = -R (i k u + v_y) + kappa (T'_yy - k^2 T'),  p' = R (rho' + T')
-
-    with Hooke's law in plane strain. At y = 0 velocities and tractions are one and no heat passes;
-    where mu = 0 the gas slips, and only what is normal is one. The pressure at rest drops out, as
-    the solid is free of strain under it.
+    solid, are proportional to exp(i k X + s t) and obey the linear equations, with Hooke's law in
+    plane strain. At y = 0 velocities and tractions are one and no heat passes; where mu = 0 the gas
+    slips, and only what is normal is one. The pressure at rest drops out, as the solid is free of
+    strain under it.
     """
     gas, solid = gas_of(opt), elastic_of(opt)
     k, size, height, depth = 2.0 * np.pi, 1e-5, 1.0, 0.5
