@@ -15,7 +15,6 @@ import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
-from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -27,8 +26,8 @@ from fsipetsc.options import PROGRAM, Option, groups, is_option
 _FILES = {
     "lines": "rod mms pulse box column piston",
     "waves": "heat wave",
-    "riemann": "shock tube elastic_piston",
-    "flows": "blast panel oblique step viscous_tube superseismic",
+    "riemann": "shock tube elastic_piston superseismic",
+    "flows": "blast panel oblique step viscous_tube",
     "bodies": "ring shell disk cylinder nozzle fin",
     "manufactured": "box_mms body_mms",
 }
@@ -104,21 +103,15 @@ def _load_file(path: Path) -> ModuleType:
     """Run a case file, check what it defines, and fill in what may be missing. InputError."""
     what = f"case file {path}"
     try:
-        path.read_bytes()
+        text, file = path.read_bytes(), path.resolve()
     except (OSError, ValueError) as error:
         raise InputError(f"{what}: {getattr(error, 'strerror', error)}") from None
     name = f"fsipetsc_case_{re.sub(r'[^0-9A-Za-z_]', '_', path.stem)}"
-    loader = SourceFileLoader(name, str(path.resolve()))
-    module = ModuleType(name)
-    module.__file__ = loader.path
-    sys.modules[name] = module
-    if str(path.resolve().parent) not in sys.path:
-        sys.path.append(str(path.resolve().parent))  # for modules of the user's beside the file
-    written, sys.dont_write_bytecode = sys.dont_write_bytecode, True
-    try:
-        call(loader.exec_module, (module,), what)
-    finally:
-        sys.dont_write_bytecode = written
+    module = sys.modules[name] = ModuleType(name)
+    module.__file__ = str(file)
+    if str(file.parent) not in sys.path:
+        sys.path.append(str(file.parent))  # for modules of the user's beside the file
+    call(exec, (call(compile, (text, str(file), "exec"), what), vars(module)), what)
     for missing, value in {"NAME": path.stem, "SUMMARY": "", "DEFAULTS": {}}.items():
         setattr(module, missing, getattr(module, missing, value))
     options = getattr(module, "OPTIONS", None)

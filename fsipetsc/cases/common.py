@@ -6,7 +6,7 @@ from typing import Any
 from fsipetsc import BlockProblem, Fluid, Option, Solid
 from fsipetsc.blocks.conditions import NoSlip, Slip
 from fsipetsc.blocks.layers import Layer, layers
-from fsipetsc.checks import Array, Fields
+from fsipetsc.checks import Array
 from fsipetsc.equations.elementary import exp, power
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import above_one
@@ -33,31 +33,16 @@ _KNOWN = {
 }
 
 
-def materials(conducting: bool = False, **defaults: Any) -> tuple[Option, ...]:
-    """Options with their defaults. conducting: no conductivity is 0. solid_law: the laws that are
-    allowed, first the default.
-    """
+def materials(**defaults: Any) -> tuple[Option, ...]:
+    """Options with their defaults. solid_law: the laws that are allowed, first the default."""
 
     def option(name: str, value: Any) -> Option:
         if name == "solid_law":
             return Option(name, str, value[0], "", "law of the solid", value)
         unit, meaning, check = _KNOWN[name]
-        check = "positive" if conducting and "kappa" in name else check
         return Option(name, float, value, unit, meaning, check=check)
 
     return tuple(option(*one) for one in defaults.items())
-
-
-def beside_gas(modulus: float) -> tuple[Option, ...]:
-    """Stiffness and density of a solid, as multiples of the pressure and the density that the gas
-    has at first. modulus: default of the stiffness.
-    """
-    of_modulus = "2 mu_e + lambda_e of the solid, divided by the pressure of the gas at first"
-    of_density = "density of the solid, divided by that of the gas at first"
-    return (
-        Option("solid_modulus", float, modulus, "", of_modulus, check="positive"),
-        Option("solid_density", float, 10.0, "", of_density, check="positive"),
-    )
 
 
 def gas_of(opt: Opt, R: float = 1.0) -> Fluid:
@@ -73,16 +58,14 @@ def solid_of(opt: Opt, force: float = 0.0) -> Solid:
     return Solid(*numbers, force, pressing)
 
 
-def elastic_of(opt: Opt, p_ref: float = 1.0, rho: float = 1.0, **more: Any) -> ElasticSolid:
-    """The solid of a case of blocks, without heat of its own; p_ref [Pa], more: see ElasticSolid.
-
-    Of solid_mu and solid_lambda, or of solid_modulus K in units of p_ref: K/4 and K/2. rho [kg/m3]:
-    unit of solid_density.
+def elastic_of(opt: Opt, p_ref: float = 1.0, **more: Any) -> ElasticSolid:
+    """The solid of a case of blocks, without heat of its own, of solid_mu and solid_lambda, or of
+    solid_modulus K: K/4 and K/2. p_ref [Pa], more: see ElasticSolid.
     """
-    K = opt.get("solid_modulus", 0.0) * p_ref
+    K = opt.get("solid_modulus", 0.0)
     lame = opt.get("solid_mu", K / 4), opt.get("solid_lambda", K / 2)
-    others = {"kappa_e": 0.0, "alpha": 1.0, "p_ref": p_ref, "heat": "elastic", **more}
-    return ElasticSolid(*lame, m0=opt["solid_density"] * rho, **others)
+    others = {"kappa_e": 0.0, "alpha": 1.0, "heat": "elastic", **more}
+    return ElasticSolid(*lame, m0=opt["solid_density"], p_ref=p_ref, **others)
 
 
 def constant(*values: float) -> Callable[..., Any]:
@@ -105,10 +88,10 @@ def pressure_pulse(gas: Fluid, height: float, x: float, y: float, width: float) 
     (x, y) [m], of the same entropy everywhere.
     """
 
-    def start(X: Array, Y: Array) -> Fields:
+    def start(X: Array, Y: Array) -> tuple:
         p = 1.0 + height * exp(-((X - x) ** 2 + (Y - y) ** 2) / width**2)
         rho = power(p, 1.0 / gas.gamma)
-        return [rho, 0.0 * X, 0.0 * X, p / rho]
+        return rho, 0.0, 0.0, p / rho
 
     return start
 

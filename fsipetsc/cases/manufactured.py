@@ -13,7 +13,7 @@ import numpy as np
 from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.conditions import Given, NoSlip
 from fsipetsc.blocks.layers import Layer
-from fsipetsc.blocks.maps import Map, Places
+from fsipetsc.blocks.maps import Places
 from fsipetsc.cases import case
 from fsipetsc.cases.bodies import centre, quarter
 from fsipetsc.cases.common import Opt, gas_of, materials, stack
@@ -144,9 +144,9 @@ class Flat(Solution):
     """The solution of box_mms, in the coordinates p, q, eta of its three-dimensional form."""
 
     def _along(self, where: Numbers) -> tuple[Any, Any, Any]:
-        """Return p, q and 1 + .2 sin 2 pi q, which is 1 where there is no q."""
+        """Return p, q and 1 + .2 sin 2 pi q."""
         p, q = (*where[:-2], *(0.125, 0.0)[self.d - 1 :])
-        return p, q, 1.0 + 0.2 * np.sin(TURN * q) if self.d == 3 else 1.0
+        return p, q, 1.0 + 0.2 * np.sin(TURN * q)
 
     def _axes(self, *vector: Any) -> Numbers:
         return tuple(vector[axis] for axis in {1: (2,), 2: (0, 2), 3: (0, 1, 2)}[self.d])
@@ -191,10 +191,8 @@ class Flat(Solution):
 def box_mms(opt: Opt) -> BlockProblem:
     """A manufactured solution in one to three dimensions: gas under a solid, on moving blocks.
 
-    The interface moves and bends. The wall below the gas has a given temperature, the uppermost
-    points of the solid are given. The blocks are periodic along the other axes; with -box_periodic
-    false all unknowns are given at the sides. Traction and heat flux get their jumps at the
-    interface.
+    The interface moves and bends; traction and heat flux get their jumps there. The wall below the
+    gas has a given temperature, the uppermost points of the solid are given.
 
     The last axis, eta, goes across the two, from 0 to 1 in the gas and on to 2 in the solid; the
     other axes, p and q, go along them. Two dimensions are the plane q = 0 of three, one dimension
@@ -283,26 +281,11 @@ class Disk(Solution):
         return self.jump(X, Y, t, *scale(-1.0 / np.sqrt(X * X + Y * Y), (X, Y)))
 
 
-def turned(map: Map, times: int) -> Map:
-    """The same places with the logical axes turned by so many right angles."""
-
-    def places(xi: Places) -> Places:
-        for _ in range(times):
-            xi = xi[1], 1.0 - xi[0]
-        return map(xi)
-
-    return places
-
-
-def to_box(q: int) -> Map:
-    """Return the map from the circle to a side of the box along rays."""
-
-    def places(xi: Places) -> Places:
-        angle = np.pi / 4 * (2.0 * (xi[1] + q) - 1.0)
-        ray = np.stack([np.cos(angle), np.sin(angle)])
-        return tuple((1.0 - xi[0] + xi[0] * BOX / np.abs(ray).max(axis=0)) * ray)
-
-    return places
+def to_box(q: int, xi: Places) -> Places:
+    """Map from the circle to a side of the box along rays."""
+    angle = np.pi / 4 * (2.0 * (xi[1] + q) - 1.0)
+    ray = np.stack([np.cos(angle), np.sin(angle)])
+    return tuple((1.0 - xi[0] + xi[0] * BOX / np.abs(ray).max(axis=0)) * ray)
 
 
 @case(
@@ -313,9 +296,9 @@ def to_box(q: int) -> Map:
 def body_mms(opt: Opt) -> BlockProblem:
     """A manufactured solution around a disk, on curved, joined blocks that move, in two dimensions.
 
-    The disk of five blocks is in a square box of gas of four, axes turned against each other; three
-    blocks meet at corners. All unknowns are given on the outer walls, which move, too. -fsi_h is of
-    the side of each block, which is 1 in logical coordinates.
+    The disk of five blocks is in a square box of gas of four; three blocks meet at corners. All
+    unknowns are given on the outer walls, which move, too. -fsi_h is of the side of each block,
+    which is 1 in logical coordinates.
     """
     exact = Disk(opt)
     n, blocks, faces = round(1.0 / opt["fsi_h"]), [], {}
@@ -325,11 +308,11 @@ def body_mms(opt: Opt) -> BlockProblem:
     def add_block(name, map, material, of, forcing):
         blocks.append(Block(name, material, map, (n, n), lambda *X: of(*X, 0.0), forcing, of))
 
+    gas = exact.fluid, exact.exact_gas, exact.force_gas
     solid = exact.body, exact.exact_solid, exact.force_solid
-    add_block("middle", centre(HALF), *solid)
-    for q, outer in enumerate(((0, 1), (1, 1), (0, 0), (1, 0))):
-        add_block(f"disk {q}", turned(quarter(q, 1.0, HALF), q + 1), *solid)
-        gas = exact.fluid, exact.exact_gas, exact.force_gas
-        add_block(f"gas {q}", turned(to_box(q), q), *gas)
-        faces[(f"gas {q}", *outer)] = of_gas
+    add_block("middle", partial(centre, HALF), *solid)
+    for q in range(4):
+        add_block(f"disk {q}", partial(quarter, q, 1.0, HALF), *solid)
+        add_block(f"gas {q}", partial(to_box, q), *gas)
+        faces[f"gas {q}", 0, 1] = of_gas
     return BlockProblem(tuple(blocks), faces, jumps=exact.supplied, units="none")

@@ -4,11 +4,10 @@
     mpiexec -n 2 python -m fsipetsc FILE.py -plate_cells 15   # finer through the thickness
     python -m fsipetsc plot NAME.h5 -o pictures               # draw the result
 
-The plate is bent in the plane X, Y and is long across it (plane strain). What to expect: it swings
-between 0 and twice its static deflection with its first frequency. For D = E d^3/(12 (1 - nu^2)),
-length L, thickness d and load q, Euler and Bernoulli's theory of thin plates has
+What to expect: it swings between 0 and twice its static deflection with its first frequency. For D
+= E d^3/(12 (1 - nu^2)), length L, thickness d and load q, the theory of thin plates has
     w = q L^4/(384 D) = 10.8 um,    omega = 22.373 sqrt(D/(density d))/L^2, a period of 0.36 ms.
-Shear adds 3 % to w (Timoshenko). docs/plates.md says how many cells and which order do.
+Shear adds 3 % to w. docs/plates.md says how many cells and which order do.
 """
 
 from fsipetsc import Fluid, Option
@@ -35,8 +34,7 @@ def build(opt):
     air = Fluid(mu=0.0, kappa=0.0, gamma=1.4, R=287.0)  # it slips along the plate
     mu = 0.5 * YOUNG / (1.0 + POISSON)
     lam = 2.0 * mu * POISSON / (1.0 - 2.0 * POISSON)
-    # Free of stress under P0. The energy of its strain is kept beside its heat, so that the run
-    # tells what time steps lose of it: "lost energy".
+    # Free of stress under P0; the run tells what time steps lose of its energy: "lost energy".
     steel = ElasticSolid(mu, lam, 0.0, DENSITY, 470.0, p_ref=P0, law="svk", heat="elastic")
     rho, d = P0 / (air.R * T0), opt["plate_thickness"]
 
@@ -47,8 +45,7 @@ def build(opt):
         return 0.0, 0.0, T0, X, Y  # velocity, temperature, where X, Y is
 
     # From below: the plate, and the air. The ends of the plate stay in their planes, and a point
-    # of each in its place: a clamp as in theories of plates. sides=Clamped(), without points, would
-    # keep the thickness there, too.
+    # of each in its place: a clamp as in theories of plates.
     plate = Layer("plate", steel, (0.0, d), rest, opt["plate_cells"], sides=Roller())
     above = Layer("air", air, (d, d + HEIGHT), quiet, sides=Slip())
     both = (plate, above) if opt["plate_air"] else (plate,)

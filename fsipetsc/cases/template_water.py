@@ -6,12 +6,11 @@
 
 X is the place along the axis, Y the distance from it. A front of pressure runs from the closed end
 at X = 0 into the tube, which widens behind it. What to expect: in a thin tube its speed is that of
-Korteweg, c = c0/sqrt(1 + (K/E) (D/e)) = 375 m/s, K = rho c0^2; the thickness of the wall and
-Poisson's number make it 358 m/s, and a front that is as short as here has 356 m/s. The pressure
+Korteweg, c = c0/sqrt(1 + (K/E) (D/e)) = 375 m/s, K = rho c0^2; here it is 356 m/s. The pressure
 rises by rho c water_speed (Joukowsky), 0.18 MPa. docs/water.md has the theory.
 """
 
-from fsipetsc import Block, BlockProblem, Fluid, InputError, Option
+from fsipetsc import Block, BlockProblem, Fluid, Option
 from fsipetsc.blocks.conditions import Absorbing, Centre, Free, Open, Roller, Slip
 from fsipetsc.blocks.maps import off_axis, rectangle
 from fsipetsc.equations.elementary import tanh
@@ -21,7 +20,7 @@ from fsipetsc.materials.stiffened_gas import stiffened_gas
 SUMMARY = "water hammer in an elastic tube, around its axis"
 OPTIONS = (
     Option("tube_young", float, 3e9, "Pa", "Young's modulus E of the wall", check="positive"),
-    Option("tube_poisson", float, 0.4, "", "Poisson's number of the wall", check="nonnegative"),
+    Option("tube_poisson", float, 0.4, "", "Poisson's number, below 0.5", check="nonnegative"),
     Option("tube_density", float, 1400.0, "kg/m3", "density of the wall", check="positive"),
     Option("tube_thickness", float, 0.005, "m", "thickness e of the wall", check="positive"),
     Option("tube_length", float, 1.5, "m", "length of the tube", check="positive"),
@@ -40,13 +39,10 @@ def build(opt):
     law = stiffened_gas(GAMMA, cv=(P0 + p_inf) / ((GAMMA - 1.0) * RHO * T0), p_inf=p_inf)
     water = Fluid(mu=0.0, kappa=0.0, gamma=GAMMA, R=462.0, law=law)  # it slips along the wall
     E, nu, e = opt["tube_young"], opt["tube_poisson"], opt["tube_thickness"]
-    if nu >= 0.5:
-        raise InputError(f"-tube_poisson {nu:g}: expected less than 0.5")
     mu = 0.5 * E / (1.0 + nu)
     lame, density = (mu, 2 * mu * nu / (1 - 2 * nu)), opt["tube_density"]
     wall = ElasticSolid(*lame, 0.0, density, 1000.0, p_ref=P0, law="neo-hookean", heat="elastic")
-    # Where the water slows down the tube widens, by as much as water that is hardly compressed
-    # needs; without this, the first moment would be a sound wave across the tube.
+    # Where the water slows down the tube widens, by as much as the water needs.
     speed, ramp, length = opt["water_speed"], opt["water_ramp"], opt["tube_length"]
     part = 1.0 - 1.0 / (1.0 + RHO * C0**2 / E * 2.0 * RADIUS / e)
 

@@ -15,8 +15,6 @@ from fsipetsc.checks import Array
 
 #: points of the collocation in either layer
 POINTS = 36
-#: (field, point) of a row -> weights of all unknowns, whose sum is to be 0
-Conditions = dict[tuple[int, int], Array]
 
 
 def chebyshev(n: int, low: float, high: float) -> tuple[Array, Array]:
@@ -29,9 +27,9 @@ def chebyshev(n: int, low: float, high: float) -> tuple[Array, Array]:
     return low + (x + 1) / 2 * (high - low), D * 2 / (high - low)
 
 
-def eigenmodes(gains: list[Array], weights: list[float], conditions: Conditions) -> tuple:
-    """(s, modes (…, fields, n)) of gains z = s weights z, of (n, unknowns) for each field; some of
-    the rows give way to conditions.
+def eigenmodes(gains: list[Array], weights: list[float], conditions: dict) -> tuple[Array, Array]:
+    """(s, modes (…, fields, n)) of gains z = s weights z, (n, unknowns) for each field. Some rows,
+    (field, point), give way to conditions, weights of all unknowns, whose sum is to be 0.
     """
     from scipy.linalg import eig
 
@@ -50,8 +48,8 @@ def polynomials(x: Array, values: Array) -> list[Chebyshev]:
 
 @case(
     {"fsi_h": 0.025, "ts_max_time": 1.0, "fsi_output_dt": 0.1},
-    *materials(conducting=True, fluid_mu=0.02, fluid_kappa=0.1, solid_modulus=20.0),
-    *materials(conducting=True, solid_kappa=0.3, solid_density=2.0, solid_alpha=1.0),
+    *materials(fluid_mu=0.02, fluid_kappa=0.1, solid_modulus=20.0),
+    *materials(solid_kappa=0.3, solid_density=2.0, solid_alpha=1.0),
 )
 def heat(opt: Opt) -> Problem:
     """Conjugate heat transfer with an exact solution: warm layers cool between cold ends.
@@ -63,6 +61,8 @@ def heat(opt: Opt) -> Problem:
     the error on fine grids is of second order in the amplitude.
     """
     gas, solid = gas_of(opt), solid_of(opt)
+    if not gas.kappa > 0.0 < solid.kappa_e:
+        raise InputError("expected -fluid_kappa and -solid_kappa above 0")
     p0 = T0 = rho0 = 1.0
     amplitude, capacity = 1e-7, solid.alpha * solid.m0  # amplitude of T
     (x, D), (x_s, E) = chebyshev(POINTS, 0.0, 1.0), chebyshev(POINTS, -1.0, 0.0)
