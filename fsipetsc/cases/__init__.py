@@ -121,10 +121,7 @@ def _load_file(path: Path) -> ModuleType:
         (options is not None, "does not define OPTIONS, a tuple of Option, which may be ()"),
         (of_options, "OPTIONS must be a tuple of Option (a tuple of one needs a comma)"),
         (isinstance(module.DEFAULTS, Mapping), "DEFAULTS must be a dict: option -> value"),
-        (
-            Path(str(module.NAME)).name == module.NAME,
-            "NAME must be a name for a file, without /",
-        ),
+        (Path(str(module.NAME)).name == module.NAME, "NAME must be a file's name, without /"),
     ):
         if not good:
             raise InputError(f"{what}: {expected}")

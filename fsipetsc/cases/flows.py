@@ -151,9 +151,7 @@ def oblique(opt: Opt) -> BlockProblem:
         solid, across = common.elastic_of(opt, first.p), (-0.25, 0.0)
         layer = Layer("layer", solid, across, common.at_rest(), cells=18, sides=Roller())
         members, lower = [layer, *members], Clamped()
-    states = [
-        f"p/p_1 = {q.p / first.p:.8g}, M = {q.u / sound(gas, q):.6g}" for q in (second, third)
-    ]
+    states = [f"p/p_1 = {q.p * GAMMA:.8g}, M = {q.u / sound(gas, q):.6g}" for q in (second, third)]
     return common.stack(
         opt,
         *members,

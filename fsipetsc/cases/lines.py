@@ -59,7 +59,6 @@ def mms(opt: Opt) -> Problem:
         wanted = "take projection, energy or traditional"
         raise InputError(f"-fsi_coupling conservative: {problem}: {wanted}")
     gas, solid = gas_of(opt), solid_of(opt)
-    heat = solid.alpha * solid.m0
 
     def in_gas(X, t=0.0):
         u = np.cos(2.0 * X + 0.47) * np.sin(t)
@@ -88,7 +87,7 @@ def mms(opt: Opt) -> Problem:
         (u_t, sigma_t, T_t, _), (u_X, sigma_X, T_X, x_X) = (derivatives(fields, y) for y in (t, X))
         conducted = derivatives([solid.kappa_e * T_X / x_X], X)[0]
         rates = u_t - sigma_X / solid.m0, sigma_t - solid.K / x_X * u_X
-        return *rates, T_t - (fields[1] * u_X + conducted) / heat, 0.0
+        return *rates, T_t - (fields[1] * u_X + conducted) / (solid.alpha * solid.m0), 0.0
 
     def left_over(X, t):
         """Of u_s = u_f, the stress, T_s = T_f and the heat-flux condition."""
@@ -115,8 +114,8 @@ def mms(opt: Opt) -> Problem:
         SolidLayer("solid", solid, (1.0, 2.0), in_solid, force_solid, in_solid),
         fluid("right", (2.0, 4.0), 2.0),
     )
-    jumps = lambda k, t: jump((1.0, 2.0)[k], t)  # noqa: E731
-    return Problem(layers, end(0.25, 1.0), end(4.0, 2.0), jumps=jumps, units="none")
+    ends, jumps = (end(0.25, 1.0), end(4.0, 2.0)), lambda k, t: jump(k + 1.0, t)
+    return Problem(layers, *ends, jumps=jumps, units="none")
 
 
 @case(
