@@ -42,8 +42,9 @@ def build(opt):
     # of stress.
     air = Fluid(mu=0.0, kappa=0.0, gamma=1.4, R=287.0)
     K, density = opt["ring_modulus"], opt["ring_density"]
-    elastic = {"law": "neo-hookean", "heat": "elastic"}
-    rubber = ElasticSolid(K / 4, K / 2, 0.0, m0=density, alpha=1500.0, p_ref=P0, **elastic)
+    rubber = ElasticSolid(
+        K / 4, K / 2, 0.0, density, 1500.0, p_ref=P0, law="neo-hookean", heat="elastic"
+    )
 
     # Initial data: functions of arrays X and Y of coordinates [m] of the map. They return, for each
     # unknown, an array of their shape or one number. The grid of a gas follows the solids.
