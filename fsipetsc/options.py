@@ -190,7 +190,7 @@ RUN = (
         "norm of the errors against an exact solution; L1 where it jumps", ("L1", "L2")),
     Option("fsi_quiet", bool, False, "", "print nothing but errors"),
     Option("fsi_progress", bool, False, "",
-        "print progress from 2 s on, not 10 s, if the output is not a terminal"),
+        "print progress every 5 s, not 30 s, if the output is not a terminal"),
     Option("fsi_debug", bool, False, "", "keep the C text of the kernels, and print where it is"),
 )  # fmt: skip
 #: those that belong to one run of the program, not to what is computed: no checkpoint has them
@@ -217,7 +217,7 @@ ALIASES = {"ts_time_step": "ts_dt", "ts_final_time": "ts_max_time"}
 
 #: options that PETSc follows when it starts or ends -> meaning
 AT_START = {
-    "log_view": "print PETSc's log at the end: times of set-up, loop and output; :FILE writes it",
+    "log_view": "print PETSc's log at the end; :FILE writes it",
     "memory_view": "print the memory that was used, at the end",
     "info": "print what PETSc does",
     "malloc_debug": "check the memory that PETSc allocates",

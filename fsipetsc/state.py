@@ -1,19 +1,33 @@
-"""What the states of both methods have in common: see BlockState and PaperState."""
+"""What the states of both methods have in common: steps, checkpoints, errors."""
 
 from collections.abc import Callable, Mapping, Sequence
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.errors import FsiError
+from fsipetsc.kernels.calls import Calls
 from fsipetsc.kernels.procedure import Procedure
 from fsipetsc.process.together import agree, together
-from fsipetsc.scheme.plan import ALLOWED, BATCH, FLAGS, LIMITS, Plan
+from fsipetsc.scheme.plan import (
+    ALLOWED,
+    BAD,
+    BATCH,
+    CAPACITY,
+    DT,
+    FLAGS,
+    LIMITS,
+    MADE,
+    TIME,
+    Plan,
+)
+from fsipetsc.scheme.runge_kutta import STAGES
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
 FAULT = 1000.0
+#: times of the stages, and of what comes of them, in steps
+FRACTIONS = 0.0, 0.5, 0.5, 1.0, 1.0
 
 
 class Seen(NamedTuple):
@@ -29,61 +43,154 @@ class Seen(NamedTuple):
 
 
 class State:
-    """A solution and all that belongs to it.
+    """A solution and all that belongs to it: steps, checkpoints, errors. All is collective.
 
     shapes: of the grids of layers; parts: number k of a layer -> what this rank has of it, if it
-    has some. A method says
+    has some; y: this rank's part of the solution, solution: the same as PETSc has it. Stages 0 to 3
+    of a step begin with the solution, and STAGES is the solution that comes of them. A method says
 
+        set_data(t)     data of the case are those at t [s]; what is wrong with them is the fault
+        load(n, y)      let stage n be this rank's part y of a solution
+        unload(n, y)    copy it into y
+        phase(name, n, f)  calls of procedures and exchanges that do something with stage n:
+            data        set the data of its time, which C knows
+            fulfil      let it obey all conditions
+            rates       f = dy/dt
+            advance     make the next stage
+            complete    find bounds, integrals, records of the solution, which obeys all conditions
+        show(n)         let what is saved and seen be that of stage n
+        begin()         what follows from the solution, and not from the stages before it
         owned(k)        a view (M, unknowns) of the solution at the points that this rank owns
         numbers(k)      (M,) of these points
         fields(k)       names of what is saved of a point
         compared(kind)  names of what is compared with exact solutions
         powers(k, names, t, power)  integrals of |difference|^power over this rank's part
         more()          what a checkpoint has beside layers and results, on rank 0
-        go_on(t, arrays)  what follows once the solution is that of a checkpoint
-        go_to_fault(unphysical)  let the state be the first one of a failed step of which
-                        unphysical() says something, if that can be found; returns what the state
-                        before the step says of the cause, or ""
+        take(arrays)    take this from a checkpoint
 
-    results: flags and limits of the last step (fsipetsc.scheme.plan). batch:
-    fsipetsc.scheme.plan. journal: records of steps; latest: that of the last one, without its
-    time; the integrals in them are this rank's shares. plan: what `plan_next` of
-    fsipetsc.scheme.plan takes, planning: that procedure. fault: the first one of a user's
-    function, on this rank, of which all learn after the step.
+    results: flags and limits of the last step, batch: fsipetsc.scheme.plan. journal: records of
+    steps; latest: that of the last one, without its time; the integrals in them are this rank's
+    shares. asks: Python has something to do in each step. changing: arrays that steps change,
+    and that stages do not follow from. fault: the first one of a user's function, on this rank, of
+    which all learn after the step. evaluations: of the right-hand side.
     """
 
-    #: time of the solution that is saved [s], of which notes tell
-    time = 0.0
-    #: when -> what says something of a state then
-    NOTES: Mapping[str, Sequence[Callable[[Any], Sequence[str]]]] = MappingProxyType({})
     comm: MPI.Comm
     problem: Any
+    solution: Any
     shapes: Sequence[tuple[int, ...]]
     parts: Mapping[int, Any]
     results: np.ndarray
-    planning: Procedure
-    fault: FsiError | None
+    asks: bool
+    changing: Sequence[np.ndarray]
+    fault: FsiError | None = None
+    evaluations = 0
+    #: of the solution that is saved [s]
+    time = 0.0
+    _kept: Sequence[np.ndarray] = ()
 
-    def plan_next(self) -> bool:
-        """Put the last step into the journal; whether another one of its batch follows."""
-        self.planning()
-        return bool(self.batch[ALLOWED] != 0.0)
+    # steps
 
-    @property
-    def asks(self) -> bool:
-        """Python is asked for data at each stage: no steps are made together."""
-        return not self.problem.steady_data
+    def _take_calls(self, library: Any, planning: Procedure) -> None:
+        """Make the list of calls of a step, the last one of which, `plan_next`, plans the next."""
+        self._library, self.planning = library, planning
+        self._made: dict[Any, Calls] = {}
+        names = "data", "fulfil", "advance"
+        calls = [one for n in range(STAGES) for name in names for one in self.phase(name, n)]
+        calls += [*self.phase("fulfil", STAGES), *self.phase("complete", STAGES), (planning, ())]
+        self._whole_step = Calls(library, calls)
 
-    @property
-    def invariants(self) -> Mapping[str, Any]:
-        """What must not change, as JSON has it: see fsipetsc.scheme.conservation_check."""
-        return self.problem.invariants
+    def _do(self, name: str, n: int, f: np.ndarray | None = None) -> None:
+        """Make the calls of a phase."""
+        key = name, n, 0 if f is None else f.ctypes.data
+        if key not in self._made:
+            self._made[key] = Calls(self._library, self.phase(name, n, f))
+        self._made[key]()
 
-    def _lay_journal(self, record: np.dtype, steps: int, more: int = 0) -> np.ndarray:
+    def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
+        """f = dy/dt of this rank's part y, which stays as it is, for the data set last."""
+        self.evaluations += 1
+        self.load(1, y)
+        self._do("fulfil", 1)
+        self._do("rates", 1, f)
+
+    def project(self, y: np.ndarray) -> None:
+        """Let this rank's part y obey all conditions, in place."""
+        self.load(1, y)
+        self._do("fulfil", 1)
+        self.unload(1, y)
+
+    def finish(self) -> None:
+        """Complete the solution that PETSc, or the case, has made."""
+        self.load(STAGES, self.solution.getArray())
+        self._do("fulfil", STAGES)
+        self.solution.stateIncrease()
+        self.complete()
+
+    def complete(self) -> None:
+        """Find what is known of the solution."""
+        self._do("complete", STAGES)
+
+    def keep(self) -> None:
+        """Keep what ``go_back`` needs."""
+        self._kept = [array.copy() for array in self.changing]
+
+    def step(self, t: float, dt: float) -> None:
+        """Make a step dt [s] of the classical Runge-Kutta method from the completed solution at
+        t [s], and the others of its batch, which are one call of C.
+        """
+        self.batch[[TIME, DT]] = t, dt
+        self.keep()
+        if self.asks:
+            self._advance(t, dt)
+            self.planning()
+        else:
+            self.set_data(t)
+            self._whole_step.batch(self.results[BAD:], self.batch[ALLOWED:])
+            self.show(STAGES)
+        self.evaluations += STAGES * max(1, int(self.batch[MADE]))
+
+    def _advance(self, t: float, dt: float, look: Callable[[int], Any] = lambda n: None) -> Any:
+        """Make a step; it ends where look(n), called with each new stage, finds something."""
+        for n, part in enumerate(FRACTIONS):
+            self.set_data(t + part * dt)
+            self._do("fulfil", n)
+            if n == STAGES:
+                self.complete()
+            if n > 0 and (found := look(n)):
+                return found
+            if n < STAGES:
+                self._do("advance", n)
+        return None
+
+    def go_back(self) -> None:
+        """Be where the last batch of steps began."""
+        for array, kept in zip(self.changing, self._kept):
+            array[:] = kept
+        self.begin()
+
+    def repeat(self, look: Callable[[], Any]) -> Any:
+        """Go on from there until look() finds something in a stage, which is returned: NaN spreads
+        from there. InputError for data that are wrong.
+        """
+
+        def shown(n: int) -> Any:
+            self.show(n)
+            return look()
+
+        while self._kept:
+            found = self._advance(*self.batch[[TIME, DT]].tolist(), shown)
+            agree(self.comm, self.fault)
+            self.planning()
+            if found or self.batch[ALLOWED] == 0.0:
+                return found
+        return None
+
+    def _lay_journal(self, record: np.dtype, more: int = 0) -> np.ndarray:
         """Make batch, journal, results and latest. Returns the numbers of results, so many
         ``more``, and those of latest.
         """
-        rows, self.batch = np.zeros((steps, record.itemsize // 8)), np.zeros(BATCH)
+        rows, self.batch = np.zeros((CAPACITY, record.itemsize // 8)), np.zeros(BATCH)
         first = FLAGS + LIMITS
         numbers = np.zeros(first + more + rows.shape[1] - 2)
         self.results, latest = numbers[:first], numbers[first + more :]
@@ -92,12 +199,10 @@ class State:
         self.plan = Plan(self.batch, self.results, rows, latest)
         return numbers
 
-    def notes(self, when: str) -> list[str]:
-        """What is to be said of the solution at the "begin", when it is "saved", and at the "end".
-        Collective.
-        """
-        of_case = self.problem.notes if when == "begin" else ()
-        return [*of_case, *(said for say in self.NOTES.get(when, ()) for said in say(self))]
+    @property
+    def invariants(self) -> Mapping[str, Any]:
+        """What must not change, as JSON has it: see fsipetsc.scheme.conservation_check."""
+        return self.problem.invariants
 
     # what is made of it
 
@@ -138,7 +243,7 @@ class State:
 
     def capture(self) -> dict[str, np.ndarray] | None:
         """What a step depends on, on rank 0: whole layers, (…, n_1, n_0, unknowns), so that it does
-        not depend on who had what, and the results of the last step. Collective.
+        not depend on who had what, and the results of the last step.
         """
         arrays = {}
         for k, shape in enumerate(self.shapes):
@@ -151,12 +256,14 @@ class State:
         return {**arrays, **more, "results": self.results.copy(), "latest": latest}
 
     def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> None:
-        """Be at time t [s] what arrays tell of, which all ranks know. InputError. Collective."""
+        """Be at time t [s] what ``capture`` told of, which all ranks know. InputError."""
         self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
         for k in self.parts:
             own = self.owned(k)
             own[:] = arrays[f"layer{k}"].reshape(-1, own.shape[1])[self.numbers(k)]
-        self.go_on(t, arrays)
+        self.take(arrays)
+        self.set_data(t)
+        self.begin()
         agree(self.comm, self.fault)
 
     def __enter__(self) -> Any:
@@ -167,14 +274,6 @@ class State:
         together_here = isinstance(error, FsiError) and error.collective
         if error is None or self.comm.size == 1 or together_here:
             self.destroy()
-
-
-def loose(name: str) -> str:
-    """What is said of a gas on which a constant force acts node by node."""
-    return (
-        f"the force on '{name}' is added node by node: a gas at rest stays so to the order of the "
-        "scheme only, and small motions may grow"
-    )
 
 
 def whole(comm: MPI.Comm, size: int, numbers: np.ndarray, values: np.ndarray) -> np.ndarray | None:

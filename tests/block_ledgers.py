@@ -26,7 +26,7 @@ class Steps(BlockState):
 
     def __init__(self, problem, order=2, form=BlockForm(), apart=False):  # noqa: B008
         super().__init__(MPI.COMM_SELF, problem, order, form)
-        self.scheme.asks |= apart
+        self.phases.asks |= apart
         self.t, self._at = 0.0, slices(gained(problem))
         self.came = np.zeros(self.layout.auxiliary)
         self.set_initial()
@@ -34,7 +34,7 @@ class Steps(BlockState):
 
     def step(self, dt, steps=1):
         for _ in range(steps):
-            super().step(self.t, dt, False)
+            super().step(self.t, dt)
             self.t += dt
             self.came += self.latest_numbers[-self.came.size :]
 
@@ -63,6 +63,18 @@ class Steps(BlockState):
     def of_faces(self, name):
         """What has come in, by the name of its columns."""
         return self.came[self._at[name]]
+
+
+def complete(state, t, y):
+    """Let a vector obey all conditions at time t."""
+    state.set_data(t)
+    state.project(y.array)
+
+
+def rates(state, t, y, f):
+    """f = dy/dt of a completed vector."""
+    state.set_data(t)
+    state.right_hand_side(y.array, f)
 
 
 def gas(d=2, mu=0.0, force=0.0):

@@ -129,7 +129,7 @@ SUMS = {"mass", "momentum", "energy", "entropy", "angular_momentum", "solid_ener
 SUMS |= {"momentum_x", "momentum_y", "impulse_x", "impulse_y"}
 SUMS |= {"mass_in", "energy_in", "energy_face", "heat_face"}
 #: of the summary, on any ranks, or on as many
-SUMMED = "status", "t", "steps", "rejected_steps", "rhs_evaluations", "points", "interfaces"
+SUMMED = "status", "t", "steps", "rhs_evaluations", "points", "interfaces"
 ON_AS_MANY = "bound", "departures"
 
 

@@ -2,6 +2,7 @@
 conditions and blocks of the oracle as those of the engine."""
 
 import numpy as np
+from block_ledgers import complete, rates
 from mpi4py import MPI
 from oracle_formulas import rate_of, spread
 
@@ -92,11 +93,11 @@ class Engine:
             value = q[self.problem.blocks[part.k].name]
             self.y.owned(part.k)[:] = value.reshape(len(value), -1, order="F").T[part.numbers]
         self.state.results[RATE] = 2e3  # differences in time are of 2^-14 s
-        self.state.scheme.complete(t, self.y)
+        complete(self.state, t, self.y)
         return self._get(self.y)
 
     def rates(self, q, t=0.0):
         """As the oracle's; q is completed, which the engine must see, too."""
         self.complete(q, t)
-        self.state.scheme.rates(t, self.y, self.f.array)
+        rates(self.state, t, self.y, self.f.array)
         return self._get(self.f)

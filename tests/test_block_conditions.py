@@ -156,7 +156,7 @@ def test_volumes_stay_those_of_the_grid(order=4):
     with Steps(BlockProblem((block,), sides | faces), order) as run:
         worst = 0.0
         for n in range(800):
-            run.scheme.step(n / 8, 1 / 8)  # also where T is below 0
+            run.step(1 / 8)  # also where T is below 0
             if n % 8 == 7:
                 run.finish()
                 worst = max(worst, *run.latest["J_error"])
@@ -191,7 +191,7 @@ def test_a_wall_that_slides_along_itself_drags_gas(U=0.5):
 def test_a_wall_at_rest_has_no_velocity_across_itself():
     with Steps(between_walls(lambda X, Y, t: (0.5, 0.2 * X), 8), order=4) as run:
         with pytest.raises(InputError, match=r"velocity of NoSlip .* across the wall"):
-            run.scheme.particles.prescribed.check_motion(1.0)
+            run.phases.particles.prescribed.check_motion(1.0)
     with pytest.raises(InputError, match="velocity is given, and x is not"):
         NoSlip(velocity=lambda X, Y, t: (0.5, 0.0), slip_length=1.0)
 

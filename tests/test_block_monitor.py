@@ -3,11 +3,12 @@
 import block_shapes as shapes
 import numpy as np
 import pytest
-from block_ledgers import CLOSED, N, Steps, gas, problem_of, solid
+from block_ledgers import CLOSED, N, Steps, complete, gas, problem_of, rates, solid
 
 from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme import plan
+from fsipetsc.stepping.notes import first_bad
 
 
 def warped(mu):
@@ -18,7 +19,7 @@ def warped(mu):
 
 def bounds_of(run, k):
     """The largest rates of convection and diffusion of a block, by formulas on whole arrays."""
-    part, q, d = run.scheme.parts[k], run.y.owned(k), run.problem.dimension
+    part, q, d = run.parts[k], run.y.owned(k), run.problem.dimension
     metrics, equations, cells = part.metrics[:, part.owned], part.equations, part.block.cells
     areas = metrics[: d * d].reshape(d, d, -1) * np.reshape(cells, (d, 1, 1))
     squares = (areas**2).sum(axis=1)
@@ -44,15 +45,15 @@ def test_what_bounds_a_step(shock):
     with Steps(warped(0.02), form=BlockForm(shock=shock)) as run:
         run.step(2e-3, 2)
         expected = np.array([bounds_of(run, k) for k in range(2)]) * [shock or 1.0, 1.0]
-        np.testing.assert_allclose(run.rates, expected, rtol=1e-12)
-        assert run.results[plan.RATE] == pytest.approx((run.rates.max(axis=0) ** 4).sum() ** 0.25)
-        assert run.results[plan.BAD] == 0.0 and run.rates.min() > 0.0
-        part = run.scheme.parts[0]
+        np.testing.assert_allclose(run.bounds, expected, rtol=1e-12)
+        assert run.results[plan.RATE] == pytest.approx((run.bounds.max(axis=0) ** 4).sum() ** 0.25)
+        assert run.results[plan.BAD] == 0.0 and run.bounds.min() > 0.0
+        part = run.parts[0]
         least = (run.y.owned(0)[:, 0] / part.reference).min()
         assert run.latest["least_J"][0] == pytest.approx(least, rel=1e-14)
         assert np.abs(part.metrics[4:6]).max() > 0.01  # its grid moves
         run.y.owned(0)[5] *= 0.9  # its J departs from the grid, its density does not
-        run.scheme.monitor(run.y)
+        run.complete()
         assert run.latest["J_error"][0] == pytest.approx(0.1, rel=1e-6)
 
 
@@ -75,38 +76,35 @@ def test_what_steps_lose_falls_with_their_order():
 
 
 def test_a_bad_state_leaves_nothing_behind(viscosity=0.02):
-    """A step that fails is made anew: the rates then have the bits that they had before."""
+    """After a step that fails, rates have the bits that they had before."""
     with Steps(warped(viscosity), form=BlockForm(dissipation=1.0, shock=1.0)) as run:
-        good, rates = run.y.array.copy(), np.zeros((3, run.y.array.size))
-        for k, f in enumerate(rates):
+        good, found = run.y.array.copy(), np.zeros((3, run.y.array.size))
+        for k, f in enumerate(found):
             run.y.array[:] = good
-            run.scheme.complete(0.0, run.y)
-            run.scheme.rates(0.0, run.y, f)
+            complete(run, 0.0, run.y)
+            rates(run, 0.0, run.y, f)
             if k < 2:  # one block is enough
                 run.y.owned(k)[:] = np.nan
                 run.finish()
                 assert run.results[plan.BAD] == 1.0 or np.isnan(run.results[plan.RATE])
-                run.scheme.rates(0.0, run.y, np.zeros_like(f))
-                run.scheme.forget()
-    for f in rates:
-        np.testing.assert_array_equal(f, rates[0])
-    assert np.isfinite(rates).all() and rates.any()
+                rates(run, 0.0, run.y, np.zeros_like(f))
+                run.begin()
+    for f in found:
+        np.testing.assert_array_equal(f, found[0])
+    assert np.isfinite(found).all() and found.any()
 
 
-def test_a_step_that_ends_badly_is_made_in_parts():
-    """From the state before it. Steps in one call also hand on what a rank says of stopping."""
+def test_a_batch_ends_with_a_bad_step_whose_first_bad_stage_is_found():
+    """Steps in one call also hand on what a rank says of stopping."""
     shape = {"gas": shapes.box((0.0,), (1.0,), 21)}
-    problem = problem_of(shape, CLOSED, gas(1), None)
-    with Steps(problem) as run, Steps(problem, apart=True) as other:
-        start = run.y.array.copy()
-        assert run.scheme.steps(0.0, 0.5) == (False, 0.0, 0.5) and run.results[plan.BAD] == 1.0
-        assert np.array_equal(run.y.array, start)
-        run.step(0.5)
-        assert run.results[plan.BAD] == 0.0 and run.retries > 0
-        other.step(0.5 / 2**run.retries, 2**run.retries)
-        assert np.array_equal(run.y.array, other.y.array) and other.retries == 0
+    with Steps(problem_of(shape, CLOSED, gas(1), None)) as run:
         run.results[plan.SAID_STOP] = 2.0
-        assert run.scheme.steps(0.5, 1e-3)[0], "it stops"
+        run.step(1e-3)
         assert run.results[plan.STOP] == 2.0 and run.results[plan.BAD] == 0.0
+        start = run.y.array.copy()
         run.step(1e3)
         assert run.results[plan.BAD] == 1.0
+        run.go_back()
+        assert np.array_equal(run.y.array, start)
+        layer, _, _, name, value, *_ = run.repeat(lambda: first_bad(run))
+        assert layer == 0 and name in ("rho", "T") and value < 0.0

@@ -94,7 +94,7 @@ def with_sums(oracle, rates):
 
 def check_integrals(engine, expected):
     """Those that are recorded after a step, with the angular momentum about the origin."""
-    engine.state.scheme.monitor(engine.y)
+    engine.state.complete()
     latest, d = engine.state.latest, engine.problem.dimension
     for name, value in expected.items():
         if name == "momentum" or (name == "angular" and d == 3):

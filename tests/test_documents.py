@@ -98,9 +98,10 @@ def test_the_kernel_and_the_procedure_of_the_page_of_code_are_those_that_are_pri
     from fsipetsc.scheme.runge_kutta import advance
 
     gas, x = Fluid(0.0, 0.0, 1.4, 287.0).equations(2), np.zeros(9)
-    of, left = namedtuple("Found", "y total now left"), np.zeros((1, 2), int)
+    of, left = namedtuple("Found", "y total plan left"), np.zeros((1, 2), int)
+    plan = namedtuple("Plan", "batch")(x)
     kernels = gas_text(gas, 2, convection_of("entropy", gas), False, False)
-    procedure = Code("").procedure("advance_1", advance(1), of(x, x, x, left)).text
+    procedure = Code("").procedure("advance_1", advance(1), of(x, x, plan, left)).text
     told = [text for language, text in FENCED.findall(TEXTS["code.md"]) if language == "c"]
     for page, text in zip(told, (kernels, procedure), strict=True):
         lines = re.sub(r"\n  [^\n=]*= (in->\w+|s->\w+);", "", text)

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import timed
+from block_ledgers import complete
 from helpers import REPOSITORY, assert_same_fields, computed, different, message, solve
 from mpi4py import MPI
 
@@ -13,6 +14,7 @@ import fsipetsc
 from fsipetsc import Fluid, FluidLayer, Problem, Wall
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.problem import blocks_of_line
+from fsipetsc.stepping.notes import notes
 
 CASE = str(REPOSITORY / "tests" / "timed.py")
 KINDS = "wall", "ends", "open"
@@ -36,21 +38,21 @@ def at_wall(x, velocity=None, T=None):
 
 
 def data_of(state):
-    parts = state.scheme.parts.values()
+    parts = state.parts.values()
     faces = [of for part in parts for of in part.faces.record if isinstance(of, np.ndarray)]
     forcing = [part.forcing for part in parts]
-    prescribed = state.scheme.particles.prescribed
+    prescribed = state.phases.particles.prescribed
     return [*prescribed.data, prescribed.displaced, *faces, *forcing]
 
 
 def asked_and_recorded(state, t):
     """The data at time t as Python has them, and as they are recorded."""
-    assert not state.asks, state.scheme.not_recorded
+    assert not state.asks, state.phases.not_recorded
     state.set_initial()
-    state.scheme.complete(t, state.y)
+    complete(state, t, state.y)
     recorded = [array.copy() for array in data_of(state)]
-    state.scheme.particles.prescribed.refresh(t)
-    for part in state.scheme.parts.values():
+    state.phases.particles.prescribed.refresh(t)
+    for part in state.parts.values():
         part.refresh(t)
     return [array.copy() for array in data_of(state)], recorded
 
@@ -61,7 +63,7 @@ def test_recorded_data_are_those_of_python(kind, t):
     """But for derivatives of motions that are not given, to a few times round-off."""
     state = of_kind(kind)
     asked, recorded = asked_and_recorded(state, t)
-    data = state.scheme.particles.prescribed.data
+    data = state.phases.particles.prescribed.data
     rates = {data._fields.index(name) for name in ("wall", "wall_rate", "clamp_rate")}
     changed = 0
     for number, (one, other) in enumerate(zip(asked, recorded, strict=True)):
@@ -79,8 +81,8 @@ def test_velocity_and_acceleration_of_a_wall_are_exact_derivatives(t):
     for velocity in (None, v):
         state = at_wall(x, velocity, lambda t: 1.0 + 0.1 * t)
         _, _ = asked_and_recorded(state, t)
-        state.scheme.complete(t, state.y)
-        prescribed = state.scheme.particles.prescribed
+        complete(state, t, state.y)
+        prescribed = state.phases.particles.prescribed
         (p,) = prescribed.moving
         found = (array[p, 0] for array in (prescribed.displaced, *prescribed.data[:2]))
         wanted = x(t), v(t), -w * w * x(t)
@@ -94,7 +96,6 @@ NOT_RECORDED = {
     "if": (lambda t: 0.1 * t if t > 0.0 else 0.0, "it branches on a value"),
     "float": (lambda t: 0.1 * float(t), "take numpy's functions"),
     "table": (lambda t: np.interp(t, [0.0, 1.0], [0.0, 0.1]), "np.interp cannot be recorded"),
-    "an infinite acceleration at first": (lambda t: 0.1 * t**1.5, "not finite at t = 0"),
 }
 
 
@@ -103,12 +104,12 @@ def test_python_is_asked_for_other_functions(name):
     """The wall goes where it should, and a note says why they are asked for."""
     x, why = NOT_RECORDED[name]
     state = at_wall(x, T=lambda t: 1.0)
-    assert state.asks and why in state.scheme.not_recorded[0]
+    assert state.asks and why in state.phases.not_recorded[0]
     state.set_initial()
     state.finish()
-    assert any("in each stage" in note and why in note for note in state.notes("begin"))
-    state.scheme.complete(0.3, state.y)
-    prescribed = state.scheme.particles.prescribed
+    assert any("in each stage" in note and why in note for note in notes(state, "begin"))
+    complete(state, 0.3, state.y)
+    prescribed = state.phases.particles.prescribed
     assert prescribed.displaced[prescribed.moving[0], 0] == x(0.3)
 
 

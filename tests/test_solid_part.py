@@ -32,7 +32,7 @@ def problem_of(block):
 
 def part_of(block):
     state = BlockState(MPI.COMM_SELF, problem_of(block), 4)
-    part, q = state.scheme.parts[0], state.y.owned(0)
+    part, q = state.parts[0], state.y.owned(0)
     part.initial(0.0, q)
     return part, q
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import test_block_oracle as flat
 import test_radial as radial
+from block_ledgers import complete, rates
 from oracle_engine import Engine
 from oracle_formulas import Free, Gas, Solid
 
@@ -55,12 +56,12 @@ def by_rates(state, t):
     for where, weight in STAGES:
         at.array[:] = y + where * DT * k
         if where > 0.0:
-            state.scheme.complete(t + where * DT, at)
+            complete(state, t + where * DT, at)
         k = np.full_like(y, np.nan)
-        state.scheme.rates(t + where * DT, at, k)
+        rates(state, t + where * DT, at, k)
         total = total + weight * k
     at.array[:] = y + DT * total
-    state.scheme.complete(t + DT, at)
+    complete(state, t + DT, at)
     return at.array
 
 
@@ -68,11 +69,11 @@ def by_rates(state, t):
 def test_a_step_is_that_of_the_plain_rates(kind, t=0.3):
     (engine, q), all_added = KINDS[kind][0](), KINDS[kind][1]
     engine.complete(q, t)
-    state, parts = engine.state, engine.state.scheme.parts.values()
+    state, parts = engine.state, engine.state.parts.values()
     assert any(part.free_nodes.any() for part in parts) != all_added
     before, expected = state.y.array.copy(), by_rates(state, t)
     for part in parts:
         if part.part.has_halo and not part.reads_ghosted:
             part.part.local[:, part.owned] = np.nan
-    state.scheme.step(t, DT)
+    state.step(t, DT)
     assert np.abs(state.y.array - expected).max() < 1e-11 * np.abs(expected - before).max()

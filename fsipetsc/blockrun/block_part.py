@@ -89,7 +89,7 @@ class BlockPart:
 
     def _stage(self, found: Any) -> Stage:
         """What sweeps take of steps; found: fsipetsc.scheme.runge_kutta.Found."""
-        worlds = found.y, *found.stages, found.before
+        worlds = found.y, *found.stages
         vectors = (world[self.part.begin :] for world in worlds)
         return Stage(found.stage.ctypes.data, *(vector.ctypes.data for vector in vectors))
 

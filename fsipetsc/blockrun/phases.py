@@ -10,7 +10,7 @@ exchanges between ranks (fsipetsc.parallel.exchange). C makes all calls of a lis
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -21,8 +21,8 @@ from fsipetsc.blockrun.block_part import Recorded
 from fsipetsc.blockrun.gas_part import GasPart
 from fsipetsc.blockrun.saved import slices
 from fsipetsc.blockrun.solid_part import SolidPart
-from fsipetsc.kernels.calls import Calls, calling_code
-from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
+from fsipetsc.kernels.calls import calling_code
+from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.parallel.exchange import Reduction, exchange_text
 from fsipetsc.particles.members import particles_of
 from fsipetsc.particles.system import ParticleSystem
@@ -82,9 +82,7 @@ class Phases:
         self.found = found._replace(left=self._left())
         self.steady = problem.steady_data
         self._compile(columns, announce)
-        self._made: dict[Any, Calls] = {}
-        self._calls: list[Any] = []  # those of the list in the making
-        self._y = self._f = found.y
+        self._lists = self._listed()
 
     def instant(self) -> float:
         """A time [s] in which little happens, for differences in time: a power of two, so that it
@@ -117,8 +115,7 @@ class Phases:
         codes = together(comm, lambda: [part.record(about) for part in self.parts.values()])
         self.calling = calling_code(exchange_text())
         record = self.calling.procedure
-        of_found = stages.begin_monitor, stages.note_extremes, stages.note_gained
-        of_step = stages.begin_step, *of_found, stages.end_step
+        of_step = stages.begin_monitor, stages.note_extremes, stages.note_gained
         self.does = {f.__name__: record(f.__name__, f, found) for f in of_step}
         self.does["clear_gain"] = record("clear_gain", stages.clear_gain, found.gain)
         self.does["plan_next"] = record("plan_next", plan_next, found.plan)
@@ -127,13 +124,12 @@ class Phases:
             if number is not None:
                 self.does[name] = record(name, stages.advance(number), found)
         for name, part_of_step in TIMES.items():
-            self.does[name] = record(name, set_time(part_of_step), found.now)
+            self.does[name] = record(name, set_time(part_of_step), found)
         self._record_data(comm)
         codes = [*codes, *self.data, self.particles.procedures(found.gain), self.calling]
         made = libraries(comm, [code.text for code in codes], announce)
         for code, library in zip(codes, made, strict=True):
             code.load(library)
-        self._check_recorded(comm)
         self.does |= self.particles.does
         self.does["reduce"] = Reduction(comm, found.extremes)
         halos = self.layout.halos, *(part.inside for part in self.layout.parts.values())
@@ -148,28 +144,17 @@ class Phases:
     def _record_data(self, comm: Any) -> None:
         """Record data that depend on time, if all can be. Collective."""
         having = () if self.steady else (*self.parts.values(), self.particles.prescribed)
-        self.recorders = [Recorder() for _ in having]
-        for part, recorder in zip(having, self.recorders, strict=True):
+        recorders = [Recorder() for _ in having]
+        for part, recorder in zip(having, recorders, strict=True):
             part.record_data(recorder)
-        self.not_recorded = [why for recorder in self.recorders for why in recorder.refused]
+        self.not_recorded = [why for recorder in recorders for why in recorder.refused]
         self.asks = comm.allreduce(bool(self.not_recorded), MPI.LOR)
-        recorders = [] if self.asks else self.recorders
-        codes = [recorder.code(self.found.now) for recorder in recorders]
+        codes = [recorder.code(self.found.time) for recorder in recorders if not self.asks]
         self.data = [code for code in codes if code is not None]
-
-    def _check_recorded(self, comm: Any) -> None:
-        """Let Python be asked if recorded data are not finite at t = 0, as those of a wall that
-        begins with an infinite acceleration. So it is after a restart, too. Collective.
-        """
-        if not self.steady and not self.asks:
-            self.fill(0.0)
-            bad = [recorder.faulty() for recorder in self.recorders]
-            self.not_recorded = [f"{what}: it is not finite at t = 0" for what in bad if what]
-            self.asks = comm.allreduce(bool(self.not_recorded), MPI.LOR)
 
     def fill(self, t: float) -> None:
         """Let C fill the recorded data at time t [s]."""
-        self.found.now[stages.AT] = t
+        self.found.time[0] = t
         for code in self.data:
             code.procedures[0]()
 
@@ -179,135 +164,55 @@ class Phases:
         for gas in self.gases:
             gas.gather.destroy()
 
-    def do(self, phases: str, y: Array, f: Array | None = None) -> None:
-        """Make the calls of phases, whose names have blanks between; f: y if not given."""
-        f = y if f is None else f
-        key = phases, y.ctypes.data, f.ctypes.data
-        if key not in self._made:
-            for phase in phases.split():
-                self._phase(phase, y, f)
-            self._made[key] = self._list()
-        self._made[key]()
-
-    def batch(
-        self, stages: Sequence[tuple[str, BlockVector, BlockVector]], solution: BlockVector
-    ) -> Calls:
-        """The calls of one of many steps made together, with its monitor and the plan of the next
-        one. stages: name, whose rates it takes, where it goes.
+    def calls(self, phases: str, y: Array, f: Array | None = None) -> list[tuple[Any, Any]]:
+        """Calls of phases, whose names have blanks between: procedure, vectors; f: y if not
+        given.
         """
-        if "batch" not in self._made:
-            y, data = solution.array, [(code.procedures[0], ()) for code in self.data]
-            self._call("begin_step")
-            for (name, now, to), time in zip(stages, OF_STAGES, strict=True):
-                if data and time:
-                    self._call(time)
-                    self._calls += data
-                for phase in ("share", "impose", name):
-                    self._phase(phase, now.array, to.array)
-            for phase in ("share", "impose", "monitor"):
-                self._phase(phase, y, y)
-            self._call("note_gained", "end_step")
-            self._made["batch"] = self._list()
-        return self._made["batch"]
+        both, found = (y, y if f is None else f), []
+        for one in (one for name in phases.split() for one in self._lists[name]):
+            procedure, vectors = (one[0], both[1:]) if isinstance(one, tuple) else (one, both)
+            if not getattr(procedure, "empty", False):
+                found.append((procedure, vectors[: len(procedure.vectors)]))
+        return found
 
-    def _list(self) -> Calls:
-        """The calls that were added since the last list."""
-        calls, self._calls = self._calls, []
-        return Calls(self.calling.library, calls)
+    def _listed(self) -> dict[str, list[Any]]:
+        """Phase -> procedures and exchanges, in their order; (procedure,) is of f, not of y."""
+        does, of_particles, parts = self.does, self.particles, self.parts.values()
 
-    def _phase(self, name: str, y: Array, f: Array) -> None:
-        """Add the calls of a phase, one of the methods below, or of a stage."""
-        self._y, self._f = y, f
-        if name in STAGES:
-            self._rates(name)
-            self._call(name, of=(f,))
-        else:
-            getattr(self, f"_{name}")()
+        def each(name: str) -> list[Any]:
+            return [part.does[name] for part in parts if name in part.does]
 
-    def _share(self) -> None:
-        """Members add up what is extensive; grids follow."""
-        self._call("weigh")
-        self._exchange(self.particles.sums)
-        self._call("end_sums")
-        self._follow()
-        self._each("move")
-
-    def _impose(self) -> None:
-        """The unknowns obey the conditions, and grids have their velocities."""
-        if self.particles.slips:
-            self._each("normals")
-            self._exchange(self.particles.areas)
-            self._call("end_normals")
-        if self.particles.stores:
-            self._call("begin_stored")
-            self._fill()
-            self._each("store")
-            self._exchange(self.particles.stored)
-            self._call("weigh_heat")
-        self._call("impose_conditions")
-        if self.particles.slips:  # the conditions have changed velocities
-            self._follow()
-        self._each("swing")
-
-    def _rates(self, name: str = "rates") -> None:
-        """f = dy/dt, or, of a stage, what follows from it. name: "rates", or that of the stage."""
-        self._call(f"begin_{name}", "clear_gain")
-        if self.particles.slips:
-            self._each("turn")
-            self._exchange(self.particles.areas)
-            self._call("end_turning")
-        self._fill()
-        self._each("rates")
-        self._call("weigh", of=(self._f,))
-        self._exchange(self.particles.sums)
-        self._call("end_rates")
-
-    def _monitor(self) -> None:
-        """Extremes of all ranks, and this rank's shares of integrals."""
-        self._call("begin_monitor")
-        self._fill()
-        self._each("monitor")
-        if self.layout.comm.size > 1:
-            self._call("reduce")
-        self._call("note_extremes")
-
-    def _halos(self) -> None:
-        """Fill ghosted arrays whole."""
-        self._fill(inside=True)
-
-    def _inside(self) -> None:
-        """Fill the owned nodes of those ghosted arrays that have only their halos."""
-        for part in self.parts.values():
-            if part.part.has_halo and not part.reads_ghosted:
-                self._exchange(part.part.inside)
-
-    def _fill(self, inside: bool = False) -> None:
-        """Fill halos; the owned nodes of ghosted arrays too where something reads them there."""
-        self._exchange(self.layout.halos)
-        for part in self.parts.values():
-            if part.part.has_halo and (inside or part.reads_ghosted):
-                self._exchange(part.part.inside)
-        self._each("images")
-
-    def _follow(self) -> None:
-        """Tell the grids of gases where their particles are."""
-        self._each("follow")
-        for gas in self.gases:
-            self._exchange(gas.gather)
-
-    def _call(self, *names: str, of: tuple[Array, ...] | None = None) -> None:
-        """Call procedures, with y and f if ``of`` is not given."""
-        for name in names:
-            procedure = self.does[name]
-            vectors = (self._y, self._f) if of is None else of
-            self._calls.append((procedure, vectors[: len(procedure.vectors)]))
-
-    def _each(self, name: str) -> None:
-        """Call the procedure of this name of each part that has it."""
-        for procedure in (part.does[name] for part in self.parts.values() if name in part.does):
-            self._calls.append((procedure, (self._y, self._f)[: len(procedure.vectors)]))
-
-    def _exchange(self, one: Any) -> None:
-        """Exchange with other ranks, if there is something to be exchanged."""
-        if not one.empty:
-            self._calls.append((one, (self._y,)[: len(one.vectors)]))
+        sums, areas, slips = of_particles.sums, of_particles.areas, of_particles.slips
+        with_halo = [part for part in parts if part.part.has_halo]
+        inside = [part.part.inside for part in with_halo]
+        read = [part.part.inside for part in with_halo if part.reads_ghosted]
+        halos, images = self.layout.halos, each("images")
+        fill = [halos, *read, *images]  # owned nodes of ghosted arrays too where they are read
+        follow = [*each("follow"), *(gas.gather for gas in self.gases)]
+        reduce = [does["reduce"]] * (self.layout.comm.size > 1)
+        normals = [*each("normals"), areas, does["end_normals"]] if slips else []
+        turned = [*each("turn"), areas, does["end_turning"]] if slips else []
+        stored: list[Any] = []
+        if of_particles.stores:
+            stored = [does["begin_stored"], *fill, *each("store")]
+            stored += [of_particles.stored, does["weigh_heat"]]
+        # where walls slip, conditions change velocities, which grids follow
+        imposed = [does["impose_conditions"], *(follow if slips else []), *each("swing")]
+        found = {
+            "share": [does["weigh"], sums, does["end_sums"], *follow, *each("move")],
+            "impose": [*normals, *stored, *imposed],
+            "monitor": [does["begin_monitor"], *fill, *each("monitor"), *reduce,
+                does["note_extremes"], does["note_gained"]],
+            "halos": [halos, *inside, *images],
+            "inside": [one for one in inside if one not in read],
+        }  # fmt: skip
+        for name in ("rates", *STAGES):
+            begin = does[f"begin_{name}"], does["clear_gain"], *turned, *fill
+            end = (does["weigh"],), sums, does["end_rates"]
+            found[name] = [*begin, *each("rates"), *end]
+        for name in STAGES:
+            found[name].append((does[name],))
+        for n, time in enumerate(OF_STAGES):
+            data = [code.procedures[0] for code in self.data] if time else []
+            found[f"data_{n}"] = [does[time], *data] if data else []
+        return found

@@ -1,6 +1,6 @@
 """The file of a checkpoint: numbers and a text, never code; what was written whole is read.
 
-    the first 512 bytes   "fsipetsc checkpoint 5", the SHA-256 and the length of all that follows
+    the first 512 bytes   "fsipetsc checkpoint 6", the SHA-256 and the length of all that follows
     from there on         an HDF5 file: /header, JSON text, and a dataset arrays/NAME for each array
 
 HDF5 passes over the first 512 bytes, so h5dump and h5py open the file as it is. The checksum is of
@@ -23,7 +23,7 @@ from fsipetsc.output.file_layout import damage, in_memory, put
 
 Array = np.ndarray[Any, Any]
 _MAGIC = b"fsipetsc checkpoint "
-VERSION = 5
+VERSION = 6
 _HEAD = 512  # bytes: HDF5 looks for its own beginning at this place, too
 
 

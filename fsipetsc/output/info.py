@@ -35,7 +35,6 @@ LABELS = {
     "J_error": "departure of J",
     "lost_energy": "lost energy of solids",
     "steps": "time steps",
-    "rejected_steps": "rejected steps",
     "bound": "step bounded by",
     "wall_time": "wall time of the steps",
     "ranks": "ranks",

@@ -26,7 +26,7 @@ from fsipetsc.paper.stencils import Stencils
 from fsipetsc.parallel.block_shares import Extent, Share, share_out
 from fsipetsc.parallel.exchange import Halo, Reach, halo_of
 from fsipetsc.problem import Problem
-from fsipetsc.state import Seen, State, loose
+from fsipetsc.state import Seen
 
 Array = np.ndarray
 _NONE = np.zeros(0, np.int64), np.zeros(0, np.int64)
@@ -176,14 +176,6 @@ def used_up(record: Any, problem: Problem, op: SBPOperator, exhausted: bool) -> 
         f"fluid {problem.layers[record['number']]} has {what}, with its interface at "
         f"x = {x:.6g}{m} and its boundary at x = {end:.6g}{m}"
     )
-
-
-def loose_forces(state: State) -> list[str]:
-    """Forces that do not keep rest: frames are cut where walls are, and the couplings bring
-    stresses together.
-    """
-    forced = [v for v in state.problem.layers if v.kind == "fluid" and any(v.material.force)]
-    return [f"{loose(gas.name)}; -fsi_coupling conservative keeps rest" for gas in forced]
 
 
 class Layer:

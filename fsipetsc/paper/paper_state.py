@@ -1,4 +1,4 @@
-"""The state of a run of the paper's method: what fsipetsc.stepping drives.
+"""The state of a run of the paper's method.
 
 One evaluation of the right-hand side:
 
@@ -15,7 +15,6 @@ the results, bit for bit.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,7 @@ from petsc4py import PETSc
 
 from fsipetsc.blocks.values import names_of
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.calls import Calls, calling_code
+from fsipetsc.kernels.calls import calling_code
 from fsipetsc.kernels.memory import zeros
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import steps
@@ -36,7 +35,6 @@ from fsipetsc.paper.layers import (
     Layer,
     check_ends,
     check_form,
-    loose_forces,
     make_records,
     note_share,
     shares_of,
@@ -48,14 +46,8 @@ from fsipetsc.problem import Problem, SolidLayer
 from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import agree, together
 from fsipetsc.scheme.plan import (
-    ALLOWED,
-    BAD,
-    CAPACITY,
-    DT,
     EXHAUSTED,
-    MADE,
     SAID_STOP,
-    TIME,
     TOO_SHORT,
     plan_next,
     step_record,
@@ -63,8 +55,6 @@ from fsipetsc.scheme.plan import (
 from fsipetsc.state import FAULT, Seen, State
 
 Array = np.ndarray
-#: times of the stages, in steps
-FRACTIONS = 0.0, 0.5, 0.5, 1.0
 #: of the record of a layer: where its grid lies, and how it moves
 FRAME = "lo", "hi", "s", "x_interface"
 ROWS_TAG, HALOS_TAG = 0, 1  # of messages between ranks
@@ -76,13 +66,11 @@ class PaperState(State):
     opt: options in force; announce: told of what is compiled. InputError where grid, order and
     number of ranks do not fit, or the problem is not of the paper's form.
 
-    records, layers: see fsipetsc.paper.layers. rates: (layers, 2), the largest ones of convection
-    and diffusion [1/s]. solution: y as a world Vec; k: rates. evaluations: of the right-hand side.
+    records, layers: see fsipetsc.paper.layers. bounds: (layers, 2), the largest rates of convection
+    and diffusion [1/s]; k: rates. loose: gases on which a force acts.
     """
 
-    NOTES = MappingProxyType({"begin": (loose_forces,)})
-    fault: InputError | None = None
-    _kept: tuple[Array, ...] = ()  # what the last call of ``step`` began with
+    _filled = False  # whether there are data of ends, jumps, forcing
 
     def __init__(
         self,
@@ -94,7 +82,8 @@ class PaperState(State):
         check_form(problem, opt)
         order, self.h = opt["fsi_order"], opt["fsi_h"]
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
-        self.evaluations = 0
+        self.asks = not problem.steady_data
+        self.loose = [v for v in problem.layers if v.kind == "fluid" and any(v.material.force)]
         op = stencils(order, opt["fsi_viscous"] == "narrow")
         records = make_records(problem, self.op, self.h)
         of_share = records, op.halo, opt["fsi_partition"]
@@ -112,12 +101,13 @@ class PaperState(State):
         self.y, total, self.k = zeros((3, begins[-1]))
         self.solution = PETSc.Vec().createWithArray(self.y, comm=comm)
         of_steps = self._lay_results(int(sum(dof == DOF["fluid"])))
+        self.changing = self.y, self.records, self.results, self.batch
         self.layers = []
         for k, layer in enumerate(problem.layers):
             ends = tuple(problem.end(k, side) for side in (0, 1))
             place, vectors = slice(begins[k], begins[k + 1]), (self.y, total, self.k)
             where = local[k].reshape(dof[k], -1), place, vectors
-            of_layer = self.records[k:][:1], shares[k], op, *where, self.rates[k], self.batch
+            of_layer = self.records[k:][:1], shares[k], op, *where, self.bounds[k], self.batch
             self.layers.append(Layer(layer, ends, *of_layer))
         self.shapes = [(n,) for n in records["n"].tolist()]
         self.parts = {layer.number: layer for layer in self.layers if layer.present}
@@ -137,10 +127,10 @@ class PaperState(State):
         """Make what is known after a step: what ranks tell each other comes first."""
         record = step_record(len(self.problem.interfaces), gases)
         noted, count = len(self.problem.interfaces) * steps.NOTES, 2 * len(self.records)
-        numbers = self._lay_journal(record, CAPACITY, count)
+        numbers = self._lay_journal(record, count)
         first = self.results.size
         rates, notes = numbers[first:][:count], numbers[first + count :][:noted]
-        self.rates = rates.reshape(-1, 2)
+        self.bounds = rates.reshape(-1, 2)
         told, sums = np.split(numbers, [first + count + noted])
         return steps.Steps(told, self.results, rates, notes, sums)
 
@@ -156,41 +146,34 @@ class PaperState(State):
             functions = couple, note
             one.does = {f: code.procedure(f"{f.__name__}_{place}", f, one.sides) for f in functions}
         functions = steps.forget, steps.tell, steps.finish
-        does = {f: code.procedure(f.__name__, f, of_steps) for f in functions}
-        self.planning = code.procedure("plan_next", plan_next, self.plan)
+        self._does = {f: code.procedure(f.__name__, f, of_steps) for f in functions}
+        planning = code.procedure("plan_next", plan_next, self.plan)
         (library,) = libraries(self.comm, [code.text], announce)
         code.load(library)
-        reduction = Reduction(self.comm, of_steps.told)
-        for exchange in (self._rows, self._halos, reduction):
+        self._reduction = Reduction(self.comm, of_steps.told)
+        for exchange in (self._rows, self._halos, self._reduction):
             exchange.load(library)
-        numbers = (steps.RATES_ALONE, *range(steps.STAGES))
-        # a stage fulfils the conditions but for the ghost point, the completed solution all
-        names = {n: [*["fill"] * (n != 0), "rates", f"advance_{n}"] for n in numbers}
-        here = self.parts.values()
-        stages = {
-            n: [v.does[name] for v in here for name in names[n] if name in v.does] for n in numbers
-        }
-        fulfil = [self._rows, *(one.does[couple] for one in self.interfaces if any(one.here))]
-        fulfil += [layer.does["close"] for layer in here if not layer.is_gas]
-        fulfil.append(self._halos)
-        fulfil = [one for one in fulfil if not getattr(one, "empty", False)]
-        completing = [does[steps.forget], *(layer.does["complete"] for layer in here)]
-        # the owner of the solid notes an interface
-        completing += [one.does[note] for one in self.interfaces if one.here[1]]
-        completing += [does[steps.tell], reduction] if self.comm.size > 1 else []
-        completing.append(does[steps.finish])
-        of_step = list(stages[0])  # it begins with the completed solution
-        for n in range(1, steps.STAGES):
-            of_step += [*fulfil, *stages[n]]
-        of_step += [*fulfil, *completing, self.planning]
+        self._take_calls(library, planning)
 
-        def calls(procedures: list[Any]) -> Calls:
-            return Calls(library, [(procedure, ()) for procedure in procedures])
-
-        self.stages = {n: calls(procedures) for n, procedures in stages.items()}
-        #: what lets the stage fulfil all conditions but for ghost points, which are filled later
-        self.fulfil = calls(fulfil)
-        self.completing, self.whole_step = calls(completing), calls(of_step)
+    def phase(self, name: str, n: int, f: Array | None = None) -> list[Any]:
+        here, does, found = self.parts.values(), self._does, list[Any]()
+        if name == "fulfil" and n > 0:  # the solution fulfils the conditions
+            found += [self._rows]
+            found += [one.does[couple] for one in self.interfaces if any(one.here)]
+            found += [layer.does["close"] for layer in here if not layer.is_gas]
+            found += [self._halos]
+        elif name in ("rates", "advance"):
+            # a stage fulfils the conditions but for the ghost point, the completed solution all
+            made = [*["fill"] * (n != 0), "rates", f"{name}_{n}"]
+            found += [v.does[one] for v in here for one in made if one in v.does]
+        elif name == "complete":
+            found += [does[steps.forget], *(layer.does["complete"] for layer in here)]
+            # the owner of the solid notes an interface
+            found += [one.does[note] for one in self.interfaces if one.here[1]]
+            found += [does[steps.tell], self._reduction] if self.comm.size > 1 else []
+            found += [does[steps.finish]]
+        made = [one for one in found if not getattr(one, "empty", False)]
+        return [(one, (f,)[: len(one.vectors)]) for one in made]
 
     # what is known of it
 
@@ -256,13 +239,15 @@ class PaperState(State):
     # data
 
     def set_data(self, t: float) -> None:
-        """Evaluate boundary data, jumps and forcing at time t [s] for the next evaluation of the
-        right-hand side.
+        """Evaluate boundary data, jumps and forcing at time t [s]; once if they are steady.
 
         If a function of the user's fails, here alone perhaps, the step goes on, and all ranks learn
         of it when it is complete: see ``fault``.
         """
         problem, records = self.problem, self.records
+        if self._filled and not self.asks:
+            return
+        self._filled = True
         try:
             for k, side, end in ((0, 0, problem.left), (-1, 1, problem.right)):
                 values = end.data(t)
@@ -300,80 +285,26 @@ class PaperState(State):
         self.check_data()
         self.finish()
 
-    # steps
+    # steps; all stages are in the same memory
 
-    def right_hand_side(self, y: Array, f: Array) -> None:
-        """f = dy/dt of this rank's part, at the projected y, for the data set last."""
-        self.evaluations += 1
-        self._load(y)
-        self.fulfil()
-        self.stages[steps.RATES_ALONE]()
-        f[:] = self.k
+    def load(self, n: int, y: Array) -> None:
+        for layer in self.parts.values():
+            layer.owned[:] = layer.of(y).T
 
-    def project(self, y: Array) -> None:
-        """Let this rank's part y obey all conditions, in place."""
-        self._load(y)
-        self.fulfil()
+    def unload(self, n: int, y: Array) -> None:
         for layer in self.parts.values():
             layer.of(y)[:] = layer.owned.T
 
-    def finish(self) -> None:
-        """Complete a step whose raw result PETSc has left in the solution."""
-        self._load(self.y)
-        self.fulfil()
-        self.completing()
+    def right_hand_side(self, y: Array, f: Array) -> None:
+        super().right_hand_side(y, f)
+        f[:] = self.k
 
-    def step(self, t: float, dt: float, steady: bool) -> None:
-        """A step dt [s] from the completed solution at t [s], and the others of its batch, which
-        are one call of C where data are ``steady``.
-        """
-        self.batch[DT] = dt
-        changed = self.y, self.records, self.results, self.batch
-        self._kept = tuple(array.copy() for array in changed)
-        if steady:
-            self.whole_step.batch(self.results[BAD:], self.batch[ALLOWED:])
-            self.evaluations += steps.STAGES * max(1, int(self.batch[MADE]))
-            return
-        more = True
-        while more:
-            self.evaluations += steps.STAGES
-            self._advance(t, dt, steady)
-            more, dt = self.plan_next(), self.batch[DT]
+    def show(self, n: int) -> None:
+        """Do nothing: the halos are filled."""
 
-    def _advance(
-        self, t: float, dt: float, steady: bool, ends: Callable[[], Any] = lambda: None
-    ) -> bool:
-        """A step of the classical Runge-Kutta method and its completion; where ``ends()``, called
-        once a stage fulfils the conditions, returns something, it ends and returns True.
-        """
-        for number, fraction in enumerate(FRACTIONS):
-            if not steady:
-                self.set_data(t + fraction * dt)
-            if number > 0:  # it begins with the completed solution
-                self.fulfil()
-                if ends():
-                    return True
-            self.stages[number]()
-        if not steady:
-            self.set_data(t + dt)
-        self.fulfil()
-        self.completing()
-        return bool(ends())
-
-    def go_to_fault(self, unphysical: Callable[[], Any]) -> str:
-        """Repeat the steps since the last call of ``step`` up to the first unphysical stage: NaN
-        spreads from there. Steps of PETSc's methods are not repeated.
-        """
-        if self._kept:
-            self.y[:], records, self.results[:], self.batch[:] = self._kept
-            for name in FRAME:
-                self.records[name] = records[name]
-            self._begin()
-            steady = self.problem.steady_data
-            while not self._advance(*self.batch[[TIME, DT]], steady, unphysical):
-                if not self.plan_next():
-                    break
-        return ""
+    def begin(self) -> None:
+        self.load(0, self.y)
+        self._halos()
 
     # checkpoints
 
@@ -382,19 +313,6 @@ class PaperState(State):
         self._learn_frames()
         return {name: self.records[name].copy() for name in FRAME}
 
-    def go_on(self, t: float, arrays: Mapping[str, Array]) -> None:
-        """Take frames, data of the time t [s], and the solution."""
+    def take(self, arrays: Mapping[str, Array]) -> None:
         for name in FRAME:
             self.records[name] = arrays[name]
-        self.set_data(t)
-        self._begin()
-
-    def _begin(self) -> None:
-        """Let the stage be the solution, which is completed: it fulfils the conditions."""
-        self._load(self.y)
-        self._halos()
-
-    def _load(self, y: Array) -> None:
-        """Let the stage be this rank's part y."""
-        for layer in self.parts.values():
-            layer.owned[:] = layer.of(y).T

@@ -18,10 +18,8 @@ from fsipetsc.paper import ends, rates
 from fsipetsc.paper.stencils import Stencils, derivative
 from fsipetsc.scheme.columns import larger
 from fsipetsc.scheme.plan import DT, RATE, SAID_STOP, STOP, TOO_SHORT
-from fsipetsc.scheme.runge_kutta import factors
+from fsipetsc.scheme.runge_kutta import STAGES, factors
 
-#: of the method; the number of a stage of which only the rates are wanted
-STAGES, RATES_ALONE = 4, -1
 #: numbers of an interface that are noted
 NOTES = 8
 

@@ -1,7 +1,7 @@
 """What must not change: mass, momentum, energy, and the direction of entropy, held against the
 recorded series.
 
-Of blocks all is counted that comes in through faces and by body forces (fsipetsc.blockrun.scheme):
+Of blocks all is counted that comes in through faces and by body forces:
 masses, all components of momentum and energy are held for open edges, too; with the potential
 energy of constant forces in the place of their work where no mass comes in and grids are at rest;
 the entropy of gases where nothing comes in and solids take no heat from them. Of the paper's method

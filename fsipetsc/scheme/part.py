@@ -77,12 +77,6 @@ def images(part):
             values[c, image] = signs[c] * values[c, rows * n + i]
 
 
-def copy(of, to):
-    """Copy an array."""
-    for i in each(of.size, vector=True):
-        to[i] = of[i]
-
-
 def clear(numbers):
     """Set all numbers of an array to 0."""
     for i in each(numbers.size, vector=True):

@@ -21,9 +21,8 @@ EXHAUSTED, TOO_SHORT = 0, 1
 RATE, BAD, STOP, SAID_STOP = 2, 3, 4, 5
 #: doubles of the flags and of the limits among the results
 FLAGS, LIMITS = 2, 4
-#: steps that the journal holds; they must be written then. Whole chunks of the file, see
-#: output.tables
-CAPACITY = 40 << 10
+#: steps that the journal holds; they must be written then
+CAPACITY = 4096
 
 
 def shares(record: np.dtype) -> tuple[str, ...]:

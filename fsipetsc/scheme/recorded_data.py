@@ -19,7 +19,7 @@ from fsipetsc.kernels.formula import Formula, number_of, numbers_of
 from fsipetsc.kernels.loops import each
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.kernels.unit import unit
-from fsipetsc.scheme.runge_kutta import AT
+from fsipetsc.scheme.plan import DT, TIME
 
 Array = NDArray[Any]
 #: of places (d symbols) and the time: numbers and tuples of numbers, one for each target
@@ -33,38 +33,30 @@ class Recorder:
     """
 
     def __init__(self) -> None:
-        self._timed, self._about = list[Timed](), list[str]()
-        self.refused = list[str]()
+        self._timed, self.refused = list[Timed](), list[str]()
 
     def add(self, about: Any, make: Make, x: Array, at: Array | None, *targets: Array) -> None:
         """Record data of ``about``, a condition or a text, at places x (d, n), which go to rows
         ``at`` of targets. What does not depend on time needs no record: Python is asked once.
         """
-        what = about if isinstance(about, str) else type(about).__name__
         try:
             formula = Formula(make, len(x))
         except (Exception, SystemExit) as error:  # of the user's function
             place = place_in(error)
+            what = about if isinstance(about, str) else type(about).__name__
             self.refused.append(f"{place}: " * bool(place) + f"{what}: {reason(error)}")
             return
         if formula.in_time:
             places = tuple(map(np.ascontiguousarray, x))
             self._timed.append(Timed(formula, formula.numbers, places, at, targets))
-            self._about.append(what)
 
-    def code(self, now: Array) -> Code | None:
+    def code(self, time: Array) -> Code | None:
         """The code whose only procedure fills the data; None if nothing depends on time."""
         if not self._timed:
             return None
         code = Code(unit({}, []))
-        code.procedure("set_data", set_data, tuple(self._timed), now)
+        code.procedure("set_data", set_data, tuple(self._timed), time)
         return code
-
-    def faulty(self) -> str:
-        """Whose data are not finite now, or ""."""
-        pairs = zip(self._about, self._timed, strict=True)
-        bad = (what for what, one in pairs if not all(np.isfinite(a).all() for a in one.targets))
-        return next(bad, "")
 
 
 def asked(condition: Any, name: str, x: Any, t: Any, count: int = 0) -> Any:
@@ -101,10 +93,10 @@ class Timed(NamedTuple):
     targets: tuple[Array, ...]
 
 
-def set_data(timed, now):
+def set_data(timed, time):
     """Fill data that depend on time."""
     for one in timed:
-        formula = one.formula(one.numbers, now[AT])
+        formula = one.formula(one.numbers, time[0])
         for i in each(one.x[0].shape[0], vector=True):
             row = i if one.at is None else one.at[i]
             values = formula(tuple(x[i] for x in one.x))
@@ -119,8 +111,8 @@ def set_data(timed, now):
 def set_time(part: float) -> Callable[..., None]:
     """Return the procedure that evaluates data at a part of the step."""
 
-    def at(now):
+    def at(found):
         """Set the time of data."""
-        now[AT] = now[0] + part * now[1]
+        found.time[0] = found.plan.batch[TIME] + part * found.plan.batch[DT]
 
     return at

@@ -1,6 +1,6 @@
 """Steps of the classical Runge-Kutta method: its stages, what is known after a step.
 
-The procedures here are those between the phases of fsipetsc.blockrun.scheme.
+The procedures here are those between the phases of fsipetsc.blockrun.phases.
 """
 
 from collections.abc import Callable
@@ -8,23 +8,20 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.kernels.loops import each, otherwise, variable, when
+from fsipetsc.kernels.loops import each, variable
 from fsipetsc.kernels.memory import Array
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
-from fsipetsc.scheme.part import clear, copy
-from fsipetsc.scheme.plan import BAD, DT, RATE, SAID_STOP, STOP, Plan, plan_next
+from fsipetsc.scheme.part import clear
+from fsipetsc.scheme.plan import BAD, DT, RATE, SAID_STOP, STOP, Plan
 from fsipetsc.scheme.stage import LAST, NEXT, RATES
 
 STAGES = 4
-#: place of the time in ``now`` of which the recorded data are
-AT = 2
 
 
 class Found(NamedTuple):
-    """What steps take and fill: the solution y, its stages, the sum that becomes the next one, and
-    the solution before the step, to go back to; gain: a fsipetsc.scheme.part.Gain. The rest is that
-    of fsipetsc.blockrun.block_state; at_ends: (4, interfaces). now: (3,) time and length of the
-    step that is made, time of recorded data. stage: (2,) what sweeps make of rates
+    """What steps take and fill: the solution y, its stages, the sum that becomes the next one;
+    gain: a fsipetsc.scheme.part.Gain. The rest is that of fsipetsc.blockrun.block_state; at_ends:
+    (4, interfaces). time: (1,) of recorded data. stage: (2,) what sweeps make of rates
     (fsipetsc.scheme.stage). left: (runs, 2) begin and end of the numbers of a world vector of which
     sweeps give rates in any case.
     """
@@ -32,7 +29,6 @@ class Found(NamedTuple):
     y: Array
     stages: tuple[Array, ...]
     total: Array
-    before: Array
     gain: Any
     extremes: Array
     rates: Array
@@ -41,7 +37,7 @@ class Found(NamedTuple):
     at_ends: Array
     pace: float
     plan: Plan
-    now: Array
+    time: Array
     stage: Array
     left: Array
 
@@ -52,7 +48,7 @@ def begin_stage(number: int | None) -> Callable[..., None]:
     def begin(found):
         """What sweeps store from now on."""
         kind = RATES if number is None else (NEXT, NEXT, NEXT, LAST)[number]
-        a, b = factors(number or 0, found.now[1])
+        a, b = factors(number or 0, found.plan.batch[DT])
         found.stage[0], found.stage[1] = float(kind), b if kind == LAST else a
 
     return begin
@@ -74,7 +70,7 @@ def advance(number: int) -> Callable[..., None]:
 
     def stage(found, f):
         """The next stage from rates, and the sum that becomes the solution."""
-        base, total, (a, b) = found.y, found.total, factors(number, found.now[1])
+        base, total, (a, b) = found.y, found.total, factors(number, found.plan.batch[DT])
         for run in each(found.left.shape[0]):
             for i in each(found.left[run, 0], found.left[run, 1], vector=True):
                 k = f[i]
@@ -86,13 +82,6 @@ def advance(number: int) -> Callable[..., None]:
                     total[i] = sum_of_stages
 
     return stage
-
-
-def begin_step(found):
-    """Keep the solution, to go back to if the step fails, where the last sweep does not keep it."""
-    for run in each(found.left.shape[0]):
-        for i in each(found.left[run, 0], found.left[run, 1], vector=True):
-            found.before[i] = found.y[i]
 
 
 def begin_monitor(found):
@@ -142,14 +131,3 @@ def note_gained(found, y):
         gained = latest[first + c] + y[y.size - count + c]
         latest[first + c] = gained
         y[y.size - count + c] -= gained
-
-
-def end_step(found):
-    """If all is well, plan the next step; else let the solution be what it was before this one."""
-    now, batch = found.now, found.plan.batch
-    with when(found.results[BAD] == 0.0):
-        now[0] += now[1]
-        plan_next(found.plan)
-        now[1] = batch[DT]
-    with otherwise():
-        copy(found.before, found.y)

@@ -2,12 +2,12 @@
    stage of the Runge-Kutta method (fsipetsc/scheme/runge_kutta.py). */
 
 enum { RATES, NEXT, LAST };
-/* numbers: RATES … LAST, what k is multiplied by; a block's part of the solution, of the stages of
-   fsipetsc/scheme/stage.py, and of the solution before. */
-struct stage { const double *numbers, *y, *y1, *y2, *y3; double *before; };
+/* numbers: RATES … LAST, what k is multiplied by; a block's part of the solution, and of the stages
+   of fsipetsc/scheme/stage.py. */
+struct stage { const double *numbers, *y, *y1, *y2, *y3; };
 #define STAGES(own)                                                        \
   .y = stage->y + own, .y1 = stage->y1 + own, .y2 = stage->y2 + own,       \
-  .y3 = stage->y3 + own, .before = stage->before + own, .numbers = stage->numbers
+  .y3 = stage->y3 + own, .numbers = stage->numbers
 
 /* Nodes begin … end - 1 of an axis that a rank owns, and those of them to whose rates nothing is
    added after a sweep. */

@@ -23,7 +23,7 @@ from fsipetsc.equations.vectors import add, along, sub
 from fsipetsc.kernels.kernel import OWNED, SHARED, Kernel
 
 Spans = Sequence[tuple[int, int]]
-#: what is stored: k, the next stage, the solution and, as ``before``, the one before it
+#: what is stored: k, the next stage, the solution
 RATES, NEXT, LAST = range(3)
 KINDS = "rates", "next", "last"
 
@@ -31,7 +31,7 @@ KINDS = "rates", "next", "last"
 class Stage(ctypes.Structure):
     """The struct stage of fsipetsc/scheme/stage.c."""
 
-    _fields_ = [(name, ctypes.c_void_p) for name in ("numbers", "y", "y1", "y2", "y3", "before")]
+    _fields_ = [(name, ctypes.c_void_p) for name in ("numbers", "y", "y1", "y2", "y3")]
 
 
 #: rates are what is stored
@@ -53,7 +53,7 @@ def store(kernel: Kernel, kind: int, k: Sequence[Any]) -> None:
     """Let a kernel store what becomes of the rates k of its nodes; all kinds of a kernel take the
     same arguments.
     """
-    kernel.takes(OWNED, "y", "y1", "y2", "y3", "before")
+    kernel.takes(OWNED, "y", "y1", "y2", "y3")
     kernel.takes(SHARED, "numbers")
     if kind == RATES:
         kernel.store("next", OWNED, k)
@@ -66,4 +66,3 @@ def store(kernel: Kernel, kind: int, k: Sequence[Any]) -> None:
     one, two, three = (sub(kernel.read(n, OWNED, len(k)), y) for n in ("y1", "y2", "y3"))
     change = along(add(one, three), 2.0, two)
     kernel.store("next", OWNED, along(along(y, 1.0 / 3.0, change), a, k))
-    kernel.store("before", OWNED, y)

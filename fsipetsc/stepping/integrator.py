@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -26,13 +26,11 @@ from fsipetsc.scheme.plan import (
     shares,
 )
 from fsipetsc.state import FAULT, State
-from fsipetsc.stepping import soundness
+from fsipetsc.stepping.notes import check
 
 #: what a rank says of STOP that wants a checkpoint, below the numbers of signals. What ranks say
 #: goes round after a step anyway and the largest word counts, so a signal may come to any rank
 CHECKPOINT = 0.5
-#: flags and limits of all ranks end here
-LAST = STOP + 1
 #: with -fsi_check: after so many steps at most their records are taken, and conservation is checked
 CHECKED = 256
 #: points of all ranks times steps in one call, so that a signal need not wait
@@ -40,7 +38,7 @@ MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}
 #: most steps in a batch; between batches signals are answered and progress is shown
 MOST_STEPS = 64
 #: what a checkpoint keeps as it is
-KEPT = "steps", "t", "wall_time", "initial", "beyond"
+KEPT = "steps", "t", "wall_time", "initial", "saved_at"
 
 
 def saved_times(
@@ -60,28 +58,18 @@ def saved_times(
 
 
 class Integrator:
-    """Integrates a state in time; all methods are collective.
+    """Integrates a state in time; all methods are collective. What is done with frames, records and
+    checkpoints says a class that inherits from this one.
 
-    opt: options in force. saved: times [s] at which ``on_frame(t)`` is called; those of the options
-    if not given. ``on_series()`` is called when the records of steps must be taken
-    (``take_series``), ``on_step(steps, t, dt)`` after every batch of steps, ``on_checkpoint()``
-    when a checkpoint is due: after so many steps, by the clock of rank 0, after a signal, and, for
-    those who want any, at the end.
+    opt: options in force. saved: times [s] at which there are frames; those of the options if not
+    given. steps, t, wall_time [s] of the loop: reached so far; saved_at: time of the last frame.
+    initial: integrals at t = 0. stop_signal: that which has ended the run, or 0.
     """
 
     def __init__(
-        self,
-        state: State,
-        opt: Mapping[str, Any],
-        saved: list[float] | None = None,
-        on_frame: Callable[[float], object] = lambda t: None,
-        on_series: Callable[[], object] | None = None,
-        on_step: Callable[[int, float, float], object] = lambda steps, t, dt: None,
-        on_checkpoint: Callable[[], object] = lambda: None,
+        self, state: State, opt: Mapping[str, Any], saved: Sequence[float] | None = None
     ) -> None:
-        self.state, self.opt = state, opt
-        self._on_frame, self._on_series = on_frame, on_series or self.take_series
-        self._on_step, self._on_checkpoint = on_step, on_checkpoint
+        self.state, self.opt, self.comm = state, opt, state.comm
         self._recorded = 0  # steps in the journal, at most as many as it has room for
         self._room = CHECKED if opt["fsi_check"] else len(state.journal)
         self._signal = 0  # the last one that came to this rank
@@ -91,18 +79,36 @@ class Integrator:
             times = opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"]
             saved = saved_times(*times, state.problem.unit("s"))
         self._targets = sorted(saved, reverse=True)  # times that are still to be hit
-        self._steady = state.problem.steady_data
-        self.steps, self.t = 0, 0.0
+        self.steps, self.t, self.saved_at = 0, 0.0, -1.0
         self.wall_time = self._begun = 0.0
         self.stop_signal = 0
         self._fused = opt["ts_type"] == "fused"
         self._watched = PETSc.Options().hasName("ts_monitor")
         self.batch_limit = 1  # most steps in one call
-        if self._fused and not state.asks:
+        if self._fused and not state.asks and not self._watched:
             most = MOST_POINTS[state.problem.dimension] // state.points
-            self.batch_limit = max(1, min(1 if self._watched else MOST_STEPS, most))
-        self.initial: dict[str, Any] = {}  # integrals at t = 0
-        self.beyond = ""  # what is to be said of steps that are too long
+            self.batch_limit = max(1, min(MOST_STEPS, most))
+        self.initial: dict[str, Any] = {}
+
+    # what is done with results: nothing
+
+    def frame(self) -> None:
+        """A time to be saved is reached. Collective."""
+        self.saved_at = self.t
+
+    def records(self) -> None:
+        """The records of steps must be taken (``take_series``). Collective."""
+        self.take_series()
+
+    def progress(self, dt: float) -> None:
+        """A batch of steps was made, the longest of dt [s]."""
+
+    def checkpoint(self) -> None:
+        """A checkpoint is due: after so many steps, by the clock of rank 0, after a signal, and at
+        the end for those who want any. Collective.
+        """
+
+    # the course of a run
 
     @property
     def complete(self) -> bool:
@@ -113,10 +119,10 @@ class Integrator:
     def _ended(self) -> bool:
         return self.complete or bool(self.stop_signal) or self.steps >= self.opt["ts_max_steps"]
 
-    def _pass(self, t: float) -> bool:
-        """Note that the time t [s] is reached; True if it is one to be saved."""
+    def _pass(self) -> bool:
+        """Note that the time is reached; True if it is one to be saved."""
         before = len(self._targets)
-        while self._targets and self._targets[-1] <= t:
+        while self._targets and self._targets[-1] <= self.t:
             self._targets.pop()
         return len(self._targets) < before
 
@@ -124,17 +130,14 @@ class Integrator:
         """Set the initial data and save the first frame."""
         state = self.state
         state.set_initial()
-        if not self._steady:
-            state.set_data(self.t)  # with differences in time of the length that a step has
+        state.set_data(self.t)  # with differences in time of the length that a step has
         state.finish()
-        flags = state.results[:LAST].tolist()
-        soundness.check(state, self.t, self.steps, flags, self.beyond)
+        check(state, self.t, self.steps)
         kept = [name for name in state.latest.dtype.names if SERIES[name].kind == INTEGRAL]
         sums = {name: state.comm.allreduce(state.latest[name]) for name in kept}
         self.initial = {name: value.tolist() for name, value in sums.items()}
-        self.beyond = soundness.beyond_bound(state, self.opt)
-        self._pass(self.t)
-        self._on_frame(self.t)
+        self._pass()
+        self.frame()
 
     def memory(self) -> dict[str, Any]:
         """Return what ``resume`` needs beside the state; as JSON holds it."""
@@ -144,12 +147,11 @@ class Integrator:
 
     def resume(self, memory: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
         """Be where ``memory`` and ``state.capture()`` told of. InputError if it does not fit."""
-        state = self.state
         for name in KEPT:
             setattr(self, name, memory[name])
-        state.evaluations = memory["evaluations"]
-        state.restore(arrays, self.t)
-        self._pass(self.t)
+        self.state.evaluations = memory["evaluations"]
+        self.state.restore(arrays, self.t)
+        self._pass()
 
     def take_series(self) -> np.ndarray:
         """Return the records of steps since the last time, on rank 0 with sums over ranks; not
@@ -193,8 +195,7 @@ class Integrator:
         return ts
 
     def _right_hand_side(self, ts: PETSc.TS, t: float, Y: PETSc.Vec, F: PETSc.Vec) -> None:
-        if not self._steady:
-            self.state.set_data(t)
+        self.state.set_data(t)
         self.state.right_hand_side(Y.getArray(readonly=True), F.getArray())
 
     def _plan_step(self, ts: PETSc.TS) -> None:
@@ -220,8 +221,9 @@ class Integrator:
         """Make the step that is planned, or a batch of them; note it, and its time and number."""
         state = self.state
         if self._fused:
-            state.step(self.t, float(state.batch[DT]), self._steady)
+            state.step(self.t, float(state.batch[DT]))
         else:
+            state.keep()
             try:
                 ts.step()
             except BaseException as error:
@@ -229,29 +231,29 @@ class Integrator:
                 cause = (error.__cause__ if isinstance(error, PETSc.Error) else None) or error
                 clear_frames(cause)  # petsc4py loses a TS that somebody else still holds
                 raise cause from None
-            if not self._steady:
-                state.set_data(float(state.batch[NEXT]))
+            state.set_data(float(state.batch[NEXT]))
             state.finish()
-            state.plan_next()
+            state.planning()
         if state.results[STOP] >= FAULT:  # the step was made with data that are wrong
             agree(state.comm, state.fault)
 
     def _after_step(self) -> None:
-        t, made, dt = self.state.batch[[TIME, MADE, LONGEST]].tolist()
-        self.t, self.steps = t, self.steps + int(made)
-        self._on_step(self.steps, t, dt)
-        flags = self.state.results[:LAST].tolist()
+        state = self.state
+        self.t, made, dt = state.batch[[TIME, MADE, LONGEST]].tolist()
+        self.steps += int(made)
+        self.progress(dt)
+        stop = float(state.results[STOP])
         self._recorded += int(made) - 1  # the last one only if it is sound
-        soundness.check(self.state, self.t, self.steps, flags, self.beyond)
+        check(state, self.t, self.steps)
         self._recorded += 1
         if self._recorded == self._room:
-            self._on_series()
-        if self._pass(self.t):
-            self._on_frame(self.t)
-        self.stop_signal = int(flags[STOP])
+            self.records()
+        if self._pass():
+            self.frame()
+        self.stop_signal = int(stop)
         regular = self._every and self.steps % self._every == 0
-        if flags[STOP] or regular or (self._ended and (self._every or self._wall)):
-            self._on_checkpoint()
+        if stop or regular or (self._ended and (self._every or self._wall)):
+            self.checkpoint()
             self._last_checkpoint = time.monotonic()
 
     def heed(self, number: int) -> None:
@@ -263,4 +265,4 @@ class Integrator:
         if self.state.fault is not None:
             return FAULT
         due = self._wall and time.monotonic() >= self._last_checkpoint + self._wall
-        return self._signal or CHECKPOINT * bool(due and self.state.comm.rank == 0)
+        return self._signal or CHECKPOINT * bool(due and self.comm.rank == 0)

@@ -1,8 +1,8 @@
 """Checkpoints of a run: which one it goes on from, what may have changed since, how they are
 written.
 
-Options that are not given are those of the checkpoint. Some may be others: those of FREE change
-nothing that is computed, those of STEPS only how long steps are and by which method they are made.
+Options that are not given are those of the checkpoint. Those of FREE may be others: they change
+nothing that is computed, or only how long steps are and by which method they are made.
 """
 
 import os
@@ -23,21 +23,23 @@ from fsipetsc.output.file_layout import beside, check_folder
 from fsipetsc.process.together import together
 from fsipetsc.state import State
 
-FREE = OF_A_RUN | {
-    *("fsi_output", "fsi_output_dt", "fsi_output_times", "ts_max_time", "ts_max_steps"),
-    *("fsi_checkpoint", "fsi_checkpoint_steps", "fsi_checkpoint_wall"),
-    *("fsi_partition", "fsi_norm", "fsi_check"),
-}
-STEPS = ({option.name for option in PETSC_OPTIONS} | {"fsi_cfl"}) - FREE
+FREE = (
+    {option.name for option in PETSC_OPTIONS}
+    | OF_A_RUN
+    | {
+        *("fsi_output", "fsi_output_dt", "fsi_output_times", "ts_max_time", "ts_max_steps"),
+        *("fsi_checkpoint", "fsi_checkpoint_steps", "fsi_checkpoint_wall"),
+        *("fsi_partition", "fsi_norm", "fsi_check", "fsi_cfl"),
+    }
+)
 
 
 class Past(NamedTuple):
-    """What a run goes on from; the same on all ranks. notes: lines that are to be said."""
+    """What a run goes on from; the same on all ranks."""
 
     path: str
     header: dict[str, Any]
     arrays: dict[str, np.ndarray]
-    notes: list[str]
 
     @property
     def options(self) -> dict[str, Any]:
@@ -72,7 +74,7 @@ def find_past(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> Past | Non
         if not comm.bcast(os.path.exists(path)):
             return None
 
-    past = together(comm, lambda: Past(path, *checkpoint_file.read(path), []))
+    past = together(comm, lambda: Past(path, *checkpoint_file.read(path)))
     if past.header["case"] != case.NAME:
         other = past.header["case"]
         raise InputError(
@@ -82,53 +84,38 @@ def find_past(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> Past | Non
 
 
 def check_options(past: Past, opt: Mapping[str, Any], given: Mapping[str, str]) -> None:
-    """InputError for an option that cannot change at a restart; notes what may and does."""
+    """InputError for an option that cannot change at a restart."""
     for name, now in opt.items():
         before = past.options.get(name, now)
         before = tuple(before) if isinstance(before, list) else before
-        one = given.get(name.lower())
-        if before == now or one is None or name in FREE:
-            continue
-        text = f"{before:g}" if isinstance(before, float) else str(before)
-        was = "was not given" if before is None else f"was {text}"
-        what = f"-{name} {one}: it {was} when {past.path} was written"
-        leave = "leave it out: what is not given is taken from the checkpoint"
-        if name not in STEPS:
-            raise InputError(f"{what}, and cannot change at a restart; {leave}")
-        past.notes.append(f"{what}; the steps are others from now on")
+        if name.lower() in given and name not in FREE and before != now:
+            text = f"{before:g}" if isinstance(before, float) else str(before)
+            raise InputError(
+                f"-{name} {given[name.lower()]}: it was {text} when {past.path} was written, and "
+                "cannot change at a restart; leave it out: what is not given is taken from the "
+                "checkpoint"
+            )
 
 
-def described(problem: Any) -> list[dict[str, Any]]:
-    """Return name, kind and numbers of each layer, by which another case is recognised."""
-    plain = (bool, int, float, str)
-    return [
-        {"name": layer.name, "kind": layer.kind}
-        | {k: v for k, v in vars(layer.material).items() if isinstance(v, plain)}
-        for layer in problem.layers
-    ]
-
-
-def columns_of(state: State) -> list[list[Any]]:
-    """Return name and shape of each column of the records of steps."""
-    record = state.journal.dtype
-    return [[name, list(record[name].shape)] for name in record.names]
+def facts(state: State) -> dict[str, Any]:
+    """What must be the same at a restart, in words -> value, as JSON has it."""
+    found: dict[str, Any] = {"the quantities recorded of a step": str(state.journal.dtype)}
+    for layer, about in zip(state.problem.layers, state.header()["layers"], strict=True):
+        of = f"of '{layer.name}'"
+        found |= {f"kind {of}": layer.kind, f"nodes {of}": [*about["shape"][::-1]]}
+        plain = {k: v for k, v in vars(layer.material).items() if isinstance(v, (str, int, float))}
+        found |= {f"{name} {of}": value for name, value in plain.items()}
+    return found
 
 
 def check_problem(past: Past, state: State) -> None:
     """InputError if the problem, or what is recorded of a step, is not that of the checkpoint."""
-    when = f"when the checkpoint {past.path} was written"
-    now, before = described(state.problem), past.header["problem"]
-    if len(now) != len(before):
-        raise InputError(f"-fsi_restart: the case had {len(before)} layers {when}, now {len(now)}")
-    for k, about in enumerate(state.header()["layers"]):
-        layer = {**now[k], "nodes": about["shape"][::-1]}
-        other = {**before[k], "nodes": list(past.arrays[f"layer{k}"].shape[-2::-1])}
-        for name, value in layer.items():
-            if value != other.get(name):
-                now_is = f"{name} of '{layer['name']}' is {value}"
-                raise InputError(f"-fsi_restart: {now_is}, and was {other.get(name)} {when}")
-    if columns_of(state) != past.header["columns"]:
-        raise InputError(f"-fsi_restart: other quantities of steps were recorded {when}")
+    now, before = facts(state), past.header["facts"]
+    for name in {**now, **before}:
+        a, b = now.get(name, "not there"), before.get(name, "not there")
+        if a != b:
+            when = f"when the checkpoint {past.path} was written"
+            raise InputError(f"-fsi_restart: {name} is {a}, and was {b} {when}")
 
 
 def check_place(
@@ -160,8 +147,7 @@ def write_checkpoint(
     CheckpointError.
     """
     arrays = state.capture()
-    header = {"case": name, "options": dict(opt), "problem": described(state.problem)}
-    header |= {"columns": columns_of(state), **more}
+    header = {"case": name, "options": dict(opt), "facts": facts(state), **more}
 
     def write() -> None:
         if arrays is not None:

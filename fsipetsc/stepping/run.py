@@ -1,49 +1,50 @@
-"""One run from options to result file."""
+"""One run from options to result file, and what it says. Rank 0 speaks."""
 
 import datetime
+import shlex
 import signal
+import sys
 import threading
+import time
 import uuid
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
+from contextlib import closing, contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from petsc4py import PETSc
 
+from fsipetsc.checks import counted, duration
 from fsipetsc.errors import ComputationError, FsiError, InputError, Interrupted
 from fsipetsc.options import read_options
 from fsipetsc.output.checkpoint_file import CheckpointError
 from fsipetsc.output.geometry_picture import geometry_rows, outlines
-from fsipetsc.output.info import table
+from fsipetsc.output.info import error_rows, summary_rows, table
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.process.program import say
+from fsipetsc.scheme.plan import RATE, longest_step
 from fsipetsc.state import State
 from fsipetsc.stepping import restart
 from fsipetsc.stepping.integrator import Integrator
-from fsipetsc.stepping.progress import Reporter, bound_of_step
+from fsipetsc.stepping.notes import Ledgers, long_steps, notes
 from fsipetsc.stepping.restart import Past
 from fsipetsc.stepping.solve import build_problem, make_state
-from fsipetsc.stepping.soundness import Ledgers
 
-SET_UP, LOOP, OUTPUT = "set-up", "time loop", "output"
 #: before the place of what a run that failed has computed
 REMAINS = "; what was computed before is in "
-
-
-def stage(name: str) -> AbstractContextManager[Any]:
-    """What is done within belongs to a stage of -log_view; one within another interrupts it."""
-    return PETSc.Log.Stage(name) if PETSc.Log.isActive() else nullcontext()
+#: wall seconds between lines of progress; with -fsi_progress or on a terminal
+USUAL, OFTEN = 30.0, 5.0
+#: by kind of layer: names of the bounds by convection and by diffusion
+_BOUNDS = {"fluid": ("sound", "viscosity and conduction"), "solid": ("waves", "conduction")}
 
 
 @contextmanager
 def signals_noted(heed: Callable[[int], object]) -> Iterator[None]:
     """SIGTERM, SIGINT and SIGHUP let the current batch of steps end; all ranks stop together.
 
-    heed: gets the number of a signal. One that comes before the first step is answered after it;
-    one after the last step is not answered. A second SIGINT ends at once. A signal that is ignored
-    stays so, as SIGHUP under nohup.
+    heed: gets the number of a signal. A second SIGINT ends at once. A signal that is ignored stays
+    so, as SIGHUP under nohup.
     """
 
     def note(number: int, frame: object) -> None:
@@ -92,201 +93,246 @@ def run_case(
     found instead of writing a result. Raises InputError, ComputationError (after writing what was
     computed), FileError, Interrupted.
     """
-    with stage(SET_UP):
-        problem = build_problem(case, options, comm)
-        quiet = comm.rank > 0 or options["fsi_quiet"]
-        state = make_state(problem, options, comm, (lambda text: None) if quiet else say)
+    problem = build_problem(case, options, comm)
+    quiet = comm.rank > 0 or options["fsi_quiet"]
+    state = make_state(problem, options, comm, (lambda text: None) if quiet else say)
     with state:
-        with stage(SET_UP):
-            if past is not None:
-                restart.check_problem(past, state)
-            state.check_data()  # before there is a file
-            state.check_motion(options["ts_max_time"])
-            report = Reporter(case.NAME, options, state)
-            if check:
-                _check_start(state, options, report)
-                return
-            run = _Run(case, options, state, past, report)
-        with closing(run.writer), signals_noted(run.integrator.heed):
+        if past is not None:
+            restart.check_problem(past, state)
+        state.check_data()  # before there is a file
+        state.check_motion(options["ts_max_time"])
+        run = Run(case.NAME, options, state, past)
+        if check:
+            run.look()
+            return
+        writer = run.open()
+        with closing(writer), signals_noted(run.heed):
             run.go()
 
 
-def _check_start(state: State, opt: Mapping[str, Any], report: Reporter) -> None:
-    """Set the initial data, and print what the case is made of, notes, and the first step."""
-    problem = state.problem
-    (integrator := Integrator(state, opt)).start()
-    report.begin()
-    report.line(table(geometry_rows(outlines(problem, opt["fsi_h"]), problem.unit("m"))))
-    report.notes("begin")
-    report.line(report.first_step())
-    report.note(integrator.beyond)
-    report.line("checked, and not run")
+def bound_of_step(state: State, opt: Mapping[str, Any]) -> str:
+    """Return what bounds the step, as "sound in below"; "" where nothing is known of it."""
+    if opt["ts_dt"]:
+        return "-ts_dt"
+    bounds = state.bounds
+    if not np.isfinite(bounds).all() or not bounds.any():
+        return ""
+    k, which = np.unravel_index(np.argmax(bounds), bounds.shape)
+    layer = state.problem.layers[k]
+    return f"{_BOUNDS[layer.kind][which]} in {layer.name}"
 
 
-class _Run:
-    """One run: integrator, writer, checkpoints, ledgers, report."""
+class Run(Integrator):
+    """One run: the steps, with messages, a result, checkpoints, and the laws that must hold."""
 
-    def __init__(
-        self, case: Any, opt: Mapping[str, Any], state: State, past: Past | None, report: Reporter
-    ) -> None:
-        self.name, self.opt, self.comm = case.NAME, opt, state.comm
-        self.problem, self.state, self.past, self.report = state.problem, state, past, report
-        self.unit = self.problem.unit("s")
-        self.checkpoint = restart.checkpoint_name(opt["fsi_checkpoint"], opt["fsi_output"])
-        other = restart.check_place(self.comm, self.checkpoint, opt, past)
+    writer: RunWriter
+
+    def __init__(self, name: str, opt: Mapping[str, Any], state: State, past: Past | None) -> None:
+        super().__init__(state, opt)
+        self.name, self.problem, self.past = name, state.problem, past
+        self.s = self.problem.unit("s")
         self.checks = opt["fsi_check"] is not None
-        self.ledgers = Ledgers(state.invariants, opt["fsi_check"], self.unit)
-        self.saved_at = -1.0
-        self.integrator = Integrator(
-            state,
-            opt,
-            on_frame=self._frame,
-            on_series=lambda: self._write(self.writer.write_series),
-            on_step=self.report.step,
-            on_checkpoint=self._checkpoint,
-        )
+        self.ledgers = Ledgers({}, {})  # nothing must hold before there is a state
+        self.path = restart.checkpoint_name(opt["fsi_checkpoint"], opt["fsi_output"])
+        self._speaks = self.comm.rank == 0 and not opt["fsi_quiet"]
+        self._interval = OFTEN if opt["fsi_progress"] or sys.stdout.isatty() else USUAL
+
+    def open(self) -> RunWriter:
+        """Begin the result, or go on with it. Collective; InputError, FileError."""
+        other = restart.check_place(self.comm, self.path, self.opt, self.past)
         # a number of its own, by which result and checkpoints are recognised, and when it began
         created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
         self.mark, after = {"run": uuid.uuid4().hex, "created": created}, None
-        if past is not None:
-            self.mark = past.header["run"]
-            after = (*past.header["result"], past.header["memory"]["t"])
-        about = self._header(), state.grids(), self._take, after, other
-        self.writer = RunWriter(self.comm, opt["fsi_output"], *about)
-
-    def _header(self) -> dict[str, Any]:
-        """Return what is known of the run at its start, for the result."""
-        problem = self.problem
-        return {
+        if self.past is not None:
+            self.mark = self.past.header["run"]
+            after = (*self.past.header["result"], self.past.header["memory"]["t"])
+        header = {
             "case": self.name,
             "options": dict(self.opt),
-            "dimension": problem.dimension,
+            "dimension": self.problem.dimension,
             "versions": restart.versions(),
             "ranks": self.comm.size,
-            "interfaces": problem.interface_names,
+            "interfaces": self.problem.interface_names,
             **self.state.header(),
-            "notes": list(problem.notes),
-            "units": problem.units,
+            "notes": list(self.problem.notes),
+            "units": self.problem.units,
             "laws": self.state.invariants,
             **self.mark,
         }
+        about = header, self.state.grids(), self._take, after, other
+        self.writer = RunWriter(self.comm, self.opt["fsi_output"], *about)
+        return self.writer
 
-    # what the integrator calls
+    # what is said
 
-    def _frame(self, t: float) -> None:
-        self.state.time = t
-        with stage(OUTPUT):
-            self.writer.write_frame(t, self.state.save())
-            self.report.notes("saved")
-        self.saved_at = t
+    def line(self, text: str) -> None:
+        """Print a line."""
+        if self._speaks:
+            say(text)
+
+    def note(self, *said: str) -> None:
+        """Print each as a note."""
+        for text in said:
+            self.line(f"note: {text}")
+
+    def _say_what_runs(self) -> None:
+        state, h, m = self.state, self.opt["fsi_h"], self.problem.unit("m")
+        other = f" (smallest cells {state.h:.3g}{m})" if abs(state.h - h) > 0.01 * h else ""
+        self.line(
+            f"{self.name}: order {state.op.name}, h = {h:g}{m}{other}, "
+            f"{state.points} points on {counted(self.comm.size, 'rank')}, "
+            f"to t = {self.opt['ts_max_time']:g}{self.s}"
+        )
+
+    def look(self) -> None:
+        """Print what the case is made of, notes, and the first step. Collective."""
+        opt, state, problem = self.opt, self.state, self.problem
+        integrator = Integrator(state, opt)
+        integrator.start()
+        self._say_what_runs()
+        self.line(table(geometry_rows(outlines(problem, opt["fsi_h"]), problem.unit("m"))))
+        self.note(*notes(state, "begin"), *long_steps(state, opt))
+        dt = float(longest_step(opt["fsi_cfl"], opt["ts_dt"] or 0.0, float(state.results[RATE])))
+        count = f"{opt['ts_max_time'] / dt:,.0f} like it to the end"
+        self.line(f"first step: {dt:.3g}{self.s}, by {bound_of_step(state, opt)}; {count}")
+        self.line("checked, and not run")
+
+    def progress(self, dt: float) -> None:
+        """Say how far the run is, if that is due."""
+        now = time.monotonic()
+        if not self._speaks or now - self._last[2] < self._interval:
+            return
+        end, most = self.opt["ts_max_time"], self.opt["ts_max_steps"]
+        begin, before, since = self._first
+        part = max((self.t - begin) / (end - begin), (self.steps - before) / (most - before))
+        rate = (self.steps - self._last[1]) / (now - self._last[2])
+        bound = bound_of_step(self.state, self.opt)
+        self.line(
+            f"  t = {self.t:.4g} of {end:g}{self.s} ({100 * part:.0f} %), step {self.steps}, "
+            f"dt = {dt:.3g}{self.s}{f' by {bound}' if bound else ''}, {rate:.3g} steps/s, "
+            f"{duration((now - since) * (1.0 / part - 1.0))} left"
+        )
+        self._last = self.t, self.steps, now
+
+    def _say_the_end(self, summary: Mapping[str, Any], errors: Any, place: str) -> None:
+        norm = self.opt["fsi_norm"]
+        of_kinds = [(f"{norm} errors, {kind}", text) for kind, text in error_rows(errors or {})]
+        self.line(table([*summary_rows(summary, self.s), *of_kinds]))
+        self.line(f"result in {place}")
+        if summary["status"] == "done":
+            self.line(f"next: python -m fsipetsc plot {shlex.quote(self.opt['fsi_output'])}")
+
+    # what is written
+
+    def frame(self) -> None:
+        super().frame()
+        self.writer.write_frame(self.t, self.state.save())
+        self.note(*notes(self.state, "saved", self.t))
         if self.checks:
             self._write(self.writer.write_series)
+
+    def records(self) -> None:
+        self._write(self.writer.write_series)
 
     def _write(self, action: Callable[[], None]) -> None:
         """Let the writer write. Raise ComputationError on all ranks if a law that must hold, by
         -fsi_check, does not. Collective.
         """
-        with stage(OUTPUT):
-            action()
+        action()
         if self.checks and (fault := self.comm.bcast(self.ledgers.fault)):
             allowed = f"-fsi_check {self.opt['fsi_check']:g} allows no more"
             raise ComputationError(f"{fault}; {allowed}")
 
     def _take(self) -> np.ndarray:
         """Return the steps since the last time, of which the ledgers learn. Collective."""
-        steps = self.integrator.take_series()
+        steps = self.take_series()
         if self.comm.rank == 0:
             self.ledgers.add(steps)
         return steps
 
-    def _checkpoint(self) -> None:
+    def checkpoint(self) -> None:
         """Write all that has been computed, and then the checkpoint that goes on from there."""
-        with stage(OUTPUT):
-            self._write(self.writer.flush)  # what does not hold is nothing to go on from
-            more = {
-                "run": self.mark,
-                "memory": self.integrator.memory(),
-                "ledgers": self.ledgers.memory(),
-                "saved_at": self.saved_at,
-                "result": [self.writer.nframes, self.writer.rows],
-            }
-            restart.write_checkpoint(self.state, self.checkpoint, self.name, self.opt, more)
+        self._write(self.writer.flush)  # what does not hold is nothing to go on from
+        more = {
+            "run": self.mark,
+            "memory": self.memory(),
+            "ledgers": self.ledgers.kept,
+            "result": [self.writer.nframes, self.writer.rows],
+        }
+        restart.write_checkpoint(self.state, self.path, self.name, self.opt, more)
 
     # the course of the run
 
     def go(self) -> None:
         """Begin or go on, integrate, and complete the result, also after a failure."""
         for old, new in self.writer.moved:
-            self.report.line(f"kept the earlier {old.name} as {new}")
+            self.line(f"kept the earlier {old.name} as {new}")
         failure: FsiError | None = None
         found: dict[str, dict[str, float]] | None = None
         try:
             self._begin()
-            with stage(LOOP):
-                self.integrator.run()
-            if self.integrator.t > self.saved_at:  # ended between two saved times
-                self._frame(self.integrator.t)
+            self.run()
+            if self.t > self.saved_at:  # ended between two saved times
+                self.frame()
             self._write(self.writer.flush)  # so that the summary knows what it took
-            found = self.state.errors(self.integrator.t, self.opt["fsi_norm"])
-            self.report.notes("end")
+            found = self.state.errors(self.t, self.opt["fsi_norm"])
+            self.note(*notes(self.state, "end"))
         except (ComputationError, InputError, CheckpointError) as error:
             failure, self.checks = error, False
             self._write(self.writer.flush)
-        number = self.integrator.stop_signal
+        number = self.stop_signal
         summary = self._summary(failure)
         self.writer.finish(summary, found, join=not number)  # there may be no time to join it
-        path = self.writer.path
+        path: Path = self.writer.path
         where = f"{self.writer.folder} (opened as {path.name})" if number else str(path)
-        self.report.end(summary, found, where)
+        self._say_the_end(summary, found, where)
         if failure is not None:
             failure.args = (f"{failure}{REMAINS}{where}",)
             raise failure
         if number:
-            when = f"{signal.Signals(number).name} at t = {self.integrator.t:.6g}{self.unit}"
-            kept = f"the result so far is in {where}, the checkpoint in {self.checkpoint}"
+            when = f"{signal.Signals(number).name} at t = {self.t:.6g}{self.s}"
+            kept = f"the result so far is in {where}, the checkpoint in {self.path}"
             raise Interrupted(number, f"stopped by {when}; {kept}")
 
     def _begin(self) -> None:
-        report, integrator, past = self.report, self.integrator, self.past
-        report.begin()
-        with stage(SET_UP):
-            if past is None:
-                integrator.start()
-                report.notes("begin")
-                self.ledgers.begin(integrator.initial)
-            else:
-                header = past.header
-                integrator.resume(header["memory"], past.arrays)
-                report.note(*past.notes)
-                when = f"step {integrator.steps}, t = {integrator.t:.6g}{self.unit}"
-                report.line(f"goes on from {past.path}: {when}")
-                self.ledgers.begin(integrator.initial, header["ledgers"])
-                self.saved_at = header["saved_at"]
-                if not self.writer.nframes:  # a file of its own
-                    self._frame(integrator.t)
-        report.start(integrator.t, integrator.steps)
-        report.note(integrator.beyond)
+        self._say_what_runs()
+        if self.past is None:
+            self.start()
+            self.note(*notes(self.state, "begin"), *long_steps(self.state, self.opt))
+            self._keep_ledgers()
+        else:
+            header = self.past.header
+            self.resume(header["memory"], self.past.arrays)
+            when = f"step {self.steps}, t = {self.t:.6g}{self.s}"
+            self.line(f"goes on from {self.past.path}: {when}")
+            self._keep_ledgers(header["ledgers"])
+            if not self.writer.nframes:  # a file of its own
+                self.frame()
+        self._first = self._last = self.t, self.steps, time.monotonic()
+
+    def _keep_ledgers(self, memory: Mapping[str, Any] | None = None) -> None:
+        about = self.state.invariants, self.initial, memory, self.opt["fsi_check"], self.s
+        self.ledgers = Ledgers(*about)
 
     def _summary(self, failure: FsiError | None) -> dict[str, Any]:
-        integrator, state, ledgers = self.integrator, self.state, self.ledgers
-        status = "failed" if failure else "stopped" if integrator.stop_signal else "done"
+        state, ledgers = self.state, self.ledgers
+        status = "failed" if failure else "stopped" if self.stop_signal else "done"
         message = str(failure or "")
-        if status == "done" and not integrator.complete:
-            end = f"-ts_max_time {self.opt['ts_max_time']:g}{self.unit}"
-            message = f"ended by -ts_max_steps at t = {integrator.t:g}{self.unit}, before {end}"
+        if status == "done" and not self.complete:
+            end = f"-ts_max_time {self.opt['ts_max_time']:g}{self.s}"
+            message = f"ended by -ts_max_steps at t = {self.t:g}{self.s}, before {end}"
         return {
             "status": status,
             "message": message,
-            "t": integrator.t,
-            "steps": integrator.steps,
-            "rejected_steps": getattr(state, "retries", 0),
+            "t": self.t,
+            "steps": self.steps,
             "rhs_evaluations": state.evaluations,
             "interfaces": dict(zip(self.problem.interface_names, state.places)),
             "points": state.points,
-            "wall_time": integrator.wall_time,
+            "wall_time": self.wall_time,
             "bound": bound_of_step(state, self.opt),
             "departures": ledgers.departures,
             "J_error": ledgers.J_error,
             **({"lost_energy": ledgers.lost} if getattr(state, "lossy", False) else {}),
-            **{f"initial_{name}": value for name, value in integrator.initial.items()},
+            **{f"initial_{name}": value for name, value in self.initial.items()},
         }
