@@ -12,9 +12,9 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
-from fsipetsc.errors import FileError, FsiError
+from fsipetsc.errors import FileError
 from fsipetsc.kernels import build
-from fsipetsc.process.together import Comm, agree, together, wait_asleep
+from fsipetsc.process.together import Comm, together
 
 #: whether the first rank keeps the texts, too, and says where (-fsi_debug)
 keeps_text = False
@@ -30,12 +30,9 @@ def libraries(
     """
     build.tells = comm.rank == 0
     names = together(comm, lambda: [build.name_of(text) for text in texts])
-    lacking = {name for name in names if build.kept(name) is None}
-    #: name -> the rank that compiles it: the lowest one that lacks it
-    makers: dict[str, int] = {}
-    for rank, of_rank in enumerate(comm.allgather(sorted(lacking))):
-        for name in of_rank:
-            makers.setdefault(name, rank)
+    lacking = comm.allgather(sorted({name for name in names if build.kept(name) is None}))
+    # name -> the rank that compiles it: the lowest one that lacks it
+    makers = {name: k for k, some in reversed([*enumerate(lacking)]) for name in some}
     if keeps_text and comm.rank == 0:
         for name, text in zip(names, texts, strict=True):
             announce(f"C text of kernels: {build.keep_text(name, text)}")
@@ -47,18 +44,18 @@ def _made(
     comm: Comm, texts: dict[str, str], makers: dict[str, int], announce: Callable[[str], None]
 ) -> dict[str, bytes]:
     """Return the bytes of all libraries that some rank lacks, on all ranks. Collective."""
-    begin, mine, fault = time.monotonic(), {}, None
+    begin = time.monotonic()
     if comm.rank == 0:
         announce(f"compiling the kernels of this case (libraries: {len(makers)})")
-    try:
-        names = [name for name, rank in makers.items() if rank == comm.rank]
-        for name, library in zip(names, _side_by_side([texts[name] for name in names])):
-            mine[name] = library
+
+    def make() -> dict[str, bytes]:
+        mine = [name for name, rank in makers.items() if rank == comm.rank]
+        made = dict(zip(mine, _side_by_side([texts[name] for name in mine])))
+        for name, library in made.items():
             build.keep(name, library)
-    except FsiError as error:
-        fault = error
-    wait_asleep(comm)  # who compiles may have this rank's core
-    agree(comm, fault)
+        return made
+
+    mine = together(comm, make, asleep=True)  # who compiles may have this rank's core
     if comm.rank == 0:
         announce(f"compiled in {time.monotonic() - begin:.1f} s")
     return {name: library for of_rank in comm.allgather(mine) for name, library in of_rank.items()}

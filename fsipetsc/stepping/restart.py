@@ -23,15 +23,12 @@ from fsipetsc.output.file_layout import beside, check_folder
 from fsipetsc.process.together import together
 from fsipetsc.state import State
 
-FREE = (
-    {option.name for option in PETSC_OPTIONS}
-    | OF_A_RUN
-    | {
-        *("fsi_output", "fsi_output_dt", "fsi_output_times", "ts_max_time", "ts_max_steps"),
-        *("fsi_checkpoint", "fsi_checkpoint_steps", "fsi_checkpoint_wall"),
-        *("fsi_partition", "fsi_norm", "fsi_check", "fsi_cfl"),
-    }
-)
+FREE = {
+    *(option.name for option in PETSC_OPTIONS),
+    *("fsi_output", "fsi_output_dt", "fsi_output_times", "ts_max_time", "ts_max_steps"),
+    *("fsi_checkpoint", "fsi_checkpoint_steps", "fsi_checkpoint_wall"),
+    *("fsi_partition", "fsi_norm", "fsi_check", "fsi_cfl", *OF_A_RUN),
+}
 
 
 class Past(NamedTuple):
@@ -75,11 +72,9 @@ def find_past(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> Past | Non
             return None
 
     past = together(comm, lambda: Past(path, *checkpoint_file.read(path)))
-    if past.header["case"] != case.NAME:
-        other = past.header["case"]
-        raise InputError(
-            f"-fsi_restart: {past.path} is a checkpoint of the case {other}, not of {case.NAME}"
-        )
+    if (other := past.header["case"]) != case.NAME:
+        what = f"is a checkpoint of the case {other}, not of {case.NAME}"
+        raise InputError(f"-fsi_restart: {past.path} {what}")
     return past
 
 
