@@ -73,8 +73,8 @@ def mode_errors(kappa, gas, order, h):
     grid = {"fsi_order": order, "fsi_h": h}
     problem = built(load_case("shell"), shell_kappa=kappa, shell_gas=gas, shell_charge=0.0, **grid)
     found = radial_modes(problem, order)[:3]
-    exact = np.array([mode_near(media_of(problem), 0, complex(omega)) for omega in found])
-    assert np.diff(exact.real).min() > 0.1  # three different ones
+    exact = np.array([mode_near(media_of(problem), 0, omega.real) for omega in found])
+    assert np.diff(exact).min() > 0.1  # three different ones
     assert np.abs(found.imag).max() < 1e-8
     return np.abs(found / exact - 1.0)
 

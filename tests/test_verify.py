@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from helpers import REPOSITORY, program, rows_of, solve
 
-from fsipetsc.studies.verdicts import Compared, Expected, Row
+from fsipetsc.studies.tables import Compared, Expected, Row
 from fsipetsc.studies.verify.command import entries
 from fsipetsc.studies.verify.entry import problem, reference
 
@@ -54,9 +54,9 @@ def test_references_are_what_their_programs_make(name):
 
 def test_entries_say_all_that_another_code_needs():
     for name, entry in entries().items():
-        assert entry.source and entry.why and entry.full
         title, _, *text = problem(name).splitlines()
-        assert title.startswith("# ") and 5 < len(text) <= 40
+        assert entry.full and title.startswith("# ") and 5 < len(text) <= 44
+        assert "\n\nReference: " in problem(name) and "Expected: " in " ".join(text)
         page = (REPOSITORY / "docs" / "verify" / f"{name}.md").read_text()
         assert page.startswith(problem(name)) and len(page.splitlines()) <= 60
 

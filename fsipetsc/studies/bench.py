@@ -24,10 +24,9 @@ from fsipetsc.cases import case_of, load_case
 from fsipetsc.cases.common import at_rest
 from fsipetsc.errors import InputError
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.options import RUN, Option, defaults, read_table
-from fsipetsc.process.launch import start_petsc
+from fsipetsc.options import RUN, Option, defaults
 from fsipetsc.process.together import Comm, together
-from fsipetsc.studies.tables import csv_target, listed_in, printer, save_csv
+from fsipetsc.studies.tables import Study, listed_in
 
 #: form -> -fsi_convection, whether there is viscosity, words for the other program
 FORMS = {
@@ -40,7 +39,8 @@ COLUMNS = "problem order form n ranks step_us ns_node_rhs other_us ratio speed_u
 #: in the words of a program, where the number of steps stands
 STEPS = "STEPS"
 _WHAT = "0: the rod; 1, 2, 3: gas | solid in that number of dimensions"
-OPTIONS = (
+_ROD, _PLANE = (f"folder of another program {of}" for of in ("for the rod", "for gas | solid, 2-D"))
+SECTIONS = {"Benchmark": (
     Option("bench_problems", "ints", (0, 1, 2, 3), "", _WHAT, check=listed_in((0, 1, 2, 3))),
     Option("bench_orders", "ints", (4,), "", "operators' orders", check=listed_in((2, 4, 6, 8))),
     Option("bench_form", str, "all", "", "form of gas | solid", ("all", *FORMS)),
@@ -51,33 +51,59 @@ OPTIONS = (
     Option("bench_ranks", "ints", None, "", "numbers of ranks; else 1, 2, 4 …", check="positive"),
     Option("bench_seconds", float, 0.2, "s", "approximate length of a sample", check="positive"),
     Option("bench_repeats", int, 5, "", "samples; their median counts", check="positive"),
-    Option("bench_rod_program", str, None, "", "folder of another program for the rod"),
-    Option("bench_square_program", str, None, "", "folder of another program for gas | solid, 2-D"),
+    Option("bench_rod_program", str, None, "", _ROD),
+    Option("bench_square_program", str, None, "", _PLANE),
     Option("fsi_output", str, "bench", "", "base name of the table NAME.csv"),
-)
-SECTIONS = {
-    "Benchmark": OPTIONS,
-    "Run": tuple(option for option in RUN if option.name in ("fsi_quiet", "fsi_partition")),
-}
+    *(option for option in RUN if option.name in ("fsi_quiet", "fsi_partition")),
+)}  # fmt: skip
+
+
+def bench(arguments: list[str], comm: Comm) -> None:
+    """The command, with the arguments after its name. Collective on comm.
+
+    InputError for options, ranks that do not fit, another program that does not run; FileError.
+    """
+    study = Study(comm, arguments, SECTIONS)
+    opt = study.opt
+    counts = sorted({*(opt["bench_ranks"] or [1 << k for k in range(16) if 1 << k <= comm.size])})
+    if comm.size < (most := counts[-1]):
+        raise InputError(f"-bench_ranks {most}: put mpiexec -n {most} before the command")
+    teams = {n: comm.Split(int(comm.rank >= n), comm.rank) for n in counts}
+    rows: list[list[object]] = []
+    study.say(f"load of the machine: {os.getloadavg()[0]:.1f}")
+    study.say(" ".join(f"{name:>11}" for name in COLUMNS))
+    for about, case, own, program in targets(opt):
+        options = {**defaults(case), "fsi_partition": opt["fsi_partition"], **own}
+        for row in measured(study, case, options, teams, program):
+            rows.append([*about, *row])
+            study.say(" ".join(f"{value!s:>11}" for value in rows[-1]))
+    study.save(COLUMNS, rows)
+    study.say(f"saved {study.path}")
 
 
 def targets(opt: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
     """All that the options ask for: the first columns of a row, a case, options of its run; another
-    program and its words. The rod's 6 m have 1 m of solid."""
+    program and its words, or nothing. The rod's 6 m have 1 m of solid.
+
+    ``rod ORDER H T -q -n STEPS`` makes steps of the falling rod from rest; the fifth word that it
+    prints is µs a step. ``plane ORDER N N STEPS -q [-form div] [-visc 1]`` makes those of a gas and
+    a solid of N by N points; µs a step follow the word ``median``.
+    """
     of_dimension = {1: "bench_line", 2: "bench_square", 3: "bench_cube"}
     forms = FORMS if opt["bench_form"] == "all" else (opt["bench_form"],)
+    rod, plane = opt["bench_rod_program"], opt["bench_square_program"]
     for problem, order in product(opt["bench_problems"], opt["bench_orders"]):
         for points in opt["bench_rod"] if problem == 0 else ():
-            own = {"fsi_order": order, "fsi_h": 1.0 / max(1, round(points / 6))}
-            own["fsi_coupling"] = "projection"  # the paper's method
-            words = order, repr(own["fsi_h"]), 3, "-q", "-n", STEPS
-            yield ("rod", order, "", points), load_case("rod"), own, "rod", words
+            h = 1.0 / max(1, round(points / 6))
+            own = {"fsi_order": order, "fsi_h": h, "fsi_coupling": "projection"}  # the paper's
+            program = Path(rod or "", "rod").resolve(), order, repr(h), 3, "-q", "-n", STEPS
+            yield ("rod", order, "", points), load_case("rod"), own, program if rod else ()
         for form, n in product(forms, opt[of_dimension[problem]]) if problem else ():
             convection, viscous, more = FORMS[form]
             case = case_of(square(problem, n, viscous), fsi_h=1.0 / n, ts_max_time=1.0)
-            own = {"fsi_order": order, "fsi_convection": convection}
-            about, program = (f"{problem}-D", order, form, n), "plane" if problem == 2 else ""
-            yield about, case, own, program, (order, n, n, STEPS, "-q", *more.split())
+            own, there = {"fsi_order": order, "fsi_convection": convection}, plane and problem == 2
+            program = Path(plane or "", "plane").resolve(), order, n, n, STEPS, "-q", *more.split()
+            yield (f"{problem}-D", order, form, n), case, own, program if there else ()
 
 
 def square(d: int, n: int, viscous: bool) -> BlockProblem:
@@ -100,88 +126,55 @@ def square(d: int, n: int, viscous: bool) -> BlockProblem:
     return layers(below, above, lower=NoSlip(), upper=Clamped(), units="none", **beside)
 
 
-def bench(arguments: list[str], comm: Comm) -> None:
-    """The command, with the arguments after its name. Collective on comm.
-
-    InputError for options, ranks that do not fit, another program that does not run; FileError.
-    """
-    opt = read_table(SECTIONS, start_petsc(arguments, comm))
-    path, say = csv_target(opt["fsi_output"]), printer(comm, opt)
-    counts = sorted({*(opt["bench_ranks"] or [1 << k for k in range(16) if 1 << k <= comm.size])})
-    if comm.size < (most := counts[-1]):
-        raise InputError(f"-bench_ranks {most}: put mpiexec -n {most} before the command")
-    teams = {n: comm.Split(int(comm.rank >= n), comm.rank) for n in counts}
-    folders = ("rod", opt["bench_rod_program"]), ("plane", opt["bench_square_program"])
-    given = {name: folder for name, folder in folders if folder and comm.rank == 0}
-    rows: list[Sequence[object]] = []
-    programs = together(comm, lambda: {name: executable(name, given[name]) for name in given})
-    say(f"load of the machine: {os.getloadavg()[0]:.1f}")
-    say(" ".join(f"{name:>11}" for name in COLUMNS))
-    for about, case, own, name, words in targets(opt):
-        options = {**defaults(case), "fsi_partition": opt["fsi_partition"], **own}
-        other = (programs[name], *words) if name in programs else ()
-        for row in measured(case, options, opt, comm, teams, other):
-            rows.append([*about, *row])
-            say(" ".join(f"{value!s:>11}" for value in rows[-1]))
-    save_csv(comm, path, COLUMNS, rows)
-    say(f"saved {path}")
-
-
 def measured(
+    study: Study,
     case: Any,
-    options: Mapping[str, Any],
-    opt: Mapping[str, Any],
-    comm: Comm,
+    options: dict[str, Any],
     teams: Mapping[int, Comm],
-    other: Sequence[object],
-) -> list[Sequence[object]]:
+    program: Sequence[object],
+) -> list[list[object]]:
     """The last columns for each number of ranks, on rank 0. Collective. InputError where ranks do
-    not fit. other: another program and its words; empty where there is none.
+    not fit. program: as ``targets`` has it.
     """
+    from fsipetsc.stepping.solve import build_problem, make_state
 
     def on(ranks: int, action: Callable[[], Any]) -> Any:
         """What an action gives on the first ranks, None on the others, which sleep meanwhile."""
-        return together(comm, action if comm.rank < ranks else lambda: None, asleep=True)
+        here = study.comm.rank < ranks
+        return together(study.comm, action if here else lambda: None, asleep=True)
 
-    states = {n: on(n, partial(compiled_state, case, options, teams[n])) for n in teams}
+    def make(team: Comm) -> Any:
+        state = make_state(build_problem(case, options, team), options, team)
+        state.set_initial()
+        return state
 
-    def sample(n: int, count: int) -> Any:
-        return on(n, lambda: step_time(states[n], options, count))
+    states = {n: on(n, partial(make, team)) for n, team in teams.items()}
+
+    def sample(n: int, steps: int) -> Any:
+        return on(n, lambda: step_time(states[n], options, steps))
 
     sample(min(teams), 2)  # for what is made once
-    step = comm.bcast(sample(min(teams), 10))
-    steps = min(20_000, max(6, round(1e6 * opt["bench_seconds"] / (step or 1.0))))
+    step = study.comm.bcast(sample(min(teams), 10))
+    steps = min(20_000, max(6, round(1e6 * study.opt["bench_seconds"] / (step or 1.0))))
     times: dict[int, list[float]] = {n: [] for n in teams}
     beside = []
-    for _ in range(opt["bench_repeats"]):
+    for _ in range(study.opt["bench_repeats"]):
         for n, own in times.items():
             own.append(sample(n, steps))
-        beside.append(on(1, lambda: time_of(other, steps) if other else None))
-    rows: list[Sequence[object]] = []
-    for n, own in times.items() if comm.rank == 0 else ():
+        beside.append(on(1, lambda: time_of(program, steps) if program else None))
+
+    def ratio(a: list[float], b: list[float]) -> str:
+        return f"{median(x / y for x, y in zip(a, b, strict=True)):.3g}"
+
+    rows: list[list[object]] = []
+    for n, own in times.items() if study.comm.rank == 0 else ():
         of_node = 1e3 * median(own) / (4 * states[n].points)  # four stages
-        row = [n, f"{median(own):.4g}", f"{of_node:.3g}", "", "", ""]
-        if other:
-            row[3:5] = f"{median(beside):.4g}", _ratio(own, beside)
-        if n > 1 and 1 in times:
-            row[5] = _ratio(times[1], own)
-        rows.append(row)
+        other = (f"{median(beside):.4g}", ratio(own, beside)) if program else ("", "")
+        speed_up = ratio(times[1], own) if n > 1 and 1 in times else ""
+        rows.append([n, f"{median(own):.4g}", f"{of_node:.3g}", *other, speed_up])
     for state in filter(None, states.values()):
         state.destroy()
     return rows
-
-
-def _ratio(a: list[float], b: list[float]) -> str:
-    return f"{median(x / y for x, y in zip(a, b, strict=True)):.3g}"
-
-
-def compiled_state(case: Any, opt: Mapping[str, Any], comm: Comm) -> Any:
-    """The state of a problem, compiled. Collective; InputError where it does not fit."""
-    from fsipetsc.stepping.solve import build_problem, make_state
-
-    state = make_state(build_problem(case, opt, comm), dict(opt), comm)
-    state.set_initial()
-    return state
 
 
 def step_time(state: Any, opt: Mapping[str, Any], count: int) -> float:
@@ -197,22 +190,9 @@ def step_time(state: Any, opt: Mapping[str, Any], count: int) -> float:
     return 1e6 * state.comm.allreduce(integrator.wall_time, MPI.MAX) / integrator.steps
 
 
-def executable(name: str, folder: str) -> Path:
-    """The other program of this name in a folder. InputError.
-
-    ``rod ORDER H T -q -n STEPS`` makes steps of the falling rod from rest; the fifth word that it
-    prints is µs a step. ``plane ORDER N N STEPS -q [-form div] [-visc 1]`` makes those of a gas and
-    a solid of N by N points; µs a step follow the word ``median``.
-    """
-    path = Path(folder).resolve() / name
-    if not os.access(path, os.X_OK):
-        raise InputError(f"{folder}: no {name} that can be run there: build it first")
-    return path
-
-
-def time_of(command: Sequence[object], steps: int) -> float:
-    """Time of a step [µs] by a program with these words, of so many steps. InputError."""
-    words = [str(steps if word == STEPS else word) for word in command]
+def time_of(program: Sequence[object], steps: int) -> float:
+    """Time of a step [µs] by another program, of so many steps. InputError."""
+    words = [str(steps if word == STEPS else word) for word in program]
     try:
         said = subprocess.run(words, capture_output=True, text=True, check=True).stdout.split()
         return float(said[said.index("median") + 1] if "median" in said else said[4])

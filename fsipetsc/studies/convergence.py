@@ -9,15 +9,10 @@ the mean over these, over the largest range on the finest grid of all fields of 
 of its kind.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
-from functools import partial, reduce, wraps
-from itertools import product
-from math import nan
+from collections.abc import Mapping, Sequence
+from functools import partial, reduce
+from itertools import pairwise
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -30,10 +25,9 @@ from fsipetsc.options import Option
 from fsipetsc.output.differences import common_nodes, summed
 from fsipetsc.output.quantities import unit_of
 from fsipetsc.output.reader import Run, open_run
-from fsipetsc.problem import Problem
 from fsipetsc.process.together import Comm, together
-from fsipetsc.studies.tables import begin, listed_in, on_first, printer, results_folder, save_csv
-from fsipetsc.studies.verdicts import COLUMNS, ROUND_OFF, Expected, Row, kinked, picture, told
+from fsipetsc.studies import tables
+from fsipetsc.studies.tables import Row, Study, listed_in
 
 #: what -fsi_h is multiplied with for the grids of a study: in one dimension with an exact solution,
 #: in one without, and in more dimensions
@@ -50,6 +44,7 @@ OPTIONS = (
     Option("fsi_orders", "ints", None, "", _ORDERS, check=listed_in((2, 4, 6, 8))),
     Option("fsi_hs", "floats", None, "m", _SPACINGS, check="positive"),
 )
+sections = partial(options_after, extra=OPTIONS)
 
 
 def convergence(arguments: list[str], comm: Comm) -> None:
@@ -57,225 +52,141 @@ def convergence(arguments: list[str], comm: Comm) -> None:
 
     Raises InputError; ComputationError at the end if a run has failed; FileError.
     """
+    from fsipetsc.stepping.solve import build_problem
+
     case = together(comm, lambda: case_after("convergence", arguments))
-    name, instead = f"{case.NAME}-convergence", {"fsi_order": "fsi_orders"}
-    opt, path = begin(case, arguments[1:], comm, OPTIONS, name, instead)
-    case = _refining(case, opt["fsi_h"])
-    orders, hs, exact, units = _plan(case, opt, comm)
-    time = f"t = {opt['ts_max_time']:g}" + " s" * (units == "SI")
-    what = "errors" if exact else "relative differences from the next grid"
-    about = f"{case.NAME}, {what} in {opt['fsi_norm']} at {time}, {counted(comm.size, 'rank')}"
-    say = printer(comm, opt)
-    say(about)
-    rows: list[Row] = []
-    costs: dict[tuple[int, float], list[float]] = {}
-    failures: list[str] = []
-    with results_folder(comm, path.parent, "convergence-") as folder:
-        for order in orders:
-            say("")
-            own = {**opt, "fsi_order": order}
-            runs, failed = _run_order(case, own, comm, hs, exact, folder, say)
-            failures += failed
-            costs |= {(order, h): [run.summary[name] for name in COST] for h, run in runs.items()}
-            found = _rows(case.NAME, own, comm, hs, exact, runs)
-            if found:
-                say(f"\n{told(found)}")
-            rows += found
-    if rows and len(hs) < 2:
-        say("\none grid shows no order: -fsi_hs takes several, as in -fsi_hs 0.05,0.025")
-    source = "exact solution" if exact else "next grid"
-    lines: list[list[object]] = []
-    for row in rows:
-        for h, line in zip(hs, row.lines(comm.size, source)):
-            lines.append([*line, *costs.get((row.order, h), [""] * len(COST))])
-    compared = {(row.order, h) for row in rows for h in hs[: len(row.found)]}
-    for (order, h), cost in costs.items():
-        if (order, h) not in compared:  # the finest grid, with which the others are compared
-            place = ["", order, h, comm.size]
-            lines.append([case.NAME, *place, *[""] * (len(COLUMNS) - 5), *cost])
-    save_csv(comm, path, [*COLUMNS, *COST], lines, about)
-    panels: dict[str, list[Row]] = {}
-    for row in rows:
-        kind, _, name = row.quantity.partition("/")
-        if name == "combined":
-            panels.setdefault(kind, []).append(row)
-    drawn = on_first(comm, lambda: picture(about, panels, path.with_suffix(".png")))
-    say("\nsaved " + ", ".join(map(str, [path, *(drawn or ())])))
-    if failures:
-        every = counted(len(orders) * len(hs), "run")
-        raise ComputationError(f"{len(failures)} of {every} failed; {failures[0]}")
-
-
-sections = partial(options_after, extra=OPTIONS)
-
-
-def _refining(case: Any, h: float) -> Any:
-    """The case, in which layers in one dimension whose own cells are the same for any -fsi_h are
-    refined with it; h [m]: the -fsi_h to which these cells belong.
-    """
-
-    @wraps(case.build)
-    def build(opt: Any) -> Any:
-        found = case.build(opt)
-        if not isinstance(found, Problem):
-            return found
-        layers, usual = list(found.layers), case.build(type(opt)({**opt, "fsi_h": h})).layers
-        for k, (now, before) in enumerate(zip(layers, usual)):
-            if now.cells and now.cells == before.cells:
-                layers[k] = replace(now, cells=max(1, round(now.cells * h / opt["fsi_h"])))
-        return replace(found, layers=layers)
-
-    return SimpleNamespace(**{**vars(case), "build": build})
-
-
-def _plan(
-    case: Any, opt: Mapping[str, Any], comm: Comm
-) -> tuple[tuple[int, ...], tuple[float, ...], bool, str]:
-    """Orders, spacings, coarse to fine, whether the solution is known, and units. Each grid is laid
-    out once. Collective; InputError."""
-    from fsipetsc.stepping.solve import build_problem, make_state
-
-    problem = build_problem(case, opt, comm)
+    study = Study(comm, arguments[1:], OPTIONS, f"{case.NAME}-convergence", case)
+    opt, problem = study.opt, build_problem(case, study.opt, comm)
     exact = all(layer.exact is not None for layer in problem.layers)
     factors = FACTORS[2] if problem.dimension > 1 else FACTORS[0] if exact else FACTORS[1]
-    orders = opt["fsi_orders"] or ((2, 4, 6, 8) if exact else (opt["fsi_order"],))
-    spacings = opt["fsi_hs"] or [factor * opt["fsi_h"] for factor in factors]
-    hs = tuple(sorted(set(spacings), reverse=True))
+    every = exact and "fsi_order" not in study.given
+    orders = opt["fsi_orders"] or ((2, 4, 6, 8) if every else [opt["fsi_order"]])
+    hs = sorted({*(opt["fsi_hs"] or [of * opt["fsi_h"] for of in factors])}, reverse=True)
     if not exact and len(hs) < 3:
         raise InputError(
             f"the case {case.NAME} has no exact solution: its grids are compared with each other, "
             "and that takes three, as in -fsi_hs 0.1,0.05,0.025"
         )
-    orders = tuple(dict.fromkeys(orders))
-    for order, h in product(orders, hs):
-        own = {**opt, "fsi_order": order, "fsi_h": h}
-        try:
-            make_state(build_problem(case, own, comm), own, comm).destroy()
-        except InputError as error:
-            raise InputError(f"order {order}, h = {h:g}: {error}") from None
-    return orders, hs, exact, problem.units
+    time = f"t = {opt['ts_max_time']:g}" + " s" * (problem.units == "SI")
+    what = "errors" if exact else "relative differences from the next grid"
+    about = f"{case.NAME}, {what} in {opt['fsi_norm']} at {time}, {counted(comm.size, 'rank')}"
+    study.say(about)
+    end, parts = opt["ts_max_time"], 1 if exact else SAMPLES
+    times = tuple(end * np.arange(1, parts + 1) / parts)
+    own = {"fsi_output_dt": None, "fsi_output_times": times, "fsi_quiet": True}
+    panels: dict[str, list[Row]] = {}
+    lines: list[list[object]] = []
+    failures: list[str] = []
+    with study.results_folder() as folder:
+        for order in dict.fromkeys(orders):
+            study.say("")
+            runs, failed = _runs(study, case, {**own, "fsi_order": order}, hs, folder)
+            failures += failed
+            rows = together(comm, partial(_rows, case.NAME, order, opt, exact, runs))
+            study.say(f"\n{tables.told(rows)}" if rows else "")
+            costs = [[run.summary[name] for name in COST] for run in runs.values()]
+            for row in rows:
+                table = row.lines(comm.size, "exact solution" if exact else "next grid")
+                lines += [[*line, *cost] for line, cost in zip(table, costs)]
+                kind, _, name = row.quantity.partition("/")
+                if name == "combined":
+                    panels.setdefault(kind, []).append(row)
+    study.save([*tables.COLUMNS, *COST], lines, about)
+    study.on_first(lambda: tables.picture(about, panels, study.path.with_suffix(".png")))
+    study.say(f"\nsaved {study.path}")
+    if failures:
+        raise ComputationError(f"{counted(len(failures), 'run')} failed; {failures[0]}")
 
 
-def _run_order(
-    case: Any,
-    opt: Mapping[str, Any],
-    comm: Comm,
-    hs: tuple[float, ...],
-    exact: bool,
-    folder: Path,
-    say: Callable[[str], None],
+def _runs(
+    study: Study, case: Any, own: Mapping[str, Any], hs: Sequence[float], folder: Path
 ) -> tuple[dict[float, Run], list[str]]:
-    """Run all grids of an order: the results by h, and why others failed. Collective; FileError."""
+    """Results by h of the grids that do not fail, and why others do. Collective; InputError,
+    FileError. own: options of all these runs.
+    """
     from fsipetsc.stepping.run import REMAINS, run_case
 
-    order, end = opt["fsi_order"], opt["ts_max_time"]
-    times = (end,) if exact else tuple(end * np.arange(1, SAMPLES + 1) / SAMPLES)
-    own = {**opt, "fsi_quiet": True, "fsi_output_dt": None, "fsi_output_times": times}
-    runs: dict[float, Run] = {}
-    failures = []
+    order, runs, failures = own["fsi_order"], {}, []
     for h in hs:
-        path = f"{folder}/{order}-{h!r}.h5"
+        path, which = f"{folder}/{order}-{h!r}.h5", f"order {order}, h = {h:g}"
         try:
-            run_case(case, {**own, "fsi_h": h, "fsi_output": path}, comm)
-            runs[h] = together(comm, partial(open_run, path))
+            run_case(case, {**study.opt, **own, "fsi_h": h, "fsi_output": path}, study.comm)
+            runs[h] = together(study.comm, partial(open_run, path))
             points, steps, _, seconds = (runs[h].summary[name] for name in COST)
             outcome = f"{points:>8.0f} points{steps:>8.0f} steps{seconds:>9.2f} s"
+        except InputError as error:
+            raise InputError(f"{which}: {error}") from None
         except ComputationError as error:
             why, _, _ = str(error).partition(REMAINS)  # which is removed with the others
-            failures.append(f"order {order}, h = {h:g}: {why}")
+            failures.append(f"{which}: {why}")
             outcome = f"  failed: {why}"
-        say(f"{operator(order).name}  h = {h:<9.6g}{outcome}")
+        study.say(f"{operator(order).name}  h = {h:<9.6g}{outcome}")
     return runs, failures
 
 
 def _rows(
-    name: str,
-    opt: Mapping[str, Any],
-    comm: Comm,
-    hs: tuple[float, ...],
-    exact: bool,
-    runs: Mapping[float, Run],
+    case: str, order: int, opt: Mapping[str, Any], exact: bool, runs: Mapping[float, Run]
 ) -> list[Row]:
-    """The rows of an order: quantities are KIND/NAME, or LAYER/NAME and series/NAME. Collective;
-    InputError where grids have no node in common."""
-    errors = {h: run.errors for h, run in runs.items()}
-    if not exact:
-        several = [*runs.values()] if len(runs) > 1 else []  # of fewer nothing can be compared
-        norm = opt["fsi_norm"]
-        between = together(comm, lambda: [*differences(several, norm)] if several else [])
-        errors = {
-            h: found
-            for h, next_h, found in zip(runs, [*runs][1:], between)
-            if hs.index(next_h) == hs.index(h) + 1
-        }
-    names = dict.fromkeys((k, name) for of in errors.values() for k in of for name in of[k])
-    grids, order = hs[: None if exact else -1], opt["fsi_order"]
+    """The rows of an order: quantities are KIND/NAME, or LAYER/NAME and series/NAME. InputError
+    where grids have no node in common.
+    """
+    found: dict[str, list[float]] = {}
+    for run in runs.values() if exact else ():
+        for kind, errors in run.errors.items():
+            for name, error in errors.items():
+                found.setdefault(f"{kind}/{name}", []).append(error)
+    if not exact and len(runs) > 1:
+        found = differences([*runs.values()], opt["fsi_norm"])
     part = {"L1": 1.0, "L2": 0.5}[opt["fsi_norm"]]
     # closures err by order s at a fixed number of nodes
-    rate = kinked(order, part) if opt["fsi_shock"] > 0.0 else order // 2 + part
-    expected = Expected(rate, None if exact else ROUND_OFF)
-    return [
-        Row(name, f"{k}/{of}", order, hs, found, expected, not exact)
-        for k, of in names
-        for found in [tuple(errors[h][k][of] if h in errors else nan for h in grids)]
-    ]
+    rate = tables.kinked(order, part) if opt["fsi_shock"] > 0.0 else order // 2 + part
+    how = tables.Expected(rate, None if exact else tables.ROUND_OFF), not exact
+    return [Row(case, name, order, tuple(runs), of, *how) for name, of in found.items()]
 
 
-def differences(runs: Sequence[Run], norm: str) -> Iterator[dict[str, dict[str, float]]]:
-    """Of each run but the last, from coarse to fine: group -> name -> relative difference from the
-    next one; and "combined", their mean. InputError where there is no node in common.
+def differences(runs: Sequence[Run], norm: str) -> dict[str, list[float]]:
+    """GROUP/NAME -> relative differences of each run but the last, from coarse to fine, from the
+    next one; and of each group "combined", their mean. InputError where there is no common node.
     """
     values, power = _common_values(runs), {"L1": 1, "L2": 2}[norm]
-    kinds = {layer.name: layer.kind for layer in runs[0].layers}
-
-    # of which kind of layer and unit; what has no known unit has one of its own
-    sort = {key: (kinds.get(key[0], key[0]), unit_of(key[1]) or key[1]) for key in values}
     ranges: dict[tuple[str, str], float] = {}
-    for key, found in values.items():
-        ranges[sort[key]] = max(ranges.get(sort[key], 0.0), _range(found[-1]))
-    for j in range(len(runs) - 1):
-        errors: dict[str, dict[str, float]] = {}
-        for (group, name), found in values.items():
-            gap = np.abs(found[j + 1] - found[j]) / (ranges[sort[group, name]] or 1.0)
-            gap = gap[np.isfinite(gap)]
-            mean = float(np.mean(gap**power) ** (1 / power)) if gap.size else np.nan
-            errors.setdefault(group, {})[name] = mean
-        for own in errors.values():
-            every = np.array(list(own.values()))
-            own["combined"] = float(np.nanmean(every**power) ** (1 / power))
-        yield errors
+    for _, _, sort, found in values:
+        low, high = np.nanmin(found[-1]), np.nanmax(found[-1])
+        size = max(abs(low), abs(high))
+        span = high - low if high - low > 1e-9 * size else size  # else it is round-off
+        ranges[sort] = max(ranges.get(sort, 0.0), float(span))
+    groups: dict[str, dict[str, Any]] = {}
+    for group, name, sort, found in values:
+        gaps = [np.abs(b - a).ravel() / (ranges[sort] or 1.0) for a, b in pairwise(found)]
+        means = [np.nanmean(gap**power) ** (1 / power) for gap in gaps]
+        groups.setdefault(group, {})[name] = np.array(means)
+    for own in groups.values():
+        own["combined"] = np.mean(np.array([*own.values()]) ** power, axis=0) ** (1 / power)
+    every = ((f"{group}/{name}", of) for group, own in groups.items() for name, of in own.items())
+    return {name: of.tolist() for name, of in every}
 
 
-def _common_values(runs: Sequence[Run]) -> dict[tuple[str, str], list[np.ndarray]]:
-    """(group, name) -> values of each run at what all have in common. InputError."""
-    found: dict[tuple[str, str], list[np.ndarray]] = {}
-    for k, layer in enumerate(runs[0].layers):
-        layers = [run.layers[k] for run in runs]
-        pairs = [common_nodes(layer, other, []) for other in layers]
-        if any(pair is None for pair in pairs):
+def _common_values(runs: Sequence[Run]) -> list[tuple[str, str, tuple[str, str], list[Any]]]:
+    """(group, name, kind of layer and unit, values of each run at what all have in common); what
+    has no known unit has one of its own. InputError.
+    """
+    found = []
+    for layer, *others in zip(*(run.layers for run in runs)):
+        pairs = [common_nodes(layer, other, []) for other in (layer, *others)]
+        every = reduce(np.intersect1d, [pair[0] if pair else [] for pair in pairs])
+        if not len(every):
             raise InputError(
                 f"layer '{layer.name}': no node of the coarsest grid is on all others; "
                 "-fsi_hs takes grids with common nodes, as in -fsi_hs 0.1,0.05,0.025"
             )
-        known = [pair for pair in pairs if pair is not None]
-        every = reduce(np.intersect1d, [first for first, _ in known])
-        nodes = [second[np.searchsorted(first, every)] for first, second in known]
+        nodes = [pair[1][np.searchsorted(pair[0], every)] for pair in pairs if pair]
         for name in layer.fields:
-            ends = [other.frame(-1)[name].ravel() for other in layers]
-            found[layer.name, name] = [end[of] for end, of in zip(ends, nodes)]
+            ends = [of.frame(-1)[name].ravel()[at] for of, at in zip((layer, *others), nodes)]
+            found.append((layer.name, name, (layer.kind, unit_of(name) or name), ends))
     times = runs[0].time[1:]
     for name in runs[0].series:
         if name not in NO_SOLUTION and not name.startswith("residual_"):
-            values = [summed(r, name)[np.isin(r.series["t"], times)] for r in runs]
+            values = [summed(run, name)[np.isin(run.series["t"], times)] for run in runs]
             if len({v.shape for v in values}) == 1 and values[0].size:
-                found["series", name] = values
+                found.append(("series", name, ("series", unit_of(name) or name), values))
     return found
-
-
-def _range(values: np.ndarray) -> float:
-    """The largest less the smallest value; the largest size where that is round-off."""
-    known = values[np.isfinite(values)]
-    if not known.size:
-        return 0.0
-    largest, span = float(np.abs(known).max()), float(np.ptp(known))
-    return span if span > 1e-9 * largest else largest

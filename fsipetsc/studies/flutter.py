@@ -12,8 +12,8 @@ Aeroelasticity of Plates and Shells, 1975); verify/beams.py derives both.
 """
 
 from collections.abc import Mapping, Sequence
-from itertools import product
-from math import pi
+from itertools import groupby, product
+from math import nan, pi
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,7 @@ from scipy.optimize import brentq
 from fsipetsc.cases import load_case
 from fsipetsc.options import Option, groups
 from fsipetsc.process.together import Comm
-from fsipetsc.studies.tables import begin, printer, save_csv, shared, text_table
+from fsipetsc.studies.tables import Study, text_table
 
 #: lambda at which a thin panel flutters without damping, its frequency there over sqrt(D/m)
 CRITICAL = {"clamped": 636.57, "hinged": 343.36}
@@ -30,19 +30,13 @@ FREQUENCY = {"clamped": 52.0, "hinged": 32.0}
 #: columns of the table: the faster mode, and both by frequency
 HEAD = "mach lambda growth frequency growth_1 frequency_1 growth_2 frequency_2".split()
 MACHS, LAMBDAS = (1.5, 2.0, 2.5, 3.0, 4.0), (500.0, 600.0, 700.0, 800.0)
-_ABOVE = {"check": lambda values: None if min(values) > 1 else "Mach numbers above 1"}
 OPTIONS = (
-    Option("flutter_machs", "floats", MACHS, "", "instead of -panel_mach", **_ABOVE),
-    Option("flutter_lambdas", "floats", LAMBDAS, "", "instead of -panel_lambda", check="positive"),
-)
+    Option("flutter_machs", "floats", MACHS, "", "Mach numbers",
+        check=lambda values: None if min(values) > 1 else "Mach numbers above 1"),
+    Option("flutter_lambdas", "floats", LAMBDAS, "", "lambdas", check="positive"),
+)  # fmt: skip
 CASE = load_case("panel")
-#: heading -> options for -help
 SECTIONS = groups(CASE, OPTIONS)
-
-#: s [unit of velocity over the panel's length] of the two modes that meet
-Pair = Sequence[complex]
-#: Mach number, lambda, modes
-Found = tuple[float, float, Pair]
 
 
 def flutter(arguments: list[str], comm: Comm) -> None:
@@ -50,17 +44,29 @@ def flutter(arguments: list[str], comm: Comm) -> None:
 
     Raises InputError; FileError; ComputationError.
     """
-    instead = {"panel_mach": "flutter_machs", "panel_lambda": "flutter_lambdas"}
-    opt, path = begin(CASE, arguments, comm, OPTIONS, "flutter", instead)
-    say, mass = printer(comm, opt), opt["panel_mass"]
-    tasks = list(product(*(sorted({*opt[option.name]}) for option in OPTIONS)))
-    found = shared(comm, tasks, lambda task: (*task, modes_at(opt, *task)))
-    facts, lines = f"mass {mass:g}, thickness {opt['panel_thickness']:g}", list(map(_row, found))
+    study = Study(comm, arguments, OPTIONS, "flutter", CASE)
+    opt, say = study.opt, study.say
+    mass, ends = opt["panel_mass"], opt["panel_ends"]
+    several = (("panel_mach", "flutter_machs"), ("panel_lambda", "flutter_lambdas"))
+    lists = [[opt[one]] if one in study.given else opt[many] for one, many in several]
+    tasks = list(product(*(sorted({*values}) for values in lists)))
+    lines, onsets = [], []
+    found = zip(tasks, study.share(tasks, lambda task: modes_at(opt, *task)))
+    for mach, group in groupby(found, lambda one: one[0][0]):
+        of_mach = [(dynamic, pair) for (_, dynamic), pair in group]
+        for dynamic, pair in of_mach:
+            modes = max(pair, key=lambda s: s.real), *pair
+            numbers = [f"{x:.6g}" for s in modes for x in (s.real, s.imag)]
+            lines.append([f"{mach:g}", f"{dynamic:g}", *numbers])
+        onset, s = crossing(mach, mass, *zip(*of_mach))
+        cells = f"{onset:.1f}", f"{s.imag / (2.0 * pi):.4f}", f"{onset / CRITICAL[ends]:.3f}"
+        onsets.append([f"{mach:g}", *cells])
+    facts = f"mass {mass:g}, thickness {opt['panel_thickness']:g}"
     say(f"panel, {facts}: growth and angular frequency of its modes\n\n{text_table(HEAD, lines)}")
     say("\nonset of flutter: lambda, and frequency f in cycles per unit of time")
-    say(onsets(found, mass, opt["panel_ends"]))
-    save_csv(comm, path, HEAD, lines)
-    say(f"\nsaved {path}")
+    say(text_table(["M", "lambda", "f", f"of {CRITICAL[ends]}"], onsets))
+    study.save(HEAD, lines)
+    say(f"\nsaved {study.path}")
 
 
 def unit_of(mach: float, mass: float, dynamic: float) -> float:
@@ -68,10 +74,10 @@ def unit_of(mach: float, mass: float, dynamic: float) -> float:
     return float(np.sqrt(mach**2 / (dynamic * np.sqrt(mach**2 - 1.0)) / mass))
 
 
-def modes_at(opt: Mapping[str, Any], mach: float, dynamic: float) -> Pair:
-    """The modes at a Mach number and lambda = dynamic, by this rank alone, the slower one first.
-
-    InputError, also where the flow is not steady, as that of a viscous gas.
+def modes_at(opt: Mapping[str, Any], mach: float, dynamic: float) -> list[complex]:
+    """s [unit of velocity over the panel's length] of the modes at a Mach number and lambda =
+    dynamic, by this rank alone, the slower one first. InputError, also where the flow is not
+    steady, as that of a viscous gas.
     """
     from mpi4py import MPI
 
@@ -110,26 +116,6 @@ def crossing(
     fine = np.linspace(min(dynamic), max(dynamic), 401)
     first = int(np.argmax([fastest(at).real > 0.0 for at in fine]))
     if first == 0:
-        return float("nan"), complex("nan+nanj")
+        return nan, complex(nan, nan)
     at = float(brentq(lambda at: fastest(at).real, fine[first - 1], fine[first]))
     return at, unit_of(mach, mass, at) * fastest(at)
-
-
-def _row(one: Found) -> list[object]:
-    """Return a row of the table under HEAD."""
-    mach, dynamic, pair = one
-    fastest = max(pair, key=lambda s: s.real)
-    numbers = [f"{x:.6g}" for s in (fastest, *pair) for x in (s.real, s.imag)]
-    return [f"{mach:g}", f"{dynamic:g}", *numbers]
-
-
-def onsets(every: Sequence[Found], mass: float, ends: str) -> str:
-    """A table of lambda and f of each Mach number; NaN where it is not among these. Beside it
-    lambda over that of a thin panel."""
-    rows, thin = [], CRITICAL[ends]
-    for mach in dict.fromkeys(mach for mach, *_ in every):
-        _, dynamic, pairs = zip(*(one for one in every if one[0] == mach))
-        found, s = crossing(mach, mass, dynamic, pairs)
-        f = s.imag / (2.0 * pi)
-        rows.append([f"{mach:g}", f"{found:.1f}", f"{f:.4f}", f"{found / thin:.3f}"])
-    return text_table(["M", "lambda", "f", f"of {thin}"], rows)
