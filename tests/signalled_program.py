@@ -8,7 +8,7 @@ to mpiexec. The places:
     fill         as this rank puts its frames into a piece
     piece        a piece is full, and has not got its name
     checkpoint   half of a checkpoint is written
-    join, clear  before the pieces become one file, and before they are removed
+    join, clear  before pieces become one file, and before they are removed
 the last four on rank 0."""
 
 import json
@@ -25,7 +25,7 @@ from fsipetsc.process.program import launcher_rank
 # as the program does; to import PETSc would start it with signals of its own
 start_petsc([], start_mpi())
 
-from fsipetsc.output import checkpoint_file, pieces, writer
+from fsipetsc.output import checkpoint_file, writer
 
 places, seen = json.loads(sys.argv.pop(1)), Counter()
 
@@ -64,8 +64,8 @@ put, checkpoint_file.put = checkpoint_file.put, put_signalled
 signalled(writer.RunWriter, "__init__", "begin", "begun")
 signalled(writer.RunWriter, "write_frame", "frame")
 signalled(writer, "view", "fill")
-signalled(pieces, "publish", "piece")
-signalled(pieces, "join", "join")
-signalled(pieces, "clear", "clear")
+signalled(writer, "publish", "piece")
+signalled(writer, "join", "join")
+signalled(writer, "clear", "clear")
 if __name__ == "__main__":
     sys.exit(cli.main())

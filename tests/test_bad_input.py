@@ -80,7 +80,6 @@ LINES = [
     # pictures
     ("plot rod.h5 -fields q", 2, "-fields q: expected some of u, T, p, rho, sigma, strain"),
     ("plot rod.h5 -times a", 2, "bad value 'a' for -times: expected numbers"),
-    ("plot rod.h5 -all -animate", 2, "-all writes several pictures"),
     ("plot rod.h5 -o x.bmp", 2, "or a file that ends with .png"),
     ("plot rod.h5 -probes 1,2", 2, "-probes: expected 1 number for each place"),
     ("plot rod.h5 -o text.h5/x.png", 4, "cannot write the "),

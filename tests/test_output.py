@@ -8,10 +8,10 @@ from helpers import run
 
 import fsipetsc
 from fsipetsc.errors import FileError
-from fsipetsc.output import pieces, writer
-from fsipetsc.output.file_layout import open_h5
+from fsipetsc.output import writer
+from fsipetsc.output.file_layout import open_h5, pieces
 from fsipetsc.output.info import info
-from fsipetsc.output.writer import Lock
+from fsipetsc.output.writer import lock
 
 
 def made(path, frames=12):
@@ -32,7 +32,7 @@ def left(tmp_path, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(writer.RunWriter, "finish", lambda of, *_, **__: (of.flush(), of.close()))
         made(tmp_path / "run.h5")
-    assert len(pieces.pieces(tmp_path / "run.parts")) == 4
+    assert len(pieces(tmp_path / "run.parts")) == 4
     return tmp_path / "run.h5"
 
 
@@ -82,7 +82,7 @@ def test_each_change_may_be_the_last(tmp_path, monkeypatch, whole):
     path, seen, early = tmp_path / "run.h5", [], []
 
     def read():
-        if path.exists() or (tmp_path / "run.parts/header.json").exists():
+        if path.exists() or (tmp_path / "run.parts/000001.h5").exists():
             seen.append(beginning(path, whole))
             early.append(fsipetsc.open_run(path))
 
@@ -111,11 +111,11 @@ def test_earlier_results_are_kept_and_a_second_run_of_the_name_is_refused(left):
     folder = left.parent
     (folder / "run.1.h5").touch()
     (folder / "run.2.h5").symlink_to("nowhere")
-    lock, before = Lock(folder / "run.parts", "run.h5"), sorted(os.listdir(folder))
+    held, before = lock(folder / "run.parts", "run.h5"), sorted(os.listdir(folder))
     with pytest.raises(FileError, match=r"another run is writing it; .* -fsi_output") as caught:
         made(left)
     assert caught.value.status == 4 and sorted(os.listdir(folder)) == before
-    lock.release()
+    held.close()
     for frames in (2, 3):
         made(left, frames)
     for name, frames in (("run.3.h5", 12), ("run.4.h5", 2), ("run.h5", 3)):

@@ -1,9 +1,7 @@
 """Pictures, films and reports: the data that are drawn, what is said about them, their colours."""
 
-import json
 import os
 import re
-import shutil
 from itertools import combinations, product
 
 import helpers
@@ -39,11 +37,8 @@ def results(tmp_path_factory):
 
 def figure_of(run, name):
     with matplotlib.rc_context(style.STYLE):
-        figure = Figure()
-        FigureCanvasAgg(figure)
-        whole = {"page": lambda figure: page.page(figure, run)}
-        (whole | dict(page.pictures(run)))[name](figure)
-        figure.canvas.draw()
+        figure = page.page(run) if name == "page" else page.pictures(run)[name]()
+        FigureCanvasAgg(figure).draw()
     return figure
 
 
@@ -83,7 +78,7 @@ def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results):
 
 def test_maps_are_on_the_grid(results):
     run = results["blast"]
-    assert set(dict(page.pictures(run))) == IN_PLANE
+    assert {*page.pictures(run)} == IN_PLANE
     quantity, last = quantities.chosen(run, ["p"])[0], run.nframes - 1
     view, axes = fields.View(run, quantity, [0, last]), Figure().subplots()
     pictures = view.draw(axes, last)
@@ -98,8 +93,8 @@ def test_maps_are_on_the_grid(results):
         face = np.stack([of["x"][row], of["y"][row]], axis=-1)
         assert sum(np.array_equal(edge, face) for edge in edges) == 2, "in white and in black"
     assert axes.get_ylim()[1] > of["y"].max() and axes.get_aspect() == 1.0
-    assert [view.scales[kind]["cmap"] for kind in view.scales] == ["viridis", "PuOr_r"]
-    assert view.bars == {"fluid": "pressure p", "solid": "mean stress in solids, white: −1"}
+    assert [view.scales[kind]["cmap"] for kind in view.scales] == ["viridis", "cividis"]
+    assert view.bars == {"fluid": "pressure p", "solid": "mean stress in solids"}
 
 
 def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
@@ -121,8 +116,7 @@ def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
 def test_film_and_a_file_where_a_directory_should_be(results, tmp_path, capsys):
     run = results["blast"]
     assert main(["plot", run.path, "-animate", "-o", str(tmp_path)]) == 0
-    films = {".gif", ".mp4"} if shutil.which("ffmpeg") else {".gif"}
-    assert {path.suffix for path in tmp_path.iterdir()} == films
+    assert os.listdir(tmp_path) == ["blast.gif"]
     with Image.open(tmp_path / "blast.gif") as moving:
         assert moving.n_frames == run.nframes
         first = np.asarray(moving.convert("RGB"))
@@ -136,19 +130,13 @@ def test_film_and_a_file_where_a_directory_should_be(results, tmp_path, capsys):
 
 
 def test_report(results, tmp_path):
-    """The slider has a picture for each frame; everything is in the page itself."""
+    """All pictures and what `info` says, which are in the page itself."""
     run = results["rod"]
     assert main(["report", run.path, "-o", str(tmp_path)]) == 0
     text = (tmp_path / "rod.html").read_text()
-    (found,) = re.findall(r"const film = (\[.*?\]), times = (\[.*?\]);", text)
-    assert len(json.loads(found[0])) == run.nframes
-    assert json.loads(found[1])[:2] == ["t = 0 s", "t = 0.1 s"]
-    assert all(f"-{name}" in text for name in run.options)
-    told = [text.index(word) for word in ("<summary>summary", "time steps", "<summary>options")]
-    assert told == sorted(told)
-    sources = re.findall(r'src="([^"]*)"', text) + json.loads(found[0])
-    assert not re.search(r"href=[\"'](?!data:)|url\(|<link [^>]*stylesheet|<script src", text)
-    assert len(sources) > 10 and all(s.startswith("data:image/png;base64,") for s in sources)
+    assert all(f"-{name}" in text for name in run.options) and "time steps" in text
+    assert text.count('src="data:image/png;base64,') == text.count("src=") == len(USUAL)
+    assert not re.search(r"href=|url\(|<link |<script", text)
 
 
 # a case before it runs: the command geometry, and -fsi_check without a value

@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 
 from fsipetsc.errors import FileError
-from fsipetsc.output.file_layout import damage, in_memory, put
+from fsipetsc.output.file_layout import damage, image, put
 
 Array = np.ndarray[Any, Any]
 _MAGIC = b"fsipetsc checkpoint "
@@ -37,28 +37,6 @@ def head_of(body: bytes) -> bytes:
     return f"{_MAGIC.decode()}{VERSION}\n{sha}\n{len(body)}".encode().ljust(_HEAD, b"\0")
 
 
-def unpack(content: bytes, name: str) -> tuple[dict[str, Any], dict[str, Array]]:
-    """Return header and arrays in a file's content. FileError if a byte is not as written."""
-    if not content.startswith(_MAGIC):
-        raise FileError(f"{name}: is not a checkpoint of fsipetsc")
-    head, body = content[:_HEAD], content[_HEAD:]
-    if head != head_of(body):
-        raise FileError(f"{name}: the checkpoint is damaged, or of another version of fsipetsc")
-    with damage(name), h5py.File(io.BytesIO(body), "r") as file:
-        arrays = {key: found[...] for key, found in file.get("arrays", {}).items()}
-        return json.loads(file["header"].asstr()[()]), arrays
-
-
-def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Array]]:
-    """Return header and arrays of a checkpoint. FileError."""
-    path = Path(path)
-    try:
-        content = b"" if path.exists() and not is_one(path) else path.read_bytes()
-    except OSError as error:
-        raise FileError(f"{path}: cannot be read: {error.strerror or error}") from None
-    return unpack(content, str(path))
-
-
 def is_one(path: Path) -> bool:
     """Tell whether there is a file that begins as a checkpoint does, whole or damaged. OSError."""
     if not path.is_file():  # a pipe would wait for a writer
@@ -67,17 +45,36 @@ def is_one(path: Path) -> bool:
         return file.read(len(_MAGIC)) == _MAGIC
 
 
+def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Array]]:
+    """Return header and arrays of a checkpoint. FileError, also if a byte is not as written."""
+    path = Path(path)
+    try:
+        if path.exists() and not is_one(path):
+            raise FileError(f"{path}: is not a checkpoint of fsipetsc")
+        content = path.read_bytes()
+    except OSError as error:
+        raise FileError(f"{path}: cannot be read: {error.strerror or error}") from None
+    head, body = content[:_HEAD], content[_HEAD:]
+    if head != head_of(body):
+        raise FileError(f"{path}: the checkpoint is damaged, or of another version of fsipetsc")
+    with damage(str(path)), h5py.File(io.BytesIO(body), "r") as file:
+        arrays = {key: found[...] for key, found in file.get("arrays", {}).items()}
+        return json.loads(file["header"].asstr()[()]), arrays
+
+
 def write(
     path: str | os.PathLike[str], header: Mapping[str, Any], arrays: Mapping[str, Array]
 ) -> None:
     """Make this the checkpoint of a name. CheckpointError: then what was there is unchanged."""
-    target = Path(os.path.realpath(path))
-    with in_memory() as (file, image):
+
+    def fill(file: h5py.File) -> None:
         file["header"] = json.dumps(header)
         for name, array in arrays.items():
             file[f"arrays/{name}"] = array
+
+    target, body = Path(os.path.realpath(path)), image(fill)
     try:
-        put(target, head_of(image.getvalue()) + image.getvalue())
+        put(target, head_of(body) + body)
     except OSError as error:
         kept = f"; the one before is kept in {target}" if target.is_file() else ""
         said = f"{path}: the checkpoint cannot be written: {error.strerror or error}{kept}"

@@ -65,9 +65,9 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Co
     """Compare all fields in the frames, and all series in the steps, that two results have at equal
     times.
 
-    Where no time is in both, nothing is compared. Where the steps differ, gains per step such as
-    `energy_in` are compared as sums since the first common time. Layers with different grids are
-    compared at common nodes where both are active; a note says how many there are.
+    Where no time is in both, nothing is compared; where the steps differ, no gains per step such as
+    `energy_in`. Layers with different grids are compared at common nodes where both are active; a
+    note says how many there are.
 
     Args:
         first: path of a result.
@@ -102,19 +102,6 @@ def _on_one_scale(found: list[Difference]) -> Iterator[Difference]:
     return (replace(one, scale=scales[unit]) for unit, one in zip(units, found))
 
 
-def difference(name: str, a: Array, b: Array, times: Array) -> Difference:
-    """Compare two arrays whose first index is that of `times`; two NaNs are equal."""
-    gap = np.where((a == b) | (np.isnan(a) & np.isnan(b)), 0.0, np.abs(a - b))
-    gap = np.where(np.isnan(gap), np.inf, gap)
-    scale = max(float(np.abs(v[np.isfinite(v)]).max(initial=0.0)) for v in (a, b))
-    if not gap.any():
-        return Difference(name, 0.0, scale, "")
-    where = np.unravel_index(np.argmax(gap), gap.shape)
-    point = f", point {', '.join(map(str, where[1:]))}" if len(where) > 1 else ""
-    place = f"t = {times[where[0]]:.6g}{point}"
-    return Difference(name, float(gap[where]), scale, place)
-
-
 def diff(first: str, second: str) -> str:
     """Return what the command prints. FileError."""
     comparison = compare(first, second)
@@ -131,6 +118,20 @@ def diff(first: str, second: str) -> str:
         one, two = ("none" if value is None else value for value in pair)
         lines.append(f"option -{name}: {one} and {two}")
     return "\n".join(lines)
+
+
+def _difference(name: str, a: Array, b: Array, times: Array, places: Array | None) -> Difference:
+    """Compare arrays (times, nodes or columns); two NaNs are equal. places: of the nodes."""
+    gap = np.where((a == b) | (np.isnan(a) & np.isnan(b)), 0.0, np.abs(a - b))
+    gap = np.where(np.isnan(gap), np.inf, gap)
+    scale = max(float(np.abs(v[np.isfinite(v)]).max(initial=0.0)) for v in (a, b))
+    if not gap.any():
+        return Difference(name, 0.0, scale, "")
+    step, k = np.unravel_index(np.argmax(gap), gap.shape)
+    at = f", column {k}" * (a.shape[1] > 1)
+    if places is not None:
+        at = f", X = {', '.join(f'{x:.6g}' for x in places[k])}"
+    return Difference(name, float(gap[step, k]), scale, f"t = {times[step]:.6g}{at}")
 
 
 def _common(a: Array, b: Array, what: str, notes: list[str]) -> tuple[Array, Array, Array]:
@@ -152,39 +153,34 @@ def _of_layers(a: Run, b: Run, notes: list[str]) -> Iterator[Difference]:
     times, in_a, in_b = _common(a.time, b.time, "frames", notes)
     for name in _both(a.blocks, b.blocks, "layer", notes) if len(times) else ():
         layer, other = a.blocks[name], b.blocks[name]
-        nodes = common_nodes(layer, other, notes)
-        if nodes is None:
+        if (nodes := common_nodes(layer, other, notes)) is None:
             continue
-        whole = layer.shape == other.shape and len(nodes[0]) == math.prod(layer.shape)
+        places = layer.places.reshape(-1, len(layer.shape))[nodes[0]]
         for field in _both(layer.fields, other.fields, f"{name}: field", notes):
-            one, two = layer[field][in_a], other[field][in_b]
-            if not whole:
-                pairs = zip((one, two), nodes)
-                one, two = (of.reshape(len(times), -1)[:, some] for of, some in pairs)
-                # active parts of two grids end at other nodes
+            pairs = (layer[field][in_a], nodes[0]), (other[field][in_b], nodes[1])
+            one, two = (of.reshape(len(times), -1)[:, some] for of, some in pairs)
+            if layer.shape != other.shape:  # active parts of two grids end at other nodes
                 outside = np.isnan(one) | np.isnan(two)
-                one, two = np.where(outside, np.nan, one), np.where(outside, np.nan, two)
-            yield difference(f"{name}: {field}", one, two, times)
+                one[outside] = two[outside] = np.nan
+            yield _difference(f"{name}: {field}", one, two, times, places)
 
 
 def _of_series(a: Run, b: Run, notes: list[str]) -> Iterator[Difference]:
-    names, none = _both(a.series, b.series, "series", notes), np.empty(0)
-    t, other_t = a.series.get("t", none), b.series.get("t", none)
+    names = _both(a.series, b.series, "series", notes)
+    t, other_t = (run.series.get("t", np.empty(0)) for run in (a, b))
     times, in_a, in_b = _common(t, other_t, "steps", notes)
-    others = not len(times) == len(t) == len(other_t)
+    same = len(times) == len(t) == len(other_t)
     for name in names if len(times) else ():
-        one, two = (summed(run, name) if others else run.series[name] for run in (a, b))
-        one, two = one[in_a], two[in_b]
-        if others and name in GAINS:  # one result may begin later
-            one, two = one - one[0], two - two[0]
-        if one.shape == two.shape:
-            yield difference(name, one, two, times)
-        else:
+        one, two = (of.series[name][some] for of, some in ((a, in_a), (b, in_b)))
+        if one.shape != two.shape:
             notes.append(f"series {name} has the shapes {one.shape} and {two.shape}")
+        elif same or name not in GAINS:
+            one, two = (of.reshape(len(times), -1) for of in (one, two))
+            yield _difference(name, one, two, times, None)
 
 
 def summed(run: Run, name: str) -> Array:
-    """Return a series; of what steps bring, the sum since the beginning."""
+    """Return a series; of gains per step their sum since the beginning."""
     series = run.series[name]
     return np.cumsum(series, axis=0) if name in GAINS else series
 
@@ -197,12 +193,12 @@ def common_nodes(a: Layer, b: Layer, notes: list[str]) -> tuple[Array, Array] | 
     within = 1e-9 * np.ptp(one, axis=0).max() if one.size else 1.0
     if a.shape == b.shape and np.allclose(one, two, rtol=0.0, atol=within):
         return np.arange(len(one)), np.arange(len(two))
-    # cells of a lattice, at the edges of which usual grids have no places
-    cells = [map(tuple, np.floor(X / within + 0.382).tolist()) for X in (one, two)]
-    there = {cell: k for k, cell in enumerate(cells[1])}
-    pairs = np.array([(k, there[cell]) for k, cell in enumerate(cells[0]) if cell in there])
+    from scipy.spatial import KDTree
+
+    apart, nearest = KDTree(two).query(one, distance_upper_bound=within)
+    here = np.flatnonzero(np.isfinite(apart))
     text = "no node of one is a node of the other"
-    if len(pairs):
-        text = f"compared at the {len(pairs)} common nodes, which `point` counts"
+    if len(here):
+        text = f"compared at the {len(here)} common nodes"
     notes.append(f"layer {a.name!r} has {a.size} and {b.size}: {text}")
-    return (pairs[:, 0], pairs[:, 1]) if len(pairs) else None
+    return (here, nearest[here]) if len(here) else None

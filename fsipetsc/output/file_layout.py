@@ -1,15 +1,13 @@
 """How the files of a result are organised, and how they are written and read.
 
-    NAME.parts/lock          held by the run that writes (see `writer`)
-    NAME.parts/header.json   what is known of the run: format, version, header, summary, errors
+    NAME.parts/lock          held by the run that writes
     NAME.parts/000001.h5 …   pieces: some consecutive frames and steps
     NAME.h5                  the finished result, a piece with all frames and steps
 
 A piece has
 
-    about            the text of header.json; in NAME.h5 only
-    attribute first  numbers of its first frame and step; none in NAME.h5. What pieces before have
-                     from there on, a restart has given up
+    about            JSON text of what is known of the run: format, version, header; at its end
+                     summary and errors, too
     time             (k,) times of the frames [s]
     series/NAME      (m, …) a row for each step
     layer0/X         (n,) Lagrangian grid; of blocks (n, d), places of nodes in the reference map,
@@ -23,23 +21,29 @@ checksums (format of HDF5 1.10): a changed byte there is an error and not a cras
 """
 
 import io
+import json
+import math
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from itertools import count, takewhile
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any
 
 import h5py
+import numpy as np
 
-from fsipetsc.errors import FileError
+from fsipetsc.checks import Array
+from fsipetsc.errors import FileError, petsc_words, reason
 
 FORMAT, VERSION = "fsipetsc result", 4
+NAMES = "names"  # attribute of the group of series: their names
 LIBVER = ("v110", "v110")
 
 
 @contextmanager
-def damage(path: str, what: str = "") -> Iterator[None]:
+def damage(path: str) -> Iterator[None]:
     """Any error while a file is read, whatever it contains, becomes a FileError of one line.
 
     But for FileNotFoundError: a piece may be gone because the pieces have become one file.
@@ -49,11 +53,7 @@ def damage(path: str, what: str = "") -> Iterator[None]:
     except (FileError, FileNotFoundError, MemoryError):
         raise
     except Exception as error:
-        reason = " ".join(str(error).split())
-        if not isinstance(error, (OSError, ValueError)):
-            reason = f"{type(error).__name__}: {reason}"
-        of = f"{what} cannot be read: " if what else ""
-        raise FileError(f"{path}: {of}the file is damaged: {reason}") from error
+        raise FileError(f"{path}: the file is damaged: {reason(error)}") from error
 
 
 def open_h5(path: str | os.PathLike[str], mode: str = "r") -> h5py.File:
@@ -61,7 +61,7 @@ def open_h5(path: str | os.PathLike[str], mode: str = "r") -> h5py.File:
     return h5py.File(path, mode, locking=False, libver=LIBVER if mode != "r" else None)
 
 
-class _Image(io.BytesIO):
+class _Memory(io.BytesIO):
     """A file in memory, as h5py's driver for Python's file objects wants it."""
 
     def truncate(self, size: int | None = None) -> int:
@@ -70,27 +70,82 @@ class _Image(io.BytesIO):
         return super().truncate(length)
 
 
-@contextmanager
-def in_memory() -> Iterator[tuple[h5py.File, io.BytesIO]]:
-    """A new HDF5 file, and what has its content, `getvalue()`, when the context has ended."""
-    image = _Image()
-    with h5py.File(image, "w", libver=LIBVER) as file:
-        yield file, image
+def image(fill: Callable[[h5py.File], None]) -> bytes:
+    """Return the content of a new HDF5 file that `fill` has filled."""
+    memory = _Memory()
+    with h5py.File(memory, "w", libver=LIBVER) as file:
+        fill(file)
+    return memory.getvalue()
+
+
+def publish(draft: Path, path: Path) -> None:
+    """Give a file that is whole its name. OSError."""
+    with open(draft, "rb") as file:
+        os.fsync(file.fileno())
+    os.replace(draft, path)
 
 
 def put(path: Path, content: bytes) -> None:
     """Make this the content of a file. OSError: then what was there is unchanged."""
     draft = path.with_name(f".{path.name}.new")
     try:
-        with open(draft, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(draft, path)
+        draft.write_bytes(content)
+        publish(draft, path)
     except OSError:
         with suppress(OSError):
             draft.unlink()
         raise
+
+
+def piece(folder: Path, number: int, ending: str = ".h5") -> Path:
+    """Return the path of a piece, which are numbered from 1 on."""
+    return folder / f"{number:06d}{ending}"
+
+
+def pieces(folder: Path) -> list[Path]:
+    """Return the finished pieces in their order, up to the first that is missing."""
+    return [*takewhile(Path.exists, (piece(folder, k) for k in count(1)))]
+
+
+def read_about(file: h5py.File) -> dict[str, Any]:
+    """Return what is known of the run of a piece. FileError; any exception if it is damaged."""
+    about: dict[str, Any] = json.loads(file["about"][()] if "about" in file else "{}")
+    if about.get("format") != FORMAT:
+        raise FileError(f"{file.filename}: is not a result of fsipetsc")
+    if about["version"] != VERSION:
+        said = f"has the file format {about['version']}, and this fsipetsc reads {VERSION}"
+        raise FileError(f"{file.filename}: {said}")
+    return {"summary": {}, "errors": {}, **about}
+
+
+def read_piece(path: Path) -> tuple[dict[str, Any], Array, dict[str, Array], list[Array]]:
+    """Return what is known of the run, times of frames, series, and grids of layers that are there.
+    FileError; any exception tells what is not as it should be.
+    """
+
+    def numbers(found: h5py.Dataset, *shape: int | None) -> Array:
+        """Return numbers of this shape, in which None is any length."""
+        fits = all(n in (None, m) for n, m in zip(shape, found.shape))
+        if found.dtype.kind not in "iuf" or len(shape) != found.ndim or not fits:
+            raise ValueError(f"{found.name} has the shape {found.shape} and the type {found.dtype}")
+        values: Array = found[...]
+        return values
+
+    with open_h5(path) as file:
+        about = read_about(file)
+        time, series, grids = numbers(file["time"], None), {}, []
+        if "series" in file:
+            group, steps = file["series"], len(numbers(file["series/t"], None))
+            # a list: HDF5, asked for names, crashes where a byte of a larger group has changed
+            for name in [name.decode() for name in group.attrs.get(NAMES, ())] or [*group]:
+                series[name] = numbers(group[name], steps, *group[name].shape[1:2])
+        for k, layer in enumerate(about["header"]["layers"] if "layer0/X" in file else ()):
+            found, shape = file[f"layer{k}/X"], layer["shape"]
+            X = numbers(found, *(shape if found.ndim == 1 else (math.prod(shape), len(shape))))
+            if not np.isfinite(X).all() or (len(shape) == 1 and np.any(np.diff(X, axis=0) <= 0)):
+                raise ValueError(f"the grid in layer{k} is not ascending numbers")
+            grids.append(X)
+        return about, time, series, grids
 
 
 def columns_of(header: Mapping[str, Any]) -> dict[str, list[str]]:
@@ -133,5 +188,7 @@ def writing(target: Path, what: str = "the picture") -> Iterator[None]:
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         yield
-    except OSError as error:
-        raise FileError(f"{target}: cannot write {what}: {error.strerror or error}") from error
+    except (OSError, RuntimeError, ValueError) as error:  # of PETSc and HDF5, too
+        words = petsc_words(error) if hasattr(error, "ierr") else reason(error)
+        words = getattr(error, "strerror", None) or words
+        raise FileError(f"{target}: cannot write {what}: {words}") from error

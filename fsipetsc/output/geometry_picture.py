@@ -23,9 +23,9 @@ from fsipetsc.problem import Problem
 LINES = 24
 #: what is at a face -> how it is drawn, the last ones on top
 FACES: dict[str, dict[str, Any]] = {
-    "condition": {"linewidth": 2.0},
-    "join": {"color": style.BLACK, "linewidth": 1.2, "linestyle": (0, (4, 3))},
-    "interface": {"color": style.BLACK, "linewidth": 2.0},
+    "condition": {"linewidth": 2.0, "zorder": 3},
+    "join": {"color": style.BLACK, "linewidth": 1.2, "linestyle": (0, (4, 3)), "zorder": 4},
+    "interface": {"color": style.BLACK, "linewidth": 2.0, "zorder": 5},
 }
 
 
@@ -42,12 +42,6 @@ class Outline(NamedTuple):
     shape: tuple[int, ...]
     lines: list[Array]
     sides: dict[tuple[int, int], tuple[str, str]]
-
-    @property
-    def spacing(self) -> list[tuple[float, float]]:
-        """Return least and largest distance of neighbours along each axis [m], on the lines."""
-        apart = (np.linalg.norm(np.diff(line), axis=0) for line in self.lines)
-        return [(float(h.min()), float(h.max())) for h in apart]
 
     def edges(self, axis: int, side: int) -> list[Array]:
         """Return the lines (d, n) around a face; in two dimensions the face itself."""
@@ -115,15 +109,13 @@ def geometry_rows(found: Sequence[Outline], m: str) -> Rows:
         nodes += int(np.prod(one.shape))
         sizes = " x ".join(map(str, one.shape))
         rows.append((one.name, f"{'gas' if one.kind == 'fluid' else 'solid'}, {sizes} nodes"))
-        for axis, ends in enumerate(one.spacing):
+        for axis, line in enumerate(one.lines):
+            apart = np.linalg.norm(np.diff(line), axis=0)
             stands = [one.sides[axis, side][1] for side in (0, 1) if (axis, side) in one.sides]
             text = f"from {' to '.join(stands)}" if stands else "periodic"
+            every += (ends := [float(apart.min()), float(apart.max())])
             rows.append((f"  axis {axis}", f"{span(ends)}; {text}"))
-            every += ends
     return [*rows, ("all", f"{nodes:,} nodes, {span(every)}")]
-
-
-# the picture
 
 
 def draw_geometry(target: Path, found: Sequence[Outline], title: str, axes: Sequence[str]) -> Path:
@@ -135,7 +127,7 @@ def draw_geometry(target: Path, found: Sequence[Outline], title: str, axes: Sequ
         figure = Figure(figsize=(10.8, 3.4 if len(axes) == 1 else 7.0))
         view = figure.add_subplot(projection="3d" if len(axes) == 3 else None)
         for one in found:
-            _draw_block(view, one if len(axes) > 1 else _strip(one))
+            _draw_block(view, one)
         view.set(**{f"{axis}label": label for axis, label in zip("xyz", axes)})
         view.grid(visible=False)
         view.use_sticky_edges = False
@@ -150,41 +142,32 @@ def draw_geometry(target: Path, found: Sequence[Outline], title: str, axes: Sequ
         return style.save(figure, target)
 
 
-def _strip(one: Outline) -> Outline:
-    """Return a block in one dimension as one of two."""
-    x, y = one.lines[0][0], np.array([0.0, 0.5, 1.0])
-    along = np.stack(np.meshgrid(x, y[::2]))
-    across = np.stack(np.meshgrid(x[_some(x.size)], y, indexing="ij"))
-    return one._replace(lines=[along, across])
-
-
 def _draw_block(view: style.Axes, one: Outline) -> None:
     """Draw faces with their conditions; grid lines, or in three dimensions the edges."""
+    if len(one.lines) == 1:  # a strip of two dimensions
+        x = one.lines[0][0]
+        along, across = np.meshgrid(x, [0.0, 1.0]), np.meshgrid(x[_some(x.size)], [0.0, 0.5, 1.0])
+        one = one._replace(lines=[np.stack(along), np.stack(across).transpose(0, 2, 1)])
     color, d = style.COLORS[one.kind], len(one.lines)
     X = one.lines[0]
     near = [X[(slice(None), *((n - k) // 2 for n in X.shape[1:]))] for k in (0, 1)]
     centre = np.mean(near, axis=0)
-    view.text(*centre, one.name, color=color, weight="bold", ha="center", va="center", zorder=9)
+    middle = {"ha": "center", "va": "center", "zorder": 9}
+    view.text(*centre, one.name, color=color, weight="bold", **middle)
     if d == 2:
         thin = [line for lines in one.lines for line in np.moveaxis(lines, 1, 0)]
         view.contourf(*X, 0.0 * X[0], [-1, 1], colors=[color], alpha=0.15)
     else:
         thin = [line for axis, side in product(range(3), (0, 1)) for line in one.edges(axis, side)]
-    width = 0.5 if d == 2 else 1.0
     for line in thin:
-        view.plot(*line, color=color, linewidth=width, alpha=0.6, label=one.kind)
+        view.plot(*line, color=color, linewidth=0.5 * (d - 1), alpha=0.6, label=one.kind)
     for face, (kind, text) in one.sides.items():
-        look = {"color": color, "zorder": 3 + list(FACES).index(kind), **FACES[kind]}
+        label = "" if kind == "condition" else kind
         for line in (edges := one.edges(*face)):
-            view.plot(*line, label="" if kind == "condition" else kind, **look)
-        if kind != "condition":
-            continue
-        look = {"fontsize": 7, "ha": "center", "va": "center", "zorder": 9}
-        place = np.mean([line[:, line.shape[1] // 2] for line in edges], axis=0)
-        if d == 3:
-            view.text(*place, text, **look)
-        else:  # outside of the block and along the face
-            outwards = place - centre
-            look["rotation"] = 90 * (abs(outwards[0]) > abs(outwards[1]))
-            beside = 8.0 * outwards / np.linalg.norm(outwards)
-            view.annotate(text, place, beside, textcoords="offset points", **look)
+            view.plot(*line, label=label, **{"color": color, **FACES[kind]})
+        if kind == "condition":
+            place = np.mean([line[:, line.shape[1] // 2] for line in edges], axis=0)
+            outwards = np.abs(place - centre)
+            turned = {"rotation": 90} if d == 2 and outwards[0] > outwards[1] else {}
+            paper = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+            view.text(*place, text, fontsize=7, bbox=paper, **turned, **middle)

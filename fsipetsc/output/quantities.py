@@ -31,7 +31,7 @@ FIELDS = {
     for names, (label, unit) in _TABLE.items()
     for name in names.split()
 }
-#: series of what a step brought, not of what there is after it
+#: series of gains in a step, not of totals after it
 GAINS = [name for name, one in SERIES.items() if one.kind == GAIN]
 #: fields of blocks whose mean is drawn beside the pressure
 _NORMAL = "s_xx", "s_yy", "s_zz", "sigma_theta"
@@ -133,12 +133,7 @@ def chosen(run: Run, names: Sequence[str]) -> list[Quantity]:
 
 
 def to_xarray(run: Run) -> Any:
-    """Return the dataset that `Run.to_xarray` describes, of a Run. The reference coordinates of a
-    curved block are "LAYER.X" …; the positions "LAYER.x" … are coordinates, too. A series with
-    several columns has the dimension interface, gas, layer, face or point, which has names.
-
-    Raises ImportError without xarray, FileError where the result is damaged.
-    """
+    """Return the dataset that `Run.to_xarray` describes, of a Run."""
     import xarray
 
     def about(name: str, **more: str) -> dict[str, str]:
@@ -147,30 +142,23 @@ def to_xarray(run: Run) -> Any:
 
     variables: dict[str, Any] = {}
     coordinates: dict[str, Any] = {"time": ("time", run.time, about("t"))}
-    if run.interfaces:
-        coordinates["interface"] = "interface", list(run.interfaces)
     for layer in run.layers:
         name, axes = "_".join(layer.name.split()), "XYZ"[: len(layer.shape)]
         dimensions = [f"{axis}_{name}" for axis in axes[::-1]]
         for axis in axes:
             X, of_axis = getattr(layer, axis), f"{axis}_{name}"
-            long_name = about("x", long_name=f"reference coordinate {axis}")
-            if X.ndim == 1:
-                coordinates[of_axis] = of_axis, X, long_name
-            else:
-                coordinates[f"{name}.{axis}"] = dimensions, X, long_name
+            more = about("x", long_name=f"reference coordinate {axis}")
+            key, along = (of_axis, of_axis) if X.ndim == 1 else (f"{name}.{axis}", dimensions)
+            coordinates[key] = along, X, more
         for field in layer.fields:
             where = coordinates if field in "xyz" else variables
-            values = layer[field]
-            where[f"{name}.{field}"] = ["time", *dimensions], values, about(field, layer=layer.name)
+            more = about(field, layer=layer.name)
+            where[f"{name}.{field}"] = ["time", *dimensions], layer[field], more
     names = columns_of(run.header)
     for series, values in run.series.items():
-        dimensions = ["step"]
-        if values.ndim == 2:
-            of = SERIES[series].of
-            coordinates[of] = of, names[of]
-            dimensions.append(of)
-        variables[f"series.{series}"] = dimensions, values, about(series)
+        of = [SERIES[series].of] * (values.ndim - 1)
+        coordinates |= {column: (column, names[column]) for column in of}
+        variables[f"series.{series}"] = ["step", *of], values, about(series)
     if "t" in run.series:
         coordinates["t"] = "step", run.series["t"], about("t")
     options = {f"-{name}": str(value) for name, value in run.options.items() if value is not None}

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,8 +22,7 @@ import numpy as np
 from fsipetsc.checks import Array, counted
 from fsipetsc.errors import FileError
 from fsipetsc.output.checkpoint_file import is_one
-from fsipetsc.output.file_layout import beside, columns, damage
-from fsipetsc.output.pieces import Contents, pieces, read_about
+from fsipetsc.output.file_layout import beside, columns, damage, open_h5, pieces, read_piece
 
 if TYPE_CHECKING:
     import xarray
@@ -37,6 +37,7 @@ class Run:
     Attributes:
         case: name of the case.
         options: name -> value of every option in force.
+        about: all that the file says of the run: header, summary, errors.
         header: what was known at the start: versions, ranks, created …
         summary: steps, rhs_evaluations, wall_time [s] … of the whole run. Of a run that has not
             ended it has only versions and ranks.
@@ -62,22 +63,41 @@ class Run:
         if name.endswith(".parts"):  # of a run that goes on or was killed
             name = f"{name.removesuffix('.parts')}.h5"
         self.path = os.path.abspath(name)
-        path, folder = Path(self.path), beside(self.path, ".parts")
-        whole = _is_whole(path, folder, name)
-        try:
-            self._open(path if whole else folder, name)
-        except FileNotFoundError:  # the pieces have become one file
-            self._open(path, name)
-        else:
-            if not whole and path.exists():
-                self._open(path, name)
-
-    def _open(self, path: Path, name: str) -> None:
+        whole, folder = Path(self.path), beside(self.path, ".parts")
+        if not whole.exists() and (found := pieces(folder)):
+            with suppress(FileNotFoundError), damage(name):
+                self._read(found)
+                if not whole.exists():
+                    return  # else the pieces have become one file meanwhile
+        if not whole.is_file():  # a pipe would wait for somebody who writes
+            what = "is no regular file" if whole.exists() else "there is no such file"
+            raise FileError(f"{name}: {what}")
+        if is_one(whole):
+            raise FileError(f"{name}: is a checkpoint of fsipetsc, not a result")
+        if not h5py.is_hdf5(whole):
+            raise FileError(f"{name}: is not an HDF5 file")
         with damage(name):
-            about = read_about(path, name)
-            self._take(about, [path] if path.is_file() else pieces(path))
+            self._read([whole])
 
-    def _take(self, about: Mapping[str, Any], files: Sequence[Path]) -> None:
+    def _read(self, files: Sequence[Path]) -> None:
+        """Read all but fields. Any exception tells what is not as it should be."""
+        self._files: list[tuple[Path, int]] = []  # and how many frames they have
+        nodes: list[Array] = []  # of each layer
+        times, series = list[Array](), dict[str, list[Array]]()
+        for path in files:
+            about, time, found, grids = read_piece(path)
+            times.append(time)
+            nodes = nodes or grids
+            self._files.append((path, len(time)))
+            for name, values in found.items():
+                series.setdefault(name, []).append(values)
+        self.time = np.concatenate(times)
+        self.nframes = len(self.time)
+        self.series = {name: np.concatenate(values) for name, values in series.items()}
+        for of in (self.time, self.series.get("t", self.time)):
+            if not np.all(np.diff(of, prepend=0.0) >= 0):
+                raise ValueError("the times of its frames or steps are not ascending numbers")
+        self.about: dict[str, Any] = about
         self.header: dict[str, Any] = about["header"]
         self.case: str = self.header["case"]
         self.options: dict[str, Any] = self.header["options"]
@@ -91,11 +111,10 @@ class Run:
         self.complete = bool(about["summary"]) and self.summary.get("status", "done") == "done"
         self.errors: dict[str, dict[str, float]] = about["errors"]
         self.dimension = int(self.header.get("dimension", 1))
-        self._contents = contents = Contents(files, self.header)
-        self.time, self.nframes, rows = contents.time, contents.nframes, contents.rows
-        self.series = {name: np.empty((rows, *shape)) for name, shape in contents.series.items()}
-        contents.copy_series(self.series)
-        self.layers = tuple(Layer(self, k, entry) for k, entry in enumerate(self.header["layers"]))
+        none = [np.empty(0)] * len(self.header["layers"])
+        self.layers = tuple(
+            Layer(self, k, *of) for k, of in enumerate(zip(self.header["layers"], nodes or none))
+        )
         self.blocks: dict[str, Layer] = {layer.name: layer for layer in self.layers}
 
     def _need_frames(self) -> None:
@@ -121,27 +140,23 @@ class Run:
             k: its number, counted from below, or its name.
 
         Raises:
-            KeyError: there is no interface of this name.
-            IndexError: there is no interface of this number.
+            KeyError: there is no such interface.
             FileError: no frame is saved.
         """
         names = list(self.interfaces) if self.dimension == 2 else []
-        if isinstance(k, str) and k not in names:
+        number = names.index(k) if k in names else k
+        if not isinstance(number, int) or not -len(names) <= number < len(names):
             raise KeyError(_unknown("line of an interface", k, names))
-        if not isinstance(k, str) and not -len(names) <= k < len(names):
-            raise IndexError(_unknown("line of an interface", k, names))
-        number = names.index(k) if isinstance(k, str) else range(len(names))[k]
         self._need_frames()
         solid, axis, side = self.header["interface_faces"][number]
         return InterfaceLine(names[number], solid, self.layers[solid], axis, side)
 
     def to_xarray(self) -> xarray.Dataset:
-        """Return all frames and series as an xarray Dataset, with dimensions, coordinates and
-        units.
+        """Return all frames and series as an xarray Dataset, with dimensions, coordinates, units.
 
-        Fields are variables "LAYER.FIELD" of the dimensions time and X_LAYER (in two dimensions
-        time, Y_LAYER, X_LAYER). Series are "series.NAME" of the dimension step. A blank in the name
-        of a layer is written as _.
+        Fields are "LAYER.FIELD" of the dimensions time and X_LAYER (in two dimensions time,
+        Y_LAYER, X_LAYER), positions are coordinates. Series are "series.NAME" of the dimension
+        step. A blank in the name of a layer is written as _.
 
         Raises:
             ImportError: xarray is not installed.
@@ -194,12 +209,12 @@ class Layer(Mapping[str, Array]):
         z: see x.
     """
 
-    def __init__(self, run: Run, number: int, entry: Mapping[str, Any]) -> None:
+    def __init__(self, run: Run, number: int, entry: Mapping[str, Any], nodes: Array) -> None:
         self.name: str = entry["name"]
         self.kind: str = entry["kind"]
         self.fields = columns(entry)
         self._run, self._number, self._kept = run, number, dict[str, Array]()
-        X, d = run._contents.X[number], len(entry["shape"])
+        X, d = nodes, len(entry["shape"])
         self.shape: tuple[int, ...] = tuple(entry["shape"]) if len(X) else (0,) * d  # no frames
         self.places: Array = X.reshape(*self.shape, d)
         self.periodic: tuple[bool, ...] = tuple(entry.get("periodic", [False] * d)[::-1])
@@ -221,11 +236,11 @@ class Layer(Mapping[str, Array]):
     @property
     def rings(self) -> tuple[int, ...]:
         """Return axes of the arrays along which the block closes, as an annulus does."""
-        d, found = len(self.shape), []
-        for axis in range(d):
-            ends = [np.take(self.places, at, axis=axis) for at in (0, 1, -1)]
-            step, gap = (np.linalg.norm(end - ends[0], axis=-1).max() for end in ends[1:])
-            if self.periodic[d - 1 - axis] and gap < 3.0 * step:
+        found = []
+        for axis in range(len(self.shape)):
+            first, second, last = (self.places.take(k, axis) for k in (0, 1, -1))
+            step, gap = (np.linalg.norm(of - first, axis=-1).max() for of in (second, last))
+            if self.periodic[len(self.shape) - 1 - axis] and gap < 3.0 * step:
                 found.append(axis)
         return tuple(found)
 
@@ -242,14 +257,14 @@ class Layer(Mapping[str, Array]):
         """
         self._run._need_frames()
         first = range(self._run.nframes)[number]
-        rows = self._read(f"frame {first}", self.fields, first, first + 1)
+        rows = self.read(self.fields, first, first + 1)
         return {name: row[0] for name, row in zip(self.fields, rows)}
 
     def __getitem__(self, name: str) -> Array:
         if name not in self.fields:
             raise KeyError(_unknown(f"field of {self.name!r} named", name, self.fields))
         if name not in self._kept:
-            (self._kept[name],) = self._read(name, [name], 0, self._run.nframes)
+            (self._kept[name],) = self.read([name], 0, self._run.nframes)
         return self._kept[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -260,16 +275,30 @@ class Layer(Mapping[str, Array]):
 
     __eq__, __hash__ = object.__eq__, object.__hash__  # Mapping's would compare all values
 
-    def _read(self, what: str, names: Sequence[str], first: int, end: int) -> list[Array]:
-        """Return these fields in some frames; `what` they are, in messages. FileError."""
-        run = self._run
+    def read(self, names: Sequence[str], first: int, end: int) -> list[Array]:
+        """Return these fields in the frames from first to end. FileError."""
+        width, found = len(self.fields), []
         try:
-            with damage(run.path, what):
-                rows = run._contents.frames(self._number, names, first, end)
+            with damage(self._run.path):
+                for path, count in self._run._files:
+                    a, b = max(first, 0), min(end, count)  # of this file
+                    first, end = first - count, end - count
+                    if a >= b:
+                        continue
+                    with open_h5(path) as file:
+                        group = file[f"layer{self._number}"]
+                        if "frames" in group:
+                            table = group["frames"][:, a * width : b * width]
+                            table = table.reshape(-1, b - a, width)
+                            rows = [table[..., self.fields.index(name)].T for name in names]
+                        else:
+                            rows = [group[name][a:b] for name in names]
+                    found.append([values.reshape(b - a, *self.shape) for values in rows])
         except FileNotFoundError:
             said = "has changed since it was opened; open it again"
-            raise FileError(f"{run.path}: {said}") from None
-        return [row.reshape(end - first, *self.shape) for row in rows]
+            raise FileError(f"{self._run.path}: {said}") from None
+        found = found or [[np.empty((0, *self.shape))] * len(names)]
+        return [of[0] if len(of) == 1 else np.concatenate(of) for of in zip(*found)]
 
     def __repr__(self) -> str:
         return f"<{self.kind} {self.name!r}: {self.size}; {', '.join(self.fields)}>"
@@ -333,21 +362,6 @@ def open_run(path: str | os.PathLike[str]) -> Run:
         FileError: there is no such file, it is no result of fsipetsc, or it is damaged.
     """
     return Run(path)
-
-
-def _is_whole(path: Path, folder: Path, name: str) -> bool:
-    """Tell whether it is NAME.h5, or else NAME.parts. FileError if it is no result."""
-    if not path.exists() and (folder / "header.json").exists():
-        return False
-    if not path.is_file():  # a pipe would wait for somebody who writes
-        what = "is no regular file" if path.exists() else "there is no such file"
-    elif is_one(path):
-        what = "is a checkpoint of fsipetsc, not a result"
-    elif not h5py.is_hdf5(path):
-        what = "is not an HDF5 file"
-    else:
-        return True
-    raise FileError(f"{name}: {what}")
 
 
 def _unknown(what: str, name: object, valid: Iterable[str]) -> str:

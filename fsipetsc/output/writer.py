@@ -1,53 +1,60 @@
 """Writes the result of a run in pieces: frames in parallel through PETSc's HDF5 viewer, the rest
-by rank 0.
+by rank 0. Frames and steps are kept in memory and written many at a time, for a write costs as much
+as hundreds of time steps.
 
-Frames and steps are kept in memory and written many at a time, for a write costs as much as
-hundreds of time steps.
+A file in the folder NAME.parts is written under another name and renamed when it is whole, so a
+kill costs the piece in the making. At the end of the run the pieces are joined into NAME.h5, and
+the folder goes. Where there is NAME.h5 it is the result, and what the folder of the same run still
+has is a leftover. A restart makes of what it keeps of a result NAME.h5 again, which then becomes
+the first piece.
 """
 
 import fcntl
 import itertools
 import json
+import math
 import os
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
-from xml.sax.saxutils import escape, quoteattr
+from typing import IO, Any, TypeVar
 
+import h5py
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.errors import FileError, FsiError, petsc_words, reason
-from fsipetsc.output import pieces
-from fsipetsc.output.file_layout import beside, check_folder, columns, put
-from fsipetsc.output.pieces import Kept
-from fsipetsc.output.reader import Layer, Run, open_run
+from fsipetsc.checks import Array
+from fsipetsc.errors import FileError, FsiError
+from fsipetsc.output import file_layout as layout
+from fsipetsc.output.file_layout import beside, columns, publish
+from fsipetsc.output.reader import Run, open_run
+from fsipetsc.output.xdmf import write_xdmf
 from fsipetsc.process.together import together
 
-Array = np.ndarray[Any, Any]
 Result = TypeVar("Result")
+#: what a restart keeps of a result: frames, steps, and the time [s] at the end of the last step
+Kept = tuple[int, int, float]
 #: a piece is written after so many frames, bytes of a rank, or seconds
 FRAMES, BYTES, SECONDS = 256, 64 << 20, 2.0
+_SPARE = 1 << 16  # bytes for what HDF5 needs besides the numbers
 
 
 class RunWriter:
     """The result of a running computation. **Collective on `comm`**.
 
-    comm            all ranks of the run (mpi4py)
+    comm            all ranks of the run
     path            of the file in the end; FileError while another run is writing it
-    header          JSON-able: case, options, versions, ranks, interfaces (names), layers (name,
-                    kind, fields of each; of blocks shape); units = "none" without dimensions
-    grids           of each layer `n`, the number of points of all ranks, and `X`, (local,) the
-                    Lagrangian coordinates of those that this rank owns in ascending order, of
-                    blocks (local, d) the places of the nodes; ranks own points in their order
+    header          JSON-able: case, options, versions, ranks, interfaces, layers (name, kind,
+                    fields, shape of each), units …
+    grids           of each layer `n`, the number of points of all ranks, and `X`, (local,) or
+                    (local, d), the places of those that this rank owns; ranks own points in order
     take_series     hands over, on rank 0, the steps since the last time, as an array of records
-                    with "t" first, which need not stay as it is. All ranks call it
-    after           what is kept of a result of this name and this run (header["run"]): the writer
-                    goes on after it. Where there is none a new one begins
+                    with "t" first, which may be overwritten later. All ranks call it
+    after           what is kept of a result of this name and this run (header["run"]), after which
+                    the writer goes on. Where there is none a new one begins
     checkpoint      of another run, if there is one: it gets a new name, as an earlier result does
     moved           on rank 0, old and new names of what an earlier run has left
 
@@ -74,16 +81,17 @@ class RunWriter:
         self._frames: list[list[Array]] = []  # not yet written: of each layer (local, columns)
         self._times: list[float] = []  # of these
         self._new_rows: list[Array] = []  # likewise; on rank 0
-        self._lock: Lock | None = None  # on rank 0
-        self._about: dict[str, Any] = {"header": _plain(header)}
+        self._lock: IO[str] | None = None  # on rank 0
+        self._about = _plain({"format": layout.FORMAT, "version": layout.VERSION, "header": header})
         self.path = Path(os.path.realpath(path))
         self.folder = beside(self.path, ".parts")
         self.moved: list[tuple[Path, Path]] = []
-        self._number = 1
-        #: frames given; on rank 0 rows of the series written; number of the next piece
-        self.nframes, self.rows, self._number = self._on_root(
+        self._number = 1  # of the next piece
+        #: frames given; on rank 0 rows of the series written
+        self.nframes, self.rows = self._on_root(
             lambda: self._begin(os.fspath(path), after, checkpoint)
         )
+        self._number += self.nframes > 0
 
     def write_frame(self, t: float, fields: Mapping[int, Array]) -> None:
         """Save the fields at time t: of layers, by number, (local, columns) of the points of this
@@ -108,8 +116,23 @@ class RunWriter:
         self._take()
         if not self._comm.bcast(bool(self._frames or self._new_rows)):
             return
-        parts = list(self._datasets())
-        self._on_root(lambda: self._new_piece({name: shape for name, shape, _ in parts}))
+        self._piece()
+        now = time.monotonic()
+        # writing takes at most 2 % of the time, and a long run has at most some hundred pieces
+        self._next_flush = now + max(SECONDS, 50 * (now - begun), 0.01 * (now - self._begun))
+
+    def _piece(self) -> None:
+        """Write a piece with all that is held in memory. Collective."""
+        parts = []  # names, numbers of points of all ranks, and what this rank has of them
+        for k, layer in enumerate(self._grids if self._frames else ()):
+            if not self._grids_written:
+                X = np.asarray(layer["X"], float)
+                X = X[:, 0] if X.shape[1:] == (1,) else X
+                parts.append((f"layer{k}/X", int(layer["n"]), X))
+            frames = np.concatenate([frame[k] for frame in self._frames], axis=1)
+            parts.append((f"layer{k}/frames", int(layer["n"]), frames))
+        shapes = {name: (n, *local.shape[1:]) for name, n, local in parts}
+        self._on_root(lambda: self._lay_out(shapes))
         if parts:
             viewer = PETSc.ViewerHDF5()
             # HDF5 would print what it met on its way to a file that this rank cannot open
@@ -119,14 +142,19 @@ class RunWriter:
                 self._together(partial(view, self._comm, viewer, name, local))
             self._together(viewer.destroy)
             self._grids_written = True
-        self._on_root(lambda: pieces.publish(self._draft))
+        self._on_root(lambda: publish(self._draft, self._draft.with_suffix(".h5")))
         self.rows += sum(map(len, self._new_rows))
         self._number += 1
         for written in (self._frames, self._times, self._new_rows):
             written.clear()
-        now = time.monotonic()
-        # writing takes at most 2 % of the time, and a long run has at most some hundred pieces
-        self._next_flush = now + max(SECONDS, 50 * (now - begun), 0.01 * (now - self._begun))
+
+    def _lay_out(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
+        """Make the file of the piece, in which datasets of these shapes are still to be filled."""
+        numbers = {"about": np.bytes_(json.dumps(self._about)), "time": np.array(self._times)}
+        if self._new_rows:
+            rows = np.concatenate(self._new_rows)
+            numbers |= {f"series/{name}": rows[name] for name in rows.dtype.names}
+        lay_out(self._draft, numbers, shapes)
 
     def finish(
         self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None = None, join: bool = True
@@ -134,15 +162,21 @@ class RunWriter:
         """Write the rest, the summary and, if known, the errors of the solution; join the pieces
         into one file, which takes as long as it is large. Collective.
         """
-        self.flush()
-        self._about |= {"summary": _plain(summary), "errors": _plain(errors or {})}
-        self._on_root(lambda: self._conclude(join))
+        self._take()
+        self._about |= _plain({"summary": summary, "errors": errors or {}})
+        self._piece()
+        if join:
+            self._on_root(self._join)
         self.close()
 
     def close(self) -> None:
         """Let other runs have the name. What was written stays. Not collective."""
-        if self._lock is not None:
-            self._lock.release(remove=not (self.folder / "header.json").exists())
+        if self._lock is not None and not self._lock.closed:
+            if not layout.pieces(self.folder):
+                with suppress(OSError):
+                    os.unlink(self._lock.name)
+                    self.folder.rmdir()
+            self._lock.close()
 
     # failing together
 
@@ -158,15 +192,8 @@ class RunWriter:
         """Run `action` on all ranks; if it fails on one, raise on all. Collective."""
 
         def explained() -> Result:
-            try:
+            with layout.writing(self.path, "the result"):
                 return action()
-            except FileError:
-                raise
-            except Exception as error:
-                words = petsc_words(error) if hasattr(error, "ierr") else reason(error)
-                words = getattr(error, "strerror", None) or words
-                before = f"; what was written before is in {self.folder}" * (self._number > 1)
-                raise FileError(f"{self.path}: cannot write: {words}{before}") from error
 
         try:
             return together(self._comm, explained)
@@ -179,82 +206,55 @@ class RunWriter:
 
     # the files, on rank 0
 
-    def _begin(
-        self, path: str, after: Kept | None, checkpoint: Path | None
-    ) -> tuple[int, int, int]:
-        """Make the folder with its header, or go on with what is kept; the frames, the rows of the
-        series, and the number of the next piece.
+    def _begin(self, path: str, after: Kept | None, checkpoint: Path | None) -> tuple[int, int]:
+        """Make the folder. Its first piece is what is kept; another result of this name gets a new
+        name. Return how many frames and rows are kept.
         """
-        check_folder(path)
-        if os.path.lexists(self.path) and not self.path.is_file():  # a device keeps its name
+        layout.check_folder(path)
+        if os.path.lexists(self.path) and not self.path.is_file():  # such as /dev/null
             raise FileError(f"{path}: exists and is not a regular file")
-        self._lock = Lock(self.folder, str(self.path))
-        header, whole = self._about["header"], os.path.lexists(self.path)
-        in_pieces = (self.folder / "header.json").exists() and bool(pieces.pieces(self.folder))
-        if whole and in_pieces:  # what a kill has left of the same run's pieces is cleared below
-            in_pieces = pieces.run_of(self.path) != pieces.run_of(self.folder)
-        found = [self.path] * whole + [self.folder] * in_pieces
-        frames, rows, goes_on = 0, 0, False
-        if after is not None and found and pieces.run_of(found[0]) == header.get("run"):
-            files = [self.path] if whole else pieces.pieces(self.folder)
-            pieces.check_kept(files, header, after, self.path)
-            (frames, rows, _), goes_on = after, True
-            del found[0]
-        for file in ([] if checkpoint is None else [checkpoint]) + found:
-            self.moved.append((file, set_aside(file)))
-            if file == self.folder:  # the lock has gone with it
-                self._lock.release()
-                self._lock = Lock(self.folder, str(self.path))
-        if whole or not goes_on:
-            pieces.clear(self.folder)
-        put(self.folder / "header.json", pieces.text_of(self._about))
-        if whole and goes_on:
-            os.replace(self.path, pieces.file_of(self.folder, 1))
-        number = len(pieces.pieces(self.folder)) + 1
-        if goes_on:  # a piece without frames: what came after the checkpoint is given up
-            draft = pieces.file_of(self.folder, number, ".new")
-            pieces.lay_out(draft, {"time": np.empty(0)}, {}, (frames, rows))
-            pieces.publish(draft)
-        return frames, rows, number + goes_on
+        self._lock = lock(self.folder, str(self.path))
+        whole, left = os.path.lexists(self.path), layout.pieces(self.folder)
+        marks = {_mark(file) for file in [self.path] * whole + left[:1]}
+        if len(marks) > 1:
+            raise FileError(f"{path} and {self.folder} are of two runs; give one another name")
+        goes_on = after is not None and marks == {self._about["header"].get("run")}
+        frames, rows, t = after if after is not None and goes_on else (0, 0, 0.0)
+        if goes_on:
+            run = open_run(self.path)
+            ends = np.append(run.series.get("t", ()), np.nan)
+            ended = float(ends[min(rows, len(ends)) - 1]) if rows else t
+            if run.nframes < frames or ended != t:
+                found = f"it has {run.nframes} frames, and its step {rows} ends at t = {ended:.17g}"
+                what = f"{self.path} is not what the checkpoint goes on from"
+                raise FileError(f"{what}: {found}, not {t:.17g}")
+            join(run, self._draft, self._about, frames, rows)
+        elif left and not whole:
+            self._join()
+        clear(self.folder)
+        if goes_on:
+            os.replace(self.path, layout.piece(self.folder, 1))
+        for file in filter(os.path.lexists, (checkpoint or "", self.path)):
+            self.moved.append((Path(file), set_aside(Path(file))))
+        return frames, rows
+
+    def _join(self) -> None:
+        """Make one file of all pieces."""
+        run = open_run(self.path)
+        join(run, self._draft, run.about, run.nframes, len(run.series.get("t", ())))
+        clear(self.folder)
+        if run.dimension > 1:
+            write_xdmf(run)
 
     @property
     def _draft(self) -> Path:
-        return pieces.file_of(self.folder, self._number, ".new")
+        return layout.piece(self.folder, self._number, ".new")
 
     def _take(self) -> None:
         """Take the steps that have been made. Collective."""
         rows = self._take_series()
         if self._root and len(rows):
             self._new_rows.append(rows.copy())
-
-    def _datasets(self) -> Iterator[tuple[str, tuple[int, ...], Array]]:
-        """Yield what the frames that are held need: name, shape, and this rank's part."""
-        for k, layer in enumerate(self._grids if self._frames else ()):
-            n, X = int(layer["n"]), np.asarray(layer["X"], float)
-            if not self._grids_written:
-                X = X[:, 0] if X.shape[1:] == (1,) else X
-                yield f"layer{k}/X", (n, *X.shape[1:]), X
-            local = np.concatenate([frame[k] for frame in self._frames], axis=1)
-            yield f"layer{k}/frames", (n, local.shape[1]), local
-
-    def _new_piece(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
-        numbers = {"time": np.array(self._times, float)}
-        if self._new_rows:
-            rows = np.concatenate(self._new_rows)
-            numbers |= {f"series/{name}": rows[name] for name in rows.dtype.names}
-        first = self.nframes - len(self._times), self.rows
-        pieces.lay_out(self._draft, numbers, shapes, first)
-
-    def _conclude(self, join: bool) -> None:
-        """Write the header with the summary, and make one file of the pieces."""
-        put(self.folder / "header.json", pieces.text_of(self._about))
-        if join:
-            whole = self.folder / "joined.new"
-            pieces.join(pieces.pieces(self.folder), whole, self._about, self.path)
-            os.replace(whole, self.path)
-            pieces.clear(self.folder)
-            if self._about["header"].get("dimension", 1) > 1:
-                write_xdmf(self.path)
 
 
 def view(comm: MPI.Comm, viewer: PETSc.Viewer, name: str, local: Array) -> None:
@@ -278,104 +278,99 @@ def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
     return json.loads(json.dumps(data, default=lambda v: getattr(v, "tolist", v.__str__)()))
 
 
-class Lock:
-    """The right to write in a folder, which is made if need be, until `release`. The system takes
-    it back when the program ends in whatever way; a file system without locks gives it to all.
+def _mark(file: Path) -> str | None:
+    """Return the mark by which a result and its checkpoints know each other, if any."""
+    try:
+        with layout.open_h5(file) as opened:
+            return layout.read_about(opened)["header"].get("run")
+    except Exception:  # it is none, or damaged
+        return None
 
-    FileError if another run has it; OSError where no folder can be made.
+
+# the files
+
+
+def lock(folder: Path, name: str) -> IO[str]:
+    """Make a folder in which this program alone writes until it closes the file, or ends in
+    whatever way; a file system without locks stops nobody. FileError if another run has it.
     """
+    folder.mkdir(exist_ok=True)
+    file = (folder / "lock").open("a")
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        said = "another run is writing it; give this one a name of its own with -fsi_output"
+        raise FileError(f"{name}: {said}") from None
+    except OSError:  # no locks here
+        pass
+    return file
 
-    def __init__(self, folder: Path, what: str) -> None:
-        self.path = folder / "lock"
-        folder.mkdir(exist_ok=True)
-        self._file = self.path.open("a")
-        try:
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            said = "another run is writing it; give this one a name of its own with -fsi_output"
-            raise FileError(f"{what}: {said}") from None
-        except OSError:  # no locks here
-            pass
 
-    def release(self, remove: bool = False) -> None:
-        """Let other runs have the name. remove: the folder, if nothing else is in it."""
-        if remove and not self._file.closed:
-            with suppress(OSError):
-                self.path.unlink()
-                self.path.parent.rmdir()
-        self._file.close()
+def clear(folder: Path) -> None:
+    """Remove pieces and drafts; the lock stays."""
+    for path in (*folder.glob("*.h5"), *folder.glob("*.new")):
+        path.unlink()
 
 
 def set_aside(file: Path) -> Path:
-    """Give NAME.h5 or NAME.parts the first number that no result has, as NAME.1.h5 or NAME.1.parts,
-    which it returns. OSError.
-    """
-    ending = file.suffix if file.suffix in (".h5", ".parts") else ""
-    stem = file.name.removesuffix(ending)
+    """Give NAME.h5 the first number that no result has, as NAME.1.h5, which it returns. OSError."""
     for k in itertools.count(1):
-        names = [file.with_name(f"{stem}.{k}{last}") for last in ("", ".h5", ".parts")]
-        if not any(map(os.path.lexists, names)):
-            break
-    return file.rename(file.with_name(f"{stem}.{k}{ending}"))
+        new = file.with_name(f"{file.name.removesuffix('.h5')}.{k}{'.h5' * (file.suffix == '.h5')}")
+        if not os.path.lexists(new) and not os.path.lexists(beside(new, ".parts")):
+            return file.rename(new)
 
 
-# NAME.xdmf beside the result of blocks in two or three dimensions, for ParaView and VTK. It holds
-# no numbers: a collection over time of collections of blocks, each a curvilinear grid, in two
-# dimensions one point deep (with a 2DSMesh, VTK's reader takes no vectors). The datasets have all
-# frames; a HyperSlab takes one of them.
+def lay_out(
+    path: Path,
+    numbers: Mapping[str, Any],
+    shapes: Mapping[str, tuple[int, ...]],
+    of_petsc: bool = True,
+) -> None:
+    """Write a file with these datasets and others of these shapes, still to be filled. OSError.
 
-_HEAD = '<?xml version="1.0" ?>\n<!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>\n<Xdmf Version="2.0">\n'
+    of_petsc: PETSc fills them, which writes to chunked datasets only, of less than 4 GiB a chunk.
+    """
+
+    def fill(file: h5py.File) -> None:
+        names = [name[7:] for name in (*numbers, *shapes) if name.startswith("series/")]
+        if names:
+            series = file.create_group("series", track_order=True)
+            series.attrs[layout.NAMES] = np.array(names, "S")
+        for name, value in numbers.items():
+            file[name] = value
+        for name, shape in shapes.items():
+            rows = max(1, min(shape[0], (1 << 27) // max(1, math.prod(shape[1:]))))
+            file.create_dataset(name, shape, "f8", chunks=(rows, *shape[1:]) if of_petsc else None)
+
+    content = layout.image(fill)
+    room = sum(8 * math.prod(shape) + 1024 for shape in shapes.values())
+    with open(path, "wb") as file:
+        file.write(content)
+        file.flush()
+        # HDF5 crashes when it closes a file on a full disk, so what it needs is reserved before
+        if hasattr(os, "posix_fallocate"):
+            os.posix_fallocate(file.fileno(), len(content), room + _SPARE)
 
 
-def write_xdmf(path: Path) -> None:
-    """Write it beside a finished result. FileError if another file has the name; OSError."""
-    target = beside(path, ".xdmf")
-    if target.exists() and not target.read_text(errors="replace").startswith(_HEAD):
-        raise FileError(f"{target}: is no XDMF of a result, and is left; {path} is complete")
-    with open_run(path) as run:
-        put(target, "".join(_xdmf(run)).encode())
-
-
-def _xdmf(run: Run) -> Iterator[str]:
-    file = escape(os.path.basename(run.path))
-    name = quoteattr(run.case)
-    yield _HEAD + f'<Domain><Grid Name={name} GridType="Collection" CollectionType="Temporal">\n'
-    for frame, t in enumerate(run.time):
-        yield f'<Grid Name="frame {frame}" GridType="Collection" CollectionType="Spatial">\n'
-        yield f'<Time Value="{float(t)!r}"/>\n'
-        for k, layer in enumerate(run.layers):
-            yield from _xdmf_block(layer, f"{file}:/layer{k}", frame, run.nframes)
-        yield "</Grid>\n"
-    yield "</Grid></Domain>\n</Xdmf>\n"
-
-
-def _xdmf_block(layer: Layer, group: str, frame: int, nframes: int) -> Iterator[str]:
-    d, shape = len(layer.shape), " ".join(map(str, layer.shape))
-    grid = f"1 {shape}" if d == 2 else shape
-
-    def slab(field: str) -> str:
-        return (
-            f'<DataItem ItemType="HyperSlab" Dimensions="{grid}">'
-            f'<DataItem Dimensions="3 {d + 1}" Format="XML">'
-            f"{frame}{' 0' * d} 1{' 1' * d} 1 {shape}</DataItem>"
-            f'<DataItem Dimensions="{nframes} {shape}" NumberType="Float" Precision="8" '
-            f'Format="HDF">{group}/{field}</DataItem></DataItem>'
-        )
-
-    def joined(fields: str) -> str:
-        """Return vectors of these components."""
-        function = ", ".join(f"${k}" for k in range(d))
-        return (
-            f'<DataItem ItemType="Function" Function="JOIN({function})" Dimensions="{grid} {d}">'
-            f"{''.join(map(slab, fields[:d]))}</DataItem>"
-        )
-
-    yield f'<Grid Name={quoteattr(layer.name)} GridType="Uniform">\n'
-    yield f'<Topology TopologyType="3DSMesh" Dimensions="{grid}"/>\n'
-    yield f'<Geometry GeometryType="{"XYZ"[:d]}">{joined("xyz")}</Geometry>\n'
-    attribute = '<Attribute Name="{}" AttributeType="{}" Center="Node">{}</Attribute>\n'
-    for name in layer.fields:
-        if name not in "xyz"[:d]:
-            yield attribute.format(name, "Scalar", slab(name))
-    yield attribute.format("velocity", "Vector", joined("uvw"))
-    yield "</Grid>\n"
+def join(run: Run, draft: Path, about: Mapping[str, Any], frames: int, rows: int) -> None:
+    """Make of the first frames and steps of a result its one file; about: what is known of the run.
+    OSError; FileError if it is damaged.
+    """
+    numbers = {"about": np.bytes_(json.dumps(about)), "time": run.time[:frames]}
+    shapes = {f"series/{name}": (rows, *of.shape[1:]) for name, of in run.series.items()}
+    layers = list(enumerate(run.layers if frames else ()))
+    for k, layer in layers:
+        d = len(layer.shape)
+        numbers[f"layer{k}/X"] = layer.places.reshape(-1, d) if d > 1 else layer.places[:, 0]
+        shapes |= {f"layer{k}/{name}": (frames, *layer.shape) for name in layer.fields}
+    lay_out(draft, numbers, shapes, of_petsc=False)
+    with layout.open_h5(draft, "r+") as file:
+        for name, values in run.series.items():
+            file[f"series/{name}"][:] = values[:rows]
+        for k, layer in layers:
+            step = max(1, BYTES // (8 * math.prod(layer.shape) * len(layer.fields)))
+            for first in range(0, frames, step):
+                end = min(first + step, frames)
+                for name, values in zip(layer.fields, layer.read(layer.fields, first, end)):
+                    file[f"layer{k}/{name}"][first:end] = values
+    publish(draft, Path(run.path))

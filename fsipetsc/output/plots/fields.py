@@ -89,34 +89,24 @@ class View:
         return labelled(self.run, name + less, self.quantity.unit)
 
     def _colour(self, values: list[list[Array]]) -> None:
-        """Make scales and bars. Gas and solid share them where their values are alike; what comes
-        through to a solid may be little.
-        """
+        """Make scales and bars, which gas and solid share if their values have similar spans."""
         quantity, labels = self.quantity, self.quantity.labels
         last = [layer.frame(-1) for layer in self.run.layers]
         same = [v for of in last for k, v in of.items() if written(unit_of(k)) == quantity.unit]
-        pairs = list(zip(self.layers, values))
-        spans = [
-            max(np.ptp(extremes(*of)) for layer, of in pairs if layer.kind == kind)
-            for kind in labels
-        ]
+        size = max(map(abs, extremes(*same)))
+        begins = int(self.frames[0] == 0)  # initial data may go far beyond what follows
+        known: dict[str, list[Array]] = {kind: [] for kind in labels}
+        for layer, of in zip(self.layers, values):
+            known.get(layer.kind, []).extend(of[begins:] or of)
+        spans = [np.ptp(extremes(*of)) for of in known.values()]
         alike = len({*map(quantity.signed, labels)}) == 1 and min(spans) >= ALIKE * max(spans)
         for kinds in [[*labels]] if alike else [[kind] for kind in labels]:
-            some = [pair for pair in pairs if pair[0].kind in kinds]
-            begins = int(self.frames[0] == 0)  # what is there at first goes far beyond what comes
-            later = [np.ravel(v) for _, of in some for v in of[begins:] or of]
-            start = [np.ravel(self.at(layer, 0)[-1]) for layer, _ in some]
-            # stresses are what they are at rest where nothing happens
-            rest = np.nanmedian(np.concatenate(start)) if quantity.unit == "Pa" else 0.0
-            white = float(f"{rest:.2g}") if quantity.signed(kinds[0]) else None
-            name, beside = quantity.name if "fluid" in kinds else "solid", extremes(*same)
-            scale = style.colours(np.concatenate(later), white, name, max(map(abs, beside)))
+            shown = np.concatenate([np.ravel(v) for kind in kinds for v in known[kind]])
+            name = quantity.name if "fluid" in kinds else "solid"
+            scale = style.colours(shown, quantity.signed(kinds[0]), name, size)
             label = "; ".join(dict.fromkeys(labels[kind] for kind in kinds))
             if not alike and label == quantity.title and len(labels) > 1:
                 label = f"{'gas' if kinds == ['fluid'] else 'solid'}: {label}"
-            white = 0.5 * (scale["vmin"] + scale["vmax"])
-            if scale["cmap"] in style.SIGNED.values() and abs(white) > 1e-9 * scale["vmax"]:
-                label += f", white: {white:.2g}".replace("-", "\u2212")
             self.bars[kinds[0]] = label
             self.scales |= dict.fromkeys(kinds, scale)
 
@@ -144,13 +134,11 @@ class View:
         return maps
 
     def _outline(self, axes: Axes, solids: list[list[Array]]) -> None:
-        """Draw edges of solids, those between two blocks thin, and a fine grid, which deforms."""
+        """Draw edges of solids that are not between two blocks, and a fine grid, which deforms."""
         edges = [[v.take(end, k) for v in of] for of, (k, end) in product(solids, SIDES)]
         places = [frozenset(zip(*edge)) for edge in edges]
-        for edge, place in zip(edges, places):
-            of = [k // len(SIDES) for k, other in enumerate(places) if other == place]
-            lines = style.OUTLINE[:2] if len(of) == 1 else style.OUTLINE[2:]
-            for color, width in lines if len({*of}) == len(of) else ():  # a seam of a ring is none
+        for edge, (color, width) in product(edges, style.OUTLINE):
+            if places.count(frozenset(zip(*edge))) == 1:
                 axes.plot(*edge, color=color, linewidth=width)
         for (x, y), axis in product(solids, (0, 1)):
             steps = np.hypot(np.diff(x, axis=axis), np.diff(y, axis=axis))
@@ -223,21 +211,15 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
     """Draw a map of each quantity over x and t, with the interfaces as lines."""
     grid = figure.subplots(1, len(quantities), sharex=True, sharey=True, squeeze=False)[0]
     x_interface = run.series.get("x_interface", np.empty((0, 0)))
-    some = slice(None, None, max(1, len(x_interface) // style.MAX_POINTS))
-    t = np.linspace(*run.time[[0, -1]], max(run.nframes, 500))
     for axes, quantity in zip(grid, quantities):
         view, maps = View(run, quantity, range(run.nframes)), {}
         for layer in view.layers:
             values = np.array([view.at(layer, frame)[-1] for frame in view.frames])
-            x, values = (
-                np.transpose([np.interp(t, run.time, row) for row in of.T])  # triangles would show
-                for of in without_gaps(layer, values)
-            )
-            at = np.broadcast_to(t[:, None], x.shape)
-            maps[layer.kind] = shaded(axes, x, at, values, view.scales[layer.kind])
-        for x in x_interface[some].T:
-            for color, width in style.OUTLINE[:2]:
-                axes.plot(x, run.series["t"][some], color=color, linewidth=width)
+            x = layer.X + filled(layer.x - layer.X)
+            t = np.broadcast_to(run.time[:, None], x.shape)
+            maps[layer.kind] = shaded(axes, x, t, filled(values), view.scales[layer.kind])
+        for x, (color, width) in product(x_interface.T, style.OUTLINE):
+            axes.plot(x, run.series["t"], color=color, linewidth=width)
         draw_bars(figure, view, maps, axes)
         style.time_axis(axes, run, "y")
         axes.set(xlim=view.limits[0], ylim=run.time[[0, -1]], xlabel=view.labels[0], ylabel="")
@@ -245,13 +227,12 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
     grid[0].locator_params(axis="x", nbins=4)
 
 
-def without_gaps(layer: Layer, values: Array) -> tuple[Array, Array]:
-    """Return positions and values at all points, for maps need a place for all: points in reserve,
-    of the gases of the paper's method, get the displacement and the value of the nearest.
+def filled(rows: Array) -> Array:
+    """Return rows in which points in reserve, of the gases of the paper's method, have what the
+    nearest active point has: maps need a place and a value for all.
     """
-    moved, values, index = layer.x - layer.X, values.copy(), np.arange(len(layer.X))
-    for rows, none in ((moved, 0.0), (values, np.nan)):
-        for row in rows:
-            there = np.isfinite(row)
-            row[:] = np.interp(index, index[there], row[there]) if there.any() else none
-    return layer.X + moved, values
+    rows, index = rows.copy(), np.arange(rows.shape[1])
+    for row in rows:
+        there = np.isfinite(row)
+        row[:] = np.interp(index, index[there], row[there])
+    return rows

@@ -1,10 +1,12 @@
-"""The command `plot`: the pictures of a result one by one, or a page that tells what happened, or a
-film; and the curves over time: interfaces, balances, the time step, probes.
+"""The commands `plot` and `report`: the pictures of a result one by one, a page that tells what
+happened, a film, all pictures in HTML; and the curves over time: interfaces, balances, steps.
 """
 
+import base64
+import html
+import io
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import product
 from pathlib import Path
@@ -16,6 +18,7 @@ from fsipetsc.checks import Array, counted
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option
 from fsipetsc.output.file_layout import columns_of, writing
+from fsipetsc.output.info import info
 from fsipetsc.output.plots import fields, style
 from fsipetsc.output.plots.style import USUAL, Figure, FigureBase, Wanted
 from fsipetsc.output.quantities import Quantity, chosen, there, unit_of, written
@@ -27,13 +30,22 @@ WIDTH = 10.8  # inches, of a figure
 PANELS, MAPS = 2.8, 4.4  # inches, heights of a row of curves, of maps over x and t
 #: of a film [dots per inch], frames at most (of more, some are left out), length [s]
 FILM_DPI, MOST_FRAMES, FILM_SECONDS = 100, 200, 10.0
+HTML_DPI = 110  # of pictures in a page of HTML
 LEAST_FRAMES = 5  # of fewer, profiles say more than maps over x and t
 CONTOURS = Option("contours", int, 0, "", "lines on each map", check="nonnegative")
 TIMES, PROBE = Option("times", "floats", (), "s", ""), Option("probes", "floats", (), "m", "")
-PICTURES = (".png", ".pdf", ".svg", ".jpg")
+PICTURES, FILMS = (".png", ".pdf", ".svg", ".jpg"), (".gif", ".mp4")
 INTERFACE_POINTS = (0.25, 0.5, 0.75)  # of an interface, whose deflection is drawn as a curve
 DEPARTURE = "relative departure"
 SPAN = 1e8  # of a logarithmic axis at most
+HTML = """<!DOCTYPE html>
+<meta charset="utf-8">
+<title>{title}</title>
+<style>img {{ max-width: 100%; }} pre {{ white-space: pre-wrap; }}</style>
+<h1>{title}</h1>
+{pictures}
+<pre>{text}</pre>
+"""
 
 #: height [inches], what is drawn on a figure of this height
 Drawing = tuple[float, Callable[[FigureBase], None]]
@@ -44,8 +56,6 @@ def plot(path: str, given: Mapping[str, str]) -> str:
     FileError; InputError for options that cannot be followed.
     """
     from matplotlib import rc_context
-    from matplotlib.animation import FFMpegWriter
-    from matplotlib.figure import Figure
 
     names, probes = (given.get(name, "") for name in ("-fields", "-probes"))
     wanted = Wanted(
@@ -56,85 +66,97 @@ def plot(path: str, given: Mapping[str, str]) -> str:
         probes=[PROBE.parse(place) for place in probes.split(";") if probes],
     )
     where, every, film = Path(given.get("-o", os.curdir)), "-all" in given, "-animate" in given
-    films = (".gif", ".mp4") if FFMpegWriter.isAvailable() else (".gif",)
-    endings = films if film else PICTURES
-    is_file = where.suffix in endings
-    if every and (film or is_file):
-        raise InputError("plot: -all writes several pictures: expected a directory, no -animate")
+    endings = FILMS if film else PICTURES
+    is_file = where.suffix in endings and not every
     if where.suffix and not (every or is_file or where.is_dir()):
-        needs = "; .mp4 needs ffmpeg" * (film and len(films) == 1)
-        ends = f"or a file that ends with {' or '.join(endings)}{needs}"
+        ends = f"or a file that ends with {' or '.join(endings)}"
         raise InputError(f"plot: -o {where}: expected a directory that is there, {ends}")
     stem, done = Path(path).stem, []
     with open_run(path) as run, rc_context(style.STYLE), np.errstate(all="ignore"):
+        if every:
+            for name, draw in pictures(run, wanted).items():
+                done.append(style.save(draw(), where / f"{stem}-{name}.png"))
         if film:
-            targets = [where] if is_file else [where / f"{stem}{end}" for end in films]
-            animate(run, targets, wanted)
-            return "\n".join(map(str, targets))
-        whole = {"": partial(page, run=run, wanted=wanted)}
-        for name, draw in (pictures(run, wanted) if every else whole).items():
-            figure = Figure()
-            draw(figure)
-            target = where / (f"{stem}-{name}.png" if name else f"{stem}.png")
-            done.append(str(style.save(figure, where if is_file else target)))
-    return "\n".join(done)
+            done.append(where if is_file else where / f"{stem}.gif")
+            animate(run, done[-1], wanted)
+        if not done:
+            done = [style.save(page(run, wanted), where if is_file else where / f"{stem}.png")]
+    return "\n".join(map(str, done))
 
 
-def pictures(run: Run, wanted: Wanted = USUAL) -> dict[str, Callable[[Figure], None]]:
-    """Return name -> drawing function of each picture that this run has the data for."""
+def report(path: str, given: Mapping[str, str]) -> Path:
+    """Write NAME.html, a page with all pictures and what `info` prints, in the folder of -o if it
+    is given; its path. FileError.
+    """
+    from matplotlib import rc_context
+
+    target, shown = Path(given.get("-o", os.curdir)) / f"{Path(path).stem}.html", []
+    with open_run(path) as run, rc_context(style.STYLE), np.errstate(all="ignore"):
+        for name, draw in pictures(run).items():
+            draw().savefig(kept := io.BytesIO(), dpi=HTML_DPI)
+            coded = base64.b64encode(kept.getvalue()).decode()
+            shown.append(f'<img alt="{name}" src="data:image/png;base64,{coded}">')
+        title = html.escape(f"{run.case}: {Path(run.path).name}")
+    text = HTML.format(title=title, pictures="\n".join(shown), text=html.escape(info(path)))
+    with writing(target, "the report"):
+        target.write_text(text, encoding="utf-8")
+    return target
+
+
+def pictures(run: Run, wanted: Wanted = USUAL) -> dict[str, Callable[[], Figure]]:
+    """Return name -> function that draws it, of each picture that this run has the data for."""
+    found = _drawings(run, wanted, every=True)
+    return {name: partial(_drawn, run, title, [of]) for name, (title, of) in found.items()}
+
+
+def page(run: Run, wanted: Wanted = USUAL) -> Figure:
+    """Draw fields over space and time, and probes, interfaces, energy, departures, steps."""
+    drawings = [drawing for _, drawing in _drawings(run, wanted, every=False).values()]
+    end = style.moment(run, -1) if run.nframes else "no frame"
+    return _drawn(run, f"{end}, {len(run.series.get('t', ())):,} steps", drawings)
+
+
+def _drawings(run: Run, wanted: Wanted, every: bool) -> dict[str, tuple[str, Drawing]]:
+    """Return name -> title and drawing: of every picture, or of those of the page."""
     found: dict[str, tuple[str, Drawing]] = {}
     quantities = chosen(run, wanted.fields)
-    if run.nframes:
-        every = quantities if wanted.fields else there(run)
-        found = {q.name: (q.title, _at_times(run, q, wanted)) for q in every}
-    if run.dimension == 1 and run.nframes >= LEAST_FRAMES:
-        found["xt"] = "space and time", _over_time(run, quantities)
-    probes = probed(run, quantities, wanted.probes)
-    for name, panels in {**all_panels(run), "probes": probes}.items():
-        if panels:
-            bound = run.summary.get("bound") if name == "steps" else None
-            title = f"steps, bounded by {bound} at the end" if bound else name
-            found[name] = title, _curves(run, panels)
-    return {
-        name: partial(_draw, run=run, title=title, drawings=[drawing])
-        for name, (title, drawing) in found.items()
-    }
+    over_time = run.dimension == 1 and run.nframes >= LEAST_FRAMES
+    if run.nframes and (every or wanted.times or not over_time):
+        for quantity in there(run) if every and not wanted.fields else quantities:
+            frames = fields.frames_of(run, quantity, wanted.times)
+            view = fields.View(run, quantity, frames, wanted)
+            drawing = fields.sizes(view, len(frames))[2], partial(fields.draw, view=view)
+            found[quantity.name] = quantity.title, drawing
+    if over_time and (every or not wanted.times):
+        draw = partial(fields.draw_over_time, run=run, quantities=quantities)
+        found["xt"] = "space and time", (MAPS, draw)
+    panels = all_panels(run)
+    if not every:
+        interfaces, ledgers, steps = panels.values()
+        told = [panel for panel in ledgers if panel.label in ("change of energy", DEPARTURE)]
+        panels = {"told": [*interfaces[:1], *reversed(told), *steps]}
+    panels = {"probes": probed(run, quantities, wanted.probes), **panels}
+    for name, of in panels.items():
+        bound = run.summary.get("bound") if name == "steps" else None
+        title = f"steps, bounded by {bound} at the end" if bound else name
+        columns = len(of) if name == "told" else 3
+        draw = partial(_draw_curves, run=run, panels=of, columns=columns)
+        if of:
+            found[name] = title, (PANELS * -(-len(of) // columns), draw)
+    return found
 
 
-def page(figure: Figure, run: Run, wanted: Wanted = USUAL) -> None:
-    """Draw fields over space and time, and probes, interfaces, energy, departures, steps."""
-    quantities, drawings = chosen(run, wanted.fields), []
-    if run.dimension == 1 and not wanted.times and run.nframes >= LEAST_FRAMES:
-        drawings.append(_over_time(run, quantities))
-    elif run.nframes:
-        drawings += [_at_times(run, quantity, wanted) for quantity in quantities]
-    if panels := probed(run, quantities, wanted.probes):
-        drawings.append(_curves(run, panels))
-    interfaces, ledgers, steps = all_panels(run).values()
-    told = [panel for panel in ledgers if panel.label in ("change of energy", DEPARTURE)]
-    if panels := [*interfaces[:1], *reversed(told), *steps]:
-        drawings.append(_curves(run, panels, columns=len(panels)))
-    end = style.moment(run, -1) if run.nframes else "no frame"
-    _draw(figure, run, f"{end}, {len(run.series.get('t', ())):,} steps", drawings)
+def _drawn(run: Run, title: str, drawings: Sequence[Drawing]) -> Figure:
+    """Return a figure of drawings below each other, with the title."""
+    from matplotlib.figure import Figure
 
-
-def _draw(figure: Figure, run: Run, title: str, drawings: Sequence[Drawing]) -> None:
-    """Place drawings below each other, and the title."""
     heights = [height for height, _ in drawings] or [1.0]
-    figure.set_size_inches(WIDTH, 0.5 + sum(heights))
+    figure = Figure(figsize=(WIDTH, 0.5 + sum(heights)))
     parts = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
     for part, (_, draw) in zip(parts, drawings):
         draw(part)
     style.set_title(figure, style.of_run(run, title))
-
-
-def _at_times(run: Run, quantity: Quantity, wanted: Wanted) -> Drawing:
-    view = fields.View(run, quantity, fields.frames_of(run, quantity, wanted.times), wanted)
-    return fields.sizes(view, len(view.frames))[2], partial(fields.draw, view=view)
-
-
-def _over_time(run: Run, quantities: Sequence[Quantity]) -> Drawing:
-    return MAPS, partial(fields.draw_over_time, run=run, quantities=quantities)
+    return figure
 
 
 # curves over time
@@ -153,9 +175,9 @@ class Panel(NamedTuple):
 def all_panels(run: Run) -> dict[str, list[Panel]]:
     """Return what there is to draw of interfaces, of ledgers, and of the steps.
 
-    Of interfaces how they move, in two dimensions first the one that moves most, then what holds
-    there. Of ledgers by how much has departed what must be kept, then the ledgers. Of steps the
-    largest of some each, for those before a saved time share what is left.
+    Of interfaces in two dimensions deflections come first, that of the largest one before all. Of
+    ledgers the departures from laws come first. Of time steps the largest of some each are drawn,
+    as those before a saved time are shortened.
     """
     found: dict[str, list[Panel]] = {"interfaces": [], "ledgers": [], "steps": []}
     if run.dimension == 2 and run.nframes > 1:
@@ -167,7 +189,11 @@ def all_panels(run: Run) -> dict[str, list[Panel]]:
     t = run.series.get("t", np.empty(0))
     if len(t) < 2:
         return found
-    if departed := departures(run):
+    laws, prefix = run.header.get("laws"), "initial_"
+    initial = {k.removeprefix(prefix): v for k, v in run.summary.items() if k.startswith(prefix)}
+    # not known of a result that begins at a restart
+    known = laws and initial and t[0] < 1.5 * run.series["dt"][0]
+    if known and (departed := Drifts(laws, initial).go_on(run.series)):
         found["ledgers"].append(Panel(DEPARTURE, "", t, departed, logarithmic=True))
     for name, one in SERIES.items():
         if one.label and name in run.series:
@@ -199,33 +225,15 @@ def probed(run: Run, quantities: Sequence[Quantity], places: Sequence[Any]) -> l
     return panels
 
 
-def departures(run: Run) -> dict[str, Array]:
-    """Return name of what must not change in this run -> its relative departure, (nsteps,). Of a
-    result that goes on from another nothing is known.
-    """
-    laws, prefix, first = run.header.get("laws"), "initial_", run.series["dt"][0]
-    initial = {k.removeprefix(prefix): v for k, v in run.summary.items() if k.startswith(prefix)}
-    if not laws or not initial or run.series["t"][0] > 1.5 * first:
-        return {}
-    return Drifts(laws, initial).go_on(run.series)
-
-
-def _curves(run: Run, panels: list[Panel], columns: int = 3) -> Drawing:
-    """Return panels of curves over time, so many beside each other."""
-    draw = partial(_draw_curves, run=run, panels=panels, columns=columns)
-    return PANELS * -(-len(panels) // columns), draw
-
-
 def _draw_curves(figure: FigureBase, run: Run, panels: list[Panel], columns: int) -> None:
     for axes, panel in zip(style.panels(figure, len(panels), columns).flat, panels):
-        some = slice(None, None, max(1, len(panel.t) // style.MAX_POINTS))
         axes.set_prop_cycle(**style.CURVES)
         for name, values in panel.curves.items():
-            t, shown = panel.t[some], values[some]
+            t = panel.t
             if panel.logarithmic:
-                t, shown = envelope(panel.t, np.abs(values))
-                shown = np.where(shown > 0, shown, np.nan)
-            axes.plot(t, shown, label=name)
+                t, values = envelope(t, np.abs(values))
+                values = np.where(values > 0, values, np.nan)
+            axes.plot(t, values, label=name)
         if panel.logarithmic:
             axes.set_yscale("log")
             axes.set_ylim(bottom=max(axes.get_ylim()[0], axes.get_ylim()[1] / SPAN))
@@ -247,43 +255,36 @@ def envelope(t: Array, values: Array, parts: int = 300) -> tuple[Array, Array]:
 # a film: maps, or in one dimension profiles, one frame after the other
 
 
-def animate(run: Run, targets: Sequence[Path], wanted: Wanted = USUAL) -> None:
-    """Draw a result as a film, into files that end with .gif or .mp4. FileError, InputError."""
-    from matplotlib.animation import FFMpegWriter, PillowWriter
+def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> None:
+    """Draw a result as a film, all frames with the same scales, into a file that ends with .gif or
+    .mp4. FileError, InputError.
+    """
+    from matplotlib.animation import writers
     from matplotlib.figure import Figure
 
     if run.nframes < 2:
         raise InputError(f"-animate: there are {run.nframes} frames: expected two or more")
-    step, figure, writers = -(-run.nframes // MOST_FRAMES), Figure(dpi=FILM_DPI), []
-    with ExitStack() as films:
-        for frame in drawn(figure, run, range(0, run.nframes, step), wanted):
-            for target in targets if frame == 0 else ():  # the figure has its size now
-                writer = PillowWriter if target.suffix == ".gif" else FFMpegWriter
-                writers.append(writer(fps=max(1.0, run.nframes / step / FILM_SECONDS)))
-                films.enter_context(writing(target, "the film"))
-                films.enter_context(writers[-1].saving(figure, target, FILM_DPI))
-            for writer in writers:
-                writer.grab_frame()
-
-
-def drawn(figure: Figure, run: Run, frames: Sequence[int], wanted: Wanted = USUAL) -> Iterator[int]:
-    """Yield each frame once it is on the figure; all have the same scales. InputError."""
+    frames = range(0, run.nframes, -(-run.nframes // MOST_FRAMES))
     views = [fields.View(run, q, frames, wanted) for q in chosen(run, wanted.fields)]
     _, width, height = fields.sizes(views[0], 1)
     size = (10.8, 3.4) if run.dimension == 1 else (len(views) * (width + 1.2), height + 0.9)
-    figure.set_size_inches(*size)
+    figure = Figure(figsize=size)
     grid = figure.subplots(1, len(views), squeeze=False)[0]
     titles = {frame: style.of_run(run, style.moment(run, frame)) for frame in frames}
     title = style.set_title(figure, max(titles.values(), key=len))  # the layout has room for each
-    for frame in frames:
-        for axes, view in zip(grid, views):
-            for artist in [*axes.lines, *axes.collections, *axes.patches]:
-                artist.remove()
-            pictures = view.draw(axes, frame)
-            if frame == frames[0]:
-                fields.draw_bars(figure, view, pictures, axes)
-        if frame == frames[0]:
-            figure.draw_without_rendering()
-            figure.set_layout_engine("none")  # only what is drawn moves from now on
-        title.set_text(titles[frame])
-        yield frame
+    with writing(target, "the film"):
+        name = "pillow" if target.suffix == ".gif" else "ffmpeg"
+        writer = writers[name](fps=max(1.0, len(frames) / FILM_SECONDS))
+        with writer.saving(figure, target, FILM_DPI):
+            for frame in frames:
+                for axes, view in zip(grid, views):
+                    for artist in [*axes.lines, *axes.collections, *axes.patches]:
+                        artist.remove()
+                    maps = view.draw(axes, frame)
+                    if frame == 0:
+                        fields.draw_bars(figure, view, maps, axes)
+                if frame == 0:
+                    figure.draw_without_rendering()
+                    figure.set_layout_engine("none")  # only what is drawn moves from now on
+                title.set_text(titles[frame])
+                writer.grab_frame()

@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.checks import counted
-from fsipetsc.operators.sbp import operator
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.quantities import is_si
 from fsipetsc.output.reader import Run
@@ -26,8 +25,8 @@ COLORS = {"fluid": BLUE, "solid": RED}
 #: colour maps of what has a sign, white where nothing happens, and of what has none
 SIGNED = {"": "RdBu_r", "solid": "PuOr_r"}
 PLAIN = {"": "viridis", "rho": "cividis", "T": "inferno", "schlieren": "gray_r", "solid": "cividis"}
-#: of lines on maps, seen on any colour; the last one is within solids
-OUTLINE = ("white", 1.8), ("black", 0.8), ("black", 0.3)
+#: of lines on maps, seen on any colour
+OUTLINE = ("white", 1.8), ("black", 0.8)
 #: colours and line styles of curves in one panel, in turn
 CURVES = {
     "color": [BLACK, ORANGE, BLUE, GREEN, PURPLE] * 4,
@@ -35,7 +34,6 @@ CURVES = {
 }
 #: colour and marker of an order of accuracy
 ORDERS = {2: (GREEN, "s"), 4: (BLUE, "o"), 6: (RED, "^"), 8: (BLACK, "D")}
-MAX_POINTS = 5000  # of a line
 LONGEST = 28  # letters in a legend
 WIDEST = 20  # letters in a line of the label of a vertical axis
 #: what varies by less than this part of the values of its unit is round-off
@@ -98,12 +96,9 @@ def set_title(figure: Figure, title: str) -> Text:
 
 def of_run(run: Run, what: str) -> str:
     """Return case, what is shown, order, spacing, ranks, and whether the run has ended."""
-    order = operator(run.options["fsi_order"]).name
-    said = run.options["fsi_h"]
-    sizes = [layer.h or said for layer in run.layers] if run.dimension == 1 else [said]
-    h = " to ".join(dict.fromkeys(f"{size:.4g}" for size in (min(sizes), max(sizes))))
+    order, h = run.options["fsi_order"], run.options["fsi_h"]
     ranks = counted(run.summary["ranks"], "rank") + ", unfinished" * (not run.complete)
-    return f"{run.case}, {what}  (order {order}, h = {h}{' m' * is_si(run)}, {ranks})"
+    return f"{run.case}, {what}  (order {order}, h = {h:.4g}{' m' * is_si(run)}, {ranks})"
 
 
 def labelled(run: Run, label: str, unit: str) -> str:
@@ -148,11 +143,9 @@ def extremes(*arrays: Array) -> tuple[float, float]:
     return (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
 
 
-def colours(
-    values: Array, rest: float | None, name: str = "", beside: float = 0.0
-) -> dict[str, Any]:
-    """Return arguments of pcolormesh for values. Those on both sides of `rest` get a map of SIGNED,
-    white there; others, and all where `rest` is None, one of PLAIN. name: of the map.
+def colours(values: Array, signed: bool, name: str = "", beside: float = 0.0) -> dict[str, Any]:
+    """Return arguments of pcolormesh for values. Signed ones on both sides of 0 get a map of
+    SIGNED, white there, others one of PLAIN; name: of the map.
 
     Colours end where 99.8 % of the values do, where a few go far beyond. beside: size of what
     has the same unit, beside which round-off is nothing.
@@ -164,12 +157,9 @@ def colours(
     size, middle = max(-low, high, beside), 0.5 * (low + high)
     if high - low <= NOTHING * size:
         low, high = middle - (0.1 * size or 1.0), middle + (0.1 * size or 1.0)
-    if rest is not None:
-        rest *= abs(rest) > BESIDE * (high - low)
-        if min(rest - low, high - rest) > BESIDE * (high - low):
-            half = max(rest - low, high - rest)
-            cmap = SIGNED.get(name, SIGNED[""])
-            return {"cmap": cmap, "vmin": rest - half, "vmax": rest + half}
+    if signed and min(-low, high) > BESIDE * (high - low):
+        half = max(-low, high)
+        return {"cmap": SIGNED.get(name, SIGNED[""]), "vmin": -half, "vmax": half}
     return {"cmap": PLAIN.get(name, PLAIN[""]), "vmin": low, "vmax": high}
 
 
@@ -183,10 +173,8 @@ def shaded(axes: Axes, x: Array, y: Array, values: Array, scale: dict[str, Any])
 def legend_above(axes: Axes, side: str = "left") -> None:
     """Draw a legend above a panel, at this side of it, of five entries at most."""
     entries: dict[str, Any] = dict(zip(*reversed(axes.get_legend_handles_labels())))
-    names = list(entries)[:5]
-    shown = [textwrap.shorten(name, LONGEST, placeholder=" …") for name in names]
-    if names:
-        corner = (0, 1) if side == "left" else (1, 1)
-        place = {"loc": f"lower {side}", "bbox_to_anchor": corner, "borderaxespad": 0.1}
-        columns = 1 if max(map(len, shown)) > 12 else 2
-        axes.legend([entries[name] for name in names], shown, ncol=columns, **place)
+    if names := list(entries)[:5]:
+        shown = [textwrap.shorten(name, LONGEST, placeholder=" …") for name in names]
+        more = {"ncol": 1 if max(map(len, shown)) > 12 else 2, "borderaxespad": 0.1}
+        corner = {"loc": f"lower {side}", "bbox_to_anchor": (side == "right", 1)}
+        axes.legend([entries[name] for name in names], shown, **corner, **more)
