@@ -29,7 +29,7 @@ from oracle_formulas import (
 from recorded import recorded
 
 from fsipetsc.particles.constraints import eliminate
-from fsipetsc.scheme import gas_kernels, solid_work
+from fsipetsc.scheme import gas_sweep, solid_sweep
 
 #: inviscid gas that slips along solids with an energy of their own; viscous, conducting gas and
 #: solid
@@ -194,7 +194,7 @@ def prestress(X):
 
 @pytest.mark.parametrize("heat", ["coupled", "elastic"])
 def test_prestress(heat, monkeypatch):
-    monkeypatch.setattr(solid_work, "TILES", ((7, 1), (6, 1), (6, 5)))
+    monkeypatch.setattr(solid_sweep, "TILES", ((7, 1), (6, 1), (6, 5)))
     both = Gas(mu=0.02, kappa=0.03), Solid("log", kappa=0.4, heat=heat, force=(0.3, -0.7))
     check("periodic", both, 4, stress=prestress)
     check("three", ELASTIC, 4)
@@ -208,9 +208,9 @@ def test_tiles(shape, both, damping, monkeypatch):
     """The same bits where each block is cut along all axes."""
     *_, whole = check(shape, both, 4, **damping)
     cut = 8 if shape == "line" else 4
-    monkeypatch.setattr(gas_kernels, "TILES", dict.fromkeys((1, 2, 3), cut))
-    monkeypatch.setattr(gas_kernels, "DEPTH", 2)
-    monkeypatch.setattr(solid_work, "TILES", ((7, 1), (5, 1), (5, 4)))
+    monkeypatch.setattr(gas_sweep, "TILES", dict.fromkeys((1, 2, 3), cut))
+    monkeypatch.setattr(gas_sweep, "DEPTH", 2)
+    monkeypatch.setattr(solid_sweep, "TILES", ((7, 1), (5, 1), (5, 4)))
     *_, found = check(shape, both, 4, **damping)
     np.testing.assert_equal(found, whole)
 

@@ -19,13 +19,13 @@ from fsipetsc.equations.gas import Gas
 from fsipetsc.errors import InputError
 from fsipetsc.kernels import build
 from fsipetsc.kernels.kernel import PLANES, Kernel, interlaced, numbers_of
-from fsipetsc.kernels.symbols import Record, derivatives, replay
+from fsipetsc.kernels.symbols import MADE, Record, derivatives, replay
 from fsipetsc.kernels.unit import unit
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.power_law import ConstantTransport
-from fsipetsc.scheme.gas_force import NoForce
 from fsipetsc.scheme.gas_forms import EntropyForm
-from fsipetsc.scheme.gas_kernels import gas_text
+from fsipetsc.scheme.gas_kernels import gas_kernels
+from fsipetsc.scheme.sweep import text_of
 
 
 @pytest.fixture
@@ -77,6 +77,15 @@ def test_a_kernel_computes_what_its_formula_does(cache):
     np.testing.assert_allclose(found, every_operation(*x), rtol=1e-14, atol=1e-14)
 
 
+def test_functions_that_are_made_of_others(cache):
+    def formula(a, b):
+        found = [function(a) for function in MADE]
+        return sum(c * x for c, x in enumerate(found, 1)) + np.cbrt(b)
+
+    x = np.random.default_rng(1).uniform([[0.01], [-9.0]], [[0.99], [9.0]], (2, 1003))
+    np.testing.assert_allclose(compiled(formula, 2, cache)(x), formula(*x), rtol=1e-13)
+
+
 def test_equal_operations_are_done_once_and_products_are_fused():
     kernel = Kernel("some", "Some.")
     a, b, c = kernel.read("x", PLANES, 3)
@@ -89,7 +98,8 @@ def test_equal_operations_are_done_once_and_products_are_fused():
 def test_material_numbers_are_arguments_and_not_text():
     def text(mu, kappa, gamma):
         gas = Gas(PerfectGas(gamma, 287.0), ConstantTransport(), mu, kappa, (0.0, 0.0))
-        return gas_text(gas, 2, EntropyForm(NoForce()), True, True), numbers_of(gas)
+        kernels = gas_kernels(gas, 2, EntropyForm(False), True, True)
+        return text_of(kernels, 2, 99), numbers_of(gas)
 
     one, other = text(1e-3, 0.02, 1.4), text(2e-3, 0.01, 5 / 3)
     assert one[0] == other[0]

@@ -12,12 +12,12 @@ from fsipetsc.blockrun.face_terms import FaceTerms
 from fsipetsc.blockrun.saved import fields_of
 from fsipetsc.blocks.values import block_values
 from fsipetsc.errors import FsiError, InputError, place_in, reason
-from fsipetsc.kernels.formula import numbers_of
 from fsipetsc.kernels.procedure import Code, Procedure
+from fsipetsc.kernels.symbols import numbers_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
 from fsipetsc.scheme.recorded_data import Recorder
-from fsipetsc.scheme.stage import Stage
+from fsipetsc.scheme.sweep import in_order
 
 Array = NDArray[Any]
 
@@ -87,12 +87,6 @@ class BlockPart:
         found[tuple(slice(a - first, b - first) for (a, b), first in ends)[::-1]] = True
         return found.reshape(-1)
 
-    def _stage(self, found: Any) -> Stage:
-        """What sweeps take of steps; found: fsipetsc.scheme.runge_kutta.Found."""
-        worlds = found.y, *found.stages
-        vectors = (world[self.part.begin :] for world in worlds)
-        return Stage(found.stage.ctypes.data, *(vector.ctypes.data for vector in vectors))
-
     def refresh(self, t: float) -> None:
         """Data of faces and of the forcing at time t [s]. InputError."""
         self.faces.refresh(t)
@@ -139,6 +133,7 @@ class BlockPart:
         part, d = self.part, self._d
         return {
             "like": (0.0,) * d,
+            "free": in_order(self.free, d),
             "faces": self.faces.record,
             "block": part.k,
             "begin": part.begin,

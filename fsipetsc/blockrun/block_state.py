@@ -214,7 +214,7 @@ class BlockState(State):
 
     def begin(self) -> None:
         for gas in self.phases.gases:
-            gas.volume.forget()  # no NaN may stay there for another step
+            gas.volume.rows[:] = 0.0  # no NaN may stay there for another step
         self.load(1, self.y.array)
         self._do("fulfil", 1)
         self.show(0)

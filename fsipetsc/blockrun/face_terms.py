@@ -15,7 +15,7 @@ from fsipetsc.blocks.conditions.condition import COLUMNS, VECTORS
 from fsipetsc.blocks.cube import Cube
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.blocks.values import checked, datum
-from fsipetsc.kernels.formula import numbers_of
+from fsipetsc.kernels.symbols import numbers_of
 from fsipetsc.parallel.block_layout import Part
 from fsipetsc.scheme.face_kernels import GasFaces, Group, SolidFaces, Turned
 from fsipetsc.scheme.part import Nothing

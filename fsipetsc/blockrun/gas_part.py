@@ -24,12 +24,14 @@ from fsipetsc.particles.system import ParticleSystem
 from fsipetsc.scheme import gas_record as does
 from fsipetsc.scheme.block_monitor import gas_integrals, room_of, sums_of
 from fsipetsc.scheme.gas_dissipation import gas_damping
-from fsipetsc.scheme.gas_force import NodeForce
 from fsipetsc.scheme.gas_forms import CONSERVED, convection_of
-from fsipetsc.scheme.gas_kernels import GasVolume, gas_text
+from fsipetsc.scheme.gas_kernels import gas_kernels
 from fsipetsc.scheme.gas_record import Ends
+from fsipetsc.scheme.gas_sweep import gas_volume, row_of
+from fsipetsc.scheme.normals import normals
 from fsipetsc.scheme.part import Nothing, images
 from fsipetsc.scheme.radial import Radial, Straight
+from fsipetsc.scheme.sweep import text_of
 
 Array = NDArray[Any]
 
@@ -89,17 +91,14 @@ class GasPart(BlockPart):
         _, *names = gas_integrals(self._d)
         sums = about.begins["mass"] + number, *(about.begins[name] for name in names)
         part, d = self.part, self._d
-        bands, form, force = part.bands, self._form, self.convection.force
+        bands, form = part.bands, self._form
         sigma, shock = self._sigma, form.shock
         damping: Any = Nothing()
         if sigma > 0.0 or shock > 0.0:
             found = differences(d, self._order, bands, self.block.cells)
-            damping = gas_damping((0.0,) * d, force, found, sigma, shock)
-        self.volume = GasVolume(
-            *(self.equations, d, self.convection, self.viscous, self.moves),
-            *(bands, part.patch, self.metrics),
-        )
-        self.volume.let_advance(self._stage(about.found), self.free)
+            damping = gas_damping(d, self.convection.raises, found, sigma, shock)
+        made = gas_kernels(self.equations, d, self.convection, self.viscous, self.moves)
+        self.volume = gas_volume(self.equations, d, made, bands, part.patch)
         potential = self.volume.potential
         potential[:] = -dot(self.equations.force, self.X)[: potential.size]
         room = np.zeros(((d + 1) ** 2, self.X.shape[1])) if self.block.material.mu else None
@@ -108,10 +107,9 @@ class GasPart(BlockPart):
             **self._common(about),
             columns=np.array(sums),
             laws=self.equations,
-            of_volume=self.volume.address,
+            volume=self.volume,
             form=self.convection,
-            potential=potential,
-            supplied=self.volume.supplied,
+            forced=any(self.equations.force),
             dissipation=damping,
             axis=around if self._problem.symmetry else Straight(),
             column=number,
@@ -128,11 +126,11 @@ class GasPart(BlockPart):
             J=self._J,
             sums=np.zeros(sums_of(d)),
         )
-        text = gas_text(self.equations, d, self.convection, self.viscous, self.moves)
         moving = (does.follow, does.move, does.swing, does.turn) if self.moves else ()
-        every = *moving, images, does.normals, does.rates, does.monitor, does.begin_grid
+        every = *moving, images, normals, does.rates, does.monitor, does.begin_grid
         every = *every, does.find_places, does.find_volumes
-        return self._procedures(text, record, about, {f.__name__: f for f in every})
+        names = {f.__name__: f for f in every}
+        return self._procedures(text_of(made, d, row_of(d)), record, about, names)
 
     def _ends(self) -> Ends:
         """The ends of all axes here, which are none along a periodic axis and at a centre."""
@@ -201,9 +199,10 @@ def check_gas_laws(problem: BlockProblem, form: Any) -> None:
 
 def loose_gases(problem: BlockProblem, convection: str) -> list[Block]:
     """The gases on which a constant force acts node by node with this -fsi_convection."""
-    d, found = problem.dimension, []
+    found = []
     for block in problem.blocks:
         if block.kind == "fluid":
-            form = convection_of(convection, block.material.equations(d, problem.symmetry))
-            found += [block] if isinstance(form.force, NodeForce) else []
+            gas = block.material.equations(problem.dimension, problem.symmetry)
+            node_by_node = any(gas.force) and not convection_of(convection, gas).raises
+            found += [block] if node_by_node else []
     return found

@@ -15,12 +15,14 @@ from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.bands import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_monitor import MONITORED
-from fsipetsc.scheme.part import Nothing, images, normals
+from fsipetsc.scheme.normals import normals
+from fsipetsc.scheme.part import Nothing, images
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, solid_damping
-from fsipetsc.scheme.solid_kernels import SolidVolume, solid_text
+from fsipetsc.scheme.solid_kernels import solid_kernels
 from fsipetsc.scheme.solid_monitor import measure, monitor, solid_integrals, stressed, sums_of
 from fsipetsc.scheme.solid_record import SolidRecord, rates, store
-from fsipetsc.scheme.solid_work import solid_work
+from fsipetsc.scheme.solid_sweep import WIDTH, solid_volume
+from fsipetsc.scheme.sweep import text_of
 
 Array = NDArray[Any]
 
@@ -45,8 +47,6 @@ class SolidPart(BlockPart):
         self.prestress = np.zeros((self._d**2, 0))  # or (d d, N)
         if self.block.prestress is not None:
             self.prestress = np.array(block_values(self.block, "prestress", self.X, 0.0))
-        self._work = solid_work(self.equations, part.bands, part.patch, order // 2)
-        self._volume = SolidVolume(self.equations, self._work, self.metrics, self.prestress)
         self._dissipation = self._damping()
         damps = not isinstance(self._dissipation, Nothing)
         self.added = damps or self.block.forcing is not None
@@ -123,12 +123,12 @@ class SolidPart(BlockPart):
         found = [(*end, self._prestress_at(self.owned[[end[1]]])[0, 0]) for end in own]
         rows, nodes = about.system.telling[part.k]
         self.reads_ghosted = self.reads_ghosted or rows.size > 0
-        self._volume.let_advance(self._stage(about.found), self.free)
+        kernels = solid_kernels(self.equations, d, self._order, self.prestress.size > 0)
         names, begins = (*solid_integrals(d), "lost_energy"), about.begins
         self._record_of_part = SolidRecord(
             **self._common(about),
             columns=np.array([begins[name] for name in names if name in begins]),
-            of_volume=self._volume.address,
+            volume=solid_volume(self.equations, d, kernels, part.bands, part.patch),
             laws=self.equations,
             dissipation=self._dissipation,
             loses=bool(self._loses),
@@ -142,10 +142,9 @@ class SolidPart(BlockPart):
             stored_at=part.ghosted_rows(part.rows(nodes)),
             rows_of_stored=rows,
         )
-        text = solid_text(self.equations, d, self._order, self.prestress.size > 0)
         names = images, normals, store, rates, monitor, measure, stressed
         functions = {f.__name__: f for f in names}
-        return self._procedures(text, self._record_of_part, about, functions)
+        return self._procedures(text_of(kernels, d, WIDTH), self._record_of_part, about, functions)
 
     def normals(self, rows: Any, axis: int, side: int) -> Array:
         """(n, d) unit normals out of the solid of a face as it is at owned nodes, by the last F."""

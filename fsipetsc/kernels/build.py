@@ -20,12 +20,10 @@ import stat
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
 from contextlib import suppress
-from functools import cache, wraps
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 from fsipetsc.errors import FileError, InputError
 
@@ -37,11 +35,10 @@ FLAGS = (
 )
 #: of processors with vectors of 512 bits, which compilers use half of if nobody asks
 WIDE = "-mprefer-vector-width=512"
-#: of gcc and such a processor: gcc 12 tunes for one without these vectors and reads numbers twice
-#: rather than keeping them in one of the 32 registers
-TUNED = "-mtune=skylake-avx512"
-#: of gcc, which else moves selections of elementary functions so that loops are no vector code
-PLAIN = "-fno-tree-pre"
+#: of gcc, which else moves selections of elementary functions so that loops are no vector code; and
+#: with such vectors: gcc 12 tunes for other processors and reads numbers twice rather than keeping
+#: them in one of the 32 registers
+OF_GCC, TUNED = "-fno-tree-pre", "-mtune=skylake-avx512"
 #: flags that let results depend on the compiler
 REFUSED = (
     *("-ffast-math", "-Ofast", "-funsafe-math-optimizations", "-fassociative-math"),
@@ -58,28 +55,13 @@ MISSING = (
 
 #: whether this process says that it cannot keep libraries; of several ranks the first one does
 tells = True
-#: a folder of this process, in the place of one that can only be read
+#: folders of this process
 _instead: list[Path] = []
 #: compilers at work
 _running: set[subprocess.Popen[bytes]] = set()
 
 
-def of_environment(function: Callable[[], Any]) -> Any:
-    """Return the function with a cache: it finds an answer once for each CC and CFLAGS."""
-    known: dict[Any, Any] = {}
-
-    @wraps(function)
-    def found() -> Any:
-        given = os.environ.get("CC"), os.environ.get("CFLAGS")
-        if given not in known:
-            known[given] = function()
-        return known[given]
-
-    found.cache_clear = known.clear  # type: ignore[attr-defined]
-    return found
-
-
-@of_environment
+@cache
 def compiler() -> tuple[str, ...]:
     """Return the command of the C compiler. InputError if there is none."""
     given = os.environ.get("CC")
@@ -98,14 +80,14 @@ def compiler() -> tuple[str, ...]:
     raise InputError(MISSING)
 
 
-@of_environment
+@cache
 def flags() -> tuple[str, ...]:
     """Return our flags, then those of CFLAGS. InputError for flags that would change bits, and
     without a compiler.
     """
     known = _macros()
     gcc, vectors = b"__GNUC__" in known and b"__clang__" not in known, b"__AVX512F__" in known
-    of_gcc = (PLAIN, *([TUNED] if vectors else [])) if gcc else ()
+    of_gcc = (OF_GCC, *([TUNED] if vectors else [])) if gcc else ()
     wide = (WIDE,) if b"__x86_64__" in known else ()
     return (*FLAGS, *of_gcc, *wide, *_own_flags())
 
@@ -120,7 +102,7 @@ def _own_flags() -> list[str]:
     return own
 
 
-@of_environment
+@cache
 def _macros() -> bytes:
     """The macros that the compiler defines: its version, and the instruction set of this machine.
     InputError without a compiler.
@@ -129,7 +111,7 @@ def _macros() -> bytes:
     return _run((*compiler(), *asked, os.devnull), "asking the C compiler for its target")
 
 
-@of_environment
+@cache
 def _target() -> bytes:
     """A hash of what the compiler says of itself and its target, and of its flags. It is kept, so
     that where there is no compiler any more the last one counts. InputError without a compiler, now
@@ -165,11 +147,9 @@ def name_of(text: str) -> str:
 
 
 def _hash(*parts: bytes) -> bytes:
-    """A hash of all parts, one after the other, each with its length."""
-    digest = hashlib.sha256()
-    for part in parts:
-        digest.update(len(part).to_bytes(8, "little") + part)
-    return digest.digest()
+    return hashlib.sha256(
+        b"".join(len(part).to_bytes(8, "little") + part for part in parts)
+    ).digest()
 
 
 @cache
@@ -193,9 +173,10 @@ def folder() -> Path:
     return place
 
 
+@cache
 def _temporary(place: Path, why: object) -> Path:
     """A folder for this process alone, with a warning."""
-    made = Path(tempfile.mkdtemp(prefix="fsipetsc-"))
+    _instead.append(made := Path(tempfile.mkdtemp(prefix="fsipetsc-")))
     atexit.register(shutil.rmtree, made, True)
     if tells:
         words = f"cannot keep compiled kernels in {place} ({why})"
@@ -247,9 +228,7 @@ def _put(name: str, content: bytes) -> Path:
     """
     place = folder()
     if not os.access(place, os.W_OK | os.X_OK):
-        if not _instead:
-            _instead.append(_temporary(place, "it cannot be written"))
-        place = _instead[0]
+        place = _temporary(place, "it cannot be written")
     try:
         _write(place / name, content)
     except OSError as error:

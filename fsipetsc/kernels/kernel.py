@@ -8,7 +8,8 @@ result is stored. It is made once, on symbols (fsipetsc.kernels.symbols):
     gas = kernel.parameters(gas)
     kernel.store("flux", ROWS, gas.heat_flux(w, per_J))
 
-C calls it by the names of its arguments: ``heat(.w = row, .per_J = …, .flux = …, .n = 64)``.
+Procedures (fsipetsc.kernels.procedure) call it, with its arguments by their names, and with others
+that it does not take: ``heat(64, w=row, per_J=…, flux=…)``.
 
 a*b + c is printed as fma(a, b, c) where nothing else takes a*b, and compilers are told to fuse
 nothing else (fsipetsc.kernels.build). So every node has the same bits in a vector and alone, with
@@ -19,6 +20,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from fsipetsc.kernels.halves import without_halves
+from fsipetsc.kernels.recording import Index, index_of, recording
 from fsipetsc.kernels.symbols import CONDITIONS, Record, Symbol, uses_of
 
 
@@ -86,10 +88,10 @@ class Kernel:
         places = (_place(array, layout, first + c, item) for c in range(count))
         return tuple(self.record.given(place, layout.item == "0") for place in places)
 
-    def takes(self, layout: Layout, *names: str) -> None:
-        """Name arrays of a layout that a caller may give though nothing is read of them."""
-        for name in names:
-            self._argument(name, "const double *", layout)
+    def number(self, name: str) -> Symbol:
+        """A number that all items share."""
+        self._argument(name, "double ")
+        return self.record.given(f"in->{name}", uniform=True)
 
     def parameters(self, equations: Any) -> Any:
         """The same equations with their floats as arguments of the kernel: the array p, in the
@@ -132,6 +134,29 @@ class Kernel:
         if layout.given:
             self._arguments[layout.component] = "long "
 
+    # in procedures
+
+    def __call__(self, n: Any, **given: Any) -> Index | None:
+        """Let a procedure run the kernel over n items. An array is given from its first item on.
+        Returns how many items were counted, of a kernel that counts.
+        """
+        record, texts, values, needs = recording(), list[str](), list[Symbol](), list[Symbol]()
+        given = {"n": n, **given}
+        for name in sorted({**self._arguments, "n": ""}):
+            one = given[name]
+            if isinstance(one, Symbol):
+                texts.append(f".{name} = {{{len(values)}}}")
+                values.append(one)
+            else:
+                place = one.pointer() if hasattr(one, "pointer") else index_of(one)
+                texts.append(f".{name} = {place.text}")
+                needs += place.needs
+        counted = None if self.counted is None else Index(record.new("n"))
+        result = f"const long {counted.text} = " if counted is not None else ""
+        record.line(f"{result}{self.name}({', '.join(texts)});", values, tuple(needs))
+        record.stores += 1
+        return counted
+
     # what is printed
 
     def text(self) -> str:
@@ -143,7 +168,7 @@ class Kernel:
         locals_ = [
             f"  {kind}{'restrict ' * (kind[-1] == '*')}{name} = in->{name};"
             for name, kind in arguments
-            if name != "p" and kind != "const long *"
+            if name != "p" and kind not in ("const long *", "double ")
         ]
         counts = self.counted is not None
         return "\n".join(

@@ -113,12 +113,12 @@ def number(index: Any) -> Any:
     return recording().symbol(("number", found.text), f"(double){found.text}", found.needs)
 
 
-class Variable:
-    """A number that changes. Reading value gives the number at that place of the procedure; setting
-    it stores.
+class variable:
+    """A number that changes, at first ``first``. Reading value gives the number at that place of
+    the procedure; setting it stores.
     """
 
-    def __init__(self, first: Any) -> None:
+    def __init__(self, first: Any = 0.0) -> None:
         self._record, self._name = recording(), recording().new("v")
         self._record.line(f"double {self._name} = {{0}};", (first,))
 
@@ -131,11 +131,6 @@ class Variable:
     def value(self, number: Any) -> None:
         self._record.line(f"{self._name} = {{0}};", (number,))
         self._record.stores += 1
-
-
-def variable(first: Any = 0.0) -> Variable:
-    """Return a number that changes; first: its value at the start."""
-    return Variable(first)
 
 
 class Array(NDArrayOperatorsMixin):
@@ -166,6 +161,11 @@ class Array(NDArrayOperatorsMixin):
                 raise refuse("reshape knows -1 alone")
             shape = (self.size,)
         return Array(self._base, self.dtype, shape, self._offset)
+
+    def pointer(self) -> Index:
+        """Where C has the first number."""
+        place = index_of(self._offset)
+        return Index(f"{self._base} + {place.text}", place.needs)
 
     def turned(self) -> "Array":
         """The transpose of an array of two axes."""
@@ -200,8 +200,8 @@ class Array(NDArrayOperatorsMixin):
         offset, shape = self._place(at)
         if shape:
             return Array(self._base, self.dtype, shape, offset)
-        if self.dtype.names:
-            return _Fields(self._base, self.dtype, offset)
+        if names := self.dtype.names:
+            return _Fields(self._base, names, offset * len(names))
         return _read(self._base, self.dtype, index_of(offset))
 
     def __setitem__(self, at: Any, value: Any) -> None:
@@ -242,10 +242,10 @@ class _Turned(Array):
         raise refuse("a transpose has no other shape")
 
 
-def _read(base: str, dtype: Any, place: Index, text: str = "") -> Any:
+def _read(base: str, dtype: Any, place: Index) -> Any:
     """Record that the number at a place of an array is read."""
     record = recording()
-    text = text or f"{base}[{place.text}]"
+    text = f"{base}[{place.text}]"
     if KINDS[dtype.kind] == "double":
         return record.symbol(("read", text, record.stores), text, place.needs)
     key = "whole", text, record.stores
@@ -259,38 +259,24 @@ def _read(base: str, dtype: Any, place: Index, text: str = "") -> Any:
 
 
 class _Fields:
-    """One row of an array of records: its fields by their names; those of several numbers are
-    arrays.
-    """
+    """One row of an array of records: its fields, whole numbers, by their names."""
 
-    def __init__(self, base: str, dtype: Any, offset: Any) -> None:
-        vars(self).update(_base=base, _dtype=dtype, _offset=index_of(offset))
-
-    def _array(self, name: str) -> Array:
-        kind, first = self._dtype.fields[name][:2]
-        number, shape = kind.subdtype or (kind, (1,))
-        start = f"{self._base} + {self._dtype.itemsize} * {self._offset.text} + {first}"
-        base = f"(({KINDS[number.kind]} *)({start}))"
-        return Array(base, number, shape, Index("0", self._offset.needs))
+    def __init__(self, base: str, names: Sequence[str], row: Any) -> None:
+        self._names, self._numbers = names, Array(base, np.dtype(int), (len(names),), row)
 
     def __getattr__(self, name: str) -> Any:
-        found = self._array(name)
-        return found if self._dtype.fields[name][0].subdtype else found[0]
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        self._array(name)[0] = value
+        return self._numbers[self._names.index(name)]
 
 
 def invoke(name: str, *given: Any) -> None:
     """Call a function in C of the same translation unit: a whole number is an address, an array a
     pointer to its first number.
     """
-    texts, needs = [], []
+    record, texts, needs = recording(), [], []
     for one in given:
-        place = index_of(one._offset if isinstance(one, Array) else one)
         array = isinstance(one, Array)
-        texts.append(f"{one._base} + {place.text}" if array else f"(void *){place.text}")
+        place = one.pointer() if array else index_of(one)
+        texts.append(place.text if array else f"(void *){place.text}")
         needs += place.needs
-    record = recording()
     record.line(f"{name}({', '.join(texts)});", (), tuple(needs))
     record.stores += 1

@@ -3,7 +3,7 @@
    fused says fma: all compilers and processors give the same bits, with -ffp-contract=off and
    without -ffast-math. Of libm only fma, sqrt and trunc are taken, which have one right result.
    For 0, infinity, nan, negative and subnormal numbers they give what numpy gives (a nan may have
-   another sign). But sin, cos and tan give nan where |x| > 2^40: more would need a table. Errors
+   another sign). But sin and cos give nan where |x| > 2^40: more would need a table. Errors
    are the largest among millions of numbers of the whole range, in units in the last place (ulp).
 
    FDLIBM is the library of Sun Microsystems, 1993; some coefficients are from there. The others are
@@ -16,9 +16,7 @@
 
 /* Constants in two or three parts. The last three bits of pi/4 are 0, so thrice it is exact. */
 static const double LN2_ = 0.6931471805599453, LN2_LOW_ = 2.3190468138462996e-17;
-static const double LOG2_E_ = 1.4426950408889634, LOG2_E_LOW_ = 2.0355273740931033e-17;
-static const double LOG10_E_ = 0.4342944819032518, LOG10_E_LOW_ = 1.098319650216765e-17;
-static const double LOG10_2_ = 0.3010299956639812, LOG10_2_LOW_ = -2.8037281277851704e-18;
+static const double LOG2_E_ = 1.4426950408889634;
 static const double QUARTER_PI_ = 0.7853981633974483, QUARTER_PI_LOW_ = 3.061616997868383e-17;
 static const double HALF_PI_ = 1.5707963267948966, HALF_PI_LOW_ = 6.123233995736766e-17;
 static const double HALF_PI_LOWEST_ = -1.4973849048591698e-33, TWO_BY_PI_ = 0.6366197723675814;
@@ -88,14 +86,14 @@ ELEMENTARY struct exponential_ exponential_(double x, double tail) {
   odd = cubic_(z, 0.16666666666666677, 0.008333333333321532, 0.0001984126988640145, odd);
   return (struct exponential_){rounded, r, fma(z, fma(s, odd, fma(z, even, 0.5)), low)};
 }
-/* 2^more e^(x + tail), more = 0 or -1. Of the two powers both are normal if the result is not. */
-ELEMENTARY double scaled_exp_(double x, double tail, int more) {
+/* e^(x + tail). Of the two powers both are normal if the result is not. */
+ELEMENTARY double long_exp_(double x, double tail) {
   const struct exponential_ e = exponential_(bounded_(x, -746.0, 711.0), tail);
   const double k = e.k_rounded - ROUND_;
   const double half_rounded = fma(k, 0.5, ROUND_);
   const double other_rounded = (k - (half_rounded - ROUND_)) + ROUND_;
   const double value = 1.0 + (e.r + e.rest);
-  return value * power_of_2_(half_rounded, 0) * power_of_2_(other_rounded, more);
+  return value * power_of_2_(half_rounded, 0) * power_of_2_(other_rounded, 0);
 }
 /* 2^more (e^x - 1) for -45 <= x < 710.6, the largest terms first. */
 ELEMENTARY struct sum_ scaled_expm1_(double x, int more) {
@@ -104,28 +102,12 @@ ELEMENTARY struct sum_ scaled_expm1_(double x, int more) {
   const struct sum_ most = exact_sum_(power - power_of_2_(ROUND_, more), power * e.r);
   return exact_sum_(most.high, fma(power, e.rest, most.low));
 }
-/* e^x and 2^x = e^(x ln 2), exact for whole x. Errors: 0.9 ulp. */
-ELEMENTARY double exp_(double x) { return scaled_exp_(x, 0.0, 0); }
-ELEMENTARY double exp2_(double x) {
-  const double bounded = bounded_(x, -1100.0, 1100.0);
-  const struct sum_ y = exact_product_(bounded, LN2_);
-  return scaled_exp_(y.high, fma(bounded, LN2_LOW_, y.low), 0);
-}
+/* e^x. Error: 0.9 ulp. */
+ELEMENTARY double exp_(double x) { return long_exp_(x, 0.0); }
 /* e^x - 1. Error: 1.2 ulp. */
 ELEMENTARY double expm1_(double x) {
   const struct sum_ half = scaled_expm1_(bounded_(x, -45.0, 710.0), -1);
   return fabs(x) < 1e-17 ? x : 2.0 * (half.high + half.low);
-}
-/* 2 (h + h / (4 h + 1)) with h = (e^|x| - 1) / 4. Error: 1.7 ulp. */
-ELEMENTARY double sinh_(double x) {
-  const struct sum_ h = scaled_expm1_(bounded_(fabs(x), 0.0, 710.5), -2);
-  const double half = h.high + (h.low + h.high / fma(4.0, h.high, 1.0));
-  return fabs(x) < 1e-9 ? x : copysign(2.0 * half, x);
-}
-/* h + 1 / (4 h) with h = e^|x| / 2. Error: 1.3 ulp. */
-ELEMENTARY double cosh_(double x) {
-  const double half = scaled_exp_(fabs(x), 0.0, -1);
-  return half + 0.25 / half;
 }
 /* n / (n + 2) with n = e^(2 |x|) - 1. Error: 1.1 ulp. */
 ELEMENTARY double tanh_(double x) {
@@ -137,22 +119,19 @@ ELEMENTARY double tanh_(double x) {
 
 /* --- logarithms and powers
 
-   x = 2^k (1 + f) with 1 + f between sqrt(1/2) and sqrt(2); x is positive and not subnormal. */
+   x = 2^k (1 + f) with 1 + f between sqrt(1/2) and sqrt(2). Subnormal x are taken times 2^54. k is
+   -inf for 0, inf for inf, else nan. */
 struct reduced_ { double k, f; };
-ELEMENTARY struct reduced_ reduced_ordinary_(double x) {
-  const uint64_t one = 0x3FF0000000000000u, sqrt_half = 0x3FE6A09E667F3BCDu;
-  const uint64_t exponent = (bits_(x) + (one - sqrt_half)) >> 52;
-  const double f = number_(bits_(x) - (exponent << 52) + one) - 1.0;
-  const double two_52_and_exponent = number_(exponent | 0x4330000000000000u);
-  return (struct reduced_){two_52_and_exponent - (4503599627370496.0 + 1023.0), f};
-}
-/* Of all x. Subnormal x are taken times 2^54. k is -inf for 0, inf for inf, else nan. */
 ELEMENTARY struct reduced_ reduced_(double x) {
+  const uint64_t one = 0x3FF0000000000000u, sqrt_half = 0x3FE6A09E667F3BCDu;
   const double least = 2.2250738585072014e-308;
-  const struct reduced_ r = reduced_ordinary_(x < least ? 18014398509481984.0 * x : x);
+  const uint64_t bits = bits_(x < least ? 18014398509481984.0 * x : x);
+  const uint64_t exponent = (bits + (one - sqrt_half)) >> 52;
+  const double f = number_(bits - (exponent << 52) + one) - 1.0;
+  const double k = number_(exponent | 0x4330000000000000u) - (4503599627370496.0 + 1023.0);
   const double of_small = x > 0.0 ? 54.0 : (x == 0.0 ? INFINITY : NAN);
   const double of_large = x < INFINITY ? 0.0 : -x;
-  return (struct reduced_){r.k - (x < least ? of_small : of_large), r.f};
+  return (struct reduced_){k - (x < least ? of_small : of_large), f};
 }
 
 /* ln(1 + f) = f - high + low with high = f^2 / 2 and low = s (high + R(s^2)), s = f / (2 + f):
@@ -171,9 +150,8 @@ ELEMENTARY double log_of_parts_(struct reduced_ r) {
   const struct sum_ part = log_part_(r.f);
   return fma(r.k, LN2_, r.f - (part.high - fma(r.k, LN2_LOW_, part.low)));
 }
-/* ln x; the second is for positive x alone that are neither subnormal nor inf. Errors: 0.9 ulp. */
+/* ln x. Error: 0.9 ulp. */
 ELEMENTARY double log_(double x) { return log_of_parts_(reduced_(x)); }
-ELEMENTARY double log_positive_(double x) { return log_of_parts_(reduced_ordinary_(x)); }
 /* ln(1 + x): what 1 + x lost in rounding is added to f. Error: 1.4 ulp. */
 ELEMENTARY double log1p_(double x) {
   const double u = 1.0 + x;
@@ -183,25 +161,6 @@ ELEMENTARY double log1p_(double x) {
   r.f += u < 1e17 ? lost * power_of_2_(ROUND_ - r.k, 0) : 0.0;
   return fabs(x) < 1e-17 ? x : log_of_parts_(r);
 }
-/* k unit + factor ln(1 + f): a logarithm whose unit is that of 2. */
-ELEMENTARY double log_to_base_(double x, double unit, double unit_low, double factor, double more) {
-  const struct reduced_ r = reduced_(x);
-  const struct sum_ part = log_part_(r.f);
-  const double high = r.f - part.high;
-  const double low = ((r.f - high) - part.high) + part.low;
-  const struct sum_ scaled = exact_product_(high, factor);
-  const struct sum_ whole = exact_product_(r.k, unit);
-  const struct sum_ most = exact_sum_(whole.high, scaled.high);
-  const double scaled_low = fma(high, more, fma(low, factor, scaled.low));
-  const double rest = fma(r.k, unit_low, whole.low) + scaled_low;
-  return fabs(r.k) < INFINITY ? most.high + (most.low + rest) : r.k;
-}
-/* Exact for powers of 2, and of 10 up to 1e22. Errors: 0.8 ulp. */
-ELEMENTARY double log2_(double x) { return log_to_base_(x, 1.0, 0.0, LOG2_E_, LOG2_E_LOW_); }
-ELEMENTARY double log10_(double x) {
-  return log_to_base_(x, LOG10_2_, LOG10_2_LOW_, LOG10_E_, LOG10_E_LOW_);
-}
-
 /* ln x = k ln 2 + 2 s + s z (2/3 + z Q(z)) with z = s^2 and s = f / (2 + f), to 65 bits. */
 ELEMENTARY struct sum_ long_log_(double x) {
   const struct reduced_ r = reduced_(x);
@@ -231,32 +190,13 @@ ELEMENTARY double pow_(double x, double y) {
   const double times = bounded_(y, -1e21, 1e21);
   const struct sum_ product = exact_product_(times, l.high);
   const double tail = fabs(product.high) < 800.0 ? fma(times, l.low, product.low) : 0.0;
-  const double value = scaled_exp_(product.high, tail, 0);
+  const double value = long_exp_(product.high, tail);
   const double sign = 0.5 * y == trunc(0.5 * y) ? 1.0 : x;
   const double with_sign = copysign(value, y == trunc(y) ? sign : 1.0);
   const double of_finite = y == trunc(y) ? with_sign : NAN;
   const double of_negative = size < INFINITY ? of_finite : with_sign;
   const double known = x < 0.0 ? of_negative : with_sign;
   return y == 0.0 ? 1.0 : (x == 1.0 ? 1.0 : known);
-}
-
-/* 2^q m^(1/3) with x = 2^(3 q) m: m y^2, where y = m^(-1/3) to 20 bits, then a step of Halley's to
-   all bits. Error: 0.6 ulp. */
-ELEMENTARY double cbrt_(double x) {
-  const struct reduced_ r = reduced_(fabs(x));
-  const double q_rounded = fma(r.k, 1.0 / 3.0, ROUND_);
-  const double rest = fma(-3.0, q_rounded - ROUND_, r.k);
-  const double m = (1.0 + r.f) * power_of_2_(rest + ROUND_, 0);
-  const double guess = cubic_(m, 1.7494121261383466, -1.1888354943243205, 0.5192423193824792,
-                              -0.08156557090774634);
-  const double h = fma(-m * guess * guess, guess, 1.0);
-  const double y = guess * cubic_(h, 1.0, 1.0 / 3.0, 2.0 / 9.0, 14.0 / 81.0);
-  const double root = m * y * y;
-  const struct sum_ square = exact_product_(root, root);
-  const double remainder = fma(-square.low, root, fma(-square.high, root, m));
-  const double more = root * remainder / fma(2.0 * root, square.high, m);
-  const double value = (root + more) * power_of_2_(q_rounded, 0);
-  return x == 0.0 ? x : (fabs(x) < INFINITY ? copysign(value, x) : x);
 }
 
 /* --- circular functions
@@ -301,15 +241,6 @@ ELEMENTARY double cos_(double x) {
   const struct circular_ c = circular_(x);
   return turned_(x, c.k & 1 ? c.sin.high : c.cos.high, c.k + 1);
 }
-/* sin / cos, or -cos / sin, where |x| <= 2^40, else nan. Error: 1.0 ulp. */
-ELEMENTARY double tan_(double x) {
-  const struct circular_ c = circular_(x);
-  const struct sum_ n = c.k & 1 ? c.cos : c.sin;
-  const struct sum_ d = c.k & 1 ? c.sin : c.cos;
-  const struct sum_ q = quotient_(n.high, n.low, d.high, d.low);
-  return fabs(x) < 1e-9 ? x : turned_(x, q.high + q.low, c.k << 1);
-}
-
 /* arctan(a / b) = eighths pi/4 + arctan t, 0 <= a <= b: t = a / b or, behind pi/8,
    (a - b) / (a + b). arctan t = t - t^3 P(t^2): FDLIBM's s_atan.c, its coefficients, |t| < 7/16. */
 ELEMENTARY struct sum_ arctan_part_(double a, double b, int steep) {
@@ -344,7 +275,3 @@ ELEMENTARY double arctan2_(double y, double x) {
   const double low = fma(eighths, QUARTER_PI_LOW_, sign * angle.low);
   return copysign(eighths * QUARTER_PI_ + fma(sign, angle.high, low), y);
 }
-/* Angles of the points (1, x), (sqrt(1 - x^2), x), (x, sqrt(1 - x^2)). Errors: 0.9, 1.4, 1.5. */
-ELEMENTARY double arctan_(double x) { return arctan2_(x, 1.0); }
-ELEMENTARY double arcsin_(double x) { return arctan2_(x, sqrt(fma(-x, x, 1.0))); }
-ELEMENTARY double arccos_(double x) { return arctan2_(sqrt(fma(-x, x, 1.0)), x); }

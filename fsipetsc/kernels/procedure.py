@@ -63,9 +63,10 @@ class Procedure:
         if isinstance(value, np.ndarray):
             if not value.flags.c_contiguous:
                 raise ValueError(f"{name} is not contiguous")
-            kind = "char" if value.dtype.names else KINDS.get(value.dtype.kind)
-            if kind is None or (kind != "char" and value.dtype.itemsize != 8):
-                raise TypeError(f"{name} is of {value.dtype}: arrays are of float64 and int64")
+            of = value.dtype
+            kind = "long" if of.names else KINDS.get(of.kind)  # records are of whole numbers
+            if kind is None or of.itemsize != 8 * len(of.names or "1"):
+                raise TypeError(f"{name} is of {of}: arrays are of float64 and int64")
             base = self._field(name, f"{kind} *", value)
             shape = [
                 Index(self._field(f"{name}_n{k}", "long ", length))

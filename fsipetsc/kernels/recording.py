@@ -11,6 +11,16 @@ import numpy as np
 from fsipetsc.kernels.symbols import Record, Symbol, refuse
 
 
+def _compared(sign: str) -> Any:
+    """The operator of a comparison, whose result is a condition."""
+
+    def compare(self: "Index", other: Any) -> Symbol:
+        found = _made(f"{{}} {sign} {{}}", self, other)
+        return recording().symbol(("holds", found.text), found.text, found.needs, "holds")
+
+    return compare
+
+
 class Index:
     """A whole number that is known only when C runs: an expression in C, and the symbols in it."""
 
@@ -47,23 +57,8 @@ class Index:
     def __neg__(self) -> Any:
         return _made("(-{})", self)
 
-    def __eq__(self, other: Any) -> Any:
-        return _condition("{} == {}", self, other)
-
-    def __ne__(self, other: Any) -> Any:
-        return _condition("{} != {}", self, other)
-
-    def __lt__(self, other: Any) -> Any:
-        return _condition("{} < {}", self, other)
-
-    def __le__(self, other: Any) -> Any:
-        return _condition("{} <= {}", self, other)
-
-    def __gt__(self, other: Any) -> Any:
-        return _condition("{} > {}", self, other)
-
-    def __ge__(self, other: Any) -> Any:
-        return _condition("{} >= {}", self, other)
+    __eq__, __ne__ = _compared("=="), _compared("!=")
+    __lt__, __le__, __gt__, __ge__ = map(_compared, ("<", "<=", ">", ">="))
 
     def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
         forms = {np.minimum: "least({}, {})", np.maximum: "most({}, {})"}
@@ -98,11 +93,6 @@ def index_of(value: Any) -> Index:
 def _made(form: str, *given: Any) -> Index:
     of = [index_of(value) for value in given]
     return Index(form.format(*(i.text for i in of)), tuple(n for i in of for n in i.needs))
-
-
-def _condition(form: str, a: Any, b: Any) -> Symbol:
-    found = _made(form, a, b)
-    return recording().symbol(("holds", found.text), found.text, found.needs, "holds")
 
 
 # --- what is recorded

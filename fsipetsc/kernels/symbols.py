@@ -16,11 +16,13 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import reduce
+from math import isnan
 from typing import Any
 
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
+from fsipetsc.checks import counted
 from fsipetsc.errors import InputError
 
 #: numpy's functions that can be recorded, by the names under which they are printed
@@ -31,11 +33,21 @@ OPERATIONS: dict[Any, str] = {
     **{np.equal: "==", np.not_equal: "!=", np.sign: "sign", np.power: "pow"},
     **{np.logical_and: "&", np.logical_or: "|", np.logical_not: "not"},
     **{np.bitwise_and: "&", np.bitwise_or: "|", np.invert: "not"},
-    **{np.exp: "exp", np.expm1: "expm1", np.exp2: "exp2", np.log: "log", np.log1p: "log1p"},
-    **{np.log2: "log2", np.log10: "log10", np.cbrt: "cbrt"},
-    **{np.sin: "sin", np.cos: "cos", np.tan: "tan"},
-    **{np.arcsin: "arcsin", np.arccos: "arccos", np.arctan: "arctan", np.arctan2: "arctan2"},
-    **{np.sinh: "sinh", np.cosh: "cosh", np.tanh: "tanh"},
+    **{np.exp: "exp", np.expm1: "expm1", np.log: "log", np.log1p: "log1p"},
+    **{np.sin: "sin", np.cos: "cos", np.arctan2: "arctan2", np.tanh: "tanh"},
+}
+#: those that are made of these
+MADE: dict[Any, Callable[[Any], Any]] = {
+    np.exp2: lambda x: 2.0**x,
+    np.log2: lambda x: 1.4426950408889634 * np.log(x),
+    np.log10: lambda x: 0.4342944819032518 * np.log(x),
+    np.cbrt: lambda x: np.sign(x) * abs(x) ** (1.0 / 3.0),
+    np.tan: lambda x: np.sin(x) / np.cos(x),
+    np.arcsin: lambda x: np.arctan2(x, np.sqrt(1.0 - x * x)),
+    np.arccos: lambda x: np.arctan2(np.sqrt(1.0 - x * x), x),
+    np.arctan: lambda x: np.arctan2(x, 1.0),
+    np.sinh: lambda x: 0.5 * (np.expm1(x) - np.expm1(-x)),
+    np.cosh: lambda x: 0.5 * (np.exp(x) + np.exp(-x)),
 }
 #: operations whose result is true or false
 CONDITIONS = frozenset({">", "<", ">=", "<=", "==", "!=", "&", "|", "not", "holds"})
@@ -59,6 +71,26 @@ def refuse(what: str) -> NotRecorded:
     return NotRecorded(f"{code.co_name}, {code.co_filename}:{frame.f_lineno}: {what}")
 
 
+def number_of(value: Any) -> Any:
+    """A number that a function returns, as formulas take it. NotRecorded."""
+    if isinstance(value, Symbol) and value.operation not in CONDITIONS:
+        return value
+    real = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    if not real or isnan(value):
+        found = "condition" if isinstance(value, Symbol) else type(value).__name__
+        raise NotRecorded(f"it returns a {found}: expected a number")
+    return float(value)
+
+
+def numbers_of(values: Any, count: int) -> tuple[Any, ...]:
+    """So many numbers that a function returns. NotRecorded."""
+    several = isinstance(values, (tuple, list, np.ndarray))
+    if not several or len(values) != count:
+        found = type(values).__name__ + (f" of {len(values)}" if several else "")
+        raise NotRecorded(f"it returns a {found}: expected {counted(count, 'number')} in a tuple")
+    return tuple(map(number_of, values))
+
+
 class Symbol(NDArrayOperatorsMixin):
     """A number of a record: what is given, a constant, or what an operation makes of operands.
 
@@ -76,8 +108,10 @@ class Symbol(NDArrayOperatorsMixin):
 
     def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
         more.pop("out", None)  # of a += b: another symbol is what a is then
-        if function not in OPERATIONS or method != "__call__" or more:
+        if function not in {**OPERATIONS, **MADE} or method != "__call__" or more:
             raise refuse(f"np.{function.__name__} cannot be recorded")
+        if function in MADE:
+            return MADE[function](*given)
         if function is np.power:
             return _power(self.record, *given)
         return self.record.apply(OPERATIONS[function], *given)
@@ -237,20 +271,10 @@ _SLOPES: dict[str, Callable[[Any, Any], Any]] = {
     "sqrt": lambda x, y: 0.5 / y,
     "exp": lambda x, y: y,
     "expm1": lambda x, y: y + 1.0,
-    "exp2": lambda x, y: float(np.log(2.0)) * y,
     "log": lambda x, y: 1.0 / x,
     "log1p": lambda x, y: 1.0 / (1.0 + x),
-    "log2": lambda x, y: 1.4426950408889634 / x,
-    "log10": lambda x, y: 0.4342944819032518 / x,
-    "cbrt": lambda x, y: y / (3.0 * x),
     "sin": lambda x, y: np.cos(x),
     "cos": lambda x, y: -np.sin(x),
-    "tan": lambda x, y: 1.0 + y * y,
-    "arcsin": lambda x, y: 1.0 / np.sqrt(1.0 - x * x),
-    "arccos": lambda x, y: -1.0 / np.sqrt(1.0 - x * x),
-    "arctan": lambda x, y: 1.0 / (1.0 + x * x),
-    "sinh": lambda x, y: np.cosh(x),
-    "cosh": lambda x, y: np.sinh(x),
     "tanh": lambda x, y: 1.0 - y * y,
     "sign": lambda x, y: 0.0,
 }
@@ -268,9 +292,7 @@ _CHANGES: dict[str, Callable[..., Any]] = {
 
 
 #: operations whose slopes may be infinite
-_STEEP = frozenset(
-    {"/", "sqrt", "cbrt", "log", "log1p", "log2", "log10", "pow", "arcsin", "arccos"}
-)
+_STEEP = frozenset({"/", "sqrt", "log", "log1p", "pow", "arctan2"})
 
 
 def derivatives(values: Sequence[Any], by: Symbol, still: bool = False) -> tuple[Any, ...]:

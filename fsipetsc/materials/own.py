@@ -17,8 +17,15 @@ from fsipetsc.checks import described
 from fsipetsc.equations.tensors import apply
 from fsipetsc.equations.vectors import add, zeros
 from fsipetsc.errors import InputError, place_in, place_of, reason
-from fsipetsc.kernels.formula import number_of, numbers_of
-from fsipetsc.kernels.symbols import NotRecorded, Record, Symbol, derivatives, replay
+from fsipetsc.kernels.symbols import (
+    NotRecorded,
+    Record,
+    Symbol,
+    derivatives,
+    number_of,
+    numbers_of,
+    replay,
+)
 from fsipetsc.materials.hyperelastic import NeoHookean
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.power_law import ConstantTransport

@@ -19,6 +19,7 @@ from fsipetsc.kernels.memory import Array, aligned
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.columns import COLUMNS, clear, collected, count, tiled
 from fsipetsc.scheme.observables import PLACES
+from fsipetsc.scheme.part import rows_of
 
 #: extremes of a block: 1 if a state is unphysical, largest rates of convection and of diffusion
 #: [1/s], minus the least J, largest |J - det D x| / J
@@ -41,16 +42,12 @@ def gas_monitor(part, q, metrics):
 
     part: a fsipetsc.scheme.gas_record.GasRecord. metrics: those that bound the step.
     """
-    patch = part.patch
-    (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
     d = len(part.like)
     room = part.room.reshape(MONITORED + sums_of(d), COLUMNS)
     clear(room, MONITORED, sums_of(d), COLUMNS)
-    for z in each(n2):
-        for y in each(n1):
-            row, own = f0 + g0 * (y + f1 + g1 * (z + f2)), n0 * (y + n1 * z)
-            for x, i in tiled(0, n0):
-                count(room, i, *measured(part, q, metrics, own + x, row + x))
+    for row, own, n in rows_of(part):
+        for x, i in tiled(0, n):
+            count(room, i, *measured(part, q, metrics, own + x, row + x))
     collect(part, room, sums_of(d), COLUMNS)
 
 
@@ -132,3 +129,17 @@ def collect(part, room, sums, columns):
     for of, found in zip((part.seen, part.sums), collected(room, least, sums, columns)):
         for c, number in enumerate(found):
             of[c] = number.value
+
+
+def note(part, found):
+    """Put what the monitor found in a part into the extremes of its block and the record of the
+    step.
+
+    found: a fsipetsc.scheme.runge_kutta.Found.
+    """
+    begin, seen, sums, columns = 1 + MONITORED * part.block, part.seen, part.sums, part.columns
+    extremes, latest = found.extremes, found.latest
+    for c in range(MONITORED):
+        extremes[begin + c] = (found.pace if c == CONVECTION else 1.0) * seen[c]
+    for c in each(columns.size):
+        latest[columns[c]] += sums[c]

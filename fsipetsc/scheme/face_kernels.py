@@ -18,6 +18,7 @@ from fsipetsc.equations.vectors import add, dot, last_times, per, scale
 from fsipetsc.kernels.arrays import column_of, node, part_of
 from fsipetsc.kernels.loops import each, invoke, variable, when
 from fsipetsc.scheme.normals import slope_at, turned
+from fsipetsc.scheme.part import area, gas_at, moving
 
 Array = NDArray[Any]
 
@@ -56,8 +57,10 @@ class GasFaces(NamedTuple):
     groups: tuple[Group, ...]
 
     def add(self, part, q, rates, gain):
-        """Add all that passes."""
-        pass_faces(part, self, q, rates, gain)
+        """Add all that passes to ``rates`` (owned, d + 3) and ``gain``; q: (ghosted, d + 3)."""
+        for group in self.groups:
+            for i in each(group.nodes):
+                pass_face(part, self, group.effect, group.begin + i, q, rates, gain)
 
 
 class Turned(NamedTuple):
@@ -118,19 +121,16 @@ class SolidFaces(NamedTuple):
     groups: tuple[Group, ...]
 
     def add(self, part, q, rates, gain):
-        """Add all that loads a solid; returns its work."""
+        """Add all that loads and heats a solid to ``rates`` (owned, 2d + 1) and ``gain``; returns
+        its work; q: (ghosted, 2d + 1).
+        """
         for face in self.turned:
             turn_face(face, q, self.normal)
-        return load_faces(part, self, q, rates, gain)
-
-
-def pass_faces(part, faces, q, rates, gain):
-    """Add what passes the faces of a gas to ``rates`` (owned, d + 3) and ``gain``; q: (ghosted,
-    d + 3).
-    """
-    for group in faces.groups:
-        for i in each(group.nodes):
-            pass_face(part, faces, group.effect, group.begin + i, q, rates, gain)
+        total = variable(0.0)
+        for group in self.groups:
+            for i in each(group.nodes):
+                total.value += load_face(part, self, group.effect, group.begin + i, q, rates, gain)
+        return total.value
 
 
 def pass_face(part, faces, effect, i, q, rates, gain):
@@ -164,50 +164,33 @@ def seen_at(part, faces, effect, i, q):
     """Return the state of the gas at the i-th node of the faces, and the face there."""
     gas, d, at, axis, sign = part.laws, len(part.like), faces.at[i], faces.axis[i], faces.sign[i]
     like, out, rise = (0.0,) * d, faces.outside, None
-    n, v = scale(sign, column_of(like, part.metrics, axis * d, at)), moving(part, at)
-    w = gas.primitive(node((*like, 0.0, 0.0, 0.0), q, at))
+    n, v = scale(sign, area(part, axis, at)), moving(part, at)
+    w = gas_at(part, q, at)
     beyond = gas.state(out[i, 0], part_of(like, out, i, 1), out[i, d + 1])
     if effect.first_order:
-        slope = slope_at(like, at, axis, part.S, part.weight, part.patch, Velocity(gas, q))
+        slope = slope_at(part, at, axis, lambda n: gas.velocity(gas_at(part, q, n)))
         rise = sign / q[at, 0] * dot(n, slope)
     wall = v if effect.moves else like
     data = wall, beyond, faces.pressure[i], faces.width[i], rise
     return w, FaceNode(n, np.sqrt(dot(n, n)), dot(n, v), *data)
 
 
-def moving(part, at):
-    """Return the velocity of the gas's grid at a node."""
-    d = len(part.like)
-    return column_of((0.0,) * d, part.metrics, d * d, at)
-
-
-def load_faces(part, faces, q, rates, gain):
-    """Add forces and heat at the faces of a solid to ``rates`` (owned, 2d + 1) and ``gain``;
-    returns the work; q: (ghosted, 2d + 1).
-    """
-    total = variable(0.0)
-    for group in faces.groups:
-        for i in each(group.nodes):
-            total.value += load_face(part, faces, group.effect, group.begin + i, q, rates, gain)
-    return total.value
-
-
 def load_face(part, faces, effect, i, q, rates, gain):
     """Add forces and heat at the i-th node; returns their work."""
     d, at, own, energy = len(part.like), faces.at[i], faces.own[i], gain.energy
     like, column, across = (0.0,) * d, faces.column[i], faces.across[i]
-    A = scale(faces.sign[i], column_of(like, part.metrics, faces.axis[i] * d, at))
-    area, v = np.sqrt(dot(A, A)), part_of(like, q, at, d)
-    forces = [variable(area * faces.traction[i, c]) for c in range(d)]
+    A = scale(faces.sign[i], area(part, faces.axis[i], at))
+    size, v = np.sqrt(dot(A, A)), part_of(like, q, at, d)
+    forces = [variable(size * faces.traction[i, c]) for c in range(d)]
     if effect.by.pull:
         F = strain_at(part, q, at)
         T = part.laws.temperature(v, q[at, 2 * d], F)
-        pull = effect.by.pull(part.laws, F, T, per(A, area), v, faces.stress[i])
-        add_to(forces, area, pull)
+        pull = effect.by.pull(part.laws, F, T, per(A, size), v, faces.stress[i])
+        add_to(forces, size, pull)
     with when(faces.pressure[i] != 0.0):
         add_to(forces, -faces.pressure[i], normal_at(part, faces, i, q))
     force = tuple(one.value for one in forces)
-    scaled, heat = faces.per_weight[i] / part.inertia[at], faces.heat[i] * area
+    scaled, heat = faces.per_weight[i] / part.inertia[at], faces.heat[i] * size
     work = dot(force, v)
     for c in range(d):
         rates[own, d + c] += scaled * force[c]
@@ -229,61 +212,27 @@ def normal_at(part, faces, i, q):
     fsipetsc.blocks.radial_grid.
     """
     solid, at, axis, sign = part.laws, faces.at[i], faces.axis[i], faces.sign[i]
-    like, of_axes = (0.0,) * len(part.like), (part.S, part.weight, part.patch)
+    like = part.like
     if len(like) == 3:
         return node(like, faces.normal, i)
-    x = place_at(like, faces.X, q, at)
-    if len(like) == 1:
-        return last_times(solid.weight(x), (sign,))
-    slope = slope_at(like, at, 1 - axis, *of_axes, Flat(solid, faces.X, q))
-    return last_times(solid.weight(x), turned(np.where(axis == 0, sign, -sign), slope))
 
+    def place(n):
+        return add(column_of(like, faces.X, 0, n), node(like, q, n))
 
-def place_at(like, X, q, n):
-    """Return where a solid's node of the ghosted array is now."""
-    return add(column_of(like, X, 0, n), node(like, q, n))
-
-
-class Velocity(NamedTuple):
-    """The velocity of the gas at a node, as `slope_at` takes it."""
-
-    gas: Any
-    q: Array
-
-    def at(self, like, n):
-        return self.gas.velocity(self.gas.primitive(node((*like, 0.0, 0.0, 0.0), self.q, n)))
-
-
-class Flat(NamedTuple):
-    """The place of a solid's node, around an axis as fsipetsc.blocks.radial_grid maps it; for
-    `slope_at`.
-    """
-
-    solid: Any
-    X: Array
-    q: Array
-
-    def at(self, like, n):
-        return self.solid.flat(place_at(like, self.X, self.q, n))
-
-
-class Displacement(NamedTuple):
-    """The displacement of a solid's node, as `slope_at` takes it."""
-
-    q: Array
-
-    def at(self, like, n):
-        return node(like, self.q, n)
+    normal = (sign,)
+    if len(like) == 2:
+        slope = slope_at(part, at, 1 - axis, lambda n: solid.flat(place(n)))
+        normal = turned(np.where(axis == 0, sign, -sign), slope)
+    return last_times(solid.weight(place(at)), normal)
 
 
 def strain_at(part, q, at):
     """Return F = 1 + sum_k D_k D A^k / J0 at a solid's node of the ghosted array, with hoop
     stretches.
     """
-    d, metrics, of_axes = len(part.like), part.metrics, (part.S, part.weight, part.patch)
-    like = (0.0,) * d
+    metrics, like, d = part.metrics, part.like, len(part.like)
     F = add_unit(1.0, outer(like, like))
     for k in range(d):
-        A = per(column_of(like, metrics, k * d, at), metrics[d * d, at])
-        F = add(F, outer(slope_at(like, at, k, *of_axes, Displacement(q)), A))
+        A = per(area(part, k, at), metrics[d * d, at])
+        F = add(F, outer(slope_at(part, at, k, lambda n: node(like, q, n)), A))
     return part.laws.with_hoops(F, node(like, q, at), metrics[-1, at])

@@ -47,17 +47,18 @@ Finite volumes between the nodes of a summation-by-parts scheme: S. Hennemann et
 Phys. 426, 2021. That alpha may vary from pair to pair was derived for this program.
 """
 
-from typing import Any, NamedTuple
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from fsipetsc.equations.vectors import add, along, choose, dot, mean, scale, sub
-from fsipetsc.kernels.arrays import column, column_of, node, put_column
+from fsipetsc.kernels.arrays import column, column_of, put_column
 from fsipetsc.kernels.loops import each, variable, when
 from fsipetsc.kernels.memory import Array
 from fsipetsc.operators.bands import Differences, difference
-from fsipetsc.scheme.gas_forms import state_like
-from fsipetsc.scheme.part import clear
+from fsipetsc.scheme.gas_force import collect_force, jump, with_force
+from fsipetsc.scheme.part import area, clear, gas_at, moving, rows_of
 
 #: s up to which there is no shock, and how fast alpha rises from there
 NO_SHOCK, RISE = 0.03, 2.5
@@ -86,27 +87,23 @@ class GasDamping(NamedTuple):
         gas_dissipation(part, self, q, rates)
 
 
-def gas_damping(
-    like: Any, force: Any, found: Differences, sigma: float, shock: float
-) -> GasDamping:
-    """For the nodes of a patch. force: fsipetsc.scheme.gas_force. Sizes of 0: none."""
-    d, N = len(like), found.norm.shape[1]
-    shapes = (d + 5, N), (d + 2, N), (len(force.diffused(like)), found.room(d)), N, (d + 1, N)
-    memory = map(np.zeros, (*shapes, (len(force.linked(like)), N)))
+def gas_damping(d: int, raises: bool, found: Differences, sigma: float, shock: float) -> GasDamping:
+    """For the nodes of a patch. raises: of the form of convection. Sizes of 0: none."""
+    N, of_links = found.norm.shape[1], d + 2 + raises * (d + 1)
+    shapes = (d + 5, N), (d + 2, N), (d + 2 + raises, found.room(d)), N, (d + 1, N), (of_links, N)
+    memory = map(np.zeros, shapes)
     return GasDamping(sigma or None, shock or None, found, *memory)
 
 
 def gas_dissipation(part, damp, q, rates):
     """Add both terms to the rates (M, d + 3) of the owned nodes; q: with a halo of q + 1 nodes."""
-    patch = part.patch
-    (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
     prepare(part, damp, q)
     for k in range(len(part.like)):
         stride = damp.differences.strides[k]
         if damp.shock is not None:
             clear(damp.sums.reshape(-1))
-            waves = GasWaves(part.laws, damp.state, part.metrics, k)
-            sense(waves, damp.alpha, stride, patch.ghosted[k])
+            steep = partial(steepness, part, damp.state, k)
+            sense(steep, damp.alpha, stride, part.patch.ghosted[k])
             shocks = variable(0.0)
             for i in each(damp.alpha.size):
                 shocks.value = np.where(damp.alpha[i] > 0.0, 1.0, shocks.value)
@@ -116,51 +113,37 @@ def gas_dissipation(part, damp, q, rates):
                 flow_on(part, damp, stride)
         if damp.sigma is not None:
             fluxes(part, damp, k, stride)
-        for z in each(n2):
-            for y in each(n1):
-                first = f0 + g0 * (f1 + y + g1 * (f2 + z))
-                collect(part, damp, k, stride, first, n0 * (y + n1 * z), n0, rates)
+        for first, own, n in rows_of(part):
+            collect(part, damp, k, stride, first, own, n, rates)
 
 
 def prepare(part, damp, q):
     """Primitive and, for differences, entropy variables of the nodes."""
-    gas, like_q = part.laws, (*part.like, 0.0, 0.0, 0.0)
+    gas = part.laws
     for i in each(damp.alpha.size, vector=True):
-        w = gas.primitive(node(like_q, q, i))
+        w = gas_at(part, q, i)
         put_column(damp.state, i, 0, w)
         if damp.sigma is not None:
-            first = part.form.force.level(part.potential, i, gas.first_entropy_variable(w), w)
-            put_column(damp.z, i, 0, (first, *gas.entropy_variables(w)))
+            first, more = gas.first_entropy_variable(w), gas.entropy_variables(w)
+            if part.form.raises:
+                first = first + part.volume.potential[i] * w[-1]
+            put_column(damp.z, i, 0, (first, *more))
 
 
-class GasWaves(NamedTuple):
-    """What is sensed in a gas along an axis k. state: (3 + d and more, N), metrics: (d d and more,
-    N).
-    """
-
-    gas: Any
-    state: Array
-    metrics: Array
-    k: int
-
-    def steepness(self, i, stride):
-        """The steepness s of a node."""
-        gas, like = self.gas, (0.0,) * len(self.gas.force)
-        like_w = (*like, 0.0, 0.0, 0.0)
-        a = column_of(like, self.metrics, self.k * len(like), i)
-        below, above = (column(like_w, self.state, n) for n in (i - stride, i + stride))
-        here = column(like_w, self.state, i)
-        rise, fall = sub(above, here), sub(here, below)
-        size_of_rho = SMALL * (above[0] + 2.0 * here[0] + below[0])
-        size_of_p = SMALL * (self.modulus(above) + 2.0 * self.modulus(here) + self.modulus(below))
-        s = np.maximum(bend(rise[0], fall[0], size_of_rho), bend(rise[1], fall[1], size_of_p))
-        size = 2.0 * np.sqrt(gas.law.sound_speed_squared(here[0], here[2]) * dot(a, a))
-        before, behind = (np.minimum(0.0, dot(a, change[3:])) for change in (rise, fall))
-        return np.maximum(s, bend(before, behind, size))
-
-    def modulus(self, w):
-        """The modulus K of a state."""
-        return self.gas.law.bulk_modulus(w[0], w[2])
+def steepness(part, state, k, i, stride):
+    """The steepness s of a node along axis k. state: (3 + d and more, N)."""
+    law, like_w = part.laws.law, (*part.like, 0.0, 0.0, 0.0)
+    a = area(part, k, i)
+    below, above = (column(like_w, state, n) for n in (i - stride, i + stride))
+    here = column(like_w, state, i)
+    rise, fall = sub(above, here), sub(here, below)
+    size_of_rho = SMALL * (above[0] + 2.0 * here[0] + below[0])
+    K_above, K, K_below = (law.bulk_modulus(w[0], w[2]) for w in (above, here, below))
+    size_of_p = SMALL * (K_above + 2.0 * K + K_below)
+    s = np.maximum(bend(rise[0], fall[0], size_of_rho), bend(rise[1], fall[1], size_of_p))
+    size = 2.0 * np.sqrt(law.sound_speed_squared(here[0], here[2]) * dot(a, a))
+    before, behind = (np.minimum(0.0, dot(a, change[3:])) for change in (rise, fall))
+    return np.maximum(s, bend(before, behind, size))
 
 
 def bend(rise, fall, size):
@@ -168,8 +151,10 @@ def bend(rise, fall, size):
     return abs(rise - fall) / (abs(rise) + abs(fall) + size + 1e-300)
 
 
-def sense(waves, alpha, stride, length):
-    """alpha of all nodes along an axis of so many. waves: with s of a node as ``steepness``."""
+def sense(steepness, alpha, stride, length):
+    """alpha of all nodes along an axis of so many; steepness: a function that returns the s of a
+    node.
+    """
     for line in each(alpha.size // (stride * length)):
         first = line * (stride * length)
         begin, beyond = first + stride, first + stride * length
@@ -177,7 +162,7 @@ def sense(waves, alpha, stride, length):
         for i in each(first, begin, vector=True):
             alpha[i] = 0.0
         for i in each(begin, end, vector=True):
-            steep = RISE * (waves.steepness(i, stride) - NO_SHOCK)
+            steep = RISE * (steepness(i, stride) - NO_SHOCK)
             alpha[i] = np.minimum(1.0, np.maximum(0.0, steep))
         for i in each(end, beyond, vector=True):
             alpha[i] = 0.0
@@ -198,29 +183,28 @@ def fluxes(part, damp, k, stride):
     """sigma/4^q lambda/(1 + eta) U_z Delta z of differences by their first nodes, 0 if one does not
     fit.
     """
-    gas, like, metrics = part.laws, part.like, part.metrics
-    force, potential = part.form.force, part.potential
-    weights, norm, d = damp.differences.weights, damp.differences.norm[k], len(like)
-    like_z, nothing = (*like, 0.0, 0.0), (0.0,) * len(force.diffused(like))
+    gas, raises, potential = part.laws, part.form.raises, part.volume.potential
+    weights, norm = damp.differences.weights, damp.differences.norm[k]
+    like_z, nothing = (*part.like, 0.0, 0.0), (0.0,) * (len(part.like) + 2 + raises)
     N, order = damp.alpha.size, len(weights) - 1
     strength, before = damp.sigma / 4.0**order, damp.F.shape[1] - N
     low, high = order // 2 * stride, (order + 1) // 2 * stride
     for i in each(N - order * stride, vector=True):
         l, r = i + low, i + high
         change = difference(lambda m: column(like_z, damp.z, m), i, stride, weights)
-        change = force.at_middle(change, potential, l, r)
+        level = 0.5 * (potential[l] + potential[r]) if raises else 0.0
+        change = (change[0] + level * change[-1], *change[1:])
         middle = mean(column(like_z, damp.z, l), column(like_z, damp.z, r))
         T = -1.0 / middle[-1]
         w = gas.state(0.5 * (damp.state[0, l] + damp.state[0, r]), scale(T, middle[1:-1]), T)
-        a_l, a_r = (column_of(like, metrics, k * d, n) for n in (l, r))
-        v_l, v_r = (column_of(like, metrics, d * d, n) for n in (l, r))
+        (a_l, v_l), (a_r, v_r) = ((area(part, k, n), moving(part, n)) for n in (l, r))
         speed = gas.fastest(w, mean(a_l, a_r), 0.5 * (dot(a_l, v_l) + dot(a_r, v_r)))
         if damp.shock is not None:
             speed = (1.0 - largest(damp.alpha, i, stride, weights)) * speed
         dU = gas.densities_of_change(w, change)
         eta = gas.size_of_change(w, change, dU)
         F = scale(strength * norm[i] * speed / (1.0 + eta), dU)
-        F = choose(norm[i] > 0.0, force.with_level(F, potential, l, r), nothing)
+        F = choose(norm[i] > 0.0, (*F, level * F[0]) if raises else F, nothing)
         put_column(damp.F, before + i, 0, F)
     for i in each(N - order * stride, N, vector=True):
         put_column(damp.F, before + i, 0, nothing)
@@ -230,9 +214,9 @@ def collect(part, damp, k, stride, first, own, n, rates):
     """Add sums and H^-1 Delta^T F to the rates of a row of n owned nodes, from ``own`` on; first:
     the first one's number.
     """
-    force, weights = part.form.force, damp.differences.weights
-    like_F, of_links = force.diffused(part.like), force.linked(part.like)
+    raises, weights = part.form.raises, damp.differences.weights
     order, d = len(weights) - 1, len(part.like)
+    like_F, of_links = (0.0,) * (d + 2 + raises), (0.0,) * (d + 2 + raises * (d + 1))
     sign, back = 1.0 - 2.0 * (order % 2), damp.F.shape[1] - damp.alpha.size - order * stride
     for i in each(n, vector=True):
         at_node, here, power = first + i, own + i, 0.0
@@ -244,10 +228,12 @@ def collect(part, damp, k, stride, first, own, n, rates):
         if damp.sigma is not None:
             # weights of Delta^T: those of Delta in reverse order, perhaps with sign -1
             found = difference(lambda m: column(like_F, damp.F, m), back + at_node, stride, weights)
-            F, level = force.parted(found)
+            F = found[: d + 2]
             more = along(more, -sign, F)
-            power = sign * force.lifted(part.potential, at_node, F, level)
-        force.collect(sums, per_weight, power, part.supplied, here)
+            if raises:
+                power = sign * (part.volume.potential[at_node] * F[0] - found[-1])
+        if raises:
+            collect_force(part, sums, per_weight, power, here)
         before = tuple(rates[here, 1 + c] for c in range(d + 2))
         for c, rate in enumerate(along(before, per_weight, more)):
             rates[here, 1 + c] = rate
@@ -272,17 +258,17 @@ def split(part, damp, weight, k, i, m, stride):
 
     weight: alpha S.
     """
-    gas, form, metrics, potential = part.laws, part.form, part.metrics, part.potential
-    like, d, j = part.like, len(part.like), i + m * stride
-    like_w, like_f, like_v = state_like(like), form.force.sums(like), gas.of_grid(like)
+    gas, form, potential, j = part.laws, part.form, part.volume.potential, i + m * stride
+    like, like_w, like_v = part.like, (0.0,) * (len(part.like) + 5), gas.of_grid(part.like)
     l, r = column(like_w, damp.state, i), column(like_w, damp.state, j)
-    a_l, a_r = (column_of(like, metrics, k * d, n) for n in (i, j))
-    v_l, v_r = (column_of(like_v, metrics, d * d, n) for n in (i, j))
+    a_l, a_r = area(part, k, i), area(part, k, j)
+    v_l, v_r = (column_of(like_v, part.metrics, len(like) ** 2, n) for n in (i, j))
     g = gas.volume_flux(a_l, v_l, a_r, v_r)
-    F, rise = form.any(gas, l, r, a_l, a_r, g), form.force.rise(potential, i, j)
-    below, above = form.force.any(gas, F, l, r, a_l, a_r, rise)
-    put_column(damp.sums, i, 0, along(column(like_f, damp.sums, i), weight, below))
-    put_column(damp.sums, j, 0, along(column(like_f, damp.sums, j), -weight, above))
+    F = form.any(gas, l, r, a_l, a_r, g)
+    rise = potential[j] - potential[i] if form.raises else 0.0
+    below, above = with_force(gas, form, False, F, l, r, a_l, a_r, rise)
+    put_column(damp.sums, i, 0, along(column(below, damp.sums, i), weight, below))
+    put_column(damp.sums, j, 0, along(column(above, damp.sums, j), -weight, above))
     more, like_link = (*mean(a_l, a_r), g), (*like, 0.0)
     for n in each(m):
         link = i + n * stride
@@ -291,16 +277,20 @@ def split(part, damp, weight, k, i, m, stride):
 
 def flow_on(part, damp, stride):
     """Add the fluxes through links, with those of Lax and Friedrichs."""
-    gas, form, force, potential = part.laws, part.form, part.form.force, part.potential
-    like_w, like_f, like_link = state_like(part.like), force.linked(part.like), (*part.like, 0.0)
+    gas, form, potential = part.laws, part.form, part.volume.potential
+    like_w, like_link = (0.0,) * (len(part.like) + 5), (*part.like, 0.0)
     for i in each(damp.alpha.size - stride):
         link, j = column(like_link, damp.link, i), i + stride
         a, g = link[:-1], link[-1]
         with when(dot(link, link) > 0.0):
             l, r = column(like_w, damp.state, i), column(like_w, damp.state, j)
             speed = 0.5 * damp.shock * np.maximum(gas.fastest(l, a, g), gas.fastest(r, a, g))
-            rise = force.rise(potential, i, j)
-            jump, F = force.jump(gas, l, r, rise), form.any(gas, l, r, a, a, g)
-            below, above = force.link(gas, F, speed, jump, l, r, a, rise)
-            put_column(damp.sums, i, 0, sub(column(like_f, damp.sums, i), below))
-            put_column(damp.sums, j, 0, add(column(like_f, damp.sums, j), above))
+            rise = potential[j] - potential[i] if form.raises else 0.0
+            change, F = jump(gas, form, l, r, rise), form.any(gas, l, r, a, a, g)
+            F = along(F, -speed, change)
+            below, above = with_force(gas, form, False, F, l, r, a, a, rise)
+            if form.raises:
+                power = -0.5 * speed * change[0] * rise
+                below, above = (*below, power), (*above, -power)
+            put_column(damp.sums, i, 0, sub(column(below, damp.sums, i), below))
+            put_column(damp.sums, j, 0, add(column(above, damp.sums, j), above))

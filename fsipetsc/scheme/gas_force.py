@@ -26,177 +26,43 @@ potential at their own temperatures. Entropy variables of these two states diffe
 convexity c . (U*_m+1 - U*_m) > 0; in a gas at rest both states are equal.
 """
 
-from typing import Any, NamedTuple
-
 from fsipetsc.equations.vectors import add_last, along, scale, sub
 from fsipetsc.kernels.loops import each, variable
 from fsipetsc.scheme.part import ghosted_node
 
 
-class NoForce(NamedTuple):
-    """No constant force. Its methods add nothing, and cost nothing in the printed kernels."""
-
-    kind: int = 0
-
-    def sums(self, like):
-        """Return zeros, as many as a sweep sums at each node: a flux, perhaps a force too."""
-        return (*like, 0.0, 0.0)
-
-    def linked(self, like):
-        """Return zeros, as many as links at shocks sum at each node; with PairForce also a force
-        and a power.
-        """
-        return (*like, 0.0, 0.0)
-
-    def diffused(self, like):
-        """Return zeros, as many as the flux of a difference has; perhaps Phi_m F_rho."""
-        return (*like, 0.0, 0.0)
-
-    def rise(self, potential, i, j):
-        """Return the difference Phi_j - Phi_i."""
-        return 0.0
-
-    def near(self, gas, F, l, r, a_l, a_r, rise):
-        """Return what one of two similar nodes loses and what the other gains: F, and the force."""
+def with_force(gas, form, near, F, l, r, a_l, a_r, rise):
+    """Return what one of two nodes loses and what the other gains: the flux F and, where form
+    raises, the force; rise: Phi of r less that of l.
+    """
+    if not form.raises:
         return F, F
-
-    def any(self, gas, F, l, r, a_l, a_r, rise):
-        """Return the same for any two nodes."""
-        return F, F
-
-    def level(self, potential, i, first, w):
-        """Return z_1 of a node, with PairForce plus Phi/T."""
-        return first
-
-    def at_middle(self, change, potential, l, r):
-        """Return c from Delta z; l, r: the nodes in the middle of the difference."""
-        return change
-
-    def with_level(self, F, potential, l, r):
-        """Return the flux F of a difference, with PairForce followed by Phi_m F_rho."""
-        return F
-
-    def parted(self, F):
-        """Take apart what ``with_level`` put together: return F, and Phi_m F_rho."""
-        return F, 0.0
-
-    def lifted(self, potential, i, F, level):
-        """Return the energy Phi_i F_rho - Phi_m F_rho that diffusing mass takes up."""
-        return 0.0
-
-    def jump(self, gas, l, r, rise):
-        """Return the difference of the densities of two neighbours of which Lax and Friedrichs's
-        flux is made.
-        """
-        return sub(gas.densities(r), gas.densities(l))
-
-    def link(self, gas, F, speed, jump, l, r, a, rise):
-        """Return what one of two neighbours loses and the other gains: F - speed jump, the force,
-        the power.
-        """
-        F = along(F, -speed, jump)
-        return F, F
-
-    def collect(self, sums, per_weight, power, supplied, own):
-        """Add the force of links to that on an owned node, and the power of what diffuses; sums: of
-        the node, as many as ``linked``.
-        """
-
-    def follow(self, part):
-        """Phi of the nodes where they are now."""
-
-    def add(self, part, q, rates, gain):
-        """Add the force and its power to the rates, and to what comes in."""
-
-    def note(self, part, q, found):
-        """Note the potential energy in a fsipetsc.scheme.runge_kutta.Found."""
+    force = (gas.near_pair_force if near else gas.pair_force)(l, r, a_l, a_r, rise)
+    return (*F, *force), (*F, *scale(-1.0, force))
 
 
-class NodeForce(NoForce):
-    """A force node by node: for the divergence form."""
-
-    def note(self, part, q, found):
-        note_potential(part, q, found)
-
-    def add(self, part, q, rates, gain):
-        add_node_force(part, q, rates, gain)
-
-
-class PairForce(NoForce):
-    """A force from its potential, pair by pair: for fluxes that conserve entropy."""
-
-    def sums(self, like):
-        return (*like, 0.0, 0.0, *like)
-
-    def linked(self, like):
-        return (*like, 0.0, 0.0, *like, 0.0)
-
-    def diffused(self, like):
-        return (*like, 0.0, 0.0, 0.0)
-
-    def rise(self, potential, i, j):
-        return potential[j] - potential[i]
-
-    def near(self, gas, F, l, r, a_l, a_r, rise):
-        force = gas.near_pair_force(l, r, a_l, a_r, rise)
-        return (*F, *force), (*F, *scale(-1.0, force))
-
-    def any(self, gas, F, l, r, a_l, a_r, rise):
-        force = gas.pair_force(l, r, a_l, a_r, rise)
-        return (*F, *force), (*F, *scale(-1.0, force))
-
-    def level(self, potential, i, first, w):
-        return first + potential[i] * w[-1]
-
-    def at_middle(self, change, potential, l, r):
-        level = 0.5 * (potential[l] + potential[r])
-        return (change[0] + level * change[-1], *change[1:])
-
-    def with_level(self, F, potential, l, r):
-        return (*F, 0.5 * (potential[l] + potential[r]) * F[0])
-
-    def parted(self, F):
-        return F[:-1], F[-1]
-
-    def lifted(self, potential, i, F, level):
-        return potential[i] * F[0] - level
-
-    def jump(self, gas, l, r, rise):
-        above, below = gas.raised(l, 0.5 * rise), gas.raised(r, -0.5 * rise)
-        return sub(gas.densities(below), gas.densities(above))
-
-    def link(self, gas, F, speed, jump, l, r, a, rise):
-        F, force = along(F, -speed, jump), gas.pair_force(l, r, a, a, rise)
-        power = -0.5 * speed * jump[0] * rise
-        return (*F, *force, power), (*F, *scale(-1.0, force), -power)
-
-    def collect(self, sums, per_weight, power, supplied, own):
-        count = (len(sums) - 1) // 2
-        more = add_last(power, sums[-count:])
-        before = tuple(supplied[own * count + c] for c in range(count))
-        for c, force in enumerate(along(before, per_weight, more)):
-            supplied[own * count + c] = force
-
-    def follow(self, part):
-        find_potential(part)
-
-    def add(self, part, q, rates, gain):
-        add_pair_force(part, q, rates, gain)
-
-    def note(self, part, q, found):
-        note_potential(part, q, found)
+def jump(gas, form, l, r, rise):
+    """Return the difference of the densities of two neighbours of which Lax and Friedrichs's flux
+    is made.
+    """
+    if form.raises:
+        l, r = gas.raised(l, 0.5 * rise), gas.raised(r, -0.5 * rise)
+    return sub(gas.densities(r), gas.densities(l))
 
 
-def force_of(force: Any, divergence: bool) -> Any:
-    """The class for a body force per mass (d,) in the divergence form, or in the entropy form."""
-    if not any(force):
-        return NoForce()
-    return NodeForce() if divergence else PairForce()
+def collect_force(part, sums, per_weight, power, own):
+    """Add the force of links, the last of the sums of an owned node, and the power of what diffuses
+    to what is supplied there.
+    """
+    supplied, count = part.volume.supplied, len(part.like) + 1
+    before = tuple(supplied[own * count + c] for c in range(count))
+    for c, force in enumerate(along(before, per_weight, add_last(power, sums[-count:]))):
+        supplied[own * count + c] = force
 
 
 def find_potential(part):
     """Fill in Phi = - b . x of the nodes of the ghosted array."""
-    potential, places, force = part.potential, part.places, part.laws.force
+    potential, places, force = part.volume.potential, part.places, part.laws.force
     part.grid.find_places(part.X, places)
     for i in each(potential.size, vector=True):
         level = 0.0
@@ -205,39 +71,23 @@ def find_potential(part):
         potential[i] = level
 
 
-def add_pair_force(part, q, rates, gain):
-    """Add the force that the sweep and links have summed, and the power of what diffuses."""
-    supplied, d = part.supplied, len(part.like)
-
-    def of_node(i):
-        forces = tuple(supplied[i * (d + 1) + c] for c in range(d))
-        power = supplied[i * (d + 1) + d]
-        for c, force in enumerate(forces):
-            power = power + force * (q[i, 2 + c] / q[i, 1])
-        return (*forces, power)
-
-    push(part, rates, gain, of_node)
-
-
-def add_node_force(part, q, rates, gain):
-    """Add J rho b of each node."""
-    force = part.laws.force
-
-    def of_node(i):
-        power = 0.0
-        for c, b in enumerate(force):
-            power = power + b * q[i, 2 + c]
-        return (*scale(q[i, 1], force), power)
-
-    push(part, rates, gain, of_node)
-
-
-def push(part, rates, gain, of_node):
-    """Add to rates and gain the force on each owned node, which of_node returns, and its power."""
-    d, masses = len(part.like), part.masses
+def add_force(part, q, rates, gain):
+    """Add the force on each owned node and its power to the rates, and to what comes in; pair by
+    pair these are what the sweep and links have summed.
+    """
+    d, masses, supplied, b = len(part.like), part.masses, part.volume.supplied, part.laws.force
     sums = [variable(0.0) for _ in range(d + 1)]
     for i in each(masses.size):
-        for c, (total, value) in enumerate(zip(sums, of_node(i), strict=True)):
+        if part.form.raises:
+            force = tuple(supplied[i * (d + 1) + c] for c in range(d))
+            power, u = supplied[i * (d + 1) + d], [q[i, 2 + c] / q[i, 1] for c in range(d)]
+            for c in range(d):
+                power = power + force[c] * u[c]
+        else:
+            force, power = scale(q[i, 1], b), 0.0
+            for c in range(d):
+                power = power + b[c] * q[i, 2 + c]
+        for c, (total, value) in enumerate(zip(sums, (*force, power), strict=True)):
             rates[i, 2 + c] += value
             total.value += masses[i] * value
     for c in range(d):

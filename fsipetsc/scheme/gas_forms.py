@@ -1,21 +1,20 @@
-"""The two forms of convection: which flux two nodes exchange, and how a constant force on the gas
-is added to it (fsipetsc.scheme.gas_force).
-"""
+"""The two forms of convection: which flux two nodes exchange."""
 
 from typing import Any, NamedTuple
 
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.stiffened_gas import StiffenedGas
-from fsipetsc.scheme.gas_force import force_of
 
 #: laws whose entropy the two-point flux of fsipetsc.equations.gas conserves
 CONSERVED = PerfectGas, StiffenedGas
 
 
 class EntropyForm(NamedTuple):
-    """The flux of two nodes conserves entropy."""
+    """The flux of two nodes conserves entropy. raises: whether a constant force acts on the gas,
+    which comes from its potential then, pair by pair (fsipetsc.scheme.gas_force).
+    """
 
-    force: Any
+    raises: bool
 
     def distance(self, gas, l, r):
         """Return how far apart two states are: `near` is for near ones, `any` for all."""
@@ -32,10 +31,10 @@ class EntropyForm(NamedTuple):
 
 class DivergenceForm(NamedTuple):
     """The flux of two nodes is the mean of their fluxes. It exists for any gas law; nothing is
-    known of the entropy.
+    known of the entropy. A constant force acts node by node.
     """
 
-    force: Any
+    raises: bool = False
 
     def distance(self, gas, l, r):
         return 0.0
@@ -48,14 +47,8 @@ class DivergenceForm(NamedTuple):
 
 
 def convection_of(option: str, gas: Any) -> DivergenceForm | EntropyForm:
-    """Return the form that -fsi_convection asks for, with the constant force of the gas. auto: the
-    entropy form where its flux conserves the entropy of the gas's law.
+    """Return the form that -fsi_convection asks for. auto: the entropy form where its flux
+    conserves the entropy of the gas's law.
     """
     divergence = option == "divergence" or not isinstance(gas.law, CONSERVED)
-    force = force_of(gas.force, divergence)
-    return DivergenceForm(force) if divergence else EntropyForm(force)
-
-
-def state_like(like):
-    """Return zeros, as many as there are primitive variables."""
-    return (*like, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return DivergenceForm() if divergence else EntropyForm(any(gas.force))

@@ -5,13 +5,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.equations.vectors import dot
-from fsipetsc.kernels.arrays import column_of
-from fsipetsc.kernels.loops import each, invoke, variable
+from fsipetsc.kernels.loops import each, variable
 from fsipetsc.kernels.memory import Array
-from fsipetsc.scheme.block_monitor import gas_monitor
-from fsipetsc.scheme.face_kernels import moving
-from fsipetsc.scheme.normals import add_areas
-from fsipetsc.scheme.part import ghosted, ghosted_node, note, owned
+from fsipetsc.scheme.block_monitor import gas_monitor, note
+from fsipetsc.scheme.gas_force import add_force, find_potential, note_potential
+from fsipetsc.scheme.gas_sweep import gas_sweep
+from fsipetsc.scheme.part import area, ghosted_node, ghosted_planes, moving, owned, owned_planes
 
 
 class Ends(NamedTuple):
@@ -29,8 +28,9 @@ class Ends(NamedTuple):
 class GasRecord(NamedTuple):
     """A part of a gas block.
 
-    of_volume: the address of what gas_sweep of fsipetsc/scheme/gas.c takes. potential, supplied: as
-    GasVolume (fsipetsc.scheme.gas_kernels) has them. like: d zeros. laws: fsipetsc.equations.gas.
+    volume: fsipetsc.scheme.gas_sweep. free: first node and first beyond along each axis, first,
+    second one of three, last one, of the owned nodes to whose rates nothing is added after the
+    sweep. like: d zeros. laws: fsipetsc.equations.gas. forced: whether a constant force acts.
     faces: fsipetsc.scheme.face_kernels. block: its number, begin: of its unknowns in the world
     vector. X, places: (d, N) of the reference map, and where the monitor finds the nodes. metrics:
     (d d + d, N), a^1 … a^d, velocity of the grid, and around an axis A. ends: of the axes. halo: (d
@@ -45,12 +45,12 @@ class GasRecord(NamedTuple):
     energy. axis: fsipetsc.scheme.radial; signs: of images, see fsipetsc.parallel.block_layout.
     """
 
-    of_volume: int
-    potential: Array
-    supplied: Array
+    volume: Any
+    free: Any
     like: Any
     laws: Any
     form: Any
+    forced: bool
     dissipation: Any
     axis: Any
     faces: Any
@@ -104,12 +104,8 @@ def begin_grid(part):
 def move(part):
     """Find where the grid is now, and a^k."""
     part.grid.move(part.known, part.metrics)
-    part.form.force.follow(part)
-
-
-def normals(part, particles):
-    """Add area vectors of faces to the table of members at constraints."""
-    add_areas(part.at_particles, len(part.like), part.metrics, particles.of_normals)
+    if part.form.raises:
+        find_potential(part)
 
 
 def swing(part):
@@ -122,29 +118,31 @@ def turn(part, particles):
     part.axis.turn(part, particles.of_normals)
 
 
-def rates(part, gain, y, f):
+def rates(part, gain, found, y, f):
     """Fill a gas's part of f, from that of a completed y: with rates, or where nothing adds to them
-    with a stage (fsipetsc.scheme.stage). What comes in goes to ``gain``.
+    with a stage (fsipetsc.scheme.sweep). What comes in goes to ``gain``.
     """
     d = len(part.like)
-    q, own = ghosted(part, y, d + 3), owned(part, f, d + 3)
-    invoke("gas_sweep", part.of_volume, owned(part, y, d + 3), q, own)
+    planes, of_f = ghosted_planes(part, y, d + 3), owned_planes(part, f, d + 3)
+    gas_sweep(part, found, owned_planes(part, y, d + 3), planes, of_f)
+    q, own = planes.turned(), of_f.turned()
     if part.moves:
         add_ends(part, own)
     part.axis.add(part, q, own, gain)
     part.dissipation.add(part, q, own, gain)
     part.faces.add(part, q, own, gain)
     q = owned(part, y, d + 3)
-    part.form.force.add(part, q, own, gain)
+    if part.forced:
+        add_force(part, q, own, gain)
     if part.forcing is not None:
         supply(part, q, own, gain)
 
 
 def add_ends(part, rates):
     """Add a^k . v / weight, outward, to J_t at the ends of axes: fluxes of pairs do not have it."""
-    ends, metrics, like = part.ends, part.metrics, part.like
+    ends = part.ends
     for i in each(ends.at.shape[0]):
-        a = column_of(like, metrics, ends.axis[i] * len(like), ends.at[i])
+        a = area(part, ends.axis[i], ends.at[i])
         rates[ends.own[i], 0] += ends.factor[i] * dot(a, moving(part, ends.at[i]))
 
 
@@ -183,4 +181,5 @@ def monitor(part, found, y):
     q = owned(part, y, len(part.like) + 3)
     gas_monitor(part, q, part.axis.bounds(part.metrics))
     note(part, found)
-    part.form.force.note(part, q, found)
+    if part.forced:
+        note_potential(part, q, found)

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.equations.vectors import along, per, scale
-from fsipetsc.kernels.arrays import column_of
 from fsipetsc.kernels.loops import each, pick, variable, when
 from fsipetsc.kernels.recording import Index
+from fsipetsc.scheme.part import moving
 
 Array = NDArray[Any]
 
@@ -69,39 +69,33 @@ def add_areas(faces, d, areas, table):
             table[faces.row[i], faces.column[i] + c] += faces.weight[i] * area
 
 
+def normals(part, particles):
+    """Add area vectors of faces to the table of members at constraints."""
+    add_areas(part.at_particles, len(part.like), part.metrics, particles.of_normals)
+
+
 def turn_plane(part, table):
     """Add to a table how area vectors turn on a flat plane; in one dimension they do not."""
-    faces, like, of_axes = part.at_particles, part.like, (part.S, part.weight, part.patch)
-    d, velocity = len(like), Columns(part.metrics, len(like) ** 2)
+    faces, d = part.at_particles, len(part.like)
     if d != 2 or not part.moves:
         return
     for i in each(faces.row.shape[0]):
-        slope = slope_at(like, faces.node[i], 1 - faces.axis[i], *of_axes, velocity)
+        slope = slope_at(part, faces.node[i], 1 - faces.axis[i], lambda n: moving(part, n))
         turning = turned(np.where(faces.axis[i] == 0, 1.0, -1.0) * faces.weight[i], slope)
         for c in range(d):
             table[faces.row[i], faces.column[i] + c] += turning[c]
 
 
-class Columns(NamedTuple):
-    """The vector that a node has in the rows from ``first`` on of an array by components."""
-
-    array: Array
-    first: int
-
-    def at(self, like, n):
-        return column_of(like, self.array, self.first, n)
-
-
-def slope_at(like, at, axis, S, weight, patch, of, own=-1.0):
+def slope_at(part, at, axis, of, own=-1.0):
     """Return D_axis of a vector at a node of the ghosted array. With own = 1 it is D°, the operator
     without the flux through the ends.
 
-    at: number of the node. axis: known, or read from an array. S, weight, patch: of the part of a
-    block. of: an object such as Columns, whose at(like, n) returns the vector at node n, a tuple.
+    at: number of the node. axis: known, or read from an array. of: a function that returns the
+    vector at a node, a tuple.
     """
-    nx, ny, nz = patch.ghosted
+    S, (nx, ny, nz) = part.S, part.patch.ghosted
     stride, nodes = along_axis(axis, (1, nx, nx * ny)), along_axis(axis, (nx, ny, nz))
-    place, here = at // stride % nodes, of.at(like, at)
+    place, here = at // stride % nodes, of(at)
     total = [variable() for _ in here]
     for k in each(1, along_axis(axis, [band.shape[0] for band in S])):
         for sign in (1, -1):
@@ -109,10 +103,10 @@ def slope_at(like, at, axis, S, weight, patch, of, own=-1.0):
             with when((first >= 0) & (first + k < nodes)):
                 band = of_axis(axis, S, k, first)
                 with when(band != 0.0):
-                    both = along(of.at(like, at + sign * k * stride), own, here)
+                    both = along(of(at + sign * k * stride), own, here)
                     for sum_, number in zip(total, both, strict=True):
                         sum_.value += sign * band * number
-    return per(scale(0.5, tuple(sum_.value for sum_ in total)), of_axis(axis, weight, place))
+    return per(scale(0.5, tuple(sum_.value for sum_ in total)), of_axis(axis, part.weight, place))
 
 
 def along_axis(axis, numbers):

@@ -1,15 +1,14 @@
 """What procedures share for a rank's part of a block, of gas or solid: views of its unknowns, and
-where the monitor's findings go. The records are in fsipetsc.scheme.gas_record and solid_record.
+its nodes. The records are in fsipetsc.scheme.gas_record and solid_record.
 """
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
+from fsipetsc.kernels.arrays import column_of, node
 from fsipetsc.kernels.loops import each, either
 from fsipetsc.kernels.memory import Array
-from fsipetsc.scheme.block_monitor import CONVECTION, MONITORED
-from fsipetsc.scheme.normals import add_areas
 
 
 class Nothing(NamedTuple):
@@ -40,28 +39,61 @@ class Gain(NamedTuple):
     total: Array
 
 
-def owned(part, s, dof):
-    """Return (M, dof), the owned numbers of this part in a world vector s: a transpose, as s has
-    planes.
-    """
-    n = part.patch.own[0] * part.patch.own[1] * part.patch.own[2]
-    return s[part.begin : part.begin + n * dof].reshape(dof, n).turned()
+def owned_planes(part, s, dof):
+    """Return (dof, M), planes of the owned numbers of this part in a world vector s."""
+    n = part.masses.shape[0]
+    return s[part.begin : part.begin + n * dof].reshape(dof, n)
 
 
-def ghosted(part, s, dof):
-    """Return (N, dof), the numbers of this part with its halo, if it has one, which an exchange has
+def ghosted_planes(part, s, dof):
+    """Return (dof, N), planes of this part with its halo, if it has one, which an exchange has
     filled. Where only sweeps read the halo, its owned nodes may be older than s
     (fsipetsc.blockrun.block_part).
     """
-    n = part.patch.ghosted[0] * part.patch.ghosted[1] * part.patch.ghosted[2]
+    n = part.metrics.shape[1]
     own = s[part.begin : part.begin + n * dof]
-    return either(part.halo.shape[1] > 0, part.halo.reshape(-1), own).reshape(dof, n).turned()
+    return either(part.halo.shape[1] > 0, part.halo.reshape(-1), own).reshape(dof, n)
+
+
+def owned(part, s, dof):
+    """Return (M, dof), the same as `owned_planes` by nodes."""
+    return owned_planes(part, s, dof).turned()
+
+
+def ghosted(part, s, dof):
+    """Return (N, dof), the same as `ghosted_planes` by nodes."""
+    return ghosted_planes(part, s, dof).turned()
+
+
+def area(part, k, n):
+    """Return a^k of a gas, or A^k of a solid, at a node of the ghosted array."""
+    return column_of(part.like, part.metrics, k * len(part.like), n)
+
+
+def moving(part, n):
+    """Return the velocity of a gas's grid at a node of the ghosted array."""
+    return area(part, len(part.like), n)
+
+
+def gas_at(part, q, n):
+    """Return the primitive variables of a gas at a node of q."""
+    return part.laws.primitive(node((*part.like, 0.0, 0.0, 0.0), q, n))
 
 
 def ghosted_node(i, patch):
     """Return the number in the ghosted array of the owned node i."""
     (n0, n1, _), (g0, g1, _), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
     return f0 + i % n0 + g0 * (f1 + i // n0 % n1 + g1 * (f2 + i // (n0 * n1)))
+
+
+def rows_of(part):
+    """Yield each row of owned nodes: the first one in ghosted arrays, among the owned ones, how
+    many.
+    """
+    (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = part.patch.own, part.patch.ghosted, part.patch.first
+    for z in each(n2):
+        for y in each(n1):
+            yield f0 + g0 * (f1 + y + g1 * (f2 + z)), n0 * (y + n1 * z), n0
 
 
 def images(part):
@@ -81,22 +113,3 @@ def clear(numbers):
     """Set all numbers of an array to 0."""
     for i in each(numbers.size, vector=True):
         numbers[i] = 0.0
-
-
-def note(part, found):
-    """Put what the monitor found in a part into the extremes of its block and the record of the
-    step.
-
-    found: a fsipetsc.scheme.runge_kutta.Found.
-    """
-    begin, seen, sums, columns = 1 + MONITORED * part.block, part.seen, part.sums, part.columns
-    extremes, latest = found.extremes, found.latest
-    for c in range(MONITORED):
-        extremes[begin + c] = (found.pace if c == CONVECTION else 1.0) * seen[c]
-    for c in each(columns.size):
-        latest[columns[c]] += sums[c]
-
-
-def normals(part, particles):
-    """Add area vectors of faces to the table of members at constraints."""
-    add_areas(part.at_particles, len(part.like), part.metrics, particles.of_normals)

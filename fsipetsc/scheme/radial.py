@@ -15,11 +15,11 @@ viscosity makes entropy at each node.
 from typing import Any, NamedTuple
 
 from fsipetsc.equations.vectors import add, dot, scale
-from fsipetsc.kernels.arrays import column_of, node, put_column
+from fsipetsc.kernels.arrays import column_of, put_column
 from fsipetsc.kernels.loops import each
 from fsipetsc.kernels.memory import Array
-from fsipetsc.scheme.normals import Columns, add_areas, slope_at, turn_plane
-from fsipetsc.scheme.part import Nothing, ghosted_node
+from fsipetsc.scheme.normals import add_areas, slope_at, turn_plane
+from fsipetsc.scheme.part import Nothing, area, gas_at, ghosted_node
 
 
 class Straight(Nothing):
@@ -63,26 +63,26 @@ class Radial(NamedTuple):
 
 def add_pressure(part, source, q, rates):
     """Add p S to the rates."""
-    d, like_q = len(part.like), (*part.like, 0.0, 0.0, 0.0)
     for i in each(rates.shape[0]):
         n = ghosted_node(i, part.patch)
-        rates[i, 1 + d] += part.laws.primitive(node(like_q, q, n))[1] * source[n]
+        rates[i, 1 + len(part.like)] += gas_at(part, q, n)[1] * source[n]
 
 
 def add_viscous(part, radial, q, rates):
     """Add what viscous stresses around the axis do to momentum and energy."""
     find_hoops(part, radial, q)
-    gas, like, metrics, patch = part.laws, (0.0,) * len(part.like), part.metrics, part.patch
-    d, like_z, like_q = len(like), (*like, 0.0), (*like, 0.0, 0.0, 0.0)
-    source, room, of_axes = radial.grid.source, radial.room, (part.S, part.weight, patch)
+    gas, d, like_z = part.laws, len(part.like), (*part.like, 0.0)
+    source, room = radial.grid.source, radial.room
     for i in each(rates.shape[0]):
-        n = ghosted_node(i, patch)
-        w = gas.primitive(node(like_q, q, n))
+        n = ghosted_node(i, part.patch)
+        w = gas_at(part, q, n)
         u, T, spread, fluxes = gas.velocity(w), w[2], 0.0, like_z
         for k in range(d):
-            a = column_of(like, metrics, k * d, n)
-            slope = slope_at(like_z, n, k, *of_axes, Columns(room, 0))
-            flux = slope_at(like_z, n, k, *of_axes, Columns(room, (k + 1) * (d + 1)), 1.0)
+            a = area(part, k, n)
+            slope, flux = (
+                slope_at(part, n, k, lambda n, first=first: column_of(like_z, room, first, n), own)
+                for first, own in ((0, -1.0), ((k + 1) * (d + 1), 1.0))
+            )
             spread, fluxes = spread + dot(a, u) * slope[-1] + dot(a, slope[:-1]), add(fluxes, flux)
         div, e = T / q[n, 0] * spread, u[-1] * source[n] / q[n, 0]
         mu = gas.mu * gas.transport.viscosity(T)
@@ -94,14 +94,13 @@ def add_viscous(part, radial, q, rates):
 
 def find_hoops(part, radial, q):
     """Fill the room with entropy variables and with the viscous fluxes of hoops."""
-    gas, like, room = part.laws, part.like, radial.room
-    d, like_q = len(like), (*like, 0.0, 0.0, 0.0)
+    gas, d, room = part.laws, len(part.like), radial.room
     for n in each(radial.grid.source.size, vector=True):
-        w = gas.primitive(node(like_q, q, n))
+        w = gas_at(part, q, n)
         mu = gas.mu * gas.transport.viscosity(w[2])
         stress = -2.0 / 3.0 * mu * w[2 + d] * radial.grid.source[n] / q[n, 0]
         put_column(room, n, 0, gas.entropy_variables(w))
         for k in range(d):
-            a = column_of(like, part.metrics, k * d, n)
+            a = area(part, k, n)
             power = stress * dot(a, gas.velocity(w))
             put_column(room, n, (k + 1) * (d + 1), (*scale(stress, a), power))

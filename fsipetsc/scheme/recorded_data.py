@@ -3,7 +3,8 @@
 A function of a condition, of forcing or of jumps is tried on symbols, as a law is
 (fsipetsc.materials.own). One of numpy's functions alone is recorded; of a motion the derivatives in
 time follow from the record. If any cannot be recorded, as one with an ``if`` on t or a table,
-Python is asked for all of them, at each stage.
+Python is asked for all of them, at each stage. Sums and products are rounded one by one, as numpy
+does it.
 
 What must be above 0 and is not becomes no number: so the step fails, and Python says why.
 """
@@ -15,13 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.errors import place_in, reason
-from fsipetsc.kernels.formula import Formula, number_of, numbers_of
 from fsipetsc.kernels.loops import each
 from fsipetsc.kernels.procedure import Code
+from fsipetsc.kernels.symbols import NotRecorded, Record, needed, number_of, numbers_of
 from fsipetsc.kernels.unit import unit
 from fsipetsc.scheme.plan import DT, TIME
 
 Array = NDArray[Any]
+#: a function of more operations is left to Python: the compiler takes 2 to 3 s for so many
+MOST = 500
 #: of places (d symbols) and the time: numbers and tuples of numbers, one for each target
 Make = Callable[[Any, Any], Sequence[Any]]
 
@@ -40,15 +43,14 @@ class Recorder:
         ``at`` of targets. What does not depend on time needs no record: Python is asked once.
         """
         try:
-            formula = Formula(make, len(x))
+            in_time = depends_on_time(make, len(x))
         except (Exception, SystemExit) as error:  # of the user's function
             place = place_in(error)
             what = about if isinstance(about, str) else type(about).__name__
             self.refused.append(f"{place}: " * bool(place) + f"{what}: {reason(error)}")
             return
-        if formula.in_time:
-            places = tuple(map(np.ascontiguousarray, x))
-            self._timed.append(Timed(formula, formula.numbers, places, at, targets))
+        if in_time:
+            self._timed.append(Timed(make, tuple(map(np.ascontiguousarray, x)), at, targets))
 
     def code(self, time: Array) -> Code | None:
         """The code whose only procedure fills the data; None if nothing depends on time."""
@@ -57,6 +59,18 @@ class Recorder:
         code = Code(unit({}, []))
         code.procedure("set_data", set_data, tuple(self._timed), time)
         return code
+
+
+def depends_on_time(make: Make, d: int) -> bool:
+    """Whether data depend on time. NotRecorded, or what the function raises on symbols."""
+    record = Record()
+    t, x = record.given("t"), tuple(record.given(f"x{c}") for c in range(d))
+    rows = [one if isinstance(one, tuple) else (one,) for one in make(x, t)]
+    every = needed([record.constant(number) for row in rows for number in row])
+    count = sum(symbol.value is None for symbol in every)
+    if count > MOST:
+        raise NotRecorded(f"it has {count} operations: expected {MOST} at most")
+    return t in set(every)
 
 
 def asked(condition: Any, name: str, x: Any, t: Any, count: int = 0) -> Any:
@@ -82,12 +96,11 @@ OF_STAGES = "at_begin", "at_middle", None, "at_end"
 class Timed(NamedTuple):
     """A function of place and time, and where its values go.
 
-    formula: returns for each target a number or a tuple of numbers, a row. numbers: its constants.
-    x: d arrays (n,), the places; at: (n,) rows of targets, which differ, or None: 0, 1, ….
+    make: returns for each target a number or a tuple of numbers, a row. x: d arrays (n,), the
+    places; at: (n,) rows of targets, which differ, or None: 0, 1, ….
     """
 
-    formula: Formula
-    numbers: Array
+    make: Make
     x: tuple[Array, ...]
     at: Array | None
     targets: tuple[Array, ...]
@@ -96,10 +109,12 @@ class Timed(NamedTuple):
 def set_data(timed, time):
     """Fill data that depend on time."""
     for one in timed:
-        formula = one.formula(one.numbers, time[0])
+        t = time[0]
         for i in each(one.x[0].shape[0], vector=True):
             row = i if one.at is None else one.at[i]
-            values = formula(tuple(x[i] for x in one.x))
+            x, begun = tuple(x[i] for x in one.x), len(t.record.symbols)
+            values = one.make(x, t)
+            t.record.exact.update(range(begun, len(t.record.symbols)))
             for array, value in zip(one.targets, values, strict=True):
                 if isinstance(value, tuple):
                     for c, number in enumerate(value):

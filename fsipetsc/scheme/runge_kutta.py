@@ -13,7 +13,7 @@ from fsipetsc.kernels.memory import Array
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
 from fsipetsc.scheme.part import clear
 from fsipetsc.scheme.plan import BAD, DT, RATE, SAID_STOP, STOP, Plan
-from fsipetsc.scheme.stage import LAST, NEXT, RATES
+from fsipetsc.scheme.sweep import LAST, NEXT, RATES
 
 STAGES = 4
 
@@ -22,7 +22,7 @@ class Found(NamedTuple):
     """What steps take and fill: the solution y, its stages, the sum that becomes the next one;
     gain: a fsipetsc.scheme.part.Gain. The rest is that of fsipetsc.blockrun.block_state; at_ends:
     (4, interfaces). time: (1,) of recorded data. stage: (2,) what sweeps make of rates
-    (fsipetsc.scheme.stage). left: (runs, 2) begin and end of the numbers of a world vector of which
+    (fsipetsc.scheme.sweep). left: (runs, 2) begin and end of the numbers of a world vector of which
     sweeps give rates in any case.
     """
 

@@ -18,16 +18,18 @@ d_+ = v_j+1 - v_j, d_- = v_j - v_j-1, |.| the length of a vector, and 0 at an en
 s falls with h^2 and alpha is 0.
 """
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.equations.vectors import along, dot, mean, scale, sub
-from fsipetsc.kernels.arrays import column, column_of, part_of
+from fsipetsc.equations.vectors import dot, mean, scale, sub
+from fsipetsc.kernels.arrays import column, part_of
 from fsipetsc.kernels.loops import each, variable, when
 from fsipetsc.kernels.memory import Array
-from fsipetsc.operators.bands import Differences
+from fsipetsc.operators.bands import Differences, difference
 from fsipetsc.scheme.gas_dissipation import largest, sense
+from fsipetsc.scheme.part import area, rows_of
 
 #: e of s, over the speed of sound
 SMALL = 0.02
@@ -57,23 +59,6 @@ class SolidDamping(NamedTuple):
         return work + self.after.add(part, q, rates, gain)
 
 
-class SolidWaves(NamedTuple):
-    """What is sensed in a solid: the velocity. q: (N, 2d + 1) unknowns, small: the e of s."""
-
-    d: int
-    q: Array
-    small: float
-
-    def steepness(self, i, stride):
-        """The steepness s of a node."""
-        nodes, like = (i - stride, i, i + stride), (0.0,) * self.d
-        below, here, above = (part_of(like, self.q, n, self.d) for n in nodes)
-        rise, fall = sub(above, here), sub(here, below)
-        turn = sub(rise, fall)
-        lengths = np.sqrt(dot(rise, rise)) + np.sqrt(dot(fall, fall))
-        return np.sqrt(dot(turn, turn)) / (lengths + self.small)
-
-
 def solid_damping(solid: Any, found: Differences, a: float, b: float, after: Any) -> SolidDamping:
     """Of a solid, fsipetsc.equations.solid, for the nodes of a patch."""
     d, nodes = len(solid.force), found.norm.shape[1]
@@ -83,10 +68,19 @@ def solid_damping(solid: Any, found: Differences, a: float, b: float, after: Any
     return SolidDamping(a, b, *of_solid, found, F, alpha, work, after)
 
 
+def steepness(part, q, small, i, stride):
+    """The steepness s of a node; small: the e of s."""
+    nodes = i - stride, i, i + stride
+    below, here, above = (part_of(part.like, q, n, len(part.like)) for n in nodes)
+    rise, fall = sub(above, here), sub(here, below)
+    turn = sub(rise, fall)
+    lengths = np.sqrt(dot(rise, rise)) + np.sqrt(dot(fall, fall))
+    return np.sqrt(dot(turn, turn)) / (lengths + small)
+
+
 def solid_dissipation(part, term, q, rates):
-    """Add a term to the rates (M, 2d + 1) of the owned nodes; q (N, 2d + 1): as
-    fsipetsc/scheme/solid.c has it, with a halo of q + 1 nodes at least. Returns its work if that is
-    booked.
+    """Add a term to the rates (M, 2d + 1) of the owned nodes; q (N, 2d + 1): with
+    a halo of q + 1 nodes at least. Returns its work if that is booked.
     """
     d, ghosted, strides = len(part.like), part.patch.ghosted, term.differences.strides
     for i in each(part.patch.own[0], vector=True):
@@ -94,7 +88,7 @@ def solid_dissipation(part, term, q, rates):
     for k in range(d):
         stride = strides[k]
         with when(term.b != 0.0):
-            sense(SolidWaves(d, q, term.small), term.alpha, stride, ghosted[k])
+            sense(partial(steepness, part, q, term.small), term.alpha, stride, ghosted[k])
         lose(part, term, q, k, stride)
         for node, own, n in rows_of(part):
             for i in each(n, vector=True):
@@ -110,23 +104,15 @@ def solid_dissipation(part, term, q, rates):
     return total.value
 
 
-def rows_of(part):
-    """Each row of owned nodes: the first one in ghosted arrays, among the owned ones, how many."""
-    (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = part.patch.own, part.patch.ghosted, part.patch.first
-    for z in each(n2):
-        for y in each(n1):
-            yield f0 + g0 * (f1 + y + g1 * (f2 + z)), n0 * (y + n1 * z), n0
-
-
 def lose(part, term, q, k, stride):
     """F and F . Delta v of the differences that begin at each node; norm is 0 where none fits."""
-    weights, norm, metrics = term.differences.weights, term.differences.norm, part.metrics
+    weights, norm = term.differences.weights, term.differences.norm
     d, order, N = len(part.like), len(weights) - 1, term.alpha.size
     zeros, begin = (0.0,) * d, term.F.shape[1] - N
     low, high = order // 2 * stride, (order + 1) // 2 * stride
     for i in each(N - order * stride, vector=True):
-        change = shifted_sum(lambda n: part_of(zeros, q, n, d), i, stride, weights)
-        A = mean(*(column_of(zeros, metrics, k * d, i + j) for j in (low, high)))
+        change = difference(lambda n: part_of(zeros, q, n, d), i, stride, weights)
+        A = mean(*(area(part, k, i + j) for j in (low, high)))
         alpha = largest(term.alpha, i, stride, weights)
         speed = (term.a + term.b * alpha) * norm[k, i] * term.impedance * np.sqrt(dot(A, A))
         F = scale(speed, change)
@@ -146,16 +132,8 @@ def collected(part, term, q, k, stride, node):
     per_mass = term.differences.per_weight[k, node]
     per_mass = per_mass / (part.metrics[d * d, node] * part.laws.m0)
     # weights of Delta^T: those of Delta in reverse order, perhaps with sign -1
-    F = shifted_sum(lambda n: column(zeros, term.F, n), here - order * stride, stride, weights)
+    F = difference(lambda n: column(zeros, term.F, n), here - order * stride, stride, weights)
     force = scale((2.0 * (order % 2) - 1.0) * per_mass, F)
     loss = [term.F[d, here - j * stride] for j in (order // 2, (order + 1) // 2)]
     heat = 0.5 * per_mass * (loss[0] + loss[1])
     return force, dot(part_of(zeros, q, node, d), force), heat
-
-
-def shifted_sum(numbers, i, stride, weights):
-    """sum_m weights_m f_(i + m stride), f = numbers(i) those of a node."""
-    found = scale(weights[0], numbers(i))
-    for m in range(1, len(weights)):
-        found = along(found, weights[m], numbers(i + m * stride))
-    return found

@@ -1,18 +1,14 @@
 """The kernels of a solid block's rates: what is read at a node, which formula it goes through,
-where it is stored; and what fsipetsc/scheme/solid.c takes, which calls them.
+where it is stored.
 
 A tile's arrays have planes, ``step`` apart: unknowns D, v, e, strains F with hoop stretches,
 tractions t^k = P A^k, temperatures, and heat fluxes A^k . h. A row has the derivatives of these.
 Metrics are read where the block has them: A^1 … A^d, J0, around an axis R.
 """
 
-import ctypes
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from fsipetsc.blocks.cube import cube_text
 from fsipetsc.equations.tensors import (
     add_unit,
     apply,
@@ -22,24 +18,43 @@ from fsipetsc.equations.tensors import (
     transposed_product,
 )
 from fsipetsc.equations.vectors import add, along, dot, scale, sub, total
-from fsipetsc.kernels.kernel import PLANES, SHARED, Kernel, Layout, numbers_of
-from fsipetsc.kernels.memory import Array
-from fsipetsc.kernels.unit import c_source, unit
-from fsipetsc.scheme.solid_work import WIDTH, Work, in_order
-from fsipetsc.scheme.stage import KINDS, Owned, Spans, Stage, no_stage, store
+from fsipetsc.kernels.kernel import PLANES, ROWS, SHARED, Kernel, Layout
+from fsipetsc.scheme.sweep import KINDS, store
 
-#: planes of a tile, and of the derivatives of a row
+#: planes of a tile
 TILE = Layout("step", given=True)
-ROW = Layout("WIDTH")
 
 
-def solid_kernels(solid: Any, d: int, order: int, prestressed: bool) -> list[Kernel]:
+class SolidKernels(NamedTuple):
+    """The kernels of a solid. _inside: those of nodes of the interior, which have so many pairs of
+    nodes on both sides. conduct: None without conduction.
+    """
+
+    pairs: int
+    take: Kernel
+    strain: Kernel
+    combine: Kernel
+    add: Kernel
+    pull: Kernel
+    pull_inside: Kernel
+    stores: tuple[Kernel, ...]
+    stores_inside: tuple[Kernel, ...]
+    conduct: Kernel | None
+
+
+def solid_kernels(solid: Any, d: int, order: int, prestressed: bool) -> SolidKernels:
     """All kernels of a solid in d dimensions; order: of the operators in the interior."""
-    made = [_take(d), _strain(solid, d)]
-    for slopes in Slopes(d, 0), Slopes(d, order // 2):
-        made.append(_pull(solid, d, slopes, prestressed))
-        made += [_accelerate(solid, d, slopes, number, kind) for number, kind in enumerate(KINDS)]
-    return [*made, _conduct(solid, d)] if solid.kappa > 0.0 else made
+    both = Slopes(d, 0), Slopes(d, order // 2)
+    return SolidKernels(
+        order // 2,
+        *(_take(d), _strain(solid, d), _combine("first", False), _combine("add", True)),
+        *(_pull(solid, d, slopes, prestressed) for slopes in both),
+        *(
+            tuple(_accelerate(solid, d, slopes, n, kind) for n, kind in enumerate(KINDS))
+            for slopes in both
+        ),
+        _conduct(solid, d) if solid.kappa > 0.0 else None,
+    )
 
 
 class Slopes(NamedTuple):
@@ -64,7 +79,7 @@ class Slopes(NamedTuple):
         where the rows have them.
         """
         if not self.pairs:
-            return kernel.read("slopes", ROW, self.d * count, to)
+            return kernel.read("slopes", ROWS, self.d * count, to)
         axes = enumerate(first)
         return tuple(D for k, plane in axes for D in self._along(kernel, f, k, plane, count))
 
@@ -84,6 +99,20 @@ class Slopes(NamedTuple):
 def _take(d: int) -> Kernel:
     kernel = Kernel("solid_take", "The unknowns of a row.")
     kernel.store("unknowns", TILE, kernel.read("q", PLANES, 2 * d + 1))
+    return kernel
+
+
+def _combine(name: str, adds: bool) -> Kernel:
+    kernel = Kernel(
+        f"solid_{name}", "w0 a + w1 b + w2 c + w3 d: terms of the derivatives of a row."
+    )
+    total = 0.0
+    for w, f in zip(kernel.read("w", SHARED, 4), "abcd", strict=True):
+        total = total + w * kernel.read(f, ROWS, 1)[0]
+    if adds:
+        kernel.add("out", ROWS, (total,))
+    else:
+        kernel.store("out", ROWS, (total,))
     return kernel
 
 
@@ -111,7 +140,6 @@ def _pull(solid: Any, d: int, slopes: Slopes, prestressed: bool) -> Kernel:
     """Add a prestress S to P, and take its energy S : (F - 1)/m0 from that of which T is made."""
     says = "F, T, and the tractions t^k = (P + S) A^k with a prestress S."
     kernel, conducts = Kernel(f"solid_pull{slopes.of}", says), solid.kappa > 0.0
-    kernel.takes(TILE, "strains", "temperatures")
     solid, A = kernel.parameters(solid), kernel.read("metrics", PLANES, d * d)
     F, v = _found_strain(kernel, solid, d, slopes), kernel.read("unknowns", TILE, d, d)
     if conducts or solid.around:
@@ -135,7 +163,7 @@ def _conduct(solid: Any, d: int) -> Kernel:
     kernel = Kernel("solid_conduct", "A^k . h with grad T = 1/J0 sum_k A^k D_k T.")
     solid = kernel.parameters(solid)
     A, (J0,) = kernel.read("metrics", PLANES, d * d), kernel.read("metrics", PLANES, 1, d * d)
-    gradient = scale(1.0 / J0, apply_transposed(A, kernel.read("slopes", ROW, d)))
+    gradient = scale(1.0 / J0, apply_transposed(A, kernel.read("slopes", ROWS, d)))
     h = solid.heat_flux(_strain_of(kernel, solid, d), gradient)
     kernel.store("heats", TILE, apply(A, h))
     return kernel
@@ -145,7 +173,6 @@ def _accelerate(solid: Any, d: int, slopes: Slopes, number: int, kind: str) -> K
     """Store the rates that follow from D°_k t^k, D_k v and, with conduction, D°_k A^k . h."""
     says = "(v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v), or what follows from these rates."
     kernel = Kernel(f"solid_{kind}{slopes.of}", says)
-    kernel.takes(TILE, "strains", "heats")
     conducts, solid = solid.kappa > 0.0, kernel.parameters(solid)
     per_mass = 1.0 / (kernel.read("metrics", PLANES, 1, d * d)[0] * solid.m0)
     v, t = kernel.read("unknowns", TILE, d, d), kernel.read("tractions", TILE, d * d)
@@ -161,91 +188,3 @@ def _accelerate(solid: Any, d: int, slopes: Slopes, number: int, kind: str) -> K
     energy = per_mass * power + dot(solid.force, v)
     store(kernel, number, (*v, *acceleration, energy))
     return kernel
-
-
-_POINTER, _NUMBER = ctypes.c_void_p, ctypes.c_long
-
-
-class _Solid(ctypes.Structure):
-    _fields_ = [
-        *((name, _POINTER) for name in ("boxes", "jumps", "weights", "ends", "far", "inner")),
-        *((name, _NUMBER) for name in ("tiles", "nodes", "most")),
-        ("size", _NUMBER * 2),
-        *((name, Owned * 3) for name in ("own", "inside")),
-        *((name, _NUMBER) for name in ("row", "layer", "layers", "step")),
-        *((name, _POINTER) for name in ("p", "metrics", "prestress")),
-        *((name, _NUMBER) for name in ("N", "M")),
-        ("stage", Stage),
-        *((name, _POINTER) for name in ("unknowns", "strains", "tractions", "temperatures")),
-        *((name, _POINTER) for name in ("heats", "slopes")),
-    ]
-
-
-def solid_text(solid: Any, d: int, order: int, prestressed: bool) -> str:
-    """The C code of solid_sweep and solid_strains for a solid in d dimensions; order: of the
-    operators in the interior.
-    """
-    constants = {
-        "D": d,
-        "CONDUCTS": int(solid.kappa > 0.0),
-        "HOOPS": int(len(solid.around) > 0),
-        "PRESTRESSED": int(prestressed),
-        "WIDTH": int(WIDTH),
-        "PAIRS": order // 2,
-    }
-    kernels = solid_kernels(solid, d, order, prestressed)
-    cube = [cube_text()] if d == 3 else []
-    loops = [c_source("fsipetsc.scheme", name) for name in ("stage.c", "solid.c")]
-    return unit(constants, kernels, *loops, *cube)
-
-
-class SolidVolume:
-    """A struct in C with what these functions take of a part of a block, and the memory it points
-    to.
-
-    metrics: (rows, N); prestress: (d d, N) or (d d, 0). address: of the struct.
-    """
-
-    def __init__(self, solid: Any, work: Work, metrics: Array, prestress: Array) -> None:
-        patch, layout = work.patch, work.layout
-        self._memory = {
-            "boxes": np.ascontiguousarray(work.boxes, np.int64),
-            "jumps": np.ascontiguousarray(work.jumps, np.int64),
-            "weights": work.weights,
-            "ends": np.ascontiguousarray(work.ends, np.int64),
-            "far": work.far,
-            "inner": work.inner,
-            "p": np.array([*numbers_of(solid), 0.0]),
-            "metrics": metrics,
-            "prestress": prestress,
-            "unknowns": work.unknowns,
-            "strains": work.strains,
-            "tractions": work.tractions,
-            "temperatures": work.temps,
-            "heats": work.heats,
-            "slopes": work.slopes,
-        }
-        self._struct = _Solid(
-            **{name: array.ctypes.data for name, array in self._memory.items()},
-            tiles=len(work.boxes),
-            nodes=work.jumps.shape[1],
-            most=work.jumps.shape[2],
-            size=(_NUMBER * 2)(*patch.ghosted[:2]),
-            own=(Owned * 3)(*(Owned(f, f + n) for f, n in zip(patch.first, patch.own))),
-            row=layout.row,
-            layer=layout.layer,
-            layers=layout.layers,
-            step=work.temps.size,
-            N=metrics.shape[1],
-            inside=(Owned * 3)(*(Owned(0, 0, *ends) for ends in work.inside)),
-            M=int(np.prod(patch.own)),
-            stage=no_stage(),
-        )
-        self.address = ctypes.addressof(self._struct)
-        self._d = len(solid.force)
-
-    def let_advance(self, stage: Stage, free: Spans) -> None:
-        """Let sweeps store stages, as GasVolume of fsipetsc.scheme.gas_kernels does."""
-        self._struct.stage = stage
-        for own, ends in zip(self._struct.own, in_order(free, self._d), strict=True):
-            own.free_begin, own.free_end = ends

@@ -4,13 +4,13 @@ import numpy as np
 
 from fsipetsc.equations.tensors import add_unit, product_transposed
 from fsipetsc.equations.vectors import add, dot, per
-from fsipetsc.kernels.arrays import column, column_of, part_of
-from fsipetsc.kernels.loops import each, invoke, variable, when, whole
+from fsipetsc.kernels.arrays import column, part_of
+from fsipetsc.kernels.loops import each, variable, when, whole
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
-from fsipetsc.scheme.block_monitor import MONITORED, along_axes, collect, moment, turning
+from fsipetsc.scheme.block_monitor import MONITORED, along_axes, collect, moment, note, turning
 from fsipetsc.scheme.columns import clear, count
-from fsipetsc.scheme.part import ghosted, ghosted_node, note, owned
-from fsipetsc.scheme.solid_dissipation import rows_of
+from fsipetsc.scheme.part import area, ghosted_node, ghosted_planes, owned, owned_planes, rows_of
+from fsipetsc.scheme.solid_sweep import solid_strains
 
 
 def solid_integrals(d):
@@ -31,7 +31,7 @@ def monitor(part, found, y):
     """
     d = len(part.like)
     own = owned(part, y, 2 * d + 1)
-    find(part, own, ghosted(part, y, 2 * d + 1))
+    find(part, owned_planes(part, y, 2 * d + 1), ghosted_planes(part, y, 2 * d + 1))
     note(part, found)
     note_potential(part, own, found)
     if d == 1:
@@ -40,21 +40,21 @@ def monitor(part, found, y):
 
 def measure(part, q):
     """Fill seen, sums and F of a part of a solid block; q: planes of its ghosted nodes."""
-    find(part, None, q.reshape(2 * len(part.like) + 1, part.metrics.shape[1]).turned())
+    find(part, None, q.reshape(2 * len(part.like) + 1, part.metrics.shape[1]))
 
 
 def find(part, known, q):
     """Fill seen, F and sums: momentum, energy, angular momentum, kinetic and elastic energy, minus
-    this; known: (M, 2d + 1) of the owned nodes, q: (N, 2d + 1) of the halo, or None and all.
+    this; known: planes of the owned nodes, q: of the halo, or None and planes of all.
     """
     d, room, width, sums = len(part.like), part.room, part.patch.own[0], part.sums
-    invoke("solid_strains", part.of_volume, 0 if known is None else known, q, part.F)
+    solid_strains(part, known, q, part.F)
     columns = room.reshape(MONITORED + sums_of(d), width)
     clear(columns, MONITORED, sums_of(d), width)
     for node, own, n in rows_of(part):
         for i in each(n, vector=True):
-            here = (q, node + i) if known is None else (known, own + i)
-            extremes, found = seen_at(part, *here, node + i, own + i)
+            of, place = (q, node + i) if known is None else (known, own + i)
+            extremes, found = seen_at(part, of.turned(), place, node + i, own + i)
             mass = part.masses[own + i]
             count(columns, i, extremes, [mass * found[name] for name in solid_integrals(d)])
     collect(part, columns, sums_of(d), width)
@@ -94,7 +94,7 @@ def seen_at(part, q, place, node, own):
     T, J = solid.temperature(v, e if solid.coupled else e - extra, F), solid.volume(F)
     squares, J0 = 0.0, metrics[d * d, node]
     for k in range(d):
-        A = column_of(zeros, metrics, k * d, node)
+        A = area(part, k, node)
         squares = squares + dot(A, A) * part.per_h[k] * part.per_h[k]
     squares = squares / (J0 * J0)
     if solid.around:

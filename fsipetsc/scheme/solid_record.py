@@ -2,16 +2,17 @@
 
 from typing import Any, NamedTuple
 
-from fsipetsc.kernels.loops import each, invoke, variable, when
+from fsipetsc.kernels.loops import each, variable, when
 from fsipetsc.kernels.memory import Array
 from fsipetsc.scheme.face_kernels import strain_at
-from fsipetsc.scheme.part import ghosted, owned
+from fsipetsc.scheme.part import ghosted, ghosted_planes, owned, owned_planes
 from fsipetsc.scheme.solid_monitor import prestress_energy
+from fsipetsc.scheme.solid_sweep import solid_sweep
 
 
 class SolidRecord(NamedTuple):
-    """A part of a solid block; what has the same name as in GasRecord is the same. of_volume: the
-    address of what solid_sweep and solid_strains of fsipetsc/scheme/solid.c take.
+    """A part of a solid block; what has the same name as in GasRecord is the same. volume:
+    fsipetsc.scheme.solid_sweep.
 
     X: (d, N) places at rest. metrics: (d d + 1, N), A^1 … A^d and J0, then R around an axis;
     prestress: (d d, N) what P has beside, or None. inertia: (N,) J0 m0, masses: (M,) weights times
@@ -23,7 +24,8 @@ class SolidRecord(NamedTuple):
     members that tell what they store, rows_of_stored: (n,) where.
     """
 
-    of_volume: int
+    volume: Any
+    free: Any
     like: Any
     laws: Any
     dissipation: Any
@@ -71,13 +73,14 @@ def store(part, particles, y):
         particles.stored[rows[i], 0] = energy
 
 
-def rates(part, gain, y, f):
+def rates(part, gain, found, y, f):
     """Fill a solid's part of f, from that of a completed y: with rates, or where nothing adds to
-    them with a stage (fsipetsc.scheme.stage). What comes in goes to ``gain``.
+    them with a stage (fsipetsc.scheme.sweep). What comes in goes to ``gain``.
     """
     dof = 2 * len(part.like) + 1
-    q, own = ghosted(part, y, dof), owned(part, f, dof)
-    invoke("solid_sweep", part.of_volume, owned(part, y, dof), q, own)
+    planes, of_f = ghosted_planes(part, y, dof), owned_planes(part, f, dof)
+    solid_sweep(part, found, owned_planes(part, y, dof), planes, of_f)
+    q, own = planes.turned(), of_f.turned()
     work = part.dissipation.add(part, q, own, gain)
     work += part.faces.add(part, q, own, gain)
     work += supply(part, owned(part, y, dof), own, gain)
