@@ -58,11 +58,11 @@ class BlockState(State):
     recorded: nodes to be recorded at each step, which have a name and X. announce: called on rank
     0, with a message, before and after kernels are compiled.
 
-    y: this rank's part of the solution, stages: three more vectors. latest_numbers: those of the
-    last record of a step. bounds: (blocks, 2), largest ones of convection and diffusion [1/s];
-    extremes: what the monitor finds. h: size of the smallest cells [m]. orders: block -> what
-    brings its nodes into the order in which they are saved. loose: gases on which a constant force
-    acts node by node. told: solids of which it was said that they are beyond their law.
+    y: this rank's part of the solution. latest_numbers: those of the last record of a step. bounds:
+    (blocks, 2), largest rates of convection and diffusion [1/s]; extremes: what the monitor finds.
+    h: size of the smallest cells [m]. orders: what brings nodes of blocks into the order in which
+    they are saved. loose: gases on which a constant force acts node by node. told: solids of which
+    it was said that they are beyond their law.
     """
 
     _filled: tuple[Any] | None = None  # the instant that the data are of

@@ -172,8 +172,7 @@ class PaperState(State):
             found += [one.does[note] for one in self.interfaces if one.here[1]]
             found += [does[steps.tell], self._reduction] if self.comm.size > 1 else []
             found += [does[steps.finish]]
-        made = [one for one in found if not getattr(one, "empty", False)]
-        return [(one, (f,)[: len(one.vectors)]) for one in made]
+        return [(one, ()) for one in found if not getattr(one, "empty", False)]
 
     # what is known of it
 
