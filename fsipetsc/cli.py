@@ -68,7 +68,7 @@ COMMANDS = {
         "studies.stability"),
     "flutter": Command("[-option value ...]",
         "find the dynamic pressure at which a panel flutters, for several Mach numbers",
-        "studies.flutter"),
+        "studies.modes"),
     "modes": Command("ring|shell [-option value ...]",
         "print frequencies of small motions of a case at rest, of the scheme and exact",
         "studies.modes"),

@@ -50,8 +50,8 @@ STEP = 2.0**-7
 #: growth over the largest |lambda| that counts as round-off: of the energy, of a mode (an
 #: eigenvalue of a matrix that is not normal is less certain)
 ENERGY_TOLERANCE, MODE_TOLERANCE = 1e-10, 1e-9
-#: ratios of a sweep: of densities, of stiffnesses
-POWERS = tuple(10.0**k for k in range(-3, 4)), tuple(10.0**k for k in range(-2, 3))
+#: option -> its values in a sweep
+POWERS = {"density_ratios": 10.0 ** np.arange(-3, 4), "stiffness_ratios": 10.0 ** np.arange(-2, 3)}
 COUPLINGS, ORDERS = ("conservative", "energy", "projection", "traditional"), tuple(OPERATORS)
 _EOS = "pressure p = G rho epsilon that balances the gas, or none: sigma = -p of the gas"
 _ABOVE = {"check": "positive"}
@@ -86,9 +86,9 @@ def stability(arguments: list[str], comm: Comm) -> None:
     for op in map(operator, opt["fsi_orders"]):
         if n < (least := max(4, op.min_points)):
             raise InputError(f"-stability_points {n}: the {op.name} operator needs {least}")
-    ratios = zip((opt["density_ratios"], opt["stiffness_ratios"]), POWERS)
-    several = [powers if opt["sweep"] and given == (1.0,) else given for given, powers in ratios]
-    states = [of_options(opt, *both) for both in product(*several)]
+    powers = {name: of for name, of in POWERS.items() if opt["sweep"] and name not in study.given}
+    ratios = product(*(powers.get(name, opt[name]) for name in POWERS))
+    states = [of_options(opt, *both) for both in ratios]
     how = n, opt["fsi_h"], coupling, opt["fsi_viscous"] == "narrow"
     tasks = list(product(opt["fsi_orders"], states))
     results = study.share(tasks, lambda task: measure(task[1], task[0], *how))

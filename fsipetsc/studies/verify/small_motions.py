@@ -17,8 +17,8 @@ from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.stiffened_gas import stiffened_gas
 from fsipetsc.options import defaults
 from fsipetsc.stepping.solve import build_problem
-from fsipetsc.studies.flutter import CASE, crossing, modes_at
 from fsipetsc.studies.linear import column_modes, modes_near, radial_modes
+from fsipetsc.studies.modes import PANEL, crossing, modes_at
 from fsipetsc.studies.tables import Compared, closures
 from fsipetsc.studies.verify.entry import Trial, entry, reference
 
@@ -130,7 +130,7 @@ def panel_flutter(trial: Trial) -> None:
     """The onset differs from the thin limit by the effect of the thickness."""
     table = reference("panel_flutter")
     row = np.argmin(np.abs(table["d"] - 0.04))
-    opt = {**defaults(CASE), "fsi_order": trial.order, "fsi_h": trial.h, "panel_thickness": 0.04}
+    opt = {**defaults(PANEL), "fsi_order": trial.order, "fsi_h": trial.h, "panel_thickness": 0.04}
     for ends, lambdas in LAMBDAS.items():
         pairs = [modes_at({**opt, "panel_ends": ends}, 2.0, dynamic) for dynamic in lambdas]
         onset = crossing(2.0, opt["panel_mass"], lambdas, pairs)[0]
