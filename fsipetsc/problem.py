@@ -119,11 +119,14 @@ class SolidLayer(_Layer):
     """A layer of an elastic solid in one dimension, in Lagrangian coordinates X.
 
     Args:
-        name: as of `FluidLayer`, and so are exact, cells and h.
+        name: as of `FluidLayer`.
         material: a `Solid`.
         X: (left, right) [m]; the length is a multiple of `-fsi_h`.
         initial: `initial(X)` returns u [m/s], sigma [Pa], T [K], x [m]; x rises with X.
         forcing: `forcing(X, t)` returns the right-hand sides of the same, per second; None: 0.
+        exact: as of `FluidLayer`.
+        cells: as of `FluidLayer`.
+        h: as of `FluidLayer`.
     """
 
     kind = "solid"
