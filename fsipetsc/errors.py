@@ -9,8 +9,6 @@ from contextlib import suppress
 from functools import partial
 from typing import Any
 
-#: packages that this one needs
-NEEDED = ("h5py", "matplotlib", "mpi4py", "numpy", "petsc4py", "scipy")
 _PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")
 _CASES = os.path.join(_PACKAGE, "cases", "")
 _LIBRARIES = (os.path.join(os.path.dirname(os.path.abspath(os.__file__)), ""), _PACKAGE)
@@ -114,8 +112,7 @@ def reason(error: BaseException) -> str:
         return text
     if package := missing(error):
         said = f"this needs the Python package {package}, which is not installed here"
-        how = "scripts/setup, or pip install '.[solver,plot]', installs what fsipetsc needs"
-        return f"{said}: {how}" if package in NEEDED else said
+        return f"{said}: pip install '.[solver,plot]' installs what fsipetsc needs"
     return type(error).__name__ + (f": {text[:300]}" if text else "")
 
 

@@ -34,12 +34,9 @@ def new(name: str, given: Mapping[str, str]) -> str:
     file, which is left; OSError where none can be written.
     """
     path = Path(name)
-    if path.suffix != ".py":
-        expected = "expected one that ends in .py, such as my_case.py"
+    if path.suffix != ".py" or path.stem in cases.BUILT_IN:
+        expected = "expected one that ends in .py and is no built-in case, such as my_case.py"
         raise InputError(f"new: '{name}' is no name of a case file: {expected}")
-    if path.stem in cases.BUILT_IN:
-        expected = f"expected another name, such as my_{path.stem}.py"
-        raise InputError(f"new: '{path.stem}' is the name of a built-in case: {expected}")
     if len(given) > 1:
         raise InputError(f"new: {' and '.join(given)} are given: expected one of them")
     template = "".join(["template", *(option.replace("-", "_") for option in given), ".py"])
@@ -50,9 +47,8 @@ def new(name: str, given: Mapping[str, str]) -> str:
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
     except FileExistsError:
-        raise FileError(
-            f"{name}: exists already and is not overwritten; give another name"
-        ) from None
+        said = "exists already and is not overwritten; give another name"
+        raise FileError(f"{name}: {said}") from None
     return f"wrote {path}; it runs as it is:  {PROGRAM} {shlex.quote(str(path))}"
 
 
