@@ -4,8 +4,7 @@ grids, values at nodes, errors against exact solutions; nodes that are recorded 
 """
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -72,11 +71,6 @@ def slices(kind: np.dtype) -> dict[str, slice]:
 #: recorded of interfaces in one dimension: position [m], velocity [m/s], sigma [Pa] and
 #: temperature [K] of the solid's end
 OF_INTERFACES = "x_interface", "u_interface", "sigma_interface", "T_interface"
-
-
-def point_names(d: int) -> tuple[str, ...]:
-    """Probe of chosen nodes: place [m], velocity [m/s], T [K], pressure, traction [Pa]."""
-    return tuple(name for one in TABLE if one.of == "point" for name in one.names(d))
 
 
 def step_record(
@@ -170,8 +164,7 @@ def compared(state: Any, kind: str) -> tuple[str, ...]:
 # nodes that are recorded
 
 
-@dataclass(frozen=True)
-class Probe:
+class Probe(NamedTuple):
     """A node of a block. name: of the block; X: its place in the reference map [m].
 
     face: (axis, side) of the solid's face at an interface; None where there is none.
@@ -216,14 +209,10 @@ def _nearest(problem: BlockProblem, place: Array) -> Probe:
         nearest = f"the nearest node is {least:g} away"
         raise InputError(f"-fsi_probes {text}: no block is there; {nearest}")
     _, _, k, node, X, _ = min(near, key=lambda of_block: of_block[1:3])
-    return Probe(problem.layers[k].name, k, node, tuple(X), _face_of(problem, k, node))
-
-
-def _face_of(problem: BlockProblem, k: int, node: int) -> tuple[int, int] | None:
-    """The face at which a node of a solid is on an interface."""
     faces = problem.faces_of(k) if problem.layers[k].kind == "solid" else ()
-    there = (f for f in sorted(faces) if problem.is_interface(k, *f))
-    return next((f for f in there if node in problem.face_nodes(k, *f)), None)
+    there = (face for face in sorted(faces) if problem.is_interface(k, *face))
+    face = next((face for face in there if node in problem.face_nodes(k, *face)), None)
+    return Probe(problem.layers[k].name, k, node, tuple(X), face)
 
 
 def here_of(state: Any) -> list[tuple[int, Probe, int]]:
@@ -242,7 +231,7 @@ def note_nodes(state: Any, here: Sequence[tuple[int, Probe, int]]) -> None:
     stresses in the plane and of hoops; traction on the solid at an interface, else 0.
     """
     d = state.problem.dimension
-    names = point_names(d)
+    names = [name for one in TABLE if one.of == "point" for name in one.names(d)]
     for number, node, row in here:
         part, q = state.parts[node.block], state.y.ghosted(node.block)
         saved = part.fields(q, slice(row, row + 1))[0]
