@@ -200,8 +200,8 @@ class Array(NDArrayOperatorsMixin):
         offset, shape = self._place(at)
         if shape:
             return Array(self._base, self.dtype, shape, offset)
-        if names := self.dtype.names:
-            return _Fields(self._base, names, offset * len(names))
+        if self.dtype.names:
+            return _Fields(self._base, self.dtype, offset)
         return _read(self._base, self.dtype, index_of(offset))
 
     def __setitem__(self, at: Any, value: Any) -> None:
@@ -259,13 +259,26 @@ def _read(base: str, dtype: Any, place: Index) -> Any:
 
 
 class _Fields:
-    """One row of an array of records: its fields, whole numbers, by their names."""
+    """One row of an array of records: its fields by their names; those of several numbers are
+    arrays.
+    """
 
-    def __init__(self, base: str, names: Sequence[str], row: Any) -> None:
-        self._names, self._numbers = names, Array(base, np.dtype(int), (len(names),), row)
+    def __init__(self, base: str, dtype: Any, row: Any) -> None:
+        vars(self).update(_base=base, _dtype=dtype, _row=index_of(row))
+
+    def _array(self, name: str) -> Array:
+        kind, first = self._dtype.fields[name][:2]
+        number, shape = kind.subdtype or (kind, (1,))
+        start = f"{self._base} + {self._dtype.itemsize} * {self._row.text} + {first}"
+        base = f"(({KINDS[number.kind]} *)({start}))"
+        return Array(base, number, shape, Index("0", self._row.needs))
 
     def __getattr__(self, name: str) -> Any:
-        return self._numbers[self._names.index(name)]
+        found = self._array(name)
+        return found if self._dtype.fields[name][0].subdtype else found[0]
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        self._array(name)[0] = value
 
 
 def invoke(name: str, *given: Any) -> None:

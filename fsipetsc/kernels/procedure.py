@@ -64,8 +64,8 @@ class Procedure:
             if not value.flags.c_contiguous:
                 raise ValueError(f"{name} is not contiguous")
             of = value.dtype
-            kind = "long" if of.names else KINDS.get(of.kind)  # records are of whole numbers
-            if kind is None or of.itemsize != 8 * len(of.names or "1"):
+            kind = "char" if of.names else KINDS.get(of.kind)
+            if kind is None or (kind != "char" and of.itemsize != 8):
                 raise TypeError(f"{name} is of {of}: arrays are of float64 and int64")
             base = self._field(name, f"{kind} *", value)
             shape = [
