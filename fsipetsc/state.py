@@ -22,12 +22,10 @@ from fsipetsc.scheme.plan import (
     TIME,
     Plan,
 )
-from fsipetsc.scheme.runge_kutta import STAGES
+from fsipetsc.scheme.runge_kutta import FRACTIONS, STAGES
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
 FAULT = 1000.0
-#: times of the stages, and of what comes of them, in steps
-FRACTIONS = 0.0, 0.5, 0.5, 1.0, 1.0
 
 
 class Seen(NamedTuple):
@@ -178,13 +176,17 @@ class State:
             self.show(n)
             return look()
 
-        while self._kept:
-            found = self._advance(*self.batch[[TIME, DT]].tolist(), shown)
-            agree(self.comm, self.fault)
-            self.planning()
-            if found or self.batch[ALLOWED] == 0.0:
-                return found
-        return None
+        found, recorded = None, self.journal.copy()  # which the same steps must not change
+        try:
+            while self._kept and not found:
+                found = self._advance(*self.batch[[TIME, DT]].tolist(), shown)
+                agree(self.comm, self.fault)
+                self.planning()
+                if self.batch[ALLOWED] == 0.0:
+                    break
+        finally:
+            self.journal[:] = recorded
+        return found
 
     def _lay_journal(self, record: np.dtype, more: int = 0) -> np.ndarray:
         """Make batch, journal, results and latest. Returns the numbers of results, so many

@@ -31,7 +31,7 @@ from fsipetsc.process.together import together
 from fsipetsc.scheme import runge_kutta as stages
 from fsipetsc.scheme.normals import turned_faces
 from fsipetsc.scheme.plan import RATE, plan_next
-from fsipetsc.scheme.recorded_data import OF_STAGES, TIMES, Recorder, set_time
+from fsipetsc.scheme.recorded_data import Recorder, set_time
 
 Array = NDArray[Any]
 #: names of the procedures of the stages of a step
@@ -119,12 +119,12 @@ class Phases:
         self.does = {f.__name__: record(f.__name__, f, found) for f in of_step}
         self.does["clear_gain"] = record("clear_gain", stages.clear_gain, found.gain)
         self.does["plan_next"] = record("plan_next", plan_next, found.plan)
-        for number, name in [(None, "rates"), *enumerate(STAGES)]:
-            self.does[f"begin_{name}"] = record(f"begin_{name}", stages.begin_stage(number), found)
-            if number is not None:
-                self.does[name] = record(name, stages.advance(number), found)
-        for name, part_of_step in TIMES.items():
-            self.does[name] = record(name, set_time(part_of_step), found)
+        self.does["begin_rates"] = record("begin_rates", stages.begin_stage(None), found)
+        for n, name in enumerate(STAGES):
+            self.does[f"begin_{name}"] = record(f"begin_{name}", stages.begin_stage(n), found)
+            self.does[name] = record(name, stages.advance(n), found)
+            time = set_time(stages.FRACTIONS[n])
+            self.does[f"time_{n}"] = record(f"time_{n}", time, found)
         self._record_data(comm)
         codes = [*codes, *self.data, self.particles.procedures(found.gain), self.calling]
         made = libraries(comm, [code.text for code in codes], announce)
@@ -212,7 +212,8 @@ class Phases:
             found[name] = [*begin, *each("rates"), *end]
         for name in STAGES:
             found[name].append((does[name],))
-        for n, time in enumerate(OF_STAGES):
-            data = [code.procedures[0] for code in self.data] if time else []
-            found[f"data_{n}"] = [does[time], *data] if data else []
+        data = [code.procedures[0] for code in self.data]
+        for n in range(stages.STAGES):  # a stage at the time of that before has its data
+            new = data and stages.FRACTIONS[n] != stages.FRACTIONS[n - 1]
+            found[f"data_{n}"] = [does[f"time_{n}"], *data] if new else []
         return found

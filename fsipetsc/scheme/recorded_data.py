@@ -87,12 +87,6 @@ def positive(value: Any) -> Any:
     return np.where(value > 0.0, value, np.nan)
 
 
-#: names of procedures that set the time of data -> which part of the step it is after its begin
-TIMES = {"at_begin": 0.0, "at_middle": 0.5, "at_end": 1.0}
-#: which of them comes before a stage; the third one has the data of the second
-OF_STAGES = "at_begin", "at_middle", None, "at_end"
-
-
 class Timed(NamedTuple):
     """A function of place and time, and where its values go.
 

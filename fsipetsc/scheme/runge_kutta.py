@@ -16,6 +16,8 @@ from fsipetsc.scheme.plan import BAD, DT, RATE, SAID_STOP, STOP, Plan
 from fsipetsc.scheme.sweep import LAST, NEXT, RATES
 
 STAGES = 4
+#: times of the stages, and of what comes of them, in steps
+FRACTIONS = 0.0, 0.5, 0.5, 1.0, 1.0
 
 
 class Found(NamedTuple):
