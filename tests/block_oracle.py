@@ -3,9 +3,8 @@
 It shares no code with the engine except the exact SBP coefficients. Derivatives are dense matrices,
 pair fluxes are made for all pairs of a line, stresses are derivatives of energies, particles are
 loops. The dimension d is 1, 2 or 3; the last coordinate may be the distance from an axis or a
-centre. Formulas of a point are in oracle_formulas.py, grids in oracle_grid.py, rates of single
-blocks in oracle_volume.py, particles and their constraints in oracle_particles.py; all is put
-together here.
+centre. Formulas at a point: oracle_formulas.py; grids: oracle_grid.py; rates of single blocks:
+oracle_volume.py; particles and their constraints: oracle_particles.py.
 
 Arrays of a block have the shape (components, n_1, ..., n_d): index k counts along the logical axis
 xi_k. In the memory of the engine xi_1 is contiguous: its node n is ``array.reshape(c, -1,
@@ -15,10 +14,8 @@ order="F")[:, n]``.
     solid  q = (D_1..d, v_1..d, e)               D = x - X, e: total energy per mass (with W/m0 if
                                                  heat is "elastic")
 
-Use: ``oracle = Oracle(problem)``, ``q = oracle.random_state(rng)``, ``oracle.rates(q, t)``,
-``oracle.complete(q, t)``, ``oracle.integrals(q)``. States and rates are dicts of arrays by the
-block's name. Blocks may have different gases, but one place has one gas: gases on two sides of a
-solid's vertex that do not touch each other are not covered.
+States and rates are dicts of arrays by the block's name. Gases on two sides of a solid's vertex
+that do not touch each other are not covered.
 """
 
 from types import SimpleNamespace

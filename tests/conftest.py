@@ -8,11 +8,10 @@ from pathlib import Path
 import pytest
 from kept_ranks import KEPT
 
-#: files of tests that take longest where nothing is compiled yet, the longest first
+#: files of tests that take longest, the longest first
 DEAREST = (
     *("kills", "documents", "block_oracle", "bits", "ranks", "orders", "kernels", "plots"),
-    *("failures", "studies", "shell", "gravity", "recorded_data", "line_cases", "paper_rates"),
-    *("radial", "block_conditions", "block_ledgers", "output", "time"),
+    *("stability", "time", "restart", "failures", "studies", "shell", "gravity"),
 )
 #: files of tests with runs of many steps
 MANY_STEPS = (

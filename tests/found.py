@@ -6,11 +6,10 @@ from fsipetsc import Block, BlockProblem, Fluid, Option
 from fsipetsc.blocks.conditions import Centre, Clamped, Free, Given, NoSlip, Slip
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.blocks.maps import off_axis, rectangle
-from fsipetsc.materials.own import gas_law
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.stiffened_gas import stiffened_gas
 
-WHAT = "two gases", "air and water", "rest", "sound", "burst", "own", "noh"
+WHAT = "two gases", "air and water", "rest", "sound", "burst", "noh"
 OPTIONS = (
     Option("found_what", str, "rest", "", "which problem", WHAT),
     Option("found_law", str, "log", "", "law of the steel of a sound"),
@@ -18,18 +17,10 @@ OPTIONS = (
 )
 DEFAULTS = {"fsi_h": 0.1, "ts_max_time": 1.0}
 P0, T0 = 1e5, 300.0
-OWN = gas_law(
-    pressure=lambda rho, T: 287.0 * rho * T,
-    internal_energy=lambda rho, T: 717.5 * T,
-    temperature=lambda rho, e: e / 717.5,
-    density=lambda p, T: p / (287.0 * T),
-    temperature_of=lambda rho, p: p / (287.0 * rho),
-)
 AIR = Fluid(1e-3, 0.03, 1.4, 287.0)
 OTHERS = {
     "two gases": Fluid(1e-3, 0.1, 1.667, 2077.0),
     "air and water": Fluid(1e-3, 0.6, 4.4, 400.0, law=stiffened_gas(4.4, 1000.0, 6e8)),
-    "own": Fluid(0.0, 0.0, 1.4, 287.0, law=OWN),
 }
 
 

@@ -7,8 +7,8 @@ Around an axis or a centre (oracle_grid.py) hoops give and take:
     gas    momentum along r += p S - tau_hoop S, with S = sum_k D_k a^k_2; else S is 0
     solid  force along r -= kappa (J0 R^kappa / R) P_hoop, with the hoop stretch lambda = r / R
 
-A constant force on a gas, with the entropy form, is made of differences of its potential, pair by
-pair; then dissipation is that of entropy variables of energy with potential energy.
+A constant force on a gas acts node by node, as in the divergence form. That of the entropy form is
+made pair by pair: test_gravity.py has what it keeps.
 """
 
 from functools import partial
@@ -27,7 +27,6 @@ from oracle_formulas import (
     entropy_of,
     flux,
     gas_state,
-    log_mean,
     pair_flux,
     spread,
     stress_of,
@@ -51,23 +50,11 @@ class Volume(Grids):
             R[2:] += self._viscous(k, q[0], s, grid)
         if self.problem.dissipation > 0.0:
             R[1:] += self._gas_dissipation(k, s, grid)
-        if m.force and not self.falls(k):
+        if m.force:
+            assert self.problem.form == "divergence"
             f = spread(m.force, d)
             R[2:] += W * q[1] * np.array([*(f + 0.0 * s.u), dot(f, s.u)])
         return R
-
-    def falls(self, k):
-        """A constant force acts on a gas pair by pair."""
-        return bool(self.blocks[k].material.force) and self.problem.form == "entropy"
-
-    def levels(self, k, x, j, count):
-        """Potentials of nodes 0, 1 … count - 1 farther along axis j; beyond a period x goes on."""
-        if not self.falls(k):
-            return [0.0 * x[0]] * count
-        f, n = np.array(self.blocks[k].material.force, float), x.shape[1 + j]
-        level, period = -dot(spread(f, self.d), x), -f @ self.periods[k][j]
-        rows = [(np.arange(n) + o).reshape(-1, *[1] * (self.d - 1 - j)) for o in range(count)]
-        return [np.roll(level, -o, j) + period * (row // n) for o, row in enumerate(rows)]
 
     def _convection(self, k, s, grid, j):
         """- sum_l S_il F(i, l) along axis j. The part alpha of a pair's flux, the largest from i
@@ -75,15 +62,6 @@ class Volume(Grids):
         axis, m, d, shock = self.axes[k][j], self.blocks[k].material, self.d, self.problem.shock
         n, periodic, (b, w) = len(axis.weight), self.periodic(k, j), self.volume_flux(k, grid)
         steep = np.moveaxis(self._steep_gas(k, s, j, grid), j, 0)
-        levels = [np.moveaxis(level, j, 0) for level in self.levels(k, grid.x, j, n)]
-        rises = [level - levels[0] for level in levels]
-
-        def pull(i, l, weighted_area, rise):
-            K = 0.5 * log_mean(state[i].rho, state[l].rho) * rise * weighted_area
-            for node in (i, l):
-                R[node, 1:-1] -= K
-                R[node, -1] -= dot(K, state[node].u)
-
         front = lambda f: np.moveaxis(f, j - d, 0)  # noqa: E731
         s, a, b, w = State(*map(front, s)), *map(front, (grid.a[j], b[j], w))
         state = [State(*(f[i] for f in s)) for i in range(n)]
@@ -97,8 +75,6 @@ class Volume(Grids):
             through_links = axis.S[i, l] * steep[way].max(axis=0)
             F = (axis.S[i, l] - through_links) * self._pair(k, state[i], state[l], a[i], a[l], g)
             R[i], R[l] = R[i] - F, R[l] + F
-            own = axis.S[i, l] - through_links
-            pull(i, l, own * 0.5 * (a[i] + a[l]), rises[distance][i])
             A[way[:-1]] += through_links * 0.5 * (a[i] + a[l])
             G[way[:-1]] += through_links * g
         for i in range(n if periodic else n - 1) if shock > 0.0 else ():
@@ -107,17 +83,10 @@ class Volume(Grids):
                 np.abs(dot(A[i], x.u) - G[i]) + np.sqrt(m.gamma * m.R * x.T * dot(A[i], A[i]))
                 for x in sides
             )
-            half = 0.5 * rises[1][i]
-            here, there = (
-                conserved(m, x.rho * np.exp(-to_middle / (m.R * x.T)), x.u, x.T)
-                for x, to_middle in zip(sides, (half, -half))
-            )
-            spread_out = -0.5 * shock * np.maximum(*speeds) * (there - here)
-            F = self._pair(k, *sides, A[i], A[i], G[i]) + spread_out
+            here, there = (conserved(m, x.rho, x.u, x.T) for x in sides)
+            F = self._pair(k, *sides, A[i], A[i], G[i])
+            F = F - 0.5 * shock * np.maximum(*speeds) * (there - here)
             R[i], R[l] = R[i] - F, R[l] + F
-            R[i, -1] -= half * spread_out[0]
-            R[l, -1] -= half * spread_out[0]
-            pull(i, l, A[i], rises[1][i])
         return np.moveaxis(R, 0, j - d) / axis.weight.reshape(-1, *[1] * (d - 1 - j))
 
     def _pair(self, k, left, right, a_l, a_r, g):
@@ -175,12 +144,6 @@ class Volume(Grids):
             wide = 1.0 - self._largest(self._steep_gas(k, s, j, grid), delta, j)
             strength = self.problem.dissipation / 4.0**q * least * wide
             dw, a = along(delta, w, j, d), along(middle, grid.a[j], j, d)
-            some, n = np.arange(len(delta)), s.T.shape[j]
-            levels = [level.take(some, j) for level in self.levels(k, grid.x, j, q + 1)]
-            level = 0.5 * (levels[q // 2] + levels[(q + 1) // 2])
-            for o, at_o in enumerate(levels):
-                T_o, sign = s.T.take((some + o) % n, j), (-1) ** (q - o) * comb(q, o)
-                dw[0] += sign * (at_o - level) / T_o
             rho, mean = along(middle, s.rho, j, d), along(middle, w, j, d)
             T = -1.0 / mean[-1]
             u, g = mean[1:-1] * T, along(middle, dot(grid.a[j], grid.v), j, d)
@@ -192,9 +155,6 @@ class Volume(Grids):
             F = np.array([mass, *(u * mass + push), H * mass + dot(u, push) + heat])
             F = speed * rho * F / (1.0 + eta)
             total = total - self._scatter(k, j, delta, F)
-            for o, at_o in enumerate(levels):  # what diffuses from a level to another does work
-                rows = (-1) ** (q - o) * comb(q, o) * np.roll(np.eye(n), o, axis=1)[: some.size]
-                total[-1] -= self._scatter(k, j, rows, (level - at_o) * F[0])
         return total
 
     # solid

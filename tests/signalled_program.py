@@ -3,13 +3,11 @@ PLACES WORDS...
 
 PLACES: JSON, a list of [place, count, rank, number of the signal], of which a number below 0 goes
 to mpiexec. The places:
-    begin, begun before and after a run takes over what there is of the result
     frame        as a frame is to be saved
-    fill         as this rank puts its frames into a piece
     piece        a piece is full, and has not got its name
     checkpoint   half of a checkpoint is written
-    join, clear  before pieces become one file, and before they are removed
-the last four on rank 0."""
+    join, clear  before the pieces become one file, and before they are removed
+all but the first on rank 0."""
 
 import json
 import os
@@ -41,15 +39,13 @@ def reached(place: str) -> None:
                 signal.raise_signal(number)
 
 
-def signalled(owner: object, name: str, before: str, after: str = "") -> None:
-    """Let places be reached before and after a function is called."""
+def signalled(owner: object, name: str, place: str) -> None:
+    """Let a place be reached before a function is called."""
     usual = getattr(owner, name)
 
     def called(*arguments: object, **more: object) -> object:
-        reached(before)
-        value = usual(*arguments, **more)
-        reached(after)
-        return value
+        reached(place)
+        return usual(*arguments, **more)
 
     setattr(owner, name, called)
 
@@ -61,9 +57,7 @@ def put_signalled(path: Path, content: bytes) -> None:
 
 
 put, checkpoint_file.put = checkpoint_file.put, put_signalled
-signalled(writer.RunWriter, "__init__", "begin", "begun")
 signalled(writer.RunWriter, "write_frame", "frame")
-signalled(writer, "view", "fill")
 signalled(writer, "publish", "piece")
 signalled(writer, "join", "join")
 signalled(writer, "clear", "clear")

@@ -9,7 +9,6 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import h5py
-import numpy as np
 import pytest
 from helpers import launch, well
 
@@ -30,33 +29,21 @@ RUNS = {
 }
 #: vector loops of numpy that another machine may not have
 WITHOUT = "AVX512F AVX512CD AVX512_SKX AVX512_CLX AVX512_CNL AVX512_ICL AVX2 FMA3"
+ZIG = shlex.join([sys.executable, "-m", "ziglang", "cc"]) if find_spec("ziglang") else None
 #: name -> the runs that are not for long tests, what is set in the environment
 OTHERS = {
     "AVX2": ("paper", {"CFLAGS": "-march=x86-64-v3"}),
     "plain": ("blast", {"CFLAGS": "-march=x86-64"}),
     "O1": ("", {"CFLAGS": "-O1"}),
     "O0": ("three", {"CFLAGS": "-O0"}),  # as most tests have it (conftest.py)
-    "clang": ("", {}),
+    "clang": ("", {"CC": shutil.which("clang") or ZIG}),
     "numpy": (
         "paper blast three",
         {"NPY_DISABLE_CPU_FEATURES": WITHOUT, "OPENBLAS_CORETYPE": "Prescott"},
     ),
 }
+OF_X86 = "AVX2", "plain", "numpy"
 long = pytest.mark.long
-X86 = os.uname().machine == "x86_64"
-
-
-def environment_of(name: str) -> dict[str, str]:
-    """What is set for it; skips the test where it is not there."""
-    found = OTHERS[name][1]
-    if name == "clang":
-        zig = shlex.join([sys.executable, "-m", "ziglang", "cc"]) if find_spec("ziglang") else None
-        if not (command := shutil.which("clang") or zig):
-            pytest.skip("no clang")
-        return {"CC": command}
-    if not X86 and (name == "numpy" or "x86" in found["CFLAGS"]):
-        pytest.skip("another kind of processor")
-    return found
 
 
 #: does command lines one after the other in one process
@@ -83,14 +70,11 @@ def made(names: str, folder: Path, **env: str) -> dict[str, bytes]:
     for run in runs:
         with h5py.File(folder / f"{run}.h5") as file:
             arrays = []
-            file.visititems(lambda name, item, of=arrays: of.append(name) if ends(item) else None)
-            found |= {f"{run}: {name}": np.asarray(file[name][()]).tobytes() for name in arrays}
+            file.visititems(lambda name, item, of=arrays: of.append((name, item)))
+            sets = [(name, item) for name, item in arrays if isinstance(item, h5py.Dataset)]
+            found |= {f"{run}: {n}": x[()].tobytes() for n, x in sets if x.dtype.kind in "fi"}
     assert any(name.endswith("/u") for name in found) and any("series" in name for name in found)
     return found
-
-
-def ends(item: object) -> bool:
-    return isinstance(item, h5py.Dataset) and item.dtype.kind in "fi"
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +94,11 @@ def usual(tmp_path_factory):
 )
 def test_flags_compilers_and_loops_of_numpy_do_not_change_bits(other, runs, usual, tmp_path):
     """Of fields, interfaces and what is recorded at each step."""
-    found, known = made(runs, tmp_path, **environment_of(other)), usual(runs)
+    if (other == "clang" and not OTHERS[other][1]["CC"]) or (
+        other in OF_X86 and os.uname().machine != "x86_64"
+    ):
+        pytest.skip("no clang, or another kind of processor")
+    found, known = made(runs, tmp_path, **OTHERS[other][1]), usual(runs)
     assert found.keys() == known.keys()
     assert [name for name in found if found[name] != known[name]] == []
 
@@ -127,7 +115,7 @@ SWEEPS = {
 
 
 @pytest.mark.parametrize(
-    "case", [pytest.param(c, marks=long if number > 1 else ()) for number, c in enumerate(SWEEPS)]
+    "case", [pytest.param(case, marks=() if case == "blast" else long) for case in SWEEPS]
 )
 def test_other_numbers_sizes_and_ranks_need_no_other_library(case, tmp_path):
     """`compile` on one rank makes all that runs on 1 and 3 ranks need: these may not compile."""

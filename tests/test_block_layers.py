@@ -1,17 +1,13 @@
-"""Blocks of flat layers: what meets, what stands at the other faces; cases of one dimension."""
+"""Blocks of flat layers: what meets, what stands at the other faces."""
 
-import numpy as np
 import pytest
-from block_ledgers import Steps
 
-from fsipetsc import boundaries, problem
 from fsipetsc.blocks import conditions as new
 from fsipetsc.blocks.block_problem import Meeting
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.solid import ElasticSolid, Solid
-from fsipetsc.problem import blocks_of_line
+from fsipetsc.materials.solid import ElasticSolid
 
 GAS, SOLID = Fluid(0.1, 0.1, 1.4, 1.0), ElasticSolid(1.0, 1.0, 0.1, 1.0, 1.0)
 
@@ -65,14 +61,6 @@ WRONG = {
     "ends at 0.5, 'solid' begins at 0.6": lambda: fit(LOW, solid((0.6, 1.0))),
     "cells and h are given": lambda: gas((0.0, 0.5), cells=8, h=0.1),
     "0.125 apart from 0 to 1": lambda: fit(LOW, solid((0.5, 1.0), span=[(0.1, 0.6)])),
-    r"-fsi_h 0\.3 misses an interface.*cells=": lambda: blocks_of_line(
-        problem.Problem((line_solid((1.0, 2.0)),), *[boundaries.clamped()] * 2), 0.3, 2
-    ),
-    "sigma has a right-hand side": lambda: (
-        line(forcing=lambda X, t: (1.0, t, 2.0, 0.0)).blocks[1].forcing(np.ones(1), 1.0)
-    ),
-    "g_u = 1": lambda: line(jumps=lambda k, t: (1.0, 0.0, 0.0, 0.0)).jumps(np.ones(1), 0.0),
-    "T of Wall": lambda: Steps(line(boundaries.Wall(0.0, T=lambda t: -1.0))),
 }
 
 
@@ -80,22 +68,3 @@ WRONG = {
 def test_what_layers_cannot_be(words):
     with pytest.raises(InputError, match=words):
         WRONG[words]()
-
-
-# -- one dimension
-
-
-def line(left=None, right=None, jumps=None, **more):
-    """A gas beside a solid, between a wall and a clamp or other ends, as blocks."""
-    stack = line_gas((0.0, 1.0)), line_solid((1.0, 2.0), **more)
-    ends = left or boundaries.Wall(0.0), right or boundaries.clamped()
-    return blocks_of_line(problem.Problem(stack, *ends, jumps=jumps), 0.125, 2)
-
-
-def line_gas(X, name="gas"):
-    fluid = Fluid(0.1, 0.1, 1.4, 2.0)
-    return problem.FluidLayer(name, fluid, X, lambda X: (1.0 + X, 0.0, 1.0))
-
-
-def line_solid(X, initial=lambda X: (0.0, -1.0 + 0.0 * X, 1.0, X), **more):
-    return problem.SolidLayer("solid", Solid(4.0, 0.1, 1.0, 1.0), X, initial, **more)

@@ -6,6 +6,7 @@ import pytest
 from block_ledgers import CLOSED, N, Steps, complete, gas, problem_of, rates, solid
 
 from fsipetsc.blockrun.block_state import BlockForm
+from fsipetsc.blocks.conditions import Free
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme import plan
 from fsipetsc.stepping.notes import first_bad
@@ -55,6 +56,31 @@ def test_what_bounds_a_step(shock):
         run.y.owned(0)[5] *= 0.9  # its J departs from the grid, its density does not
         run.complete()
         assert run.latest["J_error"][0] == pytest.approx(0.1, rel=1e-6)
+
+
+@pytest.mark.parametrize("heat", ["coupled", "elastic"])
+def test_what_is_saved_of_a_solid_with_prestress(heat):
+    """v, T and x; the stress is (P + S) F^T / J; e has the energy of both with heat 'elastic'."""
+    more = {
+        "initial": lambda X, Y: (0.1, -0.2, 1.5 + 0.0 * X, 1.1 * X, 0.9 * Y),
+        "prestress": lambda X, Y: (0.3 * X, 0.1, -0.2 * Y, 0.4),
+    }
+    plate, shape = solid(heat=heat), {"solid": shapes.box((0, 0), (1, 2), 9, 10)}
+    with Steps(problem_of(shape, {"solid": Free()}, None, plate, solid=more), 4) as run:
+        found, latest, (X, Y) = run.saved(0), run.latest, run.parts[0].X
+    assert np.abs(found[:, :3] - [0.1, -0.2, 1.5]).max() < 1e-12
+    assert np.abs(found[:, -2:] - np.array([1.1 * X, 0.9 * Y]).T).max() < 1e-13
+    F, S = np.diag([1.1, 0.9]), np.array([[0.3 * X, 0.1 + 0 * X], [-0.2 * Y, 0.4 + 0 * X]])
+    law = plate.solid_law
+    P = np.array(law.stress(tuple(F.ravel()))).reshape(2, 2, 1) + S
+    cauchy = np.einsum("ijn,kj->ikn", P, F) / 0.99
+    assert np.abs(found[:, 3:6].T - [*cauchy[0], cauchy[1, 1]]).max() < 1e-12
+    mechanical = 2.0 * plate.m0 * 0.025
+    if heat == "elastic":  # with the integrals of W and of S : (F - 1)
+        mechanical += 2.0 * law.energy(tuple(F.ravel())) + 0.03 - 0.08
+        assert latest["solid_energy"] == pytest.approx(mechanical, rel=1e-12)
+    warmth = 2.0 * plate.m0 * plate.alpha * 1.5
+    assert latest["energy"] == pytest.approx(warmth + mechanical, rel=1e-12)
 
 
 def swung(dt):

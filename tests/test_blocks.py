@@ -157,11 +157,6 @@ def alone(faces, **more):
     return BlockProblem([square(**more)], faces)
 
 
-def faces_that_do_not_meet():
-    left, right = (lambda s: (0 * s, s)), (lambda s: (1, s))
-    return maps.transfinite((left, right), (lambda s: (s, 0), lambda s: (s, 2)))
-
-
 def curved(xi):
     return 1.0 + xi[0] - 0.1 * xi[1] * (1 - xi[1]) * (1 - xi[0]), xi[1]
 
@@ -170,15 +165,11 @@ def third():
     return Block("c", GAS, maps.corners((1, 0), (2, -6), (1, 1), (2, -5)), (8, 8), nothing)
 
 
-def pinned(*place):
-    faces = walls("a", condition=Free())
-    return BlockProblem([square(material=SOLID)], faces, points=[("a", place, Hinge())])
-
-
 WRONG = {
-    r"axis 0, side 0\) misses others at \(X, Y\) = \(0, 1\)": faces_that_do_not_meet,
+    r"axis 0, side 0\) misses others at \(X, Y\) = \(0, 1\)": lambda: maps.transfinite(
+        (lambda s: (0 * s, s), lambda s: (1, s)), (lambda s: (s, 0), lambda s: (s, 2))
+    ),
     "expected a Fluid or an ElasticSolid": lambda: square(material="steel"),
-    r"cells is \(8, 0\): expected 1, 2 or 3 whole numbers": lambda: square(cells=(8, 0)),
     r"no numbers at xi = \(0.5, ": lambda: square(map=lambda xi: (xi[0], xi[1] / (xi[0] != 0.5))),
     r"J = -0.0156 per piece at .*right-handed": lambda: square(map=lambda xi: (xi[1], xi[0])),
     r"'a', face \(axis 0, side 1\), about .* = \(1, 0.5\)": lambda: alone(
@@ -192,7 +183,11 @@ WRONG = {
     r"block 'a' and block 'b' meet at .* = \(1, 0\), and are gases of different": lambda: two(
         beside(material=Fluid(0.0, 0.0, 1.3, 1.0))
     ),
-    r"no node of a face is there; the nearest is at .* = \(1, 0.25\)": lambda: pinned(1.0, 0.3),
+    r"no node of a face is there; the nearest is at .* = \(1, 0.25\)": lambda: BlockProblem(
+        [square(material=SOLID)],
+        walls("a", condition=Free()),
+        points=[("a", (1.0, 0.3), Hinge())],
+    ),
 }
 
 

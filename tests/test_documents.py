@@ -17,6 +17,8 @@ import numpy as np
 import pytest
 from helpers import REPOSITORY, compute
 
+from fsipetsc.output.plots import style
+
 DOCS = REPOSITORY / "docs"
 PAGES = [REPOSITORY / "README.md", *sorted(DOCS.glob("*.md"))]
 TEXTS = {page.name: page.read_text() for page in PAGES}
@@ -129,11 +131,6 @@ def hooks():
     return SimpleNamespace(**runpy.run_path(str(DOCS / "hooks.py")))
 
 
-def test_every_page_is_in_the_site():
-    listed = set(re.findall(r": ([\w-]+\.md)", (REPOSITORY / "mkdocs.yml").read_text()))
-    assert listed == set(TEXTS) - {"README.md"} | {"tutorial.md", *hooks().made_pages()}
-
-
 def test_the_site_has_all_public_names_with_all_arguments():
     """Docstrings tell arguments, or attributes of what users do not make themselves."""
     import fsipetsc
@@ -146,8 +143,6 @@ def test_the_site_has_all_public_names_with_all_arguments():
     for name in names - {"fsipetsc.REQUIRED"}:
         module, _, last = name.rpartition(".")
         made = getattr(importlib.import_module(module), last)
-        folder = Path(importlib.import_module(module).__file__).parent
-        assert (folder / "__init__.py").exists(), f"{folder}: the site leaves it out"
         text = inspect.getdoc(made)
         if "Attributes:" in text or "Exit status" in text or module.endswith("elementary"):
             continue  # what users do not make, and what a sentence tells
@@ -163,13 +158,6 @@ def test_each_option_has_a_page_that_names_it():
     made = hooks().options_page()
     assert re.findall(r"^\| `-\w+`.*\) \|$", made, re.M) == re.findall(r"^\| `-.*$", made, re.M)
     assert "Pages: ." not in made and "| `-fsi_h` | float |" in made
-
-
-def test_the_site_has_a_table_of_all_series():
-    page = SimpleNamespace(file=SimpleNamespace(src_uri="results.md"))
-    shown = hooks().on_page_markdown(TEXTS["results.md"], page)
-    assert "| `momentum_x`, … | N s | run | momentum |" in shown
-    assert "\n## While" in shown
 
 
 def code_of(page):
@@ -217,6 +205,8 @@ def run_command(line):
 @pytest.mark.parametrize("page", [*FIRST, *OTHERS])
 def test_code_runs(page, here, monkeypatch):
     monkeypatch.setenv("MPLBACKEND", "agg")
+    monkeypatch.setitem(style.STYLE, "savefig.dpi", 40)
+    monkeypatch.setattr("fsipetsc.output.plots.page.FILM_DPI", 40)
     (here / "runs").symlink_to(REPOSITORY / "runs")
     names = {"__name__": "__main__"}
     for language, content, expected in code_of(page):
@@ -271,7 +261,8 @@ def test_options_files_run(often, tmp_path):
     assert {name: result.summary["steps"] for name, result in results.items()} == steps
 
 
-def test_numbers_that_pages_tell(tmp_path):
+def test_numbers_that_pages_tell(tmp_path, monkeypatch):
+    monkeypatch.delenv("CFLAGS", raising=False)  # many steps
     start, piston = TEXTS["start.md"], str(REPOSITORY / "runs" / "piston.py")
     command = re.search(r"python -m fsipetsc rod (-fsi_order.*)$", start, re.M)[1]
     runs = {"rod": ("rod", command), "turn": (piston, "-fsi_h 0.0125")}

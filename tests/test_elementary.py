@@ -3,21 +3,17 @@
 import ctypes
 import platform
 import shutil
-import subprocess
 import sys
 from importlib.util import find_spec
 from itertools import product
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY
 
 from fsipetsc.equations import elementary
+from fsipetsc.kernels import build
+from fsipetsc.kernels.unit import unit
 
-FLAGS = (
-    *("-std=gnu11", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"),
-    *("-fopenmp-simd", "-fPIC", "-shared"),
-)
 LONG = np.longdouble
 #: the most that a function may be wrong, in units in the last place, and what the reference may be
 MOST, SLACK = 2.0, 0.01 if np.finfo(LONG).nmant > 60 else 1.0
@@ -83,44 +79,36 @@ SPECIALS = {1: (SPECIAL,), 2: tuple(np.array(list(product(SPECIAL, SPECIAL))).T)
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 
 
-class Library:
-    def __init__(self, folder, name, *command):
-        source = folder / "loops.c"
-        source.write_text("".join(_text()))
-        made = folder / f"{name}.so"
-        done = subprocess.run(
-            [*command, *FLAGS, str(source), "-o", str(made), "-lm"], capture_output=True, text=True
-        )
-        assert done.returncode == 0, done.stderr
-        self.library = ctypes.CDLL(str(made))
-
-    def __call__(self, name, *given):
-        result = np.empty(given[0].size)
-        arrays = [np.ascontiguousarray(numbers, dtype=float) for numbers in (*given, result)]
-        arrays[-1] = result
-        pointers = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
-        getattr(self.library, f"all_{name}")(*pointers, ctypes.c_long(result.size))
-        return result
-
-
-def _text():
-    yield f'#include "{REPOSITORY / "fsipetsc" / "kernels" / "prelude.h"}"\n'
+def made(command="", flags=""):
+    """(name, arrays) -> array: the functions as this compiler makes them."""
+    text = ""
     for name, given in FUNCTIONS.items():
         names = "xy"[: len(given)]
         pointers = "".join(f"const double *restrict {x}, " for x in names)
-        yield f"void all_{name}({pointers}double *restrict result, long n) {{\n"
-        yield "  #pragma omp simd\n  for (long i = 0; i < n; ++i)\n"
-        yield f"    result[i] = {name}_({', '.join(f'{x}[i]' for x in names)});\n}}\n"
+        text += f"""void all_{name}({pointers}double *restrict result, long n) {{
+          #pragma omp simd
+          for (long i = 0; i < n; ++i)
+            result[i] = {name}_({", ".join(f"{x}[i]" for x in names)});
+        }}
+        """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("CC", command)
+        patch.setenv("CFLAGS", flags)
+        text = unit({}, [], text)
+        library = build.loaded(build.keep(build.name_of(text), build.made(text)))
+
+    def call(name, *given):
+        arrays = *(np.ascontiguousarray(x, float) for x in given), np.empty(given[0].size)
+        pointers = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
+        library[f"all_{name}"](*pointers, ctypes.c_long(arrays[-1].size))
+        return arrays[-1]
+
+    return call
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("elementary")
-
-
-@pytest.fixture(scope="module")
-def fast(folder):
-    return Library(folder, "fast", "cc", "-O3", "-march=native")
+def fast():
+    return made()
 
 
 def reference(name, given):
@@ -161,20 +149,16 @@ def test_special_numbers_give_what_numpy_gives(fast, name):
     assert not wrong.any(), [(*each, f) for *each, f in zip(*given, found)][wrong.argmax()]
 
 
-def others():
-    if platform.machine() in ("x86_64", "AMD64"):
-        yield "plain", ("cc", "-O1", "-march=x86-64")
-    else:
-        yield "plain", ("cc", "-O1")
-    if shutil.which("clang") is not None:
-        yield "clang", ("clang", "-O3", "-march=native")
-    elif find_spec("ziglang") is not None:
-        yield "clang", (sys.executable, "-m", "ziglang", "cc", "-O3", "-march=native")
+X86 = platform.machine() in ("x86_64", "AMD64")
+CLANG = "clang" if shutil.which("clang") else f"{sys.executable} -m ziglang cc"
+OTHERS = {"plain": ("", "-O1 -march=x86-64" if X86 else "-O1"), "clang": (CLANG, "")}
 
 
-@pytest.mark.parametrize(("other", "command"), list(others()))
-def test_same_bits(fast, folder, other, command):
-    library = Library(folder, other, *command)
+@pytest.mark.parametrize("other", OTHERS)
+def test_same_bits(fast, other):
+    if other == "clang" and not (shutil.which("clang") or find_spec("ziglang")):
+        pytest.skip("no clang")
+    library = made(*OTHERS[other])
     bits = RANDOM.integers(0, 2**64, (2, 20 * WANTED), dtype=np.uint64).view(float)
     for name, usual in FUNCTIONS.items():
         for given in (usual, SPECIALS[len(usual)], tuple(bits)):

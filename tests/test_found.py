@@ -3,7 +3,7 @@
 import found
 import numpy as np
 import pytest
-from helpers import computed, message, solve, well
+from helpers import computed, solve, well
 
 import fsipetsc
 
@@ -45,8 +45,3 @@ def test_a_burst_in_a_liquid_is_no_shock(tmp_path):
     words = "-found_what", "burst", "-ts_max_steps", 2, "-fsi_h", 0.05
     done = well(solve(found.__file__, *words, cwd=tmp_path))
     assert "changes by" not in done.stdout
-
-
-def test_dissipation_of_a_gas_without_entropy_is_refused_by_name(tmp_path):
-    words = "-found_what", "own", "-fsi_shock", 1, "-fsi_dissipation", 1
-    message(solve(found.__file__, *words, cwd=tmp_path), 2, "the law of ", "'other'")

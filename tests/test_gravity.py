@@ -1,13 +1,11 @@
-"""A constant force on a gas: the oracle's rates; rest and energy stay."""
-
-from types import SimpleNamespace
+"""A constant force on a gas: rest and energy stay, and entropy; small motions do not grow."""
 
 import numpy as np
 import pytest
 import test_block_oracle as flat
 from block_ledgers import Steps, problem_of
 from oracle_engine import Engine
-from oracle_formulas import Gas, Solid, spread
+from oracle_formulas import Gas, spread
 
 from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.blocks.conditions import Slip
@@ -45,20 +43,6 @@ def at_rest(oracle, T=0.9, noise=0.2):
 def growth(oracle, rates):
     """The largest rate of energy, where pressures are about 1, and of all others."""
     return max(np.abs(r[1:] / oracle.start(k)).max() for k, r in enumerate(rates.values()))
-
-
-@pytest.mark.parametrize(
-    ("shape", "order", "options"),
-    [
-        *(("line", 4, {}), ("line", 8, DAMPED), ("periodic", 4, SMOOTH), ("periodic", 4, LINKED)),
-        ("disk", 4, DAMPED),
-        ("three", 2, DAMPED),
-    ],
-)
-def test_rates_are_the_oracles(shape, order, options):
-    d = dimension(shape)
-    both = gas_in(d, mu=0.02, kappa=0.03), Solid("log", heat="elastic", force=FORCES[d])
-    flat.check(shape, both, order, size=0.2, **options)
 
 
 @pytest.mark.parametrize(
@@ -102,33 +86,6 @@ def test_energy_stays_with_potential_energy(shape, order, numbers, options):
         assert abs(found["entropy"]) < 1e-13 * size
 
 
-@pytest.mark.parametrize(("d", "order"), [(1, 2), (2, 4)])
-def test_a_solid_carries_the_gas(d, order):
-    """And its own weight: both are at rest exactly, as the stress of the solid is linear."""
-    n, m0, T = flat.NODES[order], 2.0, 0.9
-    f = np.array(FORCES[d]) * ([0.0] * (d - 1) + [1.0])
-    lower, upper = (0.0,) * d, (1.0,) * d
-    shape = {
-        "gas": flat.shapes.box(lower, upper, *[n] * d),
-        "solid": flat.shapes.box((*lower[1:], 1.0), (*upper[1:], 1.6), *[n] * d),
-    }
-    gas, carrier = Gas(force=tuple(f)), Solid(m0=m0, heat="elastic", force=tuple(f))
-    p = 1.3 * gas.R * T * np.exp(f[-1] / (gas.R * T))
-
-    def stress(X):
-        carried = np.multiply.outer(np.eye(d), -p - m0 * f[-1] * (X[-1] - 1.0))
-        return carried.reshape(-1, *X[0].shape)
-
-    oracle = flat.made(shape, gas, carrier, order, stress=stress)
-    q = at_rest(SimpleNamespace(blocks=oracle.blocks[:1], start=oracle.start), T)
-    q["solid"] = np.zeros((2 * d + 1, *oracle.blocks[1].X.shape[1:]))
-    q["solid"][-1] = carrier.alpha * T
-    rates = Engine(oracle).rates(q)
-    assert np.abs(rates["gas"][1:]).max() < 1e-12 * n
-    assert np.abs(rates["solid"][d:]).max() < 1e-12 * n
-    assert p > 0.5
-
-
 def tall(n=7, **options):
     """Two blocks of gas in motion, in a box on a bent grid."""
     shape = flat.shapes.warped(flat.shapes.boxes(n, (0.0, 1.0, 2.0), (0.0, 1.0), None))
@@ -145,8 +102,6 @@ def test_ledgers(convection):
         run.step(2e-2, 10)
         after, work = run.latest, run.of_faces("force_work")[0]
         assert run.invariants["potential"] == (convection == "entropy")
-        notes = [note for note in run.notes("begin") if "node by node" in note]
-        assert len(notes) == (0 if convection == "entropy" else 2)
     assert before["potential_energy"] == pytest.approx(-(0.3 * 1.0 - 0.7 * 0.5) * 2.05, rel=0.2)
     change = after["potential_energy"] - before["potential_energy"]
     assert abs(change) > 1e-3

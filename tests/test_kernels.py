@@ -3,6 +3,7 @@
 import ctypes
 import math
 import os
+import re
 import shutil
 import signal
 import stat
@@ -10,16 +11,19 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from helpers import PATIENCE, REPOSITORY, environment, launch, message, mpirun
+from helpers import PATIENCE, REPOSITORY, environment, launch, message, mpirun, solve, well
+from recorded import recorded
 
 from fsipetsc.equations.gas import Gas
 from fsipetsc.errors import InputError
 from fsipetsc.kernels import build
-from fsipetsc.kernels.kernel import PLANES, Kernel, interlaced, numbers_of
-from fsipetsc.kernels.symbols import MADE, Record, derivatives, replay
+from fsipetsc.kernels.kernel import PLANES, Kernel, numbers_of
+from fsipetsc.kernels.loops import each, number, otherwise, pick, stop, variable, when, whole
+from fsipetsc.kernels.symbols import MADE, Record, derivatives, exact, replay
 from fsipetsc.kernels.unit import unit
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.power_law import ConstantTransport
@@ -45,45 +49,37 @@ def forget():
             known.cache_clear()
 
 
-def compiled(formula, count, cache):
-    """A function of an array (count, n) by a kernel of a formula of so many numbers."""
-    kernel = Kernel("formula", "A formula.")
-    kernel.store("out", interlaced("1"), [formula(*kernel.read("x", PLANES, count))])
-    call = (
-        "void all(const double *x, double *out, long n) "
-        "{ formula(.x = x, .out = out, .n = n, .N = n); }"
-    )
-    text = unit({}, [kernel], call)
-    library = build.loaded(build.keep(build.name_of(text), build.made(text)))
-
-    def function(x, out=None):
-        out = np.empty(x.shape[1]) if out is None else out
-        pointers = (ctypes.c_void_p(a.ctypes.data) for a in (x, out))
-        library.all(*pointers, ctypes.c_long(x.shape[1]))
-        return out
-
-    return function
-
-
 def every_operation(a, b, c):
     first = np.where((a > b) & ~(c < 0.3), a * b + c, a / b - c) ** 3
     second = np.sqrt(abs(a - b)) + np.maximum(a, b * c) - np.minimum(2.0, c) ** 0.5
     return -first + second * np.log(a) + np.sign(c - b) * 2.0**-3 + 1.0 / (a + b) ** 2
 
 
-def test_a_kernel_computes_what_its_formula_does(cache):
+def in_C(formula, x):
+    """The formula of the numbers x[0], x[1] … as a procedure."""
+
+    def compute(x, out):
+        for i in each(out.shape[0], vector=True):
+            out[i] = formula(*(x[k, i] for k in range(count)))
+
+    count, out = len(x), np.empty(x.shape[1])
+    recorded(compute, x, out)()
+    return out
+
+
+def test_a_recorded_formula_computes_what_it_does_in_python():
     x = np.random.default_rng(1).uniform(0.1, 2.0, (3, 1003))
-    found = compiled(every_operation, 3, cache)(x)
+    found = in_C(every_operation, x)
     np.testing.assert_allclose(found, every_operation(*x), rtol=1e-14, atol=1e-14)
 
 
-def test_functions_that_are_made_of_others(cache):
+def test_functions_that_are_made_of_others():
     def formula(a, b):
         found = [function(a) for function in MADE]
         return sum(c * x for c, x in enumerate(found, 1)) + np.cbrt(b)
 
     x = np.random.default_rng(1).uniform([[0.01], [-9.0]], [[0.99], [9.0]], (2, 1003))
-    np.testing.assert_allclose(compiled(formula, 2, cache)(x), formula(*x), rtol=1e-13)
+    np.testing.assert_allclose(in_C(formula, x), formula(*x), rtol=1e-13)
 
 
 def test_equal_operations_are_done_once_and_products_are_fused():
@@ -275,10 +271,16 @@ def test_a_compiler_that_fails_ends_all_ranks_once(tmp_path):
 def test_a_home_that_cannot_be_written_costs_a_warning(tmp_path):
     """One; what is compiled is sent, and the run goes on."""
     env = {"HOME": "/proc/none", "XDG_CACHE_HOME": "", "FSIPETSC_CACHE": "", "CFLAGS": "-O0"}
-    line = "rod -fsi_h 0.1 -ts_max_steps 1"
-    done = ranks_of(3, tmp_path, env, "-m", "fsipetsc", *line.split())
+    line = "-m fsipetsc compile rod -fsi_coupling projection"
+    done = ranks_of(3, tmp_path, env, *line.split())
     assert done.returncode == 0, done.stderr
     assert done.stderr.count("warning: cannot keep compiled kernels in /proc/none/.cache") == 1
+
+
+def test_the_text_of_kernels_is_kept_and_found(tmp_path):
+    said = well(solve("compile", "rod", "-fsi_debug", cwd=tmp_path)).stdout
+    paths = re.findall("C text of kernels: (.*)", said)
+    assert any("gas_near_(" in Path(path).read_text() for path in paths)
 
 
 def test_two_runs_at_once_with_an_empty_cache(tmp_path):
@@ -312,13 +314,6 @@ def test_a_signal_during_compilation_is_answered_at_once(tmp_path):
     assert (status, "fsipetsc: error: stopped by SIGTERM\n" in said) == (128 + 15, True)
 
 
-def test_the_text_of_kernels_is_kept_and_found(tmp_path):
-    done = ranks_of(2, tmp_path, {}, "-m", "fsipetsc", "compile", "rod", "-fsi_debug")
-    said = (line.partition("C text of kernels: ")[2] for line in done.stdout.splitlines())
-    texts = [Path(path).read_text() for path in said if path]
-    assert len(texts) == len(set(texts)) and any("gas_near_(" in text for text in texts)
-
-
 @pytest.mark.long
 @pytest.mark.parametrize("ranks", [2, 4])
 def test_twenty_cold_starts(ranks, tmp_path):
@@ -328,3 +323,74 @@ def test_twenty_cold_starts(ranks, tmp_path):
         done = ranks_of(ranks, tmp_path, env, *command)
         assert done.returncode == 0, done.stderr
         assert done.stdout.splitlines()[-1] == "the kernels of rod are ready"
+
+
+# procedures: loops that are recorded and printed as C
+
+
+class Inner(NamedTuple):
+    table: Any
+    scale: float
+
+
+class Part(NamedTuple):
+    inner: Inner
+    at: Any
+    first: int
+    doubles: bool
+
+
+def part(doubles=True, n=5):
+    table = np.arange(3.0 * n).reshape(n, 3)
+    return Part(Inner(table, 0.5), np.array([4, 0, 2]), 1, doubles)
+
+
+def test_branches_variables_and_reading_again():
+    def count(part, y):
+        """A running sum until it is beyond 10; how often numbers were above 1."""
+        total, often = variable(0.0), variable(0.0)
+        for i in each(y.size):
+            with when((y[i] > 1.0) & (i < 6)):
+                often.value += 1.0
+                y[i] = -y[i]
+            with otherwise():
+                y[i] = 100.0
+            total.value += y[i] * y[i]
+            stop(total.value > 50.0)
+        y[0] = total.value
+        y[1] = often.value
+        y[-1] = number(pick(often.value > 2.0, part.first + 6, part.at[0]) % 3)
+        y[-2] = number(part.at[whole(often.value) - 4])
+
+    y = np.array([2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0])
+    recorded(count, part())(y)
+    assert y.tolist() == [54.0, 4.0, -4.0, -5.0, 6.0, 7.0, 4.0, 7 % 3]
+
+
+def test_exact_sums_are_not_fused():
+    def mean(part, y):
+        """The same sum of two products, seen from both sides, and fused."""
+        a, b = part.inner.table, part.inner.scale
+        for i in each(1, vector=True):
+            y[0] = exact(a[0, 1] * b + a[0, 2] * a[1, 0])
+            y[1] = exact(a[0, 2] * a[1, 0] + a[0, 1] * b)
+            y[2] = a[1, 1] * a[1, 2] + y[i]
+            y[3] = y[i] + exact(a[0, 1] * a[1, 1])
+
+    text = recorded(mean, part()).text
+    assert text.count("fma") == 1
+    assert exact(2.0) == 2.0 and exact((1.0, 2.0)) == (1.0, 2.0)
+
+
+def test_a_procedure_that_cannot_be_recorded_is_refused_with_its_line():
+    def branches(part, y):
+        if part.first > 0:
+            y[0] = 1.0
+
+    def counts(part, y):
+        for _ in range(part.first):
+            y[0] = 1.0
+
+    for function in (branches, counts):
+        with pytest.raises(InputError, match=rf"{function.__name__}, .*test_kernels.py:\d+"):
+            recorded(function, part())

@@ -97,17 +97,13 @@ def test_sutherland_and_power_law():
 R = 287.0
 
 
-def perfect(R, cv):
-    return {
-        "pressure": lambda rho, T: R * rho * T,
-        "internal_energy": lambda rho, T: cv * T,
-        "temperature": lambda rho, e: e / cv,
-        "density": lambda p, T: p / (R * T),
-        "temperature_of": lambda rho, p: p / (R * rho),
-    }
-
-
-GAS = perfect(R, 717.5)
+GAS = {
+    "pressure": lambda rho, T: R * rho * T,
+    "internal_energy": lambda rho, T: 717.5 * T,
+    "temperature": lambda rho, e: e / 717.5,
+    "density": lambda p, T: p / (R * T),
+    "temperature_of": lambda rho, p: p / (R * rho),
+}
 SOLID = {"mu_e": 1.3, "lambda_e": 2.1, "kappa_e": 0.0, "m0": 1.7, "alpha": 0.6}
 LOG = ElasticSolid(**SOLID).solid_law
 
@@ -130,18 +126,12 @@ def test_functions_as_laws_are_the_built_in_ones():
         assert (own.stress(F), own.energy(F)) == (LOG.stress(F), LOG.energy(F))
 
 
-GASES = {
-    "takes 1 positional argument": {"density": lambda p: p},
-    "it returns a tuple: expected a number": {"density": lambda p, T: (p, T)},
-}
-BODIES = {
-    "law is 'rubber': expected 'log', 'neo-hookean', 'svk', 'linear'": {"law": "rubber"},
-    "kappa_e is nan": {"kappa_e": float("nan")},
-    "force is": {"force": (1.0,) * 4},
-}
 WRONG = {
-    **{said: lambda more=more: gas_law(**GAS | more) for said, more in GASES.items()},
-    **{said: lambda more=more: ElasticSolid(**SOLID | more) for said, more in BODIES.items()},
+    "it returns a tuple: expected a number": lambda: gas_law(
+        **GAS | {"density": lambda p, T: (p, T)}
+    ),
+    "law is 'rubber': expected 'log', 'neo-hookean'": lambda: ElasticSolid(**SOLID, law="rubber"),
+    "kappa_e is nan": lambda: ElasticSolid(**SOLID | {"kappa_e": float("nan")}),
     "density(pressure(rho, T), T) is 2.04: expected 2": lambda: check_inverses(
         gas_law(**GAS | {"density": lambda p, T: 1.02 * p / (R * T)}), np.array([2.0]), 300.0, ""
     ),

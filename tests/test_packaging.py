@@ -1,12 +1,11 @@
-"""What wheel and sdist hold, versions, scripts, types; the whole way: scripts/bare-machine."""
+"""What wheel and sdist hold, versions, scripts; the whole way: scripts/bare-machine."""
 
 import fnmatch
-import importlib.util
 import re
 import subprocess
 
 import pytest
-from helpers import REPOSITORY, run
+from helpers import REPOSITORY
 
 import fsipetsc
 
@@ -46,24 +45,3 @@ def test_syntax():
             compile(path.read_text(), path, "exec")
         else:
             assert subprocess.run(["bash", "-n", path]).returncode == 0, path
-
-
-# types of what a case file uses, as a type checker of its author sees them
-
-#: those of an author of cases; functions of templates have no types, and are checked all the same
-SETTINGS = """[mypy]
-strict = True
-follow_imports = silent
-[mypy-fsipetsc.cases.*]
-disallow_untyped_defs = False
-disallow_untyped_calls = False
-"""
-
-
-@pytest.mark.skipif(importlib.util.find_spec("mypy") is None, reason="no mypy")
-def test_cases_pass_mypy_strict(tmp_path):
-    (tmp_path / "mypy.ini").write_text(SETTINGS)
-    templates = sorted((REPOSITORY / "fsipetsc" / "cases").glob("template*.py"))
-    files = *templates, REPOSITORY / "tests" / "typed_cases.py"
-    done = run("-m", "mypy", *files, cwd=tmp_path, env={"MYPYPATH": str(REPOSITORY)})
-    assert len(templates) > 2 and done.returncode == 0, done.stdout + done.stderr

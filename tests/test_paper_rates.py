@@ -14,8 +14,6 @@ from mpi4py import MPI
 
 from fsipetsc.boundaries import Dirichlet, Open, absorbing, clamped, free
 from fsipetsc.cases import load_case
-from fsipetsc.materials.own import gas_law, pressure_law
-from fsipetsc.materials.power_law import power_law
 from fsipetsc.options import defaults
 from fsipetsc.paper import rates as rates_of
 from fsipetsc.paper.paper_state import PaperState
@@ -36,38 +34,15 @@ ENDS = {
     "supersonic": (None, Dirichlet(1.5, lambda t: (1.2, -500.0, 300.0))),
 }
 _VISCOUS = {"fluid_mu": 0.5, "fluid_kappa": 0.7, "solid_kappa": 0.5}
-R, CV = 8.3145 / 0.029, 8.3145 / 0.029 / 0.4
 
 
-def noble_abel():
-    """p = rho R T / (1 - 0.05 rho): a law by hand."""
-    return gas_law(
-        temperature=lambda rho, e: e / CV,
-        internal_energy=lambda rho, T: CV * T,
-        pressure=lambda rho, T: R * rho * T / (1 - 0.05 * rho),
-        density=lambda p, T: p / (R * T + 0.05 * p),
-        temperature_of=lambda rho, p: p * (1 - 0.05 * rho) / (R * rho),
-    )
-
-
-def stiffened():
-    return pressure_law(lambda J, T, m0, alpha: (m0 * alpha * (T - 300.0) + 2e6 * (1.0 - J)) / J)
-
-
-def state_of(name, ends=None, own_laws=False, **changed):
-    """A state of a case, with other ends or laws."""
+def state_of(name, ends=None, **changed):
+    """A state of a case, with other ends."""
     case = load_case(name)
     opt = {**defaults(case), "fsi_h": 0.05, **changed}
     problem = case.build(opt)
     left, right = ENDS.get(ends, (None, None))
     problem = replace(problem, left=left or problem.left, right=right or problem.right)
-    if own_laws:
-        solid, gas = problem.layers
-        rod = replace(solid.material, pressing=stiffened())
-        law, transport = noble_abel(), power_law(300.0, 0.7, 0.9)
-        air = replace(gas.material, law=law, transport=transport)
-        layers = replace(solid, material=rod), replace(gas, material=air)
-        problem = replace(problem, layers=layers)
     return PaperState(MPI.COMM_SELF, problem, opt)
 
 
@@ -93,9 +68,6 @@ def runs():
         asked = {"name": "pulse", "ends": end, **_VISCOUS, "fsi_order": (6, 2, 8)[k % 3]}
         found[end] = {**asked, "solid_gruneisen": 0.2 * (k < 3)}
     found["open, inviscid"] = {"name": "pulse", "ends": "open", "pulse_amplitude": 100.0}
-    for coupling in ("projection", "energy"):
-        asked = {"name": "pulse", "own_laws": True, **_VISCOUS, "fsi_coupling": coupling}
-        found[f"laws {coupling}"] = asked
     return found
 
 

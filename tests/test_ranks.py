@@ -6,19 +6,18 @@ import numpy as np
 import pytest
 from helpers import REPOSITORY, SUMS, compute, computed, different, message, on_ranks, solve
 
-LAYERS = str(REPOSITORY / "tests" / "layers.py")
 PISTON = str(REPOSITORY / "runs" / "piston.py")
 _PAPER = "-fsi_coupling projection"
 #: falls by more than a cell
-_ROD = f"{_PAPER} -fsi_h 0.025 -ts_max_time 0.025 -rod_gravity -100 -fsi_output_dt 0.005"
+_ROD = f"{_PAPER} -fsi_h 0.05 -ts_max_time 0.04 -rod_gravity -100 -fsi_output_dt 0.01"
 #: a step that is bound by the solid, with a pressure in it and cut in two
 _STIFF = f"{_PAPER} -fsi_h 0.05 -ts_max_time 0.004 -solid_modulus 1e9 -solid_gruneisen 0.5"
 _STIFF += " -rod_gravity -1000"
 #: falls by four cells, through PETSc's own methods
 _FALL = "-fsi_h 0.05 -ts_max_time 0.02 -rod_gravity -1000"
 _PULSE = "-fsi_h 0.025 -fsi_order 8 -fsi_output_dt 0.001 -ts_max_time 0.003 -pulse_amplitude 1000"
-_PRESSED = "-layers_gruneisen 0.2 -fsi_check 1e-10"
-_MOVING = f"{_PRESSED} -layers_moving yes -fsi_order 8 -fsi_h 0.025 -ts_max_time 0.3"
+#: a wall that moves
+_DRIVEN = "-ts_max_time 0.01 -fsi_output_dt 0.005 -fsi_check 1e-10"
 _ELSEWHERE = "-fsi_partition balanced"
 _SHOCK = "-shock_problem strong -fsi_dissipation 1 -fsi_shock 1 -fsi_order 4 -fsi_h 0.02"
 _SHOCK += f" {_ELSEWHERE} -ts_max_time 0.1 -fsi_output_dt 0.1"
@@ -31,20 +30,20 @@ RUNS = {
     "rod rk elsewhere": ("rod", f"{_FALL} {_PAPER} -ts_type rk {_ELSEWHERE}"),
     "rod energy": ("rod", f"{_FALL} -fsi_coupling energy"),
     "rod traditional": ("rod", f"{_FALL} -fsi_coupling traditional"),
-    "layers": (LAYERS, _PRESSED),
-    "layers messages": (LAYERS, f"{_PRESSED} -fsi_partition physics"),
-    "layers moving": (LAYERS, _MOVING),
+    "driven": ("piston", _DRIVEN),
+    "driven messages": ("piston", f"{_DRIVEN} -fsi_partition physics"),
+    "driven at order 8": ("piston", f"{_DRIVEN} -fsi_order 8"),
     "mms": ("mms", "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.2 -fsi_output_dt 0.05"),
     "pulse": ("pulse", _PULSE),
     "piston": (PISTON, "-ts_max_time 0.048"),
     "shock": ("shock", _SHOCK),
 }
 #: differ in where things are computed and stored, not in what
-SAME = {"rod elsewhere": "rod", "rod rk elsewhere": "rod rk", "layers messages": "layers"}
+SAME = {"rod elsewhere": "rod", "rod rk elsewhere": "rod rk", "driven messages": "driven"}
 
 #: ranks -> the runs that are made on them: each on one, on two or three, those of SAME on four
 ON = {1: list(RUNS), 4: [*SAME, *SAME.values()]}
-ON[3] = ["rod stiff", "rod traditional", "layers moving", "pulse"]
+ON[3] = ["rod stiff", "rod traditional", "driven at order 8", "pulse"]
 ON[2] = [name for name in RUNS if name not in ON[3]]
 
 

@@ -11,7 +11,6 @@ import fsipetsc
 from fsipetsc.output import checkpoint_file
 
 PISTON = str(REPOSITORY / "runs" / "piston.py")
-LAYERS = str(REPOSITORY / "tests" / "layers.py")
 _PAPER = "-fsi_coupling projection"
 _ROD = f"{_PAPER} -fsi_h 0.025 -ts_max_time 0.08 -fsi_output_dt 0.02"
 #: name -> case, options, steps after which the checkpoint is written that the run goes on from
@@ -20,7 +19,7 @@ RUNS = {
     "5dp": ("rod", f"{_PAPER} -fsi_h 0.05 -ts_max_time 0.1 -ts_rk_type 5dp", 50),
     "mms": ("mms", "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.1 -fsi_output_dt 0.02", 8),
     "piston": (PISTON, "-ts_max_time 0.048", 300),
-    "layers": (LAYERS, "-layers_gruneisen 0.2 -ts_max_time 0.2", 6),
+    "driven": ("piston", "-fsi_h 0.025 -ts_max_time 0.02", 6),
     "blast": ("blast", "-fsi_h 0.125 -fsi_order 2 -ts_max_time 0.3 -fsi_output_dt 0.05", 6),
 }
 #: ranks on which the runs are begun; ranks -> what goes on there

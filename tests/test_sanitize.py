@@ -18,12 +18,12 @@ from helpers import REPOSITORY, launch
 #: of what computes. Not test_kernels, which has compilers of its own and damages a library
 COMPUTING = (
     *("block_conditions", "block_layers", "block_ledgers", "block_monitor", "block_oracle"),
-    *("elementary", "gravity", "paper_rates", "procedures", "radial", "recorded_data"),
-    *("solid_laws", "solid_part", "where_faces_meet"),
+    *("elementary", "gravity", "paper_rates", "radial", "recorded_data"),
+    *("solid_laws", "where_faces_meet"),
 )
 SHORT = (
     "block_oracle.py::test_dissipation[panel-shocks]",
-    "procedures.py::test_exact_sums_are_not_fused",
+    "kernels.py::test_exact_sums_are_not_fused",
 )
 SHORT += ("paper_rates.py::test_rates_do_not_depend_on_pieces[open]",)
 #: without optimization all checks are made

@@ -12,6 +12,8 @@ from fsipetsc.blocks.conditions import Slip
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.cases import load_case
 from fsipetsc.materials.fluid import Fluid
+from fsipetsc.options import defaults
+from fsipetsc.studies.verify.entry import reference
 
 CASE = load_case("shock")
 ORDERS, SPACINGS = (4, 8), (0.02, 0.01, 0.005)
@@ -31,6 +33,16 @@ def results(tmp_path_factory):
                 words = f"-fsi_h {h} -fsi_order {order} {_OFTEN} {name} -ts_max_time {end}"
                 runs[f"{name}_{order}_{h}"] = "shock", words
     return compute(1, tmp_path_factory.mktemp("shocks"), runs)
+
+
+def test_the_exact_solution_is_that_of_another_program():
+    """Of the rod at the interface: verify/riemann_problems.py."""
+    for strong, number, K, p, u, _ in zip(*reference("riemann_problems").values()):
+        what = {"shock_problem": "strong", "shock_mach": number} if strong else {}
+        given = {"shock_ratio": number, "solid_modulus": K, **what}
+        rod = CASE.build(defaults(CASE) | given).layers[1]
+        found = rod.exact(np.array([1.0]), 0.01)
+        assert [found[0][0], -found[1][0]] == pytest.approx([u, p], rel=1e-10)
 
 
 @pytest.mark.parametrize("order", ORDERS)

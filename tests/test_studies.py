@@ -1,7 +1,6 @@
-"""Commands that study: convergence, bench, flutter."""
+"""Commands that study: convergence, bench, flutter, verify."""
 
 import csv
-import time
 
 import numpy as np
 import pytest
@@ -58,25 +57,19 @@ def test_a_run_that_fails_is_one_line_of_the_table(tmp_path):
     assert not (tmp_path / "mms-convergence.png").exists()
 
 
-# bench: that it measures and tells what it says; not how fast anything is
-
-
-def test_table(tmp_path):
+def test_the_table_of_bench(tmp_path):
+    """It measures and tells what it says; not how fast anything is."""
     other = tmp_path / "rod"
     other.write_text("#!/bin/sh\necho $1 484 $6 0.1 2.5 1\n")
     other.chmod(0o755)
     words = "-bench_problems 0,1 -bench_rod 240 -bench_line 24 -bench_form entropy "
     words += "-bench_seconds 0.01 -bench_repeats 2 -bench_rod_program ."
-    begun = time.perf_counter()
-    done = solve("bench", *words.split(), cwd=tmp_path, ranks=2)
-    most = 1e6 * (time.perf_counter() - begun) / 12  # of a step: two samples of six steps at least
-    assert done.returncode == 0, done.stderr
+    well(solve("bench", *words.split(), cwd=tmp_path, ranks=2))
     rows = rows_of(tmp_path / "bench.csv")
     found = [(row["problem"], row["n"], row["ranks"]) for row in rows]
     assert found == [(*problem, n) for problem in (("rod", "240"), ("1-D", "24")) for n in "12"]
     one, two = (float(row["step_us"]) for row in rows[:2])
-    # each of 240 points takes a nanosecond, and more, in each of four stages
-    assert 1.0 < one < most and 1.0 < two < most
+    assert 1.0 < min(one, two)  # each of 240 points takes a nanosecond, and more, in four stages
     assert [row["other_us"] for row in rows] == ["2.5", "2.5", "", ""]
     # a ratio of two samples is the mean of their ratios, so is that of the medians
     assert float(rows[0]["ratio"]) == pytest.approx(one / 2.5, rel=6e-3)
@@ -88,20 +81,14 @@ def test_table(tmp_path):
         assert (1.0 - 6e-3) * (points - more) < nodes < (1.0 + 6e-3) * (points + more)
 
 
-# flutter: modes on coarse grids, and where one begins to grow
-
-
-#: a thick and light panel on a coarse grid: a second or two for each lambda
-COARSE = "-fsi_h 0.0625 -panel_thickness 0.1 -panel_height 0.5 -flutter_machs 2"
-
-
 def test_modes_decay_below_and_grow_above(tmp_path):
     """On two ranks, which share the work; a thick panel, with the two slowest modes of theory."""
     beams, dynamic = program("beams"), (350, 650)
     panel = beams.plane(0.1, "clamped")
     known = {at: np.array(beams.modes(panel, at)) for at in dynamic}
-    words = f"flutter {COARSE} -flutter_lambdas 350,650 -fsi_output some.csv".split()
-    done = solve(*words, cwd=tmp_path, ranks=2)
+    coarse = "-fsi_h 0.0625 -panel_thickness 0.1 -panel_height 0.5 -flutter_machs 2"
+    words = f"flutter {coarse} -flutter_lambdas 350,650 -fsi_output some.csv"
+    done = solve(*words.split(), cwd=tmp_path, ranks=2)
     assert (done.returncode, done.stderr) == (0, "") and "onset of flutter" in done.stdout
     rows = rows_of(tmp_path / "some.csv")
     runs = [{name: float(value) for name, value in row.items() if value} for row in rows]

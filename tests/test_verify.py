@@ -43,7 +43,10 @@ PROGRAMS = {
 }
 
 
-@pytest.mark.parametrize("name", PROGRAMS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=pytest.mark.long if n == "panel_flutter" else ()) for n in PROGRAMS],
+)
 def test_references_are_what_their_programs_make(name):
     source, function = PROGRAMS[name]
     kept, made = reference(name), getattr(program(source), function)()

@@ -6,13 +6,7 @@ from block_ledgers import Steps
 
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.blocks.conditions import (
-    Clamped,
-    Free,
-    NoSlip,
-    Roller,
-    Slip,
-)
+from fsipetsc.blocks.conditions import Clamped, Free, NoSlip, Roller, Slip
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
@@ -31,17 +25,16 @@ def block(kind, lower=0.0):
     return Block(kind, material, rectangle((0.0, lower), (1.0, lower + 1.0)), (2, 2), initial)
 
 
-def alone(kind, rest, points=(), **faces):
+def alone(kind, rest, **faces):
     """A square; rest: the condition of sides that are not named."""
     named = {(kind, *face): faces.get(side, rest) for side, face in SIDES.items()}
-    return BlockProblem((block(kind),), named, points=points)
+    return BlockProblem((block(kind),), named)
 
 
-def stacked(side, beside, **other):
-    """A solid on a gas: conditions at the sides of the gas, of the solid, others at the west."""
+def stacked(side, beside):
+    """A solid on a gas: conditions at the sides of the gas, of the solid."""
     faces = {("gas", 1, 0): Slip(), ("solid", 1, 1): Free()}
     faces |= {("gas", 0, s): side for s in (0, 1)} | {("solid", 0, s): beside for s in (0, 1)}
-    faces |= {(kind, 0, 0): condition for kind, condition in other.items()}
     return BlockProblem((block("gas"), block("solid", 1.0)), faces)
 
 

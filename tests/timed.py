@@ -4,8 +4,7 @@ timed_kind: wall, the gas stands on a wall that moves and is warm, the solid is 
 from above, jumps and forcing; ends, the gas is given below and the solid clamped to what moves;
 open, gas enters from below, and waves leave the solid; lid, walls at rest beside one that moves,
 but not at its ends. timed_how: record, all functions can be;
-table, one of them is a table of numpy's; bad, one of them returns no number from t = 0.02 on;
-cold, a temperature below 0.
+table, one of them is a table of numpy's; bad, one of them returns no number from t = 0.02 on.
 """
 
 import numpy as np
@@ -19,7 +18,7 @@ from fsipetsc.options import Option
 KINDS = "wall", "ends", "open", "lid"
 OPTIONS = (
     Option("timed_kind", str, "wall", "", "where data depend on time", KINDS),
-    Option("timed_how", str, "record", "", "of the functions", ("record", "table", "bad", "cold")),
+    Option("timed_how", str, "record", "", "of the functions", ("record", "table", "bad")),
     Option("timed_size", float, 0.02, "m", "amplitude"),
     Option("timed_rate", float, 9.0, "1/s", "angular frequency"),
 )
@@ -43,8 +42,9 @@ def build(opt):
     def T(X, Y, t):
         if how == "table":
             return np.interp(t, TIMES, TABLE) + 0.0 * X
-        late = {"bad": np.nan, "cold": -1.0}.get(how, 1.5)
-        return np.where(t > 0.02, late, 1.0) + 0.1 * np.exp(-t) * np.cos(2 * np.pi * X)
+        return np.where(t > 0.02, np.nan if how == "bad" else 1.5, 1.0) + 0.1 * np.exp(-t) * np.cos(
+            2 * np.pi * X
+        )
 
     def forcing(X, Y, t):
         return 0.0, 0.1 * np.sin(w * t) * np.cos(2 * np.pi * X), 0.0, np.tanh(t) * Y
