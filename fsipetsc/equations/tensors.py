@@ -177,10 +177,8 @@ def square_root(A):
     tensor; eigenvalues below 0 count as 0.
 
     Jacobi's rotations make A diagonal (G. H. Golub and C. F. Van Loan, Matrix Computations, section
-    8.5), in one and two dimensions as a part of three. A diagonal tensor needs none, c + a a^T two
-    or three, any other some ten; more of them change round-off alone. They take +, -, *, / and
-    square roots, which are rounded in the same way everywhere. The closed formula for three
-    eigenvalues takes an arc cosine, and loses half of the digits where two are equal.
+    8.5), in one and two dimensions as a part of three: some ten, more of them change round-off
+    alone. The closed formula for three eigenvalues loses half of the digits where two are equal.
     """
     d, pairs = isqrt(len(A)), ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
     p, q, r, pq, pr, qr = (A[i * d + j] if max(i, j) < d else 0.0 * A[0] for i, j in pairs)
