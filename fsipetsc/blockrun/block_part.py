@@ -56,7 +56,7 @@ class BlockPart:
         self.names = fields_of(self.block.kind, d, self._problem.symmetry)
         self._per_h = np.array(self.block.cells, float)
         self.X = self._problem.positions(part.k, part.ghosted)
-        self.owned = part.ghosted_rows(np.arange(part.numbers.size))
+        self.owned = part.patch.ghosted_rows(np.arange(part.numbers.size))
         self.weights = part.weights(self.owned)
         self.faces = FaceTerms(self._problem, part, order, self.X)
         rows = d + 2 if self.block.kind == "fluid" else 2 * d + 1

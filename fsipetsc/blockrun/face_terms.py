@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from fsipetsc.blocks.block_problem import Meeting
 from fsipetsc.blocks.conditions import Condition, Effect
 from fsipetsc.blocks.conditions.condition import COLUMNS, VECTORS
-from fsipetsc.blocks.cube import Cube
-from fsipetsc.blocks.metrics import Wide
+from fsipetsc.blocks.metrics import Cube, Wide
 from fsipetsc.blocks.values import checked, datum
 from fsipetsc.kernels.symbols import numbers_of
 from fsipetsc.parallel.block_layout import Part
@@ -178,7 +177,7 @@ def nodes_of(problem: Any, part: Part, axis: int, side: int) -> tuple[Array, ...
     """
     nodes, through = problem.face_nodes(part.k, axis, side), problem.column_of_face
     own = part.rows_among(nodes)
-    at = part.ghosted_rows(own)
+    at = part.patch.ghosted_rows(own)
     last = part.patch.first[axis] + (part.patch.own[axis] - 1 if side else 0)
     weight, ones = float(part.bands[axis].weight[last]), np.ones(own.size)
     column = np.full(own.size, through.get((part.k, axis, side), len(through)))

@@ -139,7 +139,7 @@ class SolidPart(BlockPart):
             F=self.F,
             sums=np.zeros(sums_of(d) + 1),
             interfaces=np.array(found, float).reshape(-1, 4),
-            stored_at=part.ghosted_rows(part.rows(nodes)),
+            stored_at=part.patch.ghosted_rows(part.rows(nodes)),
             rows_of_stored=rows,
         )
         names = images, normals, store, rates, monitor, measure, stressed

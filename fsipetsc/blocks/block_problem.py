@@ -76,14 +76,11 @@ class BlockProblem:
         return isinstance(self.faces.get(face), Centre)
 
     def band(self, k: int, order: int, axis: int) -> Band:
-        """Pair weights of an axis of block k. InputError if it has too few nodes."""
+        """Pair weights of an axis of block k."""
         block = self.blocks[k]
-        try:
-            if axis == self.dimension - 1 and self.centred(k):
-                return centred_band(order, block.cells[axis], self.symmetry)
-            return band(order, block.cells[axis], block.periodic[axis])
-        except ValueError as error:
-            raise InputError(f"{block}, axis {axis}: {error}") from None
+        if axis == self.dimension - 1 and self.centred(k):
+            return centred_band(order, block.cells[axis], self.symmetry)
+        return band(order, block.cells[axis], block.periodic[axis])
 
     def faces_of(self, k: int) -> Kinds:
         """(axis, side) -> what stands at the faces of block k; nothing on a periodic axis."""

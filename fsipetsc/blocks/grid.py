@@ -12,15 +12,19 @@ import numpy as np
 
 from fsipetsc.blocks.block import Range
 from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.blocks.cube import Cube
 from fsipetsc.blocks.hull import blend_of, end_weights, find_places, hull_of
-from fsipetsc.blocks.metrics import Wide
+from fsipetsc.blocks.metrics import Cube, Wide
 from fsipetsc.blocks.plane_grid import plane_motion
 from fsipetsc.blocks.radial_grid import radial_motion
 from fsipetsc.checks import Array
 from fsipetsc.kernels.loops import each, invoke
 from fsipetsc.kernels.memory import zeros
 from fsipetsc.kernels.symbols import exact
+
+
+def ends_of(values):
+    """Values (1, H) at both ends of a block, which are one node if it is periodic."""
+    return values[0, 0], values[0, -1]
 
 
 class LineMotion(NamedTuple):
@@ -44,9 +48,9 @@ class LineMotion(NamedTuple):
     def swing(self, known, metrics):
         """Fill the velocity, after `move`."""
         self.hull.fill(self.hull.moving, known, 1)
-        at_low, at_high = self.hull.ends(self.hull.moving)
+        ends = ends_of(self.hull.moving)
         for i in each(self.low.shape[0], vector=True):
-            metrics[1, i] = self.between(i, at_low, at_high)
+            metrics[1, i] = self.between(i, *ends)
 
     def between(self, i, at_low, at_high):
         """What is blended from both ends, at a node."""
@@ -54,7 +58,7 @@ class LineMotion(NamedTuple):
 
     def find_places(self, X, places):
         """Where nodes are after `move` (d, N); X: those of the reference map."""
-        ends = self.hull.ends(self.hull.moved)
+        ends = ends_of(self.hull.moved)
         for i in each(self.low.shape[0], vector=True):
             places[0, i] = X[0, i] + self.between(i, *ends)
 
@@ -63,7 +67,7 @@ class LineMotion(NamedTuple):
 
     def jacobian(self, metrics, node):
         """det(D x) of a node, after `move` and `find_volumes`."""
-        at_low, at_high = self.hull.ends(self.hull.moved)
+        at_low, at_high = ends_of(self.hull.moved)
         return self.slope[node] + (at_high - at_low)
 
 

@@ -27,8 +27,7 @@ class Hull(NamedTuple):
     """nodes: numbers (H,) of the nodes, ascending. given: columns (M,) of those that are known.
 
     columns, weights: (9, T) and (d, 4, T), of nodes that follow: the node, its edges low a, high a,
-    low b, high b, four vertices; weights of the edges. moved, moving: (d, H) values. has_faces:
-    whether there are any.
+    low b, high b, four vertices; weights of the edges. moved, moving: (d, H) values.
     """
 
     nodes: Array
@@ -37,7 +36,6 @@ class Hull(NamedTuple):
     weights: Array
     moved: Array
     moving: Array
-    has_faces: bool
 
     def fill(self, values, known, first):
         """Complete values (d, H) from known (M, …), of which the columns from `first` count: edges
@@ -54,10 +52,6 @@ class Hull(NamedTuple):
                 edges = (la * a0 + ha * a1) + (lb * b0 + hb * b1)
                 vertices = (la * lb * v00 + ha * hb * v11) + (ha * lb * v10 + la * hb * v01)
                 f[columns[0, t]] = exact(edges - vertices)
-
-    def ends(self, values):
-        """Values at both ends of a block in one dimension; 0 if it is periodic."""
-        return (values[0, 0], values[0, -1]) if self.has_faces else (0.0, 0.0)
 
 
 def hull_of(block: Block, given: Array, centred: bool = False) -> Hull:
@@ -95,7 +89,7 @@ def hull_of(block: Block, given: Array, centred: bool = False) -> Hull:
         weights.append(np.concatenate(of_ends).transpose(1, 0, 2))
     table = (np.concatenate(pieces, axis=-1) for pieces in (columns, weights))
     at = np.searchsorted(nodes, np.asarray(given, int))
-    return Hull(nodes, at, *table, *np.zeros((2, d, len(nodes))), not all(block.periodic))
+    return Hull(nodes, at, *table, *np.zeros((2, d, len(nodes))))
 
 
 def end_weights(block: Block, axis: int, index: Array, centred: bool = False) -> Array:

@@ -112,17 +112,28 @@ def layers(
         if len(span) != len(along):
             raise InputError(f"layer '{layer.name}': span: expected (low, high) for each of along")
         own = sides if layer.sides is None else layer.sides
+        if not isinstance(own, Mapping):
+            own = dict.fromkeys(product(range(len(along)), (0, 1)), own)
         found.append(replace(layer, across=(low, high), cells=rows, span=span, sides=own))
     blocks, faces = _pieces(found, along, cells), {}
     for (where, block), axis, side in product(blocks.items(), range(len(along) + 1), (0, 1)):
-        beyond = *where[:axis], where[axis] + 2 * side - 1, *where[axis + 1 :]
-        if beyond not in blocks and not block.periodic[axis]:
-            condition = _condition(found, where[-1], axis, side, (lower, upper))
-            if condition is None:
+        layer, beyond = found[where[-1]], list(where)
+        beyond[axis] += 2 * side - 1
+        if tuple(beyond) in blocks or block.periodic[axis]:
+            continue
+        if axis < len(along):
+            condition, missing = layer.sides.get((axis, side)), f"sides, of ({axis}, {side})"
+            if condition is None and layer.span[axis] is None:
                 shift = [0.0] * len(beyond)
                 shift[axis] = (along[axis][1] - along[axis][0]) * (1 - 2 * side)
                 condition = Periodic(tuple(shift))
-            faces[block.name, axis, side] = condition
+        else:
+            condition, missing = layer.beside, "beside=…, as another layer has ended there"
+            if not 0 <= beyond[axis] < len(stack):
+                condition = (lower, upper)[side]
+        if condition is None:
+            raise InputError(f"layer '{layer.name}': a face has no condition: expected {missing}")
+        faces[block.name, axis, side] = condition
     return BlockProblem(tuple(blocks.values()), faces, **more)
 
 
@@ -142,7 +153,7 @@ def _pieces(
     spans = [list(map(_columns, [layer] * len(along), layer.span, along, cells)) for layer in stack]
     cuts = [sorted({0, n}.union(*(span[k] for span in spans))) for k, n in enumerate(cells)]
     closed = [
-        len(cut) == 2 and all(_side(layer, axis, 0) is None for layer in stack)
+        len(cut) == 2 and all(layer.sides.get((axis, 0)) is None for layer in stack)
         for axis, cut in enumerate(cuts)
     ]
     found = {}
@@ -176,27 +187,3 @@ def _columns(layer: Layer, span: Extent | None, along: Extent, n: int) -> list[i
         apart = f"the columns, {(high - low) / n:.6g} apart from {low:g} to {high:g}"
         raise InputError(f"layer '{layer.name}': span: {span}: expected ends at {apart}")
     return list(map(round, columns))
-
-
-def _condition(
-    stack: Sequence[Layer], n: int, axis: int, side: int, ends: tuple[Condition, Condition]
-) -> Condition | None:
-    """At a face of layer n that meets none; None: it goes on periodically. InputError."""
-    layer, other = stack[n], n + 2 * side - 1
-    if axis < len(layer.span):
-        said = _side(layer, axis, side)
-        if said is None and layer.span[axis] is not None:
-            nothing = f"nothing is said of axis {axis}, side {side}"
-            raise InputError(f"layer '{layer.name}' has a span: sides: {nothing}")
-        return said
-    if not 0 <= other < len(stack):
-        return ends[side]
-    if layer.beside is None:
-        ended = f"'{stack[other].name}' does not reach over all of it"
-        raise InputError(f"layer '{layer.name}': {ended}: expected beside=…")
-    return layer.beside
-
-
-def _side(layer: Layer, axis: int, side: int) -> Condition | None:
-    """What is said of a side of a layer."""
-    return layer.sides.get((axis, side)) if isinstance(layer.sides, Mapping) else layer.sides

@@ -90,10 +90,6 @@ class Part:
         """
         return self.begin + self.rows(nodes)
 
-    def ghosted_rows(self, rows: Numbers) -> Numbers:
-        """Places in the ghosted array of owned nodes, by their places among these."""
-        return self.patch.ghosted_rows(rows)
-
     def weights(self, ghosted: Numbers) -> Array:
         """(n,) H of nodes of the ghosted array: the product of the weights of the axes."""
         places = np.unravel_index(ghosted, self.patch.ghosted, order="F")
@@ -132,9 +128,13 @@ class BlockLayout:
         sizes = map(Share.size, self.shares, repeat(comm.rank))
         self._begins = [0, *accumulate(map(mul, self.dofs, sizes))]
         self.auxiliary, self.local_size = auxiliary, self._begins[-1] + auxiliary
-        reaches = {k: self._reach(k) for k, s in enumerate(self.shares) if comm.rank in s.ranks}
-        wide = (self.dofs[k] * r.nodes(comm.rank) for k, r in reaches.items())
-        begins = [0, *accumulate(wide)]
+        reaches = {
+            k: Reach(share, blocks[k].periodic, *self._widths[k], problem.centred(k))
+            for k, share in enumerate(self.shares)
+            if comm.rank in share.ranks
+        }
+        nodes = (prod(b - a for a, b in r.ghosted(comm.rank)) for r in reaches.values())
+        begins = [0, *accumulate(self.dofs[k] * n for k, n in zip(reaches, nodes))]
         memory = zeros(begins[-1])
         memory[:] = 1.0  # corners never get other numbers
         self.parts, halos = dict[int, Part](), list[Halo]()
@@ -165,11 +165,6 @@ class BlockLayout:
         beyond = max(op.p, halo - op.p)
         end, inner = max(op.rows + beyond, halo), max(2 * op.p, halo)
         return Extent(block.kind, shape, block.periodic, end, inner, halo)
-
-    def _reach(self, k: int) -> Reach:
-        """Which nodes ranks need of block k."""
-        (width, corners), block = self._widths[k], self.problem.blocks[k]
-        return Reach(self.shares[k], block.periodic, width, corners, self.problem.centred(k))
 
     def _part(self, k: int, reach: Reach, memory: Array, at: int) -> tuple[Part, Halo]:
         """This rank's part of block k, whose ghosted array begins at the number ``at`` of

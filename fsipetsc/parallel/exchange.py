@@ -12,7 +12,6 @@ from another one. All ranks know from the shares which nodes each of them needs.
 import ctypes
 from collections.abc import Mapping, Sequence
 from itertools import chain
-from math import prod
 from typing import NamedTuple
 
 import numpy as np
@@ -159,10 +158,6 @@ class Reach(NamedTuple):
                 beyond = min(beyond, self.share.shape[axis])
             found.append((first, beyond))
         return tuple(found)
-
-    def nodes(self, rank: int) -> int:
-        """How many nodes a rank's ghosted array has."""
-        return prod(b - a for a, b in self.ghosted(rank))
 
     def needs(self, rank: int) -> tuple[Numbers, Numbers]:
         """Places in a rank's ghosted array, and numbers in the block, of the nodes that others send

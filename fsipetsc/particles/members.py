@@ -110,6 +110,12 @@ class Particle:
         part = face.met.part
         return face.met.slides or part == "roller" or (self.sticks and part == "wall")
 
+    def wall_normal(self, problem: BlockProblem) -> Array:
+        """The unit normal of its wall."""
+        block, *face = self.faces["wall"]
+        node = next(n for k, n in self.members if k == block)
+        return problem.face_normal(block, node, *face)[0]
+
     def mover(self, gas: bool) -> str:
         """The name of the condition that says how its gas moves, or else its solid; "" if none."""
         slides = self.slip and self.slip.moves and not (self.wall and self.wall.moves)

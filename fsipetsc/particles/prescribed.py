@@ -97,11 +97,9 @@ class Prescribed:
         self.by_differences = any(_has_motion(source.condition) for source in self._sources)
         moved = [who for name in WALLS for c, who in _grouped(own, name) if c.moves]
         self.moving = np.unique(np.concatenate([np.empty(0, np.int64), *moved]))
-        self._sliding = [
-            (c, who, np.array([_wall_normal(problem, own[p]) for p in who]))
-            for c, who in _grouped(own, "wall")
-            if _has_motion(c) and not c.moves
-        ]
+        sliding = [(c, who) for c, who in _grouped(own, "wall") if c.velocity and not c.moves]
+        normals = [np.array([own[p].wall_normal(problem) for p in who]) for _, who in sliding]
+        self._sliding = [(*one, normal) for one, normal in zip(sliding, normals, strict=True)]
         self._met = _met(problem, own)
 
     def _sources_of(self, particles: Sequence[Particle]) -> list[Source]:
@@ -278,14 +276,6 @@ def _met(problem: Any, particles: Sequence[Particle]) -> list[Met]:
                 first = next(one for one in particle.asked if one.met is decides)
                 found.setdefault((first.name, other.name), Met(first, other, [])).who.append(p)
     return list(found.values())
-
-
-def _wall_normal(problem: Any, particle: Particle) -> Array:
-    """The unit normal of the wall at which a particle is."""
-    block, axis, side = particle.faces["wall"]
-    node = next(n for k, n in particle.members if k == block)
-    normal: Array = problem.face_normal(block, node, axis, side)[0]
-    return normal
 
 
 def _has_motion(condition: Any) -> bool:

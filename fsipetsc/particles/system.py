@@ -184,7 +184,7 @@ class ParticleSystem:
         (at, apart), (weight, booked) = np.zeros((2, len(of)), np.int64), np.zeros((2, len(of)))
         for k, part in self._layout.parts.items():
             rows, numbers = self._own_of(k)
-            nodes = part.ghosted_rows(part.rows(numbers))
+            nodes = part.patch.ghosted_rows(part.rows(numbers))
             weight[rows] = part.weights(nodes) * (inertia[k][nodes] if k in inertia else 1.0)
             at[rows], apart[rows] = part.at(numbers), part.numbers.size
             booked[rows] = weight[rows] * self._layout.problem.loses(k)

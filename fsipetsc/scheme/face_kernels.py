@@ -67,10 +67,10 @@ class Turned(NamedTuple):
     """A solid's face in three dimensions, whose area vectors where it is now have the curl form,
     with derivatives within the face only, and the bits that a gas there has.
 
-    address: of its fsipetsc.blocks.cube.Cube, with x: (3, W) places less those of linear maps, y:
-    (3, W) these at rest, at: (W,) the nodes, and areas: (12, n), of which rows from ``row`` on are
-    filled. sign: of the outward normal. begin, nodes: which nodes of the faces it has, perhaps none
-    on this rank.
+    address: of its Cube (fsipetsc.blocks.metrics), with x: (3, W) places less those of linear maps,
+    y: (3, W) these at rest, at: (W,) the nodes, and areas: (12, n), of which rows from ``row`` on
+    are filled. sign: of the outward normal. begin, nodes: which nodes of the faces it has, perhaps
+    none on this rank.
     """
 
     address: int

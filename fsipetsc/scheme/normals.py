@@ -46,7 +46,7 @@ def listed(part: Any, rows: list[tuple[int, int, int, float, int]]) -> Faces:
     """From (row, number of the node in the block, axis, sign, column)."""
     row, number, axis, sign, column = np.array(rows).reshape(-1, 5).T
     row, number, axis, column = (i.astype(np.int64) for i in (row, number, axis, column))
-    node = part.ghosted_rows(part.rows(number))
+    node = part.patch.ghosted_rows(part.rows(number))
     nx, ny, _ = part.patch.ghosted
     place = np.stack([node % nx, node // nx % ny, node // (nx * ny)])
     weights = np.stack([band.weight[at] for band, at in zip(part.bands, place, strict=True)])

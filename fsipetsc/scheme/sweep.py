@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blocks.cube import cube_text
+from fsipetsc.blocks.metrics import cube_text
 from fsipetsc.equations.vectors import add, along, sub
 from fsipetsc.kernels.kernel import OWNED, Kernel
 from fsipetsc.kernels.loops import each, either, named, pick, when, whole
