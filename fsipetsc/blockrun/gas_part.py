@@ -18,7 +18,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.materials.own import check_inverses, knows_entropy
 from fsipetsc.operators.bands import differences, sigma_of
-from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
+from fsipetsc.parallel.block_layout import BlockLayout, Part, gather_of
 from fsipetsc.particles.members import Particle
 from fsipetsc.particles.system import ParticleSystem
 from fsipetsc.scheme import gas_record as does
@@ -73,9 +73,9 @@ class GasPart(BlockPart):
         where, self.moves = self.part.ghosted, nodes.size > 0
         made = motion_of(self._problem, k, self._order, where, nodes, faces)
         self._grid, self.metrics, self._kept = made
-        self.gather = FaceGather(self._layout, k, nodes, 2 * self._d)
+        self.gather = gather_of(self._layout, k, nodes, 2 * self._d)
         own, particle = system.nodes[k]
-        self._particles = particle[np.searchsorted(own, self.gather.nodes)]
+        self._particles = particle[np.searchsorted(own, nodes[self.gather.rows])]
         #: J of the reference map, over which that of the solution is saved and monitored
         self.reference, self._J = np.zeros((2, self.owned.size))
         self._places = self.X.copy()

@@ -239,22 +239,13 @@ class BlockVector:
         return part.local.T if part.has_halo else self.owned(k)
 
 
-class FaceGather(RowExchange):
-    """Numbers of nodes of block k, from the ranks that own the nodes to all of the block.
-
-    nodes: of these those that this rank owns. table: (all nodes, columns), of which ``rows`` are to
-    be filled for these before the exchange. Making one is collective on the ranks of the block.
+def gather_of(layout: BlockLayout, k: int, nodes: Numbers, columns: int) -> RowExchange:
+    """The exchange of numbers of nodes of block k, from the ranks that own the nodes to all of the
+    block. Making one is collective on these.
     """
-
-    def __init__(self, layout: BlockLayout, k: int, nodes: Numbers, columns: int) -> None:
-        share, me = layout.shares[k], layout.comm.rank
-        owners = share.owners(nodes)
-        rows = {rank: np.flatnonzero(owners == rank) for rank in share.ranks}
-        self.rows, self.nodes = rows[me], nodes[rows[me]]
-        received = {r: of_rank for r, of_rank in rows.items() if of_rank.size and r != me}
-        sent = {r: self.rows for r in share.ranks if self.rows.size and r != me}
-        table = np.zeros((nodes.size, columns))
-        super().__init__(layout.comm, GATHER_TAG + k, sent, received, table)
+    share, every = layout.shares[k], np.ones(nodes.size, bool)
+    wanted = dict.fromkeys(share.ranks, every)
+    return RowExchange(layout.comm, GATHER_TAG + k, share.owners(nodes), wanted, columns)
 
 
 class NaturalOrder:

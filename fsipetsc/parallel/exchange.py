@@ -102,20 +102,23 @@ class Exchange:
 
 
 class RowExchange(Exchange):
-    """Exchange of rows of a table, (rows, columns). sent, received: rank -> numbers of rows."""
+    """Exchange of rows of a table (rows, columns), from the ranks that own them to those that want
+    them. owners: (rows,) ranks; wanted: rank -> (rows,) whether it wants them, of this one, too.
+
+    rows: those that this rank owns.
+    """
 
     def __init__(
-        self,
-        comm: MPI.Comm,
-        tag: int,
-        sent: Mapping[int, Numbers],
-        received: Mapping[int, Numbers],
-        table: Array,
+        self, comm: MPI.Comm, tag: int, owners: Numbers, wanted: Mapping[int, Array], columns: int
     ) -> None:
-        places = np.arange(table.size).reshape(table.shape)
-        of, to = ({r: places[rows].ravel() for r, rows in m.items()} for m in (sent, received))
-        self.table, numbers = table, table.reshape(-1)
-        super().__init__(comm, tag, of, to, (_NO, _NO), numbers, numbers)
+        me, others = comm.rank, [rank for rank in wanted if rank != comm.rank]
+        self.table, self.rows = np.zeros((owners.size, columns)), np.flatnonzero(owners == me)
+        places = np.arange(self.table.size).reshape(self.table.shape)
+        sent = {r: places[(owners == me) & wanted[r]].ravel() for r in others}
+        received = {r: places[(owners == r) & wanted[me]].ravel() for r in others}
+        sent, received = ({r: p for r, p in of.items() if p.size} for of in (sent, received))
+        numbers = self.table.reshape(-1)
+        super().__init__(comm, tag, sent, received, (_NO, _NO), numbers, numbers)
 
 
 class Reduction:

@@ -110,13 +110,11 @@ class ParticleSystem:
         self.stores = any(p.stores for p in particles)
         self.slips = any(p.constraints for p in particles)
         most = max([1, *(len(p.constraints) for p in particles)])
-        others = np.unique(owners[owners != me]).tolist()
-        received = {rank: np.flatnonzero(owners == rank) for rank in others}
-        shared = {rank: np.isin(number, number[rows]) for rank, rows in received.items()}
-        sent = {rank: self._mine[with_it[self._mine]] for rank, with_it in shared.items()}
+        ranks = {me, *owners.tolist()}
+        wanted = {rank: np.isin(number, number[owners == rank]) for rank in sorted(ranks)}
         columns = max(d + 3, 2 * d + 1), 2 * most * d, 1
         self.sums, self.areas, self.stored = (
-            RowExchange(layout.comm, tag, sent, received, np.zeros((number.size, c)))
+            RowExchange(layout.comm, tag, owners, wanted, c)
             for tag, c in enumerate(columns, PARTICLES_TAG)
         )
         self.prescribed = Prescribed(layout.problem, particles, here.tolist(), instant)
