@@ -29,12 +29,12 @@ from fsipetsc.kernels.symbols import exact
 
 
 class Faces(NamedTuple):
-    """The two faces along an axis: columns (2, n) of the hull, or None, the band of the axis, the
-    first node of the range, weights of the ends of the axis; values and derivatives (4, n) along
-    the faces, by side and component, and memory.
+    """The two faces along an axis, if it has any: columns (2, n) of the hull, the band of the axis,
+    the first node of the range, weights of the ends of the axis; values and derivatives (4, n)
+    along the faces, by side and component.
     """
 
-    columns: Array | None
+    columns: Array
     S: Array
     weight: Array
     first: int
@@ -42,12 +42,11 @@ class Faces(NamedTuple):
     high: Array
     f: Array
     slope: Array
-    scratch: Array
 
 
 class PlaneMotion(NamedTuple):
     """See fsipetsc.blocks.grid.LineMotion. G: (4, N), D_1 X and D_2 X. along, across: the Faces of
-    both axes. corners: columns (2, 2) of the vertices, or None, ends: (4, 2) the values there;
+    both axes. corners: columns of the four vertices, if there are any, ends: (4, 2) values there;
     rise: (2, n) the bracket of D_2 u.
     """
 
@@ -55,7 +54,7 @@ class PlaneMotion(NamedTuple):
     G: Array
     along: Faces
     across: Faces
-    corners: Array | None
+    corners: Array
     ends: Array
     rise: Array
 
@@ -63,7 +62,7 @@ class PlaneMotion(NamedTuple):
         """Fill a^1 = (D_2 y, -D_2 x) and a^2 = (-D_1 y, D_1 x)."""
         self.hull.fill(self.hull.moved, known, 0)
         find_faces(self, self.hull.moved)
-        differentiate_faces(self, self.hull.moved)
+        differentiate_faces(self)
         G, n = self.G, self.along.low.shape[0]
         for j in each(self.across.low.shape[0]):
             row = Row(self, j)
@@ -97,20 +96,17 @@ class PlaneMotion(NamedTuple):
 
 def plane_motion(block: Block, wide: Wide, hull: Hull) -> PlaneMotion:
     """Of the range of nodes of a Wide."""
-    axes = []
+    axes, shape = [], block.shape
     for axis, ((begin, end), where) in enumerate(zip(wide.wide, wide.where)):
         index, weights = np.arange(begin, end), end_weights(block, axis, np.arange(*where))[:, 0]
-        faces = [face_nodes(block.shape, 1 - axis, s)[index % block.shape[axis]] for s in (0, 1)]
-        columns = None
-        if not block.periodic[1 - axis]:
-            columns = np.searchsorted(hull.nodes, np.array(faces))
-        memory = *np.zeros((2, 4, weights[0].size)), np.zeros((2, end - begin))
+        sides = () if block.periodic[1 - axis] else (0, 1)
+        nodes = [face_nodes(shape, 1 - axis, side)[index % shape[axis]] for side in sides]
+        columns = np.searchsorted(hull.nodes, np.array(nodes, int).reshape(-1, index.size))
         of_band = wide.S[axis], wide.weight[axis], where[0] - begin
-        axes.append(Faces(columns, *of_band, *weights, *memory))
-    corners = None
-    if not any(block.periodic):
-        of_ends = np.array([face_nodes(block.shape, 1, side)[[0, -1]] for side in (0, 1)])
-        corners = np.searchsorted(hull.nodes, of_ends)
+        axes.append(Faces(columns, *of_band, *weights, *np.zeros((2, 4, index.size))))
+    sides = () if any(block.periodic) else (0, 1)
+    vertices = [face_nodes(shape, 1, side)[[0, -1]] for side in sides]
+    corners = np.searchsorted(hull.nodes, np.array(vertices, int).ravel())
     G = np.ascontiguousarray(wide.gradients().reshape(4, -1))
     return PlaneMotion(hull, G, *axes, corners, np.zeros((4, 2)), np.zeros((2, axes[0].low.size)))
 
@@ -126,40 +122,27 @@ def blend_faces(plane, values, to, first):
         row.put_ends(to, first)
 
 
-def faces_of(plane):
-    """The Faces of axes that have any."""
-    return [faces for faces in (plane.along, plane.across) if faces.columns is not None]
-
-
 def find_faces(plane, values):
     """Find values (2, H) of the hull at faces and vertices."""
-    for faces in faces_of(plane):
-        for r in each(4):
+    for faces in plane.along, plane.across:
+        for r in each(2 * faces.columns.shape[0]):
             for i in each(faces.f.shape[1], vector=True):
-                faces.f[r, i] = values[r % 2, faces.columns[r // 2, faces.first + i]]
-    for c in range(2):
-        for corner in range(4 if plane.corners is not None else 0):
-            plane.ends[corner, c] = values[c, plane.corners[corner // 2, corner % 2]]
+                faces.f[r, i] = values[r % 2, faces.columns[r // 2, i]]
+    for corner in each(plane.corners.shape[0]):
+        for c in range(2):
+            plane.ends[corner, c] = values[c, plane.corners[corner]]
 
 
-def differentiate_faces(plane, values):
-    """Find derivatives along faces, from values (2, H) of the hull, and the bracket of D_2 u, from
-    what `find_faces` has found.
-    """
-    for faces in faces_of(plane):
-        given, slope = faces.scratch[0], faces.scratch[1]
-        for r in each(4):
-            for i in each(given.shape[0], vector=True):
-                given[i] = values[r % 2, faces.columns[r // 2, i]]
-            slopes_along(slope, given, faces.S, faces.weight)
-            for i in each(faces.f.shape[1], vector=True):
-                faces.slope[r, i] = slope[faces.first + i]
-    f, ends, low, high = plane.along.f, plane.ends, plane.along.low, plane.along.high
+def differentiate_faces(plane):
+    """Find derivatives along faces, and the bracket of D_2 u, from what `find_faces` has found."""
+    for faces in plane.along, plane.across:
+        slopes_along(faces.slope.reshape(-1), faces.f.reshape(-1), faces.S, faces.weight)
+    along, ends, low, high = plane.along, plane.ends, plane.along.low, plane.along.high
     for c in range(2):
         at_low, at_high = ends[2, c] - ends[0, c], ends[3, c] - ends[1, c]
         for i in each(low.shape[0], vector=True):
-            between = low[i] * at_low + high[i] * at_high
-            plane.rise[c, i] = exact((f[2 + c, i] - f[c, i]) - between)
+            between, at = low[i] * at_low + high[i] * at_high, along.first + i
+            plane.rise[c, i] = exact((along.f[2 + c, at] - along.f[c, at]) - between)
 
 
 class Row:
@@ -169,9 +152,9 @@ class Row:
         ends, like = [tuple(plane.ends[k, c] for c in range(2)) for k in range(4)], (0.0, 0.0)
         self.plane, self.l, self.h = plane, plane.across.low[j], plane.across.high[j]
         self.first = j * plane.along.low.shape[0]
-        of_faces = plane.across.f, plane.across.slope
+        across, at = plane.across, plane.across.first + j
         (self.W, self.E), (self.D_W, self.D_E) = (
-            (column(like, f, j), column_of(like, f, 2, j)) for f in of_faces
+            (column(like, f, at), column_of(like, f, 2, at)) for f in (across.f, across.slope)
         )
         self.start, self.stop = self._across(ends[0], ends[2]), self._across(ends[1], ends[3])
 
@@ -186,15 +169,15 @@ class Row:
 
     def slopes(self, i):
         """D_1 u and D_2 u of node i."""
-        like, slope = (0.0, 0.0), self.plane.along.slope
+        like, slope, at = (0.0, 0.0), self.plane.along.slope, self.plane.along.first + i
         bracket = sub(sub(self.E, self.W), sub(self.stop, self.start))
-        D_1 = add(self._across(column(like, slope, i), column_of(like, slope, 2, i)), bracket)
+        D_1 = add(self._across(column(like, slope, at), column_of(like, slope, 2, at)), bracket)
         return D_1, add(column(like, self.plane.rise, i), self._along(i, self.D_W, self.D_E))
 
     def values(self, i):
         """u of node i."""
-        like, f = (0.0, 0.0), self.plane.along.f
-        Q = self._across(column(like, f, i), column_of(like, f, 2, i))
+        like, f, at = (0.0, 0.0), self.plane.along.f, self.plane.along.first + i
+        Q = self._across(column(like, f, at), column_of(like, f, 2, at))
         W, E = sub(self.W, self.start), sub(self.E, self.stop)
         return add(Q, self._along(i, W, E))
 
