@@ -3,8 +3,8 @@
 from typing import Any
 
 from fsipetsc.kernels import build
+from fsipetsc.kernels.kernel import unit
 from fsipetsc.kernels.procedure import Code, Procedure
-from fsipetsc.kernels.unit import unit
 
 
 def load(code: Code) -> None:

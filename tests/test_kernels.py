@@ -21,10 +21,9 @@ from recorded import recorded
 from fsipetsc.equations.gas import Gas
 from fsipetsc.errors import InputError
 from fsipetsc.kernels import build
-from fsipetsc.kernels.kernel import PLANES, Kernel, numbers_of
+from fsipetsc.kernels.kernel import PLANES, Kernel, numbers_of, unit
 from fsipetsc.kernels.loops import each, number, otherwise, pick, stop, variable, when, whole
 from fsipetsc.kernels.symbols import MADE, Record, derivatives, exact, replay
-from fsipetsc.kernels.unit import unit
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.power_law import ConstantTransport
 from fsipetsc.scheme.gas_forms import EntropyForm
@@ -209,7 +208,7 @@ os.environ["FSIPETSC_CACHE"] = f"cache{{comm.rank}}"
 from test_kernels import simple, twice
 from fsipetsc.errors import FsiError
 from fsipetsc.kernels import build
-from fsipetsc.kernels.unit import unit
+from fsipetsc.kernels.kernel import unit
 from fsipetsc.process.libraries import libraries
 if comm.rank == 1:
     build.keep(simple()[1], build.made(simple()[0]))

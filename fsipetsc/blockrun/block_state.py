@@ -28,7 +28,7 @@ from fsipetsc.blockrun.saved import (
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.values import block_values
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.memory import zeros
+from fsipetsc.kernels.arrays import zeros
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder
 from fsipetsc.process.together import agree, together

@@ -22,7 +22,7 @@ from fsipetsc.parallel.block_layout import BlockLayout, Part, gather_of
 from fsipetsc.particles.members import Particle
 from fsipetsc.particles.system import ParticleSystem
 from fsipetsc.scheme import gas_record as does
-from fsipetsc.scheme.block_monitor import gas_integrals, room_of, sums_of
+from fsipetsc.scheme.block_monitor import gas_integrals, room_of
 from fsipetsc.scheme.gas_dissipation import gas_damping
 from fsipetsc.scheme.gas_forms import CONSERVED, convection_of
 from fsipetsc.scheme.gas_kernels import gas_kernels
@@ -124,7 +124,7 @@ class GasPart(BlockPart):
             grid=self._grid,
             reference=self.reference,
             J=self._J,
-            sums=np.zeros(sums_of(d)),
+            sums=np.zeros(len(gas_integrals(d))),
         )
         moving = (does.follow, does.move, does.swing, does.turn) if self.moves else ()
         every = *moving, images, normals, does.rates, does.monitor, does.begin_grid

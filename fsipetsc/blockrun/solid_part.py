@@ -10,7 +10,7 @@ from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.blocks.values import block_values
 from fsipetsc.equations.tensors import add_unit, apply, cofactor
 from fsipetsc.equations.vectors import dot
-from fsipetsc.kernels.memory import zeros
+from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.bands import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
@@ -19,7 +19,7 @@ from fsipetsc.scheme.normals import normals
 from fsipetsc.scheme.part import Nothing, images
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, solid_damping
 from fsipetsc.scheme.solid_kernels import solid_kernels
-from fsipetsc.scheme.solid_monitor import measure, monitor, solid_integrals, stressed, sums_of
+from fsipetsc.scheme.solid_monitor import measure, monitor, solid_integrals, stressed
 from fsipetsc.scheme.solid_record import SolidRecord, rates, store
 from fsipetsc.scheme.solid_sweep import WIDTH, solid_volume
 from fsipetsc.scheme.sweep import text_of
@@ -134,10 +134,10 @@ class SolidPart(BlockPart):
             loses=bool(self._loses),
             inertia=self.inertia,
             prestress=self.prestress if self.prestress.size else None,
-            room=np.zeros((MONITORED + sums_of(d)) * part.patch.own[0]),
+            room=np.zeros((MONITORED + len(solid_integrals(d)), part.patch.own[0])),
             masses=self._masses,
             F=self.F,
-            sums=np.zeros(sums_of(d) + 1),
+            sums=np.zeros(len(solid_integrals(d)) + 1),
             interfaces=np.array(found, float).reshape(-1, 4),
             stored_at=part.patch.ghosted_rows(part.rows(nodes)),
             rows_of_stored=rows,

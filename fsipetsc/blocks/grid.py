@@ -17,8 +17,8 @@ from fsipetsc.blocks.metrics import Cube, Wide
 from fsipetsc.blocks.plane_grid import plane_motion
 from fsipetsc.blocks.radial_grid import radial_motion
 from fsipetsc.checks import Array
+from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.loops import each, invoke
-from fsipetsc.kernels.memory import zeros
 from fsipetsc.kernels.symbols import exact
 
 

@@ -17,10 +17,10 @@ from fsipetsc.blocks.maps import place_text
 from fsipetsc.checks import Array
 from fsipetsc.equations.tensors import cofactor
 from fsipetsc.errors import InputError
+from fsipetsc.kernels.arrays import zeros
+from fsipetsc.kernels.kernel import c_source
 from fsipetsc.kernels.loops import each, pick, when
-from fsipetsc.kernels.memory import zeros
 from fsipetsc.kernels.symbols import exact
-from fsipetsc.kernels.unit import c_source
 from fsipetsc.operators.bands import Band
 
 #: struct pairs of cube.c

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.kernels.kernel import c_source, unit
 from fsipetsc.kernels.procedure import Code, Procedure
-from fsipetsc.kernels.unit import c_source, unit
 
 _POINTER, _NUMBER = ctypes.c_void_p, ctypes.c_long
 

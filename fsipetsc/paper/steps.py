@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.boundaries import Boundary
+from fsipetsc.kernels.arrays import Array
 from fsipetsc.kernels.loops import each, named, number, variable, when
-from fsipetsc.kernels.memory import Array
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.paper import ends, rates
 from fsipetsc.paper.stencils import Stencils, derivative

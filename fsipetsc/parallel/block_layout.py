@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.memory import zeros
+from fsipetsc.kernels.arrays import zeros
 from fsipetsc.operators.bands import AXIS, NO_AXIS, Band, Patch
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_shares import Extent, Share, share_out

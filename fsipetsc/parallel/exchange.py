@@ -18,7 +18,7 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fsipetsc.kernels.unit import c_source
+from fsipetsc.kernels.kernel import c_source
 from fsipetsc.operators.bands import Patch
 from fsipetsc.parallel.block_shares import Share
 

@@ -13,9 +13,8 @@ depend on which rank owns which nodes; no other number is computed from integral
 import numpy as np
 
 from fsipetsc.equations.vectors import dot, sub
-from fsipetsc.kernels.arrays import column, column_of, node
+from fsipetsc.kernels.arrays import Array, aligned, column, column_of, node
 from fsipetsc.kernels.loops import each
-from fsipetsc.kernels.memory import Array, aligned
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.columns import COLUMNS, clear, collected, count, tiled
 from fsipetsc.scheme.observables import PLACES
@@ -29,26 +28,20 @@ MONITORED = 5
 
 def room_of(d: int) -> Array:
     """Return memory for the columns in which `gas_monitor` collects."""
-    return aligned((MONITORED + sums_of(d)) * COLUMNS)
-
-
-def sums_of(d: int) -> int:
-    """Return how many integrals the monitor of a gas computes in d dimensions."""
-    return len(gas_integrals(d))
+    return aligned((MONITORED + len(gas_integrals(d))) * COLUMNS).reshape(-1, COLUMNS)
 
 
 def gas_monitor(part, q, metrics):
-    """Fill part.seen (MONITORED,) and part.sums (sums_of(d),) from the owned nodes; q: (M, d + 3).
+    """Fill part.seen (MONITORED,) and part.sums from the owned nodes; q: (M, d + 3).
 
     part: a fsipetsc.scheme.gas_record.GasRecord. metrics: those that bound the step.
     """
-    d = len(part.like)
-    room = part.room.reshape(MONITORED + sums_of(d), COLUMNS)
-    clear(room, MONITORED, sums_of(d), COLUMNS)
+    room, sums = part.room, len(gas_integrals(len(part.like)))
+    clear(room, MONITORED, sums, COLUMNS)
     for row, own, n in rows_of(part):
         for x, i in tiled(0, n):
             count(room, i, *measured(part, q, metrics, own + x, row + x))
-    collect(part, room, sums_of(d), COLUMNS)
+    collect(part, room, sums, COLUMNS)
 
 
 def measured(part, q, metrics, own, n):

@@ -53,9 +53,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fsipetsc.equations.vectors import add, along, choose, dot, mean, scale, sub
-from fsipetsc.kernels.arrays import column, column_of, put_column
+from fsipetsc.kernels.arrays import Array, column, column_of, put_column
 from fsipetsc.kernels.loops import each, variable, when
-from fsipetsc.kernels.memory import Array
 from fsipetsc.operators.bands import Differences, difference
 from fsipetsc.scheme.gas_force import collect_force, jump, with_force
 from fsipetsc.scheme.part import area, clear, gas_at, moving, rows_of

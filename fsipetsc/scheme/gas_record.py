@@ -5,8 +5,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.equations.vectors import dot
+from fsipetsc.kernels.arrays import Array
 from fsipetsc.kernels.loops import each, variable
-from fsipetsc.kernels.memory import Array
 from fsipetsc.scheme.block_monitor import gas_monitor, note
 from fsipetsc.scheme.gas_force import add_force, find_potential, note_potential
 from fsipetsc.scheme.gas_sweep import gas_sweep

@@ -20,9 +20,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.kernels.arrays import Array, aligned
 from fsipetsc.kernels.kernel import numbers_of
 from fsipetsc.kernels.loops import each, named, pick, when
-from fsipetsc.kernels.memory import Array, aligned
 from fsipetsc.operators.bands import Band, Patch
 from fsipetsc.scheme.gas_kernels import GasKernels
 from fsipetsc.scheme.sweep import Nodes, in_order, order

@@ -6,9 +6,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from fsipetsc.kernels.arrays import column_of, node
+from fsipetsc.kernels.arrays import Array, column_of, node
 from fsipetsc.kernels.loops import each, either
-from fsipetsc.kernels.memory import Array
 
 
 class Nothing(NamedTuple):

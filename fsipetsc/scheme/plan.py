@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fsipetsc.kernels.arrays import Array
 from fsipetsc.kernels.loops import each, when, whole
-from fsipetsc.kernels.memory import Array
 from fsipetsc.scheme.observables import SERIES, record
 
 # where what stands among the results of a completed step

@@ -15,9 +15,8 @@ viscosity makes entropy at each node.
 from typing import Any, NamedTuple
 
 from fsipetsc.equations.vectors import add, dot, scale
-from fsipetsc.kernels.arrays import column_of, put_column
+from fsipetsc.kernels.arrays import Array, column_of, put_column
 from fsipetsc.kernels.loops import each
-from fsipetsc.kernels.memory import Array
 from fsipetsc.scheme.normals import add_areas, slope_at, turn_plane
 from fsipetsc.scheme.part import Nothing, area, gas_at, ghosted_node
 

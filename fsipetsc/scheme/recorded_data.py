@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.errors import place_in, reason
+from fsipetsc.kernels.kernel import unit
 from fsipetsc.kernels.loops import each
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.kernels.symbols import NotRecorded, Record, needed, number_of, numbers_of
-from fsipetsc.kernels.unit import unit
 from fsipetsc.scheme.plan import DT, TIME
 
 Array = NDArray[Any]

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.kernels.arrays import Array
 from fsipetsc.kernels.loops import each, variable
-from fsipetsc.kernels.memory import Array
 from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
 from fsipetsc.scheme.part import clear
 from fsipetsc.scheme.plan import BAD, DT, RATE, SAID_STOP, STOP, Plan

@@ -24,9 +24,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.equations.vectors import dot, mean, scale, sub
-from fsipetsc.kernels.arrays import column, part_of
+from fsipetsc.kernels.arrays import Array, column, part_of
 from fsipetsc.kernels.loops import each, variable, when
-from fsipetsc.kernels.memory import Array
 from fsipetsc.operators.bands import Differences, difference
 from fsipetsc.scheme.gas_dissipation import largest, sense
 from fsipetsc.scheme.part import area, rows_of

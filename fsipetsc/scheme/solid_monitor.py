@@ -20,11 +20,6 @@ def solid_integrals(d):
     return *along_axes("momentum", d), "energy", *turning(d), "solid_energy"
 
 
-def sums_of(d: int) -> int:
-    """Return how many integrals the monitor of a solid computes in d dimensions."""
-    return len(solid_integrals(d))
-
-
 def monitor(part, found, y):
     """Note extremes and sums of a part of a solid block, and what is recorded of interfaces in one
     dimension; fill F.
@@ -49,15 +44,15 @@ def find(part, known, q):
     """
     d, room, width, sums = len(part.like), part.room, part.patch.own[0], part.sums
     solid_strains(part, known, q, part.F)
-    columns = room.reshape(MONITORED + sums_of(d), width)
-    clear(columns, MONITORED, sums_of(d), width)
+    names = solid_integrals(d)
+    clear(room, MONITORED, len(names), width)
     for node, own, n in rows_of(part):
         for i in each(n, vector=True):
             of, place = (q, node + i) if known is None else (known, own + i)
             extremes, found = seen_at(part, of.turned(), place, node + i, own + i)
             mass = part.masses[own + i]
-            count(columns, i, extremes, [mass * found[name] for name in solid_integrals(d)])
-    collect(part, columns, sums_of(d), width)
+            count(room, i, extremes, [mass * found[name] for name in names])
+    collect(part, room, len(names), width)
     sums[-1] = -sums[sums.size - 2]
 
 

@@ -2,8 +2,8 @@
 
 from typing import Any, NamedTuple
 
+from fsipetsc.kernels.arrays import Array
 from fsipetsc.kernels.loops import each, variable, when
-from fsipetsc.kernels.memory import Array
 from fsipetsc.scheme.face_kernels import strain_at
 from fsipetsc.scheme.part import ghosted, ghosted_planes, owned, owned_planes
 from fsipetsc.scheme.solid_monitor import prestress_energy
@@ -18,7 +18,7 @@ class SolidRecord(NamedTuple):
     prestress: (d d, N) what P has beside, or None. inertia: (N,) J0 m0, masses: (M,) weights times
     J0 m0. F: (d d, M), or one more with hoops, as monitored last. loses: whether work is booked,
     for what steps lose of kinetic and elastic energy. forcing: (2d + 1, M) of velocity, temperature
-    and place, or None. room: ((MONITORED + sums_of(d)) n,) memory of the monitor, n the owned nodes
+    and place, or None. room: (MONITORED and integrals, n) memory of the monitor, n the owned nodes
     along the first axis. interfaces: (n, 4) number of an interface at this
     part in one dimension, owned row of its node, X, prestress. stored_at: (n,) ghosted rows of
     members that tell what they store, rows_of_stored: (n,) where.

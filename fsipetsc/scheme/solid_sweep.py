@@ -23,9 +23,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fsipetsc.kernels.arrays import aligned
 from fsipetsc.kernels.kernel import numbers_of
 from fsipetsc.kernels.loops import each, named, otherwise, pick, when
-from fsipetsc.kernels.memory import aligned
 from fsipetsc.operators.bands import Band, Patch
 from fsipetsc.scheme.solid_kernels import SolidKernels
 from fsipetsc.scheme.sweep import Nodes, in_order, order, parts

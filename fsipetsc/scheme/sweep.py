@@ -25,9 +25,8 @@ from numpy.typing import NDArray
 
 from fsipetsc.blocks.metrics import cube_text
 from fsipetsc.equations.vectors import add, along, sub
-from fsipetsc.kernels.kernel import OWNED, Kernel
+from fsipetsc.kernels.kernel import OWNED, Kernel, unit
 from fsipetsc.kernels.loops import each, either, named, pick, when, whole
-from fsipetsc.kernels.unit import unit
 
 #: what is stored: k, the next stage, the solution
 RATES, NEXT, LAST = range(3)
