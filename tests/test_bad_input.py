@@ -20,7 +20,7 @@ LINES = [
     ("info", 2, "RUN.h5 is missing"),
     ("plot a.h5 -o", 2, "-o needs a value…plot RUN.h5 [-o DIR"),
     ("modes rod", 2, "the command modes knows the cases ring and shell"),
-    ("verify turek", 2, "there is no entry 'turek': expected elastic_piston"),
+    ("verify turek", 2, "there is no entry 'turek': expected vortex"),
     ("geometry", 2, "geometry: CASE is missing: python -m fsipetsc geometry CASE"),
     # options
     ("rod -fsi_ordr 4", 2, "-fsi_ordr…did you mean -fsi_order?"),
