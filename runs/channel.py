@@ -21,11 +21,9 @@ from fsipetsc.blocks.conditions import Given, NoSlip, Open, Slip
 from fsipetsc.blocks.maps import rectangle
 
 SUMMARY = "a gas flows through a plane channel"
+INFLOWS = ("profile", "uniform", "slip", "fringe", "given", "periodic")
 OPTIONS = (
-    Option(
-        *("channel_inflow", str, "profile", "", "how the gas comes in"),
-        choices=("profile", "uniform", "slip", "fringe", "given", "periodic"),
-    ),
+    Option("channel_inflow", str, "profile", "", "how the gas comes in", INFLOWS),
     Option("channel_mach", float, 0.1, "", "Mach number of the mean velocity", check="positive"),
     Option("channel_reynolds", float, 20.0, "", "of mean velocity and height", check="positive"),
 )
@@ -54,9 +52,8 @@ def build(opt):
     if periodic:
         whole = rectangle((0.0, 0.0), (ENTRY, 1.0))
         block = Block("channel", gas, whole, cells(ENTRY), start, periodic=(True, False))
-        return BlockProblem(
-            (block,), {("channel", 1, s): NoSlip(T=1.0) for s in (0, 1)}, units="none"
-        )
+        walls = {("channel", 1, side): NoSlip(T=1.0) for side in (0, 1)}
+        return BlockProblem((block,), walls, units="none")
 
     blocks = (
         Block("entry", gas, rectangle((0.0, 0.0), (ENTRY, 1.0)), cells(ENTRY), start),

@@ -18,10 +18,7 @@ from fsipetsc import Fluid, FluidLayer, Open, Option, Piecewise, Problem, Wall
 
 SUMMARY = "a piston whose way is a table drives gas in a long tube"
 OPTIONS = (
-    Option(
-        *("wall_way", str, "spline", "", "how the samples become a motion"),
-        choices=("spline", "pchip", "lines", "exact"),
-    ),
+    Option("wall_way", str, "spline", "", "interpolant", ("spline", "pchip", "lines", "exact")),
     Option("wall_samples", int, 25, "", "samples of the table", check="positive"),
 )
 DEFAULTS = {"fsi_h": 0.01, "fsi_order": 4, "ts_max_time": 0.01, "fsi_output_dt": 1e-4}

@@ -9,15 +9,13 @@ shock and behind the fan the state of the gas is known (J. D. Anderson, Modern C
 of it. Velocities are over the speed of sound of the gas that comes in, densities over its density.
 """
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 from scipy.optimize import brentq
 
 from fsipetsc import Block, BlockProblem, Fluid, Option
 from fsipetsc.blocks.conditions import Clamped, Open, Outflow, Roller, Slip
 from fsipetsc.blocks.maps import corners
+from fsipetsc.cases import common
 from fsipetsc.cases.flows import turned_by
 from fsipetsc.cases.riemann import GasState, sound
 from fsipetsc.materials.solid import ElasticSolid
@@ -28,15 +26,9 @@ OPTIONS = (
     Option("ramp_mach", float, 2.0, "", "Mach number of the gas that comes in", check=above_one),
     Option("ramp_angle", float, 10.0, "degrees", "angle of the ramp", check="positive"),
     Option("ramp_wall", str, "elastic", "", "what the floor is", ("rigid", "elastic")),
-    Option(
-        *("ramp_modulus", float, 200.0, "", "2 mu_e + lambda_e over the first pressure"),
-        check="positive",
-    ),
+    Option("ramp_modulus", float, 200.0, "", "2 mu_e + lambda_e over p_1", check="positive"),
 )
-DEFAULTS = {
-    **{"fsi_h": 1 / 32, "ts_max_time": 4.0, "fsi_output_dt": 0.2},
-    **{"fsi_shock": 1.0, "fsi_dissipation": 1.0},
-}
+DEFAULTS = {"fsi_h": 1 / 32, "ts_max_time": 4.0, "fsi_output_dt": 0.2, **common.SHOCKS}
 
 GAMMA, HEIGHT, DEPTH = 1.4, 1.75, 0.25
 #: X of the inflow, the foot, the crest, the outflow
@@ -60,7 +52,7 @@ def through_fan(gas: Fluid, state: GasState, theta: float) -> GasState:
     return GasState(rho, after * np.sqrt(GAMMA * p / rho), p)
 
 
-def build(opt: Mapping[str, Any]) -> BlockProblem:
+def build(opt):
     """Three blocks of gas: before, on and behind the ramp; below them three of the solid."""
     M, theta, gas = opt["ramp_mach"], np.radians(opt["ramp_angle"]), Fluid(0, 0, GAMMA, 1 / GAMMA)
     first = GasState(1.0, M, 1 / GAMMA)
@@ -87,12 +79,7 @@ def build(opt: Mapping[str, Any]) -> BlockProblem:
             for k in range(3)
         ]
 
-    def flow(x, y):
-        return 1 + 0 * x, M + 0 * x, 0 * x, 1 + 0 * x
-
-    def rest(x, y):
-        return 0 * x, 0 * x, 1 + 0 * x, x, y
-
+    flow, rest = common.constant(1.0, M, 0.0, 1.0), common.at_rest()
     beyond = Open(1.0, (M, 0.0), 1.0)
     faces = {(f"gas {k}", 1, 1): beyond for k in range(3)}
     faces |= {("gas 0", 0, 0): beyond, ("gas 2", 0, 1): Outflow()}

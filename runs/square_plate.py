@@ -6,11 +6,6 @@ It swings between 0 and nearly twice its static deflection, 5.5 um, with its fir
 4.37 kHz (Mindlin's theory for L/d = 20, docs/plates.md). 1,728 steps, a minute of one core.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from typing import Any
-
 from fsipetsc import Block, BlockProblem, Option
 from fsipetsc.blocks.conditions import Clamped, Free
 from fsipetsc.blocks.maps import rectangle
@@ -29,7 +24,7 @@ DEFAULTS = {
 LENGTH, YOUNG, POISSON, DENSITY = 0.1, 210e9, 0.3, 7800.0  # of steel: E [Pa], nu, density [kg/m3]
 
 
-def build(opt: Mapping[str, Any]) -> BlockProblem:
+def build(opt):
     """One block; axis 2 is through the thickness."""
     mu = 0.5 * YOUNG / (1.0 + POISSON)
     lam = 2.0 * mu * POISSON / (1.0 - 2.0 * POISSON)

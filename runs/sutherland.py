@@ -9,28 +9,16 @@ somewhere within the time. -hot_law 0 leaves mu and kappa constant, -hot_law 2 t
 law, which is the same.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
-from fsipetsc.boundaries import Wall, free
-from fsipetsc.materials.fluid import Fluid
+from fsipetsc import Fluid, FluidLayer, Option, Problem, Solid, SolidLayer, Wall, free
 from fsipetsc.materials.own import transport_law
-from fsipetsc.materials.solid import Solid
 from fsipetsc.materials.sutherland import sutherland
-from fsipetsc.options import Option
-from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 SUMMARY = "hot gas whose viscosity follows Sutherland's law cools at a cold block"
 OPTIONS = (
     Option("hot_T", float, 1200.0, "K", "temperature of the gas at the wall", check="positive"),
-    Option(
-        *("hot_law", int, 1, "-", "1: Sutherland's law, 2: the built-in one, 0: constant"),
-        choices=(0, 1, 2),
-    ),
+    Option("hot_law", int, 1, "", "1: Sutherland's, 2: the built-in one, 0: constant", (0, 1, 2)),
 )
 DEFAULTS = {"fsi_h": 0.02, "ts_max_time": 0.02, "fsi_output_dt": 0.002}
 P0, COLD, T_0, S = 1e5, 300.0, 273.0, 111.0
@@ -41,19 +29,18 @@ def relative(T):
     return np.sqrt(T / T_0) * (T / T_0) * ((T_0 + S) / (T + S))
 
 
-def build(opt: Mapping[str, Any]) -> Problem:
+def build(opt):
     """Gas in 0 < X < 1, hot on the left and as cold as the block on its right."""
     transport = (None, transport_law(relative), sutherland(T_0, S))[opt["hot_law"]]
     air = Fluid(mu=1.0, kappa=1400.0, gamma=1.4, R=287.0, transport=transport)
     block = Solid(K=1e8, kappa_e=1000.0, m0=250.0, alpha=500.0)
 
-    def gas(X: np.ndarray) -> list[np.ndarray]:
-        # no heat through either end
+    def gas(X):  # no heat through either end
         T = COLD + (opt["hot_T"] - COLD) * np.cos(0.5 * np.pi * X) ** 2
-        return [P0 / (air.R * T), np.zeros(X.shape), T]
+        return P0 / (air.R * T), 0.0, T
 
-    def cold(X: np.ndarray) -> list[np.ndarray]:
-        return [np.zeros(X.shape), np.full(X.shape, -P0), np.full(X.shape, COLD), X]
+    def cold(X):
+        return 0.0, -P0, COLD, X
 
     layers = FluidLayer("gas", air, (0.0, 1.0), gas), SolidLayer("block", block, (1.0, 1.2), cold)
     return Problem(layers, left=Wall(0.0), right=free(-P0))

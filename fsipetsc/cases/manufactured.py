@@ -77,12 +77,10 @@ class Solution:
         self.jump = recorded(2 * d + 1, self._jump)
 
     def gas_fields(self, *where: Any) -> Numbers:
-        """Return (rho, u_1 … u_d, T)."""
         w = derivatives(self.moved(*where), where[-1])
         return (self.rho(*where), *add(w, self.drift(*where)), self.T(*where))
 
     def solid_fields(self, *where: Any) -> Numbers:
-        """Return (v_1 … v_d, T, x_1 … x_d)."""
         D = self.displacement(*where)
         return (*derivatives(D, where[-1]), self.T(*where), *add(where[:-1], D))
 
