@@ -27,6 +27,7 @@ LABELS = {
     "ranks": "ranks",
     "points": "points",
     "interfaces": "interfaces",
+    "rejected_steps": "rejected steps",
     "rhs_evaluations": "right-hand sides",
     "versions": "versions",
 }

@@ -154,8 +154,9 @@ def _spans(S: Array, x0: int, x1: int) -> list[tuple[int, int, int]]:
     for k in range(1, len(S)):
         first = max(x0 - k, 0)
         lower = first + np.flatnonzero(S[k, first : min(x1, S.shape[1] - k)])
-        for run in np.split(lower, 1 + np.flatnonzero(np.diff(lower) > GAP)):
-            spans += [(k, run[0], run[-1] + 1)] * (run.size > 0)
+        if lower.size:
+            runs = np.split(lower, 1 + np.flatnonzero(np.diff(lower) > GAP))
+            spans += [(k, run[0], run[-1] + 1) for run in runs]
     return spans
 
 

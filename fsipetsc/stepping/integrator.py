@@ -13,6 +13,7 @@ from fsipetsc.errors import InputError, clear_frames
 from fsipetsc.process.together import agree
 from fsipetsc.scheme.observables import INTEGRAL, SERIES
 from fsipetsc.scheme.plan import (
+    BAD,
     DT,
     LONGEST,
     MADE,
@@ -37,8 +38,10 @@ CHECKED = 256
 MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}
 #: most steps in a batch; between batches signals are answered and progress is shown
 MOST_STEPS = 64
+#: a step that leaves an unphysical state is tried again, down to this part of its length
+SHORTEST = 1 / 16
 #: what a checkpoint keeps as it is
-KEPT = "steps", "t", "wall_time", "initial", "saved_at"
+KEPT = "steps", "rejected", "t", "wall_time", "initial", "saved_at"
 
 
 def saved_times(
@@ -62,8 +65,8 @@ class Integrator:
     checkpoints says a class that inherits from this one.
 
     opt: options in force. saved: times [s] at which there are frames; those of the options if not
-    given. steps, t, wall_time [s] of the loop: reached so far; saved_at: time of the last frame.
-    initial: integrals at t = 0. stop_signal: that which has ended the run, or 0.
+    given. steps, t, wall_time [s] of the loop: reached so far; rejected: steps that were tried
+    again; saved_at: time of the last frame. initial: integrals at t = 0. stop_signal: that which has ended the run, or 0.
     """
 
     def __init__(
@@ -79,7 +82,8 @@ class Integrator:
             times = opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"]
             saved = saved_times(*times, state.problem.unit("s"))
         self._targets = sorted(saved, reverse=True)  # times that are still to be hit
-        self.steps, self.t, self.saved_at = 0, 0.0, -1.0
+        self.steps, self.rejected, self.t, self.saved_at = 0, 0, 0.0, -1.0
+        self._part, self._sound = 1.0, 0  # of a step that is tried again; steps before it
         self.wall_time = self._begun = 0.0
         self.stop_signal = 0
         self._fused = opt["ts_type"] == "fused"
@@ -173,7 +177,8 @@ class Integrator:
             while not self._ended:
                 self._plan_step(ts)
                 self._step(ts)
-                self._after_step()
+                if not self._goes_back():
+                    self._after_step()
         finally:
             self.wall_time += time.perf_counter() - self._begun
             if self._watched:
@@ -201,12 +206,16 @@ class Integrator:
     def _plan_step(self, ts: PETSc.TS) -> None:
         opt, state, target = self.opt, self.state, self._targets[-1]
         courant, fixed = opt["fsi_cfl"], opt["ts_dt"] or 0.0
-        bound = longest_step(courant, fixed, float(state.results[RATE]))
+        bound = self._part * longest_step(courant, fixed, float(state.results[RATE]))
         step, after = next_step(self.t, target, bound)
         state.results[SAID_STOP] = self._word()
         left = [opt["ts_max_steps"] - self.steps, self._room - self._recorded]
         if self._every:
             left.append(self._every - self.steps % self._every)
+        if self._part < 1.0:
+            left.append(1)
+        if self._sound:
+            left.append(self._sound)
         times = self.t, step, after, target, courant, fixed
         state.batch[:] = *times, min(self.batch_limit, *left), 0, 0.0, self._recorded
         if self._watched or not self._fused:
@@ -236,6 +245,21 @@ class Integrator:
             state.planning()
         if state.results[STOP] >= FAULT:  # the step was made with data that are wrong
             agree(state.comm, state.fault)
+
+    def _goes_back(self) -> bool:
+        """Go back if the last step left an unphysical state: to the steps before it, which are made
+        once more, or if there are none to half of that step. False if the run goes on from here.
+        """
+        state, made = self.state, int(self.state.batch[MADE])
+        if not self._fused or not state.results[BAD] or self._part <= SHORTEST:
+            self._part, self._sound = 1.0, 0
+            return False
+        state.go_back()
+        self._sound = made - 1
+        if made == 1:
+            self._part *= 0.5
+            self.rejected += 1
+        return True
 
     def _after_step(self) -> None:
         state = self.state

@@ -326,6 +326,7 @@ class Run(Integrator):
             "message": message,
             "t": self.t,
             "steps": self.steps,
+            "rejected_steps": self.rejected,
             "rhs_evaluations": state.evaluations,
             "interfaces": dict(zip(self.problem.interface_names, state.places)),
             "points": state.points,
