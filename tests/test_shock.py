@@ -97,3 +97,17 @@ def test_cold_gas_falls_on_a_wall(mach, order):
         np.testing.assert_allclose(p[:5], behind, rtol=0.03)
         assert 5.5 < rho.max() < 6.1 and np.abs(rho[20:80] * 1.8 - 1.0).max() < 0.1
         np.testing.assert_allclose(run.integrals()[[0, 2]], before[[0, 2]], rtol=1e-13)
+
+
+def test_a_step_that_leaves_an_unphysical_state_is_tried_again(tmp_path):
+    """With half its length or less, and as in steps one by one, those before it stay."""
+    words = "-fsi_h 0.02 -shock_problem strong -fsi_shock 0 -fsi_dissipation 0"
+    words += " -ts_dt 0.01 -ts_max_time 0.1 -fsi_output_dt 0.1"
+    batches, single = f"{words} -fsi_quiet", f"{words} -ts_monitor"
+    runs = compute(1, tmp_path, {"batches": ("shock", batches), "single": ("shock", single)})
+    runs = [runs[name] for name in ("batches", "single")]
+    assert runs[0].summary["rejected_steps"] > 2
+    dt, *others = (run.series["dt"] for run in runs)
+    assert dt[0] == 0.01 and (dt[1:] == 0.005).any()
+    assert np.array_equal(dt, others[0])
+    assert np.array_equal(runs[0].layers[0]["T"], runs[1].layers[0]["T"])

@@ -219,10 +219,10 @@ class BlockState(State):
         self._do("fulfil", 1)
         self.show(0)
 
-    def go_back(self) -> None:
+    def repeat(self, look: Callable[[], Any]) -> Any:
         """As of any state; Python is asked for recorded data, as it says what is wrong."""
         self.phases.asks, self._filled = not self.phases.steady, ((np.inf, 0.0),)
-        super().go_back()
+        return super().repeat(look)
 
     # checkpoints
 
