@@ -66,7 +66,8 @@ class Integrator:
 
     opt: options in force. saved: times [s] at which there are frames; those of the options if not
     given. steps, t, wall_time [s] of the loop: reached so far; rejected: steps that were tried
-    again; saved_at: time of the last frame. initial: integrals at t = 0. stop_signal: that which has ended the run, or 0.
+    again; saved_at: time of the last frame. initial: integrals at t = 0. stop_signal: that which
+    has ended the run, or 0.
     """
 
     def __init__(
