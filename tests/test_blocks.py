@@ -176,6 +176,9 @@ WRONG = {
         walls("a", but=[("a", 0, 1)])
     ),
     "meets it: expected one, or a face with the same 9 nodes": lambda: two(square("b", map=curved)),
+    r"not smooth along axis 0, at .* = \(0.29": lambda: square(
+        map=lambda xi: (xi[0] + 0.2 * abs(xi[0] - 0.3), xi[1])
+    ),
     r"side 1\), .*, meets block 'b'.*: expected no condition, and": lambda: BlockProblem(
         [square(), beside()], walls("a", "b", but=[("b", 0, 0)])
     ),

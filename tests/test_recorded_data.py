@@ -13,6 +13,9 @@ from mpi4py import MPI
 import fsipetsc
 from fsipetsc import Fluid, FluidLayer, Problem, Wall
 from fsipetsc.blockrun.block_state import BlockState
+from fsipetsc.errors import InputError
+from fsipetsc.particles.members import particles_of
+from fsipetsc.particles.prescribed import Prescribed
 from fsipetsc.problem import blocks_of_line
 from fsipetsc.stepping.notes import notes
 
@@ -145,3 +148,29 @@ def test_bad_data_end_the_run_with_what_is_bad(kind, said, tmp_path):
     with fsipetsc.open_run(tmp_path / "run.h5") as run:
         assert 9 <= len(run.series["t"]) <= 11
         assert all(a < b for a, b in pairwise(run.series["t"]))
+
+
+#: place and velocity of walls that are as they should be
+RIGHT = {
+    "swings": (lambda t: 0.1 * np.sin(7 * t), lambda t: 0.7 * np.cos(7 * t)),
+    "kink": (lambda t: np.maximum(0.0, t - 0.3), lambda t: np.where(t > 0.3, 1.0, 0.0)),
+    "far": (lambda t: 1e3 + 1e-3 * t, lambda t: 1e-3),
+    "rest": (lambda t: 0.2, lambda t: 0.0),
+    "unrecorded": (lambda t: max(0.0, t - 0.3), lambda t: float(t > 0.3)),
+}
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_the_velocity_of_a_wall_is_the_derivative_of_its_place(name):
+    x, v = RIGHT[name]
+
+    def check(velocity):
+        problem = at_wall(x, velocity=velocity)
+        particles = particles_of(problem)
+        Prescribed(problem, particles, range(len(particles)), lambda: 1 / 256).check_motion(1.0)
+
+    check(v)
+    if name != "rest":
+        for wrong in (lambda t: 1.05 * v(t), lambda t: v(t) * (1.0 if t < 0.7 else 2.0)):
+            with pytest.raises(InputError, match=r"line \d+: velocity of NoSlip at t = .*x alone"):
+                check(wrong)

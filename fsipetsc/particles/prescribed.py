@@ -7,6 +7,7 @@ stress at that node grows as 1/h, and no grid converges. That is refused.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -27,6 +28,9 @@ WALLS = "wall", "slip", "given_gas"
 #: part of the larger one by which velocities that meet may differ; part of the velocity of a wall
 #: at rest that may point across it, and parts of a run at which it is looked at
 APART, ACROSS, TIMES = 1e-3, 0.1, (1.0, 0.75, 0.51, 0.26, 0.0)
+#: parts of a run at which a velocity is held against the place; part of the largest one by which
+#: it may differ
+BETWEEN, WRONG = (0.7549, 0.5098, 0.2647), 1e-2
 #: of the distance below which places are one: velocities may be differences of places
 ROUND_OFF = 1e-4
 
@@ -97,6 +101,8 @@ class Prescribed:
         self.by_differences = any(_has_motion(source.condition) for source in self._sources)
         moved = [who for name in WALLS for c, who in _grouped(own, name) if c.moves]
         self.moving = np.unique(np.concatenate([np.empty(0, np.int64), *moved]))
+        every = [group for name in (*WALLS, "clamp") for group in _grouped(own, name)]
+        self._moved = [(c, who) for c, who in every if c.velocity and c.moves]
         sliding = [(c, who) for c, who in _grouped(own, "wall") if c.velocity and not c.moves]
         normals = [np.array([own[p].wall_normal(problem) for p in who]) for _, who in sliding]
         self._sliding = [(*one, normal) for one, normal in zip(sliding, normals, strict=True)]
@@ -140,8 +146,11 @@ class Prescribed:
 
     def check_motion(self, t_end: float) -> None:
         """InputError where, at some times in 0 … t_end [s], two conditions want velocities that
-        cannot be, or that of a wall at rest does not lie in it. Perhaps on this rank alone.
+        cannot be, that of a wall at rest does not lie in it, or one is not the derivative of the
+        place. Perhaps on this rank alone.
         """
+        for condition, who in self._moved if t_end > 0.0 else ():
+            self._check_velocity(condition, who, [part * t_end for part in BETWEEN])
         for t in (part * t_end for part in TIMES):
             for met in self._met:
                 self._compare(met, t)
@@ -156,6 +165,22 @@ class Prescribed:
                         "expected one along it, or x, too",
                         collective=False,
                     )
+
+    def _check_velocity(self, condition: Any, who: Array, times: Sequence[float]) -> None:
+        """InputError where a velocity is not the derivative of x."""
+        x, alone = self._x[who].T, replace(condition, velocity=None)
+        given, found = (
+            np.array([motion(c, self._instant, x, t)[1] for t in times]) for c in (condition, alone)
+        )
+        apart = np.abs(given - found)
+        if apart.max() > WRONG * max(np.abs(given).max(), np.abs(found).max()):
+            k, c, p = np.unravel_index(apart.argmax(), apart.shape)
+            raise InputError(
+                f"{place_of(condition.velocity)}: velocity of {type(condition).__name__} at t = "
+                f"{times[k]:.6g}: {'uvw'[c]} = {given[k, c, p]:.6g}, and {'xyz'[c]} changes by "
+                f"{found[k, c, p]:.6g} per second: expected the derivative of x, or x alone",
+                collective=False,
+            )
 
     def _compare(self, met: Met, t: float) -> None:
         """InputError where two conditions want different velocities at time t [s]."""
