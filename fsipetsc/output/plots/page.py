@@ -56,7 +56,9 @@ def plot(path: str, given: Mapping[str, str]) -> str:
     FileError; InputError for options that cannot be followed.
     """
     from matplotlib import rc_context
+    from matplotlib.animation import FFMpegWriter
 
+    films = FILMS if FFMpegWriter.isAvailable() else FILMS[:1]
     names, probes = (given.get(name, "") for name in ("-fields", "-probes"))
     wanted = Wanted(
         fields=[name.strip() for name in names.split(",") if names],
@@ -66,7 +68,7 @@ def plot(path: str, given: Mapping[str, str]) -> str:
         probes=[PROBE.parse(place) for place in probes.split(";") if probes],
     )
     where, every, film = Path(given.get("-o", os.curdir)), "-all" in given, "-animate" in given
-    endings = FILMS if film else PICTURES
+    endings = films if film else PICTURES
     is_file = where.suffix in endings and not every
     if where.suffix and not (every or is_file or where.is_dir()):
         ends = f"or a file that ends with {' or '.join(endings)}"
@@ -77,8 +79,8 @@ def plot(path: str, given: Mapping[str, str]) -> str:
             for name, draw in pictures(run, wanted).items():
                 done.append(style.save(draw(), where / f"{stem}-{name}.png"))
         if film:
-            done.append(where if is_file else where / f"{stem}.gif")
-            animate(run, done[-1], wanted)
+            every_film = [where] if is_file else [where / f"{stem}{ending}" for ending in films]
+            done += [animate(run, target, wanted) for target in every_film]
         if not done:
             done = [style.save(page(run, wanted), where if is_file else where / f"{stem}.png")]
     return "\n".join(map(str, done))
@@ -255,9 +257,9 @@ def envelope(t: Array, values: Array, parts: int = 300) -> tuple[Array, Array]:
 # a film: maps, or in one dimension profiles, one frame after the other
 
 
-def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> None:
+def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     """Draw a result as a film, all frames with the same scales, into a file that ends with .gif or
-    .mp4. FileError, InputError.
+    .mp4, which is returned. FileError, InputError.
     """
     from matplotlib.animation import writers
     from matplotlib.figure import Figure
@@ -288,3 +290,4 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> None:
                     figure.set_layout_engine("none")  # only what is drawn moves from now on
                 title.set_text(titles[frame])
                 writer.grab_frame()
+    return target
