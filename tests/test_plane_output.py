@@ -13,6 +13,7 @@ from fsipetsc.output.file_layout import open_h5
 #: gas | plate | gas, of which every kind of face is one: closed, and at rest but for a bump
 BOX = """
 from fsipetsc.blocks.conditions import Clamped
+from fsipetsc.cases.common import *
 from fsipetsc.cases.flows import *
 
 OPTIONS = blast.OPTIONS

@@ -26,6 +26,7 @@ from fsipetsc.scheme.plan import (
     next_step,
     shares,
 )
+from fsipetsc.scheme.runge_kutta import STAGES
 from fsipetsc.state import FAULT, State
 from fsipetsc.stepping.notes import check
 
@@ -224,7 +225,7 @@ class Integrator:
             ts.setStepNumber(self.steps)
             ts.setTimeStep(step)
             ts.restartStep()  # the last stage's rates are not those of the completed solution
-        if self._watched:
+        if self._watched and self._part == 1.0:  # a line for each step, not for each try
             ts.monitor(self.steps, self.t)
 
     def _step(self, ts: PETSc.TS) -> None:
@@ -257,7 +258,9 @@ class Integrator:
             return False
         state.go_back()
         self._sound = made - 1
-        if made == 1:
+        if self._sound:
+            state.evaluations -= STAGES * made  # counted when they are made once more
+        else:
             self._part *= 0.5
             self.rejected += 1
         return True
