@@ -341,31 +341,42 @@ def uses_of(wanted: Sequence[Symbol]) -> dict[int, int]:
     return uses
 
 
-def replay(
-    wanted: Sequence[Symbol],
-    known: Mapping[Symbol, Any],
-    functions: Mapping[str, Callable[..., Any]] | None = None,
-) -> list[Any]:
-    """What symbols are where those that are given are ``known``: numbers, arrays, or symbols of
-    another record. Constants and results of operations may be among them. functions: what to take
-    of some operations, by name, instead of numpy's.
+class Replay:
+    """What symbols are where those that are given are known.
+
+    Args:
+        wanted: the symbols. What is made of them is ordered here, once.
     """
-    of, order = {**_FUNCTIONS, **(functions or {})}, [*needed(wanted)]
-    values = {symbol.number: value for symbol, value in known.items()}
-    last = {one.number: i for i, symbol in enumerate(order) for one in symbol.operands}
-    last.update((symbol.number, len(order)) for symbol in wanted)
-    with np.errstate(all="ignore"):
-        for i, symbol in enumerate(order):
-            if symbol.number in values:
-                continue
-            if symbol.value is not None:
-                values[symbol.number] = symbol.value
-                continue
-            operands = [values[operand.number] for operand in symbol.operands]
-            values[symbol.number] = of[symbol.operation](*operands)
-            for done in {one.number for one in symbol.operands if last[one.number] == i}:
-                del values[done]  # arrays of many nodes take memory
-    return [values[symbol.number] for symbol in wanted]
+
+    def __init__(self, wanted: Sequence[Symbol]) -> None:
+        self._wanted, self._order = wanted, needed(wanted)
+        last = {one.number: i for i, symbol in enumerate(self._order) for one in symbol.operands}
+        last.update((symbol.number, len(self._order)) for symbol in wanted)
+        self._done: list[list[int]] = [[] for _ in range(len(self._order) + 1)]
+        for number, i in last.items():
+            self._done[i].append(number)
+
+    def __call__(
+        self, known: Mapping[Symbol, Any], functions: Mapping[str, Callable[..., Any]] | None = None
+    ) -> list[Any]:
+        """Numbers, arrays, or symbols of another record, by those that are known. Constants and
+        results of operations may be among these. functions: what to take of some operations, by
+        name, instead of numpy's.
+        """
+        of = {**_FUNCTIONS, **(functions or {})}
+        values = {symbol.number: value for symbol, value in known.items()}
+        with np.errstate(all="ignore"):
+            for symbol, done in zip(self._order, self._done):
+                if symbol.number in values:
+                    continue
+                if symbol.value is not None:
+                    values[symbol.number] = symbol.value
+                    continue
+                operands = [values[operand.number] for operand in symbol.operands]
+                values[symbol.number] = of[symbol.operation](*operands)
+                for number in done:
+                    del values[number]  # arrays of many nodes take memory
+        return [values[symbol.number] for symbol in self._wanted]
 
 
 #: numpy's function of an operation

@@ -20,11 +20,11 @@ from fsipetsc.errors import InputError, place_in, place_of, reason
 from fsipetsc.kernels.symbols import (
     NotRecorded,
     Record,
+    Replay,
     Symbol,
     derivatives,
     number_of,
     numbers_of,
-    replay,
 )
 from fsipetsc.materials.hyperelastic import NeoHookean
 from fsipetsc.materials.perfect_gas import PerfectGas
@@ -52,7 +52,7 @@ def along(formula, numbers, direction):
     ways = (n if isinstance(n, float) else given(n) for n in direction)
     found = formula(*(given(x) + step * way for x, way in zip(numbers, ways, strict=True)))
     several = isinstance(found, (tuple, list, np.ndarray))
-    slopes = replay(derivatives(found if several else (found,), step), known)
+    slopes = Replay(derivatives(found if several else (found,), step))(known)
     return tuple(slopes) if several else slopes[0]
 
 
