@@ -140,8 +140,9 @@ class State:
         self.batch[[TIME, DT]] = t, dt
         self.keep()
         if self.asks:
-            self._advance(t, dt)
-            self.planning()
+            while not self.results[BAD] and self.batch[ALLOWED]:
+                self._advance(*self.batch[[TIME, DT]].tolist())
+                self.planning()
         else:
             self.set_data(t)
             self._whole_step.batch(self.results[BAD:], self.batch[ALLOWED:])

@@ -39,8 +39,8 @@ CHECKED = 256
 MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}
 #: most steps in a batch; between batches signals are answered and progress is shown
 MOST_STEPS = 64
-#: a step that leaves an unphysical state is tried again, down to this part of its length
-SHORTEST = 1 / 16
+#: a step that leaves an unphysical state is made anew in 2, 4 … parts, at most so many
+MOST_PARTS = 16
 #: what a checkpoint keeps as it is
 KEPT = "steps", "rejected", "t", "wall_time", "initial", "saved_at"
 
@@ -85,7 +85,7 @@ class Integrator:
             saved = saved_times(*times, state.problem.unit("s"))
         self._targets = sorted(saved, reverse=True)  # times that are still to be hit
         self.steps, self.rejected, self.t, self.saved_at = 0, 0, 0.0, -1.0
-        self._part, self._sound = 1.0, 0  # of a step that is tried again; steps before it
+        self._parts, self._sound = 1, 0  # of the next step, which is made anew; steps before it
         self.wall_time = self._begun = 0.0
         self.stop_signal = 0
         self._fused = opt["ts_type"] == "fused"
@@ -208,24 +208,29 @@ class Integrator:
     def _plan_step(self, ts: PETSc.TS) -> None:
         opt, state, target = self.opt, self.state, self._targets[-1]
         courant, fixed = opt["fsi_cfl"], opt["ts_dt"] or 0.0
-        bound = self._part * longest_step(courant, fixed, float(state.results[RATE]))
-        step, after = next_step(self.t, target, bound)
+        step, after = next_step(
+            self.t, target, longest_step(courant, fixed, float(state.results[RATE]))
+        )
         state.results[SAID_STOP] = self._word()
-        left = [opt["ts_max_steps"] - self.steps, self._room - self._recorded]
+        left = [self.batch_limit, self._room - self._recorded]
         if self._every:
             left.append(self._every - self.steps % self._every)
-        if self._part < 1.0:
-            left.append(1)
         if self._sound:
             left.append(self._sound)
+        if self._parts > 1:
+            fixed, left = step / self._parts, [self._parts]
+            step, after = next_step(self.t, target, fixed)
+            if self._room - self._recorded < self._parts:
+                self.records()
         times = self.t, step, after, target, courant, fixed
-        state.batch[:] = *times, min(self.batch_limit, *left), 0, 0.0, self._recorded
+        allowed = min(*left, opt["ts_max_steps"] - self.steps)
+        state.batch[:] = *times, allowed, 0, 0.0, self._recorded
         if self._watched or not self._fused:
             ts.setTime(self.t)  # the sum of steps may miss a target by round-off
             ts.setStepNumber(self.steps)
             ts.setTimeStep(step)
             ts.restartStep()  # the last stage's rates are not those of the completed solution
-        if self._watched and self._part == 1.0:  # a line for each step, not for each try
+        if self._watched and self._parts == 1:  # not for parts of a step
             ts.monitor(self.steps, self.t)
 
     def _step(self, ts: PETSc.TS) -> None:
@@ -250,18 +255,19 @@ class Integrator:
 
     def _goes_back(self) -> bool:
         """Go back if the last step left an unphysical state: to the steps before it, which are made
-        once more, or if there are none to half of that step. False if the run goes on from here.
+        once more, or if there are none to make it in more parts. False if the run goes on from
+        here.
         """
         state, made = self.state, int(self.state.batch[MADE])
-        if not self._fused or not state.results[BAD] or self._part <= SHORTEST:
-            self._part, self._sound = 1.0, 0
+        if not self._fused or not state.results[BAD] or self._parts == MOST_PARTS:
+            self._parts, self._sound = 1, 0
             return False
         state.go_back()
-        self._sound = made - 1
+        self._sound = made - 1 if self._parts == 1 else 0
         if self._sound:
             state.evaluations -= STAGES * made  # counted when they are made once more
         else:
-            self._part *= 0.5
+            self._parts *= 2
             self.rejected += 1
         return True
 
@@ -279,7 +285,7 @@ class Integrator:
         if self._pass():
             self.frame()
         self.stop_signal = int(stop)
-        regular = self._every and self.steps % self._every == 0
+        regular = self._every and self.steps % self._every < made
         if stop or regular or (self._ended and (self._every or self._wall)):
             self.checkpoint()
             self._last_checkpoint = time.monotonic()
