@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from fsipetsc.blocks.block_problem import Meeting
 from fsipetsc.blocks.conditions import Condition, Effect
 from fsipetsc.blocks.conditions.condition import COLUMNS, VECTORS
+from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.metrics import Cube, Wide
 from fsipetsc.blocks.values import checked, datum
+from fsipetsc.errors import InputError
 from fsipetsc.kernels.symbols import numbers_of
 from fsipetsc.parallel.block_layout import Part
 from fsipetsc.scheme.face_kernels import GasFaces, Group, SolidFaces, Turned
@@ -60,12 +62,17 @@ class FaceTerms:
             self.record = GasFaces(*nodes, np.zeros((n, d + 2)), *numbers, groups)
         else:
             self.record = SolidFaces(*nodes, vectors[0], *numbers, vectors[1], X, (), groups)
+        self._spacing = np.zeros(n)  # from nodes of walls with a slip length to those beside
         end, turned = 0, []
         for (axis, side, condition, effect), (_, own, *_) in zip(acting, listed, strict=True):
             where, end = slice(end, end + own.size), end + own.size
             if d == 3 and not self._gas:
                 turned.append(_turned(problem, part, order, axis, side, where))
             self._faces.append((condition, problem.places(k, part.numbers[own]), where))
+            if not isinstance(condition, Meeting) and condition.slip_length is not None:
+                step = int(np.prod(block.shape[:axis])) * (-1 if side else 1)
+                here, beside = (problem.places(k, part.numbers[own] + m) for m in (0, step))
+                self._spacing[where] = np.linalg.norm(here - beside, axis=1)
             if effect.first_order:
                 low, high = (block.face_positions(axis, at) for at in (0, 1))
                 self.record.width[where] = np.linalg.norm(high - low, axis=0).mean()
@@ -80,6 +87,8 @@ class FaceTerms:
                 self._supply(X, at, t)
                 continue
             data = {c: _column(condition, names, X, t) for c, names in _columns(condition)}
+            if condition.slip_length is not None:
+                _check_slip(data["width"], self._spacing[at], X, t)
             for column, values in data.items():
                 getattr(self.record, column)[at] = values
             if condition.loaded and self.p_ref != 0.0:
@@ -115,6 +124,14 @@ class FaceTerms:
         """Traction and heat that interfaces get, at symbols."""
         *traction, heat = numbers_of(self._jumps(*x, t), self._d + 1)
         return tuple(traction), heat
+
+
+def _check_slip(length: Array, spacing: Array, X: Array, t: float) -> None:
+    """InputError where a slip length is shorter than a cell, which no step resolves."""
+    if (short := np.flatnonzero(~(length >= spacing))).size:
+        n, where = short[0], f"slip_length of NoSlip at t = {t:.6g}"
+        wanted = f"expected the distance {spacing[n]:.4g} of the nodes beside the wall, or more"
+        raise InputError(f"{where} is {length[n]:.4g} at {place_text(X[n])}: {wanted}")
 
 
 def _turned(problem: Any, part: Part, order: int, axis: int, side: int, nodes: slice) -> Any:

@@ -137,6 +137,7 @@ class Phases:
         gathers = (gas.gather for gas in self.gases)
         for exchange in (*halos, *particles, *gathers, self.does["reduce"]):
             exchange.load(self.calling.library)
+        self._check_recorded(comm)
         self.particles.begin()
         for gas in self.gases:
             gas.begin()
@@ -144,13 +145,26 @@ class Phases:
     def _record_data(self, comm: Any) -> None:
         """Record data that depend on time, if all can be. Collective."""
         having = () if self.steady else (*self.parts.values(), self.particles.prescribed)
-        recorders = [Recorder() for _ in having]
-        for part, recorder in zip(having, recorders, strict=True):
+        self._recorders = [Recorder() for _ in having]
+        for part, recorder in zip(having, self._recorders, strict=True):
             part.record_data(recorder)
-        self.not_recorded = [why for recorder in recorders for why in recorder.refused]
-        self.asks = comm.allreduce(bool(self.not_recorded), MPI.LOR)
-        codes = [recorder.code(self.found.time) for recorder in recorders if not self.asks]
+        self._ask(comm, [why for recorder in self._recorders for why in recorder.refused])
+        codes = [recorder.code(self.found.time) for recorder in self._recorders if not self.asks]
         self.data = [code for code in codes if code is not None]
+
+    def _check_recorded(self, comm: Any) -> None:
+        """Let Python be asked if recorded data are not finite at t = 0, as those of a wall that
+        begins with an infinite acceleration. So it is after a restart, too. Collective.
+        """
+        if not self.asks:
+            self.fill(0.0)
+            bad = [what for recorder in self._recorders for what in recorder.faulty()]
+            self._ask(comm, [f"{what}: it is not finite at t = 0" for what in bad])
+
+    def _ask(self, comm: Any, why: list[str]) -> None:
+        """Let Python be asked for data if a rank has a reason. Collective."""
+        self.not_recorded = why
+        self.asks = comm.allreduce(bool(why), MPI.LOR)
 
     def fill(self, t: float) -> None:
         """Let C fill the recorded data at time t [s]."""

@@ -23,7 +23,7 @@ from fsipetsc.kernels.symbols import exact
 
 
 def ends_of(values):
-    """Values (1, H) at both ends of a block, which are one node if it is periodic."""
+    """Values (1, H) at both ends of a block, 0 if it is periodic."""
     return values[0, 0], values[0, -1]
 
 

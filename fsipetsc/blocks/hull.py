@@ -27,7 +27,8 @@ class Hull(NamedTuple):
     """nodes: numbers (H,) of the nodes, ascending. given: columns (M,) of those that are known.
 
     columns, weights: (9, T) and (d, 4, T), of nodes that follow: the node, its edges low a, high a,
-    low b, high b, four vertices; weights of the edges. moved, moving: (d, H) values.
+    low b, high b, four vertices; weights of the edges. moved, moving: (d, H) values, one 0 where no
+    node is on a face.
     """
 
     nodes: Array
@@ -89,7 +90,7 @@ def hull_of(block: Block, given: Array, centred: bool = False) -> Hull:
         weights.append(np.concatenate(of_ends).transpose(1, 0, 2))
     table = (np.concatenate(pieces, axis=-1) for pieces in (columns, weights))
     at = np.searchsorted(nodes, np.asarray(given, int))
-    return Hull(nodes, at, *table, *np.zeros((2, d, len(nodes))))
+    return Hull(nodes, at, *table, *np.zeros((2, d, max(1, len(nodes)))))
 
 
 def end_weights(block: Block, axis: int, index: Array, centred: bool = False) -> Array:

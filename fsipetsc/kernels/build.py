@@ -20,10 +20,12 @@ import stat
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from contextlib import suppress
-from functools import cache
+from functools import cache, wraps
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 from fsipetsc.errors import FileError, InputError
 
@@ -61,7 +63,15 @@ _instead: list[Path] = []
 _running: set[subprocess.Popen[bytes]] = set()
 
 
-@cache
+def of_environment(function: Callable[[], Any]) -> Any:
+    """Return the function with a cache: it finds an answer once for each CC and CFLAGS."""
+    cached = cache(lambda compiler, flags: function())
+    found = wraps(function)(lambda: cached(os.environ.get("CC"), os.environ.get("CFLAGS")))
+    found.cache_clear = cached.cache_clear  # type: ignore[attr-defined]
+    return found
+
+
+@of_environment
 def compiler() -> tuple[str, ...]:
     """Return the command of the C compiler. InputError if there is none."""
     given = os.environ.get("CC")
@@ -80,7 +90,7 @@ def compiler() -> tuple[str, ...]:
     raise InputError(MISSING)
 
 
-@cache
+@of_environment
 def flags() -> tuple[str, ...]:
     """Return our flags, then those of CFLAGS. InputError for flags that would change bits, and
     without a compiler.
@@ -102,7 +112,7 @@ def _own_flags() -> list[str]:
     return own
 
 
-@cache
+@of_environment
 def _macros() -> bytes:
     """The macros that the compiler defines: its version, and the instruction set of this machine.
     InputError without a compiler.
@@ -111,7 +121,7 @@ def _macros() -> bytes:
     return _run((*compiler(), *asked, os.devnull), "asking the C compiler for its target")
 
 
-@cache
+@of_environment
 def _target() -> bytes:
     """A hash of what the compiler says of itself and its target, and of its flags. It is kept, so
     that where there is no compiler any more the last one counts. InputError without a compiler, now

@@ -211,7 +211,14 @@ def checked_law(law: Any, what: str, kind: tuple[str, type]) -> Any:
         if name[0] != "_" and name not in like._fields and not hasattr(law, name):
             expected = f"expected what {maker}(…) returns"
             raise InputError(f"{what} is {described(law)}, which has no '{name}': {expected}")
+    if _of_case(law) and isinstance(law, tuple):
+        law = type(law)(*(float(v) if type(v) is int else v for v in law))
     return law
+
+
+def _of_case(law: Any) -> bool:
+    """Whether a law is none of fsipetsc's own."""
+    return isinstance(law, OwnGas) or not type(law).__module__.startswith("fsipetsc.")
 
 
 def knows_entropy(law: Any) -> bool:
@@ -227,7 +234,7 @@ def check_inverses(law: Any, rho: Any, T: Any, owner: str) -> None:
 
     rho, T: (n,) densities [kg/m3] and temperatures [K].
     """
-    if not isinstance(law, OwnGas):
+    if not _of_case(law):
         return
     with np.errstate(all="ignore"):
         p, e = law.pressure(rho, T), law.internal_energy(rho, T)

@@ -127,7 +127,7 @@ class Reduction:
     def __init__(self, comm: MPI.Comm, numbers: Array) -> None:
         room = np.empty_like(numbers)
         self._kept = numbers, room, comm
-        handles = map(MPI._handleof, (MPI.DOUBLE, MPI.MAX, comm))
+        handles = (_NUMBER(MPI._handleof(one)).value for one in (MPI.DOUBLE, MPI.MAX, comm))
         of_numbers = numbers.ctypes.data, room.ctypes.data, numbers.size
         self._struct = np.array([_of_mpi("MPI_Allreduce"), *handles, *of_numbers], np.int64)
         self.structure, self.vectors = self._struct.ctypes.data, list[str]()

@@ -26,8 +26,10 @@ Array = NDArray[Any]
 NAMES = "wall", "slip", "clamp", "warm_gas", "warm_solid", "given_gas", "given_solid"
 WALLS = "wall", "slip", "given_gas"
 #: part of the larger one by which velocities that meet may differ; part of the velocity of a wall
-#: at rest that may point across it, and parts of a run at which it is looked at
-APART, ACROSS, TIMES = 1e-3, 0.1, (1.0, 0.75, 0.51, 0.26, 0.0)
+#: at rest that may point across it
+APART, ACROSS = 1e-3, 0.1
+#: parts of a run at which both are looked at, no multiples of a period
+TIMES = 0.0, 1.0, *(0.7548776662466927 * k % 1.0 for k in range(1, 127))
 #: parts of a run at which a velocity is held against the place; part of the largest one by which
 #: it may differ
 BETWEEN, WRONG = (0.7549, 0.5098, 0.2647), 1e-2
@@ -172,8 +174,8 @@ class Prescribed:
         given, found = (
             np.array([motion(c, self._instant, x, t)[1] for t in times]) for c in (condition, alone)
         )
-        apart = np.abs(given - found)
-        if apart.max() > WRONG * max(np.abs(given).max(), np.abs(found).max()):
+        apart, largest = np.abs(given - found), max(np.abs(given).max(), np.abs(found).max())
+        if apart.max() > WRONG * largest + ROUND_OFF * self._problem.tolerance / self._instant():
             k, c, p = np.unravel_index(apart.argmax(), apart.shape)
             raise InputError(
                 f"{place_of(condition.velocity)}: velocity of {type(condition).__name__} at t = "

@@ -36,21 +36,27 @@ class Recorder:
     """
 
     def __init__(self) -> None:
-        self._timed, self.refused = list[Timed](), list[str]()
+        self._timed, self._about, self.refused = list[Timed](), list[str](), list[str]()
 
     def add(self, about: Any, make: Make, x: Array, at: Array | None, *targets: Array) -> None:
         """Record data of ``about``, a condition or a text, at places x (d, n), which go to rows
         ``at`` of targets. What does not depend on time needs no record: Python is asked once.
         """
+        what = about if isinstance(about, str) else type(about).__name__
         try:
             in_time = depends_on_time(make, len(x))
         except (Exception, SystemExit) as error:  # of the user's function
             place = place_in(error)
-            what = about if isinstance(about, str) else type(about).__name__
             self.refused.append(f"{place}: " * bool(place) + f"{what}: {reason(error)}")
             return
         if in_time:
+            self._about.append(what)
             self._timed.append(Timed(make, tuple(map(np.ascontiguousarray, x)), at, targets))
+
+    def faulty(self) -> list[str]:
+        """Whose data are not finite now."""
+        pairs = zip(self._about, self._timed, strict=True)
+        return [a for a, one in pairs if not all(np.isfinite(v).all() for v in one.targets)]
 
     def code(self, time: Array) -> Code | None:
         """The code whose only procedure fills the data; None if nothing depends on time."""

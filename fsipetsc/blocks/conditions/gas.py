@@ -18,7 +18,7 @@ from fsipetsc.errors import InputError
 LONGEST = 0.25
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class NoSlip(Warm, Moving):
     """A wall that a gas sticks to: insulated, of a given temperature, or with a given heat flux.
 
@@ -52,7 +52,7 @@ class NoSlip(Warm, Moving):
         return scale(-gas.mu * gas.transport.viscosity(w[2]) * face.size / face.width, past)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Slip(Moving):
     """A wall along which a gas slips without heat, or a plane of symmetry.
 
