@@ -77,6 +77,26 @@ def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results):
     assert np.ptp(run.layers[1]["p"]) > 1  # Pa: the solid's own pressure counts
 
 
+def test_rows_of_a_map_over_time_between_frames(results):
+    """A row in the middle between two frames has the mean of both; rows at frames have these."""
+    run, figure = results["rod"], Figure()
+    fields.draw_over_time(figure, run, quantities.chosen(run, ["u"]))
+    for drawn, layer in zip(figure.axes[0].collections, run.layers, strict=True):
+        x, t = np.moveaxis(drawn.get_coordinates(), -1, 0)
+        u, parts = drawn.get_array().reshape(x.shape), (len(x) - 1) // (run.nframes - 1)
+        assert parts > 50 and np.allclose(t[::parts, 0], run.time)
+        for rows, of in (x, layer.x), (u, layer["u"]):
+            at, there = rows[::parts], np.isfinite(of)  # not in reserve
+            assert np.allclose(at[there], of[there], rtol=1e-9, atol=1e-12)
+            assert np.allclose(rows[parts // 2 :: parts], (at[1:] + at[:-1]) / 2)
+
+
+def test_a_row_without_a_number_has_none():
+    rows = np.array([[np.nan, 1.0, 2.0], [np.nan] * 3])
+    assert np.array_equal(fields.filled(rows), [[1, 1, 2], [np.nan] * 3], equal_nan=True)
+    assert np.array_equal(fields.filled(rows, 0.0), [[1, 1, 2], [0, 0, 0]])
+
+
 def test_maps_are_on_the_grid(results):
     run = results["blast"]
     assert {*page.pictures(run)} == IN_PLANE
@@ -112,6 +132,8 @@ def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
     assert sorted(written) == sorted(map(str, (tmp_path / "run1.0").iterdir()))
     assert {f"rod-{name}.png" for name in {"T", "xt"} | CURVES} == {*map(os.path.basename, written)}
     assert {*page.pictures(run)} == USUAL
+    assert main(["plot", run.path, "-all", "-o", str(tmp_path / "all.png")]) == 2
+    assert "expected a directory" in capsys.readouterr().err
 
 
 def test_film_and_a_file_where_a_directory_should_be(results, tmp_path, capsys):

@@ -152,7 +152,7 @@ def _draw_block(view: style.Axes, one: Outline) -> None:
     X = one.lines[0]
     near = [X[(slice(None), *((n - k) // 2 for n in X.shape[1:]))] for k in (0, 1)]
     centre = np.mean(near, axis=0)
-    middle = {"ha": "center", "va": "center", "zorder": 9}
+    middle: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 9}
     view.text(*centre, one.name, color=color, weight="bold", **middle)
     if d == 2:
         thin = [line for lines in one.lines for line in np.moveaxis(lines, 1, 0)]
@@ -167,7 +167,9 @@ def _draw_block(view: style.Axes, one: Outline) -> None:
             view.plot(*line, label=label, **{"color": color, **FACES[kind]})
         if kind == "condition":
             place = np.mean([line[:, line.shape[1] // 2] for line in edges], axis=0)
-            outwards = np.abs(place - centre)
-            turned = {"rotation": 90} if d == 2 and outwards[0] > outwards[1] else {}
-            paper = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
-            view.text(*place, text, fontsize=7, bbox=paper, **turned, **middle)
+            if d == 3:
+                view.text(*place, text, fontsize=7, **middle)
+                continue
+            out = (place - centre) / np.linalg.norm(place - centre)
+            turned = {"rotation": 90 * (abs(out[0]) > abs(out[1])), "fontsize": 7}
+            view.annotate(text, place, 8.0 * out, textcoords="offset points", **turned, **middle)

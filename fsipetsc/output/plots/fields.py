@@ -25,6 +25,7 @@ THIN = 0.2  # height over width; what is thinner is drawn higher than it is
 ALIKE = 0.1  # span of values over the larger one; if gas and solid have more, they share colours
 NEAR = 1e-4  # of values that span less of their size, one is subtracted
 STILL = 1e-3  # of the largest speed; there are no streamlines where it is less
+TIMES = 500  # about, of a map over x and t
 STREAM = 150  # points along each side of a panel, between which streamlines go
 SIDES = (0, 0), (0, -1), (1, 0), (1, -1)  # axis and index of an edge of a block
 LINES = 40  # of the grid in a solid as long as a panel
@@ -211,13 +212,18 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
     """Draw a map of each quantity over x and t, with the interfaces as lines."""
     grid = figure.subplots(1, len(quantities), sharex=True, sharey=True, squeeze=False)[0]
     x_interface = run.series.get("x_interface", np.empty((0, 0)))
+    n, parts = run.nframes, max(1, TIMES // run.nframes)  # of the time between two frames
+    t = np.interp(np.arange((n - 1) * parts + 1) / parts, np.arange(n), run.time)
     for axes, quantity in zip(grid, quantities):
         view, maps = View(run, quantity, range(run.nframes)), {}
         for layer in view.layers:
             values = np.array([view.at(layer, frame)[-1] for frame in view.frames])
-            x = layer.X + filled(layer.x - layer.X)
-            t = np.broadcast_to(run.time[:, None], x.shape)
-            maps[layer.kind] = shaded(axes, x, t, filled(values), view.scales[layer.kind])
+            x, values = (  # at more times, else the triangles that are drawn show
+                np.transpose([np.interp(t, run.time, of) for of in rows.T])
+                for rows in (layer.X + filled(layer.x - layer.X, 0.0), filled(values))
+            )
+            at = np.broadcast_to(t[:, None], x.shape)
+            maps[layer.kind] = shaded(axes, x, at, values, view.scales[layer.kind])
         for x, (color, width) in product(x_interface.T, style.OUTLINE):
             axes.plot(x, run.series["t"], color=color, linewidth=width)
         draw_bars(figure, view, maps, axes)
@@ -227,12 +233,13 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
     grid[0].locator_params(axis="x", nbins=4)
 
 
-def filled(rows: Array) -> Array:
+def filled(rows: Array, none: float = np.nan) -> Array:
     """Return rows in which points in reserve, of the gases of the paper's method, have what the
-    nearest active point has: maps need a place and a value for all.
+    nearest active point has: maps need a place and a value for all. none: what a row without a
+    number has.
     """
     rows, index = rows.copy(), np.arange(rows.shape[1])
     for row in rows:
         there = np.isfinite(row)
-        row[:] = np.interp(index, index[there], row[there])
+        row[:] = np.interp(index, index[there], row[there]) if there.any() else none
     return rows

@@ -70,6 +70,8 @@ def plot(path: str, given: Mapping[str, str]) -> str:
     where, every, film = Path(given.get("-o", os.curdir)), "-all" in given, "-animate" in given
     endings = films if film else PICTURES
     is_file = where.suffix in endings and not every
+    if every and where.suffix in PICTURES + FILMS:
+        raise InputError(f"plot: -o {where}: -all writes several pictures: expected a directory")
     if where.suffix and not (every or is_file or where.is_dir()):
         ends = f"or a file that ends with {' or '.join(endings)}"
         raise InputError(f"plot: -o {where}: expected a directory that is there, {ends}")

@@ -97,8 +97,10 @@ def set_title(figure: Figure, title: str) -> Text:
 def of_run(run: Run, what: str) -> str:
     """Return case, what is shown, order, spacing, ranks, and whether the run has ended."""
     order, h = run.options["fsi_order"], run.options["fsi_h"]
+    sizes = [layer.h or h for layer in run.layers] if run.dimension == 1 else [h]
+    h = " to ".join(dict.fromkeys(f"{size:.4g}" for size in (min(sizes), max(sizes))))
     ranks = counted(run.summary["ranks"], "rank") + ", unfinished" * (not run.complete)
-    return f"{run.case}, {what}  (order {order}, h = {h:.4g}{' m' * is_si(run)}, {ranks})"
+    return f"{run.case}, {what}  (order {order}, h = {h}{' m' * is_si(run)}, {ranks})"
 
 
 def labelled(run: Run, label: str, unit: str) -> str:
