@@ -83,6 +83,8 @@ class State:
     changing: Sequence[np.ndarray]
     fault: FsiError | None = None
     evaluations = 0
+    #: a step that leaves an unphysical state is made anew in up to so many parts
+    MOST_PARTS = 1
     #: of the solution that is saved [s]
     time = 0.0
     _kept: Sequence[np.ndarray] = ()
@@ -140,21 +142,39 @@ class State:
         self.batch[[TIME, DT]] = t, dt
         self.keep()
         if self.asks:
-            while not self.results[BAD] and self.batch[ALLOWED]:
-                self._advance(*self.batch[[TIME, DT]].tolist())
-                self.planning()
+            self._advance(t, dt)
+            self.planning()
         else:
             self.set_data(t)
             self._whole_step.batch(self.results[BAD:], self.batch[ALLOWED:])
             self.show(STAGES)
         self.evaluations += STAGES * max(1, int(self.batch[MADE]))
 
-    def _advance(self, t: float, dt: float, look: Callable[[int], Any] = lambda n: None) -> Any:
-        """Make a step; it ends where look(n), called with each new stage, finds something."""
+    def step_in_parts(self, parts: int) -> None:
+        """Make the step that is planned in so many equal parts; what is noted is one step."""
+        t, dt = self.batch[[TIME, DT]].tolist()
+        for part in range(parts):
+            times = t + dt * part / parts, dt / parts
+            self.batch[[TIME, DT]] = times  # which stages read
+            self._advance(*times, ends=part == parts - 1)
+        self.batch[[TIME, DT]] = t, dt
+        self.planning()
+        self.evaluations += STAGES * parts
+
+    def _advance(
+        self,
+        t: float,
+        dt: float,
+        look: Callable[[int], Any] = lambda n: None,
+        ends: bool = True,
+    ) -> Any:
+        """Make a step; it ends where look(n), called with each new stage, finds something. ends:
+        find what is known of the solution after it.
+        """
         for n, part in enumerate(FRACTIONS):
             self.set_data(t + part * dt)
             self._do("fulfil", n)
-            if n == STAGES:
+            if n == STAGES and ends:
                 self.complete()
             if n > 0 and (found := look(n)):
                 return found

@@ -146,8 +146,7 @@ def test_bad_data_end_the_run_with_what_is_bad(kind, said, tmp_path):
     error = message(done, 2, "timed.py, line ", said)
     assert re.search(r"at t = 0\.02\d*", error)
     with fsipetsc.open_run(tmp_path / "run.h5") as run:
-        assert 9 <= len(run.series["t"]) <= 14  # the last are shorter
-        assert run.series["t"][-1] < 0.02
+        assert 9 <= len(run.series["t"]) <= 11
         assert all(a < b for a, b in pairwise(run.series["t"]))
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from block_ledgers import Steps
-from helpers import compute
+from helpers import assert_same_fields, compute, computed
 
 from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.blocks.block import Block
@@ -99,15 +99,21 @@ def test_cold_gas_falls_on_a_wall(mach, order):
         np.testing.assert_allclose(run.integrals()[[0, 2]], before[[0, 2]], rtol=1e-13)
 
 
-def test_a_step_that_leaves_an_unphysical_state_is_tried_again(tmp_path):
-    """With half its length or less, and as in steps one by one, those before it stay."""
+def test_a_step_that_leaves_an_unphysical_state_is_made_in_parts(tmp_path):
+    """As in steps one by one, with checkpoints by the clock, and after a restart."""
     words = "-fsi_h 0.02 -shock_problem strong -fsi_shock 0 -fsi_dissipation 0"
     words += " -ts_dt 0.01 -ts_max_time 0.1 -fsi_output_dt 0.1"
-    batches, single = f"{words} -fsi_quiet", f"{words} -ts_monitor"
-    runs = compute(1, tmp_path, {"batches": ("shock", batches), "single": ("shock", single)})
-    runs = [runs[name] for name in ("batches", "single")]
-    assert runs[0].summary["rejected_steps"] > 2
-    dt, *others = (run.series["dt"] for run in runs)
-    assert dt[0] == 0.01 and (dt[1:] == 0.005).any()
-    assert np.array_equal(dt, others[0])
-    assert np.array_equal(runs[0].layers[0]["T"], runs[1].layers[0]["T"])
+    more = {"batches": "", "single": "-ts_monitor", "clock": "-fsi_checkpoint_wall 1e-9"}
+    more["cut"] = "-ts_max_steps 6 -fsi_checkpoint_steps 6"
+    lines = {name: ("shock", f"{words} {options}") for name, options in more.items()}
+    runs = compute(1, tmp_path, lines)
+    runs["cut"].close()
+    restart = "-fsi_restart cut.checkpoint.h5 -ts_max_steps 100 -fsi_output cut.h5"
+    again = computed(tmp_path, "cut.h5", "shock", *restart.split())
+    whole = runs["batches"]
+    assert whole.summary["rejected_steps"] > 1
+    assert whole.series["dt"] == pytest.approx(np.full(10, 0.01))
+    for other in (runs["single"], runs["clock"], again):
+        assert_same_fields(whole, other)
+        assert np.array_equal(whole.series["energy"], other.series["energy"])
+        assert other.summary["rejected_steps"] == whole.summary["rejected_steps"]

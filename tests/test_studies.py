@@ -48,7 +48,7 @@ def test_convergence_of_errors(tmp_path):
 
 
 def test_a_run_that_fails_is_one_line_of_the_table(tmp_path):
-    line = "convergence mms -fsi_orders 4,8 -fsi_hs 0.05,0.025 -fsi_cfl 40"
+    line = "convergence mms -fsi_orders 4,8 -fsi_hs 0.05,0.025 -fsi_cfl 4"
     done = solve(*line.split(), cwd=tmp_path)
     assert done.returncode == 3 and "  failed: " in done.stdout
     assert done.stderr.count("\n") == 1 and "failed; order " in done.stderr

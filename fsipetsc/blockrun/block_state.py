@@ -65,6 +65,7 @@ class BlockState(State):
     it was said that they are beyond their law.
     """
 
+    MOST_PARTS = 16
     _filled: tuple[Any] | None = None  # the instant that the data are of
 
     def __init__(

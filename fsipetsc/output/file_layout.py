@@ -35,7 +35,7 @@ import h5py
 import numpy as np
 
 from fsipetsc.checks import Array
-from fsipetsc.errors import FileError, petsc_words, reason
+from fsipetsc.errors import FileError, FsiError, petsc_words, reason
 
 FORMAT, VERSION = "fsipetsc result", 4
 NAMES = "names"  # attribute of the group of series: their names
@@ -188,7 +188,9 @@ def writing(target: Path, what: str = "the picture") -> Iterator[None]:
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         yield
-    except (OSError, RuntimeError, ValueError) as error:  # of PETSc and HDF5, too
+    except Exception as error:  # of PETSc and HDF5, too
+        if isinstance(error, FsiError):
+            raise
         words = petsc_words(error) if hasattr(error, "ierr") else reason(error)
         words = getattr(error, "strerror", None) or words
         raise FileError(f"{target}: cannot write {what}: {words}") from error

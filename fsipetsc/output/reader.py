@@ -94,6 +94,8 @@ class Run:
         self.time = np.concatenate(times)
         self.nframes = len(self.time)
         self.series = {name: np.concatenate(values) for name, values in series.items()}
+        if len({len(values) for values in self.series.values()}) > 1:
+            raise ValueError("its series have not the same number of steps")
         for of in (self.time, self.series.get("t", self.time)):
             if not np.all(np.diff(of, prepend=0.0) >= 0):
                 raise ValueError("the times of its frames or steps are not ascending numbers")
@@ -145,7 +147,7 @@ class Run:
         """
         names = list(self.interfaces) if self.dimension == 2 else []
         number = names.index(k) if k in names else k
-        if not isinstance(number, int) or not -len(names) <= number < len(names):
+        if isinstance(number, str) or not -len(names) <= number < len(names):
             raise KeyError(_unknown("line of an interface", k, names))
         self._need_frames()
         solid, axis, side = self.header["interface_faces"][number]

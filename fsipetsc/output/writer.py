@@ -198,7 +198,7 @@ class RunWriter:
         try:
             return together(self._comm, explained)
         except FsiError:
-            if self._root:
+            if self._lock is not None:  # else another run writes there
                 with suppress(OSError):
                     self._draft.unlink()
             self.close()
@@ -216,8 +216,6 @@ class RunWriter:
         self._lock = lock(self.folder, str(self.path))
         whole, left = os.path.lexists(self.path), layout.pieces(self.folder)
         marks = {_mark(file) for file in [self.path] * whole + left[:1]}
-        if len(marks) > 1:
-            raise FileError(f"{path} and {self.folder} are of two runs; give one another name")
         goes_on = after is not None and marks == {self._about["header"].get("run")}
         frames, rows, t = after if after is not None and goes_on else (0, 0, 0.0)
         if goes_on:
@@ -230,7 +228,14 @@ class RunWriter:
                 raise FileError(f"{what}: {found}, not {t:.17g}")
             join(run, self._draft, self._about, frames, rows)
         elif left and not whole:
-            self._join()
+            with suppress(FsiError, OSError):  # else the pieces are set aside as they are
+                self._join()
+        if (
+            not goes_on
+            and layout.pieces(self.folder)
+            and (len(marks) > 1 or not os.path.lexists(self.path))
+        ):
+            self.moved.append((self.folder, _set_pieces_aside(self.folder)))
         clear(self.folder)
         if goes_on:
             os.replace(self.path, layout.piece(self.folder, 1))
@@ -310,6 +315,16 @@ def clear(folder: Path) -> None:
     """Remove pieces and drafts; the lock stays."""
     for path in (*folder.glob("*.h5"), *folder.glob("*.new")):
         path.unlink()
+
+
+def _set_pieces_aside(folder: Path) -> Path:
+    """Move pieces to NAME.1.parts, or the next number that no result has. OSError."""
+    every = (folder.with_name(f"{folder.stem}.{k}.parts") for k in itertools.count(1))
+    new = next(n for n in every if not n.exists() and not n.with_suffix(".h5").exists())
+    new.mkdir()
+    for file in layout.pieces(folder):
+        file.rename(new / file.name)
+    return new
 
 
 def set_aside(file: Path) -> Path:

@@ -9,18 +9,24 @@ import os
 from collections.abc import Iterator
 from xml.sax.saxutils import escape, quoteattr
 
+from fsipetsc.errors import FileError
 from fsipetsc.output.file_layout import beside, put
 from fsipetsc.output.reader import Layer, Run
 
+_HEAD = '<?xml version="1.0" ?>\n<!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>\n<Xdmf Version="2.0">\n'
+
 
 def write_xdmf(run: Run) -> None:
-    """Write it beside a finished result. OSError."""
-    put(beside(run.path, ".xdmf"), "".join(_xdmf(run)).encode())
+    """Write it beside a finished result. FileError if another file has the name; OSError."""
+    target = beside(run.path, ".xdmf")
+    if target.exists() and not target.read_text(errors="replace").startswith(_HEAD):
+        raise FileError(f"{target}: is no XDMF of a result, and is left; {run.path} is complete")
+    put(target, "".join(_xdmf(run)).encode())
 
 
 def _xdmf(run: Run) -> Iterator[str]:
     file, name = escape(os.path.basename(run.path)), quoteattr(run.case)
-    yield '<?xml version="1.0" ?>\n<!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>\n<Xdmf Version="2.0">\n'
+    yield _HEAD
     yield f'<Domain><Grid Name={name} GridType="Collection" CollectionType="Temporal">\n'
     for frame, t in enumerate(run.time):
         yield f'<Grid Name="frame {frame}" GridType="Collection" CollectionType="Spatial">\n'

@@ -275,7 +275,7 @@ class NaturalOrder:
         self._own.getArray()[:] = saved.reshape(-1)
         self._scatter.scatter(self._own, self._there)
         found: Array = self._there.getArray(readonly=True).reshape(-1, self._columns)
-        return found
+        return found.copy()  # what fails later may keep it longer than PETSc's vector may live
 
     def destroy(self) -> None:
         """Free PETSc's objects."""

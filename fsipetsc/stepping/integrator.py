@@ -13,6 +13,7 @@ from fsipetsc.errors import InputError, clear_frames
 from fsipetsc.process.together import agree
 from fsipetsc.scheme.observables import INTEGRAL, SERIES
 from fsipetsc.scheme.plan import (
+    ALLOWED,
     BAD,
     DT,
     LONGEST,
@@ -39,8 +40,6 @@ CHECKED = 256
 MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}
 #: most steps in a batch; between batches signals are answered and progress is shown
 MOST_STEPS = 64
-#: a step that leaves an unphysical state is made anew in 2, 4 … parts, at most so many
-MOST_PARTS = 16
 #: what a checkpoint keeps as it is
 KEPT = "steps", "rejected", "t", "wall_time", "initial", "saved_at"
 
@@ -85,7 +84,6 @@ class Integrator:
             saved = saved_times(*times, state.problem.unit("s"))
         self._targets = sorted(saved, reverse=True)  # times that are still to be hit
         self.steps, self.rejected, self.t, self.saved_at = 0, 0, 0.0, -1.0
-        self._parts, self._sound = 1, 0  # of the next step, which is made anew; steps before it
         self.wall_time = self._begun = 0.0
         self.stop_signal = 0
         self._fused = opt["ts_type"] == "fused"
@@ -179,8 +177,7 @@ class Integrator:
             while not self._ended:
                 self._plan_step(ts)
                 self._step(ts)
-                if not self._goes_back():
-                    self._after_step()
+                self._after_step()
         finally:
             self.wall_time += time.perf_counter() - self._begun
             if self._watched:
@@ -208,29 +205,20 @@ class Integrator:
     def _plan_step(self, ts: PETSc.TS) -> None:
         opt, state, target = self.opt, self.state, self._targets[-1]
         courant, fixed = opt["fsi_cfl"], opt["ts_dt"] or 0.0
-        step, after = next_step(
-            self.t, target, longest_step(courant, fixed, float(state.results[RATE]))
-        )
+        bound = longest_step(courant, fixed, float(state.results[RATE]))
+        step, after = next_step(self.t, target, bound)
         state.results[SAID_STOP] = self._word()
-        left = [self.batch_limit, self._room - self._recorded]
+        left = [opt["ts_max_steps"] - self.steps, self._room - self._recorded]
         if self._every:
             left.append(self._every - self.steps % self._every)
-        if self._sound:
-            left.append(self._sound)
-        if self._parts > 1:
-            fixed, left = step / self._parts, [self._parts]
-            step, after = next_step(self.t, target, fixed)
-            if self._room - self._recorded < self._parts:
-                self.records()
         times = self.t, step, after, target, courant, fixed
-        allowed = min(*left, opt["ts_max_steps"] - self.steps)
-        state.batch[:] = *times, allowed, 0, 0.0, self._recorded
+        state.batch[:] = *times, min(self.batch_limit, *left), 0, 0.0, self._recorded
         if self._watched or not self._fused:
             ts.setTime(self.t)  # the sum of steps may miss a target by round-off
             ts.setStepNumber(self.steps)
             ts.setTimeStep(step)
             ts.restartStep()  # the last stage's rates are not those of the completed solution
-        if self._watched and self._parts == 1:  # not for parts of a step
+        if self._watched:
             ts.monitor(self.steps, self.t)
 
     def _step(self, ts: PETSc.TS) -> None:
@@ -238,6 +226,8 @@ class Integrator:
         state = self.state
         if self._fused:
             state.step(self.t, float(state.batch[DT]))
+            if state.results[BAD] and state.MOST_PARTS > 1:
+                self._repeat()
         else:
             state.keep()
             try:
@@ -253,23 +243,22 @@ class Integrator:
         if state.results[STOP] >= FAULT:  # the step was made with data that are wrong
             agree(state.comm, state.fault)
 
-    def _goes_back(self) -> bool:
-        """Go back if the last step left an unphysical state: to the steps before it, which are made
-        once more, or if there are none to make it in more parts. False if the run goes on from
-        here.
+    def _repeat(self) -> None:
+        """Go back from an unphysical state: to the steps before the last one, which are made once
+        more, or if there are none, to make it in 2, 4 … parts.
         """
-        state, made = self.state, int(self.state.batch[MADE])
-        if not self._fused or not state.results[BAD] or self._parts == MOST_PARTS:
-            self._parts, self._sound = 1, 0
-            return False
-        state.go_back()
-        self._sound = made - 1 if self._parts == 1 else 0
-        if self._sound:
+        state, made, parts = self.state, int(self.state.batch[MADE]), 2
+        if made > 1:
             state.evaluations -= STAGES * made  # counted when they are made once more
-        else:
-            self._parts *= 2
+            state.go_back()
+            state.batch[ALLOWED] = made - 1
+            state.step(self.t, float(state.batch[DT]))
+            return
+        while state.results[BAD] and parts <= state.MOST_PARTS:
+            state.go_back()
+            state.step_in_parts(parts)
             self.rejected += 1
-        return True
+            parts *= 2
 
     def _after_step(self) -> None:
         state = self.state
@@ -285,7 +274,7 @@ class Integrator:
         if self._pass():
             self.frame()
         self.stop_signal = int(stop)
-        regular = self._every and self.steps % self._every < made
+        regular = self._every and self.steps % self._every == 0
         if stop or regular or (self._ended and (self._every or self._wall)):
             self.checkpoint()
             self._last_checkpoint = time.monotonic()
