@@ -65,7 +65,8 @@ def _solve(case: Any, comm: Comm, options: Mapping[str, Any]) -> str:
             names = name, f"fsi_{name}", f"ts_{name}"  # the beginning may be left out
             full = [found for found in names if found.lower() in known]
             if value is not None:
-                yield from (f"-{full[0] if full else name}", _text(value))
+                yield f"-{full[0] if full else name}"
+                yield from () if value is True else (_text(value),)
 
     loaded = together(comm, lambda: _case(case))
     given = start_petsc(together(comm, lambda: list(words())), comm)

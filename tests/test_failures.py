@@ -16,13 +16,19 @@ def test_a_layer_that_becomes_too_short(tmp_path):
     assert_readable(tmp_path / "rod.h5", "failed", 0.5)
 
 
+def test_steps_beyond_their_bound_are_noted_at_the_start(tmp_path):
+    done = solve("rod", "-fsi_cfl", 4, "-fsi_h", 0.1, "-ts_max_steps", 1, cwd=tmp_path)
+    assert done.returncode == 0 and done.stdout.count("note: ") == 1, done.stderr
+    assert "note: -fsi_cfl 4 is 4 times the bound on the step at t = 0 s" in done.stdout
+
+
 def test_a_failure_within_a_batch_loses_nothing(tmp_path):
     """Neither steps of the series nor of the summary, as if they had been made one by one."""
     line = "rod -fsi_coupling projection -fsi_h 0.025 -ts_max_time 0.5 -ts_dt 3e-4"
     found, words = [], ["in layer '", "at x = ", "(X = ", "t = ", ", step ", "computed before"]
     for watch in ((), ("-ts_monitor",)):  # which makes batches of one step
         done = solve(*line.split(), *watch, cwd=tmp_path)
-        message(done, 3, *words, "shorter steps (-fsi_cfl or -ts_dt)")
+        message(done, 3, *words, "; -ts_dt 0.0003 s is ", " times the bound on the step at t = 0")
         assert_readable(tmp_path / "rod.h5", "failed", 0.5)
         with fsipetsc.open_run(tmp_path / "rod.h5") as result:
             series = [result.series[name].tolist() for name in ("t", "dt", "x_interface", "mass")]

@@ -19,8 +19,14 @@ from fsipetsc.kernels.symbols import derivatives
     Option("rod_gravity", float, -10.0, "m/s2", "body force per mass on the rod"),
     Option("rod_p0", float, 1e5, "Pa", "initial pressure of the gas", check="positive"),
     Option("rod_T0", float, 300.0, "K", "initial temperature", check="positive"),
-    Option("rod_wall", float, 0.0, "m", "position of the lower wall, below 1"),
-    Option("rod_top", float, 6.0, "m", "position of the open upper end, above 2"),
+    Option(
+        *("rod_wall", float, 0.0, "m", "position of the lower wall"),
+        check=lambda x: None if x < 1 else "a number below 1",
+    ),
+    Option(
+        *("rod_top", float, 6.0, "m", "position of the open upper end"),
+        check=lambda x: None if x > 2 else "a number above 2",
+    ),
 )
 def rod(opt: Opt) -> Problem:
     """An elastic rod falls into a compressible gas and bounces (Sec. 5.2): fluid | solid | fluid.

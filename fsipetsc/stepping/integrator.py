@@ -9,7 +9,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.errors import InputError, clear_frames
+from fsipetsc.errors import InputError, clear_frames, petsc_words
 from fsipetsc.process.together import agree
 from fsipetsc.scheme.observables import INTEGRAL, SERIES
 from fsipetsc.scheme.plan import (
@@ -194,7 +194,10 @@ class Integrator:
         ts.setExactFinalTime(PETSc.TS.ExactFinalTime.STEPOVER)
         ts.setSolution(self.state.solution)
         database.setValue("ts_type", "rk" if self._fused else self.opt["ts_type"])
-        ts.setFromOptions()
+        try:
+            ts.setFromOptions()
+        except PETSc.Error as error:  # -ts_monitor, -ts_view … with a wrong value
+            raise InputError(f"an option of PETSc's: {petsc_words(error)}") from None
         database.setValue("ts_type", self.opt["ts_type"])
         return ts
 

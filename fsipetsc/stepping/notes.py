@@ -20,7 +20,7 @@ from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.paper.paper_state import PaperState
 from fsipetsc.scheme.conservation_check import Drifts
 from fsipetsc.scheme.gas_forms import CONSERVED
-from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, TOO_SHORT, longest_step
+from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, TIME, TOO_SHORT, longest_step
 from fsipetsc.state import Seen, State
 
 Array = np.ndarray
@@ -57,6 +57,20 @@ def asked_data(state: Any) -> list[str]:
     why = [one for some in state.comm.allgather(state.phases.not_recorded) for one in some]
     words = "Python is asked for data in each stage of a step, which takes longer"
     return [f"{words}: {why[0]}"] if why else []
+
+
+def heat_that_stays(state: Any) -> list[str]:
+    """Faces with a temperature whose gas or solid does not conduct heat."""
+    found = set()
+    for (k, *_), met in state.problem.outer_faces.items():
+        name, material = state.problem.blocks[k].name, state.problem.blocks[k].material
+        conducts = material.kappa if material.kind == "fluid" else material.kappa_e
+        if met.warms and not met.all_given and not conducts:
+            found.add(
+                f"{type(met).__name__} gives '{name}' a temperature, and it does not conduct heat: "
+                "only its nodes at the face have that temperature, so results depend on the grid"
+            )
+    return sorted(found)
 
 
 def pressure_jumps(state: Any) -> list[str]:
@@ -211,6 +225,7 @@ def new_imaginary_waves(state: Any) -> Sequence[str]:
 NOTES = (
     ("begin", State, loose_forces),
     ("begin", BlockState, asked_data),
+    ("begin", BlockState, heat_that_stays),
     ("begin", BlockState, stretched_gases),
     ("begin", BlockState, pressure_jumps),
     ("saved", BlockState, new_imaginary_waves),
@@ -255,9 +270,10 @@ def check(state: State, t: float, step: int) -> None:
         if step == 0:
             raise InputError(f"the run cannot begin: {described(state, first, t, step)}")
         state.go_back()
-        waves = imaginary_waves(state, t) if isinstance(state, BlockState) else {}
-        first = state.repeat(partial(first_bad, state)) or first
+        begin = float(state.batch[TIME])
+        waves = imaginary_waves(state, begin) if isinstance(state, BlockState) else {}
         causes = [*waves.values()] or [HELPS]
+        first = state.repeat(partial(first_bad, state)) or first
         raise ComputationError("; ".join([described(state, first, t, step), *causes]))
     if flags[EXHAUSTED] or flags[TOO_SHORT]:
         when = f"t = {t:.6g}{state.problem.unit('s')}, step {step}"

@@ -98,8 +98,10 @@ def facts(state: State) -> dict[str, Any]:
     for layer, about in zip(state.problem.layers, state.header()["layers"], strict=True):
         of = f"of '{layer.name}'"
         found |= {f"kind {of}": layer.kind, f"nodes {of}": [*about["shape"][::-1]]}
-        plain = {k: v for k, v in vars(layer.material).items() if isinstance(v, (str, int, float))}
-        found |= {f"{name} {of}": value for name, value in plain.items()}
+        for name, value in vars(layer.material).items():
+            if isinstance(value, (str, int, float)):
+                found[f"{name} {of}"] = value
+        found[f"force {of}"] = np.atleast_1d(layer.material.force).tolist()
     return found
 
 

@@ -132,6 +132,7 @@ class Run(Integrator):
         self.name, self.problem, self.past = name, state.problem, past
         self.s = self.problem.unit("s")
         self.checks = opt["fsi_check"] is not None
+        self.long_steps = list[str]()  # what is to be said of them, here and after a failure
         self.ledgers = Ledgers({}, {})  # nothing must hold before there is a state
         self.path = restart.checkpoint_name(opt["fsi_checkpoint"], opt["fsi_output"])
         self._speaks = self.comm.rank == 0 and not opt["fsi_quiet"]
@@ -279,6 +280,8 @@ class Run(Integrator):
             self.note(*notes(self.state, "end"))
         except (ComputationError, InputError, CheckpointError) as error:
             failure, self.checks = error, False
+            if isinstance(error, ComputationError):
+                error.args = ("; ".join([str(error), *self.long_steps]),)
             self._write(self.writer.flush)
         number = self.stop_signal
         summary = self._summary(failure)
@@ -298,7 +301,8 @@ class Run(Integrator):
         self._say_what_runs()
         if self.past is None:
             self.start()
-            self.note(*notes(self.state, "begin"), *long_steps(self.state, self.opt))
+            self.long_steps = long_steps(self.state, self.opt)
+            self.note(*notes(self.state, "begin"), *self.long_steps)
             self._keep_ledgers()
         else:
             header = self.past.header
