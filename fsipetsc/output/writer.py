@@ -230,12 +230,9 @@ class RunWriter:
         elif left and not whole:
             with suppress(FsiError, OSError):  # else the pieces are set aside as they are
                 self._join()
-        if (
-            not goes_on
-            and layout.pieces(self.folder)
-            and (len(marks) > 1 or not os.path.lexists(self.path))
-        ):
-            self.moved.append((self.folder, _set_pieces_aside(self.folder)))
+        of_its_own = len(marks) > 1 or not os.path.lexists(self.path)
+        if of_its_own and not goes_on and layout.pieces(self.folder):
+            self.moved.append((self.folder, _set_pieces_aside(self.path)))
         clear(self.folder)
         if goes_on:
             os.replace(self.path, layout.piece(self.folder, 1))
@@ -317,22 +314,25 @@ def clear(folder: Path) -> None:
         path.unlink()
 
 
-def _set_pieces_aside(folder: Path) -> Path:
-    """Move pieces to NAME.1.parts, or the next number that no result has. OSError."""
-    every = (folder.with_name(f"{folder.stem}.{k}.parts") for k in itertools.count(1))
-    new = next(n for n in every if not n.exists() and not n.with_suffix(".h5").exists())
-    new.mkdir()
-    for file in layout.pieces(folder):
-        file.rename(new / file.name)
-    return new
+def _unused(file: Path) -> Path:
+    """NAME.1.h5 for NAME.h5, or the next number that no result has."""
+    ending = ".h5" * (file.suffix == ".h5")
+    numbered = (beside(file, f".{k}{ending}") for k in itertools.count(1))
+    taken = os.path.lexists
+    return next(new for new in numbered if not taken(new) and not taken(beside(new, ".parts")))
 
 
 def set_aside(file: Path) -> Path:
     """Give NAME.h5 the first number that no result has, as NAME.1.h5, which it returns. OSError."""
-    for k in itertools.count(1):
-        new = file.with_name(f"{file.name.removesuffix('.h5')}.{k}{'.h5' * (file.suffix == '.h5')}")
-        if not os.path.lexists(new) and not os.path.lexists(beside(new, ".parts")):
-            return file.rename(new)
+    return file.rename(_unused(file))
+
+
+def _set_pieces_aside(file: Path) -> Path:
+    """Move the pieces of NAME.h5 likewise, to NAME.1.parts, which it returns. OSError."""
+    (new := beside(_unused(file), ".parts")).mkdir()
+    for piece in layout.pieces(beside(file, ".parts")):
+        piece.rename(new / piece.name)
+    return new
 
 
 def lay_out(

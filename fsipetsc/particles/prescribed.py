@@ -101,11 +101,12 @@ class Prescribed:
         self.displaced = np.zeros_like(self._x)
         self._sources = self._sources_of(own)
         self.by_differences = any(_has_motion(source.condition) for source in self._sources)
-        moved = [who for name in WALLS for c, who in _grouped(own, name) if c.moves]
+        named = {name: _grouped(own, name) for name in (*WALLS, "clamp")}
+        moved = [who for name in WALLS for c, who in named[name] if c.moves]
         self.moving = np.unique(np.concatenate([np.empty(0, np.int64), *moved]))
-        every = [group for name in (*WALLS, "clamp") for group in _grouped(own, name)]
+        every = [group for groups in named.values() for group in groups]
         self._moved = [(c, who) for c, who in every if c.velocity and c.moves]
-        sliding = [(c, who) for c, who in _grouped(own, "wall") if c.velocity and not c.moves]
+        sliding = [(c, who) for c, who in named["wall"] if c.velocity and not c.moves]
         normals = [np.array([own[p].wall_normal(problem) for p in who]) for _, who in sliding]
         self._sliding = [(*one, normal) for one, normal in zip(sliding, normals, strict=True)]
         self._met = _met(problem, own)

@@ -230,7 +230,7 @@ class Integrator:
         if self._fused:
             state.step(self.t, float(state.batch[DT]))
             if state.results[BAD] and state.MOST_PARTS > 1:
-                self._repeat()
+                self._make_anew()
         else:
             state.keep()
             try:
@@ -246,7 +246,7 @@ class Integrator:
         if state.results[STOP] >= FAULT:  # the step was made with data that are wrong
             agree(state.comm, state.fault)
 
-    def _repeat(self) -> None:
+    def _make_anew(self) -> None:
         """Go back from an unphysical state: to the steps before the last one, which are made once
         more, or if there are none, to make it in 2, 4 … parts.
         """
