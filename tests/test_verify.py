@@ -7,8 +7,7 @@ import pytest
 from helpers import REPOSITORY, program, rows_of, solve
 
 from fsipetsc.studies.tables import Compared, Expected, Row
-from fsipetsc.studies.verify.command import entries
-from fsipetsc.studies.verify.entry import problem, reference
+from fsipetsc.studies.verify.entry import entries, problem, reference
 
 
 def test_orders_and_verdicts():

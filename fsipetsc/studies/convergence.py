@@ -9,10 +9,9 @@ the mean over these, over the largest range on the finest grid of all fields of 
 of its kind.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial, reduce
-from itertools import pairwise
-from pathlib import Path
+from itertools import groupby, pairwise
 from typing import Any
 
 import numpy as np
@@ -24,10 +23,11 @@ from fsipetsc.operators.sbp import operator
 from fsipetsc.options import Option
 from fsipetsc.output.differences import common_nodes, summed
 from fsipetsc.output.quantities import unit_of
-from fsipetsc.output.reader import Run, open_run
+from fsipetsc.output.reader import Run
 from fsipetsc.process.together import Comm, together
 from fsipetsc.studies import tables
 from fsipetsc.studies.tables import Row, Study, listed_in
+from fsipetsc.studies.verify.entry import Trial
 
 #: what -fsi_h is multiplied with for the grids of a study: in one dimension with an exact solution,
 #: in one without, and in more dimensions
@@ -52,6 +52,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
 
     Raises InputError; ComputationError at the end if a run has failed; FileError.
     """
+    from fsipetsc.stepping.run import REMAINS
     from fsipetsc.stepping.solve import build_problem
 
     case = together(comm, lambda: case_after("convergence", arguments))
@@ -67,21 +68,34 @@ def convergence(arguments: list[str], comm: Comm) -> None:
             f"the case {case.NAME} has no exact solution: its grids are compared with each other, "
             "and that takes three, as in -fsi_hs 0.1,0.05,0.025"
         )
-    time = f"t = {opt['ts_max_time']:g}" + " s" * (problem.units == "SI")
+    end, parts = opt["ts_max_time"], 1 if exact else SAMPLES
     what = "errors" if exact else "relative differences from the next grid"
+    time = f"t = {end:g}" + " s" * (problem.units == "SI")
     about = f"{case.NAME}, {what} in {opt['fsi_norm']} at {time}, {counted(comm.size, 'rank')}"
     study.say(about)
-    end, parts = opt["ts_max_time"], 1 if exact else SAMPLES
     times = tuple(end * np.arange(1, parts + 1) / parts)
-    own = {"fsi_output_dt": None, "fsi_output_times": times, "fsi_quiet": True}
-    panels: dict[str, list[Row]] = {}
+    own = {**opt, "fsi_output_dt": None, "fsi_output_times": times, "fsi_quiet": True}
+    panels: dict[str, dict[str, Row]] = {}
     lines: list[list[object]] = []
     failures: list[str] = []
     with study.results_folder() as folder:
         for order in dict.fromkeys(orders):
             study.say("")
-            runs, failed = _runs(study, case, {**own, "fsi_order": order}, hs, folder)
-            failures += failed
+            runs: dict[float, Run] = {}
+            for h in hs:
+                which = f"order {order}, h = {h:g}"
+                try:
+                    run = Trial(comm, folder, order, h).solve(case, **{**own, "fsi_h": h})
+                except InputError as error:
+                    raise InputError(f"{which}: {error}") from None
+                except ComputationError as error:  # what it computed is removed with the others
+                    failures.append(f"{which}: {str(error).partition(REMAINS)[0]}")
+                    study.say(f"  failed: {failures[-1]}")
+                else:
+                    runs[h] = run
+                    points, steps, _, seconds = (run.summary[name] for name in COST)
+                    cost = f"{points:>8.0f} points{steps:>8.0f} steps{seconds:>9.2f} s"
+                    study.say(f"{operator(order).name}  h = {h:<9.6g}{cost}")
             rows = together(comm, partial(_rows, case.NAME, order, opt, exact, runs))
             study.say(f"\n{tables.told(rows)}" if rows else "")
             costs = [[run.summary[name] for name in COST] for run in runs.values()]
@@ -90,7 +104,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
                 lines += [[*line, *cost] for line, cost in zip(table, costs)]
                 kind, _, name = row.quantity.partition("/")
                 if name == "combined":
-                    panels.setdefault(kind, []).append(row)
+                    panels.setdefault(kind, {})[operator(order).name] = row
     study.save([*tables.COLUMNS, *COST], lines, about)
     study.on_first(lambda: tables.picture(about, panels, study.path.with_suffix(".png")))
     study.say(f"\nsaved {study.path}")
@@ -98,35 +112,7 @@ def convergence(arguments: list[str], comm: Comm) -> None:
         raise ComputationError(f"{counted(len(failures), 'run')} failed; {failures[0]}")
 
 
-def _runs(
-    study: Study, case: Any, own: Mapping[str, Any], hs: Sequence[float], folder: Path
-) -> tuple[dict[float, Run], list[str]]:
-    """Results by h of the grids that do not fail, and why others do. Collective; InputError,
-    FileError. own: options of all these runs.
-    """
-    from fsipetsc.stepping.run import REMAINS, run_case
-
-    order, runs, failures = own["fsi_order"], {}, []
-    for h in hs:
-        path, which = f"{folder}/{order}-{h!r}.h5", f"order {order}, h = {h:g}"
-        try:
-            run_case(case, {**study.opt, **own, "fsi_h": h, "fsi_output": path}, study.comm)
-            runs[h] = together(study.comm, partial(open_run, path))
-            points, steps, _, seconds = (runs[h].summary[name] for name in COST)
-            outcome = f"{points:>8.0f} points{steps:>8.0f} steps{seconds:>9.2f} s"
-        except InputError as error:
-            raise InputError(f"{which}: {error}") from None
-        except ComputationError as error:
-            why, _, _ = str(error).partition(REMAINS)  # which is removed with the others
-            failures.append(f"{which}: {why}")
-            outcome = f"  failed: {why}"
-        study.say(f"{operator(order).name}  h = {h:<9.6g}{outcome}")
-    return runs, failures
-
-
-def _rows(
-    case: str, order: int, opt: Mapping[str, Any], exact: bool, runs: Mapping[float, Run]
-) -> list[Row]:
+def _rows(case: str, order: int, opt: Any, exact: bool, runs: dict[float, Run]) -> list[Row]:
     """The rows of an order: quantities are KIND/NAME, or LAYER/NAME and series/NAME. InputError
     where grids have no node in common.
     """
@@ -148,29 +134,28 @@ def differences(runs: Sequence[Run], norm: str) -> dict[str, list[float]]:
     """GROUP/NAME -> relative differences of each run but the last, from coarse to fine, from the
     next one; and of each group "combined", their mean. InputError where there is no common node.
     """
-    values, power = _common_values(runs), {"L1": 1, "L2": 2}[norm]
+    values, power = [*_common_values(runs)], {"L1": 1, "L2": 2}[norm]
     ranges: dict[tuple[str, str], float] = {}
-    for _, _, sort, found in values:
-        low, high = np.nanmin(found[-1]), np.nanmax(found[-1])
+    for _, _, sort, (*_, finest) in values:
+        low, high = np.nanmin(finest), np.nanmax(finest)
         size = max(abs(low), abs(high))
         span = high - low if high - low > 1e-9 * size else size  # else it is round-off
         ranges[sort] = max(ranges.get(sort, 0.0), float(span))
-    groups: dict[str, dict[str, Any]] = {}
-    for group, name, sort, found in values:
-        gaps = [np.abs(b - a).ravel() / (ranges[sort] or 1.0) for a, b in pairwise(found)]
-        means = [np.nanmean(gap**power) ** (1 / power) for gap in gaps]
-        groups.setdefault(group, {})[name] = np.array(means)
-    for own in groups.values():
+    found: dict[str, list[float]] = {}
+    for group, members in groupby(values, lambda one: one[0]):
+        own = {}
+        for _, name, sort, each in members:
+            gaps = [np.abs(b - a).ravel() / (ranges[sort] or 1.0) for a, b in pairwise(each)]
+            own[name] = np.array([np.nanmean(gap**power) ** (1 / power) for gap in gaps])
         own["combined"] = np.mean(np.array([*own.values()]) ** power, axis=0) ** (1 / power)
-    every = ((f"{group}/{name}", of) for group, own in groups.items() for name, of in own.items())
-    return {name: of.tolist() for name, of in every}
+        found |= {f"{group}/{name}": of.tolist() for name, of in own.items()}
+    return found
 
 
-def _common_values(runs: Sequence[Run]) -> list[tuple[str, str, tuple[str, str], list[Any]]]:
+def _common_values(runs: Sequence[Run]) -> Iterator[tuple[str, str, tuple[str, str], list[Any]]]:
     """(group, name, kind of layer and unit, values of each run at what all have in common); what
     has no known unit has one of its own. InputError.
     """
-    found = []
     for layer, *others in zip(*(run.layers for run in runs)):
         pairs = [common_nodes(layer, other, []) for other in (layer, *others)]
         every = reduce(np.intersect1d, [pair[0] if pair else [] for pair in pairs])
@@ -182,11 +167,10 @@ def _common_values(runs: Sequence[Run]) -> list[tuple[str, str, tuple[str, str],
         nodes = [pair[1][np.searchsorted(pair[0], every)] for pair in pairs if pair]
         for name in layer.fields:
             ends = [of.frame(-1)[name].ravel()[at] for of, at in zip((layer, *others), nodes)]
-            found.append((layer.name, name, (layer.kind, unit_of(name) or name), ends))
-    times = runs[0].time[1:]
+            yield layer.name, name, (layer.kind, unit_of(name) or name), ends
     for name in runs[0].series:
         if name not in NO_SOLUTION and not name.startswith("residual_"):
-            values = [summed(run, name)[np.isin(run.series["t"], times)] for run in runs]
+            at = [np.isin(run.series["t"], runs[0].time[1:]) for run in runs]
+            values = [summed(run, name)[steps] for run, steps in zip(runs, at)]
             if len({v.shape for v in values}) == 1 and values[0].size:
-                found.append(("series", name, ("series", unit_of(name) or name), values))
-    return found
+                yield "series", name, ("series", unit_of(name) or name), values

@@ -1,11 +1,13 @@
-"""What the commands of this folder have in common: work that ranks share, tables, and what is said
-of errors on grids: observed orders, verdicts, pictures.
+"""What the commands of this folder share: work on all ranks, tables, and of errors on grids the
+observed orders, verdicts and pictures.
 """
 
 import csv
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
+from functools import partial
+from importlib.util import find_spec
 from itertools import groupby
 from math import log, nan
 from pathlib import Path
@@ -19,7 +21,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import read_options, read_table
 from fsipetsc.output.file_layout import check_folder, writing
-from fsipetsc.output.plots.style import ORDERS, STYLE, save, set_title
+from fsipetsc.output.plots.style import STYLE, save, set_title
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import Comm, together, wait_asleep
 
@@ -42,8 +44,7 @@ class Study:
 
     words: arguments of the command. options: heading -> its options, or with a case those beside
     the case's. name: of its CSV file if none is given. opt: the options in force; given: those that
-    were given; path: the file, with .csv for the suffix of a result or a picture. InputError,
-    FileError.
+    were given; path: of the CSV file. InputError, FileError.
     """
 
     def __init__(
@@ -75,6 +76,13 @@ class Study:
 
         self.on_first(write)
 
+    def table(self, head: Sequence[str], rows: Sequence[Sequence[object]], spec: str) -> None:
+        """Print and write a table of rank 0; spec: format of the numbers that are printed."""
+        cells = [[format(v, spec) if isinstance(v, float) else v for v in row] for row in rows]
+        self.say(text_table(head, cells))
+        self.save(head, rows)
+        self.say(f"\nsaved {self.path}")
+
     def on_first(self, action: Callable[[], Any]) -> Any:
         """action() on rank 0, while the others sleep: what it gives there, None elsewhere. FsiError
         of rank 0 on all.
@@ -90,13 +98,9 @@ class Study:
 
     @contextmanager
     def results_folder(self) -> Iterator[Path]:
-        """A new folder beside the table, for results that are removed in the end. FileError."""
-
-        def made() -> TemporaryDirectory[str]:
-            with writing(self.path, "results"):
-                where = {"dir": self.path.parent, "prefix": f"{self.path.stem}-"}
-                return TemporaryDirectory(**where, ignore_cleanup_errors=True)
-
+        """A new folder beside the table, for results that are removed in the end."""
+        where = {"dir": self.path.parent, "prefix": f"{self.path.stem}-"}
+        made = partial(TemporaryDirectory, **where, ignore_cleanup_errors=True)
         with self.on_first(made) or nullcontext() as folder:
             yield Path(self.comm.bcast(folder))
             wait_asleep(self.comm)  # other ranks may still read
@@ -247,46 +251,29 @@ def told(rows: Sequence[Row]) -> str:
     return "\n\n".join(tables)
 
 
-def picture(title: str, panels: Mapping[str, Sequence[Row]], path: Path) -> None:
-    """A panel of errors for the rows of each heading; nothing without matplotlib or without rows.
-    FileError.
+def picture(title: str, panels: Mapping[str, Mapping[str, Row]], path: Path) -> None:
+    """Errors over grid spacings: a panel for each heading, a line for each label in it; nothing
+    without matplotlib or without rows. FileError.
     """
-    try:
-        import matplotlib
-        from matplotlib.figure import Figure
-    except ImportError:
+    if not any(panels.values()) or find_spec("matplotlib") is None:
         return
-    if not any(panels.values()):
-        return
+    import matplotlib
+    from matplotlib.figure import Figure
+
     with matplotlib.rc_context({**STYLE, "savefig.dpi": 80}):
         figure = Figure(figsize=(2.0 + 5.0 * len(panels), 4.2), layout="constrained")
-        axes = figure.subplots(1, len(panels), squeeze=False)[0]
-        for panel, (heading, rows) in zip(axes, panels.items(), strict=True):
-            _errors(panel, rows)
-            panel.set_title(heading, loc="left")
-        axes[0].set_ylabel("errors")
+        places = figure.subplots(1, len(panels), squeeze=False)[0]
+        for axes, (heading, rows) in zip(places, panels.items(), strict=True):
+            colors = "tab10" if len(rows) <= 10 else "tab20"
+            axes.set_prop_cycle(color=matplotlib.colormaps[colors].colors)
+            for label, row in rows.items():
+                # a logarithmic axis has no place for 0
+                errors = np.where(np.array(row.errors) > 0.0, row.errors, np.nan)
+                axes.loglog(row.spacings[: len(errors)], errors, "o-", markersize=4, label=label)
+            axes.set(title=heading, xlabel="grid spacing h", ylabel="errors")
+            spacings = sorted({h for row in rows.values() for h in row.spacings})
+            axes.set_xticks([], minor=True)
+            axes.set_xticks(spacings, [f"{h:.4g}" for h in spacings], fontsize=8)
+            axes.legend(fontsize="x-small", loc="upper left", bbox_to_anchor=(1.0, 1.0))
         set_title(figure, title)
         save(figure, path)
-
-
-def _errors(axes: Any, rows: Sequence[Row]) -> None:
-    """Errors over the grid spacing, of one order or one quantity; a logarithmic axis has no place
-    for 0.
-    """
-    from matplotlib import colormaps
-
-    names = list(dict.fromkeys(row.quantity for row in rows))
-    for row in rows:
-        color, marker = ORDERS[row.order][:2]
-        label = operator(row.order).name
-        if len(names) > 1:
-            k = names.index(row.quantity)
-            color, label = colormaps["tab20"]((2 * k + k // 10) % 20), row.quantity
-        errors = np.where(np.array(row.errors) > 0.0, row.errors, np.nan)
-        look = {"color": color, "marker": marker, "markersize": 4, "label": label}
-        axes.loglog(row.spacings[: len(errors)], errors, **look)
-    spacings = sorted({h for row in rows for h in row.spacings})
-    axes.set_xlabel("grid spacing h")
-    axes.set_xticks([], minor=True)
-    axes.set_xticks(spacings, [f"{h:.4g}" for h in spacings], fontsize=8)
-    axes.legend(fontsize="x-small", loc="upper left", bbox_to_anchor=(1.0, 1.0))

@@ -32,8 +32,6 @@ CURVES = {
     "color": [BLACK, ORANGE, BLUE, GREEN, PURPLE] * 4,
     "linestyle": ["-", "--", "-.", ":"] * 5,
 }
-#: colour and marker of an order of accuracy
-ORDERS = {2: (GREEN, "s"), 4: (BLUE, "o"), 6: (RED, "^"), 8: (BLACK, "D")}
 LONGEST = 28  # letters in a legend
 WIDEST = 20  # letters in a line of the label of a vertical axis
 #: what varies by less than this part of the values of its unit is round-off
