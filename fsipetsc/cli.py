@@ -74,7 +74,7 @@ COMMANDS = {
         "studies.modes"),
     "verify": Command("[NAME ...] [-verify_level full]",
         "compare cases with references: errors, observed orders, verdicts",
-        "studies.verify.entry"),
+        "studies.verify.command"),
     "bench": Command("[-option value ...]",
         "measure what a time step costs on 1 to N ranks",
         "studies.bench"),

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from helpers import REPOSITORY, program, rows_of, solve
 
-from fsipetsc.studies.tables import Compared, Expected, Row
-from fsipetsc.studies.verify.entry import entries, problem, reference
+from fsipetsc.studies.trials import Compared, Expected, Row, reference
+from fsipetsc.studies.verify.command import entries, problem
 
 
 def test_orders_and_verdicts():

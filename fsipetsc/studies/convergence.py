@@ -25,9 +25,9 @@ from fsipetsc.output.differences import common_nodes, summed
 from fsipetsc.output.quantities import unit_of
 from fsipetsc.output.reader import Run
 from fsipetsc.process.together import Comm, together
-from fsipetsc.studies import tables
-from fsipetsc.studies.tables import Row, Study, listed_in
-from fsipetsc.studies.verify.entry import Trial
+from fsipetsc.studies import trials
+from fsipetsc.studies.tables import Study, listed_in
+from fsipetsc.studies.trials import Row, Trial
 
 #: what -fsi_h is multiplied with for the grids of a study: in one dimension with an exact solution,
 #: in one without, and in more dimensions
@@ -83,9 +83,9 @@ def convergence(arguments: list[str], comm: Comm) -> None:
             study.say("")
             runs: dict[float, Run] = {}
             for h in hs:
-                which = f"order {order}, h = {h:g}"
+                trial, which = Trial(comm, folder, order, h), f"order {order}, h = {h:g}"
                 try:
-                    run = Trial(comm, folder, order, h).solve(case, **{**own, "fsi_h": h})
+                    run = trial.solve(case, **{**own, "fsi_h": h})
                 except InputError as error:
                     raise InputError(f"{which}: {error}") from None
                 except ComputationError as error:  # what it computed is removed with the others
@@ -96,8 +96,8 @@ def convergence(arguments: list[str], comm: Comm) -> None:
                     points, steps, _, seconds = (run.summary[name] for name in COST)
                     cost = f"{points:>8.0f} points{steps:>8.0f} steps{seconds:>9.2f} s"
                     study.say(f"{operator(order).name}  h = {h:<9.6g}{cost}")
-            rows = together(comm, partial(_rows, case.NAME, order, opt, exact, runs))
-            study.say(f"\n{tables.told(rows)}" if rows else "")
+            rows = together(comm, partial(_rows, case.NAME, trial, opt, exact, runs))
+            study.say(f"\n{trials.told(rows)}" if rows else "")
             costs = [[run.summary[name] for name in COST] for run in runs.values()]
             for row in rows:
                 table = row.lines(comm.size, "exact solution" if exact else "next grid")
@@ -105,14 +105,14 @@ def convergence(arguments: list[str], comm: Comm) -> None:
                 kind, _, name = row.quantity.partition("/")
                 if name == "combined":
                     panels.setdefault(kind, {})[operator(order).name] = row
-    study.save([*tables.COLUMNS, *COST], lines, about)
-    study.on_first(lambda: tables.picture(about, panels, study.path.with_suffix(".png")))
+    study.save([*trials.COLUMNS, *COST], lines, about)
+    study.on_first(lambda: trials.picture(about, panels, study.path.with_suffix(".png")))
     study.say(f"\nsaved {study.path}")
     if failures:
         raise ComputationError(f"{counted(len(failures), 'run')} failed; {failures[0]}")
 
 
-def _rows(case: str, order: int, opt: Any, exact: bool, runs: dict[float, Run]) -> list[Row]:
+def _rows(case: str, trial: Trial, opt: Any, exact: bool, runs: dict[float, Run]) -> list[Row]:
     """The rows of an order: quantities are KIND/NAME, or LAYER/NAME and series/NAME. InputError
     where grids have no node in common.
     """
@@ -125,9 +125,9 @@ def _rows(case: str, order: int, opt: Any, exact: bool, runs: dict[float, Run]) 
         found = differences([*runs.values()], opt["fsi_norm"])
     part = {"L1": 1.0, "L2": 0.5}[opt["fsi_norm"]]
     # closures err by order s at a fixed number of nodes
-    rate = tables.kinked(order, part) if opt["fsi_shock"] > 0.0 else order // 2 + part
-    how = tables.Expected(rate, None if exact else tables.ROUND_OFF), not exact
-    return [Row(case, name, order, tuple(runs), of, *how) for name, of in found.items()]
+    rate = trial.kinked(part) if opt["fsi_shock"] > 0.0 else trial.order // 2 + part
+    how = trials.Expected(rate, None if exact else trials.ROUND_OFF), not exact
+    return [Row(case, name, trial.order, tuple(runs), of, *how) for name, of in found.items()]
 
 
 def differences(runs: Sequence[Run], norm: str) -> dict[str, list[float]]:

@@ -19,8 +19,7 @@ from fsipetsc.options import defaults
 from fsipetsc.stepping.solve import build_problem
 from fsipetsc.studies.linear import column_modes, modes_near, radial_modes
 from fsipetsc.studies.modes import PANEL, crossing, modes_at
-from fsipetsc.studies.tables import Compared, closures
-from fsipetsc.studies.verify.entry import Trial, entry, reference
+from fsipetsc.studies.trials import Compared, Trial, entry, reference
 
 
 def first_frequency(order: int, h: float, thickness: float, hinged: bool) -> float:
@@ -47,7 +46,7 @@ def beam(trial: Trial) -> None:
         row = np.argmin(np.abs(table["d"] - d))
         known, other = table[ends][row], table[f"{ends} pi^2/12"][row]
         found = first_frequency(trial.order, trial.h, d, ends == "hinged") / np.sqrt(d**2 / 6.0)
-        expected = closures(trial.order), abs(1.0 - other / known)
+        expected = trial.closures, abs(1.0 - other / known)
         trial.check(f"{ends}, d = {d:g}", Compared(found, known), *expected)
 
 
@@ -93,7 +92,7 @@ def normal_modes(trial: Trial) -> None:
     def check(name: str, found: Array, rows: int = 1) -> None:
         known = table[f"{name} real"][:rows] + 1j * table[f"{name} imag"][:rows]
         near = [Compared(found[np.abs(found - s).argmin()], s) for s in known]
-        trial.check(name, max(near, key=lambda one: one.error), closures(order))
+        trial.check(name, max(near, key=lambda one: one.error), trial.closures)
 
     def modes_of(name: str, h: float, n: int = 0, **given: Any) -> Array:
         """s of the slowest modes of a case [1/s], of angular number n."""

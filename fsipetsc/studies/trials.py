@@ -1,0 +1,288 @@
+"""Cases and entries on grids: what they give beside what is expected, observed orders, verdicts,
+pictures.
+"""
+
+import csv
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
+from functools import partial
+from importlib.resources import files
+from importlib.util import find_spec
+from itertools import count, groupby
+from math import log, nan
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.interpolate import make_interp_spline
+from scipy.optimize import brentq
+
+from fsipetsc.cases import case_of, load_case
+from fsipetsc.checks import Array
+from fsipetsc.errors import RanksError
+from fsipetsc.operators.sbp import operator
+from fsipetsc.options import defaults
+from fsipetsc.output.plots.style import STYLE, save, set_title
+from fsipetsc.output.reader import Run, open_run
+from fsipetsc.process.together import Comm, together
+from fsipetsc.studies.tables import text_table
+
+#: how far an observed order may be below what is expected
+SLACK = 0.4
+#: errors, relative ones, that may be round-off
+ROUND_OFF = 1e-12
+#: relative differences of grids that resolve a solution are smaller
+RESOLVED = 0.1
+#: orders that are looked for where grids are compared with each other
+LEAST, MOST = -4.1, 16.0
+#: columns of a table of rows, and of their CSV file
+HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "expected", "verdict")
+COLUMNS = "case quantity order h ranks value reference source error rate verdict".split()
+
+
+class Compared(NamedTuple):
+    """A number beside its reference. size: what their distance is divided by; None: by the
+    reference.
+    """
+
+    value: complex
+    reference: complex
+    size: float | None = None
+
+    @property
+    def error(self) -> float:
+        """The distance from the reference over the size."""
+        size = abs(self.reference) if self.size is None else self.size
+        return abs(self.value - self.reference) / size
+
+
+class Expected(NamedTuple):
+    """What theory, or somebody else, says of a quantity; None where they say nothing.
+
+    order: of the errors between the two finest grids; error: at most, on the finest grid.
+    """
+
+    order: float | None = None
+    error: float | None = None
+
+    def __str__(self) -> str:
+        said = (self.order, "order {:.3g}"), (self.error, "error {:.2g}")
+        return " or ".join(text.format(value) for value, text in said if value is not None)
+
+
+def round_off(steps: float) -> float:
+    """The largest relative error of a number that is rounded once in each of so many steps."""
+    return steps * 2.0**-52
+
+
+class Row(NamedTuple):
+    """A quantity at an order on each grid: errors, or the numbers that are compared.
+
+    between: the numbers are differences of each grid from the next finer one.
+    """
+
+    entry: str
+    quantity: str
+    order: int
+    spacings: Sequence[float]
+    found: Sequence[float | Compared]
+    expected: Expected
+    between: bool = False
+
+    @property
+    def errors(self) -> list[float]:
+        """The error on each grid."""
+        return [one.error if isinstance(one, Compared) else one for one in self.found]
+
+    @property
+    def observed(self) -> list[float]:
+        """Orders between neighbouring errors; nan where one is 0, or both are round-off."""
+        h, found = self.spacings, []
+        for k, (a, b) in enumerate(zip(self.errors, self.errors[1:])):
+            if not (min(a, b) > 0.0 and max(a, b) > ROUND_OFF):
+                found.append(nan)
+            elif self.between:
+                found.append(order_of_differences(a / b, *h[k : k + 3]))
+            else:
+                found.append(log(a / b) / log(h[k] / h[k + 1]))
+        return found
+
+    @property
+    def verdict(self) -> str:
+        """ "converges" with the expected order, "holds" below the expected error, or "falls short"
+        of both; differences that are not small fall short in any case.
+        """
+        (order, most), error = self.expected, self.errors[-1]
+        if self.between and not error <= RESOLVED:
+            return "falls short"
+        if order is not None and self.observed and self.observed[-1] >= order - SLACK:
+            return "converges"
+        return "holds" if most is not None and error <= most else "falls short"
+
+    def lines(self, ranks: int, source: str) -> list[list[object]]:
+        """Of a CSV file, under COLUMNS: one for each grid; norms of errors have no value and no
+        reference."""
+        found, about, rates = [], [self.entry, self.quantity, self.order], ("", *self.observed)
+        for h, one, error, rate in zip(self.spacings, self.found, self.errors, rates):
+            pair = [f"{v:.12g}" for v in one[:2]] if isinstance(one, Compared) else ["", ""]
+            found.append([*about, h, ranks, *pair, source, error, rate, self.verdict])
+        return found
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """The words of a table under HEAD."""
+        numbers = (self.spacings, ".4g"), (self.errors, ".2e"), (self.observed, ".2f")
+        lists = [", ".join(format(v, spec) for v in values) for values, spec in numbers]
+        return self.quantity, str(self.order), *lists, str(self.expected), self.verdict
+
+
+def order_of_differences(ratio: float, first: float, second: float, third: float) -> float:
+    """p with (first^p - second^p) / (second^p - third^p) = ratio; nan where there is none."""
+
+    def excess(p: float) -> float:
+        return (first**p - second**p) / (second**p - third**p) - ratio
+
+    there = excess(LEAST) * excess(MOST) < 0.0
+    return float(brentq(excess, LEAST, MOST)) if there else nan
+
+
+def told(rows: Sequence[Row]) -> str:
+    """Return a table for each order."""
+    tables = []
+    for order, group in groupby(rows, lambda row: row.order):
+        cells = [row.cells for row in group]
+        body = text_table((HEAD[0], *HEAD[3:]), [(cell[0], *cell[3:]) for cell in cells])
+        tables.append(f"{operator(order).name}, h = {cells[0][2]}\n{body}")
+    return "\n\n".join(tables)
+
+
+def picture(title: str, panels: Mapping[str, Mapping[str, Row]], path: Path) -> None:
+    """Errors over grid spacings: a panel for each heading, a line for each label in it; nothing
+    without matplotlib or without rows. FileError.
+    """
+    if not any(panels.values()) or find_spec("matplotlib") is None:
+        return
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    with matplotlib.rc_context({**STYLE, "savefig.dpi": 80}):
+        figure = Figure(figsize=(2.0 + 5.0 * len(panels), 4.2), layout="constrained")
+        places = figure.subplots(1, len(panels), squeeze=False)[0]
+        for axes, (heading, rows) in zip(places, panels.items(), strict=True):
+            colors = "tab10" if len(rows) <= 10 else "tab20"
+            axes.set_prop_cycle(color=matplotlib.colormaps[colors].colors)
+            for label, row in rows.items():
+                # a logarithmic axis has no place for 0
+                errors = np.where(np.array(row.errors) > 0.0, row.errors, np.nan)
+                axes.loglog(row.spacings[: len(errors)], errors, "o-", markersize=4, label=label)
+            axes.set(title=heading, xlabel="grid spacing h", ylabel="errors")
+            spacings = sorted({h for row in rows.values() for h in row.spacings})
+            axes.set_xticks([], minor=True)
+            axes.set_xticks(spacings, [f"{h:.4g}" for h in spacings], fontsize=8)
+            axes.legend(fontsize="x-small", loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        set_title(figure, title)
+        save(figure, path)
+
+
+class Trial:
+    """A case or an entry at an order of the operators, with a grid spacing h. Results go to
+    ``folder``.
+
+    found: quantity -> (an error, or the number that is compared; what is expected if this is the
+    finest grid).
+    """
+
+    def __init__(self, comm: Comm, folder: Path, order: int, h: float) -> None:
+        self.comm, self.order, self.h = comm, order, h
+        self.paths = (str(folder / f"{order}-{h!r}-{k}.h5") for k in count())
+        self.found: dict[str, tuple[float | Compared, Expected]] = {}
+
+    def solve(self, what: Any, end: float | None = None, **options: Any) -> Run:
+        """Run a case, or a problem, to its end or to another time, and return its result. Too many
+        ranks: the first of them run it. Collective; FsiError.
+        """
+        from fsipetsc.stepping.run import run_case
+
+        case = load_case(what) if isinstance(what, str) else what
+        case = case if hasattr(case, "build") else case_of(case)
+        opt = {**defaults(case), "fsi_quiet": True}
+        if end is not None:
+            opt |= {"ts_max_time": end, "fsi_output_dt": end}
+        opt |= {"fsi_h": self.h, **options, "fsi_order": self.order}
+        opt["fsi_output"] = next(self.paths)
+        for size in range(self.comm.size, 0, -1):
+            here = self.comm.rank < size
+            ranks = self.comm.Split(int(not here), self.comm.rank)
+            action = partial(run_case, case, opt, ranks) if here else lambda: None
+            with suppress(*[RanksError] * (size > 1)):
+                together(self.comm, action, asleep=True)
+                break
+        return together(self.comm, partial(open_run, opt["fsi_output"]))
+
+    @property
+    def closures(self) -> int:
+        """The order of errors where the solution is smooth: the closures are exact to a degree of
+        half the order of the operators, and errors have one order more."""
+        return self.order // 2 + 1
+
+    def kinked(self, smoothness: float = 1.0) -> float:
+        """The order of errors with operators of order p where waves are s times differentiable in
+        the norm of the errors: s p/(p + 1), from the dispersion of the shortest of them (P.
+        Brenner, V. Thomee, L. Wahlbin, Besov Spaces and Applications to Difference Methods, 1975),
+        at most that of closures. In the mean s is 1 for a jump, in the maximum for a kink.
+        """
+        return min(self.closures, smoothness * self.order / (self.order + 1))
+
+    def check(
+        self, quantity: str, found: Any, order: Any = None, error: Any = None, power: int = 0
+    ) -> None:
+        """Note a quantity, and the order and the error that are expected (see Expected). found: a
+        number that is compared, or errors, whose norm counts: the largest, or that of the mean of
+        |error|^power.
+        """
+        if not isinstance(found, Compared):
+            size = np.abs(found)
+            found = float(np.mean(size**power) ** (1 / power) if power else size.max())
+        self.found[quantity] = found, Expected(order, error)
+
+
+class Entry(NamedTuple):
+    """The function of an entry, and the grids of the two levels: order of the operators -> cells in
+    a length [m], coarse to fine.
+    """
+
+    measure: Callable[[Trial], None]
+    quick: Mapping[int, Sequence[int]]
+    full: Mapping[int, Sequence[int]]
+    length: float = 1.0
+
+
+#: all entries by name, in the order of the table, once their files are imported
+ENTRIES: dict[str, Entry] = {}
+
+
+def entry(*grids: Mapping[int, Sequence[int]], length: float = 1.0) -> Callable[[Any], Any]:
+    """Make a function of a Trial an entry of its own name; problems/NAME.md says the rest."""
+
+    def registered(measure: Any) -> Any:
+        ENTRIES[measure.__name__] = Entry(measure, *grids, length)
+        return measure
+
+    return registered
+
+
+def reference(name: str) -> dict[str, Array]:
+    """Columns of references/NAME.csv; lines that begin with # say units and source."""
+    text = (files("fsipetsc.studies.verify") / "references" / f"{name}.csv").read_text("utf-8")
+    table = csv.reader(line for line in text.splitlines() if not line.startswith("#"))
+    return {head: np.array([float(v) for v in column]) for head, *column in zip(*table)}
+
+
+def joined(frames: Iterable[Mapping[str, Array]]) -> dict[str, Array]:
+    """Return the fields of several blocks as one array each."""
+    parts = list(frames)
+    return {name: np.concatenate([part[name].ravel() for part in parts]) for name in parts[0]}
+
+
+#: a reference between its points: the spline of fifth degree
+smooth = partial(make_interp_spline, k=5)

@@ -1,0 +1,100 @@
+"""The command `verify`: cases against references that other codes can be tested with, too."""
+
+from collections import Counter
+from collections.abc import Sequence
+from functools import partial
+from importlib.resources import files
+from itertools import groupby, takewhile
+from pathlib import Path
+from typing import Any
+
+from fsipetsc.errors import ComputationError, InputError
+from fsipetsc.operators.sbp import operator
+from fsipetsc.options import RUN, Option
+from fsipetsc.output.file_layout import writing
+from fsipetsc.process.together import Comm
+from fsipetsc.studies.tables import Study
+from fsipetsc.studies.trials import COLUMNS, ENTRIES, HEAD, Entry, Row, Trial, picture, told
+
+SECTIONS = {
+    "Verification": (
+        Option("verify_level", str, "quick", "", "how many grids and orders", ("quick", "full")),
+        Option("verify_docs", str, None, "", "folder for a page and a picture of each entry"),
+        Option("fsi_output", str, "verify", "", "base name of the table NAME.csv and the pictures"),
+        *(option for option in RUN if option.name == "fsi_quiet"),
+    )
+}
+
+
+def entries() -> dict[str, Entry]:
+    """Return all entries by name, in the order of the table. This starts PETSc."""
+    from fsipetsc.studies.verify import gases, small_motions, solids  # noqa: F401
+
+    return ENTRIES
+
+
+def verify(arguments: list[str], comm: Comm) -> None:
+    """The command, with the arguments after its name. Collective on comm.
+
+    Raises InputError; ComputationError at the end where a row falls short; FileError.
+    """
+    names = list(takewhile(lambda word: not word.startswith("-"), arguments))
+    study, every = Study(comm, arguments[len(names) :], SECTIONS), entries()
+    for name in names:
+        if name not in every:
+            raise InputError(f"verify: there is no entry {name!r}: expected {', '.join(every)}")
+    counts: Counter[str] = Counter()
+    lines: list[Any] = []
+    for name in names or every:
+        (title, *_), (*_, about) = problem(name).split("\n", 1), problem(name).split("\n\n")
+        study.say(f"{title[2:]} ({name})\n{about.rstrip()}")
+        source = " ".join(about.split()).removeprefix("Reference: ").split(". Expected: ")[0]
+        rows = run_entry(study, name, every[name])
+        lines += [line for row in rows for line in row.lines(comm.size, source)]
+        study.save(COLUMNS, lines)  # and again after each entry
+        study.on_first(partial(_show, study, name, title[2:], rows))
+        study.say((told(rows) if rows else "only with -verify_level full") + "\n")
+        counts += Counter(row.verdict for row in rows)
+    short = counts["falls short"]
+    said = f"{counts['converges']} converge, {counts['holds']} hold, {short} fall short"
+    study.say(f"{said} of {counts.total()} rows; saved {study.path}")
+    if short:
+        raise ComputationError(f"{short} of {counts.total()} rows fall short of what is expected")
+
+
+def run_entry(study: Study, name: str, entry: Entry) -> list[Row]:
+    """Rows of an entry. Collective; FsiError."""
+    rows: list[Row] = []
+    with study.results_folder() as folder:
+        for order, cells in getattr(entry, study.opt["verify_level"]).items():
+            spacings = [entry.length / n for n in cells]
+            trials = [Trial(study.comm, folder, order, h) for h in spacings]
+            for trial in trials:
+                entry.measure(trial)
+            for quantity, (_, expected) in trials[-1].found.items():
+                numbers = [trial.found[quantity][0] for trial in trials]
+                rows.append(Row(name, quantity, order, spacings, numbers, expected))
+    return rows
+
+
+def _show(study: Study, name: str, title: str, rows: Sequence[Row]) -> None:
+    """The picture, and FOLDER/NAME.md with problem, table and picture if wanted. FileError."""
+    where = study.path.with_name(f"{study.path.stem}-{name}.png")
+    if study.opt["verify_docs"]:
+        where = Path(study.opt["verify_docs"]) / f"{name}.png"
+        lines = [problem(name), "Only `-verify_level full` runs this."]
+        if rows:
+            table = [f"| {' | '.join(cells)} |" for cells in (HEAD, *(row.cells for row in rows))]
+            lines[1:] = [table[0], "|---|---:|---|---|---|---|---|", *table[1:]]
+            lines += ["", f"![{title}]({name}.png)"]
+        with writing(where, "the page"):
+            where.with_suffix(".md").write_text("\n".join([*lines, ""]), encoding="utf-8")
+    orders = groupby(rows, lambda row: operator(row.order).name)
+    picture(title, {of: {row.quantity: row for row in found} for of, found in orders}, where)
+
+
+def problem(name: str) -> str:
+    """Return problems/NAME.md: title, problem and parameters; then a paragraph with the reference,
+    and why its errors are expected, which no run of this program says.
+    """
+    return (files("fsipetsc.studies.verify") / "problems" / f"{name}.md").read_text("utf-8")
