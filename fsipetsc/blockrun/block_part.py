@@ -15,7 +15,7 @@ from fsipetsc.errors import FsiError, InputError, place_in, reason
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.kernels.symbols import numbers_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
-from fsipetsc.scheme.block_monitor import MONITORED
+from fsipetsc.scheme.monitor import MONITORED
 from fsipetsc.scheme.recorded_data import Recorder
 from fsipetsc.scheme.sweep import in_order
 

@@ -32,7 +32,7 @@ from fsipetsc.kernels.arrays import zeros
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder
 from fsipetsc.process.together import agree, together
-from fsipetsc.scheme.block_monitor import MONITORED
+from fsipetsc.scheme.monitor import MONITORED
 from fsipetsc.scheme.plan import FLAGS, LIMITS, SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES, Found
 from fsipetsc.state import FAULT, State

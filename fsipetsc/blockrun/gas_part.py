@@ -1,6 +1,7 @@
 """A rank's part of a gas block: its record for procedures, its moving grid, what is saved."""
 
 from collections.abc import Sequence
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -21,15 +22,14 @@ from fsipetsc.operators.bands import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part, gather_of
 from fsipetsc.particles.members import Particle
 from fsipetsc.particles.system import ParticleSystem
-from fsipetsc.scheme import gas_record as does
-from fsipetsc.scheme.block_monitor import gas_integrals, room_of
+from fsipetsc.scheme import gas_procedures as does
 from fsipetsc.scheme.gas_dissipation import gas_damping
 from fsipetsc.scheme.gas_forms import CONSERVED, convection_of
 from fsipetsc.scheme.gas_kernels import gas_kernels
-from fsipetsc.scheme.gas_record import Ends
 from fsipetsc.scheme.gas_sweep import gas_volume, row_of
+from fsipetsc.scheme.monitor import COLUMNS, MONITORED
 from fsipetsc.scheme.normals import normals
-from fsipetsc.scheme.part import Nothing, images
+from fsipetsc.scheme.part import Ends, Nothing, images
 from fsipetsc.scheme.radial import Radial, Straight
 from fsipetsc.scheme.sweep import text_of
 
@@ -88,8 +88,8 @@ class GasPart(BlockPart):
 
     def _record(self, about: Recorded) -> Code:
         number = [block.kind for block in self._problem.blocks[: self.part.k]].count("fluid")
-        _, *names = gas_integrals(self._d)
-        sums = about.begins["mass"] + number, *(about.begins[name] for name in names)
+        integrals = does.gas_integrals(self._d)
+        sums = about.begins["mass"] + number, *(about.begins[name] for name in integrals[1:])
         part, d = self.part, self._d
         bands, form = part.bands, self._form
         sigma, shock = self._sigma, form.shock
@@ -103,7 +103,7 @@ class GasPart(BlockPart):
         potential[:] = -dot(self.equations.force, self.X)[: potential.size]
         room = np.zeros(((d + 1) ** 2, self.X.shape[1])) if self.block.material.mu else None
         around = Radial(self._grid, room)
-        record = does.GasRecord(
+        record = SimpleNamespace(
             **self._common(about),
             columns=np.array(sums),
             laws=self.equations,
@@ -114,7 +114,7 @@ class GasPart(BlockPart):
             axis=around if self._problem.symmetry else Straight(),
             column=number,
             places=self._places,
-            room=room_of(d),
+            room=np.zeros((MONITORED + len(integrals), COLUMNS)),
             masses=self.weights,
             follows=self._particles,
             rows=self.gather.rows,
@@ -124,7 +124,7 @@ class GasPart(BlockPart):
             grid=self._grid,
             reference=self.reference,
             J=self._J,
-            sums=np.zeros(len(gas_integrals(d))),
+            sums=np.zeros(len(integrals)),
         )
         moving = (does.follow, does.move, does.swing, does.turn) if self.moves else ()
         every = *moving, images, normals, does.rates, does.monitor, does.begin_grid

@@ -1,5 +1,6 @@
 """A rank's part of a solid block: metrics, rates, what is saved of it."""
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,13 +15,12 @@ from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.operators.bands import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
-from fsipetsc.scheme.block_monitor import MONITORED
+from fsipetsc.scheme import solid_procedures as does
+from fsipetsc.scheme.monitor import MONITORED
 from fsipetsc.scheme.normals import normals
 from fsipetsc.scheme.part import Nothing, images
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, solid_damping
 from fsipetsc.scheme.solid_kernels import solid_kernels
-from fsipetsc.scheme.solid_monitor import measure, monitor, solid_integrals, stressed
-from fsipetsc.scheme.solid_record import SolidRecord, rates, store
 from fsipetsc.scheme.solid_sweep import WIDTH, solid_volume
 from fsipetsc.scheme.sweep import text_of
 
@@ -112,7 +112,7 @@ class SolidPart(BlockPart):
         """What bounds a step, and the sums of the owned nodes, whose F (d d, M), with hoops (2, M),
         stays; q: (N, 2d + 1).
 
-        See fsipetsc.scheme.solid_monitor.
+        See fsipetsc.scheme.solid_procedures.
         """
         self.does["measure"](np.ascontiguousarray(q.T).reshape(-1))
         return self._record_of_part.seen.copy(), self._record_of_part.sums.copy()
@@ -124,26 +124,28 @@ class SolidPart(BlockPart):
         rows, nodes = about.system.telling[part.k]
         self.reads_ghosted = self.reads_ghosted or rows.size > 0
         kernels = solid_kernels(self.equations, d, self._order, self.prestress.size > 0)
-        names, begins = (*solid_integrals(d), "lost_energy"), about.begins
-        self._record_of_part = SolidRecord(
+        integrals, begins = does.solid_integrals(d), about.begins
+        self._record_of_part = SimpleNamespace(
             **self._common(about),
-            columns=np.array([begins[name] for name in names if name in begins]),
+            columns=np.array(
+                [begins[name] for name in (*integrals, "lost_energy") if name in begins]
+            ),
             volume=solid_volume(self.equations, d, kernels, part.bands, part.patch),
             laws=self.equations,
             dissipation=self._dissipation,
             loses=bool(self._loses),
             inertia=self.inertia,
             prestress=self.prestress if self.prestress.size else None,
-            room=np.zeros((MONITORED + len(solid_integrals(d)), part.patch.own[0])),
+            room=np.zeros((MONITORED + len(integrals), part.patch.own[0])),
             masses=self._masses,
             F=self.F,
-            sums=np.zeros(len(solid_integrals(d)) + 1),
+            sums=np.zeros(len(integrals) + 1),
             interfaces=np.array(found, float).reshape(-1, 4),
             stored_at=part.patch.ghosted_rows(part.rows(nodes)),
             rows_of_stored=rows,
         )
-        names = images, normals, store, rates, monitor, measure, stressed
-        functions = {f.__name__: f for f in names}
+        every = images, normals, does.store, does.rates, does.monitor, does.measure, does.stressed
+        functions = {f.__name__: f for f in every}
         return self._procedures(text_of(kernels, d, WIDTH), self._record_of_part, about, functions)
 
     def normals(self, rows: Any, axis: int, side: int) -> Array:

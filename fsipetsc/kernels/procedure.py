@@ -1,7 +1,7 @@
 """Procedures: functions whose loops are recorded, and printed as C.
 
-A procedure is a Python function of records (NamedTuples of arrays and numbers) and of world
-vectors. It runs once, on stand-ins of what the records have, and what it does is printed:
+A procedure is a Python function of records (tuples and namespaces of arrays and numbers) and of
+world vectors. It runs once, on stand-ins of what the records have, and what it does is printed:
 
     def heat(part, gain, y, f):
         for i in each(part.at.shape[0]):
@@ -20,6 +20,7 @@ import inspect
 import re
 from collections.abc import Callable
 from dataclasses import is_dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -82,6 +83,11 @@ class Procedure:
             pairs = zip(names, value, strict=True)
             made = [self._stand_in(f"{name}_{n}", one, record) for n, one in pairs]
             return type(value)(*made) if hasattr(value, "_fields") else tuple(made)
+        if isinstance(value, SimpleNamespace):
+            pairs = vars(value).items()
+            return SimpleNamespace(
+                **{n: self._stand_in(f"{name}_{n}", one, record) for n, one in pairs}
+            )
         raise TypeError(f"{name} is {type(value).__name__}: a record has arrays and numbers")
 
     def _field(self, name: str, kind: str, value: Any) -> str:

@@ -32,7 +32,7 @@ import numpy as np
 from fsipetsc.kernels.loops import each, named, pick, variable, when
 from fsipetsc.paper.ends import beyond_boundary, end_of, outer_side
 from fsipetsc.paper.stencils import derivative, narrow_gas, narrow_solid, near_ends
-from fsipetsc.scheme.columns import COLUMNS, clear, collected, count, tiled
+from fsipetsc.scheme.monitor import clear, collected, count, tiled
 from fsipetsc.scheme.plan import BAD
 
 #: rows of scratch
@@ -210,7 +210,7 @@ def monitor_gas(part, steps):
     point is not physical."""
     op, gas, layer, sums = part.op, part.law, part.layers[0], steps.sums
     q, (a, b, A, B), s = part.local, own_range(layer), layer.s
-    clear(part.scratch, 3, 4, COLUMNS)
+    clear(part.scratch, 3, 4)
     for i, column in tiled(a, b):
         rho, m, e = (q[c, i] for c in range(3))
         u, T = gas.velocity_and_temperature(rho, m, e)
@@ -219,7 +219,7 @@ def monitor_gas(part, steps):
         diffusivity = np.maximum(gas.viscosity(T), heat) / rho
         least = np.where(T < rho, T, rho)
         count(part.scratch, column, (speed, diffusivity, -least), (rho, m, e, T + speed))
-    extremes, (*totals, other) = collected(part.scratch, (0.0, 0.0, -np.inf), 4, COLUMNS)
+    extremes, (*totals, other) = collected(part.scratch, (0.0, 0.0, -np.inf), 4)
     fastest, diffusivity, least = extremes
     mass, momentum, energy = totals
     finite = mass.value + momentum.value + energy.value + other.value
@@ -258,7 +258,7 @@ def monitor_solid(part, steps):
     op, solid, layer, sums = part.op, part.law, part.layers[0], steps.sums
     q, (a, b, A, B) = part.local, own_range(layer)
     per_h = 1.0 / layer.h
-    clear(part.scratch, 4, 4, COLUMNS)
+    clear(part.scratch, 4, 4)
     for i, column in tiled(a, b):
         u, sigma, T = (q[c, i] for c in range(3))
         j = np.maximum(i, A + 1)  # the first point has the stretch of the second one
@@ -267,7 +267,7 @@ def monitor_solid(part, steps):
         modulus = solid.wave_modulus(T, p, np.minimum(sigma, p), x_X)
         sums_of = u, 0.5 * u * u, T, x_X + sigma + modulus
         count(part.scratch, column, (modulus, -modulus, -x_X, -T), sums_of)
-    extremes, (*totals, other) = collected(part.scratch, (0.0, *(-np.inf,) * 3), 4, COLUMNS)
+    extremes, (*totals, other) = collected(part.scratch, (0.0, *(-np.inf,) * 3), 4)
     stiffest, softest, shortest, coldest = extremes
     finite = totals[0].value + totals[1].value + totals[2].value + other.value
     for r, i, _, _ in near_ends(op, a, b, A, B):

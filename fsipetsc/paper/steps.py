@@ -16,7 +16,7 @@ from fsipetsc.kernels.loops import each, named, number, variable, when
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.paper import ends, rates
 from fsipetsc.paper.stencils import Stencils, derivative
-from fsipetsc.scheme.columns import larger
+from fsipetsc.scheme.monitor import larger
 from fsipetsc.scheme.plan import DT, RATE, SAID_STOP, STOP, TOO_SHORT
 from fsipetsc.scheme.runge_kutta import STAGES, factors
 

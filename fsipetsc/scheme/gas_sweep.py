@@ -3,10 +3,10 @@
     weight_i (J U)_t,i = - sum_k sum_l S_il (F^k(i, l) - {a^k . f_v})
 
 and a constant force, which is summed pair by pair like the fluxes. On a grid that moves J has the
-flux of U = 1; of a node at the end of an axis a^k . v is still to be added
-(fsipetsc.scheme.gas_record). The weight of a node is the product of those along all axes; S_il of a
-pair along axis k is that of fsipetsc.operators.bands times the weights along the other axes. The
-fluxes are those of fsipetsc.equations.gas, in the kernels of fsipetsc.scheme.gas_kernels.
+flux of U = 1; fsipetsc.scheme.gas_procedures adds a^k . v of nodes at the end of an axis. The
+weight of a node is the product of those along all axes; S_il of a pair along axis k is that of
+fsipetsc.operators.bands times the weights along the other axes. The fluxes are those of
+fsipetsc.equations.gas, in the kernels of fsipetsc.scheme.gas_kernels.
 
 The flux of a pair is computed once and added to both of its nodes. The sum of the lower node
 belongs to the row at work; that of the upper node waits in a row of its own. The fluxes reach a

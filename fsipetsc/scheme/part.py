@@ -1,5 +1,36 @@
-"""What procedures share for a rank's part of a block, of gas or solid: views of its unknowns, and
-its nodes. The records are in fsipetsc.scheme.gas_record and solid_record.
+"""What procedures share for a rank's part of a block, of gas or solid. They take the part as a
+record: arrays and numbers with names, which fsipetsc.blockrun makes. Of M owned nodes, and of N in
+the ghosted array, in d dimensions it has
+
+    like: d zeros. laws: fsipetsc.equations.gas or solid. block: its number. patch, S, weight: its
+    nodes, and three bands (fsipetsc.operators.bands). begin: of its unknowns in the world vector.
+    halo: (unknowns, N), its nodes with a halo, or (unknowns, 0) without. signs: of images, see
+    fsipetsc.parallel.block_layout. X: (d, N) of the reference map, or at rest. metrics: of a gas
+    (d d + d, N), a^1 … a^d, velocity of the grid, and around an axis A; of a solid (d d + 1, N),
+    A^1 … A^d and J0, then R around an axis. masses: (M,) weights of the nodes, of a solid times
+    J0 m0. at_particles: faces at constraints, see fsipetsc.scheme.normals.
+
+    volume: what the sweep takes (fsipetsc.scheme.gas_sweep, solid_sweep). free: first node and
+    first beyond along each axis, first, second one of three, last one, of the owned nodes to whose
+    rates nothing is added after the sweep. dissipation, faces: what adds to rates. forcing: by
+    components of M nodes, or None: of mass, velocities and energy per mass of a gas; of velocity,
+    temperature and place of a solid.
+
+    per_h: (d,) cells of the block. room, seen, sums: of the monitor (fsipetsc.scheme.monitor).
+    columns: of sums in the record of a step, level: of the potential energy.
+
+    Of a gas: form: of convection. forced: whether a constant force acts. axis:
+    fsipetsc.scheme.radial. column: of its mass in what comes in. places: (d, N) where the monitor
+    finds the nodes. ends: of the axes. moves: whether its grid moves; grid: see
+    fsipetsc.blocks.grid. known: (m, 2d) displacements and velocities by which it moves, follows:
+    (n,) particles here that have them, rows: (n,) where. reference, J: (M,) J of the reference map,
+    and of the grid, by `find_volumes`.
+
+    Of a solid: inertia: (N,) J0 m0. prestress: (d d, N) what P has beside, or None. F: (d d, M), or
+    one more with hoops, as monitored last. loses: whether work is booked, for what steps lose of
+    kinetic and elastic energy. interfaces: (n, 4) number of an interface at this part in one
+    dimension, owned row of its node, X, prestress. stored_at: (n,) ghosted rows of members that
+    tell what they store, rows_of_stored: (n,) where.
 """
 
 from __future__ import annotations
@@ -8,6 +39,18 @@ from typing import NamedTuple
 
 from fsipetsc.kernels.arrays import Array, column_of, node
 from fsipetsc.kernels.loops import each, either
+
+
+class Ends(NamedTuple):
+    """Nodes at the ends of axes, one at an edge once for each axis. at, own, axis: (n,) numbers in
+    the ghosted array and among the owned nodes, axis; factor: sign of the outward normal over the
+    weight of the axis.
+    """
+
+    at: Array
+    own: Array
+    axis: Array
+    factor: Array
 
 
 class Nothing(NamedTuple):

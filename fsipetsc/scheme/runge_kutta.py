@@ -10,7 +10,7 @@ import numpy as np
 
 from fsipetsc.kernels.arrays import Array
 from fsipetsc.kernels.loops import each, variable
-from fsipetsc.scheme.block_monitor import LEAST_J, MONITORED
+from fsipetsc.scheme.monitor import LEAST_J, MONITORED
 from fsipetsc.scheme.part import clear
 from fsipetsc.scheme.plan import BAD, DT, RATE, SAID_STOP, STOP, Plan
 from fsipetsc.scheme.sweep import LAST, NEXT, RATES

@@ -1,4 +1,8 @@
-"""Monitor of the nodes of a solid block after a step, with F: see fsipetsc.scheme.block_monitor."""
+"""What is done with a rank's part of a solid block in a step.
+
+Its monitor bounds the next step as that of a gas (fsipetsc.scheme.gas_procedures), but with
+convection sqrt(sum_k (c |A^k| / (J0 h_k))^2),  c^2 the largest wave modulus over m0.
+"""
 
 import numpy as np
 
@@ -7,10 +11,87 @@ from fsipetsc.equations.vectors import add, dot, per
 from fsipetsc.kernels.arrays import column, part_of
 from fsipetsc.kernels.loops import each, variable, when, whole
 from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
-from fsipetsc.scheme.block_monitor import MONITORED, along_axes, collect, moment, note, turning
-from fsipetsc.scheme.columns import clear, count
-from fsipetsc.scheme.part import area, ghosted_node, ghosted_planes, owned, owned_planes, rows_of
-from fsipetsc.scheme.solid_sweep import solid_strains
+from fsipetsc.scheme.face_kernels import strain_at
+from fsipetsc.scheme.monitor import along_axes, moment, note, observe, turning
+from fsipetsc.scheme.part import (
+    area,
+    ghosted,
+    ghosted_node,
+    ghosted_planes,
+    owned,
+    owned_planes,
+    rows_of,
+)
+from fsipetsc.scheme.solid_sweep import solid_strains, solid_sweep
+
+
+def store(part, particles, y):
+    """Tell particles what members of a solid store: energy per mass [J/kg] that is neither kinetic
+    nor heat. See fsipetsc.particles.system.Particles.
+    """
+    rows, at, solid = part.rows_of_stored, part.stored_at, part.laws
+    if solid.coupled:
+        for i in each(rows.shape[0]):
+            particles.stored[rows[i], 0] = 0.0
+        return
+    q = ghosted(part, y, 2 * len(part.like) + 1)
+    for i in each(rows.shape[0]):
+        F = strain_at(part, q, at[i])
+        energy = solid.energy(F) / solid.m0 + prestress_energy(part, F, at[i])
+        particles.stored[rows[i], 0] = energy
+
+
+def rates(part, gain, found, y, f):
+    """Fill a solid's part of f, from that of a completed y: with rates, or where nothing adds to
+    them with a stage (fsipetsc.scheme.sweep). What comes in goes to ``gain``.
+    """
+    dof = 2 * len(part.like) + 1
+    planes, of_f = ghosted_planes(part, y, dof), owned_planes(part, f, dof)
+    solid_sweep(part, found, owned_planes(part, y, dof), planes, of_f)
+    q, own = planes.turned(), of_f.turned()
+    work = part.dissipation.add(part, q, own, gain)
+    work += part.faces.add(part, q, own, gain)
+    work += supply(part, owned(part, y, dof), own, gain)
+    if part.loses:
+        gain.lost[0] += work
+
+
+def supply(part, q, rates, gain):
+    """Add the case's forcing, and book what body forces give; q, rates: of the owned nodes.
+    Returns the work of body forces.
+    """
+    masses, d, total = part.masses, len(part.like), variable(0.0)
+    impulse, energy, inside = gain.impulse, gain.energy, gain.energy.size - 1
+    for c in range(d):
+        b = part.laws.force[c]
+        with when(b != 0.0):
+            work, push = variable(0.0), variable(0.0)
+            for i in each(masses.size):
+                work.value += masses[i] * b * q[i, d + c]
+                push.value += masses[i] * b
+            total.value += work.value
+            impulse[c] += push.value
+            energy[inside] += work.value
+            gain.work[0] += work.value
+    if part.forcing is not None:
+        force(part, q, rates, gain)
+    return total.value
+
+
+def force(part, q, rates, gain):
+    """Add the case's forcing to the rates, and book what it gives."""
+    masses, forcing, d = part.masses, part.forcing, len(part.like)
+    impulse, energy, inside = gain.impulse, gain.energy, gain.energy.size - 1
+    for i in each(masses.size):
+        heat = part.laws.alpha * forcing[d, i]
+        for c in range(d):
+            push = forcing[c, i]
+            heat = heat + q[i, d + c] * push
+            rates[i, c] += forcing[d + 1 + c, i]
+            rates[i, d + c] += push
+            impulse[c] += masses[i] * push
+        rates[i, 2 * d] += heat
+        energy[inside] += masses[i] * heat
 
 
 def solid_integrals(d):
@@ -39,21 +120,17 @@ def measure(part, q):
 
 
 def find(part, known, q):
-    """Fill seen, F and sums: momentum, energy, angular momentum, kinetic and elastic energy, minus
-    this; known: planes of the owned nodes, q: of the halo, or None and planes of all.
+    """Fill seen, F and sums; known: planes of the owned nodes, q: of the halo, or None and planes
+    of all.
     """
-    d, room, width, sums = len(part.like), part.room, part.patch.own[0], part.sums
     solid_strains(part, known, q, part.F)
-    names = solid_integrals(d)
-    clear(room, MONITORED, len(names), width)
-    for node, own, n in rows_of(part):
-        for i in each(n, vector=True):
-            of, place = (q, node + i) if known is None else (known, own + i)
-            extremes, found = seen_at(part, of.turned(), place, node + i, own + i)
-            mass = part.masses[own + i]
-            count(room, i, extremes, [mass * found[name] for name in names])
-    collect(part, room, len(names), width)
-    sums[-1] = -sums[sums.size - 2]
+
+    def seen(own, n):
+        of, place = (q, n) if known is None else (known, own)
+        return seen_at(part, of.turned(), place, n, own)
+
+    observe(part, solid_integrals(len(part.like)), seen)
+    part.sums[-1] = -part.sums[part.sums.size - 2]
 
 
 def stressed(part, q, out):

@@ -1,87 +1,22 @@
-"""A rank's part of a gas block as one record, and what is done with it in a step."""
+"""What is done with a rank's part of a gas block in a step.
 
-from typing import Any, NamedTuple
+Its monitor bounds the next step:
+
+    convection   sum_k (|a^k . (u - v)| + c |a^k|) / (J h_k)
+    diffusion    z nu sum_k |a^k|^2 / (J h_k)^2,  nu = max(4/3 mu/rho, kappa/(rho cv)),
+                 z the stiffness of D twice
+"""
 
 import numpy as np
 
-from fsipetsc.equations.vectors import dot
-from fsipetsc.kernels.arrays import Array
+from fsipetsc.equations.vectors import dot, sub
+from fsipetsc.kernels.arrays import column, column_of, node
 from fsipetsc.kernels.loops import each, variable
-from fsipetsc.scheme.block_monitor import gas_monitor, note
+from fsipetsc.operators.sbp import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.gas_force import add_force, find_potential, note_potential
 from fsipetsc.scheme.gas_sweep import gas_sweep
+from fsipetsc.scheme.monitor import along_axes, moment, note, observe, turning
 from fsipetsc.scheme.part import area, ghosted_node, ghosted_planes, moving, owned, owned_planes
-
-
-class Ends(NamedTuple):
-    """Nodes at the ends of axes, one at an edge once for each axis. at, own, axis: (n,) numbers in
-    the ghosted array and among the owned nodes, axis; factor: sign of the outward normal over the
-    weight of the axis.
-    """
-
-    at: Array
-    own: Array
-    axis: Array
-    factor: Array
-
-
-class GasRecord(NamedTuple):
-    """A part of a gas block.
-
-    volume: fsipetsc.scheme.gas_sweep. free: first node and first beyond along each axis, first,
-    second one of three, last one, of the owned nodes to whose rates nothing is added after the
-    sweep. like: d zeros. laws: fsipetsc.equations.gas. forced: whether a constant force acts.
-    faces: fsipetsc.scheme.face_kernels. block: its number, begin: of its unknowns in the world
-    vector. X, places: (d, N) of the reference map, and where the monitor finds the nodes. metrics:
-    (d d + d, N), a^1 … a^d, velocity of the grid, and around an axis A. ends: of the axes. halo: (d
-    + 3, N), its nodes with a halo, or (d + 3, 0) without. S, weight: of three bands. masses: (M,)
-    weights of its own nodes.
-
-    known: (m, 2d) displacements and velocities by which its grid moves, if it moves;
-    follows: (n,) particles here that have them, rows: (n,) where; grid: see fsipetsc.blocks.grid.
-    at_particles: faces at constraints, see fsipetsc.scheme.normals. reference, J: (M,) J of the
-    reference map, and of the grid, by `find_volumes`. forcing: (d + 2, M), or None. column: of its
-    mass in what comes in; columns: of its sums in the record of a step, level: of the potential
-    energy. axis: fsipetsc.scheme.radial; signs: of images, see fsipetsc.parallel.block_layout.
-    """
-
-    volume: Any
-    free: Any
-    like: Any
-    laws: Any
-    form: Any
-    forced: bool
-    dissipation: Any
-    axis: Any
-    faces: Any
-    block: int
-    begin: int
-    column: int
-    halo: Array
-    signs: Array
-    X: Array
-    places: Array
-    metrics: Array
-    S: Any
-    weight: Any
-    patch: Any
-    per_h: Array
-    room: Array
-    masses: Array
-    follows: Array
-    rows: Array
-    known: Array
-    moves: bool
-    ends: Ends
-    grid: Any
-    at_particles: Any
-    reference: Array
-    J: Array
-    forcing: Array | None
-    seen: Array
-    sums: Array
-    columns: Array
-    level: int
 
 
 def follow(part, particles):
@@ -174,12 +109,56 @@ def find_volumes(part):
 
 
 def monitor(part, found, y):
-    """Note extremes and sums of a part: see fsipetsc.scheme.block_monitor."""
+    """Note extremes and sums of the owned nodes."""
     if part.moves:
         find_places(part)
         part.grid.find_volumes()
-    q = owned(part, y, len(part.like) + 3)
-    gas_monitor(part, q, part.axis.bounds(part.metrics))
+    q, metrics = owned(part, y, len(part.like) + 3), part.axis.bounds(part.metrics)
+    names = gas_integrals(len(part.like))
+    observe(part, names, lambda own, n: seen_at(part, q, metrics, own, n))
     note(part, found)
     if part.forced:
         note_potential(part, q, found)
+
+
+def gas_integrals(d):
+    """Return the names of the integrals of a gas, in the order of its sums."""
+    return "mass", *along_axes("momentum", d), "energy", "entropy", *turning(d)
+
+
+def seen_at(part, q, metrics, own, n):
+    """Return the extremes at a node, and name -> integrand per volume of the reference coordinates;
+    metrics: those that bound the step.
+    """
+    gas, d = part.laws, len(part.like)
+    here = node((0.0,) * (d + 3), q, own)
+    w, of_map = gas.primitive(here), part.reference[own]
+    convection, diffusion = bounds(gas, w, 1.0 / here[0], metrics, part.per_h, n)
+    J = part.grid.jacobian(part.metrics, n)
+    positive = np.minimum(np.minimum(w[0], w[2]), here[0]) > 0.0
+    apart = abs(here[0] - J) / abs(J)
+    known = (convection < np.inf) & (diffusion < np.inf) & (apart < np.inf)  # so are the places
+    bad = np.where(known & positive, 0.0, 1.0)
+    _, rho, *momentum, energy = here
+    turns = moment(column(part.like, part.places, n), momentum)
+    return (bad, convection, diffusion, -here[0] / of_map, apart), {
+        "mass": rho,
+        **dict(zip(along_axes("momentum", d), momentum, strict=True)),
+        "energy": energy,
+        "entropy": here[0] * gas.entropy_density(w),
+        **dict(zip(turning(d), turns, strict=True)),
+    }
+
+
+def bounds(gas, w, per_J, metrics, per_h, n):
+    """Return the rates of convection and diffusion [1/s] at a node: see the head of this file."""
+    d, convection, squares = len(gas.force), 0.0, 0.0
+    like, c = (0.0,) * d, gas.speed_of_sound(w)
+    relative = sub(gas.velocity(w), column_of(like, metrics, d * d, n))
+    for k in range(d):
+        a = column_of(like, metrics, k * d, n)
+        size = dot(a, a) * per_h[k] * per_h[k]
+        convection = convection + (abs(dot(a, relative)) * per_h[k] + c * np.sqrt(size))
+        squares = squares + size
+    spread = squares * per_J * per_J
+    return convection * per_J, STIFFNESS_OF_WIDE * gas.diffusivity(w) * spread
