@@ -43,7 +43,7 @@ def data_of(state):
     faces = [of for part in parts for of in part.faces.record if isinstance(of, np.ndarray)]
     forcing = [part.forcing for part in parts]
     prescribed = state.phases.particles.prescribed
-    return [*prescribed.data, prescribed.displaced, *faces, *forcing]
+    return [*prescribed.data, *faces, *forcing]
 
 
 def asked_and_recorded(state, t):
@@ -85,7 +85,7 @@ def test_velocity_and_acceleration_of_a_wall_are_exact_derivatives(t):
         complete(state, t, state.y)
         prescribed = state.phases.particles.prescribed
         (p,) = prescribed.moving
-        found = (array[p, 0] for array in (prescribed.displaced, *prescribed.data[:2]))
+        found = (array[p, 0] for array in prescribed.data[:3])
         wanted = x(t), v(t), -w * w * x(t)
         np.testing.assert_allclose(list(found), wanted, rtol=1e-15, atol=2e-16)
         np.testing.assert_allclose(prescribed.data.T[p], 1.0 + 0.1 * t, rtol=1e-15)
@@ -111,7 +111,7 @@ def test_python_is_asked_for_other_functions(name):
     assert any("in each stage" in note and why in note for note in notes(state, "begin"))
     complete(state, 0.3, state.y)
     prescribed = state.phases.particles.prescribed
-    assert prescribed.displaced[prescribed.moving[0], 0] == x(0.3)
+    assert prescribed.data.place[prescribed.moving[0], 0] == x(0.3)
 
 
 # runs
@@ -167,7 +167,7 @@ def test_the_velocity_of_a_wall_is_the_derivative_of_its_place(name):
     def check(velocity):
         problem = at_wall(x, velocity=velocity)
         particles = particles_of(problem)
-        Prescribed(problem, particles, range(len(particles)), lambda: 1 / 256).check_motion(1.0)
+        Prescribed(problem, particles, lambda: 1 / 256).check_motion(1.0)
 
     check(v)
     if name != "rest":

@@ -85,43 +85,38 @@ def eliminate(K, A, x, size):
             x[k] /= A[k, k]
 
 
-def slide(all, gain):
-    """Project velocities on what the constraints allow; the kinetic energy that the solid loses
-    goes to the gas.
+def slide(all, gain, p, one):
+    """Project the velocities of a particle on what its constraints allow; the kinetic energy that
+    the solid loses goes to the gas.
     """
-    for p in each(all.facts.shape[0]):
-        with when(all.facts[p].count > 0):
-            slide_one(all, gain, p, all.facts[p])
-
-
-def slide_one(all, gain, p, one):
-    """The same of one particle that has constraints."""
-    like, normals, state, pi, U = all.like, all.normals, all.state, all.pi, all.state.U
-    M, M_s, v = state.mass[p], state.solid_mass[p], node(like, state.v, p)
-    rho, w = U[p, 0], node(like, all.data.wall, p)
-    u = velocity(like, U, p, M)
+    like, U, pi, M, M_s = all.like, all.U, all.pi, all.mass[p], all.solid_mass[p]
+    rho, v, w = U[p, 0], node(like, all.v, p), node(like, all.data.wall, p)
     for k in each(one.count):
-        G, S = vectors(like, normals, p, k)
+        G, S = vectors(like, all.normals, p, k)
         pi[k] = np.where(all.constraint[p, k] == SLIPS, dot(add(G, S), w), 0.0)
-    new_u, new_v = list(map(variable, u)), list(map(variable, v))
+    new_u, new_v = list(map(variable, velocity(like, U, p, M))), list(map(variable, v))
     solve(all, p, one, M, M_s, new_u, new_v)
     new_u, new_v = value_of(new_u), value_of(new_v)
     change = 0.5 * M_s * dot(sub(new_v, v), add(new_v, v))  # of the solid's kinetic energy
     for k in each(pick(one.mine == 1, one.count, 0)):  # what forces do to bodies they move
-        G, S = vectors(like, normals, p, k)
+        G, S = vectors(like, all.normals, p, k)
         moved = add(scale(number(one.free_gas), G), scale(number(one.free_solid), S))
-        push = scale(pi[k], moved)
-        for c in range(len(like)):
-            gain.impulse[c] += push[c]
+        accumulate(gain.impulse, scale(pi[k], moved))
     with when(M_s > 0.0):  # without a solid v stays 0: it is read, and a failed step has NaN
-        put_part(state.v, p, 0, new_v)
+        put_part(all.v, p, 0, new_v)
     with when(M > 0.0):
         put_part(U, p, 1, scale(rho, new_u))
     with when((M_s > 0.0) & (M > 0.0)):
-        state.e[p] += change / M_s
+        all.e[p] += change / M_s
         given = one.given_gas == 1  # the gas keeps what it has; the energy comes in
-        U[p, len(like) + 1] -= np.where(given, 0.0, change / state.V[p])
+        U[p, len(like) + 1] -= np.where(given, 0.0, change / all.V[p])
         gain.energy[one.moves_gas] += np.where(given & (one.mine == 1), change, 0.0)
+
+
+def accumulate(total, values):
+    """Add several numbers to the first ones of an array."""
+    for c, value in enumerate(values):
+        total[c] += value
 
 
 def velocity(like, U, p, M):
@@ -153,14 +148,12 @@ def book(all, gain, p, one, v, w, force, force_s, power, of_solid):
     with when((one.free_gas == 1) & (one.free_solid == 1)):
         for k in each(one.count):
             push = scale(all.pi[k], add(*vectors(like, all.normals, p, k)))
-            for c in range(len(like)):
-                impulse[c] += push[c]
+            accumulate(impulse, push)
             slips = all.constraint[p, k] == SLIPS
             at = pick(slips, one.moves_gas, one.moves_solid)
             energies[at] += dot(push, choose(slips, w, v))
     with otherwise():
-        for c in range(len(like)):
-            impulse[c] += force[c] + force_s[c]
+        accumulate(impulse, add(force, force_s))
         energies[one.moves_gas] += power
         energies[one.moves_solid] += of_solid + dot(force_s, v)
 
@@ -182,7 +175,6 @@ def right_sides(all, p, one, u, v, w, w_t):
 
 def weigh_heat(all):
     """Mean specific heat of the solid members of each particle, and mean of what they store."""
-    state = all.state
     for p in each(all.facts.shape[0]):
         mass, heat, energy = sums = variable(), variable(), variable()
         for r in each(all.begin[p], all.begin[p + 1]):
@@ -192,8 +184,8 @@ def weigh_heat(all):
                 energy.value += all.weight[r] * all.stored[r, 0]
         M_s, heat, energy = value_of(sums)
         with when(M_s > 0.0):
-            state.capacity[p] = heat / M_s
-            state.potential[p] = energy / M_s
+            all.capacity[p] = heat / M_s
+            all.potential[p] = energy / M_s
 
 
 def share_heat(law, which, all, gain):
@@ -201,16 +193,15 @@ def share_heat(law, which, all, gain):
     the gas, or of the solid. Of particles whose gas has this law, the one of this number.
     """
     for p in each(all.facts.shape[0]):
-        one, U, M = all.facts[p], all.state.U, all.state.mass[p]
+        one, U, M = all.facts[p], all.U, all.mass[p]
         warm, solid = one.warm_gas == 1, one.warm_solid == 1
         gas, both = (one.given_gas == 1) & ~warm, one.shares_heat == 1
         with when((one.law == which) & (warm | both) & (M > 0.0)):
             u = velocity(all.like, U, p, M)
             of_gas, of_solid = 0.5 * dot(u, u), rest_of(all, p)
-            with when(warm):
-                warm_the_gas(law, all, gain, p, of_gas, all.data.T[p])
-            with when(solid & ~warm & ~gas):
-                warm_the_gas(law, all, gain, p, of_gas, all.data.T_solid[p])
+            with when(warm | (solid & ~gas)):
+                T = np.where(warm, all.data.T[p], all.data.T_solid[p])
+                warm_the_gas(law, all, gain, p, of_gas, T)
             with when(gas & ~solid):
                 rho, E = U[p, 0], U[p, len(all.like) + 1]
                 T = law.temperature(rho, E / rho - of_gas)
@@ -222,35 +213,32 @@ def share_heat(law, which, all, gain):
 def warm_solids(all, gain):
     """The solids whose temperature is given get it."""
     for p in each(all.facts.shape[0]):
-        one = all.facts[p]
-        with when((one.warm_solid == 1) & (all.state.solid_mass[p] > 0.0)):
+        with when((all.facts[p].warm_solid == 1) & (all.solid_mass[p] > 0.0)):
             warm_the_solid(all, gain, p, rest_of(all, p), all.data.T_solid[p])
 
 
 def rest_of(all, p):
     """Energy per mass of a solid that is no heat."""
-    v = node(all.like, all.state.v, p)
-    return all.state.potential[p] + 0.5 * dot(v, v)
+    v = node(all.like, all.v, p)
+    return all.potential[p] + 0.5 * dot(v, v)
 
 
 def share_one(law, all, p, of_gas, of_solid):
     """One temperature of gas and solid. of_gas, of_solid: energies per mass that are no heat."""
-    state, U, at_E = all.state, all.state.U, len(all.like) + 1
-    rho, M, M_s, e, c = U[p, 0], state.mass[p], state.solid_mass[p], state.e[p], state.capacity[p]
-    energy = U[p, at_E] / rho
+    U, at_E, M, M_s, e = all.U, len(all.like) + 1, all.mass[p], all.solid_mass[p], all.e[p]
+    rho, c, energy = U[p, 0], all.capacity[p], U[p, at_E] / U[p, 0]
     heat = M * (energy - of_gas) + M_s * (e - of_solid)
     T = common_temperature(law, rho, M, M_s * c, heat, (e - of_solid) / c)
     sum_of_both = M * U[p, at_E] / rho + M_s * e  # it stays
-    e = of_solid + c * T
-    state.e[p] = e
+    all.e[p] = e = of_solid + c * T
     U[p, at_E] = rho * (sum_of_both - M_s * e) / M
 
 
 def warm_the_gas(law, all, gain, p, of_gas, T):
     """Let the gas have a temperature."""
-    one, U, at_E = all.facts[p], all.state.U, len(all.like) + 1
+    one, U, at_E = all.facts[p], all.U, len(all.like) + 1
     E = U[p, 0] * (law.internal_energy(U[p, 0], T) + of_gas)
-    came = np.where(one.mine == 1, all.state.V[p] * (E - U[p, at_E]), 0.0)
+    came = np.where(one.mine == 1, all.V[p] * (E - U[p, at_E]), 0.0)
     gain.energy[one.heats_gas] += came
     gain.heat[one.heats_gas] += np.where(one.warm_gas == 1, came, 0.0)
     U[p, at_E] = E
@@ -260,11 +248,11 @@ def warm_the_solid(all, gain, p, of_solid, T):
     """Let the solid have a temperature."""
     one = all.facts[p]
     given = (one.given_solid == 1) | (one.warm_solid == 0)  # it comes with all unknowns
-    e = of_solid + all.state.capacity[p] * T
-    came = np.where(one.mine == 1, all.state.solid_mass[p] * (e - all.state.e[p]), 0.0)
+    e = of_solid + all.capacity[p] * T
+    came = np.where(one.mine == 1, all.solid_mass[p] * (e - all.e[p]), 0.0)
     gain.energy[one.heats_solid] += came
     gain.heat[one.heats_solid] += np.where(given, 0.0, came)
-    all.state.e[p] = e
+    all.e[p] = e
 
 
 def common_temperature(law, rho, M, capacity, heat, first):

@@ -22,7 +22,9 @@ Source: docs/derivation.md, Particles.
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -45,12 +47,12 @@ Array = NDArray[Any]
 
 
 class Face(NamedTuple):
-    """A face at a node: number of the member in its particle, its block, axis and side, and what it
-    meets or its condition. Of a hinge, which is at no face, the axis is -1.
+    """A face at a node of a block, and its condition, or the block that it meets. Of a hinge, which
+    is at no face, the axis is -1.
     """
 
-    member: int
     block: int
+    node: int
     axis: int
     side: int
     met: Any
@@ -58,7 +60,7 @@ class Face(NamedTuple):
     @property
     def name(self) -> tuple[int, int, int]:
         """(block, axis, side)."""
-        return self[1:4]
+        return self.block, self.axis, self.side
 
     def said(self, problem: BlockProblem) -> str:
         """Such as "NoSlip of 'gas', axis 0, side 1,"."""
@@ -68,135 +70,108 @@ class Face(NamedTuple):
         return f"{kind} of '{block}', axis {self.axis}, side {self.side},"
 
 
-class Constraint(NamedTuple):
-    """kind: SLIPS or ROLLS. walls: faces at walls; solids: faces of the gas at solids."""
-
-    kind: int
-    walls: list[Face]
-    solids: list[Face]
-
-
 @dataclass
 class Particle:
     """The conditions of one particle.
 
     members: (block, node), ascending. sticks: gas and solid have one velocity. shares_heat: they
     have one temperature. one_T: several solid members have one temperature. stores: that takes an
-    elastic energy into account. The others are conditions, None where there is none: wall
-    prescribes the velocity of the gas, slip that of a wall along which it slips, clamp the motion
-    of the solid, given_gas and given_solid all unknowns, warm_gas and warm_solid a temperature.
-    faces: by these names the face, (block, axis, side), whose condition it is. asked: those of all
-    conditions that hold gas or solid, if they are several.
+    elastic energy into account. constraints: SLIPS or ROLLS, and the faces of each: at walls, then
+    those of the gas at solids.
+
+    faces: those whose conditions count: "wall" prescribes the velocity of the gas, "slip" that of a
+    wall along which it slips, "clamp" the motion of the solid, "given_gas" and "given_solid" all
+    unknowns, "warm_gas" and "warm_solid" a temperature, or all unknowns of the other one. held: all
+    faces whose conditions hold gas or solid.
     """
 
     members: list[tuple[int, int]]
-    constraints: list[Constraint] = field(default_factory=list)
     sticks: bool = False
     shares_heat: bool = False
     one_T: bool = False
     stores: bool = False
-    wall: Any = None
-    slip: Any = None
-    clamp: Any = None
-    given_gas: Any = None
-    given_solid: Any = None
-    warm_gas: Any = None
-    warm_solid: Any = None
-    faces: dict[str, tuple[int, int, int]] = field(default_factory=dict)
-    asked: list[Face] = field(default_factory=list)
+    constraints: list[tuple[int, list[Face]]] = field(default_factory=list)
+    faces: dict[str, Face] = field(default_factory=dict)
+    held: list[Face] = field(default_factory=list)
+
+    def moved_by(self, name: str) -> bool:
+        """Whether the condition of this name, if there is one, moves by itself."""
+        return name in self.faces and self.faces[name].met.moves
+
+    def warms(self, name: str) -> bool:
+        """Whether a temperature of this name is given by itself."""
+        return name in self.faces and not self.faces[name].met.all_given
 
     def slides(self, face: Face) -> bool:
         """Whether the condition of a face holds what is there along the face's normal alone."""
         part = face.met.part
         return face.met.slides or part == "roller" or (self.sticks and part == "wall")
 
-    def wall_normal(self, problem: BlockProblem) -> Array:
-        """The unit normal of its wall."""
-        block, *face = self.faces["wall"]
-        node = next(n for k, n in self.members if k == block)
-        return problem.face_normal(block, node, *face)[0]
-
-    def mover(self, gas: bool) -> str:
-        """The name of the condition that says how its gas moves, or else its solid; "" if none."""
-        slides = self.slip and self.slip.moves and not (self.wall and self.wall.moves)
+    def mover(self, gas: bool) -> Face | None:
+        """The face whose condition says how its gas moves, or else its solid."""
+        slides = self.moved_by("slip") and not self.moved_by("wall")
         walls = ("slip", "wall") if slides else ("wall", "slip")
         solid = "given_solid", "clamp"
         names = (*solid, *walls) if self.sticks else walls if gas else solid
         names = ("given_gas", *names) if gas else names
-        return next((name for name in names if getattr(self, name) is not None), "")
+        return next((self.faces[name] for name in names if name in self.faces), None)
 
     @property
     def moves(self) -> bool:
         """Whether walls or given faces move it by themselves."""
-        return any(c is not None and c.moves for c in (self.wall, self.slip, self.given_gas))
+        return any(map(self.moved_by, ("wall", "slip", "given_gas")))
 
 
 def particles_of(problem: BlockProblem) -> list[Particle]:
     """All particles of a problem, in the order of their first members. InputError, on all ranks."""
-    met: dict[tuple[int, int], list[tuple[int, int, Any]]] = defaultdict(list)
+    met: dict[tuple[int, int], list[Face]] = defaultdict(list)
     for k in range(len(problem.blocks)):
         for (axis, side), stands in problem.faces_of(k).items():
             for n in problem.face_nodes(k, axis, side).tolist():
-                met[k, n].append((axis, side, stands))
+                met[k, n].append(Face(k, n, axis, side, stands))
     return [_particle(problem, members, met) for members in problem.members]
 
 
 def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any) -> Particle:
-    """faces: (block, node) -> [(axis, side, what the face meets or its condition)]."""
-    particle, blocks = Particle(members), problem.blocks
+    """faces: (block, node) -> its faces."""
+    particle = Particle(members)
     at_solids: list[Face] = []  # of a gas
     found: list[Face] = []  # with conditions
-    for number, (k, n) in enumerate(members):
-        gas = blocks[k].material if blocks[k].kind == "fluid" else None
-        for axis, side, met in faces[k, n]:
-            face = Face(number, k, axis, side, met)
-            if not isinstance(met, Meeting):
-                found.append(face)
-            elif gas and blocks[met.block].kind == "solid":
-                at_solids.append(face)
-                particle.sticks |= gas.mu > 0.0
-                conducts = gas.kappa > 0.0 and blocks[met.block].material.kappa_e > 0.0
-                particle.shares_heat |= conducts
-    sticks, hinges = particle.sticks, sorted(problem.hinges.intersection(members))
+    for face in (face for member in members for face in faces[member]):
+        gas = problem.blocks[face.block].material
+        if not isinstance(face.met, Meeting):
+            found.append(face)
+        elif gas.kind == "fluid" != problem.blocks[face.met.block].kind:
+            at_solids.append(face)
+            solid = problem.blocks[face.met.block].material
+            particle.sticks |= gas.mu > 0.0
+            particle.shares_heat |= gas.kappa > 0.0 and solid.kappa_e > 0.0
     for face in found:
-        _take_over(particle, face.met, blocks[face.block].kind == "fluid", face.name)
-    held = [Face(members.index(at), at[0], -1, 0, Clamped()) for at in hinges[:1]]
-    particle.clamp = particle.clamp or (held[0].met if held else None)
-    held += [face for face in found if face.met.holds]
-    if any(face.met != held[0].met for face in held):
-        particle.asked = held
-    if sticks and not particle.clamp and not particle.given_solid:
-        _check_sliding(problem, members[0], held)
-    sliding = [face for face in found if particle.slides(face)]
-    slips = [face for face in sliding if blocks[face.block].kind == "fluid"]
-    rolls = [face for face in sliding if blocks[face.block].kind == "solid"]
-    slips = slips if sticks else [*at_solids, *slips]
-    directions = {}  # outward unit normal, and unit vector from the node into the face
-    for face in [*slips, *rolls] if len(slips) + len(rolls) > 1 else ():
-        normal, place, within = problem.face_normal(*members[face.member], face.axis, face.side)
-        into = within - place  # 0 in the middle of a face, where no other wall is
-        directions[face.name] = normal, into / (np.linalg.norm(into) or 1.0)
-
-    def one_wall(one: Face, other: Face) -> bool:
-        """By the names of walls if both have one; else unless one goes into the other's gas."""
-        names = [getattr(face.met, "name", "") for face in (one, other)]
-        if all(names):
-            return names[0] == names[1]
-        (n, into), (m, along) = directions[one.name], directions[other.name]
-        return bool(min(into @ m, along @ n) > CONCAVE)
-
-    def one_roller(one: Face, other: Face) -> bool:
-        return bool(directions[one.name][0] @ directions[other.name][0] > SMOOTH)
-
-    if sticks:
-        slips = [one for one in slips if not any(one_roller(one, roll) for roll in rolls)]
-    for kind, faces_of, one in (SLIPS, slips, one_wall), (ROLLS, rolls, one_roller):
-        for group in _grouped(faces_of, one):
-            at_solid = [face for face in group if isinstance(face.met, Meeting)]
-            walls = [face for face in group if not isinstance(face.met, Meeting)]
-            particle.constraints.append(Constraint(kind, walls, at_solid))
-    _heat_conditions(particle, [blocks[k].material for k, _ in members])
+        _take_over(particle, face, problem.blocks[face.block].kind == "fluid")
+    hinges = sorted(problem.hinges.intersection(members))
+    held = [Face(*member, -1, 0, Clamped()) for member in hinges[:1]]
+    for hinge in held:
+        particle.faces.setdefault("clamp", hinge)
+    particle.held = held + [face for face in found if face.met.holds]
+    if particle.sticks and not particle.faces.keys() & {"clamp", "given_solid"}:
+        _check_sliding(problem, members[0], particle.held)
+    _constrain(particle, problem, at_solids, found)
+    _heat_conditions(particle, [problem.blocks[k].material for k, _ in members])
     return particle
+
+
+def _take_over(particle: Particle, face: Face, gas: bool) -> None:
+    """What a condition says beside a direction; of two of a kind that which prescribes motion."""
+    met, faces = face.met, particle.faces
+    name = "" if met.part == "roller" else met.part
+    name = "slip" if name == "wall" and (particle.sticks or met.slides) else name
+    if met.all_given:
+        name = "given_gas" if gas else "given_solid"
+    elif name in faces:
+        moving, moved = (c.x or c.velocity for c in (met, faces[name].met))
+        name = name if moving and not moved else ""
+    warm = "warm_gas" if gas else "warm_solid"
+    faces |= {taken: face for taken in (name, warm if met.warms else "") if taken}
 
 
 def _check_sliding(problem: BlockProblem, member: tuple[int, int], held: list[Face]) -> None:
@@ -213,51 +188,65 @@ def _check_sliding(problem: BlockProblem, member: tuple[int, int], held: list[Fa
             )
 
 
-def _take_over(particle: Particle, met: Any, gas: bool, face: tuple[int, int, int]) -> None:
-    """What a condition says beside a direction; of two of a kind that which prescribes motion."""
-    name = "" if met.part == "roller" else met.part
-    name = "slip" if name == "wall" and (particle.sticks or met.slides) else name
-    if met.all_given:
-        name = "given_gas" if gas else "given_solid"
-    elif name and (known := getattr(particle, name)):
-        moving, moved = (c.x or c.velocity for c in (met, known))
-        name = name if moving and not moved else ""
-    warm = "warm_gas" if gas else "warm_solid"
-    for taken in (name, warm if met.warms else ""):
-        if taken:
-            setattr(particle, taken, met)
-            particle.faces[taken] = face
+def _constrain(
+    particle: Particle, problem: BlockProblem, at_solids: list[Face], found: list[Face]
+) -> None:
+    """Find the constraints of a particle; found: its faces with conditions."""
+    sliding = [face for face in found if particle.slides(face)]
+    kinds = [block.kind for block in problem.blocks]
+    slips = [face for face in sliding if kinds[face.block] == "fluid"]
+    rolls = [face for face in sliding if kinds[face.block] == "solid"]
+
+    @cache
+    def directions(*face: int) -> tuple[Array, Array]:
+        """Outward unit normal, and unit vector from the node into the face."""
+        normal, place, within = problem.face_normal(*face)
+        into = within - place  # 0 in the middle of a face, where no other wall is
+        return normal, into / (np.linalg.norm(into) or 1.0)
+
+    def one_wall(one: Face, other: Face) -> bool:
+        """By the names of walls if both have one; else unless one goes into the other's gas."""
+        names = [getattr(face.met, "name", "") for face in (one, other)]
+        if all(names):
+            return names[0] == names[1]
+        (n, into), (m, along) = directions(*one[:4]), directions(*other[:4])
+        return bool(min(into @ m, along @ n) > CONCAVE)
+
+    def one_roller(one: Face, other: Face) -> bool:
+        return bool(directions(*one[:4])[0] @ directions(*other[:4])[0] > SMOOTH)
+
+    if particle.sticks:
+        slips = [one for one in slips if not any(one_roller(one, roll) for roll in rolls)]
+    else:
+        slips = [*at_solids, *slips]
+    for kind, faces, one in (SLIPS, slips, one_wall), (ROLLS, rolls, one_roller):
+        for group in _grouped(faces, one):
+            group.sort(key=lambda face: isinstance(face.met, Meeting))
+            particle.constraints.append((kind, group))
+
+
+def _grouped(faces: list[Face], one: Callable[[Face, Face], bool]) -> list[list[Face]]:
+    """Faces of which each is one with all others of its group."""
+    groups: list[list[Face]] = []
+    for face in faces:
+        fitting = (group for group in groups if all(one(face, other) for other in group))
+        if (group := next(fitting, None)) is None:
+            groups.append(group := [])
+        group.append(face)
+    return groups
 
 
 def _heat_conditions(particle: Particle, materials: list[Any]) -> None:
     """Who has one temperature, and whether elastic energies matter to it."""
-    if particle.given_gas is not None:
-        particle.warm_gas = None
-    if particle.shares_heat:
-        warm, faces = particle.warm_gas or particle.warm_solid, particle.faces
-        face = faces.get("warm_gas", faces.get("warm_solid"))
-        given = [faces[name] for name in ("given_gas", "given_solid") if name in faces]
-        if given:  # all unknowns, of which the other side takes the temperature
-            warm, face = None, given[0]
-        particle.warm_gas = particle.warm_solid = warm
-        if face is not None:
-            faces["warm_gas"] = faces["warm_solid"] = face
+    faces, names = particle.faces, ("given_gas", "given_solid", "warm_gas", "warm_solid")
+    if "given_gas" in faces:
+        faces.pop("warm_gas", None)
+    known = [faces[name] for name in names if name in faces]
+    if particle.shares_heat and known:
+        faces["warm_gas"] = faces["warm_solid"] = known[0]
     solids = [material for material in materials if material.kind == "solid"]
     elastic = any(solid.heat == "elastic" for solid in solids)
     conducts = all(solid.heat == "coupled" or solid.kappa_e > 0.0 for solid in solids)
-    prescribed = particle.warm_solid is not None or particle.given_solid is not None
+    prescribed = particle.warms("warm_solid") or "given_solid" in faces
     particle.one_T = len(solids) > 1 and (conducts or prescribed)
     particle.stores = elastic and (particle.one_T or prescribed or particle.shares_heat)
-
-
-def _grouped(faces: list[Any], one: Any) -> list[list[Any]]:
-    """Faces of which each is one with all others of its group."""
-    groups: list[list[Any]] = []
-    for face in faces:
-        for group in groups:
-            if all(one(face, other) for other in group):
-                group.append(face)
-                break
-        else:
-            groups.append([face])
-    return groups

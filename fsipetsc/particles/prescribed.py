@@ -6,7 +6,7 @@ clamps, or that moves, wants a second velocity there, the equations have a singu
 stress at that node grows as 1/h, and no grid converges. That is refused.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -22,17 +22,12 @@ from fsipetsc.particles.members import Face, Particle
 from fsipetsc.scheme.recorded_data import Make, Recorder, asked, positive
 
 Array = NDArray[Any]
-#: conditions of a particle that have data; those by which the gas's grid moves
-NAMES = "wall", "slip", "clamp", "warm_gas", "warm_solid", "given_gas", "given_solid"
-WALLS = "wall", "slip", "given_gas"
 #: part of the larger one by which velocities that meet may differ; part of the velocity of a wall
-#: at rest that may point across it
-APART, ACROSS = 1e-3, 0.1
-#: parts of a run at which both are looked at, no multiples of a period
+#: at rest that may point across it; part of the largest velocity by which one may differ from the
+#: derivative of the place
+APART, ACROSS, WRONG = 1e-3, 0.1, 1e-2
+#: parts of a run at which velocities are looked at, no multiples of a period
 TIMES = 0.0, 1.0, *(0.7548776662466927 * k % 1.0 for k in range(1, 127))
-#: parts of a run at which a velocity is held against the place; part of the largest one by which
-#: it may differ
-BETWEEN, WRONG = (0.7549, 0.5098, 0.2647), 1e-2
 #: of the distance below which places are one: velocities may be differences of places
 ROUND_OFF = 1e-4
 
@@ -40,6 +35,7 @@ ROUND_OFF = 1e-4
 class Data(NamedTuple):
     """What conditions prescribe at an instant, for each of n particles in d dimensions."""
 
+    place: Array  #: (n, d) displacement of walls
     wall: Array  #: (n, d) velocity of walls
     wall_rate: Array  #: (n, d) acceleration of walls
     clamp: Array  #: (n, d) displacement of clamps
@@ -51,87 +47,56 @@ class Data(NamedTuple):
     solid: Array  #: (n, 2d) all of a solid: place less X, and velocity
 
 
-class Met(NamedTuple):
-    """A face whose condition says how particles ``who`` move, and another one there whose condition
-    wants to say it, too.
-    """
-
-    first: Face
-    other: Face
-    who: list[int]
-
-
-class Source(NamedTuple):
-    """Whose data go to the particles ``who`` of targets, and their formula (x, t): of numbers or of
-    symbols.
-    """
-
-    condition: Any
-    who: Array
-    make: Make
-    targets: tuple[Array, ...]
-
-
 class Prescribed:
-    """Data of conditions. Functions of the case are asked for all particles of a condition at once.
+    """Data of conditions at the particles of this rank. Functions of the case are asked for all
+    particles of a condition at once.
 
-    particles: all of the problem. here: numbers of those of this rank. instant: gives a short time
-    [s], a step for differences in time.
+    instant: gives a short time [s], a step for differences in time.
 
     data: the arrays of the last instant. moving: particles on walls that move, by which the grid
-    goes along; displaced: (particles, d) by how much. by_differences: some data are differences in
-    time.
+    goes along. by_differences: some data are differences in time.
     """
 
     def __init__(
-        self,
-        problem: Any,
-        particles: Sequence[Particle],
-        here: Sequence[int],
-        instant: Callable[[], float],
+        self, problem: Any, particles: Sequence[Particle], instant: Callable[[], float]
     ) -> None:
-        self._problem, self._every, self._here = problem, particles, here
-        self._instant, self._d = instant, problem.dimension
-        own, n, d = [particles[p] for p in here], len(here), problem.dimension
+        self._problem, self._particles, self._instant = problem, particles, instant
+        n, d = len(particles), problem.dimension
         several = np.zeros((n, d + 2)), np.zeros((n, 2 * d))
-        self.data = Data(*np.zeros((5, n, d)), *np.zeros((2, n)), *several)
-        first = [p.members[0] for p in own]
+        self.data = Data(*np.zeros((6, n, d)), *np.zeros((2, n)), *several)
+        first = [particle.members[0] for particle in particles]
         places = [problem.places(k, np.array([node]))[0] for k, node in first]
         self._x = np.array(places).reshape(n, d)
-        self.displaced = np.zeros_like(self._x)
-        self._sources = self._sources_of(own)
-        self.by_differences = any(_has_motion(source.condition) for source in self._sources)
-        named = {name: _grouped(own, name) for name in (*WALLS, "clamp")}
-        moved = [who for name in WALLS for c, who in named[name] if c.moves]
-        self.moving = np.unique(np.concatenate([np.empty(0, np.int64), *moved]))
-        every = [group for groups in named.values() for group in groups]
-        self._moved = [(c, who) for c, who in every if c.velocity and c.moves]
-        sliding = [(c, who) for c, who in named["wall"] if c.velocity and not c.moves]
-        normals = [np.array([own[p].wall_normal(problem) for p in who]) for _, who in sliding]
-        self._sliding = [(*one, normal) for one, normal in zip(sliding, normals, strict=True)]
-        self._met = _met(problem, own)
+        #: condition, numbers of its particles, formula (x, t) of numbers or symbols, where these go
+        self._sources = list(self._sources_of())
+        self.by_differences = any(_has_motion(condition) for condition, *_ in self._sources)
+        self.moving = np.flatnonzero([particle.moves for particle in particles])
 
-    def _sources_of(self, particles: Sequence[Particle]) -> list[Source]:
-        """Where data of these particles come from; what comes later holds."""
-        out, problem = self.data, self._problem
-        of_walls = self.displaced, out.wall, out.wall_rate
-        of_clamps = out.clamp, out.clamp_velocity, out.clamp_rate
-        named = {name: _grouped(particles, name) for name in NAMES}
-        walls = sorted(named["slip"] + named["wall"], key=lambda group: group[0].moves)
-        walls += [(c, who) for c, who in named["given_gas"] if c.moves]
-        found = []
-        for groups, targets in (walls, of_walls), (named["clamp"], of_clamps):
-            found += [Source(c, w, partial(motion, c, self._instant), targets) for c, w in groups]
+    def _grouped(self, name: str) -> list[tuple[Any, Array]]:
+        """(condition, numbers of its particles), for each condition of this name."""
+        found: dict[int, tuple[Any, list[int]]] = {}
+        for p, particle in enumerate(self._particles):
+            if name in particle.faces:
+                condition = particle.faces[name].met
+                found.setdefault(id(condition), (condition, []))[1].append(p)
+        return [(condition, np.array(who)) for condition, who in found.values()]
+
+    def _sources_of(self) -> Iterator[tuple[Any, Array, Make, tuple[Array, ...]]]:
+        """Where data come from; what comes later holds."""
+        out, problem, grouped = self.data, self._problem, self._grouped
+        walls = sorted(grouped("slip") + grouped("wall"), key=lambda group: group[0].moves)
+        walls += [(c, who) for c, who in grouped("given_gas") if c.moves]
+        for groups, targets in (walls, out[:3]), (grouped("clamp"), out[3:6]):
+            yield from ((c, who, partial(motion, c, self._instant), targets) for c, who in groups)
         for name, T in (("warm_gas", out.T), ("warm_solid", out.T_solid)):
-            found += [Source(c, who, partial(temperature, c), (T,)) for c, who in named[name]]
-        for c, who in named["given_gas"]:
-            law_of = np.array([problem.law_at(particles[p].members) for p in who])
+            groups = [(c, who) for c, who in grouped(name) if not c.all_given]
+            yield from ((c, who, partial(temperature, c), (T,)) for c, who in groups)
+        for c, who in grouped("given_gas"):
+            law_of = np.array([problem.law_at(self._particles[p].members) for p in who])
             for law in np.unique(law_of):
-                make = partial(gas_of, c, problem.gas_laws[law])
-                found.append(Source(c, who[law_of == law], make, (out.gas,)))
-        for c, who in named["given_solid"]:
-            found.append(Source(c, who, partial(solid_of, c), (out.solid, out.T_solid)))
-        return found
+                yield c, who[law_of == law], partial(gas_of, c, problem.gas_laws[law]), (out.gas,)
+        for c, who in grouped("given_solid"):
+            yield c, who, partial(solid_of, c), (out.solid, out.T_solid)
 
     def refresh(self, t: float) -> None:
         """Data at time t [s]. InputError."""
@@ -140,43 +105,41 @@ class Prescribed:
                 target[who] = np.transpose(values)
 
     def record_data(self, recorder: Recorder) -> None:
-        """Record all that depends on time, of conditions anywhere: all ranks have one text."""
-        number = np.full(len(self._every), -1)
-        number[self._here] = np.arange(len(self._here))
-        for condition, who, make, targets in self._sources_of(self._every):
-            own = number[who][number[who] >= 0]
-            recorder.add(condition, make, self._x[own].T, own, *targets)
+        """Record all that depends on time."""
+        for condition, who, make, targets in self._sources:
+            recorder.add(condition, make, self._x[who].T, who, *targets)
 
     def check_motion(self, t_end: float) -> None:
         """InputError where, at some times in 0 … t_end [s], two conditions want velocities that
         cannot be, that of a wall at rest does not lie in it, or one is not the derivative of the
         place. Perhaps on this rank alone.
         """
-        for condition, who in self._moved if t_end > 0.0 else ():
-            self._check_velocity(condition, who, [part * t_end for part in BETWEEN])
-        for t in (part * t_end for part in TIMES):
-            for met in self._met:
-                self._compare(met, t)
-            for condition, who, normals in self._sliding:
-                v = datum(condition, "velocity", self._x[who], t, "uvw"[: self._d])
-                across = np.abs((v * normals).sum(axis=1))
-                worst = int(across.argmax())
-                if across[worst] > ACROSS * np.abs(v).max():
-                    raise InputError(
-                        f"{place_of(condition.velocity)}: velocity of NoSlip at t = {t:.6g} is "
-                        f"{_text(v[worst])} at {place_text(self._x[who][worst])}, across the wall: "
-                        "expected one along it, or x, too",
-                        collective=False,
-                    )
+        times = [part * t_end for part in TIMES]
+        for name in ("wall", "slip", "given_gas", "clamp"):
+            for c, who in self._grouped(name):
+                if c.velocity and c.moves and t_end > 0.0:
+                    self._check_derivative(c, who, times[2:5])
+                elif c.velocity and name == "wall":
+                    self._check_along(c, who, times)
+        for first, other, who in self._meetings():
+            self._compare(first, other, who, times)
 
-    def _check_velocity(self, condition: Any, who: Array, times: Sequence[float]) -> None:
+    def _least(self) -> float:
+        """Round-off of differences in time [m/s]."""
+        return float(ROUND_OFF * self._problem.tolerance / self._instant())
+
+    def _velocities(self, condition: Any, who: Any, times: Sequence[float]) -> Array:
+        """(times, d, particles)."""
+        x = self._x[who].T
+        return np.array([motion(condition, self._instant, x, t)[1] for t in times])
+
+    def _check_derivative(self, condition: Any, who: Array, times: Sequence[float]) -> None:
         """InputError where a velocity is not the derivative of x."""
-        x, alone = self._x[who].T, replace(condition, velocity=None)
         given, found = (
-            np.array([motion(c, self._instant, x, t)[1] for t in times]) for c in (condition, alone)
+            self._velocities(c, who, times) for c in (condition, replace(condition, velocity=None))
         )
         apart, largest = np.abs(given - found), max(np.abs(given).max(), np.abs(found).max())
-        if apart.max() > WRONG * largest + ROUND_OFF * self._problem.tolerance / self._instant():
+        if apart.max() > WRONG * largest + self._least():
             k, c, p = np.unravel_index(apart.argmax(), apart.shape)
             raise InputError(
                 f"{place_of(condition.velocity)}: velocity of {type(condition).__name__} at t = "
@@ -185,21 +148,51 @@ class Prescribed:
                 collective=False,
             )
 
-    def _compare(self, met: Met, t: float) -> None:
-        """InputError where two conditions want different velocities at time t [s]."""
-        x, both = self._x[met.who], (met.first, met.other)
-        wanted = [np.transpose(motion(face.met, self._instant, x.T, t)[1]) for face in both]
+    def _meetings(self) -> list[tuple[Face, Face, list[int]]]:
+        """Where a second condition must have the velocity of that which decides: faces of which one
+        moves, and the other one sticks, clamps or moves, too, and their particles.
+        """
+        found: dict[Any, tuple[Face, Face, list[int]]] = {}
+        for p, particle in enumerate(self._particles):
+            for other in particle.held:
+                first = particle.mover(self._problem.blocks[other.block].kind == "fluid")
+                if first is None or first.met == other.met:
+                    continue
+                sticks = _has_motion(first.met) and not particle.slides(other)
+                given = first.met.all_given or other.met.all_given
+                if not given and (_has_motion(other.met) or sticks):
+                    key = first.name, other.name
+                    found.setdefault(key, (first, other, []))[2].append(p)
+        return list(found.values())
+
+    def _compare(self, first: Face, other: Face, who: list[int], times: Sequence[float]) -> None:
+        """InputError where two conditions want different velocities."""
+        wanted = [self._velocities(face.met, who, times) for face in (first, other)]
         size = np.maximum(*(np.linalg.norm(v, axis=1) for v in wanted))
-        least = ROUND_OFF * self._problem.tolerance / self._instant()
-        bad = np.flatnonzero(np.linalg.norm(wanted[0] - wanted[1], axis=1) > APART * size + least)
-        if bad.size:
-            at = min(bad.tolist(), key=lambda p: tuple(x[p]))
-            names = " and ".join(one.said(self._problem) for one in both)
+        bad = np.linalg.norm(wanted[0] - wanted[1], axis=1) > APART * size + self._least()
+        if bad.any():
+            k, p = np.argwhere(bad)[0]
+            names = " and ".join(face.said(self._problem) for face in (first, other))
             raise InputError(
-                f"{names} meet at {place_text(x[at])} with velocities of "
-                f"{' and '.join(_text(v[at]) for v in wanted)}{self._problem.unit('m/s')} at t = "
-                f"{t:.6g}: no grid converges there: let faces beside one that moves be Slip or "
-                "Roller, have a slip_length, or move with it",
+                f"{names} meet at {place_text(self._x[who[p]])} with velocities of "
+                f"{' and '.join(_text(v[k, :, p]) for v in wanted)}{self._problem.unit('m/s')} at "
+                f"t = {times[k]:.6g}: no grid converges there: let faces beside one that moves be "
+                "Slip or Roller, have a slip_length, or move with it",
+                collective=False,
+            )
+
+    def _check_along(self, condition: Any, who: Array, times: Sequence[float]) -> None:
+        """InputError where the velocity of a wall at rest does not lie in it."""
+        faces = [self._particles[p].faces["wall"] for p in who]
+        normals = np.array([self._problem.face_normal(*face[:4])[0] for face in faces])
+        v = self._velocities(condition, who, times)
+        across, largest = np.abs((v * normals.T).sum(axis=1)), np.abs(v).max(axis=(1, 2))
+        if (across > ACROSS * largest[:, None]).any():
+            k, p = np.argwhere(across > ACROSS * largest[:, None])[0]
+            raise InputError(
+                f"{place_of(condition.velocity)}: velocity of NoSlip at t = {times[k]:.6g} is "
+                f"{_text(v[k, :, p])} at {place_text(self._x[who[p]])}, across the wall: expected "
+                "one along it, or x, too",
                 collective=False,
             )
 
@@ -277,33 +270,6 @@ def _differences(of: Callable[[float], Array], t: float, s: float, most: int) ->
     for k, row in enumerate(weights[1 : most + 1].tolist(), start=1):  # k = 1, 2: k! is k
         found.append(sum(k * w * v for w, v in zip(row, values, strict=True)) / s**k)
     return found
-
-
-def _grouped(particles: Sequence[Particle], name: str) -> list[tuple[Any, Array]]:
-    """(condition, numbers of its particles), for each condition."""
-    found: dict[int, tuple[Any, list[int]]] = {}
-    for p, particle in enumerate(particles):
-        condition = getattr(particle, name)
-        if condition is not None:
-            found.setdefault(id(condition), (condition, []))[1].append(p)
-    return [(condition, np.array(who)) for condition, who in found.values()]
-
-
-def _met(problem: Any, particles: Sequence[Particle]) -> list[Met]:
-    """Where a second condition must have the velocity of that which decides: pairs of which one
-    moves, and the other one sticks, clamps or moves, too.
-    """
-    found: dict[Any, Met] = {}
-    for p, particle in enumerate(particles):
-        for other in particle.asked:
-            name = particle.mover(problem.blocks[other.block].kind == "fluid")
-            decides, met = getattr(particle, name, None), other.met
-            if decides is None or decides is met or decides.all_given or met.all_given:
-                continue
-            if _has_motion(met) or (_has_motion(decides) and not particle.slides(other)):
-                first = next(one for one in particle.asked if one.met is decides)
-                found.setdefault((first.name, other.name), Met(first, other, [])).who.append(p)
-    return list(found.values())
 
 
 def _has_motion(condition: Any) -> bool:

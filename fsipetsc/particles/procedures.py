@@ -32,6 +32,7 @@ from fsipetsc.equations.vectors import add, along, choose, dot, per, scale, sub
 from fsipetsc.kernels.arrays import node, part_of, put_part
 from fsipetsc.kernels.loops import each, otherwise, pick, variable, when
 from fsipetsc.particles.constraints import (
+    accumulate,
     book,
     powers,
     right_sides,
@@ -82,25 +83,22 @@ def end_sums(all, gain):
     begins here.
     """
     clear(gain.numbers)
-    state, U, d = all.state, all.state.U, len(all.like)
     for p in each(all.facts.shape[0]):
         one = all.facts[p]
         of_gas, of_solid = summed(all, p)
         (V, M, P, E), (M_s, D, P_s, E_s) = obeyed(all, p, one, of_gas, of_solid)
-        state.mass[p], state.V[p], state.solid_mass[p] = M, V, M_s
+        all.mass[p], all.V[p], all.solid_mass[p] = M, V, M_s
         with when(V > 0.0):
-            put_part(U, p, 0, (M / V, *per(P, V), E / V))
+            put_part(all.U, p, 0, (M / V, *per(P, V), E / V))
         with when(M_s > 0.0):
-            state.mean_energy[p], state.e[p] = of_solid[3] / M_s, E_s / M_s
-            put_part(state.v, p, 0, per(P_s, M_s))
-            put_part(state.D, p, 0, D)
+            all.mean_energy[p], all.e[p] = of_solid[3] / M_s, E_s / M_s
+            put_part(all.v, p, 0, per(P_s, M_s))
+            put_part(all.D, p, 0, D)
         held = (one.at_wall == 1) | (one.clamped == 1)
         with when((one.mine == 1) & (held | (one.given_gas == 1) | (one.given_solid == 1))):
             with when(V > 0.0):
                 gain.mass[one.column] += M - of_gas[1]
-            push = add(sub(P, of_gas[2]), sub(P_s, of_solid[2]))
-            for c in range(d):
-                gain.impulse[c] += push[c]
+            accumulate(gain.impulse, add(sub(P, of_gas[2]), sub(P_s, of_solid[2])))
             gain.energy[one.moves_gas] += (E - of_gas[3]) + (E_s - of_solid[3])
 
 
@@ -150,7 +148,7 @@ def begin_stored(all, y):
     """
     for p, r in own_members(all):
         with when(all.kind[r] == SOLID):
-            own, D = Unknowns(all, r, y), node(all.like, all.state.D, p)
+            own, D = Unknowns(all, r, y), node(all.like, all.D, p)
             for c in range(len(all.like)):
                 own[c] = D[c]
 
@@ -183,7 +181,9 @@ def impose_conditions(all, gain, y):
     added to the auxiliary unknowns.
     """
     if all.slips:
-        slide(all, gain)
+        for p in each(all.facts.shape[0]):
+            with when(all.facts[p].count > 0):
+                slide(all, gain, p, all.facts[p])
     for number, law in enumerate(all.laws):
         share_heat(law, number, all, gain)
     warm_solids(all, gain)
@@ -202,17 +202,17 @@ def sum_up(gain):
 
 def give_state(all, y):
     """Members of this rank get what their particle has; each keeps its own J."""
-    state, like, d = all.state, all.like, len(all.like)
+    like, d = all.like, len(all.like)
     for p, r in own_members(all):
         own = Unknowns(all, r, y)
         with when(all.kind[r] == GAS):
             J = own[0]
             for c in range(d + 2):
-                own[1 + c] = J * state.U[p, c]
+                own[1 + c] = J * all.U[p, c]
         with otherwise():
-            D, v, e = node(like, state.D, p), node(like, state.v, p), state.e[p]
-            kinetic, change = 0.5 * dot(v, v), e - state.mean_energy[p]
-            heat = (e - kinetic - state.potential[p]) * all.alpha[r] / state.capacity[p]
+            D, v, e = node(like, all.D, p), node(like, all.v, p), all.e[p]
+            kinetic, change = 0.5 * dot(v, v), e - all.mean_energy[p]
+            heat = (e - kinetic - all.potential[p]) * all.alpha[r] / all.capacity[p]
             shared = kinetic + all.stored[r, 0] + heat
             alone = own[2 * d] + change
             for c in range(d):
@@ -232,10 +232,10 @@ def end_rates(all, gain, y, f):
 
 def accelerate(all, gain, p, one):
     """U_t of the gas and acceleration of the solid of a particle."""
-    like, state, U_p = all.like, all.state, part_of((*all.like, 0.0, 0.0), all.state.U, p, 0)
+    like, U = all.like, part_of((*all.like, 0.0, 0.0), all.U, p, 0)
     (J_t, R, R_m, R_E), (_, _, F, _) = summed(all, p)
-    M, M_s, v = state.mass[p], state.solid_mass[p], node(like, state.v, p)
-    u, w = velocity(like, state.U, p, M), node(like, all.data.wall, p)
+    M, M_s, v = all.mass[p], all.solid_mass[p], node(like, all.v, p)
+    u, w = velocity(like, all.U, p, M), node(like, all.data.wall, p)
     nothing = (0.0,) * len(like)
     a_g = choose(M > 0.0, per(along(R_m, -R, u), M), nothing)
     a_s = choose(M_s > 0.0, per(F, M_s), nothing)
@@ -248,10 +248,10 @@ def accelerate(all, gain, p, one):
     power, of_solid = powers(all, p, one, force, u, v, w)
     with when(one.mine == 1):
         book(all, gain, p, one, v, w, force, force_s, power, of_solid)
-    put_part(state.acceleration, p, 0, b)
+    put_part(all.acceleration, p, 0, b)
     with when(M > 0.0):
         rates = R, *add(R_m, force), R_E + power + of_solid
-        put_part(state.U_t, p, 0, per(along(rates, -J_t, U_p), state.V[p]))
+        put_part(all.U_t, p, 0, per(along(rates, -J_t, U), all.V[p]))
 
 
 def told(all, p, one, M, M_s, a, b):
@@ -270,16 +270,16 @@ def told(all, p, one, M, M_s, a, b):
 
 def give_rates(all, gain, y, f):
     """(J U)_t = J U_t + U J_t of gas members; accelerations of solid ones, and their power."""
-    state, like, d = all.state, all.like, len(all.like)
+    like, d = all.like, len(all.like)
     for p, r in own_members(all):
         rates = Unknowns(all, r, f)
         with when(all.kind[r] == GAS):
             J, J_t = Unknowns(all, r, y)[0], rates[0]
             for c in range(d + 2):
-                rates[1 + c] = J * state.U_t[p, c] + state.U[p, c] * J_t
+                rates[1 + c] = J * all.U_t[p, c] + all.U[p, c] * J_t
         with otherwise():
-            push = sub(node(like, state.acceleration, p), tuple(rates[d + c] for c in range(d)))
-            power = dot(push, node(like, state.v, p))
+            push = sub(node(like, all.acceleration, p), tuple(rates[d + c] for c in range(d)))
+            power = dot(push, node(like, all.v, p))
             for c in range(d):
                 rates[d + c] += push[c]
             rates[2 * d] += power

@@ -21,14 +21,13 @@ from fsipetsc.scheme.part import area, ghosted_node, ghosted_planes, moving, own
 
 def follow(part, particles):
     """Note displacement and velocity of the particles here by which the grid moves."""
-    follows, known, state, wall = part.follows, part.known, particles.state, particles.data.wall
-    d, place = len(part.like), particles.place
+    follows, known, data, d = part.follows, part.known, particles.data, len(part.like)
     for m in each(follows.shape[0]):
         n, row = follows[m], part.rows[m]
-        alone = (particles.moves[n] == 1) & (state.solid_mass[n] == 0.0)
+        alone = (particles.moves[n] == 1) & (particles.solid_mass[n] == 0.0)
         for c in range(d):
-            known[row, c] = np.where(alone, place[n, c], state.D[n, c])
-            known[row, d + c] = np.where(alone, wall[n, c], state.v[n, c])
+            known[row, c] = np.where(alone, data.place[n, c], particles.D[n, c])
+            known[row, d + c] = np.where(alone, data.wall[n, c], particles.v[n, c])
 
 
 def begin_grid(part):
