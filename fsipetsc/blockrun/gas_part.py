@@ -19,7 +19,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.materials.own import check_inverses, knows_entropy
 from fsipetsc.operators.bands import differences, sigma_of
-from fsipetsc.parallel.block_layout import BlockLayout, Part, gather_of
+from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.particles.members import Particle
 from fsipetsc.particles.system import ParticleSystem
 from fsipetsc.scheme import gas_procedures as does
@@ -73,7 +73,7 @@ class GasPart(BlockPart):
         where, self.moves = self.part.ghosted, nodes.size > 0
         made = motion_of(self._problem, k, self._order, where, nodes, faces)
         self._grid, self.metrics, self._kept = made
-        self.gather = gather_of(self._layout, k, nodes, 2 * self._d)
+        self.gather = self._layout.gather(k, nodes, 2 * self._d)
         own, particle = system.nodes[k]
         self._particles = particle[np.searchsorted(own, nodes[self.gather.rows])]
         #: J of the reference map, over which that of the solution is saved and monitored

@@ -16,7 +16,6 @@ from fsipetsc.errors import InputError
 from fsipetsc.kernels.procedure import Procedure
 from fsipetsc.materials.fluid import Fluid, force_in
 from fsipetsc.materials.solid import Elastic, Solid
-from fsipetsc.operators.bands import Patch
 from fsipetsc.operators.sbp import SBPOperator, row_length
 from fsipetsc.paper import rates, steps
 from fsipetsc.paper.coupling import Sides
@@ -24,12 +23,11 @@ from fsipetsc.paper.ends import OF_GAS, degree_of
 from fsipetsc.paper.rates import Gas
 from fsipetsc.paper.stencils import Stencils
 from fsipetsc.parallel.block_shares import Extent, Share, share_out
-from fsipetsc.parallel.exchange import Halo, Reach, halo_of
+from fsipetsc.parallel.exchange import Reach, Route
 from fsipetsc.problem import Problem
 from fsipetsc.state import Seen
 
 Array = np.ndarray
-_NONE = np.zeros(0, np.int64), np.zeros(0, np.int64)
 #: kind of layer -> unknowns of a point
 DOF = {"fluid": 3, "solid": 4}
 #: points by which a gas may grow, beside an eighth of its own
@@ -217,7 +215,7 @@ class Layer:
         of_points = *(v[place].reshape(planes) for v in vectors), self.forcing, self._scratch
         self.part = steps.Part(op, ends, self.law, records, local, *of_points, bounds, batch)
 
-    def halos(self, me: int, memory: Array) -> list[Halo]:
+    def routes(self, me: int, memory: Array) -> list[Route]:
         """What this rank, ``me``, exchanges with others in a memory: of a gas its frame, (4.20),
         (4.25), which the rank of its interface knows, and halos.
         """
@@ -230,12 +228,10 @@ class Layer:
             owner = self.share.ranks[0 if self.record["outer"] else -1]
             others = [rank for rank in self.share.ranks if rank != owner]
             sent = dict.fromkeys(others, frame) if me == owner else {}
-            found.append(Halo(sent, {} if me == owner else {owner: frame}, _NONE, _NONE))
-        dof, n = self.local.shape
-        patch = Patch((self.numbers.size, 1, 1), (n, 1, 1), (int(self.record["halo_lo"]), 0, 0))
+            found.append(Route(sent, {} if me == owner else {owner: frame}))
         reach = Reach(self.share, (False,), halo, False, False)
-        points = halo_of(reach, me, patch, self.numbers, dof, 0, place_in(memory, self.local))
-        of_memory = {rank: points.inside[1][places] for rank, places in points.sent.items()}
+        points, own = reach.routes(me, len(self.local), 0, place_in(memory, self.local))
+        of_memory = {rank: own.own[1][places] for rank, places in points.sent.items()}
         return [*found, points._replace(sent=of_memory)]
 
     def of(self, array: Array) -> Array:
@@ -348,11 +344,11 @@ class Interface:
         self.here = [owner == me for owner in owners]
         about = solid.op, kind, gas.law, solid.law, self.side == 1, float(solid.record["h"])
         self.sides = Sides(*about, gas.records, points, firsts, self.jump, notes, k)
-        self.halos = []  # each owner sends its own rows, the others go into the rooms
+        self.routes = []  # each owner sends its own rows, the others go into the rooms
         if self.here[0] != self.here[1]:
             mine, other = self.here.index(True), self.here.index(False)
             beyond = owners[other]
-            self.halos = [Halo({beyond: places[mine]}, {beyond: places[other]}, _NONE, _NONE)]
+            self.routes = [Route({beyond: places[mine]}, {beyond: places[other]})]
 
 
 def place_in(memory: Array, part: Array) -> int:

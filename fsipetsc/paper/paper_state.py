@@ -41,7 +41,7 @@ from fsipetsc.paper.layers import (
     used_up,
 )
 from fsipetsc.paper.stencils import stencils
-from fsipetsc.parallel.exchange import Reduction, exchange_of, exchange_text
+from fsipetsc.parallel.exchange import Exchange, Reduction, exchange_text
 from fsipetsc.problem import Problem, SolidLayer
 from fsipetsc.process.libraries import libraries
 from fsipetsc.process.together import agree, together
@@ -117,10 +117,10 @@ class PaperState(State):
             Interface(kind, [self.layers[n] for n in pair], k, notes, rooms, memory, comm.rank)
             for k, pair in enumerate(problem.interfaces)
         ]
-        rows = [halo for one in self.interfaces for halo in one.halos]
-        halos = [halo for layer in self.layers for halo in layer.halos(comm.rank, memory)]
-        self._rows = exchange_of(comm, ROWS_TAG, rows, rooms, memory)
-        self._halos = exchange_of(comm, HALOS_TAG, halos, memory, memory)
+        rows = [route for one in self.interfaces for route in one.routes]
+        halos = [route for layer in self.layers for route in layer.routes(comm.rank, memory)]
+        self._rows = Exchange(comm, ROWS_TAG, rows, rooms, memory)
+        self._halos = Exchange(comm, HALOS_TAG, halos, memory, memory)
         self._load_procedures(of_steps, announce)
 
     def _lay_results(self, gases: int) -> steps.Steps:

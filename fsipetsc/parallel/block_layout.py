@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import accumulate, repeat
+from itertools import accumulate
 from math import prod
 from operator import mul
 from typing import Any
@@ -27,16 +27,8 @@ from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
 from fsipetsc.operators.bands import AXIS, NO_AXIS, Band, Patch
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.parallel.block_shares import Extent, Share, share_out
-from fsipetsc.parallel.exchange import (
-    Exchange,
-    Halo,
-    Reach,
-    RowExchange,
-    Spans,
-    exchange_of,
-    halo_of,
-)
+from fsipetsc.parallel.block_shares import Extent, share_out
+from fsipetsc.parallel.exchange import Exchange, Reach, Route, RowExchange, Spans
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -125,7 +117,7 @@ class BlockLayout:
         self._widths = [width_of_halo(problem, k, order, shocks) for k in range(len(blocks))]
         extents = [self._extent(k) for k in range(len(blocks))]
         self.shares = share_out(extents, comm.size, partition)
-        sizes = map(Share.size, self.shares, repeat(comm.rank))
+        sizes = (share.nodes(comm.rank).size for share in self.shares)
         self._begins = [0, *accumulate(map(mul, self.dofs, sizes))]
         self.auxiliary, self.local_size = auxiliary, self._begins[-1] + auxiliary
         reaches = {
@@ -137,11 +129,13 @@ class BlockLayout:
         begins = [0, *accumulate(self.dofs[k] * n for k, n in zip(reaches, nodes))]
         memory = zeros(begins[-1])
         memory[:] = 1.0  # corners never get other numbers
-        self.parts, halos = dict[int, Part](), list[Halo]()
+        self.parts, halos = dict[int, Part](), list[Route]()
         for (k, reach), at in zip(reaches.items(), begins):
-            self.parts[k], halo = self._part(k, reach, memory, at)
+            halo, inside = reach.routes(comm.rank, self.dofs[k], self._begins[k], at)
             halos.append(halo)
-        self.halos = exchange_of(comm, HALO_TAG, halos, memory)
+            inside_of = Exchange(comm, HALO_TAG, [inside], memory)
+            self.parts[k] = self._part(k, reach, memory[at:], inside_of)
+        self.halos = Exchange(comm, HALO_TAG, halos, memory)
 
     def _extent(self, k: int) -> Extent:
         """A block as its partition sees it. InputError where it has too few nodes, or more numbers
@@ -166,12 +160,10 @@ class BlockLayout:
         end, inner = max(op.rows + beyond, halo), max(2 * op.p, halo)
         return Extent(block.kind, shape, block.periodic, end, inner, halo)
 
-    def _part(self, k: int, reach: Reach, memory: Array, at: int) -> tuple[Part, Halo]:
-        """This rank's part of block k, whose ghosted array begins at the number ``at`` of
-        ``memory``, and its halo.
-        """
-        share, block, dof, rank = reach.share, self.problem.blocks[k], self.dofs[k], self.comm.rank
-        own, ghosted = _padded(share.part(rank)), _padded(reach.ghosted(rank))
+    def _part(self, k: int, reach: Reach, memory: Array, inside: Exchange) -> Part:
+        """This rank's part of block k, whose ghosted array is the beginning of ``memory``."""
+        block, dof, rank = self.problem.blocks[k], self.dofs[k], self.comm.rank
+        own, ghosted = _padded(reach.share.part(rank)), _padded(reach.ghosted(rank))
         sizes = [tuple(b - a for a, b in spans) for spans in (own, ghosted)]
         patch = Patch(*sizes, tuple(a - g for (a, _), (g, _) in zip(own, ghosted, strict=True)))
         axes = range(block.dimension)
@@ -179,9 +171,7 @@ class BlockLayout:
         begin, end = self._begins[k : k + 2]
         images = ghosted[axes[-1]][0] < 0 and reach.centred
         odd = (axes[-1], axes[-1] + block.dimension) if block.kind == "solid" else dof - 2
-        nodes, numbers = prod(patch.ghosted), _numbers(own, self.shapes[k])
-        halo = halo_of(reach, rank, patch, numbers, dof, begin, at)
-        part = Part(
+        return Part(
             k=k,
             patch=patch,
             ghosted=ghosted[: block.dimension],
@@ -189,12 +179,11 @@ class BlockLayout:
             dof=dof,
             begin=begin,
             end=end,
-            numbers=numbers,
-            local=memory[at : at + dof * nodes].reshape(dof, nodes),
-            inside=Exchange(self.comm, HALO_TAG, {}, {}, halo.inside, None, memory),
+            numbers=reach.share.nodes(rank),
+            local=memory[: dof * prod(patch.ghosted)].reshape(dof, -1),
+            inside=inside,
             signs=np.where(np.isin(np.arange(dof), odd), -1.0, 1.0)[: dof * images],
         )
-        return part, halo
 
     def interface_ends(self) -> Iterator[tuple[int, int, int, float]]:
         """Of interfaces in one dimension with the solid's end here: number, block, row, X."""
@@ -210,6 +199,14 @@ class BlockLayout:
         if k not in self.parts:
             return np.empty((0, self.dofs[k]))
         return array[self.parts[k].begin : self.parts[k].end].reshape(self.dofs[k], -1).T
+
+    def gather(self, k: int, nodes: Numbers, columns: int) -> RowExchange:
+        """The exchange of numbers of nodes of block k, from the ranks that own the nodes to all of
+        the block. Making one is collective on these.
+        """
+        owners, every = self.shares[k].owners(nodes), np.ones(nodes.size, bool)
+        wanted = dict.fromkeys(self.shares[k].ranks, every)
+        return RowExchange(self.comm, GATHER_TAG + k, owners, wanted, columns)
 
     def destroy(self) -> None:
         """Release the messages."""
@@ -239,15 +236,6 @@ class BlockVector:
         return part.local.T if part.has_halo else self.owned(k)
 
 
-def gather_of(layout: BlockLayout, k: int, nodes: Numbers, columns: int) -> RowExchange:
-    """The exchange of numbers of nodes of block k, from the ranks that own the nodes to all of the
-    block. Making one is collective on these.
-    """
-    share, every = layout.shares[k], np.ones(nodes.size, bool)
-    wanted = dict.fromkeys(share.ranks, every)
-    return RowExchange(layout.comm, GATHER_TAG + k, share.owners(nodes), wanted, columns)
-
-
 class NaturalOrder:
     """Brings ``columns`` numbers of the nodes of block k into the order of their numbers, from the
     ranks that own them to all ranks. Collective.
@@ -256,31 +244,23 @@ class NaturalOrder:
     """
 
     def __init__(self, layout: BlockLayout, k: int, columns: int) -> None:
-        comm, part, size = layout.comm, layout.parts.get(k), prod(layout.shapes[k]) * columns
-        own = np.empty(0, np.int64) if part is None else part.numbers
-        self._columns = columns
-        self._own = PETSc.Vec().createMPI((own.size * columns, None), bsize=columns, comm=comm)
-        self._there = PETSc.Vec().createMPI((None, size), bsize=columns, comm=comm)
-        first, end = self._own.getOwnershipRange()
-        of = PETSc.IS().createStride(end - first, first, 1, comm=comm)
-        to = PETSc.IS().createBlock(columns, own.astype(PETSc.IntType), comm=comm)
-        self._scatter = PETSc.Scatter().create(self._own, of, self._there, to)
+        part, size = layout.parts.get(k), prod(layout.shapes[k]) * columns
+        own = [] if part is None else part.numbers
+        self._own, self._columns = np.array(own, PETSc.IntType), columns
+        self._there = PETSc.Vec().createMPI(size, bsize=columns, comm=layout.comm)
         first, end = self._there.getOwnershipRange()
         self.numbers = np.arange(first // columns, end // columns)
-        for indices in (of, to):
-            indices.destroy()
 
     def reorder(self, saved: Array) -> Array:
         """(nodes, columns), of ``numbers``, from those of the nodes that this rank owns."""
-        self._own.getArray()[:] = saved.reshape(-1)
-        self._scatter.scatter(self._own, self._there)
+        self._there.setValuesBlocked(self._own, saved)
+        self._there.assemble()
         found: Array = self._there.getArray(readonly=True).reshape(-1, self._columns)
         return found.copy()  # what fails later may keep it longer than PETSc's vector may live
 
     def destroy(self) -> None:
-        """Free PETSc's objects."""
-        for thing in (self._own, self._there, self._scatter):
-            thing.destroy()
+        """Free PETSc's vector."""
+        self._there.destroy()
 
 
 def width_of_halo(problem: Any, k: int, order: int, shocks: bool) -> tuple[int, bool]:
@@ -303,10 +283,3 @@ def width_of_halo(problem: Any, k: int, order: int, shocks: bool) -> tuple[int, 
 
 def _padded(spans: Sequence[tuple[int, int]]) -> tuple[tuple[int, int], ...]:
     return (*spans, *[(0, 1)] * (AXES - len(spans)))
-
-
-def _numbers(ranges: Spans, shape: Sequence[int]) -> Numbers:
-    """Of the nodes within, axis 0 first."""
-    n0, n1, _ = (*shape, *[1] * (AXES - len(shape)))
-    i, j, k = (np.arange(a, b) for a, b in ranges)
-    return (i + n0 * (j[:, None] + n1 * k[:, None, None])).reshape(-1)

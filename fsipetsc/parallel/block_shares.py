@@ -105,12 +105,15 @@ class Share:
         place = np.unravel_index(self.ranks.index(rank), self.grid, order="F")
         return tuple((cuts[i], cuts[i + 1]) for cuts, i in zip(self.cuts, place, strict=True))
 
-    def size(self, rank: int) -> int:
-        """The number of nodes."""
-        return prod(b - a for a, b in self.part(rank)) if rank in self.ranks else 0
+    def nodes(self, rank: int) -> np.ndarray:
+        """Numbers of the nodes of a rank, ascending; they are counted with axis 0 first."""
+        if rank not in self.ranks:
+            return np.empty(0, np.int64)
+        index = np.ix_(*(np.arange(a, b) for a, b in self.part(rank)))
+        return np.ravel_multi_index(index, self.shape, order="F").ravel(order="F")
 
     def owners(self, nodes: np.ndarray) -> np.ndarray:
-        """The ranks that own nodes, which are counted with axis 0 first."""
+        """The ranks that own nodes, by their numbers."""
         places = np.unravel_index(nodes, self.shape, order="F")
         at = [np.searchsorted(c, i, "right") - 1 for c, i in zip(self.cuts, places, strict=True)]
         return np.array(self.ranks)[np.ravel_multi_index(at, self.grid, order="F")]

@@ -10,8 +10,7 @@ struct exchange {
   int (*start_all)(int, void *), (*wait_all)(int, void *, void *);
   void *requests, *statuses;
   long messages;                /* requests: those of what is received and of what is sent */
-  const double *source;         /* or 0: the world vector, from the number ``begin`` on */
-  long begin;
+  const double *source;         /* or 0: the world vector */
   double *target;
   struct copies sent, received; /* to a buffer, and from one */
   struct copies own;            /* from source to target */
@@ -35,7 +34,7 @@ static void check(int code) {
 
 void exchange(const struct exchange *e, double *y, long y_size, double *f, long f_size) {
   (void)y_size, (void)f, (void)f_size;
-  const double *source = e->source ? e->source : y + e->begin;
+  const double *source = e->source ? e->source : y;
   copy_runs(&e->sent, source, e->sent.buffer);
   if (e->messages) check(e->start_all((int)e->messages, e->requests));
   copy_runs(&e->own, source, e->target);

@@ -12,6 +12,7 @@ from another one. All ranks know from the shares which nodes each of them needs.
 import ctypes
 from collections.abc import Mapping, Sequence
 from itertools import chain
+from math import prod
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +20,6 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fsipetsc.kernels.kernel import c_source
-from fsipetsc.operators.bands import Patch
 from fsipetsc.parallel.block_shares import Share
 
 Array = NDArray[np.float64]
@@ -34,63 +34,79 @@ def exchange_text() -> str:
     return c_source("fsipetsc.parallel", "exchange.c")
 
 
-class Exchange:
-    """One exchange. Making one is on all ranks that take part. structure: the address of its struct
-    in C, which has whole numbers and pointers alone.
-
-    sent, received: rank -> places of the numbers in source and target, in an order that both ranks
-    have; own: (places in the source, in the target) of what this rank copies. source: None, if it
-    is the world vector from the number ``begin`` on. tag: another one for each exchange. empty:
-    this rank has nothing to do.
+class Route(NamedTuple):
+    """Which numbers go where, as places in two flat arrays, the source and the target of an
+    exchange. sent: rank -> places in the source, received: rank -> places in the target of what
+    comes from there, in an order that both ranks have; own: places in both of what the rank copies.
     """
+
+    sent: Mapping[int, Numbers]
+    received: Mapping[int, Numbers]
+    own: tuple[Numbers, Numbers] = (_NO, _NO)
+
+
+class _Procedure:
+    """What C calls as a procedure. structure: the address of its struct in C."""
+
+    name: str
+    structure: int
+    vectors: Sequence[str] = ()
+
+    def load(self, library: ctypes.CDLL) -> None:
+        """Take the function from a library with ``exchange_text``."""
+        self._function = getattr(library, self.name)
+        self.address = ctypes.cast(self._function, _POINTER).value
+
+    def __call__(self) -> None:
+        """Call it without a world vector."""
+        self._function(_POINTER(self.structure), None, _NUMBER(0), None, _NUMBER(0))
+
+
+class Exchange(_Procedure):
+    """One exchange, of the numbers of all routes. Making one is on all ranks that take part.
+
+    source: None, if it is the world vector. tag: another one for each exchange. empty: this rank
+    has nothing to do.
+    """
+
+    name = "exchange"
 
     def __init__(
         self,
         comm: MPI.Comm,
         tag: int,
-        sent: Mapping[int, Numbers],
-        received: Mapping[int, Numbers],
-        own: tuple[Numbers, Numbers],
-        source: Array | None,
+        routes: Sequence[Route],
         target: Array,
-        begin: int = 0,
+        source: Array | None = None,
     ) -> None:
         self._requests, size = list[MPI.Prequest](), MPI._sizeof(MPI.Request)
-        of, to = (np.concatenate([_NO, *places.values()]) for places in (sent, received))
-        outgoing, incoming = np.empty(of.size), np.empty(to.size)
-        for init, places, buffer in (
-            (comm.Recv_init, received, incoming),
-            (comm.Send_init, sent, outgoing),
+        ends = []  # places and buffer of what is received, and of what is sent
+        for init, of_routes in (
+            (comm.Recv_init, [route.received for route in routes]),
+            (comm.Send_init, [route.sent for route in routes]),
         ):
-            parts = np.split(buffer, np.cumsum([where.size for where in places.values()]))
-            for rank, part in zip(places, parts):
+            ranks = sorted({rank for places in of_routes for rank in places})
+            joined = [[places[r] for places in of_routes if r in places] for r in ranks]
+            counts = [sum(one.size for one in of_rank) for of_rank in joined]
+            ends.append((np.concatenate([_NO, *chain(*joined)]), np.empty(sum(counts))))
+            for rank, part in zip(ranks, np.split(ends[-1][1], np.cumsum(counts))):
                 self._requests.append(init([part, MPI.DOUBLE], rank, tag))
         self._handles = np.zeros(1 + size * len(self._requests), np.uint8)
         for k, request in enumerate(self._requests):
             ctypes.memmove(self._handles.ctypes.data + k * size, MPI._addressof(request), size)
         statuses = np.zeros(1 + MPI._sizeof(MPI.Status) * len(self._requests), np.uint8)
+        (to, incoming), (of, outgoing) = ends
+        own = [np.concatenate([_NO, *(route.own[k] for route in routes)]) for k in (0, 1)]
         runs = _runs(of, np.arange(of.size)), _runs(np.arange(to.size), to), _runs(*own)
         buffers = outgoing.ctypes.data, incoming.ctypes.data, 0
         copies = ((r.ctypes.data, len(r), b) for r, b in zip(runs, buffers, strict=True))
-        of_source = 0 if source is None else source.ctypes.data
         about = [_of_mpi("MPI_Startall"), _of_mpi("MPI_Waitall"), self._handles.ctypes.data]
-        about += [statuses.ctypes.data, len(self._requests), of_source, begin, target.ctypes.data]
-        self._struct = np.array([*about, *chain(*copies)], np.int64)
-        self._kept = source, target, statuses, outgoing, incoming, runs
+        about += [statuses.ctypes.data, len(self._requests)]
+        about += [0 if source is None else source.ctypes.data, target.ctypes.data]
+        self._kept = np.array([*about, *chain(*copies)], np.int64), source, target, statuses, ends
+        self._runs, self.structure = runs, self._kept[0].ctypes.data
         self.empty = not self._requests and not own[0].size
-        self.structure = self._struct.ctypes.data
         self.vectors = ["y"] if source is None else []
-
-    def load(self, library: ctypes.CDLL) -> None:
-        """Take the function from a library with ``exchange_text``."""
-        self._function = library.exchange
-        self.address = ctypes.cast(library.exchange, _POINTER).value
-
-    def __call__(self, *vectors: Array) -> None:
-        """Exchange; vectors: the world vector, if that is the source."""
-        of = (_POINTER(vectors[0].ctypes.data), _NUMBER(vectors[0].size)) if vectors else ()
-        given = (_POINTER(self.structure), *(of or (None, _NUMBER(0))), None, _NUMBER(0))
-        self._function(*given)
 
     def destroy(self) -> None:
         """Release the messages; none may be under way."""
@@ -118,23 +134,20 @@ class RowExchange(Exchange):
         received = {r: places[(owners == r) & wanted[me]].ravel() for r in others}
         sent, received = ({r: p for r, p in of.items() if p.size} for of in (sent, received))
         numbers = self.table.reshape(-1)
-        super().__init__(comm, tag, sent, received, (_NO, _NO), numbers, numbers)
+        super().__init__(comm, tag, [Route(sent, received)], numbers, numbers)
 
 
-class Reduction:
+class Reduction(_Procedure):
     """Replaces an array by the largest numbers of all ranks, one by one."""
+
+    name = "reduce"
 
     def __init__(self, comm: MPI.Comm, numbers: Array) -> None:
         room = np.empty_like(numbers)
-        self._kept = numbers, room, comm
         handles = (_NUMBER(MPI._handleof(one)).value for one in (MPI.DOUBLE, MPI.MAX, comm))
         of_numbers = numbers.ctypes.data, room.ctypes.data, numbers.size
-        self._struct = np.array([_of_mpi("MPI_Allreduce"), *handles, *of_numbers], np.int64)
-        self.structure, self.vectors = self._struct.ctypes.data, list[str]()
-
-    def load(self, library: ctypes.CDLL) -> None:
-        """Take the function from a library with ``exchange_text``."""
-        self.address = ctypes.cast(library.reduce, _POINTER).value
+        self._kept = np.array([_of_mpi("MPI_Allreduce"), *handles, *of_numbers], np.int64), room
+        self.structure, self._numbers, self._comm = self._kept[0].ctypes.data, numbers, comm
 
 
 class Reach(NamedTuple):
@@ -162,9 +175,9 @@ class Reach(NamedTuple):
             found.append((first, beyond))
         return tuple(found)
 
-    def needs(self, rank: int) -> tuple[Numbers, Numbers]:
-        """Places in a rank's ghosted array, and numbers in the block, of the nodes that others send
-        to it, or that it owns and has once more (of a periodic axis); in the order of the places.
+    def _nodes(self, rank: int) -> tuple[Numbers, Numbers, Numbers]:
+        """Places in a rank's ghosted array of the nodes that it owns, and of those that others send
+        to it, or that it owns and has once more (of a periodic axis); numbers of the latter.
         """
         own, shape, ends = self.share.part(rank), self.share.shape, self.ghosted(rank)
         index = np.meshgrid(*(np.arange(a, b) for a, b in ends), indexing="ij")
@@ -173,68 +186,33 @@ class Reach(NamedTuple):
         wanted = known & ((far >= 1) if self.corners else (far == 1))
         places = [i % n for i, n in zip(index, shape, strict=True)]
         numbers = np.ravel_multi_index(places, shape, order="F")
-        order = np.flatnonzero(wanted.ravel(order="F"))
-        return order, numbers.ravel(order="F")[order]
+        inside, order = (np.flatnonzero(of.ravel(order="F")) for of in (far == 0, wanted))
+        return inside, order, numbers.ravel(order="F")[order]
 
+    def routes(self, me: int, dof: int, begin: int, at: int) -> tuple[Route, Route]:
+        """What fills the halo of rank ``me``, and what copies the nodes that it owns to its ghosted
+        array. begin: of its numbers in the world vector, planes of nodes; at: of the ghosted array,
+        (dof, N), in the memory of all.
+        """
+        inside, places, wanted = self._nodes(me)
+        numbers, N = self.share.nodes(me), prod(b - a for a, b in self.ghosted(me))
 
-class Halo(NamedTuple):
-    """What a rank's part of a block has to do with its halo: places of numbers in the world vector
-    and in the memory of all ghosted arrays. sent: rank -> places in the world vector, received:
-    rank -> places of what comes from there; twice: from where to where nodes go that the rank owns
-    and has once more, inside: from where to where those go that it owns, where something reads
-    these in the ghosted array, too.
-    """
+        def here(nodes: Numbers) -> Numbers:
+            among = np.searchsorted(numbers, nodes)
+            return (begin + np.arange(dof)[:, None] * numbers.size + among).ravel()
 
-    sent: Mapping[int, Numbers]
-    received: Mapping[int, Numbers]
-    twice: tuple[Numbers, Numbers]
-    inside: tuple[Numbers, Numbers]
+        def there(places: Numbers) -> Numbers:
+            return (at + np.arange(dof)[:, None] * N + places).ravel()
 
-
-def halo_of(
-    reach: Reach, me: int, patch: Patch, numbers: Numbers, dof: int, begin: int, at: int
-) -> Halo:
-    """The halo of the part of rank ``me``. numbers: (M,) of the nodes that it owns; begin: of the
-    numbers of its part in the world vector; at: of its ghosted array, (dof, N), in their memory.
-    """
-    M, N = numbers.size, int(np.prod(patch.ghosted))
-
-    def here(places: Numbers) -> Numbers:
-        return (begin + np.arange(dof)[:, None] * M + places).ravel()
-
-    def there(places: Numbers) -> Numbers:
-        return (at + np.arange(dof)[:, None] * N + places).ravel()
-
-    places, wanted = reach.needs(me)
-    owners = reach.share.owners(wanted)
-    sent, received = dict[int, Numbers](), dict[int, Numbers]()
-    for rank in reach.share.ranks:
-        if rank != me:
-            other = reach.needs(rank)[1]
-            if (mine := reach.share.owners(other) == me).any():
-                sent[rank] = here(np.searchsorted(numbers, other[mine]))
+        owners, sent, received = self.share.owners(wanted), {}, {}
+        for rank in (rank for rank in self.share.ranks if rank != me):
+            other = self._nodes(rank)[2]
+            if (mine := self.share.owners(other) == me).any():
+                sent[rank] = here(other[mine])
             if (owners == rank).any():
                 received[rank] = there(places[owners == rank])
-    own = np.arange(M)
-    again = here(np.searchsorted(numbers, wanted[owners == me])), there(places[owners == me])
-    return Halo(sent, received, again, (here(own), there(patch.ghosted_rows(own))))
-
-
-def exchange_of(
-    comm: MPI.Comm, tag: int, halos: Sequence[Halo], memory: Array, source: Array | None = None
-) -> Exchange:
-    """The exchange that fills halos of several blocks, which all ranks have in the same order, with
-    one message to each neighbour; memory: of all ghosted arrays; source: None, if that is the
-    world vector.
-    """
-
-    def joined(of_halos: Sequence[Mapping[int, Numbers]]) -> dict[int, Numbers]:
-        ranks = sorted({rank for places in of_halos for rank in places})
-        return {r: np.concatenate([p[r] for p in of_halos if r in p]) for r in ranks}
-
-    own = [np.concatenate([_NO, *(halo.twice[k] for halo in halos)]) for k in (0, 1)]
-    sent, received = joined([h.sent for h in halos]), joined([h.received for h in halos])
-    return Exchange(comm, tag, sent, received, (own[0], own[1]), source, memory)
+        twice = here(wanted[owners == me]), there(places[owners == me])
+        return Route(sent, received, twice), Route({}, {}, (here(numbers), there(inside)))
 
 
 def _of_mpi(name: str) -> int:
@@ -244,7 +222,6 @@ def _of_mpi(name: str) -> int:
 
 def _runs(of: Numbers, to: Numbers) -> Numbers:
     """(runs, 3), from, to, count: numbers side by side in both are copied together."""
-    of, to = np.asarray(of, np.int64), np.asarray(to, np.int64)
     if not of.size:
         return np.zeros((0, 3), np.int64)
     first = np.flatnonzero(np.r_[True, (np.diff(of) != 1) | (np.diff(to) != 1)])
