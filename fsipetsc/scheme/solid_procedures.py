@@ -27,7 +27,7 @@ from fsipetsc.scheme.solid_sweep import solid_strains, solid_sweep
 
 def store(part, particles, y):
     """Tell particles what members of a solid store: energy per mass [J/kg] that is neither kinetic
-    nor heat. See fsipetsc.particles.system.Particles.
+    nor heat. See fsipetsc.particles.system.
     """
     rows, at, solid = part.rows_of_stored, part.stored_at, part.laws
     if solid.coupled:
