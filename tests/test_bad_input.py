@@ -19,7 +19,7 @@ LINES = [
     ("rod.h5", 2, "'rod.h5' is no case; results are for commands: info rod.h5"),
     ("info", 2, "RUN.h5 is missing"),
     ("plot a.h5 -o", 2, "-o needs a value…plot RUN.h5 [-o DIR"),
-    ("modes rod", 2, "the command modes knows the cases ring and shell"),
+    ("modes rod", 2, "the blocks are not in a steady state"),
     ("verify turek", 2, "there is no entry 'turek': expected vortex"),
     ("geometry", 2, "geometry: CASE is missing: python -m fsipetsc geometry CASE"),
     # options
@@ -35,7 +35,7 @@ LINES = [
     ("rod -options_file bad.opts", 2, "bad.opts line 2"),
     ("rod -options_file log.opts", 2, "-log_view works from the start of PETSc"),
     ("rod -options_file no.opts", 4, "no.opts"),
-    ("flutter -flutter_machs 0.9", 2, "Mach numbers above 1"),
+    ("modes panel -panel_mach 0.9", 2, "a number above 1"),
     # grids, methods, ranks
     ("rod -fsi_h 0.03", 2, "-fsi_h 0.03…'rod'…0.02941176…0.03030303"),
     ("rod -fsi_order 8 -fsi_h 0.1", 2, "'rod' has 11 nodes…at least 16: take 15 cells"),

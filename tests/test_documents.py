@@ -31,8 +31,7 @@ SHORT = {
     "run": "-ts_max_steps 3 -fsi_quiet",
     "convergence": "-fsi_orders 2 -ts_max_time 0.01",
     "stability": "-stability_points 20",
-    "flutter": "-fsi_h 0.0625 -panel_thickness 0.1 -flutter_machs 2 -flutter_lambdas 500,600 "
-    "-ts_max_time 6",
+    "modes": "-fsi_h 0.0625",
 }
 #: options files of which the kernels are compiled for other tests as well
 OFTEN = {f"{name}.opts" for name in ("rod", "mms", "pulse", "box", "column", "blast")}
@@ -194,7 +193,6 @@ def run_command(line):
     kind = words[0] if words[0] in COMMANDS else "run"
     if "-help" not in words and not words[-1].endswith(".h5"):
         words += SHORT.get(kind, "").split()
-        words += "-density_ratios 1 -stiffness_ratios 1".split() if "-sweep" in words else ()
     with contextlib.redirect_stdout(io.StringIO()) as said, contextlib.redirect_stderr(said):
         status = main(words)
     broken = status == 3 and kind == "stability"  # a coupling does not keep its promise

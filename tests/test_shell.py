@@ -23,8 +23,8 @@ def modes_of(folder, case, words):
     assert "saved modes.csv" in done.stdout
     rows = [{k: float(v or "nan") for k, v in row.items()} for row in rows_of(folder / "modes.csv")]
     assert [row["index"] for row in rows] == list(range(1, len(rows) + 1))
-    omega, exact = ("omega_re", "omega_im"), ("exact", "exact_im")
-    return np.array([[complex(row[a], row[b]) for row in rows] for a, b in (omega, exact)])
+    omega = np.array([complex(row["omega_re"], row["omega_im"]) for row in rows])
+    return omega, np.array([row["exact"] for row in rows])
 
 
 @pytest.mark.parametrize(("words", "known"), [("", IN_GAS), ("-ring_gas false", IN_VACUUM)])

@@ -1,7 +1,7 @@
 """The linear theory: stability of couplings (Theorem 4.1), modes of a gas over an elastic layer."""
 
 import pytest
-from helpers import rows_of, solve
+from helpers import rows_of, solve, well
 
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import Solid
@@ -49,21 +49,10 @@ def test_projection_and_traditional(order):
     assert light.energy > 1.0 and light.step_ratio < 0.4 * heavy.step_ratio
 
 
-NAMES = ("2/1", "4/2", "6/3", "8/4")
-SMALL = "-sweep -stability_points 16 -density_ratios 1e-3,1 -stiffness_ratios 0.01,100".split()
-
-
-def counts(done):
-    """Of each order, the numbers of combinations in which a promise is kept."""
-    assert (done.returncode, done.stderr) == (0, "")
-    lines = [line.split() for line in done.stdout.splitlines()]
-    return [[words[k] for k in (1, 2, 4, 6)] for words in lines if words and words[0] in NAMES]
-
-
-def test_sweep_with_energy_holds_everywhere_on_any_ranks(tmp_path):
+def test_energy_holds_everywhere_on_any_ranks(tmp_path):
+    words = "-stability_points 16 -density_ratios 1e-3,1 -stiffness_ratios 0.01,100".split()
     for ranks in (1, 2):
-        done = solve("stability", *SMALL, "-fsi_output", ranks, cwd=tmp_path, ranks=ranks)
-        assert counts(done) == [["4"] * 4] * 4
+        well(solve("stability", *words, "-fsi_output", ranks, cwd=tmp_path, ranks=ranks))
     rows = rows_of(tmp_path / "1.csv")
     assert len(rows) == 4 * 4 and rows == rows_of(tmp_path / "2.csv")
     assert all(row[n] == "True" for row in rows for n in ("estimate", "stable", "step_kept"))

@@ -1,97 +1,81 @@
-"""The commands `modes ring`, `modes shell` and `flutter`: small motions about a steady state, by
-the scheme (fsipetsc.studies.linear).
+"""The command `modes CASE`: small motions about a steady state, by the scheme
+(fsipetsc.studies.linear).
 
-**Rings and shells** at rest have frequencies that are known exactly, where the gas neither conducts
+Rings and shells at rest have frequencies that are known exactly, where the gas neither conducts
 heat nor is viscous. Displacements grad phi + curl psi, proportional to exp(-i omega t), obey Lame's
 equations with phi = f(k r) cos(n theta), k = omega / c_p, f a Bessel function, and psi likewise
 with sin(n theta) and c_s. A gas is such a medium without shear: lambda = gamma p. It has no psi,
 and slips. What is innermost and outermost is held if it is gas, and free if it is solid.
-
-**Flutter** is of the case ``panel`` in the flow over the flat panel. The ranks share Mach numbers
-and lambdas; the two modes that flutter are computed for each, and the lambda of each Mach number at
-which the growth becomes positive. Lengths are over the panel's, velocities over the speed of sound,
-densities over that of the flow; the stiffness is D = M^2 / (lambda sqrt(M^2 - 1)). A thin clamped
-panel without damping flutters from lambda = 636.57 on, whatever its mass, a hinged one from 343.36
-on (E. H. Dowell, Aeroelasticity of Plates and Shells, 1975); verify/beams.py derives both.
 """
 
-from collections.abc import Mapping, Sequence
-from itertools import groupby, product
-from math import nan, pi
+from collections.abc import Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq, newton
+from scipy.optimize import newton
 from scipy.special import jvp, spherical_jn, spherical_yn, yvp
 
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Centre
-from fsipetsc.cases import load_case, options_after
+from fsipetsc.cases import case_after, options_after
 from fsipetsc.checks import Array
-from fsipetsc.errors import InputError
-from fsipetsc.options import PROGRAM, Option, groups
-from fsipetsc.process.together import Comm
-from fsipetsc.studies.tables import Study, text_table
+from fsipetsc.options import Option
+from fsipetsc.process.together import Comm, together
+from fsipetsc.studies.tables import Study
 
 #: how far from where it begins a search may end, over omega; when it ends, and steps it may take
 NEAR, CLOSE, STEPS = 0.03, 1e-12, 40
 _AROUND = "angular number of a ring: waves around it"
+_NEXT = "angular frequency next to which modes are, for cases but ring and shell"
 OPTIONS = (
     Option("ring_angular", int, 2, "", _AROUND, check="nonnegative"),
     Option("modes_count", int, 10, "", "how many modes, slowest first", check="positive"),
+    Option("modes_near", float, 1.0, "1/s", _NEXT),
 )
-#: case -> options that keep it at rest
-_AT_REST = {"ring": {"ring_pulse": 0.0}, "shell": {"shell_charge": 0.0, "fsi_shock": 0.0}}
-#: lambda at which a thin panel flutters without damping, its frequency there over sqrt(D/m)
-CRITICAL = {"clamped": 636.57, "hinged": 343.36}
-FREQUENCY = {"clamped": 52.0, "hinged": 32.0}
-#: columns of the table: the faster mode, and both by frequency
-HEAD = "mach lambda growth frequency growth_1 frequency_1 growth_2 frequency_2".split()
-MACHS, LAMBDAS = (1.5, 2.0, 2.5, 3.0, 4.0), (500.0, 600.0, 700.0, 800.0)
-OF_FLUTTER = (
-    Option("flutter_machs", "floats", MACHS, "", "Mach numbers",
-        check=lambda values: None if min(values) > 1 else "Mach numbers above 1"),
-    Option("flutter_lambdas", "floats", LAMBDAS, "", "lambdas", check="positive"),
-)  # fmt: skip
-PANEL = load_case("panel")
-
-
-def sections(command: str, arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
-    """Return heading -> options for -help."""
-    if command == "flutter":
-        return groups(PANEL, OF_FLUTTER)
-    return options_after(command, arguments, OPTIONS)
+#: case -> options that keep it in a steady state
+STEADY = {
+    "ring": {"ring_pulse": 0.0},
+    "shell": {"shell_charge": 0.0, "fsi_shock": 0.0},
+    "panel": {"panel_push": 0.0},
+}
+sections = partial(options_after, extra=OPTIONS)
 
 
 def modes(arguments: list[str], comm: Comm) -> None:
     """The command, with the arguments after its name. Collective on comm; rank 0 computes.
 
-    Raises InputError, also for a case that it does not know; FileError.
+    Raises InputError, also where the case is not in a steady state at first; FileError.
     """
-    from fsipetsc.stepping.solve import block_form, build_problem
-    from fsipetsc.studies.linear import radial_modes
+    from mpi4py import MPI
 
-    name = arguments[0] if arguments else ""
-    if name not in _AT_REST:
-        usage = f"{PROGRAM} modes ring|shell [-option value ...]"
-        raise InputError(f"the command modes knows the cases ring and shell: {usage}")
-    case = load_case(name)
+    from fsipetsc.blockrun.block_state import BlockState
+    from fsipetsc.stepping.solve import block_form, build_problem
+    from fsipetsc.studies.linear import modes_near, radial_modes
+
+    case, name = together(comm, lambda: case_after("modes", arguments)), arguments[0]
     study = Study(comm, arguments[1:], OPTIONS, "modes", case)
-    opt = {**study.opt, **_AT_REST[name]}
-    problem, n = build_problem(case, opt, comm), opt["ring_angular"] if name == "ring" else 0
-    media, order = media_of(problem), opt["fsi_order"]
-    found = study.on_first(lambda: radial_modes(problem, order, n, block_form(opt)))
-    rows, lines = [], []
-    for i, omega in enumerate(found[: opt["modes_count"]] if comm.rank == 0 else (), 1):
+    opt = {**study.opt, **STEADY.get(name, {})}
+    order, count, n = opt["fsi_order"], opt["modes_count"], opt["ring_angular"] * (name == "ring")
+    problem: Any = build_problem(case, opt, comm)
+    how, known = (problem, order), name in ("ring", "shell")
+
+    def found() -> Any:
+        if known:
+            return radial_modes(*how, n, block_form(opt))[:count]
+        with BlockState(MPI.COMM_SELF, *how, block_form(opt)) as state:
+            omega = 1j * modes_near(state, -1j * opt["modes_near"], count)
+        return omega[np.argsort(omega.real)]
+
+    rows, media = [], media_of(problem) if known else ()
+    omegas = study.on_first(found)
+    for i, omega in enumerate(omegas if comm.rank == 0 else (), 1):
         exact = mode_near(media, n, omega.real) if media else None
-        known = (f"{exact:.10f}", f"{abs(omega / exact - 1.0):.1e}") if exact else ("", "")
-        rows.append((i, omega.real, omega.imag, *((exact, 0.0) if exact else ("", ""))))
-        lines.append((i, f"{omega:.10f}", *known))
+        beside = (exact, float(abs(omega / exact - 1.0))) if exact else ("", "")
+        rows.append((i, omega.real, omega.imag, *beside))
     of = f", angular number {n}" if name == "ring" else ""
-    study.say(f"modes of {name}{of}, order {order}, h = {opt['fsi_h']:g}: exp(-i omega t)")
-    study.say(text_table(("", "omega [1/s]", "exact", "error"), lines))
-    study.save(("index", "omega_re", "omega_im", "exact", "exact_im"), rows)
-    study.say(f"saved {study.path}")
+    study.say(f"modes of {case.NAME}{of}, order {order}, h = {opt['fsi_h']:g}: exp(-i omega t)")
+    study.table(("index", "omega_re", "omega_im", "exact", "error"), rows, ".10g")
 
 
 class Medium(NamedTuple):
@@ -187,85 +171,3 @@ def mode_near(media: Sequence[Medium], n: int, omega: float) -> float | None:
     about = {"x1": omega * (1.0 + 1e-4), "tol": CLOSE * omega, "maxiter": STEPS}
     root, result = newton(misfit, omega, **about, full_output=True, disp=False)
     return float(root) if result.converged and abs(root - omega) <= NEAR * omega else None
-
-
-def flutter(arguments: list[str], comm: Comm) -> None:
-    """The command, with the arguments after its name. Collective on comm.
-
-    Raises InputError; FileError; ComputationError.
-    """
-    study = Study(comm, arguments, OF_FLUTTER, "flutter", PANEL)
-    opt, say = study.opt, study.say
-    mass, ends = opt["panel_mass"], opt["panel_ends"]
-    several = (("panel_mach", "flutter_machs"), ("panel_lambda", "flutter_lambdas"))
-    lists = [[opt[one]] if one in study.given else opt[many] for one, many in several]
-    tasks = list(product(*(sorted({*values}) for values in lists)))
-    lines, onsets = [], []
-    found = zip(tasks, study.share(tasks, lambda task: modes_at(opt, *task)))
-    for mach, group in groupby(found, lambda one: one[0][0]):
-        of_mach = [(dynamic, pair) for (_, dynamic), pair in group]
-        for dynamic, pair in of_mach:
-            modes = max(pair, key=lambda s: s.real), *pair
-            numbers = [f"{x:.6g}" for s in modes for x in (s.real, s.imag)]
-            lines.append([f"{mach:g}", f"{dynamic:g}", *numbers])
-        onset, s = crossing(mach, mass, *zip(*of_mach))
-        cells = f"{onset:.1f}", f"{s.imag / (2.0 * pi):.4f}", f"{onset / CRITICAL[ends]:.3f}"
-        onsets.append([f"{mach:g}", *cells])
-    facts = f"mass {mass:g}, thickness {opt['panel_thickness']:g}"
-    say(f"panel, {facts}: growth and angular frequency of its modes\n\n{text_table(HEAD, lines)}")
-    say("\nonset of flutter: lambda, and frequency f in cycles per unit of time")
-    say(text_table(["M", "lambda", "f", f"of {CRITICAL[ends]}"], onsets))
-    study.save(HEAD, lines)
-    say(f"\nsaved {study.path}")
-
-
-def unit_of(mach: float, mass: float, dynamic: float) -> float:
-    """sqrt(D / mass), unit of frequencies, at lambda = dynamic; mass: over density and length."""
-    return float(np.sqrt(mach**2 / (dynamic * np.sqrt(mach**2 - 1.0)) / mass))
-
-
-def modes_at(opt: Mapping[str, Any], mach: float, dynamic: float) -> list[complex]:
-    """s [unit of velocity over the panel's length] of the modes at a Mach number and lambda =
-    dynamic, by this rank alone, the slower one first. InputError, also where the flow is not
-    steady, as that of a viscous gas.
-    """
-    from mpi4py import MPI
-
-    from fsipetsc.stepping.solve import build_problem, make_state
-    from fsipetsc.studies.linear import modes_near
-
-    own = {**opt, "panel_mach": mach, "panel_lambda": dynamic, "panel_push": 0.0}
-    frequency = FREQUENCY[opt["panel_ends"]] * unit_of(mach, opt["panel_mass"], dynamic)
-    with make_state(build_problem(PANEL, own, MPI.COMM_SELF), own, MPI.COMM_SELF) as state:
-        s = modes_near(state, 1j * frequency, 2)
-    return [complex(one) for one in s[np.argsort(s.imag)]]
-
-
-def crossing(
-    mach: float, mass: float, dynamic: Sequence[float], pairs: Sequence[Sequence[complex]]
-) -> tuple[float, complex]:
-    """(lambda, s) where the growth of the faster of two modes becomes positive, from their s at
-    some lambda; NaN if it does not change its sign between these.
-
-    The growth has a kink where the frequencies meet, but over ``unit_of`` the coefficients of
-    (s - s1)(s - s1*)(s - s2)(s - s2*) are smooth: parabolas are laid through them. These are over
-    lambda^2, as the last coefficient is linear in it where pressure is steady. From two lambdas
-    that are 17 % apart the onset is 0.1 to 0.2 % too low.
-    """
-    x = np.asarray(dynamic, float) ** 2
-    scaled = [np.asarray(s) / unit_of(mach, mass, at) for s, at in zip(pairs, dynamic, strict=True)]
-    found = np.array([np.poly(np.concatenate([pair, pair.conj()])).real for pair in scaled])
-    centre = 0.5 * (x.min() + x.max())
-    fits = np.polynomial.polynomial.polyfit(x - centre, found, min(len(x) - 1, 2))
-
-    def fastest(at: float) -> complex:
-        roots = np.roots(np.polynomial.polynomial.polyval(at * at - centre, fits))
-        s = roots[np.argmax(roots.real)]
-        return complex(s.real, abs(s.imag))
-
-    fine = np.linspace(min(dynamic), max(dynamic), 401)
-    first = int(np.argmax([fastest(at).real > 0.0 for at in fine]))
-    if first == 0:
-        return nan, complex(nan, nan)
-    at = float(brentq(lambda at: fastest(at).real, fine[first - 1], fine[first]))
-    return at, unit_of(mach, mass, at) * fastest(at)
