@@ -7,8 +7,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.errors import FsiError
-from fsipetsc.kernels.calls import Calls
-from fsipetsc.kernels.procedure import Procedure
+from fsipetsc.kernels.procedure import Calls, Procedure
 from fsipetsc.process.together import agree, together
 from fsipetsc.scheme.plan import (
     ALLOWED,

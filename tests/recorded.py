@@ -3,7 +3,6 @@
 from typing import Any
 
 from fsipetsc.kernels import build
-from fsipetsc.kernels.kernel import unit
 from fsipetsc.kernels.procedure import Code, Procedure
 
 
@@ -15,7 +14,7 @@ def load(code: Code) -> None:
 
 def recorded(function: Any, *records: Any) -> Procedure:
     """A function of records, loaded."""
-    code = Code(unit({}, []))
+    code = Code()
     found = code.procedure("procedure", function, *records)
     load(code)
     return found

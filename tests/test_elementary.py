@@ -94,7 +94,7 @@ def made(command="", flags=""):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("CC", command)
         patch.setenv("CFLAGS", flags)
-        text = unit({}, [], text)
+        text = unit(text)
         library = build.loaded(build.keep(build.name_of(text), build.made(text)))
 
     def call(name, *given):

@@ -21,7 +21,7 @@ from fsipetsc.blockrun.block_part import Recorded
 from fsipetsc.blockrun.gas_part import GasPart
 from fsipetsc.blockrun.saved import slices
 from fsipetsc.blockrun.solid_part import SolidPart
-from fsipetsc.kernels.calls import calling_code
+from fsipetsc.kernels.procedure import calling_code
 from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.parallel.exchange import Reduction, exchange_text
 from fsipetsc.particles.members import particles_of

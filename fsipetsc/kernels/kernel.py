@@ -16,13 +16,13 @@ nothing else (fsipetsc.kernels.build). So every node has the same bits in a vect
 any compiler and instruction set. What depends on parameters alone is computed before the loop.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from importlib.resources import files
 from typing import Any, NamedTuple
 
 from fsipetsc.kernels.halves import without_halves
-from fsipetsc.kernels.recording import Index, index_of, recording
-from fsipetsc.kernels.symbols import CONDITIONS, Record, Symbol, uses_of
+from fsipetsc.kernels.recording import Index, Line, index_of, printed, recording
+from fsipetsc.kernels.symbols import Record, Symbol
 
 
 class Layout(NamedTuple):
@@ -51,14 +51,6 @@ def interlaced(count: str) -> Layout:
     return Layout("1", count)
 
 
-#: what an operation is in C
-_FORMS = {
-    **{name: f"{{0}} {name} {{1}}" for name in ("+", "-", "*", "/", *"<>", "<=", ">=", "==", "!=")},
-    **{"&": "{0} & {1}", "|": "{0} | {1}", "not": "!{0}"},
-    **{"neg": "-{0}", "abs": "fabs({0})", "sqrt": "sqrt({0})", "where": "{0} ? {1} : {2}"},
-}
-
-
 class Kernel:
     """See the head of this file. name: of the function in C; says: a sentence on what it does.
     counted: the condition that it counts, if any.
@@ -66,7 +58,7 @@ class Kernel:
 
     def __init__(self, name: str, says: str) -> None:
         self.name, self.says, self.record = name, says, Record()
-        self._arguments: dict[str, str] = {}
+        self._arguments = {"n": "long "}
         self._stores: list[tuple[str, Symbol]] = []
         self.counted: Symbol | None = None
         self._distances: dict[str, str] = {}
@@ -84,7 +76,7 @@ class Kernel:
         item, (distances, number) = "i", far
         if distances:
             self._argument(distances, "const long *")
-            self._distances[f"{distances}_{number}"] = f"in->{distances}[{number}]"
+            self._distances[f"{distances}_{number}"] = f"{distances}[{number}]"
             item = f"(i + {distances}_{number})"
         places = (_place(array, layout, first + c, item) for c in range(count))
         return tuple(self.record.given(place, layout.item == "0") for place in places)
@@ -92,7 +84,7 @@ class Kernel:
     def number(self, name: str) -> Symbol:
         """A number that all items share."""
         self._argument(name, "double ")
-        return self.record.given(f"in->{name}", uniform=True)
+        return self.record.given(name, uniform=True)
 
     def parameters(self, equations: Any) -> Any:
         """The same equations with their floats as arguments of the kernel: the array p, in the
@@ -101,7 +93,7 @@ class Kernel:
         if isinstance(equations, float):
             self._argument("p", "const double *")
             self._parameters += 1
-            return self.record.given(f"in->p[{self._parameters - 1}]", uniform=True)
+            return self.record.given(f"p[{self._parameters - 1}]", uniform=True)
         if isinstance(equations, tuple):
             made = [self.parameters(part) for part in equations]
             return type(equations)(*made) if hasattr(equations, "_fields") else tuple(made)
@@ -114,7 +106,7 @@ class Kernel:
         self._argument(array, "double *", layout)
         for c, value in enumerate(values):
             place = _place(array, layout, first + c, "i")
-            self._stores.append((place, self.record.constant(value)))
+            self._stores.append((f"{place} =", self.record.constant(value)))
 
     def add(self, array: str, layout: Layout, values: Sequence[Any], first: int = 0) -> None:
         """Add values to the components ``first`` and so on of an item."""
@@ -122,11 +114,12 @@ class Kernel:
         for c, value in enumerate(values):
             place = _place(array, layout, first + c, "i")
             before = self.record.given(place)
-            self._stores.append((place, self.record.apply("+", before, value)))
+            self._stores.append((f"{place} =", self.record.apply("+", before, value)))
 
     def count(self, condition: Any) -> None:
         """Let the function return for how many items a condition holds."""
         self.counted = self.record.constant(condition)
+        self._stores.append(("counted +=", self.counted))
 
     def _argument(self, name: str, kind: str, layout: Layout = SHARED) -> None:
         known = self._arguments.get(name, "")
@@ -141,55 +134,44 @@ class Kernel:
         """Let a procedure run the kernel over n items. An array is given from its first item on.
         Returns how many items were counted, of a kernel that counts.
         """
-        record, texts, values, needs = recording(), list[str](), list[Symbol](), list[Symbol]()
+        record, texts, values = recording(), list[str](), list[Symbol]()
         given = {"n": n, **given}
-        for name in sorted({**self._arguments, "n": ""}):
-            one = given[name]
+        for one in (given[name] for name in sorted(self._arguments)):
             if isinstance(one, Symbol):
-                texts.append(f".{name} = {{{len(values)}}}")
+                texts.append(f"{{{len(values)}}}")
                 values.append(one)
             else:
-                place = one.pointer() if hasattr(one, "pointer") else index_of(one)
-                texts.append(f".{name} = {place.text}")
-                needs += place.needs
+                texts.append(str(one.pointer() if hasattr(one, "pointer") else index_of(one)))
         counted = None if self.counted is None else Index(record.new("n"))
-        result = f"const long {counted.text} = " if counted is not None else ""
-        record.line(f"{result}{self.name}({', '.join(texts)});", values, tuple(needs))
+        result = "" if counted is None else f"const long {counted} = "
+        record.line(f"{result}{self.name}({', '.join(texts)});", values)
         record.stores += 1
         return counted
 
     # what is printed
 
     def text(self) -> str:
-        """The function in C, behind the struct of its arguments."""
-        before, body = _lines(self.record, self._stores, self.counted)
-        kind = "long" if self.counted is not None else "void"
-        arguments = sorted({**self._arguments, "n": "long "}.items())
-        members = [f"  {kind}{name};" for name, kind in arguments]
-        locals_ = [
-            f"  {kind}{'restrict ' * (kind[-1] == '*')}{name} = in->{name};"
-            for name, kind in arguments
-            if name != "p" and kind not in ("const long *", "double ")
-        ]
+        """The function in C."""
+        values = [symbol for _, symbol in self._stores]
+        record, values = without_halves(self.record, values)
+        stores = [Line(f"{place} {{0}};", (v,)) for (place, _), v in zip(self._stores, values)]
+        before = [symbol for symbol in record.symbols if symbol.uniform]
+        within = [symbol for symbol in record.symbols if not symbol.uniform]
         counts = self.counted is not None
+        loop = f'ITEMS("omp simd{" reduction(+ : counted)" * counts}",'
+        items = *before, Line(loop, inside=1), *within, *stores, Line(")", inside=-1)
+        arguments = sorted(self._arguments.items())
+        given = (f"{kind}{'restrict ' * (kind[-1] == '*')}{name}" for name, kind in arguments)
         return "\n".join(
             [
                 f"/* {self.says} */",
-                f"struct {self.name}_in {{",
-                *members,
-                "};",
-                f"static NOINLINE {kind} {self.name}_(const struct {self.name}_in *in) {{",
-                *locals_,
+                f"static NOINLINE {'long' if counts else 'void'} {self.name}(",
+                "    " + ",\n    ".join(given) + ") {",
                 *(f"  const long {name} = {text};" for name, text in self._distances.items()),
-                *(["  long counted = 0;"] if counts else []),
-                *(f"  {line}" for line in before),
-                f'  ITEMS("omp simd{" reduction(+ : counted)" if counts else ""}",',
-                *(f"    {line}" for line in body),
-                "  )",
-                *(["  return counted;"] if counts else []),
-                "}",
-                f"#define {self.name}(...) {self.name}_(&(struct {self.name}_in){{__VA_ARGS__}})",
-                "",
+                *["  long counted = 0;"] * counts,
+                *printed(record, items, values),
+                *["  return counted;"] * counts,
+                "}\n",
             ]
         )
 
@@ -212,113 +194,9 @@ def _place(array: str, layout: Layout, component: int, item: str) -> str:
     return f"{array}[{' + '.join(terms) or '0'}]"
 
 
-def _lines(
-    record: Record, stores: Sequence[tuple[str, Symbol]], counted: Symbol | None
-) -> tuple[list[str], list[str]]:
-    """Lines before the loop and of its body: all symbols that stores need, in the order in which
-    they were made.
-    """
-    wanted = [symbol for _, symbol in stores] + ([] if counted is None else [counted])
-    record, wanted = without_halves(record, wanted)
-    uses = uses_of(wanted)
-    fused = fused_products(record, uses)
-    before, body, names = [], [], {}
-    for symbol in record.symbols:
-        if symbol.number not in uses or symbol.number in fused.values():
-            continue
-        if symbol.operation == "constant":
-            names[symbol.number] = _constant(symbol)
-            continue
-        text = line_of(symbol, fused, names)
-        kind = "int" if symbol.operation in CONDITIONS else "double"
-        names[symbol.number] = f"t{symbol.number}"
-        lines = before if symbol.uniform else body
-        lines.append(f"const {kind} t{symbol.number} = {text};")
-    places = [f"{place} = " for place, _ in stores] + ["counted += "] * (counted is not None)
-    body += [f"{p}{names[s.number]};" for p, s in zip(places, wanted, strict=True)]
-    return before, body
-
-
-def line_of(symbol: Symbol, fused: dict[int, int], names: dict[int, str]) -> str:
-    """Return the C expression of a symbol. names: of its operands."""
-    if symbol.number in fused:
-        return _fma(symbol, fused[symbol.number], names)
-    if symbol.operation == "constant":
-        return _constant(symbol)
-    if symbol.operation in ("given", "holds"):
-        return symbol.text
-    operands = [names[operand.number] for operand in symbol.operands]
-    form = _FORMS.get(symbol.operation)
-    call = f"{symbol.operation}_({', '.join(operands)})"
-    return form.format(*operands) if form else call
-
-
-def fused_products(record: Record, uses: dict[int, int]) -> dict[int, int]:
-    """Sums -> the product that each is fused with: the last operand that nothing else takes. What
-    is exact is not fused.
-    """
-    fused = {}
-    for symbol in record.symbols:
-        sums = symbol.operation in ("+", "-") and symbol.number not in record.exact
-        if symbol.number in uses and sums:
-            for operand in reversed(symbol.operands):
-                alone = operand.operation == "*" and uses[operand.number] == 1
-                if alone and not operand.uniform and operand.number not in record.exact:
-                    fused[symbol.number] = operand.number
-                    break
-    return fused
-
-
-def _fma(symbol: Symbol, product: int, names: dict[int, str]) -> str:
-    """Return a sum or difference and the product among its operands as one operation."""
-    first, second = symbol.operands
-    factors = first if first.number == product else second
-    other = names[(second if first.number == product else first).number]
-    a, b = (names[factor.number] for factor in factors.operands)
-    if symbol.operation == "+":
-        return f"fma({a}, {b}, {other})"
-    return f"fma({a}, {b}, -{other})" if factors is first else f"fma(-{a}, {b}, {other})"
-
-
-def _constant(symbol: Symbol) -> str:
-    """A constant in C, to the last bit."""
-    text = repr(symbol.value)
-    text = {"inf": "INFINITY", "-inf": "(-INFINITY)", "nan": "NAN"}.get(text, text)
-    return f"({text})" if text[0] == "-" else text
-
-
-# --- a translation unit
-
-_HEAD = """#include <math.h>
-#include <string.h>
-#define NOINLINE __attribute__((noinline))
-static inline long most(long a, long b) { return a > b ? a : b; }
-static inline long least(long a, long b) { return a < b ? a : b; }
-static inline long quotient(long a, long b) { return a / b - (a % b != 0 && (a < 0) != (b < 0)); }
-static inline long remainder_of(long a, long b) { return a - b * quotient(a, b); }
-/* A kernel's loop over items i. With vectors of eight numbers, those left over are one more vector
-   whose other lanes are neither read nor stored: gcc would take them one by one. */
-#ifdef __AVX512F__
-#define ITEMS(simd, ...) \
-  _Pragma(simd) for (long i = 0; i < (n & -8L); ++i) { __VA_ARGS__ } \
-  if (n > 0 && n & 7) { \
-    const long first_ = n & -8L; \
-    _Pragma(simd) for (long lane_ = 0; lane_ < 8; ++lane_) { \
-      const long i = first_ + lane_; \
-      if (i < n) { __VA_ARGS__ } \
-    } \
-  }
-#else
-#define ITEMS(simd, ...) _Pragma(simd) for (long i = 0; i < n; ++i) { __VA_ARGS__ }
-#endif
-"""
-
-
-def unit(constants: Mapping[str, int], kernels: Sequence[Kernel], *loops: str) -> str:
-    """Return the text of a translation unit. loops: C code that calls the kernels."""
-    defined = "".join(f"#define {name} {value}\n" for name, value in constants.items())
-    printed = "\n".join(kernel.text() for kernel in kernels)
-    return "\n".join([_HEAD + defined, c_source("fsipetsc.kernels", "prelude.h"), printed, *loops])
+def unit(*texts: str) -> str:
+    """Return the text of a translation unit."""
+    return "\n".join([c_source("fsipetsc.kernels", "prelude.h"), *texts])
 
 
 def c_source(package: str, name: str) -> str:

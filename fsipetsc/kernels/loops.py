@@ -13,7 +13,7 @@ dataclasses, which hold facts: their numbers become constants of the text.
     variable(0.0)           a number that changes: its ``value`` is read and set
     pick(c, a, b)           one of two whole numbers; either(c, a, b): one of two arrays
     named(i)                a whole number, computed once
-    invoke("name", …)       calls a function in C
+    invoke("name", address) calls a function in C
 """
 
 from collections.abc import Iterator, Sequence
@@ -37,9 +37,8 @@ def each(*ends: Any, vector: bool = False) -> Iterator[Index]:
     i = record.new("i")
     if vector:
         record.line("#pragma omp simd")
-    head = f"for (long {i} = {first.text}; {i} < {last.text}; ++{i})"
     record.stores += 1  # what is read in the first pass may be stored before the next one
-    record.open(head, (*first.needs, *last.needs))
+    record.open(f"for (long {i} = {first}; {i} < {last}; ++{i})")
     yield Index(i)
     record.close()
 
@@ -60,10 +59,9 @@ def when(condition: Any) -> Iterator[None]:
 @contextmanager
 def otherwise() -> Iterator[None]:
     """C does what is recorded within if the condition of the `when` just before does not hold."""
-    record = recording()
-    record.open("else")
+    recording().open("else")
     yield
-    record.close()
+    recording().close()
 
 
 def stop(condition: Any) -> None:
@@ -73,44 +71,31 @@ def stop(condition: Any) -> None:
 
 def pick(condition: Any, a: Any, b: Any) -> Index:
     """a if the condition holds, else b; both are whole numbers."""
-    record = recording()
-    name, a, b = record.new("n"), index_of(a), index_of(b)
-    record.line(
-        f"const long {name} = {{0}} ? {a.text} : {b.text};", (condition,), (*a.needs, *b.needs)
-    )
-    return Index(name)
+    return recording().whole(f"{{0}} ? {index_of(a)} : {index_of(b)}", condition)
 
 
 def either(condition: Any, a: "Array", b: "Array") -> "Array":
     """The array a if the condition holds, else b; as a flat array."""
-    record, name = recording(), recording().new("p")
-    places = [index_of(one._offset) for one in (a, b)]
-    first, other = (f"{one._base} + {at.text}" for one, at in zip((a, b), places, strict=True))
-    needs = (*places[0].needs, *places[1].needs)
-    record.line(f"double *const {name} = {{0}} ? {first} : {other};", (condition,), needs)
+    name = recording().new("p")
+    text = f"double *const {name} = {{0}} ? {a.pointer()} : {b.pointer()};"
+    recording().line(text, (condition,))
     return Array(name, a.dtype, (pick(condition, a.size, b.size),))
 
 
 def named(index: Any) -> Index:
     """The same whole number, which C computes once and keeps under a name."""
-    record, index = recording(), index_of(index)
-    name = record.new("n")
-    record.line(f"const long {name} = {index.text};", (), index.needs)
-    return Index(name)
+    return recording().whole(f"{index_of(index)}")
 
 
 def whole(value: Any) -> Index:
     """Return a number whose value is whole as an Index."""
-    record = recording()
-    name = record.new("n")
-    record.line(f"const long {name} = (long){{0}};", (value,))
-    return Index(name)
+    return recording().whole("(long){0}", value)
 
 
 def number(index: Any) -> Any:
     """Return a whole number as a number that formulas take."""
-    found = index_of(index)
-    return recording().symbol(("number", found.text), f"(double){found.text}", found.needs)
+    text = f"(double){index_of(index)}"
+    return recording().symbol(("number", text), text)
 
 
 class variable:
@@ -164,8 +149,7 @@ class Array(NDArrayOperatorsMixin):
 
     def pointer(self) -> Index:
         """Where C has the first number."""
-        place = index_of(self._offset)
-        return Index(f"{self._base} + {place.text}", place.needs)
+        return Index(f"{self._base} + {index_of(self._offset)}")
 
     def turned(self) -> "Array":
         """The transpose of an array of two axes."""
@@ -202,7 +186,13 @@ class Array(NDArrayOperatorsMixin):
             return Array(self._base, self.dtype, shape, offset)
         if self.dtype.names:
             return _Fields(self._base, self.dtype, offset)
-        return _read(self._base, self.dtype, index_of(offset))
+        record, place = recording(), f"{self._base}[{index_of(offset)}]"
+        key = "read", place, record.stores
+        if KINDS[self.dtype.kind] == "double":
+            return record.symbol(key, place)
+        if record.known(key) is None:
+            record.scopes[-1][key] = record.whole(place)
+        return record.known(key)
 
     def __setitem__(self, at: Any, value: Any) -> None:
         offset, shape = self._place(at)
@@ -211,14 +201,12 @@ class Array(NDArrayOperatorsMixin):
             for i in each(part.size, vector=True):
                 part.reshape(-1)[i] = value
             return
-        record, place = recording(), index_of(offset)
-        text = f"{self._base}[{place.text}] = "
-        if KINDS[self.dtype.kind] == "long":
-            value = index_of(value)
-            record.line(f"{text}{value.text};", (), (*place.needs, *value.needs))
+        place, kind = f"{self._base}[{index_of(offset)}]", KINDS[self.dtype.kind]
+        if kind == "long":
+            recording().line(f"{place} = {index_of(value)};")
         else:
-            record.line(f"{text}{{0}};", (value,), place.needs)
-        record.stores += 1
+            recording().line(f"{place} = {{0}};", (value,))
+        recording().stores += 1
 
     def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
         raise refuse("an operation on a whole array: write a loop, `for i in each(n):`")
@@ -242,22 +230,6 @@ class _Turned(Array):
         raise refuse("a transpose has no other shape")
 
 
-def _read(base: str, dtype: Any, place: Index) -> Any:
-    """Record that the number at a place of an array is read."""
-    record = recording()
-    text = f"{base}[{place.text}]"
-    if KINDS[dtype.kind] == "double":
-        return record.symbol(("read", text, record.stores), text, place.needs)
-    key = "whole", text, record.stores
-    found = record.known(key)
-    if found is not None:
-        return found
-    name = record.new("n")
-    record.line(f"const long {name} = {text};", (), place.needs)
-    record.blocks[-1].known[key] = Index(name)
-    return Index(name)
-
-
 class _Fields:
     """One row of an array of records: its fields by their names; those of several numbers are
     arrays.
@@ -269,9 +241,8 @@ class _Fields:
     def _array(self, name: str) -> Array:
         kind, first = self._dtype.fields[name][:2]
         number, shape = kind.subdtype or (kind, (1,))
-        start = f"{self._base} + {self._dtype.itemsize} * {self._row.text} + {first}"
-        base = f"(({KINDS[number.kind]} *)({start}))"
-        return Array(base, number, shape, Index("0", self._row.needs))
+        start = f"{self._base} + {self._dtype.itemsize} * {self._row} + {first}"
+        return Array(f"(({KINDS[number.kind]} *)({start}))", number, shape)
 
     def __getattr__(self, name: str) -> Any:
         found = self._array(name)
@@ -281,15 +252,7 @@ class _Fields:
         self._array(name)[0] = value
 
 
-def invoke(name: str, *given: Any) -> None:
-    """Call a function in C of the same translation unit: a whole number is an address, an array a
-    pointer to its first number.
-    """
-    record, texts, needs = recording(), [], []
-    for one in given:
-        array = isinstance(one, Array)
-        place = one.pointer() if array else index_of(one)
-        texts.append(place.text if array else f"(void *){place.text}")
-        needs += place.needs
-    record.line(f"{name}({', '.join(texts)});", (), tuple(needs))
-    record.stores += 1
+def invoke(name: str, address: Any) -> None:
+    """Call a function in C of the same translation unit with an address, a whole number."""
+    recording().line(f"{name}((void *){index_of(address)});")
+    recording().stores += 1

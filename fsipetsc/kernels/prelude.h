@@ -11,7 +11,9 @@
 
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
 
+#define NOINLINE __attribute__((noinline))
 #define ELEMENTARY static inline __attribute__((always_inline))
 
 /* Constants in two or three parts. The last three bits of pi/4 are 0, so thrice it is exact. */
@@ -275,3 +277,24 @@ ELEMENTARY double arctan2_(double y, double x) {
   const double low = fma(eighths, QUARTER_PI_LOW_, sign * angle.low);
   return copysign(eighths * QUARTER_PI_ + fma(sign, angle.high, low), y);
 }
+
+/* --- whole numbers and loops */
+static inline long most(long a, long b) { return a > b ? a : b; }
+static inline long least(long a, long b) { return a < b ? a : b; }
+static inline long quotient(long a, long b) { return a / b - (a % b != 0 && (a < 0) != (b < 0)); }
+static inline long remainder_of(long a, long b) { return a - b * quotient(a, b); }
+/* A kernel's loop over items i. With vectors of eight numbers, those left over are one more vector
+   whose other lanes are neither read nor stored: gcc would take them one by one. */
+#ifdef __AVX512F__
+#define ITEMS(simd, ...) \
+  _Pragma(simd) for (long i = 0; i < (n & -8L); ++i) { __VA_ARGS__ } \
+  if (n > 0 && n & 7) { \
+    const long first_ = n & -8L; \
+    _Pragma(simd) for (long lane_ = 0; lane_ < 8; ++lane_) { \
+      const long i = first_ + lane_; \
+      if (i < n) { __VA_ARGS__ } \
+    } \
+  }
+#else
+#define ITEMS(simd, ...) _Pragma(simd) for (long i = 0; i < n; ++i) { __VA_ARGS__ }
+#endif

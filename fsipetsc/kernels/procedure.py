@@ -18,48 +18,43 @@ values: arrays and numbers of the records are pointers and numbers in a struct t
 import ctypes
 import inspect
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import is_dataclass
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from fsipetsc.kernels.kernel import fused_products, line_of
+from fsipetsc.kernels.kernel import c_source, unit
 from fsipetsc.kernels.loops import KINDS, Array
-from fsipetsc.kernels.recording import Block, Index, Line, Recording, recorded
-from fsipetsc.kernels.symbols import CONDITIONS, Symbol, uses_of
+from fsipetsc.kernels.recording import Index, Recording, printed, recorded
+from fsipetsc.kernels.symbols import Symbol
 
-#: where a procedure takes fewer than two world vectors
-_NONE = np.zeros(0)
+_POINTER, _NUMBER = ctypes.c_void_p, ctypes.c_long
 
 
 class Procedure:
     """A recorded procedure, which can be called once its code is loaded. text: the C function."""
 
     def __init__(self, name: str, function: Callable[..., None], *records: Any) -> None:
-        self.name, self._values = name, dict[str, Any]()
-        self._kinds: dict[str, str] = {}
+        self.name, self._values, self._kinds = name, dict[str, Any](), dict[str, str]()
         parameters = list(inspect.signature(function).parameters)
         names, vectors = parameters[: len(records)], parameters[len(records) :]
         with recorded() as record:
             pairs = zip(names, records, strict=True)
             given = [self._stand_in(name, value, record) for name, value in pairs]
-            record.blocks.append(top := Block(""))
             worlds = [Array(v, np.dtype(float), (Index(f"{v}_size"),)) for v in vectors]
             function(*given, *worlds)
-        if record.blocks[-1] is not top:
+        if len(record.scopes) > 1:
             raise ValueError(f"{name}: break or return within a loop of each(n): write stop(c)")
-        self.vectors = vectors
-        self.text = self._text(function, record, top)
+        self.vectors, self.text = vectors, self._text(function, vectors, record)
         self._structure: Any = None
         self._function: Any = None
 
     def _stand_in(self, name: str, value: Any, record: Recording) -> Any:
         """What stands for a record, or a part of one, while the procedure is recorded."""
-        if value is None or isinstance(value, (bool, str, Symbol)) or callable(value):
-            return value
-        if is_dataclass(value):  # facts, which are known
+        known = value is None or isinstance(value, (bool, str, Symbol)) or callable(value)
+        if known or is_dataclass(value):  # facts
             return value
         if isinstance(value, np.ndarray):
             if not value.flags.c_contiguous:
@@ -69,11 +64,8 @@ class Procedure:
             if kind is None or (kind != "char" and of.itemsize != 8):
                 raise TypeError(f"{name} is of {of}: arrays are of float64 and int64")
             base = self._field(name, f"{kind} *", value)
-            shape = [
-                Index(self._field(f"{name}_n{k}", "long ", length))
-                for k, length in enumerate(value.shape)
-            ]
-            return Array(base, value.dtype, shape)
+            sizes = (self._field(f"{name}_n{k}", "long ", n) for k, n in enumerate(value.shape))
+            return Array(base, of, [*map(Index, sizes)])
         if isinstance(value, (float, np.floating)):
             return record.given(self._field(name, "double ", float(value)), uniform=True)
         if isinstance(value, (int, np.integer)):
@@ -96,111 +88,51 @@ class Procedure:
         self._values[name], self._kinds[name] = value, kind
         return name
 
-    def _text(self, function: Any, record: Recording, top: Block) -> str:
-        lines, wanted = [], []
-        _find_wanted(top, wanted)
-        uses = uses_of(wanted)
-        fused = fused_products(record, uses)
-        names = {s.number: s.text for s in record.symbols if s.operation == "given" and s.uniform}
-        _print(top, lines, "  ", uses, fused, names)
+    def _text(self, function: Any, vectors: list[str], record: Recording) -> str:
+        named = (s for s in record.symbols if s.operation == "given" and s.uniform)
+        lines = printed(record, record.items, record.wanted, named)
         found = set(re.findall(r"\w+", "\n".join(lines)))
         self._used = [name for name in self._values if name in found]
-        members = [f"  {self._kinds[name]}{name};" for name in self._used]
-        locals_ = [f"  {self._kinds[name]}const {name} = s->{name};" for name in self._used]
-        names = [*self.vectors, "unused", "unused_too"][:2]
-        vectors = "".join(f", double *{v}, long {v}_size" for v in names)
+        names = [*vectors, "unused", "unused_too"][:2]
+        given = "".join(f", double *{v}, long {v}_size" for v in names)
         says = (function.__doc__ or "").strip().splitlines() or [""]
         return "\n".join(
             [
                 f"/* {says[0]} */",
                 f"struct {self.name}_in {{",
-                *(members or ["  long nothing;"]),
+                *(f"  {self._kinds[name]}{name};" for name in self._used),
+                *["  long nothing;"] * (not self._used),
                 "};",
-                f"void {self.name}(const struct {self.name}_in *s{vectors}) {{",
-                *locals_,
+                f"void {self.name}(const struct {self.name}_in *s{given}) {{",
+                *(f"  {self._kinds[name]}const {name} = s->{name};" for name in self._used),
                 *lines,
-                "}",
-                "",
+                "}\n",
             ]
         )
 
     def load(self, library: ctypes.CDLL) -> None:
         """Take the compiled function, and fill the struct with what the records have."""
-        kinds = {"double ": ctypes.c_double, "long ": ctypes.c_long}
-        fields = [(name, kinds.get(self._kinds[name], ctypes.c_void_p)) for name in self._used]
+        kinds = {"double ": ctypes.c_double, "long ": _NUMBER}
+        fields = [(name, kinds.get(self._kinds[name], _POINTER)) for name in self._used]
         made = type("Structure", (ctypes.Structure,), {"_fields_": fields})
         values = [self._values[name] for name in self._used]
         self._structure = made(*(v.ctypes.data if isinstance(v, np.ndarray) else v for v in values))
         self._function = getattr(library, self.name)
-        self.address = ctypes.cast(self._function, ctypes.c_void_p).value
+        self._function.argtypes = _POINTER, _POINTER, _NUMBER, _POINTER, _NUMBER
+        self.address = ctypes.cast(self._function, _POINTER).value
         self.structure = ctypes.addressof(self._structure)
-        nothing = ctypes.c_void_p(None), ctypes.c_long(0)
-        self._alone = ctypes.c_void_p(self.structure), *nothing, *nothing
 
     def __call__(self, *vectors: np.ndarray) -> None:
         """Run the function in C; vectors: at most two flat arrays of doubles."""
-        if not vectors:
-            self._function(*self._alone)
-            return
-        given = [ctypes.c_void_p(self.structure)]
-        for vector in (*vectors, *[_NONE] * (2 - len(vectors))):
-            given += [ctypes.c_void_p(vector.ctypes.data), ctypes.c_long(vector.size)]
-        self._function(*given)
-
-
-def _find_wanted(block: Block, wanted: list[Symbol]) -> None:
-    """Add the symbols that lines of a block need, and of the blocks within it."""
-    for item in block.items:
-        if isinstance(item, Line):
-            wanted += [*item.values, *item.needs]
-        elif isinstance(item, Block):
-            wanted += item.needs
-            _find_wanted(item, wanted)
-
-
-def _print(
-    block: Block,
-    lines: list[str],
-    indent: str,
-    uses: dict[int, int],
-    fused: dict[int, int],
-    names: dict[int, str],
-) -> None:
-    """Lines of a block: symbols where they were made, if somebody needs them."""
-    products = set(fused.values())
-    for item in block.items:
-        if isinstance(item, Line):
-            values = [_named(value, names) for value in item.values]
-            lines.append(indent + item.form.format(*values))
-        elif isinstance(item, Block):
-            lines.append(f"{indent}{item.head} {{")
-            _print(item, lines, indent + "  ", uses, fused, names)
-            lines.append(f"{indent}}}")
-        elif item.number in uses and item.number not in products and item.number not in names:
-            for operand in item.operands:
-                for one in operand.operands if operand.number in products else (operand,):
-                    _named(one, names)
-            if item.operation != "constant":
-                kind = "int" if item.operation in CONDITIONS else "double"
-                text = line_of(item, fused, names)
-                names[item.number] = f"t{item.number}"
-                lines.append(f"{indent}const {kind} t{item.number} = {text};")
-
-
-def _named(symbol: Symbol, names: dict[int, str]) -> str:
-    """Return the name of a symbol in C; constants have theirs everywhere."""
-    if symbol.number not in names:
-        if symbol.operation != "constant":
-            raise AssertionError(f"{symbol.operation} is not known here")
-        names[symbol.number] = line_of(symbol, {}, names)
-    return names[symbol.number]
+        given = [number for vector in vectors for number in (vector.ctypes.data, vector.size)]
+        self._function(self.structure, *given, *(None, 0) * (2 - len(vectors)))
 
 
 class Code:
     """The procedures of one translation unit, which begins with a text that they need."""
 
-    def __init__(self, text: str) -> None:
-        self._text, self.procedures = text, list[Procedure]()
+    def __init__(self, text: str = "") -> None:
+        self._text, self.procedures = text or unit(), list[Procedure]()
         self.library: ctypes.CDLL | None = None
 
     def procedure(self, name: str, function: Callable[..., None], *records: Any) -> Procedure:
@@ -217,3 +149,42 @@ class Code:
         self.library = library
         for procedure in self.procedures:
             procedure.load(library)
+
+
+# lists of calls that C makes one after the other
+
+
+def calling_code(*texts: str) -> Code:
+    """Code with the functions of calls.c, whose library `Calls` needs; procedures can be added."""
+    return Code(unit(c_source("fsipetsc.kernels", "calls.c"), *texts))
+
+
+class _Call(ctypes.Structure):
+    _fields_ = [
+        *((name, _POINTER) for name in ("procedure", "of", "y")),
+        *(("y_size", _NUMBER), ("f", _POINTER), ("f_size", _NUMBER)),
+    ]
+
+
+class Calls:
+    """Calls of procedures that are loaded, each with up to two world vectors; library: that of
+    ``calling_code``.
+    """
+
+    def __init__(self, library: Any, calls: Sequence[tuple[Procedure, Any]]) -> None:
+        self._library, self._calls, self._count = library, (_Call * len(calls))(), len(calls)
+        self._kept = calls
+        for one, (procedure, vectors) in zip(self._calls, calls, strict=True):
+            one.procedure, one.of = procedure.address, procedure.structure
+            for name, vector in zip(("y", "f"), vectors):
+                setattr(one, name, vector.ctypes.data)
+                setattr(one, f"{name}_size", vector.size)
+
+    def __call__(self) -> None:
+        """Make all calls."""
+        self._library.run_calls(self._calls, _NUMBER(self._count))
+
+    def batch(self, bad: np.ndarray, allowed: np.ndarray) -> None:
+        """Make all calls, once, and again while the number ``bad`` is 0 and ``allowed`` is not."""
+        numbers = (_POINTER(number.ctypes.data) for number in (bad, allowed))
+        self._library.run_batch(self._calls, _NUMBER(self._count), *numbers)

@@ -1,45 +1,45 @@
-"""What a procedure records: blocks of lines between braces, and whole numbers known only when C
-runs. See fsipetsc.kernels.loops.
+"""What is recorded of loops, and how it is printed: lines of C, the symbols that they take, whole
+numbers that are known only when C runs. See fsipetsc.kernels.loops.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.kernels.symbols import Record, Symbol, refuse
+from fsipetsc.kernels.symbols import CONDITIONS, Record, Symbol, refuse, uses_of
+
+
+def _operator(form: str, neutral: int | None = None) -> Any:
+    """An operator; with its neutral number an Index is itself."""
+    return lambda self, other: self if _is(other, neutral) else _made(form, self, other)
 
 
 def _compared(sign: str) -> Any:
     """The operator of a comparison, whose result is a condition."""
 
     def compare(self: "Index", other: Any) -> Symbol:
-        found = _made(f"{{}} {sign} {{}}", self, other)
-        return recording().symbol(("holds", found.text), found.text, found.needs, "holds")
+        text = f"{self} {sign} {index_of(other)}"
+        return recording().symbol(("holds", text), text, "holds")
 
     return compare
 
 
 class Index:
-    """A whole number that is known only when C runs: an expression in C, and the symbols in it."""
+    """A whole number that is known only when C runs: an expression in C."""
 
-    __slots__ = ("needs", "text")
+    __slots__ = ("text",)
 
-    def __init__(self, text: str, needs: tuple[Symbol, ...] = ()) -> None:
-        self.text, self.needs = text, needs
+    def __init__(self, text: str) -> None:
+        self.text = text
 
-    def __add__(self, other: Any) -> Any:
-        return self if _is(other, 0) else _made("({} + {})", self, other)
+    def __str__(self) -> str:
+        return self.text
 
-    def __radd__(self, other: Any) -> Any:
-        return self if _is(other, 0) else _made("({} + {})", other, self)
-
-    def __sub__(self, other: Any) -> Any:
-        return self if _is(other, 0) else _made("({} - {})", self, other)
-
-    def __rsub__(self, other: Any) -> Any:
-        return _made("({} - {})", other, self)
+    __add__, __radd__ = _operator("({} + {})", 0), _operator("({1} + {0})", 0)
+    __sub__, __rsub__ = _operator("({} - {})", 0), _operator("({1} - {0})")
+    __floordiv__, __mod__ = _operator("quotient({}, {})", 1), _operator("remainder_of({}, {})")
 
     def __mul__(self, other: Any) -> Any:
         if _is(other, 0):
@@ -47,12 +47,6 @@ class Index:
         return self if _is(other, 1) else _made("({} * {})", self, other)
 
     __rmul__ = __mul__
-
-    def __floordiv__(self, other: Any) -> Any:
-        return self if _is(other, 1) else _made("quotient({}, {})", self, other)
-
-    def __mod__(self, other: Any) -> Any:
-        return _made("remainder_of({}, {})", self, other)
 
     def __neg__(self) -> Any:
         return _made("(-{})", self)
@@ -78,7 +72,7 @@ class Index:
         return hash(self.text)
 
 
-def _is(value: Any, number: int) -> bool:
+def _is(value: Any, number: int | None) -> bool:
     return isinstance(value, (int, np.integer)) and int(value) == number
 
 
@@ -91,77 +85,77 @@ def index_of(value: Any) -> Index:
 
 
 def _made(form: str, *given: Any) -> Index:
-    of = [index_of(value) for value in given]
-    return Index(form.format(*(i.text for i in of)), tuple(n for i in of for n in i.needs))
+    return Index(form.format(*map(index_of, given)))
 
 
 # --- what is recorded
 
 
-class Block:
-    """Lines between braces, and the symbols that are known there, by a key."""
-
-    def __init__(self, head: str, needs: tuple[Symbol, ...] = ()) -> None:
-        self.head, self.needs = head, needs
-        self.items: list[Any] = []
-        self.known: dict[Any, Any] = {}
-
-
 class Line(NamedTuple):
-    """A line of C. form: has {0}, {1} … where values stand; needs: symbols that places have."""
+    """A line of C. form: has {0}, {1} … where values stand. inside: by how much what follows is
+    further inside of braces.
+    """
 
     form: str
-    values: tuple[Symbol, ...]
-    needs: tuple[Symbol, ...]
+    values: tuple[Symbol, ...] = ()
+    inside: int = 0
 
 
 class Recording(Record):
-    """The blocks of a procedure; a symbol is known in the block that made it, and within."""
+    """The symbols and lines of a procedure; a symbol is known between the braces where it was made.
+
+    items: Symbols and Lines in their order, wanted: the symbols that lines take.
+    """
 
     def __init__(self) -> None:
         super().__init__()
-        self.blocks = [Block("")]
+        self.items, self.wanted = list[Any](), list[Symbol]()
+        self.scopes = [dict[Any, Any]()]
         self.stores, self.count = 0, 0
 
     def known(self, key: Any) -> Any:
-        """What has been recorded under a key, in this block or one around it; None if nothing."""
-        of = (block.known[key] for block in self.blocks if key in block.known)
-        return next(of, None)
+        """What has been recorded under a key, here or around these braces; None if nothing."""
+        return next((scope[key] for scope in self.scopes if key in scope), None)
 
     def _one(self, key: Any, operation: str, operands: tuple[Symbol, ...] = ()) -> Symbol:
-        found: Symbol | None = self.known(key)
-        if found is not None:
-            return found
-        symbol = Symbol(self, operation, operands)
-        self.symbols.append(symbol)
-        self.blocks[-1].known[key] = symbol
-        self.blocks[-1].items.append(symbol)
+        symbol: Symbol | None = self.known(key)
+        if symbol is None:
+            self.scopes[-1][key] = symbol = Symbol(self, operation, operands)
+            self.symbols.append(symbol)
+            self.items.append(symbol)
         return symbol
 
-    def symbol(
-        self, key: Any, text: str, needs: tuple[Symbol, ...] = (), operation: str = "given"
-    ) -> Symbol:
+    def symbol(self, key: Any, text: str, operation: str = "given") -> Symbol:
         """A symbol that C computes as ``text``; the operation "holds" makes it a condition."""
-        symbol = self._one(key, operation, needs)
+        symbol = self._one(key, operation)
         symbol.text, symbol.uniform = text, False
         return symbol
 
-    def line(self, form: str, values: Sequence[Any] = (), needs: tuple[Symbol, ...] = ()) -> None:
+    def line(self, form: str, values: Iterable[Any] = (), inside: int = 0) -> None:
         """Record a line, as a store."""
-        self.blocks[-1].items.append(Line(form, tuple(map(self.constant, values)), needs))
+        symbols = tuple(map(self.constant, values))
+        self.wanted += symbols
+        self.items.append(Line(form, symbols, inside))
 
     def new(self, letter: str) -> str:
         """A name that nothing else has."""
         self.count += 1
         return f"{letter}{self.count}"
 
-    def open(self, head: str, needs: tuple[Symbol, ...] = ()) -> None:
-        self.blocks[-1].items.append(block := Block(head, needs))
-        self.blocks.append(block)
+    def whole(self, form: str, *values: Any) -> Index:
+        """A whole number that C computes once and keeps under a name."""
+        name = self.new("n")
+        self.line(f"const long {name} = {form};", values)
+        return Index(name)
+
+    def open(self, head: str) -> None:
+        self.line(f"{head} {{{{", inside=1)
+        self.scopes.append({})
 
     def close(self) -> None:
+        self.line("}}", inside=-1)
         self.stores += 1  # what was stored within may be read after it
-        self.blocks.pop()
+        self.scopes.pop()
 
 
 _recordings: list[Recording] = []
@@ -181,3 +175,85 @@ def recording() -> Recording:
     if not _recordings:
         raise refuse("each, when, stop and variable are for procedures that are recorded")
     return _recordings[-1]
+
+
+# --- what is printed
+
+#: what an operation is in C, if it is no function
+_FORMS = {
+    **{name: f"{{0}} {name} {{1}}" for name in ("+", "-", "*", "/", *"<>", "<=", ">=", "==", "!=")},
+    **{"&": "{0} & {1}", "|": "{0} | {1}", "not": "!{0}"},
+    **{"neg": "-{0}", "abs": "fabs({0})", "sqrt": "sqrt({0})", "where": "{0} ? {1} : {2}"},
+}
+
+
+def printed(
+    record: Record, items: Iterable[Any], wanted: Sequence[Symbol], named: Iterable[Symbol] = ()
+) -> list[str]:
+    """Lines of C: the lines among the items, and before them each symbol that is needed for what is
+    wanted, where it was made. named: symbols whose text is a name in C.
+    """
+    names = {symbol.number: symbol.text for symbol in named}
+    constants = (symbol for symbol in record.symbols if symbol.value is not None)
+    names.update((symbol.number, _constant(symbol.value)) for symbol in constants)
+    uses, lines, inside = uses_of(wanted), list[str](), 1
+    fused = _fused_products(record, uses)
+    left_out = {*names, *fused.values()}
+    for item in items:
+        if isinstance(item, Line):
+            text = item.form.format(*(names[value.number] for value in item.values))
+        elif item.number in uses and item.number not in left_out:
+            kind = "int" if item.operation in CONDITIONS else "double"
+            text = f"const {kind} t{item.number} = {_expression(item, fused, names)};"
+            names[item.number] = f"t{item.number}"
+        else:
+            continue
+        step = item.inside if isinstance(item, Line) else 0
+        inside += min(step, 0)
+        lines.append("  " * inside + text)
+        inside += max(step, 0)
+    return lines
+
+
+def _fused_products(record: Record, uses: dict[int, int]) -> dict[int, int]:
+    """Sums -> the product that each is fused with: the last operand that nothing else takes. What
+    is exact is not fused.
+    """
+    fused = {}
+    for symbol in record.symbols:
+        sums = symbol.operation in ("+", "-") and symbol.number not in record.exact
+        if symbol.number in uses and sums:
+            for operand in reversed(symbol.operands):
+                alone = operand.operation == "*" and uses[operand.number] == 1
+                if alone and not operand.uniform and operand.number not in record.exact:
+                    fused[symbol.number] = operand.number
+                    break
+    return fused
+
+
+def _expression(symbol: Symbol, fused: dict[int, int], names: dict[int, str]) -> str:
+    """Return the C expression of a symbol. names: of its operands."""
+    if symbol.operation in ("given", "holds"):
+        return symbol.text
+    if symbol.number in fused:
+        return _fma(symbol, fused[symbol.number], names)
+    operands = [names[operand.number] for operand in symbol.operands]
+    call = f"{symbol.operation}_({', '.join(operands)})"
+    return _FORMS.get(symbol.operation, call).format(*operands)
+
+
+def _fma(symbol: Symbol, product: int, names: dict[int, str]) -> str:
+    """Return a sum or difference and the product among its operands as one operation."""
+    first, second = symbol.operands
+    factors, other = (first, second) if first.number == product else (second, first)
+    a, b, c = (names[one.number] for one in (*factors.operands, other))
+    if symbol.operation == "+":
+        return f"fma({a}, {b}, {c})"
+    return f"fma({a}, {b}, -{c})" if factors is first else f"fma(-{a}, {b}, {c})"
+
+
+def _constant(value: float | None) -> str:
+    """A constant in C, to the last bit."""
+    text = repr(value)
+    text = {"inf": "INFINITY", "-inf": "(-INFINITY)", "nan": "NAN"}.get(text, text)
+    return f"({text})" if text[0] == "-" else text

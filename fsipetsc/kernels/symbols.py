@@ -14,6 +14,7 @@ Only changes that keep every bit are made: operations on constants are done here
 
 import os
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import reduce
 from math import isnan
@@ -331,14 +332,8 @@ def needed(wanted: Iterable[Symbol]) -> list[Symbol]:
 
 def uses_of(wanted: Sequence[Symbol]) -> dict[int, int]:
     """How often each symbol is an operand, of those that are needed."""
-    uses: dict[int, int] = {}
-    left = list(wanted)
-    while left:
-        symbol = left.pop()
-        uses[symbol.number] = uses.get(symbol.number, 0) + 1
-        if uses[symbol.number] == 1:
-            left.extend(symbol.operands)
-    return uses
+    operands = (operand for symbol in needed(wanted) for operand in symbol.operands)
+    return Counter(symbol.number for symbol in (*wanted, *operands))
 
 
 class Replay:

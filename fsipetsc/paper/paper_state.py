@@ -24,7 +24,7 @@ from petsc4py import PETSc
 from fsipetsc.blocks.values import names_of
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
-from fsipetsc.kernels.calls import calling_code
+from fsipetsc.kernels.procedure import calling_code
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import steps
 from fsipetsc.paper.coupling import couple, note

@@ -1,5 +1,5 @@
 """Exchanges of numbers between ranks as procedures: C calls them between others, so that many steps
-are one call on any number of ranks (fsipetsc.kernels.calls).
+are one call on any number of ranks (fsipetsc.kernels.procedure).
 
 Ranks send each other one message to each neighbour an exchange, by persistent requests of MPI. Who
 sends what is known before: an exchange is made of places in flat arrays.

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blocks.block_problem import Meeting
-from fsipetsc.kernels.kernel import unit
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.parallel.block_layout import PARTICLES_TAG, BlockLayout
 from fsipetsc.parallel.exchange import RowExchange
@@ -119,7 +118,7 @@ class ParticleSystem:
         """What is done with particles, recorded; gain: fsipetsc.scheme.part.Gain. Once the code is
         loaded, and before anything else, ``does["weigh_heat"]()`` is to be called.
         """
-        code, record = Code(unit({}, [])), self.record
+        code, record = Code(), self.record
         takes = {f.__name__: (f, record) for f in (of.weigh, of.begin_stored, weigh_heat)}
         taking_gain = of.end_sums, of.impose_conditions, of.end_rates
         takes |= {f.__name__: (f, record, gain) for f in taking_gain}

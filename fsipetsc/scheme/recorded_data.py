@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.errors import place_in, reason
-from fsipetsc.kernels.kernel import unit
 from fsipetsc.kernels.loops import each
 from fsipetsc.kernels.procedure import Code
 from fsipetsc.kernels.symbols import NotRecorded, Record, needed, number_of, numbers_of
@@ -62,7 +61,7 @@ class Recorder:
         """The code whose only procedure fills the data; None if nothing depends on time."""
         if not self._timed:
             return None
-        code = Code(unit({}, []))
+        code = Code()
         code.procedure("set_data", set_data, tuple(self._timed), time)
         return code
 

@@ -54,7 +54,8 @@ def text_of(kernels: Any, d: int, row: int) -> str:
     """
     nested = (one if isinstance(one, tuple) else (one,) for one in kernels)
     every = [kernel for some in nested for kernel in some if isinstance(kernel, Kernel)]
-    return unit({"ROW": row}, every, *([cube_text()] if d == 3 else []))
+    texts = (kernel.text() for kernel in every)
+    return unit(f"#define ROW {row}\n", *texts, *([cube_text()] if d == 3 else []))
 
 
 def order(ahead: Sequence[int], ranges: Sequence[tuple[int, int]]) -> NDArray[np.int64]:
