@@ -81,10 +81,9 @@ def compiler() -> tuple[str, ...]:
         if found is None:
             raise InputError(f"CC is {given!r}: no such program was found")
         return (found, *command[1:])
-    for name in ("cc", "gcc", "clang"):
-        found = shutil.which(name)
-        if found is not None:
-            return (found,)
+    found = next(filter(None, map(shutil.which, ("cc", "gcc", "clang"))), None)
+    if found:
+        return (found,)
     if find_spec("ziglang") is not None:
         return (sys.executable, "-m", "ziglang", "cc")
     raise InputError(MISSING)
@@ -96,16 +95,15 @@ def flags() -> tuple[str, ...]:
     without a compiler.
     """
     known = _macros()
-    gcc, vectors = b"__GNUC__" in known and b"__clang__" not in known, b"__AVX512F__" in known
-    of_gcc = (OF_GCC, *([TUNED] if vectors else [])) if gcc else ()
-    wide = (WIDE,) if b"__x86_64__" in known else ()
-    return (*FLAGS, *of_gcc, *wide, *_own_flags())
+    gcc = b"__GNUC__" in known and b"__clang__" not in known
+    of_gcc = [OF_GCC, *[TUNED] * (b"__AVX512F__" in known)] if gcc else []
+    return (*FLAGS, *of_gcc, *[WIDE] * (b"__x86_64__" in known), *_own_flags())
 
 
 def _own_flags() -> list[str]:
     """Return the flags of CFLAGS. InputError for those that would change bits."""
-    own = shlex.split(os.environ.get("CFLAGS", ""))
-    for name, given in (("CC", shlex.split(os.environ.get("CC", ""))[1:]), ("CFLAGS", own)):
+    cc, own = (shlex.split(os.environ.get(name, "")) for name in ("CC", "CFLAGS"))
+    for name, given in (("CC", cc[1:]), ("CFLAGS", own)):
         for flag in given:
             if flag.startswith(REFUSED):
                 raise InputError(f"{name} has {flag}: results would depend on the compiler")
@@ -143,10 +141,9 @@ def _target() -> bytes:
 
 def _processor() -> bytes:
     """Return a text that tells apart processors with different instruction sets."""
-    try:
+    lines = list[str]()
+    with suppress(OSError):
         lines = Path("/proc/cpuinfo").read_text().splitlines()
-    except OSError:
-        lines = []
     known = next((line for line in lines if line.startswith(("flags", "Features"))), "")
     return f"{platform.machine()} {platform.processor()} {known}".encode()
 
@@ -157,9 +154,8 @@ def name_of(text: str) -> str:
 
 
 def _hash(*parts: bytes) -> bytes:
-    return hashlib.sha256(
-        b"".join(len(part).to_bytes(8, "little") + part for part in parts)
-    ).digest()
+    sized = (len(part).to_bytes(8, "little") + part for part in parts)
+    return hashlib.sha256(b"".join(sized)).digest()
 
 
 @cache
@@ -189,8 +185,9 @@ def _temporary(place: Path, why: object) -> Path:
     _instead.append(made := Path(tempfile.mkdtemp(prefix="fsipetsc-")))
     atexit.register(shutil.rmtree, made, True)
     if tells:
-        words = f"cannot keep compiled kernels in {place} ({why})"
-        print(f"fsipetsc: warning: {words}", file=sys.stderr)
+        print(
+            f"fsipetsc: warning: cannot keep compiled kernels in {place} ({why})", file=sys.stderr
+        )
     return made
 
 
@@ -205,13 +202,16 @@ def kept(name: str) -> Path | None:
 
 
 def made(text: str) -> bytes:
-    """The bytes of the library of a text in C; it takes seconds. InputError, FileError."""
+    """The bytes of the library of a text in C, as they are kept; it takes seconds. InputError,
+    FileError.
+    """
     try:
         with tempfile.TemporaryDirectory(prefix="fsipetsc-") as place:
             source, result = os.path.join(place, "kernels.c"), os.path.join(place, "kernels.so")
             Path(source).write_text(text)
             _run((*compiler(), *flags(), source, "-o", result, "-lm"), "compiling kernels")
-            return Path(result).read_bytes()
+            library = Path(result).read_bytes()
+            return library + _hash(library)
     except OSError as error:
         raise FileError(f"compiling kernels failed: {error.filename}: {error.strerror}") from error
 
@@ -222,19 +222,9 @@ def end_compilers() -> None:
         process.kill()
 
 
-def keep(name: str, library: bytes) -> Path:
-    """Put the bytes of a library where it is kept, and return where. FileError."""
-    return _put(name, library + _hash(library))
-
-
-def keep_text(name: str, text: str) -> Path:
-    """Put the text of the library NAME.so beside it, as NAME.c, and return where. FileError."""
-    return _put(f"{name.removesuffix('.so')}.c", text.encode())
-
-
-def _put(name: str, content: bytes) -> Path:
-    """Write a file where libraries are kept; whoever reads it meanwhile has the old one or the new
-    one. Where the folder can only be read, in one for this process. FileError.
+def keep(name: str, content: bytes) -> Path:
+    """Write a file where libraries are kept, and return where; where the folder can only be read,
+    in one for this process. FileError.
     """
     place = folder()
     if not os.access(place, os.W_OK | os.X_OK):
@@ -272,14 +262,9 @@ def _run(command: tuple[str, ...], doing: str) -> bytes:
 
     With close_fds=False Python starts it without a copy of this process, which MPI could not bear.
     """
+    pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     try:
-        ended = subprocess.Popen(
-            command,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            close_fds=False,
-        )
+        ended = subprocess.Popen(command, close_fds=False, **pipes)
     except OSError as error:
         raise InputError(f"{doing} failed: {command[0]}: {error.strerror}") from error
     _running.add(ended)

@@ -12,10 +12,11 @@ Only changes that keep every bit are made: operations on constants are done here
 0 x are x, x and 0 (the last two but for signs of zero, infinity and what is not a number).
 """
 
+import operator
 import os
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import reduce
 from math import isnan
 from typing import Any
@@ -72,24 +73,21 @@ def refuse(what: str) -> NotRecorded:
     return NotRecorded(f"{code.co_name}, {code.co_filename}:{frame.f_lineno}: {what}")
 
 
-def number_of(value: Any) -> Any:
-    """A number that a function returns, as formulas take it. NotRecorded."""
-    if isinstance(value, Symbol) and value.operation not in CONDITIONS:
-        return value
-    real = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
-    if not real or isnan(value):
-        found = "condition" if isinstance(value, Symbol) else type(value).__name__
-        raise NotRecorded(f"it returns a {found}: expected a number")
-    return float(value)
-
-
-def numbers_of(values: Any, count: int) -> tuple[Any, ...]:
-    """So many numbers that a function returns. NotRecorded."""
-    several = isinstance(values, (tuple, list, np.ndarray))
-    if not several or len(values) != count:
+def numbers_of(values: Any, count: int = 0) -> Any:
+    """What a function returns as formulas take it: a number, or so many in a tuple. NotRecorded."""
+    if count:
+        several = isinstance(values, (tuple, list, np.ndarray))
+        if several and len(values) == count:
+            return tuple(map(numbers_of, values))
         found = type(values).__name__ + (f" of {len(values)}" if several else "")
         raise NotRecorded(f"it returns a {found}: expected {counted(count, 'number')} in a tuple")
-    return tuple(map(number_of, values))
+    if isinstance(values, Symbol) and values.operation not in CONDITIONS:
+        return values
+    real = isinstance(values, (int, float, np.integer, np.floating))
+    if not real or isinstance(values, bool) or isnan(values):
+        found = "condition" if isinstance(values, Symbol) else type(values).__name__
+        raise NotRecorded(f"it returns a {found}: expected a number")
+    return float(values)
 
 
 class Symbol(NDArrayOperatorsMixin):
@@ -109,13 +107,14 @@ class Symbol(NDArrayOperatorsMixin):
 
     def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
         more.pop("out", None)  # of a += b: another symbol is what a is then
-        if function not in {**OPERATIONS, **MADE} or method != "__call__" or more:
-            raise refuse(f"np.{function.__name__} cannot be recorded")
-        if function in MADE:
-            return MADE[function](*given)
-        if function is np.power:
-            return _power(self.record, *given)
-        return self.record.apply(OPERATIONS[function], *given)
+        if method == "__call__" and not more:
+            if function in MADE:
+                return MADE[function](*given)
+            if function is np.power:
+                return _power(self.record, *given)
+            if function in OPERATIONS:
+                return self.record.apply(OPERATIONS[function], *given)
+        raise refuse(f"np.{function.__name__} cannot be recorded")
 
     def __array_function__(self, function: Any, kinds: Any, given: Any, more: Any) -> Any:
         if function is not np.where or len(given) != 3 or more:
@@ -131,10 +130,7 @@ class Symbol(NDArrayOperatorsMixin):
 
     __int__ = __index__ = __complex__ = __float__  # type: ignore[assignment]
 
-    def __iter__(self) -> Iterator[Any]:
-        raise refuse("it takes one number for several")
-
-    def __getitem__(self, at: Any) -> Any:
+    def __getitem__(self, at: Any) -> Any:  # Python's for asks for [0], too
         if at == ():  # by which numpy makes a number of an array without axes
             return self
         raise refuse("it takes one number for several")
@@ -207,12 +203,8 @@ def exact(x: Any) -> Any:
 
 
 _FOLDED: dict[str, Callable[..., float]] = {
-    "+": lambda a, b: a + b,
-    "-": lambda a, b: a - b,
-    "*": lambda a, b: a * b,
-    "/": lambda a, b: a / b,
-    "neg": lambda a: -a,
-    "abs": abs,
+    **{"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv},
+    **{"neg": operator.neg, "abs": abs},
 }
 
 
@@ -245,19 +237,14 @@ def _power(record: Record, base: Any, exponent: Any) -> Any:
     base, n = record.constant(base), record.constant(exponent).value
     if n is None or not abs(n) <= MOST_FACTORS or (n != int(n) and abs(n) != 0.5):
         return record.apply("pow", base, exponent)
-    if abs(n) == 0.5:
-        found = record.apply("sqrt", base)
-    elif n == 0.0:
-        found = record.constant(1.0)
-    else:
-        found = _product(record, base, int(abs(n)))
+    found = record.apply("sqrt", base) if abs(n) == 0.5 else _product(record, base, int(abs(n)))
     return found if n >= 0.0 else record.apply("/", 1.0, found)
 
 
 def _product(record: Record, base: Symbol, n: int) -> Symbol:
     """Return base^n, by repeated squaring."""
-    if n == 1:
-        return base
+    if n < 2:
+        return base if n else record.constant(1.0)
     half = _product(record, base, n // 2)
     square = record.apply("*", half, half)
     return record.apply("*", square, base) if n % 2 else square
@@ -265,33 +252,31 @@ def _product(record: Record, base: Symbol, n: int) -> Symbol:
 
 # --- derivatives
 
-#: derivatives of functions of one number x with the value y
-_SLOPES: dict[str, Callable[[Any, Any], Any]] = {
-    "neg": lambda x, y: -1.0,
-    "abs": lambda x, y: np.sign(x),
-    "sqrt": lambda x, y: 0.5 / y,
-    "exp": lambda x, y: y,
-    "expm1": lambda x, y: y + 1.0,
-    "log": lambda x, y: 1.0 / x,
-    "log1p": lambda x, y: 1.0 / (1.0 + x),
-    "sin": lambda x, y: np.cos(x),
-    "cos": lambda x, y: -np.sin(x),
-    "tanh": lambda x, y: 1.0 - y * y,
-    "sign": lambda x, y: 0.0,
-}
-#: changes of functions of two numbers a, b with the value y whose changes are da, db
+#: changes of functions of one number a, or two a, b, with the value y; da, db: their changes
 _CHANGES: dict[str, Callable[..., Any]] = {
+    "neg": lambda a, y, da: da * -1.0,
+    "abs": lambda a, y, da: da * np.sign(a),
+    "sqrt": lambda a, y, da: da * (0.5 / y),
+    "exp": lambda a, y, da: da * y,
+    "expm1": lambda a, y, da: da * (y + 1.0),
+    "log": lambda a, y, da: da * (1.0 / a),
+    "log1p": lambda a, y, da: da * (1.0 / (1.0 + a)),
+    "sin": lambda a, y, da: da * np.cos(a),
+    "cos": lambda a, y, da: da * -np.sin(a),
+    "tanh": lambda a, y, da: da * (1.0 - y * y),
+    "sign": lambda a, y, da: 0.0,
     "+": lambda a, b, y, da, db: da + db,
     "-": lambda a, b, y, da, db: da - db,
     "*": lambda a, b, y, da, db: da * b + a * db,
     "/": lambda a, b, y, da, db: (da - y * db) / b,
     "maximum": lambda a, b, y, da, db: np.where(a > b, da, db),
     "minimum": lambda a, b, y, da, db: np.where(a < b, da, db),
-    "pow": lambda a, b, y, da, db: da * (b * a ** (b - 1.0)) + y * np.log(a) * db,
+    "where": lambda a, b, c, y, da, db, dc: np.where(a, db, dc),
+    "pow": lambda a, b, y, da, db: (
+        da * (b * a ** (b - 1.0)) + (0.0 if db.value == 0.0 else y * np.log(a) * db)
+    ),
     "arctan2": lambda a, b, y, da, db: (da * b - a * db) / (a * a + b * b),
 }
-
-
 #: operations whose slopes may be infinite
 _STEEP = frozenset({"/", "sqrt", "log", "log1p", "pow", "arctan2"})
 
@@ -306,10 +291,11 @@ def derivatives(values: Sequence[Any], by: Symbol, still: bool = False) -> tuple
     one, nothing = record.constant(1.0), record.constant(0.0)
     found: dict[int, Symbol] = {by.number: one}
     for symbol in needed(map(record.constant, values)):
-        if symbol is by or all(operand.number not in found for operand in symbol.operands):
-            continue
         changes = [found.get(operand.number, nothing) for operand in symbol.operands]
-        change = record.constant(_change(symbol, changes))
+        if symbol is by or symbol.operation in CONDITIONS or {*changes} <= {nothing}:
+            continue
+        of = _CHANGES[symbol.operation]
+        change = record.constant(of(*symbol.operands, symbol, *changes))
         moving = [part for part in changes if part is not nothing]
         if still and symbol.operation in _STEEP and all(part.value is None for part in moving):
             rests = reduce(np.logical_and, [part == 0.0 for part in moving])
@@ -376,18 +362,3 @@ class Replay:
 
 #: numpy's function of an operation
 _FUNCTIONS = {name: of for of, name in reversed(OPERATIONS.items())} | {"where": np.where}
-
-
-def _change(y: Symbol, changes: list[Symbol]) -> Any:
-    """Return the derivative of a symbol from those of its operands."""
-    operation, operands = y.operation, y.operands
-    if operation in CONDITIONS:
-        return 0.0
-    if operation == "where":
-        return np.where(operands[0], changes[1], changes[2])
-    if operation in _SLOPES:
-        return changes[0] * _SLOPES[operation](operands[0], y)
-    if operation == "pow" and changes[1].value == 0.0:
-        a, b = operands
-        return changes[0] * (b * a ** (b - 1.0))
-    return _CHANGES[operation](*operands, y, *changes)

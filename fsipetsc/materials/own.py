@@ -23,7 +23,6 @@ from fsipetsc.kernels.symbols import (
     Replay,
     Symbol,
     derivatives,
-    number_of,
     numbers_of,
 )
 from fsipetsc.materials.hyperelastic import NeoHookean
@@ -273,7 +272,7 @@ def _check_recorded(what: str, formula: Formula, given: Sequence[int], wanted: i
     numbers = (record.given(f"x{k}") for k in count())
     try:
         found = formula(*(tuple(islice(numbers, n)) if n else next(numbers) for n in given))
-        numbers_of(found, wanted) if wanted else number_of(found)
+        numbers_of(found, wanted)
     except Exception as error:  # of the user's function
         inside = place_in(error)
         told = isinstance(error, NotRecorded) and inside  # the error says where

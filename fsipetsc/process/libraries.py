@@ -35,7 +35,8 @@ def libraries(
     makers = {name: k for k, some in reversed([*enumerate(lacking)]) for name in some}
     if keeps_text and comm.rank == 0:
         for name, text in zip(names, texts, strict=True):
-            announce(f"C text of kernels: {build.keep_text(name, text)}")
+            kept = build.keep(name.replace(".so", ".c"), text.encode())
+            announce(f"C text of kernels: {kept}")
     sent = _made(comm, dict(zip(names, texts, strict=True)), makers, announce) if makers else {}
     return together(comm, lambda: [_loaded(name, sent) for name in names])
 

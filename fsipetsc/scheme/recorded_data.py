@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from fsipetsc.errors import place_in, reason
 from fsipetsc.kernels.loops import each
 from fsipetsc.kernels.procedure import Code
-from fsipetsc.kernels.symbols import NotRecorded, Record, needed, number_of, numbers_of
+from fsipetsc.kernels.symbols import NotRecorded, Record, needed, numbers_of
 from fsipetsc.scheme.plan import DT, TIME
 
 Array = NDArray[Any]
@@ -83,8 +83,7 @@ def asked(condition: Any, name: str, x: Any, t: Any, count: int = 0) -> Any:
     of = getattr(condition, name)
     if not callable(of):
         return of
-    found = of(*x, t)
-    return numbers_of(found, count) if count else number_of(found)
+    return numbers_of(of(*x, t), count)
 
 
 def positive(value: Any) -> Any:
