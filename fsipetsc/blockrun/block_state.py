@@ -155,6 +155,7 @@ class BlockState(State):
         self.y.auxiliary[:] = 0.0
         self.set_data(0.0)
         self._do("share", STAGES)
+        self._do("grid", STAGES)
         for gas in self.phases.gases:
             k = gas.part.k
             gas.stretch(self.y.owned(k))

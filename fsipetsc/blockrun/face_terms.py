@@ -147,9 +147,9 @@ def _turned(problem: Any, part: Part, order: int, axis: int, side: int, nodes: s
     ]
     places = np.meshgrid(*index, indexing="ij")
     at = np.ravel_multi_index(places, part.patch.ghosted, order="F").ravel(order="F")
-    areas = np.zeros((12, int(np.prod([end - begin for begin, end in where]))))
-    cube = Cube(wide, areas, only=axis)
-    of_cube = cube.x, wide.y, at, areas
+    areas = np.zeros((9, int(np.prod([end - begin for begin, end in where]))))
+    cube = Cube(wide, [(axis, 0)])
+    of_cube = wide.y.copy(), wide.y, at, areas
     sign, count = 1.0 if side else -1.0, nodes.stop - nodes.start
     return cube, Turned(cube.address, *of_cube, 3 * axis, sign, nodes.start, count)
 

@@ -126,11 +126,11 @@ class GasPart(BlockPart):
             J=self._J,
             sums=np.zeros(len(integrals)),
         )
-        moving = (does.follow, does.move, does.swing, does.turn) if self.moves else ()
+        moving = (does.follow, does.edge, does.move, does.swing, does.turn) if self.moves else ()
         every = *moving, images, normals, does.rates, does.monitor, does.begin_grid
         every = *every, does.find_places, does.find_volumes
         names = {f.__name__: f for f in every}
-        return self._procedures(text_of(made, d, row_of(d)), record, about, names)
+        return self._procedures(text_of(made, d, row_of(d), self._order), record, about, names)
 
     def _ends(self) -> Ends:
         """The ends of all axes here, which are none along a periodic axis and at a centre."""

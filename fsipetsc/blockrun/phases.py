@@ -1,7 +1,8 @@
 """The phases of a right-hand side on blocks, which read as the method:
 
-    share      members add up what is extensive; the grids of the gas follow the solids
+    share      members add up what is extensive; faces of the gas's grids follow the solids
     impose     the unknowns obey the conditions
+    grid       the grids of the gas follow their faces: just before rates, so that no rank waits
     rates      volume terms of each block, what passes open faces, forcing; then the constraints
                of the particles
 
@@ -208,20 +209,24 @@ class Phases:
         turned = [*each("turn"), areas, does["end_turning"]] if slips else []
         stored: list[Any] = []
         if of_particles.stores:
-            stored = [does["begin_stored"], *fill, *each("store")]
+            stored = [*each("move"), does["begin_stored"], *fill, *each("store")]
             stored += [of_particles.stored, does["weigh_heat"]]
         # where walls slip, conditions change velocities, which grids follow
-        imposed = [does["impose_conditions"], *(follow if slips else []), *each("swing")]
+        imposed = [does["impose_conditions"], *(follow if slips else [])]
+        move, swing = each("move"), each("swing")
+        # what takes long is done just before the rates: ranks need not wait for it
+        grid = swing if stored else [*move, *swing]
         found = {
-            "share": [does["weigh"], sums, does["end_sums"], *follow, *each("move")],
+            "share": [does["weigh"], sums, does["end_sums"], *follow, *each("edge")],
             "impose": [*normals, *stored, *imposed],
-            "monitor": [does["begin_monitor"], *fill, *each("monitor"), *reduce,
+            "grid": [*move, *swing],
+            "monitor": [does["begin_monitor"], *fill, *grid, *each("monitor"), *reduce,
                 does["note_extremes"], does["note_gained"]],
             "halos": [halos, *inside, *images],
             "inside": [one for one in inside if one not in read],
         }  # fmt: skip
         for name in ("rates", *STAGES):
-            begin = does[f"begin_{name}"], does["clear_gain"], *turned, *fill
+            begin = does[f"begin_{name}"], does["clear_gain"], *fill, *grid, *turned
             end = (does["weigh"],), sums, does["end_rates"]
             found[name] = [*begin, *each("rates"), *end]
         for name in STAGES:

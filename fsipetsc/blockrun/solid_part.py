@@ -146,7 +146,8 @@ class SolidPart(BlockPart):
         )
         every = images, normals, does.store, does.rates, does.monitor, does.measure, does.stressed
         functions = {f.__name__: f for f in every}
-        return self._procedures(text_of(kernels, d, WIDTH), self._record_of_part, about, functions)
+        text = text_of(kernels, d, WIDTH, self._order)
+        return self._procedures(text, self._record_of_part, about, functions)
 
     def normals(self, rows: Any, axis: int, side: int) -> Array:
         """(n, d) unit normals out of the solid of a face as it is at owned nodes, by the last F."""

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.blocks.block import Range
+from fsipetsc.blocks.block import Block, Range, mesh
 from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.blocks.hull import blend_of, end_weights, find_places, hull_of
+from fsipetsc.blocks.hull import blend_of, end_weights, hull_of
 from fsipetsc.blocks.metrics import Cube, Wide
 from fsipetsc.blocks.plane_grid import plane_motion
 from fsipetsc.blocks.radial_grid import radial_motion
@@ -40,10 +40,15 @@ class LineMotion(NamedTuple):
     high: Array
     slope: Array
 
-    def move(self, known, metrics):
-        """Find where the grid is, and fill a^k, which is 1."""
+    def edge(self, known, metrics):
+        """Find where the grid's faces are, and a^k on those at constraints, or everywhere if that
+        is little work.
+        """
         self.hull.fill(self.hull.moved, known, 0)
         metrics[0, :] = 1.0
+
+    def move(self, metrics):
+        """Find where the grid is and a^k, as far as `edge` has not."""
 
     def swing(self, known, metrics):
         """Fill the velocity, after `move`."""
@@ -72,42 +77,57 @@ class LineMotion(NamedTuple):
 
 
 class CubeMotion(NamedTuple):
-    """A grid in three dimensions. blend: on the W wide nodes; y: (3, W), of a Wide; inner: (N,) of
-    the range among the wide nodes. x, v: (3, W) places less those of linear maps, velocities,
-    volume: (N,) det D x, turning: (9, N) how a^k changes in time on faces at constraints, all of a
-    Cube with this address.
+    """A grid in three dimensions. blend: on the W wide nodes; wide, range: windows of these and of
+    the N nodes. y: (3, W), of a Wide; x, moved: (3, W) places less those of linear maps, volume:
+    (N,) det D x. faces: (2, F) wide nodes that derivatives on faces at constraints reach, and their
+    columns of the hull; ahead, back: (9, N) a^k there if nodes go on with their velocity for 1 s,
+    and where they were 1 s before. address: of a Cube.
     """
 
     hull: Any
     blend: Any
-    inner: Array
+    wide: Any
+    range: Any
     y: Array
     x: Array
-    v: Array
+    moved: Array
     volume: Array
-    turning: Array
+    faces: Array
+    ahead: Array
+    back: Array
     address: int
 
-    def move(self, known, metrics):
+    def edge(self, known, metrics):
         self.hull.fill(self.hull.moved, known, 0)
-        self.blend.fill(self.hull.moved, self.x, self.y)
-        invoke("cube_move", self.address)
+        self.put_faces(self.x, self.y, 1.0, self.hull.moved)
+        invoke("cube_faces", self.address, self.x, metrics)
+
+    def move(self, metrics):
+        self.blend.fill(self.hull.moved, self.x, self.wide, self.y)
+        invoke("cube_areas", self.address, self.x, metrics)
 
     def swing(self, known, metrics):
         self.hull.fill(self.hull.moving, known, 3)
-        self.blend.fill(self.hull.moving, self.v)
-        for c in range(3):
-            for i in each(self.inner.size, vector=True):
-                metrics[9 + c, i] = self.v[c, self.inner[i]]
+        self.blend.fill(self.hull.moving, metrics[9:], self.range)
 
     def turn(self):
-        """Find turning, after `swing`."""
-        invoke("cube_turn", self.address)
+        """Find ahead and back, after `swing`."""
+        for sign, areas in ((1.0, self.ahead), (-1.0, self.back)):
+            self.put_faces(self.moved, self.x, sign, self.hull.moving)
+            invoke("cube_faces", self.address, self.moved, areas)
 
-    find_places = find_places
+    def put_faces(self, out, base, sign, values):
+        """out = base + sign values, of the hull, on faces at constraints."""
+        for c in each(3):
+            for i in each(self.faces.shape[1]):
+                n = self.faces[0, i]
+                out[c, n] = base[c, n] + sign * values[c, self.faces[1, i]]
+
+    def find_places(self, X, places):
+        self.blend.fill(self.hull.moved, places, self.range, X)
 
     def find_volumes(self):
-        invoke("cube_volumes", self.address)
+        invoke("cube_volumes", self.address, self.x, self.volume)
 
     def jacobian(self, metrics, node):
         return self.volume[node]
@@ -135,7 +155,20 @@ def motion_of(
         return LineMotion(hull, *weights, slope), metrics, None
     if d == 2:
         return plane_motion(block, wide, hull), metrics, None
-    cube, inner = Cube(wide, metrics, faces), wide.inner(np.arange(wide.y.shape[1]))
-    of_cube = cube.x, cube.v, cube.volume, cube.turning, cube.address
-    blend = blend_of(block, wide, hull.nodes)
-    return CubeMotion(hull, blend, inner, wide.y, *of_cube), metrics, cube
+    cube, reached = Cube(wide, faces), _on_faces(block, wide, hull, faces)
+    room = *zeros((2, 3, wide.y.shape[1])), np.zeros(N), reached, *np.zeros((2, 9, N))
+    windows = blend_of(block, wide, hull.nodes)
+    return CubeMotion(hull, *windows, wide.y, *room, cube.address), metrics, cube
+
+
+def _on_faces(block: Block, wide: Wide, hull: Any, faces: Any) -> Array:
+    """(2, F) wide nodes on faces of a range, (axis, index along it), and their columns."""
+    index = mesh([np.arange(*ends) for ends in wide.wide])
+    at = np.any(
+        [np.zeros_like(index[0], bool), *(index[a] == wide.where[a][0] + i for a, i in faces)],
+        axis=0,
+    )
+    numbers = np.ravel_multi_index(
+        [(i % n)[at] for i, n in zip(index, block.shape)], block.shape, order="F"
+    )
+    return np.stack([np.flatnonzero(at), np.searchsorted(hull.nodes, numbers)])

@@ -19,7 +19,7 @@ from fsipetsc.blocks.block import Block, mesh
 from fsipetsc.blocks.faces import face_nodes
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.checks import Array
-from fsipetsc.kernels.loops import each, pick, when
+from fsipetsc.kernels.loops import each, named, pick, when
 from fsipetsc.kernels.symbols import exact
 
 
@@ -108,125 +108,146 @@ def end_weights(block: Block, axis: int, index: Array, centred: bool = False) ->
 
 
 class BlendAxis(NamedTuple):
-    """An axis that has faces, in an array of nodes with both ends taken along: columns (H,) of the
-    hull of the low and the high face, weights (d, n) of the ends by component, nodes of faster axes
-    between neighbours, None if there are no such axes.
+    """An axis that has faces: columns (2, F) of the hull at the low and the high one, weights
+    (2, d, n) of these by component, missing: (2, F) what the axes before it leave to be added.
     """
 
-    low: Array
-    high: Array
-    l: Array
-    h: Array
-    before: int | None
+    columns: Array
+    weights: Array
+    missing: Array
+
+
+class Window(NamedTuple):
+    """A range of the nodes of a blend: the first one and how many there are along three axes.
+    images: (2, I) numbers, within the range and the I images before it, of images before a centre
+    and of the nodes that they mirror.
+    """
+
+    first: Any
+    sizes: Any
+    images: Array
 
 
 class Blend(NamedTuple):
-    """axes: of BlendAxis; u: (d, …), missing: their room; rows: where rows of wide nodes along the
-    first axis begin in it; images: numbers of those wide nodes that are images before a centre,
-    whose component along r has the other sign.
+    """Three axes, None for those without faces, and how many nodes there are along them: those of a
+    range and, along an axis that has faces, those at both ends.
     """
 
     axes: Any
-    u: Array
-    missing: Array
-    rows: Array
-    images: Array
+    sizes: Any
 
-    def fill(self, values, out, base=None):
-        """out (d, W) from values (d, H) of the hull, added to a base (d, W) if there is one: then
-        without images.
+    def fill(self, values, out, window, base=None):
+        """out (d, nodes of a window) from values (d, H) of the hull, added to base (d, …) if there
+        is one. Of images the last component, along r, has the other sign.
         """
+        images = window.images
         for c in each(values.shape[0]):
-            u, f = self.u[c], values[c]
-            for number, axis in enumerate(self.axes):
-                find_missing(self, axis, u, f, number == 0)
-                add_between(self, axis, u, c, number == 0)
-            for axis in self.axes:
-                put_faces(axis, u, f)
-            n = out.shape[1] // self.rows.size
-            for row in each(self.rows.size):
-                first, at = self.rows[row], row * n
-                for i in each(n, vector=True):
-                    more = 0.0 if base is None else base[c, at + i]
-                    out[c, at + i] = more + u[first + i]
-        for i in each(self.images.size):
-            out[-1, self.images[i]] *= -1.0
+            of_base = None if base is None else base[c]
+            for k, axis in enumerate(self.axes):
+                if axis is not None:
+                    find_missing(self, k, c, values[c])
+            add_between(self, c, out[c], window, of_base)
+            for k, axis in enumerate(self.axes):
+                if axis is not None:
+                    put_faces(self, k, values[c], out[c], window, of_base)
+            for i in each(images.shape[1]):
+                out[c, images[0, i]] = out[c, images[1, i]]
+        for i in each(images.shape[1]):
+            out[values.shape[0] - 1, images[0, i]] *= -1.0
+
+    def between(self, axes, c, at):
+        """The sum of what these axes add at a node, or None; at: its place along each axis."""
+        found = None
+        for k in axes:
+            if (axis := self.axes[k]) is not None:
+                i, m = at[k], self.at_face(k, at)
+                low, high = (axis.weights[side, c, i] * axis.missing[side, m] for side in (0, 1))
+                more = exact(low + high)
+                found = more if found is None else found + more
+        return found
+
+    def at_face(self, k, at):
+        """The number of a node among those of a face of axis k."""
+        a, b = (m for m in range(3) if m != k)
+        return at[a] + self.sizes[a] * at[b]
 
 
-def blend_of(block: Block, wide: Wide, nodes: Array, centred: bool = False) -> Blend:
-    """nodes: of the hull. centred: the block goes to r = 0."""
-    d, index, places = block.dimension, [], []
-    for k, (ends, n) in enumerate(zip(wide.wide, block.shape)):
-        i = np.arange(*ends)
-        if centred and k == d - 1:
-            i = np.where(i < 0, -1 - i, i)
-        if block.periodic[k]:
-            index.append(i % n)
-            places.append(np.arange(i.size))
-        else:  # both ends are taken along
-            index.append(np.concatenate([[0], np.arange(i.min(), i.max() + 1), [n - 1]]))
-            places.append(1 + i - i.min())
-    sizes, axes = [len(i) for i in index], []
-    for axis in (k for k in range(d) if not block.periodic[k]):
-        faces = []
-        for end in (0, block.shape[axis] - 1):
-            at = [np.array([end]) if k == axis else i for k, i in enumerate(index)]
-            numbers = np.ravel_multi_index(mesh(at)[::-1], block.shape[::-1]).ravel()
-            faces.append(np.searchsorted(nodes, numbers))
-        weights = end_weights(block, axis, index[axis], centred)
-        axes.append(BlendAxis(*faces, *weights, int(np.prod(sizes[:axis])) if axis else None))
-    size = int(np.prod(sizes))
-    starts = np.ravel_multi_index(mesh(places)[::-1], sizes[::-1]).ravel()
-    if (np.diff(places[0]) == 1).all():  # else, along a line from a centre, each is a row
-        starts = np.ascontiguousarray(starts.reshape(-1, len(places[0]))[:, 0])
-    rows = max(-wide.wide[-1][0], 0) if centred else 0
-    images = np.arange(rows * int(np.prod(wide.sizes[:-1])))
-    return Blend(tuple(axes), np.zeros((d, size)), np.zeros((2, size)), starts, images)
-
-
-def find_places(grid, X, places):
-    """places = X + the displacement of a grid that blends places less those of linear maps."""
-    for c in each(X.shape[0]):
-        for i in each(grid.inner.size, vector=True):
-            n = grid.inner[i]
-            places[c, i] = X[c, i] + (grid.x[c, n] - grid.y[c, n])
-
-
-def find_missing(of, axis, u, f, first):
-    """What u lacks at the faces of an axis; it is 0 before the first one."""
-    n, before = axis.l.shape[1], 1 if axis.before is None else axis.before
-    low, high = of.missing[0], of.missing[1]
-    for m in each(axis.low.size):
-        at = m // before * n * before + m % before
-        low[m] = f[axis.low[m]] - (0.0 if first else u[at])
-        high[m] = f[axis.high[m]] - (0.0 if first else u[at + (n - 1) * before])
-
-
-def add_between(of, axis, u, c, first):
-    """u += l low + h high along an axis, of what is missing at its faces; u is 0 before the first
-    one.
+def blend_of(
+    block: Block, wide: Wide, nodes: Array, centred: bool = False
+) -> tuple[Blend, Window, Window]:
+    """The blend of the nodes of a Wide, and the windows of all of them and of its own range. nodes:
+    of the hull. centred: the block goes to r = 0.
     """
-    low, high, l, h = of.missing[0], of.missing[1], axis.l[c], axis.h[c]
-    n, before = axis.l.shape[1], axis.before
-    if before is None:
-        for a in each(axis.low.size):
-            for i in each(n, vector=True):
-                more = exact(l[i] * low[a] + h[i] * high[a])
-                u[a * n + i] = more if first else u[a * n + i] + more
-        return
-    for row in each(axis.low.size // before * n):
-        i, a = row % n, row // n * before
-        for j in each(before, vector=True):
-            at, more = row * before + j, exact(l[i] * low[a + j] + h[i] * high[a + j])
-            u[at] = more if first else u[at] + more
+    d, index = block.dimension, []
+    for n, (begin, end), closed in zip(block.shape, wide.wide, block.periodic):
+        i = np.arange(begin, end)
+        index.append(i % n if closed else np.unique([0, *i[i >= 0], n - 1]))
+    axes: list[BlendAxis | None] = [None] * 3
+    for k in (k for k in range(d) if not block.periodic[k]):
+        ends = ([*index[:k], np.array([end]), *index[k + 1 :]] for end in (0, block.cells[k]))
+        faces = [np.ravel_multi_index(mesh(at)[::-1], block.shape[::-1]).ravel() for at in ends]
+        columns = np.searchsorted(nodes, np.array(faces))
+        weights = end_weights(block, k, index[k], centred)
+        axes[k] = BlendAxis(columns, weights, np.zeros(columns.shape))
+
+    def window(ranges: Any) -> Window:
+        first, sizes, images = [0, 0, 0], [1, 1, 1], 0
+        for k, ((begin, end), closed) in enumerate(zip(ranges, block.periodic)):
+            images += 0 if closed else max(-begin, 0)
+            begin = begin if closed else max(begin, 0)
+            first[k] = begin - wide.wide[k][0] if closed else np.searchsorted(index[k], begin)
+            sizes[k] = end - begin
+        layer = int(np.prod(sizes[: d - 1]))
+        rows = np.arange(images * layer).reshape(images, layer)
+        mirrored = images * layer + rows[::-1]
+        return Window(
+            tuple(map(int, first)), tuple(sizes), np.stack([rows.ravel(), mirrored.ravel()])
+        )
+
+    blend = Blend(tuple(axes), tuple([*map(len, index), 1, 1][:3]))
+    return blend, window(wide.wide), window(wide.where)
 
 
-def put_faces(axis, u, f):
-    """Values of faces, to the bit."""
-    n, before = axis.l.shape[1], 1 if axis.before is None else axis.before
-    for i in each(n):
-        at_low = axis.l[-1, i] == 1.0
-        with when(at_low | (axis.h[-1, i] == 1.0)):
-            for m in each(axis.low.size):
-                face = pick(at_low, axis.low[m], axis.high[m])
-                u[(m // before * n + i) * before + m % before] = f[face]
+def find_missing(blend, k, c, f):
+    """Find what is missing at both faces of axis k; before the first axis all is."""
+    axis, (a, b) = blend.axes[k], (m for m in range(3) if m != k)
+    for j in each(blend.sizes[b]):
+        for i in each(blend.sizes[a], vector=True):
+            for side, end in enumerate((0, blend.sizes[k] - 1)):
+                at = {a: i, b: j, k: end}
+                known, m = blend.between(range(k), c, at), blend.at_face(k, at)
+                value = f[axis.columns[side, m]]
+                axis.missing[side, m] = value if known is None else value - known
+
+
+def add_between(blend, c, out, window, base):
+    """Fill a window with the sum of all axes."""
+    x0, y0, z0 = window.first
+    nx, ny, nz = window.sizes
+    for z in each(nz):
+        for y in each(ny):
+            row = named(window.images.shape[1] + nx * (y + ny * z))
+            for x in each(nx, vector=True):
+                u = blend.between(range(3), c, (x0 + x, y0 + y, z0 + z))
+                u = 0.0 if u is None else u
+                out[row + x] = u if base is None else base[row + x] + u
+
+
+def put_faces(blend, k, f, out, window, base):
+    """Put the values on faces of axis k, to the bit, where they are in the window."""
+    axis, (a, b) = blend.axes[k], (m for m in range(3) if m != k)
+    first, sizes = window.first, window.sizes
+    for i in each(sizes[k]):
+        low, high = (axis.weights[side, -1, first[k] + i] == 1.0 for side in (0, 1))
+        with when(low | high):
+            for j in each(sizes[b]):
+                for h in each(sizes[a]):
+                    place = {k: i, a: h, b: j}
+                    at = (
+                        window.images.shape[1]
+                        + place[0]
+                        + sizes[0] * (place[1] + sizes[1] * place[2])
+                    )
+                    m = blend.at_face(k, {n: first[n] + place[n] for n in range(3)})
+                    value = f[pick(low, axis.columns[0, m], axis.columns[1, m])]
+                    out[at] = value if base is None else base[at] + value

@@ -17,7 +17,6 @@ from fsipetsc.blocks.maps import place_text
 from fsipetsc.checks import Array
 from fsipetsc.equations.tensors import cofactor
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.kernel import c_source
 from fsipetsc.kernels.loops import each, pick, when
 from fsipetsc.kernels.symbols import exact
@@ -155,41 +154,53 @@ def slopes_across(out, f, S, weight, before):
 
 
 def cube_text() -> str:
-    """The C code of cube_move, cube_volumes and cube_turn."""
+    """The C code of cube_areas, cube_faces and cube_volumes. It takes a constant PAIRS, the number
+    of pairs of a node inside a block.
+    """
     return c_source("fsipetsc.blocks", "cube.c")
 
 
 class Cube:
-    """The range of nodes of a Wide in three dimensions.
+    """The range of nodes of a Wide in three dimensions, for the functions of cube.c.
 
-    x, v: (3, wide nodes) places less those of linear maps, and velocities. metrics: (12, N) a^1,
-    a^2, a^3, by cube_move, or of these a^(only + 1) alone. volume: (N,) det D x, by cube_volumes.
-    turning: (9, N) how a^i changes in time on faces, (axis i, index along it) each, by cube_turn.
-    address: of the struct in C, which has whole numbers and pointers alone.
+    They take address, that of the struct in C, which has whole numbers and pointers alone; places
+    less those of linear maps (3, wide nodes); and what is filled: (9, N) a^1, a^2, a^3, or of these
+    a^(i + 1) on each of ``faces``, (axis i, index along it), or (N,) det D x.
     """
 
-    def __init__(
-        self, wide: Wide, metrics: Array, faces: Sequence[Any] = (), only: int = 3
-    ) -> None:
-        nodes, N = wide.y.shape[1], metrics.shape[1]
-        self.x, self.v = zeros((2, 3, nodes))
-        self.x[:] = wide.y
-        self.volume, self.turning = np.zeros(N), np.zeros((9, N))
-        slots, steps = 2 * len(wide.S[2]) - 1, np.cumprod((1, *wide.sizes[:-1]))
+    def __init__(self, wide: Wide, faces: Sequence[Any] = ()) -> None:
+        sizes, begins = np.array(wide.sizes), np.array([begin for begin, _ in wide.wide])
+        first, end = np.array(wide.where).T - begins
+        ahead, slots = _layers(wide.S[2])
+        steps = np.cumprod((1, *wide.sizes[:-1]))
         pairs = [_pairs(*band) for band in zip(wide.S, wide.weight, steps, strict=True)]
-        q, listed = np.zeros((9, slots * steps[2])), np.array(faces, np.int64)
-        room = np.zeros((3, nodes)), np.zeros((9, N)), np.zeros((9, wide.sizes[0]))
-        arrays = wide.P, self.x, self.v, q, metrics, self.volume, listed, self.turning, *room
-        begins = np.array([begin for begin, _ in wide.wide])
+        room = np.zeros((9, slots * steps[2])), np.zeros((9, wide.sizes[0]))
+        arrays = wide.P, ahead, np.array(faces, np.int64), *room
         numbers = (
-            *([of_axis.ctypes.data for of_axis in pairs], [len(S) - 1 for S in wide.S], wide.sizes),
-            *np.array(wide.where).T - begins,
+            [of_axis.ctypes.data for of_axis in pairs],
+            [len(S) - 1 for S in wide.S],
+            *(sizes, first, end),
             Band(wide.S[0], wide.weight[0]).interior(wide.order // 2),
             [array.ctypes.data for array in arrays],
-            (N, len(faces), slots, only),
+            (np.prod(end - first), len(faces), slots),
         )
         self._struct, self._kept = np.concatenate(numbers).astype(np.int64), (pairs, arrays)
         self.address = self._struct.ctypes.data
+
+
+def _layers(S: Array) -> tuple[Array, int]:
+    """How many layers behind each one its derivatives reach, and how many layers are needed at a
+    time if no later ones are found.
+    """
+    n = S.shape[1]
+    begins, apart = np.nonzero(S.T)
+    begins, apart = (i[begins + apart < n] for i in (begins, apart))
+    ahead, behind = np.zeros((2, n), np.int64)
+    np.maximum.at(ahead, begins, apart)
+    np.maximum.at(behind, begins + apart, apart)
+    last = np.maximum.accumulate(np.arange(n) + ahead)
+    first = np.minimum.accumulate((np.arange(n) - behind)[::-1])[::-1]
+    return ahead, int((last - first).max()) + 1
 
 
 def _pairs(S: Array, weight: Array, step: int) -> Array:

@@ -58,7 +58,7 @@ class PlaneMotion(NamedTuple):
     ends: Array
     rise: Array
 
-    def move(self, known, metrics):
+    def edge(self, known, metrics):
         """Fill a^1 = (D_2 y, -D_2 x) and a^2 = (-D_1 y, D_1 x)."""
         self.hull.fill(self.hull.moved, known, 0)
         find_faces(self, self.hull.moved)
@@ -72,6 +72,9 @@ class PlaneMotion(NamedTuple):
                 metrics[1, at] = -(G[2, at] + x_2)
                 metrics[2, at] = -(G[1, at] + y_1)
                 metrics[3, at] = G[0, at] + x_1
+
+    def move(self, metrics):
+        """`edge` has found all."""
 
     def swing(self, known, metrics):
         """Fill the velocity of the grid."""

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.blocks.hull import Hull, blend_of, find_places
+from fsipetsc.blocks.hull import Hull, blend_of
 from fsipetsc.blocks.metrics import Wide, slopes_across, slopes_along
 from fsipetsc.checks import Array
 from fsipetsc.equations.tensors import cofactor, determinant
@@ -43,6 +43,8 @@ class RadialMotion(NamedTuple):
     like: Any
     hoops: Any
     blend: Any
+    wide: Any
+    range: Any
     inner: Array
     y: Array
     P: Array
@@ -61,12 +63,12 @@ class RadialMotion(NamedTuple):
     turning: Array
     bounds: Array
 
-    def move(self, known, metrics):
+    def edge(self, known, metrics):
         """Fill a^k, A, and source, volume."""
         self.hull.fill(self.hull.moved, known, 0)
         d, area, slopes, inner = len(self.like), self.area, self.slopes, self.inner
         last, entries = d - 1, (0.0,) * d * d
-        self.blend.fill(self.hull.moved, self.x)
+        self.blend.fill(self.hull.moved, self.x, self.wide)
         find_flat(self)
         differentiate_flat(self)
         for n in each(area.size, vector=True):
@@ -90,12 +92,15 @@ class RadialMotion(NamedTuple):
             for i in each(inner.size, vector=True):
                 self.source[i] += self.slope[inner[i]]
 
+    def move(self, metrics):
+        """`edge` has found all."""
+
     def swing(self, known, metrics):
         """Velocity of the grid, and turning."""
         self.hull.fill(self.hull.moving, known, len(self.like))
         d, kappa, v, area = len(self.like), len(self.hoops), self.v, self.area
         last, entries = d - 1, (0.0,) * d * d
-        self.blend.fill(self.hull.moving, v)
+        self.blend.fill(self.hull.moving, v, self.wide)
         for i in each(self.inner.size, vector=True):
             for c in range(d):
                 metrics[d * d + c, i] = v[c, self.inner[i]]
@@ -113,10 +118,12 @@ class RadialMotion(NamedTuple):
                 more = exact(area[n] * turned + spread * b[m])
                 self.turning[m, i] = more if m % d == last else turned
 
-    find_places = find_places
+    def find_places(self, X, places):
+        """Where nodes are after `move` (d, N); X: those of the reference map."""
+        self.blend.fill(self.hull.moved, places, self.range, X)
 
     def find_volumes(self):
-        """`move` has found them."""
+        """`edge` has found them."""
 
     def jacobian(self, metrics, node):
         """J of the grid at a node."""
@@ -149,7 +156,7 @@ def radial_motion(problem: BlockProblem, k: int, wide: Wide, hull: Hull) -> Radi
     room = *np.zeros((2, W)), *np.zeros((3, d, W)), *np.zeros((2, d * d, W))
     of_range = *np.zeros((2, inner.size)), np.zeros((d * d, inner.size))
     bounds, hoops = np.zeros((d * d + d + 1, inner.size)), (0.0,) * problem.symmetry
-    return RadialMotion(hull, (0.0,) * d, hoops, blend, inner, *of_map, *room, *of_range, bounds)
+    return RadialMotion(hull, (0.0,) * d, hoops, *blend, inner, *of_map, *room, *of_range, bounds)
 
 
 def differentiate(grid, k, out, f):

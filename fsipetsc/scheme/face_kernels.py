@@ -67,8 +67,8 @@ class Turned(NamedTuple):
     """A solid's face in three dimensions, whose area vectors where it is now have the curl form,
     with derivatives within the face only, and the bits that a gas there has.
 
-    address: of its Cube (fsipetsc.blocks.metrics), with x: (3, W) places less those of linear maps,
-    y: (3, W) these at rest, at: (W,) the nodes, and areas: (12, n), of which rows from ``row`` on
+    address: of its Cube (fsipetsc.blocks.metrics); x: (3, W) places less those of linear maps,
+    y: (3, W) these at rest, at: (W,) the nodes; areas: (9, n), of which rows from ``row`` on
     are filled. sign: of the outward normal. begin, nodes: which nodes of the faces it has, perhaps
     none on this rank.
     """
@@ -90,7 +90,7 @@ def turn_face(face, q, normal):
         for i in each(face.at.shape[0]):
             for c in range(3):
                 face.x[c, i] = face.y[c, i] + q[face.at[i], c]
-        invoke("cube_move", face.address)
+        invoke("cube_faces", face.address, face.x, face.areas)
         for i in each(face.nodes):
             for c in range(3):
                 normal[face.begin + i, c] = face.sign * face.areas[face.row + c, i]

@@ -32,12 +32,18 @@ def follow(part, particles):
 
 def begin_grid(part):
     """Find a^k of a grid before it moves."""
-    part.grid.move(part.known, part.metrics)
+    part.grid.edge(part.known, part.metrics)
+    part.grid.move(part.metrics)
+
+
+def edge(part):
+    """Find a^k of the grid of now on faces, as far as constraints need it."""
+    part.grid.edge(part.known, part.metrics)
 
 
 def move(part):
-    """Find where the grid is now, and a^k."""
-    part.grid.move(part.known, part.metrics)
+    """Find where the grid is now, and a^k, after `edge`."""
+    part.grid.move(part.metrics)
     if part.form.raises:
         find_potential(part)
 

@@ -6,7 +6,7 @@ velocity of the grid it turns by
     2-D      (D_2 y', -D_2 x') on faces of axis 1,   (-D_1 y', D_1 x') on those of axis 2
 
 which takes derivatives within the face only. In 1-D it does not turn. In 3-D a^k is bilinear in
-places, and turns by 1/2 (a^k(x + x') - a^k(x - x')): see cube_turn of fsipetsc/blocks/cube.c.
+places, and turns by 1/2 (a^k(x + x') - a^k(x - x')).
 """
 
 from typing import Any, NamedTuple
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from fsipetsc.equations.vectors import along, per, scale
 from fsipetsc.kernels.loops import each, pick, variable, when
 from fsipetsc.kernels.recording import Index
+from fsipetsc.kernels.symbols import exact
 from fsipetsc.scheme.part import moving
 
 Array = NDArray[Any]
@@ -61,11 +62,14 @@ def turned_faces(faces: Faces, patch: Any) -> list[tuple[int, int]]:
     return sorted(set(zip(faces.axis.tolist(), index.tolist(), strict=True)))
 
 
-def add_areas(faces, d, areas, table):
-    """Add areas (d d + …, ghosted nodes), by axis and component, to the rows of a table."""
+def add_areas(faces, d, areas, table, less=None):
+    """Add areas (d d + …, ghosted nodes), by axis and component, to the rows of a table; or half
+    of what they are more than others.
+    """
     for i in each(faces.row.shape[0]):
         for c in range(d):
-            area = areas[faces.axis[i] * d + c, faces.node[i]]
+            at = faces.axis[i] * d + c, faces.node[i]
+            area = areas[at] if less is None else exact(0.5 * (areas[at] - less[at]))
             table[faces.row[i], faces.column[i] + c] += faces.weight[i] * area
 
 

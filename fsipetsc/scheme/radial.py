@@ -27,8 +27,9 @@ class Straight(Nothing):
     def turn(self, part, table):
         """Add how area vectors at constraints turn; in one dimension they do not."""
         if len(part.like) == 3 and part.moves:
-            part.grid.turn()
-            add_areas(part.at_particles, 3, part.grid.turning, table)
+            grid = part.grid
+            grid.turn()
+            add_areas(part.at_particles, 3, grid.ahead, table, grid.back)
         turn_plane(part, table)
 
     def bounds(self, metrics):

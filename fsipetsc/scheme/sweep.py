@@ -48,14 +48,20 @@ def store(kernel: Kernel, kind: int, k: Sequence[Any]) -> None:
     kernel.store("next", OWNED, along(along(y, 1.0 / 3.0, change), a, k))
 
 
-def text_of(kernels: Any, d: int, row: int) -> str:
+def text_of(kernels: Any, d: int, row: int, order: int) -> str:
     """The C code that sweeps of a block in d dimensions need. kernels: a tuple that may have tuples
-    of kernels, and other data. row: how many numbers a row of a tile has room for.
+    of kernels, and other data. row: how many numbers a row of a tile has room for. order: of the
+    operators.
     """
     nested = (one if isinstance(one, tuple) else (one,) for one in kernels)
     every = [kernel for some in nested for kernel in some if isinstance(kernel, Kernel)]
-    texts = (kernel.text() for kernel in every)
-    return unit(f"#define ROW {row}\n", *texts, *([cube_text()] if d == 3 else []))
+    texts = [kernel.text() for kernel in every]
+    if d < 3:
+        return unit(f"#define ROW {row}
+", *texts)
+    return unit(f"#define ROW {row}
+#define PAIRS {order // 2}
+", *texts, cube_text())
 
 
 def order(ahead: Sequence[int], ranges: Sequence[tuple[int, int]]) -> NDArray[np.int64]:
