@@ -17,6 +17,11 @@ def launcher_rank() -> int:
     return next((int(text) for text in found if text.isdigit()), 0)
 
 
+def is_launched() -> bool:
+    """Tell whether mpiexec or the like has started this process."""
+    return any(name in os.environ for name in _RANKS)
+
+
 def end_on_signals() -> None:
     """Let SIGINT and SIGTERM end the process with a line and the status 128 + signal, wherever it
     is: KeyboardInterrupt, raised while modules load, may come out of them as another error. A run
