@@ -55,13 +55,10 @@ def text_of(kernels: Any, d: int, row: int, order: int) -> str:
     """
     nested = (one if isinstance(one, tuple) else (one,) for one in kernels)
     every = [kernel for some in nested for kernel in some if isinstance(kernel, Kernel)]
-    texts = [kernel.text() for kernel in every]
-    if d < 3:
-        return unit(f"#define ROW {row}
-", *texts)
-    return unit(f"#define ROW {row}
-#define PAIRS {order // 2}
-", *texts, cube_text())
+    texts, pairs = [kernel.text() for kernel in every], f"#define PAIRS {order // 2}"
+    if d == 3:
+        texts = [pairs, *texts, cube_text()]
+    return unit(f"#define ROW {row}\n", *texts)
 
 
 def order(ahead: Sequence[int], ranges: Sequence[tuple[int, int]]) -> NDArray[np.int64]:
