@@ -55,15 +55,13 @@ def panel(opt: Opt) -> BlockProblem:
     """Supersonic flow over an elastic panel that is set into a wall: panel flutter.
 
     Gas flows along y = 0 at the Mach number M; between x = 0 and 1 the wall is a panel, behind
-    which a cavity has the pressure of the flow. Above a critical dynamic pressure the oscillation
-    of the panel grows to a limit cycle, below it decays. With D the bending stiffness, L = 1 and q
-    the dynamic pressure, the parameter is
+    which a cavity has the pressure of the flow. The stiffness follows from L = 1 and
 
-        lambda = 2 q L^3 / (D sqrt(M^2 - 1)),
+        lambda = 2 q L^3 / (D sqrt(M^2 - 1)),    q = rho M^2/2,
         D = h^3/12 . 4 mu_e (lambda_e + mu_e) / (lambda_e + 2 mu_e)       (plane strain)
 
-    which sets the stiffness (docs/gallery.md has the theory). A hinge holds the middle of an end
-    face. Unit of velocity is the speed of sound of the flow, of density its density.
+    (docs/gallery.md has the theory). A hinge holds the middle of an end face. Units are those of
+    the speed of sound and the density of the flow.
     """
     M, h, hinged = opt["panel_mach"], opt["panel_thickness"], opt["panel_ends"] == "hinged"
     height, beta = opt["panel_height"], float(np.sqrt(M * M - 1.0))
@@ -134,10 +132,9 @@ def oblique(opt: Opt) -> BlockProblem:
 
     Gas comes in from the left along the wall y = 0. A wedge above turns it by an angle theta
     towards the wall; its shock comes in at the upper left corner, and the wall turns the gas back
-    by a second one. What is behind each of them over a rigid wall is known; notes of the result say
-    it. Over an elastic layer, which is clamped below, held against x at its ends and free of stress
-    under the gas's pressure, the shock hits what it bends. Velocities are over the speed of sound
-    of the gas that comes in, densities over its density.
+    by a second one. Notes of the result say what is behind each of them over a rigid wall. An
+    elastic layer is clamped below, held against x at its ends and free of stress under the gas's
+    pressure. Units are those of the speed of sound and the density of the gas that comes in.
     """
     theta, gas = np.radians(opt["oblique_angle"]), Fluid(0.0, 0.0, GAMMA, 1.0 / GAMMA)
     first = GasState(1.0, opt["oblique_mach"], 1.0 / GAMMA)
@@ -174,10 +171,8 @@ def step(opt: Opt) -> BlockProblem:
     """Supersonic flow over a step in a wind tunnel with rigid walls, in two dimensions.
 
     The problem is that of P. Woodward and P. Colella, J. Comput. Phys. 54 (1984) 115-173: density
-    1.4 and pressure 1 come in, so the unit of velocity is their speed of sound. Three blocks are
-    joined: below and above the edge's height before the step, and above it. Front and top of the
-    step are one wall: at the edge the gas may go around, which one condition on the sum of both
-    normals allows.
+    1.4 and pressure 1 come in, so the unit of velocity is their speed of sound. Front and top of
+    the step are one wall, so that one condition, on the sum of both normals, holds at the edge.
     """
     M, rho, place, high = opt["step_mach"], 1.4, 0.6, 0.2  # X where the step begins, its height
     gas, flow = common.gas_of(opt, R=1.0 / rho), common.constant(rho, M, 0.0, 1.0)
@@ -202,8 +197,8 @@ def viscous_tube(opt: Opt) -> BlockProblem:
 
     Gas of density 120 and 1.2 at the same temperature, at rest on both sides of X = 1/2, in a unit
     box with adiabatic walls that the gas sticks to; the lower half, with a plane of symmetry above.
-    p = rho/gamma, so the speed of sound is 1 on both sides; viscosity 1/Re, Prandtl number 0.73 (V.
-    Daru, C. Tenaud, Comput. Fluids 30 (2001) 89; 38 (2009) 664). The run ends at t = 1.
+    p = rho/gamma; viscosity 1/Re, Prandtl number 0.73 (V. Daru, C. Tenaud, Comput. Fluids 30 (2001)
+    89; 38 (2009) 664).
     """
     R, mu, rho, ratio = 1.0 / GAMMA, 1.0 / opt["tube_reynolds"], 1.2, 100.0
     gas = Fluid(mu, GAMMA / (GAMMA - 1.0) * R * mu / 0.73, GAMMA, R)

@@ -1,17 +1,13 @@
 """A plate oscillates between two gases in a closed tube: gas | solid | gas.
 
-    python -m fsipetsc FILE.py                                # a second; a few the first time
     mpiexec -n 2 python -m fsipetsc FILE.py -plate_speed 5    # on two ranks, with an option
     python -m fsipetsc FILE.py -help                          # all options
     python -m fsipetsc plot NAME.h5 -o pictures               # draw the result
 
-This file is a case: data, and functions of X. Change what you like and run it again. docs/cases.md
-lists all that a case can say.
-
-What to expect here: each gas acts as a spring, and the plate, which is heavy, oscillates as
-    (plate_speed / omega) sin(omega t),
-    omega^2 = 2 GAMMA P0 / (length of a gas * mass of the plate per area):
-at 10 m/s it goes 0.054 m to the right and comes back; the period is 0.034 s.
+What to expect: each gas is a spring, and the plate oscillates as (plate_speed/omega) sin(omega t),
+omega^2 = 2 GAMMA P0 / (length of a gas * mass of the plate per area): at 10 m/s
+it goes 0.054 m to the right and comes back; the period is 0.034 s. docs/cases.md has all that a
+case can say.
 """
 
 # Conditions at the ends: Wall, Open, Dirichlet for a gas; clamped, free, absorbing for a solid.
@@ -23,14 +19,8 @@ OPTIONS = (
     Option("plate_speed", float, 10.0, "m/s", "speed of the plate at the start"),
     Option("plate_density", float, 100.0, "kg/m3", "density of the plate", check="positive"),
 )
-# Defaults of the program's own options for this case. Interfaces fall on grid points: 0.4 / 0.02 is
-# a whole number.
-DEFAULTS = {
-    "fsi_h": 0.02,  # grid spacing [m]
-    "fsi_order": 4,  # order of the differences: 2, 4, 6 or 8
-    "ts_max_time": 0.04,  # the run begins at t = 0 and ends here [s]
-    "fsi_output_dt": 0.001,  # interval at which profiles are saved [s]
-}
+# Defaults of the program's own options: grid spacing [m], end [s], interval of saved profiles [s].
+DEFAULTS = {"fsi_h": 0.02, "ts_max_time": 0.04, "fsi_output_dt": 0.001}
 GAMMA, P0, T0 = 1.4, 1e5, 300.0  # of the gas: ratio of specific heats, pressure [Pa], T [K]
 LEFT, RIGHT, END = 0.4, 0.6, 1.0  # the plate is between the first two, the tube ends at 0 and END
 
@@ -44,8 +34,7 @@ def build(opt):
     speed, density = opt["plate_speed"], P0 / (air.R * T0)
 
     # Initial data: functions of an array X of coordinates [m]. They return, for each unknown, an
-    # array of the same shape or one number. Where velocity, or pressure and stress, jump at an
-    # interface, waves start.
+    # array of the same shape or one number.
     def left_gas(X):
         return density, speed * X / LEFT, T0  # density, velocity, temperature
 

@@ -1,6 +1,5 @@
 """A plate, clamped at both ends, swings under a sudden pressure, with air above it or without.
 
-    python -m fsipetsc FILE.py                                # seconds; more the first time
     mpiexec -n 2 python -m fsipetsc FILE.py -plate_cells 15   # finer through the thickness
     python -m fsipetsc plot NAME.h5 -o pictures               # draw the result
 
@@ -23,7 +22,6 @@ OPTIONS = (
     Option("plate_air", bool, True, "", "air above the plate, or nothing but its pressure"),
 )
 DEFAULTS = {"fsi_h": 0.005, "ts_max_time": 7.5e-4, "fsi_output_dt": 1e-5, "fsi_probes": "0.05,0"}
-
 LENGTH, HEIGHT = 0.1, 0.1  # of the plate and of the air above it [m]
 YOUNG, POISSON, DENSITY = 210e9, 0.3, 7800.0  # of steel: E [Pa], nu, density [kg/m3]
 P0, T0 = 1e5, 300.0  # of the air: pressure [Pa], temperature [K]

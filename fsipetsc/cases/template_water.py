@@ -1,6 +1,5 @@
 """Water hammer: water flows towards the closed end of an elastic tube and stops there.
 
-    python -m fsipetsc FILE.py                                 # ten seconds; more the first time
     mpiexec -n 2 python -m fsipetsc FILE.py -tube_poisson 0    # with an option
     python -m fsipetsc plot NAME.h5 -o pictures                # draw the result
 
@@ -28,7 +27,6 @@ OPTIONS = (
     Option("water_ramp", float, 0.15, "m", "length over which it stops at the start"),
 )
 DEFAULTS = {"fsi_h": 0.02, "fsi_cfl": 1.2, "ts_max_time": 3.6e-3, "fsi_output_dt": 6e-5}
-
 RHO, C0, P0, T0 = 998.0, 1482.0, 1e6, 293.0  # of water: density, speed of sound, p, T; SI units
 GAMMA, RADIUS = 4.4, 0.05  # of its law (docs/water.md); inner radius D/2 of the tube [m]
 
