@@ -69,7 +69,7 @@ def elastic_of(opt: Opt, p_ref: float = 1.0, **more: Any) -> ElasticSolid:
 
 
 def constant(*values: float) -> Callable[..., Any]:
-    """A function of any place with these values: initial data of a gas at rest, for one."""
+    """A function of any place with these values."""
     return lambda *X: values
 
 

@@ -189,12 +189,10 @@ class Flat(Solution):
 def box_mms(opt: Opt) -> BlockProblem:
     """A manufactured solution in one to three dimensions: gas under a solid, on moving blocks.
 
-    The interface moves and bends; traction and heat flux get their jumps there. The wall below the
-    gas has a given temperature, the uppermost points of the solid are given.
-
-    The last axis, eta, goes across the two, from 0 to 1 in the gas and on to 2 in the solid; the
-    other axes, p and q, go along them. Two dimensions are the plane q = 0 of three, one dimension
-    is the line p = 1/8, q = 0, each without the components of vectors that point out of it.
+    The interface moves and bends; traction and heat flux get their jumps there. The last axis, eta,
+    goes across the two, from 0 to 1 in the gas and on to 2 in the solid; the other axes, p and q,
+    go along them. Two dimensions are the plane q = 0 of three, one dimension is the line p = 1/8,
+    q = 0, each without the components of vectors that point out of it.
     """
     d = opt["box_dimension"]
     exact = Flat(d, opt)
@@ -205,10 +203,9 @@ def box_mms(opt: Opt) -> BlockProblem:
         return Layer(name, material, (low, low + 1.0), lambda *X: of(*X, 0.0), **more)
 
     def supplied(*where):
-        nothing = 0.0 * where[0]
-        return exact.jump(
-            *where[:-2], 1.0 + nothing, where[-1], *[nothing] * (d - 1), 1.0 + nothing
-        )
+        *beside, _, t = where
+        zero = 0.0 * where[0]
+        return exact.jump(*beside, 1.0 + zero, t, *[zero] * (d - 1), 1.0 + zero)
 
     return stack(
         opt,
@@ -226,16 +223,16 @@ BOX, HALF = 2.0, 0.45
 
 
 class Disk(Solution):
-    """The solution of body_mms. The gas's grid is blended between walls and body, so that its nodes
-    have other labels X at each time: X + D(X, t), where they are, is solved for X.
+    """The solution of body_mms. The gas's grid is blended between walls and body, so its nodes have
+    other labels X at each time: X + D(X, t), where they are, is solved for X.
     """
 
     def __init__(self, opt: Opt) -> None:
         super().__init__(2, opt)
         self._newton = recorded(5, self._nearer)
-        at_label, force_at_label = self.exact_gas, self.force_gas
-        self.exact_gas = lambda *at: at_label(*self.labels(*at), at[-1])
-        self.force_gas = lambda *at: force_at_label(*self.labels(*at), at[-1])
+        exact, force = self.exact_gas, self.force_gas
+        self.exact_gas = lambda *at: exact(*self.labels(*at), at[-1])
+        self.force_gas = lambda *at: force(*self.labels(*at), at[-1])
 
     def displacement(self, X: Any, Y: Any, t: Any) -> Numbers:
         return 0.06 * np.sin(1.9 * X + 0.7 * Y + t), 0.06 * np.cos(1.3 * X - 1.7 * Y + 2.0 * t)
@@ -294,9 +291,8 @@ def to_box(q: int, xi: Places) -> Places:
 def body_mms(opt: Opt) -> BlockProblem:
     """A manufactured solution around a disk, on curved, joined blocks that move, in two dimensions.
 
-    The disk of five blocks is in a square box of gas of four; three blocks meet at corners. All
-    unknowns are given on the outer walls, which move, too. -fsi_h is of the side of each block,
-    which is 1 in logical coordinates.
+    The disk of five blocks is in a square box of gas of four. All unknowns are given on the outer
+    walls, which move, too. -fsi_h is over the side of each block.
     """
     exact = Disk(opt)
     n, blocks, faces = round(1.0 / opt["fsi_h"]), [], {}

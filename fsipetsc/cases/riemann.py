@@ -90,7 +90,6 @@ class GasWave(NamedTuple):
     before: GasState
 
     def behind(self, p: Any) -> GasState:
-        """Return the state behind the wave."""
         (rho, u, p0), g = self.before, self.gas.gamma
         ratio, shock = p / p0, p > p0
         dense = ((g + 1) * ratio + g - 1) / ((g - 1) * ratio + g + 1)
@@ -128,7 +127,6 @@ class SolidWave(NamedTuple):
     before: SolidState
 
     def behind(self, p: Any) -> SolidState:
-        """Return the state behind the wave."""
         return self._at(self.before.F * np.exp((-p - self.before.sigma) / self.solid.K))
 
     def _at(self, F: Any) -> SolidState:
@@ -188,9 +186,8 @@ HIGH, LOW = GasState(1.0, 0.0, 1.0), GasState(0.125, 0.0, 0.1)
 
 @dataclass(frozen=True)
 class Contact:
-    """Exact solution of a gas in 0 < X < 1, everywhere in a state, and a solid in 1 < X < 2, at
-    rest under the pressure LOW.p, which meet at t = 0. A wall at the gas's left end has its
-    velocity. InputError where the two part.
+    """Exact solution of a gas in 0 < X < 1, in a state, and a solid in 1 < X < 2, at rest under the
+    pressure LOW.p, which meet at t = 0. The wall on the left moves with the gas. InputError.
     """
 
     gas: Fluid
@@ -219,7 +216,7 @@ class Contact:
         return [state.u, state.sigma, state.T, 1.0 + state.u * t + state.F * (X - 1.0)]
 
     def notes(self) -> tuple[str, str]:
-        """Return what a result says of the solution; it ends when a wave comes to an end."""
+        """What a result says of the solution, which ends when a wave comes to an end."""
         left, right, p = self.waves
         u, _, _, F = right.behind(p)
         end = min(1.0 / right.speeds(p)[0], 1.0 / (self.state.u - left.speeds(p)[0]))
@@ -242,9 +239,8 @@ def shock(opt: Opt) -> Problem:
     sod: the left half of Sod's shock tube, with a rod under the low pressure in the place of the
     right half, whose right end is clamped. A fan goes into the gas, a shock into the rod.
 
-    strong: a piston drives a shock of Mach number `shock_mach` through the gas of low pressure. At
-    t = 0 it hits the light rod: a shock goes back into the gas and one on into the rod, whose right
-    end is free under the low pressure. Errors are in L1: a shock has order 1.
+    strong: a piston drives a shock through the gas of low pressure. At t = 0 it hits the light rod:
+    a shock goes back into the gas and one on into the rod, whose right end is free.
     """
     gas, solid = gas_of(opt), solid_of(opt)
     if opt["shock_problem"] == "strong":
@@ -268,7 +264,7 @@ def shock(opt: Opt) -> Problem:
 def tube(opt: Opt) -> BlockProblem:
     """The shock tube of the case `shock` in a plane: across Y into an elastic layer.
 
-    It is periodic along X. Where nothing varies along X the law `log` is that of the rod.
+    Where nothing varies along X the law `log` is that of the rod.
     """
     gas, rod = gas_of(opt), Solid(opt["solid_modulus"], 0.0, opt["solid_density"], 1.0)
     solution = Contact(gas, rod, HIGH)
@@ -352,8 +348,7 @@ def superseismic(opt: Opt) -> BlockProblem:
     """A shock in gas that runs along an elastic half space faster than its waves, with its states.
 
     The shock's foot runs along Y = 0 at the speed 1, with a P and an S wave behind it in the solid.
-    All is constant between fronts through the foot; verify/superseismic.py has the source, and
-    derives the numbers below. The exact states are the data on all sides.
+    All is constant between fronts through the foot; verify/superseismic.py derives the numbers.
     """
     # gas ahead (p = rho T) and behind: rho, u, v, T; Lame's constants; density of the solid is 1
     ahead = 0.1114827, 0.0, 0.0, 0.09375

@@ -56,9 +56,8 @@ def heat(opt: Opt) -> Problem:
 
     Solid | gas at rest under the pressure p0 and of the temperature T0, which the clamped left end
     of the solid and the wall at the right keep. A small disturbance decays in the slowest thermal
-    mode of both together, as exp(s t): heat is conducted through the interface, the gas expands
-    where it is warm, and pushes the solid a little. It solves the linear equations; what remains of
-    the error on fine grids is of second order in the amplitude.
+    mode of both together, as exp(s t). It solves the linear equations; what remains of the error on
+    fine grids is of second order in the amplitude.
     """
     gas, solid = gas_of(opt), solid_of(opt)
     if not gas.kappa > 0.0 < solid.kappa_e:
@@ -120,13 +119,11 @@ def heat(opt: Opt) -> Problem:
 def wave(opt: Opt) -> BlockProblem:
     """A wave along the interface of a gas and an elastic layer, a normal mode of known rate s.
 
-    Gas of density and temperature 1 above, between the interface at y = 0 and a rigid adiabatic
-    wall, solid below, on a clamped end; both at rest but for the mode, whose size is small. It is
-    the slowest that swings more than it decays. Disturbances, and displacements (x, y) of the
-    solid, are proportional to exp(i k X + s t) and obey the linear equations, with Hooke's law in
-    plane strain. At y = 0 velocities and tractions are one and no heat passes; where mu = 0 the gas
-    slips, and only what is normal is one. The pressure at rest drops out, as the solid is free of
-    strain under it.
+    Gas of density and temperature 1 above, below a rigid adiabatic wall, solid below, on a clamped
+    end; both at rest but for the mode, the slowest that swings more than it decays. Disturbances,
+    and displacements (x, y) of the solid, are proportional to exp(i k X + s t) and obey the linear
+    equations, with Hooke's law in plane strain. At y = 0 velocities and tractions are one and no
+    heat passes; where mu = 0 the gas slips. The solid is free of strain under the pressure at rest.
     """
     gas, solid = gas_of(opt), elastic_of(opt)
     k, size, height, depth = 2.0 * np.pi, 1e-5, 1.0, 0.5

@@ -1,9 +1,8 @@
 """The command ``python -m fsipetsc bench``: what a time step costs.
 
-Measured are the falling rod and a gas beneath a solid, for orders, grids, forms and numbers of
-ranks. A sample is some whole steps as a run makes them, but for output. Those
-of all numbers of ranks and of other programs are taken in turn; ranks without a part sleep. A time
-is the median of its samples, a ratio that of pairs taken one after the other.
+A sample is some whole steps as a run makes them, but for output. Samples of all numbers of ranks
+and of other programs are taken in turn; ranks without a part sleep. A time is the median of its
+samples, a ratio that of pairs taken one after the other.
 """
 
 import os
@@ -108,8 +107,7 @@ def targets(opt: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
 
 def square(d: int, n: int, viscous: bool) -> BlockProblem:
     """A gas, which begins with waves, beneath a solid: unit cubes of n nodes along each axis,
-    periodic along the interface, with a wall below and clamped above; viscous: viscosity and
-    conduction in both.
+    periodic along the interface; viscous: viscosity and conduction in both.
     """
 
     def waves(*X: Any) -> tuple[Any, ...]:
@@ -127,19 +125,14 @@ def square(d: int, n: int, viscous: bool) -> BlockProblem:
 
 
 def measured(
-    study: Study,
-    case: Any,
-    options: dict[str, Any],
-    teams: Mapping[int, Comm],
-    program: Sequence[object],
+    study: Study, case: Any, options: dict[str, Any], teams: Any, program: Sequence[object]
 ) -> list[list[object]]:
     """The last columns for each number of ranks, on rank 0. Collective. InputError where ranks do
-    not fit. program: as ``targets`` has it.
+    not fit. teams: number -> communicator; program: as ``targets`` has it.
     """
     from fsipetsc.stepping.solve import build_problem, make_state
 
     def on(ranks: int, action: Callable[[], Any]) -> Any:
-        """What an action gives on the first ranks, None on the others, which sleep meanwhile."""
         here = study.comm.rank < ranks
         return together(study.comm, action if here else lambda: None, asleep=True)
 
@@ -148,11 +141,10 @@ def measured(
         state.set_initial()
         return state
 
-    states = {n: on(n, partial(make, team)) for n, team in teams.items()}
-
     def sample(n: int, steps: int) -> Any:
         return on(n, lambda: step_time(states[n], options, steps))
 
+    states = {n: on(n, partial(make, team)) for n, team in teams.items()}
     sample(min(teams), 2)  # for what is made once
     step = study.comm.bcast(sample(min(teams), 10))
     steps = min(20_000, max(6, round(1e6 * study.opt["bench_seconds"] / (step or 1.0))))

@@ -9,11 +9,6 @@ where columns of blocks are alike: those along flat layers, those of a ring in t
 and angle; in one dimension there is one column. The derivatives of column m by unknown j of column
 0, times exp(-i n phi), phi = 2 pi m / M, and added up over the M columns, are column j of a matrix
 for what is proportional to exp(i n phi).
-
-Central differences do not see what alternates from node to node. Modes that do so across the blocks
-swing at frequencies of waves that are long. They are told by their roughness, the squares of the
-differences of neighbours across the blocks over those of the values: 4 where signs alternate, 1 for
-a wave of 6 nodes.
 """
 
 from collections.abc import Iterable
@@ -40,16 +35,16 @@ NUDGE, TINY = 0.005, 2.0**-18
 FARTHEST, ROUND_OFF = 3.2, 1e-12
 #: what moves by less than this part of the rate of a mode is at rest
 AT_REST = 1e-9
-#: how much a mode swings at least, over the largest |lambda|, and how rough it may be
+#: how much a mode swings at least, over the largest |lambda|, and how rough it may be, the squares
+#: of the differences of neighbours over those of the values: central differences do not see what
+#: alternates from node to node (4), and give it the frequency of a long wave; 1: waves of 6 nodes
 SWINGING, ROUGH = 1e-6, 1.0
 
 
 def derivatives(state: Any, directions: Iterable[tuple[Any, Any]], order: int = 8) -> list[Any]:
-    """Sparse matrices L and P, with a column for each direction of disturbance.
-
-    state: of blocks or layers; its solution is that about which it is linearised. directions:
-    numbers in the vector of unknowns, and by how much they change. Central differences of an order,
-    2 or 8.
+    """Sparse matrices L and P about the solution of a state, with a column for each direction of
+    disturbance: numbers in the vector of unknowns, and by how much they change. Central differences
+    of an order, 2 or 8.
     """
     start, columns = state.solution.array.copy(), []
     y, f = np.empty_like(start), np.empty_like(start)
@@ -81,18 +76,13 @@ def step_limit(spectrum: Complex) -> float:
     return float(brentq(excess, 0.0, FARTHEST)) / radius
 
 
-def radial_modes(
-    problem: BlockProblem,
-    order: int,
-    n: int = 0,
-    form: BlockForm = BlockForm(),  # noqa: B008
-) -> Complex:
+def radial_modes(problem: BlockProblem, order: int, n: int = 0, *form: BlockForm) -> Complex:
     """Angular frequencies omega [1/s] of the modes of angular number n of rings at rest around the
     origin, periodic along axis 1, or of shells in one dimension (n = 0), that swing, as
     exp(-i omega t), and are not rough, the slowest first. InputError where the grid has not enough
     columns for n.
     """
-    with BlockState(MPI.COMM_SELF, problem, order, form) as state:
+    with BlockState(MPI.COMM_SELF, problem, order, *form) as state:
         columns = state.layout.shapes[0][1] if problem.dimension > 1 else 1
         if 2 * n >= columns:
             known = f"-ring_around {columns} knows angular numbers from 0 to {(columns - 1) // 2}"
