@@ -32,7 +32,7 @@ from scipy.linalg import orth
 
 from fsipetsc import Fluid, FluidLayer, Problem, Solid, SolidLayer, Wall, clamped
 from fsipetsc.cases import case_of
-from fsipetsc.cases.common import constant, gas_of, line_at_rest, materials
+from fsipetsc.cases.common import constant, gas_of, materials
 from fsipetsc.checks import Array
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.operators.sbp import OPERATORS, operator
@@ -51,15 +51,13 @@ STEP = 2.0**-7
 ENERGY_TOLERANCE, MODE_TOLERANCE = 1e-10, 1e-9
 COUPLINGS, ORDERS = ("conservative", "energy", "projection", "traditional"), tuple(OPERATORS)
 _EOS = "pressure p = G rho epsilon that balances the gas, or none: sigma = -p of the gas"
+_DENSITY = "density of the solid over the gas's; all have the same specific heat of a volume"
 _ABOVE = {"check": "positive"}
 SECTIONS = {"Stability": (
-    Option("fluid_rho", float, 1.0, "kg/m3", "density of the gas at rest", **_ABOVE),
-    Option("fluid_T", float, 1.0, "K", "temperature, of the solid too", **_ABOVE),
-    *materials(fluid_mu=0.01, fluid_kappa=0.03, fluid_gamma=1.4, fluid_R=1.0),
+    *materials(fluid_mu=0.01, fluid_kappa=0.03, fluid_gamma=1.4),
     *materials(solid_alpha=2.5, solid_kappa=0.02),
     Option("solid_eos", str, "ideal", "", _EOS, ("ideal", "elastic")),
-    Option("density_ratios", "floats", (1.0,), "", "density of the solid over the gas's; alpha "
-        "is for 1, all have the same specific heat of a volume", **_ABOVE),
+    Option("density_ratios", "floats", (1.0,), "", _DENSITY, **_ABOVE),
     Option("stiffness_ratios", "floats", (1.0,), "", "K over the gas's pressure", **_ABOVE),
     Option("fsi_coupling", str, "energy", "", "treatment of the interface", COUPLINGS),
     Option("fsi_viscous", str, "wide", "", "D twice, or narrow ones", ("wide", "narrow")),
@@ -124,18 +122,17 @@ class Constant(NamedTuple):
         return (self.solid.K + self.stress + self.p) / self.stretch
 
 
-def of_options(opt: Mapping[str, Any], density_ratio: float, stiffness_ratio: float) -> Constant:
-    """Return the state that the options describe, for two ratios."""
-    gas, rho, T, conducted = gas_of(opt), opt["fluid_rho"], opt["fluid_T"], opt["solid_kappa"]
-    laws = stiffness_ratio * rho * gas.R * T, conducted, density_ratio * rho
-    ideal = gas.R / opt["solid_alpha"] if opt["solid_eos"] == "ideal" else 0.0  # p_s = p, sigma = 0
-    return Constant(gas, Solid(*laws, opt["solid_alpha"] / density_ratio, 0.0, ideal), rho, T)
+def of_options(opt: Mapping[str, Any], density: float, stiffness: float) -> Constant:
+    """Return the state for two ratios: the gas has density, temperature and pressure 1."""
+    ideal = 1.0 / opt["solid_alpha"] if opt["solid_eos"] == "ideal" else 0.0  # p_s = p, sigma = 0
+    laws = stiffness, opt["solid_kappa"], density, opt["solid_alpha"] / density
+    return Constant(gas_of(opt), Solid(*laws, 0.0, ideal), 1.0, 1.0)
 
 
 class Result(NamedTuple):
-    """Numbers of one problem. energy, growth: rates of the energy and of the fastest mode, over the
-    largest |lambda|. step: that RK4 can take [s], step_ratio: over that of a run. estimate, stable,
-    step_kept: the energy does not grow, no mode does, the step of a run is not too long.
+    """energy, growth: rates of the energy and of the fastest mode, over the largest |lambda|. step:
+    that RK4 can take [s], step_ratio: over that of a run. estimate, stable, step_kept: the energy
+    does not grow, no mode does, the step of a run is not too long.
     """
 
     order: int
@@ -153,8 +150,8 @@ class Result(NamedTuple):
 def measure(
     state: Constant, order: int, n: int, h: float, coupling: str, narrow: bool = False
 ) -> Result:
-    """All numbers for disturbances of n points of spacing h [m] in each layer; narrow: with narrow
-    second derivatives. InputError where the coupling has none.
+    """Disturb n points of spacing h [m] in each layer; narrow: with narrow second derivatives.
+    InputError where the coupling has none.
     """
     from fsipetsc.studies.linear import step_limit
 
@@ -164,7 +161,9 @@ def measure(
     weights = np.array([*gas_weights, solid.m0, state.modulus, solid.alpha * solid.m0 / state.T])
     sizes = np.sqrt(state.p / weights)
     sizes[4] = min(sizes[4], 1.0) * (h if conservative else 1.0)
-    L, P, run_step = derivatives_near(state, sizes, n, N, order, h, coupling, narrow)
+    own = {"fsi_order": order, "fsi_coupling": coupling, "fsi_h": h}
+    own |= {"fsi_viscous": "narrow" if narrow else "wide", "ts_max_time": 1.0}
+    L, P, run_step = derivatives_near(state, sizes, n, N, own)
     near = np.concatenate([np.arange(n) + k * N + (N - n) * (k > 2) for k in range(6)])
     strain, heat = slice(4 * N, 5 * N), slice(5 * N, 6 * N)
     root = np.diag(np.outer(sizes * np.sqrt(weights), np.sqrt(h * op.norm_weights(N))).ravel())
@@ -189,25 +188,24 @@ def measure(
 
 
 def derivatives_near(
-    state: Constant, sizes: Array, n: int, N: int, order: int, h: float, coupling: str, narrow: bool
+    state: Constant, sizes: Array, n: int, N: int, own: Mapping[str, Any]
 ) -> tuple[Array, Array, float]:
     """(rates, completed unknowns, step of a run [s]) of layers of N points: derivatives of the six
     unknowns of all points, over their sizes, by those of the n next to the interface, (6N, 6n).
+    own: options of the run.
     """
     from mpi4py import MPI
 
     from fsipetsc.stepping.solve import build_problem, make_state
     from fsipetsc.studies.linear import derivatives
 
-    gas, solid, end = state.gas, state.solid, (N - 1) * h
-    still = line_at_rest(state.stress, state.T)
-    layers = (
-        SolidLayer("solid", solid, (-end, 0.0), lambda X: [*still(X)[:3], state.stretch * X]),
-        FluidLayer("gas", gas, (0.0, end), constant(state.rho, 0.0, state.T)),
-    )
-    case = case_of(Problem(layers, clamped(), Wall(end), units="none"), fsi_h=h, ts_max_time=1.0)
-    own = {"fsi_order": order, "fsi_coupling": coupling}
-    opt = {**defaults(case), **own, "fsi_viscous": "narrow" if narrow else "wide"}
+    gas, solid, end = state.gas, state.solid, (N - 1) * own["fsi_h"]
+    still = constant(state.rho, 0.0, state.T)
+    strained = lambda X: (0.0, state.stress, state.T, state.stretch * X)  # noqa: E731
+    left = SolidLayer("solid", solid, (-end, 0.0), strained)
+    layers = left, FluidLayer("gas", gas, (0.0, end), still)
+    case = case_of(Problem(layers, clamped(), Wall(end), units="none"), **own)
+    opt = defaults(case)
     # from rho, rho u, rho (cv T + u^2/2) to rho, u, T; from u, sigma, T, x to u, e, T
     of_gas = np.diag([1.0, 1.0 / state.rho, 1.0 / (state.rho * gas.cv)])
     of_gas[2, 0] = -state.T / state.rho
@@ -219,7 +217,7 @@ def derivatives_near(
         run.finish()
         step, start = opt["fsi_cfl"] / float(run.results[RATE]), run.solution.array
         numbers = np.arange(start.size)
-        if coupling == "conservative":
+        if opt["fsi_coupling"] == "conservative":
             in_gas, in_solid = run.layout.owned(1, numbers), run.layout.owned(0, numbers)
             # from J, J rho, J rho u, …; from x - X, u, alpha T + u^2/2 to u, x - X, T
             J, rho, _, heat = start[in_gas[0]]
@@ -230,11 +228,8 @@ def derivatives_near(
             in_gas, in_solid = run.layers[1].of(numbers)[:N], run.layers[0].of(numbers)
         to = *to_gas.T, *np.linalg.pinv(of_solid).T
         near = [in_gas[:n]] * 3 + [in_solid[N - n :]] * 3
-        changes = (
-            (point, STEP * size * change)
-            for points, size, change in zip(near, sizes, to)
-            for point in points
-        )
+        each = zip(near, sizes, to)
+        changes = ((at, STEP * size * change) for points, size, change in each for at in points)
         rates, kept = (of.toarray() / STEP for of in derivatives(run, changes))
     found = []
     for of, matrix in ((of_rates, rates), (of_solid, kept)):
