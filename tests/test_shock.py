@@ -13,7 +13,7 @@ from fsipetsc.blocks.maps import rectangle
 from fsipetsc.cases import load_case
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.options import defaults
-from fsipetsc.studies.verify.entry import reference
+from fsipetsc.studies.trials import reference
 
 CASE = load_case("shock")
 ORDERS, SPACINGS = (4, 8), (0.02, 0.01, 0.005)
