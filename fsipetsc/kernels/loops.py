@@ -13,7 +13,7 @@ dataclasses, which hold facts: their numbers become constants of the text.
     variable(0.0)           a number that changes: its ``value`` is read and set
     pick(c, a, b)           one of two whole numbers; either(c, a, b): one of two arrays
     named(i)                a whole number, computed once
-    invoke("name", address) calls a function in C
+    invoke("name", address, …) calls a function in C
 """
 
 from collections.abc import Iterator, Sequence
@@ -252,7 +252,10 @@ class _Fields:
         self._array(name)[0] = value
 
 
-def invoke(name: str, address: Any) -> None:
-    """Call a function in C of the same translation unit with an address, a whole number."""
-    recording().line(f"{name}((void *){index_of(address)});")
+def invoke(name: str, address: Any, *arrays: Array) -> None:
+    """Call a function in C of the same translation unit with an address, a whole number, and the
+    pointers to the first numbers of arrays.
+    """
+    pointers = "".join(f", {array.pointer()}" for array in arrays)
+    recording().line(f"{name}((void *){index_of(address)}{pointers});")
     recording().stores += 1
