@@ -9,11 +9,9 @@ from dataclasses import dataclass
 from functools import wraps
 from typing import Any
 
-from fsipetsc import checks
 from fsipetsc.blocks import conditions
-from fsipetsc.blocks.conditions.condition import RANGES, Checked
-from fsipetsc.blocks.values import NOWHERE, datum
-from fsipetsc.errors import InputError
+from fsipetsc.blocks.conditions import Checked, Condition
+from fsipetsc.checks import NOWHERE, datum
 
 #: a number, or a function of time
 Timed = float | Callable[[float], Any]
@@ -23,21 +21,19 @@ class Boundary(Checked):
     """What stands at an outer end of a kind of layer, ``of``.
 
     given: names of data beside heat and the place. passes: whether gas or waves go through. degree:
-    of the formulas of an embedded boundary; None: by the order of the operator.
+    of the formulas of an embedded boundary; 0: by the order of the operator.
     """
 
-    ranges = RANGES | dict.fromkeys(("x", "u0", "velocity"), checks.ANY)
-    ranges |= dict.fromkeys(("p0", "T0"), checks.POSITIVE)
     of = "fluid"
     given: tuple[str, ...] = ()
     passes = False
-    degree: int | None = 2
+    degree = 2
 
     @property
     def heated(self) -> str:
         """Which of T and heat_flux is given, by name; "" where the end is insulated."""
-        given = [name for name in ("T", "heat_flux") if getattr(self, name, None) is not None]
-        return given[0] if given else ""
+        names = (name for name in ("T", "heat_flux") if getattr(self, name, None) is not None)
+        return next(names, "")
 
     @property
     def closed(self) -> bool:
@@ -45,28 +41,26 @@ class Boundary(Checked):
         driven = self.heated or any(getattr(self, name) for name in self.given)
         return not (self.passes or driven) and self.steady
 
-    def condition(self, material: Any) -> conditions.Condition:
+    def condition(self, material: Any) -> Condition:
         """The condition of a block of this material that this is."""
         raise NotImplementedError
 
-    def data(self, t: float) -> list[float]:
-        """All of ``given`` at time t [s], of `values` rho, u, T. InputError, perhaps on this rank
-        alone.
+    def data(self, t: float) -> tuple[list[float], float]:
+        """All of ``given`` at time t [s], of `values` rho, u, T; and the temperature [K] or heat
+        flux [W/m2], 0 where none is given. InputError, perhaps on this rank alone.
         """
-        return [number for name in self.given for number in self._at(name, t)]
 
-    def heat(self, t: float) -> float:
-        """The temperature [K] or heat flux [W/m2] that is given, 0 where none is. InputError."""
-        return self._at(self.heated, t)[0] if self.heated else 0.0
+        def at(name: str) -> list[float]:
+            names = ("rho", "u", "T") if name == "values" else None
+            found: list[float] = datum(self, name, NOWHERE.T, t, names).ravel().tolist()
+            return found
 
-    def _at(self, name: str, t: float) -> list[float]:
-        names = ("rho", "u", "T") if name == "values" else None
-        found: list[float] = datum(self, name, NOWHERE.T, t, names).ravel().tolist()
-        return found
+        heat = at(self.heated)[0] if self.heated else 0.0
+        return [number for name in self.given for number in at(name)], heat
 
     def _of_place(self, name: str, then: Callable[[Any], Any] = lambda v: v) -> Any:
-        """A datum as a condition has it: a function of t becomes one of X and t; then: of its
-        value.
+        """A datum as a condition has it, its value changed by ``then``: a function of t becomes one
+        of X and t.
         """
         given = getattr(self, name)
         if not callable(given):
@@ -97,14 +91,14 @@ class Wall(Boundary):
     T: Timed | None = None
     heat_flux: Timed | None = None
     velocity: Callable[[float], Any] | None = None
-    functions = {"velocity": "(t) [m/s]"}  # noqa: RUF012
+    functions = ("velocity",)
 
     @property
     def moves(self) -> bool:
         """The wall does not stay where it is."""
         return callable(self.x) or self.velocity is not None
 
-    def condition(self, material: Any) -> conditions.NoSlip:
+    def condition(self, material: Any) -> Condition:
         x = self._of_place("x", lambda x: (x,)) if callable(self.x) else None
         velocity = self._of_place("velocity", lambda u: (u,))
         return conditions.NoSlip(**self._warm(), x=x, velocity=velocity)
@@ -134,7 +128,7 @@ class Open(Boundary):
         super().__post_init__()
         conditions.Open(self.p0, self.u0, self.T0, self.order)  # checks the order
 
-    def condition(self, material: Any) -> conditions.Open:
+    def condition(self, material: Any) -> Condition:
         rho = float(material.gas_law.density(self.p0, self.T0))
         return conditions.Open(rho, (self.u0,), self.T0, self.order)
 
@@ -146,25 +140,16 @@ class Dirichlet(Boundary):
     Args:
         x: position [m].
         values: `values(t)` returns rho [kg/m3], u [m/s], T [K] at t [s].
-        degree: of the formula of the embedded boundary in the paper's method, 2 to 5. None: one
-            more than the closures are exact to, 2, 3, 4, 5 for the orders 2, 4, 6, 8. A degree less
-            spoils the order, one more gains nothing.
     """
 
     x: float
     values: Callable[[float], Sequence[Any]]
-    degree: int | None = None
     given = ("values",)
     passes = True
-    functions = {"values": "(t) -> (rho, u, T)"}  # noqa: RUF012
+    degree = 0
+    functions = ("values",)
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.degree not in (None, 2, 3, 4, 5):
-            expected = "expected 2, 3, 4, 5, or None: by -fsi_order"
-            raise InputError(f"Dirichlet(degree={self.degree!r}): {expected}")
-
-    def condition(self, material: Any) -> conditions.Given:
+    def condition(self, material: Any) -> Condition:
         return conditions.Given(self._of_place("values"))
 
 
@@ -195,7 +180,7 @@ class clamped(SolidEnd):
     velocity: Timed = 0.0
     given = ("velocity",)
 
-    def condition(self, material: Any) -> conditions.Clamped:
+    def condition(self, material: Any) -> Condition:
         velocity = self._of_place("velocity", lambda u: (u,))
         moving = velocity if callable(velocity) else lambda X, t: velocity
         return conditions.Clamped(velocity=moving if velocity != (0.0,) else None, **self._warm())
@@ -212,7 +197,7 @@ class free(SolidEnd):
     stress: Timed = 0.0
     given = ("stress",)
 
-    def condition(self, material: Any) -> conditions.Free:
+    def condition(self, material: Any) -> Condition:
         return conditions.Free(self._of_place("stress", lambda stress: -stress), **self._warm())
 
 
@@ -228,5 +213,5 @@ class absorbing(SolidEnd):
     given = ("stress",)
     passes = True
 
-    def condition(self, material: Any) -> conditions.Absorbing:
+    def condition(self, material: Any) -> Condition:
         return conditions.Absorbing(self._of_place("stress"), **self._warm())

@@ -1,14 +1,17 @@
-"""What a case says is checked where it says it, so that the message can name the line."""
+"""What a case says is checked where it says it, so that the message can name the line; what its
+functions return for places and times, when they are asked.
+"""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import timedelta
+from functools import wraps
 from math import isfinite
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.errors import InputError
+from fsipetsc.errors import InputError, call, place_of
 
 #: what functions of a case take, and what they return for several unknowns
 Array = NDArray[Any]
@@ -19,6 +22,8 @@ MOST_CELLS = 50_000_000
 POSITIVE, NONNEGATIVE, ANY = "above 0", "not below 0", ""
 #: name of a number -> what it must be: "" for any, "above …" or "not below …"
 Ranges = Mapping[str, str]
+#: in the place of X for functions of time alone
+NOWHERE = np.empty((0, 1))
 
 
 def described(value: Any) -> str:
@@ -27,6 +32,13 @@ def described(value: Any) -> str:
         return f"a function ({getattr(value, '__name__', type(value).__name__)})"
     text = " ".join(repr(value).split())
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def place_text(X: Any) -> str:
+    """ "X = 1", "(X, Y) = (1, 2)": a place in a message."""
+    numbers = [f"{x:.6g}" for x in np.ravel(X)]
+    name, text = ", ".join("XYZ"[: len(numbers)]), ", ".join(numbers)
+    return f"({name}) = ({text})" if len(numbers) > 1 else f"X = {text}"
 
 
 def counted(count: int, word: str) -> str:
@@ -42,12 +54,10 @@ def duration(seconds: float) -> str:
 def number(value: Any, what: str, bound: str = ANY, unit: str = "") -> float:
     """The value as a float; InputError if it is no finite real number or out of bound."""
     expected = f"expected a number{' ' * bool(bound)}{bound}{f' [{unit}]' if unit else ''}"
-    found = np.nan
-    if np.ndim(value) == 0 and not isinstance(value, (str, bytes, bool, np.bool_, complex)):
-        try:
-            found = float(value)
-        except (TypeError, ValueError, OverflowError):
-            pass
+    try:
+        found = np.nan if isinstance(value, (str, bytes, bool, np.bool_)) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        found = np.nan
     if not isfinite(found):
         raise InputError(f"{what} is {described(value)}: {expected}")
     least = float(bound.split()[-1]) if bound else -np.inf
@@ -68,37 +78,19 @@ def check_name(value: Any, what: str) -> None:
         raise InputError(f"{what}: name is {described(value)}: expected a line of text without |")
 
 
-def check_units(value: Any, what: str) -> None:
-    """InputError if a value does not say whether numbers have units."""
-    if value not in ("SI", "none", ""):
-        raise InputError(f"{what}: units is {described(value)}: expected 'SI' or 'none'")
-
-
 def extent(X: Any, what: str) -> tuple[float, float]:
     """(left, right), left < right; InputError."""
     if not isinstance(X, (tuple, list, np.ndarray)) or len(X) != 2:
         raise InputError(f"{what}: X is {described(X)}: expected (left, right), two numbers [m]")
     left, right = (number(end, f"{what}: X") for end in X)
     if not left < right:
-        expected = "expected (left, right) with left below right"
-        raise InputError(f"{what}: X = ({left:g}, {right:g}): {expected}")
+        raise InputError(f"{what}: X = ({left:g}, {right:g}): expected left below right")
     return left, right
 
 
 def whole(value: Any) -> bool:
     """Whether it is a whole number above 0."""
     return isinstance(value, (int, np.integer)) and value is not True and int(value) > 0
-
-
-def own_cells(cells: Any, h: Any, ends: tuple[float, float], what: str) -> int | None:
-    """Cells of a layer that says their number or size h [m], or neither: None. InputError."""
-    if cells is not None and h is not None:
-        raise InputError(f"{what}: cells and h are given: expected one of them")
-    if h is not None:
-        return cells_of(ends, number(h, f"{what}: h", POSITIVE, "m"), what)
-    if cells is not None and not whole(cells):
-        raise InputError(f"{what}: cells is {described(cells)}: expected a whole number above 0")
-    return None if cells is None else int(cells)
 
 
 def cells_of(ends: tuple[float, float], h: float, what: str) -> int:
@@ -110,8 +102,100 @@ def cells_of(ends: tuple[float, float], h: float, what: str) -> int:
     return max(1, round(width))
 
 
-def function(value: Any, what: str, form: str, *, optional: bool = False) -> None:
-    """InputError if a value is no function; form: as in "initial(X) -> (rho, u, T)"."""
+def function(value: Any, what: str, *, optional: bool = False) -> None:
+    """InputError if a value is no function."""
     if not (callable(value) or (optional and value is None)):
-        expected = f"a function {form}{' or None' if optional else ''}"
+        expected = f"a function{' or None' if optional else ''}"
         raise InputError(f"{what} is {described(value)}: expected {expected}")
+
+
+def names_of(kind: str, what: str, d: int) -> tuple[str, ...]:
+    """What initial, exact, values, forcing, prestress of a block of a kind return, by name."""
+    u, x = "uvw"[:d], "xyz"[:d]
+    if what == "prestress":
+        return tuple(f"S_{i}{j}" for i in x for j in x)
+    if kind == "solid":
+        return (*u, "T", *x)
+    return ("rho", *(f"rho {c}" for c in u), "e") if what == "forcing" else ("rho", *u, "T")
+
+
+def block_values(
+    block: Any, what: str, X: Array, t: float, active: slice = slice(None)
+) -> list[Array]:
+    """Values of initial, exact or forcing of a block or a layer at places X (d, n) at time t [s],
+    (n,) each. active: the places at which they count.
+
+    InputError, perhaps on this rank alone; rho and T must be above 0.
+    """
+    first = what in ("initial", "prestress")
+    where = f"{what} of {block}" + ("" if first else f" at t = {t:.6g}")
+    names = getattr(block, "unknowns", None) or names_of(block.kind, what, len(X))
+    arguments, function = tuple(X) if first else (*X, t), getattr(block, what)
+    return checked(function, arguments, X, names, where, what != "forcing", active)
+
+
+def datum(
+    condition: Any, name: str, X: Array, t: float, names: Sequence[str] | None = None
+) -> Array:
+    """A datum of a condition, a number or a function of (*X, t); X: (n, d). InputError.
+
+    (n,), or (n, len(names)) of a function that returns several values.
+    """
+    of = getattr(condition, name)
+    if not callable(of):
+        return np.broadcast_to(np.asarray(of, float), (len(X), *np.shape(of)))
+    owner = getattr(of, "owner", type(condition).__name__)  # an end in one dimension says so
+    where = f"{name} of {owner} at t = {t:.6g}"
+    if names is not None:
+        return np.stack(checked(of, (*X.T, t), X.T, names, where), axis=-1)
+    alone = wraps(of)(lambda *at: (of(*at),))
+    return checked(alone, (*X.T, t), X.T, (name,), where)[0]
+
+
+def checked(
+    function: Callable[..., Any],
+    arguments: Sequence[Any],
+    X: Array,
+    names: Sequence[str],
+    where: str,
+    physical: bool = True,
+    active: slice = slice(None),
+) -> list[Array]:
+    """What a function of the case's returns, an array of (n,) for each name. InputError.
+
+    X: (d, n) places, or NOWHERE for one number each. physical: what is called rho or T must be
+    above 0. active: the places at which values count.
+    """
+    with np.errstate(all="ignore"):  # what comes of it is checked
+        values = call(function, tuple(arguments), where)
+    above = [physical and name in ("rho", "T") for name in names]
+    try:
+        if not isinstance(values, (tuple, list, np.ndarray)) or len(values) != len(names):
+            found = "nothing (is its return missing?)" if values is None else described(values)
+            expected = f"expected {len(names)} values ({', '.join(names)}) in a tuple"
+            raise ValueError(f"returns {found}: {expected}")
+        return [_array_of(*one, X, active) for one in zip(values, names, above, strict=True)]
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{place_of(function)}: {where}: {error}", collective=False) from None
+
+
+def _array_of(value: Any, name: str, positive: bool, X: Array, active: slice) -> Array:
+    """One of the values that a function has returned, for all places. ValueError."""
+    size = X.shape[1]
+    if type(value) is float and isfinite(value) and not positive:
+        return np.full(size, value)  # of ends in one dimension, several times in each stage
+    try:
+        array = np.broadcast_to(np.asarray(value), (size,))
+    except ValueError:
+        array = np.asarray(None)
+    if array.dtype.kind not in "iuf" or isinstance(value, np.ma.MaskedArray):
+        wanted = f"one real number, or {size}, as X has" if len(X) else "a real number"
+        raise ValueError(f"{name} is {described(value)}: expected {wanted}")
+    array = array.astype(float, copy=False)
+    good = np.isfinite(array) & ((array > 0.0) | (not positive))
+    if not good[active].all():
+        i = (active.start or 0) + int(np.argmin(good[active]))
+        at = f" at {place_text(X[:, i])}" if len(X) else ""
+        wanted = "a number above 0" if positive else "a finite number"
+        raise ValueError(f"{name} = {array[i]:.6g}{at}: expected {wanted}")
+    return array

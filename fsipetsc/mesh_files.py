@@ -19,11 +19,11 @@ import numpy as np
 
 from fsipetsc.blocks.block import determinant
 from fsipetsc.blocks.faces import FaceName
-from fsipetsc.blocks.maps import Nodes, nodes
+from fsipetsc.blocks.maps import Nodes
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
 
-#: names of units of length in CGNS -> metres
+#: units of length in CGNS [m]
 METRES = {"Meter": 1.0, "Centimeter": 0.01, "Millimeter": 0.001, "Foot": 0.3048, "Inch": 0.0254}
 METRES |= {"Null": 1.0, "UserDefined": 1.0}
 #: a coordinate is constant that varies by less than this part of the others
@@ -69,13 +69,11 @@ def read_cgns(path: str | Path) -> Grid:
     try:
         with h5py.File(path, "r") as file:
             for base in _labelled(file, "CGNSBase_t"):
-                (unit,) = [
-                    _text(child)[32:64].strip() for child in _labelled(base, "DimensionalUnits_t")
-                ] or ["Null"]
-                if unit not in METRES:
-                    raise ValueError(f"lengths are in {unit}: expected {', '.join(METRES)}")
+                units = [_text(of)[32:64].strip() for of in _labelled(base, "DimensionalUnits_t")]
+                if not {*units} <= {*METRES}:
+                    raise ValueError(f"lengths are in {units[0]}: expected {', '.join(METRES)}")
                 for zone in _labelled(base, "Zone_t"):
-                    _add(grid, zone, METRES[unit])
+                    _add(grid, zone, METRES[(*units, "Null")[0]])
         if not grid.zones:
             raise ValueError("it has no structured zones")
     except (OSError, KeyError, ValueError) as error:
@@ -92,16 +90,17 @@ def _add(grid: Grid, zone: h5py.Group, metres: float) -> None:
     corner = places[(slice(0, 2),) * d]  # two nodes along each axis
     edges = [np.diff(corner, axis=d - 1 - k)[(0,) * d] for k in range(d)]
     turned = determinant(np.array(edges)) < 0.0
-    grid.zones[name] = nodes(np.flip(places, axis=d - 1) if turned else places)
+    grid.zones[name] = Nodes(np.flip(places, axis=d - 1) if turned else places)
     for bc in (bc for group in _labelled(zone, "ZoneBC_t") for bc in _labelled(group, "BC_t")):
         patch = _text(bc["FamilyName"]) if "FamilyName" in bc else bc.name.rsplit("/", 1)[-1]
-        begin, end = (np.asarray(bc["PointRange"][" data"]).reshape(2, d) - 1).tolist()
-        thin = [k for k in range(d) if begin[k] == end[k]]
-        whole = all({begin[k], end[k]} == {0, n - 1} for k, n in enumerate(shape) if k not in thin)
-        if len(thin) != 1 or not whole or begin[thin[0]] not in (0, shape[thin[0]] - 1):
-            found = f"nodes {[b + 1 for b in begin]} to {[e + 1 for e in end]}"
-            raise ValueError(f"zone '{name}', patch '{patch}' has {found}: expected a whole face")
-        (axis,), side = thin, begin[thin[0]] > 0
+        ends = np.sort(np.asarray(bc["PointRange"][" data"]).reshape(2, d) - 1, axis=0).T.tolist()
+        sides = {(k, s): [s * (shape[k] - 1)] * 2 for k in range(d) for s in (0, 1)}
+        every = [[0, n - 1] for n in shape]
+        found = [f for f, at in sides.items() if ends == [*every[: f[0]], at, *every[f[0] + 1 :]]]
+        if not found:
+            wrong = f"nodes {' x '.join(f'{a + 1} to {b + 1}' for a, b in ends)}"
+            raise ValueError(f"zone '{name}', patch '{patch}' has {wrong}: expected a whole face")
+        ((axis, side),) = found
         face = name, axis, int(side != (turned and axis == 0))
         grid.patches[patch] = (*grid.patches.get(patch, ()), face)
 
@@ -109,14 +108,14 @@ def _add(grid: Grid, zone: h5py.Group, metres: float) -> None:
 def _places(name: str, grid: h5py.Group) -> Array:
     """Nodes (…, d) of a zone; of a plane in space without the coordinate that is constant."""
     axes = [np.asarray(grid[f"Coordinate{x}"][" data"]) for x in "XYZ" if f"Coordinate{x}" in grid]
-    if len(axes) < 2:
-        raise ValueError(f"zone '{name}' has {', '.join(grid)}: expected CoordinateX, CoordinateY")
-    if axes[0].ndim < len(axes):
+    if len(axes) == 3 and axes[0].ndim == 2:
         extent = [float(np.ptp(x)) for x in axes]
-        flat = [k for k, e in enumerate(extent) if e <= FLAT * max(extent)]
-        if axes[0].ndim != 2 or len(flat) != 1:
+        flat = int(np.argmin(extent))
+        if extent[flat] > FLAT * max(extent):
             raise ValueError(f"zone '{name}' is no plane: expected one coordinate that is constant")
-        axes = [axes[k] for k in ((1, 2), (2, 0), (0, 1))[flat[0]]]
+        axes = [axes[k] for k in ((1, 2), (2, 0), (0, 1))[flat]]
+    if not 2 <= len(axes) == axes[0].ndim:
+        raise ValueError(f"zone '{name}' has {', '.join(grid)}: expected CoordinateX, CoordinateY")
     return np.stack(axes, axis=-1)
 
 

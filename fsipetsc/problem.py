@@ -4,7 +4,7 @@ The paper's method takes a `Problem` as it is; for all else its layers become bl
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import KW_ONLY, InitVar, dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from functools import wraps
 from itertools import pairwise
 from math import ceil, floor
@@ -16,20 +16,14 @@ from fsipetsc import checks
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.values import NOWHERE, block_values, checked
 from fsipetsc.boundaries import Boundary, Wall
-from fsipetsc.checks import Array, Fields, check_name, check_units, described, extent, function
+from fsipetsc.checks import NOWHERE, Array, Fields, block_values, checked, described
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.symbols import Symbol
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid, Solid
 from fsipetsc.operators.sbp import operator
 
-#: what can stand at the outer end of a layer
-ENDS = {
-    "fluid": "Wall, Open or Dirichlet of fsipetsc",
-    "solid": "clamped(…), free(…) or absorbing(…)",
-}
 Function = Callable[..., Any]
 
 
@@ -45,29 +39,24 @@ class _Layer:
     exact: Callable[[Array, float], Fields] | None = None
     _: KW_ONLY
     cells: int | None = None
-    h: InitVar[float | None] = None
     kind: ClassVar[str]
     material_class: ClassVar[type]
     fields: ClassVar[tuple[str, ...]]
 
-    def __post_init__(self, h: float | None) -> None:
+    def __post_init__(self) -> None:
         what, wanted = f"{type(self).__name__} {described(self.name)}", self.material_class
-        check_name(self.name, what)
+        checks.check_name(self.name, what)
         if not isinstance(self.material, wanted):
             found = described(self.material)
             raise InputError(f"{what}: material is {found}: expected a {wanted.__name__}")
-        object.__setattr__(self, "X", extent(self.X, what))
-        object.__setattr__(self, "cells", checks.own_cells(self.cells, h, self.X, what))
-        for name, form in (("initial", "(X)"), ("exact", "(X, t)"), ("forcing", "(X, t)")):
-            of, optional = getattr(self, name), name != "initial"
-            function(of, f"{what}: {name}", name + form, optional=optional)
+        object.__setattr__(self, "X", checks.extent(self.X, what))
+        for name in ("initial", "forcing", "exact"):
+            checks.function(getattr(self, name), f"{what}: {name}", optional=name != "initial")
 
     def __str__(self) -> str:
         return f"layer '{self.name}'"
 
-    def values(
-        self, what: str, X: Array, t: float = 0.0, active: slice = slice(None)
-    ) -> list[Array]:
+    def values(self, what: str, X: Array, t: float = 0.0, active: Any = slice(None)) -> list[Array]:
         """Values of initial, exact or forcing at points X (n,), which count at the active ones
         only. InputError, perhaps on this rank alone.
         """
@@ -76,14 +65,11 @@ class _Layer:
     def fitting(self, h: float) -> int:
         """Cells of the size h [m] that -fsi_h says; a solid must end at a point. InputError."""
         length, cells = self.X[1] - self.X[0], checks.cells_of(self.X, h, f"-fsi_h {h:g}: {self}")
-        width = length / h
-        if self.kind == "solid" and abs(width - cells) > 1e-6 * max(1.0, width):
-            near = sorted({max(1, floor(width)), ceil(width)})
+        if self.kind == "solid" and abs(length / h - cells) > 1e-6 * max(1.0, length / h):
+            near = sorted({max(1, floor(length / h)), ceil(length / h)})
             fits = " and ".join(f"{length / n:.10g}" for n in near)
-            raise InputError(
-                f"-fsi_h {h:.10g} misses an interface: {self} would have {width:.6g} cells; "
-                f"{fits} would fit, or the layer may have cells=… of its own"
-            )
+            wrong = f"-fsi_h {h:.10g} misses an interface: the length of {self} is {length:.10g}"
+            raise InputError(f"{wrong}; {fits} would fit, or cells=… of its own")
         return cells
 
 
@@ -103,8 +89,7 @@ class FluidLayer(_Layer):
         forcing: `forcing(X, t)` returns the right-hand sides of rho [kg/(m3 s)], rho u [N/m3] and
             the energy per volume e [W/m3]; None: 0.
         exact: `exact(X, t)` returns what `initial` does, where an exact solution is known.
-        cells: number of cells between its ends; None: by h.
-        h: size of the cells [m], of which the nearest that fits is taken; None: -fsi_h.
+        cells: number of cells between its ends; None: by -fsi_h.
         mapping: of older case files; it changes nothing.
     """
 
@@ -126,7 +111,6 @@ class SolidLayer(_Layer):
         forcing: `forcing(X, t)` returns the right-hand sides of the same, per second; None: 0.
         exact: as of `FluidLayer`.
         cells: as of `FluidLayer`.
-        h: as of `FluidLayer`.
     """
 
     kind = "solid"
@@ -166,17 +150,14 @@ class Problem:
             expected = "expected a tuple of FluidLayer and SolidLayer"
             raise InputError(f"Problem: layers is {described(given)}: {expected}")
         object.__setattr__(self, "layers", tuple(given))
-        form = "jumps(k, t) -> (g_u, g_stress, g_T, g_flux)"
-        function(self.jumps, "Problem: jumps", form, optional=True)
-        check_units(self.units, "Problem")
         kinds, names = [v.kind for v in given], [v.name for v in given]
         if not kinds or any(a == b for a, b in pairwise(kinds)) or len({*names}) < len(names):
             expected = "expected fluid and solid in turn, each with a name of its own"
             raise InputError(f"Problem: layers are {kinds}, {names}: {expected}")
         for end, layer in ((self.left, given[0]), (self.right, given[-1])):
             if getattr(end, "of", None) != layer.kind:
-                what = f"at the outer end of the {layer.kind} {layer} stands {described(end)}"
-                raise InputError(f"{what}: expected {ENDS[layer.kind]}")
+                found = f"at the outer end of {layer} stands {described(end)}"
+                raise InputError(f"{found}: expected an end of a {layer.kind}")
         for a, b in pairwise(given):
             if abs(a.X[1] - b.X[0]) > 1e-12 * max(abs(a.X[1]), a.X[1] - a.X[0]):
                 begins = f"{b} begins at {b.X[0]:.10g}"
@@ -188,14 +169,15 @@ class Problem:
 
     def end(self, k: int, side: int) -> Boundary | None:
         """What stands at the left (0) or right (1) end of layer k, None where a layer does."""
-        outer = {(0, 0): self.left, (len(self.layers) - 1, 1): self.right}
-        return outer.get((k, side))
+        return {(0, 0): self.left, (len(self.layers) - 1, 1): self.right}.get((k, side))
 
     def jumps_at(self, k: int, t: float) -> list[float]:
         """The prescribed jumps at interface k at time t [s]. InputError."""
-        jumps, names = cast(Any, self.jumps), ("g_u", "g_stress", "g_T", "g_flux")
-        where = f"jumps at interface {k} at t = {t:.6g}"
-        return [float(g[0]) for g in checked(jumps, (k, t), NOWHERE, names, where)]
+        where, names = (
+            f"jumps at interface {k} at t = {t:.6g}",
+            ("g_u", "g_stress", "g_T", "g_flux"),
+        )
+        return [float(g[0]) for g in checked(cast(Any, self.jumps), (k, t), NOWHERE, names, where)]
 
     @property
     def interfaces(self) -> tuple[tuple[int, int], ...]:
@@ -269,9 +251,7 @@ def _gas(problem: Problem, k: int, cells: int, notes: list[str]) -> Block:
                 f"at x = {end.x:g}: the gas is stretched to it, and has another mass"
             )
             grid[side] = float(end.x)
-    low, high = grid
-    if not low < high:
-        raise InputError(f"{layer} would begin at x = {low:g} and end at x = {high:g}")
+    low, high = checks.extent(grid, str(layer))
 
     def of_grid(function: Function | None) -> Function | None:
         if function is None or (a, b) == (low, high):
@@ -360,9 +340,9 @@ def _jumps(problem: Problem, jumps: Function) -> Function:
         for k in np.unique(nearest).tolist():
             u, stress, T, flux = problem.jumps_at(k, t)
             if u != 0.0 or T != 0.0:
-                what = f"jumps at interface {k} at t = {t:.6g}: g_u = {u:g}, g_T = {T:g}"
+                wrong = f"jumps at interface {k} at t = {t:.6g}: g_u = {u:g}, g_T = {T:g}"
                 expected = "expected 0, or -fsi_coupling projection"
-                raise InputError(f"{what}: {expected}", collective=False)
+                raise InputError(f"{wrong}: {expected}", collective=False)
             into_solid = 1.0 if problem.layers[k].kind == "fluid" else -1.0
             found[:, nearest == k] = -into_solid * np.array([[stress], [flux]])
         return found

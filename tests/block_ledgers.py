@@ -101,9 +101,7 @@ def bent(*X):
 
 def conditions_of(blocks, faces):
     """Of faces that meet no other; faces: by (name, axis, side), (kind, axis, …) or kind."""
-    sides = [
-        (b, k, s) for b in blocks for k in range(b.dimension) if not b.periodic[k] for s in (0, 1)
-    ]
+    sides = [(b, *face) for b in blocks for face in b.faces]
     middles = [b.face_positions(k, s).mean(axis=1) for b, k, s in sides]
     found = {}
     for (b, *face), middle in zip(sides, middles):

@@ -59,7 +59,6 @@ def fit(*stack, **more):
 LOW = gas((0.0, 0.5))
 WRONG = {
     "ends at 0.5, 'solid' begins at 0.6": lambda: fit(LOW, solid((0.6, 1.0))),
-    "cells and h are given": lambda: gas((0.0, 0.5), cells=8, h=0.1),
     "0.125 apart from 0 to 1": lambda: fit(LOW, solid((0.5, 1.0), span=[(0.1, 0.6)])),
 }
 

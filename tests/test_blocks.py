@@ -97,10 +97,10 @@ def test_any_face_meets_any_face_however_it_is_turned(d):
         )
         assert face == (0, 1) and (back.block, back.axis, back.side) == (0, 0, 1)
         assert (met.block, met.axis, met.side) == (1, *back_face) and problem.is_interface(0, 0, 1)
-        other, mine = partners(problem), problem.face_nodes(0, 0, 1)
+        other, mine = partners(problem), problem.blocks[0].face_nodes(0, 1)
         others = [other[n] for n in mine.tolist()]
         assert np.array_equal(problem.places(0, mine), problem.places(1, others))
-        assert set(others) == set(problem.face_nodes(1, *back_face).tolist())
+        assert set(others) == set(problem.blocks[1].face_nodes(*back_face).tolist())
         seen.add((met.axis, met.side))
     assert seen == set(product(range(d), (0, 1)))
 
@@ -110,7 +110,7 @@ def test_rings_meet_wherever_their_angles_begin():
     ring = maps.annulus(1.0, 1.5, (np.pi / 3, np.pi / 3 + 2 * np.pi))
     outer = Block("o", SOLID, ring, (4, 12), nothing, periodic=(False, True))
     problem = BlockProblem([inner, outer], {("i", 0, 0): Slip(), ("o", 0, 1): Free()})
-    mine, others = problem.face_nodes(0, 0, 1), problem.face_nodes(1, 0, 0)
+    mine, others = problem.blocks[0].face_nodes(0, 1), problem.blocks[1].face_nodes(0, 0)
     other = partners(problem)
     assert [other[n] for n in mine.tolist()] == [others[(j - 2) % 12] for j in range(12)]
     ghosted = problem.positions(0, [(4, 5), (-2, 14)])

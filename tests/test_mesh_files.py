@@ -60,7 +60,7 @@ def test_blocks_of_a_file_of_gmsh_meet():
     conditions = {"inner": NoSlip(), "outer": Slip(), "bottom": Slip(), "left": Slip()}
     problem = problem_of(grid, conditions)
     assert problem.joined
-    X = problem.places(0, problem.face_nodes(0, 0, 0))
+    X = problem.places(0, problem.blocks[0].face_nodes(0, 0))
     assert np.hypot(*X.T) == pytest.approx(np.ones(13), abs=1e-12)
     with pytest.raises(InputError, match=r"axis 1, side 1.*has no condition"):
         problem_of(grid, {k: v for k, v in conditions.items() if k != "left"})
@@ -86,7 +86,7 @@ def test_units_planes_and_hands(tmp_path):
     ("changed", "message"),
     [
         ({"kind": "Unstructured"}, "zone 'z' is Unstructured: expected Structured"),
-        ({"patch": ((1, 1), (3, 1))}, "'wall' has nodes .1, 1. to .3, 1.: expected a whole face"),
+        ({"patch": ((1, 1), (3, 1))}, "'wall' has nodes 1 to 3 x 1 to 1: expected a whole face"),
         ({"unit": "Furlong"}, "lengths are in Furlong: expected Meter"),
     ],
 )

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fsipetsc.blockrun.face_terms import FaceTerms
 from fsipetsc.blockrun.saved import fields_of
-from fsipetsc.blocks.values import block_values
+from fsipetsc.checks import block_values
 from fsipetsc.errors import FsiError, InputError, place_in, reason
 from fsipetsc.kernels.procedure import Code, Procedure
 from fsipetsc.kernels.symbols import numbers_of

@@ -26,7 +26,7 @@ from fsipetsc.blockrun.saved import (
     step_record,
 )
 from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.blocks.values import block_values
+from fsipetsc.checks import block_values
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
 from fsipetsc.operators.sbp import OPERATORS
@@ -79,7 +79,7 @@ class BlockState(State):
         announce: Callable[[str], None] = lambda text: None,
     ) -> None:
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
-        self.h = float(min(problem.spacings))
+        self.h = problem.spacing
         self.shocks, self.loose = form.shock > 0.0, loose_gases(problem, form.convection)
         self.lossy, auxiliary = lossy(problem), gained(problem).itemsize // 8
         self.layout = BlockLayout(comm, problem, order, self.shocks, partition, auxiliary)

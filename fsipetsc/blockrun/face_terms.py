@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blocks.block_problem import Meeting
-from fsipetsc.blocks.conditions import Condition, Effect
-from fsipetsc.blocks.conditions.condition import COLUMNS, VECTORS
-from fsipetsc.blocks.maps import place_text
-from fsipetsc.blocks.metrics import Cube, Wide
-from fsipetsc.blocks.values import checked, datum
+from fsipetsc.blocks.conditions import COLUMNS, VECTORS, Condition
+from fsipetsc.blocks.face_formulas import Effect
+from fsipetsc.blocks.metrics import Wide, cube_of
+from fsipetsc.checks import checked, datum, place_text
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.symbols import numbers_of
 from fsipetsc.parallel.block_layout import Part
@@ -148,10 +147,10 @@ def _turned(problem: Any, part: Part, order: int, axis: int, side: int, nodes: s
     places = np.meshgrid(*index, indexing="ij")
     at = np.ravel_multi_index(places, part.patch.ghosted, order="F").ravel(order="F")
     areas = np.zeros((9, int(np.prod([end - begin for begin, end in where]))))
-    cube = Cube(wide, [(axis, 0)])
+    address, kept = cube_of(wide, [(axis, 0)])
     of_cube = wide.y.copy(), wide.y, at, areas
     sign, count = 1.0 if side else -1.0, nodes.stop - nodes.start
-    return cube, Turned(cube.address, *of_cube, 3 * axis, sign, nodes.start, count)
+    return kept, Turned(address, *of_cube, 3 * axis, sign, nodes.start, count)
 
 
 def _left_out(problem: Any, k: int) -> float:
@@ -192,7 +191,7 @@ def nodes_of(problem: Any, part: Part, axis: int, side: int) -> tuple[Array, ...
     """This rank's nodes of those of a face: numbers in the ghosted array and among the owned ones,
     axis, sign, 1 / weight of the axis, product of the other weights, column of its energy.
     """
-    nodes, through = problem.face_nodes(part.k, axis, side), problem.column_of_face
+    nodes, through = problem.blocks[part.k].face_nodes(axis, side), problem.column_of_face
     own = part.rows_among(nodes)
     at = part.patch.ghosted_rows(own)
     last = part.patch.first[axis] + (part.patch.own[axis] - 1 if side else 0)

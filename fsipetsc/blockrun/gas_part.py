@@ -13,7 +13,7 @@ from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Centre
 from fsipetsc.blocks.grid import motion_of
-from fsipetsc.blocks.values import block_values
+from fsipetsc.checks import block_values
 from fsipetsc.equations.vectors import dot
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.procedure import Code
@@ -71,8 +71,7 @@ class GasPart(BlockPart):
             np.int64,
         )
         where, self.moves = self.part.ghosted, nodes.size > 0
-        made = motion_of(self._problem, k, self._order, where, nodes, faces)
-        self._grid, self.metrics, self._kept = made
+        self._grid, self.metrics = motion_of(self._problem, k, self._order, where, nodes, faces)
         self.gather = self._layout.gather(k, nodes, 2 * self._d)
         own, particle = system.nodes[k]
         self._particles = particle[np.searchsorted(own, nodes[self.gather.rows])]

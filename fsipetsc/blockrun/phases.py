@@ -89,7 +89,7 @@ class Phases:
         """A time [s] in which little happens, for differences in time: a power of two, so that it
         is the same in most steps, and data need not be asked for again where the next step begins.
         """
-        rate, h = float(self.found.results[RATE]), float(min(self.problem.spacings))
+        rate, h = float(self.found.results[RATE]), self.problem.spacing
         _, power = math.frexp(0.25 / rate if 0.0 < rate < np.inf else 1e-3 * h)
         return math.ldexp(0.25, power)
 

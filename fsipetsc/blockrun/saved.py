@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.blocks.values import block_values, checked, names_of
+from fsipetsc.checks import block_values, checked, names_of
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option
 from fsipetsc.scheme.observables import (
@@ -106,7 +106,7 @@ def header(state: Any) -> dict[str, Any]:
         layer["periodic"] = list(block.periodic)[::-1]
     return {
         **found,
-        "interface_faces": problem.interface_faces,
+        "interface_faces": [problem.interface_faces(n)[0] for n in range(len(problem.interfaces))],
         "faces": problem.face_names,
         "symmetry": problem.symmetry,
         "points": [[node.name, list(node.X)] for node in state.recorded],
@@ -211,7 +211,7 @@ def _nearest(problem: BlockProblem, place: Array) -> Probe:
     _, _, k, node, X, _ = min(near, key=lambda of_block: of_block[1:3])
     faces = problem.faces_of(k) if problem.layers[k].kind == "solid" else ()
     there = (face for face in sorted(faces) if problem.is_interface(k, *face))
-    face = next((face for face in there if node in problem.face_nodes(k, *face)), None)
+    face = next((face for face in there if node in problem.blocks[k].face_nodes(*face)), None)
     return Probe(problem.layers[k].name, k, node, tuple(X), face)
 
 

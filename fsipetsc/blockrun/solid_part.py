@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from fsipetsc.blockrun.block_part import BlockPart, Recorded
 from fsipetsc.blocks.metrics import solid_metrics
-from fsipetsc.blocks.values import block_values
+from fsipetsc.checks import block_values
 from fsipetsc.equations.tensors import add_unit, apply, cofactor
 from fsipetsc.equations.vectors import dot
 from fsipetsc.kernels.arrays import zeros

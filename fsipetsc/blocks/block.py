@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.blocks.maps import Map, Nodes, place_text
-from fsipetsc.checks import Array, check_name, described, function, whole
+from fsipetsc.blocks.maps import Map, Nodes
+from fsipetsc.checks import Array, check_name, described, function, place_text, whole
 from fsipetsc.equations import tensors
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
@@ -20,9 +20,8 @@ from fsipetsc.materials.solid import ElasticSolid
 
 #: index ranges, one (begin, end) for each axis
 Range = Sequence[tuple[int, int]]
-#: functions of a block -> their arguments and values
-_FORMS = {"map": "(xi) -> d arrays", "initial": "(*X) -> the unknowns", "prestress": "(*X) -> P"}
-_FORMS |= {"exact": "(*X, t) -> the unknowns", "forcing": "(*X, t) -> the rates"}
+#: functions of a block
+_FUNCTIONS = "map", "initial", "forcing", "exact", "prestress", "exact_stress"
 
 
 @dataclass(frozen=True)
@@ -66,51 +65,51 @@ class Block:
     def __post_init__(self) -> None:
         check_name(self.name, "Block")
         if not isinstance(self.material, (Fluid, ElasticSolid)):
-            wanted = "expected a Fluid or an ElasticSolid"
-            raise InputError(f"{self}: material is {described(self.material)}: {wanted}")
+            found = f"material is {described(self.material)}"
+            raise InputError(f"{self}: {found}: expected a Fluid or an ElasticSolid")
         self._check_axes()
-        for name, form in _FORMS.items():
-            of, optional = getattr(self, name), name not in ("map", "initial")
-            function(of, f"{self}: {name}", name + form, optional=optional)
+        for name in _FUNCTIONS:
+            optional = name not in ("map", "initial")
+            function(getattr(self, name), f"{self}: {name}", optional=optional)
         if self.prestress is not None and self.kind == "fluid":
             raise InputError(f"{self}: prestress is given: expected none, as it is a gas")
-        if isinstance(self.map, Nodes) and self.map.cells != self.cells:
-            raise InputError(f"{self}: its map has {self.map.cells} cells, the block {self.cells}")
         if not isinstance(self.map, Nodes):
             self._check_smooth()
+        elif self.map.cells != self.cells:
+            raise InputError(f"{self}: its map has {self.map.cells} cells, the block {self.cells}")
         volumes, middles = self.pieces()
         if not volumes.min() > 0.0:
             place = place_text(middles.reshape(self.dimension, -1)[:, volumes.argmin()])
-            found = f"J = {volumes.min():.3g} per piece at {place}"
-            raise InputError(f"{self}: its map has {found}: expected J > 0, right-handed axes")
+            wrong = f"its map has J = {volumes.min():.3g} per piece at {place}"
+            raise InputError(f"{self}: {wrong}: expected J > 0, right-handed axes")
 
     def __str__(self) -> str:
         return f"block '{self.name}'"
 
     @property
     def kind(self) -> str:
-        """Which it is: "fluid" or "solid"."""
+        """ "fluid" or "solid"."""
         return self.material.kind
 
     @property
     def dimension(self) -> int:
-        """1, 2 or 3."""
         return len(self.cells)
+
+    @property
+    def faces(self) -> list[tuple[int, int]]:
+        """(axis, side) of its faces; there are none along a periodic axis."""
+        return [
+            (k, side) for k, closed in enumerate(self.periodic) for side in (0, 1) if not closed
+        ]
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Nodes along each axis, axis 0 first."""
         return tuple(c + (not closed) for c, closed in zip(self.cells, self.periodic))
 
-    def positions(self, where: Range) -> Array:
-        """Places X of a range of nodes, (d, N), axis 0 fastest. Beyond the ends of a periodic axis
-        they go on. InputError.
-        """
-        index = mesh([np.arange(*ends) for ends in where])
-        return self.places(index).reshape(self.dimension, -1)
-
     def places(self, index: Sequence[Array], known: tuple[Array, Array] | None = None) -> Array:
-        """Places X (d, …) of the nodes of these indices, d arrays of one shape. InputError.
+        """Places X (d, …) of the nodes of these indices, d arrays of one shape; beyond the ends of
+        a periodic axis they go on. InputError.
 
         known: numbers of nodes, ascending, and X (d, M) of these instead of what the map gives.
         """
@@ -142,11 +141,15 @@ class Block:
             found[axis] = np.where(np.abs(period) < 1e-12 * size, 0.0, period)
         return found
 
+    def face_nodes(self, axis: int, side: int) -> Array:
+        """Numbers of the nodes of a face, lower axis fastest."""
+        index = [np.arange(n) for n in self.shape]
+        index[axis] = index[axis][-1:] if side else index[axis][:1]
+        return np.ravel_multi_index(mesh(index)[::-1], self.shape[::-1]).ravel()
+
     def face_positions(self, axis: int, side: int) -> Array:
-        """Places X of the nodes of a face, (d, N), lower axis fastest."""
-        end = side * (self.shape[axis] - 1)
-        ends = [(end, end + 1) if k == axis else (0, n) for k, n in enumerate(self.shape)]
-        return self.positions(ends)
+        """Places X of these nodes, (d, N)."""
+        return self.places(np.unravel_index(self.face_nodes(axis, side), self.shape[::-1])[::-1])
 
     def _mapped(self, xi: Sequence[Array]) -> Array:
         """X (d, …) at logical coordinates. InputError for what a map raises, and for what is no
@@ -158,8 +161,7 @@ class Block:
         except Exception as error:
             raise InputError(f"{self}: its map fails: {type(error).__name__}: {error}") from error
         if len(X) != self.dimension:
-            found = f"{len(X)} coordinates: expected {self.dimension}"
-            raise InputError(f"{self}: its map gives {found}")
+            raise InputError(f"{self}: its map gives {len(X)} numbers: expected {self.dimension}")
         good = np.isfinite(X).all(axis=0).ravel()
         if not good.all():
             where = ", ".join(f"{s.ravel()[good.argmin()]:.6g}" for s in xi)
@@ -168,19 +170,17 @@ class Block:
 
     def _check_axes(self) -> None:
         """InputError for wrong cells or periodic; both become tuples."""
-        cells, periodic = (
-            tuple(given) if isinstance(given, (tuple, list)) else (given,)
-            for given in (self.cells, self.periodic)
-        )
-        if not (1 <= len(cells) <= 3 and all(map(whole, cells))):
+        for name in ("cells", "periodic"):
+            given = getattr(self, name)
+            object.__setattr__(self, name, tuple(np.atleast_1d(given).tolist()))
+        d = len(self.cells)
+        if not (1 <= d <= 3 and all(map(whole, self.cells))):
             wanted = "expected 1, 2 or 3 whole numbers above 0"
             raise InputError(f"{self}: cells is {described(self.cells)}: {wanted}")
-        periodic = periodic or (False,) * len(cells)
-        if len(periodic) != len(cells) or not all(isinstance(p, bool) for p in periodic):
+        object.__setattr__(self, "periodic", self.periodic or (False,) * d)
+        if len(self.periodic) != d or not all(isinstance(p, bool) for p in self.periodic):
             wanted = "expected True or False for each axis"
             raise InputError(f"{self}: periodic is {described(self.periodic)}: {wanted}")
-        object.__setattr__(self, "cells", tuple(int(c) for c in cells))
-        object.__setattr__(self, "periodic", periodic)
 
     def _check_smooth(self) -> None:
         """InputError where second differences along an axis do not fall as the square of the

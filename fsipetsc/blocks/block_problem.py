@@ -1,6 +1,6 @@
 """A problem: blocks, what stands at their faces, and what a run asks of them."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -9,9 +9,8 @@ import numpy as np
 
 from fsipetsc.blocks.block import Block, Range, mesh, size_of
 from fsipetsc.blocks.conditions import Centre, Condition, Hinge
-from fsipetsc.blocks.faces import FaceName, Faces, Kinds, Meeting, face_nodes, number_of, united
-from fsipetsc.blocks.maps import place_text
-from fsipetsc.checks import Array, check_units, described, function
+from fsipetsc.blocks.faces import FaceName, Faces, Kinds, Meeting, number_of, united
+from fsipetsc.checks import Array, described, function, place_text
 from fsipetsc.errors import InputError
 from fsipetsc.materials.own import knows_entropy
 from fsipetsc.operators.bands import Band, band, centred_band
@@ -27,8 +26,7 @@ class BlockProblem:
 
     Args:
         blocks: one or more blocks, in one, two or three dimensions.
-        faces: face -> condition (`fsipetsc.blocks.conditions`) for each face that meets no other
-            one; or pairs of these.
+        faces: face -> condition (`fsipetsc.blocks.conditions`) of each face that meets no other.
         jumps: `jumps(*X, t)` returns d tractions [Pa] and heat [W/m2] per reference area, which
             interfaces supply from outside; None: 0.
         points: (name of a block, place X, `Hinge()`) for points of solids' faces that are held.
@@ -40,7 +38,7 @@ class BlockProblem:
     """
 
     blocks: Sequence[Block]
-    faces: Mapping[FaceName, Condition] | Iterable[tuple[FaceName, Condition]]
+    faces: Mapping[FaceName, Condition]
     jumps: Callable[..., Any] | None = None
     points: Sequence[tuple[str, Any, Hinge]] = ()
     notes: Sequence[str] = ()
@@ -53,27 +51,36 @@ class BlockProblem:
         apart [m]. gas_laws: those of its gases that differ in formulas or numbers, in their order.
         """
         self.blocks, self.notes = tuple(self.blocks), tuple(self.notes)
-        self._check_blocks()
-        check_units(self.units, "BlockProblem")
-        form = "jumps(*X, t) -> (traction per axis, heat)"
-        function(self.jumps, "BlockProblem: jumps", form, optional=True)
+        names = [getattr(block, "name", None) for block in self.blocks]
+        if not names or not all(isinstance(block, Block) for block in self.blocks):
+            raise InputError("BlockProblem: blocks: expected one or more Blocks")
+        if len({*names}) < len(names) or len({block.dimension for block in self.blocks}) > 1:
+            wanted = "expected names of their own and one number of dimensions"
+            raise InputError(f"BlockProblem: blocks {', '.join(names)}: {wanted}")
+        function(self.jumps, "BlockProblem: jumps", optional=True)
         faces = Faces(self.blocks, self.faces)
-        self.faces, self.tolerance, self.members = faces.named, faces.tolerance, faces.particles
+        self.tolerance, self.members, self._kinds = faces.tolerance, faces.particles, faces.kinds
         self._check_symmetry()
-        self._kinds = faces.kinds
         self._known = [faces.places(k) for k in range(len(self.blocks))]
         self._find_laws()
         self.hinges = frozenset(self._hinge(*point) for point in self.points)
 
     @property
     def dimension(self) -> int:
-        """1, 2 or 3."""
         return self.blocks[0].dimension
+
+    @property
+    def layers(self) -> Sequence[Block]:
+        """The blocks, under the name that a run has for those of either method."""
+        return self.blocks
+
+    def unit(self, name: str) -> str:
+        """The unit after a number in a message: " m", or nothing without dimensions."""
+        return f" {name}" if self.units == "SI" else ""
 
     def centred(self, k: int) -> bool:
         """Whether block k goes to r = 0, along its last axis."""
-        face = self.blocks[k].name, self.dimension - 1, 0
-        return isinstance(self.faces.get(face), Centre)
+        return isinstance(self._kinds[k].get((self.dimension - 1, 0)), Centre)
 
     def band(self, k: int, order: int, axis: int) -> Band:
         """Pair weights of an axis of block k."""
@@ -81,6 +88,8 @@ class BlockProblem:
         if axis == self.dimension - 1 and self.centred(k):
             return centred_band(order, block.cells[axis], self.symmetry)
         return band(order, block.cells[axis], block.periodic[axis])
+
+    # faces
 
     def faces_of(self, k: int) -> Kinds:
         """(axis, side) -> what stands at the faces of block k; nothing on a periodic axis."""
@@ -99,6 +108,14 @@ class BlockProblem:
         """Where the energy of a face is among what comes in, see `face_names`."""
         return {face: column for column, face in enumerate(self.outer_faces)}
 
+    @property
+    def face_names(self) -> list[str]:
+        """Of what energy comes in by: the outer faces, as "gas, axis 0, side 1"; at last that of
+        forces, interfaces and points that are held.
+        """
+        names = (f"{self.blocks[k].name}, axis {a}, side {side}" for k, a, side in self.outer_faces)
+        return [*names, "through no face"]
+
     def is_interface(self, k: int, axis: int, side: int) -> bool:
         """Whether gas meets a solid at a face of block k."""
         kind = self._kinds[k].get((axis, side))
@@ -115,9 +132,38 @@ class BlockProblem:
         """Whether there are joins of gas and gas or solid and solid."""
         return any(self.blocks[k].kind == self.blocks[j].kind for k, j in self._meeting)
 
-    def face_nodes(self, k: int, axis: int, side: int) -> Array:
-        """Numbers of the nodes of a face of block k, lower axis fastest."""
-        return face_nodes(self.blocks[k].shape, axis, side)
+    @cached_property
+    def bodies(self) -> list[list[int]]:
+        """Numbers of the blocks of each body of gas, which joins connect."""
+        gas = [block.kind == "fluid" for block in self.blocks]
+        pairs = [(k, j) for k, j in self._meeting if gas[k] and gas[j]]
+        first = united(len(gas), [tuple(np.array(pairs, int).reshape(-1, 2).T)])
+        return [np.flatnonzero(first == k).tolist() for k in np.unique(first) if gas[k]]
+
+    @cached_property
+    def interfaces(self) -> list[tuple[int, int]]:
+        """(block of gas, block of a solid) that have faces in common, in the order of blocks."""
+        kinds, pair = [block.kind for block in self.blocks], ("fluid", "solid")
+        found = {(k, j) for k, j in self._meeting if (kinds[k], kinds[j]) == pair}
+        return sorted(found, key=sorted)
+
+    @property
+    def interface_names(self) -> list[str]:
+        """As "gas | plate", the block with the lower number first."""
+        return [" | ".join(self.blocks[k].name for k in sorted(pair)) for pair in self.interfaces]
+
+    def interface_faces(self, number: int) -> list[list[int]]:
+        """[block, axis, side] of the solid's faces on an interface."""
+        gas, k = self.interfaces[number]
+        faces = self.faces_of(k).items()
+        return sorted([k, *f] for f, c in faces if isinstance(c, Meeting) and c.block == gas)
+
+    def interface_nodes(self, number: int) -> Array:
+        """Nodes of the solid on an interface, each once."""
+        faces = self.interface_faces(number)
+        return np.unique(np.concatenate([self.blocks[k].face_nodes(*face) for k, *face in faces]))
+
+    # places
 
     def places(self, k: int, nodes: Array) -> Array:
         """X of nodes of block k, (len, d); on faces the same bits for all nodes at one place."""
@@ -157,59 +203,13 @@ class BlockProblem:
         normal /= np.linalg.norm(normal)
         return normal, here, np.mean(around, axis=0) if around else here - normal
 
-    # what a run asks for
-
-    @property
-    def layers(self) -> Sequence[Block]:
-        """The blocks, under the name that a run has for those of either method."""
-        return self.blocks
-
-    def unit(self, name: str) -> str:
-        """The unit after a number in a message: " m", or nothing without dimensions."""
-        return f" {name}" if self.units == "SI" else ""
-
     @cached_property
-    def interfaces(self) -> list[tuple[int, int]]:
-        """(block of gas, block of a solid) that have faces in common, in the order of blocks."""
-        kinds, pair = [block.kind for block in self.blocks], ("fluid", "solid")
-        found = {(k, j) for k, j in self._meeting if (kinds[k], kinds[j]) == pair}
-        return sorted(found, key=sorted)
-
-    @property
-    def interface_names(self) -> list[str]:
-        """As "gas | plate", the block with the lower number first."""
-        pairs = (sorted(pair) for pair in self.interfaces)
-        return [" | ".join(self.blocks[k].name for k in pair) for pair in pairs]
-
-    @property
-    def face_names(self) -> list[str]:
-        """Of what energy comes in by: the outer faces, as "gas, axis 0, side 1"; at last that of
-        forces, interfaces and points that are held.
-        """
-        names = (f"{self.blocks[k].name}, axis {a}, side {side}" for k, a, side in self.outer_faces)
-        return [*names, "through no face"]
-
-    def interface_nodes(self, number: int) -> np.ndarray:
-        """Nodes of the solid on an interface, each once."""
-        faces = [self.face_nodes(*face) for face in self._solid_faces(number)]
-        return np.unique(np.concatenate(faces))
-
-    @property
-    def interface_faces(self) -> list[list[int]]:
-        """[block, axis, side] of the solid's face on each interface, the first one of several."""
-        return [self._solid_faces(number)[0] for number in range(len(self.interfaces))]
-
-    def _solid_faces(self, number: int) -> list[list[int]]:
-        """[block, axis, side] of the solid's faces on an interface."""
-        gas, k = self.interfaces[number]
-        faces = self.faces_of(k).items()
-        return sorted([k, *f] for f, c in faces if isinstance(c, Meeting) and c.block == gas)
-
-    @cached_property
-    def spacings(self) -> list[float]:
-        """The mean size of the cells of each block [m]."""
+    def spacing(self) -> float:
+        """The mean size of the cells of the finest block [m]."""
         d = self.dimension
-        return [(size_of(b) / np.prod(b.cells)) ** (1.0 / d) for b in self.blocks]
+        return min((size_of(b) / float(np.prod(b.cells))) ** (1.0 / d) for b in self.blocks)
+
+    # what happens
 
     @property
     def _forced(self) -> bool:
@@ -226,53 +226,6 @@ class BlockProblem:
         """No data of faces and no forcing depend on time."""
         return all(c.steady for c in self.outer_faces.values()) and not self._forced
 
-    @cached_property
-    def invariants(self) -> dict[str, Any]:
-        """What must not change, as JSON has it: see fsipetsc.scheme.conservation_check.
-
-        Less what comes in through faces and by forces, the mass of each body of gas, momentum and
-        energy; energy with the potential energy of constant forces where no mass comes in and grids
-        of gas are at rest; the entropy of gases, where it is known, nothing comes in, and they give
-        no heat to solids.
-        """
-        solids = [block for block in self.blocks if block.kind == "solid"]
-        gases = [k for k, block in enumerate(self.blocks) if block.kind == "fluid"]
-        outer, forced = self.outer_faces.values(), self._forced
-        pairs = ((self.blocks[gas].material, self.blocks[k].material) for gas, k in self.interfaces)
-        shared = any(gas.kappa > 0.0 and solid.kappa_e > 0.0 for gas, solid in pairs)
-        entropy = (
-            all(solid.material.heat == "elastic" for solid in solids)
-            and all(map(knows_entropy, self.gas_laws))
-            and all(condition.conserves_energy for condition in outer)
-            and not (shared or forced)
-        )
-        moving = gases and (self.interfaces or any(c.moves for c in outer))
-        pulled = (self.blocks[k] for k in gases if any(self.blocks[k].material.force))
-        falling = any(np.any(gas.periods @ gas.material.force) for gas in pulled)
-        passing = any(condition.passes == "gas" for condition in outer)
-        masses = [solid.material.m0 * size_of(solid, self.symmetry) for solid in solids]
-        capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
-        names = (" + ".join(self.blocks[k].name for k in body) for body in self.bodies)
-        numbers = ([gases.index(k) for k in body] for body in self.bodies)
-        return {
-            "masses": list(map(list, zip(names, numbers))),
-            # along r pressure acts around an axis, too
-            "momentum": "xyz"[: self.dimension - (self.symmetry > 0)],
-            "energy": True,
-            "potential": self.pulled and not (passing or falling or forced or moving),
-            "entropy": entropy,
-            "inertia": sum(masses),
-            "heat_capacity": sum(capacities),
-        }
-
-    @cached_property
-    def bodies(self) -> list[list[int]]:
-        """Numbers of the blocks of each body of gas, which joins connect."""
-        gas = [block.kind == "fluid" for block in self.blocks]
-        pairs = [(k, j) for k, j in self._meeting if gas[k] and gas[j]]
-        first = united(len(gas), [tuple(np.array(pairs, int).reshape(-1, 2).T)])
-        return [np.flatnonzero(first == k).tolist() for k in np.unique(first) if gas[k]]
-
     def loses(self, k: int) -> bool:
         """Whether it is known what a step in time loses of the kinetic and elastic energy of block
         k: a solid with heat 'elastic' whose motion no data replace and no pressure of its heat
@@ -283,16 +236,45 @@ class BlockProblem:
         driven = stores and (block.forcing is not None or block.material.pressing is not None)
         return stores and not driven and not any(getattr(c, "all_given", False) for c in conditions)
 
-    def _check_blocks(self) -> None:
-        """InputError unless blocks have names of their own and one number of dimensions."""
-        blocks = self.blocks
-        if not blocks or not all(isinstance(block, Block) for block in blocks):
-            raise InputError("BlockProblem: blocks: expected one or more Blocks")
-        for k, block in enumerate(blocks):
-            if block.name in [other.name for other in blocks[:k]]:
-                raise InputError(f"BlockProblem: two blocks are named '{block.name}'")
-            if block.dimension != blocks[0].dimension:
-                raise InputError(f"{block} and {blocks[0]} have different numbers of dimensions")
+    @cached_property
+    def invariants(self) -> dict[str, Any]:
+        """What must not change, as JSON has it: see fsipetsc.scheme.conservation_check.
+
+        Less what comes in through faces and by forces, the mass of each body of gas, momentum and
+        energy; energy with the potential energy of constant forces where no mass comes in and grids
+        of gas are at rest; the entropy of gases, where it is known, nothing comes in, and they give
+        no heat to solids.
+        """
+        blocks, outer = self.blocks, self.outer_faces.values()
+        solids = [block for block in blocks if block.kind == "solid"]
+        gases = [k for k, block in enumerate(blocks) if block.kind == "fluid"]
+        pairs = ((blocks[gas].material, blocks[k].material) for gas, k in self.interfaces)
+        shared = any(gas.kappa > 0.0 and solid.kappa_e > 0.0 for gas, solid in pairs)
+        entropy = (
+            all(solid.material.heat == "elastic" for solid in solids)
+            and all(map(knows_entropy, self.gas_laws))
+            and all(condition.conserves_energy for condition in outer)
+            and not (shared or self._forced)
+        )
+        moving = gases and (self.interfaces or any(c.moves for c in outer))
+        forces = [(blocks[k].periods, blocks[k].material.force) for k in gases]
+        falling = any(np.any(periods @ force) for periods, force in forces if any(force))
+        passing = any(condition.passes == "gas" for condition in outer)
+        masses = [solid.material.m0 * size_of(solid, self.symmetry) for solid in solids]
+        capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
+        names = (" + ".join(blocks[k].name for k in body) for body in self.bodies)
+        return {
+            "masses": [[name, list(map(gases.index, b))] for name, b in zip(names, self.bodies)],
+            # along r pressure acts around an axis, too
+            "momentum": "xyz"[: self.dimension - (self.symmetry > 0)],
+            "energy": True,
+            "potential": self.pulled and not (passing or falling or self._forced or moving),
+            "entropy": entropy,
+            "inertia": sum(masses),
+            "heat_capacity": sum(capacities),
+        }
+
+    # checks
 
     def _find_laws(self) -> None:
         """Number the laws of gases; gas at one place has one state, and so one law. InputError
@@ -324,9 +306,8 @@ class BlockProblem:
         """InputError for what a problem with an axis or a centre cannot have."""
         d, symmetry = self.dimension, self.symmetry
         if symmetry not in (0, 1, 2)[: max(4 - d, 1)]:
-            found = f"symmetry is {described(symmetry)} in {d} dimensions"
             wanted = "expected 0, 1 in one or two dimensions, or 2 in one"
-            raise InputError(f"{self.blocks[0]}: {found}: {wanted}")
+            raise InputError(f"symmetry is {described(symmetry)} in {d} dimensions: {wanted}")
         for (name, *face), met in self.faces.items():
             if isinstance(met, Centre) and not (symmetry and face == [d - 1, 0]):
                 wanted = f"expected axis {d - 1}, side 0 of a problem with an axis or a centre"
@@ -336,7 +317,7 @@ class BlockProblem:
 
     def _check_radial(self, block: Block, centred: bool) -> None:
         """InputError where a block does not fit around an axis or a centre."""
-        X = block.positions([(0, n) for n in block.shape])
+        X = block.places(mesh([np.arange(n) for n in block.shape])).reshape(self.dimension, -1)
         first, second = X.reshape(self.dimension, block.shape[-1], -1)[:, :2].swapaxes(0, 1)
         off = np.abs([*(second - first)[:-1], 3.0 * first[-1] - second[-1]]).sum(axis=0)
         wrong, centres = "", "the axis or centre that it reaches"

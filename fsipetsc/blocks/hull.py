@@ -9,14 +9,12 @@ Inside is the Boolean sum of the faces: axis after axis, what is missing at the 
 with the weights of the ends between them. On faces their values, to the bit.
 """
 
-from collections.abc import Mapping
 from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fsipetsc.blocks.block import Block, mesh
-from fsipetsc.blocks.faces import face_nodes
 from fsipetsc.blocks.metrics import Wide
 from fsipetsc.checks import Array
 from fsipetsc.kernels.loops import each, named, pick, when
@@ -60,33 +58,29 @@ def hull_of(block: Block, given: Array, centred: bool = False) -> Hull:
     r = 0.
     """
     d, last = block.dimension, [n - 1 for n in block.shape]
-    sides = [(None,) if closed else (0, 1, None) for closed in block.periodic]
-    faces = [face_nodes(block.shape, k, s) for k in range(d) for s in sides[k] if s is not None]
+    faces = [block.face_nodes(*face) for face in block.faces]
     nodes = np.unique(np.concatenate([np.zeros(0, int), *faces]))
     index = np.array(np.unravel_index(nodes, block.shape[::-1]))[::-1]
     known, columns, weights = np.isin(nodes, given), [np.zeros((9, 0), int)], [np.zeros((d, 4, 0))]
-
-    def columns_at(at: Array, ends: Mapping[int, int]) -> Array:
-        """Columns of the nodes with these indices, but for some axes, where they are at an end."""
-        moved = [ends[k] * last[k] + 0 * i if k in ends else i for k, i in enumerate(at)]
-        return np.searchsorted(nodes, np.ravel_multi_index(moved[::-1], block.shape[::-1]))
-
+    sides = [(None,) if closed else (0, 1, None) for closed in block.periodic]
     for entity in sorted(product(*sides), key=lambda e: e.count(None)):  # vertices, edges, faces
         free = [k for k in range(d) if entity[k] is None and not block.periodic[k]]
-        on = np.ones(len(nodes), bool)
-        for k, side in enumerate(entity):
-            on &= (index[k] == side * last[k]) if side is not None else True
-        if not free or entity.count(None) == d or known[on].all():
+        ends = [(k, side * last[k]) for k, side in enumerate(entity) if side is not None]
+        on = np.all([index[k] == end for k, end in ends], axis=0)
+        if not free or not ends or known[on].all():
             continue
         for k in free:
             on &= (index[k] >= (0 if centred and k == d - 1 else 1)) & (index[k] < last[k])
         at, a, b = index[:, on], free[0], free[-1]
-        ends = {}, {a: 0}, {a: 1}, {b: 0}, {b: 1}
-        vertices = ({a: i, b: j} for i, j in ((0, 0), (1, 1), (1, 0), (0, 1)))
+        found, vertices = [], [{a: i, b: j} for i, j in ((0, 0), (1, 1), (1, 0), (0, 1))]
+        for moved in ({}, {a: 0}, {a: 1}, {b: 0}, {b: 1}, *vertices):
+            place = [moved[k] * last[k] + 0 * i if k in moved else i for k, i in enumerate(at)]
+            number = np.ravel_multi_index(place[::-1], block.shape[::-1])
+            found.append(np.searchsorted(nodes, number))
         of_ends = [end_weights(block, k, at[k], centred) for k in (a, b)]
         if a == b:  # the ends of an edge count as its edges a
             of_ends[1][:] = 0.0
-        columns.append(np.array([columns_at(at, e) for e in (*ends, *vertices)]))
+        columns.append(np.array(found))
         weights.append(np.concatenate(of_ends).transpose(1, 0, 2))
     table = (np.concatenate(pieces, axis=-1) for pieces in (columns, weights))
     at = np.searchsorted(nodes, np.asarray(given, int))

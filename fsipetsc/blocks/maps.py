@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.checks import POSITIVE, Array, number
+from fsipetsc.checks import POSITIVE, Array, number, place_text
 from fsipetsc.errors import InputError
 
 Places = tuple[Array, ...]
@@ -35,7 +35,7 @@ class Nodes:
         X = np.array(self.places, float)
         object.__setattr__(self, "places", X)
         if not 2 <= X.ndim <= 4 or X.shape[-1] != X.ndim - 1 or min(X.shape[:-1]) < 2:
-            wanted = "expected the shape (n_0, 1), (n_1, n_0, 2) or (n_2, n_1, n_0, 3)"
+            wanted = "expected (n_0, 1), (n_1, n_0, 2) or (n_2, n_1, n_0, 3)"
             raise InputError(f"nodes: places have the shape {X.shape}: {wanted}")
 
     @property
@@ -82,10 +82,8 @@ def corners(*points: Any) -> Map:
             (1, 1) in two dimensions.
     """
     found = [_point(point, f"corners: point {k}") for k, point in enumerate(points)]
-    d = len(found[0]) if found else 0
-    if not 1 <= d <= 3 or len(found) != 2**d or any(len(point) != d for point in found):
-        wanted = "expected 2^d points of d numbers each, d = 1, 2 or 3"
-        raise InputError(f"corners: {len(found)} points are given: {wanted}")
+    if [len(point) for point in found] not in ([d] * 2**d for d in (1, 2, 3)):
+        raise InputError("corners: expected 2^d points of d numbers each, d = 1, 2 or 3")
 
     def places(xi: Places) -> Places:
         values = found
@@ -114,7 +112,7 @@ def annulus(
     (begin, end), (x, y) = _point(angles, "annulus: angles"), _point(centre, "annulus: centre")
     if not (a < b and 0.0 < end - begin <= 2.0 * np.pi + 1e-12):
         wanted = "expected inner below outer, and an angle that rises by no more than 2 pi"
-        raise InputError(f"annulus: radii {a:g} and {b:g}, angles {begin:g} and {end:g}: {wanted}")
+        raise InputError(f"annulus({a:g}, {b:g}, ({begin:g}, {end:g})): {wanted}")
 
     def places(xi: Places) -> Places:
         r, angle = (1.0 - xi[0]) * a + xi[0] * b, (1.0 - xi[1]) * begin + xi[1] * end
@@ -161,17 +159,11 @@ def transfinite(*faces: tuple[Callable[..., Any], Callable[..., Any]]) -> Map:
         given = on_face(axis, side, at).reshape(d, -1)
         apart = np.abs(given - np.reshape(places(tuple(at)), (d, -1))).max(axis=0)
         if not apart.max() <= 1e-9 * (np.abs(given).max() + 1e-300):
-            face = f"face (axis {axis}, side {side}) misses others"
-            raise InputError(f"transfinite: {face} at {place_text(given[:, apart.argmax()])}")
+            where = place_text(given[:, apart.argmax()])
+            raise InputError(
+                f"transfinite: face (axis {axis}, side {side}) misses others at {where}"
+            )
     return places
-
-
-def place_text(X: Any) -> str:
-    """ "X = 1", "(X, Y) = (1, 2)": a place in a message."""
-    numbers = [f"{x:.6g}" for x in np.ravel(X)]
-    if len(numbers) == 1:
-        return f"X = {numbers[0]}"
-    return f"({', '.join('XYZ'[: len(numbers)])}) = ({', '.join(numbers)})"
 
 
 def _point(value: Any, what: str) -> tuple[float, ...]:

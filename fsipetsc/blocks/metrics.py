@@ -13,11 +13,9 @@ import numpy as np
 
 from fsipetsc.blocks.block import Range, determinant, mesh
 from fsipetsc.blocks.block_problem import BlockProblem
-from fsipetsc.blocks.maps import place_text
-from fsipetsc.checks import Array
+from fsipetsc.checks import Array, place_text
 from fsipetsc.equations.tensors import cofactor
 from fsipetsc.errors import InputError
-from fsipetsc.kernels.kernel import c_source
 from fsipetsc.kernels.loops import each, pick, when
 from fsipetsc.kernels.symbols import exact
 from fsipetsc.operators.bands import Band
@@ -87,9 +85,8 @@ def solid_metrics(problem: BlockProblem, k: int, order: int, where: Range) -> Ar
     J = determinant(G)
     if not J.min() > 0.0:
         i = int(np.argmin(J))
-        found = f"{problem.blocks[k]}: J = {J[i]:.3g} at {place_text(X[:, i])}"
-        wanted = "expected J > 0: more cells, or another map"
-        raise InputError(f"{found}: {wanted}", collective=False)
+        found = f"{problem.blocks[k]}: J = {J[i]:.3g} at {place_text(X[:, i])}: expected J > 0"
+        raise InputError(f"{found}: more cells, or another map", collective=False)
     metrics = np.array([*cofactor(tuple(G.reshape(-1, J.size))), J])
     if problem.symmetry:
         metrics = np.concatenate([metrics * X[-1] ** problem.symmetry, X[-1:]])
@@ -153,39 +150,31 @@ def slopes_across(out, f, S, weight, before):
             out[a + j] *= half
 
 
-def cube_text() -> str:
-    """The C code of cube_areas, cube_faces and cube_volumes. It takes a constant PAIRS, the number
-    of pairs of a node inside a block.
+def cube_of(wide: Wide, faces: Sequence[Any] = ()) -> tuple[int, tuple[Array, ...]]:
+    """The range of nodes of a Wide in three dimensions, for the functions of cube.c: the address of
+    a struct in C, which has whole numbers and pointers alone, and what these point to.
+
+    The functions take it; places less those of linear maps (3, wide nodes); and what is filled:
+    (9, N) a^1, a^2, a^3, or of these a^(i + 1) on each of ``faces``, (axis i, index along it), or
+    (N,) det D x.
     """
-    return c_source("fsipetsc.blocks", "cube.c")
-
-
-class Cube:
-    """The range of nodes of a Wide in three dimensions, for the functions of cube.c.
-
-    They take address, that of the struct in C, which has whole numbers and pointers alone; places
-    less those of linear maps (3, wide nodes); and what is filled: (9, N) a^1, a^2, a^3, or of these
-    a^(i + 1) on each of ``faces``, (axis i, index along it), or (N,) det D x.
-    """
-
-    def __init__(self, wide: Wide, faces: Sequence[Any] = ()) -> None:
-        sizes, begins = np.array(wide.sizes), np.array([begin for begin, _ in wide.wide])
-        first, end = np.array(wide.where).T - begins
-        ahead, slots = _layers(wide.S[2])
-        steps = np.cumprod((1, *wide.sizes[:-1]))
-        pairs = [_pairs(*band) for band in zip(wide.S, wide.weight, steps, strict=True)]
-        room = np.zeros((9, slots * steps[2])), np.zeros((9, wide.sizes[0]))
-        arrays = wide.P, ahead, np.array(faces, np.int64), *room
-        numbers = (
-            [of_axis.ctypes.data for of_axis in pairs],
-            [len(S) - 1 for S in wide.S],
-            *(sizes, first, end),
-            Band(wide.S[0], wide.weight[0]).interior(wide.order // 2),
-            [array.ctypes.data for array in arrays],
-            (np.prod(end - first), len(faces), slots),
-        )
-        self._struct, self._kept = np.concatenate(numbers).astype(np.int64), (pairs, arrays)
-        self.address = self._struct.ctypes.data
+    sizes, begins = np.array(wide.sizes), np.array([begin for begin, _ in wide.wide])
+    first, end = np.array(wide.where).T - begins
+    ahead, slots = _layers(wide.S[2])
+    steps = np.cumprod((1, *wide.sizes[:-1]))
+    pairs = [_pairs(*band) for band in zip(wide.S, wide.weight, steps, strict=True)]
+    room = np.zeros((9, slots * steps[2])), np.zeros((9, wide.sizes[0]))
+    arrays = wide.P, ahead, np.array(faces, np.int64), *room
+    numbers = (
+        [of_axis.ctypes.data for of_axis in pairs],
+        [len(S) - 1 for S in wide.S],
+        *(sizes, first, end),
+        Band(wide.S[0], wide.weight[0]).interior(wide.order // 2),
+        [array.ctypes.data for array in arrays],
+        (np.prod(end - first), len(faces), slots),
+    )
+    struct = np.concatenate(numbers).astype(np.int64)
+    return struct.ctypes.data, (struct, *pairs, *arrays)
 
 
 def _layers(S: Array) -> tuple[Array, int]:

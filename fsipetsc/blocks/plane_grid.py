@@ -18,7 +18,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.blocks.block import Block
-from fsipetsc.blocks.faces import face_nodes
 from fsipetsc.blocks.hull import Hull, end_weights
 from fsipetsc.blocks.metrics import Wide, slopes_along
 from fsipetsc.checks import Array
@@ -28,7 +27,7 @@ from fsipetsc.kernels.loops import each, when
 from fsipetsc.kernels.symbols import exact
 
 
-class Faces(NamedTuple):
+class Opposite(NamedTuple):
     """The two faces along an axis, if it has any: columns (2, n) of the hull, the band of the axis,
     the first node of the range, weights of the ends of the axis; values and derivatives (4, n)
     along the faces, by side and component.
@@ -45,15 +44,15 @@ class Faces(NamedTuple):
 
 
 class PlaneMotion(NamedTuple):
-    """See fsipetsc.blocks.grid.LineMotion. G: (4, N), D_1 X and D_2 X. along, across: the Faces of
-    both axes. corners: columns of the four vertices, if there are any, ends: (4, 2) values there;
+    """See fsipetsc.blocks.grid.LineMotion. G: (4, N), D_1 X and D_2 X. along, across: faces of both
+    axes. corners: columns of the four vertices, if there are any, ends: (4, 2) values there;
     rise: (2, n) the bracket of D_2 u.
     """
 
     hull: Any
     G: Array
-    along: Faces
-    across: Faces
+    along: Opposite
+    across: Opposite
     corners: Array
     ends: Array
     rise: Array
@@ -73,9 +72,6 @@ class PlaneMotion(NamedTuple):
                 metrics[2, at] = -(G[1, at] + y_1)
                 metrics[3, at] = G[0, at] + x_1
 
-    def move(self, metrics):
-        """`edge` has found all."""
-
     def swing(self, known, metrics):
         """Fill the velocity of the grid."""
         self.hull.fill(self.hull.moving, known, 2)
@@ -87,9 +83,6 @@ class PlaneMotion(NamedTuple):
         for c in range(2):
             for i in each(X.shape[1], vector=True):
                 places[c, i] += X[c, i]
-
-    def find_volumes(self):
-        """D x is in the metrics."""
 
     def jacobian(self, metrics, node):
         """det(D x) of a node."""
@@ -103,12 +96,12 @@ def plane_motion(block: Block, wide: Wide, hull: Hull) -> PlaneMotion:
     for axis, ((begin, end), where) in enumerate(zip(wide.wide, wide.where)):
         index, weights = np.arange(begin, end), end_weights(block, axis, np.arange(*where))[:, 0]
         sides = () if block.periodic[1 - axis] else (0, 1)
-        nodes = [face_nodes(shape, 1 - axis, side)[index % shape[axis]] for side in sides]
+        nodes = [block.face_nodes(1 - axis, side)[index % shape[axis]] for side in sides]
         columns = np.searchsorted(hull.nodes, np.array(nodes, int).reshape(-1, index.size))
         of_band = wide.S[axis], wide.weight[axis], where[0] - begin
-        axes.append(Faces(columns, *of_band, *weights, *np.zeros((2, 4, index.size))))
+        axes.append(Opposite(columns, *of_band, *weights, *np.zeros((2, 4, index.size))))
     sides = () if any(block.periodic) else (0, 1)
-    vertices = [face_nodes(shape, 1, side)[[0, -1]] for side in sides]
+    vertices = [block.face_nodes(1, side)[[0, -1]] for side in sides]
     corners = np.searchsorted(hull.nodes, np.array(vertices, int).ravel())
     G = np.ascontiguousarray(wide.gradients().reshape(4, -1))
     return PlaneMotion(hull, G, *axes, corners, np.zeros((4, 2)), np.zeros((2, axes[0].low.size)))
@@ -117,12 +110,15 @@ def plane_motion(block: Block, wide: Wide, hull: Hull) -> PlaneMotion:
 def blend_faces(plane, values, to, first):
     """Blend values (2, H) of the hull into two rows of an array, from ``first`` on."""
     find_faces(plane, values)
-    n = plane.along.low.shape[0]
+    n, low, high = plane.along.low.shape[0], plane.along.low, plane.along.high
     for j in each(plane.across.low.shape[0]):
         row = Row(plane, j)
         for i in each(n, vector=True):
             to[first, j * n + i], to[first + 1, j * n + i] = row.values(i)
-        row.put_ends(to, first)
+        for weight, at, end in (low[0], 0, row.W), (high[-1], n - 1, row.E):  # to the bit
+            with when(weight == 1.0):
+                for c in range(2):
+                    to[first + c, j * n + at] = end[c]
 
 
 def find_faces(plane, values):
@@ -148,46 +144,36 @@ def differentiate_faces(plane):
             plane.rise[c, i] = exact((along.f[2 + c, at] - along.f[c, at]) - between)
 
 
+def mixed(l, a, h, b):
+    """l a + h b."""
+    return exact(add(scale(l, a), scale(h, b)))
+
+
+def pair(f, at):
+    """Values at both ends, which opposite faces have of a node."""
+    return column((0.0, 0.0), f, at), column_of((0.0, 0.0), f, 2, at)
+
+
 class Row:
     """Row j of nodes: weights of its ends, Q_0, Q_n, W, E, and their derivatives."""
 
     def __init__(self, plane, j):
-        ends, like = [tuple(plane.ends[k, c] for c in range(2)) for k in range(4)], (0.0, 0.0)
-        self.plane, self.l, self.h = plane, plane.across.low[j], plane.across.high[j]
-        self.first = j * plane.along.low.shape[0]
+        ends = [tuple(plane.ends[k, c] for c in range(2)) for k in range(4)]
         across, at = plane.across, plane.across.first + j
-        (self.W, self.E), (self.D_W, self.D_E) = (
-            (column(like, f, at), column_of(like, f, 2, at)) for f in (across.f, across.slope)
-        )
-        self.start, self.stop = self._across(ends[0], ends[2]), self._across(ends[1], ends[3])
-
-    def _across(self, S, N):
-        """The part l_j S + h_j N of the blend."""
-        return exact(add(scale(self.l, S), scale(self.h, N)))
-
-    def _along(self, i, W, E):
-        """The part l_i W + h_i E of the blend."""
-        along = self.plane.along
-        return exact(add(scale(along.low[i], W), scale(along.high[i], E)))
+        self.plane, self.l, self.h = plane, across.low[j], across.high[j]
+        (self.W, self.E), (self.D_W, self.D_E) = pair(across.f, at), pair(across.slope, at)
+        self.start, self.stop = (mixed(self.l, ends[k], self.h, ends[2 + k]) for k in (0, 1))
 
     def slopes(self, i):
         """D_1 u and D_2 u of node i."""
-        like, slope, at = (0.0, 0.0), self.plane.along.slope, self.plane.along.first + i
+        along, (S, N) = self.plane.along, pair(self.plane.along.slope, self.plane.along.first + i)
         bracket = sub(sub(self.E, self.W), sub(self.stop, self.start))
-        D_1 = add(self._across(column(like, slope, at), column_of(like, slope, 2, at)), bracket)
-        return D_1, add(column(like, self.plane.rise, i), self._along(i, self.D_W, self.D_E))
+        D_2 = mixed(along.low[i], self.D_W, along.high[i], self.D_E)
+        rise = column((0.0, 0.0), self.plane.rise, i)
+        return add(mixed(self.l, S, self.h, N), bracket), add(rise, D_2)
 
     def values(self, i):
         """u of node i."""
-        like, f, at = (0.0, 0.0), self.plane.along.f, self.plane.along.first + i
-        Q = self._across(column(like, f, at), column_of(like, f, 2, at))
+        along, (S, N) = self.plane.along, pair(self.plane.along.f, self.plane.along.first + i)
         W, E = sub(self.W, self.start), sub(self.E, self.stop)
-        return add(Q, self._along(i, W, E))
-
-    def put_ends(self, to, first):
-        """Put W and E, to the bit, where the row ends, into rows of an array from ``first`` on."""
-        along, last = self.plane.along, self.plane.along.low.shape[0] - 1
-        for weight, at, values in ((along.low[0], 0, self.W), (along.high[-1], last, self.E)):
-            with when(weight == 1.0):
-                for c in range(2):
-                    to[first + c, self.first + at] = values[c]
+        return add(mixed(self.l, S, self.h, N), mixed(along.low[i], W, along.high[i], E))

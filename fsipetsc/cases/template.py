@@ -44,8 +44,8 @@ def build(opt):
     def solid(X):
         return speed, -P0, T0, X  # velocity, stress (as the gas presses), temperature, place
 
-    # Layers from left to right: name, material, begin and end [m], initial data. A thin layer takes
-    # cells=16, or h=0.001 [m], of its own.
+    # Layers from left to right: name, material, begin and end [m], initial data. A thin layer
+    # takes cells of its own, such as cells=16.
     layers = (
         FluidLayer("left", air, (0.0, LEFT), left_gas),
         SolidLayer("plate", plate, (LEFT, RIGHT), solid),

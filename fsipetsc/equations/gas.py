@@ -283,7 +283,7 @@ class RadialGas(Gas):
 
         g = (b_l . w_r + b_r . w_l)/2,    J_t = sum_k (b^k . D_k w + w . D_k b^k)
 
-    belong to each other exactly: see fsipetsc.blocks.radial_grid. Here v is (v_1, v_2, A).
+    belong to each other exactly: see fsipetsc.blocks.grid. Here v is (v_1, v_2, A).
     """
 
     def of_grid(self, like):

@@ -86,7 +86,7 @@ class Solid(NamedTuple):
 
     def flat(self, x):
         """A place in the coordinates whose metrics they have otherwise: around an axis or a centre
-        (z, s), see fsipetsc.blocks.radial_grid.
+        (z, s), see fsipetsc.blocks.grid.
         """
         return last_times(self.weight(x) / (len(self.around) + 1), x)
 

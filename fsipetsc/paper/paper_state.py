@@ -21,7 +21,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.blocks.values import names_of
+from fsipetsc.checks import names_of
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
 from fsipetsc.kernels.procedure import calling_code
@@ -249,9 +249,8 @@ class PaperState(State):
         self._filled = True
         try:
             for k, side, end in ((0, 0, problem.left), (-1, 1, problem.right)):
-                values = end.data(t)
+                values, records[k]["end_heat"][side] = end.data(t)
                 records[k]["end_data"][side, : len(values)] = values
-                records[k]["end_heat"][side] = end.heat(t)
             if problem.jumps is not None:
                 for k, interface in enumerate(self.interfaces):
                     interface.jump[:] = problem.jumps_at(k, t)

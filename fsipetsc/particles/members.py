@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 
 from fsipetsc.blocks.block_problem import BlockProblem, Meeting
 from fsipetsc.blocks.conditions import Clamped
-from fsipetsc.blocks.maps import place_text
+from fsipetsc.checks import place_text
 from fsipetsc.errors import InputError
 
 SLIPS, ROLLS = 0, 1
@@ -127,7 +127,7 @@ def particles_of(problem: BlockProblem) -> list[Particle]:
     met: dict[tuple[int, int], list[Face]] = defaultdict(list)
     for k in range(len(problem.blocks)):
         for (axis, side), stands in problem.faces_of(k).items():
-            for n in problem.face_nodes(k, axis, side).tolist():
+            for n in problem.blocks[k].face_nodes(axis, side).tolist():
                 met[k, n].append(Face(k, n, axis, side, stands))
     return [_particle(problem, members, met) for members in problem.members]
 

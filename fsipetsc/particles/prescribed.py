@@ -14,8 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blocks.maps import place_text
-from fsipetsc.blocks.values import datum, names_of
+from fsipetsc.checks import datum, names_of, place_text
 from fsipetsc.errors import InputError, place_of
 from fsipetsc.kernels.symbols import Symbol, derivatives
 from fsipetsc.particles.members import Face, Particle

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blocks.conditions.condition import Effect, FaceNode
+from fsipetsc.blocks.face_formulas import Effect, FaceNode
 from fsipetsc.equations.tensors import add_unit, outer
 from fsipetsc.equations.vectors import add, dot, last_times, per, scale
 from fsipetsc.kernels.arrays import column_of, node, part_of
@@ -209,7 +209,7 @@ def add_to(sums, c, a):
 
 def normal_at(part, faces, i, q):
     """Return the outward area vector of a solid's face where it is now. For an axis see
-    fsipetsc.blocks.radial_grid.
+    fsipetsc.blocks.grid.
     """
     solid, at, axis, sign = part.laws, faces.at[i], faces.axis[i], faces.sign[i]
     like = part.like

@@ -33,7 +33,8 @@ def follow(part, particles):
 def begin_grid(part):
     """Find a^k of a grid before it moves."""
     part.grid.edge(part.known, part.metrics)
-    part.grid.move(part.metrics)
+    if len(part.like) == 3:
+        part.grid.move(part.metrics)
 
 
 def edge(part):
@@ -42,8 +43,9 @@ def edge(part):
 
 
 def move(part):
-    """Find where the grid is now, and a^k, after `edge`."""
-    part.grid.move(part.metrics)
+    """Find where the grid is now, and a^k, as far as `edge` has not."""
+    if len(part.like) == 3:
+        part.grid.move(part.metrics)
     if part.form.raises:
         find_potential(part)
 
@@ -108,7 +110,8 @@ def find_places(part):
 
 def find_volumes(part):
     """Find J of the grid at the owned nodes."""
-    part.grid.find_volumes()
+    if len(part.like) == 3:
+        part.grid.find_volumes()
     for i in each(part.J.shape[0]):
         part.J[i] = part.grid.jacobian(part.metrics, ghosted_node(i, part.patch))
 
@@ -117,7 +120,8 @@ def monitor(part, found, y):
     """Note extremes and sums of the owned nodes."""
     if part.moves:
         find_places(part)
-        part.grid.find_volumes()
+        if len(part.like) == 3:
+            part.grid.find_volumes()
     q, metrics = owned(part, y, len(part.like) + 3), part.axis.bounds(part.metrics)
     names = gas_integrals(len(part.like))
     observe(part, names, lambda own, n: seen_at(part, q, metrics, own, n))

@@ -1,7 +1,7 @@
 """The terms of a gas around an axis (kappa = 1) or a centre (2) beside its fluxes.
 
 Fluxes through the areas a^k = (b^k_1, A b^k_2), A = |r|^kappa, leave out that pressure and viscous
-stress act around the axis, too. With S of fsipetsc.blocks.radial_grid, the momentum along r gets
+stress act around the axis, too. With S of fsipetsc.blocks.grid, the momentum along r gets
 
     (p - tau_o) S,    tau_o = mu (2 e/kappa - 2/3 (div + e)),    e = u_r S/J
 
@@ -40,7 +40,7 @@ class Straight(Nothing):
 class Radial(NamedTuple):
     """A problem around an axis or a centre.
 
-    grid: see fsipetsc.blocks.radial_grid. room: ((d + 1)^2, N) for u/T and -1/T, and for the
+    grid: see fsipetsc.blocks.grid. room: ((d + 1)^2, N) for u/T and -1/T, and for the
     viscous fluxes of hoops along each axis; None in a gas without viscosity.
     """
 

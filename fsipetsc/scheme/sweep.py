@@ -23,9 +23,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blocks.metrics import cube_text
 from fsipetsc.equations.vectors import add, along, sub
-from fsipetsc.kernels.kernel import OWNED, Kernel, unit
+from fsipetsc.kernels.kernel import OWNED, Kernel, c_source, unit
 from fsipetsc.kernels.loops import each, either, named, pick, when, whole
 
 #: what is stored: k, the next stage, the solution
@@ -57,7 +56,7 @@ def text_of(kernels: Any, d: int, row: int, order: int) -> str:
     every = [kernel for some in nested for kernel in some if isinstance(kernel, Kernel)]
     texts, pairs = [kernel.text() for kernel in every], f"#define PAIRS {order // 2}"
     if d == 3:
-        texts = [pairs, *texts, cube_text()]
+        texts = [pairs, *texts, c_source("fsipetsc.blocks", "cube.c")]
     return unit(f"#define ROW {row}\n", *texts)
 
 

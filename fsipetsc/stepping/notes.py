@@ -14,7 +14,7 @@ from mpi4py import MPI
 
 from fsipetsc.blockrun.block_state import BlockState
 from fsipetsc.blockrun.solid_part import SolidPart
-from fsipetsc.blocks.maps import place_text
+from fsipetsc.checks import place_text
 from fsipetsc.equations.tensors import determinant
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.paper.paper_state import PaperState
@@ -81,7 +81,7 @@ def pressure_jumps(state: Any) -> list[str]:
         for face, met in problem.faces_of(k).items():
             if problem.is_interface(k, *face):
                 pair = (met.block, k) if part.block.kind == "solid" else (k, met.block)
-                rows = part.part.rows_among(problem.face_nodes(k, *face))
+                rows = part.part.rows_among(blocks[k].face_nodes(*face))
                 found = part.pushes(state.y.ghosted(k), rows, *face)
                 pushes[problem.interfaces.index(pair), pair.index(k)] += found.sum(), found.size
     state.comm.Allreduce(MPI.IN_PLACE, pushes)
