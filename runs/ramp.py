@@ -56,7 +56,7 @@ def build(opt):
     """Three blocks of gas: before, on and behind the ramp; below them three of the solid."""
     M, theta, gas = opt["ramp_mach"], np.radians(opt["ramp_angle"]), Fluid(0, 0, GAMMA, 1 / GAMMA)
     first = GasState(1.0, M, 1 / GAMMA)
-    second, _ = turned_by(gas, first, theta)
+    second = turned_by(gas, first, theta)
     third = through_fan(gas, second, theta)
     K = opt["ramp_modulus"] * first.p
     solid = ElasticSolid(K / 4, K / 2, 0.0, 10.0, 1.0, p_ref=first.p, heat="elastic")
