@@ -1,11 +1,20 @@
 """The linear theory: stability of couplings (Theorem 4.1), modes of a gas over an elastic layer."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from helpers import rows_of, solve, well
+from mpi4py import MPI
 
+from fsipetsc.blockrun.block_state import BlockState
+from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
+from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.cases.common import at_rest, constant
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.solid import Solid
+from fsipetsc.materials.solid import ElasticSolid, Solid
 from fsipetsc.operators.sbp import OPERATORS
+from fsipetsc.studies.linear import column_modes, step_limit
 from fsipetsc.studies.stability import Constant, measure
 
 ORDERS = pytest.mark.parametrize("order", OPERATORS)
@@ -15,7 +24,7 @@ RATIOS = (1e-3, 1e2), (1e3, 1e-2), (1.0, 1.0)
 INVISCID = {"mu": 0.0, "kappa": 0.0}
 
 
-def constant(density=2.0, stiffness=3.0, eos="ideal", stretch=1.0, **gas):
+def at_contact(density=2.0, stiffness=3.0, eos="ideal", stretch=1.0, **gas):
     """Gas with p = 1.2, rho = 1.5; a solid of heat capacity alpha m0 = 2.5, its stress 0 or -p."""
     fluid = Fluid(**{"mu": 0.01, "kappa": 0.03, "gamma": 1.4, "R": 1.0, **gas})
     p, m0, kappa_e = 1.2, density * 1.5, 0.02 if fluid.kappa else 0.0
@@ -31,7 +40,7 @@ def test_theorem_4_1_holds_to_round_off(order, state):
         *(("energy", False, RATIOS[0]), ("energy", True, RATIOS[1])),
         ("conservative", False, RATIOS[order % 4 // 2]),
     ):
-        result = measure(constant(*ratios, **state), order, N, 1 / N, coupling, narrow)
+        result = measure(at_contact(*ratios, **state), order, N, 1 / N, coupling, narrow)
         assert result.estimate and result.stable and result.step_kept
         assert result.energy < 1e-11 and result.step_ratio < 4.0
 
@@ -40,11 +49,11 @@ def test_theorem_4_1_holds_to_round_off(order, state):
 def test_projection_and_traditional(order):
     """The one has no growing mode, though energy may grow; the other fails for light solids."""
     for density, stiffness in RATIOS:
-        state = constant(density, stiffness, "elastic")
+        state = at_contact(density, stiffness, "elastic")
         result = measure(state, order, 2 * N, 0.5 / N, "projection")
         assert result.energy > 1e-4 and result.stable and result.step_kept
     light, heavy = (
-        measure(constant(density, 1.0), order, N, 1 / N, "traditional") for density in (1e-3, 1e3)
+        measure(at_contact(density, 1.0), order, N, 1 / N, "traditional") for density in (1e-3, 1e3)
     )
     assert light.energy > 1.0 and light.step_ratio < 0.4 * heavy.step_ratio
 
@@ -56,3 +65,54 @@ def test_energy_holds_everywhere_on_any_ranks(tmp_path):
     rows = rows_of(tmp_path / "1.csv")
     assert len(rows) == 4 * 4 and rows == rows_of(tmp_path / "2.csv")
     assert all(row[n] == "True" for row in rows for n in ("estimate", "stable", "step_kept"))
+
+
+# modes of a gas over an elastic layer, in two dimensions
+
+#: a gas of height 1 over an elastic layer of depth 1/2, wave number 2 pi: by a spectral method
+KNOWN = (-0.367881432498 + 4.726877249787j, -0.433440151802 + 10.993326674370j)
+STONE = ElasticSolid(1.0, 1.0, 0.0, 1.0, 1.0, heat="elastic")
+
+
+def stack(gas, solid, n, columns, depth=1.0, length=1.0):
+    """Gas at rest over a clamped solid, n cells in each; so many columns in a length."""
+    solid = replace(solid, p_ref=gas.R)
+    members = (
+        Layer("solid", solid, (-depth, 0.0), at_rest(), cells=n[0]),
+        Layer("gas", gas, (0.0, 1.0), constant(1.0, 0.0, 0.0, 1.0), cells=n[1]),
+    )
+    ends = {"lower": Clamped(), "upper": NoSlip() if gas.mu > 0 else Slip()}
+    return layers(*members, **ends, along=((0.0, length),), cells=(columns,))
+
+
+def modes_of(problem, order):
+    """Eigenvalues of what has one wave along the layers."""
+    with BlockState(MPI.COMM_SELF, problem, order) as state:
+        return column_modes(state, 0, 1)[0]
+
+
+def test_normal_modes():
+    """4/2 with 32 cells, and 6/3 with 36."""
+
+    def distances(order, n):
+        gas = Fluid(0.01, 0.035 / 0.72, 1.4, 1.0)
+        values = modes_of(stack(gas, STONE, (n // 2, n), n, depth=0.5), order)
+        return np.array([np.abs(values - s).min() / abs(s) for s in KNOWN])
+
+    four, coarse = distances(4, 32), distances(4, 16)
+    assert (four < (7e-4, 4e-5)).all() and (np.log2(coarse / four) > 3.8).all()
+    assert (distances(6, 36) < (1.4e-4, 1.8e-5)).all()
+
+
+@ORDERS
+def test_nothing_grows_and_the_step_is_kept(order):
+    """Waves of 6 columns and more; 0.8 of the step of the faster one of sound and P waves."""
+    n = {2: 12, 4: 12, 6: 12, 8: 16}[order]
+    for density, stiffness, columns in ((1e-3, 1.0, n), (1.0, 100.0, 2 * n), (1e3, 1e-2, n)):
+        moduli = stiffness / 4, stiffness / 2
+        solid = ElasticSolid(*moduli, 0.0, density, 1.0 / density, heat="elastic")
+        gas = Fluid(0.0, 0.0, 1.4, 1.0)
+        values = modes_of(stack(gas, solid, (n, n), columns, length=columns / n), order)
+        assert values.real.max() < 1e-11 * np.abs(values).max()
+        fastest = max((stiffness / density) ** 0.5, 1.4**0.5)
+        assert step_limit(values) * fastest * n > 0.8
