@@ -152,8 +152,9 @@ def ring_mode(
     return root(misfit, near).real
 
 
-def shell_mode(near, kappa, inner=1.0, outer=1.3, vessel=2.0, density=2.0, lam=1.5, mu=1.0):
-    """w of an elastic shell around gas to r = 0 and in a vessel of gas, rho = p = 1."""
+def shell_mode(near, kappa, core=0.0, vessel=2.0, density=2.0, lam=1.5, mu=1.0):
+    """w of an elastic shell, 1 < r < 1.3, between gases of rho = p = 1 that reach to a core, or to
+    r = 0, and to a vessel; core, vessel None: in a vacuum."""
     gamma = 1.4
 
     def waves(k, r):
@@ -165,11 +166,13 @@ def shell_mode(near, kappa, inner=1.0, outer=1.3, vessel=2.0, density=2.0, lam=1
 
     def misfit(w):
         k, g = w / sqrt((lam + 2 * mu) / density), w / sqrt(gamma)
-        da, db = (slope for _, slope in waves(g, vessel))
         rows = []
-        for r, parts in ((inner, (1, 0)), (outer, (db, -da))):
-            phi, u = (sum(c * v for c, v in zip(parts, of)) for of in zip(*waves(g, r)))
+        for r, wall in ((1.0, core), (1.3, vessel)):
+            da, db = (slope for _, slope in waves(g, wall)) if wall else (0, 1)
+            phi, u = (sum(c * v for c, v in zip((db, -da), of)) for of in zip(*waves(g, r)))
             p = gamma * g * g * phi  # of the gas, whose displacement is u
+            if wall is None:
+                p, u = 0.0, 1.0
             row = []
             for f, df in waves(k, r):
                 stress = -lam * k * k * f - 2 * mu * (k * k * f + kappa / r * df)
