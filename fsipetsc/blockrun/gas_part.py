@@ -73,7 +73,7 @@ class GasPart(BlockPart):
         where, self.moves = self.part.ghosted, nodes.size > 0
         self._grid, self.metrics = motion_of(self._problem, k, self._order, where, nodes, faces)
         self.gather = self._layout.gather(k, nodes, 2 * self._d)
-        own, particle = system.nodes[k]
+        _, own, particle = system.own(k)
         self._particles = particle[np.searchsorted(own, nodes[self.gather.rows])]
         #: J of the reference map, over which that of the solution is saved and monitored
         self.reference, self._J = np.zeros((2, self.owned.size))

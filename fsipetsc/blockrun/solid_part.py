@@ -121,7 +121,7 @@ class SolidPart(BlockPart):
         part, d = self.part, self._d
         own = [(number, row, X) for number, k, row, X in about.ends if k == part.k]
         found = [(*end, self._prestress_at(self.owned[[end[1]]])[0, 0]) for end in own]
-        rows, nodes = about.system.telling[part.k]
+        rows, nodes, _ = about.system.own(part.k, stores=True)
         self.reads_ghosted = self.reads_ghosted or rows.size > 0
         kernels = solid_kernels(self.equations, d, self._order, self.prestress.size > 0)
         integrals, begins = does.solid_integrals(d), about.begins

@@ -7,7 +7,7 @@ gas and b of the solid are lists of variables where constraints change them.
 
 import numpy as np
 
-from fsipetsc.equations.vectors import add, choose, dot, per, scale, sub
+from fsipetsc.equations.vectors import add, along, choose, dot, per, scale, sub
 from fsipetsc.kernels.arrays import node, part_of, put_part
 from fsipetsc.kernels.loops import each, number, otherwise, pick, stop, variable, when
 from fsipetsc.particles.members import SLIPS, SOLID
@@ -125,9 +125,42 @@ def velocity(like, U, p, M):
     return choose(M > 0.0, per(part_of(like, U, p, 1), U[p, 0]), nothing)
 
 
-def powers(all, p, one, force, u, v, w):
+def accelerate(all, gain, p, one, of_gas, of_solid):
+    """U_t of the gas and acceleration of the solid of a particle, from the sums of rates. Clamps
+    and walls prescribe accelerations, and gas and solid that stick have one. A gas that is given
+    has none: it gets its velocity in each stage, and the solid with it.
+    """
+    like, data, U = all.like, all.data, part_of((*all.like, 0.0, 0.0), all.U, p, 0)
+    (J_t, R, R_m, R_E), (_, _, F, _), nothing = of_gas, of_solid, (0.0,) * len(like)
+    M, M_s, v = all.mass[p], all.solid_mass[p], node(like, all.v, p)
+    u, w, w_t = velocity(like, all.U, p, M), node(like, data.wall, p), node(like, data.wall_rate, p)
+    a_g = choose(M > 0.0, per(along(R_m, -R, u), M), nothing)
+    a_s = choose(M_s > 0.0, per(F, M_s), nothing)
+    clamped, given = one.clamped == 1, one.given_gas == 1
+    b = choose(clamped, node(like, data.clamp_rate, p), a_s)
+    a = choose(given, nothing, choose(one.at_wall == 1, w_t, a_g))
+    both = choose(given, a, per(add(scale(M, a), scale(M_s, b)), M + M_s))
+    both = choose(clamped, b, both)
+    a, b = (list(map(variable, choose(one.sticks == 1, both, x))) for x in (a, b))
+    with when(one.count > 0):
+        for k in each(one.count):  # walls accelerate, area vectors turn under relative velocities
+            (G, S), (G_t, S_t) = (vectors(like, of, p, k) for of in (all.normals, all.turning))
+            turns = dot(S_t, sub(u, v)) - dot(add(G_t, S_t), sub(u, w))
+            slips = all.constraint[p, k] == SLIPS
+            all.pi[k] = np.where(slips, turns + dot(add(G, S), w_t), 0.0)
+        solve(all, p, one, M, M_s, a, b)
+    a, b = value_of(a), value_of(b)
+    force, force_s = scale(M, sub(a, a_g)), scale(M_s, sub(b, a_s))
+    power, from_solid = powers(all, gain, p, one, force, force_s, u, v, w)
+    put_part(all.acceleration, p, 0, b)
+    with when(M > 0.0):
+        rates = R, *add(R_m, force), R_E + power + from_solid
+        put_part(all.U_t, p, 0, per(along(rates, -J_t, U), all.V[p]))
+
+
+def powers(all, gain, p, one, force, force_s, u, v, w):
     """Two powers that the gas gets: from walls, and from the solid. Where the gas slips, a face
-    moves as the wall or the solid there, not as the gas.
+    moves as the wall or the solid there, not as the gas. To ``gain`` goes what walls and clamps do.
     """
     power, of_solid = variable(dot(force, u)), variable(0.0)
     with when((one.count > 0) & (one.free_gas == 1) & (one.sticks == 0)):
@@ -137,37 +170,20 @@ def powers(all, p, one, force, u, v, w):
                 G, S = vectors(all.like, all.normals, p, k)
                 power.value += all.pi[k] * dot(add(G, S), w)
                 of_solid.value -= all.pi[k] * dot(S, v)
-    return power.value, of_solid.value
-
-
-def book(all, gain, p, one, v, w, force, force_s, power, of_solid):
-    """Add what walls and clamps do to the particle. Where gas and solid are both free, their forces
-    on each other must cancel, so that those of the constraints alone count.
-    """
-    like, impulse, energies = all.like, gain.impulse, gain.energy
-    with when((one.free_gas == 1) & (one.free_solid == 1)):
+    both = (one.free_gas == 1) & (one.free_solid == 1)
+    # forces of two free bodies on each other must cancel: those of the constraints alone count
+    with when((one.mine == 1) & both):
         for k in each(one.count):
-            push = scale(all.pi[k], add(*vectors(like, all.normals, p, k)))
-            accumulate(impulse, push)
+            push = scale(all.pi[k], add(*vectors(all.like, all.normals, p, k)))
+            accumulate(gain.impulse, push)
             slips = all.constraint[p, k] == SLIPS
             at = pick(slips, one.moves_gas, one.moves_solid)
-            energies[at] += dot(push, choose(slips, w, v))
-    with otherwise():
-        accumulate(impulse, add(force, force_s))
-        energies[one.moves_gas] += power
-        energies[one.moves_solid] += of_solid + dot(force_s, v)
-
-
-def right_sides(all, p, one, u, v, w, w_t):
-    """The right-hand sides of constraints, in all.pi: walls accelerate, and area vectors turn under
-    relative velocities.
-    """
-    like, wanted = all.like, all.pi
-    for k in each(one.count):
-        (G, S), (G_t, S_t) = (vectors(like, of, p, k) for of in (all.normals, all.turning))
-        turns = dot(S_t, sub(u, v)) - dot(add(G_t, S_t), sub(u, w))
-        slips = all.constraint[p, k] == SLIPS
-        wanted[k] = np.where(slips, turns + dot(add(G, S), w_t), 0.0)
+            gain.energy[at] += dot(push, choose(slips, w, v))
+    with when((one.mine == 1) & ~both):
+        accumulate(gain.impulse, add(force, force_s))
+        gain.energy[one.moves_gas] += power.value
+        gain.energy[one.moves_solid] += of_solid.value + dot(force_s, v)
+    return power.value, of_solid.value
 
 
 # temperatures
@@ -193,7 +209,7 @@ def share_heat(law, which, all, gain):
     the gas, or of the solid. Of particles whose gas has this law, the one of this number.
     """
     for p in each(all.facts.shape[0]):
-        one, U, M = all.facts[p], all.U, all.mass[p]
+        one, U, M, at_E = all.facts[p], all.U, all.mass[p], len(all.like) + 1
         warm, solid = one.warm_gas == 1, one.warm_solid == 1
         gas, both = (one.given_gas == 1) & ~warm, one.shares_heat == 1
         with when((one.law == which) & (warm | both) & (M > 0.0)):
@@ -203,11 +219,17 @@ def share_heat(law, which, all, gain):
                 T = np.where(warm, all.data.T[p], all.data.T_solid[p])
                 warm_the_gas(law, all, gain, p, of_gas, T)
             with when(gas & ~solid):
-                rho, E = U[p, 0], U[p, len(all.like) + 1]
+                rho, E = U[p, 0], U[p, at_E]
                 T = law.temperature(rho, E / rho - of_gas)
                 warm_the_solid(all, gain, p, of_solid, T)
             with when(~warm & ~gas & ~solid):
-                share_one(law, all, p, of_gas, of_solid)
+                rho, c, M_s, e = U[p, 0], all.capacity[p], all.solid_mass[p], all.e[p]
+                heat = M * (U[p, at_E] / rho - of_gas) + M_s * (e - of_solid)
+                T = common_temperature(law, rho, M, M_s * c, heat, (e - of_solid) / c)
+                sum_of_both = M * U[p, at_E] / rho + M_s * e  # it stays
+                e = of_solid + c * T
+                all.e[p] = e
+                U[p, at_E] = rho * (sum_of_both - M_s * e) / M
 
 
 def warm_solids(all, gain):
@@ -221,17 +243,6 @@ def rest_of(all, p):
     """Energy per mass of a solid that is no heat."""
     v = node(all.like, all.v, p)
     return all.potential[p] + 0.5 * dot(v, v)
-
-
-def share_one(law, all, p, of_gas, of_solid):
-    """One temperature of gas and solid. of_gas, of_solid: energies per mass that are no heat."""
-    U, at_E, M, M_s, e = all.U, len(all.like) + 1, all.mass[p], all.solid_mass[p], all.e[p]
-    rho, c, energy = U[p, 0], all.capacity[p], U[p, at_E] / U[p, 0]
-    heat = M * (energy - of_gas) + M_s * (e - of_solid)
-    T = common_temperature(law, rho, M, M_s * c, heat, (e - of_solid) / c)
-    sum_of_both = M * U[p, at_E] / rho + M_s * e  # it stays
-    all.e[p] = e = of_solid + c * T
-    U[p, at_E] = rho * (sum_of_both - M_s * e) / M
 
 
 def warm_the_gas(law, all, gain, p, of_gas, T):

@@ -28,21 +28,10 @@ In which order all this is done, and what is exchanged between: fsipetsc.blockru
 
 import numpy as np
 
-from fsipetsc.equations.vectors import add, along, choose, dot, per, scale, sub
+from fsipetsc.equations.vectors import add, choose, dot, per, scale, sub
 from fsipetsc.kernels.arrays import node, part_of, put_part
 from fsipetsc.kernels.loops import each, otherwise, pick, variable, when
-from fsipetsc.particles.constraints import (
-    accumulate,
-    book,
-    powers,
-    right_sides,
-    share_heat,
-    slide,
-    solve,
-    value_of,
-    velocity,
-    warm_solids,
-)
+from fsipetsc.particles import constraints as of
 from fsipetsc.particles.members import GAS, SOLID
 from fsipetsc.scheme.part import clear
 
@@ -68,7 +57,7 @@ def summed(all, p):
             solid[0].value += all.weight[r]
             for c in range(2 * d + 1):
                 solid[1 + c].value += rows[r, c]
-    (V, M, *P, E), (M_s, *Ds, E_s) = value_of(gas), value_of(solid)
+    (V, M, *P, E), (M_s, *Ds, E_s) = of.value_of(gas), of.value_of(solid)
     return (V, M, tuple(P), E), (M_s, tuple(Ds[:d]), tuple(Ds[d:]), E_s)
 
 
@@ -98,7 +87,7 @@ def end_sums(all, gain):
         with when((one.mine == 1) & (held | (one.given_gas == 1) | (one.given_solid == 1))):
             with when(V > 0.0):
                 gain.mass[one.column] += M - of_gas[1]
-            accumulate(gain.impulse, add(sub(P, of_gas[2]), sub(P_s, of_solid[2])))
+            of.accumulate(gain.impulse, add(sub(P, of_gas[2]), sub(P_s, of_solid[2])))
             gain.energy[one.moves_gas] += (E - of_gas[3]) + (E_s - of_solid[3])
 
 
@@ -183,10 +172,10 @@ def impose_conditions(all, gain, y):
     if all.slips:
         for p in each(all.facts.shape[0]):
             with when(all.facts[p].count > 0):
-                slide(all, gain, p, all.facts[p])
+                of.slide(all, gain, p, all.facts[p])
     for number, law in enumerate(all.laws):
-        share_heat(law, number, all, gain)
-    warm_solids(all, gain)
+        of.share_heat(law, number, all, gain)
+    of.warm_solids(all, gain)
     give_state(all, y)
     sum_up(gain)
     for c in each(all.auxiliary):
@@ -223,49 +212,11 @@ def give_state(all, y):
 def end_rates(all, gain, y, f):
     """Rates of members from the sums of their rates, under the constraints of their particles."""
     for p in each(all.facts.shape[0]):
-        accelerate(all, gain, p, all.facts[p])
+        of.accelerate(all, gain, p, all.facts[p], *summed(all, p))
     give_rates(all, gain, y, f)
     sum_up(gain)
     for c in each(all.auxiliary):
         f[f.size - all.auxiliary + c] = gain.numbers[c]
-
-
-def accelerate(all, gain, p, one):
-    """U_t of the gas and acceleration of the solid of a particle."""
-    like, U = all.like, part_of((*all.like, 0.0, 0.0), all.U, p, 0)
-    (J_t, R, R_m, R_E), (_, _, F, _) = summed(all, p)
-    M, M_s, v = all.mass[p], all.solid_mass[p], node(like, all.v, p)
-    u, w = velocity(like, all.U, p, M), node(like, all.data.wall, p)
-    nothing = (0.0,) * len(like)
-    a_g = choose(M > 0.0, per(along(R_m, -R, u), M), nothing)
-    a_s = choose(M_s > 0.0, per(F, M_s), nothing)
-    a, b = (list(map(variable, x)) for x in told(all, p, one, M, M_s, a_g, a_s))
-    with when(one.count > 0):
-        right_sides(all, p, one, u, v, w, node(like, all.data.wall_rate, p))
-        solve(all, p, one, M, M_s, a, b)
-    a, b = value_of(a), value_of(b)
-    force, force_s = scale(M, sub(a, a_g)), scale(M_s, sub(b, a_s))
-    power, of_solid = powers(all, p, one, force, u, v, w)
-    with when(one.mine == 1):
-        book(all, gain, p, one, v, w, force, force_s, power, of_solid)
-    put_part(all.acceleration, p, 0, b)
-    with when(M > 0.0):
-        rates = R, *add(R_m, force), R_E + power + of_solid
-        put_part(all.U_t, p, 0, per(along(rates, -J_t, U), all.V[p]))
-
-
-def told(all, p, one, M, M_s, a, b):
-    """Accelerations of gas and solid where clamps and walls prescribe them, or the two stick. A gas
-    that is given has none: it gets its velocity in each stage, and the solid with it.
-    """
-    clamped = one.clamped == 1
-    b = choose(clamped, node(all.like, all.data.clamp_rate, p), b)
-    a = choose(one.at_wall == 1, node(all.like, all.data.wall_rate, p), a)
-    given = one.given_gas == 1
-    a = choose(given, (0.0,) * len(all.like), a)
-    both = choose(given, a, per(add(scale(M, a), scale(M_s, b)), M + M_s))
-    both = choose(clamped, b, both)
-    return choose(one.sticks == 1, both, a), choose(one.sticks == 1, both, b)
 
 
 def give_rates(all, gain, y, f):

@@ -6,8 +6,8 @@ the same order and solves the same small system: see fsipetsc.particles.procedur
 that own points of an interface exchange what the interface needs, and no sum is made by messages.
 """
 
-from collections import namedtuple
 from collections.abc import Callable, Mapping, Sequence
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -36,9 +36,7 @@ class ParticleSystem:
     rows of tables, those of one particle together, in an order that all ranks have in common. does:
     the procedures by their names, once they are recorded. sums, areas, stored: exchanges of what
     members add up, of their area vectors, of their elastic energies. slips: whether there are
-    constraints anywhere; stores: whether elastic energies matter to temperatures. nodes: block ->
-    (numbers of this rank's nodes that are members, their particles here). telling: block of a solid
-    -> (rows of tables, numbers of nodes) of those here whose elastic energy is wanted.
+    constraints anywhere; stores: whether elastic energies matter to temperatures.
     """
 
     does: dict[str, Procedure]
@@ -61,7 +59,7 @@ class ParticleSystem:
         taken = np.isin(members[:, 0], here)
         number, owners = np.searchsorted(here, members[taken, 0]), owners[taken]
         self._members, self._mine = members[taken, 1:], np.flatnonzero(owners == me)
-        self._particles, n = [particles[p] for p in here], here.size
+        self._particles, self._number, n = [particles[p] for p in here], number, here.size
         self.stores = any(p.stores for p in particles)
         self.slips = any(p.constraints for p in particles)
         most = max([1, *(len(p.constraints) for p in particles)])
@@ -74,16 +72,16 @@ class ParticleSystem:
         )
         self.prescribed = Prescribed(layout.problem, self._particles, instant)
         begin = np.searchsorted(number, np.arange(n + 1))
-        fields = {
-            "like": (0.0,) * d,
-            "begin": begin,  # particle p has the rows begin[p] … begin[p + 1] - 1
-            "mine": self._mine,  # rows of the members of this rank
-            "of_particle": number,  # of each member
+        self.record = SimpleNamespace(
+            like=(0.0,) * d,
+            begin=begin,  # particle p has the rows begin[p] … begin[p + 1] - 1
+            mine=self._mine,  # rows of the members of this rank
+            of_particle=number,  # of each member
             **self._of_members(inertia),
             **self._of_particles(owners[begin[:-1]] == me, most),
-            "laws": layout.problem.gas_laws,
-            "data": self.prescribed.data,
-            "moves": np.array([p.moves for p in self._particles], np.int64),  # its walls move
+            laws=layout.problem.gas_laws,
+            data=self.prescribed.data,
+            moves=np.array([p.moves for p in self._particles], np.int64),  # its walls move
             # sums and rates: of the gas mass, volume and (rho, rho u, E); of the solid mass,
             # displacement, velocity, energy per mass, also the mean of members before a change,
             # mean specific heat, mean energy per mass that is neither kinetic nor heat
@@ -91,28 +89,17 @@ class ParticleSystem:
             **{name: np.zeros(n) for name in ("capacity", "potential")},
             **{name: np.zeros((n, d)) for name in ("D", "v", "acceleration")},
             **{name: np.zeros((n, d + 2)) for name in ("U", "U_t")},
-            "stored": self.stored.table,  # (rows, 1) energy that is neither kinetic nor heat
-            "rows": self.sums.table,  # what members add up
-            "stores": self.stores,
-            "slips": self.slips,
+            stored=self.stored.table,  # (rows, 1) energy that is neither kinetic nor heat
+            rows=self.sums.table,  # what members add up
+            stores=self.stores,
+            slips=self.slips,
             # G and S of each constraint, how they turn, and area vectors of members
             **{name: np.zeros((n, 2 * most * d)) for name in ("normals", "turning")},
-            "of_normals": self.areas.table,
-            "matrix": np.zeros((most, most)),  # room for the constraints of one particle
+            of_normals=self.areas.table,
+            matrix=np.zeros((most, most)),  # room for the constraints of one particle
             **{name: np.zeros(most) for name in ("pi", "pivots")},
-            "auxiliary": layout.auxiliary,  # unknowns, at the end of a vector, of what came in
-        }
-        record_of: Any = namedtuple
-        self.record = record_of("Particles", fields)(**fields)
-        self.nodes, self.telling = {}, {}
-        stored = np.array([p.stores for p in self._particles], bool)
-        for k in layout.parts:
-            rows, nodes = self._own_of(k)
-            order = np.argsort(nodes)
-            self.nodes[k] = nodes[order], number[rows[order]]
-            if k in inertia:
-                telling = stored[number[rows]]
-                self.telling[k] = rows[telling], nodes[telling]
+            auxiliary=layout.auxiliary,  # unknowns, at the end of a vector, of what came in
+        )
 
     def procedures(self, gain: Any) -> Code:
         """What is done with particles, recorded; gain: fsipetsc.scheme.part.Gain. Once the code is
@@ -127,10 +114,15 @@ class ParticleSystem:
         self.does = {name: code.procedure(name, *given) for name, given in takes.items()}
         return code
 
-    def _own_of(self, k: int) -> tuple[Array, Array]:
-        """Rows of the tables and numbers of nodes of this rank's members of block k."""
+    def own(self, k: int, stores: bool = False) -> tuple[Array, Array, Array]:
+        """This rank's members of block k, or those whose elastic energy is wanted: their rows in
+        the tables, nodes, ascending, and particles here.
+        """
         rows = self._mine[self._members[self._mine, 0] == k]
-        return rows, self._members[rows, 1]
+        rows = rows[np.argsort(self._members[rows, 1])]
+        particle = self._number[rows]
+        wanted = np.array([self._particles[p].stores or not stores for p in particle], bool)
+        return rows[wanted], self._members[rows[wanted], 1], particle[wanted]
 
     def _of_members(self, inertia: dict[int, Array]) -> dict[str, Array]:
         """What the record has of members: GAS or SOLID, specific heat; of those of this rank the
@@ -142,7 +134,7 @@ class ParticleSystem:
         alpha = np.array([getattr(blocks[k].material, "alpha", 0.0) for k in of])
         (at, apart), (weight, booked) = np.zeros((2, len(of)), np.int64), np.zeros((2, len(of)))
         for k, part in self._layout.parts.items():
-            rows, numbers = self._own_of(k)
+            rows, numbers, _ = self.own(k)
             nodes = part.patch.ghosted_rows(part.rows(numbers))
             weight[rows] = part.weights(nodes) * (inertia[k][nodes] if k in inertia else 1.0)
             at[rows], apart[rows] = part.at(numbers), part.numbers.size
@@ -168,7 +160,7 @@ class ParticleSystem:
 
         A member's row has G and S of each constraint; a face of the gas at a solid is in both.
         """
-        d, found, (rows, nodes) = self._layout.problem.dimension, [], self._own_of(k)
+        d, found, (rows, nodes, _) = self._layout.problem.dimension, [], self.own(k)
         row_of = dict(zip(nodes.tolist(), rows.tolist(), strict=True))
         constraints = (c for particle in self._particles for c in enumerate(particle.constraints))
         for c, (kind, faces) in constraints:
@@ -192,7 +184,7 @@ class ParticleSystem:
 
     def at_walls(self, k: int) -> tuple[Array, Array]:
         """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""
-        nodes, particle = self.nodes[k]
+        _, nodes, particle = self.own(k)
         at_wall = self.record.facts["at_wall"][particle] == 1
         return nodes[at_wall], self.prescribed.data.wall[particle[at_wall]]
 
