@@ -76,13 +76,13 @@ def _initialise(arguments: Sequence[str]) -> None:
     import petsc4py
 
     # a SIGTERM is the program's business; an error of options is not a list of those left
-    always, start = ["-skip_petscrc", "-no_signal_handler", "-options_left", "false"], []
+    start = ["-skip_petscrc", "-no_signal_handler", "-options_left", "false"]
     environment = os.environ.pop("PETSC_OPTIONS", "")
     for word, value in pairwise([*environment.split(), *arguments, "-end"]):
         if word.lstrip("-").lower() in AT_START:
             start += [word] if is_option(value) else [word, value]
     try:
-        petsc4py.init(["fsipetsc", *always, *start])
+        petsc4py.init(["fsipetsc", *start])
     except RuntimeError:
         raise InputError(f"PETSc could not start with {' '.join(start)}") from None
     finally:

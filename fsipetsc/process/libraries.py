@@ -9,7 +9,7 @@ import ctypes
 import os
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 from fsipetsc.errors import FileError
@@ -29,49 +29,40 @@ def libraries(
     compiler, or it fails; FileError.
     """
     build.tells = comm.rank == 0
+    says = announce if comm.rank == 0 else lambda text: None
     names = together(comm, lambda: [build.name_of(text) for text in texts])
+    text_of, sent = dict(zip(names, texts, strict=True)), dict[str, bytes]()
     lacking = comm.allgather(sorted({name for name in names if build.kept(name) is None}))
     # name -> the rank that compiles it: the lowest one that lacks it
     makers = {name: k for k, some in reversed([*enumerate(lacking)]) for name in some}
-    if keeps_text and comm.rank == 0:
-        for name, text in zip(names, texts, strict=True):
-            kept = build.keep(name.replace(".so", ".c"), text.encode())
-            announce(f"C text of kernels: {kept}")
-    sent = _made(comm, dict(zip(names, texts, strict=True)), makers, announce) if makers else {}
+    for name, text in text_of.items() if keeps_text and comm.rank == 0 else ():
+        says(f"C text of kernels: {build.keep(name.replace('.so', '.c'), text.encode())}")
+    if makers:
+        begin, mine = time.monotonic(), [name for name, k in makers.items() if k == comm.rank]
+        says(f"compiling the kernels of this case (libraries: {len(makers)})")
+        # asleep: who compiles may have this rank's core
+        made = together(comm, lambda: _made([(name, text_of[name]) for name in mine]), asleep=True)
+        says(f"compiled in {time.monotonic() - begin:.1f} s")
+        sent = {name: library for of_rank in comm.allgather(made) for name, library in of_rank}
     return together(comm, lambda: [_loaded(name, sent) for name in names])
 
 
-def _made(
-    comm: Comm, texts: dict[str, str], makers: dict[str, int], announce: Callable[[str], None]
-) -> dict[str, bytes]:
-    """Return the bytes of all libraries that some rank lacks, on all ranks. Collective."""
-    begin = time.monotonic()
-    if comm.rank == 0:
-        announce(f"compiling the kernels of this case (libraries: {len(makers)})")
-
-    def make() -> dict[str, bytes]:
-        mine = [name for name, rank in makers.items() if rank == comm.rank]
-        made = dict(zip(mine, _side_by_side([texts[name] for name in mine])))
-        for name, library in made.items():
-            build.keep(name, library)
-        return made
-
-    mine = together(comm, make, asleep=True)  # who compiles may have this rank's core
-    if comm.rank == 0:
-        announce(f"compiled in {time.monotonic() - begin:.1f} s")
-    return {name: library for of_rank in comm.allgather(mine) for name, library in of_rank.items()}
-
-
-def _side_by_side(texts: Sequence[str]) -> Iterator[bytes]:
-    """Yield libraries of texts. If one fails, or a signal comes, nothing waits for the others."""
+def _made(texts: Sequence[tuple[str, str]]) -> list[tuple[str, bytes]]:
+    """Return libraries of texts, all with names, and keep them. If one fails, or a signal comes,
+    nothing waits for the others.
+    """
     pool = ThreadPoolExecutor(len(os.sched_getaffinity(0)))  # threads that wait for compilers
     try:
-        yield from pool.map(build.made, texts)
+        made = [(name, pool.submit(build.made, text)) for name, text in texts]
+        found = [(name, library.result()) for name, library in made]
     except BaseException:
         build.end_compilers()
         raise
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
+    for name, library in found:
+        build.keep(name, library)
+    return found
 
 
 def _loaded(name: str, sent: dict[str, bytes]) -> ctypes.CDLL:
@@ -79,12 +70,10 @@ def _loaded(name: str, sent: dict[str, bytes]) -> ctypes.CDLL:
     path = build.kept(name)
     if path is not None:
         return build.loaded(path)
-    handle, own = tempfile.mkstemp(prefix="fsipetsc-", suffix=".so")
     try:
-        with os.fdopen(handle, "wb") as file:
+        with tempfile.NamedTemporaryFile(prefix="fsipetsc-", suffix=".so") as file:
             file.write(sent[name])
-        return ctypes.CDLL(own)
+            file.flush()
+            return ctypes.CDLL(file.name)
     except OSError as error:
-        raise FileError(f"compiled kernels cannot be loaded from {own}: {error}") from error
-    finally:
-        os.unlink(own)
+        raise FileError(f"compiled kernels cannot be loaded: {error}") from error

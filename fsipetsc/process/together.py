@@ -32,18 +32,15 @@ def together(comm: Comm, action: Callable[[], Result], asleep: bool = False) -> 
     except FsiError as error:
         fault = error
     if asleep:
-        wait_asleep(comm)
+        done_asleep(comm.Ibarrier())
     agree(comm, fault)
     return result
 
 
-def wait_asleep(comm: Comm) -> None:
-    """Wait for all ranks, asleep: one that compiles or draws may have this rank's core."""
-    done_asleep(comm.Ibarrier())
-
-
 def done_asleep(request: Any, patience: float = math.inf) -> bool:
-    """Tell whether a request is done within so many seconds, for which this rank sleeps."""
+    """Tell whether a request is done within so many seconds, for which this rank sleeps: others may
+    need its core.
+    """
     end = time.monotonic() + patience
     while not request.Test():
         if time.monotonic() > end:
@@ -89,19 +86,18 @@ def end_together(error: BaseException, notes: Comm | None) -> int:
     speaks for all that failed; of an error that not all ranks meet each speaks that has it.
     """
     status, message, collective = describe(error)
-    if notes is None or notes.size == 1:
+    first = notes is None or notes.rank == 0
+    told = first and (collective or notes is None or notes.size == 1)
+    if told:
         _print(message, error, status)
+    if notes is None:
         return status
-    if collective and notes.rank == 0:
+    met = done_asleep(notes.Ibarrier(), 10.0 if collective else 1.0)  # so long others may take
+    if not (told or collective) and (first or not met):
         _print(message, error, status)
-    if done_asleep(notes.Ibarrier(), 10.0 if collective else 1.0):  # so long others may take
-        if not collective and notes.rank == 0:
-            _print(message, error, status)
-        return notes.bcast(status)
-    if not collective:
-        _print(message, error, status)
-    notes.Abort(status)
-    return status
+    if not met:
+        notes.Abort(status)
+    return notes.bcast(status)
 
 
 def _print(message: str, error: BaseException, status: int) -> None:

@@ -13,7 +13,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.options import read_options, read_table
 from fsipetsc.output.file_layout import check_folder, writing
 from fsipetsc.process.launch import start_petsc
-from fsipetsc.process.together import Comm, together, wait_asleep
+from fsipetsc.process.together import Comm, done_asleep, together
 
 
 class Study:
@@ -81,7 +81,7 @@ class Study:
         made = partial(TemporaryDirectory, **where, ignore_cleanup_errors=True)
         with self.on_first(made) or nullcontext() as folder:
             yield Path(self.comm.bcast(folder))
-            wait_asleep(self.comm)  # other ranks may still read
+            done_asleep(self.comm.Ibarrier())  # other ranks may still read
 
 
 def text_table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
