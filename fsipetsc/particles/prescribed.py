@@ -63,7 +63,7 @@ class Prescribed:
         n, d = len(particles), problem.dimension
         several = np.zeros((n, d + 2)), np.zeros((n, 2 * d))
         self.data = Data(*np.zeros((6, n, d)), *np.zeros((2, n)), *several)
-        first = [particle.members[0] for particle in particles]
+        first = (particle.members[0] for particle in particles)
         places = [problem.places(k, np.array([node]))[0] for k, node in first]
         self._x = np.array(places).reshape(n, d)
         #: condition, numbers of its particles, formula (x, t) of numbers or symbols, where these go
@@ -184,16 +184,17 @@ class Prescribed:
         """InputError where the velocity of a wall at rest does not lie in it."""
         faces = [self._particles[p].faces["wall"] for p in who]
         normals = np.array([self._problem.face_normal(*face[:4])[0] for face in faces])
-        v = self._velocities(condition, who, times)
-        across, largest = np.abs((v * normals.T).sum(axis=1)), np.abs(v).max(axis=(1, 2))
-        if (across > ACROSS * largest[:, None]).any():
-            k, p = np.argwhere(across > ACROSS * largest[:, None])[0]
-            raise InputError(
-                f"{place_of(condition.velocity)}: velocity of NoSlip at t = {times[k]:.6g} is "
-                f"{_text(v[k, :, p])} at {place_text(self._x[who[p]])}, across the wall: expected "
-                "one along it, or x, too",
-                collective=False,
-            )
+        for t in times:
+            (v,) = self._velocities(condition, who, [t])
+            across = np.abs((v * normals.T).sum(axis=0))
+            p = int(across.argmax())
+            if across[p] > ACROSS * np.abs(v).max():
+                raise InputError(
+                    f"{place_of(condition.velocity)}: velocity of NoSlip at t = {t:.6g} is "
+                    f"{_text(v[:, p])} at {place_text(self._x[who[p]])}, across the wall: expected "
+                    "one along it, or x, too",
+                    collective=False,
+                )
 
 
 def _asked(condition: Any, name: str, x: Any, t: Any, names: Sequence[str] = ()) -> Any:
