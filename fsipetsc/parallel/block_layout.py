@@ -76,12 +76,6 @@ class Part:
         """The same of those nodes that this rank owns; ascending."""
         return np.flatnonzero(np.isin(self.numbers, nodes, assume_unique=True))
 
-    def at(self, nodes: Numbers) -> Numbers:
-        """Where the first unknowns of nodes that it owns stand in the rank's world array; the
-        others of a node are as far apart as there are such nodes.
-        """
-        return self.begin + self.rows(nodes)
-
     def weights(self, ghosted: Numbers) -> Array:
         """(n,) H of nodes of the ghosted array: the product of the weights of the axes."""
         places = np.unravel_index(ghosted, self.patch.ghosted, order="F")
@@ -146,11 +140,11 @@ class BlockLayout:
         for axis, (n, closed) in enumerate(zip(shape, block.periodic, strict=True)):
             least = max(2 * op.p + 1, halo) if closed else op.min_points
             if n < least:
-                kind, cells = "periodic " if closed else "", least - (not closed)
                 raise InputError(
-                    f"block '{block.name}' has {n} nodes along its {kind}axis {axis}: the "
-                    f"{op.name} operator needs at least {least}: take {cells} cells there or more, "
-                    "by a smaller -fsi_h where that sets them, or a lower -fsi_order"
+                    f"block '{block.name}' has {n} nodes along its {'periodic ' * closed}axis "
+                    f"{axis}: the {op.name} operator needs at least {least}: take "
+                    f"{least - (not closed)} cells there or more, by a smaller -fsi_h where that "
+                    "sets them, or a lower -fsi_order"
                 )
         if prod(shape) * self.dofs[k] > np.iinfo(PETSc.IntType).max:
             nodes = " by ".join(map(str, shape))

@@ -39,18 +39,9 @@ class Extent:
     halo: int
 
     @property
-    def cost(self) -> float:
-        """The work of a node, of which one of a solid is 1."""
-        return COST[len(self.shape)] if self.kind == "fluid" else 1.0
-
-    @property
     def work(self) -> float:
-        return prod(self.shape) * self.cost
-
-    @property
-    def longest(self) -> int:
-        """The axis with most nodes; of several the last one, along which rows stay whole."""
-        return max(range(len(self.shape)), key=lambda a: (self.shape[a], a))
+        """That of all nodes, of which one of a solid is 1."""
+        return prod(self.shape) * (COST[len(self.shape)] if self.kind == "fluid" else 1.0)
 
     def most(self, axis: int) -> int:
         """Parts that there can be along an axis."""
@@ -61,8 +52,8 @@ class Extent:
 
     @property
     def cap(self) -> int:
-        """How many parts there can be."""
-        return prod(self.most(a) for a in range(len(self.shape)))
+        """The most parts."""
+        return prod(map(self.most, range(len(self.shape))))
 
     def allows(self, axis: int, cuts: Sequence[int]) -> bool:
         """Whether parts between these cuts are large enough."""
@@ -153,14 +144,14 @@ def slowest(extents: Sequence[Extent], shares: Sequence[Share], size: int) -> fl
     work = np.zeros(size)
     for extent, share in zip(extents, shares, strict=True):
         for rank in share.ranks:
-            nodes, neighbours = 1.0, 0
+            part, neighbours = extent.work, 0
             for axis, (begin, end) in enumerate(share.part(rank)):
                 whole = end - begin == extent.shape[axis]
                 outer = (begin == 0) + (end == extent.shape[axis])
                 sides = 0 if whole else 2 if extent.periodic[axis] else 2 - outer
-                nodes *= end - begin + 0.5 * sides * extent.halo
+                part *= (end - begin + 0.5 * sides * extent.halo) / extent.shape[axis]
                 neighbours += sides
-            work[rank] += extent.cost * nodes + MESSAGE * neighbours
+            work[rank] += part + MESSAGE * neighbours
     return float(work.max())
 
 
@@ -198,23 +189,22 @@ def _apportion(work: Sequence[float], caps: Sequence[int], size: int) -> list[in
 
 
 def _cut(extent: Extent, ranks: range) -> Share:
-    """A block on these ranks, or on some of them if it cannot be cut into so many parts."""
-    grid = next(g for n in range(len(ranks), 0, -1) if (g := _grid(extent, n)))
-    cuts = tuple(extent.even(axis, parts) for axis, parts in enumerate(grid))
-    return Share(tuple(ranks[: prod(grid)]), cuts)
-
-
-def _grid(extent: Extent, count: int) -> tuple[int, ...] | None:
-    """Parts per axis, ``count`` in all, with the fewest nodes along cuts; None if impossible."""
-    shape, divisors = extent.shape, [n for n in range(1, count + 1) if count % n == 0]
-    most = [extent.most(axis) for axis in range(len(shape))]
-    grids = [grid for grid in product(divisors, repeat=len(shape)) if prod(grid) == count]
-    fits = [grid for grid in grids if all(n <= m for n, m in zip(grid, most, strict=True))]
+    """A block on these ranks, or on some of them if it cannot be cut into so many parts; with the
+    fewest nodes along cuts.
+    """
+    shape, grids, count = extent.shape, list[tuple[int, ...]](), len(ranks) + 1
+    while not grids:
+        count -= 1
+        divisors = [n for n in range(1, count + 1) if count % n == 0]
+        parts = [[n for n in divisors if n <= extent.most(axis)] for axis in range(len(shape))]
+        grids = [grid for grid in product(*parts) if prod(grid) == count]
 
     def nodes_along_cuts(grid: tuple[int, ...]) -> tuple[float, tuple[int, ...]]:
         return sum((k - 1) * (prod(shape) // n) for k, n in zip(grid, shape, strict=True)), grid
 
-    return min(fits, key=nodes_along_cuts, default=None)
+    grid = min(grids, key=nodes_along_cuts)
+    cuts = tuple(extent.even(axis, parts) for axis, parts in enumerate(grid))
+    return Share(tuple(ranks[:count]), cuts)
 
 
 def _balanced(extents: Sequence[Extent], size: int) -> list[Share] | None:
@@ -234,7 +224,7 @@ def _balanced(extents: Sequence[Extent], size: int) -> list[Share] | None:
 
 def _slabs(extent: Extent, begin: float, end: float, size: int) -> Share | None:
     """A block between the places ``begin`` and ``end`` on a line on which rank r has r … r + 1."""
-    axis, n = extent.longest, extent.shape[extent.longest]
+    n, axis = max((n, axis) for axis, n in enumerate(extent.shape))  # rows stay whole
     first, last = min(int(begin + 1e-9), size - 1), min(int(end - 1e-9), size - 1)
     inner = [round(n * (rank - begin) / (end - begin)) for rank in range(first + 1, last + 1)]
     # a part that would be too small goes to the next rank

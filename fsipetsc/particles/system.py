@@ -135,9 +135,10 @@ class ParticleSystem:
         (at, apart), (weight, booked) = np.zeros((2, len(of)), np.int64), np.zeros((2, len(of)))
         for k, part in self._layout.parts.items():
             rows, numbers, _ = self.own(k)
-            nodes = part.patch.ghosted_rows(part.rows(numbers))
+            own = part.rows(numbers)
+            nodes = part.patch.ghosted_rows(own)
             weight[rows] = part.weights(nodes) * (inertia[k][nodes] if k in inertia else 1.0)
-            at[rows], apart[rows] = part.at(numbers), part.numbers.size
+            at[rows], apart[rows] = part.begin + own, part.numbers.size
             booked[rows] = weight[rows] * self._layout.problem.loses(k)
         found = {"kind": kind, "at": at, "apart": apart, "weight": weight, "alpha": alpha}
         return {**found, "inertia": booked}
