@@ -84,7 +84,7 @@ def test_velocity_and_acceleration_of_a_wall_are_exact_derivatives(t):
         _, _ = asked_and_recorded(state, t)
         complete(state, t, state.y)
         prescribed = state.phases.particles.prescribed
-        (p,) = prescribed.moving
+        (p,) = np.flatnonzero(state.phases.particles.record.moves)
         found = (array[p, 0] for array in prescribed.data[:3])
         wanted = x(t), v(t), -w * w * x(t)
         np.testing.assert_allclose(list(found), wanted, rtol=1e-15, atol=2e-16)
@@ -110,8 +110,8 @@ def test_python_is_asked_for_other_functions(name):
     state.finish()
     assert any("in each stage" in note and why in note for note in notes(state, "begin"))
     complete(state, 0.3, state.y)
-    prescribed = state.phases.particles.prescribed
-    assert prescribed.data.place[prescribed.moving[0], 0] == x(0.3)
+    found = state.phases.particles.record
+    assert found.data.place[found.moves == 1, 0] == x(0.3)
 
 
 # runs

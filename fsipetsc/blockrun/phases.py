@@ -197,7 +197,7 @@ class Phases:
         def each(name: str) -> list[Any]:
             return [part.does[name] for part in parts if name in part.does]
 
-        sums, areas, slips = of_particles.sums, of_particles.areas, of_particles.slips
+        sums, areas, slips = of_particles.sums, of_particles.areas, of_particles.record.slips
         with_halo = [part for part in parts if part.part.has_halo]
         inside = [part.part.inside for part in with_halo]
         read = [part.part.inside for part in with_halo if part.reads_ghosted]
@@ -208,7 +208,7 @@ class Phases:
         normals = [*each("normals"), areas, does["end_normals"]] if slips else []
         turned = [*each("turn"), areas, does["end_turning"]] if slips else []
         stored: list[Any] = []
-        if of_particles.stores:
+        if of_particles.record.stores:
             stored = [*each("move"), does["begin_stored"], *fill, *each("store")]
             stored += [of_particles.stored, does["weigh_heat"]]
         # where walls slip, conditions change velocities, which grids follow

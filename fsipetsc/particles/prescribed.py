@@ -52,8 +52,7 @@ class Prescribed:
 
     instant: gives a short time [s], a step for differences in time.
 
-    data: the arrays of the last instant. moving: particles on walls that move, by which the grid
-    goes along. by_differences: some data are differences in time.
+    data: the arrays of the last instant. by_differences: some data are differences in time.
     """
 
     def __init__(
@@ -69,7 +68,6 @@ class Prescribed:
         #: condition, numbers of its particles, formula (x, t) of numbers or symbols, where these go
         self._sources = list(self._sources_of())
         self.by_differences = any(_has_motion(condition) for condition, *_ in self._sources)
-        self.moving = np.flatnonzero([particle.moves for particle in particles])
 
     def _grouped(self, name: str) -> list[tuple[Any, Array]]:
         """(condition, numbers of its particles), for each condition of this name."""

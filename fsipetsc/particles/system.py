@@ -35,8 +35,7 @@ class ParticleSystem:
     record: all that procedures take, of n particles and their members, on this and other ranks:
     rows of tables, those of one particle together, in an order that all ranks have in common. does:
     the procedures by their names, once they are recorded. sums, areas, stored: exchanges of what
-    members add up, of their area vectors, of their elastic energies. slips: whether there are
-    constraints anywhere; stores: whether elastic energies matter to temperatures.
+    members add up, of their area vectors, of their elastic energies.
     """
 
     does: dict[str, Procedure]
@@ -60,8 +59,6 @@ class ParticleSystem:
         number, owners = np.searchsorted(here, members[taken, 0]), owners[taken]
         self._members, self._mine = members[taken, 1:], np.flatnonzero(owners == me)
         self._particles, self._number, n = [particles[p] for p in here], number, here.size
-        self.stores = any(p.stores for p in particles)
-        self.slips = any(p.constraints for p in particles)
         most = max([1, *(len(p.constraints) for p in particles)])
         ranks = {me, *owners.tolist()}
         wanted = {rank: np.isin(number, number[owners == rank]) for rank in sorted(ranks)}
@@ -91,8 +88,8 @@ class ParticleSystem:
             **{name: np.zeros((n, d + 2)) for name in ("U", "U_t")},
             stored=self.stored.table,  # (rows, 1) energy that is neither kinetic nor heat
             rows=self.sums.table,  # what members add up
-            stores=self.stores,
-            slips=self.slips,
+            stores=any(p.stores for p in particles),  # energies that are no heat matter to T
+            slips=any(p.constraints for p in particles),  # there are constraints
             # G and S of each constraint, how they turn, and area vectors of members
             **{name: np.zeros((n, 2 * most * d)) for name in ("normals", "turning")},
             of_normals=self.areas.table,
