@@ -1,8 +1,8 @@
 """Constraints of a particle: of its motion by Gauss's principle, see fsipetsc.particles.procedures,
 and of temperatures: one of gas and solid where both conduct, or those that are given.
 
-one: what is known of a particle, its facts; p: its number. Accelerations, or velocities, a of the
-gas and b of the solid are lists of variables where constraints change them.
+one: the facts of a particle; p: its number. Accelerations, or velocities, a of the gas and b of the
+solid are lists of variables where constraints change them.
 """
 
 import numpy as np

@@ -161,7 +161,7 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
 
 
 def _take_over(particle: Particle, face: Face, gas: bool) -> None:
-    """What a condition says beside a direction; of two of a kind that which prescribes motion."""
+    """Note what a face's condition prescribes; of two that prescribe the same the moving one."""
     met, faces = face.met, particle.faces
     name = "" if met.part == "roller" else met.part
     name = "slip" if name == "wall" and (particle.sticks or met.slides) else name

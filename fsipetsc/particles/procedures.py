@@ -6,7 +6,7 @@ velocity, and have one temperature or each its own. With the sums
     gas    V = sum H J,  M = sum H J rho,  P = sum H J rho u,  E = sum H J e
     solid  M_s = sum H J0 m0,  and those of M_s times displacement, velocity, energy per mass e_s
 
-`end_sums` gives all members what follows from the sums; sums are linear in the unknowns, so that a
+`end_sums` finds what all members have in common; sums are linear in the unknowns, so that a
 Runge-Kutta method keeps them. `end_rates` does the same for rates. With a_g = (R_m - u R_rho)/M and
 a_s = F/M_s the accelerations without constraints, it minimises
 
@@ -20,10 +20,8 @@ G_c is the sum of the area vectors of gas faces, S_c minus that of those at a so
 S_c is the sum over walls: what they push comes in from outside. Sticking gas and solid are one body
 of mass M + M_s. A body whose motion is given counts as infinitely heavy.
 
-What comes in is added to ``gain``, see fsipetsc.scheme.part.Gain. Of constraints that is what their
-forces do, of data that replace unknowns it is the change of these.
-
-In which order all this is done, and what is exchanged between: fsipetsc.blockrun.phases.
+What comes in is added to ``gain``, see fsipetsc.scheme.part.Gain: the work of constraints, and the
+change of unknowns that data replace. fsipetsc.blockrun.phases has the order of all this.
 """
 
 import numpy as np
@@ -67,9 +65,8 @@ def kinetic(P, M):
 
 
 def end_sums(all, gain):
-    """From the sums of all members: one U, one displacement and velocity; what sticks has one
-    velocity, and the kinetic energy that the solid loses by that goes to the gas. What comes in
-    begins here.
+    """Find from the sums of all members one U, one displacement and velocity. Gas and solid that
+    stick have one velocity, and the gas gets the kinetic energy that the solid loses by that.
     """
     clear(gain.numbers)
     for p in each(all.facts.shape[0]):
@@ -92,9 +89,7 @@ def end_sums(all, gain):
 
 
 def obeyed(all, p, one, of_gas, of_solid):
-    """The sums of particle p with the mean displacement in place of its sum, as walls, clamps and
-    data have them.
-    """
+    """The sums of particle p, as walls, clamps and data have them; D is the mean displacement."""
     (V, M, P, E), (M_s, D, P_s, E_s) = of_gas, of_solid
     like, data, d, given = all.like, all.data, len(all.like), one.given_solid == 1
     moved = (one.clamped == 1) | given
@@ -120,9 +115,7 @@ def obeyed(all, p, one, of_gas, of_solid):
 
 
 def gather(all, total):
-    """Add up the area vectors of all members of each particle, or how they turn, and clear those of
-    the members.
-    """
+    """Add up area vectors of members, or how they turn, and clear those of the members."""
     clear(total.reshape(-1))
     for r in each(all.of_particle.shape[0]):
         p = all.of_particle[r]
@@ -132,9 +125,7 @@ def gather(all, total):
 
 
 def begin_stored(all, y):
-    """Solid members of this rank get the displacement of their particle, for solids to say what
-    they store.
-    """
+    """Solid members get the displacement of their particle, for which solids find energies."""
     for p, r in own_members(all):
         with when(all.kind[r] == SOLID):
             own, D = Unknowns(all, r, y), node(all.like, all.D, p)
