@@ -43,12 +43,14 @@ class Extent:
         """That of all nodes, of which one of a solid is 1."""
         return prod(self.shape) * (COST[len(self.shape)] if self.kind == "fluid" else 1.0)
 
+    def least(self, axis: int) -> int:
+        """Nodes, at least, of the first and the last one of several parts along an axis."""
+        return self.inner if self.periodic[axis] else self.end
+
     def most(self, axis: int) -> int:
         """Parts that there can be along an axis."""
-        n = self.shape[axis]
-        if self.periodic[axis]:
-            return max(1, n // self.inner)
-        return 1 if n < 2 * self.end else 2 + (n - 2 * self.end) // self.inner
+        between = self.shape[axis] - 2 * self.least(axis)
+        return 1 if between < 0 else 2 + between // self.inner
 
     @property
     def cap(self) -> int:
@@ -58,11 +60,8 @@ class Extent:
     def allows(self, axis: int, cuts: Sequence[int]) -> bool:
         """Whether parts between these cuts are large enough."""
         sizes = [b - a for a, b in pairwise(cuts)]
-        if len(sizes) == 1:
-            return True
-        if self.periodic[axis]:
-            return min(sizes) >= self.inner
-        return min(sizes[0], sizes[-1]) >= self.end and min(sizes) >= self.inner
+        ends = min(sizes[0], sizes[-1]) >= self.least(axis)
+        return len(sizes) == 1 or (ends and min(sizes) >= self.inner)
 
     def even(self, axis: int, parts: int) -> tuple[int, ...]:
         """Cuts into so many parts, not more than ``most``, as even as they can be."""
@@ -228,7 +227,7 @@ def _slabs(extent: Extent, begin: float, end: float, size: int) -> Share | None:
     first, last = min(int(begin + 1e-9), size - 1), min(int(end - 1e-9), size - 1)
     inner = [round(n * (rank - begin) / (end - begin)) for rank in range(first + 1, last + 1)]
     # a part that would be too small goes to the next rank
-    least = extent.inner if extent.periodic[axis] else extent.end
+    least = extent.least(axis)
     cuts = [0, *(0 if cut < least else n if cut > n - least else cut for cut in inner), n]
     kept = [(rank, a, b) for rank, (a, b) in zip(range(first, last + 1), pairwise(cuts)) if b > a]
     along = (0, *(b for _, _, b in kept))
