@@ -136,9 +136,9 @@ def accelerate(all, gain, p, one, of_gas, of_solid):
     u, w, w_t = velocity(like, all.U, p, M), node(like, data.wall, p), node(like, data.wall_rate, p)
     a_g = choose(M > 0.0, per(along(R_m, -R, u), M), nothing)
     a_s = choose(M_s > 0.0, per(F, M_s), nothing)
-    clamped, given = one.clamped == 1, one.given_gas == 1
+    clamped, given = one.clamp == 1, one.given_gas == 1
     b = choose(clamped, node(like, data.clamp_rate, p), a_s)
-    a = choose(given, nothing, choose(one.at_wall == 1, w_t, a_g))
+    a = choose(given, nothing, choose(one.wall == 1, w_t, a_g))
     both = choose(given, a, per(add(scale(M, a), scale(M_s, b)), M + M_s))
     both = choose(clamped, b, both)
     a, b = (list(map(variable, choose(one.sticks == 1, both, x))) for x in (a, b))

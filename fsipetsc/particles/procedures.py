@@ -80,7 +80,7 @@ def end_sums(all, gain):
             all.mean_energy[p], all.e[p] = of_solid[3] / M_s, E_s / M_s
             put_part(all.v, p, 0, per(P_s, M_s))
             put_part(all.D, p, 0, D)
-        held = (one.at_wall == 1) | (one.clamped == 1)
+        held = (one.wall == 1) | (one.clamp == 1)
         with when((one.mine == 1) & (held | (one.given_gas == 1) | (one.given_solid == 1))):
             with when(V > 0.0):
                 gain.mass[one.column] += M - of_gas[1]
@@ -92,13 +92,13 @@ def obeyed(all, p, one, of_gas, of_solid):
     """The sums of particle p, as walls, clamps and data have them; D is the mean displacement."""
     (V, M, P, E), (M_s, D, P_s, E_s) = of_gas, of_solid
     like, data, d, given = all.like, all.data, len(all.like), one.given_solid == 1
-    moved = (one.clamped == 1) | given
+    moved = (one.clamp == 1) | given
     D = choose(M_s > 0.0, per(D, M_s), D)
     D = choose(one.placed == 1, node(like, data.clamp, p), D)
     D = choose(given, node(like, data.solid, p), D)
-    P_s = choose(one.clamped == 1, scale(M_s, node(like, data.clamp_velocity, p)), P_s)
+    P_s = choose(one.clamp == 1, scale(M_s, node(like, data.clamp_velocity, p)), P_s)
     P_s = choose(given, scale(M_s, part_of(like, data.solid, p, d)), P_s)
-    P = choose(one.at_wall == 1, scale(M, node(like, data.wall, p)), P)
+    P = choose(one.wall == 1, scale(M, node(like, data.wall, p)), P)
     # a gas that is given, and what sticks
     given, (rho, *rho_u, of_data) = one.given_gas == 1, part_of((*like, 0.0, 0.0), data.gas, p, 0)
     sticks, before = one.sticks == 1, kinetic(P_s, M_s)

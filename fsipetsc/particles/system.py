@@ -183,7 +183,7 @@ class ParticleSystem:
     def at_walls(self, k: int) -> tuple[Array, Array]:
         """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""
         _, nodes, particle = self.own(k)
-        at_wall = self.record.facts["at_wall"][particle] == 1
+        at_wall = self.record.facts["wall"][particle] == 1
         return nodes[at_wall], self.prescribed.data.wall[particle[at_wall]]
 
     def destroy(self) -> None:
@@ -205,15 +205,10 @@ def _facts(
         "free_gas": not (moves or (particle.sticks and holds)),
         "free_solid": not holds,
         "placed": "clamp" in faces and faces["clamp"].met.x,  # a clamp gives the place
-        "sticks": particle.sticks,
-        "at_wall": "wall" in faces,
-        "clamped": "clamp" in faces,
-        "given_gas": "given_gas" in faces,
-        "given_solid": "given_solid" in faces,
         "warm_gas": particle.warms("warm_gas"),  # its temperature is given
         "warm_solid": particle.warms("warm_solid") or "given_solid" in faces,
-        "shares_heat": particle.shares_heat,
-        "one_T": particle.one_T,
+        **{name: name in faces for name in ("wall", "clamp", "given_gas", "given_solid")},
+        **{name: getattr(particle, name) for name in ("sticks", "shares_heat", "one_T")},
     }
     known = {
         "moves_gas": particle.mover(True),
