@@ -113,6 +113,6 @@ def left_as_found() -> Iterator[None]:
         folders = tuple(os.path.join(folder, "") for folder in set(sys.path) - set(path))
         for name in set(sys.modules) - modules:  # the next case file has its own of that name
             file = getattr(sys.modules[name], "__file__", None) or ""
-            if name.startswith("fsipetsc_case_") or (folders and file.startswith(folders)):
+            if name.startswith("fsipetsc_case_") or file.startswith(folders):
                 del sys.modules[name]
         sys.path[:] = path

@@ -51,12 +51,6 @@ def say(text: str) -> None:
         abandon_output()
 
 
-def say_error(text: str) -> None:
-    """Print a line on stderr, if that is possible."""
-    with contextlib.suppress(OSError, ValueError):
-        print(text, file=sys.stderr, flush=True)
-
-
 def abandon_output() -> None:
     """Let everything still to be printed on stdout, by C code too, go nowhere."""
     with contextlib.suppress(OSError, ValueError):

@@ -3,13 +3,15 @@ one message, an exit status, and no rank left waiting.
 """
 
 import math
+import sys
 import time
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from fsipetsc.errors import FsiError, Interrupted, clear_frames, missing, petsc_words, reason
-from fsipetsc.process.program import abandon_output, say_error
+from fsipetsc.process.program import abandon_output
 
 if TYPE_CHECKING:  # importing MPI starts it
     from mpi4py.MPI import Comm as Comm
@@ -105,6 +107,7 @@ def _print(message: str, error: BaseException, status: int) -> None:
         print(end="", flush=True)
     except (OSError, ValueError):
         abandon_output()
-    if status == 1:
-        say_error("".join(traceback.format_exception(error)).rstrip())
-    say_error(f"fsipetsc: error: {message}")
+    with suppress(OSError, ValueError):
+        if status == 1:
+            traceback.print_exception(error)
+        print(f"fsipetsc: error: {message}", file=sys.stderr, flush=True)
