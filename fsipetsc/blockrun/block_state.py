@@ -30,7 +30,7 @@ from fsipetsc.checks import block_values
 from fsipetsc.errors import InputError
 from fsipetsc.kernels.arrays import zeros
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, NaturalOrder
+from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
 from fsipetsc.process.together import agree, together
 from fsipetsc.scheme.monitor import MONITORED
 from fsipetsc.scheme.plan import FLAGS, LIMITS, SAID_STOP
@@ -60,9 +60,8 @@ class BlockState(State):
 
     y: this rank's part of the solution. latest_numbers: those of the last record of a step. bounds:
     (blocks, 2), largest rates of convection and diffusion [1/s]; extremes: what the monitor finds.
-    h: size of the smallest cells [m]. orders: what brings nodes of blocks into the order in which
-    they are saved. loose: gases on which a constant force acts node by node. told: solids of which
-    it was said that they are beyond their law.
+    h: size of the smallest cells [m]. loose: gases on which a constant force acts node by node.
+    told: solids of which it was said that they are beyond their law.
     """
 
     MOST_PARTS = 16
@@ -98,10 +97,6 @@ class BlockState(State):
         self.phases = Phases(self.layout, order, form, found, columns, announce)
         self._take_calls(self.phases.calling.library, self.phases.does["plan_next"])
         self.shapes, self.parts = self.layout.shapes, self.phases.parts
-        d, symmetry = problem.dimension, problem.symmetry
-        kinds = enumerate(block.kind for block in problem.blocks)
-        names = [(k, len(fields_of(kind, d, symmetry))) for k, kind in kinds]
-        self.orders = [NaturalOrder(self.layout, k, columns) for k, columns in names]
         self._recorded_here = here_of(self)
         self._shown = self.y
         self.told: set[int] = set()
@@ -277,13 +272,12 @@ class BlockState(State):
     def save(self) -> dict[int, np.ndarray]:
         """What is saved of this rank's nodes: number of a block -> (local, columns), to be copied
         before the next call (RunWriter.write_frame). Collective."""
-        none, every = np.empty(0), enumerate(self.orders)
-        return {k: of.reorder(self.saved(k) if k in self.parts else none) for k, of in every}
+        none = [np.empty((0, len(self.fields(k)))) for k in range(len(self.shapes))]
+        saved = [self.saved(k) if k in self.parts else array for k, array in enumerate(none)]
+        return {k: self.layout.in_order(k, array) for k, array in enumerate(saved)}
 
     def destroy(self) -> None:
         """Free messages and vectors."""
         self.phases.destroy()
-        for order in self.orders:
-            order.destroy()
         self.solution.destroy()
         self.layout.destroy()

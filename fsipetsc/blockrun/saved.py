@@ -117,7 +117,7 @@ def grids(state: Any) -> list[dict[str, Any]]:
     """What the writer must know: see RunWriter."""
     found = []
     for k, shape in enumerate(state.shapes):
-        X = state.problem.places(k, state.orders[k].numbers)
+        X = state.problem.places(k, state.layout.natural(k))
         found.append({"n": int(np.prod(shape)), "X": X})
     return found
 

@@ -202,6 +202,24 @@ class BlockLayout:
         wanted = dict.fromkeys(self.shares[k].ranks, every)
         return RowExchange(self.comm, GATHER_TAG + k, owners, wanted, columns)
 
+    def natural(self, k: int) -> Numbers:
+        """The nodes of block k that this rank holds where they are in the order of their numbers:
+        not those that it owns.
+        """
+        n, rank, size = prod(self.shapes[k]), self.comm.rank, self.comm.size
+        return np.arange(n * rank // size, n * (rank + 1) // size)
+
+    def in_order(self, k: int, saved: Array) -> Array:
+        """(n, columns) of `natural`, from those of the nodes that ranks own. Collective."""
+        n, columns = self.natural(k).size, saved.shape[1]
+        own = self.parts[k].numbers if k in self.parts else []
+        vector = PETSc.Vec().createMPI((n * columns, None), bsize=columns, comm=self.comm)
+        vector.setValuesBlocked(np.array(own, PETSc.IntType), saved)
+        vector.assemble()
+        found: Array = vector.getArray(readonly=True).reshape(-1, columns).copy()
+        vector.destroy()
+        return found
+
     def destroy(self) -> None:
         """Release the messages."""
         self.halos.destroy()
@@ -228,33 +246,6 @@ class BlockVector:
         """
         part = self._layout.parts[k]
         return part.local.T if part.has_halo else self.owned(k)
-
-
-class NaturalOrder:
-    """Brings ``columns`` numbers of the nodes of block k into the order of their numbers, from the
-    ranks that own them to all ranks. Collective.
-
-    numbers: of the nodes that this rank holds then, which need not be those that it owns.
-    """
-
-    def __init__(self, layout: BlockLayout, k: int, columns: int) -> None:
-        part, size = layout.parts.get(k), prod(layout.shapes[k]) * columns
-        own = [] if part is None else part.numbers
-        self._own, self._columns = np.array(own, PETSc.IntType), columns
-        self._there = PETSc.Vec().createMPI(size, bsize=columns, comm=layout.comm)
-        first, end = self._there.getOwnershipRange()
-        self.numbers = np.arange(first // columns, end // columns)
-
-    def reorder(self, saved: Array) -> Array:
-        """(nodes, columns), of ``numbers``, from those of the nodes that this rank owns."""
-        self._there.setValuesBlocked(self._own, saved)
-        self._there.assemble()
-        found: Array = self._there.getArray(readonly=True).reshape(-1, self._columns)
-        return found.copy()  # what fails later may keep it longer than PETSc's vector may live
-
-    def destroy(self) -> None:
-        """Free PETSc's vector."""
-        self._there.destroy()
 
 
 def width_of_halo(problem: Any, k: int, order: int, shocks: bool) -> tuple[int, bool]:
