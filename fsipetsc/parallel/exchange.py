@@ -85,7 +85,7 @@ class Exchange(_Procedure):
             (comm.Recv_init, [route.received for route in routes]),
             (comm.Send_init, [route.sent for route in routes]),
         ):
-            ranks = sorted({rank for places in of_routes for rank in places})
+            ranks = sorted({r for places in of_routes for r in places if places[r].size})
             joined = [[places[r] for places in of_routes if r in places] for r in ranks]
             counts = [sum(one.size for one in of_rank) for of_rank in joined]
             ends.append((np.concatenate([_NO, *chain(*joined)]), np.empty(sum(counts))))
@@ -132,7 +132,6 @@ class RowExchange(Exchange):
         places = np.arange(self.table.size).reshape(self.table.shape)
         sent = {r: places[(owners == me) & wanted[r]].ravel() for r in others}
         received = {r: places[(owners == r) & wanted[me]].ravel() for r in others}
-        sent, received = ({r: p for r, p in of.items() if p.size} for of in (sent, received))
         numbers = self.table.reshape(-1)
         super().__init__(comm, tag, [Route(sent, received)], numbers, numbers)
 
@@ -204,13 +203,10 @@ class Reach(NamedTuple):
         def there(places: Numbers) -> Numbers:
             return (at + np.arange(dof)[:, None] * N + places).ravel()
 
-        owners, sent, received = self.share.owners(wanted), {}, {}
-        for rank in (rank for rank in self.share.ranks if rank != me):
-            other = self._nodes(rank)[2]
-            if (mine := self.share.owners(other) == me).any():
-                sent[rank] = here(other[mine])
-            if (owners == rank).any():
-                received[rank] = there(places[owners == rank])
+        owners = self.share.owners(wanted)
+        needs = {rank: self._nodes(rank)[2] for rank in self.share.ranks if rank != me}
+        sent = {rank: here(nodes[self.share.owners(nodes) == me]) for rank, nodes in needs.items()}
+        received = {rank: there(places[owners == rank]) for rank in needs}
         twice = here(wanted[owners == me]), there(places[owners == me])
         return Route(sent, received, twice), Route({}, {}, (here(numbers), there(inside)))
 
