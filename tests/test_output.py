@@ -72,7 +72,7 @@ def test_what_is_stored_and_told(whole):
     text = info(whole.path)
     for part in ("rod", "complete", "13, t = 0 … 0.012 s", "-fsi_order", "rod | above at x = "):
         assert part in text
-    assert "11 points, X = 1 … 2" in text and "wall time of the steps" in text
+    assert "11 points, X = 1 … 2" in text and "wall_time" in text
 
 
 def test_each_change_may_be_the_last(tmp_path, monkeypatch, whole):

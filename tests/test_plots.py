@@ -77,20 +77,6 @@ def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results):
     assert np.ptp(run.layers[1]["p"]) > 1  # Pa: the solid's own pressure counts
 
 
-def test_rows_of_a_map_over_time_between_frames(results):
-    """A row in the middle between two frames has the mean of both; rows at frames have these."""
-    run, figure = results["rod"], Figure()
-    fields.draw_over_time(figure, run, quantities.chosen(run, ["u"]))
-    for drawn, layer in zip(figure.axes[0].collections, run.layers, strict=True):
-        x, t = np.moveaxis(drawn.get_coordinates(), -1, 0)
-        u, parts = drawn.get_array().reshape(x.shape), (len(x) - 1) // (run.nframes - 1)
-        assert parts > 50 and np.allclose(t[::parts, 0], run.time)
-        for rows, of in (x, layer.x), (u, layer["u"]):
-            at, there = rows[::parts], np.isfinite(of)  # not in reserve
-            assert np.allclose(at[there], of[there], rtol=1e-9, atol=1e-12)
-            assert np.allclose(rows[parts // 2 :: parts], (at[1:] + at[:-1]) / 2)
-
-
 def test_a_row_without_a_number_has_none():
     rows = np.array([[np.nan, 1.0, 2.0], [np.nan] * 3])
     assert np.array_equal(fields.filled(rows), [[1, 1, 2], [np.nan] * 3], equal_nan=True)
@@ -102,12 +88,11 @@ def test_maps_are_on_the_grid(results):
     assert {*page.pictures(run)} == IN_PLANE
     quantity, last = quantities.chosen(run, ["p"])[0], run.nframes - 1
     view, axes = fields.View(run, quantity, [0, last]), Figure().subplots()
-    pictures = view.draw(axes, last)
+    view.draw(axes, last)
     edges = [line.get_xydata() for line in axes.lines if line.get_linewidth() > 0.5]
-    for layer in run.layers:
+    for drawn, layer in zip(axes.collections, run.layers, strict=True):
         of = layer.frame(last)
         expected = of["p"] if layer.kind == "fluid" else 0.5 * (of["s_xx"] + of["s_yy"])
-        drawn = pictures[layer.kind]
         assert np.array_equal(drawn.get_coordinates(), np.stack([of["x"], of["y"]], -1))
         assert np.array_equal(drawn.get_array().reshape(layer.shape), expected)
     for row in (0, -1):

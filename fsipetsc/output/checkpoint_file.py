@@ -16,12 +16,11 @@ from pathlib import Path
 from typing import Any
 
 import h5py
-import numpy as np
 
+from fsipetsc.checks import Array
 from fsipetsc.errors import FileError
 from fsipetsc.output.file_layout import damage, image, put
 
-Array = np.ndarray[Any, Any]
 _MAGIC = b"fsipetsc checkpoint "
 VERSION = 6
 _HEAD = 512  # bytes: HDF5 looks for its own beginning at this place, too
@@ -54,8 +53,8 @@ def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Array]
         content = path.read_bytes()
     except OSError as error:
         raise FileError(f"{path}: cannot be read: {error.strerror or error}") from None
-    head, body = content[:_HEAD], content[_HEAD:]
-    if head != head_of(body):
+    body = content[_HEAD:]
+    if content[:_HEAD] != head_of(body):
         raise FileError(f"{path}: the checkpoint is damaged, or of another version of fsipetsc")
     with damage(str(path)), h5py.File(io.BytesIO(body), "r") as file:
         arrays = {key: found[...] for key, found in file.get("arrays", {}).items()}
@@ -63,16 +62,11 @@ def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Array]
 
 
 def write(
-    path: str | os.PathLike[str], header: Mapping[str, Any], arrays: Mapping[str, Array]
+    path: str | os.PathLike[str], header: Mapping[str, Any], arrays: Mapping[str, Any]
 ) -> None:
     """Make this the checkpoint of a name. CheckpointError: then what was there is unchanged."""
-
-    def fill(file: h5py.File) -> None:
-        file["header"] = json.dumps(header)
-        for name, array in arrays.items():
-            file[f"arrays/{name}"] = array
-
-    target, body = Path(os.path.realpath(path)), image(fill)
+    found = {"header": json.dumps(header), **{f"arrays/{k}": of for k, of in arrays.items()}}
+    target, body = Path(os.path.realpath(path)), image(found)
     try:
         put(target, head_of(body) + body)
     except OSError as error:

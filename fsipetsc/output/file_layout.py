@@ -22,9 +22,8 @@ checksums (format of HDF5 1.10): a changed byte there is an error and not a cras
 
 import io
 import json
-import math
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from itertools import count, takewhile
 from pathlib import Path
@@ -56,6 +55,30 @@ def damage(path: str) -> Iterator[None]:
         raise FileError(f"{path}: the file is damaged: {reason(error)}") from error
 
 
+@contextmanager
+def writing(target: Path, what: str = "the picture") -> Iterator[None]:
+    """Make the directory of a file that is written within, and name the file in a FileError."""
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        yield
+    except FsiError:
+        raise
+    except Exception as error:  # of PETSc and HDF5, too
+        words = petsc_words(error) if hasattr(error, "ierr") else reason(error)
+        words = getattr(error, "strerror", None) or words
+        raise FileError(f"{target}: cannot write {what}: {words}") from error
+
+
+def check_folder(path: str | os.PathLike[str]) -> None:
+    """FileError, which names the file that is to be written, unless its directory takes files."""
+    folder = os.path.dirname(os.path.realpath(path))
+    try:
+        TemporaryFile(dir=folder).close()
+    except OSError as error:
+        said = f"no file can be written in the directory {folder}: {error.strerror}"
+        raise FileError(f"{os.fspath(path)}: {said}") from None
+
+
 def open_h5(path: str | os.PathLike[str], mode: str = "r") -> h5py.File:
     """Open without file locks: a result may be looked at while its run goes on."""
     return h5py.File(path, mode, locking=False, libver=LIBVER if mode != "r" else None)
@@ -70,11 +93,21 @@ class _Memory(io.BytesIO):
         return super().truncate(length)
 
 
-def image(fill: Callable[[h5py.File], None]) -> bytes:
-    """Return the content of a new HDF5 file that `fill` has filled."""
+def image(
+    numbers: Mapping[str, Any], shapes: Mapping[str, tuple[int, ...]] = {}, most: int = 0
+) -> bytes:
+    """Return an HDF5 file with these datasets and others of these shapes, still to be filled, in
+    chunks of at most so many numbers; 0: not in chunks.
+    """
     memory = _Memory()
     with h5py.File(memory, "w", libver=LIBVER) as file:
-        fill(file)
+        if names := [name[7:] for name in (*numbers, *shapes) if name.startswith("series/")]:
+            file.create_group("series", track_order=True).attrs[NAMES] = np.array(names, "S")
+        for name, value in numbers.items():
+            file[name] = value
+        for name, shape in shapes.items():
+            rows = max(1, min(shape[0], most // max(1, int(np.prod(shape[1:])))))
+            file.create_dataset(name, shape, "f8", chunks=(rows, *shape[1:]) if most else None)
     return memory.getvalue()
 
 
@@ -95,6 +128,12 @@ def put(path: Path, content: bytes) -> None:
         with suppress(OSError):
             draft.unlink()
         raise
+
+
+def beside(path: str | os.PathLike[str], ending: str) -> Path:
+    """Return NAME with another ending for NAME.h5; a name without .h5 is NAME as it is."""
+    path = Path(path)
+    return path.with_name(f"{path.name.removesuffix('.h5')}{ending}")
 
 
 def piece(folder: Path, number: int, ending: str = ".h5") -> Path:
@@ -118,34 +157,13 @@ def read_about(file: h5py.File) -> dict[str, Any]:
     return {"summary": {}, "errors": {}, **about}
 
 
-def read_piece(path: Path) -> tuple[dict[str, Any], Array, dict[str, Array], list[Array]]:
-    """Return what is known of the run, times of frames, series, and grids of layers that are there.
-    FileError; any exception tells what is not as it should be.
-    """
-
-    def numbers(found: h5py.Dataset, *shape: int | None) -> Array:
-        """Return numbers of this shape, in which None is any length."""
-        fits = all(n in (None, m) for n, m in zip(shape, found.shape))
-        if found.dtype.kind not in "iuf" or len(shape) != found.ndim or not fits:
-            raise ValueError(f"{found.name} has the shape {found.shape} and the type {found.dtype}")
-        values: Array = found[...]
-        return values
-
-    with open_h5(path) as file:
-        about = read_about(file)
-        time, series, grids = numbers(file["time"], None), {}, []
-        if "series" in file:
-            group, steps = file["series"], len(numbers(file["series/t"], None))
-            # a list: HDF5, asked for names, crashes where a byte of a larger group has changed
-            for name in [name.decode() for name in group.attrs.get(NAMES, ())] or [*group]:
-                series[name] = numbers(group[name], steps, *group[name].shape[1:2])
-        for k, layer in enumerate(about["header"]["layers"] if "layer0/X" in file else ()):
-            found, shape = file[f"layer{k}/X"], layer["shape"]
-            X = numbers(found, *(shape if found.ndim == 1 else (math.prod(shape), len(shape))))
-            if not np.isfinite(X).all() or (len(shape) == 1 and np.any(np.diff(X, axis=0) <= 0)):
-                raise ValueError(f"the grid in layer{k} is not ascending numbers")
-            grids.append(X)
-        return about, time, series, grids
+def numbers(found: h5py.Dataset, *shape: int | None) -> Array:
+    """Return numbers of this shape, in which None is any length. ValueError."""
+    fits = all(n in (None, m) for n, m in zip(shape, found.shape))
+    if found.dtype.kind not in "iuf" or len(shape) != found.ndim or not fits:
+        raise ValueError(f"{found.name} has the shape {found.shape} and the type {found.dtype}")
+    values: Array = found[...]
+    return values
 
 
 def columns_of(header: Mapping[str, Any]) -> dict[str, list[str]]:
@@ -164,33 +182,3 @@ def columns(layer: Mapping[str, Any]) -> tuple[str, ...]:
     """Return names of the stored columns of a layer of the header."""
     fields = tuple(layer["fields"])
     return fields if "x" in fields else (*fields, "x")
-
-
-def beside(path: str | os.PathLike[str], ending: str) -> Path:
-    """Return NAME with another ending for NAME.h5; a name without .h5 is NAME as it is."""
-    path = Path(path)
-    return path.with_name(f"{path.name.removesuffix('.h5')}{ending}")
-
-
-def check_folder(path: str | os.PathLike[str]) -> None:
-    """FileError, which names the file that is to be written, unless its directory takes files."""
-    folder = os.path.dirname(os.path.realpath(path))
-    try:
-        TemporaryFile(dir=folder).close()
-    except OSError as error:
-        said = f"no file can be written in the directory {folder}: {error.strerror}"
-        raise FileError(f"{os.fspath(path)}: {said}") from None
-
-
-@contextmanager
-def writing(target: Path, what: str = "the picture") -> Iterator[None]:
-    """Make the directory of a file that is written within, and name the file in a FileError."""
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        yield
-    except Exception as error:  # of PETSc and HDF5, too
-        if isinstance(error, FsiError):
-            raise
-        words = petsc_words(error) if hasattr(error, "ierr") else reason(error)
-        words = getattr(error, "strerror", None) or words
-        raise FileError(f"{target}: cannot write {what}: {words}") from error

@@ -19,8 +19,7 @@ from fsipetsc.output.info import Rows
 from fsipetsc.output.plots import style
 from fsipetsc.problem import Problem
 
-#: lines of nodes that are looked at, along each axis
-LINES = 24
+LINES = 24  # of the grid that are drawn, about, along each axis
 #: what is at a face -> how it is drawn, the last ones on top
 FACES: dict[str, dict[str, Any]] = {
     "condition": {"linewidth": 2.0, "zorder": 3},
@@ -32,24 +31,15 @@ FACES: dict[str, dict[str, Any]] = {
 class Outline(NamedTuple):
     """A block, or a layer of the paper's method.
 
-    lines: of each axis the places (d, …, nodes) [m] along lines of nodes, at some nodes of the
-    other axes in their order, the first and last ones among these. sides: (axis, side) -> which of
-    FACES is there, and its text; nothing on a periodic axis.
+    X: (n_0, n_1, …, d) places of nodes [m], of a periodic axis its end, too. sides: (axis, side) ->
+    which of FACES is there, and its text; nothing on a periodic axis.
     """
 
     name: str
     kind: str
     shape: tuple[int, ...]
-    lines: list[Array]
+    X: Array
     sides: dict[tuple[int, int], tuple[str, str]]
-
-    def edges(self, axis: int, side: int) -> list[Array]:
-        """Return the lines (d, n) around a face; in two dimensions the face itself."""
-        found, axes = [], range(len(self.lines))
-        for along in (k for k in axes if k != axis):
-            ends = ([-side] if k == axis else [0, -1] for k in axes if k != along)
-            found += [self.lines[along][(slice(None), *at)] for at in product(*ends)]
-        return found
 
 
 def outlines(problem: Problem | BlockProblem, h: float) -> list[Outline]:
@@ -58,18 +48,9 @@ def outlines(problem: Problem | BlockProblem, h: float) -> list[Outline]:
     return [of(problem, k, h) for k in range(len(problem.layers))]
 
 
-def _some(n: int) -> Array:
-    """Return numbers of about LINES of n nodes, at equal steps but for the last one."""
-    return np.union1d(np.arange(0, n, ceil(n / LINES)), [n - 1])
-
-
 def _of_block(problem: BlockProblem, k: int, h: float) -> Outline:
-    block, lines, sides = problem.blocks[k], [], {}
-    some = [_some(n + 1) for n in block.cells]
-    for axis, n in enumerate(block.cells):
-        X = problem.places_at(k, mesh([*some[:axis], np.arange(n + 1), *some[axis + 1 :]]))
-        X = X.transpose(0, *range(block.dimension, 0, -1))
-        lines.append(np.moveaxis(X, axis + 1, -1))
+    block, sides = problem.blocks[k], {}
+    X = problem.places_at(k, mesh([np.arange(n + 1) for n in block.cells])).T
     for face, met in problem.faces_of(k).items():
         if isinstance(met, Meeting):
             other = problem.blocks[met.block]
@@ -79,7 +60,7 @@ def _of_block(problem: BlockProblem, k: int, h: float) -> Outline:
             sides[face] = "condition" if shifted else kind, text
         else:
             sides[face] = "condition", type(met).__name__
-    return Outline(block.name, block.kind, block.shape, lines, sides)
+    return Outline(block.name, block.kind, block.shape, X, sides)
 
 
 def _of_layer(problem: Problem, k: int, h: float) -> Outline:
@@ -94,7 +75,7 @@ def _of_layer(problem: Problem, k: int, h: float) -> Outline:
         else:
             other = problem.layers[k + 2 * side - 1].name
             sides[0, side] = "interface", f"interface with {other}"
-    return Outline(layer.name, layer.kind, X.shape, [X[None]], sides)
+    return Outline(layer.name, layer.kind, X.shape, X[:, None], sides)
 
 
 def geometry_rows(found: Sequence[Outline], m: str) -> Rows:
@@ -109,8 +90,8 @@ def geometry_rows(found: Sequence[Outline], m: str) -> Rows:
         nodes += int(np.prod(one.shape))
         sizes = " x ".join(map(str, one.shape))
         rows.append((one.name, f"{'gas' if one.kind == 'fluid' else 'solid'}, {sizes} nodes"))
-        for axis, line in enumerate(one.lines):
-            apart = np.linalg.norm(np.diff(line), axis=0)
+        for axis in range(len(one.shape)):
+            apart = np.linalg.norm(np.diff(one.X, axis=axis), axis=-1)
             stands = [one.sides[axis, side][1] for side in (0, 1) if (axis, side) in one.sides]
             text = f"from {' to '.join(stands)}" if stands else "periodic"
             every += (ends := [float(apart.min()), float(apart.max())])
@@ -144,32 +125,42 @@ def draw_geometry(target: Path, found: Sequence[Outline], title: str, axes: Sequ
 
 def _draw_block(view: style.Axes, one: Outline) -> None:
     """Draw faces with their conditions; grid lines, or in three dimensions the edges."""
-    if len(one.lines) == 1:  # a strip of two dimensions
-        x = one.lines[0][0]
-        along, across = np.meshgrid(x, [0.0, 1.0]), np.meshgrid(x[_some(x.size)], [0.0, 0.5, 1.0])
-        one = one._replace(lines=[np.stack(along), np.stack(across).transpose(0, 2, 1)])
-    color, d = style.COLORS[one.kind], len(one.lines)
-    X = one.lines[0]
-    near = [X[(slice(None), *((n - k) // 2 for n in X.shape[1:]))] for k in (0, 1)]
-    centre = np.mean(near, axis=0)
+    X, color = one.X, style.COLORS[one.kind]
+    if X.ndim == 2:  # a strip of two dimensions
+        X = np.stack(np.broadcast_arrays(X, [0.0, 1.0]), axis=-1)
+    d = X.ndim - 1
+
+    def edges(axis: int, side: int) -> list[Array]:
+        """Return the lines (n, d) around a face; in two dimensions the face itself."""
+        face = X.take(-side, axis)
+        return [face] if d == 2 else [face[0], face[-1], face[:, 0], face[:, -1]]
+
+    thin = [line for face in product(range(d), (0, 1)) for line in edges(*face)]
+    if d == 2:
+        view.contourf(*X.T, 0.0 * X[..., 0].T, [-1, 1], colors=[color], alpha=0.15)
+        thin += [
+            line for rows in (X, X.swapaxes(0, 1)) for line in rows[:: ceil(len(rows) / LINES)]
+        ]
+    for line in thin:
+        view.plot(*line.T, color=color, linewidth=0.5 * (d - 1), alpha=0.6, label=one.kind)
+    centre = _centre(X)
     middle: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 9}
     view.text(*centre, one.name, color=color, weight="bold", **middle)
-    if d == 2:
-        thin = [line for lines in one.lines for line in np.moveaxis(lines, 1, 0)]
-        view.contourf(*X, 0.0 * X[0], [-1, 1], colors=[color], alpha=0.15)
-    else:
-        thin = [line for axis, side in product(range(3), (0, 1)) for line in one.edges(axis, side)]
-    for line in thin:
-        view.plot(*line, color=color, linewidth=0.5 * (d - 1), alpha=0.6, label=one.kind)
     for face, (kind, text) in one.sides.items():
         label = "" if kind == "condition" else kind
-        for line in (edges := one.edges(*face)):
-            view.plot(*line, label=label, **{"color": color, **FACES[kind]})
+        for line in (lines := edges(*face)):
+            view.plot(*line.T, label=label, **{"color": color, **FACES[kind]})
         if kind == "condition":
-            place = np.mean([line[:, line.shape[1] // 2] for line in edges], axis=0)
+            place = np.mean([*map(_centre, lines)], axis=0)
             if d == 3:
                 view.text(*place, text, fontsize=7, **middle)
                 continue
             out = (place - centre) / np.linalg.norm(place - centre)
             turned = {"rotation": 90 * (abs(out[0]) > abs(out[1])), "fontsize": 7}
             view.annotate(text, place, 8.0 * out, textcoords="offset points", **turned, **middle)
+
+
+def _centre(X: Array) -> Array:
+    """Return the place in the middle of nodes."""
+    near = [X[tuple((n - k) // 2 for n in X.shape[:-1])] for k in (0, 1)]
+    return np.mean(near, axis=0)

@@ -13,34 +13,16 @@ from fsipetsc.output.quantities import is_si
 from fsipetsc.output.reader import Run, open_run
 
 Rows = list[tuple[str, str]]
-#: entry of a summary -> label; the most important first
-LABELS = {
-    "status": "ended",
-    "message": "message",
-    "t": "time reached",
-    "departures": "conserved",
-    "J_error": "departure of J",
-    "lost_energy": "lost energy of solids",
-    "steps": "time steps",
-    "bound": "step bounded by",
-    "wall_time": "wall time of the steps",
-    "ranks": "ranks",
-    "points": "points",
-    "interfaces": "interfaces",
-    "rejected_steps": "rejected steps",
-    "rhs_evaluations": "right-hand sides",
-    "versions": "versions",
-}
 
 
 def info(path: str | os.PathLike[str]) -> str:
     """Return case, times, layers, series, options, summary and errors of a result. FileError."""
     with open_run(path) as run, damage(run.path):
-        options = [(f"-{k}", _text(value)) for k, value in run.options.items() if value != ""]
+        summary = {name: value for name, value in run.summary.items() if name != "interfaces"}
         parts = {
             "layers": _layers(run),
-            "options": options,
-            "summary": summary_rows({**run.summary, "interfaces": None}, " s" * is_si(run)),
+            "options": [(f"-{k}", _text(value)) for k, value in run.options.items() if value != ""],
+            "summary": summary_rows(summary, " s" * is_si(run)),
             f"{run.options.get('fsi_norm', 'L2')} errors": error_rows(run.errors),
         }
         tables = [[("file", os.fspath(path)), *_overview(run)]]
@@ -94,14 +76,15 @@ def _range(label: str, values: Any, unit: str = "") -> str:
 
 
 def summary_rows(summary: Mapping[str, Any], unit: str) -> Rows:
-    """Return results of a run in the order of LABELS. unit: what comes after a time."""
+    """Return entries of Run.summary, but for what is empty. unit: what comes after a time."""
     written = {
         "t": lambda t: _text(t) + unit,
-        "departures": lambda of: ", ".join(f"{name} to {size:.1e}" for name, size in of.items()),
+        "departures": lambda of: ", ".join(f"{name} {size:.1e}" for name, size in of.items()),
         "wall_time": duration,
     }
     known = {name: value for name, value in summary.items() if value not in ("", None, {}, [])}
-    return [(LABELS[k], written.get(k, _text)(known[k])) for k in LABELS if k in known]
+    shown = (name for name in known if not name.startswith("initial_"))
+    return [(name, written.get(name, _text)(known[name])) for name in shown]
 
 
 def error_rows(errors: Mapping[str, Any]) -> Rows:

@@ -10,6 +10,7 @@ Example::
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -22,7 +23,16 @@ import numpy as np
 from fsipetsc.checks import Array, counted
 from fsipetsc.errors import FileError
 from fsipetsc.output.checkpoint_file import is_one
-from fsipetsc.output.file_layout import beside, columns, damage, open_h5, pieces, read_piece
+from fsipetsc.output.file_layout import (
+    NAMES,
+    beside,
+    columns,
+    damage,
+    numbers,
+    open_h5,
+    pieces,
+    read_about,
+)
 
 if TYPE_CHECKING:
     import xarray
@@ -65,7 +75,7 @@ class Run:
         self.path = os.path.abspath(name)
         whole, folder = Path(self.path), beside(self.path, ".parts")
         if not whole.exists() and (found := pieces(folder)):
-            with suppress(FileNotFoundError), damage(name):
+            with suppress(FileNotFoundError):
                 self._read(found)
                 if not whole.exists():
                     return  # else the pieces have become one file meanwhile
@@ -76,48 +86,47 @@ class Run:
             raise FileError(f"{name}: is a checkpoint of fsipetsc, not a result")
         if not h5py.is_hdf5(whole):
             raise FileError(f"{name}: is not an HDF5 file")
-        with damage(name):
-            self._read([whole])
+        self._read([whole])
 
     def _read(self, files: Sequence[Path]) -> None:
-        """Read all but fields. Any exception tells what is not as it should be."""
+        """Read all but fields. FileError, which tells what is not as it should be."""
         self._files: list[tuple[Path, int]] = []  # and how many frames they have
-        nodes: list[Array] = []  # of each layer
-        times, series = list[Array](), dict[str, list[Array]]()
+        nodes, times, series = list[Array](), list[Array](), dict[str, list[Array]]()
         for path in files:
-            about, time, found, grids = read_piece(path)
-            times.append(time)
-            nodes = nodes or grids
-            self._files.append((path, len(time)))
-            for name, values in found.items():
-                series.setdefault(name, []).append(values)
-        self.time = np.concatenate(times)
-        self.nframes = len(self.time)
-        self.series = {name: np.concatenate(values) for name, values in series.items()}
-        if len({len(values) for values in self.series.values()}) > 1:
-            raise ValueError("its series have not the same number of steps")
-        for of in (self.time, self.series.get("t", self.time)):
-            if not np.all(np.diff(of, prepend=0.0) >= 0):
-                raise ValueError("the times of its frames or steps are not ascending numbers")
-        self.about: dict[str, Any] = about
-        self.header: dict[str, Any] = about["header"]
-        self.case: str = self.header["case"]
-        self.options: dict[str, Any] = self.header["options"]
-        self.interfaces: tuple[str, ...] = tuple(self.header.get("interfaces", ()))
-        self.faces: tuple[str, ...] = tuple(self.header.get("faces", ()))
-        self.points: tuple[tuple[str, tuple[float, ...]], ...] = tuple(
-            (name, tuple(X)) for name, X in self.header.get("points", ())
-        )
-        known = {name: self.header[name] for name in ("versions", "ranks")}
-        self.summary: dict[str, Any] = {**known, **about["summary"]}
-        self.complete = bool(about["summary"]) and self.summary.get("status", "done") == "done"
-        self.errors: dict[str, dict[str, float]] = about["errors"]
-        self.dimension = int(self.header.get("dimension", 1))
-        none = [np.empty(0)] * len(self.header["layers"])
-        self.layers = tuple(
-            Layer(self, k, *of) for k, of in enumerate(zip(self.header["layers"], nodes or none))
-        )
-        self.blocks: dict[str, Layer] = {layer.name: layer for layer in self.layers}
+            with damage(str(path)), open_h5(path) as file:
+                self.about = read_about(file)
+                layers = self.about["header"]["layers"]
+                times.append(numbers(file["time"], None))
+                self._files.append((path, len(times[-1])))
+                if "series" in file:
+                    group, steps = file["series"], len(numbers(file["series/t"], None))
+                    # a list: HDF5, asked for names, crashes where a byte of many names has changed
+                    for name in [name.decode() for name in group.attrs.get(NAMES, ())] or [*group]:
+                        found = numbers(group[name], steps, *group[name].shape[1:2])
+                        series.setdefault(name, []).append(found)
+                for k, of in enumerate(layers if "layer0/X" in file and not nodes else ()):
+                    d = len(of["shape"])
+                    nodes.append(
+                        numbers(file[f"layer{k}/X"], math.prod(of["shape"]), *[d][: d - 1])
+                    )
+        with damage(self.path):
+            self.time = np.concatenate(times)
+            self.nframes = len(self.time)
+            self.series = {name: np.concatenate(values) for name, values in series.items()}
+            self.header: dict[str, Any] = (header := self.about["header"])
+            self.case: str = header["case"]
+            self.options: dict[str, Any] = header["options"]
+            self.interfaces: tuple[str, ...] = tuple(header.get("interfaces", ()))
+            self.faces: tuple[str, ...] = tuple(header.get("faces", ()))
+            self.points = tuple((name, tuple(X)) for name, X in header.get("points", ()))
+            end = self.about["summary"]
+            self.complete = bool(end) and end.get("status", "done") == "done"
+            self.summary: dict[str, Any] = end | {k: header[k] for k in ("ranks", "versions")}
+            self.errors: dict[str, dict[str, float]] = self.about["errors"]
+            self.dimension = int(header.get("dimension", 1))
+            about = enumerate(zip(layers, nodes or [np.empty(0)] * len(layers)))
+            self.layers = tuple(Layer(self, k, *of) for k, of in about)
+            self.blocks: dict[str, Layer] = {layer.name: layer for layer in self.layers}
 
     def _need_frames(self) -> None:
         if not self.nframes:  # the run was killed at its start; of grids nothing is known either
@@ -145,11 +154,11 @@ class Run:
             KeyError: there is no such interface.
             FileError: no frame is saved.
         """
-        names = list(self.interfaces) if self.dimension == 2 else []
-        number = names.index(k) if k in names else k
-        if isinstance(number, str) or not -len(names) <= number < len(names):
+        names = self.interfaces if self.dimension == 2 else ()
+        if k not in (*names, *range(-len(names), len(names))):
             raise KeyError(_unknown("line of an interface", k, names))
         self._need_frames()
+        number = names.index(k) if isinstance(k, str) else k
         solid, axis, side = self.header["interface_faces"][number]
         return InterfaceLine(names[number], solid, self.layers[solid], axis, side)
 
@@ -169,14 +178,13 @@ class Run:
         dataset: xarray.Dataset = to_xarray(self)
         return dataset
 
-    def close(self) -> None:
-        """Do nothing: its files are open only while something is read."""
+    def close(self, *_: object) -> None:
+        """Do nothing: files are open only while something is read."""
 
     def __enter__(self) -> Run:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self.close()
+    __exit__ = close
 
     def __repr__(self) -> str:
         span = f", t = {self.time[0]:g} … {self.time[-1]:g}" if self.nframes else ""
@@ -199,16 +207,12 @@ class Layer(Mapping[str, Array]):
         fields: names: of a gas rho, u, v, w, T, p, J, x, y, z; of a solid u, v, w, T, stresses,
             x, y, z, as far as there are dimensions; of layers u, sigma, T, x, p.
         shape: (n_{d-1}, …, n_0).
-        X: places in the reference map [m], of this shape. Where X depends on axis 0 alone, Y on
-            axis 1 and Z on axis 2, they are (n_0,), (n_1,), (n_2,).
-        Y: see X.
-        Z: see X.
+        X: places in the reference map [m], of this shape; Y, Z: likewise. Where X depends on axis
+            0 alone, Y on axis 1 and Z on axis 2, they are (n_0,), (n_1,), (n_2,).
         places: (…, d) the same places.
         periodic: whether axis 0, 1 … is periodic.
         h: mean spacing of X along axis 0 [m].
-        x: (nframes, …) positions [m].
-        y: see x.
-        z: see x.
+        x: (nframes, …) positions [m]; y, z: likewise.
     """
 
     def __init__(self, run: Run, number: int, entry: Mapping[str, Any], nodes: Array) -> None:
@@ -216,14 +220,13 @@ class Layer(Mapping[str, Array]):
         self.kind: str = entry["kind"]
         self.fields = columns(entry)
         self._run, self._number, self._kept = run, number, dict[str, Array]()
-        X, d = nodes, len(entry["shape"])
-        self.shape: tuple[int, ...] = tuple(entry["shape"]) if len(X) else (0,) * d  # no frames
-        self.places: Array = X.reshape(*self.shape, d)
+        d = len(entry["shape"])
+        self.shape: tuple[int, ...] = tuple(entry["shape"]) if len(nodes) else (0,) * d
+        self.places: Array = nodes.reshape(*self.shape, d)
         self.periodic: tuple[bool, ...] = tuple(entry.get("periodic", [False] * d)[::-1])
-        full: list[Array] = [self.places[..., axis] for axis in range(d)]
-        lines: list[Array] = (_short(full) if len(X) else full) + [np.zeros(1)] * (3 - d)
+        lines = [*_short(np.moveaxis(self.places, -1, 0)), *[np.zeros(1)] * (3 - d)]
         self.X, self.Y, self.Z = lines
-        row = self.places.reshape(-1, self.shape[-1], d)[0, :, 0] if len(X) else np.zeros(1)
+        row = self.places.reshape(-1, self.shape[-1], d)[0, :, 0] if len(nodes) else np.zeros(1)
         self.h = float(row[-1] - row[0]) / max(1, len(row) - 1)
 
     x = property(lambda self: self["x"])
@@ -315,40 +318,35 @@ class InterfaceLine:
         name: name of the interface.
         solid: number of the block that is the solid.
         s: (n,) arc length along the face in the reference map, from its first node [m].
-        X: (n,) reference position along X [m].
-        Y: (n,) reference position along Y [m].
-        x: (nframes, n) position of the solid along x [m].
-        y: (nframes, n) position of the solid along y [m].
-        u: (nframes, n) velocity of the solid along x [m/s].
-        v: (nframes, n) velocity of the solid along y [m/s].
+        X: (n,) places in the reference map [m]; Y: likewise.
+        x: (nframes, n) positions of the solid [m]; y: likewise.
+        u: (nframes, n) velocity of the solid along x [m/s]; v: along y.
         T: (nframes, n) temperature of the solid [K].
         displacement: (nframes, n) y - Y [m]; of a face that is not flat along X, the displacement
             along the normal of the reference into the solid.
     """
 
     def __init__(self, name: str, solid: int, layer: Layer, axis: int, side: int) -> None:
-        def row(values: Array) -> Array:
-            taken: Array = values.take(-side, axis=-1 - axis)
-            return taken
-
         self.name, self.solid = name, solid
-        self.X, self.Y = X, Y = [row(layer.places[..., k]) for k in range(2)]
+        self.X, self.Y = X, Y = layer.places.take(-side, -2 - axis).T
+        self.x, self.y, self.u, self.v, self.T = (
+            layer[name].take(-side, axis=-1 - axis) for name in ("x", "y", *"uvT")
+        )
         self.s = s = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(X), np.diff(Y)))])
-        flat = bool(np.ptp(Y) <= 1e-12 * s[-1] and X[-1] > X[0])
-        self.x, self.y, self.u, self.v, self.T = (row(layer[name]) for name in ("x", "y", *"uvT"))
-        # along the face, into the solid is to the left (1) or to the right (-1)
-        left = 1.0 if (axis == 0) == (side == 1) else -1.0
-        order: Any = min(2, len(s) - 1)
-        X_s, Y_s = (np.gradient(values, s, edge_order=order) for values in (X, Y))
-        up = self.y - Y
-        self.displacement = up if flat else left * (X_s * up - Y_s * (self.x - X))
+        self.displacement = self.y - Y
+        if np.ptp(Y) > 1e-12 * s[-1] or X[-1] <= X[0]:
+            # along the face, into the solid is to the left (1) or to the right (-1)
+            left = 1.0 if (axis == 0) == (side == 1) else -1.0
+            order: Any = min(2, len(s) - 1)
+            X_s, Y_s = np.gradient([X, Y], s, axis=1, edge_order=order)
+            self.displacement = left * (X_s * (self.y - Y) - Y_s * (self.x - X))
 
 
-def _short(places: list[Array]) -> list[Array]:
+def _short(places: Array) -> list[Array]:
     """Return coordinates as arrays along their own axes, if each depends on its own axis alone."""
     rows = [np.moveaxis(X, -1 - k, -1).reshape(-1, X.shape[-1 - k]) for k, X in enumerate(places)]
-    straight = all(np.ptp(row, axis=0).max() <= 1e-12 * np.ptp(row) for row in rows)
-    return [row[0] for row in rows] if straight else places
+    straight = places.size and all(np.ptp(of, axis=0).max() <= 1e-12 * np.ptp(of) for of in rows)
+    return [row[0] for row in rows] if straight else [*places]
 
 
 def open_run(path: str | os.PathLike[str]) -> Run:

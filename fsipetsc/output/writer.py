@@ -21,7 +21,6 @@ from functools import partial
 from pathlib import Path
 from typing import IO, Any, TypeVar
 
-import h5py
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -40,6 +39,7 @@ Kept = tuple[int, int, float]
 #: a piece is written after so many frames, bytes of a rank, or seconds
 FRAMES, BYTES, SECONDS = 256, 64 << 20, 2.0
 _SPARE = 1 << 16  # bytes for what HDF5 needs besides the numbers
+_CHUNK = 1 << 27  # numbers: PETSc writes to chunked datasets only, of less than 4 GiB a chunk
 
 
 class RunWriter:
@@ -132,7 +132,11 @@ class RunWriter:
             frames = np.concatenate([frame[k] for frame in self._frames], axis=1)
             parts.append((f"layer{k}/frames", int(layer["n"]), frames))
         shapes = {name: (n, *local.shape[1:]) for name, n, local in parts}
-        self._on_root(lambda: self._lay_out(shapes))
+        numbers = {"about": np.bytes_(json.dumps(self._about)), "time": np.array(self._times)}
+        if self._new_rows:
+            rows = np.concatenate(self._new_rows)
+            numbers |= {f"series/{name}": rows[name] for name in rows.dtype.names}
+        self._on_root(lambda: lay_out(self._draft, layout.image(numbers, shapes, _CHUNK), shapes))
         if parts:
             viewer = PETSc.ViewerHDF5()
             # HDF5 would print what it met on its way to a file that this rank cannot open
@@ -147,14 +151,6 @@ class RunWriter:
         self._number += 1
         for written in (self._frames, self._times, self._new_rows):
             written.clear()
-
-    def _lay_out(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
-        """Make the file of the piece, in which datasets of these shapes are still to be filled."""
-        numbers = {"about": np.bytes_(json.dumps(self._about)), "time": np.array(self._times)}
-        if self._new_rows:
-            rows = np.concatenate(self._new_rows)
-            numbers |= {f"series/{name}": rows[name] for name in rows.dtype.names}
-        lay_out(self._draft, numbers, shapes)
 
     def finish(
         self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None = None, join: bool = True
@@ -211,15 +207,17 @@ class RunWriter:
         name. Return how many frames and rows are kept.
         """
         layout.check_folder(path)
-        if os.path.lexists(self.path) and not self.path.is_file():  # such as /dev/null
+        whole = os.path.lexists(self.path)
+        if whole and not self.path.is_file():  # such as /dev/null
             raise FileError(f"{path}: exists and is not a regular file")
         self._lock = lock(self.folder, str(self.path))
-        whole, left = os.path.lexists(self.path), layout.pieces(self.folder)
+        left = layout.pieces(self.folder)
         marks = {_mark(file) for file in [self.path] * whole + left[:1]}
-        goes_on = after is not None and marks == {self._about["header"].get("run")}
-        frames, rows, t = after if after is not None and goes_on else (0, 0, 0.0)
-        if goes_on:
-            run = open_run(self.path)
+        if len(marks) > 1:
+            said = f"has pieces of another run than {self.path.name}; move one of them away"
+            raise FileError(f"{self.folder}: {said}")
+        if after is not None and marks == {self._about["header"].get("run")}:
+            (frames, rows, t), run = after, open_run(self.path)
             ends = np.append(run.series.get("t", ()), np.nan)
             ended = float(ends[min(rows, len(ends)) - 1]) if rows else t
             if run.nframes < frames or ended != t:
@@ -227,15 +225,13 @@ class RunWriter:
                 what = f"{self.path} is not what the checkpoint goes on from"
                 raise FileError(f"{what}: {found}, not {t:.17g}")
             join(run, self._draft, self._about, frames, rows)
-        elif left and not whole:
-            with suppress(FsiError, OSError):  # else the pieces are set aside as they are
-                self._join()
-        of_its_own = len(marks) > 1 or not os.path.lexists(self.path)
-        if of_its_own and not goes_on and layout.pieces(self.folder):
-            self.moved.append((self.folder, _set_pieces_aside(self.path)))
-        clear(self.folder)
-        if goes_on:
+            clear(self.folder)
             os.replace(self.path, layout.piece(self.folder, 1))
+        else:
+            frames, rows = 0, 0
+            if left and not whole:
+                self._join()
+            clear(self.folder)
         for file in filter(os.path.lexists, (checkpoint or "", self.path)):
             self.moved.append((Path(file), set_aside(Path(file))))
         return frames, rows
@@ -264,9 +260,8 @@ def view(comm: MPI.Comm, viewer: PETSc.Viewer, name: str, local: Array) -> None:
     # a Vec of the world, of local length zero where the rank owns nothing: that of a part of
     # the ranks would lose data
     width = local.shape[1] if local.ndim > 1 else 1
-    vec = PETSc.Vec().createWithArray(
-        np.ascontiguousarray(local), size=(local.size, None), bsize=width, comm=comm
-    )
+    size = local.size, None
+    vec = PETSc.Vec().createWithArray(np.ascontiguousarray(local), size, bsize=width, comm=comm)
     group, dataset = name.split("/")
     vec.setName(dataset)
     viewer.pushGroup(f"/{group}")
@@ -314,52 +309,18 @@ def clear(folder: Path) -> None:
         path.unlink()
 
 
-def _unused(file: Path) -> Path:
-    """NAME.1.h5 for NAME.h5, or the next number that no result has."""
-    ending = ".h5" * (file.suffix == ".h5")
-    numbered = (beside(file, f".{k}{ending}") for k in itertools.count(1))
-    taken = os.path.lexists
-    return next(new for new in numbered if not taken(new) and not taken(beside(new, ".parts")))
-
-
 def set_aside(file: Path) -> Path:
     """Give NAME.h5 the first number that no result has, as NAME.1.h5, which it returns. OSError."""
-    return file.rename(_unused(file))
+    ending = ".h5" * (file.suffix == ".h5")
+    names = (beside(file, f".{k}{ending}") for k in itertools.count(1))
+    taken = os.path.lexists
+    return file.rename(next(x for x in names if not (taken(x) or taken(beside(x, ".parts")))))
 
 
-def _set_pieces_aside(file: Path) -> Path:
-    """Move the pieces of NAME.h5 likewise, to NAME.1.parts, which it returns. OSError."""
-    (new := beside(_unused(file), ".parts")).mkdir()
-    for piece in layout.pieces(beside(file, ".parts")):
-        piece.rename(new / piece.name)
-    return new
-
-
-def lay_out(
-    path: Path,
-    numbers: Mapping[str, Any],
-    shapes: Mapping[str, tuple[int, ...]],
-    of_petsc: bool = True,
-) -> None:
-    """Write a file with these datasets and others of these shapes, still to be filled. OSError.
-
-    of_petsc: PETSc fills them, which writes to chunked datasets only, of less than 4 GiB a chunk.
-    """
-
-    def fill(file: h5py.File) -> None:
-        names = [name[7:] for name in (*numbers, *shapes) if name.startswith("series/")]
-        if names:
-            series = file.create_group("series", track_order=True)
-            series.attrs[layout.NAMES] = np.array(names, "S")
-        for name, value in numbers.items():
-            file[name] = value
-        for name, shape in shapes.items():
-            rows = max(1, min(shape[0], (1 << 27) // max(1, math.prod(shape[1:]))))
-            file.create_dataset(name, shape, "f8", chunks=(rows, *shape[1:]) if of_petsc else None)
-
-    content = layout.image(fill)
+def lay_out(draft: Path, content: bytes, shapes: Mapping[str, tuple[int, ...]]) -> None:
+    """Write a file in which datasets of these shapes are still to be filled. OSError."""
     room = sum(8 * math.prod(shape) + 1024 for shape in shapes.values())
-    with open(path, "wb") as file:
+    with open(draft, "wb") as file:
         file.write(content)
         file.flush()
         # HDF5 crashes when it closes a file on a full disk, so what it needs is reserved before
@@ -373,16 +334,16 @@ def join(run: Run, draft: Path, about: Mapping[str, Any], frames: int, rows: int
     """
     numbers = {"about": np.bytes_(json.dumps(about)), "time": run.time[:frames]}
     shapes = {f"series/{name}": (rows, *of.shape[1:]) for name, of in run.series.items()}
-    layers = list(enumerate(run.layers if frames else ()))
-    for k, layer in layers:
+    layers = dict(enumerate(run.layers if frames else ()))
+    for k, layer in layers.items():
         d = len(layer.shape)
         numbers[f"layer{k}/X"] = layer.places.reshape(-1, d) if d > 1 else layer.places[:, 0]
         shapes |= {f"layer{k}/{name}": (frames, *layer.shape) for name in layer.fields}
-    lay_out(draft, numbers, shapes, of_petsc=False)
+    lay_out(draft, layout.image(numbers, shapes), shapes)
     with layout.open_h5(draft, "r+") as file:
         for name, values in run.series.items():
             file[f"series/{name}"][:] = values[:rows]
-        for k, layer in layers:
+        for k, layer in layers.items():
             step = max(1, BYTES // (8 * math.prod(layer.shape) * len(layer.fields)))
             for first in range(0, frames, step):
                 end = min(first + step, frames)

@@ -4,15 +4,15 @@ And fields of one dimension over x and t.
 In three dimensions the maps are those of the plane in the middle of the blocks' second axis.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import chain, product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from fsipetsc.checks import Array
 from fsipetsc.output.plots import style
-from fsipetsc.output.plots.style import Axes, FigureBase, Wanted, extremes, labelled, shaded
+from fsipetsc.output.plots.style import Axes, FigureBase, extremes, labelled
 from fsipetsc.output.quantities import Quantity, unit_of, written
 from fsipetsc.output.reader import Layer, Run
 
@@ -22,22 +22,32 @@ ABOVE = 0.4  # inches, of what stands above and below a panel
 BAR = 0.72  # inches, of a colour bar with its label
 MARGIN = 0.02  # of the extent, around it
 THIN = 0.2  # height over width; what is thinner is drawn higher than it is
-ALIKE = 0.1  # span of values over the larger one; if gas and solid have more, they share colours
-NEAR = 1e-4  # of values that span less of their size, one is subtracted
 STILL = 1e-3  # of the largest speed; there are no streamlines where it is less
-TIMES = 500  # about, of a map over x and t
+SHADES = 200  # of a map over x and t
 STREAM = 150  # points along each side of a panel, between which streamlines go
 SIDES = (0, 0), (0, -1), (1, 0), (1, -1)  # axis and index of an edge of a block
 LINES = 40  # of the grid in a solid as long as a panel
 WIDE = 1.25  # width over height; of what is wider, two panels stand beside each other, else three
 
 
+class Wanted(NamedTuple):
+    """What the options of `plot` ask for; contours: how many lines, probes: places."""
+
+    fields: Sequence[str] = ()
+    times: Sequence[float] = ()
+    contours: int = 0
+    streamlines: bool = False
+    probes: Sequence[Sequence[float]] = ()
+
+
+USUAL = Wanted()
+
+
 class View:
     """A quantity of a run at some frames, and what all of its panels have in common.
 
     layers   those that have the quantity, and in two and three dimensions solids
-    base     what is subtracted from values that vary by little, else 0
-    scales   kind of layer -> colours of its maps, for frames after the start
+    scales   kind of layer -> colour map and range, for frames after the start
     bars     kind of layer -> label of its colour bar, which other kinds may share
     limits   (left, right), (lower, upper) of a panel
     labels   of its two axes
@@ -45,30 +55,28 @@ class View:
     """
 
     def __init__(
-        self, run: Run, quantity: Quantity, frames: Sequence[int], wanted: Wanted = style.USUAL
+        self, run: Run, quantity: Quantity, frames: Sequence[int], wanted: Wanted = USUAL
     ) -> None:
-        self.run, self.quantity, self.wanted, self.base = run, quantity, wanted, 0.0
-        kinds = {*quantity.labels, *["solid"][: run.dimension - 1]}
+        self.run, self.quantity, self.wanted, self.frames = run, quantity, wanted, [*frames]
+        self.plane = run.dimension > 1
+        kinds = {*quantity.labels, *["solid"] * self.plane}
         self.layers = [layer for layer in run.layers if layer.kind in kinds]
-        self.frames = list(frames)
         known = [[self.at(layer, k) for k in self.frames] for layer in self.layers]
         *ranges, (low, high) = np.array([extremes(*along) for along in zip(*chain(*known))])
-        size = max(-low, high)
-        if style.NOTHING * size < high - low < NEAR * size:
-            self.base = round(float(low), int(-np.log10(high - low)) - 1)
         self.scales, self.bars = dict[str, dict[str, Any]](), dict[str, str]()
-        self._colour([[at[-1] - self.base for at in of] for of in known])
+        self._colour([[at[-1] for at in of] for of in known])
         last = "r" if run.header.get("symmetry") else "xyz"[run.dimension - 1]
         last = labelled(run, last, "m")
-        if run.dimension == 1:
-            margin = 2 * MARGIN * (high - low) or 0.1 * abs(low) or 1.0
-            self.limits = [ranges[0], np.array([low - margin, high + margin]) - self.base]
-            self.labels, self.ratio = (last, self.label(quantity.title).replace("; ", ",\n")), 1.6
-        else:
+        if self.plane:
             margin = MARGIN * np.ptp(ranges, axis=1).max() * np.array([-1.0, 1.0])
             self.limits = [*(ranges + margin)]
             self.labels = labelled(run, "x", "m"), last
             self.ratio = float(np.ptp(self.limits[0]) / np.ptp(self.limits[1]))
+        else:
+            margin = 2 * MARGIN * (high - low) or 0.1 * abs(low) or 1.0
+            self.limits = [ranges[0], np.array([low - margin, high + margin])]
+            title = labelled(run, quantity.title, quantity.unit)
+            self.labels, self.ratio = (last, title.replace("; ", ",\n")), 1.6
 
     def at(self, layer: Layer, frame: int, more: str = "") -> list[Array]:
         """Return places of a frame, horizontal ones and of maps vertical ones, more fields, and
@@ -77,62 +85,61 @@ class View:
         fields = {"X": layer.X, **layer.frame(frame)}
         found = [fields[x] for x in ("x", "xy", "xz")[self.run.dimension - 1] + more]
         if layer.kind in self.quantity.labels:
-            found.append(self.quantity.values(layer.kind, fields) - self.base)
+            found.append(self.quantity.values(layer.kind, fields))
         else:
             found.append(np.full_like(found[0], np.nan))
         for axis in layer.rings if self.run.dimension == 2 else ():  # it ends where it begins
             found = [np.append(v, v.take([0], axis), axis) for v in found]
         return [v[:, v.shape[1] // 2] if v.ndim == 3 else v for v in found]
 
-    def label(self, name: str) -> str:
-        """Return a name with what is subtracted, and the unit."""
-        less = f" less {self.base:.12g}" if self.base else ""
-        return labelled(self.run, name + less, self.quantity.unit)
+    def size(self, count: int = 0) -> tuple[int, float, float]:
+        """Return columns, width of a panel and height of all with their bars [inches]; count: of
+        panels, 0 for one of each frame.
+        """
+        count = count or len(self.frames)
+        columns = min(2 if self.ratio >= WIDE else 3, count)
+        ratio = min(self.ratio, 1 / THIN)
+        width = min(WIDTH / columns - 0.4, HIGHEST * ratio)
+        bars = BAR * len(self.bars) * self.plane + 0.45
+        return columns, width, -(-count // columns) * (width / ratio + ABOVE) + bars
 
     def _colour(self, values: list[list[Array]]) -> None:
-        """Make scales and bars, which gas and solid share if their values have similar spans."""
+        """Make scales and bars, which gas and solid share if both or none have a sign."""
         quantity, labels = self.quantity, self.quantity.labels
         last = [layer.frame(-1) for layer in self.run.layers]
         same = [v for of in last for k, v in of.items() if written(unit_of(k)) == quantity.unit]
         size = max(map(abs, extremes(*same)))
         begins = int(self.frames[0] == 0)  # initial data may go far beyond what follows
-        known: dict[str, list[Array]] = {kind: [] for kind in labels}
-        for layer, of in zip(self.layers, values):
-            known.get(layer.kind, []).extend(of[begins:] or of)
-        spans = [np.ptp(extremes(*of)) for of in known.values()]
-        alike = len({*map(quantity.signed, labels)}) == 1 and min(spans) >= ALIKE * max(spans)
-        for kinds in [[*labels]] if alike else [[kind] for kind in labels]:
-            shown = np.concatenate([np.ravel(v) for kind in kinds for v in known[kind]])
+        for signed in dict.fromkeys(map(quantity.signed, labels)):
+            kinds = [kind for kind in labels if quantity.signed(kind) == signed]
+            known = [of[begins:] or of for la, of in zip(self.layers, values) if la.kind in kinds]
+            shown = np.concatenate([np.ravel(v) for v in chain(*known)])
             name = quantity.name if "fluid" in kinds else "solid"
-            scale = style.colours(shown, quantity.signed(kinds[0]), name, size)
-            label = "; ".join(dict.fromkeys(labels[kind] for kind in kinds))
-            if not alike and label == quantity.title and len(labels) > 1:
-                label = f"{'gas' if kinds == ['fluid'] else 'solid'}: {label}"
-            self.bars[kinds[0]] = label
-            self.scales |= dict.fromkeys(kinds, scale)
+            self.scales |= dict.fromkeys(kinds, style.colours(shown, signed, name, size))
+            self.bars[kinds[0]] = "; ".join(dict.fromkeys(labels[kind] for kind in kinds))
 
-    def draw(self, axes: Axes, frame: int) -> dict[str, Any]:
-        """Draw one frame; kind of layer -> what there is to make a colour bar of."""
-        maps, solids, plane = {}, [], self.run.dimension > 1
+    def draw(self, axes: Axes, frame: int) -> None:
+        """Draw one frame."""
         axes.set(xlim=self.limits[0], ylim=self.limits[1], xlabel=self.labels[0])
         style.label_y(axes, self.labels[1])
-        axes.set_aspect("equal" if plane and self.ratio <= 1 / THIN else "auto")
-        for layer in self.layers:
-            found = self.at(layer, frame)
-            if not plane:
-                axes.plot(*found, color=style.COLORS[layer.kind], label=layer.kind)
-                continue
-            solids += [found[:2]] * (layer.kind == "solid")
-            if scale := self.scales.get(layer.kind):
-                maps[layer.kind] = shaded(axes, *found, scale)
+        found = [(layer.kind, self.at(layer, frame)) for layer in self.layers]
+        if not self.plane:
+            for kind, of in found:
+                axes.plot(*of, color=style.COLORS[kind], label=kind)
+            return
+        axes.set_aspect("equal" if self.ratio <= 1 / THIN else "auto")
+        axes.grid(visible=False)
+        for kind, of in found:
+            if scale := self.scales.get(kind):
+                shown = *of[:2], np.ma.masked_invalid(of[-1])
+                axes.pcolormesh(*shown, shading="gouraud", rasterized=True, **scale)
                 levels = np.linspace(scale["vmin"], scale["vmax"], self.wanted.contours + 2)[1:-1]
-                low, high = extremes(found[-1])
+                low, high = extremes(of[-1])
                 if (levels := levels[(low < levels) & (levels < high)]).size:
-                    axes.contour(*found, levels, colors="black", linewidths=0.4)
-        self._outline(axes, solids)
-        if self.wanted.streamlines and plane:
+                    axes.contour(*of, levels, colors="black", linewidths=0.4)
+        self._outline(axes, [of[:2] for kind, of in found if kind == "solid"])
+        if self.wanted.streamlines:
             self._streamlines(axes, frame)
-        return maps
 
     def _outline(self, axes: Axes, solids: list[list[Array]]) -> None:
         """Draw edges of solids that are not between two blocks, and a fine grid, which deforms."""
@@ -174,36 +181,33 @@ def frames_of(run: Run, quantity: Quantity, times: Sequence[float] = ()) -> list
     return sorted({run.at(t) for t in times or np.linspace(run.time[0], run.time[-1], count)})
 
 
-def sizes(view: View, count: int) -> tuple[int, float, float]:
-    """Return columns, width of a panel and height of so many with their bars [inches]."""
-    columns = min(2 if view.ratio >= WIDE else 3, count)
-    ratio = min(view.ratio, 1 / THIN)
-    width = min(WIDTH / columns - 0.4, HIGHEST * ratio)
-    bars = BAR * len(view.bars) * (view.run.dimension > 1)
-    return columns, width, -(-count // columns) * (width / ratio + ABOVE) + bars + 0.45
-
-
 def draw(figure: FigureBase, view: View) -> None:
     """A panel for each frame, colour bars or a legend above."""
-    columns, width, _ = sizes(view, len(view.frames))
+    columns, width, _ = view.size()
     grid = style.panels(figure, len(view.frames), columns, sharex=True, sharey=True)
-    for axes, frame in zip(grid.flat, view.frames):
-        maps = view.draw(axes, frame)
+    for axes, frame in zip(grid, view.frames):
+        view.draw(axes, frame)
         axes.set_title(style.moment(view.run, frame), loc="left")
         axes.label_outer()
-    grid[0, 0].locator_params(axis="x", nbins=min(4, int(1 + 2 * width)))
-    if not maps and len(view.scales) > 1:
-        style.legend_above(grid[0, -1], side="right")
-    draw_bars(figure, view, maps, list(grid.flat))
+    grid[0].locator_params(axis="x", nbins=min(4, int(1 + 2 * width)))
+    if view.plane:
+        draw_bars(figure, view, list(grid))
+    elif len(view.scales) > 1:
+        style.legend_above(grid[columns - 1], side="right")
 
 
-def draw_bars(figure: FigureBase, view: View, maps: Mapping[str, Any], axes: Any) -> None:
-    """Draw colour bars above the panels."""
+def draw_bars(figure: FigureBase, view: View, axes: Any) -> None:
+    """Draw colour bars above one panel, or a list of them."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
     wide = isinstance(axes, list)
     size = {"aspect": 50, "shrink": 0.7} if wide else {"aspect": 25}
-    for kind, label in view.bars.items() if maps else ():
-        bar = figure.colorbar(maps[kind], ax=axes, location="top", pad=0.02, **size)
-        bar.set_label(view.label(label), loc="left")
+    for kind, label in view.bars.items():
+        scale = view.scales[kind]
+        colours = ScalarMappable(Normalize(scale["vmin"], scale["vmax"]), scale["cmap"])
+        bar = figure.colorbar(colours, ax=axes, location="top", pad=0.02, **size)
+        bar.set_label(labelled(view.run, label, view.quantity.unit), loc="left")
         bar.outline.set_visible(False)
         bar.ax.locator_params(nbins=6 if wide else 4)
 
@@ -211,24 +215,19 @@ def draw_bars(figure: FigureBase, view: View, maps: Mapping[str, Any], axes: Any
 def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity]) -> None:
     """Draw a map of each quantity over x and t, with the interfaces as lines."""
     grid = figure.subplots(1, len(quantities), sharex=True, sharey=True, squeeze=False)[0]
-    x_interface = run.series.get("x_interface", np.empty((0, 0)))
-    n, parts = run.nframes, max(1, TIMES // run.nframes)  # of the time between two frames
-    t = np.interp(np.arange((n - 1) * parts + 1) / parts, np.arange(n), run.time)
     for axes, quantity in zip(grid, quantities):
-        view, maps = View(run, quantity, range(run.nframes)), {}
+        view = View(run, quantity, range(run.nframes))
         for layer in view.layers:
-            values = np.array([view.at(layer, frame)[-1] for frame in view.frames])
-            x, values = (  # at more times, else the triangles that are drawn show
-                np.transpose([np.interp(t, run.time, of) for of in rows.T])
-                for rows in (layer.X + filled(layer.x - layer.X, 0.0), filled(values))
-            )
-            at = np.broadcast_to(t[:, None], x.shape)
-            maps[layer.kind] = shaded(axes, x, at, values, view.scales[layer.kind])
-        for x, (color, width) in product(x_interface.T, style.OUTLINE):
+            values = filled(np.array([view.at(layer, frame)[-1] for frame in view.frames]))
+            x, scale = layer.X + filled(layer.x - layer.X, 0.0), view.scales[layer.kind]
+            t = np.broadcast_to(run.time[:, None], x.shape)
+            shades = np.linspace(scale["vmin"], scale["vmax"], SHADES)
+            axes.contourf(x, t, values, shades, extend="both", **scale)
+        for x, (color, width) in product(run.series.get("x_interface", t[:0]).T, style.OUTLINE):
             axes.plot(x, run.series["t"], color=color, linewidth=width)
-        draw_bars(figure, view, maps, axes)
-        style.time_axis(axes, run, "y")
-        axes.set(xlim=view.limits[0], ylim=run.time[[0, -1]], xlabel=view.labels[0], ylabel="")
+        draw_bars(figure, view, axes)
+        axes.set(xlim=view.limits[0], ylim=run.time[[0, -1]], xlabel=view.labels[0])
+        axes.grid(visible=False)
     grid[0].set_ylabel(labelled(run, "t", "s"))
     grid[0].locator_params(axis="x", nbins=4)
 

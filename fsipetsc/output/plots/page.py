@@ -20,7 +20,8 @@ from fsipetsc.options import Option
 from fsipetsc.output.file_layout import columns_of, writing
 from fsipetsc.output.info import info
 from fsipetsc.output.plots import fields, style
-from fsipetsc.output.plots.style import USUAL, Figure, FigureBase, Wanted
+from fsipetsc.output.plots.fields import USUAL, View, Wanted
+from fsipetsc.output.plots.style import Figure, FigureBase
 from fsipetsc.output.quantities import Quantity, chosen, there, unit_of, written
 from fsipetsc.output.reader import Run, open_run
 from fsipetsc.scheme.conservation_check import Drifts
@@ -36,7 +37,7 @@ CONTOURS = Option("contours", int, 0, "", "lines on each map", check="nonnegativ
 TIMES, PROBE = Option("times", "floats", (), "s", ""), Option("probes", "floats", (), "m", "")
 PICTURES, FILMS = (".png", ".pdf", ".svg", ".jpg"), (".gif", ".mp4")
 INTERFACE_POINTS = (0.25, 0.5, 0.75)  # of an interface, whose deflection is drawn as a curve
-DEPARTURE = "relative departure"
+DEPARTURE, STEP = "relative departure", "time step"
 SPAN = 1e8  # of a logarithmic axis at most
 HTML = """<!DOCTYPE html>
 <meta charset="utf-8">
@@ -47,9 +48,6 @@ HTML = """<!DOCTYPE html>
 <pre>{text}</pre>
 """
 
-#: height [inches], what is drawn on a figure of this height
-Drawing = tuple[float, Callable[[FigureBase], None]]
-
 
 def plot(path: str, given: Mapping[str, str]) -> str:
     """Do what the options ask for (fsipetsc.cli); the files that have been written, a line each.
@@ -58,7 +56,6 @@ def plot(path: str, given: Mapping[str, str]) -> str:
     from matplotlib import rc_context
     from matplotlib.animation import FFMpegWriter
 
-    films = FILMS if FFMpegWriter.isAvailable() else FILMS[:1]
     names, probes = (given.get(name, "") for name in ("-fields", "-probes"))
     wanted = Wanted(
         fields=[name.strip() for name in names.split(",") if names],
@@ -68,23 +65,25 @@ def plot(path: str, given: Mapping[str, str]) -> str:
         probes=[PROBE.parse(place) for place in probes.split(";") if probes],
     )
     where, every, film = Path(given.get("-o", os.curdir)), "-all" in given, "-animate" in given
-    endings = films if film else PICTURES
-    is_file = where.suffix in endings and not every
-    if every and where.suffix in PICTURES + FILMS:
-        raise InputError(f"plot: -o {where}: -all writes several pictures: expected a directory")
-    if where.suffix and not (every or is_file or where.is_dir()):
-        ends = f"or a file that ends with {' or '.join(endings)}"
-        raise InputError(f"plot: -o {where}: expected a directory that is there, {ends}")
+    endings = () if every else FILMS if film else PICTURES
+    if where.suffix in PICTURES + FILMS and where.suffix not in endings:
+        expected = " or ".join(["a directory", *endings])
+        raise InputError(f"plot: -o {where}: expected {expected}")
     stem, done = Path(path).stem, []
+
+    def named(name: str) -> Path:
+        return where if where.suffix in endings else where / name
+
     with open_run(path) as run, rc_context(style.STYLE), np.errstate(all="ignore"):
         if every:
-            for name, draw in pictures(run, wanted).items():
-                done.append(style.save(draw(), where / f"{stem}-{name}.png"))
+            for name, drawn in pictures(run, wanted).items():
+                done.append(style.save(drawn(), named(f"{stem}-{name}.png")))
         if film:
-            every_film = [where] if is_file else [where / f"{stem}{ending}" for ending in films]
-            done += [animate(run, target, wanted) for target in every_film]
+            kinds = FILMS if FFMpegWriter.isAvailable() else FILMS[:1]
+            targets = dict.fromkeys(named(stem + ending) for ending in kinds)
+            done += [animate(run, target, wanted) for target in targets]
         if not done:
-            done = [style.save(page(run, wanted), where if is_file else where / f"{stem}.png")]
+            done = [style.save(page(run, wanted), named(f"{stem}.png"))]
     return "\n".join(map(str, done))
 
 
@@ -96,8 +95,8 @@ def report(path: str, given: Mapping[str, str]) -> Path:
 
     target, shown = Path(given.get("-o", os.curdir)) / f"{Path(path).stem}.html", []
     with open_run(path) as run, rc_context(style.STYLE), np.errstate(all="ignore"):
-        for name, draw in pictures(run).items():
-            draw().savefig(kept := io.BytesIO(), dpi=HTML_DPI)
+        for name, drawn in pictures(run).items():
+            drawn().savefig(kept := io.BytesIO(), dpi=HTML_DPI)
             coded = base64.b64encode(kept.getvalue()).decode()
             shown.append(f'<img alt="{name}" src="data:image/png;base64,{coded}">')
         title = html.escape(f"{run.case}: {Path(run.path).name}")
@@ -107,46 +106,51 @@ def report(path: str, given: Mapping[str, str]) -> Path:
     return target
 
 
+class Drawing(NamedTuple):
+    """A picture, or a part of the page: title, height [inches], what draws it on a figure."""
+
+    title: str
+    height: float
+    draw: Callable[[FigureBase], None]
+
+
 def pictures(run: Run, wanted: Wanted = USUAL) -> dict[str, Callable[[], Figure]]:
     """Return name -> function that draws it, of each picture that this run has the data for."""
     found = _drawings(run, wanted, every=True)
-    return {name: partial(_drawn, run, title, [of]) for name, (title, of) in found.items()}
+    return {name: partial(_drawn, run, of.title, [of]) for name, of in found.items()}
 
 
 def page(run: Run, wanted: Wanted = USUAL) -> Figure:
     """Draw fields over space and time, and probes, interfaces, energy, departures, steps."""
-    drawings = [drawing for _, drawing in _drawings(run, wanted, every=False).values()]
     end = style.moment(run, -1) if run.nframes else "no frame"
-    return _drawn(run, f"{end}, {len(run.series.get('t', ())):,} steps", drawings)
+    title = f"{end}, {len(run.series.get('t', ())):,} steps"
+    return _drawn(run, title, [*_drawings(run, wanted, every=False).values()])
 
 
-def _drawings(run: Run, wanted: Wanted, every: bool) -> dict[str, tuple[str, Drawing]]:
-    """Return name -> title and drawing: of every picture, or of those of the page."""
-    found: dict[str, tuple[str, Drawing]] = {}
+def _drawings(run: Run, wanted: Wanted, every: bool) -> dict[str, Drawing]:
+    """Return name -> drawing: of every picture, or of those of the page."""
+    found: dict[str, Drawing] = {}
     quantities = chosen(run, wanted.fields)
     over_time = run.dimension == 1 and run.nframes >= LEAST_FRAMES
     if run.nframes and (every or wanted.times or not over_time):
         for quantity in there(run) if every and not wanted.fields else quantities:
-            frames = fields.frames_of(run, quantity, wanted.times)
-            view = fields.View(run, quantity, frames, wanted)
-            drawing = fields.sizes(view, len(frames))[2], partial(fields.draw, view=view)
-            found[quantity.name] = quantity.title, drawing
+            view = View(run, quantity, fields.frames_of(run, quantity, wanted.times), wanted)
+            found[quantity.name] = Drawing(
+                quantity.title, view.size()[2], partial(fields.draw, view=view)
+            )
     if over_time and (every or not wanted.times):
-        draw = partial(fields.draw_over_time, run=run, quantities=quantities)
-        found["xt"] = "space and time", (MAPS, draw)
-    panels = all_panels(run)
+        drawn = partial(fields.draw_over_time, run=run, quantities=quantities)
+        found["xt"] = Drawing("space and time", MAPS, drawn)
+    rows = {"probes": probed(run, quantities, wanted.probes), **all_panels(run)}
     if not every:
-        interfaces, ledgers, steps = panels.values()
-        told = [panel for panel in ledgers if panel.label in ("change of energy", DEPARTURE)]
-        panels = {"told": [*interfaces[:1], *reversed(told), *steps]}
-    panels = {"probes": probed(run, quantities, wanted.probes), **panels}
-    for name, of in panels.items():
-        bound = run.summary.get("bound") if name == "steps" else None
-        title = f"steps, bounded by {bound} at the end" if bound else name
-        columns = len(of) if name == "told" else 3
-        draw = partial(_draw_curves, run=run, panels=of, columns=columns)
-        if of:
-            found[name] = title, (PANELS * -(-len(of) // columns), draw)
+        first, *more = rows.pop("interfaces"), *rows.pop("ledgers"), *rows.pop("steps")
+        told = [panel for panel in more if panel.label in ("change of energy", DEPARTURE, STEP)]
+        rows["told"] = [*first[:1], *sorted(told, key=lambda panel: panel.label)]
+    for name, panels in rows.items():
+        if panels:
+            columns = 4 if name == "told" else 3
+            drawn = partial(_draw_curves, run=run, panels=panels, columns=columns)
+            found[name] = Drawing(name, PANELS * -(-len(panels) // columns), drawn)
     return found
 
 
@@ -154,11 +158,11 @@ def _drawn(run: Run, title: str, drawings: Sequence[Drawing]) -> Figure:
     """Return a figure of drawings below each other, with the title."""
     from matplotlib.figure import Figure
 
-    heights = [height for height, _ in drawings] or [1.0]
+    heights = [of.height for of in drawings] or [1.0]
     figure = Figure(figsize=(WIDTH, 0.5 + sum(heights)))
     parts = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
-    for part, (_, draw) in zip(parts, drawings):
-        draw(part)
+    for part, of in zip(parts, drawings):
+        of.draw(part)
     style.set_title(figure, style.of_run(run, title))
     return figure
 
@@ -210,7 +214,7 @@ def all_panels(run: Run) -> dict[str, list[Panel]]:
             panel = Panel(label, unit, t, curves, logarithmic=apart)
             found["interfaces" if one.of == "interface" else "ledgers"].append(panel)
     at, dt = envelope(t, run.series["dt"], len(t) // 4)
-    found["steps"].append(Panel("time step", "s", at, {"dt": dt}))
+    found["steps"].append(Panel(STEP, "s", at, {"dt": dt}))
     return found
 
 
@@ -230,7 +234,8 @@ def probed(run: Run, quantities: Sequence[Quantity], places: Sequence[Any]) -> l
 
 
 def _draw_curves(figure: FigureBase, run: Run, panels: list[Panel], columns: int) -> None:
-    for axes, panel in zip(style.panels(figure, len(panels), columns).flat, panels):
+    times = np.concatenate([run.time, run.series.get("t", [])])
+    for axes, panel in zip(style.panels(figure, len(panels), columns), panels):
         axes.set_prop_cycle(**style.CURVES)
         for name, values in panel.curves.items():
             t = panel.t
@@ -241,12 +246,13 @@ def _draw_curves(figure: FigureBase, run: Run, panels: list[Panel], columns: int
         if panel.logarithmic:
             axes.set_yscale("log")
             axes.set_ylim(bottom=max(axes.get_ylim()[0], axes.get_ylim()[1] / SPAN))
-        if panel.label == "time step":
+        if panel.label == STEP:
             axes.set_ylim(bottom=0.0)
         style.label_y(axes, style.labelled(run, panel.label, panel.unit))
         if len(panel.curves) > 1 or panel.logarithmic:
             style.legend_above(axes)  # else its one name says nothing
-        style.time_axis(axes, run)
+        axes.locator_params(axis="x", nbins=4)
+        axes.set(xlim=(times.min(), times.max()), xlabel=style.labelled(run, "t", "s"))
 
 
 def envelope(t: Array, values: Array, parts: int = 300) -> tuple[Array, Array]:
@@ -263,33 +269,36 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     """Draw a result as a film, all frames with the same scales, into a file that ends with .gif or
     .mp4, which is returned. FileError, InputError.
     """
-    from matplotlib.animation import writers
+    from matplotlib.animation import FuncAnimation, writers
     from matplotlib.figure import Figure
 
     if run.nframes < 2:
         raise InputError(f"-animate: there are {run.nframes} frames: expected two or more")
     frames = range(0, run.nframes, -(-run.nframes // MOST_FRAMES))
-    views = [fields.View(run, q, frames, wanted) for q in chosen(run, wanted.fields)]
-    _, width, height = fields.sizes(views[0], 1)
-    size = (10.8, 3.4) if run.dimension == 1 else (len(views) * (width + 1.2), height + 0.9)
+    views = [View(run, q, frames, wanted) for q in chosen(run, wanted.fields)]
+    _, width, height = views[0].size(1)
+    plane = run.dimension > 1
+    size = (len(views) * (width + 1.2), height + 0.9) if plane else (WIDTH, 3.4)
     figure = Figure(figsize=size)
     grid = figure.subplots(1, len(views), squeeze=False)[0]
     titles = {frame: style.of_run(run, style.moment(run, frame)) for frame in frames}
     title = style.set_title(figure, max(titles.values(), key=len))  # the layout has room for each
+
+    def turn(frame: int) -> None:
+        for axes, view in zip(grid, views):
+            axes.clear()
+            view.draw(axes, frame)
+        title.set_text(titles[frame])
+
+    for axes, view in zip(grid, views):
+        view.draw(axes, 0)
+        if plane:
+            fields.draw_bars(figure, view, axes)
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")  # only what is drawn moves from now on
     with writing(target, "the film"):
         name = "pillow" if target.suffix == ".gif" else "ffmpeg"
         writer = writers[name](fps=max(1.0, len(frames) / FILM_SECONDS))
-        with writer.saving(figure, target, FILM_DPI):
-            for frame in frames:
-                for axes, view in zip(grid, views):
-                    for artist in [*axes.lines, *axes.collections, *axes.patches]:
-                        artist.remove()
-                    maps = view.draw(axes, frame)
-                    if frame == 0:
-                        fields.draw_bars(figure, view, maps, axes)
-                if frame == 0:
-                    figure.draw_without_rendering()
-                    figure.set_layout_engine("none")  # only what is drawn moves from now on
-                title.set_text(titles[frame])
-                writer.grab_frame()
+        film = FuncAnimation(figure, turn, frames, init_func=lambda: None, cache_frame_data=False)
+        film.save(target, writer, dpi=FILM_DPI)
     return target

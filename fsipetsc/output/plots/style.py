@@ -5,22 +5,19 @@ The colours are those of Okabe and Ito, which eyes that do not tell red from gre
 
 import os
 import textwrap
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from fsipetsc.checks import counted
+from fsipetsc.checks import Array, counted
 from fsipetsc.output.file_layout import writing
 from fsipetsc.output.quantities import is_si
 from fsipetsc.output.reader import Run
 
-Axes = Figure = FigureBase = Text = Any  # of matplotlib, without which results are read, too
-Array = np.ndarray
+Axes = Figure = FigureBase = Any  # of matplotlib, without which results are read, too
 
 BLUE, RED, GREEN, ORANGE, BLACK = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#222222"
-PURPLE = "#cc79a7"
 COLORS = {"fluid": BLUE, "solid": RED}
 #: colour maps of what has a sign, white where nothing happens, and of what has none
 SIGNED = {"": "RdBu_r", "solid": "PuOr_r"}
@@ -29,17 +26,14 @@ PLAIN = {"": "viridis", "rho": "cividis", "T": "inferno", "schlieren": "gray_r",
 OUTLINE = ("white", 1.8), ("black", 0.8)
 #: colours and line styles of curves in one panel, in turn
 CURVES = {
-    "color": [BLACK, ORANGE, BLUE, GREEN, PURPLE] * 4,
+    "color": [BLACK, ORANGE, BLUE, GREEN, "#cc79a7"] * 4,
     "linestyle": ["-", "--", "-.", ":"] * 5,
 }
 LONGEST = 28  # letters in a legend
 WIDEST = 20  # letters in a line of the label of a vertical axis
-#: what varies by less than this part of the values of its unit is round-off
-NOTHING = 1e-10
-#: values may span so much more than 99.8 % of them before colours end with these
-ROBUST = 1.25
-#: of the span of values at least so much is on either side of white
-BESIDE = 0.05
+NOTHING = 1e-10  # of the values of a unit: what varies by less is round-off
+ROBUST = 1.25  # times the span of 99.8 % of the values: if all span more, colours end with these
+BESIDE = 0.05  # of the span of values is at least on either side of white
 
 STYLE: dict[Any, Any] = {
     "font.size": 9,
@@ -66,19 +60,6 @@ STYLE: dict[Any, Any] = {
 }
 
 
-class Wanted(NamedTuple):
-    """What the options of `plot` ask for; contours: how many lines, probes: places."""
-
-    fields: Sequence[str] = ()
-    times: Sequence[float] = ()
-    contours: int = 0
-    streamlines: bool = False
-    probes: Sequence[Sequence[float]] = ()
-
-
-USUAL = Wanted()
-
-
 def save(figure: Figure, target: str | os.PathLike[str]) -> Path:
     """Write a figure, in the format that the name ends with. FileError where it cannot be."""
     path = Path(target)
@@ -87,7 +68,7 @@ def save(figure: Figure, target: str | os.PathLike[str]) -> Path:
     return path
 
 
-def set_title(figure: Figure, title: str) -> Text:
+def set_title(figure: Figure, title: str) -> Any:
     """Write the title at the top left, broken where it is wider than the figure."""
     return figure.suptitle(title, x=0.01, ha="left", fontsize=10, weight="bold", wrap=True)
 
@@ -111,21 +92,13 @@ def moment(run: Run, frame: int) -> str:
     return f"t = {run.time[frame]:.4g}{' s' * is_si(run)}"
 
 
-def time_axis(axes: Axes, run: Run, which: str = "x") -> None:
-    """Let an axis span the whole run."""
-    axes.locator_params(axis=which, nbins=4 if which == "x" else 8)
-    times = np.concatenate([run.time, run.series.get("t", [])])
-    limits = (times.min(), times.max())
-    axes.set(**{f"{which}lim": limits, f"{which}label": labelled(run, "t", "s")})
-
-
 def panels(figure: FigureBase, count: int, columns: int, **more: Any) -> Array:
-    """Return axes in rows of so many, those that are too many invisible."""
+    """Return so many axes, in rows."""
     columns = min(columns, count)
     grid = figure.subplots(-(-count // columns), columns, squeeze=False, **more)
     for axes in grid.flat[count:]:
         axes.set_visible(False)
-    return grid
+    return grid.ravel()[:count]
 
 
 def label_y(axes: Axes, text: str) -> None:
@@ -143,9 +116,9 @@ def extremes(*arrays: Array) -> tuple[float, float]:
     return (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
 
 
-def colours(values: Array, signed: bool, name: str = "", beside: float = 0.0) -> dict[str, Any]:
-    """Return arguments of pcolormesh for values. Signed ones on both sides of 0 get a map of
-    SIGNED, white there, others one of PLAIN; name: of the map.
+def colours(values: Array, signed: bool, name: str, beside: float) -> dict[str, Any]:
+    """Return colour map and range of values. Signed ones on both sides of 0 get a map of SIGNED,
+    white there, others one of PLAIN; name: of the map.
 
     Colours end where 99.8 % of the values do, where a few go far beyond. beside: size of what
     has the same unit, beside which round-off is nothing.
@@ -153,21 +126,15 @@ def colours(values: Array, signed: bool, name: str = "", beside: float = 0.0) ->
     low, high = extremes(values)
     inner = np.nanpercentile(values, [0.1, 99.9]) if low < high else (low, high)
     if high - low > ROBUST * (inner[1] - inner[0]) > 0:
-        low, high = float(inner[0]), float(inner[1])
+        low, high = map(float, inner)
     size, middle = max(-low, high, beside), 0.5 * (low + high)
     if high - low <= NOTHING * size:
         low, high = middle - (0.1 * size or 1.0), middle + (0.1 * size or 1.0)
+    maps = PLAIN
     if signed and min(-low, high) > BESIDE * (high - low):
-        half = max(-low, high)
-        return {"cmap": SIGNED.get(name, SIGNED[""]), "vmin": -half, "vmax": half}
-    return {"cmap": PLAIN.get(name, PLAIN[""]), "vmin": low, "vmax": high}
-
-
-def shaded(axes: Axes, x: Array, y: Array, values: Array, scale: dict[str, Any]) -> Any:
-    """Draw values on a grid, smooth between its points."""
-    values = np.ma.masked_invalid(values)
-    axes.grid(visible=False)
-    return axes.pcolormesh(x, y, values, shading="gouraud", rasterized=True, **scale)
+        maps, high = SIGNED, max(-low, high)
+        low = -high
+    return {"cmap": maps.get(name, maps[""]), "vmin": low, "vmax": high}
 
 
 def legend_above(axes: Axes, side: str = "left") -> None:
