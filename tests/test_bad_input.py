@@ -60,8 +60,8 @@ LINES = [
     ("new two.py -blocks -water", 2, "-blocks and -water are given: expected one of them"),
     ("geometry rod -o rod.txt", 2, "bad value 'rod.txt' for -o: expected a name with .png or"),
     ("info no.h5", 4, "no.h5: there is no such file"),
-    ("plot text.h5", 4, "text.h5: is not an HDF5 file"),
-    ("diff a.checkpoint.h5 no.h5", 4, "a.checkpoint.h5: is a checkpoint of fsipetsc, not a result"),
+    ("plot text.h5", 4, "text.h5: the file is damaged, or none of fsipetsc"),
+    ("diff a.checkpoint.h5 no.h5", 4, "a.checkpoint.h5: is not a result of fsipetsc"),
     # pictures
     ("plot rod.h5 -fields q", 2, "-fields q: expected some of u, T, p, rho, sigma, strain"),
     ("plot rod.h5 -probes 1,2", 2, "-probes: expected 1 number for each place"),

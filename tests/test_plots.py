@@ -77,12 +77,6 @@ def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results):
     assert np.ptp(run.layers[1]["p"]) > 1  # Pa: the solid's own pressure counts
 
 
-def test_a_row_without_a_number_has_none():
-    rows = np.array([[np.nan, 1.0, 2.0], [np.nan] * 3])
-    assert np.array_equal(fields.filled(rows), [[1, 1, 2], [np.nan] * 3], equal_nan=True)
-    assert np.array_equal(fields.filled(rows, 0.0), [[1, 1, 2], [0, 0, 0]])
-
-
 def test_maps_are_on_the_grid(results):
     run = results["blast"]
     assert {*page.pictures(run)} == IN_PLANE

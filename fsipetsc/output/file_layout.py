@@ -43,16 +43,16 @@ LIBVER = ("v110", "v110")
 
 @contextmanager
 def damage(path: str) -> Iterator[None]:
-    """Any error while a file is read, whatever it contains, becomes a FileError of one line.
-
-    But for FileNotFoundError: a piece may be gone because the pieces have become one file.
-    """
+    """Any error while a file is read, whatever it contains, becomes a FileError of one line."""
     try:
         yield
-    except (FileError, FileNotFoundError, MemoryError):
+    except (FileError, MemoryError):
         raise
+    except FileNotFoundError:  # a piece is gone when the pieces have become one file
+        raise FileError(f"{path}: has changed since it was opened; open it again") from None
     except Exception as error:
-        raise FileError(f"{path}: the file is damaged: {reason(error)}") from error
+        what = "the file is damaged, or none of fsipetsc"
+        raise FileError(f"{path}: {what}: {reason(error)}") from error
 
 
 @contextmanager

@@ -31,6 +31,7 @@ FIELDS = {
     for names, (label, unit) in _TABLE.items()
     for name in names.split()
 }
+KINDS = "fluid", "solid"
 #: series of gains in a step, not of totals after it
 GAINS = [name for name, one in SERIES.items() if one.kind == GAIN]
 #: fields of blocks whose mean is drawn beside the pressure
@@ -108,16 +109,17 @@ def _gradient(values: Array, fields: Mapping[str, Array]) -> Array:
 
 def there(run: Run) -> list[Quantity]:
     """Return what can be drawn of this run."""
-    stored, line = {layer.kind: {*layer.fields} for layer in run.layers}, run.dimension == 1
-    found = []
+    line, found = run.dimension == 1, []
+    stored = {
+        kind: {f for la in run.layers if la.kind == kind for f in la.fields} for kind in KINDS
+    }
+    for kind, more in ("fluid", "" if line else "schlieren"), ("solid", "strain" if line else "p"):
+        if stored[kind]:
+            stored[kind].add(more)
     for name, (label, _) in FIELDS.items():
-        labels = {kind: label for kind in ("fluid", "solid") if name in stored.get(kind, ())}
-        if name == "schlieren" and not line and "fluid" in stored:
-            labels["fluid"] = label
-        if name == "p" and "solid" in stored:
+        labels = {kind: label for kind in KINDS if name in stored[kind]}
+        if name == "p" and "solid" in labels:
             labels["solid"] = f"{'p − σ' if line else 'mean stress'} in solids"
-        if name == "strain" and line and "solid" in stored:
-            labels["solid"] = label
         found += [Quantity(name, labels)] * bool(label and labels)
     return found
 

@@ -13,16 +13,13 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 
 from fsipetsc.checks import Array, counted
 from fsipetsc.errors import FileError
-from fsipetsc.output.checkpoint_file import is_one
 from fsipetsc.output.file_layout import (
     NAMES,
     beside,
@@ -73,20 +70,12 @@ class Run:
         if name.endswith(".parts"):  # of a run that goes on or was killed
             name = f"{name.removesuffix('.parts')}.h5"
         self.path = os.path.abspath(name)
-        whole, folder = Path(self.path), beside(self.path, ".parts")
-        if not whole.exists() and (found := pieces(folder)):
-            with suppress(FileNotFoundError):
-                self._read(found)
-                if not whole.exists():
-                    return  # else the pieces have become one file meanwhile
-        if not whole.is_file():  # a pipe would wait for somebody who writes
+        whole = Path(self.path)
+        files = [whole] if whole.exists() else pieces(beside(whole, ".parts"))
+        if not all(map(Path.is_file, files or [whole])):  # a pipe would wait for a writer
             what = "is no regular file" if whole.exists() else "there is no such file"
             raise FileError(f"{name}: {what}")
-        if is_one(whole):
-            raise FileError(f"{name}: is a checkpoint of fsipetsc, not a result")
-        if not h5py.is_hdf5(whole):
-            raise FileError(f"{name}: is not an HDF5 file")
-        self._read([whole])
+        self._read(files)
 
     def _read(self, files: Sequence[Path]) -> None:
         """Read all but fields. FileError, which tells what is not as it should be."""
@@ -283,13 +272,11 @@ class Layer(Mapping[str, Array]):
     def read(self, names: Sequence[str], first: int, end: int) -> list[Array]:
         """Return these fields in the frames from first to end. FileError."""
         width, found = len(self.fields), []
-        try:
-            with damage(self._run.path):
-                for path, count in self._run._files:
-                    a, b = max(first, 0), min(end, count)  # of this file
-                    first, end = first - count, end - count
-                    if a >= b:
-                        continue
+        with damage(self._run.path):
+            for path, count in self._run._files:
+                a, b = max(first, 0), min(end, count)  # of this file
+                first, end = first - count, end - count
+                if a < b:
                     with open_h5(path) as file:
                         group = file[f"layer{self._number}"]
                         if "frames" in group:
@@ -299,9 +286,6 @@ class Layer(Mapping[str, Array]):
                         else:
                             rows = [group[name][a:b] for name in names]
                     found.append([values.reshape(b - a, *self.shape) for values in rows])
-        except FileNotFoundError:
-            said = "has changed since it was opened; open it again"
-            raise FileError(f"{self._run.path}: {said}") from None
         found = found or [[np.empty((0, *self.shape))] * len(names)]
         return [of[0] if len(of) == 1 else np.concatenate(of) for of in zip(*found)]
 

@@ -206,7 +206,6 @@ class RunWriter:
         """Make the folder. Its first piece is what is kept; another result of this name gets a new
         name. Return how many frames and rows are kept.
         """
-        layout.check_folder(path)
         whole = os.path.lexists(self.path)
         if whole and not self.path.is_file():  # such as /dev/null
             raise FileError(f"{path}: exists and is not a regular file")

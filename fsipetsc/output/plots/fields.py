@@ -4,7 +4,7 @@ And fields of one dimension over x and t.
 In three dimensions the maps are those of the plane in the middle of the blocks' second axis.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import chain, product
 from typing import Any, NamedTuple
 
@@ -218,11 +218,11 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
     for axes, quantity in zip(grid, quantities):
         view = View(run, quantity, range(run.nframes))
         for layer in view.layers:
-            values = filled(np.array([view.at(layer, frame)[-1] for frame in view.frames]))
-            x, scale = layer.X + filled(layer.x - layer.X, 0.0), view.scales[layer.kind]
+            values = filled(layer.X, [view.at(layer, frame)[-1] for frame in view.frames])
+            x, scale = layer.X + filled(layer.X, layer.x - layer.X), view.scales[layer.kind]
             t = np.broadcast_to(run.time[:, None], x.shape)
             shades = np.linspace(scale["vmin"], scale["vmax"], SHADES)
-            axes.contourf(x, t, values, shades, extend="both", **scale)
+            axes.contourf(x, t, np.ma.masked_invalid(values), shades, extend="both", **scale)
         for x, (color, width) in product(run.series.get("x_interface", t[:0]).T, style.OUTLINE):
             axes.plot(x, run.series["t"], color=color, linewidth=width)
         draw_bars(figure, view, axes)
@@ -232,13 +232,9 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
     grid[0].locator_params(axis="x", nbins=4)
 
 
-def filled(rows: Array, none: float = np.nan) -> Array:
+def filled(X: Array, rows: Iterable[Array]) -> Array:
     """Return rows in which points in reserve, of the gases of the paper's method, have what the
-    nearest active point has: maps need a place and a value for all. none: what a row without a
-    number has.
+    nearest active point has: maps need a place and a value for all.
     """
-    rows, index = rows.copy(), np.arange(rows.shape[1])
-    for row in rows:
-        there = np.isfinite(row)
-        row[:] = np.interp(index, index[there], row[there]) if there.any() else none
-    return rows
+    active = ((row, np.isfinite(row)) for row in rows)
+    return np.array([np.interp(X, X[there], row[there]) for row, there in active])

@@ -106,18 +106,14 @@ def report(path: str, given: Mapping[str, str]) -> Path:
     return target
 
 
-class Drawing(NamedTuple):
-    """A picture, or a part of the page: title, height [inches], what draws it on a figure."""
-
-    title: str
-    height: float
-    draw: Callable[[FigureBase], None]
+#: height [inches], what is drawn on a figure of this height
+Drawing = tuple[float, Callable[[FigureBase], None]]
 
 
 def pictures(run: Run, wanted: Wanted = USUAL) -> dict[str, Callable[[], Figure]]:
     """Return name -> function that draws it, of each picture that this run has the data for."""
     found = _drawings(run, wanted, every=True)
-    return {name: partial(_drawn, run, of.title, [of]) for name, of in found.items()}
+    return {name: partial(_drawn, run, name, [drawing]) for name, drawing in found.items()}
 
 
 def page(run: Run, wanted: Wanted = USUAL) -> Figure:
@@ -135,12 +131,9 @@ def _drawings(run: Run, wanted: Wanted, every: bool) -> dict[str, Drawing]:
     if run.nframes and (every or wanted.times or not over_time):
         for quantity in there(run) if every and not wanted.fields else quantities:
             view = View(run, quantity, fields.frames_of(run, quantity, wanted.times), wanted)
-            found[quantity.name] = Drawing(
-                quantity.title, view.size()[2], partial(fields.draw, view=view)
-            )
+            found[quantity.name] = view.size()[2], partial(fields.draw, view=view)
     if over_time and (every or not wanted.times):
-        drawn = partial(fields.draw_over_time, run=run, quantities=quantities)
-        found["xt"] = Drawing("space and time", MAPS, drawn)
+        found["xt"] = MAPS, partial(fields.draw_over_time, run=run, quantities=quantities)
     rows = {"probes": probed(run, quantities, wanted.probes), **all_panels(run)}
     if not every:
         first, *more = rows.pop("interfaces"), *rows.pop("ledgers"), *rows.pop("steps")
@@ -150,7 +143,7 @@ def _drawings(run: Run, wanted: Wanted, every: bool) -> dict[str, Drawing]:
         if panels:
             columns = 4 if name == "told" else 3
             drawn = partial(_draw_curves, run=run, panels=panels, columns=columns)
-            found[name] = Drawing(name, PANELS * -(-len(panels) // columns), drawn)
+            found[name] = PANELS * -(-len(panels) // columns), drawn
     return found
 
 
@@ -158,11 +151,11 @@ def _drawn(run: Run, title: str, drawings: Sequence[Drawing]) -> Figure:
     """Return a figure of drawings below each other, with the title."""
     from matplotlib.figure import Figure
 
-    heights = [of.height for of in drawings] or [1.0]
+    heights = [height for height, _ in drawings] or [1.0]
     figure = Figure(figsize=(WIDTH, 0.5 + sum(heights)))
     parts = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
-    for part, of in zip(parts, drawings):
-        of.draw(part)
+    for part, (_, drawn) in zip(parts, drawings):
+        drawn(part)
     style.set_title(figure, style.of_run(run, title))
     return figure
 
