@@ -65,16 +65,9 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Co
     """Compare all fields in the frames, and all series in the steps, that two results have at equal
     times.
 
-    Where no time is in both, nothing is compared; where the steps differ, no gains per step such as
-    `energy_in`. Layers with different grids are compared at common nodes where both are active; a
-    note says how many there are.
-
     Args:
         first: path of a result.
         second: path of the other one.
-
-    Returns:
-        The differences, what could not be compared, and which options differ.
 
     Raises:
         FileError: one of them cannot be read.

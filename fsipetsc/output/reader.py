@@ -122,26 +122,13 @@ class Run:
             raise FileError(f"{self.path}: no frame is saved in it")
 
     def at(self, t: float) -> int:
-        """Return the number of the frame saved nearest to time t.
-
-        Args:
-            t: time [s].
-
-        Raises:
-            FileError: no frame is saved.
-        """
+        """Return the number of the frame saved nearest to time t [s]. FileError: there is none."""
         self._need_frames()
         return int(np.argmin(np.abs(self.time - t)))
 
     def interface(self, k: int | str) -> InterfaceLine:
-        """Return the line of an interface of a run in two dimensions.
-
-        Args:
-            k: its number, counted from below, or its name.
-
-        Raises:
-            KeyError: there is no such interface.
-            FileError: no frame is saved.
+        """Return the line of an interface of a run in two dimensions, by its number, counted from
+        below, or its name. KeyError if there is no such interface, FileError if no frame is saved.
         """
         names = self.interfaces if self.dimension == 2 else ()
         if k not in (*names, *range(-len(names), len(names))):
@@ -156,11 +143,7 @@ class Run:
 
         Fields are "LAYER.FIELD" of the dimensions time and X_LAYER (in two dimensions time,
         Y_LAYER, X_LAYER), positions are coordinates. Series are "series.NAME" of the dimension
-        step. A blank in the name of a layer is written as _.
-
-        Raises:
-            ImportError: xarray is not installed.
-            FileError: the result is damaged.
+        step. A blank in the name of a layer is written as _. ImportError without xarray.
         """
         from fsipetsc.output.quantities import to_xarray
 
@@ -239,15 +222,8 @@ class Layer(Mapping[str, Array]):
         return tuple(found)
 
     def frame(self, number: int) -> dict[str, Array]:
-        """Return all fields of one frame, name -> array of `shape`. It reads less than whole
-        fields.
-
-        Args:
-            number: of the frame; negative ones count from the last frame.
-
-        Raises:
-            IndexError: there is no such frame.
-            FileError: no frame is saved, or the file is damaged.
+        """Return all fields of a frame, name -> array of `shape`; negative numbers count from the
+        last frame. It reads less than whole fields. IndexError if there is no such frame.
         """
         self._run._need_frames()
         first = range(self._run.nframes)[number]
@@ -338,9 +314,6 @@ def open_run(path: str | os.PathLike[str]) -> Run:
 
     Args:
         path: NAME.h5; also of a run that goes on or was killed, whose pieces are in NAME.parts.
-
-    Returns:
-        The result.
 
     Raises:
         FileError: there is no such file, it is no result of fsipetsc, or it is damaged.

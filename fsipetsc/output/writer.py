@@ -123,26 +123,25 @@ class RunWriter:
 
     def _piece(self) -> None:
         """Write a piece with all that is held in memory. Collective."""
-        parts = []  # names, numbers of points of all ranks, and what this rank has of them
+        parts = {}  # name -> what this rank has of a dataset, number of points of all ranks
         for k, layer in enumerate(self._grids if self._frames else ()):
             if not self._grids_written:
-                X = np.asarray(layer["X"], float)
-                X = X[:, 0] if X.shape[1:] == (1,) else X
-                parts.append((f"layer{k}/X", int(layer["n"]), X))
+                X = layer["X"]
+                parts[f"layer{k}/X"] = X[:, 0] if X.shape[1:] == (1,) else X, int(layer["n"])
             frames = np.concatenate([frame[k] for frame in self._frames], axis=1)
-            parts.append((f"layer{k}/frames", int(layer["n"]), frames))
-        shapes = {name: (n, *local.shape[1:]) for name, n, local in parts}
+            parts[f"layer{k}/frames"] = frames, int(layer["n"])
+        shapes = {name: (n, *local.shape[1:]) for name, (local, n) in parts.items()}
         numbers = {"about": np.bytes_(json.dumps(self._about)), "time": np.array(self._times)}
         if self._new_rows:
             rows = np.concatenate(self._new_rows)
             numbers |= {f"series/{name}": rows[name] for name in rows.dtype.names}
         self._on_root(lambda: lay_out(self._draft, layout.image(numbers, shapes, _CHUNK), shapes))
         if parts:
-            viewer = PETSc.ViewerHDF5()
             # HDF5 would print what it met on its way to a file that this rank cannot open
             self._together(lambda: open(self._draft, "r+b").close())
+            viewer = PETSc.ViewerHDF5()
             self._together(lambda: viewer.create(str(self._draft), mode="a", comm=self._comm))
-            for name, _, local in parts:
+            for name, (local, _) in parts.items():
                 self._together(partial(view, self._comm, viewer, name, local))
             self._together(viewer.destroy)
             self._grids_written = True
