@@ -1,7 +1,12 @@
-"""Result files: what a run writes is what the reader reads, whatever happens in between."""
+"""Result files: what a run writes is what the reader reads, whatever happens in between; damaged
+ones are read, or refused with one message and status 4.
+"""
 
 import os
+import shutil
+from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from helpers import run
@@ -134,3 +139,59 @@ with fsipetsc.open_run(sys.argv[1]) as run:
 def test_reading_needs_numpy_and_h5py_only(whole):
     done = run("-c", WITHOUT, whole.path)
     assert done.stdout == "rod (13, 11) (13, 11)\n", done.stderr
+
+
+# damaged files
+
+
+def readable(path):
+    """Whether all of it can be read; the error that is raised else has one line."""
+    try:
+        info(path)
+        with fsipetsc.open_run(path) as result:
+            for layer in result.layers:
+                assert all(len(layer[name]) == result.nframes for name in layer.fields)
+                layer.frame(-1)
+            steps = len(result.series.get("t", ()))
+            assert all(len(values) == steps for values in result.series.values())
+    except FileError as error:
+        assert error.status == 4 and "\n" not in str(error) and str(path) in str(error), error
+        return False
+    return True
+
+
+#: flips one bit of every so many bytes; in a process of its own, as a reader might crash
+FLIP = """
+import sys
+from pathlib import Path
+from test_output import readable
+content, path = Path(sys.argv[1]).read_bytes(), Path(sys.argv[2])
+fates = []
+for at in range(0, len(content), int(sys.argv[3])):
+    path.write_bytes(content[:at] + bytes([content[at] ^ (1 << at % 8)]) + content[at + 1:])
+    fates.append(readable(path))
+print(fates.count(True), fates.count(False))
+"""
+
+
+@pytest.mark.parametrize(
+    ("every", "least"), [(797, 4), pytest.param(13, 100, marks=pytest.mark.long)]
+)
+def test_one_changed_byte_crashes_no_reader(every, least, whole, tmp_path):
+    """Metadata has checksums, numbers have none."""
+    done = run("-c", FLIP, whole.path, tmp_path / "run.h5", every, cwd=Path(__file__).parent)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert min(map(int, done.stdout.split())) > least
+
+
+@pytest.mark.parametrize("name", ["about", "time", "series/t", "layer1/X"])
+def test_what_is_missing_or_of_another_type_or_shape(name, whole, tmp_path):
+    for value in (None, "text", np.zeros((2, 2, 2)), np.full(5, 1j)):
+        path = shutil.copy(whole.path, tmp_path / "run.h5")
+        with h5py.File(path, "r+") as file:
+            del file[name]
+            if value is not None:
+                file[name] = value
+        assert not readable(path)
+    path.write_bytes(Path(whole.path).read_bytes()[:20_000])
+    assert not readable(path)
