@@ -23,7 +23,7 @@ from fsipetsc.process.program import launcher_rank
 # as the program does; to import PETSc would start it with signals of its own
 start_petsc([], start_mpi())
 
-from fsipetsc.output import checkpoint_file, writer
+from fsipetsc.output import file_layout, writer
 
 places, seen = json.loads(sys.argv.pop(1)), Counter()
 
@@ -56,7 +56,7 @@ def put_signalled(path: Path, content: bytes) -> None:
     put(path, content)
 
 
-put, checkpoint_file.put = checkpoint_file.put, put_signalled
+put, file_layout.put = file_layout.put, put_signalled
 signalled(writer.RunWriter, "write_frame", "frame")
 signalled(writer, "publish", "piece")
 signalled(writer, "join", "join")

@@ -4,7 +4,7 @@ import pytest
 from helpers import KEPT, REPOSITORY, Done, computed, environment, message, mpirun, solve
 
 import fsipetsc
-from fsipetsc.output import checkpoint_file
+from fsipetsc.output.file_layout import write_checkpoint
 
 FILES = {
     "log.opts": "-log_view\n",
@@ -74,7 +74,7 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("bad")
     for name, text in FILES.items():
         (folder / name).write_text(text)
-    checkpoint_file.write(folder / "a.checkpoint.h5", {}, {})
+    write_checkpoint(folder / "a.checkpoint.h5", {}, {})
     computed(folder, "rod.h5", *"rod -fsi_coupling projection -fsi_h 0.1 -ts_max_steps 1".split())
     return folder
 

@@ -11,7 +11,9 @@ from helpers import message, solve, well
 
 import fsipetsc
 from fsipetsc.errors import FileError
-from fsipetsc.output.checkpoint_file import CheckpointError, read, write
+from fsipetsc.output.file_layout import CheckpointError
+from fsipetsc.output.file_layout import read_checkpoint as read
+from fsipetsc.output.file_layout import write_checkpoint as write
 
 SMALL = {"case": "rod", "memory": {"t": float("inf")}}, {"layer0": np.arange(6.0)}
 

@@ -8,7 +8,7 @@ import pytest
 from helpers import REPOSITORY, compute, different
 
 import fsipetsc
-from fsipetsc.output import checkpoint_file
+from fsipetsc.output.file_layout import read_checkpoint
 
 PISTON = str(REPOSITORY / "runs" / "piston.py")
 _PAPER = "-fsi_coupling projection"
@@ -46,7 +46,7 @@ def test_the_same_bits(ranks, begun, tmp_path):
     runs = {}
     for name in ON[ranks]:
         case, _, steps = RUNS[name]
-        header, arrays = checkpoint_file.read(begun / f"{name}.cut.checkpoint.h5")
+        header, arrays = read_checkpoint(begun / f"{name}.cut.checkpoint.h5")
         assert header["memory"]["steps"] == steps and np.isfinite(arrays["results"]).all()
         cut, whole = (fsipetsc.open_run(begun / f"{name}{end}.h5") for end in (".cut", ""))
         reached = len(cut.series["t"])

@@ -18,8 +18,17 @@ A piece has
 
 The columns of a layer are its fields, then x where that is not a field. HDF5's metadata has
 checksums (format of HDF5 1.10): a changed byte there is an error and not a crash.
+
+A checkpoint, which is numbers and a text and never code, has
+
+    512 bytes        "fsipetsc checkpoint 6", the SHA-256 and the length of all that follows
+    an HDF5 file     header, JSON text; arrays/NAME for each array
+
+HDF5 passes over the first 512 bytes, so h5dump and h5py open the file as it is. The checksum is of
+every byte.
 """
 
+import hashlib
 import io
 import json
 import os
@@ -39,6 +48,9 @@ from fsipetsc.errors import FileError, FsiError, petsc_words, reason
 FORMAT, VERSION = "fsipetsc result", 4
 NAMES = "names"  # attribute of the group of series: their names
 LIBVER = ("v110", "v110")
+_MAGIC = b"fsipetsc checkpoint "
+_CHECKPOINT = 6  # version
+_HEAD = 512  # bytes: HDF5 looks for its own beginning at this place, too
 
 
 @contextmanager
@@ -182,3 +194,52 @@ def columns(layer: Mapping[str, Any]) -> tuple[str, ...]:
     """Return names of the stored columns of a layer of the header."""
     fields = tuple(layer["fields"])
     return fields if "x" in fields else (*fields, "x")
+
+
+class CheckpointError(FileError):
+    """A checkpoint could not be written; the result may well be."""
+
+
+def _head_of(body: bytes) -> bytes:
+    """Return what a checkpoint begins with: version, checksum and length of what follows."""
+    sha = hashlib.sha256(body).hexdigest()
+    return f"{_MAGIC.decode()}{_CHECKPOINT}\n{sha}\n{len(body)}".encode().ljust(_HEAD, b"\0")
+
+
+def is_checkpoint(path: Path) -> bool:
+    """Tell whether there is a file that begins as a checkpoint does, whole or damaged. OSError."""
+    if not path.is_file():  # a pipe would wait for a writer
+        return False
+    with path.open("rb") as file:
+        return file.read(len(_MAGIC)) == _MAGIC
+
+
+def read_checkpoint(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Array]]:
+    """Return header and arrays of a checkpoint. FileError, also if a byte is not as written."""
+    path = Path(path)
+    try:
+        if path.exists() and not is_checkpoint(path):
+            raise FileError(f"{path}: is not a checkpoint of fsipetsc")
+        content = path.read_bytes()
+    except OSError as error:
+        raise FileError(f"{path}: cannot be read: {error.strerror or error}") from None
+    body = content[_HEAD:]
+    if content[:_HEAD] != _head_of(body):
+        raise FileError(f"{path}: the checkpoint is damaged, or of another version of fsipetsc")
+    with damage(str(path)), h5py.File(io.BytesIO(body), "r") as file:
+        arrays = {key: found[...] for key, found in file.get("arrays", {}).items()}
+        return json.loads(file["header"].asstr()[()]), arrays
+
+
+def write_checkpoint(
+    path: str | os.PathLike[str], header: Mapping[str, Any], arrays: Mapping[str, Any]
+) -> None:
+    """Make this the checkpoint of a name. CheckpointError: then what was there is unchanged."""
+    found = {"header": json.dumps(header), **{f"arrays/{k}": of for k, of in arrays.items()}}
+    target, body = Path(os.path.realpath(path)), image(found)
+    try:
+        put(target, _head_of(body) + body)
+    except OSError as error:
+        kept = f"; the one before is kept in {target}" if target.is_file() else ""
+        said = f"{path}: the checkpoint cannot be written: {error.strerror or error}{kept}"
+        raise CheckpointError(said) from None

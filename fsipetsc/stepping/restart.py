@@ -18,7 +18,7 @@ from petsc4py import PETSc
 
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import OF_A_RUN, PETSC_OPTIONS, groups, read_table
-from fsipetsc.output import checkpoint_file
+from fsipetsc.output import file_layout
 from fsipetsc.output.file_layout import beside, check_folder
 from fsipetsc.process.together import together
 from fsipetsc.state import State
@@ -71,7 +71,7 @@ def find_past(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> Past | Non
         if not comm.bcast(os.path.exists(path)):
             return None
 
-    past = together(comm, lambda: Past(path, *checkpoint_file.read(path)))
+    past = together(comm, lambda: Past(path, *file_layout.read_checkpoint(path)))
     if (other := past.header["case"]) != case.NAME:
         what = f"is a checkpoint of the case {other}, not of {case.NAME}"
         raise InputError(f"-fsi_restart: {past.path} {what}")
@@ -130,7 +130,7 @@ def check_place(
         check_folder(path)
         if comm.rank > 0 or not there.exists():
             return None
-        if not checkpoint_file.is_one(there):
+        if not file_layout.is_checkpoint(there):
             raise FileError(f"{path}: exists and is not a checkpoint of fsipetsc")
         return None if past is not None and there.samefile(past.path) else there
 
@@ -148,6 +148,6 @@ def write_checkpoint(
 
     def write() -> None:
         if arrays is not None:
-            checkpoint_file.write(path, header, arrays)
+            file_layout.write_checkpoint(path, header, arrays)
 
     together(state.comm, write)

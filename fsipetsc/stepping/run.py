@@ -18,7 +18,7 @@ from mpi4py import MPI
 from fsipetsc.checks import counted, duration
 from fsipetsc.errors import ComputationError, FsiError, InputError, Interrupted
 from fsipetsc.options import read_options
-from fsipetsc.output.checkpoint_file import CheckpointError
+from fsipetsc.output.file_layout import CheckpointError
 from fsipetsc.output.geometry_picture import geometry_rows, outlines
 from fsipetsc.output.info import error_rows, summary_rows, table
 from fsipetsc.output.writer import RunWriter
