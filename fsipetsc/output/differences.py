@@ -150,11 +150,10 @@ def _of_layers(a: Run, b: Run, notes: list[str]) -> Iterator[Difference]:
             continue
         places = layer.places.reshape(-1, len(layer.shape))[nodes[0]]
         for field in _both(layer.fields, other.fields, f"{name}: field", notes):
-            pairs = (layer[field][in_a], nodes[0]), (other[field][in_b], nodes[1])
-            one, two = (of.reshape(len(times), -1)[:, some] for of, some in pairs)
+            one = layer[field][in_a].reshape(len(times), -1)[:, nodes[0]]
+            two = other[field][in_b].reshape(len(times), -1)[:, nodes[1]]
             if layer.shape != other.shape:  # active parts of two grids end at other nodes
-                outside = np.isnan(one) | np.isnan(two)
-                one[outside] = two[outside] = np.nan
+                one, two = np.where(np.isnan(one) | np.isnan(two), np.nan, (one, two))
             yield _difference(f"{name}: {field}", one, two, times, places)
 
 
@@ -164,7 +163,7 @@ def _of_series(a: Run, b: Run, notes: list[str]) -> Iterator[Difference]:
     times, in_a, in_b = _common(t, other_t, "steps", notes)
     same = len(times) == len(t) == len(other_t)
     for name in names if len(times) else ():
-        one, two = (of.series[name][some] for of, some in ((a, in_a), (b, in_b)))
+        one, two = a.series[name][in_a], b.series[name][in_b]
         if one.shape != two.shape:
             notes.append(f"series {name} has the shapes {one.shape} and {two.shape}")
         elif same or name not in GAINS:
@@ -190,8 +189,7 @@ def common_nodes(a: Layer, b: Layer, notes: list[str]) -> tuple[Array, Array] | 
 
     apart, nearest = KDTree(two).query(one, distance_upper_bound=within)
     here = np.flatnonzero(np.isfinite(apart))
-    text = "no node of one is a node of the other"
-    if len(here):
-        text = f"compared at the {len(here)} common nodes"
-    notes.append(f"layer {a.name!r} has {a.size} and {b.size}: {text}")
+    notes.append(
+        f"layer {a.name!r} has {a.size} and {b.size}: {len(here)} common nodes are compared"
+    )
     return (here, nearest[here]) if len(here) else None
