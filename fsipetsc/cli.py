@@ -44,10 +44,10 @@ COMMANDS = {
     "plot": Command("RUN.h5 [-o DIR|FILE] [-fields p,T] [-times 0,0.5] [-contours 20] "
         "[-streamlines] [-probes x,y;x,y] [-all] [-animate]",
         "draw a result on a page (PNG, PDF, SVG or JPG as FILE ends), all pictures, a film",
-        "output.plots.page", True),
+        "output.page", True),
     "report": Command("RUN.h5 [-o DIR]",
         "make one HTML page of a result: all pictures, options, summary",
-        "output.plots.page", True),
+        "output.page", True),
     "diff": Command("A.h5 B.h5",
         "print by how much two results differ, also in units in the last place",
         "output.differences", True),

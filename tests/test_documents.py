@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from helpers import REPOSITORY, compute
 
-from fsipetsc.output.plots import style
+from fsipetsc.output import drawing
 
 DOCS = REPOSITORY / "docs"
 PAGES = [REPOSITORY / "README.md", *sorted(DOCS.glob("*.md"))]
@@ -204,8 +204,8 @@ def run_command(line):
 @pytest.mark.parametrize("page", [*FIRST, *OTHERS])
 def test_code_runs(page, here, monkeypatch):
     monkeypatch.setenv("MPLBACKEND", "agg")
-    monkeypatch.setitem(style.STYLE, "savefig.dpi", 40)
-    monkeypatch.setattr("fsipetsc.output.plots.page.FILM_DPI", 40)
+    monkeypatch.setitem(drawing.STYLE, "savefig.dpi", 40)
+    monkeypatch.setattr("fsipetsc.output.page.FILM_DPI", 40)
     (here / "runs").symlink_to(REPOSITORY / "runs")
     names = {"__name__": "__main__"}
     for language, content, expected in code_of(page):

@@ -16,8 +16,7 @@ from matplotlib.transforms import Bbox
 from PIL import Image
 
 from fsipetsc.cli import main
-from fsipetsc.output import quantities
-from fsipetsc.output.plots import fields, page, style
+from fsipetsc.output import drawing, page, quantities
 
 PRESSED = "-fsi_coupling projection -solid_gruneisen 0.01"
 RUNS = {
@@ -36,7 +35,7 @@ def results(tmp_path_factory):
 
 
 def figure_of(run, name):
-    with matplotlib.rc_context(style.STYLE):
+    with matplotlib.rc_context(drawing.STYLE):
         figure = page.page(run) if name == "page" else page.pictures(run)[name]()
         FigureCanvasAgg(figure).draw()
     return figure
@@ -66,9 +65,9 @@ def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results):
     """The gas's p, and p − σ of the solid, which meet at the interfaces."""
     run = results["rod"]
     figure = figure_of(run, "p")
-    frames = fields.frames_of(run, quantities.chosen(run, ["p"])[0])
+    frames = drawing.frames_of(run, quantities.chosen(run, ["p"])[0])
     for axes, frame in zip(figure.axes, frames):
-        assert axes.get_title(loc="left") == style.moment(run, frame)
+        assert axes.get_title(loc="left") == drawing.moment(run, frame)
         for line, layer in zip(axes.lines, run.layers, strict=True):
             of = layer.frame(frame)
             expected = of["p"] if layer.kind == "fluid" else of["p"] - of["sigma"]
@@ -81,7 +80,7 @@ def test_maps_are_on_the_grid(results):
     run = results["blast"]
     assert {*page.pictures(run)} == IN_PLANE
     quantity, last = quantities.chosen(run, ["p"])[0], run.nframes - 1
-    view, axes = fields.View(run, quantity, [0, last]), Figure().subplots()
+    view, axes = drawing.View(run, quantity, [0, last]), Figure().subplots()
     view.draw(axes, last)
     edges = [line.get_xydata() for line in axes.lines if line.get_linewidth() > 0.5]
     for drawn, layer in zip(axes.collections, run.layers, strict=True):

@@ -15,16 +15,16 @@ from fsipetsc.blocks.block_problem import BlockProblem
 from fsipetsc.blocks.conditions import Periodic
 from fsipetsc.blocks.faces import Meeting
 from fsipetsc.checks import Array
+from fsipetsc.output import drawing
 from fsipetsc.output.info import Rows
-from fsipetsc.output.plots import style
 from fsipetsc.problem import Problem
 
 LINES = 24  # of the grid that are drawn, about, along each axis
 #: what is at a face -> how it is drawn, the last ones on top
 FACES: dict[str, dict[str, Any]] = {
     "condition": {"linewidth": 2.0, "zorder": 3},
-    "join": {"color": style.BLACK, "linewidth": 1.2, "linestyle": (0, (4, 3)), "zorder": 4},
-    "interface": {"color": style.BLACK, "linewidth": 2.0, "zorder": 5},
+    "join": {"color": drawing.BLACK, "linewidth": 1.2, "linestyle": (0, (4, 3)), "zorder": 4},
+    "interface": {"color": drawing.BLACK, "linewidth": 2.0, "zorder": 5},
 }
 
 
@@ -104,7 +104,7 @@ def draw_geometry(target: Path, found: Sequence[Outline], title: str, axes: Sequ
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
-    with rc_context(style.STYLE):
+    with rc_context(drawing.STYLE):
         figure = Figure(figsize=(10.8, 3.4 if len(axes) == 1 else 7.0))
         view = figure.add_subplot(projection="3d" if len(axes) == 3 else None)
         for one in found:
@@ -118,14 +118,14 @@ def draw_geometry(target: Path, found: Sequence[Outline], title: str, axes: Sequ
             view.spines["left"].set_visible(False)
         else:
             view.set_aspect("equal", anchor="N")
-        style.legend_above(view, "right")
-        style.set_title(figure, title)
-        return style.save(figure, target)
+        drawing.legend_above(view, "right")
+        drawing.set_title(figure, title)
+        return drawing.save(figure, target)
 
 
-def _draw_block(view: style.Axes, one: Outline) -> None:
+def _draw_block(view: drawing.Axes, one: Outline) -> None:
     """Draw faces with their conditions; grid lines, or in three dimensions the edges."""
-    X, color = one.X, style.COLORS[one.kind]
+    X, color = one.X, drawing.COLORS[one.kind]
     if X.ndim == 2:  # a strip of two dimensions
         X = np.stack(np.broadcast_arrays(X, [0.0, 1.0]), axis=-1)
     d = X.ndim - 1

@@ -16,7 +16,7 @@ from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import PROGRAM, Option, read_options
 from fsipetsc.output.geometry_picture import draw_geometry, geometry_rows, outlines
 from fsipetsc.output.info import table
-from fsipetsc.output.plots.page import PICTURES
+from fsipetsc.output.page import PICTURES
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.program import say
 from fsipetsc.process.together import Comm, together

@@ -22,7 +22,7 @@ from fsipetsc.checks import Array
 from fsipetsc.errors import RanksError
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import defaults
-from fsipetsc.output.plots.style import STYLE, save, set_title
+from fsipetsc.output.drawing import STYLE, save, set_title
 from fsipetsc.output.reader import Run, open_run
 from fsipetsc.process.together import Comm, together
 from fsipetsc.studies.tables import text_table

@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 
 import fsipetsc
 from fsipetsc.operators.sbp import operator
-from fsipetsc.output.plots.style import BLACK, COLORS, STYLE, set_title
+from fsipetsc.output.drawing import BLACK, COLORS, STYLE, set_title
 from fsipetsc.output.reader import Run
 
 COARSE = {"fluid": "#56b4e9", "solid": "#cc79a7"}

@@ -17,11 +17,10 @@ import numpy as np
 from fsipetsc.checks import Array, counted
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option
+from fsipetsc.output import drawing
+from fsipetsc.output.drawing import USUAL, Figure, FigureBase, View, Wanted
 from fsipetsc.output.file_layout import columns_of, writing
 from fsipetsc.output.info import info
-from fsipetsc.output.plots import fields, style
-from fsipetsc.output.plots.fields import USUAL, View, Wanted
-from fsipetsc.output.plots.style import Figure, FigureBase
 from fsipetsc.output.quantities import Quantity, chosen, there, unit_of, written
 from fsipetsc.output.reader import Run, open_run
 from fsipetsc.scheme.conservation_check import Drifts
@@ -74,16 +73,16 @@ def plot(path: str, given: Mapping[str, str]) -> str:
     def named(name: str) -> Path:
         return where if where.suffix in endings else where / name
 
-    with open_run(path) as run, rc_context(style.STYLE), np.errstate(all="ignore"):
+    with open_run(path) as run, rc_context(drawing.STYLE), np.errstate(all="ignore"):
         if every:
             for name, drawn in pictures(run, wanted).items():
-                done.append(style.save(drawn(), named(f"{stem}-{name}.png")))
+                done.append(drawing.save(drawn(), named(f"{stem}-{name}.png")))
         if film:
             kinds = FILMS if FFMpegWriter.isAvailable() else FILMS[:1]
             targets = dict.fromkeys(named(stem + ending) for ending in kinds)
             done += [animate(run, target, wanted) for target in targets]
         if not done:
-            done = [style.save(page(run, wanted), named(f"{stem}.png"))]
+            done = [drawing.save(page(run, wanted), named(f"{stem}.png"))]
     return "\n".join(map(str, done))
 
 
@@ -94,7 +93,7 @@ def report(path: str, given: Mapping[str, str]) -> Path:
     from matplotlib import rc_context
 
     target, shown = Path(given.get("-o", os.curdir)) / f"{Path(path).stem}.html", []
-    with open_run(path) as run, rc_context(style.STYLE), np.errstate(all="ignore"):
+    with open_run(path) as run, rc_context(drawing.STYLE), np.errstate(all="ignore"):
         for name, drawn in pictures(run).items():
             drawn().savefig(kept := io.BytesIO(), dpi=HTML_DPI)
             coded = base64.b64encode(kept.getvalue()).decode()
@@ -118,7 +117,7 @@ def pictures(run: Run, wanted: Wanted = USUAL) -> dict[str, Callable[[], Figure]
 
 def page(run: Run, wanted: Wanted = USUAL) -> Figure:
     """Draw fields over space and time, and probes, interfaces, energy, departures, steps."""
-    end = style.moment(run, -1) if run.nframes else "no frame"
+    end = drawing.moment(run, -1) if run.nframes else "no frame"
     title = f"{end}, {len(run.series.get('t', ())):,} steps"
     return _drawn(run, title, [*_drawings(run, wanted, every=False).values()])
 
@@ -130,10 +129,10 @@ def _drawings(run: Run, wanted: Wanted, every: bool) -> dict[str, Drawing]:
     over_time = run.dimension == 1 and run.nframes >= LEAST_FRAMES
     if run.nframes and (every or wanted.times or not over_time):
         for quantity in there(run) if every and not wanted.fields else quantities:
-            view = View(run, quantity, fields.frames_of(run, quantity, wanted.times), wanted)
-            found[quantity.name] = view.size()[2], partial(fields.draw, view=view)
+            view = View(run, quantity, drawing.frames_of(run, quantity, wanted.times), wanted)
+            found[quantity.name] = view.size()[2], partial(drawing.draw, view=view)
     if over_time and (every or not wanted.times):
-        found["xt"] = MAPS, partial(fields.draw_over_time, run=run, quantities=quantities)
+        found["xt"] = MAPS, partial(drawing.draw_over_time, run=run, quantities=quantities)
     rows = {"probes": probed(run, quantities, wanted.probes), **all_panels(run)}
     if not every:
         first, *more = rows.pop("interfaces"), *rows.pop("ledgers"), *rows.pop("steps")
@@ -156,7 +155,7 @@ def _drawn(run: Run, title: str, drawings: Sequence[Drawing]) -> Figure:
     parts = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
     for part, (_, drawn) in zip(parts, drawings):
         drawn(part)
-    style.set_title(figure, style.of_run(run, title))
+    drawing.set_title(figure, drawing.of_run(run, title))
     return figure
 
 
@@ -228,8 +227,8 @@ def probed(run: Run, quantities: Sequence[Quantity], places: Sequence[Any]) -> l
 
 def _draw_curves(figure: FigureBase, run: Run, panels: list[Panel], columns: int) -> None:
     times = np.concatenate([run.time, run.series.get("t", [])])
-    for axes, panel in zip(style.panels(figure, len(panels), columns), panels):
-        axes.set_prop_cycle(**style.CURVES)
+    for axes, panel in zip(drawing.panels(figure, len(panels), columns), panels):
+        axes.set_prop_cycle(**drawing.CURVES)
         for name, values in panel.curves.items():
             t = panel.t
             if panel.logarithmic:
@@ -241,11 +240,11 @@ def _draw_curves(figure: FigureBase, run: Run, panels: list[Panel], columns: int
             axes.set_ylim(bottom=max(axes.get_ylim()[0], axes.get_ylim()[1] / SPAN))
         if panel.label == STEP:
             axes.set_ylim(bottom=0.0)
-        style.label_y(axes, style.labelled(run, panel.label, panel.unit))
+        drawing.label_y(axes, drawing.labelled(run, panel.label, panel.unit))
         if len(panel.curves) > 1 or panel.logarithmic:
-            style.legend_above(axes)  # else its one name says nothing
+            drawing.legend_above(axes)  # else its one name says nothing
         axes.locator_params(axis="x", nbins=4)
-        axes.set(xlim=(times.min(), times.max()), xlabel=style.labelled(run, "t", "s"))
+        axes.set(xlim=(times.min(), times.max()), xlabel=drawing.labelled(run, "t", "s"))
 
 
 def envelope(t: Array, values: Array, parts: int = 300) -> tuple[Array, Array]:
@@ -274,8 +273,8 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     size = (len(views) * (width + 1.2), height + 0.9) if plane else (WIDTH, 3.4)
     figure = Figure(figsize=size)
     grid = figure.subplots(1, len(views), squeeze=False)[0]
-    titles = {frame: style.of_run(run, style.moment(run, frame)) for frame in frames}
-    title = style.set_title(figure, max(titles.values(), key=len))  # the layout has room for each
+    titles = {frame: drawing.of_run(run, drawing.moment(run, frame)) for frame in frames}
+    title = drawing.set_title(figure, max(titles.values(), key=len))  # the layout has room for each
 
     def turn(frame: int) -> None:
         for axes, view in zip(grid, views):
@@ -286,7 +285,7 @@ def animate(run: Run, target: Path, wanted: Wanted = USUAL) -> Path:
     for axes, view in zip(grid, views):
         view.draw(axes, 0)
         if plane:
-            fields.draw_bars(figure, view, axes)
+            drawing.draw_bars(figure, view, axes)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # only what is drawn moves from now on
     with writing(target, "the film"):

@@ -1,21 +1,38 @@
-"""Fields over space at some times: profiles in one dimension, maps on the grids as they are in two.
-And fields of one dimension over x and t.
+"""How pictures look, and pictures of fields over space at some times: profiles in one dimension,
+maps on the grids as they are in two; and of fields of one dimension over x and t.
 
-In three dimensions the maps are those of the plane in the middle of the blocks' second axis.
+In three dimensions the maps are those of the plane in the middle of the blocks' second axis. The
+colours are those of Okabe and Ito, which eyes that do not tell red from green tell apart.
 """
 
+import os
+import textwrap
 from collections.abc import Iterable, Sequence
 from itertools import chain, product
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.checks import Array
-from fsipetsc.output.plots import style
-from fsipetsc.output.plots.style import Axes, FigureBase, extremes, labelled
-from fsipetsc.output.quantities import Quantity, unit_of, written
+from fsipetsc.checks import Array, counted
+from fsipetsc.output.file_layout import writing
+from fsipetsc.output.quantities import Quantity, is_si, unit_of, written
 from fsipetsc.output.reader import Layer, Run
 
+Axes = Figure = FigureBase = Any  # of matplotlib, without which results are read, too
+
+BLUE, RED, GREEN, ORANGE, BLACK = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#222222"
+COLORS = {"fluid": BLUE, "solid": RED}
+#: colour maps of what has a sign, white where nothing happens, and of what has none
+SIGNED = {"": "RdBu_r", "solid": "PuOr_r"}
+PLAIN = {"": "viridis", "rho": "cividis", "T": "inferno", "schlieren": "gray_r", "solid": "cividis"}
+#: of lines on maps, seen on any colour
+OUTLINE = ("white", 1.8), ("black", 0.8)
+#: colours and line styles of curves in one panel, in turn
+CURVES = {
+    "color": [BLACK, ORANGE, BLUE, GREEN, "#cc79a7"] * 4,
+    "linestyle": ["-", "--", "-.", ":"] * 5,
+}
 WIDTH = 10.2  # inches, of all panels beside each other
 HIGHEST = 4.4  # inches, of a panel
 ABOVE = 0.4  # inches, of what stands above and below a panel
@@ -28,6 +45,125 @@ STREAM = 150  # points along each side of a panel, between which streamlines go
 SIDES = (0, 0), (0, -1), (1, 0), (1, -1)  # axis and index of an edge of a block
 LINES = 40  # of the grid in a solid as long as a panel
 WIDE = 1.25  # width over height; of what is wider, two panels stand beside each other, else three
+LONGEST = 28  # letters in a legend
+WIDEST = 20  # letters in a line of the label of a vertical axis
+NOTHING = 1e-10  # of the values of a unit: what varies by less is round-off
+ROBUST = 1.25  # times the span of 99.8 % of the values: if all span more, colours end with these
+BESIDE = 0.05  # of the span of values is at least on either side of white
+
+STYLE: dict[Any, Any] = {
+    "font.size": 9,
+    "axes.titlesize": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.formatter.limits": (-2, 4),
+    "axes.formatter.use_mathtext": True,
+    "axes.formatter.useoffset": False,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 1.2,
+    "legend.frameon": False,
+    "legend.fontsize": 7.5,
+    "legend.handlelength": 1.6,
+    "figure.constrained_layout.use": True,
+    "figure.constrained_layout.w_pad": 0.08,
+    "figure.constrained_layout.h_pad": 0.09,
+    "savefig.dpi": 160,
+    "svg.fonttype": "none",
+    "pdf.fonttype": 42,
+}
+
+
+def save(figure: Figure, target: str | os.PathLike[str]) -> Path:
+    """Write a figure, in the format that the name ends with. FileError where it cannot be."""
+    path = Path(target)
+    with writing(path):
+        figure.savefig(path, bbox_inches="tight")  # layouts of wide maps cut labels off else
+    return path
+
+
+def set_title(figure: Figure, title: str) -> Any:
+    """Write the title at the top left, broken where it is wider than the figure."""
+    return figure.suptitle(title, x=0.01, ha="left", fontsize=10, weight="bold", wrap=True)
+
+
+def of_run(run: Run, what: str) -> str:
+    """Return case, what is shown, order, spacing, ranks, and whether the run has ended."""
+    order, h = run.options["fsi_order"], run.options["fsi_h"]
+    sizes = [layer.h or h for layer in run.layers] if run.dimension == 1 else [h]
+    h = " to ".join(dict.fromkeys(f"{size:.4g}" for size in (min(sizes), max(sizes))))
+    ranks = counted(run.summary["ranks"], "rank") + ", unfinished" * (not run.complete)
+    return f"{run.case}, {what}  (order {order}, h = {h}{' m' * is_si(run)}, {ranks})"
+
+
+def labelled(run: Run, label: str, unit: str) -> str:
+    """Return a label with the unit in brackets, where there is one."""
+    return f"{label}  [{unit}]" if unit and is_si(run) else label
+
+
+def moment(run: Run, frame: int) -> str:
+    """Return when a frame is, as titles say it."""
+    return f"t = {run.time[frame]:.4g}{' s' * is_si(run)}"
+
+
+def panels(figure: FigureBase, count: int, columns: int, **more: Any) -> Array:
+    """Return so many axes, in rows."""
+    columns = min(columns, count)
+    grid = figure.subplots(-(-count // columns), columns, squeeze=False, **more)
+    for axes in grid.flat[count:]:
+        axes.set_visible(False)
+    return grid.ravel()[:count]
+
+
+def label_y(axes: Axes, text: str) -> None:
+    """Label a vertical axis, in lines that fit a low panel; its power of ten at the left."""
+    name, bracket, unit = text.partition("[")
+    whole = name + bracket + unit.replace(" ", "\u00a0")  # no line ends within a unit
+    lines = [textwrap.fill(line, WIDEST, break_long_words=False) for line in whole.split("\n")]
+    axes.set_ylabel("\n".join(lines))
+    axes.yaxis.get_offset_text().set_ha("right")
+
+
+def extremes(*arrays: Array) -> tuple[float, float]:
+    """Return smallest and largest of all finite values; 0, 0 if there are none."""
+    known = np.concatenate([np.empty(0), *(np.ravel(a[np.isfinite(a)]) for a in arrays)])
+    return (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
+
+
+def colours(values: Array, signed: bool, name: str, beside: float) -> dict[str, Any]:
+    """Return colour map and range of values. Signed ones on both sides of 0 get a map of SIGNED,
+    white there, others one of PLAIN; name: of the map.
+
+    Colours end where 99.8 % of the values do, where a few go far beyond. beside: size of what
+    has the same unit, beside which round-off is nothing.
+    """
+    low, high = extremes(values)
+    inner = np.nanpercentile(values, [0.1, 99.9]) if low < high else (low, high)
+    if high - low > ROBUST * (inner[1] - inner[0]) > 0:
+        low, high = map(float, inner)
+    size, middle = max(-low, high, beside), 0.5 * (low + high)
+    if high - low <= NOTHING * size:
+        low, high = middle - (0.1 * size or 1.0), middle + (0.1 * size or 1.0)
+    maps = PLAIN
+    if signed and min(-low, high) > BESIDE * (high - low):
+        maps, high = SIGNED, max(-low, high)
+        low = -high
+    return {"cmap": maps.get(name, maps[""]), "vmin": low, "vmax": high}
+
+
+def legend_above(axes: Axes, side: str = "left") -> None:
+    """Draw a legend above a panel, at this side of it, of five entries at most."""
+    entries: dict[str, Any] = dict(zip(*reversed(axes.get_legend_handles_labels())))
+    if names := list(entries)[:5]:
+        shown = [textwrap.shorten(name, LONGEST, placeholder=" …") for name in names]
+        more = {"ncol": 1 if max(map(len, shown)) > 12 else 2, "borderaxespad": 0.1}
+        corner = {"loc": f"lower {side}", "bbox_to_anchor": (side == "right", 1)}
+        axes.legend([entries[name] for name in names], shown, **corner, **more)
+
+
+# fields
 
 
 class Wanted(NamedTuple):
@@ -115,17 +251,17 @@ class View:
             known = [of[begins:] or of for la, of in zip(self.layers, values) if la.kind in kinds]
             shown = np.concatenate([np.ravel(v) for v in chain(*known)])
             name = quantity.name if "fluid" in kinds else "solid"
-            self.scales |= dict.fromkeys(kinds, style.colours(shown, signed, name, size))
+            self.scales |= dict.fromkeys(kinds, colours(shown, signed, name, size))
             self.bars[kinds[0]] = "; ".join(dict.fromkeys(labels[kind] for kind in kinds))
 
     def draw(self, axes: Axes, frame: int) -> None:
         """Draw one frame."""
         axes.set(xlim=self.limits[0], ylim=self.limits[1], xlabel=self.labels[0])
-        style.label_y(axes, self.labels[1])
+        label_y(axes, self.labels[1])
         found = [(layer.kind, self.at(layer, frame)) for layer in self.layers]
         if not self.plane:
             for kind, of in found:
-                axes.plot(*of, color=style.COLORS[kind], label=kind)
+                axes.plot(*of, color=COLORS[kind], label=kind)
             return
         axes.set_aspect("equal" if self.ratio <= 1 / THIN else "auto")
         axes.grid(visible=False)
@@ -145,7 +281,7 @@ class View:
         """Draw edges of solids that are not between two blocks, and a fine grid, which deforms."""
         edges = [[v.take(end, k) for v in of] for of, (k, end) in product(solids, SIDES)]
         places = [frozenset(zip(*edge)) for edge in edges]
-        for edge, (color, width) in product(edges, style.OUTLINE):
+        for edge, (color, width) in product(edges, OUTLINE):
             if places.count(frozenset(zip(*edge))) == 1:
                 axes.plot(*edge, color=color, linewidth=width)
         for (x, y), axis in product(solids, (0, 1)):
@@ -184,16 +320,16 @@ def frames_of(run: Run, quantity: Quantity, times: Sequence[float] = ()) -> list
 def draw(figure: FigureBase, view: View) -> None:
     """A panel for each frame, colour bars or a legend above."""
     columns, width, _ = view.size()
-    grid = style.panels(figure, len(view.frames), columns, sharex=True, sharey=True)
+    grid = panels(figure, len(view.frames), columns, sharex=True, sharey=True)
     for axes, frame in zip(grid, view.frames):
         view.draw(axes, frame)
-        axes.set_title(style.moment(view.run, frame), loc="left")
+        axes.set_title(moment(view.run, frame), loc="left")
         axes.label_outer()
     grid[0].locator_params(axis="x", nbins=min(4, int(1 + 2 * width)))
     if view.plane:
         draw_bars(figure, view, list(grid))
     elif len(view.scales) > 1:
-        style.legend_above(grid[columns - 1], side="right")
+        legend_above(grid[columns - 1], side="right")
 
 
 def draw_bars(figure: FigureBase, view: View, axes: Any) -> None:
@@ -223,7 +359,7 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
             t = np.broadcast_to(run.time[:, None], x.shape)
             shades = np.linspace(scale["vmin"], scale["vmax"], SHADES)
             axes.contourf(x, t, np.ma.masked_invalid(values), shades, extend="both", **scale)
-        for x, (color, width) in product(run.series.get("x_interface", t[:0]).T, style.OUTLINE):
+        for x, (color, width) in product(run.series.get("x_interface", t[:0]).T, OUTLINE):
             axes.plot(x, run.series["t"], color=color, linewidth=width)
         draw_bars(figure, view, axes)
         axes.set(xlim=view.limits[0], ylim=run.time[[0, -1]], xlabel=view.labels[0])
