@@ -108,13 +108,10 @@ def moment(run: Run, frame: int) -> str:
     return f"t = {run.time[frame]:.4g}{' s' * is_si(run)}"
 
 
-def panels(figure: FigureBase, count: int, columns: int, **more: Any) -> Array:
+def panels(figure: FigureBase, count: int, columns: int) -> list[Axes]:
     """Return so many axes, in rows."""
-    columns = min(columns, count)
-    grid = figure.subplots(-(-count // columns), columns, squeeze=False, **more)
-    for axes in grid.flat[count:]:
-        axes.set_visible(False)
-    return grid.ravel()[:count]
+    rows, columns = -(-count // columns), min(columns, count)
+    return [figure.add_subplot(rows, columns, k + 1) for k in range(count)]
 
 
 def label_y(axes: Axes, text: str) -> None:
@@ -320,14 +317,14 @@ def frames_of(run: Run, quantity: Quantity, times: Sequence[float] = ()) -> list
 def draw(figure: FigureBase, view: View) -> None:
     """A panel for each frame, colour bars or a legend above."""
     columns, width, _ = view.size()
-    grid = panels(figure, len(view.frames), columns, sharex=True, sharey=True)
+    grid = panels(figure, len(view.frames), columns)
     for axes, frame in zip(grid, view.frames):
         view.draw(axes, frame)
         axes.set_title(moment(view.run, frame), loc="left")
         axes.label_outer()
-    grid[0].locator_params(axis="x", nbins=min(4, int(1 + 2 * width)))
+        axes.locator_params(axis="x", nbins=min(4, int(1 + 2 * width)))
     if view.plane:
-        draw_bars(figure, view, list(grid))
+        draw_bars(figure, view, grid)
     elif len(view.scales) > 1:
         legend_above(grid[columns - 1], side="right")
 
