@@ -31,7 +31,6 @@ FIELDS = {
     for names, (label, unit) in _TABLE.items()
     for name in names.split()
 }
-KINDS = "fluid", "solid"
 #: series of gains in a step, not of totals after it
 GAINS = [name for name, one in SERIES.items() if one.kind == GAIN]
 #: fields of blocks whose mean is drawn beside the pressure
@@ -110,14 +109,10 @@ def _gradient(values: Array, fields: Mapping[str, Array]) -> Array:
 def there(run: Run) -> list[Quantity]:
     """Return what can be drawn of this run."""
     line, found = run.dimension == 1, []
-    stored = {
-        kind: {f for la in run.layers if la.kind == kind for f in la.fields} for kind in KINDS
-    }
-    for kind, more in ("fluid", "" if line else "schlieren"), ("solid", "strain" if line else "p"):
-        if stored[kind]:
-            stored[kind].add(more)
+    made = {("fluid", "schlieren"): not line, ("solid", "strain"): line, ("solid", "p"): True}
     for name, (label, _) in FIELDS.items():
-        labels = {kind: label for kind in KINDS if name in stored[kind]}
+        known = {la.kind for la in run.layers if name in la.fields or made.get((la.kind, name))}
+        labels = {kind: label for kind in ("fluid", "solid") if kind in known}
         if name == "p" and "solid" in labels:
             labels["solid"] = f"{'p − σ' if line else 'mean stress'} in solids"
         found += [Quantity(name, labels)] * bool(label and labels)
