@@ -94,10 +94,8 @@ class Run:
                         found = numbers(group[name], steps, *group[name].shape[1:2])
                         series.setdefault(name, []).append(found)
                 for k, of in enumerate(layers if "layer0/X" in file and not nodes else ()):
-                    d = len(of["shape"])
-                    nodes.append(
-                        numbers(file[f"layer{k}/X"], math.prod(of["shape"]), *[d][: d - 1])
-                    )
+                    n, d = math.prod(of["shape"]), len(of["shape"])
+                    nodes.append(numbers(file[f"layer{k}/X"], *((n, d) if d > 1 else (n,))))
         with damage(self.path):
             self.time = np.concatenate(times)
             self.nframes = len(self.time)
