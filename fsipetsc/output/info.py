@@ -23,7 +23,7 @@ def info(path: str | os.PathLike[str]) -> str:
             "layers": _layers(run),
             "options": [(f"-{k}", _text(value)) for k, value in run.options.items() if value != ""],
             "summary": summary_rows(summary, " s" * is_si(run)),
-            f"{run.options.get('fsi_norm', 'L2')} errors": error_rows(run.errors),
+            f"{run.options.get('fsi_norm', 'L2')} errors": summary_rows(run.errors),
         }
         tables = [[("file", os.fspath(path)), *_overview(run)]]
     for title, rows in parts.items():
@@ -75,21 +75,14 @@ def _range(label: str, values: Any, unit: str = "") -> str:
     return f"{label} {finite.min():g} … {finite.max():g}{unit}" if finite.size else ""
 
 
-def summary_rows(summary: Mapping[str, Any], unit: str) -> Rows:
-    """Return entries of Run.summary, but for what is empty. unit: what comes after a time."""
-    written = {
-        "t": lambda t: _text(t) + unit,
-        "departures": lambda of: ", ".join(f"{name} {size:.1e}" for name, size in of.items()),
-        "wall_time": duration,
-    }
+def summary_rows(summary: Mapping[str, Any], unit: str = "") -> Rows:
+    """Return entries of Run.summary, or Run.errors, but for what is empty. unit: what comes after
+    a time.
+    """
+    written = {"t": lambda t: _text(t) + unit, "wall_time": duration}
     known = {name: value for name, value in summary.items() if value not in ("", None, {}, [])}
     shown = (name for name in known if not name.startswith("initial_"))
     return [(name, written.get(name, _text)(known[name])) for name in shown]
-
-
-def error_rows(errors: Mapping[str, Any]) -> Rows:
-    """Return the rows of a table of errors, by kind of layer."""
-    return [(kind, _text(values)) for kind, values in errors.items()]
 
 
 def _text(value: Any) -> str:

@@ -20,7 +20,7 @@ from fsipetsc.errors import ComputationError, FsiError, InputError, Interrupted
 from fsipetsc.options import read_options
 from fsipetsc.output.file_layout import CheckpointError
 from fsipetsc.output.geometry_picture import geometry_rows, outlines
-from fsipetsc.output.info import error_rows, summary_rows, table
+from fsipetsc.output.info import summary_rows, table
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.process.program import say
 from fsipetsc.scheme.plan import RATE, longest_step
@@ -217,7 +217,7 @@ class Run(Integrator):
 
     def _say_the_end(self, summary: Mapping[str, Any], errors: Any, place: str) -> None:
         norm = self.opt["fsi_norm"]
-        of_kinds = [(f"{norm} errors, {kind}", text) for kind, text in error_rows(errors or {})]
+        of_kinds = [(f"{norm} errors, {kind}", text) for kind, text in summary_rows(errors or {})]
         self.line(table([*summary_rows(summary, self.s), *of_kinds]))
         self.line(f"result in {place}")
         if summary["status"] == "done":
